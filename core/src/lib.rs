@@ -11,14 +11,14 @@
 //! |---|---|
 //! | [`peer`] | `tick` and `exchange`, the only entries at run time |
 //! | [`schema`] | settings by name, laws' own keys too |
-//! | [`device`] | encoder counts to position and velocity, force to motor duty; encoders that lie; a motor pushed open loop |
+//! | [`device`] | encoder counts to position and velocity, force to motor duty; encoders that fail; a motor pushed open loop |
 //! | [`contact`] | contact between device and object |
 //! | [`law`] | coordination laws: how the two copies of the shared object hold together |
 //! | [`object`] | the shared virtual object's integrators |
-//! | [`mod@model`] | what a model is; one list for each kind |
+//! | [`mod@model`] | the trait of models that settings choose by name, and their lists |
 //! | [`safety`] | modes, numbered faults, force and slew limits |
 //! | [`mod@settings`] | every table of keys, with unit, default and range; what a law's own key is |
-//! | [`names`] | the closed words that settings may use |
+//! | [`names`] | settings that are one of a fixed list of names |
 //! | [`num`] | the number types and the only maths functions, motion, state and configuration as numbers, compensated sums |
 //!
 //! SI units everywhere. Equations and symbols follow the cooperation paper (Rakhsha & Constantinescu 2012).

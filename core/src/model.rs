@@ -9,11 +9,13 @@ use crate::settings::{Refused, Settings};
 
 /// A model that a list can hold: built once from settings, with a state of its own that begins at its default.
 pub trait Model<S>: Configured + Copy + core::fmt::Debug + Send + Sync + 'static {
-    /// What changes from tick to tick.
+    /// State of the model.
     type State: StateVector<S> + Copy + core::fmt::Debug + Default + Send + Sync;
 
     /// Takes what it needs from settings that are within their ranges.
-    /// Refuses what no single range can say: settings that do not go together.
+    ///
+    /// # Errors
+    /// Settings that are impossible beside each other.
     fn build(settings: &Settings) -> Result<Self, Refused<'static>>;
 }
 
@@ -29,6 +31,9 @@ macro_rules! list {
 
         impl<S: $crate::num::Scalar> $Any<S> {
             /// The one that the settings name, at rest.
+            ///
+            /// # Errors
+            /// The model's key whose value is out of range or impossible beside the others.
             pub fn build(settings: &$crate::settings::Settings) -> Result<Self, $crate::settings::Refused<'static>> {
                 Ok(match settings.$table.$key {
                     $( $Name::$Variant => {

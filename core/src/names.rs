@@ -1,4 +1,4 @@
-//! Closed words: what a setting may be called where the list of names is fixed.
+//! Settings that are one of a fixed list of names, with the meaning of each.
 
 /// A setting that is one of a fixed list of names.
 pub trait Choice: Copy + PartialEq + 'static {
@@ -11,7 +11,7 @@ pub trait Choice: Copy + PartialEq + 'static {
     fn from_name(name: &str) -> Option<Self> {
         Self::NAMES.iter().position(|known| *known == name).and_then(|at| Self::ALL.get(at).copied())
     }
-    /// What this value is called.
+    /// The name of this value.
     fn name(self) -> &'static str {
         Self::ALL.iter().position(|known| *known == self).and_then(|at| Self::NAMES.get(at).copied()).unwrap_or("?")
     }
@@ -35,7 +35,7 @@ macro_rules! words {
         $crate::num::word!($Name);
 
         impl $Name {
-            /// What it means, for a person.
+            /// The meaning of this value, for a person.
             pub fn explain(self) -> &'static str {
                 match self { Self::$First => $first, $( Self::$Variant => $meaning ),+ }
             }
@@ -53,7 +53,7 @@ words! {
         "adaptive" => Adaptive, "First-order adaptive windowing.";
     }
 
-    /// A mechanism.
+    /// The mechanism between joints and axes.
     KinematicsName {
         "direct" => Direct, "Each joint is an axis.";
         "capstan" => Capstan, "A motor drives a paddle through a capstan.";
@@ -61,13 +61,13 @@ words! {
         "arm" => Arm, "Three motors: a turning base, two links, the outer one held by a parallelogram.";
     }
 
-    /// Who makes a current of a duty.
+    /// What turns a duty into a motor current.
     MotorDrive {
         "current-loop" => CurrentLoop, "The board itself: bridges and current sensors, a loop at 20 kHz.";
         "amplifier" => Amplifier, "An amplifier in current mode behind the PWM.";
     }
 
-    /// Which sine and cosine a mechanism is computed with.
+    /// The sine and cosine that a mechanism is computed with.
     Maths {
         "libm" => Libm, "Exact to the last bit or so.";
         "micromath" => Micromath, "To 1.1e-3 where the number type has it (`f32`), in a fraction of the time.";

@@ -44,18 +44,18 @@ pub use axis::Observed;
 /// What the tick reads. Positions, where there are no counts, are of the world ([`crate::device::scale`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sensors<S, const N: usize = AXES> {
-    /// Where the device is.
+    /// Reading of the device's position.
     pub reading: Reading<S, N>,
     /// The last tick had not ended when this one was due.
     pub overrun: bool,
-    /// What the power stage measured; none where there is no current loop.
+    /// Measurements of the power stage; none where there is no current loop.
     pub stage: Option<Measured<N>>,
-    /// What the encoders showed beside their counts; none where nobody looks.
+    /// Edges and indices of the encoders beside their counts; none where they are not watched.
     pub marks: Option<[Marks; N]>,
 }
 
 impl<S, const N: usize> Sensors<S, N> {
-    /// Where the device is, and no more: in time, without a current loop.
+    /// Sensors of a device that is in time and has no current loop.
     pub fn of(reading: Reading<S, N>) -> Self {
         Self { reading, overrun: false, stage: None, marks: None }
     }
@@ -66,23 +66,24 @@ impl<S, const N: usize> Sensors<S, N> {
 pub struct Actuators<S, const N: usize = AXES> {
     /// Force on every axis of the task, N; finite, within the limits, 0 unless armed (a probe knows duties only).
     pub forces: [S; N],
-    /// The same as motor duties, one for every joint.
+    /// The forces as motor duties, one for every joint.
     pub duties: [Duty; N],
     /// The hardware enable line of the motor bridges.
     pub enable: bool,
-    /// No loop is closed around the currents: duties are voltages, shares of the supply. They are given to the bridges' inputs even
-    /// while `enable` is low, when none of them may come out. Of a probe only, and only where there is a current loop.
+    /// No loop is closed around the currents: duties are voltages, as fractions of the supply. They are written to
+    /// the bridges' inputs even while `enable` is low, when none of them may come out. Only a probe sets this, and
+    /// only where there is a current loop.
     pub open: bool,
 }
 
-/// Motors off.
+/// Motors off: zero force, zero duty, bridges disabled.
 impl<S: Scalar, const N: usize> Default for Actuators<S, N> {
     fn default() -> Self {
         Self { forces: [S::ZERO; N], duties: [Duty::OFF; N], enable: false, open: false }
     }
 }
 
-/// One joint's sensing.
+/// What is sensed at one joint.
 #[derive(Clone, Copy, Debug)]
 struct Joint<S: Scalar> {
     encoder: EncoderState,
@@ -106,7 +107,7 @@ struct Joint<S: Scalar> {
 /// A device has `N` axes and joints, of a mechanism `K`; along the first `SHARED` of them the object is shared, the others are held. What
 /// is said above and built by [`Peer::new`] shares one axis of a device in the plane; any other is built by [`Peer::build`] and speaks
 /// of all its axes at once ([`Peer::hear`], [`Peer::exchange`]): one law state, one packet and one energy account for each
-/// axis, one ladder of silence for all, since their packets travel together.
+/// axis, one degradation level for all, since their packets travel together.
 ///
 /// ```
 /// use haptic_core::{device::kinematics::AnySpatial, law::wave::PassiveMean, num::Motion, peer::Peer, settings::Settings};
@@ -139,8 +140,8 @@ pub struct Peer<S: Scalar, L: Law<S>, const SHARED: usize = 1, const N: usize = 
     kinematics: K,
     joints: [Joint<S>; N],
     ticks_per_packet: u32,
-    /// Axes, and joints, in use. What every tick asks of each counts to `N` all the same: loops that run to a number which is known when
-    /// the program runs alone keep their poses and forces in memory.
+    /// Axes, and joints, in use. Per-tick loops still run over all `N`: a run-time bound makes the compiler spill
+    /// poses and forces to memory.
     axes: usize,
     mode: Mode,
     until_packet: u32,
@@ -160,13 +161,13 @@ pub struct Peer<S: Scalar, L: Law<S>, const SHARED: usize = 1, const N: usize = 
     probing: Probing<S>,
     /// Packet periods in which nothing was sent, since something was.
     quiet: u32,
-    /// Armed, and nothing beside contact and coordination to see to: most ticks by far.
+    /// Armed with the clutch closed and no fixture: only contact and coordination to compute, as in most ticks.
     plain: bool,
     clutch: Clutch<S>,
     slips: [Slip<S>; SHARED],
-    /// Along one axis.
+    /// Virtual fixture where one axis is shared.
     fixture: Option<Fixture<S>>,
-    /// Along several.
+    /// Virtual fixture where several axes are shared.
     oblique: Option<Oblique<S, SHARED>>,
 }
 
@@ -180,6 +181,9 @@ configured!([S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Confi
 
 impl Settings {
     /// Whether a peer can be built, with the laws of this crate: every value within its range, every combination possible.
+    ///
+    /// # Errors
+    /// The first key whose value is out of range or impossible beside the others.
     pub fn check(&self) -> Result<(), Refused<'static>> {
         let (plane, space) = ([Motion::REST; AXES], [Motion::REST; 3]);
         match (self.axis.shared, self.axis.count) {
@@ -213,7 +217,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
     pub fn build(settings: &Settings, device: [Motion<S>; N]) -> Result<Self, Refused<'static>> {
         settings.check_ranges()?;
         device::check_axes(settings, SHARED as u32, N as u32)?;
-        // What is refused is told as it was set.
+        // Errors name values as they were set.
         K::build(settings)?;
         let world = &settings.in_the_world();
         let kinematics = K::build(world)?;
@@ -349,7 +353,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         }
     }
 
-    /// What came of the last probe.
+    /// Outcome of the last probe.
     pub fn probed(&self) -> Outcome {
         self.probing.outcome()
     }
@@ -426,7 +430,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         self.render::<true>(&pose)
     }
 
-    /// A tick that is not [`Peer::plain`]. Takes of the pose what is not in memory yet, so that the plain tick need not put it there.
+    /// A tick that is not [`Peer::plain`]. Takes only the Jacobian: the pose's axes are in memory already.
     #[cold]
     #[inline(never)]
     fn seldom(&mut self, jacobian: [[S; N]; N], stage: Option<Measured<N>>) -> Actuators<S, N> {
@@ -440,7 +444,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         if self.mode == Mode::Probing { self.push(stage) } else { Actuators::default() }
     }
 
-    /// One control period of what the hand feels. `PLAIN`: without a look at clutch and fixture, so that who has neither pays for none.
+    /// One control period of what the hand feels. `PLAIN`: clutch and fixture are skipped, so that a peer with neither pays for none.
     #[inline(always)]
     fn render<const PLAIN: bool>(&mut self, pose: &Pose<S, N>) -> Actuators<S, N> {
         match self.advance::<PLAIN>(pose) {
@@ -499,7 +503,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         finite.then_some(felt)
     }
 
-    /// Whether the power stage says that something is wrong. Not where it is called: what has no stage would pay for its registers.
+    /// Trips on a fault that the power stage shows. Not inlined: a peer without a stage would pay for its registers.
     #[inline(never)]
     fn judge(&mut self, measured: Measured<N>) {
         let driven = match self.mode {
@@ -527,7 +531,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         }
     }
 
-    /// Where the device is on its axes, or why that cannot be said.
+    /// The pose of the device, or the fault that leaves it unknown.
     #[inline]
     fn sense(&mut self, reading: Reading<S, N>, marks: Option<[Marks; N]>) -> Result<Pose<S, N>, Fault> {
         let pose = match reading {
@@ -584,7 +588,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         Ok(pose)
     }
 
-    /// What encoders show beside their counts: whether it fits, and while disarmed where the index says the joint is.
+    /// Checks what encoders show beside their counts; while disarmed, the index sets where the joint is.
     #[inline(never)]
     fn heed(&mut self, marks: [Marks; N]) -> Result<(), Fault> {
         let may_move = self.mode == Mode::Disarmed;
@@ -596,7 +600,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         Ok(())
     }
 
-    /// Of axes one of which is too fast, too far from home or nowhere: why that is a fault. Too fast or too far is none while nothing is
+    /// The fault of axes of which one is too fast, too far from home or no number. Too fast or too far is no fault while nothing is
     /// rendered; a probe has limits of its own.
     #[cold]
     fn doubt(&self, axes: [Motion<S>; N]) -> Result<(), Fault> {

@@ -2,8 +2,8 @@
 //!
 //! Forces reach the motors only while [`Mode::Armed`], the duties of a probe only while [`Mode::Probing`]. Any fault turns
 //! them off in the same tick and latches; leaving it takes [`Command::Clear`] and then [`Command::Arm`]. No setting
-//! switches a guard off. Fault numbers are never reused. Limits come last: whatever the models say, a force leaves finite,
-//! within ±max_force and, unless it is off, within the slew limit of the one before.
+//! switches a guard off. Fault numbers are never reused. Limits come last: whatever the models compute, a force that is commanded is
+//! finite, within ±max_force and, unless the motors are off, within the slew limit of the one before.
 
 use crate::{num::Scalar, settings::Settings};
 
@@ -18,10 +18,10 @@ macro_rules! numbered {
         pub enum $Name { $( #[doc = $explained] $Reason = $number ),+ }
 
         impl $Name {
-            /// Every one, by number.
+            /// Every fault, in the order of its number.
             pub const ALL: [Self; [$($number),+].len()] = [$(Self::$Reason),+];
 
-            /// The one called by `number`.
+            /// The fault with this number, if there is one.
             pub fn from_number(number: u8) -> Option<Self> {
                 Self::ALL.into_iter().find(|reason| *reason as u8 == number)
             }
@@ -89,7 +89,7 @@ pub enum Mode {
     /// Motors off; positions are sensed.
     #[default]
     Disarmed,
-    /// Motors on.
+    /// Motors on: forces are rendered.
     Armed,
     /// One motor on, open loop, within the limits of a probe ([`crate::device::probe`]); ends by itself.
     Probing,
@@ -110,7 +110,7 @@ pub enum Command {
     Home,
     /// The device comes free of the shared world, which stands where it is ([`crate::device::clutch`]). Only in [`Mode::Armed`], which stays.
     Clutch,
-    /// It takes hold again from where it is now. Only in [`Mode::Armed`], which stays.
+    /// The device takes hold of the shared world again from where it is now. Only in [`Mode::Armed`], which stays.
     Release,
 }
 
@@ -124,7 +124,7 @@ impl Mode {
         }
     }
 
-    /// What it is called.
+    /// Name of the mode, for people and programs.
     pub fn name(self) -> &'static str {
         match self {
             Self::Disarmed => "disarmed",
@@ -150,7 +150,7 @@ impl Mode {
 /// Limits of force, slew and speed.
 #[derive(Clone, Copy, Debug)]
 pub struct Guard<S> {
-    /// Largest force, N.
+    /// Largest force of either sign, N.
     pub max_force: S,
     /// Largest change of force in one tick, N.
     pub max_step: S,
@@ -167,7 +167,7 @@ pub struct Guard<S> {
 configured!([S: Scalar] Guard<S> { max_force, max_step, max_speed, workspace, saturated_ticks, silent_packets });
 
 impl<S: Scalar> Guard<S> {
-    /// The scene's limits.
+    /// The limits of the scene's table `safety`.
     pub fn build(settings: &Settings) -> Self {
         let safety = &settings.safety;
         Self {

@@ -1,6 +1,6 @@
 //! Settings by name: the tables and the keys that coordination laws declare beside themselves, alike.
 //!
-//! Which laws there are is told by a list of [`Kind`]s, so that a crate outside can add its own; [`Schema::BUILT_IN`] knows
+//! The laws are given as a list of [`Kind`]s, so that a crate outside can add its own; [`Schema::BUILT_IN`] knows
 //! those of this crate, and is what [`Settings`] itself goes by.
 
 use crate::law::{AnyLaw, Law};
@@ -16,12 +16,12 @@ impl Schema {
     /// With the laws of this crate.
     pub const BUILT_IN: Self = Self::new(AnyLaw::<f64>::KINDS);
 
-    /// With these laws.
+    /// The schema of the tables and of the keys of these laws.
     pub const fn new(kinds: &'static [Kind]) -> Self {
         Self { kinds }
     }
 
-    /// The laws.
+    /// The laws whose keys it knows.
     pub fn kinds(self) -> &'static [Kind] {
         self.kinds
     }
@@ -40,7 +40,7 @@ impl Schema {
             }
             key
         });
-        // A key that several laws have is told once.
+        // A key that several laws have is listed once.
         let before = move |at: usize, key: &Key| {
             self.kinds.iter().take(at).any(|kind| kind.keys.iter().any(|own| own.name == key.name))
         };
@@ -58,6 +58,9 @@ impl Schema {
     }
 
     /// Sets the key called `name`, if it accepts `value`; otherwise nothing changes.
+    ///
+    /// # Errors
+    /// A name that no key has, or a value that the key does not accept.
     pub fn set<'a>(self, settings: &mut Settings, name: &str, value: Value<'a>) -> Result<(), SetError<'a>> {
         match Tables::set(settings, name, value) {
             // The tables know no law.
@@ -82,17 +85,20 @@ impl Schema {
 
 /// By name, with the laws of this crate.
 impl Settings {
-    /// [`Schema::keys`].
+    /// Every key of the tables and of this crate's laws ([`Schema::keys`]).
     pub fn keys() -> impl Iterator<Item = Key> {
         Schema::BUILT_IN.keys()
     }
 
-    /// [`Schema::get`].
+    /// The value of the key called `name`, with this crate's laws; `None` if there is none ([`Schema::get`]).
     pub fn get(&self, name: &str) -> Option<Value<'static>> {
         Schema::BUILT_IN.get(self, name)
     }
 
-    /// [`Schema::set`].
+    /// Sets the key called `name` ([`Schema::set`]).
+    ///
+    /// # Errors
+    /// A name that no key has, or a value that the key does not accept.
     pub fn set<'a>(&mut self, name: &str, value: Value<'a>) -> Result<(), SetError<'a>> {
         Schema::BUILT_IN.set(self, name, value)
     }

@@ -17,14 +17,14 @@ pub use crate::names::Choice;
 pub enum Value<'a> {
     /// A number, in the key's unit.
     Number(f64),
-    /// Yes or no.
+    /// A switch: true or false.
     Flag(bool),
-    /// A name, or text that is none.
+    /// A name, or text that stands for none.
     Text(&'a str),
 }
 
 impl<'a> Value<'a> {
-    /// What a line of text says: `true`, `false`, a number, else a name.
+    /// The value that a text stands for: `true`, `false`, a number, else a name.
     pub fn of_text(text: &'a str) -> Self {
         match text {
             "true" => Self::Flag(true),
@@ -49,25 +49,25 @@ impl fmt::Display for Value<'_> {
 pub enum Allowed {
     /// A finite number, both ends included.
     Number {
-        /// Smallest.
+        /// Smallest value allowed, in the key's unit.
         min: f64,
-        /// Largest.
+        /// Largest value allowed, in the key's unit.
         max: f64,
     },
     /// A whole number, both ends included.
     Whole {
-        /// Smallest.
+        /// Smallest number allowed.
         min: u32,
-        /// Largest.
+        /// Largest number allowed.
         max: u32,
     },
-    /// `true` or `false`.
+    /// A switch: `true` or `false`.
     Flag,
     /// One of these names.
     Names(&'static [&'static str]),
-    /// The name of one of these laws; none are told where the table is declared, for the list is open.
+    /// The name of one of these laws; empty where the table is declared, because crates may add laws.
     Kinds(&'static [Kind]),
-    /// What the other keys leave, in words.
+    /// Values that depend on other keys, in words.
     Only(&'static str),
 }
 
@@ -97,7 +97,7 @@ fn one_of(f: &mut fmt::Formatter<'_>, names: impl Iterator<Item = &'static str>)
 pub struct Key {
     /// `table.key`, as scene files and `--set` spell it.
     pub name: &'static str,
-    /// What it accepts.
+    /// The values it accepts.
     pub allowed: Allowed,
     /// Unit, empty for a pure number, a flag or a name.
     pub unit: &'static str,
@@ -150,20 +150,20 @@ impl Key {
     }
 }
 
-/// What a law sends, which is also what it acts on.
+/// The packets of a law, by what they carry and so what the law acts on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sends {
-    /// Nothing.
+    /// It sends no packets.
     Nothing,
     /// The motion of its copy.
     Motion,
     /// Waves, whose energy can be counted: only these can be paid for by a ledger, and meet in a node.
     Waves,
-    /// How many waves it has sent and what they sum up to, which says it all in the newest packet.
+    /// The number of waves sent and their sum, so that the newest packet says it all.
     Counters,
-    /// What its waves sum up to, and over how many ticks.
+    /// The sum of its waves, and the number of ticks it is over.
     Integrals,
-    /// Waves, and how the line's end moves.
+    /// Waves, and the motion of the line's end.
     WavesAndMotion,
 }
 
@@ -179,7 +179,7 @@ pub enum Promise {
 }
 
 impl Promise {
-    /// For reports.
+    /// The promise in words, for reports.
     pub const fn name(self) -> &'static str {
         match self {
             Self::PassiveOnConstantDelay => "passive on a constant delay",
@@ -194,19 +194,19 @@ impl Promise {
 pub struct Kind {
     /// What `coordination.comm` calls it.
     pub name: &'static str,
-    /// What it sends.
+    /// The kind of packet it sends.
     pub sends: Sends,
-    /// Keys of its own.
+    /// Keys that only this law has.
     pub keys: &'static [Key],
     /// `key=value` of gains that are worth trying, for campaigns and figures.
     pub gains: &'static [&'static str],
-    /// Where it was published: authors, year, equation; or the section of THEORY. Empty if nowhere.
+    /// Source of the law: authors, year, equation; or the section of THEORY. Empty if there is none.
     pub source: &'static str,
-    /// What it promises, which tests hold it to; nothing if it promises nothing.
+    /// Promises of the law, which tests hold it to.
     pub promises: &'static [Promise],
 }
 
-/// What nothing exhausts, J: the largest value of a law's own key that says how much energy it may spend.
+/// Energy that nothing exhausts, J: the largest value of a law's own key that says how much energy it may spend.
 pub const PLENTY_J: f64 = 1e9;
 
 impl Kind {
@@ -254,13 +254,13 @@ impl Own {
 /// A value that a key does not accept; displays as `key = value is not allowed: …`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Refused<'a> {
-    /// The key.
+    /// Name of the key.
     pub key: &'static str,
-    /// What was offered.
+    /// The value that was offered.
     pub value: Value<'a>,
-    /// What would have been accepted.
+    /// The values that the key accepts.
     pub allowed: Allowed,
-    /// The key's unit.
+    /// Unit of the key; empty for a pure number.
     pub unit: &'static str,
 }
 
@@ -482,7 +482,7 @@ impl Timing {
 }
 
 settings! {
-    /// Everything a peer can be told before it starts.
+    /// Every setting of a peer.
     pub struct Settings [
         /// What laws' own keys are set to.
         own: Own
@@ -682,7 +682,7 @@ settings! {
 }
 
 impl Settings {
-    /// Tables that two coupled peers must have been told alike; the rest is each device's own.
+    /// Tables whose values two coupled peers must share; the rest belongs to each device.
     const SHARED: [&'static str; 3] = ["timing", "object", "coordination"];
 
     /// What a law's own key is set to, or its default.
@@ -690,7 +690,7 @@ impl Settings {
         self.own.get(key)
     }
 
-    /// The same as a value.
+    /// The value of a law's own key as a flag or a number.
     pub(crate) fn own_value(&self, key: &Key) -> Value<'static> {
         let number = self.own(key);
         if key.allowed == Allowed::Flag { Value::Flag(number != 0.0) } else { Value::Number(number) }
@@ -715,7 +715,7 @@ impl Settings {
         }
     }
 
-    /// What two coupled peers must have been told alike: of each key its table, its name there and its value, table by
+    /// The settings that two coupled peers must share: of each key its table, its name there and its value, table by
     /// table; of laws' own keys those that are not at their default; and how many axes are shared, where that is not one.
     pub fn shared(&self) -> impl Iterator<Item = (&'static str, &'static str, Value<'static>)> + '_ {
         let tables = <Self as Tables>::KEYS.iter().filter_map(|key| {

@@ -12,7 +12,7 @@ use crate::store::{Broken, SECTOR, Word};
 
 /// First word of the count, behind the keys'.
 pub const FIRST: u32 = keys::WORDS;
-/// Most starts that are told apart.
+/// Largest number of starts that can be counted.
 pub const MOST: u32 = SECTOR - FIRST;
 
 /// Counts this start and gives its number, from 1. Where the flash does not take the word, the number may come again.

@@ -1,7 +1,7 @@
 //! The blue button: held, or stuck since before the start.
 //!
 //! Whoever holds it says that he is at the board ([`crate::ceiling`]). A button that is down when the board starts says nothing until it
-//! was seen released: it may be jammed, or shorted. One that jams later is not told from one that is held.
+//! was seen released: it may be jammed, or shorted. One that jams later cannot be distinguished from one that is held.
 
 use crate::signals::Button;
 

@@ -22,9 +22,9 @@ const DEVICE: [&str; 3] = ["encoder.", "kinematics.", "motor."];
 /// A value that only who is at the board may have taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Above {
-    /// The key.
+    /// Name of the key.
     pub key: &'static str,
-    /// What it would be.
+    /// The value that was asked for.
     pub value: Value<'static>,
     ceiling: Value<'static>,
 }

@@ -2,7 +2,7 @@
 //!
 //! One line, one answer, `ok …` or `error …`; [`crate::port`] brings them, sealed. Settings go into a draft first; `apply`
 //! checks the draft as a whole and gives it to the tick, which takes it at the next packet boundary if it is disarmed, and to
-//! the link, which from then on wants a peer that was told the same. Arming is refused while anything stands against it,
+//! the link, which from then on wants a peer with the same settings. Arming is refused while anything stands against it,
 //! with the reason: so it is until the signs of every joint's motor and encoder were checked (`check 1`, `check 2`), with the
 //! encoders, mechanism and motors that are set now. Limits are lowered from afar, and raised only while somebody at the board holds
 //! its blue button ([`firmware_parts::ceiling`]).

@@ -65,7 +65,7 @@ impl<T: Copy> Latest<T> {
 }
 
 impl<T> Latest<T> {
-    /// The two sides.
+    /// The writer's and the reader's side.
     pub fn split(&mut self) -> (Writer<'_, T>, Reader<'_, T>) {
         let free = self.free.load(Ordering::Relaxed) & INDEX;
         // Any two indices that differ from the free one and from each other.
@@ -184,7 +184,7 @@ impl<T: Copy + Default, const N: usize> Default for Queue<T, N> {
 }
 
 impl<T: Copy, const N: usize> Queue<T, N> {
-    /// The two sides.
+    /// The producer's and the consumer's side.
     pub fn split(&mut self) -> (Producer<'_, T, N>, Consumer<'_, T, N>) {
         (Producer { queue: self }, Consumer { queue: self })
     }
@@ -224,7 +224,7 @@ pub struct Consumer<'a, T, const N: usize> {
 }
 
 impl<T: Copy, const N: usize> Consumer<'_, T, N> {
-    /// The oldest value.
+    /// Takes the oldest value, if there is one.
     pub fn take(&mut self) -> Option<T> {
         let tail = self.queue.tail.load(Ordering::Relaxed);
         if tail == self.queue.head.load(Ordering::Acquire) {

@@ -146,7 +146,7 @@ unsafe extern "C" fn HardFault() -> ! {
     )
 }
 
-/// Where the processor was, as far as it can be told, and the reset. `stack` is where it had put its registers.
+/// Where the processor was, as far as that can be determined, and the reset. `stack` is where it had put its registers.
 extern "C" fn hard_fault(stack: u32) -> ! {
     const CFSR: *const u32 = 0xE000_ED28 as *const u32;
     const HFSR: *const u32 = 0xE000_ED2C as *const u32;

@@ -24,10 +24,10 @@ use crate::tick::{Outgoing, Received};
 /// Port of the flow, at both ends.
 pub(crate) const PORT: u16 = 7701;
 
-/// Settings that the tick was told: the link has to agree with the other peer about them anew.
+/// Settings that the tick has taken: the link has to agree with the other peer about them anew.
 static TOLD: Signal<CriticalSectionRawMutex, Settings> = Signal::new();
 
-/// Tells the link which settings the tick was told.
+/// Hands the link the settings that the tick has taken.
 pub(crate) fn tell(settings: Settings) {
     TOLD.signal(settings);
 }
@@ -104,7 +104,7 @@ impl Flow {
         self.signals.life.release(self.lives.end());
     }
 
-    /// Other settings: the other peer has to be told them too before the two meet again.
+    /// Other settings: the other peer needs them too before the two meet again.
     #[inline(never)]
     fn told(&mut self, settings: &Settings) {
         self.part();

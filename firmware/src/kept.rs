@@ -24,17 +24,18 @@ pub struct Addresses {
     pub peer: Option<Ipv4Addr>,
 }
 
-/// Everything that is kept.
+/// Settings and addresses that a board keeps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Kept {
-    /// The scene's.
+    /// The settings of the scene.
     pub settings: Settings,
-    /// The board's.
+    /// The addresses of the board.
     pub addresses: Addresses,
 }
 
-/// The settings of a board that was never told any: the scene defaults, of a device that its image is for, with a velocity that encoders
-/// can give, and the limits of a device that nobody has got to know yet, beside a hand. Raised at the board only ([`crate::ceiling`]).
+/// The settings of a board that nobody has configured: the scene defaults, of a device that its image is for, with a
+/// velocity that encoders can give, and the limits of a device that nobody knows yet, beside a hand. These are raised
+/// at the board only ([`crate::ceiling`]).
 pub fn defaults() -> Settings {
     let mut settings = Settings::default();
     if SHARED > 1 {
@@ -64,9 +65,9 @@ impl Default for Kept {
 /// A value as a line spells it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Spelled {
-    /// A setting's.
+    /// The value of a setting.
     Value(Value<'static>),
-    /// An address.
+    /// The value of an address.
     Address(Ipv4Addr),
 }
 
@@ -130,6 +131,9 @@ impl Kept {
     }
 
     /// Sets the key, if it accepts the value; otherwise nothing changes.
+    ///
+    /// # Errors
+    /// A key that does not exist, or a value that it does not accept.
     pub fn set<'a>(&mut self, key: &str, value: Value<'a>) -> Result<(), SetError<'a>> {
         match self.settings.set(key, value) {
             Err(SetError::Unknown) => self.addresses.set(key, value),

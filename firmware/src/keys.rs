@@ -18,9 +18,9 @@ const SINGLE: &[u8] = b"haptkey1";
 /// The two keys of a board.
 #[derive(Debug)]
 pub struct Keys {
-    /// Of the link to the other peer, or to a hub.
+    /// Key of the link to the other peer, or to a hub.
     pub peers: Key,
-    /// Of the operator's port.
+    /// Key of the operator's port.
     pub operator: Key,
 }
 
@@ -39,6 +39,9 @@ pub enum Keyless {
 
 impl Keys {
     /// The keys in a sector whose words `read` gives.
+    ///
+    /// # Errors
+    /// The sector holds no valid key.
     pub fn read(read: impl Fn(u32) -> Option<Word>) -> Result<Self, Keyless> {
         let key = |first, role| Key::from_image(&image(&read, first)?, role);
         let Some(peers) = key(0, Role::Peers) else {

@@ -112,7 +112,7 @@ fn place(cell: &'static StaticCell<Link>, make: impl FnOnce() -> Option<Link>) -
     make().map(|link| cell.init(link))
 }
 
-/// Runs the stack.
+/// Runs the network stack for ever.
 #[embassy_executor::task]
 async fn run(mut runner: Runner<'static, ethernet::Device>) -> ! {
     runner.run().await

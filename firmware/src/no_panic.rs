@@ -26,7 +26,7 @@ mod proof {
     use core::panic::PanicInfo;
 
     unsafe extern "C" {
-        /// Nowhere.
+        /// Never defined, so that a program that may call it does not link.
         fn a_panic_is_reachable_from_the_tick() -> !;
     }
 
@@ -54,7 +54,8 @@ mod proof {
         }
     }
 
-    /// The same with a mistake in it, and not in ITCM: the start of the program with the feature `planted-panic`.
+    /// The proof's program with a mistake in it, and not in ITCM: the start of the program with the feature
+    /// `planted-panic`.
     #[cfg(feature = "planted-panic")]
     #[unsafe(no_mangle)]
     extern "C" fn planted() -> u32 {

@@ -12,14 +12,14 @@ use haptic_core::settings::{Choice, Value};
 /// What a line asks for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Request<'a> {
-    /// Mode, fault, progress.
+    /// Mode, fault and progress of the board.
     Status,
     /// Motors on; `alone` without an operator who stays.
     Arm {
         /// They stay on when the operator is gone.
         alone: bool,
     },
-    /// Motors off.
+    /// Turns the motors off.
     Disarm,
     /// A fault forgotten; the motors stay off.
     Clear,
@@ -33,7 +33,7 @@ pub enum Request<'a> {
     Check(u32),
     /// A motor pushed open loop.
     Probe(probe::Request),
-    /// What came of the last check or probe.
+    /// Outcome of the last check or probe.
     Probed,
     /// A key of the draft.
     Set(&'a str, Value<'a>),
@@ -47,7 +47,7 @@ pub enum Request<'a> {
     Save,
     /// Every how-many-th tick to the sender; 0 is none.
     Stream(u32),
-    /// So many ticks in a row, every one.
+    /// Records of this many ticks in a row, without gaps.
     Capture(u32),
     /// How long ticks took on the chip, or runs of the current loop.
     Time(Whose, Time),
@@ -55,7 +55,7 @@ pub enum Request<'a> {
     Load,
 }
 
-/// Of which interrupt.
+/// The interrupt that a time belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Whose {
     /// 1000 times a second.
@@ -64,7 +64,7 @@ pub enum Whose {
     CurrentLoop,
 }
 
-/// Which of a tick's times ([`crate::times`]).
+/// The time of a tick that is asked for ([`crate::times`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Time {
     /// From when it was due to when it began.
@@ -78,7 +78,7 @@ pub enum Time {
 /// Why a line is none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Misread {
-    /// It is empty.
+    /// It has no word in it.
     Empty,
     /// Its first word is not known.
     Word,
@@ -104,6 +104,9 @@ impl Misread {
 }
 
 /// What the line asks for.
+///
+/// # Errors
+/// Why the line is no request.
 pub fn parse(line: &str) -> Result<Request<'_>, Misread> {
     let mut words = line.split_ascii_whitespace();
     let request = match words.next().ok_or(Misread::Empty)? {

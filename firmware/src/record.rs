@@ -52,24 +52,24 @@ pub const PARTED: u8 = 16;
 /// The coordination acted in this tick.
 pub const ENGAGED: u8 = 32;
 
-/// What is the same of every record of a tick.
+/// What the records of all axes of a tick have in common.
 #[derive(Clone, Copy, Debug)]
 pub struct Tick {
-    /// Since boot.
+    /// Ticks since the board started.
     pub tick: u32,
     /// The shared axis, from 0.
     pub axis: u8,
-    /// Of two joints ([`joints`]): encoder counts and motor duties.
+    /// Encoder counts of two joints ([`joints`]).
     pub counts: [Counts; 2],
-    /// As above.
+    /// Motor duties of the same two joints.
     pub duties: [Duty; 2],
     /// What the power stage measured; none without a current loop.
     pub stage: Option<Measured>,
-    /// After the tick.
+    /// Mode of the peer after the tick.
     pub mode: Mode,
     /// [`ENABLED`] and the others.
     pub flags: u8,
-    /// Of the state after the tick ([`digest`]).
+    /// Digest of the state after the tick ([`digest`]).
     pub digest: u32,
 }
 
@@ -148,7 +148,7 @@ impl Record {
         Self(core::array::from_fn(|at| u32::from_le_bytes(words[at])))
     }
 
-    /// Ticks since boot.
+    /// Ticks since the board started.
     pub fn tick(&self) -> u32 {
         self.0[0]
     }
@@ -156,11 +156,11 @@ impl Record {
     pub fn axis(&self) -> u8 {
         (self.0[3] >> 24) as u8
     }
-    /// Encoder counts.
+    /// Encoder counts of two joints.
     pub fn counts(&self) -> [Counts; 2] {
         [self.0[1], self.0[1] >> 16].map(|half| Counts(half as u16))
     }
-    /// Motor duties.
+    /// Motor duties of two joints.
     pub fn duties(&self) -> [Duty; 2] {
         [self.0[2], self.0[2] >> 16].map(|half| Duty((half as u16).cast_signed()))
     }

@@ -45,7 +45,7 @@ impl Coded for Mode {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Order {
     number: u32,
-    /// What is to be done.
+    /// The command that was given.
     pub command: Command,
 }
 
@@ -82,7 +82,7 @@ pub enum Saving {
 /// What the blue button says ([`crate::button`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Button {
-    /// Nobody holds it.
+    /// The button is released.
     Up,
     /// Somebody at the board holds it.
     Held,
@@ -141,7 +141,7 @@ impl<T: Coded> Word<T> {
         Self(AtomicU32::new(0), PhantomData)
     }
 
-    /// What it holds.
+    /// The value that it holds.
     pub fn get(&self) -> T {
         T::decode(self.0.load(Ordering::Relaxed))
     }
@@ -151,7 +151,7 @@ impl<T: Coded> Word<T> {
         self.0.store(value.code(), Ordering::Relaxed);
     }
 
-    /// What it holds, before anything that follows is done.
+    /// The value that it holds, loaded before anything that follows (acquire).
     pub fn acquire(&self) -> T {
         T::decode(self.0.load(Ordering::Acquire))
     }
@@ -169,7 +169,7 @@ impl<T: Coded> Word<T> {
 }
 
 impl Word<u32> {
-    /// One more.
+    /// Adds one; wraps at 2³².
     #[inline]
     pub fn count(&self) {
         self.release(self.get().wrapping_add(1));
@@ -179,7 +179,7 @@ impl Word<u32> {
 /// Declares the words; all begin at 0.
 macro_rules! signals {
     ($($name:ident: $type:ty, $meaning:literal;)*) => {
-        /// All of them.
+        /// All words that the interrupt and the tasks share.
         #[derive(Debug)]
         #[repr(C)]
         pub struct Signals {

@@ -1,4 +1,4 @@
-//! Why a board started and how far its link is, as a person is told.
+//! Why a board started and how far its link is, in words for a person.
 //!
 //! [`Stop`] numbers why a board is not running: 1–31 are the peer's own faults ([`haptic_core::safety::Fault`]), 32 and up
 //! those of the board around it. Numbers are never reused.

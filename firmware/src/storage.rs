@@ -12,7 +12,7 @@ static ASKED: Signal<CriticalSectionRawMutex, Kept> = Signal::new();
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Origin {
-    /// Flash.
+    /// They were stored in flash.
     Stored,
     /// The image: nothing is stored.
     Defaults,

@@ -24,7 +24,7 @@ use heapless::String;
 use crate::kept::Kept;
 use haptic_core::settings::Value;
 
-/// What is programmed at once.
+/// The unit in which flash is programmed, 32 bytes.
 pub type Word = [u8; 32];
 const BYTES: usize = size_of::<Word>();
 /// Words in a slot.
@@ -55,11 +55,11 @@ pub struct Broken;
 /// Why a record is not taken.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unreadable {
-    /// The line.
+    /// The first line that means nothing.
     pub line: String<LINE>,
 }
 
-/// Which records there are.
+/// The records that flash holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Store {
     /// Slot and generation of the newest.
@@ -102,7 +102,7 @@ impl Header {
     }
 }
 
-/// CRC-32 (ISO-HDLC): zip's.
+/// CRC-32 (ISO-HDLC), as zip computes it.
 #[derive(Clone, Copy)]
 struct Crc(u32);
 

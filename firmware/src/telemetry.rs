@@ -18,7 +18,7 @@ const ENDLESS: u32 = u32::MAX;
 pub(crate) struct Telemetry {
     records: Consumer<'static, Record, RECORDS>,
     signals: &'static Signals,
-    /// How many are still to go; [`ENDLESS`] until told otherwise.
+    /// How many are still to go; [`ENDLESS`] unless a number was asked for.
     left: u32,
 }
 

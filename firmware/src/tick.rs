@@ -47,9 +47,9 @@ pub(crate) struct Outgoing {
 /// What the network has for the tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Received {
-    /// Which life of the link it came by ([`Signals::life`]).
+    /// The life of the link by which it came ([`Signals::life`]).
     pub(crate) life: u32,
-    /// Of every shared axis.
+    /// The packets of every shared axis.
     pub(crate) packets: [Packet<f32>; SHARED],
 }
 
@@ -76,7 +76,7 @@ struct Loop {
     /// The check before arming: passed by these joints, of this device.
     passed: [bool; JOINTS],
     device: u32,
-    /// A probe was begun, and what came of it is not told yet.
+    /// A probe was begun, and its outcome is not reported yet.
     probing: bool,
     peer: Peer,
     power: Option<Power>,

@@ -14,13 +14,13 @@ use crate::signals::Word;
 pub struct Took {
     /// Number of the tick.
     pub tick: u32,
-    /// What it did, as in a record ([`crate::record`]).
+    /// Flags of what the tick did, as in a record ([`crate::record`]).
     pub flags: u8,
     /// Cycles from when it was due to when it began.
     pub delay: u32,
     /// When it began, by the counter of cycles.
     pub began: u32,
-    /// When it ended.
+    /// When it ended, by the counter of cycles.
     pub ended: u32,
 }
 
@@ -62,7 +62,7 @@ impl Histogram {
         self.counts.each_ref().map(Word::get)
     }
 
-    /// The longest, cycles.
+    /// The longest time counted, cycles.
     pub fn most(&self) -> u32 {
         self.most.get()
     }
@@ -92,12 +92,12 @@ pub struct Load {
 }
 
 impl Load {
-    /// None yet.
+    /// A load of which nothing is counted.
     pub const fn new() -> Self {
         Self { sum: Word::zero(), second: Word::zero() }
     }
 
-    /// So many more.
+    /// Adds this many cycles.
     pub fn see(&self, cycles: u32) {
         self.sum.set(self.sum.get().wrapping_add(cycles));
     }
@@ -134,7 +134,7 @@ pub struct Times {
 }
 
 impl Times {
-    /// None yet.
+    /// Times of which nothing is counted.
     pub const fn new() -> Self {
         let [delay, duration, spacing] = [const { Histogram::new() }; 3];
         Self { delay, duration, spacing, last: Word::zero(), began: Word::zero() }

@@ -142,7 +142,7 @@ pub(crate) fn emit(field: &impl Field, message: &'static str, out: &mut [u8]) ->
 
 /// A value of fixed length in a message.
 pub(crate) trait Field: Sized {
-    /// Bytes.
+    /// Length of the encoded value, bytes.
     const LEN: usize;
     fn read(reader: &mut Reader<'_>) -> Result<Self, Error>;
     fn write(&self, writer: &mut Writer<'_>);
@@ -297,12 +297,18 @@ macro_rules! layout {
         layout! { $(#[$meta])* pub struct $Name($len bytes $(, $first $value)+) { $($body)* } }
 
         impl $Name {
-            /// Reads one, which must fill `bytes` exactly.
+            /// Reads the message, which must fill `bytes` exactly.
+            ///
+            /// # Errors
+            /// A wrong length, a reserved byte that is not 0, or a field without a meaning.
             pub fn parse(bytes: &[u8]) -> Result<Self, $crate::error::Error> {
                 $crate::bytes::Reader::exact(bytes, $message, Self::LEN)?.get()
             }
 
-            /// Writes it to the front of `out` and gives its length.
+            /// Writes the message to the front of `out` and gives its length, bytes.
+            ///
+            /// # Errors
+            /// Too little room in `out`, or a number that is not finite.
             pub fn emit(&self, out: &mut [u8]) -> Result<usize, $crate::error::Error> {
                 $crate::bytes::emit(self, $message, out)
             }
@@ -324,7 +330,7 @@ macro_rules! layout {
 
         impl $Name {
             $(layout! { @first $first $value })*
-            /// Bytes.
+            /// Length of the encoded value, bytes.
             pub const LEN: usize = $len;
         }
 

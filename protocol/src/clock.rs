@@ -47,7 +47,11 @@ pub struct Clock {
 }
 
 impl Clock {
-    /// Takes in one probe and its reply; gives its round trip, µs.
+    /// Takes in one probe and its reply: sent (t1), received there (t2), answered there (t3), back here (t4), µs.
+    /// Gives the round trip, µs.
+    ///
+    /// # Errors
+    /// Times that contradict each other, or lie too far apart.
     pub fn sample(&mut self, t1: u64, t2: u64, t3: u64, t4: u64) -> Result<u32, Implausible> {
         let away = difference(t4, t1).ok_or(Implausible)?;
         let there = difference(t3, t2).ok_or(Implausible)?;

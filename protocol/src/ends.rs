@@ -8,9 +8,9 @@ use crate::{error::Refusal, wire::PeerId};
 /// The two ends of a link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ends {
-    /// This peer.
+    /// Number of this peer.
     pub local: PeerId,
-    /// The other one.
+    /// Number of the other peer.
     pub remote: PeerId,
 }
 

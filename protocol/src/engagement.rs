@@ -1,6 +1,6 @@
 //! Engagement: how far the coordination may act, from how long the other peer has been silent.
 //!
-//! The silence ladder, in packet periods since the last flow was taken:
+//! Degradation by silence, in packet periods since the last flow was taken:
 //!
 //! | silent for | rung | level |
 //! |---|---|---|
@@ -8,7 +8,7 @@
 //! | 3 to 12 | [`Rung::Fading`] | falls by 1/9 a period, so that it is 0 at 12 |
 //! | 12 and more | [`Rung::Apart`] | 0; local rendering goes on |
 //!
-//! Silence is a time: where packets come more often than every 8 ms the ladder goes on counting in 8 ms, and where the peers are to
+//! Silence is a time: where packets come more often than every 8 ms silence is still counted in 8 ms, and where the peers are to
 //! be apart only after longer than 12 packet periods ([`crate::link::Link::apart_after`]), in a twelfth of that.
 //!
 //! It is for a caller whose coordination knows nothing of silence. One that fades its packets itself, counted in packets as its
@@ -23,9 +23,9 @@ pub(crate) enum Rung {
     /// No flow, or none for long.
     #[default]
     Apart,
-    /// Flow comes.
+    /// Flow comes: the level rises to 1.
     Engaged,
-    /// Flow stays away.
+    /// Flow stays away: the level falls to 0.
     Fading,
 }
 
@@ -101,7 +101,7 @@ impl Engagement {
         self.periods(LEVELS)
     }
 
-    /// Where on the ladder, as of the last update.
+    /// How far the coordination is degraded, as of the last update.
     pub(crate) fn rung(&self) -> Rung {
         match self.heard_us {
             None => Rung::Apart,

@@ -68,7 +68,7 @@ pub enum Refusal {
     /// A greeting whose ephemeral is one of the few that lead to no secret.
     #[error("a greeting with an ephemeral that leads to no secret")]
     WeakEphemeral,
-    /// The other peer was told something else in this table of parameters, the first that differs.
+    /// The other peer has other parameters in this table, the first that differs.
     #[error("the other peer has other parameters: {0}")]
     Parameters(&'static str),
     /// It is sealed, and there is no session that could open it.

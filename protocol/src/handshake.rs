@@ -188,7 +188,7 @@ impl Handshake {
         self.offered.iter().any(|(challenge, first_us)| *challenge == greeting.echo && good(*first_us))
     }
 
-    /// The session that a fresh greeting leads to, unless the two peers were told different things.
+    /// The session that a fresh greeting leads to, unless the two peers have different parameters.
     pub(crate) fn accept(&mut self, now: u64, greeting: &Greeting) -> Result<Session, Refusal> {
         if let Some(table) = self.parameters.difference(greeting.count, &greeting.tables) {
             return Err(Refusal::Parameters(table));

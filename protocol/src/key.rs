@@ -39,7 +39,7 @@ impl Role {
     }
 }
 
-/// 32 secret bytes.
+/// A secret key of 32 bytes.
 #[derive(Clone)]
 pub struct Key([u8; Self::LEN]);
 
@@ -58,7 +58,7 @@ impl Drop for Key {
 }
 
 impl Key {
-    /// Bytes.
+    /// Length of a key, bytes.
     pub const LEN: usize = 32;
 
     /// A key from its bytes, which must come from a good source of randomness and stay secret.
@@ -72,7 +72,7 @@ impl Key {
         if number == 0 { self.clone() } else { self.derive("line").with(&number.to_le_bytes()).end() }
     }
 
-    /// Bytes of [`Key::image`].
+    /// Length of [`Key::image`], bytes.
     pub const IMAGE: usize = 64;
 
     /// The key as a microcontroller keeps it in flash: `haptpeer` or `haptoper`, by its role, 8 zeros, a tag by which the key

@@ -33,7 +33,7 @@
 //!         key: Key::new([7; 32]), // from a key file, the same for both
 //!         ends: Ends { local: PeerId(local), remote: PeerId(remote) },
 //!         packet_period_us: 8_000,
-//!         parameters,           // what both must have been told alike
+//!         parameters,           // the settings that both must share
 //!         entropy: [local; 32], // from the random number generator, at every start
 //!     })
 //!     .unwrap()

@@ -14,7 +14,7 @@ use heapless::{String, Vec};
 
 use crate::{link::Link, wire::Event};
 
-/// Longest line, bytes.
+/// Longest line of text, bytes.
 pub const LONGEST: usize = 384;
 /// Code of an event that is part of a line, with more to follow.
 pub const PART: u16 = 1;
@@ -32,7 +32,7 @@ pub type Line = String<LONGEST>;
 /// A line that was heard.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Heard {
-    /// What it says.
+    /// The text of the line.
     pub line: Line,
     /// How long ago it was said, at the most, µs; `None`: before this session.
     pub age_us: Option<u64>,

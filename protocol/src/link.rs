@@ -51,7 +51,7 @@ pub struct Config {
     pub ends: Ends,
     /// How often flow is sent, µs.
     pub packet_period_us: u32,
-    /// What both peers must have been told alike.
+    /// The settings that both peers must share.
     pub parameters: Parameters,
     /// 32 random bytes, never the same at two starts of this peer: from a true random number generator.
     pub entropy: [u8; Key::LEN],
@@ -94,11 +94,11 @@ pub enum Stage {
     Joining = 1,
     /// Heard, but no flow comes: the other peer is there and does not coordinate.
     Idle = 2,
-    /// Flow comes.
+    /// Flow comes: the peers coordinate.
     Running = 3,
     /// Flow stays away; the coordination lets go.
     Fading = 4,
-    /// The other peer was told other parameters; still saying hello, in case it is told better.
+    /// The other peer has other parameters; this one still says hello, in case they are corrected.
     Refused = 5,
 }
 
@@ -122,14 +122,14 @@ pub enum Notice {
     Lost,
     /// Flow comes too late and is not taken: its delay one way, µs. Told once, until flow is taken again.
     Old(u32),
-    /// The other peer was told something else: the first table of parameters that differs.
+    /// The other peer has other parameters: the name of the first table that differs.
     Refused(&'static str),
 }
 
 /// What a link has counted since it was made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
-    /// Sealed datagrams opened.
+    /// Sealed datagrams opened and accepted.
     pub taken: u32,
     /// Sealed datagrams of the other peer that never came.
     pub missing: u32,
@@ -137,7 +137,7 @@ pub struct Counts {
     pub late: u32,
     /// Flow whose delay was more than is allowed, dropped.
     pub old: u32,
-    /// Datagrams refused.
+    /// Datagrams refused, of any kind.
     pub refused: u32,
 }
 
@@ -189,6 +189,9 @@ pub struct Link {
 
 impl Link {
     /// A link that begins to call at its first [`Link::poll`].
+    ///
+    /// # Errors
+    /// Two ends with one number, or a packet period out of range.
     pub fn new(config: Config) -> Result<Self, ConfigError> {
         let Config { key, ends, packet_period_us, parameters, entropy } = config;
         let entropy = Key::new(entropy);
@@ -238,31 +241,31 @@ impl Link {
         })
     }
 
-    /// The same link on line `number` of a server that has a line for each of its clients; the key of the configuration
-    /// must be that line's ([`Key::line`]). A server tells greetings apart by their line and sealed datagrams by their
-    /// session ([`Link::session_number`]), so that neither addresses nor the 256 peer numbers limit it.
+    /// This link on line `number` of a server that has a line for each of its clients; the key of the configuration
+    /// must be that line's ([`Key::line`]). A server tells greetings apart by their line and sealed datagrams by
+    /// their session ([`Link::session_number`]), so that neither addresses nor the 256 peer numbers limit it.
     pub fn on_line(mut self, number: u32) -> Self {
         self.handshake.set_line(number);
         self
     }
 
-    /// The same link, for peers that are apart only after so long a silence, µs, if that is longer than 12 packet periods and than
-    /// 96 ms: both the session and the engagement last until then.
+    /// This link, but the session and the engagement end only after `silence_us` µs without a datagram, if that is
+    /// longer than 12 packet periods and than 96 ms.
     pub fn apart_after(mut self, silence_us: u32) -> Self {
         self.engagement = Engagement::new(self.period_us, silence_us);
         self
     }
 
-    /// The same link, which takes flow only while it needs at most `max_delay_us` one way. Measured is the way there and back: from
-    /// when this end sealed the newest datagram that the flow's sender had opened, to when the flow came. Half of that is the delay;
-    /// so whatever happens on the path, no flow that is taken is older than twice as much.
+    /// This link, which takes flow only while its one-way delay is at most `max_delay_us` µs. The delay is half of
+    /// the measured round trip, from when this end sealed the newest datagram that the flow's sender had opened to
+    /// when the flow came; so whatever happens on the path, no flow that is taken is older than twice as much.
     pub fn within(mut self, max_delay_us: u32) -> Self {
         self.max_delay_us = max_delay_us;
         self
     }
 
-    /// The same link for flow that is sent only where it is worth it, each `longest_us` at the latest, µs: it probes as often as if flow
-    /// went out so seldom, not to speak more than the flow does. How long silence is borne is what it was.
+    /// This link, for flow that is sent only when it is worth it, every `longest_us` µs at the latest: it probes as
+    /// seldom as the flow may come. The silence that ends a session stays as it is.
     pub fn keeping_silent(mut self, longest_us: u32) -> Self {
         self.pace_us = longest_us.max(self.period_us);
         self
@@ -341,7 +344,10 @@ impl Link {
         len
     }
 
-    /// Takes an event in charge: it arrives once and in order, or the peer it was for is gone. Gives its number.
+    /// Queues an event for reliable delivery, once and in order, unless the other peer goes. Gives its number.
+    ///
+    /// # Errors
+    /// As many events are under way as there is room for.
     pub fn push_event(&mut self, event: Event) -> Result<u32, Full> {
         self.sender.push(event)
     }
@@ -434,7 +440,7 @@ impl Link {
         from.saturating_add(u64::from(self.period_us).saturating_mul(u64::from(periods)))
     }
 
-    /// The same in the longest silence of flow.
+    /// The time after so many of the longest silences of flow, µs.
     fn paced(&self, from: u64, silences: u32) -> u64 {
         from.saturating_add(u64::from(self.pace_us).saturating_mul(u64::from(silences)))
     }

@@ -1,4 +1,4 @@
-//! Notices: what is told once, oldest first, in bounded memory; of a teller that nobody asks the oldest go.
+//! Notices: a bounded queue of what has happened, taken once and oldest first; when it is full, the oldest are dropped.
 
 use heapless::Deque;
 

@@ -1,4 +1,4 @@
-//! Parameters: whether two peers were told the same, and if not, in which table they differ.
+//! Parameters: whether the settings of two peers agree, and if not, in which table they differ.
 //!
 //! Two peers that couple with different gains are each stable in theory and not together. So every greeting carries a hash
 //! of each table of parameters that must be equal, and a peer refuses another by naming the first that is not. What may
@@ -62,12 +62,15 @@ pub struct Parameters {
 pub struct TooManyTables;
 
 impl Parameters {
-    /// No table: peers agree whatever they were told.
+    /// No table: peers agree whatever their settings are.
     pub fn new() -> Self {
         Self::default()
     }
 
     /// The tables of `keys`, each a table's name, a key's and its value, table by table; `put` says what kind of value it is.
+    ///
+    /// # Errors
+    /// More tables than there is room for.
     pub fn of<V>(
         keys: impl IntoIterator<Item = (&'static str, &'static str, V)>,
         put: impl Fn(Table, &'static str, V) -> Table,
@@ -87,6 +90,9 @@ impl Parameters {
     }
 
     /// Adds a table; both peers add the same ones in the same order.
+    ///
+    /// # Errors
+    /// More tables than there is room for.
     pub fn add(&mut self, table: Table) -> Result<(), TooManyTables> {
         self.names.push(table.name).map_err(|_| TooManyTables)?;
         self.hashes.push(table.hash.first()).map_err(|_| TooManyTables)

@@ -1,4 +1,4 @@
-//! Between the coordination and the wire (feature `peer`): packets of haptic-core and flow, what two peers must have been told alike,
+//! Between the coordination and the wire (feature `peer`): packets of haptic-core and flow, the settings that two peers must share,
 //! and what waits for the next exchange. The same for a board and a PC.
 
 use haptic_core::law::{Packet, event::LONGEST};
@@ -8,7 +8,7 @@ use haptic_core::settings::{Settings, Value};
 use crate::link::{Config, ConfigError, Link};
 use crate::{ends::Ends, key::Key, parameters::Parameters, playout::Playout, wire::Along, wire::Flows, wire::Message};
 
-/// What both peers must have been told alike, as a greeting names it.
+/// The settings that both peers must share, as a greeting carries them.
 pub fn parameters_of(settings: &Settings) -> Parameters {
     Parameters::of(settings.shared(), |table, key, value| match value {
         Value::Number(number) => table.number(key, number),
@@ -19,8 +19,8 @@ pub fn parameters_of(settings: &Settings) -> Parameters {
     .unwrap_or_default()
 }
 
-/// A link to the other peer that begins to call, as these settings want it: how often flow is sent, what both must have been told
-/// alike, and for how long silence and delay are borne.
+/// A link to the other peer that begins to call, as these settings want it: how often flow is sent, which settings both must share,
+/// and for how long silence and delay are borne.
 ///
 /// # Errors
 /// [`Link::new`]'s.

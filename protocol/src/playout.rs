@@ -64,7 +64,7 @@ fn after(a: u32, b: u32) -> bool {
 }
 
 impl<P> Playout<P> {
-    /// Nothing waiting; packets come every `ticks_per_packet` and wait for `depth_packets` times that.
+    /// An empty buffer; packets come every `ticks_per_packet` and wait for `depth_packets` times that.
     pub fn new(depth_packets: u32, ticks_per_packet: u32) -> Self {
         Self {
             depth: depth_packets.saturating_mul(ticks_per_packet).min(i32::MAX as u32 / 2),
@@ -133,7 +133,7 @@ impl<P> Playout<P> {
         Some(packet)
     }
 
-    /// Packets that wait.
+    /// Number of packets in the buffer.
     pub fn waiting(&self) -> usize {
         self.waiting.len()
     }

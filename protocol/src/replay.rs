@@ -2,7 +2,7 @@
 //!
 //! A ring of bits, one for each of the newest sequence numbers; when a newer one comes, the words it enters are cleared
 //! instead of shifting anything. One word of the ring is always being filled, so that [`Window::REACH`] =
-//! 256 − 32 = 224 numbers behind the newest are told apart, in whatever order they come; older ones are refused.
+//! 256 − 32 = 224 numbers behind the newest are remembered, in whatever order they come; older ones are refused.
 //!
 //! **Invariant**: [`Window::check`] changes nothing, and [`Window::take`] is called only after the tag was found right,
 //! so that nobody without the key can move the window. **Limit**: numbers from [`SEQUENCE_LIMIT`] on are refused.
@@ -12,7 +12,7 @@ use crate::error::Refusal;
 /// The first sequence number that is never used: far below the wrap, further than a peer can count.
 pub const SEQUENCE_LIMIT: u64 = u64::MAX - (1 << 14) + 1;
 
-/// Which sequence numbers have been taken.
+/// A window over the newest sequence numbers that remembers which of them were taken.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Window {
     /// One more than the newest number taken, 0 before the first.
@@ -23,7 +23,7 @@ pub struct Window {
 impl Window {
     const WORD_BITS: u64 = u32::BITS as u64;
     const WORDS: usize = 8;
-    /// How far behind the newest number any number is still told apart.
+    /// How far behind the newest number a number is still remembered.
     pub const REACH: u64 = (Self::WORDS as u64 - 1) * Self::WORD_BITS;
 
     fn place(sequence: u64) -> (usize, u32) {
@@ -32,6 +32,9 @@ impl Window {
     }
 
     /// Whether `sequence` could be taken; changes nothing.
+    ///
+    /// # Errors
+    /// The number was taken before, is too old, or lies beyond the last number.
     pub fn check(&self, sequence: u64) -> Result<(), Refusal> {
         if sequence >= SEQUENCE_LIMIT {
             return Err(Refusal::BeyondLast);
@@ -50,6 +53,9 @@ impl Window {
     }
 
     /// Takes `sequence`, whose datagram has been found authentic.
+    ///
+    /// # Errors
+    /// The number was taken before, is too old, or lies beyond the last number.
     pub fn take(&mut self, sequence: u64) -> Result<(), Refusal> {
         self.check(sequence)?;
         if sequence >= self.next {

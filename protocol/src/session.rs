@@ -35,7 +35,7 @@ pub(crate) struct Offer {
     pub incarnation: u64,
 }
 
-/// What both ends of a session were told, as a greeting carries it.
+/// The settings of both ends of a session, as a greeting carries them.
 pub(crate) type Agreed = (u8, [TableHash; TABLES]);
 
 #[cfg_attr(test, derive(Clone))]
@@ -119,7 +119,7 @@ impl Session {
         self.remote == Offer { ephemeral: greeting.ephemeral, incarnation: greeting.incarnation }
     }
 
-    /// What its datagrams are told apart by; not secret.
+    /// Number by which the session's datagrams are told apart; not secret.
     pub(crate) fn number(&self) -> u32 {
         self.number
     }

@@ -29,12 +29,12 @@ pub const GENTLE_N_PER_S: f64 = 5.0;
 /// Round trip that is assumed before one is measured, s.
 pub const LONGEST_S: f64 = 0.5;
 
-/// What a contact may do.
+/// The contact that the measured round trip allows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bound<S> {
-    /// K', N/m.
+    /// Largest contact stiffness K', N/m.
     pub stiffness: S,
-    /// B', N·s/m.
+    /// Largest contact damping B', N·s/m.
     pub damping: S,
     /// β, the damping of the object at its engine for the sake of this user, N·s/m.
     pub drag: S,
@@ -44,7 +44,7 @@ pub struct Bound<S> {
 #[derive(Clone, Copy, Debug)]
 pub struct Bounder<S> {
     stiffness: S,
-    /// B/K, s.
+    /// Ratio of damping to stiffness B/K, s.
     damping_s: S,
     device_damping: S,
     margin: S,

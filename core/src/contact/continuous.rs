@@ -11,10 +11,10 @@ use crate::object::port::{Port, met_midway};
 use crate::settings::{Refused, Settings};
 use crate::{model::Model, names::Side};
 
-/// Where contact begins.
+/// How far the device and the object are from contact, by the kind of contact.
 #[derive(Clone, Copy, Debug)]
 enum Surface<S> {
-    /// Always in contact.
+    /// Two-sided contact: the device is held to the object all the time.
     Held,
     /// Free within ± this distance, m.
     Play(S),
@@ -78,7 +78,7 @@ impl<S: Scalar> Contact<S> {
         position + self.clearance
     }
 
-    /// The same contact with another stiffness (N/m) and damping (N·s/m).
+    /// This contact with another stiffness (N/m) and damping (N·s/m); surface and period stay.
     #[must_use]
     pub fn with_gains(self, stiffness: S, damping: S) -> Self {
         Self { stiffness, damping, impedance: stiffness * self.half_period + damping, ..self }
@@ -113,7 +113,8 @@ impl<S: Scalar> Contact<S> {
         }
     }
 
-    /// The same as a port: the spring is pressed on while the object moves through the tick, the device as it was sensed.
+    /// The contact as a port of the object: the spring is pressed on while the object moves through the tick, the
+    /// device as it was sensed.
     #[inline]
     pub fn port(&self, device: Motion<S>, object: Motion<S>) -> Press<S> {
         let Some(depth) = self.depth(device.position - object.position) else { return Press::default() };

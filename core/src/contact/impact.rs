@@ -30,14 +30,14 @@ use crate::num::{Motion, Scalar};
 /// Impacts that one step may hold.
 pub const MOST: u32 = 64;
 
-/// A round body.
+/// A round body: a disc in the plane, a ball in space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body<S, const D: usize> {
-    /// Where its centre is and how it moves, along each axis.
+    /// Position (m) and velocity (m/s) of its centre, along each axis.
     pub axes: [Motion<S>; D],
     /// Its radius, m, not negative.
     pub radius: S,
-    /// 1/m, 1/kg; 0 for a body that nothing moves off its course.
+    /// Inverse mass 1/m, 1/kg; 0 for a body that no impact moves.
     pub inverse_mass: S,
 }
 
@@ -50,12 +50,12 @@ pub struct Wall<S, const D: usize> {
     pub offset: S,
 }
 
-/// What happened in a step.
+/// Impulses and energy of the impacts in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Account<S, const D: usize, const N: usize> {
     /// Impulse ΔQ that each body took, N·s.
     pub impulses: [[S; D]; N],
-    /// Impacts.
+    /// Number of impacts in the step.
     pub impacts: u32,
     /// Energy that restitution below 1 took, J.
     pub lost_j: S,
@@ -84,14 +84,14 @@ fn dot<S: Scalar, const D: usize>(a: [S; D], b: [S; D]) -> S {
     a.into_iter().zip(b).fold(S::ZERO, |sum, (a, b)| sum + a * b)
 }
 
-/// `a + factor·b`.
+/// The vector `a + factor·b`.
 fn add<S: Scalar, const D: usize>(mut a: [S; D], factor: S, b: [S; D]) -> [S; D] {
     a.iter_mut().zip(b).for_each(|(a, b)| *a = *a + factor * b);
     a
 }
 
-/// When two bodies at the distance `d` (m) that moves by `v` (m/s) come to touch, and the line of impact: seconds from now,
-/// 0 if they touch already; `None` if they do not approach each other, or pass.
+/// Time until two bodies at the distance `d` (m), which changes by `v` (m/s), touch, and the line of impact: seconds
+/// from now, 0 if they touch already; `None` if they do not approach each other, or pass.
 pub fn time_of_impact<S: Scalar, const D: usize>(d: [S; D], v: [S; D], touch: S) -> Option<(S, [S; D])> {
     let (speed, approach) = (dot(v, v), -dot(d, v));
     // NaN is no approach.
@@ -117,11 +117,11 @@ pub fn time_of_impact<S: Scalar, const D: usize>(d: [S; D], v: [S; D], touch: S)
 /// What an impact does to the first of two bodies; the second takes the opposite.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exchange<S, const D: usize> {
-    /// Impulse, N·s.
+    /// Impulse on the first body, N·s.
     pub impulse: [S; D],
     /// Change of the velocity of the first, and of that of the second the other way, m/s.
     pub changes: [[S; D]; 2],
-    /// Energy lost, J.
+    /// Kinetic energy that the impact dissipates, J; not negative.
     pub lost_j: S,
 }
 
@@ -242,7 +242,7 @@ fn earliest<S: Scalar, const D: usize, const N: usize>(
     first
 }
 
-/// Exchanges momentum.
+/// Applies the momentum exchange of the next impact to its bodies and adds it to the account.
 fn hit<S: Scalar, const D: usize, const N: usize>(
     bodies: &mut [Body<S, D>; N],
     next: &Next<S, D>,

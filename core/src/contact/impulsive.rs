@@ -39,7 +39,7 @@ use crate::object::Port;
 use crate::safety::Guard;
 use crate::settings::{Allowed, Refused, Settings};
 
-/// Ticks after a pulse until the device's velocity tells of it: one of delay, one of pulse.
+/// Ticks after a pulse until the device's velocity shows it: one of delay, one of pulse.
 pub const SETTLING: u32 = 2;
 
 /// Ticks after [`SETTLING`] within which another impact is chatter: of a hop that short, more is settled than flown.
@@ -101,9 +101,9 @@ impl<S: Scalar> Model<S> for Impulsive<S> {
 
 /// What contact does in this tick.
 enum Act<S> {
-    /// This force (N) is asked for; what of it the guard gives, the object has taken.
+    /// A pulse of this force (N) is asked for; as much of it as the guard lets through, the object has taken.
     Pulse(S),
-    /// The spring.
+    /// The object is pushed by the contact's spring and damper in this tick.
     Spring,
 }
 

@@ -22,7 +22,7 @@ pub use continuous::Contact;
 pub use rendering::{Impacts, Press, Rendering, Strikes, Touch};
 
 list! {
-    /// Any way to render contact.
+    /// Any rendering of contact.
     AnyRendering, named by RenderingName in contact.rendering {
         Continuous(Contact<S>),
         Impulsive(impulsive::Impulsive<S>),
@@ -30,7 +30,7 @@ list! {
 }
 
 impl<S: Scalar> AnyRendering<S> {
-    /// [`Rendering::clear_of`].
+    /// Where the object has to be to be just clear of a device at `position`, m ([`Rendering::clear_of`]).
     pub fn clear_of(&self, position: S) -> S {
         each!(self: Continuous | Impulsive, model => model.clear_of(position))
     }
@@ -51,7 +51,7 @@ impl<S: Scalar> AnyRendering<S> {
         })
     }
 
-    /// The same of [`Rendering::press`].
+    /// One tick of the contact as a port ([`Rendering::press`]), and the object as impacts left it.
     #[inline]
     pub fn press(
         &self,

@@ -4,7 +4,7 @@ use crate::model::Model;
 use crate::num::{Motion, Scalar, Sum};
 use crate::object::Port;
 
-/// What contact does in one tick.
+/// Forces of the contact in one tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Touch<S> {
     /// Force that pushes the object through this tick, N.
@@ -13,43 +13,45 @@ pub struct Touch<S> {
     pub felt: S,
 }
 
-/// What contact does in one tick of a copy that is moved by ports.
+/// Forces of the contact in one tick of a copy that is moved by ports.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Press<S> {
-    /// What pushes the object.
+    /// The port that pushes the object.
     pub port: Port<S>,
-    /// Its sign tells which way alone the port may push; 0: both ways.
+    /// Sign of the only force that the port may have on the object; 0: either sign.
     pub toward: S,
     /// Force on the object whose reaction the device feels beside that of the port, N: a pulse.
     pub pulse: S,
 }
 
-/// Impacts since arming, and what of them reached the hand.
+/// Impacts since arming, and how much of their impulse reached the hand.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Impacts<S> {
-    /// Impacts.
+    /// Number of impacts since arming.
     pub count: u32,
-    /// Σ|ΔQ| that they ask for, N·s.
+    /// Sum of the impulses that the impacts ask for Σ|ΔQ|, N·s.
     pub wanted_n_s: S,
-    /// What of it both took so far, within the limits of force and slew, N·s. The rest is under way, or was not needed: somebody
-    /// pulled them apart.
+    /// Impulse of that which both took so far, within the limits of force and slew, N·s. The rest is still to come,
+    /// or was not needed because somebody pulled them apart.
     pub delivered_n_s: S,
     /// Energy that restitution below 1 took, J.
     pub lost_j: S,
 }
 
-/// A way to render contact. What it remembers is the same for all, so that a scene of springs pays for no other.
+/// A rendering of contact. All renderings share one type of state, so that a scene of springs does not pay for
+/// another.
 pub trait Rendering<S: Scalar>: Model<S> {
     /// Where an object must be put so that a device at `position` (m) does not touch it before it has crossed the gap.
     fn clear_of(&self, position: S) -> S;
     /// One tick: the contact of device and object, given the force (N) that the device was last commanded. Impacts move
     /// the object on.
     fn touch(&self, strikes: &mut Strikes<S>, device: Motion<S>, object: &mut Motion<S>, commanded: S) -> Touch<S>;
-    /// The same for a copy that is moved by ports.
+    /// [`Rendering::touch`] where the copy is moved by ports: the contact is a port of the copy, and the impacts'
+    /// force on the device.
     fn press(&self, strikes: &mut Strikes<S>, device: Motion<S>, object: &mut Motion<S>, commanded: S) -> Press<S>;
 }
 
-/// What impulsive contact remembers, and the account.
+/// State of impulsive contact, and the account of its impacts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Strikes<S> {
     /// Where device and object were at the last tick, m; none before the first.

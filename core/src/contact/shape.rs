@@ -36,30 +36,30 @@ pub enum Shape<S, Edges> {
     /// What edges enclose: each ends where the next begins, the last where the first begins, and none cross. Which
     /// way around they go does not matter.
     Polygon(Edges),
-    /// A disc.
+    /// A disc, in contact inside its circle.
     Disc {
-        /// m.
+        /// Centre of the disc, m.
         centre: [S; 2],
-        /// m.
+        /// Radius of the disc, m.
         radius: S,
     },
 }
 
-/// How deep a point is, and the normal of the surface where it is nearest.
+/// Depth of a point inside a shape, and the normal of the nearest surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Depth<S> {
-    /// m, above 0.
+    /// Distance to the nearest surface, m; above 0.
     pub depth: S,
     /// Unit normal, out of the object.
     pub normal: [S; 2],
 }
 
-/// What a device feels of a shape.
+/// The contact of a device and a shape.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pressed<S> {
-    /// x, m; 0 where there is no contact.
+    /// Depth x of the device, m; 0 where there is no contact.
     pub depth: S,
-    /// ẋ, m/s.
+    /// Rate at which the depth grows, ẋ, m/s.
     pub rate: S,
     /// Force on the object along each axis, N; the device feels the reaction.
     pub force: [S; 2],

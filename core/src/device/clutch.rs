@@ -17,7 +17,7 @@
 use crate::num::{Motion, Scalar};
 use crate::settings::Settings;
 
-/// How fast a clutch opens and closes.
+/// The clutch's speed: the change of its ratio in one tick.
 #[derive(Clone, Copy, Debug)]
 pub struct Clutch<S> {
     /// Change of the ratio in a tick.
@@ -26,7 +26,7 @@ pub struct Clutch<S> {
 
 configured!([S: Scalar] Clutch<S> { step });
 
-/// Where a clutch is.
+/// State of a clutch: its ratio, and the offset between device and world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slip<S> {
     /// r, from 0, open, to 1.
@@ -50,35 +50,35 @@ impl<S: Scalar> Slip<S> {
         !self.open && self.ratio == S::ONE && self.offset == S::ZERO
     }
 
-    /// r: the share of the world's force that the device feels.
+    /// The share r of the world's force that the device feels, 0 to 1.
     pub fn ratio(&self) -> S {
         self.ratio
     }
 
-    /// The device as the world has it while nothing moves the clutch.
+    /// Motion of the device as the world has it (m, m/s) while nothing moves the clutch.
     pub fn of(&self, device: Motion<S>) -> Motion<S> {
         Motion { position: device.position + self.offset, velocity: self.ratio * device.velocity }
     }
 
-    /// Opens it, or closes it, from the next tick on; `device` is where the device is now, m.
+    /// Opens the clutch, or closes it, from the next tick on; `device` is where the device is now, m.
     pub fn turn(&mut self, open: bool, device: S) {
         self.open = open;
         self.last = device;
     }
 
-    /// Closed where it is, at once: for a peer that has no force yet.
+    /// Closes the clutch where it is, at once: for a peer that has no force yet.
     pub fn close(&mut self) {
         *self = Self { offset: self.offset, ..Self::default() };
     }
 }
 
 impl<S: Scalar> Clutch<S> {
-    /// From `safety.clutch_s`.
+    /// The clutch of these settings: closing it takes `safety.clutch_s`.
     pub fn build(settings: &Settings) -> Self {
         Self { step: S::from_f64(settings.timing.control_period_s / settings.safety.clutch_s) }
     }
 
-    /// One tick: the device as the world has it.
+    /// Advances the clutch by one tick: the motion of the device as the world has it, m and m/s.
     pub fn carry(&self, slip: &mut Slip<S>, device: Motion<S>) -> Motion<S> {
         slip.offset = slip.offset - (S::ONE - slip.ratio) * (device.position - slip.last);
         slip.last = device.position;

@@ -3,7 +3,7 @@
 //! Design: the zero of the controller cancels the winding, so that one number is left to choose, the crossover ω_c =
 //! 2π·`motor.current_loop_hz`: K_p = ω_c·L, K_i = ω_c·R. What is measured at the start of a period acts through the next one, 1.5
 //! periods late on average, which leaves a phase margin of 90° − 360°·f·75 µs: 63° at 1 kHz (3 % of overshoot), 36° at 2 kHz (38 %).
-//! A winding of half the inductance that was told is a loop of twice the crossover.
+//! A winding of half the configured inductance gives twice the crossover.
 //!
 //! The tick ([`CurrentLoop`]) scales the gains by the supply and hands them over; the step of a period ([`Controller::step`]) divides
 //! nothing, calls nothing and needs no FPU. The same bits come out on a board and on a PC.
@@ -26,11 +26,11 @@ use core::ops::RangeInclusive;
 use super::motor::Duty;
 use crate::settings::{Allowed, Refused, Settings};
 
-/// PWM periods a second, and steps of the loop.
+/// PWM periods, and steps of the loop, in a second.
 pub const PWM_HZ: u32 = 20_000;
-/// One of them, s.
+/// Length of a PWM period, s.
 pub const PWM_PERIOD_S: f64 = 1.0 / PWM_HZ as f64;
-/// Supplies that the gains are scaled for, mV; another is taken for the nearest of these.
+/// Range of supplies that the gains are scaled for, mV; a supply outside counts as the nearest end.
 pub const SUPPLY_MV: RangeInclusive<u32> = 6_000..=60_000;
 /// Share of the supply that the loop uses.
 pub const MOST_VOLTAGE: f64 = 0.95;
@@ -55,20 +55,23 @@ pub struct CurrentLoop {
     most: i32,
 }
 
-/// What the tick hands to the step: gains of one supply.
+/// Gains and limits for the supply of this moment, which the tick hands to the step of each PWM period.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Gains {
-    /// K_p.
+    /// Proportional gain K_p, 2⁻²⁰ counts per code.
     pub proportional: i32,
-    /// K_i over one period.
+    /// Integral gain K_i over one PWM period, 2⁻²⁰ counts per code.
     pub integral: i32,
-    /// Largest voltage, counts.
+    /// Largest voltage of either sign, timer counts.
     pub limit: i32,
-    /// Largest reference, codes.
+    /// Largest reference current of either sign, codes.
     pub most: i32,
 }
 
-/// Control periods and PWM periods fall together: as many PWM periods as there are in a control period.
+/// PWM periods in one control period.
+///
+/// # Errors
+/// A control period that is not a whole number of PWM periods.
 pub fn periods_per_tick(settings: &Settings) -> Result<u32, Refused<'static>> {
     let periods = settings.timing.control_period_s * f64::from(PWM_HZ);
     // From a tenth of a period to 2000: the cast is exact.
@@ -78,8 +81,9 @@ pub fn periods_per_tick(settings: &Settings) -> Result<u32, Refused<'static>> {
     if fits { Ok(whole) } else { Err(settings.refuses("timing.control_period_s", allowed)) }
 }
 
-/// How long after its reference a current comes, s: the area above its response to a step. The sum of what is missing, sample by
-/// sample, is 1/ω_c in any loop of this kind; half a period of the first sample was before the reference.
+/// Mean delay of the current behind its reference, s: the area above its response to a step. The sum of what is
+/// missing, sample by sample, is 1/ω_c in any loop of this kind; half a period of the first sample was before the
+/// reference.
 pub fn lag_s(settings: &Settings) -> f64 {
     1.0 / (TAU * settings.motor.current_loop_hz) - 0.5 * PWM_PERIOD_S
 }
@@ -119,7 +123,7 @@ impl CurrentLoop {
         })
     }
 
-    /// The gains at this supply.
+    /// The gains at this supply (mV).
     #[inline]
     pub fn gains(&self, supply_mv: u32) -> Gains {
         let per_mv = per_mv(supply_mv);
@@ -132,7 +136,7 @@ impl CurrentLoop {
         }
     }
 
-    /// What the back-EMF of a joint at this speed (m/s or rad/s) is, counts: 0 unless `motor.back_emf_forward`.
+    /// The expected back-EMF of a joint at this speed (m/s or rad/s), counts: 0 unless `motor.back_emf_forward`.
     #[inline]
     pub fn forward(&self, joint_speed: f32, supply_mv: u32) -> i32 {
         // A cast saturates, and takes NaN to 0.
@@ -144,7 +148,7 @@ fn per_mv(supply_mv: u32) -> f32 {
     1.0 / supply_mv.clamp(*SUPPLY_MV.start(), *SUPPLY_MV.end()) as f32
 }
 
-/// What the loop of one motor remembers; at rest when it begins.
+/// State of one motor's loop; at rest when it begins.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Controller {
     /// Voltage so far, 2⁻²⁰ counts.
@@ -168,10 +172,10 @@ impl Controller {
     }
 }
 
-/// From what a converter reads to the current that flows; without a build, none.
+/// Converts a converter's reading to a current; the default gives no current.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sensor {
-    /// What it reads at no current.
+    /// Reading of the converter at no current.
     pub zero: i32,
     /// Codes per step of the converter, 2⁻¹²: a sensor of 1 % of full scale to one of a hundred times it.
     codes_per_step: i32,
@@ -191,7 +195,7 @@ impl Sensor {
         Self { zero: half, codes_per_step: (per_step * f64::from(1_u32 << SCALE) + 0.5) as i32 }
     }
 
-    /// The current, codes.
+    /// The current that a reading of the converter stands for, codes.
     #[inline(always)]
     pub fn codes(self, read: u16) -> i32 {
         let codes = (i64::from(i32::from(read) - self.zero) * i64::from(self.codes_per_step)) >> SCALE;

@@ -34,17 +34,17 @@ pub struct Encoder<S> {
 
 configured!([S: Scalar] Encoder<S> { counts_per_unit, resolution, max_step_counts, along, revolution, index_at });
 
-/// What an encoder showed beside its count since the tick before.
+/// Edges and index of an encoder since the tick before, beside its count.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Marks {
-    /// One of its channels rose twice or more, and the other did not.
+    /// One channel rose twice or more, and the other not at all.
     pub lone: bool,
-    /// What the counter said when the index came, if it came.
+    /// The counter's value at the index, if the index came.
     pub index: Option<Counts>,
 }
 
 impl Marks {
-    /// Of an encoder whose channels A and B rose `once` at least, and `again` after that.
+    /// The marks of an encoder whose channels A and B rose `once` at least, and `again` after that.
     #[inline(always)]
     pub fn of(once: [bool; 2], again: [bool; 2], index: Option<Counts>) -> Self {
         Self { lone: again[0] & !once[1] | again[1] & !once[0], index }
@@ -58,11 +58,11 @@ pub struct EncoderState {
     pub total: i32,
     /// The last reading that was believed.
     pub last: Counts,
-    /// A first reading has been taken; without it, the next one is taken as where the joint already is.
+    /// A reading has been taken; without one, the next defines where the joint already is.
     pub primed: bool,
-    /// Where the index was first seen, as counts of `total`.
+    /// Position of the index as it was first seen, as counts of `total`.
     pub index: Option<i32>,
-    /// Ticks of one channel without the other.
+    /// Memory of ticks in which one channel rose without the other.
     pub lone: Patience,
 }
 
@@ -71,14 +71,17 @@ pub struct EncoderState {
 const SPEED_MARGIN: f64 = 1.25;
 /// …and by these counts, one for the rounding of each of the two readings.
 const ROUNDING_COUNTS: f64 = 2.0;
-/// Ticks of one channel without the other: a device that hums on an edge makes no two rising edges a tick, a cut wire does from 8
-/// counts a tick on.
+/// Ticks with edges of one channel only that are a fault: a device that hums on an edge makes no two rising edges a
+/// tick, a cut wire does from 8 counts a tick on.
 pub const LONE_TICKS: u32 = 4;
 /// Counts that an index may be off by: it is a period wide at most, and comes from either side.
 pub const INDEX_COUNTS: i32 = 4;
 
 /// Refuses an encoder.max_speed_m_per_s at which the counter could wrap between two readings: a motion that fast would be
 /// taken for a slower one, the other way.
+///
+/// # Errors
+/// The key and the largest speed (m/s) that the counter can follow.
 pub fn check(settings: &Settings) -> Result<(), Refused<'static>> {
     let Joints { counts_per_unit, most_per_m, .. } = Joints::of(settings);
     let counts_per_speed = SPEED_MARGIN * most_per_m * settings.timing.control_period_s * counts_per_unit;
@@ -128,7 +131,7 @@ impl<S: Scalar> Encoder<S> {
         S::from_i32(state.total).ratio(self.counts_per_unit)
     }
 
-    /// Whether what both showed is to be heeded: most of the time it changes nothing.
+    /// Whether what both showed needs [`Encoder::heed`]: in most ticks it changes nothing.
     #[inline(always)]
     pub fn heeds<const N: usize>(states: [&EncoderState; N], marks: &[Marks; N]) -> bool {
         let calm = Patience::default();

@@ -12,7 +12,7 @@ use crate::num::{Motion, Scalar};
 use crate::safety::Fault;
 use crate::{device::leaky::Leaky, settings::Settings};
 
-/// Limits over time.
+/// Limits of mean force, power and energy at the hand, over time.
 #[derive(Clone, Copy, Debug)]
 pub struct Envelope<S> {
     leaky: Leaky<S>,
@@ -41,14 +41,14 @@ impl<S: Scalar> Envelope<S> {
         }
     }
 
-    /// One tick with the motors off.
+    /// Advances the means by one tick with the motors off.
     #[inline]
     pub fn rest(&self, load: &mut Load<S>) {
         load.force = self.leaky.forget(load.force);
         load.power = self.leaky.forget(load.power);
     }
 
-    /// One tick of forces (N) on axes that move: what is too much, if something is.
+    /// Advances the means by one tick of forces (N) on axes that move: the limit that is exceeded, if any.
     #[inline]
     pub fn exceeded<const N: usize>(&self, load: &mut Load<S>, forces: [S; N], power: S) -> Option<Fault> {
         let given = power.max(S::ZERO);

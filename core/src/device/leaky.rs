@@ -1,4 +1,4 @@
-//! A mean that forgets: m ← m·(1 − T/τ) + x·T/τ, once every T.
+//! A leaky mean: m ← m·(1 − T/τ) + x·T/τ, once every T.
 //!
 //! A constant x from m = 0 on passes a limit after −τ·ln(1 − limit/x); exactly, with the first n for which
 //! 1 − (1 − T/τ)ⁿ > limit/x. One that is below the limit never does. A mean of squares is what warms a winding and tires a hand.
@@ -7,7 +7,7 @@
 
 use crate::num::Scalar;
 
-/// How fast a mean forgets.
+/// A leaky mean: the share of a new value in it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Leaky<S> {
     /// T/τ, and what is left of 1.
@@ -18,7 +18,7 @@ pub struct Leaky<S> {
 configured!([S: Scalar] Leaky<S> { share, keep });
 
 impl<S: Scalar> Leaky<S> {
-    /// One that takes a value in every `period_s` and forgets over `time_s`; within a period, if that is longer.
+    /// A leaky mean of one value every `period_s` with the time constant `time_s`; `period_s` where that is longer.
     pub fn new(period_s: f64, time_s: f64) -> Self {
         let share = (period_s / time_s).min(1.0);
         Self { share: S::from_f64(share), keep: S::from_f64(1.0 - share) }
@@ -30,7 +30,7 @@ impl<S: Scalar> Leaky<S> {
         mean * self.keep + value * self.share
     }
 
-    /// The mean after a value of nothing.
+    /// The mean after a value of zero.
     #[inline(always)]
     pub fn forget(&self, mean: S) -> S {
         mean * self.keep

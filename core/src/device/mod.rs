@@ -8,14 +8,14 @@
 //! | [`scale`] | a device that is larger or smaller than the shared world |
 //! | [`clutch`] | a device that comes free of the world, moves, and takes hold again |
 //! | [`constraint`] | the force that holds an unused axis on its line |
-//! | [`leaky`] | a mean that forgets |
+//! | [`leaky`] | a leaky mean |
 //! | [`motor`] | joint force → duty |
 //! | [`current`] | duty, which is a current, → voltage of the motor: 20 000 times a second |
 //! | [`stage`] | what the power stage of the motors measured |
 //! | [`stage_watch`] | motors, their power stage and their encoders, by what the stage measured |
 //! | [`thermal`] | how warm a motor's winding is |
 //! | [`envelope`] | force and power on the hand, within their limits over time |
-//! | [`watch`] | encoders that lie: stuck, or counting the wrong way |
+//! | [`watch`] | encoders that fail: stuck, or counting the wrong way |
 //! | [`probe`] | a motor pushed open loop, within limits: calibration and the check before arming |
 //! | [`winding`] | what voltage and current say of motor, sensor, bridge and encoder, before a loop is closed around them |
 //!
@@ -43,14 +43,14 @@ use crate::names::{FixtureName, RenderingName};
 use crate::num::Motion;
 use crate::settings::{Allowed, Refused, Settings};
 
-/// Most axes, and joints, of a device in the plane, which is what a peer has unless it says another number: three are one in space.
+/// Number of axes, and joints, of a peer's device unless it is given: two in the plane; a device in space has three.
 pub const AXES: usize = 2;
 
 /// Raw value of a timer in encoder mode; wraps modulo 2¹⁶.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts(pub u16);
 
-/// What a device says about where it is, once per tick.
+/// The position of the device, read once per tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Reading<S, const N: usize = AXES> {
     /// Raw counts of every joint's encoder: a real device, or a simulated one down to its encoders.

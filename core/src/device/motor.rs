@@ -18,7 +18,7 @@ pub struct Duty(pub i16);
 impl Duty {
     /// The code of full current.
     pub const FULL_SCALE: i16 = i16::MAX;
-    /// No current.
+    /// The code of zero current.
     pub const OFF: Self = Self(0);
 }
 

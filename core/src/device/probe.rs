@@ -3,9 +3,9 @@
 //! Calibration and the check before arming need motion whose cause is known, from a device of which neither scale nor sign
 //! may be known yet. So a probe commands a duty, not a force, and its limits are in duty, encoder counts and seconds:
 //! largest duty, travel from where it began, counts in one tick, duration (table `probe`). At any of them the motor is off in
-//! the same tick, and why is kept until the next probe. The guards of [`crate::safety`] stand as well, and trip as ever.
+//! the same tick, and the reason is kept until the next probe. The guards of [`crate::safety`] trip as always.
 //!
-//! | shape | duty, in the largest | for |
+//! | shape | duty, as a fraction of the largest | for |
 //! |---|---|---|
 //! | `pulse` | 1 | holding against a gauge |
 //! | `swing` | 1, −1, −1, 1, a quarter of the time each | sign, inertia: a device without friction ends where it began, at rest |
@@ -16,7 +16,7 @@
 //! [`Outcome::verdict`]: whatever the device, as long as it is passive and began at rest, a motor cannot have taken work
 //! out of it. So W = Σ sign(duty)·Δcounts, duty and counts both along the joint, never falls below zero where the signs of
 //! motor and encoder agree, and never rises above it where they do not. A hand that pushes one way gives both, and is
-//! told apart: no verdict. Force follows duty late, by a tick or two; so the first three after a change of sign do not
+//! recognised: no verdict. Force follows duty late, by a tick or two; so the first three after a change of sign do not
 //! count.
 //!
 //! **With a current loop** the check begins with a trial ([`winding`]), before the loop is closed, and ends with what voltage and current say
@@ -77,12 +77,12 @@ words! {
     }
 }
 
-/// What to push with.
+/// A probe as it is asked for: joint, waveform, duty and duration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Request {
-    /// Which joint, from 1.
+    /// Number of the joint to push, from 1.
     pub joint: u32,
-    /// How.
+    /// Waveform of the push.
     pub shape: Shape,
     /// Largest duty, a fraction of full scale (of a winding: voltage, a fraction of the supply); along the joint as `motor.reversed` has it.
     pub duty: f64,
@@ -112,12 +112,12 @@ pub struct Probe<S> {
     expected: Expected,
 }
 
-/// Times the largest duty that a motor's current may not pass while a loop holds it; and [`SMALL_CODES`] on top.
+/// Factor over the largest duty, plus [`SMALL_CODES`], that a motor's current may not exceed while a loop holds it.
 pub const RUNAWAY: i32 = 2;
 /// A thirty-second of full scale: more than any noise.
 pub const SMALL_CODES: i32 = 1024;
 
-/// Ticks after a change of sign that do not count; a force that follows its duty by two is still told right.
+/// Ticks after a change of sign that do not count; a force that follows its duty by two is still judged right.
 const LATE_TICKS: u32 = 3;
 
 /// Travel of the check before arming, in the work that it asks for: an undisturbed swing travels twice its work.
@@ -125,6 +125,9 @@ const CHECK_TRAVEL: u32 = 20;
 
 impl<S: Scalar> Probe<S> {
     /// A probe within the limits of the table `probe`.
+    ///
+    /// # Errors
+    /// The number that lies outside the limits of the table `probe`, with its range.
     pub fn build(settings: &Settings, request: &Request) -> Result<Self, Refused<'static>> {
         let limits = &settings.probe;
         let most = limits.max_duty.min(settings.motor.max_duty);
@@ -159,6 +162,9 @@ impl<S: Scalar> Probe<S> {
     }
 
     /// The check before arming of `joint` (from 1): a weak swing, over a short way.
+    ///
+    /// # Errors
+    /// A joint that the device does not have, or a key of the check that is out of range.
     pub fn check(settings: &Settings, joint: u32) -> Result<Self, Refused<'static>> {
         let probe = &settings.probe;
         let (duty, duration_s) = (probe.check_duty, probe.check_s);
@@ -204,12 +210,12 @@ fn within(key: &'static str, number: f64, [min, max]: [f64; 2], unit: &'static s
     Err(Refused { key, value: Value::Number(number), allowed: Allowed::Number { min, max }, unit })
 }
 
-/// What came of a probe.
+/// Outcome of a probe.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Outcome {
-    /// Which joint, from 1; 0 before the first probe.
+    /// Number of the joint that was pushed, from 1; 0 before the first probe.
     pub joint: u32,
-    /// How it ended.
+    /// How the probe ended.
     pub end: End,
     /// Most work of the motor so far, counts; never below 0.
     pub most_counts: i32,
@@ -217,19 +223,19 @@ pub struct Outcome {
     pub least_counts: i32,
     /// Work at which a verdict is passed, counts.
     pub verdict_counts: i32,
-    /// It was the check before arming.
+    /// Whether the probe was the check before arming.
     pub check: bool,
-    /// What voltage and current said at its end; none without a current loop.
+    /// Electrical measurements at the end of the probe; none without a current loop.
     pub electric: Option<Electric>,
 }
 
 impl Outcome {
-    /// The check before arming was passed.
+    /// Whether the check before arming was passed.
     pub fn passed(&self) -> bool {
         self.check && self.verdict() == Verdict::Agree
     }
 
-    /// What a swing says about the signs of motor and encoder.
+    /// The verdict of a swing on the signs of motor and encoder.
     pub fn verdict(&self) -> Verdict {
         let enough = self.verdict_counts;
         // A steady push from rest, by a hand or a slope, shows a seventh to a ninth of its most on the wrong side; right
@@ -252,7 +258,7 @@ impl Outcome {
     }
 }
 
-/// As the operator is told.
+/// The outcome in words, for the operator.
 impl fmt::Display for Outcome {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { joint, end, most_counts, least_counts, verdict_counts, check, electric } = self;
@@ -273,7 +279,7 @@ impl fmt::Display for Outcome {
     }
 }
 
-/// A probe under way, and what came of the last one.
+/// A probe that runs, and the outcome of the last one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Probing<S> {
     probe: Probe<S>,

@@ -6,13 +6,13 @@
 //! > x = s_p·x_device,   F = s_f·F_device,   so   F·ẋ = s_p·s_f·F_device·ẋ_device
 //!
 //! What the hand feels of the world's impedance Z is Z·s_p/s_f; a device of mass m is one of m·s_f/s_p in the world. All energy is
-//! booked as the world has it, and the hand's is that over s_p·s_f. A factor that stays as it is takes nothing from passivity: a
-//! hand that is passive is so at any scale, and what is passive in the world gives the hands no energy, each hand's weighed by its
+//! counted in the world's units; the hand's is that over s_p·s_f. A constant scale keeps passivity: a
+//! passive hand is passive at any scale, and what is passive in the world gives the hands no energy, each hand's weighed by its
 //! own s_p·s_f (Colgate 1993, "Robust impedance shaping telemanipulation").
 //!
-//! **Design**: a peer reckons in the world's units from its encoders to its duties. So a scale is not applied in the tick but to what a
-//! device is told in its own units: counts and lengths of its mechanism, motors, and every limit that keeps the person safe, which thus holds
-//! in newtons and metres of the device. At scale 1 nothing changes, to the last bit.
+//! **Design**: a peer computes in the world's units from its encoders to its duties. So the scale is applied once, to the settings that
+//! are in the device's own units: counts and lengths of its mechanism, motors, and every limit that keeps the person safe, which thus
+//! holds in newtons and metres of the device. At scale 1 nothing changes, to the last bit.
 //!
 //! Where a tick is given positions instead of counts, or takes forces instead of duties (a simulated device), those are of the
 //! world: who simulates the device scales them.
@@ -21,8 +21,8 @@ use crate::device::kinematics::KinematicsName;
 use crate::settings::Settings;
 
 impl Settings {
-    /// The settings of the device that, without a scale, would be this one as the world has it. The current loop, the check of a motor
-    /// against its encoder and a probe are within the device, and go by its own.
+    /// Settings of the unscaled device that behaves like this one in the world's units. The current loop, the check
+    /// of a motor against its encoder and a probe belong to the device and use its own settings.
     #[must_use]
     pub fn in_the_world(&self) -> Self {
         let (longer, stronger) = (self.scale.position, self.scale.force);

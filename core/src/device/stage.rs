@@ -9,7 +9,7 @@
 
 use crate::device::AXES;
 
-/// What flowed through one motor.
+/// Current and voltage of one motor in a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Flow {
     /// Mean of the current, codes.
@@ -41,11 +41,11 @@ impl Flow {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(align(4))]
 pub struct Measured<const N: usize = AXES> {
-    /// Each motor.
+    /// Current and voltage of each motor.
     pub motors: [Flow; N],
     /// Supply of the bridges, mV.
     pub supply_mv: u16,
-    /// Counts of the timer that are all of the supply.
+    /// Timer counts that stand for the whole supply.
     pub supply_counts: u16,
 }
 

@@ -14,22 +14,22 @@
 //!
 //! **Encoder** ([`Fault::EncoderImplausible`]): a motor that turns is a second speed sensor. r = u − R·i − L·Δi/T − k·Δq/T, V, where
 //! Δq is what the encoder moved in T, beside what is tolerated of it: `motor.emf_tolerance_v` and one count, ¼ of |R·i| (copper that is
-//! 60 K warmer), ½ of |L·Δi/T| (iron that saturates) and ⅛ of |k·Δq/T|. So an encoder that is stuck is told from a joint speed of
+//! 60 K warmer), ½ of |L·Δi/T| (iron that saturates) and ⅛ of |k·Δq/T|. So an encoder that is stuck is detected from a joint speed of
 //! (tolerated r)/k on, one that counts the wrong way from half of that.
 //!
 //! Both e and r are leaky means ([`super::leaky`]) over [`MEAN_S`], from [`SETTLES_S`] after the motors went on; what is tolerated of
 //! each grows at once and is forgotten like them. Where r is too large, it is the current's fault if that misses half of its reference
-//! now, else the encoder's. Where only e is, it is the current's; a voltage that is at its limit against what is missing makes no e,
-//! for r says that the voltage goes into speed: the supply is at its end, which is no fault. What is x times what is tolerated, all the
-//! time, is told after
-//! the first n pairs of ticks for which 1 − (1 − 2·T_c/[`MEAN_S`])ⁿ > 1/x: at 1 kHz 1.2 times after 14 ms, twice after 6 ms, five
-//! times after 2 ms; up to 2 ms more if it begins within a pair, and later where more was tolerated just before.
+//! now, else the encoder's. Where only e is too large, it is the current's. While the voltage is at its limit toward the reference, e
+//! is not counted: r shows that the voltage goes into speed, so the supply is at its end, which is no fault. An e or r that stays at x
+//! times its tolerance trips after the first n pairs of ticks for which 1 − (1 − 2·T_c/[`MEAN_S`])ⁿ > 1/x: at 1 kHz 1.2 times after 14
+//! ms, twice after 6 ms, five times after 2 ms; up to 2 ms more if it begins within a pair, and later where more was tolerated just
+//! before.
 //!
-//! While a probe runs ([`super::probe`]), e and r are not asked for: scales and signs are what it is there to find, and it has a watch of
-//! its own. r is not where positions are exact.
+//! While a probe runs ([`super::probe`]), e and r are not judged: the probe is there to find scales and signs, and has a watch of
+//! its own. Where positions are exact, r is not judged either.
 //!
-//! Limits: an open motor that no force is asked of is told as an encoder, as soon as it moves; one at rest is not told. A supply that
-//! is wrongly measured makes r. What the encoder does at less than the tolerated speed is not seen.
+//! Limits: an open motor that no force is asked of is reported as an encoder fault as soon as it moves, and not at all while it
+//! rests. A supply that is measured wrongly raises r. Encoder faults below the tolerated speed are not seen.
 
 use crate::device::current::{self, PWM_PERIOD_S};
 use crate::device::kinematics::Joints;
@@ -41,11 +41,11 @@ use crate::safety::{Fault, Patience};
 use crate::settings::{Allowed, Refused, Settings};
 use crate::{device::AXES, num::Scalar};
 
-/// Time that currents and voltages are averaged over, s.
+/// Time constant of the means of currents and voltages, s.
 pub const MEAN_S: f64 = 0.008;
-/// Time that a supply, or a current of motors that are off, must be wrong for, s.
+/// How long a supply, or a current of motors that are off, must be wrong before it is a fault, s.
 pub const LASTS_S: f64 = 0.01;
-/// Time after the motors went on in which currents and encoders are not judged, s: bridges wake up.
+/// How long after the motors went on currents and encoders are not judged, s: the bridges need it to wake up.
 pub const SETTLES_S: f64 = 0.004;
 
 /// Parts of `motor.sense_a` that a current may be off its reference by, and off zero; and from where its sensor is at its end.
@@ -91,7 +91,7 @@ configured!([S: Scalar] StageWatch<S> {
     half, eighth, axes
 });
 
-/// What it remembers.
+/// What the watch remembers from tick to tick, of all motors.
 #[derive(Clone, Copy, Debug)]
 pub struct StageState<S, const N: usize = AXES> {
     /// The first of a pair of ticks, with the references of its time.
@@ -100,7 +100,7 @@ pub struct StageState<S, const N: usize = AXES> {
     on: u32,
     conducts: Patience,
     supply: Patience,
-    /// The last supply seen is out of range.
+    /// Whether the last supply measured is out of range.
     pub supply_is_wrong: bool,
     motors: [Motor<S>; N],
 }
@@ -118,7 +118,7 @@ impl<S: Scalar, const N: usize> Default for StageState<S, N> {
     }
 }
 
-/// One motor.
+/// What the watch remembers of one motor.
 #[derive(Clone, Copy, Debug, Default)]
 struct Motor<S> {
     heat: Heat<S>,
@@ -134,16 +134,17 @@ struct Motor<S> {
     residual_borne: S,
 }
 
-/// How far the motors are judged.
+/// How the motors are driven, which decides what can be judged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Driven {
-    /// They are off.
+    /// Motors are off: only supply, sensors and warmth are judged.
     Off,
-    /// A probe has them, which judges them by itself: nothing but warmth, supply and the end of the sensor's range.
+    /// A probe drives one motor and judges it itself: only warmth, supply and the end of the sensor's range are
+    /// judged here.
     Probed,
-    /// They are on, and positions are exact.
+    /// Motors are on, and positions are exact: there is no encoder to judge.
     Alone,
-    /// They are on.
+    /// Motors are on, with encoders: current, voltage and motion are judged against each other.
     Whole,
 }
 
@@ -186,7 +187,8 @@ impl<S: Scalar> StageWatch<S> {
         })
     }
 
-    /// A tick's measurements, with the references that stood for it and the counts of every joint at its end: what is wrong.
+    /// Takes a tick's measurements, with the references that stood for it and the counts of every joint at its end;
+    /// gives the fault, if any.
     #[inline]
     pub fn step<const N: usize>(
         &self,

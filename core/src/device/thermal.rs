@@ -47,7 +47,7 @@ impl<S: Scalar> Thermal<S> {
         }
     }
 
-    /// One reading of the current, A: whether the winding is warmer than it bears.
+    /// Takes one reading of the current, A: whether the winding is warmer than it may be.
     #[inline]
     pub fn is_too_warm(&self, heat: &mut Heat<S>, current_a: S) -> bool {
         // In each reading its share: a sum of squares would leave the range of fixed point.

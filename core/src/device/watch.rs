@@ -1,6 +1,6 @@
 //! Watching encoders while the motors are on: does the device answer its motors, and not against all physics?
 //!
-//! **Stuck.** A device at rest under a constant force cannot be told from an encoder that is stuck, and does no harm. But
+//! **Stuck.** A device at rest under a constant force cannot be distinguished from an encoder that is stuck, and does no harm. But
 //! a force that changes must move what it acts on, by more than the one count that an encoder with a cut wire, or at rest on
 //! an edge, goes to and fro. So: since a joint's encoder last counted further than that, the duties of its motor may not
 //! have ranged over more than `safety.stuck_duty`, nor over more than half of what `safety.max_force_n` asks of it, or [`HELD_N`] if that
@@ -20,7 +20,7 @@
 use crate::device::kinematics::Joints;
 use crate::{device::motor::Duty, num::Scalar, settings::Settings};
 
-/// What is not believed.
+/// Limits beyond which encoders are not believed.
 #[derive(Clone, Copy, Debug)]
 pub struct Watch<S> {
     stuck_codes: i32,
@@ -36,7 +36,7 @@ const DITHER: u32 = 2;
 /// Force on the hand, N, that friction or a firm grip may hold without a count.
 pub const HELD_N: f64 = 1.0;
 
-/// One joint since its encoder last counted further than it dithers.
+/// Memory of one joint since its encoder last moved beyond dithering.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Still {
     counts: i32,
@@ -57,7 +57,8 @@ impl<S: Scalar> Watch<S> {
         }
     }
 
-    /// A joint's counts and duty, every fourth tick: its force has changed too much for an encoder that does not count.
+    /// Takes a joint's counts and duty every fourth tick: whether its force has changed too much for an encoder that
+    /// does not count.
     #[inline]
     pub fn is_stuck(&self, still: &mut Still, counts: i32, Duty(duty): Duty) -> bool {
         if counts.abs_diff(still.counts) > DITHER {
@@ -70,7 +71,8 @@ impl<S: Scalar> Watch<S> {
         stuck
     }
 
-    /// The power (W) that the device gives the hand, every tick: whether the hand seems to feed it more than a hand can.
+    /// Takes the power (W) that the device gives the hand, every tick: whether the hand seems to feed in more than a
+    /// hand can.
     #[inline]
     pub fn is_too_much(&self, power: S) -> bool {
         power < self.least_power

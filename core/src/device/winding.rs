@@ -11,7 +11,7 @@
 //! **After the check's swing**, [`Electric`]: R and k by u = R·i + k·Δcounts, in percent of what the settings say. The current of a swing
 //! is even in time about its middle where the speed is odd, so an error in one (dead time looks like resistance) is none in the other.
 //! k holds the encoder's scale and the motor's constant together: a scale that is wrong, with a constant that is wrong the other way, is
-//! not told; nor is less than [`SCALE_PERCENT`].
+//! not reported; nor is less than [`SCALE_PERCENT`].
 //!
 //! Units: currents in codes, 1/32767 of `motor.full_scale_a`; voltages in counts of the timer.
 //!
@@ -27,11 +27,11 @@ use crate::settings::Settings;
 
 /// Ticks without voltage that a winding's probe begins with: what the sensor reads then is its zero.
 pub const REST_TICKS: u32 = 40;
-/// Which way the voltage goes after that, tick after tick, over and over. Sum and first moment are zero: a rotor that is free to move comes
-/// back to where it was, at rest (Thue and Morse).
+/// Sign of the probe's voltage in each tick after the rest, over and over. Sum and first moment are zero: a rotor
+/// that is free to move comes back to where it was, at rest (Thue and Morse).
 pub const WAYS: [i32; 8] = [1, -1, -1, 1, -1, 1, 1, -1];
 
-/// Which way the voltage of a winding's probe goes at a tick.
+/// Sign of the voltage of a winding's probe at this tick: −1, 0 or 1.
 #[inline]
 pub fn way(tick: u32) -> i32 {
     tick.checked_sub(REST_TICKS).map_or(0, alternating)
@@ -41,7 +41,8 @@ fn alternating(tick: u32) -> i32 {
     WAYS.get(tick as usize % WAYS.len()).copied().unwrap_or_default()
 }
 
-/// Current that is one, codes: 1/2048 of full scale, a step of a converter of 12 bits. Means over six ticks are sure to a few codes.
+/// Smallest current that counts as one, codes: 1/2048 of full scale, a step of a converter of 12 bits. Means over six
+/// ticks are sure to a few codes.
 pub const LEAST_CODES: i32 = 16;
 /// Counts that an encoder may go to and fro by at rest.
 const REST_COUNTS: i32 = 2;
@@ -57,22 +58,22 @@ pub(crate) struct Trial {
 
 /// What a trial does next.
 pub(crate) enum Next {
-    /// This way with the voltage, and whether the bridge is enabled.
+    /// Sign of the voltage for the next tick, and whether the bridge is enabled.
     Way(i32, bool),
     /// The loop may be closed.
     Passed,
-    /// It may not.
+    /// The loop must stay open, and why.
     Failed(Why),
 }
 
 /// What stands against closing the loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Why {
-    /// Current or motion while the enable was low.
+    /// Current or motion while the bridge was not enabled: the enable line does not work.
     Enable,
-    /// The current flows against the voltage.
+    /// The current flows against the voltage: the sensor's sign is wrong.
     Sensor,
-    /// No current flows.
+    /// No current flows: the circuit is open.
     Open,
 }
 
@@ -83,7 +84,7 @@ const DRIVEN: u32 = 16;
 const OVER: u32 = DRIVEN + 2 * WAYS.len() as u32;
 
 impl Trial {
-    /// Which way the voltage goes at a tick.
+    /// Sign of the trial's voltage at this tick: −1, 0 or 1.
     fn way(tick: u32) -> i32 {
         match tick {
             DISABLED..AGAINST => 1,
@@ -184,30 +185,30 @@ impl Sums {
     }
 }
 
-/// How far from 100 the constant may be, its standard error included.
+/// Largest deviation of the constant from 100 percent, standard error included, percentage points.
 pub const SCALE_PERCENT: i32 = 30;
 /// Resistance of a winding that is the one of the settings: warm, with the dead time of its bridge, and within what a loop bears.
 pub const RESISTANCE_PERCENT: [i32; 2] = [40, 300];
 
-/// What voltage and current of a check said, in percent of what the settings say.
+/// What a check measured of a winding and its scale, percent of the configured values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Electric {
-    /// R.
+    /// Measured resistance, percent of the configured one.
     pub resistance_percent: i32,
-    /// Back-EMF per count: motor constant over the encoder's scale.
+    /// Measured back-EMF per count (motor constant over encoder scale), percent of the configured one.
     pub constant_percent: i32,
-    /// Its standard error.
+    /// Standard error of `constant_percent`, percentage points.
     pub unsure_percent: i32,
 }
 
 impl Electric {
-    /// The winding is that of the settings.
+    /// Whether the winding is the configured one.
     pub fn is_winding(self) -> bool {
         let [least, most] = RESISTANCE_PERCENT;
         (least..=most).contains(&self.resistance_percent)
     }
 
-    /// So are the motor's constant and the encoder's scale.
+    /// Whether the motor's constant and the encoder's scale fit the configured ones.
     pub fn is_scale(self) -> bool {
         let off = self.constant_percent.saturating_sub(100).saturating_abs();
         off.saturating_add(self.unsure_percent) <= SCALE_PERCENT

@@ -30,7 +30,7 @@ pub struct AveragePosition<S> {
 
 configured!([S: Scalar] AveragePosition<S> { spring, share });
 
-/// The mean, and what it is to be made of.
+/// The mean, the other copy as last received, and whether that is new.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AveragePositionState<S> {
     /// x_d, ẋ_d: the mean as the newest packet made it.

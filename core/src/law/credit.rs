@@ -5,9 +5,9 @@
 //! for any delay, jitter, loss, reorder and duplication, without a clock (THEORY §5): late, lost or repeated counters are
 //! only conservative. Holding the last sample through a loss is allowed for as long as there is credit.
 //!
-//! What a loss still does is drift: part of ∫u dt is missing. With **drift correction** packets carry that integral too;
+//! What a loss still causes is drift: part of ∫u dt is missing. With **drift correction** packets carry that integral too;
 //! what was sent and not yet emitted is added to u_in over the next packets. It may spend only what lies above a reserve:
-//! the reserve is what holds the wave through the next loss, and a correction that eats it loses more than it mends (the
+//! the reserve holds the wave through the next loss, and a correction that spends it loses more than it restores (the
 //! same integral in fewer ticks costs more energy). Measured by `host-sim campaign`.
 //!
 //! Credit is capped at [`CAP_J`]: dissipation of minutes must not come back as one blow.
@@ -44,7 +44,7 @@ const RESERVE_PACKETS: f64 = 32.0;
 /// Share of what lies above the reserve that one packet's correction may cost.
 const SHARE: f64 = 0.1;
 
-/// How u_in is paid for.
+/// Parameters of the credit that pays for incoming waves.
 #[derive(Clone, Copy, Debug)]
 pub struct Credit<S: Scalar> {
     /// ½·T_c, s.
@@ -60,7 +60,7 @@ pub struct Credit<S: Scalar> {
 
 configured!([S: Scalar] Credit<S> { half_period, twice_rate, period, packet_s, cap, corrects });
 
-/// What is left to spend, and what is still owed.
+/// Credit left to spend, and the wave integral still to be made good.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Account<S: Scalar> {
     /// Sender's energy counter and wave integral in the newest packet, J and √W·s.
@@ -89,7 +89,7 @@ impl<S: Scalar> Credit<S> {
         })
     }
 
-    /// Takes in the counters of a packet.
+    /// Adds what the counters of a packet say to the credit.
     pub fn receive(&self, account: &mut Account<S>, packet: &Packet<S>) {
         let (nothing, half) = (S::Counter::ZERO, S::Counter::from_f64(0.5));
         let wave = packet.wave.to_counter();
@@ -119,7 +119,7 @@ impl<S: Scalar> Credit<S> {
         }
     }
 
-    /// The wave that may be emitted this tick when `held` was received last.
+    /// The wave (√W) that may be emitted this tick when `held` was received last.
     #[inline]
     pub fn spend(&self, account: &mut Account<S>, held: S) -> S {
         let wanted = held + account.correction;

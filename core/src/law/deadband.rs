@@ -47,9 +47,9 @@ const LEAST: Key = Key::number(
 
 /// A law of motions whose packets are coded.
 pub trait Coded<S: Scalar>: Law<S> {
-    /// As settings know the two together.
+    /// The kind that settings know the coded law by.
     const KIND: Kind;
-    /// Whether the receiver takes what it is given least by.
+    /// Whether the receiver uses the modified hold.
     fn is_modified(settings: &Settings) -> bool;
 }
 
@@ -97,10 +97,10 @@ impl<S: Scalar> Coded<S> for PassivityControl<S> {
 /// Deadband coding of the power law: the last sample is held.
 pub type Deadband<S> = Coding<S, Power<S>>;
 
-/// The same with the modified hold and an energy account.
+/// Deadband coding with the modified hold and an energy account, so that the hold stays passive.
 pub type PassiveDeadband<S> = Coding<S, PassivityControl<S>>;
 
-/// A law that sends what a hand would feel.
+/// A law that sends a packet only when the motion changed by more than a hand would feel.
 #[derive(Clone, Copy, Debug)]
 pub struct Coding<S, L> {
     law: L,
@@ -126,7 +126,7 @@ pub struct CodingState<S: Scalar, T> {
     held: Packet<S>,
     /// How far its motion has been carried on, m.
     carried: S,
-    /// ẋ*, sent, m/s.
+    /// Velocity of the newest packet sent, ẋ*, m/s.
     told: S,
     /// F_T of the tick before, N.
     force: S,

@@ -10,20 +10,20 @@ use super::{Kind, Promise, Sends};
 use crate::num::{Configured, Scalar, StateVector};
 use crate::settings::Settings;
 
-/// A filter in front of the decimation.
+/// A filter in front of the decimation to one wave sample per packet.
 pub trait Decimator<S: Scalar>: Configured + Copy + core::fmt::Debug + Send + Sync + 'static {
-    /// The law that a line behind it is.
+    /// The kind of law of a line behind this filter.
     const KIND: Kind;
-    /// What is sent keeps the integral of the wave.
+    /// Whether what is sent keeps the integral of the wave.
     const KEEPS_INTEGRAL: bool = false;
-    /// What changes from tick to tick.
+    /// State of the filter.
     type State: StateVector<S> + Copy + core::fmt::Debug + Default + Send + Sync;
 
-    /// The scene's filter.
+    /// The filter of the scene's settings.
     fn build(settings: &Settings) -> Self;
     /// Takes in one sample of the outgoing wave, √W.
     fn push(&self, state: &mut Self::State, wave: S);
-    /// What would be sent now, √W.
+    /// The wave that would be sent now, √W.
     fn level(&self, state: &Self::State) -> S;
 }
 

@@ -3,7 +3,7 @@
 //! Each packet period the law is asked ([`super::Law::speaks`]); where it says no, of every axis, nothing is sent. Whatever it says, a packet goes out
 //! at the latest [`LONGEST`] after the one before, and in every period while the peer is not engaged.
 //!
-//! **What the receiver makes of it.** To it silence on purpose is silence: the newest packet stands and gets older, the ladder counts the
+//! **What the receiver makes of it.** To it silence on purpose is silence: the newest packet is held and ages, the degradation counts the
 //! periods. So nobody waits longer for a dead peer than without: `safety.fade_s`, `safety.disengage_s` and `safety.peer_lost_s` count
 //! from the last packet heard, which came at most [`LONGEST`] before the peer died, and never after. That one lost packet must not fade
 //! anything, `longest_periods` sees to: the longest silence is at most half of `safety.fade_s`. On the way back to full coordination a packet

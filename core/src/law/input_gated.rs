@@ -38,7 +38,7 @@ pub struct InputGated<S> {
 
 configured!([S: Scalar] InputGated<S> { spring, budget, start, most, period });
 
-/// What was received, and what may be given.
+/// The received motion, and the energy account.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct InputGatedState<S> {
     /// x_d, ẋ_d.
@@ -48,7 +48,7 @@ pub struct InputGatedState<S> {
 }
 
 impl<S: Scalar> InputGatedState<S> {
-    /// W, J.
+    /// What the copy has given and not got back, W, J.
     pub fn account_j(&self) -> S {
         self.account
     }

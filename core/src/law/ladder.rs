@@ -7,7 +7,7 @@
 //! ([`super::event`]). What a packet is that has faded, the law says
 //! ([`super::Law::fade`]).
 //!
-//! Silence is all this ladder knows. Who does know that the other peer is gone, or another one (a link whose session
+//! The degradation depends on silence alone. Who does know that the other peer is gone, or another one (a link whose session
 //! ended), takes the last step at once ([`crate::peer::Peer::part`]): what comes next is counted from zero by a peer that
 //! started anew, and must not be measured by the old one's counters.
 
@@ -15,7 +15,7 @@ use super::event;
 use crate::num::Scalar;
 use crate::settings::{Allowed, Refused, Settings};
 
-/// How long each rung is.
+/// Lengths of hold, fade and return, in packet periods.
 #[derive(Clone, Copy, Debug)]
 pub struct Ladder<S> {
     /// Periods of silence that change nothing.
@@ -30,10 +30,10 @@ pub struct Ladder<S> {
 
 configured!([S: Scalar] Ladder<S> { hold, steps, step, longest });
 
-/// Where a peer stands on the ladder.
+/// How far a peer's coordination is degraded by silence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Engagement {
-    /// Steps above disengaged.
+    /// Steps above disengaged: 0 is disengaged, the most is fully engaged.
     level: u32,
     /// Packet periods without a packet, since the last one.
     silent: u32,
@@ -44,7 +44,11 @@ pub struct Engagement {
 }
 
 impl<S: Scalar> Ladder<S> {
-    /// The scene's ladder.
+    /// The degradation steps of the scene's settings.
+    ///
+    /// # Errors
+    /// `safety.disengage_s` that is not more than `safety.fade_s`, or a silence on purpose (`event.longest_s`) that
+    /// the times of `safety` do not allow.
     pub fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
         let (timing, safety) = (&settings.timing, &settings.safety);
         if safety.disengage_s <= safety.fade_s {
@@ -56,7 +60,7 @@ impl<S: Scalar> Ladder<S> {
         Ok(Self { hold, steps, step: S::from_f64(1.0 / f64::from(steps)), longest })
     }
 
-    /// From packet to packet at most, in packet periods; 1: nobody keeps silent on purpose.
+    /// Longest time from one packet to the next, in packet periods; 1: nobody keeps silent on purpose.
     #[inline]
     pub fn longest(&self) -> u32 {
         self.longest
@@ -67,8 +71,8 @@ impl<S: Scalar> Ladder<S> {
         Engagement { level: self.steps, silent: 0, heard: false, came: false }
     }
 
-    /// A packet has come: the first of a packet period takes one step back, or as many as its sender may have kept silent for. True if
-    /// the law has to start anew.
+    /// Takes note of a packet: the first of a packet period takes one step back, or as many as its sender may have
+    /// kept silent for. True if the law has to start anew.
     pub fn hear(&self, at: &mut Engagement) -> bool {
         let anew = at.level == 0;
         if !self.is_whole(at) && !at.came {
@@ -79,7 +83,7 @@ impl<S: Scalar> Ladder<S> {
         anew
     }
 
-    /// A packet period is over; if no packet came in it, that is silence.
+    /// Ends a packet period; if no packet came in it, that is silence.
     pub fn pass(&self, at: &mut Engagement) {
         let came = core::mem::take(&mut at.came);
         if at.heard && !came {
@@ -90,7 +94,7 @@ impl<S: Scalar> Ladder<S> {
         }
     }
 
-    /// Engaged, without anything left to regain: [`Ladder::share`] is 1.
+    /// Whether the coordination is complete: [`Ladder::share`] is 1.
     #[inline]
     pub fn is_whole(&self, at: &Engagement) -> bool {
         at.level >= self.steps
@@ -109,18 +113,18 @@ impl Engagement {
         self.came = false;
     }
 
-    /// The coordination acts at all.
+    /// Whether the coordination acts at all.
     #[inline]
     pub fn is_engaged(&self) -> bool {
         self.level > 0
     }
 
-    /// Silence has begun to change what stands.
+    /// Whether silence has begun to fade what is held.
     pub fn is_fading(&self) -> bool {
         self.silent > 0 && self.level > 0
     }
 
-    /// Packet periods of silence.
+    /// Silence so far, packet periods.
     pub fn silent(&self) -> u32 {
         self.silent
     }

@@ -1,9 +1,10 @@
 //! Coordination laws: what holds the two copies of the shared object together.
 //!
-//! A law sees its own copy move ([`Law::couple`], every tick), hands out one [`Packet`] each packet period ([`Law::send`]), unless it keeps silent ([`Law::speaks`], [`event`]), and takes in the
-//! other peer's ([`Law::receive`]). **A law is one file**: its name, what it sends, its own keys and the gains to try are its [`Kind`], beside it. Here, the file, its `pub mod`
-//! and one line in the list below make it known to simulator, analyser, campaign, board and reports; a crate outside hands it to
-//! them. [`free`] shows the least a law can be.
+//! A law sees its own copy move ([`Law::couple`], every tick), hands out one [`Packet`] each packet period ([`Law::send`]), unless it
+//! keeps silent ([`Law::speaks`], [`event`]), and takes in the other peer's ([`Law::receive`]). **A law is one file**: its name, what it
+//! sends, its own keys and the gains to try are its [`Kind`], beside it. In this crate the file, its `pub mod` and one line in the list
+//! below make it known to simulator, analyser, campaign, board and reports; a crate outside passes it to them. [`free`] is the
+//! smallest law.
 //!
 //! Sign: the coordination force F_T acts on the local copy, F_T = K_T·(x_d − x_o) + B_T·(ẋ_d − ẋ_o)
 //! (cooperation paper §3, eq. 7).
@@ -44,7 +45,8 @@ pub use crate::settings::{Kind, Promise, Sends};
 pub struct Packet<S: Scalar> {
     /// Motion of the sender's copy of the object, m and m/s (power-domain).
     pub motion: Motion<S>,
-    /// Wave sample, √W (wave-domain), or what else a law sends beside the motion, in a unit of its own: a force, N. 0 from a peer that is not engaged.
+    /// Wave sample, √W (wave-domain), or what a law sends beside the motion, in a unit of its own, such as a force,
+    /// N. 0 from a peer that is not engaged.
     pub wave: S,
     /// Energy that the sender gave to the line since it was armed, up to its last tick, J: of its waves, or from its tank. Filled in by
     /// the peer.
@@ -65,7 +67,7 @@ impl<S: Scalar> StateVector<S> for Packet<S> {
 }
 
 impl<S: Scalar> Packet<S> {
-    /// Every field finite.
+    /// Whether every field is finite.
     #[inline]
     pub fn is_finite(self) -> bool {
         // Two tests for five: nothing times a number is nothing, times anything else no number.
@@ -126,7 +128,7 @@ impl<S: Scalar> Coupled<S> {
         Self { desired, force, power_in: power.max(S::ZERO), power_out: (-power).max(S::ZERO) }
     }
 
-    /// Force and powers finite.
+    /// Whether force and powers are finite.
     #[inline]
     pub fn is_finite(&self) -> bool {
         // One test for three: a sum is finite only if its terms are.
@@ -134,12 +136,13 @@ impl<S: Scalar> Coupled<S> {
     }
 }
 
-/// A coordination law. What it is built with it hands over ([`crate::configured!`]), or an empty `impl Configured` says that it does not: then
-/// scenes with it are never stepped side by side.
+/// A coordination law: what couples the local copy of the object to the remote one, and what it sends for that. What it is built with it
+/// hands over ([`crate::configured!`]), or an empty `impl Configured` says that it does not: then scenes with it are never stepped side
+/// by side.
 pub trait Law<S: Scalar>: Configured + Copy + core::fmt::Debug + Send + Sync + 'static {
-    /// Under which names it is asked for, and what each sends; one, unless the law is a list of laws.
+    /// The kinds that this law is asked for by; one, unless the law is a list of laws.
     const KINDS: &'static [Kind];
-    /// What changes from tick to tick.
+    /// State of the law.
     type State: StateVector<S> + Copy + core::fmt::Debug + Send + Sync;
     /// Whether it acts only on a copy that is moved by ports: then [`Law::build`] refuses any other order, and nothing is compiled for them.
     const PORTS_ONLY: bool = false;
@@ -160,7 +163,7 @@ pub trait Law<S: Scalar>: Configured + Copy + core::fmt::Debug + Send + Sync + '
     fn restart(&self, state: &mut Self::State, local: Motion<S>) {
         *state = self.start(local);
     }
-    /// Takes in the other peer's packet; it stands until the next.
+    /// Takes in the other peer's packet, which is held until the next.
     fn receive(&self, state: &mut Self::State, packet: Packet<S>);
     /// One tick: the force on the local copy from what is seen and what was received. No force where the law does not say.
     ///
@@ -181,10 +184,10 @@ pub trait Law<S: Scalar>: Configured + Copy + core::fmt::Debug + Send + Sync + '
     fn speaks(&self, _state: &Self::State, _packet: &Packet<S>) -> bool {
         true
     }
-    /// `packet` goes out, where [`event::LONGEST`] allows silence.
+    /// Takes note that `packet` goes out, where [`event::LONGEST`] allows silence.
     fn spoke(&self, _state: &mut Self::State, _packet: &Packet<S>) {}
-    /// A packet through silence, of which this share (below 1) still counts: a motion moved toward the local one, and a wave
-    /// made smaller, which takes energy out of the line and never in.
+    /// A packet during silence, of which this share (below 1) still counts: a motion moved toward the local one, and
+    /// a wave made smaller, which takes energy out of the line and never puts any in.
     fn fade(&self, share: S, packet: Packet<S>, local: Motion<S>) -> Packet<S> {
         let toward = |local: S, remote: S| local + share * (remote - local);
         Packet {
@@ -305,18 +308,18 @@ laws! {
 /// The spring and damper K_T, B_T between the copy and where it should be.
 #[derive(Clone, Copy, Debug)]
 pub struct Spring<S> {
-    /// K_T, N/m.
+    /// Coordination stiffness K_T, N/m.
     pub stiffness: S,
-    /// B_T, N·s/m.
+    /// Coordination damping B_T, N·s/m.
     pub damping: S,
-    /// κ = K_T·T_c/2 + B_T, N·s/m: by how much less it pushes on a copy that moves away through a tick.
+    /// Impedance κ = K_T·T_c/2 + B_T, N·s/m: by how much less it pushes on a copy that moves away through a tick.
     pub impedance: S,
 }
 
 configured!([S: Scalar] Spring<S> { stiffness, damping, impedance });
 
 impl<S: Scalar> Spring<S> {
-    /// K_T and B_T of the scene.
+    /// The spring of the scene's K_T and B_T.
     pub fn build(settings: &Settings) -> Self {
         let coordination = &settings.coordination;
         Self {
@@ -344,7 +347,7 @@ impl<S: Scalar> Spring<S> {
         port.at(solve.velocity(port))
     }
 
-    /// F_T through a tick in which the copy moves and the desired motion is held, f and z.
+    /// F_T as a port, through a tick in which the copy moves and the desired motion is held.
     #[inline]
     pub fn port(&self, desired: Motion<S>, local: Motion<S>) -> Port<S> {
         let stretch = desired.position - local.position;

@@ -74,19 +74,19 @@ const MEMORY: Key = Key::number(
 
 /// Units of m, b, k and f in which the estimate is kept: kg, N·s/m, N/m, N.
 pub const UNITS: [f64; 4] = [1.0, 10.0, 1000.0, 10.0];
-/// What a packet's mean force is off by, N.
+/// Standard error of a packet's mean force, N.
 pub const NOISE_N: f64 = 0.05;
 
-/// What the other copy resists with.
+/// The model of the other peer's copy and hand: a mass on a spring and damper.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Model<S> {
-    /// m̂, kg.
+    /// Estimated mass m̂, kg.
     pub mass: S,
-    /// b̂, N·s/m.
+    /// Estimated damping b̂, N·s/m.
     pub damping: S,
-    /// k̂, N/m.
+    /// Estimated stiffness k̂, N/m.
     pub stiffness: S,
-    /// x̂₀, m.
+    /// Estimated rest position of the spring x̂₀, m.
     pub rest: S,
 }
 
@@ -159,7 +159,7 @@ impl<S: Scalar> ModelMediatedState<S> {
         self.model
     }
 
-    /// What may be spent, J.
+    /// Energy that may be spent, J.
     pub fn account_j(&self) -> S {
         self.account
     }

@@ -22,10 +22,10 @@ pub struct Node<S, const N: usize> {
     inverse_sum: S,
 }
 
-/// What the node answers.
+/// Answer of the node to the incoming waves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scattered<S, const N: usize> {
-    /// Common velocity, m/s.
+    /// Velocity that all lines share at the node, m/s.
     pub velocity: S,
     /// Waves back into the lines, √W.
     pub back: [S; N],

@@ -12,7 +12,7 @@ use super::credit::CAP_J;
 use crate::num::Scalar;
 use crate::settings::{Key, PLENTY_J, Refused, Settings};
 
-/// What is in a tank when its law begins; twice as much at the most comes out of a pair of them that nobody put in.
+/// The energy in a tank when its law begins, J; a pair of them gives out at most twice as much that nobody put in.
 pub const START: Key = Key::number(
     "coordination.tank_j",
     0.02,
@@ -21,7 +21,8 @@ pub const START: Key = Key::number(
     "Laws with an energy tank: what is in it when they begin.",
 );
 
-/// The same of a law that sends waves, whose energy on the line is counted wave by wave: by so much may more be emitted than was heard.
+/// The start value of the tank of a law that sends waves, whose energy on the line is counted wave by wave: by so
+/// much may more be emitted than was heard.
 pub const WAVE_START: Key = Key::number(
     "coordination.wave_tank_j",
     0.0,
@@ -35,17 +36,17 @@ pub const WAVE_START: Key = Key::number(
 pub(super) struct Tanks<C> {
     start_j: C,
     most_j: C,
-    /// T_c, s.
+    /// Control period T_c, s.
     pub(super) period_s: C,
     pub(super) half: C,
 }
 
 configured!([C: Scalar] Tanks<C> { start_j, most_j, period_s, half });
 
-/// What may be spent.
+/// The energy that a law may spend.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Tank<C> {
-    /// J, never negative.
+    /// Energy in the tank, J; never negative.
     pub(super) level_j: C,
     /// The other peer's sum in the newest packet, J.
     heard_j: Option<C>,

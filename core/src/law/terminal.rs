@@ -16,7 +16,7 @@ use crate::settings::Settings;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Terminal<S> {
     pub(super) spring: Spring<S>,
-    /// √(2b).
+    /// Wave scale √(2b), √(N·s/m).
     pub(super) root: S,
     /// 1/(b + κ).
     inverse_sum: S,
@@ -35,7 +35,7 @@ configured!([S: Scalar] Terminal<S> { spring, root, inverse_sum, share, impedanc
 /// What came of a tick at the end of a line.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ended<S> {
-    /// w, m/s.
+    /// Mean velocity w of the desired copy, m/s.
     pub(super) velocity: S,
     /// F_T on the copy, N.
     pub(super) force: S,
@@ -76,7 +76,7 @@ impl<S: Scalar> Terminal<S> {
         Ended { velocity: S::ZERO, force: port.at(solve.velocity(port)) }
     }
 
-    /// u_out, √W.
+    /// Outgoing wave u_out, √W.
     #[inline]
     pub(super) fn wave_out(&self, velocity: S, force: S) -> S {
         self.velocity_to_wave * velocity - self.force_to_wave * force

@@ -134,7 +134,7 @@ impl<S: Scalar> WaveIntegral<S> {
         emitted
     }
 
-    /// ½·T_c·u², J.
+    /// Energy of emitting this wave for one tick, ½·T_c·u², J.
     #[inline]
     fn price_j(&self, wave: S::Counter) -> S::Counter {
         self.half_period_s * wave * wave

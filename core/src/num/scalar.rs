@@ -26,13 +26,13 @@ pub trait Scalar:
     + Sync
     + 'static
 {
-    /// What counters are kept in, which must hold more digits than this type: `f64`, for each number that is in one of these.
+    /// The type of counters, which must hold more digits than this one: `f64`, or a lane of `f64` for each lane.
     type Counter: Scalar;
     /// Name for reports: `f32`, `f64`, `i32f32`.
     const NAME: &'static str;
-    /// Additive identity.
+    /// Zero, the additive identity.
     const ZERO: Self;
-    /// Multiplicative identity.
+    /// One, the multiplicative identity.
     const ONE: Self;
 
     /// Nearest value; saturates where the type is bounded. For use in `build()`, not in the tick.
@@ -43,18 +43,18 @@ pub trait Scalar:
     fn from_i32(value: i32) -> Self;
     /// Nearest integer, saturating; NaN gives 0. Ties, and floats within one rounding of a tie, go away from zero.
     fn round_to_i32(self) -> i32;
-    /// The nearest code of a motor, of a number within ±32767.
+    /// The code of a motor nearest to a number within ±32767.
     #[inline]
     fn to_code(self) -> i16 {
         self.round_to_i32() as i16
     }
-    /// As [`Scalar::to_f64`] rounds.
+    /// The nearest counter value; rounds as [`Scalar::to_f64`] does.
     fn to_counter(self) -> Self::Counter;
     /// As [`Scalar::from_f64`] rounds. With it, what a law keeps in counters never leaves the number types, whichever they are.
     fn of_counter(counter: Self::Counter) -> Self;
     /// Neither infinite nor NaN.
     fn is_finite(self) -> bool;
-    /// The bits that make two values the same, for state hashes.
+    /// The bits of the value, equal where two values are the same, for state hashes.
     fn bits(self) -> u64;
     /// Square root, correctly rounded, [`Fixed`] to a step; a negative argument gives 0.
     fn sqrt(self) -> Self;

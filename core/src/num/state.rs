@@ -64,9 +64,9 @@ pub(crate) fn visit_sum<S: Scalar>(sum: &mut Sum<S::Counter>, each: &mut impl Fn
 /// Position (m) and velocity (m/s) along one axis; for a joint that turns, rad and rad/s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion<S> {
-    /// Position, m.
+    /// Position, m; of a joint that turns, rad.
     pub position: S,
-    /// Velocity, m/s.
+    /// Velocity, m/s; of a joint that turns, rad/s.
     pub velocity: S,
 }
 
@@ -79,7 +79,7 @@ impl<S: Scalar> Motion<S> {
         Self { position, velocity: S::ZERO }
     }
 
-    /// Both components finite.
+    /// Whether position and velocity are finite.
     #[inline]
     pub fn is_finite(self) -> bool {
         // One test for two: nothing times a number is nothing, times anything else no number.
@@ -95,7 +95,7 @@ impl<S> StateVector<S> for Motion<S> {
     }
 }
 
-/// What did not fit into a sum that is kept elsewhere.
+/// The rounding error of a sum that is kept elsewhere, made good with the next term.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Carry<S>(S);
 
@@ -110,7 +110,7 @@ impl<S: Scalar> Carry<S> {
     }
 }
 
-/// A running sum.
+/// A running sum with compensated rounding: what a term loses is carried to the next.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sum<S> {
     total: S,
@@ -118,13 +118,13 @@ pub struct Sum<S> {
 }
 
 impl<S: Scalar> Sum<S> {
-    /// Adds one term.
+    /// Adds one term, carrying what rounding loses.
     #[inline]
     pub fn add(&mut self, term: S) {
         self.total = self.carry.add(self.total, term);
     }
 
-    /// The sum.
+    /// The sum so far.
     pub fn total(&self) -> S {
         self.total
     }

@@ -9,7 +9,7 @@ use crate::model::Model;
 use crate::num::{Motion, Scalar};
 use crate::settings::{Refused, Settings};
 
-/// Either of them; `NEW`: the new velocity moves the position.
+/// Forward (`NEW` is false) or semi-implicit Euler (`NEW` is true: the new velocity moves the position).
 #[derive(Clone, Copy, Debug)]
 pub struct Euler<S, const NEW: bool> {
     period: S,
@@ -25,10 +25,10 @@ pub struct Euler<S, const NEW: bool> {
 
 configured!([S: Scalar, const NEW: bool] Euler<S, NEW> { period, gain, damping, late, prompt });
 
-/// The old velocity moves the position.
+/// Forward Euler: the old velocity moves the position.
 pub type ForwardEuler<S> = Euler<S, false>;
 
-/// The new velocity moves the position.
+/// Semi-implicit Euler: the new velocity moves the position.
 pub type SemiImplicit<S> = Euler<S, true>;
 
 impl<S: Scalar, const NEW: bool> Model<S> for Euler<S, NEW> {

@@ -33,12 +33,12 @@ pub struct Fixture<S> {
 
 configured!([S: Scalar] Fixture<S> { beyond, position, stiffness, impedance, half_stiffness, entering });
 
-/// What pushes, and its sign tells which way alone it may; 0: both ways.
+/// A port, and the sign of the only force that it may have; 0: either sign.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pushes<S> {
     /// What pushes the copy.
     pub port: Port<S>,
-    /// Which way alone.
+    /// The sign of the only force that this port may have; 0 where it may pull as well as push.
     pub toward: S,
 }
 
@@ -80,7 +80,7 @@ impl<S: Scalar> Fixture<S> {
         }))
     }
 
-    /// What it does to a copy that begins a tick like this.
+    /// The port of this fixture on a copy that begins a tick like this.
     pub fn pushes(&self, object: Motion<S>) -> Pushes<S> {
         let away = self.position - object.position;
         let from_inside =

@@ -38,12 +38,12 @@ pub fn at_point<S: Scalar>([x, y, z]: Three<S>, port: &VectorPort<S, 3>) -> Wren
     Wrench { force: back(port.force), impedance }
 }
 
-/// Where a body is and how it moves.
+/// Position, orientation and momenta of a rigid body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Flying<S> {
-    /// Its centre.
+    /// Position (m) and velocity (m/s) of the centre.
     pub moving: Moving<S, 3>,
-    /// Which way it is turned, and how it turns.
+    /// Orientation, and angular momentum.
     pub turning: Turning<S>,
 }
 
@@ -54,21 +54,21 @@ impl<S: Scalar> StateVector<S> for Flying<S> {
     }
 }
 
-/// What came of a tick.
+/// What the body did in a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Flown<S> {
-    /// v, m/s.
+    /// Mean velocity of the centre through the tick v, m/s.
     pub mean_velocity: Three<S>,
-    /// ω and τ.
+    /// Mean angular velocity ω (rad/s) and torque τ (N·m) through the tick.
     pub turned: Turned<S>,
 }
 
-/// A body that nothing holds.
+/// A rigid body without constraints: six degrees of freedom.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FreeBody<S> {
-    /// What moves.
+    /// Mass and damping of the translation.
     pub body: Body<S, 3>,
-    /// What turns.
+    /// Inertia of the rotation.
     pub rotor: Rotor<S>,
 }
 
@@ -91,7 +91,8 @@ fn block<S: Scalar>(port: &Wrench<S>, row: usize, column: usize) -> [Three<S>; 3
 }
 
 impl<S: Scalar> FreeBody<S> {
-    /// Of this mass (kg), damping of its translation (N·s/m) and these principal moments of inertia (kg·m²), in ticks of `period_s`.
+    /// A body of this mass (kg), damping of its translation (N·s/m) and these principal moments of inertia (kg·m²),
+    /// in ticks of `period_s` (s).
     pub fn new(mass_kg: f64, damping_n_s_per_m: f64, inertia_kg_m2: Three<f64>, period_s: f64) -> Self {
         Self { body: Body::new(mass_kg, damping_n_s_per_m, period_s), rotor: Rotor::new(inertia_kg_m2, period_s) }
     }
@@ -118,7 +119,7 @@ impl<S: Scalar> FreeBody<S> {
         Flown { mean_velocity, turned }
     }
 
-    /// Kinetic energy of both, J.
+    /// Kinetic energy of translation and rotation, J.
     pub fn energy_j(&self, flying: &Flying<S>) -> S {
         self.body.energy_j(&flying.moving) + self.rotor.energy_j(&flying.turning)
     }

@@ -26,7 +26,7 @@ pub struct Midpoint<S> {
 
 configured!([S: Scalar] Midpoint<S> { period, inertia, damping });
 
-/// What position and velocity could not hold: rounding, no state.
+/// Rounding errors that position and velocity still owe; no state of the object.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Carries<S> {
     position: Carry<S>,
@@ -39,7 +39,8 @@ impl<S> StateVector<S> for Carries<S> {
 }
 
 impl<S: Scalar> Midpoint<S> {
-    /// v − ẋ_o, m/s: by how much the mean velocity of a tick differs from the one that it begins with (m/s).
+    /// Half of the velocity change of a tick under these ports, v − ẋ_o, m/s: mean velocity less the one that the
+    /// tick begins with.
     #[inline]
     pub fn half_change(&self, velocity: S, ports: Port<S>) -> S {
         let resistance = self.damping + ports.impedance;

@@ -1,10 +1,10 @@
 //! The local copy of the shared virtual object (SVO): m_O·ẍ_o + b_O·ẋ_o = F, advanced by one tick.
 //!
-//! The staged ones take a force that was computed before; [`midpoint`] solves for everything that pushes at once. Staged forces
-//! may act late: with a delay of τ ticks (0…1) the old force acts for τ·T_c and the new one for the rest.
-//! A body that turns has a rule of its own, [`rigid`], of the same kind. [`fixture`] is a guide or a wall at the copy, one more of the
-//! ports. In the plane and in space ports are matrices ([`vector`]), a wall with friction has any normal ([`plane`]), and a body moves and
-//! turns at once ([`free_body`], which no peer is told of yet). A new integrator is one file here, its `pub mod`, its name and one line in the list.
+//! Staged integrators take a force that was computed before; [`midpoint`] solves for all forces and the motion at once. Staged forces
+//! may act late: with a delay of τ ticks (0…1) the old force acts for τ·T_c and the new one for the rest. A body that turns has a
+//! midpoint rule of its own, [`rigid`]. [`fixture`] is a guide or a wall at the copy, as another port. In the plane and in space ports
+//! are matrices ([`vector`]), a wall with friction has any normal ([`plane`]), and a body moves and turns at once ([`free_body`], which
+//! no peer uses yet). A new integrator is one file here, its `pub mod`, its name and one line in the list.
 
 pub mod euler;
 pub mod exact;
@@ -39,19 +39,20 @@ list! {
 }
 
 impl<S: Scalar> AnyIntegrator<S> {
-    /// [`Integrator::step`].
+    /// The copy's motion after one tick under this force (N) ([`Integrator::step`]).
     #[inline]
     pub fn step(&mut self, motion: Motion<S>, force: S) -> Motion<S> {
         each!(self: ForwardEuler | SemiImplicit | Exact | Midpoint, model, before => model.step(before, motion, force))
     }
 
-    /// As after [`AnyIntegrator::build`]: no force acted before.
+    /// Forgets the force of the tick before, as after [`AnyIntegrator::build`].
     pub fn rest(&mut self) {
         each!(self: ForwardEuler | SemiImplicit | Exact | Midpoint, _model, before => *before = Default::default());
     }
 }
 
-/// What a staged integrator remembers: the force of the tick before, and what its last position could not hold.
+/// State of a staged integrator: the force of the tick before (N), and the rounding error that its last position
+/// still owes (m).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Before<S> {
     /// Force of the tick before, N.

@@ -23,9 +23,9 @@ use crate::settings::{Refused, Settings};
 /// A wall in the plane (`N` = 2) or in space (3).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane<S, const N: usize> {
-    /// Unit vector toward what is forbidden.
+    /// Unit normal toward the forbidden side.
     pub normal: [S; N],
-    /// Where the wall is along it, m.
+    /// Distance of the wall from the origin along its normal, m.
     pub position: S,
     stiffness: S,
     /// K·T_c/2 + B, N·s/m.
@@ -44,25 +44,25 @@ configured!([S: Scalar, const N: usize] Plane<S, N> {
     normal, position, stiffness, impedance, half_stiffness, entering, drag, friction, one_half
 });
 
-/// What a wall does.
+/// Stiffness, damping and friction of a wall.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Gains {
-    /// K, N/m.
+    /// Stiffness normal to the wall K, N/m.
     pub stiffness_n_per_m: f64,
-    /// B, N·s/m, along the normal.
+    /// Damping along the normal B, N·s/m.
     pub damping_n_s_per_m: f64,
-    /// B_f, N·s/m, along the wall.
+    /// Damping along the wall B_f, N·s/m.
     pub drag_n_s_per_m: f64,
-    /// μ.
+    /// Coefficient of friction μ.
     pub friction: f64,
 }
 
-/// What came of a tick at a wall.
+/// Motion and forces of a tick at a wall.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Met<S, const N: usize> {
-    /// v, m/s.
+    /// Mean velocity of the body through the tick v, m/s.
     pub mean_velocity: [S; N],
-    /// What the wall pushes with, N; never negative.
+    /// Force with which the wall pushes along its normal, N; never negative.
     pub push: S,
     /// Force along the wall on the body, N: drag and friction.
     pub along: [S; N],
@@ -86,12 +86,12 @@ impl<S: Scalar, const N: usize> Plane<S, N> {
         }
     }
 
-    /// How far a body is past it, m.
+    /// Depth of a body past the wall, m; negative in front of it.
     pub fn depth(&self, moving: &Moving<S, N>) -> S {
         dot(self.normal, moving.axes.map(|axis| axis.position)) - self.position
     }
 
-    /// ½K·max(0, d)², J.
+    /// Energy stored in the wall's spring ½K·max(0, d)², J.
     pub fn energy_j(&self, moving: &Moving<S, N>) -> S {
         let depth = self.depth(moving).max(S::ZERO);
         self.half_stiffness * depth * depth

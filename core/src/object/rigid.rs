@@ -28,7 +28,7 @@ use crate::num::{Carry, Scalar, StateVector};
 /// Newton steps of a tick at most: they double the digits, from about T_c·ω.
 pub const MOST: u32 = 5;
 
-/// A vector.
+/// A vector in space: x, y, z.
 pub type Three<S> = [S; 3];
 
 /// Torque on a body through a tick, as a function of its mean angular velocity: τ = f − Z·ω, both in space.
@@ -40,7 +40,7 @@ pub struct TorquePort<S> {
     pub impedance: [Three<S>; 3],
 }
 
-/// Which way a body is turned and how it turns.
+/// Orientation and angular momentum of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turning<S> {
     /// From the body to space, a unit quaternion: w, x, y, z.
@@ -56,12 +56,12 @@ impl<S> StateVector<S> for Turning<S> {
     }
 }
 
-/// What came of a tick.
+/// Mean angular velocity and torque of a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Turned<S> {
-    /// ω, rad/s, in space.
+    /// Mean angular velocity ω in space, rad/s.
     pub mean_velocity: Three<S>,
-    /// τ, N·m, in space.
+    /// Torque τ in space, N·m.
     pub torque: Three<S>,
 }
 
@@ -90,7 +90,7 @@ fn each<S: Scalar>([ax, ay, az]: Three<S>, [bx, by, bz]: Three<S>, of: impl Fn(S
     [of(ax, bx), of(ay, by), of(az, bz)]
 }
 
-/// a + factor·b.
+/// The vector a + factor·b.
 fn add<S: Scalar>(a: Three<S>, factor: S, b: Three<S>) -> Three<S> {
     each(a, b, |a, b| a + factor * b)
 }
@@ -129,7 +129,7 @@ impl<S: Scalar> Turning<S> {
 }
 
 impl<S: Scalar> Rotor<S> {
-    /// With these principal moments of inertia (kg·m², each above 0), ticks of `period_s`.
+    /// A rotor with these principal moments of inertia (kg·m², each above 0), in ticks of `period_s` (s).
     pub fn new(inertia_kg_m2: Three<f64>, period_s: f64) -> Self {
         Self {
             inertia: inertia_kg_m2.map(S::from_f64),
@@ -140,7 +140,8 @@ impl<S: Scalar> Rotor<S> {
         }
     }
 
-    /// Turned this way (w, x, y, z, of any length but 0) with this angular velocity about the body's own axes, rad/s.
+    /// The state of a body in this orientation (w, x, y, z, of any length but 0) with this angular velocity about its
+    /// own axes, rad/s.
     pub fn turning(&self, orientation: [f64; 4], velocity: Three<f64>) -> Turning<S> {
         let norm = libm::sqrt(orientation.iter().map(|part| part * part).sum());
         let orientation = orientation.map(|part| S::from_f64(part / norm));
@@ -155,7 +156,7 @@ impl<S: Scalar> Rotor<S> {
         each(self.inverse, momentum, |inverse, momentum| inverse * momentum)
     }
 
-    /// Kinetic energy, J.
+    /// Kinetic energy of the rotation, J.
     pub fn energy_j(&self, state: &Turning<S>) -> S {
         let momentum = times(transposed(state.rotation()), state.momentum);
         self.one_half * dot(momentum, each(self.inverse, momentum, |inverse, momentum| inverse * momentum))
@@ -218,7 +219,7 @@ impl<S: Scalar> Rotor<S> {
         add_rows(add_rows(inertia, self.half, turned), self.half, pulled)
     }
 
-    /// R ← R·cay(T_c·Ω).
+    /// Advances the orientation by one tick at this mean angular velocity (rad/s): R ← R·cay(T_c·Ω).
     fn turn(&self, state: &mut Turning<S>, mean: Three<S>) {
         let [w, x, y, z] = state.orientation;
         let [ax, ay, az] = mean.map(|mean| self.half * mean);

@@ -68,7 +68,7 @@ impl<S: Scalar, const N: usize> Add for VectorPort<S, N> {
     }
 }
 
-/// Entry by entry.
+/// The vector whose entries are `of` the entries of both.
 pub(super) fn combined<S: Scalar, const N: usize>(mut one: [S; N], other: [S; N], of: impl Fn(S, S) -> S) -> [S; N] {
     for (one, other) in one.iter_mut().zip(other) {
         *one = of(*one, other);
@@ -121,10 +121,10 @@ pub struct Body<S, const N: usize> {
 
 configured!([S: Scalar, const N: usize] Body<S, N> { period, inertia, damping, one_half });
 
-/// Where a body is along every axis, and what its numbers could not hold.
+/// Position and velocity of a body along every axis, with the rounding errors that they still owe.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moving<S, const N: usize> {
-    /// m and m/s.
+    /// Position (m) and velocity (m/s) along each axis.
     pub axes: [Motion<S>; N],
     carries: [[Carry<S>; 2]; N],
 }
@@ -135,7 +135,7 @@ impl<S: Scalar, const N: usize> Moving<S, N> {
         Self { axes, carries: [[Carry::default(); 2]; N] }
     }
 
-    /// m/s.
+    /// Velocity along each axis, m/s.
     pub fn velocity(&self) -> [S; N] {
         self.axes.map(|axis| axis.velocity)
     }
@@ -148,7 +148,7 @@ impl<S: Scalar, const N: usize> StateVector<S> for Moving<S, N> {
 }
 
 impl<S: Scalar, const N: usize> Body<S, N> {
-    /// Of this mass (kg, above 0) and damping (N·s/m), in ticks of `period_s`.
+    /// A body of this mass (kg, above 0) and damping (N·s/m), in ticks of `period_s` (s).
     pub fn new(mass_kg: f64, damping_n_s_per_m: f64, period_s: f64) -> Self {
         Self {
             period: S::from_f64(period_s),
@@ -175,7 +175,7 @@ impl<S: Scalar, const N: usize> Body<S, N> {
         solved(rows, right)
     }
 
-    /// One control period with this mean velocity.
+    /// Advances the body by one control period at this mean velocity, m/s.
     pub fn advance(&self, moving: &mut Moving<S, N>, mean_velocity: [S; N]) {
         for ((axis, [position, velocity]), mean) in moving.axes.iter_mut().zip(&mut moving.carries).zip(mean_velocity) {
             let half_change = mean - axis.velocity;
@@ -184,7 +184,7 @@ impl<S: Scalar, const N: usize> Body<S, N> {
         }
     }
 
-    /// Kinetic energy, J.
+    /// Kinetic energy of the body, J.
     pub fn energy_j(&self, moving: &Moving<S, N>) -> S {
         let velocity = moving.velocity();
         self.one_half * self.one_half * self.inertia * self.period * dot(velocity, velocity)

@@ -15,15 +15,15 @@ use crate::object::{AnyIntegrator, Port, Staged};
 /// What a tick saw and did along one shared axis, for telemetry, reports and tests.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Observed<S> {
-    /// Device motion x_h.
+    /// Motion of the device x_h, m and m/s.
     pub device: Motion<S>,
-    /// The local copy x_o as the forces of this tick saw it.
+    /// The local copy x_o as the forces of this tick saw it, m and m/s.
     pub object: Motion<S>,
-    /// The decoded remote copy x_d as F_T of this tick used it.
+    /// The decoded remote copy x_d as F_T of this tick used it, m and m/s.
     pub desired: Motion<S>,
-    /// F_LC on the object, N.
+    /// Contact force F_LC on the object, N.
     pub contact_force: S,
-    /// F_T on the object, N.
+    /// Coordination force F_T on the object, N.
     pub coordination_force: S,
 }
 
@@ -50,10 +50,10 @@ pub(super) struct Tick<'a, S: Scalar, L> {
     pub(super) law: &'a L,
     pub(super) contact: &'a AnyRendering<S>,
     pub(super) fixture: Option<Fixture<S>>,
-    /// The coordination acts.
+    /// The coordination acts in this tick.
     pub(super) engaged: bool,
     pub(super) age_ticks: u32,
-    /// T_c, s.
+    /// Control period T_c, s.
     pub(super) period_s: S,
 }
 
@@ -72,7 +72,7 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
         }
     }
 
-    /// The same for one that has been in use.
+    /// Puts an axis that has been in use back to how [`SharedAxis::new`] makes it.
     pub(super) fn engage(&mut self, law: &L, contact: &AnyRendering<S>, position: S) {
         self.object = Motion::at(contact.clear_of(position));
         self.strikes = Strikes::default();
@@ -235,7 +235,7 @@ pub(super) fn advance_together<S: Scalar, L: Law<S>, const N: usize>(
     finite.then_some(felt)
 }
 
-/// The axes that are left, how their copies move, and what their laws come to.
+/// The axes that remain, the motion of their copies (m, m/s), and the forces of their laws.
 type Left<'a, S, L> = (&'a mut [SharedAxis<S, L>], &'a [Motion<S>], &'a mut [Coupled<S>]);
 
 /// Asks the laws of the axes that are left for their ports, one within the other, and solves when all are there: each law is told its own

@@ -48,7 +48,7 @@ pub(crate) fn run(_: u32) -> Run {
 }
 
 impl Power {
-    /// Refuses.
+    /// Refuses any drive but amplifiers: there is no current loop.
     pub(crate) fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
         let key = "motor.drive";
         let value = settings.get(key).unwrap_or(haptic_core::settings::Value::Flag(false));
@@ -62,7 +62,7 @@ pub(crate) fn told(_: Option<Measured<JOINTS>>) -> Option<Measured> {
     None
 }
 
-/// The tick's side.
+/// The tick's side of the power stage.
 pub(crate) struct Stage;
 
 impl Stage {

@@ -55,7 +55,7 @@ const LOCK: u32 = 3 << 8;
 
 /// BDTR with the outputs off: lock, idle level while off, both breaks enabled, active low and filtered.
 const BDTR_OFF: u32 = LOCK | 1 << 10 | 1 << 11 | 1 << 12 | FILTER << 16 | FILTER << 20 | 1 << 24;
-/// The same with the outputs on.
+/// BDTR with the outputs on, else as [`BDTR_OFF`].
 const BDTR_ON: u32 = BDTR_OFF | 1 << 15;
 /// What broke, in SR: first input, second, chip.
 const STOP: u32 = 1 << 7;
@@ -74,10 +74,10 @@ pub(crate) const WAKE_TICKS: u32 = 2;
 /// Outputs were turned on, and not off since: whoever writes voltages without being asked may do so.
 static DRIVEN: AtomicBool = AtomicBool::new(false);
 
-/// What turned the outputs off without being told to.
+/// What turned the outputs off without a command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Cut {
-    /// The emergency stop.
+    /// The emergency stop was pressed.
     Stop,
     /// A bridge's fault output.
     Bridge,
@@ -85,7 +85,7 @@ pub(crate) enum Cut {
     Chip,
 }
 
-/// Each bridge's two.
+/// Pins of each bridge's two legs.
 #[cfg(not(feature = "three-axes"))]
 pub(crate) struct Legs {
     pub(crate) bridge_1: (Peri<'static, PE9>, Peri<'static, PE11>),

@@ -14,10 +14,10 @@ use embassy_stm32::rcc::{
 };
 use embassy_stm32::{Config, pac, time::Hertz};
 
-/// Of the core.
+/// Frequency of the core, Hz.
 pub(crate) const CORE_HZ: u32 = 2 * TIMERS_HZ;
 pub(crate) const TIMERS_HZ: u32 = 240_000_000;
-/// Of the buses that peripherals are on, PCLK1 to PCLK4.
+/// Frequency of the buses that peripherals are on, PCLK1 to PCLK4, Hz.
 pub(crate) const PERIPHERALS_HZ: u32 = TIMERS_HZ / 2;
 
 /// Looks at the external clock until it must be there: one or two seconds on the 64 MHz of the start.

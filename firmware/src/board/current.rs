@@ -47,7 +47,7 @@ const TICK_S: f64 = 0.001;
 enum Wanted {
     /// A current, and the back-EMF that is expected, counts.
     Current(Duty, i32),
-    /// A voltage, counts.
+    /// A voltage, timer counts.
     Voltage(i32),
 }
 
@@ -59,7 +59,7 @@ pub(crate) struct Order {
     wanted: [Wanted; AXES],
 }
 
-/// Nothing.
+/// No voltage, no gains.
 impl Default for Order {
     fn default() -> Self {
         let (gains, sensors) = (Gains::default(), [Sensor::default(); AXES]);
@@ -80,7 +80,7 @@ pub(crate) struct Sums {
     last: [i32; AXES],
 }
 
-/// The interrupt's own.
+/// What the interrupt of the loop owns.
 struct Loop {
     orders: Reader<'static, Order>,
     sums: Writer<'static, Sums>,
@@ -296,7 +296,7 @@ pub(crate) fn told(measured: Option<Measured>) -> Option<Measured> {
     measured
 }
 
-/// The tick's side.
+/// The tick's side of the power stage.
 pub(crate) struct Stage {
     orders: Writer<'static, Order>,
     sums: Reader<'static, Sums>,

@@ -26,7 +26,7 @@ use embassy_stm32::interrupt::{self, InterruptExt, Priority};
 use embassy_stm32::{Peri, peripherals::TIM6, wdg::IndependentWatchdog};
 use haptic_protocol::wire::PeerId;
 
-/// Which of the pair this board is, by its strap.
+/// The number of this board in the pair, by its strap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, defmt::Format)]
 pub(crate) enum Number {
     /// Strap open: on the left, pushes toward positive x.
@@ -54,7 +54,7 @@ pub(crate) struct Board {
     pub(crate) unfit: Option<&'static str>,
     /// The 1 kHz timer, not yet running.
     pub(crate) pace: Peri<'static, TIM6>,
-    /// Not yet running.
+    /// The watchdog, not yet running.
     pub(crate) watchdog: IndependentWatchdog<'static, embassy_stm32::peripherals::IWDG1>,
     pub(crate) flash: flash::Settings,
     pub(crate) ethernet: ethernet::Pins,

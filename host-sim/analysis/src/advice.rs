@@ -25,11 +25,11 @@ const GAINS: [&str; 2] = ["coordination.stiffness_n_per_m", "contact.stiffness_n
 /// A change of one gain.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Change {
-    /// `table.key`.
+    /// Name of the key, `table.key`.
     pub key: &'static str,
-    /// Its value now.
+    /// Value in the scene, in `unit`.
     pub from: f64,
-    /// The value proposed.
+    /// Value proposed, in `unit`.
     pub to: f64,
     /// The edge of the region between the two.
     pub limit: f64,
@@ -40,6 +40,9 @@ pub struct Change {
 }
 
 /// One line of advice on a scene: that it is stable, or which gain to change and to what.
+///
+/// # Errors
+/// A scene that the analyser cannot judge.
 pub fn advice(scene: &Scene) -> Result<String, AnalysisError> {
     let now = judge(scene)?;
     let radius = now.worst.spectral_radius;
@@ -70,6 +73,9 @@ pub fn advice(scene: &Scene) -> Result<String, AnalysisError> {
 }
 
 /// The change of one gain that brings an unstable scene back, if there is one.
+///
+/// # Errors
+/// A scene that the analyser cannot judge.
 pub fn change(scene: &Scene) -> Result<Option<Change>, AnalysisError> {
     for (name, key) in scene.keys().into_iter().filter(|(name, _)| GAINS.contains(&name.as_str())) {
         let now = gain(scene, &name);

@@ -33,7 +33,7 @@ pub struct Agreement {
 }
 
 impl Agreement {
-    /// Of two comparisons, the larger difference of each kind.
+    /// The larger difference of each kind, of two comparisons.
     pub fn or_farther(self, other: Self) -> Self {
         let [matrix, spectral_radius] =
             [[self.matrix, other.matrix], [self.spectral_radius, other.spectral_radius]].map(|[a, b]| a.max(b));
@@ -43,6 +43,9 @@ impl Agreement {
 
 /// Compares the two constructions on a mode of a linear scene (one hand: peer 1's); `None` where the scene has a model
 /// without a second construction.
+///
+/// # Errors
+/// A scene that cannot be built, or whose eigenvalues do not converge.
 pub fn agreement(linear: &Scene, hands: Hands) -> Result<Option<Agreement>, AnalysisError> {
     let released = [hands == Hands::None, hands != Hands::Both];
     let seats = released.map(|released| seat(linear, released));

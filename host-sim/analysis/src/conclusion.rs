@@ -28,7 +28,7 @@ pub fn conclude(scene: &Scene, outcome: Outcome) -> Result<Conclusion, AnalysisE
 }
 
 impl Conclusion {
-    /// The same where the verdict with both hands on is known.
+    /// The conclusion where the verdict with both hands on is known already.
     pub fn new(scene: &Scene, outcome: Outcome, verdict: Verdict) -> Self {
         let doubted = scene.is_linear() && !verdict.stable;
         let reason = doubted.then_some(Reason::Unstable { spectral_radius: verdict.spectral_radius });

@@ -29,7 +29,7 @@ pub enum Direction {
     Along([f64; 3]),
     /// Any way across this unit vector, in space.
     Across([f64; 3]),
-    /// Any way.
+    /// No direction is preferred.
     Any,
 }
 
@@ -45,7 +45,7 @@ impl fmt::Display for Direction {
 }
 
 /// The direction of the eigenvalue of this size and angle (rad) of a matrix in which `objects` are the positions of one object or two
-/// along `axes` axes, one object after the other. None where it cannot be told.
+/// along `axes` axes, one object after the other. None where it cannot be determined.
 pub(crate) fn direction(matrix: &Matrix, [size, angle]: [f64; 2], objects: &[usize], axes: usize) -> Option<Direction> {
     if !size.is_finite() || !matrix.iter().all(|entry| entry.is_finite()) {
         return None;

@@ -18,13 +18,13 @@ use haptic_sim::scene::Scene;
 /// The panels, in the paper's order (a), (b), (c).
 pub const COMMS: [&str; 3] = ["power", "wave", "passive-wave"];
 
-/// One-way delays, packets.
+/// The paper's one-way delays, packets.
 pub const DELAYS: [u32; 4] = [0, 1, 2, 3];
 
 /// Contact stiffnesses in a curve.
 pub const POINTS: usize = 100;
 
-/// The paper's axes.
+/// Ranges and numbers of points of the paper's axes, both N/m.
 pub fn axes() -> [Axis; 2] {
     let axis = |key: &str, to: f64| Axis { range: Range { key: key.to_owned(), from: 0.0, to }, count: POINTS };
     [axis("contact.stiffness_n_per_m", 2500.0), axis("coordination.stiffness_n_per_m", 12_000.0)]
@@ -45,13 +45,16 @@ pub fn scene(comm: &'static str, one_way_delay_packets: u32) -> Scene {
 pub struct Curve {
     /// How the peers communicate.
     pub comm: &'static str,
-    /// n_t.
+    /// One-way delay n_t, packets.
     pub one_way_delay_packets: u32,
     /// Crossings of K_T for every K_LC.
     pub columns: Vec<super::map::Column>,
 }
 
 /// All twelve curves; `done` is called once for every point of a curve.
+///
+/// # Errors
+/// A scene that the analyser cannot judge.
 pub fn curves(done: impl Fn() + Sync) -> Result<Vec<(Curve, Map)>, AnalysisError> {
     // Steps of 150 N/m find every pocket of this figure; 0.1 % is ten times finer than it is drawn.
     let effort = Effort { steps: 80, tolerance: 1e-3, hands: Some(Hands::Both) };

@@ -97,6 +97,9 @@ impl Limit {
 }
 
 /// Finds all crossings of the scene along a range.
+///
+/// # Errors
+/// A key that takes no numbers, a scene that cannot be judged, or eigenvalues that do not converge.
 pub fn limit(scene: &Scene, range: Range, effort: Effort) -> Result<Limit, AnalysisError> {
     along(&Sweep::new(scene, range)?, effort)
 }
@@ -110,8 +113,8 @@ pub(crate) fn along(sweep: &Sweep, effort: Effort) -> Result<Limit, AnalysisErro
     Ok(Limit::of_all(&limits))
 }
 
-/// The same in one mode: in the family of its matrices where there is one and the peers bear out what is found in it, else by driving
-/// the peers at every value.
+/// All crossings in one mode: in the family of its matrices where there is one and the driven peers confirm what is
+/// found in it, else by driving the peers at every value.
 fn of_mode(sweep: &Sweep, points: &[f64], tolerance: f64, mode: Hands) -> Result<Found, AnalysisError> {
     let driven = |analyser: &mut Analyser, value: f64, parts: &mut Vec<Polar>| {
         sweep.radius(analyser, value, Some(mode))?;

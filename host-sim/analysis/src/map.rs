@@ -15,21 +15,21 @@ use haptic_sim::scene::Scene;
 /// A range and how many values of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
-    /// Key and ends.
+    /// The key and the ends of its range.
     pub range: Range,
     /// Values, both ends included; 2 or more.
     pub count: usize,
 }
 
 impl Axis {
-    /// Equally spaced values.
+    /// The values, equally spaced, in the key's unit.
     pub fn values(&self) -> Vec<f64> {
         let Range { from, to, .. } = self.range;
         (0..self.count).map(|at| from + (to - from) * at as f64 / (self.count - 1).max(1) as f64).collect()
     }
 }
 
-/// `key=A..B:N`
+/// Reads an axis from `key=A..B:N`.
 impl std::str::FromStr for Axis {
     type Err = String;
 
@@ -64,13 +64,16 @@ pub struct Column {
 pub struct Map {
     /// What x and y are.
     pub axes: [Axis; 2],
-    /// In which units.
+    /// Units of both axes.
     pub units: [&'static str; 2],
     /// One for every value of x.
     pub columns: Vec<Column>,
 }
 
 /// Maps the scene. `done` is called once for every column, in any order, from any thread.
+///
+/// # Errors
+/// A key that takes no numbers, a scene that cannot be judged, or eigenvalues that do not converge.
 pub fn map(scene: &Scene, axes: [Axis; 2], effort: Effort, done: impl Fn() + Sync) -> Result<Map, AnalysisError> {
     let [x, y] = &axes;
     let across = Sweep::new(scene, x.range.clone())?;

@@ -16,7 +16,7 @@ pub(crate) fn rows<const ROWS: usize, const COLUMNS: usize>(rows: [[f64; COLUMNS
     Matrix::from_fn(ROWS, COLUMNS, |i, j| rows[i][j])
 }
 
-/// One column.
+/// One column of the matrix.
 pub(crate) fn column(matrix: &Matrix, at: usize) -> &[f64] {
     &matrix.as_slice()[at * matrix.nrows()..][..matrix.nrows()]
 }

@@ -28,7 +28,7 @@ use haptic_sim::user::User;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Hands {
-    /// Both users'.
+    /// Both users hold the object.
     Both,
     /// One user's; the other has let go.
     One,
@@ -62,7 +62,7 @@ fn is_false(flag: &bool) -> bool {
 }
 
 impl Mode {
-    /// For a person.
+    /// Name of the mode, for a person.
     pub fn name(&self) -> String {
         self.mode.name().to_owned() + if self.at_walls { ", at the walls" } else { "" }
     }
@@ -88,6 +88,9 @@ impl Judgement {
 }
 
 /// Judges every mode that a scene can enter.
+///
+/// # Errors
+/// A scene that the analyser cannot judge in one of its modes.
 pub fn judge(scene: &Scene) -> Result<Judgement, AnalysisError> {
     let mut analyser = Analyser::default();
     let mut modes = analyser.modes(scene, None)?;

@@ -177,7 +177,7 @@ fn plan(nodes: &[Node], columns: &[std::ops::Range<usize>; 2], high: f64) -> Pla
     (movement, steps)
 }
 
-/// Follows the links.
+/// The paths that linked nodes make, as points of the map.
 fn paths(nodes: &[Node]) -> Vec<Vec<(f64, f64)>> {
     let mut done = vec![false; nodes.len()];
     let mut paths = Vec::new();

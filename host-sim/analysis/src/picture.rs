@@ -16,7 +16,7 @@ fn lines(map: &Map, name: &str, color: usize, dash: Dash) -> impl Iterator<Item 
     outline(map).into_iter().enumerate().map(move |(at, path)| Series::dashed(named(at), color, dash, path))
 }
 
-/// One region.
+/// The stability region of one map as a figure.
 pub fn region(title: &str, map: &Map) -> Figure {
     let [x, y] = &map.axes;
     let mut series = vec![Series::region("stable", 0, strips(map))];

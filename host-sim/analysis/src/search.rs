@@ -39,12 +39,12 @@ const CLIMB_STEPS: usize = 24;
 /// Most radii for one crossing: halving alone takes any range below the spacing of f64 with sixty.
 const CLOSE_STEPS: usize = 64;
 
-/// What was found.
+/// The crossings that a search found.
 #[derive(Debug)]
 pub(crate) struct Found {
     /// Whether the first point is stable.
     pub stable_at_start: bool,
-    /// Ascending.
+    /// Values at which stability changes, ascending.
     pub crossings: Vec<f64>,
     /// Values that were looked at.
     pub evaluations: usize,

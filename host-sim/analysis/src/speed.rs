@@ -11,7 +11,7 @@ use super::figure4;
 use super::sweep::{Range, Sweep};
 use super::verdict::Analyser;
 
-/// What was measured.
+/// The speed that was measured.
 #[derive(Clone, Copy, Debug)]
 pub struct Speed {
     /// States of the pair.
@@ -27,6 +27,9 @@ pub struct Speed {
 }
 
 /// Computes `radii` radii on each of `threads` threads.
+///
+/// # Errors
+/// A scene that the analyser cannot judge.
 pub fn measure(radii: usize, threads: usize) -> Result<Speed, AnalysisError> {
     let range = Range { key: "coordination.stiffness_n_per_m".to_owned(), from: 0.0, to: 12_000.0 };
     let mut scene = figure4::scene("passive-wave", 3);

@@ -62,7 +62,7 @@ impl Sweep {
         Ok(sweep)
     }
 
-    /// The range.
+    /// The key that is swept, and its range.
     pub(crate) fn range(&self) -> &Range {
         &self.range
     }

@@ -31,9 +31,9 @@ use haptic_sim::run::{Options, Outcome, Run, run};
 use haptic_sim::scene::Scene;
 use haptic_sim::user::User;
 
-/// Contact stiffness K_LC.
+/// Key of the contact stiffness K_LC, N/m.
 pub const CONTACT: &str = "contact.stiffness_n_per_m";
-/// Coordination stiffness K_T.
+/// Key of the coordination stiffness K_T, N/m.
 pub const COORDINATION: &str = "coordination.stiffness_n_per_m";
 
 /// Coordination this many times as stiff as the stiffest contact is stiff enough: 1/K_T is then 1/40 of 2/K_LC.
@@ -51,12 +51,12 @@ pub const BEYOND: f64 = 4.0;
 /// Times 2 % is taken off before giving up.
 const RETREATS: usize = 50;
 
-/// What is proposed for a scene.
+/// The gains proposed for a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Proposal {
-    /// K_LC, N/m.
+    /// Contact stiffness K_LC, N/m.
     pub contact_stiffness_n_per_m: f64,
-    /// K_T, N/m.
+    /// Coordination stiffness K_T, N/m.
     pub coordination_stiffness_n_per_m: f64,
     /// m: every pair of gains up to (1 + m) times these is stable.
     pub margin: f64,
@@ -82,6 +82,9 @@ impl Proposal {
     }
 
     /// The scene with the proposal, both gains times `factor`.
+    ///
+    /// # Errors
+    /// A gain beyond its key's range.
     pub fn applied(&self, scene: &Scene, factor: f64) -> Result<Scene, AnalysisError> {
         with(scene, factor * self.contact_stiffness_n_per_m, factor * self.coordination_stiffness_n_per_m)
     }
@@ -97,6 +100,9 @@ fn with(scene: &Scene, contact: f64, coordination: f64) -> Result<Scene, Analysi
 
 /// Proposes gains; `None` where not even the softest contact is stable. `done` is called once for every contact stiffness
 /// tried, of which there are at most [`steps`].
+///
+/// # Errors
+/// A margin that is out of range, or a scene that the analyser cannot judge.
 pub fn tune(scene: &Scene, margin: f64, done: impl Fn() + Sync) -> Result<Option<Proposal>, AnalysisError> {
     AnalysisError::within("margin", margin, MARGINS, "")?;
     let raised = 1.0 + margin;
@@ -211,6 +217,9 @@ fn rounded_down(value: f64) -> f64 {
 
 /// Runs the scene with the proposal, as it is, gaps, encoders and all; users who do nothing get the pushes and pulses of
 /// the cooperation paper's §5.1, 1 N and 1 N on top for 25 ms.
+///
+/// # Errors
+/// The first key that is out of range or impossible beside the others.
 pub fn try_out<S: Run>(scene: &Scene, proposal: &Proposal, duration_s: f64) -> Result<Outcome, AnalysisError> {
     let mut scene = proposal.applied(scene, 1.0)?;
     let idle = |user: &User| {
@@ -243,6 +252,9 @@ pub struct Released {
 
 /// Runs the scene with the proposal and all that is not linear about it, but released ([`Scene::hands_off`]): copy 1 is set
 /// moving, and nobody puts in any energy after that.
+///
+/// # Errors
+/// The first key that is out of range or impossible beside the others.
 pub fn let_go<S: Number>(scene: &Scene, proposal: &Proposal, duration_s: f64) -> Result<Released, AnalysisError> {
     let scene = proposal.applied(scene, 1.0)?.hands_off();
     let mut pair = Pair::<S>::new(&scene)?;

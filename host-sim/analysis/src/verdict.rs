@@ -43,7 +43,7 @@ fn finite<S: serde::Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::
 }
 
 impl Verdict {
-    /// Less than any.
+    /// The verdict with a smaller radius than any other.
     pub(crate) const LEAST: Self = Self {
         spectral_radius: f64::NEG_INFINITY,
         stable: true,
@@ -71,6 +71,9 @@ pub(crate) fn is_stable(spectral_radius: f64) -> bool {
 
 /// The verdict on the linear scene behind this one ([`Scene::linear`]) with both hands on, and nothing else: the papers' own
 /// question. [`super::judge`] asks for every mode that the scene can enter.
+///
+/// # Errors
+/// A scene that cannot be built, or whose eigenvalues do not converge.
 pub fn verdict(scene: &Scene) -> Result<Verdict, AnalysisError> {
     Analyser::default().verdict(&scene.linear())
 }
@@ -139,6 +142,9 @@ impl Heard {
 
 impl Analyser {
     /// The verdict on a scene that is linear already, both hands on.
+    ///
+    /// # Errors
+    /// A scene that cannot be built, or whose eigenvalues do not converge.
     pub fn verdict(&mut self, linear: &Scene) -> Result<Verdict, AnalysisError> {
         let delays = delays_ticks(linear);
         self.measure(linear, [true, false], &[delays])?;
@@ -146,11 +152,14 @@ impl Analyser {
     }
 
     /// Spectral radius, states and rest modes of a lifted matrix from elsewhere; `anchors` are states known to matter.
+    ///
+    /// # Errors
+    /// Eigenvalues that do not converge.
     pub fn judge(&mut self, lifted: Lifted, anchors: &[usize]) -> Result<Verdict, AnalysisError> {
         self.judge_held(lifted, anchors, true)
     }
 
-    /// The same where nobody need hold an object, which may glide.
+    /// [`Analyser::judge`], also where nothing holds the object and it may glide (`held` is false).
     pub(crate) fn judge_held(
         &mut self,
         lifted: Lifted,

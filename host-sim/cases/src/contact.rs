@@ -24,11 +24,11 @@ pub enum Test {
     Contact,
     /// Let go on a contact without damping.
     Undamped,
-    /// Pushed, against damping.
+    /// Pushed by a constant force, against damping.
     Push,
 }
 
-/// What the object is told in a test, at a control period in s.
+/// The settings of the object in a test, at a control period of `period_s` (s).
 pub fn settings(test: Test, integrator: IntegratorName, period_s: f64) -> Settings {
     let mut settings = Settings::default();
     settings.timing.control_period_s = period_s;

@@ -8,7 +8,7 @@ use haptic_core::settings::Settings;
 
 /// A low-pass filter that can be compared.
 pub trait Filter<S: Scalar> {
-    /// Short name.
+    /// Short name of the filter, for tables.
     const NAME: &'static str;
     /// Takes its coefficients from the cutoff and the control period.
     fn build(settings: &Settings) -> Self;
@@ -32,7 +32,7 @@ impl<S: Scalar> Filter<S> for Exact<S> {
     }
 }
 
-/// Ω_c·T_c.
+/// Cutoff angle Ω_c·T_c, rad per tick.
 pub fn angle(settings: &Settings) -> f64 {
     core::f64::consts::TAU * settings.coordination.cutoff_hz * settings.timing.control_period_s
 }

@@ -37,7 +37,7 @@ use ticks::{Recording, TICKS, step};
 /// Why a model of this package's own settings can be built.
 const GOOD: &str = "settings that are counted are good";
 
-/// Counts instructions.
+/// Counts the instructions of a call.
 pub trait Meter {
     /// Calls `body`, counted: loading parameters, storing state and the call itself included.
     fn call<I, O>(body: &mut impl FnMut(I) -> O, input: I) -> O;
@@ -45,7 +45,7 @@ pub trait Meter {
 
 /// Something whose instructions are counted.
 pub struct Case {
-    /// Which, as the tables spell it.
+    /// Name of the case, as the tables spell it.
     pub name: String,
     /// Counted calls of one replay.
     pub calls: usize,

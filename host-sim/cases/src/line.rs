@@ -16,7 +16,7 @@ const WAVE: f64 = 0.3;
 /// Length of the test, s.
 const DURATION_S: f64 = 4.0;
 
-/// What the line is told.
+/// The settings of the line.
 pub fn settings(decode: Decode, stiffness_n_per_m: f64) -> Settings {
     let mut settings = Settings::default();
     settings.coordination.decode = decode;

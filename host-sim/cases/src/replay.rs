@@ -24,7 +24,7 @@ pub const EXACT: u8 = 1;
 pub const EXCHANGE: u8 = 2;
 /// A packet came in.
 pub const PACKET: u8 = 4;
-/// Longest settings, bytes.
+/// Longest text of settings, bytes.
 pub const LONGEST: usize = 8192;
 
 /// Where a hash starts.

@@ -21,7 +21,7 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// What a peer of this scene is told.
+    /// The settings of a peer of this scene.
     pub fn settings(&self) -> Settings {
         let mut settings = Settings::default();
         settings.coordination.stiffness_n_per_m = 1590.0;
@@ -148,7 +148,7 @@ pub const SCENES: &[Scene] = &[
 /// The scene of an image that names its law and carries no other.
 pub const NAMED: Scene = scene("named-models", Some("delayed-forward-euler"), "models named at compile time", |_| {});
 
-/// What a peer is told where laws are compared: one solve a tick, and the gains that the law declares.
+/// The settings of a peer where laws are compared: one solve a tick, and the gains that the law declares.
 pub fn of_law(kind: &Kind) -> Settings {
     let mut settings = Settings::default();
     implicit(&mut settings);

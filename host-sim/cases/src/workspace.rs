@@ -9,7 +9,7 @@ use alloc::vec::Vec;
 use haptic_core::device::kinematics::{KinematicsName, Maths};
 use haptic_core::settings::{Choice, Settings};
 
-/// What is compared.
+/// The mechanisms and functions that are compared.
 pub const CHOICES: [(KinematicsName, Maths); 3] = [
     (KinematicsName::FiveBar, Maths::Micromath),
     (KinematicsName::FiveBar, Maths::Libm),

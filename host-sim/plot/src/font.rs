@@ -1,8 +1,7 @@
 //! Letters: the built-in font, how wide a text is, and where its lines break.
 //!
-//! Ubuntu Light from `epaint_default_fonts`, so that no figure depends on the fonts of the machine. It has Latin, Greek
-//! and common signs (− × ± ≤ ≥ ≈ ² ° µ Ω …) but no arrows; what it lacks is drawn as an empty box. A text may hold an
-//! index (`K_T`) and a power (`10^−3`).
+//! Ubuntu Light from `epaint_default_fonts`, so that no figure depends on the fonts of the machine. It has Latin, Greek and common signs
+//! (− × ± ≤ ≥ ≈ ² ° µ Ω …) but no arrows; what it lacks is drawn as an empty box. A text may hold an index (`K_T`) and a power (`10^−3`).
 
 use std::sync::Once;
 
@@ -26,7 +25,7 @@ pub(crate) fn font(size: f64) -> FontDesc<'static> {
     FontDesc::new(FontFamily::Name(NAME), size * LINE_PER_EM, FontStyle::Normal)
 }
 
-/// Where letters stand.
+/// The line of writing: base, subscript or superscript.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Level {
     Base,
@@ -72,7 +71,7 @@ pub(crate) struct Word {
     pub(crate) width: f64,
     /// Height above the base line.
     pub(crate) rise: f64,
-    /// Em.
+    /// Size of the letters (em), pixels.
     pub(crate) size: f64,
 }
 

@@ -1,11 +1,10 @@
 //! Layout: from a figure to a sheet.
 //!
-//! All frames of a sheet are equally large. A column is as far from its left neighbour as its own tick texts and label
-//! need; a row is as high as its headings and axis texts need. In a row that shares its vertical axis only the first
-//! panel carries its texts; of panels below each other with the same horizontal axis only the lowest does. If a legend
-//! would cover data, every vertical range of its group found from data is widened upwards once, until the legend is
-//! clear; a legend that would take more than a third of its panel, or that covers data in a range that was given, stands below all
-//! panels instead.
+//! All frames of a sheet are equally large. A column is as far from its left neighbour as its own tick texts and label need; a row is as
+//! high as its headings and axis texts need. In a row that shares its vertical axis only the first panel carries its texts; of panels
+//! below each other with the same horizontal axis only the lowest does. If a legend would cover data, every vertical range of its group
+//! found from data is widened upwards once, until the legend is clear; a legend that would take more than a third of its panel, or that
+//! covers data in a range that was given, stands below all panels instead.
 
 use super::range::{self, Axes};
 use super::scale::Scale;

@@ -1,9 +1,8 @@
 //! Legends: who is who in a panel, written where no data are.
 //!
-//! The series with a label, then the panel's note, stand in one box. Of a raster of places inside the frame the box
-//! takes the one that covers the fewest obstacles (points of the drawn data), corners first. [`Spot::covered`] tells
-//! the layout when even that one covers data, so that it can make room above them, or write the series in columns below
-//! all panels ([`below`]).
+//! The series with a label, then the panel's note, stand in one box. Of a raster of places inside the frame the box takes the one that
+//! covers the fewest obstacles (points of the drawn data), corners first. [`Spot::covered`] tells the layout when even that one covers
+//! data, so that it can make room above them, or write the series in columns below all panels ([`below`]).
 
 use super::sheet::{ALERT, Anchor, Dash, Frame, GRID, INK, Mark, PAPER, Point, color};
 use super::{Panel, Series, Shape, font, panel};

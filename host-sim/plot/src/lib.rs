@@ -5,10 +5,9 @@
 //! space) and paints the same marks three times (`svg`, `pdf`, `png`). The sheet is [`WIDTH`] pixels wide, or as [`Print`] asks, and as high as
 //! its rows need; letters are large enough to be read at half size. SVG and PDF carry the figure's data (`data`) and what made it.
 //!
-//! Axes: a range that is given is kept; any other is found from the finite data in view, on a logarithmic axis from the
-//! positive ones. Panels that share an axis get the union of their ranges, except [`Panel::off_scale`] ones, which are
-//! drawn until they have left the frame: one run that diverges does not flatten the others. Texts that a neighbour
-//! repeats are left out.
+//! Axes: a range that is given is kept; any other is found from the finite data in view, on a logarithmic axis from the positive ones.
+//! Panels that share an axis get the union of their ranges, except [`Panel::off_scale`] ones, which are drawn until they have left the
+//! frame: one run that diverges does not flatten the others. Texts that a neighbour repeats are left out.
 //!
 //! In all texts `K_T` is written with an index and `10^3` with a power.
 //!
@@ -57,13 +56,13 @@ pub struct Figure {
     pub columns: usize,
     /// Whether all panels have the same horizontal range.
     pub share_x: bool,
-    /// Which panels have the same vertical range.
+    /// The panels that have a common vertical range.
     pub share_y: ShareY,
     /// The panels, row by row.
     pub panels: Vec<Panel>,
 }
 
-/// Which panels of a figure have the same vertical range.
+/// The panels of a figure that have a common vertical range.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ShareY {
     /// Each panel has its own.
@@ -71,7 +70,7 @@ pub enum ShareY {
     None,
     /// The panels of one row: the same quantity, several systems side by side.
     Rows,
-    /// All panels.
+    /// All panels of the figure.
     All,
 }
 
@@ -92,7 +91,7 @@ pub struct Panel {
     pub y_cap: Option<(f64, f64)>,
     /// Logarithmic horizontal axis; values that are not positive are not drawn.
     pub log_x: bool,
-    /// Logarithmic vertical axis.
+    /// Logarithmic vertical axis; values that are not positive are not drawn.
     pub log_y: bool,
     /// The data do not take part in finding a shared range, and lines end where they are a frame's height outside: for
     /// a run that diverges. Say so in `note`.
@@ -114,7 +113,7 @@ pub struct Series {
     pub color: usize,
     /// Width of its lines, pixels of a sheet [`WIDTH`] wide.
     pub width: f64,
-    /// What is drawn.
+    /// Kind of mark, with its points.
     pub shape: Shape,
 }
 
@@ -150,14 +149,14 @@ pub enum Shape {
 /// A piece of a region between two upright sides: x, lower and upper edge of each. The edges between them are straight.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Strip {
-    /// The left side.
+    /// Left side: x, lower and upper edge.
     pub left: (f64, f64, f64),
-    /// The right side.
+    /// Right side: x, lower and upper edge.
     pub right: (f64, f64, f64),
 }
 
 impl Series {
-    /// A solid line.
+    /// A solid line through these points.
     pub fn line(label: impl Into<String>, color: usize, points: Vec<(f64, f64)>) -> Self {
         Self::dashed(label, color, Dash::Solid, points)
     }
@@ -187,7 +186,7 @@ impl Series {
         Self::new(label, color, Shape::Bars(points))
     }
 
-    /// A region.
+    /// A tinted region of these strips.
     pub fn region(label: impl Into<String>, color: usize, strips: Vec<Strip>) -> Self {
         Self::new(label, color, Shape::Region(strips))
     }
@@ -205,6 +204,9 @@ impl Series {
 }
 
 /// A figure painted: the ending of a file and what is in it, as SVG, PDF and PNG. The first two carry `about`: what made it.
+///
+/// # Errors
+/// What the painter could not draw.
 pub fn paint(figure: &Figure, print: Print, about: &str) -> Result<[(&'static str, Vec<u8>); 3], String> {
     let sheet = layout::sheet(figure, print)?;
     Ok([
@@ -215,6 +217,9 @@ pub fn paint(figure: &Figure, print: Print, about: &str) -> Result<[(&'static st
 }
 
 /// Draws the figure to `base` with `.svg`, `.pdf` and `.png` appended, creating the folder if needed. Returns their paths.
+///
+/// # Errors
+/// A file cannot be written, or the painter could not draw.
 pub fn draw(figure: &Figure, base: &Path) -> Result<Vec<PathBuf>, ReportError> {
     let painted = paint(figure, Print::default(), "").map_err(ReportError::write(base, "a figure"))?;
     let write = |(ending, bytes): (&'static str, Vec<u8>)| {
@@ -231,9 +236,9 @@ pub fn draw(figure: &Figure, base: &Path) -> Result<Vec<PathBuf>, ReportError> {
 #[derive(Debug, thiserror::Error)]
 #[error("cannot write {} as {format}: {cause}", path.display())]
 pub struct ReportError {
-    /// The file.
+    /// Path of the file.
     pub path: PathBuf,
-    /// What it was to contain: `CSV`, `Parquet`, `SVG`, `PNG` or `TOML`.
+    /// Format of the file: `CSV`, `Parquet`, `SVG`, `PNG` or `TOML`.
     pub format: &'static str,
     /// What the operating system or the encoder said.
     pub cause: String,
@@ -248,6 +253,9 @@ impl ReportError {
 }
 
 /// Writes a file whole or not at all, its folder made if needed: under a name of its own until it is complete.
+///
+/// # Errors
+/// The file or its folder cannot be written.
 pub fn write_file(path: &Path, format: &'static str, bytes: &[u8]) -> Result<(), ReportError> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut half = OsString::from(path);

@@ -1,12 +1,10 @@
 //! Panels: the inside of one frame, from data to marks.
 //!
-//! Regions lie at the bottom, then the grid, bars, lines and dots in their order, names, and the frame on top. Beside
-//! the marks a panel returns its obstacles: points of what was drawn, close enough together that a box without any
-//! covers nothing.
+//! Regions lie at the bottom, then the grid, bars, lines and dots in their order, names, and the frame on top. Beside the marks a panel
+//! returns its obstacles: points of what was drawn, close enough together that a box without any covers nothing.
 //!
-//! Bars stand on zero, or on the lower edge of a logarithmic axis, and end at the frame at the latest. Those of several
-//! series share the room of a category. A bar without a finite value still has its value written: nothing is left out
-//! in silence.
+//! Bars stand on zero, or on the lower edge of a logarithmic axis, and end at the frame at the latest. Those of several series share the
+//! room of a category. A bar without a finite value still has its value written: nothing is left out in silence.
 //!
 //! A region is tinted between straight edges, which are those that its outline is drawn along.
 
@@ -20,7 +18,7 @@ pub(crate) const STROKE: f64 = 2.6;
 const NAME: f64 = 19.0;
 /// Distance between obstacles along a line.
 const SPACING: f64 = 6.0;
-/// Radius of dots.
+/// Radius of dots, pixels.
 pub(crate) const DOT: f64 = 7.0;
 /// Opacity of regions: four on top of each other can still be told apart.
 pub(crate) const TINT: f64 = 0.25;
@@ -103,7 +101,7 @@ impl Canvas<'_> {
             self.out.marks.push(Mark::Line { points, color: color(series.color), width: series.width, dash });
         }
     }
-    /// Tints a region.
+    /// Tints the region of this series.
     fn region(&mut self, series: &Series) {
         let Shape::Region(strips) = &series.shape else { return };
         let inside = |value: f64, low: f64, high: f64| if value.is_nan() { low } else { value.clamp(low, high) };

@@ -251,7 +251,7 @@ fn rgb((red, green, blue): Rgb) -> [f32; 3] {
     [red, green, blue].map(|part| short(f64::from(part) / 255.0))
 }
 
-/// To a hundredth.
+/// The number rounded to a hundredth.
 fn short(value: f64) -> f32 {
     ((100.0 * value).round() / 100.0) as f32
 }

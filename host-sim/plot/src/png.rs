@@ -1,9 +1,8 @@
 //! The PNG painter: the marks of a sheet as pixels.
 //!
-//! plotters' bitmap backend fills shapes without smoothing their edges, so the sheet is painted [`ZOOM`] times larger
-//! and averaged down. A line is a filled quadrangle for each segment with a disc at each joint: exact for the zigzags
-//! that dense signals become, where joined outlines grow spikes. The built-in font is light: letters are painted twice,
-//! a third of a pixel apart.
+//! plotters' bitmap backend fills shapes without smoothing their edges, so the sheet is painted [`ZOOM`] times larger and averaged down. A
+//! line is a filled quadrangle for each segment with a disc at each joint: exact for the zigzags that dense signals become, where joined
+//! outlines grow spikes. The built-in font is light: letters are painted twice, a third of a pixel apart.
 
 use plotters::backend::{BitMapBackend, DrawingBackend};
 use plotters::style::{FontTransform, RGBAColor, RGBColor, ShapeStyle, TextStyle};

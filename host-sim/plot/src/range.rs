@@ -1,9 +1,8 @@
 //! Ranges: what part of its data each panel shows.
 //!
-//! A range found from data holds the finite values (positive ones on a logarithmic axis) of the points inside the
-//! horizontal range, and zero under bars; then the bounds of [`Panel::y_cap`] apply, then a margin is added. Panels
-//! that share an axis of the same kind get the union; [`Panel::off_scale`] panels add to it only if there is nothing
-//! else.
+//! A range found from data holds the finite values (positive ones on a logarithmic axis) of the points inside the horizontal range, and
+//! zero under bars; then the bounds of [`Panel::y_cap`] apply, then a margin is added. Panels that share an axis of the same kind get the
+//! union; [`Panel::off_scale`] panels add to it only if there is nothing else.
 
 use super::scale::{Scale, showable};
 use super::{Figure, Panel, Series, Shape, ShareY};

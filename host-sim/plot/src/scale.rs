@@ -1,9 +1,8 @@
 //! Scales: a range of values on a linear or logarithmic axis, and its ticks.
 //!
-//! Ticks stand at 1, 2 or 5 times a power of ten. A logarithmic axis shows whole decades, with 2 and 5 between them
-//! when it spans at most two, and even ticks when it spans less than that can label. Texts carry the decimals that
-//! neighbouring ticks need to differ; from 1e6 up and below 1e-4 they are multiples or powers of ten (`font` sets
-//! `10^−6` as it should be).
+//! Ticks stand at 1, 2 or 5 times a power of ten. A logarithmic axis shows whole decades, with 2 and 5 between them when it spans at most
+//! two, and even ticks when it spans less than that can label. Texts carry the decimals that neighbouring ticks need to differ; from 1e6
+//! up and below 1e-4 they are multiples or powers of ten (`font` sets `10^−6` as it should be).
 
 /// Larger magnitudes cannot be shown: differences of ranges would overflow.
 pub(crate) const HUGE: f64 = 1e300;
@@ -127,9 +126,8 @@ fn text(value: f64, step: f64, largest: f64) -> String {
     format!("{multiple:.decimals$}{suffix}").replace('-', "−")
 }
 
-/// A number with at least `digits` significant digits, and never fewer than its integer part needs:
-/// `significant(0.09871, 3)` is `0.0987`, `significant(10620.0, 3)` is `10620`. Below 1e-4 and from 1e9 up in
-/// scientific notation.
+/// A number with at least `digits` significant digits, and never fewer than its integer part needs: `significant(0.09871, 3)` is `0.0987`,
+/// `significant(10620.0, 3)` is `10620`. Below 1e-4 and from 1e9 up in scientific notation.
 pub fn significant(value: f64, digits: usize) -> String {
     if value == 0.0 || !value.is_finite() {
         return if value == 0.0 { "0".to_owned() } else { value.to_string() };

@@ -62,7 +62,7 @@ pub(crate) const GRID: Rgb = (222, 222, 222);
 pub(crate) const FAINT: Rgb = (240, 240, 240);
 /// Colour of the sheet.
 pub(crate) const PAPER: Rgb = (255, 255, 255);
-/// Colour of remarks.
+/// Colour of remarks in panels.
 pub(crate) const ALERT: Rgb = (180, 60, 0);
 
 /// The colour with this number, cyclically.
@@ -73,12 +73,12 @@ pub(crate) fn color(index: usize) -> Rgb {
 /// How a line is broken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Dash {
-    /// Not broken.
+    /// A line without gaps.
     #[default]
     Solid,
-    /// Long strokes.
+    /// A line of long strokes.
     Dashed,
-    /// Dots.
+    /// A line of dots.
     Dotted,
     /// Long strokes and dots in turn.
     DashDot,
@@ -139,7 +139,7 @@ impl Frame {
     }
 }
 
-/// Which part of a text stands at its position.
+/// The part of a text that stands at its position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Anchor {
     Start,

@@ -119,7 +119,7 @@ pub fn prove<L: Law<Number>>(kind: &'static Kind, tick: Tick<L>) -> Proved {
     prove_in(&scenes::<L, 1, AXES, AnyKinematics<Number>>(kind, &[], true), tick)
 }
 
-/// The same with two shared axes of two: without choices, and without what is said of packets.
+/// [`prove`] with two shared axes of two: without choices, and without the claims about packets.
 pub fn prove_shared<L: Law<Number>>(kind: &'static Kind) -> Proved {
     let shared = ["axis.count", "axis.shared"].map(|key| (key, Value::Number(2.0)));
     prove_in::<L, 2, 2, AnyKinematics<Number>>(
@@ -365,7 +365,7 @@ fn one_tick<L: Law<Number>, const SHARED: usize, const N: usize, K: Kinematics<N
                 }
             }
             claim(!path.codes.nan && path.codes.most() <= code, Broken::Duty(path.codes));
-            // Of several shared axes the copies' motions are not told apart from the rest of the state: they may be any bits there.
+            // Of several shared axes the copies' motions are not distinguished from the rest of the state: they may be any bits there.
             let finite = sent.into_iter().flatten().filter(|_| SHARED == 1).all(|packet| {
                 let numbers = [packet.motion.position, packet.motion.velocity, packet.wave].map(Number::range);
                 let counters = [packet.energy_j, packet.wave_integral].map(Unknown::range);

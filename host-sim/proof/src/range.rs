@@ -13,7 +13,7 @@ pub trait Float: Scalar<Counter = f64> {
     const NAME_OF_RANGES: &'static str;
     /// The largest finite number, and the smallest above 0.
     const ENDS: [f64; 2];
-    /// Relative spacing.
+    /// Relative spacing of the type's numbers.
     const EPSILON: f64;
     /// The next number above one of this type.
     fn above(number: f64) -> f64;
@@ -61,7 +61,7 @@ pub(crate) fn at_least<F: Float>(bound: f64) -> f64 {
 pub struct Range {
     /// The least; above `hi` if there is no number in it.
     pub lo: f64,
-    /// The largest.
+    /// The largest number in it.
     pub hi: f64,
     /// It may be no number.
     pub nan: bool,
@@ -70,7 +70,7 @@ pub struct Range {
 impl Range {
     /// Any bits at all.
     pub const ANY: Self = Self { lo: f64::NEG_INFINITY, hi: f64::INFINITY, nan: true };
-    /// Nothing.
+    /// The range without any number.
     pub const EMPTY: Self = Self { lo: f64::INFINITY, hi: f64::NEG_INFINITY, nan: false };
     const NAN: Self = Self { nan: true, ..Self::EMPTY };
 
@@ -110,7 +110,7 @@ impl Range {
         !self.nan && self.lo > f64::NEG_INFINITY && self.hi < f64::INFINITY
     }
 
-    /// Largest magnitude.
+    /// Largest magnitude in it.
     pub fn most(self) -> f64 {
         self.hi.max(-self.lo)
     }
@@ -238,7 +238,7 @@ impl Range {
         by(above).or(by(under))
     }
 
-    /// [`Scalar::limit`].
+    /// The range of [`Scalar::limit`].
     fn limit(self, bound: Self) -> Self {
         let within = self.and(Self::of(-bound.hi, bound.hi));
         let mut held = if within.has_numbers() { within } else { Self::EMPTY };

@@ -1,7 +1,7 @@
 //! What is known of every number that a tick has computed so far, and which way each question about them was answered.
 //!
-//! A number is a place on the tape of its thread: what it was computed from, and the [`Range`] that it lies in. **The same operation on
-//! the same numbers is the same place**, so that what is learnt of a difference once holds wherever it is taken again. A comparison
+//! A number is a node of its thread's computation graph: what it was computed from, and the [`Range`] that it lies in.
+//! **The same operation on the same numbers is the same node**, so that what is learnt of a difference once holds wherever it is taken again. A comparison
 //! that ranges leave open is answered both ways, one after the other ([`explore`]): the tick runs once for every sequence of answers,
 //! depth first. An answer **narrows** what it was about, and what that was computed from: of a < b, a is below the largest b. Where a
 //! contradiction comes of it, no number goes that way and the path is no path.
@@ -16,7 +16,7 @@ use crate::range::{Float, Op, Range, at_least, below, of_two};
 /// Paths of one tick that are tried.
 pub(crate) const MOST_PATHS: usize = 200_000;
 
-/// A place on the tape.
+/// Index of a node in the computation graph.
 pub(crate) type Place = u32;
 /// 0 and 1 of every type.
 pub(crate) const ZERO: Place = 0;
@@ -45,7 +45,7 @@ enum Answers {
     Chance(u64),
 }
 
-/// The tape of a thread.
+/// The computation graph of a thread.
 struct Tape {
     nodes: Vec<Node>,
     constants: HashMap<u64, Place>,
@@ -392,14 +392,14 @@ pub(crate) fn any_whole(any: bool) {
     on(|tape| tape.any_whole = any);
 }
 
-/// A new tape: no [`Unknown`](crate::unknown::Unknown) of before means anything any more.
+/// A new computation graph: no [`Unknown`](crate::unknown::Unknown) of before means anything any more.
 pub fn begin() {
     on(|tape| *tape = Tape::new());
 }
 
 /// What a way to go through a piece of program came to.
 pub struct Path<T> {
-    /// What it gave.
+    /// Its result on this path.
     pub gave: T,
     /// Codes that motors were given on it.
     pub codes: Range,
@@ -465,7 +465,7 @@ pub(crate) fn one_way<T>(seed: u64, tries: usize, run: impl Fn() -> T, good: imp
     None
 }
 
-/// Of everything that was computed since the tape began, nothing is known any more but that these lie in these ranges; what was
+/// Of everything that was computed since the graph began, nothing is known any more but that these lie in these ranges; what was
 /// constant stays. So whatever holds of a program that goes on from here holds for any numbers in its state.
 pub(crate) fn forget(but: &[(Place, Range)]) {
     on(|tape| {

@@ -10,7 +10,7 @@ use haptic_core::num::Scalar;
 use crate::range::{Float, Op, Range};
 use crate::tape::{self, Place};
 
-/// A place on the tape of this thread, whose numbers are of the type `F`.
+/// Index of a node in this thread's computation graph, whose numbers are of the type `F`.
 #[derive(Clone, Copy)]
 pub struct Unknown<F> {
     place: Place,
@@ -39,7 +39,7 @@ impl<F: Float> Unknown<F> {
         Self::within(Range::ANY)
     }
 
-    /// Any finite number.
+    /// Any finite number of the type.
     pub fn any_finite() -> Self {
         Self::within(Range::finite::<F>())
     }
@@ -150,7 +150,7 @@ impl<F: Float> Scalar for Unknown<F> {
     fn from_i32(value: i32) -> Self {
         Self::at(tape::whole::<F>(value))
     }
-    /// As [`Unknown::to_f64`].
+    /// Rounds the number that [`Unknown::to_f64`] gives.
     fn round_to_i32(self) -> i32 {
         F::from_f64(self.to_f64()).round_to_i32()
     }

@@ -8,7 +8,7 @@ use haptic_core::settings::{Refused, Settings};
 
 use crate::unknown::{Number, Unknown};
 
-/// Any law.
+/// A law that may answer anything.
 #[derive(Clone, Copy, Debug)]
 pub struct Whatever;
 

@@ -29,7 +29,7 @@ fn two_sum(a: f64, b: f64) -> DoubleDouble {
     DoubleDouble { high, low: (a - (high - part)) + (b - part) }
 }
 
-/// The same where |a| ≥ |b|.
+/// [`two_sum`] where |a| ≥ |b|, in fewer operations.
 fn quick_two_sum(a: f64, b: f64) -> DoubleDouble {
     let high = a + b;
     DoubleDouble { high, low: b - (high - a) }

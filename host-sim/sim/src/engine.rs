@@ -26,7 +26,7 @@ pub type Out<'a, A, P> = dyn FnMut(A, &P) + 'a;
 /// each control period `hear` for every datagram that has come, up to a bound, then `speak` and `act` at once; a datagram
 /// that the socket does not take is lost. So an actor must not count on anything between `speak` and `act`.
 pub trait Actor<A> {
-    /// What is sent and heard: `[u8]`, or a value that crosses as it is.
+    /// The packets that actors exchange: `[u8]`, or a value that crosses as it is.
     type Packet: Payload + ?Sized;
 
     /// Takes what has come; it may change it in place, as a seal does that is opened.
@@ -42,17 +42,17 @@ pub trait Actor<A> {
 /// A clock that starts anywhere and runs fast or slow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clock {
-    /// What it shows in the beginning, ns.
+    /// Time that the clock shows at true time 0, ns.
     pub start_ns: u64,
     /// How fast it runs; 1 is true.
     pub rate: f64,
 }
 
 impl Clock {
-    /// True time.
+    /// A clock that shows true time.
     pub const TRUE: Self = Self { start_ns: 0, rate: 1.0 };
 
-    /// What it shows at this true time, ns.
+    /// Time that the clock shows at this true time, ns.
     #[inline]
     pub fn at(self, true_ns: u64) -> u64 {
         self.start_ns + if self.rate == 1.0 { true_ns } else { (true_ns as f64 * self.rate) as u64 }
@@ -61,9 +61,9 @@ impl Clock {
 
 /// An actor and what the engine knows of it.
 pub struct Seat<A> {
-    /// Who sits there.
+    /// The actor that sits there.
     pub actor: A,
-    /// The clock that it is told the time of.
+    /// The clock whose time the actor gets.
     pub clock: Clock,
     /// Its control period over the true one: now and then it has no tick or two.
     pub period: f64,
@@ -72,7 +72,7 @@ pub struct Seat<A> {
 }
 
 impl<A> Seat<A> {
-    /// In true time.
+    /// A seat whose clock shows true time.
     pub fn new(actor: A) -> Self {
         Self { actor, clock: Clock::TRUE, period: 1.0, off: false }
     }
@@ -84,26 +84,26 @@ impl<A> Seat<A> {
     }
 }
 
-/// Which turn an actor has had.
+/// The turns of an actor in a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Turn {
     /// It has heard a packet.
     Heard,
-    /// It has spoken.
+    /// It has sent its packets.
     Spoke,
-    /// It has acted.
+    /// It has computed its tick.
     Acted,
 }
 
 /// What an observer sees after each turn of an actor.
 pub struct Seen<'a, A> {
-    /// True time, ns.
+    /// Simulated true time, ns.
     pub now_ns: u64,
     /// Whose turn it was.
     pub seat: usize,
-    /// Which.
+    /// The turn that it was.
     pub turn: Turn,
-    /// Everybody.
+    /// Every seat of the engine.
     pub seats: &'a mut [Seat<A>],
 }
 
@@ -115,7 +115,7 @@ struct Envelope<P: Payload + ?Sized> {
 
 /// Actors and the network between them.
 pub struct Engine<A: Actor<usize>> {
-    /// Who takes part.
+    /// The actors that take part.
     pub seats: Vec<Seat<A>>,
     /// From each to each other.
     routes: Vec<Route>,

@@ -19,13 +19,16 @@ pub const LONGEST: usize = 2 * Key::LEN + 64;
 const OPERATOR: &str = "operator ";
 
 /// Randomness from the system, mixed with what differs from draw to draw, so that a source that repeats itself repeats nothing here.
+///
+/// # Errors
+/// The system gives no random bytes.
 pub fn entropy() -> Result<[u8; Key::LEN], String> {
     let mut bytes = [0; Key::LEN];
     getrandom::fill(&mut bytes).map_err(|cause| format!("no randomness: {cause}"))?;
     Ok(hedged(bytes))
 }
 
-/// The same with what the system's source gave.
+/// [`entropy`] from the bytes that the system's source gave.
 fn hedged(noise: [u8; Key::LEN]) -> [u8; Key::LEN] {
     static DRAWN: AtomicU64 = AtomicU64::new(0);
     let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_nanos();
@@ -34,18 +37,27 @@ fn hedged(noise: [u8; Key::LEN]) -> [u8; Key::LEN] {
 }
 
 /// Makes a new key file; an existing file is never overwritten.
+///
+/// # Errors
+/// The file exists or cannot be written, or the system gives no random bytes.
 pub fn generate(path: &Path, role: Role) -> Result<(), String> {
     write(path, role, &Key::new(entropy()?))
 }
 
 /// Writes a key to a new file that only its owner may read; an existing file is never overwritten.
+///
+/// # Errors
+/// The file exists or cannot be written.
 pub fn write(path: &Path, role: Role, key: &Key) -> Result<(), String> {
     let digits: String = key.bytes().iter().map(|byte| format!("{byte:02x}")).collect();
     let word = if role == Role::Operator { OPERATOR } else { "" };
     write_secret(path, format!("{word}{digits}\n").as_bytes())
 }
 
-/// The same for a key in another form.
+/// Writes a secret in any form to a new file that only its owner may read; an existing file is never overwritten.
+///
+/// # Errors
+/// The file exists or cannot be written.
 pub fn write_secret(path: &Path, bytes: &[u8]) -> Result<(), String> {
     let failed = |cause: std::io::Error| format!("cannot make the key file {}: {cause}", path.display());
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -59,6 +71,9 @@ pub fn write_secret(path: &Path, bytes: &[u8]) -> Result<(), String> {
 }
 
 /// Reads the key file of a role.
+///
+/// # Errors
+/// The file cannot be read, may be read by others, or holds no key of this role.
 pub fn read(path: &Path, role: Role) -> Result<Key, String> {
     let place = path.display();
     let failed = |cause: std::io::Error| format!("cannot read the key file {place}: {cause}");

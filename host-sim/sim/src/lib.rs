@@ -1,4 +1,4 @@
-//! A run on a PC: the scene that is told, the software plant, the network, two peers stepped together, what came of it.
+//! A run on a PC: the scene, the software plant, the network, two peers stepped together, and the outcome.
 //!
 //! The peers themselves are `haptic_core`, the same lines that fly on the board.
 #![forbid(unsafe_code)]

@@ -5,9 +5,9 @@
 //! virtual time drive the same lines.
 //!
 //! **Who fades what.** The link knows *who* is there: it tells when a session begins and ends, and a peer that is told of an
-//! end lets go at once. The peer's own ladder (`haptic_core::law::ladder`) knows *how much* comes: it fades packets
-//! through silence and steps up again from no force. The link's level ([`Link::engagement`]) is the same ladder in time, for
-//! a caller that has none of its own; here it only goes into the report, for two ladders in a row would fade twice.
+//! end lets go at once. The peer's own degradation (`haptic_core::law::ladder`) knows *how much* comes: it fades packets
+//! through silence and steps up again from no force. The link's level ([`Link::engagement`]) is the same degradation in time, for
+//! a caller that has none of its own; here it only goes into the report, for two degradations in a row would fade twice.
 //!
 //! A node calls until flow is heard, then arms, disengaged, and runs the scene's user from there. Peers compute in f32, as
 //! the board does. Of an object that is shared along several axes one datagram has the packets of all of them.
@@ -82,7 +82,7 @@ pub const MOST_NOTICES: usize = 256;
 /// One end of the sealed line between the two peers of a scene, and what has come over it.
 #[derive(Debug)]
 pub struct Line<const SHARED: usize = 1> {
-    /// The link.
+    /// The sealed link to the other peer.
     pub link: Link,
     /// The flow that has come and waits for its exchange.
     pub inbox: Inbox<SHARED>,
@@ -98,6 +98,9 @@ pub struct Line<const SHARED: usize = 1> {
 
 impl<const SHARED: usize> Line<SHARED> {
     /// The end of peer `number` (1 or 2), calling. `entropy` must never be the same at two starts.
+    ///
+    /// # Errors
+    /// Settings of which no link can be made.
     pub fn open(scene: &Scene, number: u8, key: Key, entropy: [u8; Key::LEN]) -> Result<Self, String> {
         let settings = &scene.peers()[usize::from(number == 2)];
         let timing = &settings.timing;
@@ -108,6 +111,9 @@ impl<const SHARED: usize> Line<SHARED> {
     }
 
     /// Takes a datagram at a tick, opened in place; gives the flow, if it was that.
+    ///
+    /// # Errors
+    /// The datagram was refused, and why.
     pub fn receive(&mut self, now_us: u64, tick: u32, datagram: &mut [u8]) -> Result<Option<Flows<SHARED>>, Error> {
         let taken = self.link.receive(now_us, datagram);
         // Before the flow is kept: it may be the first of another life of the other peer.
@@ -142,6 +148,9 @@ impl<const SHARED: usize> Line<SHARED> {
 /// One shared axis of a simulated device in the plane.
 impl Node {
     /// Peer `number` (1 or 2) of a scene, disarmed and calling. `entropy` must never be the same at two starts.
+    ///
+    /// # Errors
+    /// A scene that cannot be built, or settings of which no link can be made.
     pub fn new(scene: &Scene, number: u8, key: Key, entropy: [u8; Key::LEN]) -> Result<Self, String> {
         Self::build(scene, number, key, entropy)
     }
@@ -154,11 +163,14 @@ where
 {
     /// Peer `number` (1 or 2) of a scene that shares the object along `SHARED` axes, disarmed and calling. `entropy` must never be the
     /// same at two starts.
+    ///
+    /// # Errors
+    /// A scene that cannot be built, another number of shared axes, or settings of which no link can be made.
     pub fn build(scene: &Scene, number: u8, key: Key, entropy: [u8; Key::LEN]) -> Result<Self, String> {
         Self::with_device(scene, number, key, entropy, Plant::build(scene, usize::from(number == 2)))
     }
 
-    /// The same with a device that is there already: what a reset leaves of a peer.
+    /// [`Node::build`] with a device that exists already: what a reset leaves of a peer.
     pub fn with_device(
         scene: &Scene,
         number: u8,
@@ -188,13 +200,16 @@ impl<const SHARED: usize, const N: usize> Node<SHARED, N>
 where
     Flows<SHARED>: Into<Message>,
 {
-    /// The same, which tells the other one so often how it is doing, s.
+    /// This node, which sends its telemetry every `telemetry_s` seconds.
     #[must_use]
     pub fn telling_every(self, telemetry_s: f64) -> Self {
         Self { telemetry_s, ..self }
     }
 
     /// Takes a datagram, which is opened in place; gives the flow, if it was that and the newest.
+    ///
+    /// # Errors
+    /// The datagram was refused, and why.
     pub fn receive(&mut self, now_us: u64, datagram: &mut [u8]) -> Result<Option<Flows<SHARED>>, Error> {
         self.line.receive(now_us, self.ticks, datagram)
     }
@@ -275,7 +290,7 @@ where
         self.peer.observed()[0]
     }
 
-    /// Where its device is along the free axis, and how fast it moves.
+    /// Motion of the node's device along the free axis, m and m/s.
     pub fn motion(&self) -> Motion<f64> {
         self.plant.motions()[0]
     }

@@ -4,10 +4,10 @@
 //! packet every M ticks. Time and randomness are arguments, so a run is a function of its scene: the same bits on every
 //! machine and any number of threads ([`Pair::hash`]).
 
-use haptic_core::peer::{Actuators, Sensors};
-use haptic_core::safety::{Command, Fault, Mode};
 use haptic_core::device::{AXES, Reading};
 use haptic_core::num::{Motion, Scalar};
+use haptic_core::peer::{Actuators, Sensors};
+use haptic_core::safety::{Command, Fault, Mode};
 use haptic_core::{law::Packet, settings::Refused};
 
 use crate::engine::{Actor, Engine, Out, Seat, Turn};
@@ -56,9 +56,9 @@ impl<S: Scalar, const N: usize> Device<S, N> for Plant<N> {
 
 /// One peer with its device, for an engine: it shares the object along `SHARED` axes of a device of `N`.
 pub struct Side<S: Scalar, D = Plant, const SHARED: usize = 1, const N: usize = AXES> {
-    /// The peer.
+    /// The peer, whatever its law.
     pub peer: Box<dyn DynPeer<S, SHARED, N>>,
-    /// Its device and user.
+    /// The peer's device and user.
     pub plant: D,
     inbox: Inbox<[Packet<S>; SHARED]>,
     /// The seat that its packets are for.
@@ -169,15 +169,15 @@ impl<S: Scalar, D: Device<S, N>, const SHARED: usize, const N: usize> Actor<usiz
 /// What a tick of a peer read and did.
 #[derive(Debug)]
 pub struct Seen<'a, S: Scalar, const SHARED: usize = 1, const N: usize = AXES> {
-    /// Which peer, 1 or 2.
+    /// Number of the peer, 1 or 2.
     pub number: usize,
-    /// What it heard before the tick, a packet for each shared axis.
+    /// Packets that the peer heard before the tick, one for each shared axis.
     pub heard: Option<[Packet<S>; SHARED]>,
     /// An exchange was due before the tick.
     pub exchanged: bool,
     /// What the tick read.
     pub sensors: &'a Sensors<S, N>,
-    /// What it commanded.
+    /// What the tick commanded.
     pub actuators: &'a Actuators<S, N>,
     /// The peer as the tick left it.
     pub peer: &'a mut dyn DynPeer<S, SHARED, N>,
@@ -209,7 +209,7 @@ impl<S: Builds<SHARED, N>, const SHARED: usize, const N: usize> Pair<S, Plant<N>
         Self::starting_at(scene, [0.0; N])
     }
 
-    /// The same with both devices, and the object between them, so much further along each axis than the scene puts them, m.
+    /// [`Pair::build`] with both devices, and the object between them, displaced along each axis by so much, m.
     ///
     /// # Errors
     /// As [`Pair::build`].
@@ -246,7 +246,7 @@ impl<S: Scalar, D: Device<S, N>, const SHARED: usize, const N: usize> Pair<S, D,
         [0, 1].map(|at| &self.engine.seats[at].actor)
     }
 
-    /// The same, to be changed.
+    /// Both sides, to be changed.
     pub fn sides_mut(&mut self) -> impl Iterator<Item = &mut Side<S, D, SHARED, N>> {
         self.engine.seats.iter_mut().map(|seat| &mut seat.actor)
     }
@@ -279,7 +279,7 @@ impl<S: Scalar, D: Device<S, N>, const SHARED: usize, const N: usize> Pair<S, D,
         self.engine.step(&mut |_| ());
     }
 
-    /// The same, telling `each` what every tick of either peer read and did.
+    /// [`Pair::step`], handing `each` what every tick of either peer read and did.
     #[inline]
     pub fn step_watched(&mut self, each: &mut impl FnMut(Seen<'_, S, SHARED, N>)) {
         self.engine.step(&mut |turn| {
@@ -305,5 +305,5 @@ impl<S: Scalar, D: Device<S, N>, const SHARED: usize, const N: usize> Pair<S, D,
     }
 }
 
-/// Where [`Pair::hash`] starts.
+/// Value that [`Pair::hash`] starts from.
 pub const HASH_SEED: u64 = 0xcbf2_9ce4_8422_2325;

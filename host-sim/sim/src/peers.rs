@@ -41,7 +41,7 @@ macro_rules! dyn_peer {
             fn visit_state(&mut self, each: &mut dyn FnMut(&mut S));
             /// A hash (FNV-1a over 64-bit words) of the bits of the dynamic state, continued from `seed`.
             fn hash(&self, seed: u64) -> u64;
-            /// The same peer once more.
+            /// A copy of the peer with its whole state.
             fn boxed(&self) -> Box<dyn DynPeer<S, SHARED, N>>;
         }
 
@@ -76,7 +76,7 @@ dyn_peer! {
     fn speak(self: &mut Self) -> Option<[Packet<S>; SHARED]>;
     /// The second half of it: counts silence.
     fn listen(self: &mut Self);
-    /// What it would send now.
+    /// The packets that the peer would send now.
     fn outgoing(self: &Self) -> [Packet<S>; SHARED];
     /// Whether an exchange is due before the next tick.
     fn packet_due(self: &Self) -> bool;
@@ -88,7 +88,7 @@ dyn_peer! {
     fn part(self: &mut Self);
     /// Begins a probe, if disarmed.
     fn probe(self: &mut Self, probe: Probe<S>);
-    /// What came of the last probe.
+    /// Outcome of the last probe.
     fn probed(self: &Self) -> Outcome;
     /// The mode, with the fault that latched.
     fn mode(self: &Self) -> Mode;
@@ -241,7 +241,7 @@ impl Default for Laws {
 }
 
 impl Laws {
-    /// Those of core.
+    /// The laws of haptic-core.
     pub const fn built_in() -> Self {
         Self { schema: Schema::BUILT_IN, makers: &BUILT_IN }
     }
@@ -255,7 +255,7 @@ impl Laws {
         self.with_kinds::<F>(<F::Of<f64> as Law<f64>>::KINDS)
     }
 
-    /// The same for a family whose laws are known only when the program runs.
+    /// These laws and a family whose laws are known only when the program runs.
     ///
     /// # Panics
     /// As [`Laws::with`].
@@ -288,7 +288,7 @@ impl Laws {
         self.makers[1..].iter().flat_map(|maker| maker.kinds).map(|kind| kind.name)
     }
 
-    /// A peer that is told these settings, disarmed. `device` is where the device is when its encoders are first read.
+    /// A peer with these settings, disarmed. `device` is where the device is when its encoders are first read.
     ///
     /// # Errors
     /// The first key whose value is out of range, or impossible beside the others.

@@ -29,7 +29,7 @@ impl Rng {
         radius * libm::cos(core::f64::consts::TAU * self.unit())
     }
 
-    /// True this often.
+    /// True with this probability, 0 to 1.
     pub fn chance(&mut self, probability: f64) -> bool {
         self.unit() < probability
     }

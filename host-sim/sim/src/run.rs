@@ -5,8 +5,8 @@
 //!
 //! A run is **stable** (THEORY §9) if no peer faulted, neither the coordination force nor the energy of the copies grew, the copies
 //! are within [`APART_MM`] of each other, and both peers were engaged in the end; else [`Outcome::reason`] is the first of these that
-//! failed. What a run that failed computed is no figure of merit: [`Outcome::merit`] gives none. One that only let the copies
-//! come apart is told as far as it tells that ([`Outcome::whole`]): how far they are, how large the forces were, who made energy.
+//! failed. What a run that failed computed is no figure of merit: [`Outcome::merit`] gives none. Of one in which
+//! only the copies came apart the figures that describe that are kept ([`Outcome::whole`]): distance, forces, energy made.
 //! Peaks and ratios stand for the whole run.
 
 mod account;
@@ -25,8 +25,8 @@ pub use self::reason::{APART_MM, Reason, Verdict};
 pub use crate::measure::port::PortEnergy;
 
 use crate::double_double::DoubleDouble;
-use crate::pair::{HASH_SEED, Pair};
 use crate::of_axes;
+use crate::pair::{HASH_SEED, Pair};
 use crate::peers::{Builds, Number};
 use crate::plant::Plant;
 use crate::scene::Scene;
@@ -34,7 +34,7 @@ use crate::scene::Scene;
 /// Tells how far a long run is, in ticks.
 pub type Progress<'a> = &'a dyn Fn(u64);
 
-/// The same, and answers whether it is to go on.
+/// Tells how far a long run is, in ticks, and answers whether it is to go on.
 pub type GoOn<'a> = &'a dyn Fn(u64) -> bool;
 
 /// Sees rows, each with its axis, from 0.
@@ -69,17 +69,26 @@ macro_rules! runs {
 runs!(f32, f64, Fixed, DoubleDouble);
 
 /// Runs the scene with peers that compute in `S`.
+///
+/// # Errors
+/// The first key of the scene that is out of range or impossible beside the others.
 pub fn run<S: Run>(scene: &Scene, options: Options, progress: Progress<'_>) -> Result<Outcome, Refused<'static>> {
     S::run(scene, options, &told(progress), None)
 }
 
-/// The same for as long as `go_on`, which is asked every 10,000 ticks, says so. A run that is ended early has made fewer
-/// [`Outcome::ticks`], and what it gave tells nothing of the scene.
+/// [`run`] for as long as `go_on`, which is asked every 10,000 ticks, says so. A run that is ended early has made
+/// fewer [`Outcome::ticks`], and its figures say nothing of the scene.
+///
+/// # Errors
+/// As [`run`].
 pub fn run_while<S: Run>(scene: &Scene, options: Options, go_on: GoOn<'_>) -> Result<Outcome, Refused<'static>> {
     S::run(scene, options, go_on, None)
 }
 
-/// The same; `each` sees every tick of every axis as a row of [`Account::columns`], whatever is kept in the tables.
+/// [`run`]; `each` sees every tick of every axis as a row of [`Account::columns`], whatever is kept in the tables.
+///
+/// # Errors
+/// As [`run`].
 pub fn run_seen<S: Run>(
     scene: &Scene,
     options: Options,
@@ -89,7 +98,7 @@ pub fn run_seen<S: Run>(
     S::run(scene, options, &told(progress), Some(each))
 }
 
-/// To the end.
+/// A [`GoOn`] that never ends the run.
 fn told(progress: Progress<'_>) -> impl Fn(u64) -> bool {
     move |tick| {
         progress(tick);

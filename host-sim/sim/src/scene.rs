@@ -1,4 +1,4 @@
-//! A scene: what two peers, their users, their devices and the network between them are told before a run.
+//! A scene: what two peers, their users, their devices and the network between them have as settings before a run.
 //!
 //! Scene files are TOML. Every key is optional; the defaults are the cooperation paper's §5. Keys of the peer itself are
 //! declared in `haptic_core::settings`, those of the world around it here, and both are read, checked and listed by the
@@ -25,7 +25,7 @@ mod linear;
 /// How the delay varies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Jitter {
-    /// Not at all.
+    /// The delay does not vary.
     None,
     /// Uniformly from 0 to jitter_s.
     Uniform,
@@ -57,7 +57,7 @@ impl Choice for DriveName {
 /// What goes wrong with the first joint of the first device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PlantFault {
-    /// Nothing.
+    /// Nothing is wrong with it.
     None,
     /// The motor's wire is off.
     OpenMotor,
@@ -89,7 +89,7 @@ pub enum PlantFault {
     EncoderDithers,
     /// It counts the other way.
     EncoderReversed,
-    /// It counts half.
+    /// It counts half of the edges.
     EncoderHalved,
     /// It loses 40 counts, once.
     EncoderLoses,
@@ -221,18 +221,18 @@ impl PlantSettings {
     }
 }
 
-/// A whole scene.
+/// A scene: peers, devices, users and the network between the peers.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
     /// The laws that it may name.
     pub laws: Laws,
-    /// What the peers are told, unless one of them is told otherwise; peer 2 is on the other side of the object.
+    /// Settings of both peers, unless one has its own; peer 2 is on the other side of the object.
     pub peer: Settings,
     /// The world around them.
     pub world: World,
-    /// The two users.
+    /// The users at the two devices.
     pub users: [User; 2],
-    /// What one end alone is told, by key: `peer.1.…` and `peer.2.…`, of [`OWN`].
+    /// Settings of one end alone, by key: `peer.1.…` and `peer.2.…`, of [`OWN`].
     own: [Own; 2],
     /// A recording of what the network did (`network.trace`), instead of what its table would draw.
     pub network_trace: Option<Arc<NetworkTrace>>,
@@ -242,11 +242,12 @@ pub struct Scene {
 type Own = Vec<(&'static str, Value<'static>)>;
 
 /// Tables and keys that may differ between the two ends, written with `peer.1.` or `peer.2.` before them: a leader and a follower whose
-/// devices, scales and limits are unlike. What both must be told alike is shared, and what models the devices have is so in a simulation.
+/// devices, scales and limits are unlike. Settings that both must share are common, and in a simulation so
+/// are the models of the devices.
 const OWN: [&str; 7] =
     ["scale", "device", "fixture", "safety", "probe", "contact.stiffness_n_per_m", "contact.damping_n_s_per_m"];
 
-/// What is wrong with a scene, and where, in one line.
+/// An error in a scene, and its place, in one line.
 #[derive(Debug, thiserror::Error)]
 #[error("{said}")]
 pub struct SceneError {
@@ -265,13 +266,13 @@ impl SceneError {
     }
 }
 
-/// Which user a key is of (0 or 1), and what [`UserSettings`] call it.
+/// The user (0 or 1) that a key belongs to, and its name in [`UserSettings`].
 fn users_key(key: &str) -> Option<(usize, String)> {
     let (user, rest) = key.strip_prefix("user.")?.split_once('.')?;
     Some((["1", "2"].iter().position(|known| *known == user)?, format!("user.{rest}")))
 }
 
-/// Which end a key is of (0 or 1), and the key that both ends have.
+/// The end (0 or 1) that a key belongs to, and the key's name at either end.
 fn own_key(key: &str) -> Option<(usize, &str)> {
     let (end, rest) = key.strip_prefix("peer.")?.split_once('.')?;
     Some((["1", "2"].iter().position(|known| *known == end)?, rest))
@@ -323,6 +324,10 @@ impl Scene {
     }
 
     /// The scene in `path`, or the default scene, with the overrides (`table.key=value`) applied in order, then checked.
+    ///
+    /// # Errors
+    /// A file that cannot be read, text that is no scene, or a key that is out of range or impossible beside the
+    /// others.
     pub fn load(laws: Laws, path: Option<&Path>, overrides: &[String]) -> Result<Self, SceneError> {
         let Some(path) = path else { return Self::of_text(laws, "", "scene", None, overrides) };
         let place = path.display().to_string();
@@ -331,7 +336,7 @@ impl Scene {
         Self::of_text(laws, &text, &place, path.parent(), overrides)
     }
 
-    /// The same for TOML text found at `place`; file names in it are taken relative to `folder`.
+    /// [`Scene::load`] of TOML text found at `place`; file names in it are taken relative to `folder`.
     pub(crate) fn of_text(
         laws: Laws,
         text: &str,
@@ -347,6 +352,9 @@ impl Scene {
     }
 
     /// Applies TOML text found at `place`; file names in it are taken relative to `folder`.
+    ///
+    /// # Errors
+    /// Text that is no TOML, a key that does not exist, or a value that it does not accept.
     pub fn apply(&mut self, text: &str, place: &str, folder: Option<&Path>) -> Result<(), SceneError> {
         let mut table: toml::Table = text.parse().map_err(|error: toml::de::Error| {
             let line = error.span().map(|span| text[..span.start.min(text.len())].matches('\n').count() + 1);
@@ -381,6 +389,9 @@ impl Scene {
     }
 
     /// Applies one `table.key=value`; a value that is no TOML is taken as text.
+    ///
+    /// # Errors
+    /// A key that does not exist, or a value that it does not accept.
     pub fn apply_override(&mut self, text: &str) -> Result<(), SceneError> {
         let (key, value) =
             text.split_once('=').ok_or_else(|| SceneError::new(format!("{text}: write it as table.key=value")))?;
@@ -389,7 +400,10 @@ impl Scene {
         self.set(key, &parsed.unwrap_or_else(|| toml::Value::String(value.to_owned())), "override", None)
     }
 
-    /// Sets one key to a number, such as a sweep does.
+    /// Sets one key to a number, as a sweep does.
+    ///
+    /// # Errors
+    /// A key that does not exist, or a value that it does not accept.
     pub fn set_number(&mut self, key: &str, number: f64) -> Result<(), SceneError> {
         self.set(key, &toml::Value::Float(number), "sweep", None)
     }
@@ -476,7 +490,7 @@ impl Scene {
         Ok(())
     }
 
-    /// What each end is told and is: its peer's settings and the world around it.
+    /// Settings of each end: its peer's, and those of the world around it.
     fn ends(&self) -> [(Settings, World); 2] {
         [0, 1].map(|end| {
             let (mut peer, mut world) = (self.peer, self.world);
@@ -541,7 +555,7 @@ impl Scene {
         self.peer.axis.shared > 1
     }
 
-    /// Whether a peer that is told this can be built and run at a simulated device.
+    /// Whether a peer with these settings can be built and run at a simulated device.
     fn check_peer(&self, peer: &Settings) -> Result<(), Refused<'static>> {
         peer.check_ranges()?;
         let axis = &peer.axis;
@@ -549,7 +563,9 @@ impl Scene {
             return Err(Refused {
                 key: "axis.count",
                 value: Value::Number(f64::from(axis.count)),
-                allowed: Allowed::Only("axis.shared where that is more than 1: a simulated device shares all of its axes"),
+                allowed: Allowed::Only(
+                    "axis.shared where that is more than 1: a simulated device shares all of its axes",
+                ),
                 unit: "",
             });
         }
@@ -591,7 +607,7 @@ impl Scene {
             .map_err(|said| SceneError::at(place, said))
     }
 
-    /// A winding is driven by duties, in whole PWM periods, and the loop around it fast enough to be told as a delay.
+    /// A winding is driven by duties, in whole PWM periods, and the loop around it fast enough to count as a delay.
     fn check_winding(&self) -> Result<(), String> {
         let plant = &self.world.plant;
         if !plant.winding {
@@ -619,7 +635,7 @@ impl Scene {
     }
 
     /// Control periods from sensing to the force that comes of it: `device.force_delay_ticks`, or, with a winding in a current loop, the
-    /// PWM period that the tick takes and the lag of the loop. That of a winding with more resistance than was told is longer, for more
+    /// PWM period that the tick takes and the lag of the loop. That of a winding with more resistance than configured is longer, for more
     /// voltage has to add up; and what is sampled later in its period leaves less of it to the sum.
     pub fn force_delay_ticks(&self) -> f64 {
         let plant = &self.world.plant;
@@ -674,6 +690,9 @@ impl Scene {
     }
 
     /// Peer 1 or 2 (`at` 0 or 1) with its device where the scene puts it, disarmed, computing in `S`.
+    ///
+    /// # Errors
+    /// The first key that is out of range or impossible beside the others.
     pub fn peer<S: Builds<SHARED, N>, const SHARED: usize, const N: usize>(
         &self,
         at: usize,
@@ -681,7 +700,10 @@ impl Scene {
         self.peer_from(at, self.start(at))
     }
 
-    /// The same with its device somewhere else, at rest.
+    /// [`Scene::peer()`] with its device somewhere else (m), at rest.
+    ///
+    /// # Errors
+    /// As [`Scene::peer()`].
     pub fn peer_from<S: Builds<SHARED, N>, const SHARED: usize, const N: usize>(
         &self,
         at: usize,
@@ -703,7 +725,7 @@ impl Scene {
         axes
     }
 
-    /// What each of the two peers is told.
+    /// Settings of each of the two peers.
     pub fn peers(&self) -> [Settings; 2] {
         self.ends().map(|(peer, _)| peer)
     }

@@ -31,7 +31,7 @@ pub const ALL: &[(&str, &str)] = scenes![
 const OTHERS: &[(&str, &str)] =
     scenes!["impulsive", "any-network", "hub", "leader-follower", "leader-follower-wall", "plane", "space"];
 
-/// Every built-in scene.
+/// Every built-in scene, as its name and its text.
 pub fn known() -> impl Iterator<Item = &'static (&'static str, &'static str)> {
     ALL.iter().chain(OTHERS)
 }
@@ -42,17 +42,26 @@ pub fn text(name: &str) -> Option<&'static str> {
 }
 
 /// The built-in scene called `name`.
+///
+/// # Errors
+/// No scene has this name.
 pub fn load(laws: Laws, name: &str) -> Result<Scene, SceneError> {
     Scene::of_text(laws, text(name).ok_or_else(|| unknown(name))?, name, None, &[])
 }
 
 /// The built-in scene that is meant, by its name, where there is no such file; a bare word is nothing else.
+///
+/// # Errors
+/// A bare word that names neither a file nor a built-in scene.
 pub fn meant(scene: Option<&Path>) -> Result<Option<&str>, SceneError> {
     let word = scene.filter(|path| !path.exists()).and_then(Path::to_str).filter(|word| !word.contains(['/', '\\']));
     word.map(|word| text(word).map(|_| word).ok_or_else(|| unknown(word))).transpose()
 }
 
 /// The scene of this name or in this file, or the default scene, with the overrides applied in order, then checked.
+///
+/// # Errors
+/// No scene or file has this name, or it cannot be loaded.
 pub fn find(laws: Laws, scene: Option<&Path>, overrides: &[String]) -> Result<Scene, SceneError> {
     match meant(scene)? {
         Some(name) => Scene::of_text(laws, text(name).unwrap_or_default(), name, None, overrides),

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use haptic_core::settings::number;
 
 haptic_core::settings! {
-    /// What a user may be told, apart from a trace.
+    /// The settings of a user, apart from a trace.
     pub struct UserSettings;
 
     /// One user.
@@ -46,7 +46,7 @@ haptic_core::settings! {
 /// A user: profile and trace.
 #[derive(Clone, Debug, Default)]
 pub struct User {
-    /// Numbers.
+    /// Profile, amplitude and arm of the user.
     pub settings: UserSettings,
     /// A recorded force, if any.
     pub trace: Option<Trace>,
@@ -128,6 +128,9 @@ pub struct Trace {
 
 impl Trace {
     /// Reads a CSV file with the header `time_s,force_n` and times that grow.
+    ///
+    /// # Errors
+    /// The file cannot be read, or the first row that is wrong.
     pub fn read(file: &Path) -> Result<Self, String> {
         let path = file.display();
         let read = |cause| format!("cannot read {path}: {cause}");
@@ -166,7 +169,7 @@ impl Trace {
         Self { file: PathBuf::default(), samples: vec![(0.0, 0.0), (until_s, force_n)] }
     }
 
-    /// Nothing before `at_s`, then `force_n`.
+    /// No force before `at_s` (s), then `force_n` (N).
     pub fn step(at_s: f64, force_n: f64) -> Self {
         Self { file: PathBuf::default(), samples: vec![(at_s, 0.0), (at_s, force_n)] }
     }

@@ -179,8 +179,8 @@ impl Cli {
         Self { laws, outside: Vec::new() }
     }
 
-    /// With one more command of this name. What it is told is `A`, which clap derives, doc comments being its help; what it gives is
-    /// printed as a table, or with `--json` as a list with an object for each row.
+    /// Adds a command of this name. Its arguments are `A`, which clap derives, with doc comments as help; its result is printed as a
+    /// table, or with `--json` as a list with an object for each row.
     ///
     /// ```no_run
     /// use haptic_sim::{Laws, Scene, report::Columns};

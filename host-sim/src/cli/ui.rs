@@ -93,7 +93,7 @@ impl Ui {
         self.report(title, document)
     }
 
-    /// The same with what made it.
+    /// [`Ui::report`] with the provenance of the results.
     pub(super) fn report_of(&self, made: &Made, title: &str, document: &impl Serialize) -> Result<(), Failure> {
         self.document_of(made, document)?;
         self.text(title, document)

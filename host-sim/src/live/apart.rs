@@ -3,7 +3,7 @@
 //!
 //! Telemetry says where the other copy was after the tick before, and the seal around it when it was sealed, by the other end's
 //! clock. The common clock ([`Watched`]) turns that into a time of one's own, for which one's own positions are kept. What comes out
-//! is wrong by the clock's error times the speed of the copy, which is told with it. Nothing of this goes back into the control.
+//! is wrong by the clock's error times the speed of the copy, which is reported with it. Nothing of this goes back into the control.
 //!
 //! A board tells what its newest tick saw, which is up to a period older than it is taken for here: a millisecond times the speed.
 
@@ -86,7 +86,7 @@ impl Own {
     }
 }
 
-/// Copies of several peers, of late, each told by its peer now and then.
+/// Recent positions of the copies of several peers, as each reports its own now and then.
 #[derive(Clone, Debug)]
 pub(crate) struct Copies {
     lines: Vec<Own>,
@@ -174,17 +174,17 @@ impl Sum {
         self.of((self.squares / self.count as f64).sqrt())
     }
 
-    /// Mean, m.
+    /// Mean distance of the copies, m.
     pub(crate) fn mean_m(&self) -> Option<f64> {
         self.of(self.distances / self.count as f64)
     }
 
-    /// Largest, m.
+    /// Largest distance of the copies, m.
     pub(crate) fn largest_m(&self) -> Option<f64> {
         self.of(self.largest_m)
     }
 
-    /// Largest error, m.
+    /// Largest error that the clocks may cause, m.
     pub(crate) fn error_m(&self) -> Option<f64> {
         self.of(self.largest_error_m)
     }

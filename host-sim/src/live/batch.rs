@@ -42,7 +42,7 @@ impl Default for Came {
 }
 
 impl Came {
-    /// Takes what has come, up to a batch of it; with nothing there, waits as the socket was told to.
+    /// Takes what has come, up to a batch of it; with nothing there, waits as long as the socket's timeout says.
     #[cfg(target_os = "linux")]
     pub(super) fn take(&mut self, socket: &UdpSocket) -> io::Result<()> {
         use nix::sys::socket::{ControlMessageOwned, MsgFlags, SockaddrStorage, recvmmsg};
@@ -73,7 +73,7 @@ impl Came {
         Ok(())
     }
 
-    /// Takes what has come first; with nothing there, waits as the socket was told to.
+    /// Takes what has come first; with nothing there, waits as long as the socket's timeout says.
     #[cfg(not(target_os = "linux"))]
     pub(super) fn take(&mut self, socket: &UdpSocket) -> io::Result<()> {
         self.clear();
@@ -100,7 +100,7 @@ impl Came {
     }
 }
 
-/// What is to go with one system call.
+/// Datagrams that go out with one system call.
 #[derive(Debug, Default)]
 pub struct Going {
     bytes: Vec<u8>,

@@ -42,6 +42,9 @@ pub struct Stop(Arc<AtomicBool>);
 impl Stop {
     /// Asked by Ctrl-C and SIGTERM: what runs ends with its report and exit status 0. The second of them ends the process at
     /// once, with status 2.
+    ///
+    /// # Errors
+    /// The system does not let the program handle its signals.
     pub fn on_signals() -> Result<Self, String> {
         let stop = Self::default();
         for signal in [SIGINT, SIGTERM] {
@@ -52,7 +55,7 @@ impl Stop {
         Ok(stop)
     }
 
-    /// Asks.
+    /// Asks whoever watches this to stop.
     pub fn ask(&self) {
         self.0.store(true, Ordering::Relaxed);
     }
@@ -66,7 +69,7 @@ impl Stop {
 /// How well the ticks were kept.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Punctuality {
-    /// Ticks.
+    /// Number of ticks that were kept.
     #[serde(rename = "beats")]
     pub ticks: u64,
     /// Ticks that began more than a period late.
@@ -81,7 +84,7 @@ pub struct Punctuality {
 }
 
 impl Punctuality {
-    /// Mean lateness, µs.
+    /// Mean lateness of a tick, µs.
     pub fn mean_us(&self) -> f64 {
         self.total_us as f64 / self.ticks.max(1) as f64
     }
@@ -104,13 +107,13 @@ impl Ticker {
         Self { start: Instant::now(), period, seconds: f64::INFINITY, kept: Punctuality::default() }
     }
 
-    /// The same, and the thread asks for a real-time priority.
+    /// [`Ticker::new`] on a thread that asks for a real-time priority.
     pub fn realtime(period: Duration) -> Self {
         let kept = Punctuality { realtime_priority: realtime(), ..Punctuality::default() };
         Self { kept, ..Self::new(period) }
     }
 
-    /// The same, for so many seconds.
+    /// This ticker, which ends after `seconds` s.
     pub(crate) fn lasting(self, seconds: f64) -> Self {
         Self { seconds, ..self }
     }
@@ -186,10 +189,10 @@ pub trait Live: Actor<SocketAddr, Packet = [u8]> {
     /// Tells the others that this is the end.
     fn goodbye(&mut self, _now_ns: u64, _out: &mut Out<'_, SocketAddr, [u8]>) {}
 
-    /// What it hears next has waited in the socket for so long, where the system tells.
+    /// Takes how long the datagram that is heard next has waited in the socket, where the system says so.
     fn waited(&mut self, _waited: Duration) {}
 
-    /// What it said about what it has heard is handed to the system.
+    /// Takes note that the answers to what was heard are handed to the system.
     fn sent(&mut self, _now_ns: u64) {}
 }
 
@@ -197,7 +200,7 @@ pub trait Live: Actor<SocketAddr, Packet = [u8]> {
 #[derive(Debug)]
 pub struct Endpoint {
     socket: UdpSocket,
-    /// Where it listens.
+    /// The address on which it listens.
     pub address: SocketAddr,
     answers: bool,
     start: Instant,
@@ -206,12 +209,18 @@ pub struct Endpoint {
 }
 
 impl Endpoint {
-    /// Emptied at every tick.
+    /// An endpoint that takes what has come at every tick.
+    ///
+    /// # Errors
+    /// The address cannot be opened.
     pub fn polled(listen: SocketAddr) -> Result<Self, String> {
         Self::open(listen, false)
     }
 
-    /// Hears each datagram as it comes.
+    /// An endpoint that takes each datagram as it comes.
+    ///
+    /// # Errors
+    /// The address cannot be opened.
     pub fn answering(listen: SocketAddr) -> Result<Self, String> {
         Self::open(listen, true)
     }
@@ -231,12 +240,15 @@ impl Endpoint {
         Ok(Self { socket, address, answers, start: Instant::now(), unsent: AtomicU64::new(0) })
     }
 
-    /// The same with a clock that began at `start`.
+    /// This endpoint with a clock that began at `start`.
     pub fn since(self, start: Instant) -> Self {
         Self { start, ..self }
     }
 
     /// Whether datagrams can go from here to `to` at all: a socket is of one family, and nobody is his own partner.
+    ///
+    /// # Errors
+    /// The other address is of another family, or this endpoint's own.
     pub fn reaches(&self, to: SocketAddr) -> Result<(), String> {
         let (own, family) = (self.address, |address: SocketAddr| if address.is_ipv4() { "IPv4" } else { "IPv6" });
         if own.is_ipv4() != to.is_ipv4() {
@@ -296,6 +308,9 @@ impl Endpoint {
     }
 
     /// Takes what has come, oldest first, until there is nothing left or it is `until`; an endpoint that answers waits until then.
+    ///
+    /// # Errors
+    /// The socket failed.
     pub fn drain(
         &self,
         came: &mut Came,
@@ -308,7 +323,7 @@ impl Endpoint {
         Ok(())
     }
 
-    /// The same, heard by an actor whose answers to each batch are sent at once.
+    /// [`Endpoint::drain`] for an actor whose answers to each batch are sent at once.
     fn hear(&self, came: &mut Came, going: &mut Going, until: Instant, actor: &mut impl Live) -> Result<(), String> {
         while Instant::now() < until && self.take(came)? {
             let waited: [Duration; MOST] = std::array::from_fn(|at| came.waited().get(at).copied().unwrap_or_default());
@@ -323,6 +338,9 @@ impl Endpoint {
     }
 
     /// Runs an actor to its end, its goodbye included; without anybody there for no longer than `patience_s`.
+    ///
+    /// # Errors
+    /// The socket failed, nobody came in time, or the actor gave up.
     pub fn run(
         &self,
         mut ticker: Ticker,

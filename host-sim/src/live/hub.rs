@@ -66,7 +66,7 @@ pub(crate) struct Report {
     pub(crate) energy_out_over_in: f64,
     /// Where the lines meet, mm from where they met first.
     pub(crate) object_mm: f64,
-    /// Largest distance between two copies as the peers last told, mm; they tell every half second, not at one instant.
+    /// Largest distance between two copies as the peers last reported them, mm; they report every half second, not at one instant.
     pub(crate) apart_mm: f64,
     #[serde(flatten)]
     pub(crate) seen: Seen,

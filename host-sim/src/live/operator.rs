@@ -86,6 +86,9 @@ pub struct Operator {
 
 impl Operator {
     /// Gets in touch with the board at `board`, whichever it is, under the operator's key of `key_file`.
+    ///
+    /// # Errors
+    /// The key file cannot be read, or the board does not answer.
     pub fn connect(board: SocketAddr, key_file: &Path) -> Result<Self, String> {
         let key = key_file::read(key_file, Role::Operator)?;
         let any = if board.is_ipv4() { "0.0.0.0:0" } else { "[::]:0" };
@@ -105,13 +108,13 @@ impl Operator {
         Ok(Self { endpoint, board, number, session, stop: Stop::default() })
     }
 
-    /// The same, and recording and listening end when they are asked to.
+    /// This operator, whose recording and listening end when `stop` is asked for.
     pub(crate) fn until(mut self, stop: Stop) -> Self {
         self.stop = stop;
         self
     }
 
-    /// Which board it is, 1 or 2.
+    /// Number of the board, 1 or 2.
     pub fn number(&self) -> u8 {
         self.number
     }
@@ -122,6 +125,9 @@ impl Operator {
     }
 
     /// Says a line and gives the answer, which begins with `ok` or `error`.
+    ///
+    /// # Errors
+    /// The board fell silent, or the socket failed.
     pub fn ask(&mut self, line: &str) -> Result<String, String> {
         if line.len() > LONGEST {
             return Err(format!("a line of {} bytes is not allowed: it must be at most {LONGEST}", line.len()));
@@ -146,6 +152,9 @@ impl Operator {
     }
 
     /// Has every `every`-th tick sent for so long, and gives what came, with why the board refused to go on if it did.
+    ///
+    /// # Errors
+    /// The board fell silent, or the socket failed.
     pub fn record(&mut self, every: u32, time: Duration) -> Result<(Vec<Sample>, Option<String>), String> {
         let mut samples = Vec::new();
         let refusal = self.record_each(every, time, |_, session| samples.extend(session.take_samples()))?;
@@ -187,6 +196,9 @@ impl Operator {
     }
 
     /// Listens for so long, and gives the samples that came since the last time.
+    ///
+    /// # Errors
+    /// The socket failed.
     pub fn samples(&mut self, time: Duration) -> Result<Vec<Sample>, String> {
         let stop = self.stop.clone();
         self.wait(time, |_| stop.is_asked())?;

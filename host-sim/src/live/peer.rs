@@ -23,7 +23,7 @@ use crate::shared::refused::{is_telling, wrong};
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Report {
     pub(crate) peer: u8,
-    /// Ticks while armed.
+    /// Number of ticks while armed.
     pub(crate) ticks: u64,
     /// Mean |x_o − x_d| over the last half, mm; of several shared axes the distance in the plane or in space.
     pub(crate) decoded_discrepancy_mm: f64,
@@ -61,9 +61,9 @@ pub(crate) struct Report {
 /// Forces along one axis, over the last half.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(crate) struct Forces {
-    /// Mean F_T, N.
+    /// Mean coordination force F_T, N.
     pub(crate) coordination_force_n: f64,
-    /// F_LC, N of the world.
+    /// Contact force F_LC, N of the world.
     pub(crate) contact_force_n: Statistics,
 }
 
@@ -129,7 +129,7 @@ pub(super) fn told<'a>(notices: impl IntoIterator<Item = &'a (u64, Notice)>) -> 
     notices.into_iter().map(|(at_us, notice)| (*at_us as f64 * 1e-6, format!("{notice:?}"))).collect()
 }
 
-/// How long a peer that refuses the other one goes on calling, so that that one is told as well, µs.
+/// How long a peer that refuses the other one goes on calling, so that the other learns of it as well, µs.
 const LINGER_US: u64 = 500_000;
 
 struct Peer<const SHARED: usize, const N: usize> {
@@ -145,7 +145,7 @@ struct Peer<const SHARED: usize, const N: usize> {
     ports: [ObjectPort; SHARED],
     /// Who sent the newest datagram that was refused and tells something, and why it was.
     refusal: Option<(SocketAddr, Error)>,
-    /// The other peer was told other parameters: which table differs, and when that was found, µs.
+    /// The other peer has other parameters: which table differs, and when that was found, µs.
     differs: Option<(&'static str, u64)>,
     /// For so long now, µs.
     now_us: u64,
@@ -256,12 +256,15 @@ pub(crate) fn run(
 ) -> Result<Report, String> {
     let entropy = entropy()?;
     let among = (scene, number, ends, span);
-    of_axes!(scene, live::<>(entropy, (key, among), wanted, stop))
+    of_axes!(scene, live(entropy, (key, among), wanted, stop))
 }
 
 fn live<const SHARED: usize, const N: usize>(
     entropy: [u8; Key::LEN],
-    (key, (scene, number, [listen, connect], Span { duration_s, patience_s })): (Key, (&Scene, u8, [SocketAddr; 2], Span)),
+    (key, (scene, number, [listen, connect], Span { duration_s, patience_s })): (
+        Key,
+        (&Scene, u8, [SocketAddr; 2], Span),
+    ),
     wanted: &Wanted,
     stop: &Stop,
 ) -> Result<Report, String>

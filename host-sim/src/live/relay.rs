@@ -29,7 +29,7 @@ pub struct End {
     pub peer: SocketAddr,
 }
 
-/// What was relayed.
+/// The packets that were relayed, and what became of them.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report {
     /// Packets from peer 1 to 2, and from 2 to 1.
@@ -87,6 +87,9 @@ impl Live for Relay {
 }
 
 /// Relays over `routes` between two peers for `duration_s`, or until it is stopped.
+///
+/// # Errors
+/// A socket failed.
 pub fn run(routes: [Route; 2], ends: [End; 2], duration_s: f64, stop: &Stop) -> Result<Report, String> {
     let [first, second] = ends.map(|end| Endpoint::polled(end.listen));
     let (first, second, peers) = (first?, second?, ends.map(|end| end.peer));

@@ -29,7 +29,7 @@ pub(crate) struct Options {
     pub(crate) seconds: f64,
 }
 
-/// A rally as this process was told.
+/// A rally as this process heard of it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub(crate) struct Rally {
     pub(crate) rally: u16,

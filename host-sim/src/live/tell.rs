@@ -20,14 +20,14 @@ pub(crate) enum Manner {
     Words,
     /// As one JSON object each, on standard output.
     Json,
-    /// Not at all.
+    /// Nothing at all is printed.
     Quiet,
 }
 
 /// A second of a live end.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub(crate) struct Second {
-    /// Since the start.
+    /// Time since the start, s.
     pub(crate) time_s: f64,
     /// Of an experiment whose length is known, what is over, s, and its length, s.
     pub(crate) done_s: f64,

@@ -100,7 +100,7 @@ impl Seen {
     }
 }
 
-/// Watches a hub.
+/// Records and reports what a hub does.
 pub(crate) struct HubWatch {
     recorder: Option<Recorder>,
     pub(crate) teller: Teller,
@@ -251,7 +251,7 @@ impl HubWatch {
     }
 }
 
-/// Watches a peer.
+/// Records and reports what a peer does.
 pub(crate) struct Watch {
     recorder: Option<Recorder>,
     pub(crate) teller: Teller,
@@ -327,7 +327,7 @@ impl Watch {
         }
     }
 
-    /// The other end has told how it is doing.
+    /// The other end has sent its telemetry.
     pub(crate) fn said(&mut self, said: &Telemetry, sealed_us: u64, armed_ticks: u64) {
         let Some(apart) = self.own.apart(said, sealed_us, self.period_s, &self.clock) else { return };
         self.of_second.add(apart);

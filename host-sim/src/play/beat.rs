@@ -26,7 +26,7 @@ const SLEPT: Duration = Duration::from_millis(500);
 /// How well the beat was kept.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(crate) struct Kept {
-    /// Ticks.
+    /// Number of ticks that were kept.
     pub(crate) ticks: u64,
     /// Ticks that began more than a period late.
     pub(crate) late: u64,
@@ -97,7 +97,7 @@ fn recorded(time_s: f64, sample: &Sample) -> [f64; 1 + MOST] {
     std::array::from_fn(|at| at.checked_sub(1).map_or(time_s, |at| sample[at].into()))
 }
 
-/// What is stepped.
+/// The environment that is stepped, and its kind.
 struct Shown {
     environment: Box<dyn Environment>,
     kind: Kind,

@@ -58,7 +58,7 @@ pub(crate) enum Place {
     Simulated,
 }
 
-/// What a page is told of a board.
+/// What a page gets about a board.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 struct Told {
     name: String,
@@ -266,7 +266,7 @@ impl Seat {
         news
     }
 
-    /// One tick on.
+    /// Plays back the recorded rows by one tick.
     fn play(&mut self) {
         let Some(newest) = self.rows.back().map(|row| row[1]) else { return };
         self.at += 1.0;

@@ -30,7 +30,7 @@ pub(super) struct Status {
     pub(super) late: u32,
     pub(super) worst_us: u32,
     pub(super) standing: Standing,
-    /// Which of [`Kind`]'s list is shown.
+    /// Index of the environment shown, in [`Kind`]'s list.
     pub(super) kind: u8,
 }
 
@@ -41,7 +41,7 @@ pub(super) struct Papers {
     pub(super) pointed: [Option<Pointed>; 2],
     /// The window that holds each hand; `None`: nobody, so that the partner does.
     pub(super) holder: [Option<u64>; 2],
-    /// Windows so far.
+    /// Number of windows that were opened so far.
     pub(super) windows: u64,
     commands: VecDeque<Command>,
     /// What every setting is from the next tick on.
@@ -55,7 +55,7 @@ pub(super) struct Papers {
     /// Tick of the first sample that is kept.
     first: u32,
     pub(super) status: Status,
-    /// The program ends.
+    /// The program is to end.
     pub(super) over: bool,
 }
 
@@ -105,7 +105,7 @@ impl Papers {
         self.answers.remove(at).map(|(_, text)| text)
     }
 
-    /// Tells every window.
+    /// Sends a text to every window.
     pub(super) fn tell(&mut self, text: String) {
         self.told = (text, self.told.1 + 1);
     }
@@ -142,7 +142,7 @@ impl Papers {
     }
 }
 
-/// The desk.
+/// The state that beat, judge and windows share.
 #[derive(Debug)]
 pub(super) struct Desk(Mutex<Papers>);
 

@@ -12,13 +12,13 @@ use super::partner::Model;
 /// Numbers in a sample, at the most; what a column is missing for is no number.
 pub(super) const MOST: usize = 22;
 
-/// One tick.
+/// The numbers of one tick.
 pub(super) type Sample = [f32; MOST];
 
 /// Name, unit and meaning of a number in a sample.
 pub(super) type Column = (&'static str, &'static str, &'static str);
 
-/// A peer's mode as one number, which windows are told.
+/// A peer's mode as one number, as windows get it.
 pub(super) const OFF: u8 = 0;
 pub(super) const ARMED: u8 = 1;
 /// It waits for the other end.
@@ -37,9 +37,9 @@ pub(super) fn number_of(mode: Mode) -> u8 {
 /// What acts at the next tick, without a question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Command {
-    /// Motors off.
+    /// Turns the motors off.
     Stop,
-    /// Everything anew, from rest.
+    /// Starts the environment anew, from rest.
     Start,
     /// The line is cut, or joined.
     Cut(bool),
@@ -55,7 +55,7 @@ pub(super) struct Standing {
     /// Of both peers, as [`number_of`] has them.
     pub(super) modes: [u8; 2],
     pub(super) cut: bool,
-    /// Which of [`Model`]'s list the partner is.
+    /// Index of the partner, in [`Model`]'s list.
     pub(super) partner: u8,
 }
 
@@ -74,13 +74,13 @@ pub(super) trait Environment {
     /// Who plays when nobody holds this hand holds it in the next tick.
     fn play(&mut self, hand: usize);
 
-    /// One tick.
+    /// Steps the environment by one tick.
     fn step(&mut self) -> Result<Sample, String>;
 
-    /// How it stands.
+    /// Modes of the peers, line and partner as they are now.
     fn standing(&self) -> Standing;
 
-    /// What every window is told besides, if that has changed.
+    /// Other news for every window, if there are any.
     fn news(&mut self) -> Option<String> {
         None
     }

@@ -1,6 +1,6 @@
 //! One peer of two that are on two machines: its hand is the page's, its partner a process elsewhere, over the sealed link.
 //!
-//! The other end is another `play`, a `peer` or a board's partner: whoever holds the key and was told the same scene. Of the other
+//! The other end is another `play`, a `peer` or a board's partner: whoever holds the key and has the same scene. Of the other
 //! peer this one knows what its telemetry says, a few times a second. So **how far the copies are truly apart** is known when
 //! telemetry comes: what it says of the other copy, less where this one was half a round trip before. In between the other copy is
 //! drawn as far from this one as it was then; that is wrong by what the distance has changed since.
@@ -30,7 +30,7 @@ const KEPT: usize = 4000;
 /// This end of a line to another machine.
 pub(crate) struct End {
     key: Key,
-    /// Which peer this is, 1 or 2.
+    /// Number of this peer, 1 or 2.
     pub(crate) number: u8,
     endpoint: Endpoint,
     /// Where the other listens; none, and it calls here.

@@ -22,7 +22,7 @@ const FASTEST: f64 = 0.5;
 /// Share of its speed that a hand takes on in a tick: a jump of a few ticks is no blow through the damper.
 const AGILITY: f64 = 0.1;
 
-/// One hand.
+/// A hand that follows a pointer.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Hand {
     /// Where the pointer was, m, and when it said so, in ticks.

@@ -11,7 +11,7 @@ use super::partner::{Model, Partner};
 use super::session::{PERIOD_S, end_of_travel};
 use crate::shared::cooperative::waves::Waves;
 
-/// Hands.
+/// Number of hands on the object.
 const HANDS: usize = 4;
 /// What those who are always there do: neither can have its way alone.
 const THERE: [Model; 2] = [Model::CarriesOn, Model::Resists];

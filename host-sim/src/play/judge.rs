@@ -152,7 +152,7 @@ fn tell(desk: &Desk, scene: &Scene, finding: Option<&Finding>) {
     desk.lock().tell(json!({ "holds": holds }).to_string());
 }
 
-/// Judges a scene.
+/// Judges whether a scene is stable.
 pub(super) fn find(scene: &Scene) -> Finding {
     let network = &scene.world.network;
     let in_flight = |scene: &Scene| {

@@ -37,7 +37,7 @@ impl Choice for Kind {
 }
 
 impl Kind {
-    /// Which of the list it is.
+    /// Index of this kind in the list.
     pub(super) fn number(self) -> u8 {
         Self::ALL.iter().position(|kind| *kind == self).unwrap_or_default() as u8
     }
@@ -65,7 +65,7 @@ impl Kind {
         }
     }
 
-    /// What a page is told of all of them.
+    /// What a page gets about all of them.
     pub(super) fn hello() -> Vec<Value> {
         let column = |(name, unit, means): &Column| json!({ "name": name, "unit": unit, "means": means });
         let kind = |(kind, name): (&Self, &&str)| {

@@ -29,7 +29,7 @@ pub(super) trait Play: Sized {
     /// Who holds the hands that nobody holds, where that can be chosen.
     fn partner(&mut self, _model: Model) {}
 
-    /// One tick.
+    /// Steps the environment by one tick.
     fn step(&mut self);
 
     /// The numbers of its columns, but for the last one, which says how often it has started anew.

@@ -100,8 +100,8 @@ fn flatten(prefix: &str, table: &toml::Table, keys: &mut Vec<String>) {
     }
 }
 
-/// The same scene under another law, and the keys that make it that: with what a peer is told in the scene that recommends it, or
-/// with the paper's settings and the law's own gains; users, device, contact and network stay.
+/// This scene under another law, and the keys that make it that: with the peers' settings of the scene that
+/// recommends it, or with the paper's settings and the law's own gains; users, device, contact and network stay.
 fn with_law(scene: &Scene, name: &str) -> Result<(Scene, Vec<String>), String> {
     let recommended = match name {
         "self-timed" => Some("any-network"),

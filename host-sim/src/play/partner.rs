@@ -15,12 +15,12 @@ pub(crate) enum Model {
     Resists,
     /// Carries the device 40 mm to the right and back, each way a minimum-jerk reach of 1.5 s with a second of rest after it.
     CarriesOn,
-    /// Has let go.
+    /// Has let go of the device.
     Absent,
 }
 
 impl Model {
-    /// Which of the list it is.
+    /// Index of this model in the list.
     pub(super) fn number(self) -> u8 {
         Self::ALL.iter().position(|model| *model == self).unwrap_or_default() as u8
     }

@@ -28,7 +28,7 @@ const END_DAMPING: f64 = 5.0;
 /// Real time means this control period, s.
 pub(super) const PERIOD_S: f64 = 0.001;
 
-/// What is in a sample, with unit and meaning; of peer 1 first where there are two. A window is told this list.
+/// What is in a sample, with unit and meaning; of peer 1 first where there are two. Every window gets this list.
 pub(super) const COLUMNS: [Column; MOST] = [
     ("wanted_1", "m", "hand of person 1, no number while it holds nothing"),
     ("wanted_2", "m", "hand of person 2"),

@@ -15,7 +15,7 @@ use super::session::PERIOD_S;
 use crate::shared::said;
 use crate::shared::squash::bot::{Contestant, Part, SCALE};
 
-/// Players.
+/// Number of players in the game.
 const COUNT: usize = 4;
 const _: () = assert!(COUNT <= PLAYERS);
 
@@ -49,7 +49,7 @@ pub(super) fn size() -> [f64; 2] {
 /// A pointer's metres for a metre of the court.
 pub(super) const POINTER: f64 = SCALE;
 
-/// Server or player.
+/// The server or one player.
 struct Peer(Part);
 
 impl Actor<usize> for Peer {
@@ -75,7 +75,7 @@ impl Actor<usize> for Peer {
     }
 }
 
-/// A game.
+/// A game of squash in the page.
 pub(super) struct Squash {
     engine: Engine<Peer>,
 }

@@ -17,9 +17,9 @@ use super::meeting::{Held, Play, way};
 use super::session::PERIOD_S;
 use crate::shared::said;
 
-/// Users.
+/// Number of users at the object.
 const USERS: usize = 3;
-/// The object's number.
+/// Number of the shared object.
 const OBJECT: u16 = 1;
 /// A right lives on without being renewed for this long, and a turn while others wait, µs.
 const LEASE_US: u32 = 1_000_000;
@@ -83,7 +83,7 @@ enum Around {
     User(Box<User>),
 }
 
-/// A user.
+/// A user who takes turns.
 struct User {
     right: Right,
     home: [f64; 2],

@@ -24,7 +24,7 @@ use crate::shared::world::{TICKS_PER_PACKET, World, corners, parse};
 /// What there is to be felt, and the number of its server.
 const ROOM: &str = include_str!("../../../scenes/worlds/room.toml");
 const SERVER: u8 = 1;
-/// Visitors.
+/// Number of visitors in the world.
 const COUNT: usize = 2;
 
 pub(super) const COLUMNS: [Column; 20] = [

@@ -11,7 +11,7 @@
 //! **Error.** Nobody can see by how much the two ways differ: up to half of the smallest round trip. To that comes what is left of
 //! chance, twice the standard error of the line, in which an exchange is off by its residual and by q + e/2. Clocks are taken to
 //! run evenly: over more than some minutes a quartz that warms up does not, so a live end looks back 60 s.
-//! Over less than a second no drift can be told: it is 0 then, within 100 ppm, as quartzes are.
+//! Over less than a second no drift can be measured: it is 0 then, within 100 ppm, as quartzes are.
 
 /// Stamps are of whole microseconds, and some go by between reading the clock and sending, s.
 const RESOLUTION_S: f64 = 5e-6;
@@ -19,7 +19,7 @@ const RESOLUTION_S: f64 = 5e-6;
 const WINDOW_S: f64 = 60.0;
 /// Least time between two exchanges that a live end keeps, s; of those between, the quickest is kept.
 const APART_S: f64 = 0.05;
-/// Least time over which a drift is told, s.
+/// Least time over which a drift is measured, s.
 const SHORTEST_S: f64 = 1.0;
 /// How far the rates of two quartzes differ at the most.
 const QUARTZ: f64 = 1e-4;
@@ -27,7 +27,7 @@ const QUARTZ: f64 = 1e-4;
 /// One question and its answer: t1 and t4 of one's own clock, t2 and t3 of the other, s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exchange {
-    /// t1 to t4.
+    /// The times t1 to t4, s.
     pub times_s: [f64; 4],
 }
 

@@ -18,16 +18,16 @@ use super::origin::Origin;
 /// Column that every row of a converted table begins with.
 pub const ROW: Named = ("row", "number of the row, from 0; one that is left out was lost while it was recorded");
 
-/// A recording.
+/// A recording read from its file.
 #[derive(Debug)]
 pub struct Recording {
-    /// What made it.
+    /// Program, settings and clock that made the recording.
     pub origin: Origin,
     /// Its channels, as they stand in the file.
     pub channels: Vec<Rows>,
     /// Rows that were lost while it was recorded, by the recorder's own account; `None` where that is missing.
     pub lost: Option<u64>,
-    /// What is missing at its end.
+    /// The damage at its end; none in a whole file.
     pub cut: Option<Cut>,
 }
 
@@ -36,14 +36,14 @@ pub struct Recording {
 pub struct Cut {
     /// Bytes of whole records.
     pub whole: u64,
-    /// Bytes after those.
+    /// Bytes after the whole records.
     pub rest: u64,
     /// Rows that were saved out of the chunk that is not whole.
     pub saved: u64,
 }
 
 impl Cut {
-    /// In words.
+    /// The damage in words, for a person.
     pub fn told(&self) -> String {
         let Self { whole, rest, saved } = self;
         let kept = if *saved > 0 { format!(", of which {saved} rows were saved") } else { String::new() };
@@ -54,7 +54,7 @@ impl Cut {
 /// The rows of a channel.
 #[derive(Clone, Debug, Default)]
 pub struct Rows {
-    /// What it is called.
+    /// Name of the channel.
     pub topic: String,
     /// Names of the columns, which end in their units.
     pub names: Vec<String>,
@@ -285,6 +285,9 @@ impl Reading {
 }
 
 /// Reads a recording, whole or cut.
+///
+/// # Errors
+/// The file cannot be read, or is no recording.
 pub fn read(path: &Path) -> Result<Recording, String> {
     let place = path.display();
     let failed = |cause: std::io::Error| format!("cannot read {place}: {cause}");

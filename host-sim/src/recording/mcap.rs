@@ -40,7 +40,7 @@ pub(super) mod op {
 pub struct Field {
     /// Its name, which ends in its unit.
     pub name: String,
-    /// What it is, in words; may be empty.
+    /// Meaning of the field, in words; may be empty.
     pub meaning: String,
 }
 
@@ -51,7 +51,7 @@ pub struct Channel {
     pub topic: String,
     /// What a row is: `Tick`.
     pub row: String,
-    /// Its columns.
+    /// Columns of the channel.
     pub fields: Vec<Field>,
 }
 
@@ -126,7 +126,7 @@ impl Bytes {
     }
 }
 
-/// The schema of a channel: one message of optional doubles (proto2, so that 0 is told from nothing), in a file of its own.
+/// The schema of a channel: one message of optional doubles (proto2, so that 0 is distinct from a missing value), in a file of its own.
 fn schema(channel: &Channel) -> Vec<u8> {
     const OPTIONAL: u64 = 1;
     const DOUBLE: u64 = 1;
@@ -198,7 +198,7 @@ impl<W: Write> Writer<W> {
         Ok(())
     }
 
-    /// Schemas and channels.
+    /// Bytes of all schemas and channels.
     fn described(&self) -> Vec<u8> {
         let one = |(id, channel): (u16, &Channel)| {
             let name = format!("{PACKAGE}.{}", channel.row);

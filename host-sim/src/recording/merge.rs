@@ -63,7 +63,7 @@ struct Side<'a> {
 /// What there is to say of two recordings.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Merged {
-    /// Who recorded.
+    /// Names of the two ends that recorded.
     pub ends: [String; 2],
     /// Instants at which both copies are known and both peers were armed.
     pub instants: usize,
@@ -73,11 +73,11 @@ pub struct Merged {
     pub true_discrepancy_mm: f64,
     /// Root of the mean square.
     pub rms_true_discrepancy_mm: f64,
-    /// Largest.
+    /// Largest true discrepancy, mm.
     pub largest_true_discrepancy_mm: f64,
     /// What the clock's error makes of it, speed of the copies times that: root of the mean square, and largest, mm.
     pub rms_clock_error_mm: f64,
-    /// Largest.
+    /// Largest discrepancy that the clock's error may make, mm.
     pub largest_clock_error_mm: f64,
     /// By how much the common clock may be wrong, at the most, µs.
     pub clock_error_us: f64,
@@ -87,10 +87,10 @@ pub struct Merged {
     pub clock_drift_ppm: f64,
     /// How the two clocks were brought together.
     pub clock_by: String,
-    /// The same offset by the clock of the machine that both ran on, less this one, µs.
+    /// The clocks' offset by the clock of the machine that both ran on, less this one, µs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub same_machine_less_this_us: Option<f64>,
-    /// Every instant.
+    /// Every instant as a row.
     #[serde(skip)]
     pub table: Columns,
 }
@@ -205,6 +205,9 @@ fn relate(one: &Side<'_>, two: &Side<'_>) -> Result<(Relation, String, Option<f6
 }
 
 /// True discrepancy of two recordings.
+///
+/// # Errors
+/// The recordings lack what is needed to bring their clocks together, or do not overlap.
 pub fn merge(one: &Recording, two: &Recording) -> Result<Merged, String> {
     let ([one, two], names) = ([Side::of(one)?, Side::of(two)?], [one, two].map(|side| side.origin.who.clone()));
     let (relation, clock_by, same_machine_less_this_us) = relate(&one, &two)?;
@@ -229,6 +232,9 @@ pub fn merge(one: &Recording, two: &Recording) -> Result<Merged, String> {
 }
 
 /// True discrepancy of a recording that holds both ends, on one clock.
+///
+/// # Errors
+/// The recording lacks one of the two ends.
 pub fn both(recording: &Recording) -> Result<Merged, String> {
     let origin = &recording.origin;
     let rows = recording.channels.iter().find(|rows| rows.topic == "/both/ticks");

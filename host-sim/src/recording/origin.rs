@@ -37,7 +37,7 @@ impl Origin {
         }
     }
 
-    /// In simulated time.
+    /// Origin of a recording in simulated time.
     pub fn simulated(made: &Made, who: impl Into<String>) -> Self {
         let start = Self::here(made, who, Instant::now());
         Self { clock: String::new(), start_clock_ns: 0, ..start }

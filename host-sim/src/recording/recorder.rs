@@ -23,7 +23,7 @@ use super::origin::Origin;
 const QUEUE: usize = 8192;
 /// Longest that a row waits for its chunk.
 const EVERY: Duration = Duration::from_millis(250);
-/// Largest chunk, bytes.
+/// Largest chunk of rows, bytes.
 const LARGEST: usize = 1 << 17;
 /// How often the thread looks for rows: nobody wakes it, for that would take the beat's time.
 const LOOK: Duration = Duration::from_millis(10);
@@ -42,9 +42,9 @@ struct Row {
 /// What became of a recording.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Ended {
-    /// The file.
+    /// Path of the file.
     pub file: PathBuf,
-    /// Rows in it.
+    /// Number of rows in the file.
     pub rows: u64,
     /// Rows that are not, because they came quicker than they could be written, or after an error.
     pub lost: u64,
@@ -73,6 +73,9 @@ pub struct Recorder {
 
 impl Recorder {
     /// Begins a recording of these channels in a file that is not there yet.
+    ///
+    /// # Errors
+    /// The file exists or cannot be written.
     pub fn create(path: &Path, origin: &Origin, channels: Vec<Channel>) -> Result<Self, String> {
         if let Some(wide) = channels.iter().find(|channel| channel.fields.len() > MOST_COLUMNS) {
             let count = wide.fields.len();
@@ -115,7 +118,7 @@ impl Recorder {
         }
     }
 
-    /// The same for whom no clock drives: waits for room.
+    /// [`Recorder::put`] for a caller that no clock drives: waits for room in the queue.
     pub fn put_all(&self, channel: u16, time_ns: u64, values: &[f64]) {
         if let Some(queue) = &self.queue
             && queue.send(self.row(channel, time_ns, values)).is_err()

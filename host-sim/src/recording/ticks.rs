@@ -95,11 +95,11 @@ pub fn of_axis(axis: usize, last: u16) -> u16 {
     if axis == 0 { TICKS } else { last + axis as u16 }
 }
 
-/// Which of [`channels`].
+/// Index of the ticks in [`channels`].
 pub const TICKS: u16 = 0;
-/// Which of [`channels`].
+/// Index of the clock exchanges in [`channels`].
 pub const EXCHANGES: u16 = 1;
-/// Which of [`channels`].
+/// Index of the seconds in [`channels`].
 pub const SECONDS: u16 = 2;
 
 /// The channels of a board that shares so many axes, as its operator records them: [`TICKS`] as the board tells them, with when each
@@ -139,7 +139,7 @@ pub struct BoardTicks {
     period_s: f64,
     axes: usize,
     clock: Watched,
-    /// Ticks that came.
+    /// Number of ticks that came.
     pub ticks: u64,
 }
 

@@ -13,7 +13,7 @@
 use haptic_protocol::link::Link;
 use haptic_protocol::wire::GreetingKind;
 
-/// One line's.
+/// The addresses of one line.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Path<A> {
     session: Option<u32>,

@@ -1,4 +1,4 @@
-//! Refused: what was not taken and why, told to a person while it goes on, in bounded memory and never in a stream.
+//! Refused: what was not taken and why, reported to a person while the program runs, in bounded memory and never in a stream.
 
 use std::fmt::Display;
 
@@ -30,7 +30,7 @@ impl<A: Copy + PartialEq> Refused<A> {
         self.waits = true;
     }
 
-    /// The newest one, if that is to be told now.
+    /// The newest one, if it is to be reported now.
     pub(crate) fn take(&mut self, now_us: u64) -> Option<(A, Error)> {
         let newest = self.newest.filter(|_| self.waits)?;
         let since_us = self.told.map(|(told, at_us)| (told == newest, now_us.saturating_sub(at_us)));
@@ -42,7 +42,7 @@ impl<A: Copy + PartialEq> Refused<A> {
         Some(newest)
     }
 
-    /// The newest one, told or not.
+    /// The newest one, reported or not.
     pub(crate) fn newest(&self) -> Option<(A, Error)> {
         self.newest
     }

@@ -20,13 +20,13 @@ use super::sweep::{MERITS, Merit, Row, all_same, of_runs};
 /// A scene that is compared.
 #[derive(Clone, Debug)]
 pub struct Entrant {
-    /// What it is called.
+    /// Name of the scene in reports.
     pub name: String,
-    /// The scene.
+    /// The scene that is run.
     pub scene: Scene,
 }
 
-/// What is asked.
+/// Scenes, seeds and duration of a comparison.
 #[derive(Clone, Debug)]
 pub struct Comparison {
     /// Two or more; the first is what the others are compared with.
@@ -40,9 +40,9 @@ pub struct Comparison {
 /// One figure of merit of one scene beside the first one's.
 #[derive(Clone, Debug)]
 pub struct Difference {
-    /// Which scene, from 1.
+    /// Index of the scene, from 1.
     pub entrant: usize,
-    /// Which of [`MERITS`].
+    /// Index of the figure of merit in [`MERITS`].
     pub merit: usize,
     /// Means over the seeds, of the first scene and of this one, where every run has it.
     pub means: [Option<f64>; 2],
@@ -61,6 +61,9 @@ impl Difference {
 
 impl Comparison {
     /// Runs every scene with every seed; rows by scene ([`Row::point`], from 0) and seed.
+    ///
+    /// # Errors
+    /// A scene that cannot be built or run.
     pub fn run(&self, done: &(dyn Fn() + Sync)) -> Result<Vec<Row>, Failure> {
         let verdicts = self.entrants.par_iter().map(|entrant| haptic_analysis::verdict(&entrant.scene));
         let verdicts = verdicts.collect::<Result<Vec<_>, _>>()?;

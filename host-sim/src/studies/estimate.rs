@@ -5,14 +5,14 @@ use haptic_sim::student::student_95;
 /// A mean over seeds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
-    /// Mean.
+    /// Mean over the seeds.
     pub mean: f64,
     /// The true mean is that far from it at most, with 95 % confidence (Student); nothing of a single run.
     pub within_95: Option<f64>,
 }
 
 impl Estimate {
-    /// Of values from as many seeds, or of the one that is sure.
+    /// The estimate from one value for each seed; without an interval where there is only one.
     pub fn of(values: &[f64]) -> Self {
         let count = values.len() as f64;
         let mean = values.iter().sum::<f64>() / count;

@@ -29,7 +29,7 @@ struct Look {
 #[derive(Clone, Copy, PartialEq)]
 enum Discrepancy {
     True,
-    /// At peer 2.
+    /// The decoded discrepancy at peer 2.
     Decoded,
     Both,
 }
@@ -86,7 +86,12 @@ fn column(title: &str, outcome: &Outcome, peer: usize, look: Look) -> [Panel; 4]
     if look.discrepancy != Discrepancy::True {
         let only = look.discrepancy == Discrepancy::Decoded;
         let name = if only { "decoded, peer 2".to_owned() } else { label("decoded, peer 2") };
-        discrepancies.push(Series::dashed(name, 1, Dash::Dashed, over_time(outcome, look.axis, "decoded_discrepancy_2_m", 1e3)));
+        discrepancies.push(Series::dashed(
+            name,
+            1,
+            Dash::Dashed,
+            over_time(outcome, look.axis, "decoded_discrepancy_2_m", 1e3),
+        ));
     }
     [
         panel(
@@ -231,7 +236,9 @@ fn discrepancies(runs: &[&Experiment]) -> Figure {
                 bars("decoded |x_o - x_d|", 1, &|one| {
                     one.outcome.merit(|o| o.whole.decoded_discrepancy_mm).unwrap_or(f64::NAN)
                 }),
-                bars("true |x_o1 - x_o2|", 2, &|one| one.outcome.whole(|o| o.whole.true_discrepancy_mm).unwrap_or(f64::NAN)),
+                bars("true |x_o1 - x_o2|", 2, &|one| {
+                    one.outcome.whole(|o| o.whole.true_discrepancy_mm).unwrap_or(f64::NAN)
+                }),
             ],
             ..Panel::default()
         }],

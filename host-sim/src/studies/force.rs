@@ -31,13 +31,13 @@ use super::accuracy::rms;
 
 /// How far the hand goes, m.
 pub const HAND_M: f64 = 0.05;
-/// How often, Hz.
+/// Frequency of the hand's motion, Hz.
 pub const HAND_HZ: f64 = 1.0;
 /// What the loop is held to up to [`BAND_HZ`]: this share of the command,
 pub const SHARE: f64 = 0.03;
-/// and this, N.
+/// The least error that the loop is held to, N.
 pub const FLOOR_N: f64 = 0.02;
-/// Hz.
+/// Highest frequency of the band, Hz.
 pub const BAND_HZ: f64 = 100.0;
 /// Frequencies of the response, Hz.
 const RESPONSE_HZ: [f64; 9] = [1.0, 3.0, 10.0, 20.0, 50.0, 100.0, 200.0, 300.0, 400.0];
@@ -45,12 +45,12 @@ const RESPONSE_HZ: [f64; 9] = [1.0, 3.0, 10.0, 20.0, 50.0, 100.0, 200.0, 300.0, 
 const SETTLE_S: f64 = 0.5;
 const COUNTED_S: f64 = 2.0;
 
-/// A command.
+/// A force that is commanded over time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Command {
-    /// The same all the time.
+    /// A force that is constant over time.
     Constant,
-    /// One frequency, Hz.
+    /// A sine of one frequency, Hz.
     Sine(f64),
     /// Twenty-five sines of the same size from 0 to [`BAND_HZ`], so out of step that their peaks do not meet (Schroeder 1970).
     Band,
@@ -70,7 +70,7 @@ impl Command {
         }
     }
 
-    /// In words.
+    /// The command in words.
     fn label(self) -> String {
         match self {
             Self::Constant => "constant".into(),
@@ -85,9 +85,9 @@ impl Command {
 pub struct Made {
     /// Root mean square of what is wrong with the force, N.
     pub error_n: f64,
-    /// The same against the command as late as the drive says it is.
+    /// Root mean square of the error against the command as late as the drive says it is, N.
     pub delayed_error_n: f64,
-    /// Of the force over the held command, at the command's frequency.
+    /// Gain of the force over the held command, at the command's frequency.
     pub gain: f64,
     /// Degrees; negative is late.
     pub phase: f64,
@@ -96,7 +96,7 @@ pub struct Made {
 /// One command, made by both.
 #[derive(Clone, Debug)]
 pub struct Row {
-    /// Which.
+    /// The command that both made.
     pub command: Command,
     /// Its root mean square, N.
     pub command_n: f64,
@@ -269,7 +269,7 @@ pub fn moving_columns(rows: &[Row]) -> Columns {
 /// How stiff a contact may be where the force is made in one way.
 #[derive(Clone, Debug)]
 pub struct Stiffest {
-    /// In words.
+    /// How the force is made, in words.
     pub force: String,
     /// Control periods from sensing to the force.
     pub delay_ticks: f64,
@@ -283,6 +283,9 @@ const STIFFEST_N_PER_M: f64 = 10_000.0;
 const LOOPS_HZ: [f64; 4] = [300.0, 500.0, 1000.0, 2000.0];
 
 /// The scene with a force at once, with loops of several crossovers, and a control period late.
+///
+/// # Errors
+/// A scene that the analyser cannot judge.
 pub fn stiffest(scene: &Scene) -> Result<Vec<Stiffest>, Failure> {
     let exact = |force: &str, delay_ticks: f64| {
         let mut scene = scene.clone();

@@ -39,10 +39,10 @@ pub(crate) struct Experiment {
     scene: &'static str,
     /// Section of the paper, or "matched-line".
     pub(super) section: &'static str,
-    /// What is sent.
+    /// The law of the experiment.
     pub(super) comm: &'static str,
     pub(super) round_trip_ms: f64,
-    /// K_T.
+    /// Coordination stiffness K_T, N/m.
     pub(super) coordination_stiffness_n_per_m: f64,
     verdict: Verdict,
     /// What Fig. 9 prints for the decoded discrepancy.
@@ -61,7 +61,7 @@ pub(crate) struct Gain {
 }
 
 impl Gain {
-    /// Which kind.
+    /// The law of the experiment.
     pub(super) fn comm(&self) -> &'static str {
         self.printed.comm
     }

@@ -12,7 +12,7 @@
 //! - What the scene makes of one step: the shadow's largest distance over 1 nm; once that has grown, e^(λt), but no more than
 //!   [`APART`] times the shadow's distance, for two runs that have nothing to do with each other any more differ by chance.
 //!
-//! Two modes of the copies are told apart: the **common** one, their mean position, which nothing pulls back where the hands have
+//! Two modes of the copies are distinguished: the **common** one, their mean position, which nothing pulls back where the hands have
 //! no arms, so that forces that are rounded move it at random; and the **relative** one, x_1 − x_2, which the coordination holds. In a
 //! line that decodes its waves into a velocity (`wave`) the relative mode is at rest anywhere, too (THEORY §2), and walks; a
 //! self-timed line sums the waves themselves, and it does not.
@@ -56,7 +56,7 @@ pub(crate) enum Verdict {
     Error,
 }
 
-/// A number type's.
+/// Differences of a number type from f64.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rounded {
     pub(crate) from_f64: Differences,

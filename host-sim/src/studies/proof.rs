@@ -6,12 +6,12 @@ use haptic_core::settings::Settings;
 use haptic_proof::{Number, Proved, Whatever, prove};
 use haptic_sim::report::Columns;
 
-/// One law.
+/// A law, and what was proved of it.
 #[derive(Clone, Debug)]
 pub struct Row {
     /// Its name; of the law that says anything, words.
     pub law: &'static str,
-    /// What came of it.
+    /// The result of the proof.
     pub proved: Proved,
 }
 
@@ -30,7 +30,7 @@ pub fn row(name: &str) -> Option<Row> {
     Some(Row { law: proved.0, proved: proved.1 })
 }
 
-/// Declares the table.
+/// Declares the columns of the rows.
 pub fn columns(rows: &[Row]) -> Columns {
     Columns::of(rows)
         .value("law", |row| row.law)
@@ -71,7 +71,7 @@ pub fn told(table: &Columns) -> String {
     )
 }
 
-/// The same as a section of docs/laws.md.
+/// The proofs as a section of docs/laws.md.
 pub fn section(told: &str) -> String {
     format!(
         "What `host-sim prove --page docs/laws.md` prints; every test run proves the same again (`host-sim/proof/tests/laws.rs`):\n\n\

@@ -10,9 +10,9 @@ use haptic_sim::{board::calibrate::settings_file::plain, scene::Scene};
 /// The recording and what it must come to.
 #[derive(Clone, Debug)]
 pub struct Recording {
-    /// The file.
+    /// Bytes of the file.
     pub bytes: Vec<u8>,
-    /// Ticks in it.
+    /// Number of ticks in the file.
     pub ticks: u64,
     /// Hash of what the peer computed in the scene, with its device and the other peer around it.
     pub hash: u64,
@@ -27,6 +27,9 @@ fn lines(settings: &Settings) -> String {
 }
 
 /// Peer `number` (1 or 2) of a scene in f32 for so many ticks.
+///
+/// # Errors
+/// A scene that cannot be built.
 pub fn record(scene: &Scene, number: usize, ticks: u64) -> Result<Recording, String> {
     if scene.world.network.clock_drift_ppm != 0.0 {
         return Err("network.clock_drift_ppm must be 0: a recording has one tick a control period".to_owned());

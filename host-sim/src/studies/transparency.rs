@@ -35,12 +35,12 @@ const FINER: usize = 10;
 /// The far device held, and alone.
 const FARS: [Far; 2] = [Far::Held, Far::Alone];
 
-/// What is answered at one frequency, the far device held, and alone.
+/// Answers at one frequency: with the far device held, and alone.
 #[derive(Clone, Copy, Debug)]
 pub struct Point {
-    /// Frequency.
+    /// Frequency of the hand's motion, Hz.
     pub frequency_hz: f64,
-    /// From the matrices.
+    /// Answer by the matrices.
     pub analysed: [Answer; 2],
     /// From a run; none where none ran, or where it did not repeat.
     pub measured: [Option<Answer>; 2],
@@ -71,11 +71,11 @@ impl Point {
 /// One end at one delay.
 #[derive(Clone, Debug)]
 pub struct Curve {
-    /// There and back.
+    /// Delay there and back, ms.
     pub round_trip_ms: f64,
     /// Whose hand leads: 1, the leader, or 2, the follower.
     pub end: usize,
-    /// Frequency by frequency.
+    /// The answers, frequency by frequency.
     pub points: Vec<Point>,
     /// The stiffest of [`WALLS_N_PER_M`] up to which the far device may meet all; none where the first is too much.
     pub stiffest_wall_n_per_m: Option<f64>,

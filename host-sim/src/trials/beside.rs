@@ -4,7 +4,7 @@
 //! **Echo**: a thread as the server's sends each datagram back as it came, on the same kind of sockets, under a load as the crowd's
 //! ([`super::load`]) that sends as many datagrams a second as the server took, each as long as an answer is on the average; nothing
 //! is opened, looked up or sealed. What a datagram costs falls with how many come in one batch, and who does less takes smaller ones:
-//! so the mean batch is told as well. **Sealing**: 40
+//! so the mean batch is given as well. **Sealing**: 40
 //! bytes under 16 of header, the least of 25 rounds; openssl by its own command, without a header, where that is installed.
 
 use std::hint::black_box;
@@ -24,7 +24,7 @@ use crate::live::quantiles::Quantiles;
 use crate::live::serve::Computed;
 use crate::shared::world::PACKET_US;
 
-/// A flow, bytes.
+/// Length of a flow message, bytes.
 const FLOW: usize = 40;
 const HEAD: [u8; 16] = [0; 16];
 /// Sealed in a round.
@@ -143,7 +143,7 @@ fn openssl() -> Option<f64> {
     Some(1e9 * FLOW as f64 / rate)
 }
 
-/// Times sealing.
+/// Measures how long sealing a flow message takes.
 pub(crate) fn sealing() -> Result<Sealing, String> {
     let key = [7; Key::LEN];
     let (ours, mut message) = (Cipher::new(&Key::new(key)), [0; FLOW]);

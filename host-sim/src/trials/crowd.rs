@@ -6,7 +6,7 @@
 //! evenly over the packet period ([`super::load`]). They arrive evenly over half of the warm-up: links that began together would
 //! probe together for good, as no independent clients do. Each is answered at once with the places of others.
 //!
-//! **What is told**: the server's turnaround, from when a client handed its packet to the system ([`crate::live::serve`]), the
+//! **What is measured**: the server's turnaround, from when a client handed its packet to the system ([`crate::live::serve`]), the
 //! round trip from a client's packet to the answer that names it, how many were answered, and how many packets a second the load
 //! managed.
 
@@ -28,7 +28,7 @@ use crate::live::serve;
 use crate::shared::world::host::Host;
 use crate::shared::world::{CLIENT, PACKET_US, World, line_of, look_around, open_link};
 
-/// The server's number.
+/// Number of the server.
 const SERVER: u8 = 1;
 /// Packets of a client that may be under way before their round trip is not measured any more.
 const UNDER_WAY: usize = 64;

@@ -81,7 +81,7 @@ pub(crate) struct Report {
     /// Share of them that the system dropped, because a socket's buffer was full.
     pub(crate) dropped_by_system: f64,
     pub(crate) flood_s: f64,
-    /// The same on the peers' clocks, ms: less, where the machine did not keep up with them.
+    /// Length of the flood on the peers' clocks, ms: less, where the machine did not keep up with them.
     pub(crate) flood_ms_of_peers: u64,
     pub(crate) peers: Vec<Attacked>,
     pub(crate) punctuality: Punctuality,

@@ -16,13 +16,13 @@ use haptic_sim::{network::link::Route, network::rule::Direction, node::Node, pla
 
 /// Longest that two peers may take to engage, s.
 pub const PATIENCE_S: f64 = 0.5;
-/// Longest time from engaging to the next restart, packet periods: well before and well after the ladder is climbed.
+/// Longest time from engaging to the next restart, packet periods: well before and well after full coordination is regained.
 const LONGEST_PEACE_PACKETS: u64 = 16;
 
 /// What the restarts showed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Report {
-    /// Restarts.
+    /// Number of restarts that were made.
     pub restarts: u64,
     /// Restarts after which the peers were not engaged again within [`PATIENCE_S`].
     pub failed: u64,
@@ -36,7 +36,7 @@ pub struct Report {
     pub slowest_ms: f64,
     /// Largest motor force in the first tick after arming, N.
     pub arming_force_n: f64,
-    /// Largest coordination force in the first tick of an engagement, N: the first step of the ladder.
+    /// Largest coordination force in the first tick of an engagement, N: the first degradation step.
     pub first_force_n: f64,
     /// Largest step of a motor force from tick to tick, N.
     pub largest_step_n: f64,
@@ -135,6 +135,9 @@ impl World<'_> {
 }
 
 /// Restarts one peer or the other `count` times.
+///
+/// # Errors
+/// A scene that cannot be built.
 pub fn run(scene: &Scene, count: u64, seed: u64) -> Result<Report, String> {
     let mut rng = Rng::new(seed);
     let timing = &scene.peer.timing;

@@ -356,7 +356,10 @@ fn an_unstable_scene_is_called_so_along_several_axes_too() {
     for report in [&one_axis, &two_axes] {
         assert_eq!((&report["stable"], &report["verdict"]), (&false.into(), &"NO".into()), "{report}");
         close(&report["spectral_radius"], 1.000238, 1e-6);
-        assert!(report["reason"].as_str().is_some_and(|reason| reason.contains("spectral radius 1.000238")), "{report}");
+        assert!(
+            report["reason"].as_str().is_some_and(|reason| reason.contains("spectral radius 1.000238")),
+            "{report}"
+        );
     }
     assert_eq!(one_axis["warnings"], two_axes["warnings"]);
     // Stable while both hold it, and not where it is let go of.

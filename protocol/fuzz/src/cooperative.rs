@@ -141,7 +141,7 @@ impl World {
     }
 }
 
-/// One input.
+/// Runs one fuzz input through an engine's server and two clients.
 pub(super) fn run(bytes: &[u8]) {
     let lease = Lease::new(LEASE_US).expect("an allowed lease");
     let (mut world, mut script) = (World::new(lease), Script(bytes));

@@ -102,7 +102,7 @@ impl Pair {
     }
 }
 
-/// One input.
+/// Runs one fuzz input through a server and a client that downloads.
 pub(super) fn run(bytes: &[u8]) {
     let server = Server::new(first(), None).expect("every number is finite");
     let mut pair = Pair { worlds: vec![server.clone()], server, client: Download::default() };

@@ -26,7 +26,7 @@ mod wire;
 /// A target: its name, and what it does with an input.
 pub type Target = (&'static str, fn(&[u8]));
 
-/// Every target.
+/// Every fuzz target, by name.
 pub const TARGETS: [Target; 13] = [
     ("wire", wire::run),
     ("records", records::run),

@@ -44,7 +44,7 @@ fn receive(ends: &mut [End; 2], to: usize, mut datagram: Vec<u8>, now: u64) {
     }
 }
 
-/// One input.
+/// Runs one fuzz input through two ends that send each other lines.
 pub(super) fn run(bytes: &[u8]) {
     anything(bytes);
     let end = |link| End { link, lines: Lines::default(), said: Vec::new(), heard: 0 };

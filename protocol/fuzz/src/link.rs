@@ -4,7 +4,7 @@ use haptic_protocol::wire::{Flow, MAX_DATAGRAM, VERSION};
 
 use super::pair;
 
-/// One input.
+/// Runs one fuzz input, a series of datagrams, against a link in session.
 pub(super) fn run(bytes: &[u8]) {
     let [mut one, mut two] = pair::joined();
     let mut out = [0; MAX_DATAGRAM];

@@ -130,7 +130,7 @@ impl World {
     }
 }
 
-/// One input.
+/// Runs one fuzz input through a lock's server and three clients.
 pub(super) fn run(bytes: &[u8]) {
     let lease = Lease::new(LEASE_US).expect("an allowed lease");
     let (mut world, mut script) = (World::new(), Script(bytes));

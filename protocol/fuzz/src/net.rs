@@ -16,7 +16,7 @@ pub(super) struct Net<M> {
 }
 
 impl<M: Clone> Net<M> {
-    /// Nothing under way.
+    /// A network with no message under way.
     pub(super) fn new() -> Self {
         Self { flying: Vec::new(), cut: None }
     }
@@ -48,7 +48,7 @@ impl<M: Clone> Net<M> {
         Some(if choice & 1 == 0 { self.flying.remove(at) } else { self.flying[at].clone() })
     }
 
-    /// One is lost.
+    /// Drops one message that is under way.
     pub(super) fn lose(&mut self, script: &mut Script) {
         if let Some(at) = script.below(256).checked_rem(self.flying.len()) {
             self.flying.remove(at);

@@ -5,7 +5,7 @@ use haptic_protocol::playout::{MOST, Playout};
 
 use super::script::Script;
 
-/// One input.
+/// Runs one fuzz input, a series of packets, through a play-out buffer.
 pub(super) fn run(bytes: &[u8]) {
     let mut script = Script(bytes);
     let (packets, ticks) = (u32::from(script.byte() % 8), u32::from(script.byte() % 16) + 1);

@@ -18,7 +18,7 @@ fn record<const N: usize>(bytes: &[u8]) -> [u8; N] {
     std::array::from_fn(|at| bytes.get(at).copied().unwrap_or(0))
 }
 
-/// One input.
+/// Runs one fuzz input through the record parsers.
 pub(super) fn run(bytes: &[u8]) {
     for record in [record(bytes), summed(record(bytes))] {
         let Ok(object) = Object::parse(&record) else { continue };

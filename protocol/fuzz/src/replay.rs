@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use haptic_protocol::link::Error;
 use haptic_protocol::replay::{SEQUENCE_LIMIT, Window};
 
-/// One input.
+/// Runs one fuzz input, a series of sequence numbers, through a replay window.
 pub(super) fn run(bytes: &[u8]) {
     let (mut window, mut taken, mut newest, mut at) = (Window::default(), HashSet::new(), None::<u64>, 0u64);
     for step in bytes.chunks_exact(3) {

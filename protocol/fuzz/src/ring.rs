@@ -127,7 +127,7 @@ impl World {
     }
 }
 
-/// One input.
+/// Runs one fuzz input through a token ring of three members.
 pub(super) fn run(bytes: &[u8]) {
     let (mut world, mut script) = (World::new(), Script(bytes));
     while script.goes_on() {

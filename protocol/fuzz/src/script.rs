@@ -9,7 +9,7 @@ impl<'a> Script<'a> {
         !self.0.is_empty()
     }
 
-    /// The next byte.
+    /// The next byte of the script; 0 when it is used up.
     pub(super) fn byte(&mut self) -> u8 {
         self.bytes(1).first().copied().unwrap_or(0)
     }

@@ -6,7 +6,7 @@ use haptic_protocol::wire::{Event, Flow, MAX_DATAGRAM, Telemetry};
 
 use super::pair;
 
-/// One input.
+/// Runs one fuzz input through two links and the wire between them.
 pub(super) fn run(bytes: &[u8]) {
     let mut links = [pair::link(1, 0), pair::link(2, 0)];
     let (mut wire, mut out, mut now) = (Vec::<(usize, Vec<u8>)>::new(), [0; MAX_DATAGRAM], 0u64);

@@ -112,7 +112,7 @@ fn speed(script: &mut Script) -> f32 {
     }
 }
 
-/// One input.
+/// Runs one fuzz input through a game of three players.
 pub(super) fn run(bytes: &[u8]) {
     let mut script = Script(bytes);
     let mut world = World::new(script.byte() & 1 == 0);

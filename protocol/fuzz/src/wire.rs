@@ -2,7 +2,7 @@
 
 use haptic_protocol::wire::{Greeting, Header, MAX_MESSAGE, Message};
 
-/// One input.
+/// Runs one fuzz input through the message, greeting and datagram parsers.
 pub(super) fn run(bytes: &[u8]) {
     if let Ok(message) = Message::parse(bytes) {
         let mut out = [0; MAX_MESSAGE];

@@ -11,13 +11,15 @@ use crate::key::{Key, NONCE_LEN, TAG_LEN};
 pub struct Cipher(ChaCha20Poly1305);
 
 impl Cipher {
-    /// From its key.
+    /// A cipher with this key.
     pub fn new(key: &Key) -> Self {
         Self(ChaCha20Poly1305::new(&Array(*key.bytes())))
     }
 
-    /// Encrypts `body` and gives the tag of it and of `head`. A nonce is for one body and no other. An error is a body of
-    /// 256 GB or more.
+    /// Encrypts `body` in place and gives the tag of it and of `head`. A nonce serves one body and no other.
+    ///
+    /// # Errors
+    /// A body of 256 GB or more.
     pub fn seal(&self, nonce: [u8; NONCE_LEN], head: &[u8], body: &mut [u8]) -> Result<[u8; TAG_LEN], Refusal> {
         let tag = self.0.encrypt_inout_detached(&Array(nonce), head, body.into());
         tag.map(|tag| tag.0).map_err(|_| Refusal::Forged)

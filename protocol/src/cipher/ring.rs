@@ -28,7 +28,7 @@ impl Drop for Cipher {
 }
 
 impl Cipher {
-    /// From its key.
+    /// A cipher with this key.
     pub fn new(key: &Key) -> Self {
         Self(Self::held(key.bytes()).map(Box::new))
     }
@@ -37,8 +37,10 @@ impl Cipher {
         UnboundKey::new(&CHACHA20_POLY1305, key).ok().map(LessSafeKey::new)
     }
 
-    /// Encrypts `body` and gives the tag of it and of `head`. A nonce is for one body and no other. An error is a body of
-    /// 256 GB or more.
+    /// Encrypts `body` in place and gives the tag of it and of `head`. A nonce serves one body and no other.
+    ///
+    /// # Errors
+    /// A body of 256 GB or more.
     pub fn seal(&self, nonce: [u8; NONCE_LEN], head: &[u8], body: &mut [u8]) -> Result<[u8; TAG_LEN], Refusal> {
         let (nonce, key) = (Nonce::assume_unique_for_key(nonce), self.0.as_ref().ok_or(Refusal::Forged)?);
         let tag = key.seal_in_place_separate_tag(nonce, Aad::from(head), body);

@@ -16,6 +16,9 @@ impl Link {
     /// where it was authentic ([`Error::Wire`] from within the seal), also that the other peer was heard; where it is too old
     /// ([`Error::Old`]), that a probe in it will be answered. It says what was
     /// wrong, for a person who wonders why two peers do not meet.
+    ///
+    /// # Errors
+    /// The datagram was refused, and why.
     pub fn receive(&mut self, now: u64, datagram: &mut [u8]) -> Result<Option<Message>, Error> {
         self.advance(now);
         let taken = match datagram.get(1) {

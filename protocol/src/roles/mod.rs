@@ -37,18 +37,18 @@ pub mod static_scene;
 ///
 /// A crash is a new value of the same type; what it must still know comes back in by the role's own record.
 pub trait Role {
-    /// What it understands and says.
+    /// The messages that the role takes and sends.
     type Message;
-    /// What it tells its user.
+    /// The notices that the role gives its user.
     type Notice;
 
     /// Takes a message of the peer `from`.
     fn receive(&mut self, now_us: u64, from: PeerId, message: &Self::Message, out: &mut dyn Out<Self::Message>);
 
-    /// Lets time pass.
+    /// Does what is due at time `now_us`: repeats, expiries and answers.
     fn poll(&mut self, now_us: u64, out: &mut dyn Out<Self::Message>);
 
-    /// The oldest notice that has not been told.
+    /// The oldest notice that has not been taken.
     fn take_notice(&mut self) -> Option<Self::Notice> {
         None
     }

@@ -4,7 +4,7 @@ use crate::bytes::{Reader, byte_enum, emit, layout, newtype};
 use crate::error::{Error, VERSION};
 use crate::key::TAG_LEN;
 
-/// Which peer of the installation; the two ends of a link have different numbers.
+/// Number of a peer within the installation; the two ends of a link have different numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct PeerId(pub u8);
 
@@ -22,12 +22,18 @@ layout! {
 }
 
 impl Stamps {
-    /// Reads the front of what was sealed.
+    /// Reads the stamps at the front of what was sealed.
+    ///
+    /// # Errors
+    /// A wrong length.
     pub fn parse(bytes: &[u8]) -> Result<Self, Error> {
         Reader::exact(bytes, "stamps", Self::LEN)?.get()
     }
 
-    /// Writes them to the front of `out` and gives their length.
+    /// Writes the stamps to the front of `out` and gives their length, bytes.
+    ///
+    /// # Errors
+    /// Too little room in `out`.
     pub fn emit(&self, out: &mut [u8]) -> Result<usize, Error> {
         emit(self, "stamps", out)
     }
@@ -35,6 +41,9 @@ impl Stamps {
 
 impl Header {
     /// Takes a sealed datagram apart: header as bytes and as fields, and the sealed rest with its tag.
+    ///
+    /// # Errors
+    /// Too few bytes, or a header that is none of this version.
     pub fn parse(datagram: &mut [u8]) -> Result<(Self, &[u8; Self::LEN], &mut [u8]), Error> {
         let least = Error::Length { message: "sealed", wanted: Self::LEN + TAG_LEN, got: datagram.len() };
         if datagram.len() < Self::LEN + TAG_LEN {
@@ -45,7 +54,10 @@ impl Header {
         Ok((header, head, sealed))
     }
 
-    /// The header as bytes.
+    /// Writes the header to the front of `out` and gives its length, bytes.
+    ///
+    /// # Errors
+    /// Too little room in `out`.
     pub fn emit(&self, out: &mut [u8]) -> Result<usize, Error> {
         emit(self, "header", out)
     }
@@ -73,7 +85,7 @@ pub type Ephemeral = [u8; 32];
 pub type TableHash = [u8; 6];
 
 byte_enum! {
-    /// Hello or welcome.
+    /// The two kinds of greeting.
     pub enum GreetingKind("kind") {
         1 => Hello, "Wants a session; asks for a welcome.";
         2 => Welcome, "Answers a hello.";
@@ -108,6 +120,9 @@ impl Greeting {
     }
 
     /// Takes a greeting apart: fields, the bytes the tag covers, and the tag, which is **not** checked here.
+    ///
+    /// # Errors
+    /// A wrong length, or a field without a meaning.
     pub fn parse(datagram: &[u8]) -> Result<(Self, &[u8], &[u8; TAG_LEN]), Error> {
         let mut reader = Reader::exact(datagram, "greeting", Self::TAGGED)?;
         let greeting: Self = reader.get()?;
@@ -119,6 +134,9 @@ impl Greeting {
     }
 
     /// Writes everything but the tag to the front of `out` and gives its length, [`Greeting::LEN`].
+    ///
+    /// # Errors
+    /// Too little room in `out`.
     pub fn emit(&self, out: &mut [u8]) -> Result<usize, Error> {
         emit(self, "greeting", out)
     }

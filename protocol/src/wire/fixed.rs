@@ -32,7 +32,7 @@ layout! {
 }
 
 layout! {
-    /// Which events have arrived.
+    /// Acknowledgement: the numbers of the events that have arrived.
     pub message Ack("acknowledgement", 12 bytes, kind 4) {
         4 => next: u32, "Every event before this number has arrived.";
         8 => ahead: u32, "Bit i: event `next + 1 + i` has arrived too.";

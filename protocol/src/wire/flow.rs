@@ -29,15 +29,15 @@ pub struct Flows<const AXES: usize> {
     pub fading: bool,
     /// The sender's newest tick, in control periods since it started; wraps after 49 days at 1 kHz.
     pub tick: u32,
-    /// What it says along each shared axis.
+    /// The packet of each shared axis.
     pub axes: [Along; AXES],
 }
 
-/// Of one shared axis.
+/// Flow of one shared axis.
 pub type Flow = Flows<1>;
-/// Of two.
+/// Flow of two shared axes.
 pub type Flow2 = Flows<2>;
-/// Of three.
+/// Flow of three shared axes.
 pub type Flow3 = Flows<3>;
 
 impl<const AXES: usize> Default for Flows<AXES> {
@@ -56,17 +56,23 @@ impl<const AXES: usize> Flows<AXES> {
             (11, "flow of three axes")
         }
     };
-    /// Byte that names it.
+    /// The byte that names the message.
     pub const KIND: u8 = Self::NAMES.0;
-    /// Bytes.
+    /// Length of the message, bytes.
     pub const LEN: usize = 8 + AXES * Along::LEN;
 
-    /// Reads one, which must fill `bytes` exactly.
+    /// Reads the message, which must fill `bytes` exactly.
+    ///
+    /// # Errors
+    /// A wrong length, a reserved byte that is not 0, or a number that is not finite.
     pub fn parse(bytes: &[u8]) -> Result<Self, Error> {
         Reader::exact(bytes, Self::NAMES.1, Self::LEN)?.get()
     }
 
-    /// Writes it to the front of `out` and gives its length.
+    /// Writes the message to the front of `out` and gives its length, bytes.
+    ///
+    /// # Errors
+    /// Too little room in `out`, or a number that is not finite.
     pub fn emit(&self, out: &mut [u8]) -> Result<usize, Error> {
         emit(self, Self::NAMES.1, out)
     }

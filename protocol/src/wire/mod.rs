@@ -51,6 +51,9 @@ macro_rules! kinds {
 
         impl Message {
             /// Reads one message, which must fill `bytes` exactly.
+            ///
+            /// # Errors
+            /// An unknown kind, a wrong length, a reserved byte that is not 0, or a field without a meaning.
             pub fn parse(bytes: &[u8]) -> Result<Self, Error> {
                 match bytes.first().copied() {
                     $(Some($Kind::KIND) => $Kind::parse(bytes).map(Self::$Kind),)+
@@ -59,7 +62,10 @@ macro_rules! kinds {
                 }
             }
 
-            /// Writes the message to the front of `out` and gives its length.
+            /// Writes the message to the front of `out` and gives its length, bytes.
+            ///
+            /// # Errors
+            /// Too little room in `out`, or a number that is not finite.
             pub fn emit(&self, out: &mut [u8]) -> Result<usize, Error> {
                 match self { $(Self::$Kind(message) => message.emit(out),)+ }
             }

@@ -18,16 +18,19 @@ macro_rules! with_payload {
         }
 
         impl $Name {
-            /// First byte.
+            /// First byte, which names the message.
             pub const KIND: u8 = $kind;
-            /// Longest payload, bytes.
+            /// Length of the longest payload, bytes.
             pub const MAX_PAYLOAD: usize = $most;
-            /// Longest one, bytes.
+            /// Longest encoded message, bytes.
             pub const MAX_LEN: usize = Self::HEAD + Self::MAX_PAYLOAD;
 
             const HEAD: usize = 2 $(+ <$ty as Field>::LEN)+;
 
-            /// A new one; its payload may not be longer than [`Self::MAX_PAYLOAD`].
+            /// A message of this code and payload.
+            ///
+            /// # Errors
+            /// A payload longer than [`Self::MAX_PAYLOAD`].
             pub fn new(code: u16, payload: &[u8]) -> Result<Self, Error> {
                 let message = concat!($message, " payload");
                 let too_long = Error::Length { message, wanted: $most, got: payload.len() };
@@ -38,7 +41,7 @@ macro_rules! with_payload {
                 Ok(new)
             }
 
-            /// The payload.
+            /// The payload as it was sent.
             pub fn payload(&self) -> &[u8] {
                 self.payload.get(..usize::from(self.len)).unwrap_or(&[])
             }
@@ -48,7 +51,10 @@ macro_rules! with_payload {
                 Self::HEAD + usize::from(self.len)
             }
 
-            /// Reads one, which must fill `bytes` exactly.
+            /// Reads the message, which must fill `bytes` exactly.
+            ///
+            /// # Errors
+            /// A wrong length, or a reserved byte that is not 0.
             pub fn parse(bytes: &[u8]) -> Result<Self, Error> {
                 let len = bytes.get(1).copied().map_or(0, usize::from);
                 if len > Self::MAX_PAYLOAD {
@@ -62,7 +68,10 @@ macro_rules! with_payload {
                 Ok(Self { $($field,)+ ..new })
             }
 
-            /// Writes it to the front of `out` and gives its length.
+            /// Writes the message to the front of `out` and gives its length, bytes.
+            ///
+            /// # Errors
+            /// Too little room in `out`.
             pub fn emit(&self, out: &mut [u8]) -> Result<usize, Error> {
                 let mut writer = Writer::new(out, $message);
                 writer.bytes(&[Self::KIND, self.len]);
@@ -90,7 +99,7 @@ with_payload! {
 }
 
 impl Event {
-    /// The same event at another place in the sender's order.
+    /// This event at another place in the sender's order.
     pub fn numbered(self, number: u32) -> Self {
         Self { number, ..self }
     }
@@ -116,11 +125,11 @@ pub struct Presence {
 }
 
 impl Presence {
-    /// First byte.
+    /// First byte, which names the message.
     pub const KIND: u8 = 18;
     /// Most clients in one message.
     pub const MOST: usize = 4;
-    /// Longest message, bytes.
+    /// Longest encoded message, bytes.
     pub const MAX_LEN: usize = Self::HEAD + Sighting::LEN * Self::MOST;
 
     const HEAD: usize = 8;
@@ -140,6 +149,9 @@ impl Presence {
     }
 
     /// Reads a message, which must fill `bytes` exactly.
+    ///
+    /// # Errors
+    /// A wrong length, a reserved byte that is not 0, or a number that is not finite.
     pub fn parse(bytes: &[u8]) -> Result<Self, Error> {
         let count = bytes.get(1).copied().map_or(0, usize::from);
         let mut presence = Self::default();
@@ -156,6 +168,9 @@ impl Presence {
     }
 
     /// Writes the message to the front of `out` and gives its length.
+    ///
+    /// # Errors
+    /// Too little room in `out`, or a number that is not finite.
     pub fn emit(&self, out: &mut [u8]) -> Result<usize, Error> {
         let mut writer = Writer::new(out, "presence");
         writer.bytes(&[Self::KIND, self.count, 0, 0]);

@@ -12,9 +12,9 @@ use crate::world::{Manifest, Object, Region, Scope};
 pub struct Bits(pub [u8; Bits::LEN]);
 
 impl Bits {
-    /// Bytes.
+    /// Length of the set, bytes.
     pub const LEN: usize = 32;
-    /// Bits.
+    /// Number of bits in the set.
     pub const COUNT: usize = 8 * Self::LEN;
 
     /// Whether bit `at` is set; beyond the last it is not.
@@ -38,7 +38,7 @@ impl Bits {
 newtype!(Bits);
 
 byte_enum! {
-    /// What is asked for, or told.
+    /// The kind of part that is asked for or sent.
     pub enum Topic("topic") {
         0 => Manifest, "What the world is: version, checksum, how many objects and regions.";
         1 => Region, "Regions, by number.";
@@ -50,22 +50,22 @@ byte_enum! {
 /// A question about the world.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ask {
-    /// What is asked for.
+    /// The kind of part that is asked for.
     pub topic: Topic,
     /// Number that bit 0 of `wanted` stands for.
     pub first: u16,
-    /// Which part of the world this is about.
+    /// The part of the world that this is about.
     pub scope: Scope,
     /// Comes back with every part of the answer, so that one about an older scope is known.
     pub tag: u8,
-    /// Which numbers are wanted.
+    /// The set of numbers that are wanted.
     pub wanted: Bits,
 }
 
 impl Ask {
-    /// First byte.
+    /// First byte, which names the message.
     pub const KIND: u8 = 16;
-    /// Bytes.
+    /// Length of the message, bytes.
     pub const LEN: usize = 52;
 
     /// The numbers that are wanted.
@@ -74,6 +74,9 @@ impl Ask {
     }
 
     /// Reads a question, which must fill `bytes` exactly.
+    ///
+    /// # Errors
+    /// A wrong length, a reserved byte that is not 0, or a field without a meaning.
     pub fn parse(bytes: &[u8]) -> Result<Self, Error> {
         let mut reader = Reader::exact(bytes, "ask", Self::LEN)?;
         reader.kind(Self::KIND)?;
@@ -93,6 +96,9 @@ impl Ask {
     }
 
     /// Writes the question to the front of `out` and gives its length.
+    ///
+    /// # Errors
+    /// Too little room in `out`, or a number that is not finite.
     pub fn emit(&self, out: &mut [u8]) -> Result<usize, Error> {
         let (scope, region, point) = match self.scope {
             Scope::All => (0, 0, [0.0; 3]),
@@ -113,7 +119,7 @@ impl Ask {
 }
 
 layout! {
-    /// Which of 8 objects are in scope, and their checksums.
+    /// Eight objects: a mask of those in scope, and their checksums.
     pub struct Page(68 bytes) {
         0 => mask: u8, "Bit i: the i-th is in scope.";
         4 => checksums: [u64; Page::OBJECTS], "Checksums; 0 where not in scope.";
@@ -130,11 +136,11 @@ impl Page {
 pub struct Part {
     /// Its number within its topic.
     pub number: u16,
-    /// The question's tag.
+    /// Tag of the question that this answers.
     pub tag: u8,
     /// Checksum of the whole world.
     pub world: u64,
-    /// What it holds.
+    /// Content of the part.
     pub payload: Payload,
 }
 
@@ -143,16 +149,16 @@ pub struct Part {
 pub enum Payload {
     /// What the world is.
     Manifest(Manifest),
-    /// A region's record.
+    /// The record of a region.
     Region([u8; Region::LEN]),
-    /// Which of 8 objects are in scope.
+    /// Mask and checksums of eight objects.
     Page(Page),
-    /// An object's record.
+    /// The record of an object.
     Object([u8; Object::LEN]),
 }
 
 impl Payload {
-    /// What it is about.
+    /// The kind of part that this is.
     pub fn topic(&self) -> Topic {
         match self {
             Self::Manifest(_) => Topic::Manifest,
@@ -164,14 +170,17 @@ impl Payload {
 }
 
 impl Part {
-    /// First byte.
+    /// First byte, which names the message.
     pub const KIND: u8 = 17;
     /// Bytes before the payload.
     pub const HEAD: usize = 16;
-    /// Longest part, bytes.
+    /// Longest encoded part, bytes.
     pub const MAX_LEN: usize = Self::HEAD + Page::LEN;
 
     /// Reads a part, which must fill `bytes` exactly.
+    ///
+    /// # Errors
+    /// A wrong length, a reserved byte that is not 0, or a field without a meaning.
     pub fn parse(bytes: &[u8]) -> Result<Self, Error> {
         let topic = Reader::exact(bytes.get(1..2).unwrap_or(&[0]), "part", 1)?.get()?;
         let len = match topic {
@@ -204,6 +213,9 @@ impl Part {
     }
 
     /// Writes the part to the front of `out` and gives its length.
+    ///
+    /// # Errors
+    /// Too little room in `out`, or a number that is not finite.
     pub fn emit(&self, out: &mut [u8]) -> Result<usize, Error> {
         let mut writer = Writer::new(out, "part");
         writer.bytes(&[Self::KIND, self.payload.topic() as u8]);

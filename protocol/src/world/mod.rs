@@ -16,10 +16,10 @@ pub use shape::{Block, Body, Bounds, Field, Refused, Shape, Strip, Wall};
 
 use crate::{bytes, error::Error, key::Key};
 
-/// Which part of a world is meant.
+/// A part of the world, chosen by place.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Scope {
-    /// Everything.
+    /// All of the world.
     #[default]
     All,
     /// What comes within a radius of a point.
@@ -52,9 +52,9 @@ impl Scope {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("no room for more than {most} {what}")]
 pub struct Full {
-    /// Of what.
+    /// The things that there are too many of: objects or regions.
     pub what: &'static str,
-    /// How many there are.
+    /// The number for which there is room.
     pub most: usize,
 }
 
@@ -71,12 +71,18 @@ pub struct Database<const OBJECTS: usize> {
 
 impl<const OBJECTS: usize> Database<OBJECTS> {
     /// Adds an object, or replaces the one with its id.
+    ///
+    /// # Errors
+    /// There is no room for another object.
     pub fn put(&mut self, object: Object) -> Result<(), Full> {
         let most = OBJECTS.min(MAX_OBJECTS);
         put(&mut self.objects, object, |known| known.id, most).map_err(|_| Full { what: "objects", most })
     }
 
     /// Adds a region, or replaces the one with its id.
+    ///
+    /// # Errors
+    /// There is no room for another region.
     pub fn put_region(&mut self, region: Region) -> Result<(), Full> {
         let most = MAX_REGIONS;
         put(&mut self.regions, region, |known| known.id, most).map_err(|_| Full { what: "regions", most })
@@ -102,7 +108,7 @@ impl<const OBJECTS: usize> Database<OBJECTS> {
         self.objects.get(self.objects.binary_search_by_key(&id, |known| known.id).ok()?)
     }
 
-    /// What a client is told first.
+    /// The first part that a client gets: what the world is.
     pub fn manifest(&self) -> Manifest {
         Manifest {
             version: self.version,
@@ -113,6 +119,9 @@ impl<const OBJECTS: usize> Database<OBJECTS> {
     }
 
     /// Checksum of the whole: the first 8 bytes of `D(0³², "world", manifest ‖ region records ‖ object records)`.
+    ///
+    /// # Errors
+    /// A number of the world that is not finite.
     pub fn checksum(&self) -> Result<u64, Error> {
         world_checksum(&self.manifest(), &self.regions, &self.objects)
     }

@@ -59,7 +59,7 @@ pub struct Object {
     pub id: u32,
     /// Changes whenever the shape does.
     pub version: u32,
-    /// What it is made of.
+    /// Shape of the object, with its numbers.
     pub shape: Shape,
 }
 
@@ -67,7 +67,10 @@ impl Object {
     /// Bytes of a record.
     pub const LEN: usize = 64;
 
-    /// The record.
+    /// The object as a record of fixed length.
+    ///
+    /// # Errors
+    /// A number that is not finite.
     pub fn emit(&self) -> Result<[u8; Self::LEN], Error> {
         record("object", |writer| {
             writer.put(&self.id);
@@ -77,7 +80,10 @@ impl Object {
         })
     }
 
-    /// Reads a record.
+    /// Reads an object from its record.
+    ///
+    /// # Errors
+    /// A wrong checksum, an unknown kind of shape, or a number that is out of its range.
     pub fn parse(record: &[u8; Self::LEN]) -> Result<Self, RecordError> {
         let mut reader = Reader::exact(checked(record)?, "object", Self::LEN - 8)?;
         let (id, version, kind) = (reader.get()?, reader.get()?, reader.get()?);
@@ -101,7 +107,7 @@ pub struct Region {
     pub id: u8,
     /// Number of the server that holds it.
     pub server: u8,
-    /// Where it is.
+    /// The space that the region covers.
     pub bounds: Bounds,
 }
 
@@ -109,7 +115,10 @@ impl Region {
     /// Bytes of a record.
     pub const LEN: usize = 32;
 
-    /// The record.
+    /// The region as a record of fixed length.
+    ///
+    /// # Errors
+    /// A number that is not finite.
     pub fn emit(&self) -> Result<[u8; Self::LEN], Error> {
         record("region", |writer| {
             writer.bytes(&[self.id, self.server, 0, 0]);
@@ -117,7 +126,10 @@ impl Region {
         })
     }
 
-    /// Reads a record.
+    /// Reads a region from its record.
+    ///
+    /// # Errors
+    /// A wrong checksum, or a number that is not finite.
     pub fn parse(record: &[u8; Self::LEN]) -> Result<Self, RecordError> {
         let mut reader = Reader::exact(checked(record)?, "region", Self::LEN - 8)?;
         let [id, server] = reader.array()?;

@@ -20,11 +20,11 @@ pub struct Field {
     pub min: f32,
     /// The most that is allowed.
     pub max: f32,
-    /// Only whole numbers.
+    /// Whether only whole numbers are allowed.
     pub whole: bool,
-    /// Unit.
+    /// Unit of the number; empty for a pure one.
     pub unit: &'static str,
-    /// What it is.
+    /// Meaning of the number.
     pub doc: &'static str,
 }
 
@@ -39,15 +39,15 @@ impl Field {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("{shape}.{} = {value} is not allowed: it must be {field}", field.name)]
 pub struct Refused {
-    /// Which shape.
+    /// Name of the shape.
     pub shape: &'static str,
-    /// Which number.
+    /// The number that was refused, with its range.
     pub field: &'static Field,
-    /// What it was.
+    /// The value that was offered.
     pub value: f32,
 }
 
-/// What is allowed.
+/// The range in words, with its unit.
 impl fmt::Display for Field {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let kind = if self.whole { "a whole number" } else { "a number" };
@@ -103,6 +103,9 @@ macro_rules! shapes {
             }
 
             /// The shape of this kind that has these numbers, each within its range; `None`: there is no such kind.
+            ///
+            /// # Errors
+            /// The first number that is out of its range.
             pub fn build(kind: u8, numbers: &[f32; Shape::NUMBERS]) -> Option<Result<Self, Refused>> {
                 let (shape, _, fields) = Self::ALL.iter().find(|(_, known, _)| *known == kind)?;
                 for (field, value) in fields.iter().zip(numbers) {

@@ -9,7 +9,7 @@ const TOLERANCE: f64 = 0.02;
 /// What a budget says.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Rule {
-    /// At most this.
+    /// The number may not be more than this.
     AtMost(f64),
     /// This, to within [`TOLERANCE`]: less is for review too.
     About(f64),
@@ -31,7 +31,7 @@ fn rule(name: &str) -> Option<Rule> {
 pub struct Measured(Vec<(String, f64)>);
 
 impl Measured {
-    /// One more.
+    /// Adds a measured number.
     pub fn add(&mut self, name: impl Into<String>, value: impl Into<f64>) {
         self.0.push((name.into(), value.into()));
     }

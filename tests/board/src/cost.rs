@@ -8,9 +8,9 @@ use rigless::emulator::Hit;
 
 use crate::image::Firmware;
 
-/// The interrupts.
+/// Interrupt of the tick.
 pub const TICK: &str = "TIM6_DAC";
-/// That of the current loop.
+/// Interrupt of the current loop.
 pub const LOOP: &str = "ADC";
 
 /// Counts one board's ticks, or another of its interrupts.
@@ -32,7 +32,7 @@ pub struct Meter {
 pub struct MedianAndMost {
     /// Half of them are at most this.
     pub median: u32,
-    /// None is more.
+    /// The largest of them.
     pub max: u32,
 }
 

@@ -56,7 +56,7 @@ pub struct Inputs {
 /// What a board did up to a stop.
 #[derive(Debug, Default)]
 pub struct Stopped {
-    /// The instant, ns.
+    /// Virtual time of the stop, ns.
     pub at: u64,
     /// Frames that left, each with its instant.
     pub frames: Vec<(u64, Vec<u8>)>,
@@ -64,7 +64,7 @@ pub struct Stopped {
     pub bridges: Bridges,
     /// Watched instructions that were reached.
     pub hits: Vec<Hit>,
-    /// Resets so far.
+    /// Number of resets so far.
     pub resets: usize,
     /// What the words asked for held when the board went on.
     pub peeked: Vec<u32>,
@@ -255,7 +255,7 @@ impl Node {
         self.stops.recv().expect("the board runs")
     }
 
-    /// Ends the run.
+    /// Ends the board's run and gives its report.
     pub fn finish(self) -> Report {
         let _ = self.orders.send(Order::Finish);
         self.thread.join().expect("the board's thread ends well")

@@ -12,10 +12,10 @@ use crate::pc::{board_ip, board_mac, peers_key, resolved, udp};
 /// Port of the flow, at both ends.
 const FLOW: u16 = 7701;
 
-/// The peer.
+/// host-sim's peer as a partner on the wire.
 #[derive(Debug)]
 pub struct Partner {
-    /// What it is.
+    /// The peer with its device and link.
     pub node: Node,
     number: usize,
     /// Frames that wait to go out.
@@ -34,7 +34,7 @@ impl Partner {
         Ok(Self { node, number, out: Vec::new(), refused: 0 })
     }
 
-    /// Takes a frame.
+    /// Takes a frame from the wire.
     pub fn hear(&mut self, now_ns: u64, frame: &[u8]) {
         let (mac, ip) = (board_mac(self.number), board_ip(self.number));
         self.out.extend(resolved(frame, mac, ip));

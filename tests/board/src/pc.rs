@@ -13,7 +13,7 @@ use host_sim::recording::origin::Origin;
 use host_sim::recording::recorder::Recorder;
 use host_sim::recording::ticks::{BoardTicks, board_channels};
 
-/// The PC's address.
+/// Ethernet address of the PC.
 pub const MAC: [u8; 6] = [0x02, 0, 0, 0, 0, 0x10];
 const IP: [u8; 4] = [192, 168, 77, 10];
 /// The PC's own port.
@@ -58,7 +58,7 @@ pub struct Pc {
     pub answers: [Vec<String>; 2],
     /// Ticks of each board, oldest first.
     pub records: [Vec<Record>; 2],
-    /// The same along further shared axes.
+    /// Ticks of each board along further shared axes, oldest first.
     pub further: [Vec<Record>; 2],
     /// Says nothing to anybody.
     pub away: bool,

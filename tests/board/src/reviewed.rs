@@ -7,7 +7,7 @@ use crate::node::Report;
 
 const LIST: &str = include_str!("../reviewed.txt");
 
-/// Patterns and reasons.
+/// Patterns of the list, each with its reason.
 fn list() -> impl Iterator<Item = (&'static str, &'static str)> {
     LIST.lines().filter(|line| !line.starts_with('#') && !line.trim().is_empty()).map(|line| {
         let (what, why) = line.split_once("  ").unwrap_or_else(|| panic!("reviewed.txt: no reason in {line:?}"));

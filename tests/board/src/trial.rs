@@ -26,7 +26,7 @@ pub struct Trial {
     pub scene: Scene,
     /// Figures of merit and curves of the boards.
     pub boards: Outcome,
-    /// The same of host-sim, in f32.
+    /// Figures of merit and curves of host-sim, in f32.
     pub host_sim: Outcome,
     /// Ticks that were due and did not come, came late, or are missing from telemetry; both boards.
     pub ticks_missed: u64,
@@ -41,17 +41,17 @@ pub struct Trial {
     /// Ticks of both boards whose bits equal host-sim's; on a bad line, or where a line counts from arming on, of a host-sim
     /// that is given the same arrivals, from arming on.
     pub equal: Equal,
-    /// The same of each board's recorded inputs from arming on, run again here.
+    /// Comparison of each board's ticks with its recorded inputs from arming on, run again here.
     pub replayed: [Equal; 2],
     /// Instructions of an armed tick, over both boards.
     pub instructions: cost::MedianAndMost,
-    /// The same of a run of the current loop, where there is one.
+    /// Instructions of a run of the current loop, where there is one.
     pub loop_instructions: cost::MedianAndMost,
     /// Every armed tick of both boards.
     pub records: [Vec<Record>; 2],
     /// What the emulator could not do.
     pub reports: Vec<Report>,
-    /// Wall-clock time, s.
+    /// Wall-clock time of the trial, s.
     pub wall_s: f64,
 }
 

@@ -32,7 +32,7 @@ pub struct Equal {
 /// What a board told from the tick that armed it on.
 #[derive(Clone, Copy, Debug)]
 pub struct Armed<'a> {
-    /// Every tick.
+    /// Records of every armed tick.
     pub records: &'a [Record],
     /// How many of them passed before the devices began to move.
     pub standing: usize,
@@ -79,8 +79,8 @@ pub fn closed_loop_given(scene: &Scene, boards: [Armed<'_>; 2]) -> Equal {
     closed_loop_ordered(scene, boards, &[])
 }
 
-/// The same of boards that were given orders: which board (0 or 1), before which tick of this comparison, and which. When an order reached its
-/// tick a record does not say: what it changes does.
+/// [`closed_loop_given`] of boards that were given orders: which board (0 or 1), before which tick of this
+/// comparison, and which. When an order reached its tick a record does not say: what it changes does.
 ///
 /// # Panics
 /// host-sim refuses the scene.
@@ -218,7 +218,7 @@ pub fn replay(settings: &Settings, records: &[Record]) -> Equal {
     replay_from(settings, records, |_| {})
 }
 
-/// The same for a board that had not yet heard anybody when the records begin.
+/// [`replay`] for a board that had not yet heard anybody when the records begin.
 ///
 /// # Panics
 /// The settings are refused.

@@ -13,7 +13,7 @@ use crate::pc::{MAC, board_mac};
 
 /// Boards 1 and 2, and the PC.
 pub const PORTS: usize = 3;
-/// The PC's port.
+/// Port of the PC.
 pub const PC: usize = 2;
 
 /// The line between the boards.
@@ -22,7 +22,7 @@ pub struct Line {
     /// Delay, ns. What leaves after a tick arrives at the first stop after it, in the middle between two ticks, and is heard at the
     /// tick after that: a period later than the delay.
     pub delay_ns: u64,
-    /// Nothing passes.
+    /// Whether every frame is dropped.
     pub silent: bool,
 }
 
@@ -33,9 +33,9 @@ impl Default for Line {
     }
 }
 
-/// The switch.
+/// The switch between boards and PC.
 pub struct Wire {
-    /// Between the boards.
+    /// The line between the boards.
     pub line: Line,
     /// What becomes of frames from board 1 and from board 2; `None`: they arrive.
     rules: [Option<Box<dyn Rule>>; 2],
@@ -50,7 +50,7 @@ pub struct Wire {
 }
 
 impl Wire {
-    /// An empty switch.
+    /// A switch with no frame under way.
     pub fn new(line: Line) -> Self {
         Self { line, rules: [None, None], sent: [0; 2], flying: VecDeque::new(), lost: 0, doubled: 0, corrupt: 0 }
     }

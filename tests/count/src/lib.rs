@@ -74,7 +74,7 @@ pub fn counted<O>(body: impl FnOnce() -> O) -> (O, u32) {
     (out, instructions as u32)
 }
 
-/// Ends the emulator.
+/// Ends the emulator with success or failure.
 pub fn end(success: bool) -> ! {
     debug::exit(if success { debug::EXIT_SUCCESS } else { debug::EXIT_FAILURE });
     loop {

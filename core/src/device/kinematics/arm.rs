@@ -28,7 +28,7 @@ use crate::settings::{Allowed, Refused, Settings};
 
 /// Smallest cosine of q₂ − q₃, and smallest reach in lengths of the upper link; under either a pose is singular.
 pub const MIN_SHARE: f64 = 0.05;
-/// The same that plausibility limits reckon with.
+/// Smallest cosine of q₂ − q₃ that plausibility limits of encoder speed are computed for.
 pub(crate) const MIN_ELBOW_COSINE: f64 = 0.25;
 
 /// Lengths of the arm, m.

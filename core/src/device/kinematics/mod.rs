@@ -22,7 +22,7 @@ use crate::{device::AXES, model::Model};
 
 pub use crate::names::{KinematicsName, Maths};
 
-/// Where the axes are, and how the joints move them.
+/// Positions of the axes, and how the joints move them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose<S, const N: usize = AXES> {
     /// Position (m) and velocity (m/s) of every axis.
@@ -78,7 +78,7 @@ impl<S: Scalar, const N: usize> Pose<S, N> {
     }
 }
 
-/// A mechanism.
+/// A mechanism: how its joints move the hand along the axes of the task.
 pub trait Kinematics<S: Scalar, const N: usize = AXES>: Model<S> {
     /// The pose for the joints' positions (m or rad, zero where the encoders were first read) and velocities.
     fn forward(&self, joints: [Motion<S>; N]) -> Pose<S, N>;
@@ -124,7 +124,7 @@ macro_rules! mechanisms {
                 })
             }
 
-            /// [`Kinematics::forward`].
+            /// The pose for these joint motions ([`Kinematics::forward`]).
             #[inline]
             pub fn forward(&self, joints: [Motion<S>; $N]) -> Pose<S, $N> {
                 match self { $( Self::$Variant(model) => model.forward(joints) ),+ }
@@ -191,12 +191,12 @@ pub struct Joints {
     pub counts_per_unit: f64,
     /// The most that a joint moves (m or rad) when the hand moves by one metre, for plausibility limits.
     pub most_per_m: f64,
-    /// The same in a usual pose.
+    /// The most that a joint moves (m or rad) when the hand moves by one metre in a usual pose.
     pub usual_per_m: f64,
 }
 
 impl Joints {
-    /// Of the mechanism that the settings name.
+    /// The joints of the mechanism that the settings name.
     pub fn of(settings: &Settings) -> Self {
         let kinematics = &settings.kinematics;
         let slide = settings.encoder.counts_per_m;

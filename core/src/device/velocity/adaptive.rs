@@ -26,9 +26,9 @@ use crate::num::{Motion, Scalar};
 use crate::settings::{Refused, Settings};
 use crate::{device::kinematics::Joints, device::velocity::VelocityEstimator, model::Model};
 
-/// Longest window, ticks.
+/// Longest window of the slope, ticks.
 pub const MAX_WINDOW: usize = 16;
-/// How much wider than one count the band is taken. No count lies between 1 and 1 + 1/16 counts off a line through two
+/// Relative widening of the band of one count. No count lies between 1 and 1 + 1/16 counts off a line through two
 /// others at most 16 apart, so the middle of that gap is as far from any rounding as can be.
 pub const SLACK: f64 = 1.0 / 32.0;
 

@@ -21,7 +21,7 @@ use crate::settings::{Refused, Settings};
 
 pub use crate::names::VelocityName;
 
-/// From the readings of a joint to its velocity.
+/// Estimates a joint's velocity from its readings.
 pub trait VelocityEstimator<S: Scalar>: Model<S> {
     /// Forgets the past: the joint has moved uniformly up to `at`, which is the reading that the next `step` takes.
     fn start(&self, state: &mut Self::State, at: Motion<S>);
@@ -61,13 +61,13 @@ list! {
 }
 
 impl<S: Scalar> AnyVelocity<S> {
-    /// [`VelocityEstimator::start`].
+    /// Starts the estimator at this motion ([`VelocityEstimator::start`]).
     #[inline]
     pub fn start(&mut self, at: Motion<S>) {
         each!(self: Measured | Difference | Filtered | Adaptive, model, state => model.start(state, at));
     }
 
-    /// [`VelocityEstimator::step`].
+    /// Takes in one reading and gives the velocity, m/s or rad/s ([`VelocityEstimator::step`]).
     #[inline]
     pub fn step(&mut self, reading: Motion<S>) -> S {
         each!(self: Measured | Difference | Filtered | Adaptive, model, state => model.step(state, reading))

@@ -5,7 +5,7 @@ use crate::num::Scalar;
 /// Recursive least squares of four parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Estimate<S> {
-    /// θ in [`super::UNITS`].
+    /// Estimated parameters θ, each in its unit of [`super::UNITS`].
     pub(super) theta: [S; 4],
     /// Lower triangle of P, row by row.
     covariance: [S; 10],

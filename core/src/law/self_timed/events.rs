@@ -38,7 +38,7 @@ pub(super) const TOGETHER: Key = Key::whole(
 /// Share of θ below which the line is at rest.
 const REST: f64 = 0.1;
 
-/// When to speak.
+/// Decides when a packet of the line is worth sending.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Events<C> {
     threshold: C,

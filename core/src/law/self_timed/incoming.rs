@@ -100,12 +100,12 @@ struct Counters<C> {
     energy_j: C,
 }
 
-/// What is outstanding.
+/// What was heard and has not been emitted yet.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Outstanding<C> {
     /// The newest that was heard; nothing comes out before.
     heard: Option<Counters<C>>,
-    /// R, √W·s.
+    /// Wave integral outstanding R, √W·s.
     pub(super) integral: C,
     /// k; below 0 while running ahead.
     samples: i32,
@@ -234,7 +234,7 @@ impl<C: Scalar> Incoming<C> {
         Some(wave)
     }
 
-    /// ½·T_c·u², J.
+    /// Energy of emitting this wave for one tick, ½·T_c·u², J.
     #[inline]
     fn price_j(&self, wave: C) -> C {
         self.half * self.period_s * wave * wave

@@ -12,7 +12,7 @@ use crate::matrix::{add_block, apply, reset};
 /// A peer, and whose packets it hears.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct End<'a> {
-    /// The peer's answer.
+    /// The matrices that answer a packet.
     pub response: &'a Response,
     /// Place of the sender in the list of ends.
     pub hears: usize,

@@ -58,10 +58,10 @@ pub struct Response {
     pub translations: Vec<Translation>,
 }
 
-/// A peer at rest one metre away.
+/// A peer at rest one metre from where the linear scene has it.
 #[derive(Clone, Debug)]
 pub struct Translation {
-    /// Its local state.
+    /// Local state of the peer, in SI units.
     pub local: Vec<f64>,
     /// The packet it sends there.
     pub sent: Vec<f64>,
@@ -79,7 +79,7 @@ impl Default for Response {
 }
 
 impl Response {
-    /// Local states.
+    /// Number of local states.
     pub fn states(&self) -> usize {
         self.own.nrows()
     }
@@ -91,6 +91,9 @@ impl Response {
 
     /// Drives peer `index` (0 or 1) of a scene that is linear ([`Scene::linear`]); a packet is heard before tick `at_tick` of the
     /// packet period.
+    ///
+    /// # Errors
+    /// The first key that is out of range or impossible beside the others.
     pub fn measure(&mut self, linear: &Scene, index: usize, at_tick: usize) -> Result<(), Refused<'static>> {
         let mut seat = seat(linear, index, at_tick)?;
         let [states, packet] = seat.sizes();
@@ -117,6 +120,9 @@ impl Response {
     }
 
     /// The local state after a period from `local`, hearing `packet` at its start; a check of superposition needs no more.
+    ///
+    /// # Errors
+    /// The first key that is out of range or impossible beside the others.
     pub fn drive(linear: &Scene, index: usize, local: &[f64], packet: &[f64]) -> Result<Vec<f64>, Refused<'static>> {
         let mut seat = seat(linear, index, 0)?;
         let (at, heard) = seat.start();
@@ -170,7 +176,7 @@ fn translate(seat: &mut dyn Seated, along: &[Vec<f64>]) -> Vec<Translation> {
 trait Seated {
     /// Numbers of the local state, and of the packets.
     fn sizes(&self) -> [usize; 2];
-    /// Everything at zero.
+    /// Sets every state to zero.
     fn rest(&mut self);
     /// The local state and the packets that it is to start from, in units.
     fn start(&mut self) -> (&mut [f64], &mut [f64]);
@@ -184,7 +190,7 @@ trait Seated {
 
 /// Of a peer of the linear scene, as many axes as it shares.
 fn seat(linear: &Scene, index: usize, at_tick: usize) -> Result<Box<dyn Seated>, Refused<'static>> {
-    of_axes!(linear, seat_of::<>(linear, index, at_tick))
+    of_axes!(linear, seat_of(linear, index, at_tick))
 }
 
 fn seat_of<const SHARED: usize, const N: usize>(

@@ -13,7 +13,7 @@
 //! | [`pair`] | which of these a scene falls apart into |
 //! | [`rest`] | dividing rest modes out by their eigenvectors |
 //!
-//! **Symmetry.** Two peers that are told the same, on a network that is the same both ways, fall apart into their sum and
+//! **Symmetry.** Two peers with the same settings, on a network that is the same both ways, fall apart into their sum and
 //! their difference: each is *one* peer that hears its own packets, as they are or with the sign turned. Two eigenproblems
 //! of half the size cost a quarter of one.
 

@@ -93,11 +93,14 @@ impl<'a> Joined<'a> {
 
 /// The lifted matrix of the whole pair, nothing left out and not taken apart, in the order peer 1, peer 2, packets on
 /// their way to peer 1, to peer 2; local order as in `lifted::driven`.
+///
+/// # Errors
+/// A scene that cannot be built.
 pub fn pair_matrix(linear: &Scene) -> Result<Lifted, AnalysisError> {
     seated_matrix([linear, linear])
 }
 
-/// The same with a scene for each peer ([`seat`]).
+/// [`pair_matrix`] with a scene for each peer ([`seat`]).
 pub(crate) fn seated_matrix(seats: [&Scene; 2]) -> Result<Lifted, AnalysisError> {
     let (delays, ticks_per_packet) = (delays_ticks(seats[0]), seats[0].peer.timing.ticks_per_packet as usize);
     let mut answers = <[Response; 2]>::default();

@@ -27,7 +27,7 @@ pub const DELAY_S: f64 = 5e-3;
 pub struct Identified {
     /// Its mass, kg, as given.
     pub mass_kg: f64,
-    /// Its damping, N·s/m.
+    /// Its viscous damping, N·s/m.
     pub damping_n_s_per_m: f64,
     /// Its computing delay c, as a fraction of a period.
     pub computing_ticks: f64,
@@ -53,6 +53,9 @@ pub fn wall(mass_kg: f64, damping_n_s_per_m: f64, computing_ticks: f64) -> Rende
 }
 
 /// The device of this mass (kg) in front of an undamped object of that mass, sampled at 1 kHz.
+///
+/// # Errors
+/// As [`identify`].
 pub fn device(mass_kg: f64, object_mass_kg: f64) -> Result<Rendering, AnalysisError> {
     let found = identify(mass_kg)?;
     let object = Some(Body { mass_kg: object_mass_kg, damping_n_s_per_m: 0.0 });
@@ -60,6 +63,9 @@ pub fn device(mass_kg: f64, object_mass_kg: f64) -> Result<Rendering, AnalysisEr
 }
 
 /// Finds damping and computing delay for a mass (kg).
+///
+/// # Errors
+/// A mass for which no device fits the statement, or eigenvalues that do not converge.
 pub fn identify(mass_kg: f64) -> Result<Identified, AnalysisError> {
     let largest = |rendering: &Rendering| -> Result<f64, AnalysisError> {
         Ok(first(&stiffness_limit(rendering)?).unwrap_or(f64::INFINITY))
@@ -96,6 +102,9 @@ pub struct Needs {
 }
 
 /// Slowest sampling and longest delay at which 1000 N/m is stable, looked for from 10 µs to 1 s.
+///
+/// # Errors
+/// Eigenvalues that do not converge.
 pub fn needs(base: &Rendering) -> Result<Needs, AnalysisError> {
     let wall = Rendering { object: None, ..*base };
     wall.check()?;

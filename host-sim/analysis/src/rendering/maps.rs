@@ -37,9 +37,9 @@ pub struct Point {
     pub time_s: f64,
     /// The first crossing, N/m; absent where every stiffness looked at is stable, 0 where none is.
     pub largest_stiffness_n_per_m: Option<f64>,
-    /// The same in closed form.
+    /// Largest stable stiffness in closed form, N/m.
     pub closed_form_n_per_m: f64,
-    /// All crossings, N/m.
+    /// All crossings of the stiffness, ascending, N/m.
     pub crossings: Vec<f64>,
 }
 
@@ -64,11 +64,11 @@ pub enum Sweep {
 /// One curve of a map.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Curve {
-    /// What is swept.
+    /// The delay or the sampling period that is swept.
     pub sweep: Sweep,
     /// The object is a wall.
     pub wall: bool,
-    /// Ascending in time.
+    /// Points of the curve, ascending in time.
     pub points: Vec<Point>,
 }
 
@@ -81,6 +81,9 @@ fn scale(rendering: &Rendering) -> Result<f64, AnalysisError> {
 }
 
 /// Whether both maps of the scene can be made: better said before the work than in the middle of it.
+///
+/// # Errors
+/// A number that is out of range, or a delay that the sampled map cannot hold.
 pub fn check(base: &Rendering, sampling_s: Option<f64>) -> Result<(), AnalysisError> {
     for (base, sweep) in sweeps(base) {
         for time_s in RANGE_S {
@@ -91,6 +94,9 @@ pub fn check(base: &Rendering, sampling_s: Option<f64>) -> Result<(), AnalysisEr
 }
 
 /// Every crossing of the contact stiffness, N/m.
+///
+/// # Errors
+/// A number that is out of range, or eigenvalues that do not converge.
 pub fn stiffness_limit(rendering: &Rendering) -> Result<Limit, AnalysisError> {
     let near = scale(rendering)?;
     let fifths = |octaves: std::ops::RangeInclusive<i32>| {
@@ -136,6 +142,9 @@ pub fn at(base: &Rendering, sweep: Sweep, time_s: f64, sampling_s: Option<f64>) 
 }
 
 /// One curve; `done` is called once for every point, from any thread.
+///
+/// # Errors
+/// A number that is out of range, or eigenvalues that do not converge.
 pub fn curve(
     base: &Rendering,
     sweep: Sweep,

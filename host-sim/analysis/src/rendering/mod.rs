@@ -54,11 +54,11 @@ pub enum Place {
 }
 
 impl Place {
-    /// All four.
+    /// All four places, in the paper's order.
     pub const ALL: [Self; 4] =
         [Self::DeviceToCollision, Self::CollisionToDevice, Self::CollisionToDynamics, Self::DynamicsToCollision];
 
-    /// For tables and legends.
+    /// Name of the place, for tables and legends.
     pub fn name(self) -> &'static str {
         match self {
             Self::DeviceToCollision => "device to CDE",
@@ -72,16 +72,16 @@ impl Place {
 /// A mass with damping.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Body {
-    /// Mass, kg.
+    /// Mass of the body, kg.
     pub mass_kg: f64,
-    /// Viscous damping, N·s/m.
+    /// Viscous damping of the body, N·s/m.
     pub damping_n_s_per_m: f64,
 }
 
 /// A device, an object and what is between them, but for the contact stiffness.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Rendering {
-    /// The haptic device.
+    /// The haptic device in the hand.
     pub device: Body,
     /// The virtual object; `None` is a wall, which nothing moves.
     pub object: Option<Body>,
@@ -99,7 +99,7 @@ pub struct Rendering {
 pub const MOST_TICKS: f64 = 200.0;
 
 impl Rendering {
-    /// The same with this delay at one place.
+    /// This arrangement with this delay (s) at one place.
     #[must_use]
     pub fn delayed(mut self, place: Place, delay_s: f64) -> Self {
         self.delays_s[place as usize] = delay_s;
@@ -114,6 +114,9 @@ impl Rendering {
     }
 
     /// Every number finite and within what the map can hold.
+    ///
+    /// # Errors
+    /// A number that is infinite, NaN, or beyond what the map can hold.
     pub fn check(&self) -> Result<(), AnalysisError> {
         let positive = |key, value, unit| AnalysisError::within(key, value, [1e-6, 1e6], unit);
         let any = |key, value, unit| AnalysisError::within(key, value, [0.0, 1e6], unit);
@@ -157,11 +160,14 @@ impl Sampled {
 
 impl Renderer {
     /// Largest |eigenvalue| of the sampled map with this contact stiffness (N/m), the rest mode left out.
+    ///
+    /// # Errors
+    /// Eigenvalues that do not converge.
     pub fn radius(&mut self, rendering: &Rendering, stiffness_n_per_m: f64) -> Result<f64, AnalysisError> {
         self.polar(rendering, stiffness_n_per_m).map(|polar| radius(&polar))
     }
 
-    /// Its eigenvalues.
+    /// Eigenvalues of the sampled map, as size and angle.
     fn polar(&mut self, rendering: &Rendering, stiffness_n_per_m: f64) -> Result<Polar, AnalysisError> {
         self.build(rendering, stiffness_n_per_m);
         rest::divide_out(&mut self.lifted);

@@ -27,7 +27,7 @@ fn look(curve: &Curve) -> (String, usize, Dash) {
     }
 }
 
-/// The figure.
+/// Both maps of these curves as a figure.
 pub fn figure(base: &Rendering, curves: &[Curve]) -> Figure {
     let panel = |title: &str, y_label: &str, delays: bool| {
         let of_this = curves.iter().filter(|curve| matches!(curve.sweep, Sweep::Delay(_)) == delays);

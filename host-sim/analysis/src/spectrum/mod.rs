@@ -45,7 +45,7 @@ impl Spectrum {
         self.polar_beside(matrix, |_, _| false).map(|(polar, _)| polar)
     }
 
-    /// The same with the eigenvalues (real, imaginary) that `leave` names left out, and how many these were.
+    /// [`Spectrum::polar`] without the eigenvalues (real, imaginary) that `leave` names, and how many these were.
     pub(crate) fn polar_beside(
         &mut self,
         matrix: &mut Matrix,
@@ -82,7 +82,7 @@ fn mirrored(matrix: &Matrix, step: f64) -> Matrix {
     &mirror * matrix * &mirror
 }
 
-/// Scales rows and columns by powers of two until their sums are alike; eigenvalues stay as they are. `scaled` is told every
+/// Scales rows and columns by powers of two until their sums are alike; eigenvalues stay as they are. `scaled` gets every
 /// state and the factor by which its unit grew.
 pub(crate) fn balance(matrix: &mut Matrix, mut scaled: impl FnMut(usize, f64)) {
     let size = matrix.nrows();

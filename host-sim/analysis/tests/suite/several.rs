@@ -132,7 +132,7 @@ fn the_scenes_of_a_plane_and_of_space_are_stable_in_every_mode() {
 /// How the speed of the copies grows from the second quarter of a run to the last one, from a state that is disturbed by next to nothing
 /// everywhere; infinite where it leaves what is small, since limits act beyond.
 fn grown(scene: &Scene, seed: u64) -> f64 {
-    of_axes!(scene, grown_along::<>(scene, seed))
+    of_axes!(scene, grown_along(scene, seed))
 }
 
 fn grown_along<const SHARED: usize, const N: usize>(scene: &Scene, seed: u64) -> f64

@@ -44,10 +44,10 @@ pub const LONG_US: f64 = 500.0;
 /// How long the cable stays out beyond the operator's patience, s.
 const OUT_S: f64 = 2.0;
 
-/// What is brought up, and with what.
+/// What is brought up: a joint, with the settings and measurements that belong to it.
 #[derive(Clone, Copy, Debug)]
 pub struct Plan<'a> {
-    /// Which joint, 1 or 2.
+    /// Number of the joint, 1 or 2.
     pub joint: u32,
     /// By how much the person moves it for its scale.
     pub distance: Distance,
@@ -62,9 +62,9 @@ pub struct Plan<'a> {
 /// A step that passed.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Passed {
-    /// Its name.
+    /// Name of the step.
     pub step: &'static str,
-    /// What was seen.
+    /// What was measured, in a sentence.
     pub seen: String,
 }
 

@@ -31,6 +31,9 @@ pub struct Session {
 
 impl Session {
     /// Calls board `number` (1 or 2). `entropy` must never be the same twice.
+    ///
+    /// # Errors
+    /// The link cannot be made, such as of two ends with one number.
     pub fn new(key: Key, number: u8, entropy: [u8; Key::LEN]) -> Result<Self, String> {
         let mut parameters = Parameters::new();
         // What the lines mean; a board that means something else is refused by name.
@@ -73,12 +76,12 @@ impl Session {
         self.lines.say(line)
     }
 
-    /// Takes back what the board may not have been told yet: it is not to be done any more.
+    /// Withdraws a line that the board may not have heard yet: it is not to be carried out any more.
     pub fn unsay(&mut self) {
         self.lines.unsay();
     }
 
-    /// The next answer.
+    /// The next answer of the board that has not been taken.
     pub fn answer(&mut self) -> Option<String> {
         self.answers.pop_front()
     }
@@ -88,7 +91,7 @@ impl Session {
         self.take_stamped().into_iter().map(|(_, sample)| sample).collect()
     }
 
-    /// The same, each with the time of the board's clock at which it was sealed, µs.
+    /// [`Session::take_samples`], each with the time of the board's clock at which it was sealed, µs.
     pub fn take_stamped(&mut self) -> Vec<(u64, Sample)> {
         std::mem::take(&mut self.samples)
     }
@@ -98,7 +101,7 @@ impl Session {
         &self.link
     }
 
-    /// What is received next has waited for so long since it came, µs.
+    /// Sets how long the datagram that is received next has waited since it came, µs.
     pub fn waited(&mut self, us: u64) {
         self.link.waited(us);
     }

@@ -9,9 +9,9 @@ use haptic_core::device::AXES;
 use crate::quantities::{self, Named};
 use crate::report::Columns;
 
-/// Of an encoder.
+/// Meaning of an encoder's column.
 const COUNTS: &str = "counter of the encoder of this number, modulo 65536";
-/// Of a motor.
+/// Meaning of a motor's column.
 const DUTY: &str = "command to the motor of this number, -1 to 1";
 
 /// Columns of the first shared axis; duties, currents and voltages are shares of all there is, currents and voltages 0 without a current loop.
@@ -46,7 +46,8 @@ pub const COLUMNS: [Named; 24] = [
     ("supply_v", "supply of the bridges"),
 ];
 
-/// The same of a shared axis (from 0) of so many: of joints it has the axis' own and the next one's, after the last the first.
+/// Columns of a shared axis (from 0) of `axes`: of joints it has the axis' own and the next one's, after the last the
+/// first.
 pub fn columns(axis: usize, axes: usize) -> impl Iterator<Item = (String, &'static str)> {
     let joint = move |at: usize| if axes > 1 { (axis + at) % axes + 1 } else { at + 1 };
     COLUMNS.into_iter().map(move |(name, meaning)| match name {

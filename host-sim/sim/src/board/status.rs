@@ -43,7 +43,7 @@ impl fmt::Display for Status {
 pub struct Probed {
     /// How the last probe ended, or that it has not.
     pub end: End,
-    /// What it says about the signs, once it has ended and if it was the check.
+    /// Verdict on the signs, once the probe has ended and if it was the check.
     pub verdict: Option<Verdict>,
     said: String,
 }

@@ -10,7 +10,7 @@ use crate::{of_axes, plant::Plant, scene::Scene};
 /// Whether scenes like this one are stepped in lanes at all.
 fn suits(scene: &Scene) -> bool {
     let impulsive = scene.peer.contact.rendering == RenderingName::Impulsive;
-    !impulsive && of_axes!(scene, is_bare::<>(scene))
+    !impulsive && of_axes!(scene, is_bare(scene))
 }
 
 /// Whether both devices are read and driven exactly, and nothing else.
@@ -25,8 +25,7 @@ fn of_one_kind(one: &Scene, other: &Scene) -> bool {
         (Some(one), Some(other)) => Arc::ptr_eq(one, other),
         _ => false,
     };
-    let [here, there] =
-        [one, other].map(|scene| (&scene.peer.timing, scene.peer.coordination.comm, scene.peer.axis));
+    let [here, there] = [one, other].map(|scene| (&scene.peer.timing, scene.peer.coordination.comm, scene.peer.axis));
     same_trace && here == there && one.world.network == other.world.network
 }
 

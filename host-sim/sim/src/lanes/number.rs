@@ -21,11 +21,11 @@ use crate::measure::Figure;
 pub const LANES: usize = 16;
 const ALL: u32 = (1 << LANES) - 1;
 
-/// Where [`Scalar::from_f64`] takes its numbers from.
+/// The source of the numbers that [`Scalar::from_f64`] makes.
 enum Tape {
     /// What it is given, for every lane.
     Off,
-    /// The same, noted.
+    /// The argument, for every lane; it is recorded.
     Recording(Vec<f64>),
     /// What was noted for each lane, and how much of it was handed out.
     Playing(Vec<Vec<f64>>, usize),
@@ -128,7 +128,7 @@ macro_rules! lanes {
         pub struct $Lanes([$Vector; $count]);
 
         impl $Lanes {
-            /// The same number in every lane.
+            /// This number in every lane.
             #[inline(always)]
             pub const fn splat(value: $Alone) -> Self {
                 Self([$Vector::splat(value); $count])
@@ -322,7 +322,7 @@ macro_rules! lanes {
 pub trait Lanes: Scalar<Counter = F64s> {
     /// The type of one of them.
     type Alone: Scalar;
-    /// [`Scalar::bits`] of each.
+    /// [`Scalar::bits`] of each lane's number.
     fn each_bits(self) -> [u64; LANES];
 }
 

@@ -10,8 +10,8 @@ use haptic_core::settings::Refused;
 
 use super::device::Plants;
 use super::number::{LANES, Lanes, leave, nobody_left, played, recorded, show};
-use crate::pair::{HASH_SEED, Pair, Side};
 use crate::AXES;
+use crate::pair::{HASH_SEED, Pair, Side};
 use crate::peers::{Builds, DynPeer, mixed};
 use crate::{plant::Plant, scene::Scene};
 

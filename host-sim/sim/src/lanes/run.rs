@@ -15,7 +15,7 @@ const FEWEST: usize = 3;
 
 /// A number type whose lanes there are.
 pub trait InLanes: Run {
-    /// Its lanes.
+    /// The type that holds a number for each lane.
     type Lanes: Lanes<Alone = Self> + Number;
 }
 

@@ -19,7 +19,7 @@ const RAMP_N_PER_S: f64 = 1e-3;
 /// # Errors
 /// What a peer refuses.
 pub fn measure(scene: &Scene) -> Result<f64, Refused<'static>> {
-    of_axes!(scene, measured::<>(scene))
+    of_axes!(scene, measured(scene))
 }
 
 fn measured<const SHARED: usize, const N: usize>(scene: &Scene) -> Result<f64, Refused<'static>>

@@ -1,4 +1,4 @@
-//! Whether something grows over a run, told from the largest value in each eighth of it.
+//! Whether something grows over a run, judged by the largest value in each eighth of it.
 
 use super::Figure;
 

@@ -30,7 +30,7 @@ pub const SPEED_M_PER_S: f64 = 0.02;
 /// Lowest and highest frequency, Hz; the highest as far as the control rate has five ticks a period.
 pub const BAND_HZ: [f64; 2] = [0.5, 200.0];
 
-/// Frequencies.
+/// Number of frequencies in the band.
 const POINTS: usize = 28;
 /// Time for what the start leaves to die away, s.
 const SETTLE_S: f64 = 20.0;
@@ -71,12 +71,12 @@ pub struct Complex {
 }
 
 impl Complex {
-    /// Size.
+    /// Absolute value, in the unit of the number.
     pub fn abs(self) -> f64 {
         self.re.hypot(self.im)
     }
 
-    /// Phase, rad.
+    /// Phase of the number, rad.
     pub fn phase(self) -> f64 {
         self.im.atan2(self.re)
     }

@@ -12,7 +12,7 @@ use serde::Serialize;
 
 /// What runs are measured in: `f64`, or one in each lane ([`crate::lanes`]).
 pub trait Figure: Scalar<Counter = Self> {
-    /// One half.
+    /// The number one half.
     const HALF: Self;
     /// The larger; where one is no number, the other.
     #[must_use]
@@ -44,7 +44,7 @@ impl Figure for f64 {
 /// Mean and standard deviation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Statistics {
-    /// Mean.
+    /// Mean of the values.
     pub mean: f64,
     /// Standard deviation, of the whole and not of a sample.
     pub sd: f64,
@@ -66,7 +66,7 @@ pub struct LastHalf<const N: usize, F = f64> {
 }
 
 impl<const N: usize, F: Figure> LastHalf<N, F> {
-    /// Of a run of so many ticks.
+    /// A measurement over a run of so many ticks.
     pub fn new(ticks: u64) -> Self {
         Self { from_tick: ticks / 2, count: 0, sums: [F::ZERO; N] }
     }

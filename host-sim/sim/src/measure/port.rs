@@ -29,15 +29,15 @@ use super::Figure;
 /// Energy that crossed the ports of one peer's coordination, J.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PortEnergy<F = f64> {
-    /// From the network.
+    /// Energy that came in from the network, J.
     pub received_j: F,
-    /// To the network.
+    /// Energy that went out to the network, J.
     pub sent_j: F,
-    /// To the object.
+    /// Work of the coordination on the object, J.
     pub to_object_j: F,
-    /// From the object.
+    /// Work of the object on the coordination, J.
     pub from_object_j: F,
-    /// In the spring.
+    /// Energy stored in the coordination's spring, J.
     pub stored_j: F,
 }
 
@@ -89,7 +89,7 @@ pub struct ObjectPort<F = f64> {
 }
 
 impl<F: Figure> ObjectPort<F> {
-    /// Nothing booked yet, at this control period and K_T.
+    /// An account without entries, at this control period (s) and K_T (N/m).
     pub fn new(period_s: F, stiffness_n_per_m: F) -> Self {
         Self { period_s, stiffness_n_per_m, before: None, booked: PortEnergy::default() }
     }

@@ -22,7 +22,7 @@ const SETTLE_S: u32 = 10;
 pub struct Felt {
     /// Apparent mass of the whole shared object, kg.
     pub mass_kg: f64,
-    /// What it loses to drag, N·s/m.
+    /// Drag that the hands feel, N·s/m.
     pub drag_n_s_per_m: f64,
     /// From one peer's tick to the other's that acts on it, mean of both ways, s.
     pub delay_s: f64,
@@ -51,6 +51,9 @@ impl Phasor {
 }
 
 /// Swings a scene whose contact is permanent for `periods` after it has settled.
+///
+/// # Errors
+/// The first key of the scene that is out of range or impossible beside the others.
 pub fn felt(scene: &Scene, periods: u32) -> Result<Felt, Refused<'static>> {
     let mut swung = scene.clone();
     for (user, sign) in swung.users.iter_mut().zip([1.0, -1.0]) {

@@ -11,7 +11,7 @@ use haptic_protocol::{playout::Playout, wire::Message};
 use super::rule::{Arrival, Direction, Fate, Rule, of_scene};
 use crate::scene::Scene;
 
-/// What travels.
+/// A packet as the network carries it.
 pub trait Payload: ToOwned<Owned: BorrowMut<Self>> {
     /// Breaks it as a line does. False where what is broken is not delivered, because it would not pass the seal.
     fn corrupt(&mut self) -> bool {
@@ -42,7 +42,7 @@ impl Payload for Message {}
 pub struct Numbered<T> {
     /// Packet periods of the sender before this one, those in which it kept silent included.
     pub number: u64,
-    /// The value.
+    /// The packet of that number.
     pub what: T,
 }
 
@@ -56,11 +56,11 @@ impl<T: Clone> Payload for Numbered<T> {
 /// What became of what one way was given.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub struct Counts {
-    /// Packets taken in.
+    /// Number of packets that were sent.
     pub taken: u64,
     /// Packets that came out or are on their way, copies included.
     pub sent: u64,
-    /// Packets lost.
+    /// Number of packets that were lost.
     pub lost: u64,
     /// Packets broken on purpose.
     pub corrupt: u64,
@@ -71,7 +71,7 @@ pub struct Counts {
 pub struct Route {
     /// Delay of every packet, ns.
     pub delay_ns: u64,
-    /// Nothing passes.
+    /// Whether every packet is dropped.
     pub cut: bool,
     /// What becomes of each packet; none, and it passes.
     pub rule: Option<Box<dyn Rule>>,
@@ -91,7 +91,7 @@ impl Route {
         Self { rule, ..Self::new(packets * scene.peer.timing.packet_period_ns()) }
     }
 
-    /// The same under another rule.
+    /// This route under another rule.
     pub fn with_rule(self, rule: impl Rule + 'static) -> Self {
         Self { rule: Some(Box::new(rule)), ..self }
     }
@@ -176,7 +176,8 @@ impl<P: Payload + ?Sized> Link<P> {
         Self { route, in_flight: InFlight::default(), room: usize::MAX, crowded: 0 }
     }
 
-    /// The same with room for so many bytes, of the packets and of what holds them; a packet that finds none is lost.
+    /// This link with room for `most_bytes` bytes under way, of packets and their bookkeeping; a packet that finds no
+    /// room is lost.
     pub fn holding(self, most_bytes: usize) -> Self {
         Self { room: most_bytes, ..self }
     }

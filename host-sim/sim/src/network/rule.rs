@@ -15,7 +15,7 @@ pub use crate::scene::Jitter;
 pub enum Fate {
     /// It arrives after the constant delay.
     Pass,
-    /// It never arrives.
+    /// The packet is lost.
     Drop,
     /// These copies of it arrive; none, and it is lost.
     Copies(Vec<Arrival>),

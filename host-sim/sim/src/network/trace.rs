@@ -23,17 +23,17 @@ pub const COLUMNS: [Named; 4] = [
     ("fate", "arrives, corrupt or lost"),
 ];
 
-/// Nanoseconds as seconds.
+/// A time in seconds.
 pub fn seconds(ns: u64) -> f64 {
     ns as f64 / 1e9
 }
 
-/// Seconds to the nearest nanosecond.
+/// A time in nanoseconds, rounded to the nearest.
 pub fn nanoseconds(s: f64) -> u64 {
     (1e9 * s).round() as u64
 }
 
-/// Which way a packet goes.
+/// The direction in which a packet travels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
     /// From peer 1 to peer 2.
@@ -74,7 +74,10 @@ impl NetworkTrace {
         half.get((packet % half.len().max(1) as u64) as usize).map_or(&[], Vec::as_slice)
     }
 
-    /// Reads a trace; refused is the first row that is wrong, in one line.
+    /// Reads a trace from a CSV file.
+    ///
+    /// # Errors
+    /// The file cannot be read, or the first row that is wrong, in one line.
     pub fn read(path: &Path) -> Result<Self, String> {
         let place = path.display();
         let mut reader = csv::Reader::from_path(path).map_err(|cause| format!("cannot read {place}: {cause}"))?;
@@ -112,7 +115,10 @@ impl NetworkTrace {
         Ok(Self { file: std::path::absolute(path).unwrap_or_else(|_| path.to_owned()), packets })
     }
 
-    /// Writes the trace.
+    /// Writes the trace as a CSV file.
+    ///
+    /// # Errors
+    /// The file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), String> {
         let failed = |cause: csv::Error| format!("cannot write {}: {cause}", path.display());
         let mut writer = csv::Writer::from_path(path).map_err(failed)?;

@@ -44,7 +44,7 @@ impl Converter {
         }
     }
 
-    /// What it reads at this current.
+    /// Reading of the converter at this current (A).
     pub fn read(&mut self, current_a: f64) -> u16 {
         let noise_a = if self.noise_a > 0.0 { self.noise_a * self.rng.normal() } else { 0.0 };
         let steps = self.half + (current_a + self.zero_a + noise_a) / self.sense_a * self.half;
@@ -102,7 +102,7 @@ enum Order {
     Voltage(Duty),
 }
 
-/// No current.
+/// The order for zero current.
 const OFF: Order = Order::Current(Duty::OFF, 0);
 /// Ω and H of a motor whose wires touch.
 const SHORTED: [f64; 2] = [0.02, 1e-5];

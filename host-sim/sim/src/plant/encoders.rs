@@ -48,7 +48,7 @@ impl<const N: usize> Encoders<N> {
         self.fault = Some((fault, self.at[0]));
     }
 
-    /// The next tick's.
+    /// Takes the joints' positions (counts) at the end of the next tick.
     pub(super) fn turn(&mut self, at: [i64; N]) {
         (self.before, self.at) = (self.at, at);
         self.ticks = self.ticks.wrapping_add(1);

@@ -181,7 +181,7 @@ impl<const N: usize> Plant<N> {
         &self.linear
     }
 
-    /// Axes that move.
+    /// Number of axes that move.
     pub(crate) fn axes_in_use(&self) -> usize {
         self.axes_in_use
     }
@@ -196,7 +196,7 @@ impl<const N: usize> Plant<N> {
         self.motions.map(|axis| Motion::at(S::from_f64(self.scale.position * axis.position)))
     }
 
-    /// The same device, so much further along each axis, m.
+    /// This device, displaced along each axis by so much, m.
     #[must_use]
     pub fn moved(mut self, by_m: [f64; N]) -> Self {
         for (motion, by_m) in self.motions.iter_mut().zip(by_m) {
@@ -396,7 +396,7 @@ impl<const N: usize> Plant<N> {
         (&mut self.motions[0], &mut self.motor_before[0])
     }
 
-    /// The same of every axis.
+    /// Motion of every axis (m, m/s) and the motor force on it before (N), mutable.
     pub fn each_axis(&mut self) -> impl Iterator<Item = (&mut Motion<f64>, &mut f64)> {
         self.motions.iter_mut().zip(&mut self.motor_before)
     }

@@ -13,9 +13,9 @@ use haptic_core::device::current::PWM_PERIOD_S;
 /// A winding and its supply.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Winding {
-    /// R, Ω.
+    /// Resistance R of the winding, Ω.
     pub resistance_ohm: f64,
-    /// L, H.
+    /// Inductance L of the winding, H.
     pub inductance_h: f64,
     /// Voltage of the bridge, V.
     pub supply_v: f64,

@@ -53,17 +53,17 @@ use serde_json::Value;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(into = "Value")]
 pub enum Cell {
-    /// Nothing: it was not measured, or there is none.
+    /// No value: it was not measured, or there is none.
     Empty,
-    /// Yes or no.
+    /// A switch: true or false.
     Flag(bool),
-    /// A count.
+    /// A whole number, such as a count.
     Whole(i64),
-    /// A number.
+    /// A number, in the column's unit.
     Number(f64),
-    /// Several numbers.
+    /// Several numbers, in the column's unit.
     List(Vec<f64>),
-    /// Words.
+    /// Text, such as a name.
     Text(String),
 }
 
@@ -104,11 +104,11 @@ impl<T: Into<Cell>> From<Option<T>> for Cell {
 enum Digits {
     /// As many as it takes.
     All,
-    /// So many behind the point.
+    /// This many digits behind the point.
     Fixed(usize),
     /// At least so many that count.
     Significant(usize),
-    /// So many behind the point of a power of ten.
+    /// A mantissa with this many digits behind the point, and a power of ten.
     Power(usize),
     Signed,
     /// As many as it takes where those are few, else six that count.
@@ -181,11 +181,11 @@ pub fn numbered(name: &str, number: usize) -> String {
 pub enum Values {
     /// Numbers and nothing else.
     Numbers(Vec<f64>),
-    /// Anything.
+    /// Cells of any kind.
     Cells(Vec<Cell>),
 }
 
-/// One named column.
+/// One column: name, unit, meaning and values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
     name: String,
@@ -231,7 +231,7 @@ impl Column {
         apart(&self.name).1
     }
 
-    /// What it means, in words; may be empty.
+    /// Meaning of the column, in words; may be empty.
     pub fn meaning(&self) -> &str {
         &self.meaning
     }
@@ -325,7 +325,7 @@ impl<'a, R> Rows<'a, R> {
         self.with(name, Digits::Signed, cell)
     }
 
-    /// What it is called in text, without the unit.
+    /// Heading of the column in text tables, without the unit.
     pub fn head(self, head: &str) -> Self {
         self.last(|column| column.head = head.to_owned())
     }
@@ -335,7 +335,7 @@ impl<'a, R> Rows<'a, R> {
         self.last(|column| (column.unit, column.scale) = (unit.to_owned(), factor))
     }
 
-    /// What it means, for those who read the table or its file.
+    /// Meaning of the column, for those who read the table or its file.
     pub fn means(self, meaning: &str) -> Self {
         self.last(|column| column.meaning = meaning.to_owned())
     }
@@ -346,12 +346,12 @@ impl<'a, R> Rows<'a, R> {
         self.last(|column| column.blank = blank)
     }
 
-    /// Not in text.
+    /// Leaves the last column out of text tables; files have it.
     pub fn data_only(self) -> Self {
         self.last(|column| column.in_text = false)
     }
 
-    /// The columns.
+    /// The columns as they were declared.
     pub fn done(self) -> Columns {
         self.columns
     }
@@ -393,7 +393,7 @@ impl Columns {
         Self { columns: columns.into_iter().map(column).collect() }
     }
 
-    /// The same without the column of this name.
+    /// These columns without the one of this name.
     #[must_use]
     pub fn without(mut self, name: &str) -> Self {
         self.columns.retain(|column| column.name != name);
@@ -457,7 +457,7 @@ impl Columns {
         object
     }
 
-    /// Number of rows.
+    /// Number of rows in each column.
     pub fn len(&self) -> usize {
         self.columns.first().map_or(0, Column::len)
     }
@@ -498,7 +498,7 @@ impl Columns {
     }
 }
 
-/// Column by column.
+/// The columns one by one.
 impl IntoIterator for Columns {
     type Item = Column;
     type IntoIter = std::vec::IntoIter<Column>;

@@ -31,7 +31,7 @@ use super::columns::{Cell, Column, Columns};
 /// Rows in one Parquet row group: 65 s at 1 kHz, half a megabyte for each column.
 pub const ROW_GROUP_ROWS: usize = 1 << 16;
 
-/// What made a file: the program, when it began, and everything it was told.
+/// Provenance of a file: the program, when it began, and all its settings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Made {
     facts: Vec<(String, Cell)>,
@@ -48,7 +48,7 @@ impl Made {
         Self { facts: facts.map(|(name, text)| (name.to_owned(), text.into())).to_vec(), settings: Vec::new() }
     }
 
-    /// And with this.
+    /// Adds a fact of this name.
     #[must_use]
     pub fn with(mut self, name: &str, value: impl Into<Cell>) -> Self {
         self.facts.push((name.to_owned(), value.into()));
@@ -126,14 +126,20 @@ impl Files {
         self.print = print;
     }
 
-    /// This table as `NAME.csv`.
+    /// Adds this table as `NAME.csv`.
+    ///
+    /// # Errors
+    /// The file cannot be written.
     pub fn csv(&mut self, columns: &Columns) -> Result<(), ReportError> {
         let bytes = csv(columns).map_err(self.failed("csv", "CSV"))?;
         self.add(self.name.clone(), "csv", bytes);
         Ok(())
     }
 
-    /// This table as `NAME.parquet`.
+    /// Adds this table as `NAME.parquet`.
+    ///
+    /// # Errors
+    /// The file cannot be written.
     pub fn parquet(&mut self, columns: &Columns) -> Result<(), ReportError> {
         let bytes = parquet(columns, &self.made.toml()).map_err(self.failed("parquet", "Parquet"))?;
         self.add(self.name.clone(), "parquet", bytes);
@@ -141,6 +147,9 @@ impl Files {
     }
 
     /// This figure as `FIGURE.svg`, `FIGURE.pdf` and `FIGURE.png`; under the name of the files where it has none of its own.
+    ///
+    /// # Errors
+    /// A file cannot be written.
     pub fn figure(&mut self, name: Option<&str>, figure: &Figure) -> Result<(), ReportError> {
         let painted = paint(figure, self.print, &self.about()).map_err(self.failed("svg", "a figure"))?;
         let name = name.unwrap_or(&self.name).to_owned();
@@ -178,7 +187,10 @@ impl Files {
         self.folder.join(format!("{name}{number}.{ending}"))
     }
 
-    /// Writes them all; returns their paths, that of what made them last.
+    /// Writes all files; returns their paths, that of the provenance last.
+    ///
+    /// # Errors
+    /// A file cannot be written.
     pub fn write(self) -> Result<Vec<PathBuf>, ReportError> {
         // Parquet says when it was made, SVG and PDF by which command: whether what they hold is the same, CSV and PNG tell.
         let compared = || self.parts.iter().filter(|part| !matches!(part.ending, "parquet" | "svg" | "pdf"));
@@ -205,12 +217,18 @@ impl Files {
 }
 
 /// Writes one table as CSV, in place of what is there: one line with the names of the columns, then one for each row.
+///
+/// # Errors
+/// The file cannot be written.
 pub fn write_csv(columns: &Columns, path: &Path) -> Result<(), ReportError> {
     let bytes = csv(columns).map_err(ReportError::write(path, "CSV"))?;
     write_file(path, "CSV", &bytes)
 }
 
 /// Writes one table as Parquet, in place of what is there, with what made it.
+///
+/// # Errors
+/// The file cannot be written.
 pub fn write_parquet(columns: &Columns, path: &Path, made: &str) -> Result<(), ReportError> {
     let bytes = parquet(columns, made).map_err(ReportError::write(path, "Parquet"))?;
     write_file(path, "Parquet", &bytes)

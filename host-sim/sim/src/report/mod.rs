@@ -1,6 +1,6 @@
 //! Reports: what an experiment found, as files that people and other programs can read.
 //!
-//! Nothing here knows about haptics. The same data give the same bytes on every run, but for what is told of when and by
+//! Nothing here knows about haptics. The same data give the same bytes on every run, but for the record of when and by
 //! which program they were made: no system font, no map with a random order. Empty tables, NaN and constant data are
 //! ordinary input everywhere.
 

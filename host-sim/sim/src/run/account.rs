@@ -10,9 +10,9 @@ use super::outcome::{Along, Figures, Options};
 use crate::measure::growth::{Forces, Growth};
 use crate::measure::port::{ObjectPort, counted};
 use crate::measure::{Figure, LastHalf, Statistics};
+use crate::peers::DynPeer;
 use crate::quantities::{self, Named};
 use crate::report::{Columns, numbered};
-use crate::peers::DynPeer;
 
 /// What is recorded of each peer.
 const OF_PEER: [Named; 10] = [

@@ -11,7 +11,7 @@ use crate::measure::growth::Forces;
 use crate::measure::{Figure, LastHalf, Statistics};
 use crate::scene::Scene;
 
-/// What is seen of a run along `SHARED` axes.
+/// Account of a run along `SHARED` axes.
 #[derive(Clone, Debug)]
 pub struct Accounts<const SHARED: usize = 1, F = f64> {
     axes: [Account<F>; SHARED],
@@ -102,7 +102,7 @@ impl<const SHARED: usize, F: Figure> Accounts<SHARED, F> {
 }
 
 impl<const SHARED: usize> Accounts<SHARED> {
-    /// Of a run of so many ticks.
+    /// An account of a run of so many ticks.
     pub fn new(scene: &Scene, ticks: u64, options: Options) -> Self {
         let (period_s, object) = (scene.peer.timing.control_period_s, &scene.peer.object);
         Self::of(period_s, object.mass_kg, scene.peer.coordination.stiffness_n_per_m, ticks, options)
@@ -119,7 +119,7 @@ impl<const SHARED: usize> Accounts<SHARED> {
         self.axes.iter().map(Account::row)
     }
 
-    /// What it gave: no impacts and no hash, which are not seen here.
+    /// Outcome of the run, without impacts and hash, which are not recorded here.
     pub fn outcome(self) -> Outcome {
         let ticks = self.tick;
         let stopped = self.axes.iter().find_map(Account::stopped);

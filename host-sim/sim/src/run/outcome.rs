@@ -13,10 +13,10 @@ use crate::scene::Scene;
 /// Headers of UDP (8) and IP version 4 (20), bytes.
 const UDP_IP_LEN: usize = 28;
 
-/// How to run.
+/// Duration of a run, and how much of it is recorded.
 #[derive(Clone, Copy, Debug)]
 pub struct Options {
-    /// Simulated time, s.
+    /// Simulated time of the run, s.
     pub duration_s: f64,
     /// Keep every how-many-th tick; 0 keeps none.
     pub record_every: u64,
@@ -61,7 +61,7 @@ pub struct Figures {
 /// What a run gave along one shared axis.
 #[derive(Clone, Debug)]
 pub struct Along {
-    /// Figures of merit.
+    /// Discrepancies, forces and energies of this axis.
     pub figures: Figures,
     /// What was recorded; empty if nothing was.
     pub table: Columns,
@@ -76,15 +76,15 @@ pub struct Outcome {
     pub bounded: bool,
     /// Who stopped first, and why.
     pub fault: Option<(usize, Fault)>,
-    /// When, s.
+    /// Simulated time of that fault, s.
     pub fault_time_s: Option<f64>,
-    /// Of all shared axes together; of one, that one's.
+    /// Figures of all shared axes together; of one axis, its own.
     pub whole: Figures,
     /// Each shared axis, in the order of [`AXIS_NAMES`].
     pub axes: Vec<Along>,
     /// Impacts at both peers, where contact is impulsive.
     pub impacts: Option<[Impacts<f64>; 2]>,
-    /// Ticks done.
+    /// Number of ticks that were stepped.
     pub ticks: u64,
     /// Packets that a peer sent, whatever became of them, mean of both, 1/s; no number where nobody counted.
     pub packets_per_s: f64,
@@ -93,7 +93,8 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// The same on the wire, with the headers of UDP and IP version 4, bytes/s; what a link says by itself beside the flow is not in it.
+    /// Mean rate of one peer's packets on the wire, with the headers of UDP and IP version 4, bytes/s; a link's own
+    /// datagrams beside the flow are not counted.
     pub fn bytes_per_s(&self) -> f64 {
         self.packets_per_s * (SEAL_LEN + self.flow_len() + UDP_IP_LEN) as f64
     }
@@ -107,7 +108,7 @@ impl Outcome {
         }
     }
 
-    /// What is to be said of it.
+    /// Verdict on the run.
     pub fn verdict(&self) -> Verdict {
         match self.reason {
             None => Verdict::Stable,
@@ -116,7 +117,7 @@ impl Outcome {
         }
     }
 
-    /// Nothing failed.
+    /// Whether the run has no reason to be called unstable.
     pub fn is_stable(&self) -> bool {
         self.reason.is_none()
     }
@@ -126,12 +127,12 @@ impl Outcome {
         self.is_stable().then(|| of(self))
     }
 
-    /// What is told of a run in which the copies came apart, too; none of one in which anything else failed.
+    /// A figure that counts in a run in which the copies came apart, too; none of one in which anything else failed.
     pub fn whole<T>(&self, of: impl FnOnce(&Self) -> T) -> Option<T> {
         (self.verdict() != Verdict::Unstable).then(|| of(self))
     }
 
-    /// The same, where something besides the run says that it is not stable; what failed in the run comes first.
+    /// This outcome, where something besides the run says that it is not stable; what failed in the run comes first.
     #[must_use]
     pub fn doubted(mut self, reason: Option<Reason>) -> Self {
         // Apart is the least that can be said.
@@ -147,7 +148,8 @@ impl Outcome {
         self.energy_out_over_in_beyond(0.0)
     }
 
-    /// The same, of what a peer took beyond this energy, J, that its law held when it began.
+    /// [`Outcome::energy_out_over_in`] of what a peer took beyond `start_j` (J), the energy that its law held when it
+    /// began.
     pub fn energy_out_over_in_beyond(&self, start_j: f64) -> f64 {
         let [first, second] = self.whole.energy;
         let beyond = |received_j: f64| (received_j - start_j).max(0.0);

@@ -63,14 +63,14 @@ impl fmt::Display for Reason {
     }
 }
 
-/// What is to be said of a run.
+/// The verdict on a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// Nothing failed.
+    /// The run passed every check.
     Stable,
-    /// Nothing failed but that the copies came apart: [`Reason::Apart`].
+    /// The copies came apart, and nothing else failed: [`Reason::Apart`].
     Apart,
-    /// Anything else failed.
+    /// Another check failed: the run is unstable.
     Unstable,
 }
 

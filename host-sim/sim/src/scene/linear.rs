@@ -81,8 +81,8 @@ impl Scene {
         linear
     }
 
-    /// The same with every wall that a device or the object can meet met for good: each is a spring and a damper that holds what it
-    /// pushes, as the linear analysis has it. None where there are no walls.
+    /// This scene with every wall that a device or the object can meet held in contact: each is a spring and a
+    /// damper, as the linear analysis has it. None where there are no walls.
     pub fn at_walls(&self) -> Option<Self> {
         let is_wall = |kind| matches!(kind, FixtureName::ForbiddenAbove | FixtureName::ForbiddenBelow);
         let forbidden = self.peers().map(|peer| is_wall(peer.fixture.kind));
@@ -105,8 +105,8 @@ impl Scene {
         Some(met)
     }
 
-    /// The same with both devices let go: K_LC = B_LC = 0, nothing that strikes, and users without arms who do nothing. What is
-    /// left is two copies of the object and what holds them together (THEORY §9).
+    /// This scene with both devices let go: K_LC = B_LC = 0, no impacts, and users without arms who do nothing. What
+    /// is left is two copies of the object and their coordination (THEORY §9).
     pub fn hands_off(&self) -> Self {
         let mut off = self.clone();
         off.peer.contact.rendering = RenderingName::Continuous;

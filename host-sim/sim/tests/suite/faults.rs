@@ -112,7 +112,8 @@ fn a_motor_that_is_held_gets_too_warm() {
 #[test]
 fn a_bridge_that_conducts_although_it_is_off() {
     let scene = scene(&["user.1.sine_n=0"]);
-    let (mut plant, mut peer) = (Plant::new(&scene, 0), scene.peer_from::<f32, 1, AXES>(0, [Motion::REST; AXES]).expect("good"));
+    let (mut plant, mut peer) =
+        (Plant::new(&scene, 0), scene.peer_from::<f32, 1, AXES>(0, [Motion::REST; AXES]).expect("good"));
     let mut ticks = |plant: &mut Plant, most: u32| {
         (1..=most).find(|_| {
             let actuators: Actuators<f32> = peer.tick(&plant.sensors());

@@ -46,23 +46,22 @@ fn sealed_peers_of_several_axes_come_to_what_a_run_comes_to() {
         let run = run::<f32>(&scene, Options { duration_s: 20.0, record_every: 1000 }, &|_| ());
         let run = run.expect("a good scene");
         let end = |column: &str| -> Vec<f64> {
-            let last =
-                |of: &Along| *of.table.column(column).expect("recorded").last().expect("rows");
+            let last = |of: &Along| *of.table.column(column).expect("recorded").last().expect("rows");
             run.axes.iter().map(last).collect()
         };
         let key = |number: u8| (number, Key::new([0x5a; Key::LEN]), [number; Key::LEN]);
         let [forces, places] = match kind {
             10 => meet(
-                [1, 2].map(key).map(|(number, key, entropy)| {
-                    Node::<2, 2>::build(&scene, number, key, entropy).expect("a peer")
-                }),
+                [1, 2]
+                    .map(key)
+                    .map(|(number, key, entropy)| Node::<2, 2>::build(&scene, number, key, entropy).expect("a peer")),
                 kind,
             )
             .map(|each| each.to_vec()),
             _ => meet(
-                [1, 2].map(key).map(|(number, key, entropy)| {
-                    Node::<3, 3>::build(&scene, number, key, entropy).expect("a peer")
-                }),
+                [1, 2]
+                    .map(key)
+                    .map(|(number, key, entropy)| Node::<3, 3>::build(&scene, number, key, entropy).expect("a peer")),
                 kind,
             )
             .map(|each| each.to_vec()),

@@ -99,10 +99,7 @@ fn scales_hold_along_every_shared_axis() {
             let last = |name: &str| *outcome.table.column(name).expect("recorded").last().expect("rows");
             let (position, force) = (last("device_1_m"), last("contact_1_n"));
             let wanted = f1 * share / (1.0 / compliance + k1 * f1 / p1);
-            assert!(
-                run.fault.is_none() && (position / wanted - 1.0).abs() < 1e-6,
-                "{axis}: {position}, not {wanted}"
-            );
+            assert!(run.fault.is_none() && (position / wanted - 1.0).abs() < 1e-6, "{axis}: {position}, not {wanted}");
             let wanted = wanted / compliance;
             assert!((force / wanted - 1.0).abs() < 1e-6, "{axis} of {axes}: {force} N, not {wanted}");
         }

@@ -7,9 +7,9 @@ use serde::Serialize;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Scheme {
-    /// A central server.
+    /// A lock that a central server grants.
     Lock,
-    /// A token that goes round.
+    /// A token that goes round the members.
     Ring,
 }
 
@@ -42,12 +42,12 @@ impl Mistake {
     }
 }
 
-/// What to try.
+/// Scheme, users and seeds of a trial.
 #[derive(Clone, Copy, Debug)]
 pub struct Trial {
-    /// Which scheme.
+    /// The scheme that is tried.
     pub scheme: Scheme,
-    /// Users: 2 to 8.
+    /// Number of users, 2 to 8.
     pub users: u8,
     /// Seed of the first run; the others follow.
     pub seed: u64,
@@ -61,7 +61,7 @@ pub(crate) const MOST_USERS: u8 = 8;
 /// What many runs came to.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Verdict {
-    /// Runs.
+    /// Number of runs that were made.
     pub runs: u64,
     /// Runs with two owners at one instant.
     pub two_owners: u64,
@@ -77,7 +77,7 @@ pub struct Verdict {
     pub interrupted: u64,
     /// Peers that went down for a while.
     pub crashes: u64,
-    /// Messages sent.
+    /// Number of messages sent.
     pub messages: u64,
     /// Messages lost, by the network or because nobody was there.
     pub lost: u64,

@@ -29,7 +29,7 @@ pub(super) struct User {
     editing_us: Option<u64>,
     /// Stays until it has edited.
     pub(super) patient: bool,
-    /// What it has made of the object and waits to be told is published.
+    /// Its edit of the object, until it hears that the edit is published.
     pub(super) edited: Option<Value>,
     pub(super) published: u64,
     /// Rights to edit that ended before it had finished.
@@ -58,7 +58,7 @@ impl User {
         user
     }
 
-    /// The next visit.
+    /// Draws when the user comes next, and how long it edits.
     pub(super) fn plan(&mut self, now: u64) {
         self.comes_us = now + self.rng.below(300_000);
         self.goes_us = if self.patient { u64::MAX } else { self.comes_us + 100_000 + self.rng.below(1_500_000) };

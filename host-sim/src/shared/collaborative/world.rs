@@ -16,7 +16,7 @@ use super::trial::{Mistake, Scheme, Trial, Verdict};
 use super::{history::History, lock, ring, user::User};
 use crate::shared::said;
 
-/// The object.
+/// Number of the shared object.
 const OBJECT: u16 = 7;
 /// End of the time in which things go wrong, µs.
 const TROUBLE_US: u64 = 4_000_000;
@@ -123,7 +123,7 @@ impl Peer {
     }
 }
 
-/// What went wrong.
+/// A promise of the scheme that a run broke.
 #[derive(Clone, Copy)]
 enum Trouble {
     TwoOwners,

@@ -1,4 +1,4 @@
-//! One client: a device with its user, the contact with the object as it was told, the bounder, the limits.
+//! One client: a device with its user, the contact with the object as it was last heard of, the bounder, the limits.
 //!
 //! **View**: the object as the client renders it is the newest state that came, held until the next. When another engine
 //! takes over, its states are of another age and would make the object jump; the difference to what was rendered is kept and
@@ -21,7 +21,7 @@ const EASE_S: f64 = 0.1;
 /// How long the object coasts in silence, s.
 const COAST_S: f64 = 0.25;
 
-/// One client.
+/// A client: device, user, contact and limits.
 #[derive(Clone, Debug)]
 pub struct Client {
     pub(super) plant: Plant,
@@ -41,13 +41,13 @@ pub struct Client {
     /// Ticks between packets, and until it stops coasting.
     coasts: core::ops::Range<u64>,
     period_s: f64,
-    /// What is left of what the last engine told differently.
+    /// What is left of the difference to the state of the engine before.
     ease: Motion<f64>,
     eased: f64,
     /// Commanded to the motor, N.
     motor_n: f64,
     saturated: Patience,
-    /// What stopped it.
+    /// The fault that stopped it.
     pub fault: Option<Fault>,
 }
 

@@ -15,8 +15,8 @@
 //! long as two are there. Then it goes on whoever falls silent; one that comes back, or late, finds the object where its own
 //! device is.
 //!
-//! **One line is no matter of the others.** A peer that was told other parameters, has another key or number, or sends what
-//! cannot be, is refused on its line, told so at both ends ([`Hub::news`]), and the others go on. Whoever greets without a
+//! **A refused line does not stop the others.** A peer that has other parameters, another key or number, or sends what
+//! cannot be, is refused on its line, reported at both ends ([`Hub::news`]), and the others go on. Whoever greets without a
 //! line's key is answered once a second at the most, with no more bytes, by a greeting from which its link gathers why.
 //!
 //! **Cost** of a datagram: one opening; of a greeting, a tag for each line at the most, for 8 in a control period;
@@ -46,7 +46,7 @@ const ANSWER_EVERY_US: u64 = 1_000_000;
 /// The hub's end of one line.
 #[derive(Debug)]
 pub struct End<A> {
-    /// The sealed line.
+    /// The sealed line to its peer.
     pub line: Line,
     /// Where its peer is answered.
     path: Path<A>,
@@ -72,19 +72,19 @@ impl<A: Copy + PartialEq> End<A> {
     }
 }
 
-/// A link from peer `local` of two to the other, under a key; told nothing that must be equal.
+/// A link from peer `local` of two to the other, under a key, without parameters that must agree.
 fn bare(key: Key, local: u8, entropy: [u8; Key::LEN]) -> Result<Link, String> {
     let ends = Ends { local: PeerId(local), remote: PeerId(3 - local) };
     let config = Config { key, ends, packet_period_us: 100_000, parameters: Parameters::new(), entropy };
     Link::new(config).map_err(|error| error.to_string())
 }
 
-/// Which number of the scene the peer on a line has, lines counted from 1.
+/// The peer of the scene (1 or 2) that a line stands for, lines counted from 1.
 pub fn number_on(line: u32) -> u8 {
     if line % 2 == 1 { 1 } else { 2 }
 }
 
-/// Lines that meet.
+/// A hub at which sealed lines meet.
 #[derive(Debug)]
 pub struct Hub<A> {
     ends: Vec<End<A>>,
@@ -110,6 +110,9 @@ pub struct Hub<A> {
 
 impl<A: Copy + PartialEq + Display> Hub<A> {
     /// A hub for `users` peers of a scene, on lines 1 to `users`; `entropy` must never give the same twice.
+    ///
+    /// # Errors
+    /// A scene that cannot be built, or no random bytes.
     pub fn new(
         scene: &Scene,
         users: usize,

@@ -9,7 +9,7 @@
 //! delay without loss is passive. A counter is only what a peer says: of it the junction books what it would ever give out,
 //! no more than [`CAP_J`] in hand at a time, so that whatever one peer claims, the figures of all are off by that at the most.
 //!
-//! **Silence.** A port goes down and up core's ladder ([`haptic_core::law::ladder`]). At share s it is matched to its
+//! **Silence.** A port fades with silence as a peer does ([`haptic_core::law::ladder`]). At share s it is matched to its
 //! line of impedance b and is a line of impedance s·b to the node: of the wave u that comes √s·u goes in, of what the node
 //! answers √s comes back, together s·(√(2b)·v − u); the rest ends in the port. So s = 1 is the line itself and s = 0 none,
 //! all is continuous between them, and no s makes energy: a line goes quiet, and comes back, without a jump for the others.
@@ -62,7 +62,7 @@ pub struct Port {
     pub force_n: f64,
     /// What goes back, with this end's own counters.
     pub back: Packet<f64>,
-    /// What went through.
+    /// Energy that went through the port, J.
     pub energy: Energy,
 }
 
@@ -142,6 +142,9 @@ pub struct Junction {
 
 impl Junction {
     /// The lines of `users` peers of this scene, engaged as the peers are that are armed together.
+    ///
+    /// # Errors
+    /// A scene or a number of users that the junction cannot serve.
     pub fn new(scene: &Scene, users: usize) -> Result<Self, WorldError> {
         let settings = &scene.peer;
         let coordination = &settings.coordination;

@@ -47,6 +47,9 @@ pub fn lines(world: &World, scene: &Scene) -> Vec<Line> {
 }
 
 /// The verdict on one packet period of these clients in the linear scene behind this one.
+///
+/// # Errors
+/// A scene that cannot be built, or whose eigenvalues do not converge.
 pub fn verdict(scene: &Scene, lines: &[Line]) -> Result<Verdict, AnalysisError> {
     let mut period = Period::new(&scene.linear(), lines);
     let size = period.state.len();

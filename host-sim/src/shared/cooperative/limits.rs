@@ -129,6 +129,9 @@ pub fn rendering(setup: &Setup, round_trip_s: f64, drag: f64) -> Rendering {
 }
 
 /// The spectral radius of a setup whose bounder has settled on a round trip, s.
+///
+/// # Errors
+/// A setup that cannot be analysed.
 pub fn bounded_radius(setup: &Setup, round_trip_s: f64) -> Result<f64, AnalysisError> {
     let bound = bounder(&setup.scene).bound(round_trip_s);
     let mut rendering = rendering(setup, round_trip_s, bound.drag);
@@ -154,6 +157,9 @@ fn stiffest_simulated(near: f64, collision: Collision, round_trip_s: f64) -> Res
 }
 
 /// The stiffest objects for one round trip (ms), contact computed at `collision`.
+///
+/// # Errors
+/// A setup that cannot be analysed.
 pub fn stiffest(kind: &'static str, round_trip_ms: f64, collision: Collision) -> Result<Stiffest, LimitError> {
     let round_trip_s = 1e-3 * round_trip_ms;
     let setup = setup(1.0, collision, round_trip_s)?;
@@ -171,6 +177,9 @@ pub fn stiffest(kind: &'static str, round_trip_ms: f64, collision: Collision) ->
 }
 
 /// All of `ROUND_TRIPS_MS`, contact at the server and at the clients.
+///
+/// # Errors
+/// A setup that cannot be analysed.
 pub fn table() -> Result<Vec<Stiffest>, LimitError> {
     let places = [Collision::Server, Collision::Client];
     let all: Vec<_> = places.into_iter().flat_map(|place| ROUND_TRIPS_MS.map(|(kind, ms)| (kind, ms, place))).collect();

@@ -27,7 +27,7 @@ pub mod world;
 use haptic_core::{contact::bounder::Bounder, names::Choice};
 use haptic_sim::scene::{Scene, SceneError};
 
-/// Most users.
+/// Largest number of users.
 pub(crate) const MOST_USERS: usize = 16;
 
 /// What bounds the contact of the users of a scene.
@@ -40,10 +40,10 @@ fn bounder(scene: &Scene) -> Bounder<f64> {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Collision {
-    /// Every client computes its own contact with the object as it was told.
+    /// Every client computes its own contact with the object as it last heard of it.
     #[default]
     Client,
-    /// The server computes every contact with the devices as it was told; forces come back.
+    /// The server computes every contact with the devices as it last heard of them; forces come back.
     Server,
 }
 
@@ -51,7 +51,7 @@ pub enum Collision {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Engine {
-    /// At the server.
+    /// The engine stays at the server.
     #[default]
     Server,
     /// At the server, from a quarter to three quarters of the run at the first client.
@@ -70,12 +70,12 @@ impl Choice for Engine {
     const ALL: &'static [Self] = &[Self::Server, Self::Moves, Self::Client];
 }
 
-/// One cooperative environment.
+/// Scene and settings of a cooperative environment.
 #[derive(Clone, Debug)]
 pub struct Setup {
     /// Devices, contact, object, network, and two users whose profiles alternate.
     pub scene: Scene,
-    /// How many users.
+    /// Number of users of the environment.
     pub users: usize,
     /// Stiffness and damping follow the measured round trip.
     pub bounder: bool,
@@ -102,6 +102,9 @@ impl Setup {
     }
 
     /// The base scene with this delay of every packet to or from the server, s, and these keys.
+    ///
+    /// # Errors
+    /// A key that does not exist, or a value that it does not accept.
     pub fn base(one_way_s: f64, keys: &[&str]) -> Result<Self, SceneError> {
         let delay = format!("network.extra_delay_s={one_way_s}");
         let keys: Vec<String> =

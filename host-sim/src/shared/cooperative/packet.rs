@@ -15,7 +15,7 @@ fn said_bytes(message: &Message) -> usize {
     SEAL_LEN + message.event(0).map_or(Event::MAX_LEN, |event| event.emitted_len())
 }
 
-/// From a client.
+/// What a client sends to the server.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Up {
     pub(super) push: Push,
@@ -26,7 +26,7 @@ pub(super) struct Up {
     pub(super) say: Option<Message>,
 }
 
-/// To a client.
+/// What the server sends to a client.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Down {
     pub(super) state: Option<Moved>,
@@ -37,7 +37,7 @@ pub(super) struct Down {
     pub(super) say: Option<Message>,
 }
 
-/// Either way.
+/// A packet in either direction.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Packet {
     Up(Up),

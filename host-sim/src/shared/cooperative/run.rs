@@ -43,7 +43,7 @@ pub struct Outcome {
     /// Bytes the server sends to a client each second, sealed.
     pub(crate) down_bytes_per_s: f64,
     pub(crate) ticks: u64,
-    /// Recorded over time.
+    /// What was recorded, tick by tick.
     #[serde(skip)]
     pub(crate) table: Columns,
 }
@@ -60,6 +60,9 @@ pub const COLUMNS: [Named; 7] = [
 ];
 
 /// Runs the environment for `duration_s`.
+///
+/// # Errors
+/// A setup that cannot be built.
 pub fn run(setup: &Setup, duration_s: f64) -> Result<Outcome, WorldError> {
     let mut world = World::new(setup)?;
     let period_s = setup.scene.peer.timing.control_period_s;

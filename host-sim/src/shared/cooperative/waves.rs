@@ -71,7 +71,7 @@ pub struct Waves {
 /// What a run gave.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Outcome {
-    /// Nobody stopped.
+    /// Whether no peer stopped with a fault.
     pub stable: bool,
     /// Mean over the last half of the largest distance between two copies at one instant, mm.
     pub true_discrepancy_mm: f64,
@@ -87,6 +87,9 @@ pub struct Outcome {
 
 impl Waves {
     /// `users` peers in this scene, armed and at rest; the scene's delay is the way between a peer and the server.
+    ///
+    /// # Errors
+    /// A scene or a number of users that cannot be built.
     pub fn new(scene: &Scene, users: usize) -> Result<Self, WorldError> {
         if !(1..=MOST_USERS).contains(&users) {
             return Err(WorldError::Users(users));
@@ -128,7 +131,7 @@ impl Waves {
         })
     }
 
-    /// The same, to be changed.
+    /// The peers, to be changed.
     pub(crate) fn sides_mut(&mut self) -> impl Iterator<Item = &mut Side<f64>> {
         self.engine.seats.iter_mut().filter_map(|seat| match &mut seat.actor {
             Around::Peer(side) => Some(side),
@@ -151,7 +154,7 @@ impl Waves {
         self.sides().map(|side| side.peer.observed()[0].contact_force)
     }
 
-    /// One tick.
+    /// Steps peers and server by one tick.
     pub fn step(&mut self) {
         self.engine.step(&mut |_| ());
     }

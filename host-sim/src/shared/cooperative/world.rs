@@ -21,7 +21,7 @@ use super::{Collision, MOST_USERS, Setup, bounder};
 /// How long a client may keep the engine without a word, µs: longer than any round trip here.
 const LEASE_US: u32 = 2_000_000;
 
-/// What both ends are told alike.
+/// The settings that both ends share.
 #[derive(Clone)]
 struct Rules {
     users: usize,
@@ -157,7 +157,7 @@ impl Seat {
     }
 }
 
-/// A state as it is told to a user.
+/// A state as it is sent to a user.
 fn moved(at: Motion<f64>, version: u32, user: Pushed, now_us: u64) -> Moved {
     Moved {
         version,
@@ -173,7 +173,7 @@ struct User {
     inbox: Inbox<Packet>,
     /// The newest of this client.
     up: Option<Up>,
-    /// What the holder last told this client.
+    /// The newest state that the engine's holder sent this client.
     passed_on: Option<Moved>,
     /// What the server has to answer.
     answer: Option<Message>,
@@ -320,6 +320,9 @@ pub enum WorldError {
 
 impl World {
     /// Everybody at rest, the engine at the server.
+    ///
+    /// # Errors
+    /// A setup that cannot be built.
     pub fn new(setup: &Setup) -> Result<Self, WorldError> {
         let users = setup.users;
         if !(1..=MOST_USERS).contains(&users) {
@@ -390,7 +393,7 @@ impl World {
         })
     }
 
-    /// The clients.
+    /// The clients, one for each user.
     pub fn clients(&self) -> impl Iterator<Item = &Client> {
         self.seats().map(|seat| &seat.client)
     }
@@ -439,7 +442,7 @@ impl World {
         CLOCK.at(self.engine.now_ns()) / 1_000
     }
 
-    /// One tick.
+    /// Steps server, clients and network by one tick.
     pub fn step(&mut self) {
         let now_us = self.now_us();
         self.engine.step(&mut |_| ());

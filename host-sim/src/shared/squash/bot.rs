@@ -11,7 +11,7 @@ use haptic_protocol::roles::{Out, Role as _};
 use haptic_protocol::wire::PeerId;
 use haptic_sim::rng::Rng;
 
-/// Control period, s.
+/// Control period of a bot, s.
 pub(crate) const TICK_S: f64 = 0.001;
 /// A device's workspace over the court: 15 cm for 9.75 m.
 pub(crate) const SCALE: f64 = 0.15 / 9.75;
@@ -251,7 +251,7 @@ impl Part {
 
 /// One contestant. Times are its own clock's, µs.
 pub(crate) struct Contestant {
-    /// Which player, 1 or more.
+    /// Number of the player, 1 or more.
     pub(super) number: PeerId,
     pub(crate) player: Player,
     pub(super) bot: Bot,
@@ -276,7 +276,7 @@ impl Contestant {
         self.bot.position
     }
 
-    /// The bot is told what has happened, and so is `each`.
+    /// Hands the bot, and `each`, what has happened.
     pub(crate) fn hears(&mut self, now: u64, mut each: impl FnMut(&Player, Notice)) {
         while let Some(notice) = self.player.take_notice() {
             self.was_active &= match notice {

@@ -16,10 +16,10 @@ pub enum Change {
     Comes,
 }
 
-/// What to play.
+/// Settings of a game.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// 2 to 8.
+    /// Number of players, 2 to 8.
     pub players: u8,
     /// Between any two, s; the network may add to it.
     pub round_trip_s: f64,
@@ -33,7 +33,7 @@ pub struct Options {
     pub seconds: f64,
     /// Rallies after which the game is over.
     pub rallies: u16,
-    /// Of everything random.
+    /// Seed of all random numbers.
     pub seed: u64,
     /// Who goes and comes, when (s), by number.
     pub changes: Vec<(f64, u8, Change)>,
@@ -43,7 +43,7 @@ pub struct Options {
 
 /// One moment of a game.
 pub(super) struct Moment {
-    /// True time, s.
+    /// True time of the moment, s.
     pub(super) time_s: f64,
     /// Where each player thinks that the ball is.
     pub(super) balls: Vec<Option<Ball>>,
@@ -51,13 +51,13 @@ pub(super) struct Moment {
     pub(super) hands: Vec<[f64; 2]>,
     /// Who may hit, by its own account.
     pub(super) active: Option<usize>,
-    /// Which rally, and hit, by the newest that anybody knows.
+    /// The newest rally and hit that anybody knows.
     pub(super) turn: (u16, u16),
 }
 
 /// A game that was played.
 pub struct Game {
-    /// What it came to.
+    /// The referee's report of the game.
     pub report: Report,
     /// What happened, if it was recorded.
     pub(super) moments: Vec<Moment>,

@@ -17,7 +17,7 @@ pub use world::play;
 /// Round trips of the table that the bounders are for, ms: the range of issue and paper.
 pub const ROUND_TRIPS_MS: [f64; 7] = [10.0, 20.0, 50.0, 100.0, 200.0, 300.0, 400.0];
 
-/// Which bounders: name, the ball's, the hands'.
+/// The bounders of the table: name, whether the ball is bounded, whether the hands are.
 const BOUNDERS: [(&str, bool, bool); 3] = [("none", false, false), ("ball", true, false), ("ball+motion", true, true)];
 
 /// One game of the table.

@@ -11,7 +11,7 @@ use serde::Serialize;
 /// What a game came to.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Report {
-    /// Rallies that ended.
+    /// Number of rallies that ended.
     pub rallies: u32,
     /// Hits, serves among them.
     pub strokes: u32,
@@ -37,7 +37,7 @@ pub struct Report {
     pub score: Vec<u8>,
     /// Longest round trip that the server knew of in the end, ms; 0 without the bounder.
     pub round_trip_ms: f64,
-    /// Fastest ball, m/s.
+    /// Largest speed of the ball, m/s.
     pub fastest_m_per_s: f64,
     /// Hits that a bounder made softer.
     pub bounded: u32,

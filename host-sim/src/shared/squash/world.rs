@@ -168,7 +168,7 @@ fn moment(seats: &[Seat<Peer>], now_ns: u64) -> Moment {
     }
 }
 
-/// Plays one game.
+/// Plays one game of bots to its end.
 pub fn play(options: &Options) -> Game {
     let mut rng = Rng::new(options.seed);
     let (count, damped) = (usize::from(options.players) + 1, options.motion_bounder);

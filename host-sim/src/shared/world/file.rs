@@ -9,6 +9,9 @@ use toml::de::{DeTable, DeValue};
 use super::parameters::{CONTROL_PERIOD_S, World};
 
 /// The world in the file at `path`; what is wrong is said in one line.
+///
+/// # Errors
+/// The file cannot be read, or the first thing that is wrong in it.
 pub fn load(path: &Path) -> Result<Box<World>, String> {
     let place = path.display().to_string();
     let text = std::fs::read_to_string(path).map_err(|cause| format!("cannot read {place}: {cause}"))?;
@@ -110,6 +113,9 @@ impl Source<'_> {
 }
 
 /// The world in `text`, found at `place`.
+///
+/// # Errors
+/// The first thing that is wrong in the text.
 pub fn parse(text: &str, place: &str) -> Result<Box<World>, String> {
     let source = Source { text, place };
     let root = DeTable::parse(text)

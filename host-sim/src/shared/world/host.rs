@@ -24,12 +24,12 @@ use crate::shared::refused::{Refused, is_telling, wrong};
 
 /// Most clients of one server.
 pub const MOST_LINES: u32 = 4096;
-/// A client that is silent for this long is not told to others, µs.
+/// A client that is silent for this long is not shown to others, µs.
 const PRESENT_US: u64 = 1_000_000;
 /// Between two answers to those who hold no line's key, µs.
 const ANSWER_EVERY_US: u64 = 1_000_000;
 
-/// One client's end.
+/// The server's end of one client's line.
 struct Line<A> {
     link: Link,
     /// Where it is answered.
@@ -47,7 +47,7 @@ pub struct Counts {
     pub refused: u64,
     pub(crate) asks: u64,
     pub(crate) parts: u64,
-    /// Places of clients.
+    /// Reports of clients' places that were sent.
     pub(crate) presences: u64,
 }
 
@@ -60,7 +60,7 @@ pub struct Host<A> {
     sessions: HashMap<u32, u32>,
     pub(crate) server: Box<Server<OBJECTS>>,
     board: Box<Board<{ MOST_LINES as usize }>>,
-    /// What it has done.
+    /// Counts of what the server has done.
     pub counts: Counts,
     refused: Refused<A>,
     next_answer_us: u64,
@@ -94,6 +94,9 @@ impl<A: Copy + PartialEq> Host<A> {
     }
 
     /// Replaces the world; clients notice with the next part they get.
+    ///
+    /// # Errors
+    /// A number of the world that cannot be encoded.
     pub fn publish(&mut self, world: World) -> Result<(), String> {
         self.server.publish(world).map_err(|error| error.to_string())
     }
@@ -220,7 +223,7 @@ impl<A: Copy + PartialEq> Host<A> {
     /// In how many turns a packet period's tick can be taken, so that what comes meanwhile need not wait for all lines.
     pub const TURNS: u32 = 8;
 
-    /// The same of the lines whose turn it is; to be called with each turn once a packet period.
+    /// [`Host::tick`] for the lines whose turn it is; to be called with each turn once a packet period.
     pub fn tick_turn(&mut self, now: u64, turn: u32, mut send: impl FnMut(A, &[u8])) {
         let lines = self.lines.iter_mut().zip(1..).skip(turn as usize);
         for (line, number) in lines.step_by(Self::TURNS as usize) {

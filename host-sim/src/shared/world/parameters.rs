@@ -1,4 +1,4 @@
-//! What every world has: how much it holds, its periods, the links that it is told over.
+//! What every world has: how much it holds, its periods, the links over which it is sent.
 
 use haptic_protocol::link::{Config, Error, Link};
 use haptic_protocol::parameters::{Parameters, Table};
@@ -20,7 +20,7 @@ pub(crate) const TICKS_PER_PACKET: u32 = 8;
 /// The peer number of every client.
 pub(crate) const CLIENT: u8 = 0;
 
-/// The link from the first of two peer numbers to the second; both ends must have been told the same packet period.
+/// The link from the first of two peer numbers to the second; both ends must have the same packet period.
 pub(crate) fn open_link(key: Key, [local, remote]: [u8; 2], entropy: [u8; Key::LEN]) -> Result<Link, String> {
     let mut parameters = Parameters::new();
     // One table of the 16 that there is room for.

@@ -10,7 +10,7 @@ const SCALE_M_PER_N: f64 = 0.008;
 /// Height of a frame over its width, two beside each other.
 const ASPECT: f64 = 0.87;
 
-/// The stroke.
+/// The stroke as a figure.
 pub(crate) fn figure(stroke: &Stroke) -> Figure {
     let millimetres = |[x, y]: [f64; 2]| (1e3 * x, 1e3 * y);
     let column = |name: &str| stroke.table.column(name).unwrap_or(&[]).iter().copied();

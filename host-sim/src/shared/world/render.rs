@@ -163,7 +163,7 @@ impl Felt {
     }
 }
 
-/// Everything that is felt.
+/// Renders the objects of a world to a hand.
 #[derive(Clone, Debug, Default)]
 pub struct Renderer {
     felt: BTreeMap<u32, Felt>,

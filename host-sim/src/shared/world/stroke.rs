@@ -31,7 +31,7 @@ fn size(a: Vector) -> f64 {
     libm::hypot(a[0], a[1])
 }
 
-/// How to stroke.
+/// Mass, depth, speed and period of a stroke.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
     /// Mass of the object, kg.
@@ -42,7 +42,7 @@ pub struct Options {
     pub below_m: f64,
     /// How fast it goes, m/s.
     pub speed_m_per_s: f64,
-    /// Control period, s.
+    /// Control period of the hand, s.
     pub period_s: f64,
 }
 
@@ -86,9 +86,9 @@ pub struct Part {
     pub corner_deg: Option<f64>,
     /// How deep the hand is, slowly, when that corner lets go of it, m; none where it does not hold, or never lets go.
     pub leaves_at_m: Option<f64>,
-    /// Largest depth, m.
+    /// Largest depth of the hand, m.
     pub largest_depth_m: f64,
-    /// Largest force, N.
+    /// Largest force on the hand, N.
     pub largest_force_n: f64,
     /// Force where the arm leaves the side, N.
     pub last_force_n: f64,
@@ -125,7 +125,7 @@ pub struct Stroke {
     pub(crate) outline: Vec<Vector>,
     /// What was felt where.
     pub parts: Vec<Part>,
-    /// The balance.
+    /// Energy balance of the stroke, J.
     pub energy: Energy,
     /// Every tick: how far the arm's far end has come; where the hand is, seen from the object, the force on it and its depth;
     /// where the object is.
@@ -223,6 +223,9 @@ fn path(outline: &[(Vector, &str)], below_m: f64, ratio: f64) -> (Path, Vec<Part
 }
 
 /// Strokes along an object.
+///
+/// # Errors
+/// A shape or options that cannot be stroked.
 pub fn stroke(shape: &Shape, options: &Options) -> Result<Stroke, String> {
     let Ok(solid) = solid(shape) else {
         return Err("a strip has no outline to stroke along: choose a wall, a body or a block".to_owned());

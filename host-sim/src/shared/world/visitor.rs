@@ -35,12 +35,12 @@ pub enum Party {
     Client(u32),
 }
 
-/// What a visitor is told.
+/// Settings of a visitor.
 #[derive(Clone, Debug)]
 pub struct Setup {
     /// The key of its line.
     pub key: Key,
-    /// Its line.
+    /// Number of its line.
     pub line: u32,
     /// Number of the server that it begins at.
     pub home: u8,
@@ -58,7 +58,7 @@ pub struct Visitor {
     roam: Roam,
     regions: Vec<Region>,
     manifest: Manifest,
-    /// What is felt.
+    /// What renders the objects that it knows.
     pub renderer: Renderer,
     hand: [Motion<f64>; 2],
     others: BTreeMap<u32, (u64, Sighting)>,
@@ -221,17 +221,17 @@ impl Visitor {
         self.contacts.get(&Party::Server(server)).map(|contact| &contact.link)
     }
 
-    /// What is known from a server.
+    /// The download from a server.
     pub fn download(&self, server: u8) -> Option<&Download<OBJECTS>> {
         self.contacts.get(&Party::Server(server))?.download.as_deref()
     }
 
-    /// Everything in scope is held from the server that is home.
+    /// Whether everything in scope is held from the home server.
     pub fn is_complete(&self) -> bool {
         self.download(self.roam.home()).is_some_and(Download::is_complete)
     }
 
-    /// Where it is at home.
+    /// Number of the server that is its home.
     pub fn home(&self) -> u8 {
         self.roam.home()
     }

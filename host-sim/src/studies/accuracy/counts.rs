@@ -40,7 +40,7 @@ impl Choice for Processor {
 }
 
 impl Processor {
-    /// What it is called in reports.
+    /// Name of the processor in reports.
     pub fn label(self) -> &'static str {
         match self {
             Self::CortexM7 => "a Cortex-M7, counted under QEMU",
@@ -48,7 +48,7 @@ impl Processor {
         }
     }
 
-    /// Its reviewed file.
+    /// Text of the processor's reviewed file.
     pub fn reviewed(self) -> &'static str {
         match self {
             Self::CortexM7 => include_str!("instructions-cortex-m7.txt"),
@@ -87,11 +87,11 @@ pub fn parse(text: &str) -> BTreeMap<&str, [u64; 3]> {
 /// What a scene costs, in the order of [`SCALARS`].
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Cost {
-    /// The scene.
+    /// Name of the scene.
     pub scene: &'static str,
-    /// What it adds.
+    /// What it adds to the other scene.
     pub adds: &'static str,
-    /// To which scene.
+    /// The scene that it is compared with.
     pub over: Option<&'static str>,
     /// Instructions of one tick.
     pub instructions: [u64; 3],

@@ -82,6 +82,9 @@ pub fn errors<S: Scalar>(settings: &Settings, truths: &[([f64; 2], Truth)]) -> (
 }
 
 /// Measures every choice, with the instructions of this processor.
+///
+/// # Errors
+/// The first key that is out of range or impossible beside the others.
 pub fn measure(processor: Processor) -> Result<Family, Refused<'static>> {
     let mut comparisons = Vec::new();
     for model in [KinematicsName::FiveBar, KinematicsName::Capstan] {

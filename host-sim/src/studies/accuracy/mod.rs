@@ -33,14 +33,14 @@ use haptic_sim::report::Columns;
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// One choice, measured.
+/// A choice with its error and its cost.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Point {
-    /// What is chosen.
+    /// Name of the choice.
     pub choice: String,
     /// How wrong it is, in the comparison's unit.
     pub error: f64,
-    /// What it costs, in the family's unit; `None` where nobody has counted it, which keeps it off the front.
+    /// Cost of the choice, in the family's unit; `None` where nobody has counted it, which keeps it off the front.
     pub instructions: Option<u64>,
     /// No other choice of the comparison is as good in one and better in the other.
     pub on_front: bool,
@@ -55,13 +55,13 @@ pub struct Point {
 /// Choices that can be compared with each other.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Comparison {
-    /// Under which circumstances.
+    /// Circumstances of the comparison.
     pub title: String,
-    /// Which error.
+    /// The error that is compared.
     pub error: String,
     /// Its unit; `1` for a pure number.
     pub unit: &'static str,
-    /// The choices.
+    /// The choices with their errors and costs.
     pub points: Vec<Point>,
 }
 
@@ -99,7 +99,7 @@ impl Comparison {
         Self::new(title, error, unit, points)
     }
 
-    /// The same comparison with choices that are named `SERIES, LABEL` drawn as series.
+    /// This comparison with choices that are named `SERIES, LABEL` drawn as series.
     #[must_use]
     pub fn in_series(mut self) -> Self {
         for point in &mut self.points {
@@ -124,19 +124,19 @@ impl Comparison {
 /// One numerical choice that a user has.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Family {
-    /// Short name.
+    /// Short name of the family.
     pub name: &'static str,
-    /// Heading.
+    /// Heading of the family's page.
     pub title: &'static str,
-    /// What is done to measure it.
+    /// The motion in which the family is measured.
     pub motion: String,
-    /// What it is measured against.
+    /// The reference that it is measured against.
     pub reference: &'static str,
     /// What instructions are counted for.
     pub instructions_per: &'static str,
-    /// What was found.
+    /// What was measured, comparison by comparison.
     pub comparisons: Vec<Comparison>,
-    /// Which of them says most.
+    /// Index of the comparison that says most.
     #[serde(skip)]
     pub headline: usize,
     /// What a user should take from it.
@@ -157,11 +157,14 @@ const FAMILIES: [Measure; 7] = [
 ];
 
 /// Measures every family, with the instructions of this processor.
+///
+/// # Errors
+/// The first key that is out of range or impossible beside the others.
 pub fn families(processor: counts::Processor) -> Result<Vec<Family>, Refused<'static>> {
     FAMILIES.par_iter().map(|measure| measure(processor)).collect()
 }
 
-/// The choices of these families: all, or only those that people are told, which are those on a front and the first of
+/// The choices of these families: all, or only those that are shown to people, which are those on a front and the first of
 /// every series.
 pub fn columns<'a>(families: impl IntoIterator<Item = &'a Family>, all: bool) -> Columns {
     let mut rows = Vec::new();

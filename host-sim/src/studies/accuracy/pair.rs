@@ -11,10 +11,10 @@ use super::continuous::{SAMPLE_S, Sample};
 use super::{largest, rms};
 use haptic_sim::{pair::Pair, scene::Scene};
 
-/// Simulated time, s.
+/// Simulated time of a run, s.
 pub const DURATION_S: f64 = 10.0;
 
-/// What is done, for reports.
+/// The motion of the pair, for reports.
 pub const MOTION: &str = "Coupled pair, passive wave, K_T 1590 N/m, 8 ms packets, one packet of delay, forces without \
                           delay. §5.1: both push 0.1 N, user 1 adds 1 N for 25 ms every 2.5 s; 10 s";
 
@@ -36,6 +36,9 @@ pub fn scene(integrator: IntegratorName, decode: Decode, ticks_per_ms: u32) -> S
 }
 
 /// Runs a scene in `S`; one sample each millisecond.
+///
+/// # Errors
+/// The first key that is out of range or impossible beside the others.
 pub fn run<S: Number>(scene: &Scene, duration_s: f64) -> Result<Vec<Sample>, Refused<'static>> {
     let ticks_per_sample = (SAMPLE_S / scene.peer.timing.control_period_s).round() as usize;
     let mut pair = Pair::<S>::new(scene)?;
@@ -55,13 +58,13 @@ pub fn run<S: Number>(scene: &Scene, duration_s: f64) -> Result<Vec<Sample>, Ref
 /// How far a run is from its reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Apart {
-    /// Of the copies' positions, root of the mean square, m.
+    /// Difference of the copies' positions, root mean square, m.
     pub position_rms_m: f64,
-    /// Of the coordination forces, root of the mean square, N.
+    /// Difference of the coordination forces, root mean square, N.
     pub force_rms_n: f64,
-    /// Of the copies' positions, largest, m.
+    /// Difference of the copies' positions, largest, m.
     pub position_largest_m: f64,
-    /// Of the coordination forces, largest, N.
+    /// Difference of the coordination forces, largest, N.
     pub force_largest_n: f64,
 }
 

@@ -22,7 +22,7 @@ const INERTIA: [f64; 3] = [1e-3, 2e-3, 3.5e-3];
 /// How it moves (m/s) and turns (rad/s, about its own axes) at first.
 const MOVING: [f64; 3] = [0.01, -0.02, 0.015];
 const TUMBLING: [f64; 3] = [0.02, 10.0, 0.01];
-/// The same of the top.
+/// How the top moves (m/s) and turns (rad/s, about its own axes) at first.
 const TOP: [f64; 3] = [2e-3, 2e-3, 1e-3];
 const SPINNING: [f64; 3] = [0.0, 3.0, 20.0];
 /// How long the top turns, s.
@@ -35,9 +35,9 @@ const LOOK: u32 = 100;
 /// A number type at a step.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
-    /// What it computes in.
+    /// Number type of the body's state.
     pub number_type: &'static str,
-    /// Step, ms.
+    /// Control period of the run, ms.
     pub period_ms: f64,
     /// Largest relative change of energy.
     pub energy_drift: f64,
@@ -127,7 +127,7 @@ pub fn study(seconds: f64, periods_ms: &[f64], step: &(dyn Fn() + Sync)) -> Vec<
         .collect()
 }
 
-/// The table.
+/// The rows as a table.
 pub fn columns(rows: &[Row]) -> Columns {
     Columns::of(rows)
         .value("number_type", |row| row.number_type)

@@ -24,7 +24,7 @@ pub const REST_S: f64 = 0.8;
 /// What a user has to do with the body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Doing {
-    /// Wants it.
+    /// Waits for the body.
     Waits,
     /// Carries it since this time, s.
     Carries(f64),

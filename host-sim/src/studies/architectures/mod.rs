@@ -34,7 +34,7 @@ use haptic_sim::scene::{Scene, SceneError};
 /// Delays from user to user, one way, ms.
 pub const DELAYS_MS: [f64; 8] = [0.0, 4.0, 10.0, 20.0, 40.0, 80.0, 120.0, 200.0];
 
-/// What is to be done.
+/// The task that two users share.
 #[derive(Clone, Copy, Debug)]
 pub struct Task {
     /// Where each user wants the body, m.
@@ -45,9 +45,9 @@ pub struct Task {
     pub duration_s: f64,
     /// Stiffness of both arms, N/m.
     pub arm_stiffness_n_per_m: [f64; 2],
-    /// Their damping, N·s/m.
+    /// Damping of both arms, N·s/m.
     pub arm_damping_n_s_per_m: [f64; 2],
-    /// Their mass, kg.
+    /// Mass of each arm, kg.
     pub arm_mass_kg: f64,
 }
 
@@ -64,15 +64,15 @@ pub const TASK: Task = Task {
 /// Declares them: variant, key, name, meaning.
 macro_rules! architectures {
     ($($Variant:ident, $key:literal, $name:literal, $meaning:literal;)+) => {
-        /// An architecture.
+        /// An architecture of a shared haptic environment.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum Architecture { $(#[doc = $meaning] $Variant),+ }
 
         impl Architecture {
-            /// All of them.
+            /// All architectures, in the report's order.
             pub const ALL: [Self; [$($key),+].len()] = [$(Self::$Variant),+];
 
-            /// For programs.
+            /// Key of the architecture, for programs.
             pub fn key(self) -> &'static str {
                 match self { $(Self::$Variant => $key),+ }
             }
@@ -105,7 +105,7 @@ architectures! {
 /// One architecture at one delay.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
-    /// Which.
+    /// The architecture of this row.
     pub architecture: Architecture,
     /// From user to user, one way, ms.
     pub delay_ms: f64,
@@ -121,7 +121,7 @@ pub struct Row {
     /// Mean distance between the body as the two are shown it, mm. Where turns are taken this is the way of a turn times its
     /// share of the time: it says how long the task is.
     pub true_discrepancy_mm: f64,
-    /// Largest, mm.
+    /// Largest distance between the two bodies, mm.
     pub peak_discrepancy_mm: f64,
     /// Mean |contact force| of both, N.
     pub felt_n: f64,
@@ -158,6 +158,9 @@ pub(crate) fn scene(keys: &[String]) -> Result<Scene, SceneError> {
 }
 
 /// One architecture at one delay.
+///
+/// # Errors
+/// A scene that cannot be built or run.
 pub fn row(architecture: Architecture, delay_ms: f64) -> Result<Row, Failure> {
     match architecture {
         Architecture::CollaborativeLock | Architecture::CollaborativeRing => turns::row(architecture, delay_ms),
@@ -169,6 +172,9 @@ pub fn row(architecture: Architecture, delay_ms: f64) -> Result<Row, Failure> {
 }
 
 /// Every architecture at every delay, in parallel; the same on any number of threads.
+///
+/// # Errors
+/// A scene that cannot be built or run.
 pub fn rows(done: &(impl Fn() + Sync)) -> Result<Vec<Row>, Failure> {
     let points: Vec<_> =
         Architecture::ALL.iter().flat_map(|architecture| DELAYS_MS.map(|delay| (*architecture, delay))).collect();

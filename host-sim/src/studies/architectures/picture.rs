@@ -43,7 +43,7 @@ fn panel(rows: &[Row], named: bool, y_label: &str, log_y: bool, value: fn(&Row) 
     }
 }
 
-/// The figure.
+/// The rows as one figure of four panels.
 pub fn figure(rows: &[Row]) -> Figure {
     Figure {
         title: "Two people carry and place a body, in every architecture".to_owned(),

@@ -84,6 +84,9 @@ fn both(mut values: impl Iterator<Item = f64>) -> [f64; 2] {
 
 /// The spectral radius of one packet period of the engine at the server, without delay and bounder, with a packet every so
 /// many ticks: how slow packets may be for the scene's contact.
+///
+/// # Errors
+/// A setup that cannot be analysed.
 pub fn unbounded_radius(ticks_per_packet: u32) -> Result<f64, Failure> {
     let scene = scene(&[format!("timing.ticks_per_packet={ticks_per_packet}")])?;
     let mut setup = Setup::new(scene);

@@ -42,9 +42,9 @@ struct Way {
 /// One way to hold the copies together over one network.
 #[derive(Clone, Debug)]
 pub struct Cell {
-    /// Which way.
+    /// Name of the law, or of the scene.
     pub comm: String,
-    /// Which network.
+    /// Name of the network.
     pub network: String,
     /// Whether it promises to be passive on any network.
     pub passive: bool,
@@ -59,7 +59,7 @@ pub struct Cell {
 }
 
 impl Cell {
-    /// Every run was.
+    /// Whether every run was stable.
     pub fn is_stable(&self) -> bool {
         self.outcomes.iter().all(Outcome::is_stable)
     }

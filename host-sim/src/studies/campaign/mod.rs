@@ -4,7 +4,7 @@
 //! and no object delay, so that what breaks is the network's doing.
 //!
 //! **Nothing is chosen**: where the network draws random numbers a cell is [`SEEDS`] runs, of the scene's seed and those after it, else one. If a
-//! single one of them failed the cell has no figures; copies that came apart are told as far as they tell that.
+//! single one of them failed the cell has no figures; of copies that came apart only the figures that say how far are kept.
 //!
 //! | column | what | ideal |
 //! |---|---|---|
@@ -162,13 +162,19 @@ fn scenes(laws: Laws, named: &[Named]) -> Result<Vec<(String, Scene)>, Failure> 
     with_outside(laws, named).into_iter().map(scene).collect()
 }
 
-/// The campaign.
+/// Runs every law over every impaired network.
+///
+/// # Errors
+/// A scene that cannot be built or run.
 pub fn campaign(laws: Laws) -> Result<Vec<Cell>, Failure> {
     over_networks(&scenes(laws, &COMMS)?, networks::IMPAIRMENTS, 0)
 }
 
-/// The same of one scene as it is, called `name`: its peers, its packets, its network where an impairment says nothing, its users if
-/// any of them does something, else those of the paper's §5.2.
+/// The campaign of one scene as it is, called `name`: its peers, its packets, its network where an impairment says
+/// nothing, its users if any of them does something, else those of the paper's §5.2.
+///
+/// # Errors
+/// A scene that cannot be built or run.
 pub fn of_scene(laws: Laws, name: &str, scene: &Scene) -> Result<Vec<Cell>, Failure> {
     let mut scene = scene.clone();
     if !scene.users.iter().any(User::acts) {
@@ -178,6 +184,9 @@ pub fn of_scene(laws: Laws, name: &str, scene: &Scene) -> Result<Vec<Cell>, Fail
 }
 
 /// What every way to hold the copies together costs, network by network.
+///
+/// # Errors
+/// A scene that cannot be built or run.
 pub fn costs(laws: Laws) -> Result<Vec<Cell>, Failure> {
     let mut cells = over_networks(&scenes(laws, &CHOICES)?, networks::FEW, PERIODS)?;
     cells.sort_by_key(|cell| networks::FEW.iter().position(|(name, _)| *name == cell.network));

@@ -22,10 +22,10 @@ pub const MOST_COST: f64 = 0.1;
 /// Above this a channel makes energy; sums round by less.
 const NONE_MADE: f64 = 1.0 + 1e-9;
 
-/// And a peer, whose energies are told to four digits here as everywhere.
+/// And a peer, whose energies are given to four digits here as everywhere.
 const NONE_MADE_BY_PEER: f64 = 1.0 + 0.5e-4;
 
-/// Samples in a packet unless told otherwise.
+/// Samples in a packet by default.
 const TOGETHER: u32 = 9;
 
 /// N of the curve.
@@ -54,7 +54,7 @@ const CURVE: [&str; 4] = ["none", "loss 20 %", "bursts of 40 ms, 5 %", "bandwidt
 pub struct Row {
     /// What the users do.
     pub motion: &'static str,
-    /// N.
+    /// Samples in one packet N.
     pub together: u32,
     /// A packet a tick.
     pub each: Cell,
@@ -75,7 +75,7 @@ fn largest(cell: &Cell, of: impl Fn(&Outcome) -> f64) -> f64 {
 }
 
 impl Row {
-    /// What it costs in true discrepancy, as a share; negative is a gain. None where either is not stable.
+    /// Relative increase of the true discrepancy; negative is a gain. None where either is not stable.
     pub fn cost(&self) -> Option<f64> {
         Some(true_mm(&self.seldom)? / true_mm(&self.each)? - 1.0)
     }
@@ -85,12 +85,15 @@ impl Row {
         largest(&self.seldom, Outcome::energy_out_over_in)
     }
 
-    /// The same of the peers.
+    /// The largest ratio of energy out over energy in of a peer.
     fn peer(&self) -> f64 {
         largest(&self.seldom, |outcome| outcome.peer_energy_out_over_in().unwrap_or(0.0))
     }
 
     /// Whether few packets do here; else what fails.
+    ///
+    /// # Errors
+    /// What fails, in words.
     pub fn meets(&self) -> Result<(), &'static str> {
         match () {
             () if largest(&self.seldom, |outcome| outcome.packets_per_s) > MOST_PACKETS => Err("packets"),
@@ -172,7 +175,7 @@ fn told(rows: Rows<'_, Row>) -> Rows<'_, Row> {
         .means("the worst of the seeds, and how many of them had it")
 }
 
-/// Over every network.
+/// The rows over every network.
 pub fn columns(rows: &[Row]) -> Columns {
     let named = Columns::of(rows)
         .value("impairment", |row| row.each.network.as_str())
@@ -184,7 +187,7 @@ pub fn columns(rows: &[Row]) -> Columns {
         .done()
 }
 
-/// Along N.
+/// The rows along N, samples in a packet.
 pub fn curve_columns(rows: &[Row]) -> Columns {
     let named = Columns::of(rows)
         .value("motion", |row| row.motion)

@@ -1,4 +1,6 @@
 //! The measurements behind [`super::NUMBERS`]: runs of pairs, and single ends of laws whose other end is prescribed.
+//!
+//! Errors: every function fails where its scene or its law cannot be built, run or judged.
 
 use haptic_analysis::tune::CONTACT;
 use haptic_analysis::{Effort, Hands, Range, limit};
@@ -167,14 +169,14 @@ impl End {
     }
 }
 
-/// Of the set position modulation with its tank as it begins and the other copy 1 m away, mm.
+/// First step of the set position modulation, with its tank as it begins and the other copy 1 m away, mm.
 pub fn first_set_position_mm() -> Result<f64, Failure> {
     let mut end = End::new("set-position", &[])?;
     end.hear(1.0, 0.0, 0.0, 0.0);
     Ok(1e3 * end.held(0).desired.position)
 }
 
-/// Of an end with an empty tank that has heard of 4 mJ, the other copy 1 m away, N.
+/// Force of an end with an empty tank that has heard of 4 mJ, the other copy 1 m away, N.
 pub fn force_of_what_was_absorbed_n() -> Result<f64, Failure> {
     let mut end = End::new("passivity-control", &["coordination.tank_j=0", "coordination.damping_n_s_per_m=0"])?;
     end.hear(1.0, 0.0, 0.0, 0.0);
@@ -236,7 +238,7 @@ pub fn packets_of_a_ramp() -> Result<f64, Failure> {
     Ok(packets)
 }
 
-/// Of 1000 packets a second, a pair whose one hand goes to and fro by 5 cm once a second, %.
+/// Packets saved of 1000 a second, by a pair of which one hand goes to and fro by 5 cm once a second, %.
 pub fn packets_saved_percent() -> Result<f64, Failure> {
     let set = [
         EACH_TICK,
@@ -263,7 +265,7 @@ pub fn velocity_held() -> Result<f64, Failure> {
         .ok_or_else(|| "no tick".into())
 }
 
-/// Of a copy that is held, with 0.4 mJ in the account and all of 100 N asked for, N.
+/// Force on a copy that is held, with 0.4 mJ in the account and 100 N asked for, N.
 pub fn gated_force_n() -> Result<f64, Failure> {
     let set = ["coordination.stiffness_n_per_m=1000", "coordination.damping_n_s_per_m=2", "coordination.tank_j=0.0004"];
     let mut end = End::new("input-gated", &set)?;

@@ -34,15 +34,15 @@ pub enum Says {
 pub struct Number {
     /// The law whose paper it is.
     pub law: &'static str,
-    /// Which paper.
+    /// The paper that says it.
     pub paper: &'static str,
     /// Section, figure or equation.
     pub place: &'static str,
-    /// What it is of.
+    /// The quantity that the number measures.
     pub what: &'static str,
     /// Its unit; nothing for a share.
     pub unit: &'static str,
-    /// Printed or computed.
+    /// Whether the paper prints the number or an equation gives it.
     pub says: Says,
     theirs: fn() -> f64,
     ours: fn() -> Result<f64, Failure>,
@@ -53,11 +53,11 @@ pub struct Number {
 /// A number and what came of it.
 #[derive(Clone, Debug)]
 pub struct Row {
-    /// Which.
+    /// The number that was compared.
     pub number: Number,
     /// What the paper says.
     pub theirs: f64,
-    /// What was measured.
+    /// The value measured here, in the number's unit.
     pub ours: f64,
 }
 
@@ -67,7 +67,7 @@ impl Row {
         self.ours / self.theirs - 1.0
     }
 
-    /// Near enough, or further off for a reason that is told.
+    /// Near enough, or further off for a reason that is given.
     pub fn is_accounted_for(&self) -> bool {
         (self.off().abs() <= WITHIN) == self.number.why.is_empty()
     }
@@ -77,7 +77,7 @@ const COOPERATION: &str = "Rakhsha & Constantinescu 2012";
 
 use Says::{Equation, Printed};
 
-/// Every number.
+/// Every number of the papers that is compared.
 #[rustfmt::skip]
 pub const NUMBERS: &[Number] = &[
     Number { law: "power", paper: COOPERATION, place: "§5.2, Fig. 9", what: "mean position discrepancy at 310 N/m", unit: "mm", says: Printed,
@@ -139,7 +139,7 @@ pub fn rows() -> Result<Vec<Row>, Failure> {
     NUMBERS.par_iter().map(row).collect()
 }
 
-/// Declares the table.
+/// Declares the columns of the rows.
 pub fn columns(rows: &[Row]) -> Columns {
     Columns::of(rows)
         .value("law", |row| row.number.law)

@@ -43,10 +43,10 @@ pub struct Boundary {
     pub run: Option<f64>,
 }
 
-/// One law.
+/// The stable region of one law.
 #[derive(Clone, Debug)]
 pub struct Region {
-    /// Its name.
+    /// Name of the law.
     pub law: &'static str,
     /// Along K_T; none where it is stable up to `TO_N_PER_M`.
     pub coordination: Option<Boundary>,
@@ -120,7 +120,7 @@ fn settles(linear: &Scene) -> Result<bool, Failure> {
     Ok(pair.fault().is_none() && last <= middle.min(kick))
 }
 
-/// Declares the table.
+/// Declares the columns of the regions.
 pub fn columns(regions: &[Region]) -> Columns {
     let matrix = |found: Option<Boundary>| found.map(|found| found.matrix);
     let run = |found: Option<Boundary>| found.and_then(|found| found.run);

@@ -13,7 +13,7 @@ use crate::studies::{Failure, paper::Experiment};
 pub(crate) struct Computed<'a> {
     /// Every experiment of §5.
     pub(crate) experiments: &'a [Experiment],
-    /// Figure 4.
+    /// The curves of Figure 4.
     pub(crate) curves: &'a [(figure4::Curve, Map)],
 }
 
@@ -52,7 +52,7 @@ fn list(values: &[f64]) -> String {
     values.iter().map(|value| significant(*value, 3)).collect::<Vec<_>>().join(", ")
 }
 
-/// All of them.
+/// All claims of the cooperation paper.
 pub(crate) fn claims(computed: &Computed<'_>) -> Result<Vec<Claim>, Failure> {
     let all = [figure_4(computed)?, gains(computed)?, coherency(computed)?];
     Ok(of("cooperation", all.concat()))

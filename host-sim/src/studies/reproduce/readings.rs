@@ -7,10 +7,10 @@ use haptic_sim::scene::Scene;
 
 use crate::studies::Failure;
 
-/// One way to read it.
+/// A way to read what the paper leaves open.
 #[derive(Clone, Debug)]
 pub(super) struct Reading {
-    /// In words.
+    /// The reading in words.
     pub(super) name: String,
     settings: [String; 3],
 }

@@ -24,7 +24,7 @@ pub(super) const MOST: usize = 1_000_000;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
-    /// `table.key`.
+    /// Name of the key, `table.key`.
     pub key: String,
     /// Its values, as a scene file writes them.
     pub values: Vec<String>,

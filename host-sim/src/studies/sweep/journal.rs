@@ -34,6 +34,9 @@ pub struct Journal {
 
 impl Journal {
     /// Goes on with the sweep in this folder, or begins it there; returns every row that is there. `shard` is I and N.
+    ///
+    /// # Errors
+    /// The folder holds another sweep, or a file cannot be read or written.
     pub fn open(folder: &Path, question: &Made, shard: (usize, usize)) -> Result<(Self, Vec<Row>), Failure> {
         fs::create_dir_all(folder).map_err(|cause| format!("cannot make {}: {cause}", folder.display()))?;
         same_question(folder, &question.toml())?;
@@ -53,7 +56,10 @@ impl Journal {
         Ok((Self { path, file: Mutex::new((file, Instant::now())) }, rows))
     }
 
-    /// Adds these rows.
+    /// Adds these rows to the file.
+    ///
+    /// # Errors
+    /// The file cannot be written.
     pub fn append(&self, rows: &[Row]) -> Result<(), Failure> {
         let lines = Row::lines(rows)?;
         let mut guard = self.file.lock().unwrap_or_else(PoisonError::into_inner);
@@ -67,6 +73,9 @@ impl Journal {
     }
 
     /// Has everything reach the disk.
+    ///
+    /// # Errors
+    /// The file cannot be written.
     pub fn finish(self) -> Result<(), Failure> {
         let (file, _) = self.file.into_inner().unwrap_or_else(PoisonError::into_inner);
         file.sync_all().map_err(|cause| format!("cannot write {}: {cause}", self.path.display()).into())
@@ -75,6 +84,9 @@ impl Journal {
 
 /// The rows as `sweep.csv` and `sweep.parquet` in this folder, each whole or as it was before; returns the paths of what the folder
 /// holds then. One process at a time does so: the one that holds the only journal of all points.
+///
+/// # Errors
+/// A file cannot be written.
 pub fn write(folder: &Path, rows: &Columns, question: &Made) -> Result<Vec<PathBuf>, Failure> {
     let [csv, parquet, toml] = ["sweep.csv", "sweep.parquet", "sweep.toml"].map(|name| folder.join(name));
     write_csv(rows, &csv)?;

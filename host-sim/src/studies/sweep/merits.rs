@@ -9,11 +9,11 @@ pub struct Merit {
     pub stem: &'static str,
     /// The unit, as names end; empty for a ratio.
     pub unit: &'static str,
-    /// What it means.
+    /// Meaning of the figure.
     pub meaning: &'static str,
     /// Whether a table for people shows it.
     pub shown: bool,
-    /// Of a run; none of one that failed.
+    /// The figure of a run; none of one that failed.
     pub of: fn(&Outcome) -> Option<f64>,
 }
 
@@ -45,7 +45,7 @@ macro_rules! merits {
     };
 }
 
-/// All of them. What is told of a run in which the copies came apart, too, is `whole`; the others are of stable runs alone.
+/// All figures of merit. Those marked `whole` count in runs in which the copies came apart, too; the others only in stable runs.
 pub const MERITS: [Merit; 12] = merits! {
     "true_discrepancy" "mm" true "mean of |x_o1 - x_o2| over the last half" |o| o.whole(|o| o.whole.true_discrepancy_mm);
     "largest_true_discrepancy" "mm" false "largest |x_o1 - x_o2| over the whole run" |o| o.whole(|o| o.whole.largest_true_discrepancy_mm);

@@ -23,8 +23,8 @@ use std::collections::BTreeSet;
 use rayon::prelude::*;
 use ring::digest::{SHA256, digest};
 
-use haptic_core::names::Choice;
 use haptic_analysis::Conclusion;
+use haptic_core::names::Choice;
 use haptic_sim::lanes::{self, number::LANES};
 use haptic_sim::report::{Columns, Made, Rows};
 use haptic_sim::run::{Options, Outcome, Verdict, run};
@@ -43,14 +43,14 @@ pub use self::sample::{Design, MOST_KEYS, Sample, Spread};
 /// Most runs of a sweep: their rows are held in memory, some 300 bytes each.
 pub const MOST_RUNS: usize = 10_000_000;
 
-/// What is asked.
+/// The scene, its axes and samples, and the seeds of a sweep.
 #[derive(Clone, Debug)]
 pub struct Sweep {
     /// What every point starts from.
     pub scene: Scene,
-    /// What is varied over a grid.
+    /// Keys that are varied over a grid.
     pub axes: Vec<Axis>,
-    /// And what at each point of it.
+    /// Keys that are drawn at each point of the grid.
     pub sample: Option<Sample>,
     /// Runs of a point.
     pub seeds: u32,
@@ -102,6 +102,9 @@ impl Sweep {
     }
 
     /// The scene of a point, with the first seed.
+    ///
+    /// # Errors
+    /// A key that does not exist, or a value that it does not accept.
     pub fn scene_at(&self, point: usize) -> Result<Scene, SceneError> {
         let settings = self.keys().zip(self.values(point)).map(|(key, value)| format!("{key}={value}"));
         let settings: Vec<String> = settings.collect();
@@ -112,6 +115,9 @@ impl Sweep {
     }
 
     /// Refuses what could not be run: a key that there is not, a value or a combination that is not allowed, too much of it.
+    ///
+    /// # Errors
+    /// The first thing that could not be run.
     pub fn check(&self) -> Result<(), Failure> {
         for (at, key) in self.keys().enumerate() {
             if key == "network.seed" {
@@ -131,7 +137,10 @@ impl Sweep {
         wrong.map_or(Ok(()), |wrong| Err(wrong.into()))
     }
 
-    /// What it asks, for [`Journal::open`] and for the files of what it found; traces are told by what is in them.
+    /// What it asks, for [`Journal::open`] and for the files of what it found; traces are identified by their content.
+    ///
+    /// # Errors
+    /// A trace that cannot be read.
     pub fn question(&self, made: Made) -> Result<Made, Failure> {
         let mut made = made.settings(self.scene.settings()).with("number_type", "f64").with("seconds", self.seconds);
         made = made.with("seeds", self.seeds);
@@ -166,6 +175,9 @@ impl Sweep {
 
     /// Runs what `there` lacks of these points, all cores at work; hands every row to `keep` as soon as it is there and returns all of
     /// these points, those that were there included, by point and seed.
+    ///
+    /// # Errors
+    /// A scene that cannot be run, or what `keep` refuses.
     pub fn run(
         &self,
         points: impl Iterator<Item = usize>,
@@ -182,6 +194,9 @@ impl Sweep {
 
     /// Runs these seeds of these points, all cores at work, in any order; `keep` gets every row as soon as it is there, and ends it all
     /// by refusing one.
+    ///
+    /// # Errors
+    /// A scene that cannot be run, or what `keep` refuses.
     pub fn run_these(
         &self,
         runs: Vec<(usize, Vec<u32>)>,
@@ -232,7 +247,7 @@ impl Sweep {
         (0..self.seeds).map(move |later| first.wrapping_add(later))
     }
 
-    /// Which of the seeds this is.
+    /// Index of the seed among the sweep's seeds.
     fn turn(&self, seed: u32) -> u32 {
         seed.wrapping_sub(self.scene.world.network.seed)
     }
@@ -323,7 +338,7 @@ impl Row {
     }
 }
 
-/// The same scene with another seed.
+/// This scene with another seed.
 fn with_seed(scene: &Scene, seed: u32) -> Scene {
     let mut scene = scene.clone();
     scene.world.network.seed = seed;

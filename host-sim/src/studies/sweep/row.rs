@@ -13,7 +13,7 @@ pub(super) const POINT: &str = "which point, from 0; in a grid the last key vari
 /// What one run gave. What is no number there is NaN.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Row {
-    /// Which point, from 0; in a grid the last key varies fastest.
+    /// Index of the point, from 0; in a grid the last key varies fastest.
     pub point: usize,
     /// The seed of the run.
     pub seed: u32,
@@ -41,13 +41,16 @@ impl Row {
     }
 
     /// Rows as lines of a file of rows.
+    ///
+    /// # Errors
+    /// A row that cannot be written as CSV.
     pub fn lines(rows: &[Self]) -> Result<Vec<u8>, Failure> {
         let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
         rows.iter().try_for_each(|row| writer.serialize(row))?;
         Ok(writer.into_inner()?)
     }
 
-    /// And back: the rows that these lines say, each as it is read.
+    /// The rows that these lines hold, each as it is read.
     pub fn read(lines: &[u8]) -> impl Iterator<Item = csv::Result<Self>> {
         csv::ReaderBuilder::new().has_headers(false).from_reader(lines).into_deserialize()
     }

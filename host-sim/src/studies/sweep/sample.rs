@@ -27,7 +27,7 @@ pub const MOST_KEYS: usize = 21;
 pub enum Design {
     /// One point in each of N parts of every range.
     LatinHypercube,
-    /// Sobol's sequence.
+    /// Points of Sobol's sequence, shifted by the seed.
     Sobol,
 }
 
@@ -46,7 +46,7 @@ impl Choice for Design {
 /// | `KEY=X,Y,Z` | these: numbers, `true` and `false`, names |
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spread {
-    /// `table.key`.
+    /// Name of the key, `table.key`.
     pub key: String,
     text: String,
     over: Over,
@@ -120,18 +120,21 @@ impl FromStr for Spread {
 pub struct Sample {
     /// How they are spread.
     pub design: Design,
-    /// How many.
+    /// Number of points to spread.
     pub points: usize,
-    /// Of the shift, or of the Latin hypercube.
+    /// Seed of the shift, or of the Latin hypercube.
     pub seed: u32,
-    /// Over what.
+    /// Keys and the ranges over which they are spread.
     pub spreads: Vec<Spread>,
     /// Of a Latin hypercube, key by key: which part of the range each point lies in.
     parts: Vec<Vec<u32>>,
 }
 
 impl Sample {
-    /// So many points; refuses what there are too many of.
+    /// A sample of so many points.
+    ///
+    /// # Errors
+    /// More points or keys than the design can spread.
     pub fn new(design: Design, points: usize, seed: u32, spreads: Vec<Spread>) -> Result<Self, String> {
         if !(1..=MOST).contains(&points) {
             return Err(format!("a sample has 1 to {MOST} points"));

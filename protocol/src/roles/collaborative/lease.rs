@@ -25,10 +25,13 @@ impl Lease {
     pub const MAX_DRIFT_PPM: u32 = 66_000;
     /// Shortest lease, µs: some packets must fit into it.
     pub const SHORTEST_US: u32 = 10_000;
-    /// Longest lease, µs.
+    /// Longest lease, µs: one minute.
     pub const LONGEST_US: u32 = 60_000_000;
 
     /// A lease of `us` µs, from [`Lease::SHORTEST_US`] to [`Lease::LONGEST_US`].
+    ///
+    /// # Errors
+    /// A length outside that range.
     pub fn new(us: u32) -> Result<Self, OutOfRange> {
         if (Self::SHORTEST_US..=Self::LONGEST_US).contains(&us) { Ok(Self { us }) } else { Err(OutOfRange { us }) }
     }
@@ -81,11 +84,11 @@ impl Requests {
 /// al. 1997, §3.2).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wish {
-    /// To edit: ask.
+    /// It wants to edit, and asks for it.
     Edit,
     /// Whatever it was before.
     AsBefore,
-    /// Nothing: give back what is held.
+    /// It wants nothing, and gives back what it holds.
     Leave,
 }
 

@@ -24,7 +24,7 @@ messages! {
         Renew = 3, 16 bytes:
             4 => version: u32, "Of the engine.";
             8 => stamp_us: u64, "Now, on the client's clock.";
-        /// Server: keep it.
+        /// Server: you may keep it for another lease.
         Renewed = 4, 16 bytes:
             4 => version: u32, "Of the engine.";
             8 => stamp_us: u64, "As the request had it.";

@@ -26,7 +26,7 @@ pub struct Server {
     lease: Lease,
     version: u32,
     place: Place,
-    /// The object as it is moved here, or as its holder last told.
+    /// The object as it is moved here, or as its holder last reported it.
     object: Body,
     came: Option<Body>,
 }
@@ -42,7 +42,7 @@ impl Server {
         self.place == Place::Here
     }
 
-    /// Of the engine, wherever it is.
+    /// Version of the engine, wherever that is.
     pub fn version(&self) -> u32 {
         self.version
     }

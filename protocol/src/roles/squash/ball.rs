@@ -31,7 +31,7 @@ pub struct Court {
 }
 
 layout! {
-    /// A ball.
+    /// Position and velocity of a ball in the court.
     pub struct Ball(16 bytes) {
         0 => position: [f32; 2], "Where, m: from the back, from the first side.";
         8 => velocity: [f32; 2], "How fast, m/s.";
@@ -90,9 +90,9 @@ fn fold(at: f32, velocity: f32, wall: f32) -> (f32, f32) {
 pub struct Racket {
     /// Mass that takes part in the impact, kg.
     pub mass_kg: f32,
-    /// Velocity, m/s.
+    /// Velocity of the racket, m/s.
     pub velocity: [f32; 2],
-    /// Where its face looks; its length does not matter.
+    /// Normal of the racket's face; its length does not matter.
     pub normal: [f32; 2],
 }
 
@@ -175,14 +175,14 @@ impl RoundTrips {
 /// How fast a ball may become, and how much a hit may change it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BallBounds {
-    /// Most speed, m/s.
+    /// Largest speed of the ball, m/s.
     pub speed_m_per_s: f32,
-    /// Most change of velocity in one hit, m/s.
+    /// Largest change of the ball's velocity in one hit, m/s.
     pub change_m_per_s: f32,
 }
 
 impl BallBounds {
-    /// No bounds.
+    /// Bounds that allow any speed and any hit.
     pub const NONE: Self = Self { speed_m_per_s: f32::INFINITY, change_m_per_s: f32::INFINITY };
 
     /// Bounds for a court of this length and a round trip of this long; none for 0.

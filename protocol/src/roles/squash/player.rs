@@ -7,12 +7,12 @@ use super::rules::{
 use crate::roles::{Out, Role};
 use crate::{clock::Clock, notices::Notices, wire::PeerId};
 
-/// What a player is told.
+/// Settings of a player.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlayerConfig {
     /// Its number, 1 to [`PLAYERS`].
     pub number: PeerId,
-    /// The court.
+    /// Dimensions of the court, m.
     pub court: Court,
     /// Mass of the ball, kg.
     pub ball_kg: f32,
@@ -23,7 +23,7 @@ pub struct PlayerConfig {
 /// What a player has to tell its user.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Notice {
-    /// This rally begins.
+    /// The rally with this number begins.
     Begins(u16),
     /// Somebody has hit the ball.
     Hit {
@@ -46,7 +46,7 @@ pub enum Notice {
 /// A hit that was made.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Strike {
-    /// Which.
+    /// The hit's place in its rally.
     pub turn: Turn,
     /// What the device renders.
     pub impact: Impact,
@@ -54,7 +54,7 @@ pub struct Strike {
     pub bounded: bool,
 }
 
-/// The newest hit.
+/// The newest hit: when it was, and how the ball flew after it.
 #[derive(Clone, Copy, Debug, Default)]
 struct Flight {
     turn: Turn,
@@ -78,7 +78,7 @@ struct Other {
     next_us: u64,
 }
 
-/// A player.
+/// A player of the game, on this client.
 #[derive(Clone, Debug)]
 pub struct Player {
     config: PlayerConfig,
@@ -171,7 +171,7 @@ impl Player {
         self.racket = racket;
     }
 
-    /// The user stops.
+    /// The user leaves the game.
     pub fn leave(&mut self) {
         self.leaving = true;
     }

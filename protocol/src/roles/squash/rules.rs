@@ -21,7 +21,7 @@ pub const HEARTBEAT_LIMIT_US: u64 = 1_500_000;
 pub const SERVER: PeerId = PeerId(0);
 
 layout! {
-    /// Which hit of which rally. Stroke 0 is before the serve, 1 is the serve.
+    /// A hit's place in the game: its rally, and its stroke there. Stroke 0 is before the serve, 1 is the serve.
     #[derive(Eq, PartialOrd, Ord)]
     pub struct Turn(4 bytes) {
         0 => rally: u16, "1, 2, 3 …";
@@ -52,7 +52,7 @@ byte_enum! {
 }
 
 impl Ending {
-    /// Whether somebody scores.
+    /// Whether the rally gives somebody a point.
     pub fn scores(self) -> bool {
         matches!(self, Self::Missed | Self::Fault)
     }
@@ -105,7 +105,7 @@ messages! {
     pub enum Message("squash", code 0x0103, about 0, flow Game Place Ping Pong) {
         /// Player: I would like to play.
         Join = 1, 4 bytes
-        /// Player: I stop.
+        /// Player: I stop playing.
         Leave = 2, 4 bytes
         /// Server: the game as it stands.
         Game = 3, 32 bytes:
@@ -131,7 +131,7 @@ messages! {
         Ping = 7, 16 bytes:
             4 => number: u32, "1, 2, 3 …";
             8 => sent_us: u64, "When it was sent first, µs.";
-        /// The answer.
+        /// Anybody: the answer to a ping.
         Pong = 8, 32 bytes:
             4 => number: u32, "Of the ping.";
             8 => sent_us: u64, "Of the ping.";

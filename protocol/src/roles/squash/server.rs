@@ -9,7 +9,7 @@ use super::rules::{
 use crate::roles::{Out, Role};
 use crate::wire::PeerId;
 
-/// What a server is told.
+/// Settings of the server.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ServerConfig {
     /// Players that the game begins with; later ones come in between two rallies. 2 to [`PLAYERS`].
@@ -31,7 +31,7 @@ struct Seat {
     measured: bool,
 }
 
-/// The server.
+/// The server of a game.
 #[derive(Clone, Debug, Default)]
 pub struct Server {
     config: ServerConfig,
@@ -49,7 +49,7 @@ impl Server {
         Self { config, ..Self::default() }
     }
 
-    /// The game.
+    /// The state of the game.
     pub fn game(&self) -> &Game {
         &self.game
     }

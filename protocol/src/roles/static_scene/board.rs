@@ -1,4 +1,4 @@
-//! Board: where everybody is, told to everybody else in turns.
+//! Board: the positions of all clients, sent to each other client in turns.
 //!
 //! Each answer carries the next [`Presence::MOST`] of the others; so with up to five clients everybody is told about all
 //! others with every packet, and with n of them every ⌈(n − 1)/4⌉ packets. The cost of an answer does not grow with the
@@ -16,7 +16,7 @@ struct Place {
     cursor: usize,
 }
 
-/// Where everybody is.
+/// The positions of all clients, as they last reported them.
 #[derive(Clone, Debug)]
 pub struct Board<const CLIENTS: usize> {
     places: Vec<Place, CLIENTS>,

@@ -30,9 +30,9 @@ const _: () = assert!(PAGES == 2 * Bits::COUNT);
 /// What a part has done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Taken {
-    /// Nothing: known, or about another scope or world.
+    /// Nothing new: known already, or about another scope or world.
     Nothing,
-    /// More is known.
+    /// Something new, but not all that is in scope yet.
     More,
     /// Everything in scope is there, and its checksums are right.
     Complete,
@@ -127,7 +127,7 @@ impl<const N: usize> Download<N> {
         self.told
     }
 
-    /// Everything in scope is held.
+    /// Whether everything in scope is held.
     pub fn is_complete(&self) -> bool {
         self.complete
     }
@@ -211,7 +211,7 @@ impl<const N: usize> Download<N> {
         self.told.map_or(0, |(_, manifest)| usize::from(manifest.objects).div_ceil(Page::OBJECTS))
     }
 
-    /// Which objects are in scope has to be learnt anew; the objects stay.
+    /// Forgets which objects are in scope, so that they are listed anew; the objects stay.
     fn forget_listing(&mut self) {
         self.pages = PageSet::default();
         self.asked_pages = PageSet::default();

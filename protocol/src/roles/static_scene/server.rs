@@ -16,11 +16,14 @@ pub struct Server<const OBJECTS: usize> {
 
 impl<const OBJECTS: usize> Server<OBJECTS> {
     /// A server of the whole world, or of one region and the margin around it.
+    ///
+    /// # Errors
+    /// A number of the world that cannot be encoded.
     pub fn new(database: Database<OBJECTS>, region: Option<u8>) -> Result<Self, Error> {
         Ok(Self { world: database.checksum()?, database, region })
     }
 
-    /// The world.
+    /// The database of the world.
     pub fn database(&self) -> &Database<OBJECTS> {
         &self.database
     }
@@ -31,6 +34,9 @@ impl<const OBJECTS: usize> Server<OBJECTS> {
     }
 
     /// Replaces the world; clients notice with the next part they get.
+    ///
+    /// # Errors
+    /// A number of the world that cannot be encoded.
     pub fn publish(&mut self, database: Database<OBJECTS>) -> Result<(), Error> {
         *self = Self::new(database, self.region)?;
         Ok(())

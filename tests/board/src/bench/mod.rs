@@ -38,12 +38,12 @@ pub const STACK: Range<u64> = 0x2000_0100..0x2000_9F00;
 /// What the stack holds at power-on, to see later how far down it was used.
 const PAINT: u32 = 0x5EA1_AB1E;
 
-/// The bench.
+/// Boards, wire and PC on one clock.
 pub struct Bench {
     nodes: Vec<Node>,
-    /// Between them.
+    /// The wire between boards and PC.
     pub wire: Wire,
-    /// Who talks to them.
+    /// The PC that operates the boards.
     pub pc: Pc,
     /// Who stands in for board 2, if anyone.
     pub partner: Option<Partner>,
@@ -56,7 +56,7 @@ pub struct Bench {
     pub stopped: Vec<Stopped>,
     /// Instructions of each board's ticks, once [`Bench::count_instructions`] was asked for.
     pub meters: Vec<Meter>,
-    /// The same of their current loops.
+    /// Instructions of each board's current loop, once [`Bench::count_instructions`] was asked for.
     pub loops: Vec<Meter>,
     now_ns: u64,
     period_s: f64,
@@ -81,7 +81,7 @@ impl Bench {
         Self::start_with(firmware, boards, line, &[])
     }
 
-    /// The same, with words in every board's flash that were there before, beside the keys: address and value.
+    /// [`Bench::start`] with words in every board's flash that were there before, beside the keys: address and value.
     ///
     /// # Panics
     /// As [`Bench::start`].
@@ -167,7 +167,7 @@ impl Bench {
         panic!("board {number} and the operator do not meet");
     }
 
-    /// Now, ns.
+    /// Virtual time of the bench, ns.
     pub fn now_ns(&self) -> u64 {
         self.now_ns
     }
@@ -321,7 +321,7 @@ impl Bench {
         self.run_to(self.now_ns + 1000 * us);
     }
 
-    /// So many periods.
+    /// Runs the bench for so many periods of 1 ms.
     pub fn run_for_ms(&mut self, periods: u64) {
         (0..periods).for_each(|_| self.step());
     }
@@ -352,7 +352,7 @@ impl Bench {
         &self.pc.further[number - 1]
     }
 
-    /// Ends the run.
+    /// Ends the run and gives a report of each board.
     pub fn finish(self) -> Vec<Report> {
         self.nodes.into_iter().map(Node::finish).collect()
     }

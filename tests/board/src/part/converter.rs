@@ -26,7 +26,7 @@ const TRIGGERED: u64 = 1 << 7 | 8 << 2 | 2;
 /// Three times 17 clocks of 32 MHz, ns.
 const LASTS_NS: u64 = 1594;
 
-/// The converter.
+/// Model of ADC1's injected group.
 #[derive(Debug)]
 pub struct Converter {
     flags: u64,

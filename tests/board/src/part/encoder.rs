@@ -59,7 +59,7 @@ impl EncoderTimer {
         self.turn_within(counts, SPREAD_NS, context);
     }
 
-    /// The same within another time, ns.
+    /// [`EncoderTimer::turn`] within another time, ns.
     pub fn turn_within(&mut self, counts: i64, spread_ns: u64, context: &mut DeviceContext<'_>) {
         let way = counts - self.target();
         if way == 0 {

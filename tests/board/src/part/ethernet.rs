@@ -21,7 +21,7 @@ use rigless::time::VirtualNanos;
 
 /// Auto-negotiation after the cable is in or was asked for, ns: real PHYs take seconds, tests need not.
 const NEGOTIATION_NS: u64 = 20_000_000;
-/// Receive FIFO, bytes.
+/// Size of the receive FIFO, bytes.
 const FIFO: usize = 2048;
 
 /// What the two halves know of each other.
@@ -46,7 +46,7 @@ impl Shared {
     }
 }
 
-/// MAC and PHY.
+/// Model of the MAC and the PHY behind it.
 #[derive(Debug)]
 pub struct Mac(Arc<Mutex<Shared>>);
 

@@ -7,7 +7,7 @@ use rigless::time::{EventId, VirtualNanos};
 /// Nominal frequency of the oscillator behind it, Hz.
 const LSI_HZ: u64 = 32_000;
 
-/// The watchdog.
+/// Model of the independent watchdog.
 #[derive(Debug, Default)]
 pub struct Iwdg {
     running: bool,

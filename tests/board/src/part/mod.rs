@@ -97,13 +97,13 @@ pub struct Part {
     pub chip: Stm32h743,
     /// Station management and filter.
     pub mac: Mac,
-    /// Descriptor rings.
+    /// DMA with its descriptor rings.
     pub dma: Dma,
     /// Watchdog on its own clock.
     pub iwdg: Iwdg,
     /// Watchdog on the bus's.
     pub wwdg: Wwdg,
-    /// ADC1.
+    /// Converter ADC1 with the motors' currents.
     pub converter: Converter,
     /// TIM3, TIM4 and TIM2 with an encoder each.
     pub encoders: [EncoderTimer; MOTORS],
@@ -377,7 +377,7 @@ impl Mcu for Part {
 /// The board around the chip.
 #[derive(Debug)]
 pub struct Nucleo {
-    /// The chip.
+    /// The chip with everything around it.
     pub part: Part,
 }
 

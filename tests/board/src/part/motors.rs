@@ -34,7 +34,7 @@ fn step<const N: usize>(plant: &mut Plant<N>, time_s: f64, duties: [Duty; MOTORS
     plant.step(time_s, &Actuators::<f32, N> { duties, enable, ..Actuators::default() });
 }
 
-/// The device.
+/// The device behind a board's bridges.
 #[derive(Clone, Debug)]
 pub struct Motors {
     body: Body,

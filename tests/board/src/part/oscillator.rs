@@ -4,7 +4,7 @@
 use rigless::device::{Device, DeviceContext, RegisterFile};
 use rigless::soc::stm32h743::generated::rcc::Register;
 
-/// HSEON in CR.
+/// The bit HSEON of the register CR.
 const ON: u64 = 1 << 16;
 
 /// Stands in while the clock is missing.

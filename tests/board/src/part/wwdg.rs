@@ -13,7 +13,7 @@ const RUNNING: u64 = 1 << 7;
 /// The bit that must not fall.
 const ALIVE: u64 = 1 << 6;
 
-/// The watchdog.
+/// Model of the window watchdog.
 #[derive(Debug, Default)]
 pub struct Wwdg {
     /// When it was wound up last, ns, and to which count; `None` until it is started.

@@ -11,19 +11,19 @@ use object::{Object, ObjectSection, ObjectSymbol, SectionKind, SymbolKind};
 
 use super::thumb::Body;
 
-/// A function.
+/// A function of the image.
 #[derive(Clone, Debug)]
 pub struct Function {
     /// Its names, without hashes; several where equal ones were merged. A task's poll function is `task` and its path first.
     pub names: Vec<String>,
-    /// What it does.
+    /// Its instructions, as far as stack and calls go.
     pub body: Body,
 }
 
 /// The functions of an image.
 #[derive(Debug)]
 pub struct Code {
-    /// By address.
+    /// Functions by their address.
     pub functions: BTreeMap<u64, Function>,
     /// Functions whose address stands in data or is made in code, the vector table's left out: what a call through a pointer
     /// may reach.
@@ -127,7 +127,7 @@ pub fn veneer(name: &str) -> Option<&str> {
     name.strip_prefix("__Thumbv7ABSLongThunk_")
 }
 
-/// `firmware::net::run` is `net::run`.
+/// The path without the package: `firmware::net::run` is `net::run`.
 fn short(path: &str) -> String {
     path.trim_start_matches("firmware::").to_owned()
 }

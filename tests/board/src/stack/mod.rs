@@ -22,7 +22,7 @@ pub const EXCEPTION_FRAME: u64 = 26 * 4 + 4;
 /// The deepest way down from an entry.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Path {
-    /// Bytes of stack.
+    /// Depth of the stack, bytes.
     pub bytes: u64,
     /// Functions on the way, and the frame of each.
     pub steps: Vec<(u64, String)>,
@@ -65,7 +65,7 @@ fn list(text: &str) -> Vec<Line<'_>> {
 /// A function, and how often each limited one may still come: what a depth depends on.
 type Place = (u64, Vec<u32>);
 
-/// Finds paths.
+/// Finds the deepest paths of the image.
 #[derive(Debug)]
 pub struct Stack<'a> {
     code: &'a Code,

@@ -5,7 +5,7 @@
 
 use crate::matrix::{Matrix, rows};
 
-/// e^matrix.
+/// The matrix exponential e^X of `matrix`.
 pub fn exponential(matrix: &Matrix) -> Matrix {
     let size = matrix.nrows();
     let norm = matrix.column_iter().map(|column| column.iter().map(|x| x.abs()).sum::<f64>()).fold(0.0, f64::max);

@@ -56,7 +56,7 @@ pub(super) enum Input {
 pub(super) struct Peer {
     /// What the states are, in order.
     pub states: Vec<State>,
-    /// Which states are sent; as many as there are held inputs s.
+    /// The states that are sent; as many as there are held inputs s.
     pub sends: Vec<State>,
     /// State → next state.
     pub a: Matrix,

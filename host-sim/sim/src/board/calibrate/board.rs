@@ -66,7 +66,10 @@ pub trait Board {
     fn ticks(&mut self, seconds: f64) -> Result<Vec<Tick>, String>;
 }
 
-/// Says a line that must be answered with `ok`, and gives what follows it.
+/// Sends a line that must be answered with `ok`, and gives what follows it.
+///
+/// # Errors
+/// The board's refusal, or its silence.
 pub fn say(board: &mut dyn Board, line: &str) -> Result<String, String> {
     let answer = board.ask(line)?;
     match answer.strip_prefix("ok") {
@@ -75,18 +78,27 @@ pub fn say(board: &mut dyn Board, line: &str) -> Result<String, String> {
     }
 }
 
-/// What came of a board's last probe.
+/// The outcome of the board's last probe.
+///
+/// # Errors
+/// No answer, or one that cannot be read.
 pub fn probed(board: &mut dyn Board) -> Result<Probed, String> {
     Probed::parse(&say(board, "probed")?)
 }
 
-/// What a board has a key set to, as text.
+/// The value of a key on the board, as text.
+///
+/// # Errors
+/// No answer, or a key that the board does not know.
 pub fn get(board: &mut dyn Board, key: &str) -> Result<String, String> {
     let answer = say(board, &format!("get {key}"))?;
     Ok(answer.split_once('=').map_or(answer.as_str(), |(_, value)| value).trim().trim_matches('"').to_owned())
 }
 
 /// The settings that a calibration depends on, as the board has them.
+///
+/// # Errors
+/// No answer, or a value that the key does not accept.
 pub fn settings(board: &mut dyn Board) -> Result<Settings, String> {
     const TABLES: [&str; 6] = ["timing.", "axis.", "encoder.", "kinematics.", "motor.", "probe."];
     let mut settings = Settings::default();
@@ -99,21 +111,24 @@ pub fn settings(board: &mut dyn Board) -> Result<Settings, String> {
     Ok(settings)
 }
 
-/// How one joint of a device is told and measured.
+/// How one joint of a device is configured, and what one count of it is worth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Joint {
-    /// Which, 1 or 2.
+    /// Number of the joint, 1 or 2.
     pub number: u32,
     /// Metres of the hand for a count along the joint, near where it stands; negative where counts grow against the axis.
     pub m_per_count: f64,
     /// Metres of the hand for a metre, or a radian, of the joint.
     pub lever: f64,
-    /// Control period, s.
+    /// Control period of the board, s.
     pub period_s: f64,
 }
 
 impl Joint {
     /// Joint `number` of the device that the settings describe.
+    ///
+    /// # Errors
+    /// A joint that the device does not have.
     pub fn of(settings: &Settings, number: u32) -> Result<Self, String> {
         if !(1..=settings.axis.count).contains(&number) {
             return Err(format!("joint {number} is not allowed: axis.count is {}", settings.axis.count));
@@ -152,11 +167,14 @@ pub struct Run {
     pub duties: Vec<f64>,
     /// What the power stage measured since the tick before; empty without a current loop.
     pub stage: Vec<Measured>,
-    /// How it ended.
+    /// How the probe ended.
     pub end: End,
 }
 
 /// What a line's probe of a joint gives, tick by tick.
+///
+/// # Errors
+/// The board refused the probe, fell silent, or lost records.
 pub fn run(board: &mut dyn Board, joint: u32, line: &str) -> Result<Run, String> {
     say(board, "stream 1")?;
     let outcome = record(board, line);

@@ -10,9 +10,9 @@ use haptic_core::device::kinematics::KinematicsName;
 /// By how much the joint is to be moved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Distance {
-    /// So many metres: a slide.
+    /// A slide's distance, m.
     Metres(f64),
-    /// So many revolutions: a joint that turns.
+    /// Revolutions of a joint that turns.
     Revolutions(f64),
 }
 
@@ -24,6 +24,9 @@ const FEWEST: f64 = 200.0;
 const RESTING: f64 = 4.0;
 
 /// Counts and sign, from what the two marks differ by.
+///
+/// # Errors
+/// Too few counts for the distance, or marks that scatter too much.
 pub fn scale(moved_counts: f64, spread_counts: f64, distance: Distance) -> Result<Vec<Found>, String> {
     if moved_counts.abs() < FEWEST {
         return Err(format!(
@@ -76,6 +79,9 @@ fn follow(
 }
 
 /// Asks the person to move joint `number`, and gives its scale.
+///
+/// # Errors
+/// The board refused, the person gave up, or the scale cannot be told from the marks.
 pub fn calibrate(
     board: &mut dyn Board,
     person: &mut dyn Person,

@@ -19,7 +19,7 @@ use haptic_core::{device::current::PWM_PERIOD_S, settings::Settings};
 const FREQUENCIES_HZ: [f64; 2] = [4.0, 6.0];
 /// Length of what is fitted by itself, s.
 const STRETCH_S: f64 = 0.25;
-/// Fewest of them.
+/// Fewest stretches that make an estimate.
 const FEWEST: usize = 4;
 /// Share of the constant that the interval holds for the model: a voltage that is constant through each PWM period, a joint that moves as it was
 /// read at the tick.
@@ -52,6 +52,9 @@ fn constants(run: &Run, joint: &Joint, settings: &Settings, found: &mut Vec<f64>
 }
 
 /// Moves joint `number` and gives its motor's constant, N/A or N·m/A; none on a board that does not measure currents.
+///
+/// # Errors
+/// The board refused a motion, or the fit does not determine the constant.
 pub fn constant(board: &mut dyn Board, number: u32) -> Result<Option<Estimate>, String> {
     let settings = settings(board)?;
     let joint = Joint::of(&settings, number)?;
@@ -81,6 +84,9 @@ pub fn constant(board: &mut dyn Board, number: u32) -> Result<Option<Estimate>, 
 }
 
 /// Refuses a constant by the voltage that is not the one known otherwise.
+///
+/// # Errors
+/// Both constants with their intervals, where they disagree.
 pub fn against(by_voltage: Estimate, other: Estimate, way: &str) -> Result<(), String> {
     let apart = (by_voltage.value - other.value).abs();
     if apart <= APART * other.value.abs() + by_voltage.within + other.within {

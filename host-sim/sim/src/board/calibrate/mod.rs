@@ -22,7 +22,7 @@ use crate::student::student_95;
 /// A number with the half width of its 95 % interval.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Estimate {
-    /// The number.
+    /// Estimated value, in the unit of what was estimated.
     pub value: f64,
     /// Half the width of the interval that holds the true one in 19 of 20 calibrations.
     pub within: f64,
@@ -37,7 +37,7 @@ impl Estimate {
         Self { value, within: student_95(values.len() as u32 - 1) * (squares / (count - 1.0) / count).sqrt() }
     }
 
-    /// The same in another unit.
+    /// The estimate in another unit, `factor` times as large.
     #[must_use]
     pub fn times(self, factor: f64) -> Self {
         Self { value: self.value * factor, within: self.within * factor.abs() }
@@ -54,9 +54,9 @@ impl std::fmt::Display for Estimate {
 /// What a calibration found: a key of the settings file and its value, as TOML.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Found {
-    /// `table.key`.
+    /// Name of the key, `table.key`.
     pub key: &'static str,
-    /// The value.
+    /// Value of the key, in its unit.
     pub value: toml::Value,
     /// Interval and circumstances, for a person.
     pub said: String,
@@ -70,7 +70,7 @@ impl Found {
         Self { key, value: toml::Value::Float(value), said: format!("{estimate} {unit}").trim_end().to_owned() }
     }
 
-    /// Yes or no.
+    /// A switch that was found to be on or off.
     pub fn flag(key: &'static str, value: bool) -> Self {
         Self { key, value: toml::Value::Boolean(value), said: value.to_string() }
     }

@@ -38,15 +38,15 @@ const UNKNOWNS: usize = 5;
 /// What the motion says, in fractions of full duty per SI unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
-    /// Duty per m/s².
+    /// Duty per acceleration, 1/(m/s²).
     pub mass: Estimate,
-    /// Duty per m/s.
+    /// Duty per velocity, 1/(m/s).
     pub damping: Estimate,
     /// Duty of dry friction.
     pub dry: Estimate,
     /// By how much force follows duty, s.
     pub delay_s: Estimate,
-    /// Windows used.
+    /// Number of windows that the fit used.
     pub windows: usize,
 }
 
@@ -111,6 +111,9 @@ fn rows(run: &Run, joint: &Joint, delay_s: f64, rows: &mut Vec<([f64; UNKNOWNS],
 }
 
 /// Fits the runs of a joint.
+///
+/// # Errors
+/// Too little motion to determine mass and friction.
 pub fn fit(runs: &[Run], joint: &Joint) -> Result<Motion, String> {
     let mut delay_s = 0.0;
     let mut found = [(0.0, 0.0); UNKNOWNS];
@@ -171,6 +174,9 @@ pub(super) fn excite(
 }
 
 /// Moves joint `number` and fits it.
+///
+/// # Errors
+/// The board refused a motion, or the fit does not determine the numbers.
 pub fn identify(board: &mut dyn Board, number: u32) -> Result<(Motion, Joint, Settings), String> {
     let settings = settings(board)?;
     let joint = Joint::of(&settings, number)?;
@@ -199,6 +205,9 @@ pub fn newton_per_duty(settings: &Settings, joint: &Joint) -> f64 {
 }
 
 /// Moves joint `number` and gives its friction: viscous and dry, N at the hand.
+///
+/// # Errors
+/// The board refused a motion, or the fit does not determine the friction.
 pub fn friction(board: &mut dyn Board, number: u32) -> Result<Vec<Found>, String> {
     let (motion, joint, settings) = identify(board, number)?;
     let newton = newton_per_duty(&settings, &joint);
@@ -216,6 +225,9 @@ pub fn friction(board: &mut dyn Board, number: u32) -> Result<Vec<Found>, String
 }
 
 /// Moves joint `number` and gives its mass, kg at the hand, and by how much force follows duty.
+///
+/// # Errors
+/// The board refused a motion, or the fit does not determine the mass.
 pub fn inertia(board: &mut dyn Board, number: u32) -> Result<Vec<Found>, String> {
     let (motion, joint, settings) = identify(board, number)?;
     let newton = newton_per_duty(&settings, &joint);

@@ -12,6 +12,9 @@ use super::{Estimate, Found, Person, Task, emf, motion};
 use crate::student::student_95;
 
 /// Slope of a line through points, with its 95 % interval.
+///
+/// # Errors
+/// Too few points for a slope.
 pub fn slope(points: &[(f64, f64)]) -> Result<Estimate, String> {
     let count = points.len() as f64;
     let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / count;
@@ -46,6 +49,9 @@ pub enum Against {
 
 /// Finds the constant of joint `number`'s motor. By a force, it is held against the voltage that the motor makes by moving, where the board
 /// measures currents.
+///
+/// # Errors
+/// The board refused, the person gave up, or the two constants disagree.
 pub fn constant(
     board: &mut dyn Board,
     person: &mut dyn Person,
@@ -134,6 +140,9 @@ fn mass(
 
 /// Checks joint `number` before arming, on a board that may still have it wrong, and gives `motor.reversed` as it should be. The
 /// encoder's own sign comes first ([`super::counts`]): it says which way the axis points.
+///
+/// # Errors
+/// The board refused the probe, or motor and encoder do not agree on a sign.
 pub fn sign(board: &mut dyn Board, number: u32) -> Result<Vec<Found>, String> {
     let reversed = settings(board)?.motor.reversed;
     say(board, &format!("check {number}"))?;

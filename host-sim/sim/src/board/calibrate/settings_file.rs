@@ -11,6 +11,9 @@ use super::board::{Board, say};
 use crate::scene::Scene;
 
 /// Adds what was found to the file at `path`, which is made if it is not there.
+///
+/// # Errors
+/// The file cannot be read as a scene, or cannot be written.
 pub fn add(path: &Path, found: &[Found]) -> Result<(), String> {
     let place = path.display();
     let before = if path.exists() {
@@ -49,13 +52,19 @@ pub fn plain(value: Value<'_>) -> String {
 }
 
 /// Gives a board what of a scene is the board's, keys that the file names only, and has it taken.
+///
+/// # Errors
+/// The file cannot be read, or the board refuses a key.
 pub fn give(board: &mut dyn Board, path: &Path) -> Result<usize, String> {
     let scene = Scene::load(crate::Laws::built_in(), Some(path), &[]).map_err(|error| error.to_string())?;
     let text = std::fs::read_to_string(path).map_err(|cause| format!("cannot read {}: {cause}", path.display()))?;
     give_scene(board, &scene, &named(&text))
 }
 
-/// The same of a scene, these keys only.
+/// Gives a board these keys of a scene, as far as they are the board's own, and has them taken. Gives how many.
+///
+/// # Errors
+/// The board refuses a key.
 pub fn give_scene(board: &mut dyn Board, scene: &Scene, named: &[String]) -> Result<usize, String> {
     let mut given = 0;
     for key in Settings::keys().filter(|key| named.iter().any(|name| name == key.name)) {

@@ -52,6 +52,9 @@ pub struct Shared(Rc<RefCell<Simulated>>);
 
 impl Shared {
     /// The device that `truth` describes, on a new board.
+    ///
+    /// # Errors
+    /// The settings of `truth` cannot be built.
     pub fn new(truth: &Scene) -> Result<Self, String> {
         let mut truth = truth.clone();
         truth.world.plant.encoder = true;

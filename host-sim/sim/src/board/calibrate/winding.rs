@@ -44,23 +44,23 @@ const MISFIT: f64 = 0.05;
 /// Most that the sensor may read at rest, of its range.
 const ZERO: f64 = 0.02;
 
-/// What a data sheet says of a winding, and how far off it may be.
+/// Winding data of a motor's data sheet, with their tolerance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sheet {
-    /// R, Ω.
+    /// Resistance R of the winding, Ω.
     pub resistance_ohm: Option<f64>,
-    /// L, H.
+    /// Inductance L of the winding, H.
     pub inductance_h: Option<f64>,
-    /// Of either, as a share of it.
+    /// Tolerance of both, as a fraction.
     pub tolerance: f64,
 }
 
 /// What current and voltage say.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Winding {
-    /// R, Ω.
+    /// Resistance R of the winding, Ω.
     pub resistance_ohm: Estimate,
-    /// L, H.
+    /// Inductance L of the winding, H.
     pub inductance_h: Estimate,
     /// What the sensor reads at no current, A.
     pub zero_a: Estimate,
@@ -159,6 +159,9 @@ fn fit(rows: &[Row], periods: f64) -> Option<([f64; 4], [f64; 2])> {
 }
 
 /// The winding that two probes of joint `number` show, the second of half the voltage.
+///
+/// # Errors
+/// The probes do not determine resistance and inductance, or the currents leave the sensor's range.
 pub fn identify(runs: [&Run; 2], settings: &Settings, number: u32) -> Result<Winding, String> {
     let periods = f64::from(periods_per_tick(settings).map_err(|refused| refused.to_string())?);
     let [(full, rest), (half, _)] = runs.map(|run| rows(run, settings, number, periods));

@@ -1,7 +1,7 @@
 //! A copy of the object that is the hub's own, and nobody's hand touches: where lines meet that are ports of what they pull at.
 //!
 //! Every line ends in the coordination law that flies, and all of them push on one more mass m_O, which is solved for once a tick
-//! (THEORY §7): each law says what its port is, and is told the mean velocity that came of all of them. So a line that stands holds
+//! (THEORY §7): each law gives its port, and gets the mean velocity that all ports together lead to. So a line that stands holds
 //! the copy by its spring, as it holds a peer's, and lets go as it does there; what the copy does to one line, the others take.
 //! Energy: each end of a line emits no more than it was given (THEORY §8), the copy and the springs start at rest, so that what goes
 //! back into all lines never is more than what came out of them.

@@ -72,7 +72,7 @@ fn verdicts(rows: &[Row], first: bool) -> Panel {
     }
 }
 
-/// Which of [`VERDICTS`].
+/// Index of a cell's verdict in [`VERDICTS`].
 fn verdict(cell: &Cell) -> usize {
     match (cell.count(Verdict::Unstable), cell.is_stable()) {
         (0, true) => 0,

@@ -9,7 +9,7 @@
 //! | [`stability`] | largest K_T and K_LC in every mode, by the analyser |
 //! | [`touch`] | what the hand feels: impedance, Z-width, mass, drag |
 //! | [`promises`] | what it promises, and whether that was kept here |
-//! | [`tables`], [`figures`], [`page`] | how it is told |
+//! | [`tables`], [`figures`], [`page`] | how it is shown |
 //!
 //! **Fair** means: one scene for all, that of the campaign (the users of the paper's §5.2, packets of 8 ms, 8 ms one way, m_O = 0.3 kg, K_LC = 1000 N/m), with
 //! peers that solve each tick at once, and for each law the gains that its author declares for trying it. Gains are not tuned here: a
@@ -101,17 +101,17 @@ pub fn law_scenes(laws: Laws, kinds: &[&Kind], scene: Option<&Path>, set: &[Stri
 /// A law on the bench.
 #[derive(Clone, Debug)]
 pub struct Row {
-    /// The law.
+    /// The law that was tried.
     pub law: &'static Kind,
     /// The scene it was tried in.
     pub scene: Scene,
-    /// Network by network.
+    /// Results, network by network.
     pub cells: Vec<Cell>,
     /// What the analyser says, or why it says nothing.
     pub stability: Result<Stability, String>,
     /// What the hand feels.
     pub touch: Touch,
-    /// What it promises, and what came of it.
+    /// The law's promises, and whether they were kept.
     pub promises: Vec<Kept>,
     /// Packets that a peer sends, /s, on the scene's own network.
     pub packets_per_s: f64,
@@ -134,7 +134,7 @@ pub fn bench(laws: Laws, scenes: &[Scene], done: &dyn Fn()) -> Result<Vec<Row>, 
     over(laws, scenes, networks::IMPAIRMENTS, done)
 }
 
-/// The same over these networks; the first is the scene's own.
+/// [`bench`] over these networks; the first is the scene's own.
 fn over(laws: Laws, scenes: &[Scene], networks: &[Named], done: &dyn Fn()) -> Result<Vec<Row>, Failure> {
     let row = |scene: &Scene| {
         let law = laws.kinds().iter().find(|law| law.name == scene.law().name).unwrap_or(scene.law());

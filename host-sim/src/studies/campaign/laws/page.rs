@@ -74,7 +74,7 @@ pub fn with(page: &str, [begin, end]: [&str; 2], text: &str) -> Result<String, S
     Ok(format!("{before}{begin}\n{}\n{end}{after}", text.trim()))
 }
 
-/// A law.
+/// The section of one law.
 fn section(row: &Row) -> String {
     let law = row.law;
     let mut text = format!("\n### `{}`\n\n", law.name);

@@ -30,10 +30,10 @@ const LOSING: [&str; 2] = ["network.loss=0.2", "network.loss_burst_packets=40 ms
 /// How far apart the copies may stay, mm.
 const TOGETHER_MM: f64 = 0.1;
 
-/// What came of a promise.
+/// Whether a promise was kept.
 #[derive(Clone, Debug)]
 pub struct Kept {
-    /// Which.
+    /// The promise that was looked at.
     pub promise: Promise,
     /// Whether it was kept.
     pub kept: bool,

@@ -18,7 +18,7 @@ const GROWS: f64 = 1.01;
 /// Frequencies at which that is looked at, Hz.
 const LOOKED_AT_HZ: [f64; 2] = [1.0, 10.0];
 
-/// What is known of a law that is linear.
+/// Stability of a linear law.
 #[derive(Clone, Debug)]
 pub struct Stability {
     /// Along K_T, with both hands on, one, none ([`Hands::ALL`]).
@@ -35,6 +35,9 @@ pub fn stable_to(limit: &Limit) -> f64 {
 }
 
 /// Limits and verdict, or why there are none; `runs` says that the run on the scene's own network was stable.
+///
+/// # Errors
+/// Why the analyser gives no limits.
 pub fn judged(scene: &Scene, runs: bool) -> Result<Stability, String> {
     if let Some(why) = not_linear(scene)? {
         return Err(why.to_owned());

@@ -180,7 +180,7 @@ pub fn columns(rows: &[Row]) -> Columns {
     judged(felt(over_networks(named(rows)))).done()
 }
 
-/// The same in three parts.
+/// The columns in three tables, so that each fits a page.
 pub fn parts(rows: &[Row]) -> [Columns; 3] {
     [over_networks(named(rows)).done(), felt(named(rows)).done(), judged(named(rows)).done()]
 }

@@ -24,10 +24,10 @@ pub const PASSIVE_TO_HZ: f64 = 50.0;
 /// Periods of the swing.
 const PERIODS: u32 = 20;
 
-/// What is felt at a frequency.
+/// The impedance that is felt at a frequency.
 #[derive(Clone, Copy, Debug)]
 pub struct Point {
-    /// Frequency.
+    /// Frequency of the hand's motion, Hz.
     pub frequency_hz: f64,
     /// With the far hand holding its device; none where the scene stopped or did not settle.
     pub held: Option<Complex>,
@@ -38,7 +38,7 @@ pub struct Point {
 /// What a hand feels.
 #[derive(Clone, Debug)]
 pub struct Touch {
-    /// Frequency by frequency.
+    /// The impedance, frequency by frequency.
     pub points: Vec<Point>,
     /// Mass and drag that both hands feel together; of a scene that is stable.
     pub swing: Option<swing::Felt>,

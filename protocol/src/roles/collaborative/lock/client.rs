@@ -10,16 +10,16 @@ use crate::{notices::Notices, roles::collaborative::lease::Requests, wire::PeerI
 pub enum Phase {
     /// Follows what others do.
     Idle,
-    /// Wants to edit.
+    /// Has asked for the right to edit, and waits.
     Asking,
-    /// May edit.
+    /// Has the right to edit.
     Owner {
         /// Number of the grant.
         fence: u32,
         /// Until then, on its own clock, µs.
         until_us: u64,
     },
-    /// Has finished, and waits to be told that the server knows.
+    /// Has finished, and waits for the server's acknowledgement.
     Releasing {
         /// Number of the grant.
         fence: u32,
@@ -31,13 +31,13 @@ pub enum Phase {
 /// What a client has to tell its user.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Notice {
-    /// It may edit.
+    /// The right to edit is granted.
     Granted,
     /// It may no longer: the server was not heard in time. What was edited stays local.
     Expired,
-    /// What it released is the official copy of this version.
+    /// Its edit is published: the official copy of this version.
     Published(u32),
-    /// What it released was too late: this grant had run out, and somebody else had been granted the object.
+    /// Its edit was released too late: this grant had run out, and somebody else had been granted the object.
     TooLate(u32),
     /// There is a new official copy, this version: the local one is to follow it.
     Changed(u32),
@@ -110,6 +110,9 @@ impl Client {
     }
 
     /// The user has finished. From now on it does not own the object; `None` if it left it as it was.
+    ///
+    /// # Errors
+    /// This client does not own the object.
     pub fn release(&mut self, now: u64, value: Option<Value>, out: &mut dyn Out<Message>) -> Result<(), NotOwner> {
         let Phase::Owner { fence, until_us } = self.phase else { return Err(NotOwner) };
         if now >= until_us {

@@ -12,7 +12,7 @@ use crate::wire::PeerId;
 /// What a server must still know after a crash. Store it before sending what came with the change.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Record<const CLIENTS: usize> {
-    /// The official copy.
+    /// The official copy of the object.
     pub copy: Copy,
     /// The newest grant's number.
     pub fence: u32,
@@ -56,12 +56,12 @@ impl<const CLIENTS: usize> Server<CLIENTS> {
         Self { lease, record, closed_until_us, holder: None, waiting: Deque::new(), followers: Vec::new() }
     }
 
-    /// What to store.
+    /// The record to store before anything is sent.
     pub fn record(&self) -> &Record<CLIENTS> {
         &self.record
     }
 
-    /// The official copy.
+    /// The official copy of the object.
     pub fn copy(&self) -> &Copy {
         &self.record.copy
     }

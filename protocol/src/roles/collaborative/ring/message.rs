@@ -13,7 +13,7 @@ pub struct Roster(pub(super) u16);
 newtype!(Roster);
 
 impl Roster {
-    /// Nobody.
+    /// The roster without any member.
     pub const EMPTY: Self = Self(0);
 
     /// These seats; a number from [`SEATS`] up is none.
@@ -33,7 +33,7 @@ impl Roster {
         Self(self.0 & !Self::bit(seat))
     }
 
-    /// Both sets together.
+    /// The members of both rosters.
     #[must_use]
     pub fn union(self, other: Self) -> Self {
         Self(self.0 | other.0)
@@ -49,7 +49,7 @@ impl Roster {
         self.0.count_ones()
     }
 
-    /// Nobody at all.
+    /// Whether the roster has no member.
     pub fn is_empty(self) -> bool {
         self.0 == 0
     }
@@ -59,7 +59,7 @@ impl Roster {
         self.len() / 2 + 1
     }
 
-    /// The seats, ascending.
+    /// Seats of the members, in ascending order.
     pub fn seats(self) -> impl Iterator<Item = u8> {
         (0..SEATS).filter(move |seat| self.contains(*seat))
     }
@@ -84,7 +84,7 @@ layout! {
 }
 
 layout! {
-    /// What is passed around: the object, and who the members are.
+    /// The token: the object, and who the members are.
     pub struct State(32 bytes) {
         0 => version: u32, "How often it has been changed.";
         4 => roster: Roster, "The members.";

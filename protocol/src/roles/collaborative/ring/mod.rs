@@ -58,7 +58,7 @@ impl Record {
     }
 }
 
-/// What a member is told.
+/// Settings of a member.
 #[derive(Clone, Copy, Debug)]
 pub struct Config {
     /// Its number, below [`SEATS`]: `PeerId(seat)`.
@@ -76,9 +76,9 @@ pub struct Config {
 /// What a member has to tell its user.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Notice {
-    /// It may edit.
+    /// The right to edit is granted.
     Granted,
-    /// What it published is kept by a majority, as this version.
+    /// Its edit is kept by a majority, as this version.
     Published(u32),
     /// Its turn was over before it had published: what it edited stays local.
     Overdue,
@@ -133,7 +133,7 @@ impl Ring {
         ring
     }
 
-    /// What to store.
+    /// The record to store before anything is sent.
     pub fn record(&self) -> &Record {
         &self.record
     }
@@ -172,6 +172,9 @@ impl Ring {
     }
 
     /// The user has finished: this is what the object is now. From now on it does not own the object.
+    ///
+    /// # Errors
+    /// This member does not own the object.
     pub fn publish(&mut self, now: u64, value: Value, out: &mut dyn Out<Message>) -> Result<(), NotOwner> {
         if !self.owns(now) {
             return Err(NotOwner);
