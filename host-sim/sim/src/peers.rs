@@ -215,6 +215,9 @@ numbers!(f32: f32, f64: f64, Fixed: fixed, DoubleDouble: double_double, F32s: f3
 /// says: `of_axes!(scene, run::<f64>(scene, seconds))` is `run::<f64, 1, AXES>`, `run::<f64, 2, 2>` or `run::<f64, 3, 3>`.
 #[macro_export]
 macro_rules! of_axes {
+    ($scene:expr, $function:ident ($($argument:expr),* $(,)?)) => {
+        $crate::of_axes!($scene, $function::<>($($argument),*))
+    };
     ($scene:expr, $($function:ident)::+ ::<$($of:ty),*> ($($argument:expr),* $(,)?)) => {
         match $scene.peer.axis.shared {
             2 => $($function)::+ ::<$($of,)* 2, 2>($($argument),*),
