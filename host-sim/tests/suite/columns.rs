@@ -82,7 +82,10 @@ fn every_column_has_a_meaning_and_a_line_of_the_documentation() {
         fs::write(&path, &lines).expect("docs/columns.csv can be written");
     }
     let documented = fs::read_to_string(&path).expect("docs/columns.csv is there");
-    assert!(lines == documented, "docs/columns.csv is not what `host-sim columns --json` says; HAPTIC_BLESS=1 writes it");
+    assert!(
+        lines == documented,
+        "docs/columns.csv is not what `host-sim columns --json` says; HAPTIC_BLESS=1 writes it"
+    );
 }
 
 /// One name for one quantity: what a live peer or a board tells, the simulator tells of both peers with their numbers.
