@@ -204,7 +204,7 @@ circle, on an import that climbs against the order in xtask/rooms.txt, and on a 
         options: " [--check] [--page FILE]",
         does: "Writes what the commands named in README.md and docs/ print, and the pictures they draw, into them",
         more: "  --check   change nothing; fail if a text would change
-  --page    this one only: README.md, docs/data.md",
+  --page    this one only: README.md, docs/accuracy.md",
         run: |given| readme::readme(given.flag("--check"), given.value("--page")),
     },
     Chore {

@@ -68,7 +68,7 @@ impl Kind {
     }
 }
 
-/// All kinds of tables, in the order of docs/data.md.
+/// All kinds of tables, in the order of docs/columns.csv.
 fn kinds(ui: &Ui) -> Vec<Kind> {
     let scene = Scene::new(ui.laws);
     let axes = vec![sweep::Axis { key: KEY.to_owned(), values: Vec::new() }];
