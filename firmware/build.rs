@@ -4,7 +4,6 @@ use std::path::PathBuf;
 use std::{env, fs};
 
 fn main() {
-    println!("cargo::rustc-check-cfg=cfg(loom)");
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rerun-if-changed=../memory.x");
     if env::var("CARGO_CFG_TARGET_OS").is_ok_and(|os| os != "none") {

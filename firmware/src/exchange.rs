@@ -5,16 +5,16 @@
 //! side of every cell and can preempt the other anywhere.
 //!
 //! Invariants: the three owned indices are always a permutation of 0, 1, 2; what [`Reader::get`] shows changes only in
-//! [`Reader::fetch`]. Checked under every interleaving by loom: `RUSTFLAGS="--cfg loom" cargo test -p firmware --lib`.
+//! [`Reader::fetch`]. Checked under every interleaving by loom: `cargo test -p firmware --features loom --test interleavings`.
 //!
 //! [`Queue`] is for streams in which every value counts: a ring with one index a side; when it is full the writer is told,
 //! and goes on. (`heapless::spsc` divides by its length at run time, and can panic there.)
 //!
 //! Limits: one writer, one reader.
 
-#[cfg(not(loom))]
+#[cfg(not(feature = "loom"))]
 use core::sync::atomic::{AtomicU8, AtomicU32};
-#[cfg(loom)]
+#[cfg(feature = "loom")]
 use loom::{
     cell::UnsafeCell,
     sync::atomic::{AtomicU8, AtomicU32},
@@ -23,11 +23,11 @@ use loom::{
 use core::sync::atomic::Ordering;
 
 /// Loom's interface, on memory.
-#[cfg(not(loom))]
+#[cfg(not(feature = "loom"))]
 #[derive(Debug)]
 struct UnsafeCell<T>(core::cell::UnsafeCell<T>);
 
-#[cfg(not(loom))]
+#[cfg(not(feature = "loom"))]
 impl<T> UnsafeCell<T> {
     fn new(value: T) -> Self {
         Self(core::cell::UnsafeCell::new(value))
@@ -134,7 +134,7 @@ impl<T> Reader<'_, T> {
 
     /// The value taken over last.
     #[inline]
-    #[cfg(not(loom))]
+    #[cfg(not(feature = "loom"))]
     pub fn get(&self) -> &T {
         // SAFETY: the index `front` is this side's alone, and changes only through `&mut self`.
         self.cell.slot(self.front).with(|slot| unsafe { &*slot })
@@ -236,7 +236,3 @@ impl<T: Copy, const N: usize> Consumer<'_, T, N> {
         Some(value)
     }
 }
-
-#[cfg(all(test, loom))]
-#[path = "../tests/inside/exchange.rs"]
-mod tests;

@@ -1,7 +1,6 @@
 //! `cargo xtask board`: the release image on two virtual boards, from the command line.
 //!
-//! Looks at the command line, builds the image and the bench (tests/board, a workspace of its own), then hands the arguments on. Where
-//! things are built: the image as cargo would, the bench in `tests/board/target`, or in `board/` below `CARGO_TARGET_DIR`.
+//! Looks at the command line, builds the image and the bench (tests/board), then hands the arguments on.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -11,6 +10,8 @@ use crate::options::Options;
 use crate::run::{self, Failure, cargo, run, step};
 use crate::setup::{self, Ready, THUMB_TARGET};
 
+/// What cargo is told of either image: that for one shared axis, and that for three.
+pub(crate) const IMAGES: [&[&str]; 2] = [&[], &["--features", "three-axes"]];
 /// Longest run, s.
 const MOST_SECONDS: f64 = 3600.0;
 
@@ -63,20 +64,26 @@ pub(crate) fn board(given: &Options<'_>) -> Result<(), Failure> {
 
 /// Builds the release image and says where it is.
 pub(crate) fn image(ready: &Ready) -> Result<PathBuf, Failure> {
-    build(ready, &[])
+    built(&mut build(ready, IMAGES[0]))
 }
 
 /// Builds the image for three axes, which is put beside the other one, and that one again: both come out under one name.
 pub(crate) fn images(ready: &Ready) -> Result<PathBuf, Failure> {
-    let built = build(ready, &["--features", "three-axes"])?;
-    let place = built.with_file_name("firmware-three-axes");
-    fs::copy(&built, &place).map_err(|cause| Failure::new(format!("cannot write {}: {cause}", place.display())))?;
+    let several = built(&mut build(ready, IMAGES[1]))?;
+    let place = several.with_file_name("firmware-three-axes");
+    fs::copy(&several, &place).map_err(|cause| Failure::new(format!("cannot write {}: {cause}", place.display())))?;
     image(ready)
 }
 
-fn build(ready: &Ready, features: &[&str]) -> Result<PathBuf, Failure> {
+/// Builds the image with these features.
+pub(crate) fn build(ready: &Ready, features: &[&str]) -> Command {
     let mut build = ready.cargo(&["build", "--locked", "--profile", "firmware", "--package", "firmware"]);
-    run(build.args(["--bin", "firmware", "--target", THUMB_TARGET]).args(features))?;
+    build.args(["--bin", "firmware", "--target", THUMB_TARGET]).args(features);
+    build
+}
+
+fn built(build: &mut Command) -> Result<PathBuf, Failure> {
+    run(build)?;
     Ok(target().join(THUMB_TARGET).join("firmware/firmware"))
 }
 
@@ -86,8 +93,7 @@ pub(crate) fn bench(arguments: &[&str], image: &Path) -> Command {
     // The emulator asks for a newer compiler than it needs.
     bench.args(["--locked", "--ignore-rust-version", "--manifest-path"]);
     bench.arg(run::root().join("tests/board/Cargo.toml"));
-    // What the workspace has built is not built again.
-    bench.env("HAPTIC_FIRMWARE", image).env("CARGO_TARGET_DIR", target());
+    bench.env("HAPTIC_FIRMWARE", image);
     bench
 }
 

@@ -6,7 +6,9 @@
 //! program itself happens to be laid out, which shows in the shortest calls. What a change to the code does beyond it is
 //! for review (`--bless`, then the difference is in the commit).
 
-use crate::run::{self, Failure, cargo, step};
+use std::process::Command;
+
+use crate::run::{self, Failure, everything, step};
 use crate::setup;
 
 /// The reviewed counts of one tick.
@@ -42,9 +44,16 @@ pub(crate) fn obstacle() -> Option<String> {
 
 /// The table of one tick as it is now.
 pub(crate) fn count_ticks() -> Result<String, Failure> {
-    let mut bench = cargo(&["bench", "--locked", "--quiet", "--package", "haptic-cases", "--bench", "instructions"]);
+    let mut bench = bench();
     eprintln!("    {}", run::spelled(&bench));
     run::output(&mut bench)
+}
+
+/// The bench, compiled as a release compiles it: of what the golden traces are computed with.
+pub(crate) fn bench() -> Command {
+    let mut bench = everything("bench");
+    bench.args(["--quiet", "--profile", "dev", "--bench", "instructions"]).args(run::AS_RELEASED);
+    bench
 }
 
 /// Counts on the board's processor and compares, or counts and writes.

@@ -6,6 +6,7 @@ mod bench;
 mod board;
 mod count;
 mod fuzz;
+mod kept;
 mod no_panic;
 mod options;
 mod page;
@@ -18,6 +19,7 @@ mod release;
 mod rooms;
 mod run;
 mod setup;
+mod sums;
 mod test;
 
 use std::path::Path;
@@ -37,7 +39,7 @@ struct Chore {
     run: fn(&Options<'_>) -> Result<(), Failure>,
 }
 
-const CHORES: [Chore; 20] = [
+const CHORES: [Chore; 21] = [
     Chore {
         name: "setup",
         options: "",
@@ -60,13 +62,15 @@ Prints the toolchain that builds for the microcontroller.",
         name: "test",
         options: "",
         does: "The one command: sets up what is missing and passes every test",
-        more: "Stops at the first failure. Set-up, cargo fmt --check, clippy without warnings, rooms, types, lints and format of the page
+        more: "Stops at the first failure. Set-up, cargo fmt --check, clippy without warnings, rooms, sums, types, lints and format of the page
 of host-sim play (page; needs npm and Chromium, which apt-get installs), core and protocol built for the
 microcontroller, documentation without warnings, all tests in debug (documentation tests and what of the image needs no
-chip included), recordings read by Python's `mcap` (recordings; needs Python 3 and the registry), the golden traces in release as well, no panic in the tick, the pages against what their
+chip included), recordings read by Python's `mcap` (recordings; needs Python 3 and the registry), the golden traces as a release computes
+them, no panic in the tick, the pages against what their
 commands print (readme), the Python module as it is installed (python; needs Python 3.11 and the registry), the instructions of one tick (bench-check; needs valgrind, which apt-get installs if it can), the memory that
-interrupt and tasks share under loom, haptic-core on QEMU (qemu), clippy on image and bench, and the release image on
-virtual boards (board-test), whose emulator takes minutes to build.",
+interrupt and tasks share under loom, haptic-core on QEMU (qemu), clippy on the images, and the release image on
+virtual boards (board-test), whose emulator takes minutes to build; these are left out where image and bench are those that they
+passed with on this machine.",
         run: |_| test::test(),
     },
     Chore {
@@ -218,6 +222,14 @@ version in Cargo.toml. `cargo xtask test` in that clone says whether it is fit t
         run: release::release,
     },
     Chore {
+        name: "sums",
+        options: " [--bless]",
+        does: "Says how many lines there are and how much is compiled, and compares with xtask/sums.txt",
+        more: "Packages and compilations of the first build, `cargo build --release`, and of the whole of `cargo xtask test`. Nothing is built.
+  --bless   write the sums to the file, for review",
+        run: |given| sums::sums(&setup::setup()?, given.flag("--bless")),
+    },
+    Chore {
         name: "wheel",
         options: " [--out DIR]",
         does: "Builds the Python module as a wheel for CPython 3.11 and later",
@@ -225,7 +237,7 @@ version in Cargo.toml. `cargo xtask test` in that clone says whether it is fit t
   --out  folder [default: out/wheel]",
         run: |given| {
             let folder = run::root().join(given.value("--out").unwrap_or("out/wheel"));
-            python::wheel(&folder).map(|wheel| println!("{}", wheel.display()))
+            python::wheel(&folder, "release").map(|wheel| println!("{}", wheel.display()))
         },
     },
 ];

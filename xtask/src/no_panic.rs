@@ -5,17 +5,21 @@
 
 use std::process::Command;
 
+use crate::board;
 use crate::run::{self, Failure};
 use crate::setup::{Ready, THUMB_TARGET};
 
 /// What the proof's panic handler calls, and nobody defines.
 const NOWHERE: &str = "undefined symbol: a_panic_is_reachable_from_the_tick";
 
-fn build(ready: &Ready, feature: &str) -> Command {
-    let words = ["build", "--locked", "--profile", "firmware", "--package", "firmware", "--bin", "no-panic"];
-    let mut build = ready.cargo(&words);
-    build.args(["--features", feature, "--target", THUMB_TARGET]);
-    build
+/// Links the proof of the image with these features, and the one with the mistake.
+pub(crate) fn proofs(ready: &Ready, image: &[&str]) -> [Command; 2] {
+    ["proof", "planted-panic"].map(|feature| {
+        let words = ["build", "--locked", "--profile", "firmware", "--package", "firmware", "--bin", "no-panic"];
+        let mut build = ready.cargo(&words);
+        build.args(["--features", feature, "--target", THUMB_TARGET]).args(image);
+        build
+    })
 }
 
 /// What the linker says of code that no place is for: the tick's, outside ITCM.
@@ -23,13 +27,12 @@ const ASTRAY: &str = ") is being placed in '.text";
 
 /// Links it with and without the mistake, of either image.
 pub(crate) fn no_panic(ready: &Ready) -> Result<(), Failure> {
-    ["", ",three-axes"].into_iter().try_for_each(|image| of_image(ready, image))
+    board::IMAGES.into_iter().try_for_each(|image| of_image(proofs(ready, image)))
 }
 
 /// The same of the image with these features.
-fn of_image(ready: &Ready, image: &str) -> Result<(), Failure> {
-    let [proof, planted] = ["proof", "planted-panic"].map(|feature| format!("{feature}{image}"));
-    let (linked, words) = run::told(&mut build(ready, &proof))?;
+fn of_image([mut proof, mut planted]: [Command; 2]) -> Result<(), Failure> {
+    let (linked, words) = run::told(&mut proof)?;
     if !linked {
         let reason = if words.contains(NOWHERE) {
             "a panic is reachable from the tick: look for an index, an unwrap, an integer division or a clamp"
@@ -40,9 +43,9 @@ fn of_image(ready: &Ready, image: &str) -> Result<(), Failure> {
             "the proof does not build".to_owned()
         };
         eprint!("{words}");
-        return Err(Failure::new(format!("{reason} (`{}`)", run::spelled(&build(ready, &proof)))));
+        return Err(Failure::new(format!("{reason} (`{}`)", run::spelled(&proof))));
     }
-    match run::told(&mut build(ready, &planted))? {
+    match run::told(&mut planted)? {
         (false, words) if words.contains(NOWHERE) && astray(&words).contains(&"planted") => Ok(()),
         (true, _) => Err(Failure::new("the proof links with a panic planted in it: it proves nothing")),
         (false, words) => {

@@ -33,18 +33,13 @@ fn own_environment() -> Result<PathBuf, Failure> {
     environment(&run::root().join("target/python"), "host-sim/python/requirements.txt")
 }
 
-/// Builds the wheel into this folder, and says where it is.
-pub(crate) fn wheel(folder: &Path) -> Result<PathBuf, Failure> {
+/// Builds the wheel with a profile of cargo's into this folder, and says where it is.
+pub(crate) fn wheel(folder: &Path, profile: &str) -> Result<PathBuf, Failure> {
     let python = own_environment()?;
     let built = folder.join(".new");
     let _ = fs::remove_dir_all(&built);
-    let mut maturin = command(&python.to_string_lossy(), &["-m", "maturin", "build", "--release", "--locked"]);
-    // What the workspace has built is not built again.
-    maturin.env("CARGO_TARGET_DIR", target()).arg("--interpreter").arg(&python).arg("--out").arg(&built);
-    run(&mut maturin).map_err(|failure| {
-        let lock = "if the lock is what failed, `cargo metadata --manifest-path host-sim/python/Cargo.toml` renews it";
-        Failure::new(format!("{failure}; {lock}"))
-    })?;
+    let mut maturin = command(&python.to_string_lossy(), &["-m", "maturin", "build", "--profile", profile, "--locked"]);
+    run(maturin.arg("--interpreter").arg(&python).arg("--out").arg(&built))?;
     let failed = |cause| Failure::new(format!("cannot put the wheel into {}: {cause}", folder.display()));
     let mut files = fs::read_dir(&built).map_err(failed)?.flatten();
     let new = files.next().ok_or_else(|| Failure::new("maturin made no wheel"))?.path();
@@ -55,11 +50,10 @@ pub(crate) fn wheel(folder: &Path) -> Result<PathBuf, Failure> {
 
 /// Builds the wheel, installs it, and has host-sim/python/tests compare what it gives with the command line's word.
 pub(crate) fn python() -> Result<(), Failure> {
-    run(&mut cargo(&["fmt", "--check", "--manifest-path", "host-sim/python/Cargo.toml"]))?;
-    let wheel = wheel(&run::root().join("target/python"))?;
+    // Of the build that the tests have made, as the command line is below: any build computes the same bits.
+    let wheel = wheel(&run::root().join("target/python"), "dev")?;
     let python = own_environment()?;
     run(pip(&python).args(["--force-reinstall", "--no-deps", "--no-index"]).arg(wheel))?;
-    // The build that the tests have made: any build computes the same bits.
     run(&mut cargo(&["build", "--locked", "--package", "host-sim"]))?;
     let mut tests = command(&python.to_string_lossy(), &["-m", "pytest", "--quiet", "-p", "no:cacheprovider"]);
     tests.env("HOST_SIM", target().join("debug/host-sim"));

@@ -38,6 +38,9 @@ impl fmt::Display for Failure {
     }
 }
 
+/// Has cargo compile what computes a tick as a release compiles it, and nothing else anew.
+pub(crate) const AS_RELEASED: [&str; 2] = ["--config", "xtask/as-released.toml"];
+
 /// The workspace root.
 pub(crate) fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."))
@@ -59,6 +62,12 @@ pub(crate) fn command(program: &str, arguments: &[&str]) -> Command {
 /// Cargo, as the toolchain file chooses it.
 pub(crate) fn cargo(arguments: &[&str]) -> Command {
     command("cargo", arguments)
+}
+
+/// Cargo on everything that builds on a PC. Packages chosen together have one set of features, so what one call has built serves the
+/// next; the emulator asks for a newer compiler than it needs.
+pub(crate) fn everything(command: &str) -> Command {
+    cargo(&[command, "--locked", "--ignore-rust-version", "--workspace", "--exclude", "second-opinion"])
 }
 
 /// A command as one would type it.

@@ -1,39 +1,32 @@
 //! `cargo xtask test`: everything that must pass before a change is taken, cheapest first. Stops at the first failure.
 //!
-//! Steps that name no package run on the workspace's default members: everything that builds on a PC.
+//! Most steps run on everything that builds on a PC, whatever they then choose of it: so nothing is built twice.
 //! It takes the machine as it is: what is missing is installed. `Cargo.lock` is part of the project: a step that would have
 //! to change it fails.
 
+use std::path::Path;
+use std::process::Command;
 use std::time::Instant;
 
-use crate::run::{self, Failure, cargo, run, step};
+use crate::run::{self, Failure, cargo, everything, run, step};
 use crate::setup::{self, Ready, THUMB_TARGET};
-use crate::{board, count, no_panic, page, python, qemu, recordings};
+use crate::{board, count, kept, no_panic, page, python, qemu, recordings, sums};
 
 /// Runs every step.
 pub(crate) fn test() -> Result<(), Failure> {
     let start = Instant::now();
     let ready = step("set-up", setup::setup)?;
     step("format", format)?;
-    step("lints", lints)?;
+    step("lints", || run(&mut lints()))?;
     step("rooms", || crate::rooms::rooms(run::root()))?;
+    step("sums", || sums::sums(&ready, false))?;
     step("page", || page::browser().and_then(|()| page::page(false)))?;
-    step("rooms of the microcontroller", || {
-        // As the image is: what they need is not built twice.
-        let mut build = ready.cargo(&["build", "--locked", "--profile", "firmware", "--target", THUMB_TARGET]);
-        run(build.args(["--package", "haptic-core", "--package", "haptic-protocol"]))
-    })?;
-    step("documentation", || run(cargo(&["doc", "--locked", "--no-deps"]).env("RUSTDOCFLAGS", "-D warnings")))?;
-    step("tests, debug", || run(&mut cargo(&["test", "--locked"])))?;
+    step("rooms of the microcontroller", || run(&mut rooms_on_chip(&ready)))?;
+    step("documentation", || run(documentation().env("RUSTDOCFLAGS", "-D warnings")))?;
+    // Parts of the image that need no chip and the programs of examples/ included; the virtual boards come last.
+    step("tests, debug", || run(everything("test").args(["--exclude", "board-bench"])))?;
     step("recordings", recordings::recordings)?;
-    step("parts of the image", || {
-        // What of it needs no chip.
-        run(&mut cargo(&["test", "--locked", "--package", "firmware", "--test", "parts"]))
-    })?;
-    step("golden traces, release", || {
-        // The same bits in every build.
-        run(&mut cargo(&["test", "--locked", "--release", "--package", "haptic-sim", "--test", "golden"]))
-    })?;
+    step("golden traces, release", || run(&mut golden()))?;
     step("no panic in the tick", || no_panic::no_panic(&ready))?;
     step("README", || crate::readme::readme(true, None))?;
     step("Python", python::python)?;
@@ -44,10 +37,21 @@ pub(crate) fn test() -> Result<(), Failure> {
             Ok(())
         }
     })?;
-    step("exchange cells under every interleaving", exchange)?;
+    step("exchange cells under every interleaving", || run(&mut interleavings()))?;
     step("second opinion", || second_opinion(&ready))?;
-    step("lints of image and bench", || lints_of_image(&ready))?;
-    virtual_board(&ready)?;
+    step("lints of the images", || lints_of_images(&ready))?;
+    step("virtual board", || {
+        let image = board::images(&ready)?;
+        match kept::passed(&image) {
+            Some(when) => {
+                eprintln!(
+                    "    virtual boards: image and bench are those that passed on {when}; `cargo xtask board-test` runs them"
+                );
+                Ok(())
+            }
+            None => virtual_board(&image),
+        }
+    })?;
     passed(start);
     Ok(())
 }
@@ -56,10 +60,10 @@ pub(crate) fn test() -> Result<(), Failure> {
 pub(crate) fn quick() -> Result<(), Failure> {
     let start = Instant::now();
     step("format", format)?;
-    step("lints", lints)?;
+    step("lints", || run(&mut lints()))?;
     step("rooms", || crate::rooms::rooms(run::root()))?;
-    step("unit tests", || run(&mut cargo(&["test", "--locked", "--lib", "--bins"])))?;
-    step("golden traces", || run(&mut cargo(&["test", "--locked", "--package", "haptic-sim", "--test", "golden"])))?;
+    step("unit tests", || run(everything("test").args(["--lib", "--bins"])))?;
+    step("golden traces", || run(everything("test").args(["--test", "golden"])))?;
     passed(start);
     Ok(())
 }
@@ -73,14 +77,37 @@ fn format() -> Result<(), Failure> {
     run(&mut cargo(&["fmt", "--all", "--check"])).map_err(|failure| advice(&failure, "`cargo fmt --all` mends it"))
 }
 
-fn lints() -> Result<(), Failure> {
-    run(&mut cargo(&["clippy", "--locked", "--all-targets", "--", "-D", "warnings"]))
+/// Clippy on everything.
+pub(crate) fn lints() -> Command {
+    let mut lints = everything("clippy");
+    lints.args(["--all-targets", "--", "-D", "warnings"]);
+    lints
+}
+
+/// Core and protocol for the microcontroller. As the image is: what they need is not built twice.
+pub(crate) fn rooms_on_chip(ready: &Ready) -> Command {
+    let mut build = ready.cargo(&["build", "--locked", "--profile", "firmware", "--target", THUMB_TARGET]);
+    build.args(["--package", "haptic-core", "--package", "haptic-protocol"]);
+    build
+}
+
+/// Documentation of the libraries.
+pub(crate) fn documentation() -> Command {
+    cargo(&["doc", "--locked", "--no-deps"])
+}
+
+/// The golden traces as a release computes them: the same bits in every build.
+pub(crate) fn golden() -> Command {
+    let mut golden = everything("test");
+    golden.args(run::AS_RELEASED).args(["--test", "golden"]);
+    golden
 }
 
 /// The memory that interrupt and tasks share, under loom, which runs every order that its operations can have.
-fn exchange() -> Result<(), Failure> {
-    let mut loom = cargo(&["test", "--locked", "--release", "--package", "firmware", "--lib", "exchange"]);
-    run(loom.env("RUSTFLAGS", "--cfg loom").env("CARGO_TARGET_DIR", run::root().join("target/loom")))
+pub(crate) fn interleavings() -> Command {
+    let mut loom = everything("test");
+    loom.args(["--features", "firmware/loom", "--test", "interleavings"]);
+    loom
 }
 
 /// haptic-core on another model of the processor; without one it says so, and fails where CI is set.
@@ -95,39 +122,33 @@ pub(crate) fn second_opinion(ready: &Ready) -> Result<(), Failure> {
     }
 }
 
-/// What the workspace's own lints do not reach: both images, and the bench, which is a workspace of its own.
-fn lints_of_image(ready: &Ready) -> Result<(), Failure> {
+/// What the lints of what builds on a PC do not reach: both images.
+fn lints_of_images(ready: &Ready) -> Result<(), Failure> {
     if ready.fallback {
         // Debian's toolchain has no clippy of its own.
         eprintln!("    NOT CHECKED: the images, their toolchain is Debian's");
-    } else {
-        for features in [&[][..], &["--features", "three-axes"]] {
-            let mut image =
-                cargo(&["clippy", "--locked", "--profile", "firmware", "--package", "firmware", "--bin", "firmware"]);
-            image.args(["--target", THUMB_TARGET]).args(features);
-            run(image.args(["--", "-D", "warnings"]).env("RUSTUP_TOOLCHAIN", &ready.thumb_toolchain))?;
-        }
+        return Ok(());
     }
-    run(board::bench(&["clippy"], &board::image(ready)?).args(["--all-targets", "--", "-D", "warnings"]))
+    board::IMAGES.into_iter().try_for_each(|features| run(&mut lints_of_image(ready, features)))
+}
+
+/// Clippy on the image with these features.
+pub(crate) fn lints_of_image(ready: &Ready, features: &[&str]) -> Command {
+    let mut lints = ready.cargo(&["clippy", "--locked", "--profile", "firmware", "--package", "firmware"]);
+    lints.args(["--bin", "firmware", "--target", THUMB_TARGET]).args(features).args(["--", "-D", "warnings"]);
+    lints
 }
 
 /// Only the release image on virtual boards.
 pub(crate) fn board_test() -> Result<(), Failure> {
     let ready = step("set-up", setup::setup)?;
-    virtual_board(&ready)
+    step("virtual board", || virtual_board(&board::images(&ready)?))
 }
 
 /// The release image on virtual boards: last, because its emulator takes minutes to build.
-fn virtual_board(ready: &Ready) -> Result<(), Failure> {
-    step("virtual board", || {
-        let image = board::images(ready)?;
-        run(&mut board::bench(&["test"], &image)).map_err(|failure| {
-            advice(
-                &failure,
-                "if the lock is what failed, `cargo metadata --manifest-path tests/board/Cargo.toml` renews it",
-            )
-        })
-    })
+fn virtual_board(image: &Path) -> Result<(), Failure> {
+    run(&mut board::bench(&["test"], image))?;
+    kept::keep(image)
 }
 
 fn advice(failure: &Failure, advice: &str) -> Failure {

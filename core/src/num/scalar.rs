@@ -9,8 +9,6 @@
 use core::fmt::Debug;
 use core::ops::{Add, Mul, Neg, Sub};
 
-use fixed::types::I32F32;
-
 /// A number type the whole peer can be built on.
 pub trait Scalar:
     Copy
@@ -183,7 +181,18 @@ float_scalar!(f64, "f64", libm::sqrt, libm::sincos {});
 
 /// Signed fixed point, 32 integer and 32 fractional bits, saturating in every operation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Fixed(pub I32F32);
+pub struct Fixed(i64);
+
+impl Fixed {
+    /// Steps in 1.
+    const STEPS: f64 = 4_294_967_296.0;
+
+    /// The number of so many steps of 2⁻³².
+    #[inline]
+    pub const fn from_bits(steps: i64) -> Self {
+        Self(steps)
+    }
+}
 
 impl Add for Fixed {
     type Output = Self;
@@ -203,11 +212,10 @@ impl Mul for Fixed {
     type Output = Self;
     #[inline]
     fn mul(self, other: Self) -> Self {
-        // To the nearest step: `fixed` cuts off, and a bias of half a step each product would make positions creep. Ties
+        // To the nearest step: with a bias of half a step each product, as cutting off gives, positions would creep. Ties
         // go away from zero, so that (−x)·y is −(x·y): two peers that mirror each other do so bit for bit.
-        let wide = i128::from(self.0.to_bits()) * i128::from(other.0.to_bits());
-        let bits = ((wide + (1 << 31) + (wide >> 127)) >> 32).clamp(i128::from(i64::MIN), i128::from(i64::MAX));
-        Self(I32F32::from_bits(bits as i64))
+        let wide = i128::from(self.0) * i128::from(other.0);
+        Self(saturated((wide + (1 << 31) + (wide >> 127)) >> 32))
     }
 }
 impl Neg for Fixed {
@@ -221,16 +229,17 @@ impl Neg for Fixed {
 impl Scalar for Fixed {
     type Counter = f64;
     const NAME: &'static str = "i32f32";
-    const ZERO: Self = Self(I32F32::ZERO);
-    const ONE: Self = Self(I32F32::ONE);
+    const ZERO: Self = Self(0);
+    const ONE: Self = Self(1 << 32);
     #[inline]
     fn from_f64(value: f64) -> Self {
-        // A float-to-integer cast saturates and turns NaN into 0: total, unlike the conversions of `fixed`.
-        Self(I32F32::from_bits(libm::rint(value * 4_294_967_296.0) as i64))
+        // A float-to-integer cast saturates and turns NaN into 0: total.
+        Self(libm::rint(value * Self::STEPS) as i64)
     }
     #[inline]
     fn to_f64(self) -> f64 {
-        self.0.to_num()
+        // Dividing by a power of two is exact: rounded is once.
+        self.0 as f64 / Self::STEPS
     }
     #[inline]
     fn to_counter(self) -> f64 {
@@ -242,11 +251,12 @@ impl Scalar for Fixed {
     }
     #[inline]
     fn from_i32(value: i32) -> Self {
-        Self(I32F32::from_bits(i64::from(value) << 32))
+        Self(i64::from(value) << 32)
     }
     #[inline]
     fn round_to_i32(self) -> i32 {
-        self.0.saturating_round().to_num()
+        // Half a step of an integer, a little less where that would carry a tie towards zero.
+        (self.0.saturating_add((1 << 31) + (self.0 >> 63)) >> 32) as i32
     }
     #[inline]
     fn is_finite(self) -> bool {
@@ -254,7 +264,7 @@ impl Scalar for Fixed {
     }
     #[inline]
     fn bits(self) -> u64 {
-        self.0.to_bits().cast_unsigned()
+        self.0.cast_unsigned()
     }
     fn sqrt(self) -> Self {
         Self::from_f64(Scalar::sqrt(self.to_f64()))
@@ -265,10 +275,16 @@ impl Scalar for Fixed {
     }
     #[inline]
     fn ratio(self, divisor: Self) -> Self {
-        Self(self.0.checked_div(divisor.0).unwrap_or_else(|| match divisor.0.to_bits() {
-            0 => I32F32::ZERO,
-            _ if (self.0 < 0) == (divisor.0 < 0) => I32F32::MAX,
-            _ => I32F32::MIN,
-        }))
+        Self((i128::from(self.0) << 32).checked_div(i128::from(divisor.0)).map_or(0, saturated))
+    }
+}
+
+/// The nearest of 64 bits.
+#[inline]
+fn saturated(wide: i128) -> i64 {
+    match i64::try_from(wide) {
+        Ok(bits) => bits,
+        Err(_) if wide < 0 => i64::MIN,
+        Err(_) => i64::MAX,
     }
 }

@@ -74,7 +74,7 @@ pub fn told(table: &Columns) -> String {
 /// The proofs as a section of docs/laws.md.
 pub fn section(told: &str) -> String {
     format!(
-        "What `host-sim prove --page docs/laws.md` prints; every test run proves the same again (`host-sim/proof/tests/laws.rs`):\n\n\
+        "What `host-sim prove --page docs/laws.md` prints; every test run proves the same again (`host-sim/proof/tests/suite/laws.rs`):\n\n\
          ```text\n{told}\n```"
     )
 }

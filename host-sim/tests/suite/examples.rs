@@ -1,4 +1,4 @@
-//! The programs of `examples/`, built outside the workspace as a stranger would, and run.
+//! The programs of `examples/`, built from outside the packages that they use, and run.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -8,36 +8,21 @@ use serde_json::Value;
 
 const EXAMPLES: [&str; 3] = ["observer", "outside-law", "plant"];
 
-/// Copies the examples into a folder far from any workspace, builds them there against this repository and gives the folder
-/// of the programs. What is built besides them is what the tests have built: the same versions, features and profile.
+/// Builds the examples and gives the folder of the programs. What is built besides them is what the tests have built: members of one workspace
+/// share it. Of the workspace they take nothing else, so that a stranger's copy is a package by itself.
 fn built() -> &'static Path {
     static PROGRAMS: LazyLock<PathBuf> = LazyLock::new(|| {
         let repository = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the repository");
-        let folder = std::env::temp_dir().join(format!("haptic-examples-{}", std::process::id()));
-        let _ = std::fs::remove_dir_all(&folder);
-        let text =
-            |path: PathBuf| std::fs::read_to_string(&path).unwrap_or_else(|_| panic!("{} is read", path.display()));
-        let workspace = text(repository.join("Cargo.toml"));
-        let profile = &workspace[workspace.find("[profile.dev]").expect("a profile")..];
-        // The commands only call: quick to build will do.
-        let profile = profile.replace("host-sim.opt-level = 1", "host-sim.opt-level = 0");
-        for name in EXAMPLES {
-            let example = repository.join("examples").join(name);
-            let manifest = text(example.join("Cargo.toml")).replace("../../", &format!("{}/", repository.display()));
-            std::fs::create_dir_all(folder.join(name).join("src")).expect("a temporary folder");
-            std::fs::write(folder.join(name).join("Cargo.toml"), manifest.replace("[workspace]", ""))
-                .expect("a manifest");
-            std::fs::write(folder.join(name).join("src/main.rs"), text(example.join("src/main.rs")))
-                .expect("a program");
-        }
-        let root = format!("[workspace]\nresolver = \"3\"\nmembers = {EXAMPLES:?}\n{profile}");
-        std::fs::write(folder.join("Cargo.toml"), root).expect("a manifest");
-        std::fs::copy(repository.join("Cargo.lock"), folder.join("Cargo.lock")).expect("versions");
         let target = Path::new(env!("CARGO_BIN_EXE_host-sim")).ancestors().nth(2).expect("a target folder");
         let mut cargo = Command::new(env!("CARGO"));
-        // With other flags everything would be built again: a stranger has none, and need not have these.
-        let flags = repository.join(".cargo/config.toml");
-        cargo.args(["build", "--offline", "--config"]).arg(flags).current_dir(&folder).env("CARGO_TARGET_DIR", target);
+        cargo.args(["build", "--locked", "--offline"]).current_dir(repository).env("CARGO_TARGET_DIR", target);
+        for name in EXAMPLES {
+            let manifest = repository.join("examples").join(name).join("Cargo.toml");
+            let manifest =
+                std::fs::read_to_string(&manifest).unwrap_or_else(|_| panic!("{} is read", manifest.display()));
+            assert!(!manifest.contains("workspace"), "{name} leans on the workspace");
+            cargo.args(["--package", name]);
+        }
         // Build scripts heed what cargo tells of this package: libraries would be built again, now and when cargo is
         // called next.
         let of_package =
@@ -46,7 +31,6 @@ fn built() -> &'static Path {
             cargo.env_remove(name);
         }
         let output = cargo.output().expect("cargo runs");
-        let _ = std::fs::remove_dir_all(&folder);
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         target.join("debug")
     });

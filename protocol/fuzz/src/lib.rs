@@ -1,5 +1,5 @@
 //! What the fuzz targets do with an input, one file each. `fuzz_targets/` hands them to libFuzzer, which steers by coverage
-//! (`cargo xtask fuzz`); `protocol/tests/fuzz.rs` runs them over seeded bytes and over the corpus wherever tests run.
+//! (`cargo xtask fuzz`); `protocol/tests/suite/fuzz.rs` runs them over seeded bytes and over the corpus wherever tests run.
 //!
 //! Where a target has peers and a network, the input is a script: whose turn it is, how much time passes, what arrives, is lost
 //! or comes twice, who crashes. Whatever it says, what must always be true is asserted after every step; then the network is

@@ -6,7 +6,7 @@ use board_bench::pc::{board_ip, board_mac, peers_key, resolved, udp};
 use format::{GREETING, Session, hello};
 
 #[allow(dead_code)] // The protocol's own tests use more of it.
-#[path = "../../../../protocol/tests/protocol/format.rs"]
+#[path = "../../../../protocol/tests/suite/protocol/format.rs"]
 mod format;
 
 /// Its ephemeral secret.

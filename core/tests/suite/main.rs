@@ -1,0 +1,28 @@
+//! What core computes, against closed forms, brute force and code that shares nothing with it. One program: fifteen would each link it.
+//!
+//! | file | asks |
+//! |---|---|
+//! | [`fixed`] | does arithmetic in fixed point round and saturate as it says? |
+//! | [`total`] | is every tick of every scene defined, and within its limits? |
+//! | [`law`], [`copies`], [`tank`], [`deadband`], [`node`] | does every law keep its promise? |
+//! | [`object`], [`free_body`], [`rigid`], [`plane`], [`contact`] | do bodies move and touch as mechanics says? |
+//! | [`device`], [`probe`], [`winding`] | does a device read, drive, and find out what is wrong with it? |
+//! | [`peer`] | does a peer start, stop, and hold its forces? |
+
+mod contact;
+mod copies;
+mod deadband;
+mod device;
+mod fixed;
+mod free_body;
+mod law;
+mod node;
+mod object;
+mod peer;
+mod plane;
+mod probe;
+mod rigid;
+mod setup;
+mod tank;
+mod total;
+mod winding;

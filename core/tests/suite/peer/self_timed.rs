@@ -1,0 +1,362 @@
+//! The self-timed line (THEORY §8) between two peers over networks that lose, delay, repeat and reorder: what is sent is emitted,
+//! once; no energy is made; a silence stands still; a peer that begins anew takes the other with it.
+
+use haptic_core::law::Packet;
+use haptic_core::law::wave::Decode;
+use haptic_core::num::{Fixed, Motion, Scalar};
+use haptic_core::object::IntegratorName;
+use haptic_core::safety::Mode;
+use haptic_core::settings::{Settings, Value};
+
+use super::Bench;
+
+fn settings(credit_ticks: f64) -> Settings {
+    let mut settings = Settings::default();
+    settings.timing.ticks_per_packet = 1;
+    settings.object.integrator = IntegratorName::Midpoint;
+    settings.object.force_delay_ticks = 0.0;
+    settings.coordination.comm = "self-timed";
+    settings.coordination.decode = Decode::Implicit;
+    settings.coordination.stiffness_n_per_m = 4000.0;
+    settings.safety.fade_s = 50.0;
+    settings.safety.disengage_s = 60.0;
+    settings.safety.peer_lost_s = 100.0;
+    settings.set("coordination.credit_ticks", Value::Number(credit_ticks)).expect("it is allowed");
+    settings
+}
+
+/// SplitMix64.
+struct Random(u64);
+
+impl Random {
+    fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+/// One way of a network: packets with the tick at which they come.
+struct Way<S: Scalar> {
+    random: Random,
+    flying: Vec<(u32, Packet<S>)>,
+    delay: u32,
+    jitter: f64,
+    loss: f64,
+    twice: f64,
+    /// Ticks of a burst that are left.
+    burst: u32,
+}
+
+impl<S: Scalar> Way<S> {
+    fn new(seed: u64) -> Self {
+        let mut random = Random(seed);
+        let [delay, jitter, loss, twice] = [(); 4].map(|()| random.unit());
+        Self {
+            random,
+            flying: Vec::new(),
+            delay: (20.0 * delay) as u32,
+            jitter: 30.0 * jitter * jitter,
+            loss: 0.6 * loss,
+            twice: 0.3 * twice,
+            burst: 0,
+        }
+    }
+
+    /// What is sent at this tick, and the newest that comes.
+    fn cross(&mut self, tick: u32, sent: Option<Packet<S>>) -> Option<Packet<S>> {
+        if self.burst == 0 && self.random.unit() < self.loss / 20.0 {
+            self.burst = (100.0 * self.random.unit()) as u32;
+        }
+        self.burst = self.burst.saturating_sub(1);
+        let copies = 1 + u32::from(self.random.unit() < self.twice);
+        for _ in 0..copies {
+            if self.burst == 0
+                && self.random.unit() >= self.loss
+                && let Some(sent) = sent
+            {
+                let late = self.delay + (self.jitter * self.random.unit()) as u32;
+                self.flying.push((tick + late, sent));
+            }
+        }
+        let mut newest = None;
+        self.flying.retain(|(due, packet)| {
+            let comes = *due <= tick;
+            if comes {
+                // Whatever order they come in: the last one that came is what the peer looks at.
+                newest = Some(*packet);
+            }
+            !comes
+        });
+        newest
+    }
+}
+
+/// Two peers whose hands do what they want, over two ways.
+struct Couple<S: Scalar> {
+    benches: [Bench<S>; 2],
+    ways: [Way<S>; 2],
+    tick: u32,
+    /// Packets of both.
+    sent: u32,
+}
+
+impl<S: Scalar> Couple<S> {
+    fn new(settings: &Settings, seed: u64) -> Self {
+        let ways = [Way::new(2 * seed), Way::new(2 * seed + 1)];
+        Self { benches: [(); 2].map(|()| Bench::armed(settings)), ways, tick: 0, sent: 0 }
+    }
+
+    fn step(&mut self, hands: [Motion<f64>; 2]) {
+        let sent = [0, 1].map(|at| self.benches[at].peer.speak().map(|[packet]| packet));
+        for at in 0..2 {
+            self.sent += u32::from(sent[at].is_some());
+            let incoming = self.ways[at].cross(self.tick, sent[1 - at]);
+            let bench = &mut self.benches[at];
+            incoming.into_iter().for_each(|packet| bench.peer.hear(&[packet]));
+            bench.peer.listen();
+            bench.at(S::from_f64(hands[at].position), S::from_f64(hands[at].velocity));
+            assert_eq!(bench.peer.mode(), Mode::Armed);
+        }
+        self.tick += 1;
+    }
+
+    /// Energy that came out of each end and what the other put in, J.
+    fn energies(&self) -> [(f64, f64); 2] {
+        [0, 1].map(|at| {
+            let out = self.benches[at].peer.ledger()[0].received_j();
+            (out.to_f64(), self.benches[1 - at].peer.ledger()[0].sent_j().to_f64())
+        })
+    }
+
+    /// x_d of the one less x_d of the other, m.
+    fn apart(&self) -> f64 {
+        let [one, other] = [0, 1].map(|at| self.benches[at].peer.observed()[0].desired.position.to_f64());
+        one - other
+    }
+}
+
+fn hands(tick: u32) -> [Motion<f64>; 2] {
+    let t = 1e-3 * f64::from(tick);
+    let hand = |amplitude: f64, rate: f64| Motion {
+        position: amplitude * (rate * t).sin(),
+        velocity: amplitude * rate * (rate * t).cos(),
+    };
+    [hand(0.02, 7.0), hand(-0.03, 4.3)]
+}
+
+/// At no moment has an end emitted more than the other has sent; and once all is at rest and has come, both ends are as far
+/// apart as they began, however much was lost on the way.
+fn is_passive_and_does_not_drift<S: Scalar>(settings: &Settings, seeds: u64, rounding_m: f64) {
+    for seed in 0..seeds {
+        let mut couple = Couple::<S>::new(settings, seed);
+        // Armed at rest: what is sent before the other end has heard anything is not in the line.
+        (0..500).for_each(|_| couple.step([Motion::REST; 2]));
+        for tick in 0..4000 {
+            couple.step(hands(tick));
+            for (out, sent) in couple.energies() {
+                assert!(out <= sent * (1.0 + 1e-6) + 1e-9, "seed {seed}, tick {tick}: {out} J of {sent} J");
+            }
+        }
+        // Nothing is lost any more, and the hands rest.
+        for way in &mut couple.ways {
+            (way.loss, way.burst) = (0.0, 0);
+        }
+        for _ in 0..4000 {
+            couple.step([Motion::REST; 2]);
+        }
+        let apart = couple.apart().abs();
+        assert!(apart < rounding_m, "seed {seed}: {apart:.1e} m apart");
+    }
+}
+
+#[test]
+fn any_network_is_passive_and_without_drift() {
+    let settings = settings(30.0);
+    is_passive_and_does_not_drift::<f64>(&settings, 60, 1e-7);
+    is_passive_and_does_not_drift::<f32>(&settings, 20, 2e-6);
+    is_passive_and_does_not_drift::<Fixed>(&settings, 10, 2e-6);
+}
+
+#[test]
+fn a_line_that_follows_the_network_is_passive_too() {
+    let settings = settings(0.0);
+    is_passive_and_does_not_drift::<f64>(&settings, 60, 1e-7);
+    is_passive_and_does_not_drift::<f32>(&settings, 20, 2e-6);
+}
+
+/// The same line, which says only what is worth a packet.
+fn of_events(together: f64, threshold: f64) -> Settings {
+    let mut settings = settings(0.0);
+    // Hands that do not give way to a line that stands.
+    settings.safety.saturated_ticks = 10_000;
+    let own = [("event.longest_s", 0.05), ("event.together_ticks", together), ("event.threshold_root_w", threshold)];
+    for (key, value) in own {
+        settings.set(key, Value::Number(value)).expect("it is allowed");
+    }
+    settings
+}
+
+#[test]
+fn whatever_is_not_worth_a_packet_makes_no_energy_and_no_drift() {
+    for (together, threshold) in [(1.0, 0.01), (9.0, 0.2), (40.0, 0.2), (9.0, 0.001), (9.0, 100.0)] {
+        let settings = of_events(together, threshold);
+        is_passive_and_does_not_drift::<f64>(&settings, 20, 1e-7);
+        is_passive_and_does_not_drift::<f32>(&settings, 5, 2e-6);
+    }
+}
+
+/// In motion a packet each N ticks, and at rest each longest silence, where the threshold is out of reach.
+#[test]
+fn packets_go_as_often_as_the_keys_say() {
+    for (together, threshold, every) in [(9.0, 0.2, 9), (40.0, 0.2, 40), (9.0, 100.0, 50)] {
+        let mut couple = Couple::<f64>::new(&of_events(together, threshold), 1);
+        for way in &mut couple.ways {
+            *way = Way { delay: 5, jitter: 0.0, loss: 0.0, twice: 0.0, ..Way::new(1) };
+        }
+        // Both press with the same force for ever: the waves are F/√(2b) each, some 0.4 √W, and do not change.
+        let press = |at: f64| [Motion::at(at), Motion::at(-at)];
+        (0..4000).for_each(|tick| couple.step(press(0.01 * f64::min(1.0, f64::from(tick) / 1000.0))));
+        couple.sent = 0;
+        (0..1800).for_each(|_| couple.step(press(0.01)));
+        assert_eq!(couple.sent, 2 * 1800 / every, "{together} ticks together, {threshold} √W");
+    }
+}
+
+/// Both ends may stand because a packet was lost, each with less to tell than is worth a packet: they say again every N ticks what they have said, and
+/// do not wait out the longest silence.
+#[test]
+fn two_ends_that_stand_do_not_wait_for_each_other() {
+    for phase in 0..9 {
+        let mut couple = Couple::<f64>::new(&of_events(9.0, 1.0), 1);
+        for way in &mut couple.ways {
+            *way = Way { delay: 5, jitter: 0.0, loss: 0.0, twice: 0.0, ..Way::new(1) };
+        }
+        let press = |at: f64| [Motion::at(at), Motion::at(-at)];
+        (0..4000).for_each(|tick| couple.step(press(0.01 * f64::min(1.0, f64::from(tick) / 1000.0))));
+        (0..phase).for_each(|_| couple.step(press(0.01)));
+        let live = |couple: &Couple<f64>| couple.benches.each_ref().map(|bench| bench.peer.outgoing()[0].live_ticks);
+        couple.ways.iter_mut().for_each(|way| way.burst = 13);
+        let before = live(&couple);
+        (0..100).for_each(|_| couple.step(press(0.01)));
+        let lived = live(&couple).into_iter().zip(before).map(|(after, before)| after - before);
+        let least = lived.min().unwrap_or(0);
+        println!("{phase}: {least}");
+        assert!(least >= 70, "{phase}: {least} of 100 ticks");
+    }
+}
+
+/// A wave that jumps is told in the tick after.
+#[test]
+fn a_jolt_goes_at_once() {
+    let mut couple = Couple::<f64>::new(&of_events(40.0, 0.2), 1);
+    for way in &mut couple.ways {
+        *way = Way { delay: 5, jitter: 0.0, loss: 0.0, twice: 0.0, ..Way::new(1) };
+    }
+    (0..500).for_each(|_| couple.step([Motion::REST; 2]));
+    couple.sent = 0;
+    let struck = [Motion { position: 0.01, velocity: 0.0 }, Motion::REST];
+    (0..3).for_each(|_| couple.step(struck));
+    assert!(couple.sent >= 1, "{} packets in the 3 ms after a blow", couple.sent);
+}
+
+/// THEORY §8: what runs ahead borrows E₀ and no more.
+#[test]
+fn running_ahead_borrows_no_more_than_its_capital() {
+    let mut settings = settings(15.0);
+    settings.set("coordination.run_ahead_ticks", Value::Number(6.0)).expect("it is allowed");
+    let capital = 0.02;
+    let mut borrowed = 0.0_f64;
+    for seed in 0..60 {
+        let mut couple = Couple::<f64>::new(&settings, seed);
+        for tick in 0..4000 {
+            couple.step(hands(tick));
+            for (out, sent) in couple.energies() {
+                assert!(out <= sent + capital + 1e-9, "seed {seed}, tick {tick}: {out} J of {sent} J");
+                borrowed = borrowed.max(out - sent);
+            }
+        }
+    }
+    assert!(borrowed > 0.0, "the test must borrow");
+}
+
+/// Nothing comes: x_d stands, and the copy hangs on the spring there.
+#[test]
+fn silence_is_a_wall() {
+    let mut bench = Bench::<f64>::armed(&settings(10.0));
+    for tick in 0..500 {
+        let [hand, _] = hands(tick);
+        bench.peer.exchange();
+        bench.at(hand.position, hand.velocity);
+        let seen = bench.peer.observed()[0];
+        assert_eq!((seen.desired.position, seen.desired.velocity), (0.0, 0.0), "tick {tick}");
+        // F_T = K_T·s + κ·(0 − v), v by how far the copy moved: seen at the next tick.
+        assert!(seen.coordination_force * seen.object.position <= 0.0 || seen.object.position.abs() < 1e-3);
+    }
+    assert_eq!((bench.peer.ledger()[0].received_j(), bench.peer.ledger()[0].sent_j()), (0.0, 0.0));
+    assert_eq!(bench.peer.outgoing()[0].live_ticks, 0);
+    assert!(bench.peer.observed()[0].object.position.abs() > 1e-4, "the hand must have moved it");
+}
+
+/// A line of d₀ samples each way that the network does not starve has a constant delay of d₀: a pulse of the one arrives at
+/// the other d₀ ticks later, spread over as many ticks as there are outstanding.
+#[test]
+fn the_delay_is_the_credit_whatever_the_networks_is() {
+    for (delay, credit) in [(0_u32, 8_u32), (3, 8), (7, 8), (20, 30)] {
+        let mut couple = Couple::<f64>::new(&settings(f64::from(credit)), 1);
+        for way in &mut couple.ways {
+            *way = Way { delay, jitter: 0.0, loss: 0.0, twice: 0.0, ..Way::new(1) };
+        }
+        (0..100).for_each(|_| couple.step([Motion::REST; 2]));
+        let live = couple.benches.each_ref().map(|bench| bench.peer.outgoing()[0].live_ticks);
+        // Nothing is emitted before the first packet has come.
+        assert_eq!(live, [100 - delay; 2], "delay {delay}");
+        let hand = Motion { position: 0.001, velocity: 0.0 };
+        let felt = (0_u32..).find(|_| {
+            couple.step([hand, Motion::REST]);
+            couple.benches[1].peer.observed()[0].desired.velocity != 0.0
+        });
+        // Sent with the packet after its tick, and heard after the delay.
+        assert_eq!(felt, Some(delay + 1), "delay {delay}");
+    }
+}
+
+/// One peer disengages and begins anew; the other sees its counters jump and begins anew with it: the line goes on.
+#[test]
+fn a_peer_that_begins_anew_takes_the_other_with_it() {
+    let mut couple = Couple::<f64>::new(&settings(12.0), 3);
+    for way in &mut couple.ways {
+        *way = Way { delay: 5, jitter: 0.0, loss: 0.0, twice: 0.0, ..Way::new(3) };
+    }
+    (0..2000).for_each(|tick| couple.step(hands(tick)));
+    let before = couple.energies();
+    couple.benches[0].peer.part();
+    let forces = |couple: &Couple<f64>| [0, 1].map(|at| couple.benches[at].peer.observed()[0].coordination_force);
+    let at_parting = forces(&couple);
+    (2000..6000).for_each(|tick| couple.step(hands(tick)));
+    for (at, ((out, sent), (_, sent_before))) in couple.energies().into_iter().zip(before).enumerate() {
+        assert!(sent > 1.5 * sent_before, "end {at} goes on sending: {sent_before} J, then {sent} J");
+        assert!(out <= sent, "end {at}: {out} J of {sent} J");
+    }
+    assert!(at_parting.iter().any(|force| *force != 0.0));
+}
+
+#[test]
+fn what_it_needs_is_said() {
+    let mut wrong = settings(0.0);
+    wrong.object.integrator = IntegratorName::SemiImplicit;
+    let said = wrong.check().expect_err("no solve").to_string();
+    assert!(
+        said.starts_with("object.integrator = \"semi-implicit\" is not allowed: it must be \"midpoint\""),
+        "{said}"
+    );
+    let mut wrong = settings(0.0);
+    wrong.coordination.ledger = true;
+    let said = wrong.check().expect_err("a ledger beside it").to_string();
+    assert!(said.starts_with("coordination.ledger = true is not allowed: it must be false, unless"), "{said}");
+    let refused =
+        settings(0.0).set("coordination.credit_ticks", Value::Number(2.5)).expect_err("half a tick").to_owned();
+    assert!(format!("{refused:?}").contains("Whole"), "{refused:?}");
+}
