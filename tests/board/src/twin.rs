@@ -107,7 +107,7 @@ pub fn closed_loop_ordered(scene: &Scene, boards: [Armed<'_>; 2], orders: &[(usi
                     side.peer.hear(&[packet]);
                 }
                 if side.peer.packet_due() {
-                    sent[at].extend(side.peer.exchange());
+                    sent[at].extend(side.peer.exchange().into_iter().flatten());
                 }
                 for (_, _, order) in orders.iter().filter(|(board, before, _)| (*board, *before) == (at, tick)) {
                     side.peer.command(*order);

@@ -67,8 +67,8 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     let written = match folder {
         Some(folder) => {
             let mut files = Files::new(&folder, &name, made);
-            files.csv(&trial.boards.table)?;
-            files.figure(None, &figures::run(&format!("{name}, two virtual boards"), &trial.boards))?;
+            files.csv(&trial.boards.axes[0].table)?;
+            files.figure(None, &figures::run(&format!("{name}, two virtual boards"), &trial.boards, 0))?;
             files.write()?
         }
         None => Vec::new(),
@@ -95,18 +95,18 @@ fn document(name: &str, trial: &Trial, written: &[PathBuf]) -> serde_json::Value
         "stable": boards.is_stable(),
         "verdict": boards.verdict().name(),
         "reason": boards.reason.map(|reason| reason.to_string()),
-        "decoded_discrepancy_mm": boards.merit(|o| o.decoded_discrepancy_mm),
-        "true_discrepancy_mm": boards.whole(|o| o.true_discrepancy_mm),
-        "coordination_force_n": boards.merit(|o| o.coordination_force_n),
-        "peak_coordination_force_n": boards.whole(|o| o.peak_coordination_force_n),
+        "decoded_discrepancy_mm": boards.merit(|o| o.whole.decoded_discrepancy_mm),
+        "true_discrepancy_mm": boards.whole(|o| o.whole.true_discrepancy_mm),
+        "coordination_force_n": boards.merit(|o| o.whole.coordination_force_n),
+        "peak_coordination_force_n": boards.whole(|o| o.whole.peak_coordination_force_n),
         "energy_out_over_in": boards.whole(Outcome::energy_out_over_in),
         "peer_energy_out_over_in": boards.whole(Outcome::peer_energy_out_over_in).flatten(),
         "fault": fault(boards),
         "host_sim": {
             "reason": host_sim.reason.map(|reason| reason.to_string()),
-            "decoded_discrepancy_mm": host_sim.merit(|o| o.decoded_discrepancy_mm),
-            "true_discrepancy_mm": host_sim.whole(|o| o.true_discrepancy_mm),
-            "coordination_force_n": host_sim.merit(|o| o.coordination_force_n),
+            "decoded_discrepancy_mm": host_sim.merit(|o| o.whole.decoded_discrepancy_mm),
+            "true_discrepancy_mm": host_sim.whole(|o| o.whole.true_discrepancy_mm),
+            "coordination_force_n": host_sim.merit(|o| o.whole.coordination_force_n),
             "fault": fault(host_sim),
         },
         "ticks": boards.ticks,
@@ -130,21 +130,21 @@ fn print(name: &str, trial: &Trial) {
     let of_both = Columns::of(&outcomes)
         .value("stable", |o| o.is_stable())
         .value("reason", |o| o.reason.map(|reason| reason.to_string()))
-        .number("true_discrepancy_mm", 4, |o| o.whole(|o| o.true_discrepancy_mm))
+        .number("true_discrepancy_mm", 4, |o| o.whole(|o| o.whole.true_discrepancy_mm))
         .head("true discrepancy |x_o1 - x_o2|")
-        .number("decoded_discrepancy_mm", 4, |o| o.merit(|o| o.decoded_discrepancy_mm))
+        .number("decoded_discrepancy_mm", 4, |o| o.merit(|o| o.whole.decoded_discrepancy_mm))
         .head("decoded discrepancy |x_o - x_d|, peer 2")
-        .number("mean_n", 4, |o| o.merit(|o| o.coordination_force_n.mean))
+        .number("mean_n", 4, |o| o.merit(|o| o.whole.coordination_force_n.mean))
         .head("coordination force, peer 2: mean")
-        .number("sd_n", 4, |o| o.merit(|o| o.coordination_force_n.sd))
+        .number("sd_n", 4, |o| o.merit(|o| o.whole.coordination_force_n.sd))
         .head("coordination force, peer 2: standard deviation")
-        .number("peak_coordination_force_n", 4, |o| o.whole(|o| o.peak_coordination_force_n))
+        .number("peak_coordination_force_n", 4, |o| o.whole(|o| o.whole.peak_coordination_force_n))
         .value("fault", |o| fault(o).unwrap_or_else(|| "none".to_owned()));
     let of_both = [1, 2].into_iter().fold(of_both, |table, peer| {
         table
-            .number("received_j", 4, move |o| o.energy[peer - 1].received_j)
+            .number("received_j", 4, move |o| o.whole.energy[peer - 1].received_j)
             .head(&format!("energy from the network, peer {peer}"))
-            .number("sent_j", 4, move |o| o.energy[peer - 1].sent_j)
+            .number("sent_j", 4, move |o| o.whole.energy[peer - 1].sent_j)
             .head(&format!("energy to the network, peer {peer}"))
     });
     println!("{name}\n\n{}", of_both.done().down(&["two boards", "host-sim, f32"]));

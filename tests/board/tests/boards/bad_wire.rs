@@ -47,14 +47,14 @@ fn they_stay_armed_and_nothing_jerks() {
     ]);
     println!(
         "clean: true {:.3} mm, decoded {:.3} mm, largest change of a hand's force {:.3} N a tick",
-        clean.boards.true_discrepancy_mm,
-        clean.boards.decoded_discrepancy_mm,
+        clean.boards.whole.true_discrepancy_mm,
+        clean.boards.whole.decoded_discrepancy_mm,
         jerk(&clean)
     );
     println!(
         "bad: true {:.3} mm, decoded {:.3} mm, {:.3} N a tick; {} frames lost, {} packets of {} came in, {} refused or dropped, {} ticks equal",
-        bad.boards.true_discrepancy_mm,
-        bad.boards.decoded_discrepancy_mm,
+        bad.boards.whole.true_discrepancy_mm,
+        bad.boards.whole.decoded_discrepancy_mm,
         jerk(&bad),
         bad.wire_lost,
         bad.packets_received,
@@ -94,7 +94,7 @@ fn any_network_gives_the_same_bits_through_bursts() {
     let load = trial.packets_received as f64 / seconds;
     println!(
         "any-network through bursts: true {:.3} mm, {} ticks equal, {:?} instructions a tick, {load:.0} packets a second in at both",
-        trial.boards.true_discrepancy_mm, trial.equal.ticks, trial.instructions
+        trial.boards.whole.true_discrepancy_mm, trial.equal.ticks, trial.instructions
     );
     assert_eq!((trial.boards.fault, trial.boards.ticks, trial.ticks_missed), (None, (1000.0 * seconds) as u64, 0));
     assert_eq!(trial.equal.first_difference, None);

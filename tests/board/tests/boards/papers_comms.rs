@@ -20,16 +20,16 @@ fn check(name: &str) {
     let Trial { boards, host_sim, .. } = &trial;
     println!(
         "{name}: true {:.4} mm, decoded {:.4} mm, {} of {} ticks equal, instructions {:?}, {:.1} s",
-        boards.true_discrepancy_mm,
-        boards.decoded_discrepancy_mm,
+        boards.whole.true_discrepancy_mm,
+        boards.whole.decoded_discrepancy_mm,
         trial.equal.ticks,
         boards.ticks,
         trial.instructions,
         trial.wall_s
     );
-    close("true discrepancy", boards.true_discrepancy_mm, host_sim.true_discrepancy_mm);
-    close("decoded discrepancy", boards.decoded_discrepancy_mm, host_sim.decoded_discrepancy_mm);
-    close("coordination force", boards.coordination_force_n.mean, host_sim.coordination_force_n.mean);
+    close("true discrepancy", boards.whole.true_discrepancy_mm, host_sim.whole.true_discrepancy_mm);
+    close("decoded discrepancy", boards.whole.decoded_discrepancy_mm, host_sim.whole.decoded_discrepancy_mm);
+    close("coordination force", boards.whole.coordination_force_n.mean, host_sim.whole.coordination_force_n.mean);
     assert_eq!(boards.fault, None);
     assert_eq!(boards.ticks, (1000.0 * SECONDS) as u64);
     assert_eq!(trial.equal.ticks, boards.ticks, "first difference: {:?}", trial.equal.first_difference);
