@@ -227,7 +227,7 @@ version in Cargo.toml. `cargo xtask test` in that clone says whether it is fit t
         does: "Says how many lines there are and how much is compiled, and compares with xtask/sums.txt",
         more: "Packages and compilations of the first build, `cargo build --release`, and of the whole of `cargo xtask test`. Nothing is built.
   --bless   write the sums to the file, for review",
-        run: |given| sums::sums(&setup::setup()?, given.flag("--bless")),
+        run: |given| sums::sums(&test::calls(&setup::setup()?), given.flag("--bless")),
     },
     Chore {
         name: "wheel",

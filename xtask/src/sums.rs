@@ -7,19 +7,17 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::process::Command;
 
-use crate::run::{self, Failure, cargo, command, everything};
-use crate::setup::Ready;
-use crate::{board, count, no_panic, qemu, test};
+use crate::run::{self, Failure, cargo, command};
 
 /// The reviewed sums.
 const FILE: &str = "xtask/sums.txt";
 
-/// Prints the sums and compares them with the reviewed ones, or writes these.
-pub(crate) fn sums(ready: &Ready, bless: bool) -> Result<(), Failure> {
+/// Prints the sums and compares them with the reviewed ones, or writes these. `calls` are what `cargo xtask test` has cargo compile.
+pub(crate) fn sums(calls: &[Command], bless: bool) -> Result<(), Failure> {
     let first = Units::of(&cargo(&["build", "--locked", "--release"]))?;
     let mut check = BTreeSet::new();
-    for call in calls(ready) {
-        check.extend(Units::of(&call)?.compilations);
+    for call in calls {
+        check.extend(Units::of(call)?.compilations);
     }
     let now = [
         ("lines of Rust in src and benches", lines()?),
@@ -42,20 +40,6 @@ pub(crate) fn sums(ready: &Ready, bless: bool) -> Result<(), Failure> {
             "{FILE} does not say `{row}`: undo what changed it, or accept it with `cargo xtask sums --bless` and say why in the commit"
         ))),
     }
-}
-
-/// What `cargo xtask test` has cargo compile.
-fn calls(ready: &Ready) -> Vec<Command> {
-    let mut calls =
-        vec![test::lints(), test::documentation(), everything("test"), test::golden(), test::interleavings()];
-    calls.extend([count::bench(), cargo(&["build", "--locked", "--package", "haptic-python"])]);
-    calls.extend([test::rooms_on_chip(ready), qemu::program(ready)]);
-    for features in board::IMAGES {
-        calls.push(board::build(ready, features));
-        calls.push(test::lints_of_image(ready, features));
-        calls.extend(no_panic::proofs(ready, features));
-    }
-    calls
 }
 
 /// Lines of what git has of the sources, comments and tests inside files included.

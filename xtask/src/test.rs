@@ -19,7 +19,7 @@ pub(crate) fn test() -> Result<(), Failure> {
     step("format", format)?;
     step("lints", || run(&mut lints()))?;
     step("rooms", || crate::rooms::rooms(run::root()))?;
-    step("sums", || sums::sums(&ready, false))?;
+    step("sums", || sums::sums(&calls(&ready), false))?;
     step("page", || page::browser().and_then(|()| page::page(false)))?;
     step("rooms of the microcontroller", || run(&mut rooms_on_chip(&ready)))?;
     step("documentation", || run(documentation().env("RUSTDOCFLAGS", "-D warnings")))?;
@@ -54,6 +54,19 @@ pub(crate) fn test() -> Result<(), Failure> {
     })?;
     passed(start);
     Ok(())
+}
+
+/// What `cargo xtask test` has cargo compile.
+pub(crate) fn calls(ready: &Ready) -> Vec<Command> {
+    let mut calls = vec![lints(), documentation(), everything("test"), golden(), interleavings()];
+    calls.extend([count::bench(), cargo(&["build", "--locked", "--package", "haptic-python"])]);
+    calls.extend([rooms_on_chip(ready), qemu::program(ready)]);
+    for features in board::IMAGES {
+        calls.push(board::build(ready, features));
+        calls.push(lints_of_image(ready, features));
+        calls.extend(no_panic::proofs(ready, features));
+    }
+    calls
 }
 
 /// Runs what tells soonest whether a small change is good: format, lints, who leans on whom, unit tests, golden traces.

@@ -1,6 +1,7 @@
 //! What a model was built with, as words that can be compared.
 
-use super::{Motion, Scalar};
+use super::scalar::Scalar;
+use super::state::Motion;
 
 /// Hands over what it was built with, so that two of a kind can be compared: each number by its bits, each choice and each count.
 ///

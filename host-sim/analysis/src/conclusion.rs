@@ -7,7 +7,10 @@ use haptic_sim::run::{Outcome, Reason};
 use haptic_sim::scene::Scene;
 use haptic_sim::user::User;
 
-use super::{AnalysisError, Verdict, advice, judge, verdict};
+use super::advice::advice;
+use super::modes::judge;
+use super::verdict::{Verdict, verdict};
+use crate::error::AnalysisError;
 
 /// A run of a scene, with what the analyser says of the scene.
 #[derive(Clone, Debug)]
