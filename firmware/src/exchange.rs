@@ -140,8 +140,9 @@ impl<T> Reader<'_, T> {
         self.cell.slot(self.front).with(|slot| unsafe { &*slot })
     }
 
+    /// The value taken over last, copied.
     #[inline]
-    fn copy(&self) -> T
+    pub fn copy(&self) -> T
     where
         T: Copy,
     {
