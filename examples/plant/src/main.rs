@@ -47,7 +47,7 @@ impl Device<f32> for Handle {
 fn main() -> Result<(), Box<dyn Error>> {
     let scene = Scene::load(Laws::built_in(), None, &["coordination.stiffness_n_per_m=500".to_owned()])?;
     let handles = [2.0, -1.0].map(|push_n| Handle { motion: Motion::REST, push_n });
-    let mut pair = Pair::with_devices(&scene, handles)?;
+    let mut pair: Pair<f32, Handle> = Pair::with_devices(&scene, handles)?;
     (0..20_000).for_each(|_| pair.step());
     assert_eq!(pair.fault(), None, "a peer has stopped");
     for (number, side) in (1..).zip(pair.sides()) {

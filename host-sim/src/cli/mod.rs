@@ -159,11 +159,14 @@ fn negative_numbers(command: clap::Command) -> clap::Command {
     command.mut_args(takes).mut_subcommands(negative_numbers)
 }
 
+/// What a command from outside does with its arguments.
+type Does = dyn Fn(&clap::ArgMatches, Laws) -> Result<Columns, Failure>;
+
 /// A command from outside: its name, its arguments as clap has them, and what it does.
 struct Outside {
     name: &'static str,
     declare: fn(clap::Command) -> clap::Command,
-    run: Box<dyn Fn(&clap::ArgMatches, Laws) -> Result<Columns, Failure>>,
+    run: Box<Does>,
 }
 
 /// The command line of `host-sim`.
