@@ -127,8 +127,7 @@ impl Record {
     /// What a tick read and did, of one shared axis.
     #[inline(always)]
     pub fn fill(&mut self, of: &Tick, incoming: Option<&Packet<f32>>, axis: &OfAxis<'_, f32>) {
-        self.read(of, incoming);
-        sample::each(axis, |word, number| self.put(word, number));
+        self.fill_with(of, incoming, |record| sample::each(axis, |word, number| record.put(word, number)));
     }
 
     /// The bytes on the wire.
@@ -152,9 +151,9 @@ impl Record {
 }
 
 impl<const MORE: usize> Record<MORE> {
-    /// What is no quantity of the axis: what the tick read, and what it commanded.
+    /// The same; `quantities` puts those of the axis.
     #[inline(always)]
-    pub fn read(&mut self, of: &Tick, incoming: Option<&Packet<f32>>) {
+    pub fn fill_with(&mut self, of: &Tick, incoming: Option<&Packet<f32>>, quantities: impl FnOnce(&mut Self)) {
         let Tick { tick, axis, counts, duties, stage, mode, flags, digest } = *of;
         let halves = |[low, high]: [u16; 2]| u32::from(low) | u32::from(high) << 16;
         // One after the other, and what may be absent in a branch of its own: an array of all of them, or a default, would go by way of
@@ -178,6 +177,8 @@ impl<const MORE: usize> Record<MORE> {
             words[word::HEARD..word::HEARD + 3].fill(0);
             words[word::COUNTERS..word::COUNTERS + 5].fill(0);
         }
+        quantities(self);
+        let Self(words, _) = self;
         words[word::DIGEST] = digest;
         if let Some(Measured { motors: [one, two], supply_mv, supply_counts }) = stage {
             let signed = |numbers: [i16; 2]| halves(numbers.map(i16::cast_unsigned));

@@ -60,9 +60,9 @@ fn tick<S: Number>(pair: &mut pair::Pair<S>, [first, second]: [f64; 2]) -> Row {
     let seen = pair.sides().into_iter().flat_map(|side| {
         let (observed, ledger) = (side.peer.observed().map(S::to_f64), side.peer.ledger());
         let [received_j, sent_j] = [ledger.received_j(), ledger.sent_j()].map(S::to_f64);
-        SAMPLE.reaching(Reach::Steps).map(move |quantity| {
-            (quantity.get)(&OfAxis { observed: &observed, received_j, sent_j })
-        })
+        SAMPLE
+            .reaching(Reach::Steps)
+            .map(move |quantity| (quantity.get)(&OfAxis { observed: &observed, received_j, sent_j }))
     });
     row.iter_mut().zip(seen).for_each(|(to, number)| *to = number);
     row
@@ -123,7 +123,9 @@ impl Pair {
     #[classattr]
     #[pyo3(name = "COLUMNS")]
     fn columns() -> Vec<String> {
-        (1..=2).flat_map(|peer| SAMPLE.reaching(Reach::Steps).map(move |quantity| numbered(quantity.name, peer))).collect()
+        (1..=2)
+            .flat_map(|peer| SAMPLE.reaching(Reach::Steps).map(move |quantity| numbered(quantity.name, peer)))
+            .collect()
     }
 
     /// One tick: 12 numbers as a tuple.
