@@ -9,6 +9,7 @@
 //!
 //! | module | holds |
 //! |---|---|
+//! | [`mod@sample`] | what there is to tell of a peer after a tick, every quantity once |
 //! | [`peer`] | `tick` and `exchange`, the only entries at run time |
 //! | [`schema`] | settings by name, laws' own keys too |
 //! | [`device`] | encoder counts to position and velocity, force to motor duty; encoders that fail; a motor pushed open loop |
@@ -38,5 +39,6 @@ pub mod names;
 pub mod object;
 pub mod peer;
 pub mod safety;
+pub mod sample;
 pub mod schema;
 pub mod settings;

@@ -134,6 +134,16 @@ impl Mode {
         }
     }
 
+    /// 0 disarmed, 1 armed, 2 faulted, 3 probing.
+    pub fn number(self) -> u8 {
+        match self {
+            Self::Disarmed => 0,
+            Self::Armed => 1,
+            Self::Faulted(_) => 2,
+            Self::Probing => 3,
+        }
+    }
+
     /// The number of the fault in it; 0: none.
     pub fn fault_number(self) -> u8 {
         if let Self::Faulted(fault) = self { fault.number() } else { 0 }

@@ -14,8 +14,9 @@ pub mod kept;
 pub mod keys;
 pub mod mac;
 pub mod operator;
-pub mod record;
 pub mod signals;
 pub mod status;
 pub mod store;
 pub mod times;
+
+pub use haptic_protocol::record;

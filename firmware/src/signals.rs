@@ -9,8 +9,8 @@
 use core::marker::PhantomData;
 use core::sync::atomic::{AtomicU32, Ordering};
 
-use haptic_core::safety::{Command, Fault, Mode};
-use haptic_protocol::link::Stage;
+use haptic_core::safety::{Command, Mode};
+use haptic_protocol::{link::Stage, record};
 
 /// What fits in a word.
 pub trait Coded: Copy {
@@ -20,24 +20,14 @@ pub trait Coded: Copy {
     fn decode(code: u32) -> Self;
 }
 
-/// Mode in bits 0–7, fault number in bits 8–15, as in a record.
+/// As in a record.
 impl Coded for Mode {
     #[inline]
     fn code(self) -> u32 {
-        match self {
-            Self::Disarmed => 0,
-            Self::Armed => 1,
-            Self::Faulted(fault) => 2 | u32::from(fault.number()) << 8,
-            Self::Probing => 3,
-        }
+        record::mode_code(self)
     }
     fn decode(code: u32) -> Self {
-        match code & 0xFF {
-            0 => Self::Disarmed,
-            1 => Self::Armed,
-            3 => Self::Probing,
-            _ => Self::Faulted(Fault::from_number((code >> 8) as u8).unwrap_or(Fault::NonFiniteInput)),
-        }
+        record::mode_of_code(code)
     }
 }
 

@@ -21,6 +21,7 @@ use haptic_core::device::{Reading, encoder::Counts};
 use haptic_core::law::Packet;
 use haptic_core::peer::{Actuators, Sensors};
 use haptic_core::safety::{Command, Fault, Mode};
+use haptic_core::sample::OfAxis;
 
 use crate::board::current::{self, Power, Stage};
 use crate::board::{bridges, deadman, encoders, pace};
@@ -211,7 +212,8 @@ impl Loop {
                     let (counts, duties) = (joints(counts, axis), joints(actuators.duties, axis));
                     let (stage, number) = (current::told(stage), axis as u8);
                     let of = record::Tick { tick, axis: number, counts, duties, stage, mode, flags, digest };
-                    record.fill(&of, incoming.map(|packets| &packets[axis]), seen[axis], ledgers[axis]);
+                    let did = OfAxis::new(seen[axis], ledgers[axis]);
+                    record.fill(&of, incoming.map(|packets| &packets[axis]), &did);
                 });
             }
         }

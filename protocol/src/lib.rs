@@ -100,6 +100,8 @@ pub mod parameters;
 #[cfg(feature = "peer")]
 pub mod peer;
 pub mod playout;
+#[cfg(feature = "peer")]
+pub mod record;
 mod reliable;
 pub mod replay;
 pub mod roles;

@@ -27,6 +27,21 @@ pub struct Observed<S> {
     pub coordination_force: S,
 }
 
+impl<S> Observed<S> {
+    /// With what `of` makes of each number.
+    #[inline]
+    pub fn map<T>(self, of: impl Fn(S) -> T) -> Observed<T> {
+        let motion = |seen: Motion<S>| Motion { position: of(seen.position), velocity: of(seen.velocity) };
+        Observed {
+            device: motion(self.device),
+            object: motion(self.object),
+            desired: motion(self.desired),
+            contact_force: of(self.contact_force),
+            coordination_force: of(self.coordination_force),
+        }
+    }
+}
+
 /// The local copy along one axis.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]

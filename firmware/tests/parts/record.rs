@@ -8,6 +8,7 @@ use haptic_core::law::{AnyLaw, Packet};
 use haptic_core::num::{Motion, StateVector};
 use haptic_core::peer::{Observed, Peer};
 use haptic_core::safety::Mode;
+use haptic_core::sample::OfAxis;
 use haptic_core::settings::Settings;
 
 fn peer(position: f32) -> Peer<f32, AnyLaw<f32>> {
@@ -25,19 +26,24 @@ fn bytes_lead_back_to_the_record() {
     let mut peer = peer(0.25);
     let of = Tick { axis: 2, duties: [Duty(-3), Duty(4)], ..tick(&mut peer, 7, ENABLED | SENT) };
     let mut record = Record::default();
-    record.fill(&of, None, peer.observed()[0], peer.ledger()[0]);
-    let back = Record::from_bytes(&record.bytes());
+    record.fill(&of, None, &OfAxis::new(peer.observed()[0], peer.ledger()[0]));
+    let back = Record::from_bytes(&record.bytes()).unwrap();
     assert_eq!(back, record);
     assert_eq!((back.tick(), back.axis(), back.mode(), back.flags()), (7, 2, Mode::Disarmed, ENABLED | SENT));
     assert_eq!((back.counts(), back.duties()), (of.counts, of.duties));
     assert_eq!(back.digest(), digest(&mut peer));
     // Words 7 to 14 are what was seen, in the order of the table.
-    let mut told = Record::default();
+    let mut told: Record = Record::default();
     told.0[7..15].copy_from_slice(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0].map(f32::to_bits));
     let [device, object, desired] =
         [(1.0, 2.0), (3.0, 4.0), (5.0, 6.0)].map(|(position, velocity)| Motion { position, velocity });
     let seen = Observed { device, object, desired, contact_force: 7.0, coordination_force: 8.0 };
     assert_eq!(told.observed(), seen);
+    told.0[16..18].copy_from_slice(&[9.0, 10.0].map(f32::to_bits));
+    assert_eq!(told.energy_j(), [9.0, 10.0]);
+    let mut again = Record::default();
+    again.fill(&of, None, &OfAxis { observed: &seen, received_j: 9.0, sent_j: 10.0 });
+    assert_eq!([&again.0[7..15], &again.0[16..18]], [&told.0[7..15], &told.0[16..18]]);
 }
 
 #[test]
@@ -58,8 +64,8 @@ fn a_packet_that_came_in_comes_out_whole() {
     let told = |flags, incoming: Option<Packet<f32>>| {
         let mut peer = peer(0.0);
         let mut record = Record::default();
-        record.fill(&tick(&mut peer, 8, flags), incoming.as_ref(), peer.observed()[0], peer.ledger()[0]);
-        Record::from_bytes(&record.bytes()).incoming()
+        record.fill(&tick(&mut peer, 8, flags), incoming.as_ref(), &OfAxis::new(peer.observed()[0], peer.ledger()[0]));
+        Record::from_bytes(&record.bytes()).unwrap().incoming()
     };
     assert_eq!(told(SENT | RECEIVED, Some(packet)), Some(packet));
     assert_eq!(told(SENT, None), None);
@@ -72,8 +78,8 @@ fn what_the_stage_measured_comes_out_whole() {
     for stage in [Some(stage), None] {
         let mut peer = peer(0.0);
         let mut record = Record::default();
-        record.fill(&Tick { stage, ..tick(&mut peer, 9, ENABLED) }, None, peer.observed()[0], peer.ledger()[0]);
-        assert_eq!(Record::from_bytes(&record.bytes()).stage(), stage);
+        record.fill(&Tick { stage, ..tick(&mut peer, 9, ENABLED) }, None, &OfAxis::new(peer.observed()[0], peer.ledger()[0]));
+        assert_eq!(Record::from_bytes(&record.bytes()).unwrap().stage(), stage);
     }
 }
 

@@ -4,8 +4,8 @@ use std::sync::{Mutex, PoisonError};
 
 use haptic_core::num::Fixed;
 use haptic_core::safety::Mode;
+use haptic_core::sample::{OfAxis, Reach, SAMPLE};
 use haptic_sim::pair::HASH_SEED;
-use haptic_sim::quantities::{self, Named};
 use haptic_sim::report::numbered;
 use haptic_sim::{Number, pair};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
@@ -17,16 +17,8 @@ use crate::run::unknown_scalar;
 use crate::scene::Scene;
 use crate::work::{here, refused};
 
-/// What is seen of each peer after a tick.
-const SEEN: [Named; 6] = [
-    quantities::DEVICE,
-    quantities::OBJECT,
-    quantities::DECODED,
-    quantities::OBJECT_SPEED,
-    quantities::CONTACT,
-    quantities::COORDINATION,
-];
-const WIDTH: usize = 2 * SEEN.len();
+/// What is seen of both peers after a tick.
+const WIDTH: usize = 2 * SAMPLE.count(Reach::Steps);
 type Row = [f64; WIDTH];
 
 /// As far as `user.1.push_n` goes, too.
@@ -65,18 +57,14 @@ fn tick<S: Number>(pair: &mut pair::Pair<S>, [first, second]: [f64; 2]) -> Row {
     }
     pair.step();
     let mut row = [0.0; WIDTH];
-    for (side, row) in pair.sides().iter().zip(row.chunks_exact_mut(SEEN.len())) {
-        let seen = side.peer.observed()[0];
-        let numbers = [
-            seen.device.position,
-            seen.object.position,
-            seen.desired.position,
-            seen.object.velocity,
-            seen.contact_force,
-            seen.coordination_force,
-        ];
-        row.copy_from_slice(&numbers.map(S::to_f64));
-    }
+    let seen = pair.sides().into_iter().flat_map(|side| {
+        let (observed, ledger) = (side.peer.observed()[0].map(S::to_f64), side.peer.ledger()[0]);
+        let [received_j, sent_j] = [ledger.received_j(), ledger.sent_j()].map(S::to_f64);
+        SAMPLE
+            .reaching(Reach::Steps)
+            .map(move |quantity| (quantity.get)(&OfAxis { observed: &observed, received_j, sent_j }))
+    });
+    row.iter_mut().zip(seen).for_each(|(to, number)| *to = number);
     row
 }
 
@@ -135,7 +123,9 @@ impl Pair {
     #[classattr]
     #[pyo3(name = "COLUMNS")]
     fn columns() -> Vec<String> {
-        (1..=2).flat_map(|peer| SEEN.map(|(name, _)| numbered(name, peer))).collect()
+        (1..=2)
+            .flat_map(|peer| SAMPLE.reaching(Reach::Steps).map(move |quantity| numbered(quantity.name, peer)))
+            .collect()
     }
 
     /// One tick: 12 numbers as a tuple.

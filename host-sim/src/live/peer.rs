@@ -8,7 +8,7 @@ use haptic_protocol::key::Key;
 use haptic_protocol::link::{Error, Notice};
 use haptic_protocol::wire::{Flows, Message, Telemetry};
 use haptic_sim::engine::{Actor, Out};
-use haptic_sim::measure::port::{ObjectPort, PortEnergy, counted};
+use haptic_sim::measure::port::{ObjectPort, PortEnergy};
 use haptic_sim::measure::{LastHalf, Statistics};
 use haptic_sim::peers::Builds;
 use haptic_sim::run::AXIS_NAMES;
@@ -191,7 +191,7 @@ where
         self.differs = node.line.link.refused().map(|table| (table, since_us));
         if let Some(tick) = node.armed_ticks.checked_sub(1) {
             let mut apart_m: f64 = 0.0;
-            let axes = node.peer.observed().into_iter().map(counted);
+            let axes = node.peer.observed().into_iter().map(|seen| seen.map(f64::from));
             for (seen, (half, port)) in axes.zip(self.halves.iter_mut().zip(&mut self.ports)) {
                 let discrepancy_m = (seen.object.position - seen.desired.position).abs();
                 let contact_n = seen.contact_force;

@@ -19,8 +19,9 @@ use std::time::{Duration, Instant};
 use haptic_core::safety::Fault;
 use haptic_sim::board::calibrate::board::{Board, FAULTED, Joint, settings};
 use haptic_sim::board::calibrate::simulated::Shared;
-use haptic_sim::board::recording::row;
+use haptic_sim::board::recording::{COLUMNS, row};
 use haptic_sim::board::status::Probed;
+use haptic_sim::quantities::place;
 use haptic_sim::scene::Scene;
 use serde::Serialize;
 use serde_json::json;
@@ -46,8 +47,22 @@ const FARTHEST: f64 = 250.0;
 const NICENESS: i32 = 5;
 /// Answers that are shown.
 const ANSWERS: usize = 6;
-/// Numbers of a tick: how it went, as [`haptic_sim::board::recording::COLUMNS`] has them.
-const NUMBERS: usize = haptic_sim::board::recording::COLUMNS.len();
+/// Numbers of a tick: how it went, as [`COLUMNS`] has them.
+const NUMBERS: usize = COLUMNS.len();
+const TICK: usize = place(&COLUMNS, "tick");
+const MODE: usize = place(&COLUMNS, "mode");
+const FAULT_NUMBER: usize = place(&COLUMNS, "fault");
+const DEVICE: usize = place(&COLUMNS, "device_m");
+/// What is shown of both boards.
+const SHOWN: [usize; 5] = [
+    DEVICE,
+    place(&COLUMNS, "object_m"),
+    place(&COLUMNS, "decoded_m"),
+    place(&COLUMNS, "contact_n"),
+    place(&COLUMNS, "coordination_n"),
+];
+const RECEIVED: usize = place(&COLUMNS, "energy_received_j");
+const SENT: usize = place(&COLUMNS, "energy_sent_j");
 
 /// Where a board is.
 #[derive(Clone, Debug)]
@@ -148,8 +163,8 @@ impl Party for Practice {
             .map(|tick| {
                 let zero = *self.zero.get_or_insert(tick.counts[0]);
                 let mut numbers = [f64::NAN; NUMBERS];
-                (numbers[1], numbers[2], numbers[3]) = (tick.number.into(), tick.mode.into(), 0.0);
-                numbers[9] = self.m_per_count * f64::from(tick.counts[0].wrapping_sub(zero).cast_signed());
+                (numbers[TICK], numbers[MODE], numbers[FAULT_NUMBER]) = (tick.number.into(), tick.mode.into(), 0.0);
+                numbers[DEVICE] = self.m_per_count * f64::from(tick.counts[0].wrapping_sub(zero).cast_signed());
                 numbers
             })
             .collect())
@@ -268,13 +283,13 @@ impl Seat {
 
     /// Plays back the recorded rows by one tick.
     fn play(&mut self) {
-        let Some(newest) = self.rows.back().map(|row| row[1]) else { return };
+        let Some(newest) = self.rows.back().map(|row| row[TICK]) else { return };
         self.at += 1.0;
         // It has begun, slept, or started anew.
         if (newest - BEHIND - self.at).abs() > FARTHEST {
             self.at = newest - BEHIND;
         }
-        while self.rows.front().is_some_and(|row| row[1] <= self.at || row[1] > self.at + 2.0 * FARTHEST)
+        while self.rows.front().is_some_and(|row| row[TICK] <= self.at || row[TICK] > self.at + 2.0 * FARTHEST)
             && self.rows.len() > 1
         {
             self.shown = self.rows.pop_front();
@@ -284,8 +299,8 @@ impl Seat {
     fn mode(&self, there: bool) -> u8 {
         match self.shown.filter(|_| there) {
             None => WAITS,
-            Some(row) if row[2] == 1.0 => ARMED,
-            Some(row) if row[2] == f64::from(FAULTED) => FAULT + row[3] as u8,
+            Some(row) if row[MODE] == 1.0 => ARMED,
+            Some(row) if row[MODE] == f64::from(FAULTED) => FAULT + row[FAULT_NUMBER] as u8,
             Some(_) => OFF,
         }
     }
@@ -388,9 +403,8 @@ impl Environment for Boards {
                 row.map_or(f32::NAN, |row| row[column] as f32)
             })
         };
-        let (nothing, [device, object, decoded, contact, coordination]) =
-            ([f32::NAN; 2], [9, 11, 13, 15, 16].map(both));
-        let in_line: f32 = both(18).into_iter().sum::<f32>() - both(17).into_iter().sum::<f32>();
+        let (nothing, [device, object, decoded, contact, coordination]) = ([f32::NAN; 2], SHOWN.map(both));
+        let in_line: f32 = both(SENT).into_iter().sum::<f32>() - both(RECEIVED).into_iter().sum::<f32>();
         let pairs = [nothing, device, object, decoded, contact, coordination, nothing];
         let tail = [in_line, f32::NAN, f32::NAN, f32::NAN, f32::NAN, f32::NAN, f32::NAN, self.restarts as f32];
         let mut sample = [f32::NAN; MOST];

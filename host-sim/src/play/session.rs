@@ -9,7 +9,6 @@
 
 use haptic_core::device::AXES;
 use haptic_core::num::Motion;
-use haptic_core::peer::Observed;
 use haptic_core::safety::Command as Order;
 use haptic_core::{law::Sends, settings::Refused};
 use haptic_sim::measure::port::ObjectPort;
@@ -92,7 +91,7 @@ impl Side {
     pub(super) fn see(&mut self, peer: &dyn DynPeer<f32>, heard: u64) -> Seen {
         let [ledger] = peer.ledger();
         let [received, sent] = [ledger.received_j(), ledger.sent_j()].map(f64::from);
-        self.port.see(&as_f64(peer.observed()[0]));
+        self.port.see(&peer.observed()[0].map(f64::from));
         let energy = self.port.with_network(received, sent);
         let kept_j = received + energy.from_object_j - sent - energy.to_object_j - energy.stored_j;
         let live_ticks = peer.outgoing()[0].live_ticks;
@@ -290,17 +289,6 @@ pub(super) fn same_but_for_network(one: &Scene, other: &Scene) -> bool {
 
 fn sides(scene: &Scene) -> [Side; 2] {
     [Side::new(scene); 2]
-}
-
-fn as_f64(seen: &Observed<f32>) -> Observed<f64> {
-    let motion = |of: Motion<f32>| Motion { position: of.position.into(), velocity: of.velocity.into() };
-    Observed {
-        device: motion(seen.device),
-        object: motion(seen.object),
-        desired: motion(seen.desired),
-        contact_force: seen.contact_force.into(),
-        coordination_force: seen.coordination_force.into(),
-    }
 }
 
 #[cfg(test)]

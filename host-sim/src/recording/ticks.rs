@@ -3,6 +3,7 @@
 use haptic_core::num::Scalar;
 use haptic_core::peer::Observed;
 use haptic_core::safety::Mode;
+use haptic_core::sample::{OfAxis, OfPeer, Quantities, SAMPLE};
 
 use haptic_protocol::{link::Link, wire::Sample};
 use haptic_sim::quantities::{self, Named};
@@ -14,24 +15,14 @@ use super::mcap::Channel;
 /// Since when a recording's times count.
 pub const TIME: Named = ("time_s", "since the recording's clock began");
 
-/// Columns of a tick; those that a board tells as well are called as in its recordings.
-pub const TICK: [Named; 15] = [
-    TIME,
-    quantities::TICK,
-    quantities::MODE,
-    quantities::FAULT,
-    quantities::DEVICE,
-    quantities::DEVICE_SPEED,
-    quantities::OBJECT,
-    quantities::OBJECT_SPEED,
-    quantities::DECODED,
-    quantities::DECODED_SPEED,
-    quantities::CONTACT,
-    quantities::COORDINATION,
-    quantities::ENERGY_RECEIVED,
-    quantities::ENERGY_SENT,
-    ("live", "1 while what is heard is fresh, or the line lives; 0 while it stands"),
-];
+/// Columns of a tick.
+pub const TICK: [Named; 2 + SAMPLE.columns()] = tick_columns(&SAMPLE);
+
+/// The same of another list of quantities.
+pub const fn tick_columns<const N: usize>(quantities: &Quantities) -> [Named; N] {
+    let live = ("live", "1 while what is heard is fresh, or the line lives; 0 while it stands");
+    quantities::around(quantities, [&[TIME], &[], &[live]])
+}
 
 /// Columns of an exchange: times of a probe and its answer.
 pub const EXCHANGE: [Named; 5] = [
@@ -118,7 +109,7 @@ pub fn board_channels(number: u8, axes: usize) -> Vec<Channel> {
 
 /// The channels of a hub with so many lines, in the order of [`channels`].
 pub fn hub_channels(lines: usize) -> Vec<Channel> {
-    let own = [TIME, quantities::TICK, ("object_m", "where the lines meet")];
+    let own = [TIME, TICK[quantities::place(&TICK, "tick")], ("object_m", "where the lines meet")];
     let own = own.map(|(name, meaning)| (name.to_owned(), meaning.to_owned()));
     let of_line = |line: usize| {
         let told =
@@ -171,31 +162,27 @@ pub fn tick<S: Scalar>(
     tick: u64,
     mode: Mode,
     seen: &Observed<S>,
-    [received, sent]: [S; 2],
+    [received_j, sent_j]: [S; 2],
     live: bool,
 ) -> [f64; TICK.len()] {
-    let (mode, fault) = match mode {
-        Mode::Armed => (1.0, 0.0),
-        Mode::Faulted(fault) => (2.0, f64::from(fault.number())),
-        Mode::Disarmed | Mode::Probing => (0.0, 0.0),
-    };
-    [
-        time_ns as f64 * 1e-9,
-        tick as f64,
-        mode,
-        fault,
-        seen.device.position.to_f64(),
-        seen.device.velocity.to_f64(),
-        seen.object.position.to_f64(),
-        seen.object.velocity.to_f64(),
-        seen.desired.position.to_f64(),
-        seen.desired.velocity.to_f64(),
-        seen.contact_force.to_f64(),
-        seen.coordination_force.to_f64(),
-        received.to_f64(),
-        sent.to_f64(),
-        f64::from(u8::from(live)),
-    ]
+    let [received_j, sent_j] = [received_j, sent_j].map(S::to_f64);
+    let axis = OfAxis { observed: &seen.map(S::to_f64), received_j, sent_j };
+    tick_of(&SAMPLE, time_ns, OfPeer::new(tick, mode), &axis, live)
+}
+
+/// A row of [`tick_columns`].
+pub fn tick_of<const N: usize>(
+    of: &Quantities,
+    time_ns: u64,
+    peer: OfPeer,
+    axis: &OfAxis<'_, f64>,
+    live: bool,
+) -> [f64; N] {
+    let values = [time_ns as f64 * 1e-9].into_iter().chain(of.of_peer(peer));
+    let values = values.chain(of.recorded.iter().map(|quantity| (quantity.get)(axis)));
+    let mut row = [0.0; N];
+    row.iter_mut().zip(values.chain([f64::from(u8::from(live))])).for_each(|(to, from)| *to = from);
+    row
 }
 
 /// A row of [`EXCHANGE`].

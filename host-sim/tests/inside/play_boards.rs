@@ -19,7 +19,8 @@ impl Party for Written {
         std::thread::sleep(Duration::from_millis(5));
         self.ticks += 4;
         let mut row = [0.0; NUMBERS];
-        (row[1], row[2], row[9]) = (self.ticks.into(), f64::from(u8::from(self.armed)), f64::from(self.ticks));
+        (row[TICK], row[MODE], row[DEVICE]) =
+            (self.ticks.into(), f64::from(u8::from(self.armed)), f64::from(self.ticks));
         Ok(vec![row])
     }
 }

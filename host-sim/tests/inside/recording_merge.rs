@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use haptic_sim::quantities;
+
 use super::super::file::{Recording, read};
 use super::super::mcap::Channel;
 use super::super::origin::Origin;
@@ -41,7 +43,11 @@ fn recorded(
 /// A row of ticks: armed, with a copy at a place.
 fn tick(time_s: f64, object_m: f64, object_m_per_s: f64) -> Vec<f64> {
     let mut row = vec![0.0; ticks::TICK.len()];
-    (row[0], row[2], row[6], row[7]) = (time_s, 1.0, object_m, object_m_per_s);
+    for (name, number) in
+        [("time_s", time_s), ("mode", 1.0), ("object_m", object_m), ("object_m_per_s", object_m_per_s)]
+    {
+        row[quantities::place(&ticks::TICK, name)] = number;
+    }
     row
 }
 

@@ -4,6 +4,20 @@ use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
+use haptic_core::device::{encoder::Counts, motor::Duty};
+use haptic_core::num::Motion;
+use haptic_core::peer::Observed;
+use haptic_core::safety::Mode;
+use haptic_core::sample::{OfAxis, OfPeer, SAMPLE};
+use haptic_protocol::record::{self, Record};
+use haptic_sim::board::recording;
+use haptic_sim::report::{Columns, Made, files::write_parquet};
+use haptic_sim::run::{Account, Options, Ticked};
+use haptic_sim::scene::Scene;
+use host_sim::recording::mcap::Channel;
+use host_sim::recording::origin::Origin;
+use host_sim::recording::recorder::Recorder;
+use host_sim::recording::{file::read, ticks};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use serde_json::Value;
 
@@ -107,6 +121,103 @@ fn the_same_quantity_has_the_same_name() {
     }
     assert!(simulated.contains(&("object_1_m_per_s".to_owned(), "m/s".to_owned())));
     assert!([live, board].iter().all(|columns| columns.contains(&("object_m_per_s".to_owned(), "m/s".to_owned()))));
+}
+
+/// [`haptic_core::sample::SAMPLE`] with one line more.
+mod more {
+    haptic_core::quantities! {
+        27 spring_m "m" Steps: "x_d - x_o", |axis| axis.observed.desired.position - axis.observed.object.position;
+    }
+}
+
+/// A quantity that is declared stands in tables of runs, recordings, a board's record and files, and moves nothing that was there before.
+#[test]
+fn a_quantity_more_is_one_line() {
+    let (folder, more) = (folder("more"), &more::SAMPLE);
+    let without = |table: &Columns, name: &str| {
+        let at = table.data().position(|column| column.name() == name).expect("it is there");
+        let mut row: Vec<f64> = table.data().map(|column| table.column(column.name()).expect("numbers")[0]).collect();
+        (row.remove(at), row)
+    };
+    let object = Motion { position: 0.5, velocity: -1.0 };
+    let seen = Observed { object, desired: Motion::at(0.75), coordination_force: 2.0, ..Observed::default() };
+
+    // A run has it of each peer.
+    let mut account = Account::new(&Scene::default(), 1, Options::recorded(1.0, 1e-3));
+    for at in 0..2 {
+        account.ticked(at, Ticked::new(&seen, [3.0, 4.0], Mode::Armed, true));
+    }
+    account.period();
+    let mut run = Columns::named(Account::columns_of(more));
+    run.push_row(&account.row_of(more));
+    let (second_m, _) = without(&run, "spring_2_m");
+    let (first_m, row) = without(&run.clone().without("spring_2_m"), "spring_1_m");
+    assert_eq!(([first_m, second_m], row), ([0.25; 2], account.row()));
+
+    // So have a recording of a peer, and a board's.
+    let axis = OfAxis { observed: &seen, received_j: 3.0, sent_j: 4.0 };
+    let peer = OfPeer::new(7, Mode::Armed);
+    let ticks = ticks::tick_columns::<{ ticks::TICK.len() + 1 }>(more);
+    let tick: [f64; ticks::TICK.len() + 1] = ticks::tick_of(more, 5, peer, &axis, true);
+    let mut live = Columns::named(ticks);
+    live.push_row(&tick);
+    assert_eq!(without(&live, "spring_m"), (0.25, ticks::tick(5, 7, Mode::Armed, &seen, [3.0, 4.0], true).to_vec()));
+    let (mut wider, mut record) = (Record::<1>::default(), Record::default());
+    let (single, of) = (
+        seen.map(|number| number as f32),
+        record::Tick {
+            tick: 7,
+            axis: 0,
+            counts: [Counts(1), Counts(2)],
+            duties: [Duty(3), Duty(4)],
+            stage: None,
+            mode: Mode::Armed,
+            flags: record::ENABLED,
+            digest: 5,
+        },
+    );
+    let axis = OfAxis { observed: &single, received_j: 3.0, sent_j: 4.0 };
+    record.fill(&of, None, &axis);
+    wider.fill_with(&of, None, |record| more::each(&axis, |word, number| record.put(word, number)));
+    assert_eq!((wider.0, wider.1), (record.0, [0.25_f32.to_bits()]));
+    let columns = recording::columns_of::<{ recording::COLUMNS.len() + 1 }>(more);
+    let row: [f64; recording::COLUMNS.len() + 1] = recording::row_of(more, &wider, 1e-3);
+    let mut told = Columns::named(columns);
+    told.push_row(&row);
+    let wanted = recording::row(&record.bytes(), 1e-3).expect("a record").1;
+    assert_eq!(without(&told, "spring_m"), (0.25, wanted.to_vec()));
+
+    // Files say what it is.
+    let (parquet, mcap) = (folder.join("run.parquet"), folder.join("ticks.mcap"));
+    write_parquet(&run, &parquet, "").expect("a file");
+    let reader = SerializedFileReader::new(File::open(parquet).expect("a file")).expect("Parquet");
+    let about = reader.metadata().file_metadata().key_value_metadata().expect("metadata");
+    let said = |key: &str| about.iter().find(|entry| entry.key == key).and_then(|entry| entry.value.as_deref());
+    assert_eq!([said("unit.spring_2_m"), said("meaning.spring_2_m")], [Some("m"), Some("peer 2: x_d - x_o")]);
+    let recorder = Recorder::create(
+        &mcap,
+        &Origin::simulated(&Made::now("0", ""), "peer 1"),
+        vec![Channel::new("/peer/ticks", "Tick", ticks)],
+    );
+    let recorder = recorder.expect("a file");
+    recorder.put_all(0, 0, &tick);
+    recorder.finish();
+    let recording = read(&mcap).expect("a recording");
+    let rows = &recording.channels[0];
+    assert_eq!((rows.column("spring_m"), rows.meaning("spring_m")), (Some(&[0.25][..]), "x_d - x_o"));
+}
+
+/// Every quantity has a name that ends in its unit, and a name and a word of its own.
+#[test]
+fn quantities_are_told_apart() {
+    let of_peer = SAMPLE.peer.iter().map(|quantity| (quantity.named(), quantity.unit));
+    let all: Vec<_> = of_peer.chain(SAMPLE.axis.iter().map(|quantity| (quantity.named(), quantity.unit))).collect();
+    let table = Columns::named(all.iter().map(|(named, _)| *named));
+    assert!(table.data().zip(&all).all(|(column, (_, unit))| column.unit() == *unit));
+    let names: BTreeSet<&str> = all.iter().map(|((name, _), _)| *name).collect();
+    let words: BTreeSet<usize> = SAMPLE.axis.iter().map(|quantity| quantity.word).collect();
+    assert_eq!((names.len(), words.len()), (all.len(), SAMPLE.axis.len()));
+    assert!(SAMPLE.recorded.is_sorted_by_key(|quantity| quantity.word));
 }
 
 #[test]

@@ -206,7 +206,7 @@ impl Pc {
             ticks.take(session.link(), &samples, |channel, row| recorder.put_all(channel, now_ns, row));
         }
         for (_, sample) in &samples {
-            let record = || Record::from_bytes(sample.payload().try_into().expect("a record"));
+            let record = || Record::from_bytes(sample.payload()).expect("a record");
             match sample.code.checked_sub(CODE) {
                 Some(0) => self.records[at].push(record()),
                 Some(axis) if axis < 3 => self.further[at].push(record()),

@@ -15,6 +15,7 @@ use haptic_core::law::{AnyLaw, Packet};
 use haptic_core::num::Motion;
 use haptic_core::peer::{Observed, Peer, Sensors};
 use haptic_core::safety::Command;
+use haptic_core::sample::OfAxis;
 use haptic_core::settings::Settings;
 use haptic_sim::pair::Pair;
 use haptic_sim::plant::Plant;
@@ -251,7 +252,7 @@ fn replay_from(settings: &Settings, records: &[Record], begin: impl Fn(&mut Peer
             let (mut record, digest) = (Record::default(), digest(&mut peer));
             let (tick, mode, flags, duties) = (board.tick(), peer.mode(), board.flags(), actuators.duties);
             let of = record::Tick { tick, axis: 0, counts, duties, stage, mode, flags, digest };
-            record.fill(&of, incoming.as_ref(), peer.observed()[0], peer.ledger()[0]);
+            record.fill(&of, incoming.as_ref(), &OfAxis::new(peer.observed()[0], peer.ledger()[0]));
             record == *board
         },
         records.len() as u64,

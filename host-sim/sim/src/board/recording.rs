@@ -1,10 +1,12 @@
 //! What a board's ticks saw and did, as a table for each shared axis: one row for each record that came.
 //!
-//! Records are those of firmware/src/record.rs; tests/board compares the two. Records travel once and some get lost: the
+//! Records are [`haptic_protocol::record`]'s. They travel once and some get lost: the
 //! column `tick` says which came. Times count from the first; where a board started anew its ticks begin again, and how long
 //! it was away is not known.
 
-use haptic_core::device::AXES;
+use haptic_core::device::stage::Measured;
+use haptic_core::sample::{Quantities, SAMPLE};
+use haptic_protocol::record::Record;
 
 use crate::quantities::{self, Named};
 use crate::report::Columns;
@@ -15,36 +17,32 @@ const COUNTS: &str = "counter of the encoder of this number, modulo 65536";
 const DUTY: &str = "command to the motor of this number, -1 to 1";
 
 /// Columns of the first shared axis; duties, currents and voltages are shares of all there is, currents and voltages 0 without a current loop.
-pub const COLUMNS: [Named; 24] = [
-    ("time_s", "control periods as time: since the first record in CSV, since the board started in a recording"),
-    quantities::TICK,
-    quantities::MODE,
-    quantities::FAULT,
-    (
-        "flags",
-        "sum of 1 bridges enabled, 2 a packet went out, 4 one came in, 8 the tick before overran, 16 let go of the other peer, 32 \
-         the coordination acts",
-    ),
-    ("encoder_1_counts", COUNTS),
-    ("encoder_2_counts", COUNTS),
-    ("duty_1", DUTY),
-    ("duty_2", DUTY),
-    quantities::DEVICE,
-    quantities::DEVICE_SPEED,
-    quantities::OBJECT,
-    quantities::OBJECT_SPEED,
-    quantities::DECODED,
-    quantities::DECODED_SPEED,
-    quantities::CONTACT,
-    quantities::COORDINATION,
-    quantities::ENERGY_RECEIVED,
-    quantities::ENERGY_SENT,
-    ("current_1", "mean current of motor 1 since the tick before, of full scale"),
-    ("current_2", "mean current of motor 2 since the tick before, of full scale"),
-    ("voltage_1", "mean voltage of motor 1 since the tick before, of the supply"),
-    ("voltage_2", "mean voltage of motor 2 since the tick before, of the supply"),
-    ("supply_v", "supply of the bridges"),
-];
+pub const COLUMNS: [Named; 11 + SAMPLE.columns()] = columns_of(&SAMPLE);
+
+/// The same of another list of quantities.
+pub const fn columns_of<const N: usize>(quantities: &Quantities) -> [Named; N] {
+    let time =
+        ("time_s", "control periods as time: since the first record in CSV, since the board started in a recording");
+    let between = [
+        (
+            "flags",
+            "sum of 1 bridges enabled, 2 a packet went out, 4 one came in, 8 the tick before overran, 16 let go of the other peer, 32 \
+             the coordination acts",
+        ),
+        ("encoder_1_counts", COUNTS),
+        ("encoder_2_counts", COUNTS),
+        ("duty_1", DUTY),
+        ("duty_2", DUTY),
+    ];
+    let behind = [
+        ("current_1", "mean current of motor 1 since the tick before, of full scale"),
+        ("current_2", "mean current of motor 2 since the tick before, of full scale"),
+        ("voltage_1", "mean voltage of motor 1 since the tick before, of the supply"),
+        ("voltage_2", "mean voltage of motor 2 since the tick before, of the supply"),
+        ("supply_v", "supply of the bridges"),
+    ];
+    quantities::around(quantities, [&[time], &between, &behind])
+}
 
 /// Columns of a shared axis (from 0) of `axes`: of joints it has the axis' own and the next one's, after the last the
 /// first.
@@ -62,27 +60,26 @@ pub fn columns(axis: usize, axes: usize) -> impl Iterator<Item = (String, &'stat
 /// A row from a record, its time counted in ticks since boot (s), and the shared axis (from 0) that it is of; `None` when the bytes are
 /// no record.
 pub fn row(record: &[u8], period_s: f64) -> Option<(usize, [f64; COLUMNS.len()])> {
-    const BYTES: usize = 108;
-    let record: &[u8; BYTES] = record.try_into().ok()?;
-    let word = |at: usize| u32::from_le_bytes([record[at], record[at + 1], record[at + 2], record[at + 3]]);
-    let half = |at: usize| u16::from_le_bytes([record[at], record[at + 1]]);
-    let number = |at: usize| f64::from(f32::from_bits(word(at)));
-    let mut row = [0.0; COLUMNS.len()];
-    let counts = (0..AXES).map(|joint| f64::from(half(4 + 2 * joint)));
-    let duties = (0..AXES).map(|joint| f64::from(half(8 + 2 * joint).cast_signed()) / 32767.0);
-    let motions = (28..60).step_by(4).map(number);
-    let energies = [number(64), number(68)];
-    let tick = f64::from(word(0));
-    let head = [period_s * tick, tick, f64::from(record[12]), f64::from(record[13]), f64::from(record[14])];
+    let record = Record::from_bytes(record)?;
+    Some((record.axis().into(), row_of(&SAMPLE, &record, period_s)))
+}
+
+/// A row of [`columns_of`].
+pub fn row_of<const N: usize, const MORE: usize>(of: &Quantities, record: &Record<MORE>, period_s: f64) -> [f64; N] {
     // Means since the tick before: currents of full scale, voltages of the supply; 0 without a current loop.
-    let share = |at: usize, of: f64| f64::from(half(at).cast_signed()) / of;
-    let supply_counts = f64::from(half(106).max(1));
-    let currents = [92, 98].map(|at| share(at, 32767.0));
-    let voltages = [96, 102].map(|at| share(at, supply_counts));
-    let stage = currents.into_iter().chain(voltages).chain([f64::from(half(104)) / 1e3]);
-    let values = head.into_iter().chain(counts).chain(duties).chain(motions).chain(energies).chain(stage);
+    let Measured { motors, supply_mv, supply_counts } = record.stage().unwrap_or_default();
+    let share = |part: i16, of: u16| f64::from(part) / f64::from(of.max(1));
+    let currents = motors.map(|motor| share(motor.mean, 32767));
+    let voltages = motors.map(|motor| share(motor.voltage, supply_counts));
+    let values = [period_s * f64::from(record.tick())].into_iter();
+    let values = values.chain(of.of_peer(record.of_peer())).chain([f64::from(record.flags())]);
+    let values = values.chain(record.counts().map(|counts| counts.0.into()));
+    let values = values.chain(record.duties().map(|duty| share(duty.0, 32767)));
+    let values = values.chain(of.recorded.iter().map(|quantity| record.number(quantity.word).into()));
+    let values = values.chain(currents).chain(voltages).chain([f64::from(supply_mv) / 1e3]);
+    let mut row = [0.0; N];
     row.iter_mut().zip(values).for_each(|(to, from)| *to = from);
-    Some((usize::from(record[15]), row))
+    row
 }
 
 /// A table for each of so many shared axes, of the records among these payloads. Times count from the first of all.

@@ -21,7 +21,6 @@
 
 use core::iter::Sum;
 
-use haptic_core::num::{Motion, Scalar};
 use haptic_core::peer::Observed;
 
 use super::Figure;
@@ -58,18 +57,6 @@ impl Sum for PortEnergy {
             from_object_j: sum.from_object_j + one.from_object_j,
             stored_j: sum.stored_j + one.stored_j,
         })
-    }
-}
-
-/// What a tick saw, in the numbers that counters are kept in.
-pub fn counted<S: Scalar>(observed: &Observed<S>) -> Observed<S::Counter> {
-    let motion = |of: Motion<S>| Motion { position: of.position.to_counter(), velocity: of.velocity.to_counter() };
-    Observed {
-        device: motion(observed.device),
-        object: motion(observed.object),
-        desired: motion(observed.desired),
-        contact_force: observed.contact_force.to_counter(),
-        coordination_force: observed.coordination_force.to_counter(),
     }
 }
 

@@ -5,32 +5,28 @@ use std::array::from_fn;
 use haptic_core::num::{Motion, Scalar};
 use haptic_core::peer::Observed;
 use haptic_core::safety::{Fault, Mode};
+use haptic_core::sample::{OfAxis, Quantities, Quantity, Reach, SAMPLE};
 
 use super::outcome::{Along, Figures, Options};
 use crate::measure::growth::{Forces, Growth};
-use crate::measure::port::{ObjectPort, counted};
+use crate::measure::port::ObjectPort;
 use crate::measure::{Figure, LastHalf, Statistics};
 use crate::peers::DynPeer;
-use crate::quantities::{self, Named};
+use crate::quantities::{Named, TRUE_DISCREPANCY};
 use crate::report::{Columns, numbered};
 
-/// What is recorded of each peer.
-const OF_PEER: [Named; 10] = [
-    quantities::DEVICE,
-    quantities::OBJECT,
-    quantities::DECODED,
-    quantities::OBJECT_SPEED,
-    quantities::CONTACT,
-    quantities::COORDINATION,
-    quantities::ENERGY_RECEIVED,
-    quantities::ENERGY_SENT,
-    quantities::ENERGY_TO_OBJECT,
-    quantities::ENERGY_FROM_OBJECT,
+/// What is recorded of each peer beside its quantities: at the object port, which the run has and the peer has not.
+const OF_PORT: [Named; 2] = [
+    ("energy_to_object_j", "work of F_T on the copy, at the mean velocity of the copy over a tick, since arming"),
+    (
+        "energy_from_object_j",
+        "work of the copy against F_T, at the mean velocity of the copy over a tick, since arming",
+    ),
 ];
 
 /// And of both.
 const OF_BOTH: [Named; 2] =
-    [quantities::TRUE_DISCREPANCY, ("decoded_discrepancy_2_m", "distance of peer 2's copy from its x_d, |x_o2 - x_d|")];
+    [TRUE_DISCREPANCY, ("decoded_discrepancy_2_m", "distance of peer 2's copy from its x_d, |x_o2 - x_d|")];
 
 /// A peer after a tick.
 #[derive(Clone, Copy, Debug, Default)]
@@ -52,7 +48,7 @@ impl<F: Figure> Ticked<F> {
         engaged: bool,
     ) -> Self {
         Self {
-            observed: counted(observed),
+            observed: observed.map(S::to_counter),
             received_j: received_j.to_counter(),
             sent_j: sent_j.to_counter(),
             fault: if let Mode::Faulted(fault) = mode { Some(fault) } else { None },
@@ -194,8 +190,17 @@ impl<F: Figure> Account<F> {
 impl Account {
     /// The columns of a row, by name and meaning; each peer's with its number before the unit.
     pub fn columns() -> impl Iterator<Item = (String, String)> {
+        Self::columns_of(&SAMPLE)
+    }
+
+    /// The same of another list of quantities.
+    pub fn columns_of(quantities: &Quantities) -> impl Iterator<Item = (String, String)> + use<> {
         let owned = |(name, meaning): Named| (name.to_owned(), meaning.to_owned());
-        let of = |peer| OF_PEER.map(|(name, meaning)| (numbered(name, peer), format!("peer {peer}: {meaning}")));
+        let of_axis = quantities.reaching(Reach::Runs);
+        let of = move |peer| {
+            let named = of_axis.clone().map(Quantity::named).chain(OF_PORT);
+            named.map(move |(name, meaning)| (numbered(name, peer), format!("peer {peer}: {meaning}")))
+        };
         let time = ("time_s", "since the start of the run");
         std::iter::once(owned(time)).chain((1..=2).flat_map(of)).chain(OF_BOTH.map(owned))
     }
@@ -230,25 +235,22 @@ impl Account {
 
     /// The control period that is over, as a row of [`Self::columns`].
     pub fn row(&self) -> Vec<f64> {
-        let time_s = self.tick.saturating_sub(1) as f64 * self.period_s;
-        let peers = self.latest.iter().zip(&self.ports).flat_map(|(ticked, port)| {
-            let (seen, energy) = (ticked.observed, port.with_network(ticked.received_j, ticked.sent_j));
-            [
-                seen.device.position,
-                seen.object.position,
-                seen.desired.position,
-                seen.object.velocity,
-                seen.contact_force,
-                seen.coordination_force,
-                energy.received_j,
-                energy.sent_j,
-                energy.to_object_j,
-                energy.from_object_j,
-            ]
-        });
+        self.row_of(&SAMPLE)
+    }
+
+    /// The same of another list of quantities.
+    pub fn row_of(&self, quantities: &Quantities) -> Vec<f64> {
+        let mut row = vec![self.tick.saturating_sub(1) as f64 * self.period_s];
+        for (ticked, port) in self.latest.iter().zip(&self.ports) {
+            let Ticked { observed, received_j, sent_j, .. } = ticked;
+            let of = OfAxis { observed, received_j: *received_j, sent_j: *sent_j };
+            row.extend(quantities.reaching(Reach::Runs).map(|quantity| (quantity.get)(&of)));
+            let energy = port.with_network(*received_j, *sent_j);
+            row.extend([energy.to_object_j, energy.from_object_j]);
+        }
         let second = self.latest[1].observed;
-        let decoded_m = (second.object.position - second.desired.position).abs();
-        core::iter::once(time_s).chain(peers).chain([self.true_m, decoded_m]).collect()
+        row.extend([self.true_m, (second.object.position - second.desired.position).abs()]);
+        row
     }
 
     /// What it gave along this axis.

@@ -1,11 +1,12 @@
 //! What a calibration needs of a board: a line and its answer, what its ticks saw, and the settings it has.
 //!
-//! Lines are those of firmware/src/operator.rs, records those of firmware/src/record.rs.
+//! Lines are those of firmware/src/operator.rs.
 
 use haptic_core::device::probe::End;
-use haptic_core::device::stage::{Flow, Measured};
+use haptic_core::device::stage::Measured;
 use haptic_core::settings::{Choice, Settings, Value};
 use haptic_core::{device::AXES, device::kinematics::KinematicsName, num::Motion};
+use haptic_protocol::record::Record;
 
 use crate::board::status::Probed;
 
@@ -32,29 +33,15 @@ pub const FAULTED: u8 = 2;
 impl Tick {
     /// A tick from its record.
     pub fn from_record(record: &[u8]) -> Option<Self> {
-        let half = |at: usize| Some(u16::from_le_bytes([*record.get(at)?, *record.get(at + 1)?]));
+        let record = Record::from_bytes(record)?;
         Some(Self {
-            number: u32::from(half(0)?) | u32::from(half(2)?) << 16,
-            counts: [half(4)?, half(6)?],
-            duties: [half(8)?.cast_signed(), half(10)?.cast_signed()],
-            mode: *record.get(12)?,
-            stage: stage(half)?,
+            number: record.tick(),
+            mode: record.of_peer().mode,
+            counts: record.counts().map(|counts| counts.0),
+            duties: record.duties().map(|duty| duty.0),
+            stage: record.stage(),
         })
     }
-}
-
-/// What the power stage measured; none without a current loop, of which the supply has no counts.
-fn stage(half: impl Fn(usize) -> Option<u16>) -> Option<Option<Measured>> {
-    let mut numbers = [0; 8];
-    for (at, number) in numbers.iter_mut().enumerate() {
-        *number = half(92 + 2 * at)?;
-    }
-    let [mean_1, last_1, voltage_1, mean_2, last_2, voltage_2, supply_mv, supply_counts] = numbers;
-    let motors = [[mean_1, last_1, voltage_1], [mean_2, last_2, voltage_2]].map(|motor| {
-        let [mean, last, voltage] = motor.map(u16::cast_signed);
-        Flow { mean, last, voltage }
-    });
-    Some((supply_counts > 0).then_some(Measured { motors, supply_mv, supply_counts }))
 }
 
 /// A board, or what stands for one.
