@@ -78,7 +78,11 @@ fn what_the_stage_measured_comes_out_whole() {
     for stage in [Some(stage), None] {
         let mut peer = peer(0.0);
         let mut record = Record::default();
-        record.fill(&Tick { stage, ..tick(&mut peer, 9, ENABLED) }, None, &OfAxis::new(peer.observed()[0], peer.ledger()[0]));
+        record.fill(
+            &Tick { stage, ..tick(&mut peer, 9, ENABLED) },
+            None,
+            &OfAxis::new(peer.observed()[0], peer.ledger()[0]),
+        );
         assert_eq!(Record::from_bytes(&record.bytes()).unwrap().stage(), stage);
     }
 }

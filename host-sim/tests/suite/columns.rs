@@ -12,7 +12,7 @@ use haptic_core::sample::{OfAxis, OfPeer, SAMPLE};
 use haptic_protocol::record::{self, Record};
 use haptic_sim::board::recording;
 use haptic_sim::report::{Columns, Made, files::write_parquet};
-use haptic_sim::run::{Account, Options, Ticked};
+use haptic_sim::run::{Account, Accounts, Options, Ticked};
 use haptic_sim::scene::Scene;
 use host_sim::recording::mcap::Channel;
 use host_sim::recording::origin::Origin;
@@ -143,11 +143,12 @@ fn a_quantity_more_is_one_line() {
     let seen = Observed { object, desired: Motion::at(0.75), coordination_force: 2.0, ..Observed::default() };
 
     // A run has it of each peer.
-    let mut account = Account::new(&Scene::default(), 1, Options::recorded(1.0, 1e-3));
+    let mut accounts = Accounts::<1>::new(&Scene::default(), 1, Options::recorded(1.0, 1e-3));
     for at in 0..2 {
-        account.ticked(at, Ticked::new(&seen, [3.0, 4.0], Mode::Armed, true));
+        accounts.ticked(at, [Ticked::new(&seen, [3.0, 4.0], Mode::Armed, true)]);
     }
-    account.period();
+    accounts.period();
+    let [account] = accounts.axes();
     let mut run = Columns::named(Account::columns_of(more));
     run.push_row(&account.row_of(more));
     let (second_m, _) = without(&run, "spring_2_m");

@@ -114,6 +114,11 @@ impl<const SHARED: usize> Accounts<SHARED> {
         self.axes.iter_mut().for_each(Account::record);
     }
 
+    /// The account of each axis, in the order of [`super::AXIS_NAMES`].
+    pub fn axes(&self) -> &[Account; SHARED] {
+        &self.axes
+    }
+
     /// The control period that is over, as a row of [`Account::columns`] for each axis.
     pub fn rows(&self) -> impl Iterator<Item = Vec<f64>> {
         self.axes.iter().map(Account::row)
