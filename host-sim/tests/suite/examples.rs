@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 
 use serde_json::Value;
 
-const EXAMPLES: [&str; 3] = ["observer", "outside-law", "plant"];
+const EXAMPLES: [&str; 4] = ["observer", "outside-command", "outside-law", "plant"];
 
 /// Builds the examples and gives the folder of the programs. What is built besides them is what the tests have built: members of one workspace
 /// share it. Of the workspace they take nothing else, so that a stranger's copy is a package by itself.
@@ -111,4 +111,48 @@ fn an_observer_and_a_plant_from_outside_run() {
     // Both handles are pulled home by springs, and pushed to where these hold them.
     let text = String::from_utf8_lossy(&plant.stdout).into_owned();
     assert!(text.lines().count() == 2 && text.lines().all(|line| line.contains("handle at ")), "{text}");
+}
+
+/// What a command from outside prints, and that it stands beside the others.
+#[test]
+fn a_command_and_a_study_from_outside_run() {
+    let program = built().join("outside-command");
+    let rows = json(&program, &["delays", "--most", "2"]);
+    let rows = rows.as_array().expect("rows");
+    assert_eq!(rows.len(), 3);
+    for (packets, row) in rows.iter().enumerate() {
+        // What the command line says of the same scene.
+        let delay = format!("network.one_way_delay_packets={packets}");
+        let sets = ["--set", &delay, "--set", "user.1.push_n=1", "--set", "user.2.push_n=1", "--seconds", "5"];
+        let alone = json(&program, &[&["cooperate"], &sets[..]].concat());
+        let verdict = &alone["verdict"];
+        assert_eq!((&row["one_way_delay_packets"], &row["verdict"]), (&packets.into(), verdict), "{row}");
+        if verdict == "stable" {
+            assert_eq!(row["true_discrepancy_mm"], alone["true_discrepancy_mm"], "{row}");
+        }
+    }
+    assert!(rows.iter().any(|row| row["true_discrepancy_mm"].is_number()), "{rows:?}");
+    let help = String::from_utf8_lossy(&run(&program, &["--help"]).stdout).into_owned();
+    assert!(help.contains("delays") && help.contains("over one-way delays") && help.contains("cooperate"), "{help}");
+    let refused = run(&program, &["delays", "--most", "-1"]);
+    assert_eq!(refused.status.code(), Some(2), "{}", String::from_utf8_lossy(&refused.stderr));
+}
+
+/// Lines of what somebody writes from outside: without comments, blank lines, what is imported, and what only an example has.
+fn lines(name: &str, from: &str, to: &str) -> usize {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the repository").join("examples").join(name);
+    let text = std::fs::read_to_string(file.join("src/main.rs")).expect("an example");
+    let part = text.split_once(from).and_then(|(_, rest)| rest.split_once(to)).expect("its part").0;
+    let counts = |line: &&str| !line.is_empty() && !line.starts_with("//");
+    1 + part.lines().skip(1).map(str::trim).filter(counts).count()
+}
+
+/// A law, a device, a command and a study are short; a quantity is one line (`columns::a_quantity_more_is_one_line`).
+#[test]
+fn what_comes_from_outside_is_short() {
+    let law = lines("outside-law", "const AHEAD", "/// The law in every number type.");
+    let device = lines("plant", "impl Device<f32> for Handle", "fn main");
+    let command = lines("outside-command", "#[derive(clap::Args)]", "fn main");
+    println!("a law takes {law} lines, a device {device}, a command with its study {command}");
+    assert!(law <= 45 && device <= 40 && command <= 30, "law {law}, device {device}, command {command}");
 }
