@@ -8,7 +8,7 @@
 
 use std::process::Command;
 
-use crate::run::{self, Failure, everything, step};
+use crate::run::{self, Failure, cargo, step};
 use crate::setup;
 
 /// The reviewed counts of one tick.
@@ -49,11 +49,9 @@ pub(crate) fn count_ticks() -> Result<String, Failure> {
     run::output(&mut bench)
 }
 
-/// The bench, compiled as a release compiles it: of what the golden traces are computed with.
+/// The bench, of nothing but core and what it computes with.
 pub(crate) fn bench() -> Command {
-    let mut bench = everything("bench");
-    bench.args(["--quiet", "--profile", "dev", "--bench", "instructions"]).args(run::AS_RELEASED);
-    bench
+    cargo(&["bench", "--locked", "--quiet", "--package", "haptic-cases", "--bench", "instructions"])
 }
 
 /// Counts on the board's processor and compares, or counts and writes.

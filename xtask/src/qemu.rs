@@ -2,9 +2,7 @@
 //! host-sim computes, bit for bit, and must turn its outputs off first when it panics or runs out of stack.
 
 use std::path::Path;
-use std::process::Command;
 
-use crate::board::target;
 use crate::run::{self, Failure, cargo, command};
 use crate::setup::{self, Ready, THUMB_TARGET};
 
@@ -24,10 +22,14 @@ pub(crate) fn obstacle() -> Option<String> {
 
 /// Builds, records, replays, compares; then the two endings.
 pub(crate) fn qemu(ready: &Ready) -> Result<(), Failure> {
-    run::run(&mut program(ready))?;
-    let image = target().join(THUMB_TARGET).join("firmware/second-opinion");
+    let folder = run::root().join("tests/qemu");
+    let target = run::root().join("target/qemu");
+    let mut build = ready.cargo(&["build", "--locked", "--release"]);
+    run::run(build.env("CARGO_TARGET_DIR", &target).current_dir(&folder))?;
+    let image = target.join(THUMB_TARGET).join("release/second-opinion");
     run::run(&mut cargo(&["build", "--locked", "--quiet", "--package", "host-sim"]))?;
-    let name = target().join("recording.bin").display().to_string();
+    let recording = target.join("recording.bin");
+    let name = recording.display().to_string();
     for scene in SCENES {
         for number in ["1", "2"] {
             let mut record = cargo(&["run", "--locked", "--quiet", "--package", "host-sim", "--", "board", "record"]);
@@ -53,13 +55,6 @@ pub(crate) fn qemu(ready: &Ready) -> Result<(), Failure> {
         eprintln!("    {}", said.trim());
     }
     Ok(())
-}
-
-/// Builds the program, as the image is built.
-pub(crate) fn program(ready: &Ready) -> Command {
-    let mut build = ready.cargo(&["build", "--locked", "--profile", "firmware", "--package", "second-opinion"]);
-    build.args(["--target", THUMB_TARGET]);
-    build
 }
 
 /// What the program says.

@@ -67,7 +67,7 @@ pub(crate) fn cargo(arguments: &[&str]) -> Command {
 /// Cargo on everything that builds on a PC. Packages chosen together have one set of features, so what one call has built serves the
 /// next; the emulator asks for a newer compiler than it needs.
 pub(crate) fn everything(command: &str) -> Command {
-    cargo(&[command, "--locked", "--ignore-rust-version", "--workspace", "--exclude", "second-opinion"])
+    cargo(&[command, "--locked", "--ignore-rust-version", "--workspace"])
 }
 
 /// A command as one would type it.
