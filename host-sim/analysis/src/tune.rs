@@ -17,7 +17,9 @@
 
 use haptic_core::num::StateVector;
 use haptic_core::settings::Allowed;
-use haptic_sim::peers::Number;
+use haptic_sim::of_axes;
+use haptic_sim::peers::{Builds, Number};
+use haptic_sim::plant::Plant;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -251,13 +253,20 @@ pub struct Released {
 }
 
 /// Runs the scene with the proposal and all that is not linear about it, but released ([`Scene::hands_off`]): copy 1 is set
-/// moving, and nobody puts in any energy after that.
+/// moving along the first axis, and nobody puts in any energy after that.
 ///
 /// # Errors
 /// The first key that is out of range or impossible beside the others.
 pub fn let_go<S: Number>(scene: &Scene, proposal: &Proposal, duration_s: f64) -> Result<Released, AnalysisError> {
     let scene = proposal.applied(scene, 1.0)?.hands_off();
-    let mut pair = Pair::<S>::new(&scene)?;
+    of_axes!(scene, let_go_along::<S>(&scene, duration_s))
+}
+
+fn let_go_along<S: Number + Builds<SHARED, N>, const SHARED: usize, const N: usize>(
+    scene: &Scene,
+    duration_s: f64,
+) -> Result<Released, AnalysisError> {
+    let mut pair = Pair::<S, Plant<N>, SHARED, N>::build(scene)?;
     if let Some(side) = pair.sides_mut().next() {
         // A peer's state begins with position and velocity of its copy.
         let mut numbers = 0;
@@ -274,8 +283,8 @@ pub fn let_go<S: Number>(scene: &Scene, proposal: &Proposal, duration_s: f64) ->
     for tick in 0..ticks {
         pair.step();
         if tick >= ticks / 2 {
-            let speeds = pair.sides().map(|side| side.peer.observed()[0].object.velocity.to_f64());
-            late_j = late_j.max(speeds.into_iter().map(kinetic_j).sum());
+            let speeds = pair.sides().into_iter().flat_map(|side| side.peer.observed());
+            late_j = late_j.max(speeds.map(|seen| kinetic_j(seen.object.velocity.to_f64())).sum());
         }
     }
     Ok(Released { bounded: pair.fault().is_none() && late_j <= given_j, given_j, late_j })

@@ -555,6 +555,16 @@ impl Scene {
         self.peer.axis.shared > 1
     }
 
+    /// Refuses an object that is shared along several axes, where there is a place for one.
+    ///
+    /// # Errors
+    /// The object is shared along several axes, which was asked for at `place`.
+    pub fn check_one_axis(&self, place: &str) -> Result<(), SceneError> {
+        let shared = self.peer.axis.shared;
+        let said = "is not allowed here: it must be 1 but for `cooperate`, `peer`, `sweep`, `compare` and `stability`";
+        if shared > 1 { Err(SceneError::at(place, format_args!("axis.shared = {shared} {said}"))) } else { Ok(()) }
+    }
+
     /// Whether a peer with these settings can be built and run at a simulated device.
     fn check_peer(&self, peer: &Settings) -> Result<(), Refused<'static>> {
         peer.check_ranges()?;

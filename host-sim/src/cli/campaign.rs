@@ -59,7 +59,7 @@ impl Campaign {
         } else if self.costs {
             cost_columns(&costs(ui.laws)?)
         } else if self.scene.is_given() {
-            columns(&of_scene(ui.laws, &self.scene.name(), &self.scene.load(ui)?)?)
+            columns(&of_scene(ui.laws, &self.scene.name(), &self.scene.load_of_one_axis(ui)?)?)
         } else {
             columns(&campaign(ui.laws)?)
         };

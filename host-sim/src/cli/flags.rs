@@ -49,6 +49,13 @@ impl SceneArgs {
         self.load_with(ui, &[], None)
     }
 
+    /// As [`Self::load`], of an object that is shared along one axis.
+    pub(super) fn load_of_one_axis(&self, ui: &Ui) -> Result<Scene, Failure> {
+        let scene = self.load(ui)?;
+        scene.check_one_axis(&self.name())?;
+        Ok(scene)
+    }
+
     /// As [`Self::load`]; `base` is set first where no scene is named, `last` after everything else.
     pub(super) fn load_with(&self, ui: &Ui, base: &[&str], last: Option<String>) -> Result<Scene, Failure> {
         let scene = self.find(ui, base, last)?;

@@ -97,7 +97,7 @@ pub(super) struct Flood {
 
 impl Flood {
     fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        let scene = self.scene.load(ui)?;
+        let scene = self.scene.load_of_one_axis(ui)?;
         ui.report("flood", &flood::run(&scene, self.rate, self.time.seconds, &Stop::on_signals()?)?)
     }
 }
@@ -115,7 +115,7 @@ pub(super) struct Restarts {
 
 impl Restarts {
     fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        let scene = self.scene.load(ui)?;
+        let scene = self.scene.load_of_one_axis(ui)?;
         let report = restarts::run(&scene, u64::from(self.count), scene.world.network.seed.into())?;
         ui.report("restarts", &report)
     }

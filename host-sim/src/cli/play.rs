@@ -59,7 +59,7 @@ pub(super) struct Play {
 
 impl Play {
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        let (scene, stop) = (self.scene.load(ui)?, Stop::on_signals()?);
+        let (scene, stop) = (self.scene.load_of_one_axis(ui)?, Stop::on_signals()?);
         if self.measure {
             return ui.result(&measure(&scene, self.seconds.unwrap_or(MEASURED_S), &stop)?);
         }

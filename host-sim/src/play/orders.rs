@@ -73,7 +73,8 @@ fn set(mut scene: Scene, keys: &[String]) -> Result<Scene, String> {
         }
         scene.apply_override(text).map_err(|error| error.to_string())?;
     }
-    scene.check("the scene").map_err(|error| error.to_string())?;
+    let place = "the scene";
+    scene.check(place).and_then(|()| scene.check_one_axis(place)).map_err(|error| error.to_string())?;
     check(&scene)?;
     Ok(scene)
 }

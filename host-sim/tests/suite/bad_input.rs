@@ -54,13 +54,15 @@ fn values_out_of_range() {
     refused_set("user.2.pulse_every_s=0", &["user.2.pulse_every_s = 0"]);
 }
 
-/// Several shared axes are for `cooperate` and `stability`; what it has no place for, and who else is asked, says so.
+/// Who has no place for several shared axes says so, and what has none along several.
 #[test]
 fn several_axes_where_there_is_one() {
     let two = ["--set", "axis.count=2", "--set", "axis.shared=2"];
     let with = |command: &[&'static str]| [command, &two[..]].concat();
     let names = ["axis.shared = 2 is not allowed here", "cooperate"];
-    for command in [&["stability", "tune", "--json"][..], &["sweep", "--json", "--over", "object.mass_kg=1..2:2"]] {
+    for command in
+        [&["campaign", "--json"][..], &["accuracy", "precision", "--json"], &["shared", "cooperative", "--json"]]
+    {
         refused(&with(command), &names);
     }
     refused(&["play", "--scene", "plane"], &["plane: axis.shared = 2 is not allowed here", "cooperate"]);

@@ -197,7 +197,7 @@ type Parties = (Box<dyn Board>, Box<dyn Person>);
 
 impl At {
     pub(super) fn parties(&self, ui: &Ui) -> Result<Parties, Failure> {
-        let truth = self.truth.load(ui)?;
+        let truth = self.truth.load_of_one_axis(ui)?;
         if self.board == "simulated" {
             let shared = Shared::new(&truth)?;
             return Ok((Box::new(shared.clone()), Box::new(shared)));

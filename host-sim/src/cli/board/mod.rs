@@ -46,7 +46,7 @@ pub(in crate::cli) struct Record {
 
 impl Record {
     fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        let scene = self.scene.load(ui)?;
+        let scene = self.scene.load_of_one_axis(ui)?;
         let ticks = (self.time.seconds / scene.peer.timing.control_period_s).round() as u64;
         let recording = record(&scene, usize::from(self.number), ticks)?;
         std::fs::write(&self.file, &recording.bytes)

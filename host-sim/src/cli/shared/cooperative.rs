@@ -85,7 +85,9 @@ impl Cooperative {
     /// The scene, on top of these keys where none is named, with this delay.
     fn load(&self, ui: &Ui, one_way_ms: f64, base: &[&str]) -> Result<Scene, Failure> {
         let delay = format!("network.extra_delay_s={}", 1e-3 * one_way_ms);
-        self.scene.load_with(ui, &[base, &FORCES].concat(), Some(delay))
+        let scene = self.scene.load_with(ui, &[base, &FORCES].concat(), Some(delay))?;
+        scene.check_one_axis("the scene")?;
+        Ok(scene)
     }
 
     fn setup(&self, ui: &Ui, one_way_ms: f64, bounder: bool) -> Result<Setup, Failure> {

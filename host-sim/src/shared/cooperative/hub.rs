@@ -122,7 +122,7 @@ impl<A: Copy + PartialEq + Display> Hub<A> {
         if !(2..=MOST_USERS).contains(&users) {
             return Err(format!("{users} users are not allowed: it must be a whole number from 2 to {MOST_USERS}"));
         }
-        scene.check("hub").map_err(|refused| refused.to_string())?;
+        scene.check("hub").and_then(|()| scene.check_one_axis("hub")).map_err(|refused| refused.to_string())?;
         let mut junction = Junction::new(scene, users).map_err(|error| error.to_string())?;
         if scene.law().sends == Sends::Waves && !scene.peer.coordination.ledger {
             return Err(
