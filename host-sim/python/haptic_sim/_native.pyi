@@ -62,7 +62,7 @@ class Run:
 
     @property
     def axes(self) -> list[dict[str, NDArray[np.float64]]]:
-        """`columns` of each shared axis, the first one first."""
+        """The columns of each shared axis, the first one first; `columns` are those of the first."""
 
     @property
     def merits(self) -> dict[str, float | None]:

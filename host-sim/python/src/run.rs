@@ -32,10 +32,9 @@ pub(crate) fn check_seconds(seconds: f64, scene: &haptic_sim::Scene) -> PyResult
 /// What a run gave, as `host-sim cooperate` tells it.
 #[pyclass(module = "haptic_sim", frozen, get_all)]
 pub(crate) struct Run {
-    /// Every recorded column by name (the unit is its end), a row a recorded tick: what stands in the command's CSV; of several shared
-    /// axes that of the first.
+    /// Every recorded column by name (the unit is its end), a row a recorded tick: what stands in the command's CSV.
     columns: Py<PyDict>,
-    /// The same of each shared axis, the first one first.
+    /// The columns of each shared axis, the first one first; `columns` are those of the first.
     axes: Vec<Py<PyDict>>,
     /// Figures of merit by name; None where there is none, as of a run that failed.
     merits: Py<PyDict>,
