@@ -284,7 +284,7 @@ impl<const MORE: usize> Record<MORE> {
 
 /// A digest of the bits of a peer's dynamic state, cheap enough for every tick: one instruction a number.
 ///
-/// A difference in one number always shows. Differences in several show unless they are the same bits, turned by [`TURN`] a number.
+/// A difference in one number always shows. Differences in several show unless they are the same bits, turned by `TURN` a number.
 #[inline]
 pub fn digest(state: &mut (impl StateVector<f32> + ?Sized)) -> u32 {
     let mut digest = 0;

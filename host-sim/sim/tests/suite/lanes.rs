@@ -89,6 +89,26 @@ fn random_scenes_have_the_bits_that_they_have_alone() {
     same::<f64>(&scenes);
 }
 
+/// The same of two and of three shared axes, with users who push anywhere.
+#[test]
+fn random_scenes_of_several_axes_have_the_bits_that_they_have_alone() {
+    let mut random = Rng::new(2);
+    let mut scenes = random_scenes(&mut random);
+    for (at, scene) in scenes.iter_mut().enumerate() {
+        let axes = 2 + (at / OF_A_KIND % 2) as u32;
+        (scene.peer.axis.count, scene.peer.axis.shared) = (axes, axes);
+        // A side belongs to one axis.
+        scene.peer.contact.one_sided = false;
+        for user in &mut scene.users {
+            let profile = &mut user.settings.user;
+            (profile.direction_rad, profile.elevation_rad) = (6.0 * random.unit() - 3.0, 3.0 * random.unit() - 1.5);
+        }
+        scene.check("random").unwrap_or_else(|error| panic!("{error}"));
+    }
+    same::<f32>(&scenes);
+    same::<f64>(&scenes);
+}
+
 /// Scenes that differ in their gain alone.
 fn gains(name: &str, least: f64, most: f64) -> Vec<Scene> {
     let gain = |lane: usize| least + (most - least) * lane as f64 / (LANES - 1) as f64;
