@@ -1,4 +1,5 @@
-//! Fields of fixed layout, and the two macros that declare what is made of them: [`layout!`] a struct, [`messages!`] what a role says.
+//! Fields of fixed layout, and the macros that declare what is made of them: [`layout!`] a struct, [`byte_enum!`] names of bytes.
+//! A message of one's own, in [`crate::wire::Event`]s or samples, is declared with the same.
 //!
 //! Everything is little-endian. A [`Reader`] is opened on exactly as many bytes as the layout has; a [`Writer`] on room for at
 //! least as many. Every step checks again, so that a layout that disagrees with its length is an error and never a panic.
@@ -6,7 +7,7 @@
 use crate::error::Error;
 
 /// Takes fields off the front of a message.
-pub(crate) struct Reader<'a> {
+pub struct Reader<'a> {
     rest: &'a [u8],
     message: &'static str,
     wanted: usize,
@@ -14,34 +15,52 @@ pub(crate) struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    pub(crate) fn exact(bytes: &'a [u8], message: &'static str, wanted: usize) -> Result<Self, Error> {
+    /// Opens a reader on exactly `wanted` bytes of a `message`.
+    ///
+    /// # Errors
+    /// Another length.
+    pub fn exact(bytes: &'a [u8], message: &'static str, wanted: usize) -> Result<Self, Error> {
         let reader = Self { rest: bytes, message, wanted, got: bytes.len() };
         if bytes.len() == wanted { Ok(reader) } else { Err(reader.length()) }
     }
 
-    pub(crate) fn length(&self) -> Error {
+    /// The error of a wrong length.
+    pub fn length(&self) -> Error {
         Error::Length { message: self.message, wanted: self.wanted, got: self.got }
     }
 
+    /// Offset of the next byte.
     #[inline]
-    pub(crate) fn at(&self) -> usize {
+    pub fn at(&self) -> usize {
         self.got.saturating_sub(self.rest.len())
     }
 
+    /// The next field.
+    ///
+    /// # Errors
+    /// Too few bytes, or a value without a meaning.
     #[inline]
-    pub(crate) fn get<T: Field>(&mut self) -> Result<T, Error> {
+    pub fn get<T: Field>(&mut self) -> Result<T, Error> {
         T::read(self)
     }
 
+    /// The next `N` bytes.
+    ///
+    /// # Errors
+    /// Too few bytes.
     #[inline]
-    pub(crate) fn array<const N: usize>(&mut self) -> Result<[u8; N], Error> {
+    pub fn array<const N: usize>(&mut self) -> Result<[u8; N], Error> {
         let (field, rest) = self.rest.split_first_chunk().ok_or(self.length())?;
         self.rest = rest;
         Ok(*field)
     }
 
+    /// The next `count` bytes.
+    ///
+    /// # Errors
+    /// Too few bytes.
     #[inline]
-    pub(crate) fn slice(&mut self, count: usize) -> Result<&'a [u8], Error> {
+    pub fn slice(&mut self, count: usize) -> Result<&'a [u8], Error> {
         let (field, rest) = self.rest.split_at_checked(count).ok_or(self.length())?;
         self.rest = rest;
         Ok(field)
@@ -49,39 +68,45 @@ impl<'a> Reader<'a> {
 
     /// What lies before offset `at` must be 0.
     #[inline]
-    pub(crate) fn zeros_to(&mut self, at: usize) -> Result<(), Error> {
+    pub fn zeros_to(&mut self, at: usize) -> Result<(), Error> {
         self.zeros(at.saturating_sub(self.at()))
     }
 
     /// So many bytes must be 0.
     #[inline]
-    pub(crate) fn zeros(&mut self, count: usize) -> Result<(), Error> {
+    pub fn zeros(&mut self, count: usize) -> Result<(), Error> {
         let gap = self.slice(count)?;
         if gap.iter().all(|byte| *byte == 0) { Ok(()) } else { Err(self.reserved()) }
     }
 
-    pub(crate) fn version(&mut self, wanted: u8) -> Result<(), Error> {
+    /// The version byte, which must be `wanted`.
+    ///
+    /// # Errors
+    /// Another version.
+    pub fn version(&mut self, wanted: u8) -> Result<(), Error> {
         let version = self.get()?;
         if version == wanted { Ok(()) } else { Err(Error::UnknownVersion(version)) }
     }
 
     /// The kind byte, which the caller has looked at already.
-    pub(crate) fn kind(&mut self, wanted: u8) -> Result<(), Error> {
+    pub fn kind(&mut self, wanted: u8) -> Result<(), Error> {
         let kind = self.get()?;
         if kind == wanted { Ok(()) } else { Err(Error::UnknownKind(kind)) }
     }
 
-    pub(crate) fn reserved(&self) -> Error {
+    /// The error of a reserved byte that is not 0.
+    pub fn reserved(&self) -> Error {
         Error::Reserved(self.message)
     }
 
-    pub(crate) fn out_of_range(&self, field: &'static str) -> Error {
+    /// The error of a `field` whose value has no meaning.
+    pub fn out_of_range(&self, field: &'static str) -> Error {
         Error::OutOfRange { message: self.message, field }
     }
 }
 
 /// Puts fields one after the other into a buffer; once something did not fit, [`Writer::end`] says so.
-pub(crate) struct Writer<'a> {
+pub struct Writer<'a> {
     rest: &'a mut [u8],
     written: usize,
     room: usize,
@@ -90,23 +115,27 @@ pub(crate) struct Writer<'a> {
 }
 
 impl<'a> Writer<'a> {
-    pub(crate) fn new(out: &'a mut [u8], message: &'static str) -> Self {
+    /// Opens a writer of a `message` on the front of `out`.
+    pub fn new(out: &'a mut [u8], message: &'static str) -> Self {
         let room = out.len();
         Self { rest: out, written: 0, room, finite: true, message }
     }
 
+    /// Offset of the next byte.
     #[inline]
-    pub(crate) fn at(&self) -> usize {
+    pub fn at(&self) -> usize {
         self.written
     }
 
+    /// Appends a field.
     #[inline]
-    pub(crate) fn put(&mut self, field: &impl Field) {
+    pub fn put(&mut self, field: &impl Field) {
         field.write(self);
     }
 
+    /// Appends bytes as they are.
     #[inline]
-    pub(crate) fn bytes(&mut self, bytes: &[u8]) {
+    pub fn bytes(&mut self, bytes: &[u8]) {
         self.written = self.written.saturating_add(bytes.len());
         let rest = core::mem::take(&mut self.rest);
         if let Some((to, rest)) = rest.split_at_mut_checked(bytes.len()) {
@@ -115,14 +144,19 @@ impl<'a> Writer<'a> {
         }
     }
 
+    /// Appends zeros up to offset `at`.
     #[inline]
-    pub(crate) fn zeros_to(&mut self, at: usize) {
+    pub fn zeros_to(&mut self, at: usize) {
         while let Some(gap) = at.checked_sub(self.written).filter(|gap| *gap > 0) {
             self.bytes([0; 8].get(..gap).unwrap_or(&[0; 8]));
         }
     }
 
-    pub(crate) fn end(self) -> Result<usize, Error> {
+    /// How many bytes were written.
+    ///
+    /// # Errors
+    /// Too little room, or a number that is not finite.
+    pub fn end(self) -> Result<usize, Error> {
         if !self.finite {
             Err(Error::NotFinite(self.message))
         } else if self.written <= self.room {
@@ -134,19 +168,28 @@ impl<'a> Writer<'a> {
 }
 
 /// Writes a `message` that is one field to the front of `out` and gives its length.
-pub(crate) fn emit(field: &impl Field, message: &'static str, out: &mut [u8]) -> Result<usize, Error> {
+pub fn emit(field: &impl Field, message: &'static str, out: &mut [u8]) -> Result<usize, Error> {
     let mut writer = Writer::new(out, message);
     writer.put(field);
     writer.end()
 }
 
 /// A value of fixed length in a message.
-pub(crate) trait Field: Sized {
+pub trait Field: Sized {
     /// Length of the encoded value, bytes.
     const LEN: usize;
+    /// Takes the value off the front of a message.
+    ///
+    /// # Errors
+    /// Too few bytes, or a value without a meaning.
     fn read(reader: &mut Reader<'_>) -> Result<Self, Error>;
+    /// Appends the value to a message.
     fn write(&self, writer: &mut Writer<'_>);
 
+    /// Takes as many values as there is room for in `all`.
+    ///
+    /// # Errors
+    /// As [`Field::read`].
     #[inline]
     fn read_all(reader: &mut Reader<'_>, all: &mut [Self]) -> Result<(), Error> {
         for one in all {
@@ -155,6 +198,7 @@ pub(crate) trait Field: Sized {
         Ok(())
     }
 
+    /// Appends all values in order.
     fn write_all(all: &[Self], writer: &mut Writer<'_>) {
         all.iter().for_each(|one| one.write(writer));
     }
@@ -233,11 +277,17 @@ impl<T: Field + Copy + Default, const N: usize> Field for [T; N] {
 }
 
 /// A bit of a message's second byte, and what follows at its end where the bit is set.
-pub(crate) trait Flag: Sized {
+pub trait Flag: Sized {
     /// Bytes that follow where it is set.
     const TAIL: usize;
+    /// Whether the bit is set.
     fn is_set(&self) -> bool;
+    /// Takes what follows, where the bit is `set`.
+    ///
+    /// # Errors
+    /// Too few bytes, or a value without a meaning.
     fn read(set: bool, reader: &mut Reader<'_>) -> Result<Self, Error>;
+    /// Appends what follows, where the bit is set.
     fn write(&self, writer: &mut Writer<'_>);
 }
 
@@ -273,7 +323,7 @@ impl<T: Field> Flag for Option<T> {
 }
 
 /// Flags as a byte, the first in the lowest bit.
-pub(crate) fn byte_of(flags: &[bool]) -> u8 {
+pub fn byte_of(flags: &[bool]) -> u8 {
     flags.iter().rev().fold(0, |byte, flag| byte << 1 | u8::from(*flag))
 }
 
@@ -289,19 +339,20 @@ pub(crate) fn byte_of(flags: &[bool]) -> u8 {
 ///     }
 /// }
 /// ```
+#[macro_export]
 macro_rules! layout {
     (
         $(#[$meta:meta])*
         pub message $Name:ident($message:literal, $len:literal bytes $(, $first:ident $value:expr)+) { $($body:tt)* }
     ) => {
-        layout! { $(#[$meta])* pub struct $Name($len bytes $(, $first $value)+) { $($body)* } }
+        $crate::layout! { $(#[$meta])* pub struct $Name($len bytes $(, $first $value)+) { $($body)* } }
 
         impl $Name {
             /// Reads the message, which must fill `bytes` exactly.
             ///
             /// # Errors
             /// A wrong length, a reserved byte that is not 0, or a field without a meaning.
-            pub fn parse(bytes: &[u8]) -> Result<Self, $crate::error::Error> {
+            pub fn parse(bytes: &[u8]) -> Result<Self, $crate::wire::Error> {
                 $crate::bytes::Reader::exact(bytes, $message, Self::LEN)?.get()
             }
 
@@ -309,7 +360,7 @@ macro_rules! layout {
             ///
             /// # Errors
             /// Too little room in `out`, or a number that is not finite.
-            pub fn emit(&self, out: &mut [u8]) -> Result<usize, $crate::error::Error> {
+            pub fn emit(&self, out: &mut [u8]) -> Result<usize, $crate::wire::Error> {
                 $crate::bytes::emit(self, $message, out)
             }
         }
@@ -329,7 +380,7 @@ macro_rules! layout {
         }
 
         impl $Name {
-            $(layout! { @first $first $value })*
+            $($crate::layout! { @first $first $value })*
             /// Length of the encoded value, bytes.
             pub const LEN: usize = $len;
         }
@@ -343,7 +394,7 @@ macro_rules! layout {
             };
 
             #[inline]
-            fn read(reader: &mut $crate::bytes::Reader<'_>) -> Result<Self, $crate::error::Error> {
+            fn read(reader: &mut $crate::bytes::Reader<'_>) -> Result<Self, $crate::wire::Error> {
                 // Known when this is compiled, wherever the struct begins: where no gap is, none is looked for.
                 let mut _at: usize = 0;
                 $(reader.$first($value)?; _at = usize::saturating_add(_at, 1);)*
@@ -395,6 +446,7 @@ macro_rules! layout {
 }
 
 /// A name for each of some bytes, the first one by default; the others have no meaning.
+#[macro_export]
 macro_rules! byte_enum {
     (
         $(#[$meta:meta])*
@@ -415,7 +467,7 @@ macro_rules! byte_enum {
             const LEN: usize = 1;
 
             #[inline]
-            fn read(reader: &mut $crate::bytes::Reader<'_>) -> Result<Self, $crate::error::Error> {
+            fn read(reader: &mut $crate::bytes::Reader<'_>) -> Result<Self, $crate::wire::Error> {
                 match reader.get::<u8>()? {
                     $first_value => Ok(Self::$First),
                     $($value => Ok(Self::$Variant),)+
@@ -432,13 +484,14 @@ macro_rules! byte_enum {
 }
 
 /// A number with a type of its own is laid out as the number.
+#[macro_export]
 macro_rules! newtype {
     ($Name:ident) => {
         impl $crate::bytes::Field for $Name {
             const LEN: usize = size_of::<Self>();
 
             #[inline]
-            fn read(reader: &mut $crate::bytes::Reader<'_>) -> Result<Self, $crate::error::Error> {
+            fn read(reader: &mut $crate::bytes::Reader<'_>) -> Result<Self, $crate::wire::Error> {
                 reader.get().map(Self)
             }
 
@@ -450,109 +503,4 @@ macro_rules! newtype {
     };
 }
 
-/// What a role says, as payloads of events: kind and length of each message, and its fields with their offsets and meanings. What
-/// no field takes is 0. `about 1` has the number of the object at offset 2, `about 0` has none. Flags stand in byte 1; what an
-/// `Option` holds follows at the end. Of what is `flow` the newest counts; the rest is to arrive.
-macro_rules! messages {
-    (
-        $(#[$meta:meta])*
-        pub enum $Name:ident($message:literal, code $code:literal, about $objects:literal $(, flow $($Flow:ident)+)?) {
-            $(
-                $(#[$each:meta])+
-                $Variant:ident = $kind:literal, $len:literal bytes $(:
-                    $($offset:literal => $field:ident: $ty:ty, $doc:literal;)+
-                    $(flags $($flag:ident: $flag_ty:ty, $flag_doc:literal;)+)?
-                )?
-            )+
-        }
-    ) => {
-        $(#[$meta])*
-        #[derive(Clone, Copy, Debug, PartialEq)]
-        pub enum $Name {
-            $($(#[$each])+ $Variant $({
-                $(#[doc = $doc] $field: $ty,)+
-                $($(#[doc = $flag_doc] $flag: $flag_ty,)+)?
-            })?,)+
-        }
-
-        $($(const _: () = {
-            let mut _end = if $objects == 0 { 1 } else { 4 };
-            $(_end = { assert!(_end <= $offset, "fields overlap"); $offset + <$ty as $crate::bytes::Field>::LEN };)+
-            assert!(_end <= $len, "a field is beyond the end");
-        };)?)+
-
-        impl $crate::roles::Carried for $Name {
-            const CODE: u16 = $code;
-
-            fn event(&self, object: u16) -> Result<$crate::wire::Event, $crate::error::Error> {
-                let mut bytes = [0; $crate::wire::Event::MAX_PAYLOAD];
-                let mut writer = $crate::bytes::Writer::new(&mut bytes, $message);
-                match self {
-                    $(Self::$Variant $({ $($field,)+ $($($flag,)+)? })? => {
-                        writer.bytes(&[$kind]);
-                        $($(writer.put(&$crate::bytes::byte_of(&[$($crate::bytes::Flag::is_set($flag)),+]));)?)?
-                        if $objects != 0 {
-                            writer.zeros_to(2);
-                            writer.put(&object);
-                        }
-                        $($(
-                            writer.zeros_to($offset);
-                            writer.put($field);
-                        )+)?
-                        writer.zeros_to($len);
-                        $($($($crate::bytes::Flag::write($flag, &mut writer);)+)?)?
-                    })+
-                }
-                let len = writer.end()?;
-                $crate::wire::Event::new($code, bytes.get(..len).unwrap_or(&[]))
-            }
-
-            fn parse(event: &$crate::wire::Event) -> Result<(u16, Self), $crate::error::Error> {
-                let bytes = event.payload();
-                if event.code != $code {
-                    return Err($crate::error::Error::OutOfRange { message: $message, field: "code" });
-                }
-                let kind = bytes.first().copied().unwrap_or(0);
-                match kind {
-                    $($kind => {
-                        let _len = $len;
-                        $($(
-                            let mut _bits = bytes.get(1).copied().unwrap_or(0);
-                            $(
-                                let $flag = _bits & 1 == 1;
-                                let _len = if $flag { _len + <$flag_ty as $crate::bytes::Flag>::TAIL } else { _len };
-                                _bits >>= 1;
-                            )+
-                            if _bits != 0 {
-                                return Err($crate::error::Error::Reserved($message));
-                            }
-                        )?)?
-                        let mut reader = $crate::bytes::Reader::exact(bytes, $message, _len)?;
-                        reader.kind($kind)?;
-                        $($($(let _ = $flag;)+ reader.get::<u8>()?;)?)?
-                        let object = if $objects != 0 {
-                            reader.zeros_to(2)?;
-                            reader.get()?
-                        } else {
-                            0
-                        };
-                        $($(
-                            reader.zeros_to($offset)?;
-                            let $field: $ty = reader.get()?;
-                        )+)?
-                        reader.zeros_to($len)?;
-                        $($($(let $flag = <$flag_ty as $crate::bytes::Flag>::read($flag, &mut reader)?;)+)?)?
-                        Ok((object, Self::$Variant $({ $($field,)+ $($($flag,)+)? })?))
-                    })+
-                    kind => Err($crate::error::Error::UnknownKind(kind)),
-                }
-            }
-
-            fn is_flow(&self) -> bool {
-                false $(|| matches!(self, $(Self::$Flow { .. })|+))?
-            }
-        }
-    };
-}
-
-pub(crate) use {byte_enum, layout, messages, newtype};
+pub use crate::{byte_enum, layout, newtype};

@@ -111,8 +111,9 @@ impl Key {
         self.0 == [0; Self::LEN]
     }
 
-    /// A function of this key that takes in data piece by piece and ends as another key.
-    pub(crate) fn derive(&self, label: &str) -> Derivation {
+    /// A function of this key that takes in data piece by piece and ends as another key, or as a checksum. Of a label, the first 16
+    /// bytes count.
+    pub fn derive(&self, label: &str) -> Derivation {
         let mut padded = [0; 16];
         padded.iter_mut().zip(label.bytes()).for_each(|(to, from)| *to = from);
         let mut mac = Blake2sMac256::new(&Array(self.0));
@@ -138,10 +139,11 @@ impl fmt::Debug for Key {
 
 /// A key on its way to becoming another one.
 #[derive(Clone)]
-pub(crate) struct Derivation(Blake2sMac256);
+pub struct Derivation(Blake2sMac256);
 
 impl Derivation {
-    pub(crate) fn with(mut self, data: &[u8]) -> Self {
+    /// Takes in the next piece of data.
+    pub fn with(mut self, data: &[u8]) -> Self {
         Update::update(&mut self.0, data);
         self
     }
@@ -151,7 +153,7 @@ impl Derivation {
     }
 
     /// The first `N` of its bytes, for what is not secret.
-    pub(crate) fn first<const N: usize>(self) -> [u8; N] {
+    pub fn first<const N: usize>(self) -> [u8; N] {
         self.end().0.first_chunk().copied().unwrap_or([0; N])
     }
 }

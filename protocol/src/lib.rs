@@ -6,7 +6,7 @@
 //! anything in the open.
 //!
 //! Where to begin: [`link::Link`], one peer's end of the wire, is the only thing a firmware needs; [`lines`] is an operator's port on
-//! it; [`roles`] is what a peer can be in a shared environment; [`wire`] has the layouts, which `FORMAT.md` says for other languages.
+//! it; [`wire`] has the layouts, which `FORMAT.md` says for other languages, and [`bytes`] what they are declared with.
 //!
 //! **Contract**: no function here panics, whatever bytes, times or numbers it is given, and none touches a byte outside
 //! the slice it is given. Nothing allocates; a link is one value of fixed size. An error is one sentence about what was
@@ -85,7 +85,7 @@
     deny(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::unreachable)
 )]
 
-mod bytes;
+pub mod bytes;
 pub mod cipher;
 pub mod clock;
 pub mod ends;
@@ -95,7 +95,7 @@ mod handshake;
 pub mod key;
 pub mod lines;
 pub mod link;
-mod notices;
+pub mod notices;
 pub mod parameters;
 #[cfg(feature = "peer")]
 pub mod peer;
@@ -104,10 +104,8 @@ pub mod playout;
 pub mod record;
 mod reliable;
 pub mod replay;
-pub mod roles;
 mod session;
 pub mod wire;
-pub mod world;
 
 #[cfg(test)]
 #[path = "../tests/inside/mod.rs"]

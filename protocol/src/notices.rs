@@ -3,7 +3,8 @@
 use heapless::Deque;
 
 #[derive(Clone, Debug)]
-pub(crate) struct Notices<T, const N: usize>(Deque<T, N>);
+/// What has happened and was not taken yet, at most `N` of it.
+pub struct Notices<T, const N: usize>(Deque<T, N>);
 
 impl<T, const N: usize> Default for Notices<T, N> {
     fn default() -> Self {
@@ -13,7 +14,7 @@ impl<T, const N: usize> Default for Notices<T, N> {
 
 impl<T, const N: usize> Notices<T, N> {
     /// One more; the oldest goes where there is no room.
-    pub(crate) fn put(&mut self, notice: T) {
+    pub fn put(&mut self, notice: T) {
         if self.0.is_full() {
             self.0.pop_front();
         }
@@ -21,11 +22,13 @@ impl<T, const N: usize> Notices<T, N> {
         let _ = self.0.push_back(notice);
     }
 
-    pub(crate) fn take(&mut self) -> Option<T> {
+    /// The oldest, once.
+    pub fn take(&mut self) -> Option<T> {
         self.0.pop_front()
     }
 
-    pub(crate) fn iter(&self) -> impl Iterator<Item = &T> {
+    /// All of them, oldest first.
+    pub fn iter(&self) -> impl Iterator<Item = &T> {
         self.0.iter()
     }
 }

@@ -17,7 +17,7 @@ const TICKS: &str = "host-sim/cases/benches/instructions.txt";
 pub(crate) const SCALARS: [&str; 3] = ["f32", "f64", "i32f32"];
 /// Programs of tests/count, and where what they print was reviewed.
 const TABLES: [(&str, &str); 2] =
-    [("count", "host-sim/src/studies/accuracy/instructions-cortex-m7.txt"), ("wire", WIRE)];
+    [("count", "host-sim/studies/src/accuracy/instructions-cortex-m7.txt"), ("wire", WIRE)];
 /// The reviewed counts of the wire.
 pub(crate) const WIRE: &str = "protocol/instructions-cortex-m7.txt";
 /// Largest accepted change, either way, as a fraction.

@@ -1,11 +1,11 @@
-//! `cargo xtask fuzz`: every fuzz target of protocol/fuzz for a while, with the corpus that earlier runs left.
+//! `cargo xtask fuzz`: every fuzz target of a package's `fuzz` for a while, with the corpus that earlier runs left.
 //!
 //! The targets are libFuzzer's, built as cargo-fuzz would build them but for the address sanitizer: there is no unsafe code in
 //! what they call, so coverage and overflow checks are all they need. That makes the project's own toolchain and a C++
 //! compiler (libFuzzer is C++) enough: no nightly, nothing to install.
 //!
-//! Inputs that reach something new are kept: those that reach code that nothing in `protocol/fuzz/corpus` does are merged into it.
-//! An input that crashes a target is left in `protocol/fuzz/artifacts`, and the command that runs it again is printed.
+//! Inputs that reach something new are kept: those that reach code that nothing in `fuzz/corpus` does are merged into it.
+//! An input that crashes a target is left in `fuzz/artifacts`, and the command that runs it again is printed.
 
 use std::env;
 use std::path::{Path, PathBuf};
@@ -15,8 +15,11 @@ use std::time::Instant;
 use crate::options::Options;
 use crate::run::{self, Failure, cargo, command, step};
 
-/// Names the targets.
-const MANIFEST: &str = include_str!("../../protocol/fuzz/Cargo.toml");
+/// Folders of targets, and the manifests that name these.
+const FOLDERS: [(&str, &str); 2] = [
+    ("protocol/fuzz", include_str!("../../protocol/fuzz/Cargo.toml")),
+    ("host-sim/environments/fuzz", include_str!("../../host-sim/environments/fuzz/Cargo.toml")),
+];
 /// Time for each target unless told, s.
 const SECONDS: u32 = 60;
 /// Longest time for each target, s.
@@ -26,14 +29,20 @@ const FLAGS: &str = "-Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-leve
                      -Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table \
                      -Cllvm-args=-sanitizer-coverage-trace-compares -Cdebug-assertions -Ccodegen-units=1 --cfg fuzzing";
 
+/// A target: its folder and its name.
+type Target = (&'static str, &'static str);
+
 /// Every target.
-fn targets() -> Vec<&'static str> {
+fn targets() -> Vec<Target> {
     let named = |bin: &'static str| bin.lines().find_map(|line| line.strip_prefix("name = \"")?.strip_suffix('"'));
-    MANIFEST.split("[[bin]]").skip(1).filter_map(named).collect()
+    let of = |(folder, manifest): (_, &'static str)| {
+        manifest.split("[[bin]]").skip(1).filter_map(named).map(move |name| (folder, name))
+    };
+    FOLDERS.into_iter().flat_map(of).collect()
 }
 
 /// The targets that are asked for, and the seconds for each.
-fn plan(given: &Options<'_>) -> Result<(Vec<&'static str>, u32), Failure> {
+fn plan(given: &Options<'_>) -> Result<(Vec<Target>, u32), Failure> {
     let not_allowed = |option: &str, value: &str, allowed: String| {
         Failure::usage(format!("{option} \"{value}\" is not allowed: it must be {allowed}"))
     };
@@ -42,18 +51,25 @@ fn plan(given: &Options<'_>) -> Result<(Vec<&'static str>, u32), Failure> {
         seconds.ok_or_else(|| not_allowed("--seconds", value, format!("a whole number from 1 to {MOST_SECONDS}")))
     })?;
     let Some(value) = given.value("--target") else { return Ok((targets(), seconds)) };
-    let known = targets().into_iter().find(|known| *known == value);
-    let target = known.ok_or_else(|| not_allowed("--target", value, format!("one of {}", targets().join(", "))))?;
+    let known = targets().into_iter().find(|(_, known)| *known == value);
+    let names: Vec<&str> = targets().into_iter().map(|(_, name)| name).collect();
+    let target = known.ok_or_else(|| not_allowed("--target", value, format!("one of {}", names.join(", "))))?;
     Ok((vec![target], seconds))
 }
 
 /// Builds the targets and runs them one after the other.
 pub(crate) fn fuzz(given: &Options<'_>) -> Result<(), Failure> {
     let (targets, seconds) = plan(given)?;
-    let binaries = step("build", build)?;
     let mut rows = Vec::new();
-    for target in targets {
-        rows.push(step(target, || run_one(&binaries, target, seconds))?);
+    for (folder, _) in FOLDERS {
+        let of_folder: Vec<&str> = targets.iter().filter(|(of, _)| *of == folder).map(|(_, target)| *target).collect();
+        if of_folder.is_empty() {
+            continue;
+        }
+        let binaries = step(&format!("build {folder}"), || build(folder))?;
+        for target in of_folder {
+            rows.push(step(target, || run_one(&binaries, folder, target, seconds))?);
+        }
     }
     println!("| fuzz target | seconds | executions | inputs kept | new among them |\n|---|---:|---:|---:|---:|");
     for row in rows {
@@ -62,8 +78,8 @@ pub(crate) fn fuzz(given: &Options<'_>) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Builds; gives the folder of the binaries.
-fn build() -> Result<PathBuf, Failure> {
+/// Builds the targets of a folder; gives the folder of the binaries.
+fn build(folder: &str) -> Result<PathBuf, Failure> {
     let host = run::output(&mut command("rustc", &["-vV"]))?;
     let host = host
         .lines()
@@ -71,9 +87,10 @@ fn build() -> Result<PathBuf, Failure> {
         .ok_or_else(|| Failure::new("`rustc -vV` does not say what it builds for"))?;
     let target = match env::var_os("CARGO_TARGET_DIR") {
         Some(shared) => run::root().join(shared).join("fuzz"),
-        None => run::root().join("protocol/fuzz/target"),
+        None => run::root().join(folder).join("target"),
     };
-    let mut build = cargo(&["build", "--locked", "--release", "--manifest-path", "protocol/fuzz/Cargo.toml"]);
+    let manifest = format!("{folder}/Cargo.toml");
+    let mut build = cargo(&["build", "--locked", "--release", "--manifest-path", &manifest]);
     // With a target named, build scripts are left without the counters, which are nothing to them.
     build.args(["--target", host]).env("RUSTFLAGS", FLAGS).env("CARGO_TARGET_DIR", &target);
     run::run(&mut build).map_err(|failure| {
@@ -83,9 +100,9 @@ fn build() -> Result<PathBuf, Failure> {
 }
 
 /// Runs one target, keeps what it found; a line of the table.
-fn run_one(binaries: &Path, target: &str, seconds: u32) -> Result<String, Failure> {
+fn run_one(binaries: &Path, folder: &str, target: &str, seconds: u32) -> Result<String, Failure> {
     let binary = binaries.join(target);
-    let fuzz = run::root().join("protocol/fuzz");
+    let fuzz = run::root().join(folder);
     let (corpus, artifacts) = (fuzz.join("corpus").join(target), fuzz.join("artifacts").join(target));
     let found = binaries.join("found").join(target);
     // What an earlier run found was merged then, or is found again.

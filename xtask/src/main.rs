@@ -22,7 +22,6 @@ mod setup;
 mod sums;
 mod test;
 
-use std::path::Path;
 use std::process::ExitCode;
 
 use options::Options;
@@ -100,7 +99,7 @@ passed with on this machine.",
         name: "count",
         options: " [--bless]",
         does: "Counts instructions on the board's processor, a Cortex-M7 under QEMU, and compares with the reviewed tables",
-        more: "Every numerical choice of the tick (host-sim/src/studies/accuracy), and sealing, opening, refusing and joining on the
+        more: "Every numerical choice of the tick (host-sim/studies/src/accuracy), and sealing, opening, refusing and joining on the
 wire (protocol): instructions-cortex-m7.txt in each. Each count may differ by 2 % or 3 instructions.
   --bless   write what was counted to the files, for review",
         run: |given| count::board(given.flag("--bless")),
@@ -120,11 +119,11 @@ wire (protocol): instructions-cortex-m7.txt in each. Each count may differ by 2 
     Chore {
         name: "fuzz",
         options: " [--seconds N] [--target NAME]",
-        does: "Runs every fuzz target of the protocol for a minute, keeps what it finds",
+        does: "Runs every fuzz target of wire and roles for a minute, keeps what it finds",
         more: "Built with the project's own toolchain, one after the other. Inputs that reach something new are merged into
-protocol/fuzz/corpus; a crash leaves its input in protocol/fuzz/artifacts and fails.
+corpus/ of protocol/fuzz or host-sim/environments/fuzz; a crash leaves its input in artifacts/ beside it and fails.
   --seconds  time for each target, 1 to 86400 s [default: 60]
-  --target   one of them, as protocol/fuzz/Cargo.toml names it [default: all]",
+  --target   one of them, as Cargo.toml in either folder names it [default: all]",
         run: fuzz::fuzz,
     },
     Chore {
@@ -196,12 +195,11 @@ environment below target/ when they have changed; it needs Python 3 with venv an
     },
     Chore {
         name: "rooms",
-        options: " [--root DIR]",
-        does: "Prints who leans on whom: circles, imports that climb, lines of every package",
-        more: "Lines of Rust in src and benches, comments and tests inside files included. Fails on files that import each other in a
-circle, on an import that climbs against the order in xtask/rooms.txt, and on a package that has outgrown its lines there.
-  --root  another checkout to look at, by the same rules",
-        run: |given| rooms::rooms(given.value("--root").map_or(run::root(), Path::new)),
+        options: "",
+        does: "Says who leans on whom, and how large each package is",
+        more: "Fails on a package that leans on another that xtask/rooms.txt does not name beside it, and on one that has outgrown its lines
+there. Packages in a circle are refused by cargo itself.",
+        run: |_| rooms::rooms(),
     },
     Chore {
         name: "readme",

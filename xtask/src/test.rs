@@ -18,7 +18,7 @@ pub(crate) fn test() -> Result<(), Failure> {
     let ready = step("set-up", setup::setup)?;
     step("format", format)?;
     step("lints", || run(&mut lints()))?;
-    step("rooms", || crate::rooms::rooms(run::root()))?;
+    step("rooms", crate::rooms::rooms)?;
     step("sums", || sums::sums(&calls(&ready), false))?;
     step("page", || page::browser().and_then(|()| page::page(false)))?;
     step("rooms of the microcontroller", || run(&mut rooms_on_chip(&ready)))?;
@@ -74,7 +74,7 @@ pub(crate) fn quick() -> Result<(), Failure> {
     let start = Instant::now();
     step("format", format)?;
     step("lints", || run(&mut lints()))?;
-    step("rooms", || crate::rooms::rooms(run::root()))?;
+    step("rooms", crate::rooms::rooms)?;
     step("unit tests", || run(everything("test").args(["--lib", "--bins"])))?;
     step("golden traces", || run(everything("test").args(["--test", "golden"])))?;
     passed(start);
@@ -97,10 +97,11 @@ pub(crate) fn lints() -> Command {
     lints
 }
 
-/// Core and protocol for the microcontroller. As the image is: what they need is not built twice.
+/// Core, protocol and the roles of the environments for the microcontroller. As the image is: what they need is not built twice.
 pub(crate) fn rooms_on_chip(ready: &Ready) -> Command {
     let mut build = ready.cargo(&["build", "--locked", "--profile", "firmware", "--target", THUMB_TARGET]);
     build.args(["--package", "haptic-core", "--package", "haptic-protocol"]);
+    build.args(["--package", "haptic-environments", "--no-default-features"]);
     build
 }
 

@@ -9,7 +9,7 @@
 //!
 //! Up to θ = m·b/K the scene keeps its stiffness and only gains drag; beyond, stiffness falls with 1/θ. A β above b makes light
 //! objects unstable again: their drag is then stiffer than the hand behind the spring. Found by eigenvalues, no proof:
-//! `host-sim/tests/cooperative.rs` looks at 1 to 16 users, devices of 0.05 to 0.5 kg and 0.2 to 5 N·s/m, objects of 0.05 to
+//! `host-sim/environments/tests/suite/cooperative.rs` looks at 1 to 16 users, devices of 0.05 to 0.5 kg and 0.2 to 5 N·s/m, objects of 0.05 to
 //! 2 kg and round trips to 200 ms, and simulates round trips to 400 ms.
 //!
 //! **Following**: stiffness falls within [`FALL_S`] and rises within [`RISE_S`], from the stiffness for [`LONGEST_S`] while

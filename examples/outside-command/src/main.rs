@@ -9,7 +9,7 @@
 use std::error::Error;
 
 use haptic_analysis::conclude;
-use haptic_sim::report::Columns;
+use haptic_report::Columns;
 use haptic_sim::run::{Options, run};
 use haptic_sim::{Laws, Scene};
 

@@ -12,7 +12,7 @@ use super::map::{Axis, Map, map};
 use super::modes::Hands;
 use super::sweep::Range;
 use crate::error::AnalysisError;
-use haptic_sim::report::Columns;
+use haptic_report::Columns;
 use haptic_sim::scene::Scene;
 
 /// The panels, in the paper's order (a), (b), (c).

@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::limit::{Effort, Limit, along};
 use super::sweep::{Range, Sweep};
 use crate::error::AnalysisError;
-use haptic_sim::report::Columns;
+use haptic_report::Columns;
 use haptic_sim::scene::Scene;
 
 /// A range and how many values of it.

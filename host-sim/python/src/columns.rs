@@ -1,6 +1,6 @@
 //! Columns of a table as NumPy arrays.
 
-use haptic_sim::report::{Cell, Columns, Values};
+use haptic_report::{Cell, Columns, Values};
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

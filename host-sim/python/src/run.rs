@@ -3,7 +3,7 @@
 use haptic_analysis::{Conclusion, conclude};
 use haptic_core::num::Fixed;
 use haptic_sim::run::{Options, Outcome, run_while};
-use host_sim::studies::sweep::MERITS;
+use haptic_studies::sweep::MERITS;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 

@@ -6,9 +6,10 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use haptic_core::names::Choice;
-use haptic_sim::report::Made;
+use haptic_report::Made;
+use haptic_studies::sweep;
+use haptic_studies::sweep::{Axis, Design, Row, Sample, Spread};
 use host_sim::made;
-use host_sim::studies::sweep::{self, Axis, Design, Row, Sample, Spread};
 use pyo3::exceptions::{PyOSError, PyRuntimeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyString, PyTuple};

@@ -3,7 +3,6 @@
 //! The peers themselves are `haptic_core`, the same lines that fly on the board.
 #![forbid(unsafe_code)]
 
-pub mod board;
 pub mod double_double;
 pub mod engine;
 pub mod key_file;
@@ -15,7 +14,6 @@ pub mod pair;
 pub mod peers;
 pub mod plant;
 pub mod quantities;
-pub mod report;
 pub mod rng;
 pub mod run;
 pub mod scene;

@@ -8,11 +8,12 @@ use serde_json::json;
 
 use super::flags::{Out, Time, choice, number};
 use super::{Failure, SceneArgs, Ui, ui::pictures};
-use crate::studies::accuracy::counts::{Processor, SCALARS, cost_columns, costs};
-use crate::studies::accuracy::{self, picture, rigid};
-use crate::studies::precision::{columns, measure};
-use crate::studies::{force, transparency};
 use haptic_sim::{scene::Scene, scenes};
+use haptic_studies::accuracy;
+use haptic_studies::accuracy::counts::{Processor, SCALARS, cost_columns, costs};
+use haptic_studies::accuracy::{picture, rigid};
+use haptic_studies::precision::{columns, measure};
+use haptic_studies::{force, transparency};
 
 #[derive(Debug, Args)]
 #[command(args_conflicts_with_subcommands = true)]

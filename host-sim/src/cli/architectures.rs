@@ -4,10 +4,10 @@ use clap::Args;
 use serde_json::json;
 
 use super::{Failure, Ui, flags::Out};
-use crate::studies::architectures::together::unbounded_radius;
-use crate::studies::architectures::{Architecture, DELAYS_MS, Row, TASK, across, columns, picture, rows};
 use haptic_core::num::Scalar;
-use haptic_sim::report::significant;
+use haptic_report::significant;
+use haptic_studies::architectures::together::unbounded_radius;
+use haptic_studies::architectures::{Architecture, DELAYS_MS, Row, TASK, across, columns, picture, rows};
 
 #[derive(Debug, Args)]
 pub(super) struct Architectures {

@@ -9,9 +9,9 @@ use serde_json::json;
 
 use super::flags::Out;
 use super::{Failure, SceneArgs, Ui};
-use crate::studies::campaign::laws::page::{PICTURES, page};
-use crate::studies::campaign::laws::{Row, asked_for, bench, figures, law_scenes, tables};
-use crate::studies::campaign::{Cell, campaign, columns, cost_columns, costs, of_scene, sending};
+use haptic_studies::campaign::laws::page::{PICTURES, page};
+use haptic_studies::campaign::laws::{Row, asked_for, bench, figures, law_scenes, tables};
+use haptic_studies::campaign::{Cell, campaign, columns, cost_columns, costs, of_scene, sending};
 
 /// What the page tells beside the usual packets.
 const EACH_TICK: [&str; 2] = ["timing.ticks_per_packet=1", "network.one_way_delay_packets=8"];

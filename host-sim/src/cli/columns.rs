@@ -5,19 +5,21 @@
 
 use haptic_analysis::{Axis, Map, Range, figure4, rendering::maps};
 use haptic_plot::DATA_COLUMNS;
+use haptic_report::{Column, Columns};
 use haptic_sim::network::trace;
-use haptic_sim::report::{Column, Columns};
-use haptic_sim::{board, run::Account, scene::Scene};
+use haptic_sim::{run::Account, scene::Scene};
 use serde_json::{Value, json};
 
 use super::{Failure, Ui};
 use crate::play;
-use crate::recording::mcap::Channel;
-use crate::recording::{file::ROW, merge, ticks};
-use crate::shared::{cooperative::run, world::stroke};
-use crate::studies::compare::Comparison;
-use crate::studies::sweep::{self, Row, Sweep};
-use crate::studies::{accuracy, architectures, campaign, force, paper, precision, published, reproduce, transparency};
+use haptic_environments::{cooperative::run, world::stroke};
+use haptic_live::recording::file::ROW;
+use haptic_live::recording::mcap::Channel;
+use haptic_live::recording::{merge, ticks};
+use haptic_studies::compare::Comparison;
+use haptic_studies::sweep;
+use haptic_studies::sweep::{Row, Sweep};
+use haptic_studies::{accuracy, architectures, campaign, force, paper, precision, published, reproduce, transparency};
 
 /// The key of an example.
 const KEY: &str = "TABLE.KEY";
@@ -182,7 +184,7 @@ fn kinds(ui: &Ui) -> Vec<Kind> {
             "board",
             "the FILE.csv of `board operator --record`",
             "a tick that came",
-            Columns::named(board::recording::COLUMNS),
+            Columns::named(haptic_board_tools::recording::COLUMNS),
         ),
         Kind::new("figure", "SVG and PDF: the data inside", "a point of a figure", Columns::named(DATA_COLUMNS)),
         Kind::of("cooperate", both),

@@ -4,16 +4,16 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use haptic_core::num::Scalar;
-use haptic_sim::report::Made;
+use haptic_report::Made;
 use haptic_sim::scenes;
 use haptic_sim::user::User;
 use serde_json::json;
 
 use super::flags::{Out, Time};
 use super::{Failure, Ui};
-use crate::studies::campaign::laws::law_scene;
-use crate::studies::compare::{Comparison, Entrant};
-use crate::studies::sweep::MERITS;
+use haptic_studies::campaign::laws::law_scene;
+use haptic_studies::compare::{Comparison, Entrant};
+use haptic_studies::sweep::MERITS;
 
 #[derive(Debug, Args)]
 pub(super) struct Compare {

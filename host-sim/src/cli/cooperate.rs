@@ -9,10 +9,10 @@ use serde_json::json;
 
 use super::flags::{ScalarName, Simulation};
 use super::{Failure, SceneArgs, Ui};
-use crate::studies::figures;
-use haptic_sim::report::Columns;
+use haptic_report::Columns;
 use haptic_sim::run::{self, AXIS_NAMES, EachRow, Options, Outcome, Run, run, run_seen};
 use haptic_sim::scene::Scene;
+use haptic_studies::figures;
 
 #[derive(Debug, Args)]
 pub(super) struct Cooperate {

@@ -6,22 +6,24 @@ use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Arg, ArgAction, Args, ValueEnum};
+use haptic_board_tools::calibrate::settings_file;
 use haptic_core::names::Choice;
 use haptic_protocol::key::{Key, Role};
-use haptic_sim::report::Made;
+use haptic_report::Made;
 use haptic_sim::run::Account;
-use haptic_sim::{board::calibrate::settings_file, key_file, scene::Scene, scenes};
+use haptic_sim::scene::Scene;
+use haptic_sim::{key_file, scenes};
 
 pub(super) use super::number::number;
 pub(super) use super::ui::Out;
 use super::ui::{Failure, Ui};
-use crate::live::tell::Manner;
-use crate::live::watch::Wanted;
-use crate::recording::mcap::Channel;
-use crate::recording::origin::Origin;
-use crate::recording::recorder::Recorder;
-use crate::recording::ticks::name_of;
-use crate::shared::world::{self, World};
+use haptic_environments::{world, world::World};
+use haptic_live::recording::mcap::Channel;
+use haptic_live::recording::origin::Origin;
+use haptic_live::recording::recorder::Recorder;
+use haptic_live::recording::ticks::name_of;
+use haptic_live::tell::Manner;
+use haptic_live::watch::Wanted;
 
 /// Longest time that may be asked for, s: a day. Beyond it, sums of ticks of 1 ms in f64 begin to round.
 const LONGEST_S: f64 = 86_400.0;

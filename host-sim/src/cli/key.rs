@@ -6,7 +6,7 @@ use clap::Args;
 use serde_json::json;
 
 use super::{Failure, Ui};
-use crate::shared::world::host::MOST_LINES;
+use haptic_environments::world::host::MOST_LINES;
 use haptic_protocol::key::Role;
 use haptic_sim::key_file;
 

@@ -6,9 +6,10 @@ use clap::Args;
 
 use super::flags::{End, Patience, Watching};
 use super::{Failure, SceneArgs, Ui};
-use crate::live::endpoint::{Span, Stop};
-use crate::live::{hub, peer};
-use crate::shared::cooperative::MOST_USERS;
+use haptic_environments::cooperative::MOST_USERS;
+use haptic_environments::live::hub;
+use haptic_live::endpoint::{Span, Stop};
+use haptic_live::peer;
 
 #[derive(Debug, Args)]
 pub(super) struct Peer {

@@ -36,7 +36,8 @@ use clap::{CommandFactory, FromArgMatches, Parser};
 use clap_complete::Shell;
 
 use flags::SceneArgs;
-use haptic_sim::{Laws, report::Columns, scene::nearest};
+use haptic_report::Columns;
+use haptic_sim::{Laws, scene::nearest};
 pub use ui::made;
 use ui::{Failure, Ui};
 
@@ -186,7 +187,8 @@ impl Cli {
     /// table, or with `--json` as a list with an object for each row.
     ///
     /// ```no_run
-    /// use haptic_sim::{Laws, Scene, report::Columns};
+    /// use haptic_report::Columns;
+    /// use haptic_sim::{Laws, Scene};
     ///
     /// /// Control periods in a packet period of the default scene, times what is asked for.
     /// #[derive(clap::Args)]

@@ -4,9 +4,9 @@ use clap::Args;
 use serde_json::json;
 
 use super::{Failure, Ui, flags::Out, ui::pictures};
-use crate::studies::figures;
-use crate::studies::paper::{DURATION_S, experiment_columns, experiments, gain_columns, gains};
 use haptic_core::num::Scalar;
+use haptic_studies::figures;
+use haptic_studies::paper::{DURATION_S, experiment_columns, experiments, gain_columns, gains};
 
 #[derive(Debug, Default, Args)]
 pub(super) struct Paper {

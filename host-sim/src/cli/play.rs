@@ -12,8 +12,8 @@ use haptic_sim::key_file;
 use super::board::address;
 use super::flags::{RecordTo, choice, seconds};
 use super::{Failure, SceneArgs, Ui};
-use crate::live::endpoint::Stop;
 use crate::play::{Boards, End, Kind, Model, Page, Place, Shown, measure};
+use haptic_live::endpoint::Stop;
 
 /// How long each run of `--measure` takes where nobody says, s.
 const MEASURED_S: f64 = 10.0;

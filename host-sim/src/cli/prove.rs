@@ -8,8 +8,8 @@ use rayon::prelude::*;
 use serde_json::json;
 
 use super::{Failure, Ui};
-use crate::studies::campaign::laws::page;
-use crate::studies::proof;
+use haptic_studies::campaign::laws::page;
+use haptic_studies::proof;
 
 #[derive(Debug, Args)]
 pub(super) struct Prove {

@@ -1,8 +1,8 @@
 //! `host-sim published`: numbers of the laws' own papers beside what the laws do here, and every law's region by two constructions.
 
 use super::{Failure, Ui};
-use crate::studies::published::{columns, regions, rows};
 use clap::Args;
+use haptic_studies::published::{columns, regions, rows};
 
 #[derive(Debug, Args)]
 pub(super) struct Published {

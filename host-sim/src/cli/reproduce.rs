@@ -7,9 +7,9 @@ use haptic_core::num::Scalar;
 use serde_json::json;
 
 use super::{Failure, Ui, flags::Out};
-use crate::studies::paper::{DURATION_S, experiment_columns, experiments, gain_columns, gains};
-use crate::studies::reproduce::{Computed, architectures, columns, cooperation, counts, page};
-use crate::studies::{architectures as choice, figures};
+use haptic_studies::paper::{DURATION_S, experiment_columns, experiments, gain_columns, gains};
+use haptic_studies::reproduce::{Computed, architectures, columns, cooperation, counts, page};
+use haptic_studies::{architectures as choice, figures};
 
 /// Device and object of the architectures paper's maps, which names neither: those of `stability rendering`.
 const DEVICE_KG: f64 = 0.1;

@@ -4,13 +4,14 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use haptic_sim::report::Made;
+use haptic_report::Made;
 use haptic_sim::user::User;
 use serde_json::json;
 
 use super::flags::{Out, Time, choice};
 use super::{Failure, SceneArgs, Ui};
-use crate::studies::sweep::{self, Axis, Design, Journal, Sample, Spread};
+use haptic_studies::sweep;
+use haptic_studies::sweep::{Axis, Design, Journal, Sample, Spread};
 
 /// Most points that are printed for people.
 const MOST_SHOWN: usize = 200;

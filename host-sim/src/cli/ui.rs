@@ -13,8 +13,8 @@ use serde::Serialize;
 use serde_json::Value;
 
 use haptic_plot::Print;
+use haptic_report::{Columns, Files, Made, ReportError, word};
 use haptic_sim::Laws;
-use haptic_sim::report::{Columns, Files, Made, ReportError, word};
 
 use super::number::number;
 

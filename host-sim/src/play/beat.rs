@@ -16,9 +16,9 @@ use super::environment::{Command, Environment, MOST, Opening, Sample};
 use super::kinds::Kind;
 use super::partner::Model;
 use super::session::PERIOD_S;
-use crate::live::endpoint::{Punctuality, Stop, Ticker};
-use crate::recording::mcap::Channel;
-use crate::recording::recorder::Recorder;
+use haptic_live::endpoint::{Punctuality, Stop, Ticker};
+use haptic_live::recording::mcap::Channel;
+use haptic_live::recording::recorder::Recorder;
 
 /// A tick this late is not caught up.
 const SLEPT: Duration = Duration::from_millis(500);

@@ -16,11 +16,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use haptic_board_tools::calibrate::board::{Board, FAULTED, Joint, settings};
+use haptic_board_tools::calibrate::simulated::Shared;
+use haptic_board_tools::recording::{COLUMNS, row};
+use haptic_board_tools::status::Probed;
 use haptic_core::safety::Fault;
-use haptic_sim::board::calibrate::board::{Board, FAULTED, Joint, settings};
-use haptic_sim::board::calibrate::simulated::Shared;
-use haptic_sim::board::recording::{COLUMNS, row};
-use haptic_sim::board::status::Probed;
 use haptic_sim::quantities::place;
 use haptic_sim::scene::Scene;
 use serde::Serialize;
@@ -29,8 +29,8 @@ use serde_json::json;
 use super::boards_line::Line;
 use super::environment::{ARMED, Command, Environment, FAULT, MOST, OFF, Sample, Standing, WAITS};
 use super::session::PERIOD_S;
-use crate::live::endpoint::stand_back;
-use crate::live::operator::Operator;
+use haptic_live::endpoint::stand_back;
+use haptic_live::operator::Operator;
 
 /// After so long without a page the motors go off.
 const SILENCE: Duration = Duration::from_millis(1000);
@@ -433,5 +433,5 @@ impl Environment for Boards {
 }
 
 #[cfg(test)]
-#[path = "../../tests/inside/play_boards.rs"]
+#[path = "../../tests/inside/boards.rs"]
 mod tests;

@@ -167,5 +167,5 @@ impl Desk {
 }
 
 #[cfg(test)]
-#[path = "../../tests/inside/play_desk.rs"]
+#[path = "../../tests/inside/desk.rs"]
 mod tests;

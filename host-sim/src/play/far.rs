@@ -18,9 +18,9 @@ use haptic_sim::{key_file::entropy, scene::Scene};
 use super::environment::{ARMED, Command, Environment, FAULT, MOST, OFF, Sample, Standing, WAITS, number_of};
 use super::hand::Hand;
 use super::session::{PERIOD_S, Side, end_of_travel};
-use crate::live::batch::{Came, Going};
-use crate::live::endpoint::Endpoint;
-use crate::shared::path::Path;
+use haptic_environments::path::Path;
+use haptic_live::batch::{Came, Going};
+use haptic_live::endpoint::Endpoint;
 
 /// How much of a tick goes to what has come, so that no flood of datagrams holds it up.
 const LISTENS: Duration = Duration::from_micros(300);
@@ -269,5 +269,5 @@ impl Drop for Far {
 }
 
 #[cfg(test)]
-#[path = "../../tests/inside/play_far.rs"]
+#[path = "../../tests/inside/far.rs"]
 mod tests;

@@ -71,5 +71,5 @@ impl Hand {
 }
 
 #[cfg(test)]
-#[path = "../../tests/inside/play_hand.rs"]
+#[path = "../../tests/inside/hand.rs"]
 mod tests;

@@ -9,7 +9,7 @@ use super::hand::Hand;
 use super::meeting::{Held, Play};
 use super::partner::{Model, Partner};
 use super::session::{PERIOD_S, end_of_travel};
-use crate::shared::cooperative::waves::Waves;
+use haptic_environments::cooperative::waves::Waves;
 
 /// Number of hands on the object.
 const HANDS: usize = 4;

@@ -25,7 +25,7 @@ use super::hand::{DAMPING, STIFFNESS};
 use super::kinds::Kind;
 use super::orders::apply;
 use super::session::same_but_for_network;
-use crate::live::endpoint::stand_back;
+use haptic_live::endpoint::stand_back;
 
 /// Packets in flight that are still judged.
 const MOST_PACKETS: usize = 120;
@@ -242,5 +242,5 @@ fn advice(scene: &Scene, longest: &Scene, radius: f64) -> (String, Option<String
 }
 
 #[cfg(test)]
-#[path = "../../tests/inside/play_judge.rs"]
+#[path = "../../tests/inside/judge.rs"]
 mod tests;

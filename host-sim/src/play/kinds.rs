@@ -82,5 +82,5 @@ impl Kind {
 }
 
 #[cfg(test)]
-#[path = "../../tests/inside/play_kinds.rs"]
+#[path = "../../tests/inside/kinds.rs"]
 mod tests;

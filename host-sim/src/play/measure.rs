@@ -10,7 +10,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use haptic_sim::report::Columns;
+use haptic_report::Columns;
 use haptic_sim::scene::Scene;
 use tungstenite::protocol::Role;
 use tungstenite::{Message, WebSocket};
@@ -19,8 +19,8 @@ use super::beat::Kept;
 use super::kinds::Kind;
 use super::page::{Page, Shown};
 use super::partner::Model;
-use crate::live::endpoint::Stop;
-use crate::live::quantiles::{Quantiles, Times};
+use haptic_live::endpoint::Stop;
+use haptic_live::quantiles::{Quantiles, Times};
 
 /// From one question of a window to the next.
 const FRAME: Duration = Duration::from_micros(16_667);
@@ -71,7 +71,7 @@ fn run(scene: &Scene, seconds: f64, stop: &Stop, windows: usize, misbehaving: us
     let bad: Vec<_> = (0..misbehaving).map(|which| misbehave(&page.address(0), which)).collect::<Result<_, _>>()?;
     let kept = page.run(seconds, None, stop)?;
     over.store(true, Ordering::Relaxed);
-    let mut times = Times::new();
+    let mut times = Times::default();
     for thread in asking {
         let answered = thread.join().map_err(|_| "a window's thread failed".to_owned())??;
         answered.into_iter().for_each(|ns| times.add(ns));

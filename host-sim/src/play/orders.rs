@@ -14,7 +14,7 @@ use haptic_core::settings::Settings;
 use haptic_sim::{scene::Scene, scenes};
 
 use super::session::PERIOD_S;
-use crate::studies::campaign::laws::SOLVED;
+use haptic_studies::campaign::laws::SOLVED;
 
 /// The built-in scenes that are one click, with what the click is called and what it sets besides.
 pub(super) const CLICKS: [(&str, &str, &str); 7] = [
@@ -126,5 +126,5 @@ fn with_law(scene: &Scene, name: &str) -> Result<(Scene, Vec<String>), String> {
 }
 
 #[cfg(test)]
-#[path = "../../tests/inside/play_orders.rs"]
+#[path = "../../tests/inside/orders.rs"]
 mod tests;

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use haptic_sim::report::Made;
+use haptic_report::Made;
 use haptic_sim::scene::Scene;
 
 use super::beat::{self, Kept};
@@ -18,9 +18,9 @@ use super::kinds::Kind;
 use super::orders;
 use super::partner::Model;
 use super::web::{Site, hello};
-use crate::live::endpoint::Stop;
-use crate::recording::origin::Origin;
-use crate::recording::recorder::Recorder;
+use haptic_live::endpoint::Stop;
+use haptic_live::recording::origin::Origin;
+use haptic_live::recording::recorder::Recorder;
 
 /// What a page shows.
 pub(crate) enum Shown {

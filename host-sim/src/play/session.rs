@@ -292,5 +292,5 @@ fn sides(scene: &Scene) -> [Side; 2] {
 }
 
 #[cfg(test)]
-#[path = "../../tests/inside/play_session.rs"]
+#[path = "../../tests/inside/session.rs"]
 mod tests;

@@ -3,8 +3,8 @@
 //! A person's pointer is where the hand is wanted, in a device's workspace, which is the court on a scale; the arm pulls the hand there
 //! with a limited force, damped by the round trip, and the racket hits what it meets when it is its turn. Who has let go stands.
 
-use haptic_protocol::roles::squash::{Court, Message, PLAYERS, Phase, RALLIES, Server, ServerConfig};
-use haptic_protocol::roles::{Carried as _, Role as _};
+use haptic_environments::roles::squash::{Court, Message, PLAYERS, Phase, RALLIES, Server, ServerConfig};
+use haptic_environments::roles::{Carried as _, Role as _};
 use haptic_protocol::wire::{self, PeerId};
 use haptic_sim::engine::{Actor, Engine, Out, Seat};
 use haptic_sim::{key_file::entropy, network::link::Route, scene::Scene};
@@ -12,8 +12,8 @@ use haptic_sim::{key_file::entropy, network::link::Route, scene::Scene};
 use super::environment::Column;
 use super::meeting::{Held, Play, way};
 use super::session::PERIOD_S;
-use crate::shared::said;
-use crate::shared::squash::bot::{Contestant, Part, SCALE};
+use haptic_environments::said;
+use haptic_environments::squash::bot::{Contestant, Part, SCALE};
 
 /// Number of players in the game.
 const COUNT: usize = 4;

@@ -4,10 +4,11 @@
 //! before sees the object go back to where it is for all. Hands that nobody holds are moved by bots: they come, carry it
 //! somewhere, and rest.
 
-use haptic_protocol::roles::collaborative::lock::{self, Phase};
-use haptic_protocol::roles::collaborative::ring::{self, Record, Ring, Roster};
-use haptic_protocol::roles::collaborative::{Approach, Lease, Value, Wish};
-use haptic_protocol::roles::{Carried as _, Role as _};
+use haptic_environments::roles::collaborative::ring;
+use haptic_environments::roles::collaborative::ring::{Record, Ring, Roster};
+use haptic_environments::roles::collaborative::{Approach, Lease, Value, Wish};
+use haptic_environments::roles::{Carried as _, Role as _};
+use haptic_environments::{roles::collaborative::lock, roles::collaborative::lock::Phase};
 use haptic_protocol::wire::{Message, PeerId};
 use haptic_sim::engine::{Actor, Engine, Out, Seat};
 use haptic_sim::{key_file::entropy, network::link::Route, rng::Rng, scene::Scene};
@@ -15,7 +16,7 @@ use haptic_sim::{key_file::entropy, network::link::Route, rng::Rng, scene::Scene
 use super::environment::Column;
 use super::meeting::{Held, Play, way};
 use super::session::PERIOD_S;
-use crate::shared::said;
+use haptic_environments::said;
 
 /// Number of users at the object.
 const USERS: usize = 3;

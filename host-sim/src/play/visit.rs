@@ -6,8 +6,8 @@
 use std::sync::OnceLock;
 
 use haptic_core::num::Motion;
+use haptic_environments::records::Shape;
 use haptic_protocol::key::Key;
-use haptic_protocol::world::Shape;
 use haptic_sim::engine::{Actor, Engine, Out, Seat};
 use haptic_sim::{key_file::entropy, network::link::Route, scene::Scene};
 use serde_json::{Value, json};
@@ -16,10 +16,10 @@ use super::environment::Column;
 use super::hand::Hand;
 use super::meeting::{Held, Play, way};
 use super::session::PERIOD_S;
-use crate::shared::world::host::Host;
-use crate::shared::world::stroke::HAND;
-use crate::shared::world::visitor::{Party, Setup, Visitor};
-use crate::shared::world::{TICKS_PER_PACKET, World, corners, parse};
+use haptic_environments::world::host::Host;
+use haptic_environments::world::stroke::HAND;
+use haptic_environments::world::visitor::{Party, Setup, Visitor};
+use haptic_environments::world::{TICKS_PER_PACKET, World, corners, parse};
 
 /// What there is to be felt, and the number of its server.
 const ROOM: &str = include_str!("../../../scenes/worlds/room.toml");

@@ -46,7 +46,7 @@ use super::kinds::Kind;
 use super::orders::CLICKS;
 use super::partner::Model;
 use super::session::{PERIOD_S, REACH_M};
-use crate::live::endpoint::stand_back;
+use haptic_live::endpoint::stand_back;
 
 const FILES: [(&str, &str, &str); 4] = [
     ("/", "text/html; charset=utf-8", include_str!("site/index.html")),
@@ -419,5 +419,5 @@ pub(super) fn hello(scene: &Scene, other: Option<String>, boards: bool) -> Value
 }
 
 #[cfg(test)]
-#[path = "../../tests/inside/play_web.rs"]
+#[path = "../../tests/inside/web.rs"]
 mod tests;

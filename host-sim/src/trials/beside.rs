@@ -19,10 +19,10 @@ use ring::aead::{Aad, CHACHA20_POLY1305, LessSafeKey, Nonce, UnboundKey};
 use serde::Serialize;
 
 use super::load::{self, Clients, Span};
-use crate::live::endpoint::{Endpoint, Live, Stop, Ticker};
-use crate::live::quantiles::Quantiles;
-use crate::live::serve::Computed;
-use crate::shared::world::PACKET_US;
+use haptic_environments::live::serve::Computed;
+use haptic_environments::world::PACKET_US;
+use haptic_live::endpoint::{Endpoint, Live, Stop, Ticker};
+use haptic_live::quantiles::Quantiles;
 
 /// Length of a flow message, bytes.
 const FLOW: usize = 40;

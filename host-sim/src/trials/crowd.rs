@@ -6,7 +6,7 @@
 //! evenly over the packet period ([`super::load`]). They arrive evenly over half of the warm-up: links that began together would
 //! probe together for good, as no independent clients do. Each is answered at once with the places of others.
 //!
-//! **What is measured**: the server's turnaround, from when a client handed its packet to the system ([`crate::live::serve`]), the
+//! **What is measured**: the server's turnaround, from when a client handed its packet to the system ([`haptic_environments::live::serve`]), the
 //! round trip from a client's packet to the answer that names it, how many were answered, and how many packets a second the load
 //! managed.
 
@@ -15,18 +15,19 @@ use std::net::SocketAddr;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
+use haptic_environments::roles::static_scene::Download;
 use haptic_protocol::wire::{Message, Presence, Sighting};
-use haptic_protocol::{key::Key, link::Link, roles::static_scene::Download};
+use haptic_protocol::{key::Key, link::Link};
 use haptic_sim::{key_file::entropy, node::Says as _};
 use serde::Serialize;
 
 use super::beside::{self, Echo};
 use super::load::{self, Clients, Span};
-use crate::live::endpoint::{Endpoint, Stop};
-use crate::live::quantiles::{Quantiles, Times};
-use crate::live::serve;
-use crate::shared::world::host::Host;
-use crate::shared::world::{CLIENT, PACKET_US, World, line_of, look_around, open_link};
+use haptic_environments::live::serve;
+use haptic_environments::world::host::Host;
+use haptic_environments::world::{CLIENT, PACKET_US, World, line_of, look_around, open_link};
+use haptic_live::endpoint::{Endpoint, Stop};
+use haptic_live::quantiles::{Quantiles, Times};
 
 /// Number of the server.
 const SERVER: u8 = 1;
@@ -145,7 +146,7 @@ impl<'a> Load<'a> {
             arrival_ns: (0.5e9 * warm_up_s) as u64 / count.max(1) as u64,
             clients: clients?,
             sessions: HashMap::new(),
-            round_trip: Times::new(),
+            round_trip: Times::default(),
             came: [0; 2],
             seen: Report { clients: count as u32, ..Report::default() },
         })

@@ -30,7 +30,7 @@ use haptic_sim::engine::{Actor, Out};
 use haptic_sim::{key_file::entropy, node::Node, rng::Rng, scene::Scene};
 use serde::Serialize;
 
-use crate::live::endpoint::{Endpoint, Live, Punctuality, Stop, Ticker};
+use haptic_live::endpoint::{Endpoint, Live, Punctuality, Stop, Ticker};
 
 /// Of so many forged datagrams that are refused, one has the whole state compared.
 const COMPARE_EVERY: u64 = 64;

@@ -1,17 +1,17 @@
 //! A load: very many clients on one socket, each of which says something once in a packet period.
 //!
 //! Their packets are spread evenly over the period. All that are due go in one system call, and what came is taken in as few
-//! ([`crate::live::batch`]). A load that is late by more than a quarter of a packet period does not catch up in a burst that no
+//! ([`haptic_live::batch`]). A load that is late by more than a quarter of a packet period does not catch up in a burst that no
 //! independent clients would make; it goes on from there.
 
 use std::net::SocketAddr;
 use std::time::Duration;
 
-use crate::live::batch::{Came, Going, MOST};
-use crate::live::endpoint::{Endpoint, Stop, realtime};
-use crate::live::quantiles::{Quantiles, Times};
-use crate::live::serve::Computed;
-use crate::shared::world::PACKET_US;
+use haptic_environments::live::serve::Computed;
+use haptic_environments::world::PACKET_US;
+use haptic_live::batch::{Came, Going, MOST};
+use haptic_live::endpoint::{Endpoint, Stop, realtime};
+use haptic_live::quantiles::{Quantiles, Times};
 
 /// How long the load rests, and how often, ns.
 const REST: Duration = Duration::from_micros(20);
@@ -60,7 +60,7 @@ pub(super) fn run(
     let mut kept = Kept { realtime_priority: realtime(), ..Kept::default() };
     let (period_ns, warm_ns, end_ns) =
         (1_000 * PACKET_US, (1e9 * warm_up_s) as u64, (1e9 * (warm_up_s + seconds)) as u64);
-    let (mut came, mut going, mut late) = (Came::default(), Going::default(), Times::new());
+    let (mut came, mut going, mut late) = (Came::default(), Going::default(), Times::default());
     let (mut next, mut slipped_ns, mut rested_ns) = (0_u64, endpoint.now_ns(), 0);
     let mut measured: Option<(Computed, u64)> = None;
     loop {

@@ -13,10 +13,10 @@ use haptic_core::num::Scalar;
 use haptic_core::object::IntegratorName;
 use haptic_core::settings::{Choice, Settings};
 use haptic_sim::scenes;
-use host_sim::studies::accuracy::counts::{Processor, parse};
-use host_sim::studies::accuracy::filters::{Exact, Filter};
-use host_sim::studies::accuracy::integrators::{Test, closed_form, energy_error, errors};
-use host_sim::studies::accuracy::{
+use haptic_studies::accuracy::counts::{Processor, parse};
+use haptic_studies::accuracy::filters::{Exact, Filter};
+use haptic_studies::accuracy::integrators::{Test, closed_form, energy_error, errors};
+use haptic_studies::accuracy::{
     Comparison, Family, continuous, decodes, estimators, families, filters, integrators, mechanisms, pair,
     pareto_front, rigid,
 };
@@ -284,7 +284,7 @@ fn every_case_was_counted() {
         let (missing, stale) = (&names - &counted, &counted - &names);
         assert!(
             missing.is_empty() && stale.is_empty(),
-            "{processor:?}: not counted are {missing:?}, no cases any more {stale:?}; host-sim/src/studies/accuracy/counts.rs says how to \
+            "{processor:?}: not counted are {missing:?}, no cases any more {stale:?}; host-sim/studies/src/accuracy/counts.rs says how to \
              count"
         );
     }

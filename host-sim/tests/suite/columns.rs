@@ -4,20 +4,21 @@ use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
+use haptic_board_tools::recording;
 use haptic_core::device::{encoder::Counts, motor::Duty};
 use haptic_core::num::Motion;
 use haptic_core::peer::Observed;
 use haptic_core::safety::Mode;
 use haptic_core::sample::{OfAxis, OfPeer, SAMPLE};
+use haptic_live::recording::mcap::Channel;
+use haptic_live::recording::origin::Origin;
+use haptic_live::recording::recorder::Recorder;
+use haptic_live::{recording::file::read, recording::ticks};
 use haptic_protocol::record::{self, Record};
-use haptic_sim::board::recording;
-use haptic_sim::report::{Columns, Made, files::write_parquet};
+use haptic_report::files::write_parquet;
+use haptic_report::{Columns, Made};
 use haptic_sim::run::{Account, Accounts, Options, Ticked};
 use haptic_sim::scene::Scene;
-use host_sim::recording::mcap::Channel;
-use host_sim::recording::origin::Origin;
-use host_sim::recording::recorder::Recorder;
-use host_sim::recording::{file::read, ticks};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use serde_json::Value;
 

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use haptic_live::operator::Operator;
 use haptic_protocol::ends::Ends;
 use haptic_protocol::key::{Key, Role};
 use haptic_protocol::lines::{Heard, Lines};
@@ -14,7 +15,6 @@ use haptic_protocol::link::{Config, Link, Notice};
 use haptic_protocol::parameters::{Parameters, Table};
 use haptic_protocol::wire::{MAX_DATAGRAM, PeerId, Sample};
 use haptic_sim::key_file;
-use host_sim::live::operator::Operator;
 
 use crate::program::has_columns_of;
 

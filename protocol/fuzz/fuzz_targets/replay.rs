@@ -3,4 +3,4 @@
 
 use haptic_protocol_fuzz::TARGETS;
 
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| (TARGETS[2].1)(bytes));
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| (TARGETS[1].1)(bytes));

@@ -3,4 +3,4 @@
 
 use haptic_protocol_fuzz::TARGETS;
 
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| (TARGETS[4].1)(bytes));
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| (TARGETS[3].1)(bytes));

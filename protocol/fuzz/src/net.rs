@@ -1,6 +1,7 @@
 //! A network that does as a script says: any message at any time, any number of times, or never.
 
-use haptic_protocol::roles::Outbox;
+use haptic_protocol::wire::PeerId;
+use heapless::Deque;
 
 use super::script::Script;
 
@@ -30,7 +31,7 @@ impl<M: Clone> Net<M> {
     }
 
     /// What somebody has to say sets out.
-    pub(super) fn post<const N: usize>(&mut self, from: usize, out: &mut Outbox<M, N>) {
+    pub(super) fn post<const N: usize>(&mut self, from: usize, out: &mut Deque<(PeerId, M), N>) {
         while let Some((to, message)) = out.pop_front() {
             self.send(from, usize::from(to.0), message);
         }

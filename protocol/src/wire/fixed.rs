@@ -61,7 +61,7 @@ layout! {
 }
 
 layout! {
-    /// What a client does to the shared object, to whoever moves it; each packet period, newest wins ([`crate::roles::cooperative`]).
+    /// What a client does to the shared object, to whoever moves it; each packet period, newest wins.
     pub message Push("push", 32 bytes, kind 19) {
         4 => round_trip_us: u32,
             "How long the client takes the way to the engine and back to be, µs: what its contact and the engine's \

@@ -21,7 +21,7 @@ pub use datagram::{Challenge, Ephemeral, Greeting, GreetingKind, Header, PeerId,
 pub use fixed::{Ack, Goodbye, Moved, Probe, Push, Reply, Telemetry};
 pub use flow::{Along, Flow, Flow2, Flow3, Flows};
 pub use varying::{Event, Presence, Sample, Sighting};
-pub use world::{Ask, Bits, Page, Part, Payload, Topic};
+pub use world::{Ask, Bits, MAX_OBJECTS, MAX_REGIONS, Manifest, Page, Part, Payload, Scope, Topic};
 
 pub use crate::error::{Error, VERSION};
 pub use crate::key::TAG_LEN;

@@ -1,11 +1,44 @@
 //! Ask and part: a client wants parts of the world that its server holds, and gets them. Unreliable: parts come in any order, each
 //! complete in itself, and what does not come is asked for again. The manifest is number 0.
 //!
-//! Records are passed on as they are; [`crate::world`] says what is in them and checks their sums.
+//! Records are passed on as they are; what is in them, and whether their sums are right, is for whoever holds a world.
 
 use crate::bytes::{Reader, Writer, byte_enum, layout, newtype};
 use crate::error::Error;
-use crate::world::{Manifest, Object, Region, Scope};
+
+/// Most objects of a world.
+pub const MAX_OBJECTS: usize = 4096;
+/// Most regions of a world.
+pub const MAX_REGIONS: usize = 32;
+
+/// A part of the world, chosen by place.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Scope {
+    /// All of the world.
+    #[default]
+    All,
+    /// What comes within a radius of a point.
+    Around {
+        /// Of the point, m.
+        x: f32,
+        /// Of the point, m.
+        y: f32,
+        /// 0 or more, m.
+        radius: f32,
+    },
+    /// One region and the margin around it.
+    Region(u8),
+}
+
+layout! {
+    /// What a world is, before any of it is known.
+    pub struct Manifest(12 bytes) {
+        0 => version: u32, "Version of the world, for people.";
+        4 => objects: u16 where |objects| usize::from(*objects) <= MAX_OBJECTS, "How many objects.";
+        6 => regions: u8 where |regions| usize::from(*regions) <= MAX_REGIONS, "How many regions.";
+        8 => margin_m: f32 where |margin_m| margin_m.is_sign_positive(), "How far beyond its region a server knows, m.";
+    }
+}
 
 /// 256 yes or no.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -150,11 +183,11 @@ pub enum Payload {
     /// What the world is.
     Manifest(Manifest),
     /// The record of a region.
-    Region([u8; Region::LEN]),
+    Region([u8; Part::REGION_LEN]),
     /// Mask and checksums of eight objects.
     Page(Page),
     /// The record of an object.
-    Object([u8; Object::LEN]),
+    Object([u8; Part::OBJECT_LEN]),
 }
 
 impl Payload {
@@ -172,6 +205,10 @@ impl Payload {
 impl Part {
     /// First byte, which names the message.
     pub const KIND: u8 = 17;
+    /// Bytes of the record of an object; what is in it, and its checksum, is for whoever holds a world.
+    pub const OBJECT_LEN: usize = 64;
+    /// Bytes of the record of a region.
+    pub const REGION_LEN: usize = 32;
     /// Bytes before the payload.
     pub const HEAD: usize = 16;
     /// Longest encoded part, bytes.
@@ -185,9 +222,9 @@ impl Part {
         let topic = Reader::exact(bytes.get(1..2).unwrap_or(&[0]), "part", 1)?.get()?;
         let len = match topic {
             Topic::Manifest => Manifest::LEN,
-            Topic::Region => Region::LEN,
+            Topic::Region => Self::REGION_LEN,
             Topic::Page => Page::LEN,
-            Topic::Object => Object::LEN,
+            Topic::Object => Self::OBJECT_LEN,
         };
         let mut reader = Reader::exact(bytes, "part", Self::HEAD + len)?;
         reader.kind(Self::KIND)?;

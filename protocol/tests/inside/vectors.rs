@@ -8,13 +8,11 @@ use crate::error::Refusal;
 use crate::handshake::Handshake;
 use crate::key::Key;
 use crate::parameters::{Parameters, Table};
-use crate::roles::static_scene::Server;
 use crate::session::{Counter, EPOCH_BITS, Offer, Session};
 use crate::wire::{
-    Along, Ask, Bits, Flow, Greeting, GreetingKind, Header, MAX_DATAGRAM, Message, PeerId, Presence, Probe, Sighting,
-    Topic,
+    Along, Ask, Bits, Flow, Greeting, GreetingKind, Header, MAX_DATAGRAM, Message, PeerId, Presence, Probe, Scope,
+    Sighting, Topic,
 };
-use crate::world::{Bounds, Database, Object, Region, Scope, Shape, Wall};
 
 const HELLO: &str = concat!(
     "0201010200000000000102030405060708090a0b0c0d0e0f101112131415161718191a1b1c1d1e1f080706050403020179a6",
@@ -35,7 +33,8 @@ const PROBE_BACK: &str = concat!(
     "02343982fe23444c19bd",
 );
 const LINE_HELLO_TAG: &str = "db924f5af6e942c8d0eed61132dff7bf";
-const WORLD: &str = "98bb64ccfb8d3313";
+/// The parts of a world as messages before they are sealed, a line each, in hexadecimal.
+const WORLD_PARTS: &str = include_str!("../data/world-parts.txt");
 const ASK: &str = concat!(
     "0203020158e90d650a00000000000000df7fcfdfff78ea0e0d5b9c5cd9f0e4c1c5954505302be9d32d9bdb5b351f8c06a9ee",
     "c721dc336844a28bd85fafd1a63c8d4ab1beab83e05c872c3b10a2bf50735695d8106ed8a4aace143060987ebfeb53a45edc",
@@ -233,29 +232,16 @@ fn a_hello_on_a_line_of_a_server() {
 }
 
 #[test]
-fn a_world_and_the_messages_that_carry_it() {
-    let mut database = Database::<4>::default();
-    (database.version, database.margin_m) = (9, 0.125);
-    let (min, max) = ([-1.0, -1.0], [1.0, 1.0]);
-    database.put_region(Region { id: 3, server: 1, bounds: Bounds { min, max } }).unwrap();
-    let wall = Wall { from_x_m: 0.0, from_y_m: 0.5, to_x_m: 2.0, to_y_m: 0.5, thickness_m: 0.25, ..Wall::default() };
-    database.put(Object { id: 5, version: 6, shape: Shape::Wall(wall) }).unwrap();
-    let server = Server::new(database, None).unwrap();
-    assert_eq!(server.world().to_le_bytes()[..], bytes(WORLD));
-
+fn the_messages_that_carry_a_world() {
     let mut wanted = Bits::default();
     wanted.set(0);
     let ask =
         Ask { topic: Topic::Object, scope: Scope::Around { x: 1.0, y: -2.0, radius: 3.0 }, tag: 8, wanted, first: 0 };
     assert_eq!(sealed(2, 10, Message::Ask(ask)), bytes(ASK));
-    // The wall's rectangle reaches down to y = 0.25, within 3 m of the point.
-    let topics = [Topic::Manifest, Topic::Region, Topic::Page, Topic::Object];
     let expected = [PART_MANIFEST, PART_REGION, PART_PAGE, PART_OBJECT];
-    for ((sequence, topic), expected) in (11..).zip(topics).zip(expected) {
-        let ask = Ask { topic, ..ask };
-        let answer: Vec<_> = server.answer(&ask).collect();
-        assert_eq!(answer.len(), 1);
-        assert_eq!(sealed(1, sequence, Message::Part(answer[0])), bytes(expected), "{topic:?}");
+    for ((sequence, part), expected) in (11..).zip(WORLD_PARTS.lines()).zip(expected) {
+        let part = Message::parse(&bytes(part)).unwrap();
+        assert_eq!(sealed(1, sequence, part), bytes(expected), "{part:?}");
     }
     let sighting = Sighting { who: 300, position: [0.5, -0.5], velocity: [1.5, -1.5] };
     assert_eq!(sealed(2, 15, Message::Presence(Presence::new(77, [sighting]))), bytes(PRESENCE));

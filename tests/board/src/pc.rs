@@ -5,13 +5,13 @@
 use std::path::Path;
 
 use firmware_parts::record::{CODE, Record};
+use haptic_board_tools::operator::{PORT, Session};
+use haptic_live::recording::origin::Origin;
+use haptic_live::recording::recorder::Recorder;
+use haptic_live::recording::ticks::{BoardTicks, board_channels};
 use haptic_protocol::key::{Key, Role};
 use haptic_protocol::wire::MAX_DATAGRAM;
-use haptic_sim::board::operator::{PORT, Session};
-use haptic_sim::report::Made;
-use host_sim::recording::origin::Origin;
-use host_sim::recording::recorder::Recorder;
-use host_sim::recording::ticks::{BoardTicks, board_channels};
+use haptic_report::Made;
 
 /// Ethernet address of the PC.
 pub const MAC: [u8; 6] = [0x02, 0, 0, 0, 0, 0x10];

@@ -2,48 +2,21 @@
 
 use super::*;
 
-/// A package of these files, laid out in a folder that ends with the test.
-fn package(name: &str, files: &[(&str, &str)]) -> Package {
-    let folder = std::env::temp_dir().join(format!("rooms-{name}-{}", std::process::id()));
-    let write = |file: &str, text: &str| {
-        let path = folder.join(file);
-        std::fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
-        std::fs::write(path, text).expect("a file");
-    };
-    write("Cargo.toml", "[package]\nname = \"a-room\"\n");
-    for (file, text) in files {
-        write(&format!("src/{file}"), text);
-    }
-    let package = Package::read(&folder).expect("a package");
-    std::fs::remove_dir_all(&folder).expect("gone");
-    package
+#[test]
+fn who_leans_on_whom_is_read_from_what_cargo_says() {
+    let tree = "0one v0.1.0 (/house/one)\n1serde v1.0.0\n1two v0.1.0 (/house/inside/two) (*)\n1two v0.1.0 (/house/inside/two)\n\n\
+                0two v0.1.0 (/house/inside/two)\n1three v0.1.0 (/elsewhere/three)\n";
+    let found = leaning(tree, Path::new("/house"));
+    assert_eq!(found.keys().collect::<Vec<_>>(), ["inside/two", "one"]);
+    assert_eq!(found["one"], ["inside/two"]);
+    assert!(found["inside/two"].is_empty());
 }
 
 #[test]
-fn a_circle_is_found_through_a_re_export_and_none_where_there_is_none() {
-    let lib = ("lib.rs", "mod a;\nmod b;\npub use b::Two;\n");
-    let round = package(
-        "round",
-        &[lib, ("a.rs", "use crate::Two;\n"), ("b.rs", "pub struct Two;\nfn f() { crate::a::f(); }\n")],
-    );
-    assert_eq!(round.circles(), [["a.rs", "b.rs"]]);
-    let down = package(
-        "down",
-        &[
-            lib,
-            ("a.rs", "use crate::Two; // crate::b\n"),
-            ("b.rs", "pub struct Two;\n#[cfg(test)]\nmod tests { use crate::a; }\n"),
-        ],
-    );
-    assert!(down.circles().is_empty(), "{:?}", down.circles());
-}
-
-#[test]
-fn an_import_that_climbs_is_named() {
-    let order = vec![vec!["top".to_owned()], vec!["ground".to_owned()]];
-    let files =
-        [("lib.rs", "mod top;\nmod ground;\n"), ("top.rs", "use crate::ground::{self, One};\n"), ("ground.rs", "")];
-    assert!(package("falls", &files).climbs(&order).is_empty());
-    let files = [files[0], ("top.rs", "pub struct Two;"), ("ground.rs", "use super::top::Two;\n")];
-    assert_eq!(package("climbs", &files).climbs(&order), ["ground.rs climbs to top.rs"]);
+fn what_is_allowed_is_read_and_a_line_that_says_nothing_is_named() {
+    let read = allowed("# why\none 100: inside/two core\ncore 20:\n").expect("good lines");
+    assert_eq!(read["one"], (100, vec!["inside/two".to_owned(), "core".to_owned()]));
+    assert_eq!(read["core"], (20, vec![]));
+    let wrong = allowed("one many: two").err().map(|failure| failure.to_string()).unwrap_or_default();
+    assert!(wrong.contains("`one many: two` is not"), "{wrong}");
 }

@@ -16,7 +16,7 @@ use super::{Place, Renderer, Rendering};
 use crate::error::AnalysisError;
 use crate::limit::Limit;
 use crate::search::crossings;
-use haptic_sim::report::Columns;
+use haptic_report::Columns;
 
 /// Samples in a delay, where the sampling shall not matter.
 pub const SAMPLES_PER_DELAY: f64 = 40.0;

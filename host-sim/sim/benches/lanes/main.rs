@@ -15,10 +15,10 @@ use std::hint::black_box;
 use std::path::Path;
 use std::process::Command;
 
+use haptic_report::Columns;
 use haptic_sim::lanes::number::{LANES, lanes_left};
 use haptic_sim::lanes::{self, InLanes, Pairs};
 use haptic_sim::pair::Pair;
-use haptic_sim::report::Columns;
 use haptic_sim::run::{Options, run};
 use haptic_sim::{Laws, Scene, scenes};
 

@@ -13,7 +13,7 @@ use crate::measure::port::ObjectPort;
 use crate::measure::{Figure, LastHalf, Statistics};
 use crate::peers::DynPeer;
 use crate::quantities::{Named, TRUE_DISCREPANCY};
-use crate::report::{Columns, numbered};
+use haptic_report::{Columns, numbered};
 
 /// What is recorded of each peer beside its quantities: at the object port, which the run has and the peer has not.
 const OF_PORT: [Named; 2] = [

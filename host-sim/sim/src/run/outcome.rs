@@ -7,8 +7,8 @@ use haptic_protocol::wire::{Flow, Flows, SEAL_LEN};
 use super::reason::{Reason, Verdict};
 use crate::measure::Statistics;
 use crate::measure::port::{PortEnergy, ratio};
-use crate::report::Columns;
 use crate::scene::Scene;
+use haptic_report::Columns;
 
 /// Headers of UDP (8) and IP version 4 (20), bytes.
 const UDP_IP_LEN: usize = 28;

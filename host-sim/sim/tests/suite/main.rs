@@ -1,8 +1,5 @@
-//! Runs against an independent oracle, calibration of a simulated board, recordings, and reports.
+//! Runs against an independent oracle, and the parts that runs are made of.
 
-mod bringup;
-mod calibrate;
-mod calibrate_winding;
 mod double_double;
 mod engine;
 mod faults;
@@ -16,8 +13,6 @@ mod node;
 mod oracle;
 mod outcome;
 mod precision;
-mod recording;
-mod report;
 mod self_timed;
 mod shared;
 mod tanks;

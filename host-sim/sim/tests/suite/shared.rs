@@ -1,7 +1,7 @@
 //! Objects shared along two and three axes: where nothing couples the axes, each is a run of one axis, to the bit.
 
+use haptic_report::Columns;
 use haptic_sim::Laws;
-use haptic_sim::report::Columns;
 use haptic_sim::run::{self, Along, Options, Outcome};
 use haptic_sim::scene::Scene;
 use haptic_sim::scenes;

@@ -4,8 +4,8 @@ use clap::Args;
 
 use super::calibrate::{At, By, DataSheet, Reference};
 use crate::cli::{Failure, Ui};
-use haptic_sim::board::bringup::{Plan, bring_up};
-use haptic_sim::board::calibrate::settings_file;
+use haptic_board_tools::bringup::{Plan, bring_up};
+use haptic_board_tools::calibrate::settings_file;
 
 #[derive(Debug, Args)]
 pub(in crate::cli) struct BringUp {

@@ -12,12 +12,12 @@ use clap::{Args, Subcommand};
 use super::operator;
 use crate::cli::flags::number;
 use crate::cli::{Failure, SceneArgs, Ui};
-use crate::live::operator::Operator;
-use haptic_sim::board::calibrate::counts::{self, Distance};
-use haptic_sim::board::calibrate::motor::{self, Against};
-use haptic_sim::board::calibrate::winding::{self, Sheet};
-use haptic_sim::board::calibrate::{Found, Person, Task, motion, settings_file};
-use haptic_sim::{board::calibrate::board::Board, board::calibrate::simulated::Shared};
+use haptic_board_tools::calibrate::{Found, Person, Task, motion, settings_file};
+use haptic_board_tools::{calibrate::board::Board, calibrate::simulated::Shared};
+use haptic_board_tools::{calibrate::counts, calibrate::counts::Distance};
+use haptic_board_tools::{calibrate::motor, calibrate::motor::Against};
+use haptic_board_tools::{calibrate::winding, calibrate::winding::Sheet};
+use haptic_live::operator::Operator;
 
 #[derive(Debug, Subcommand)]
 pub(in crate::cli) enum Calibrate {

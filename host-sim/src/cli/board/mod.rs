@@ -12,7 +12,7 @@ use serde_json::json;
 
 use crate::cli::flags::{Time, number};
 use crate::cli::{Failure, SceneArgs, Ui};
-use crate::studies::record::record;
+use haptic_studies::record::record;
 
 super::commands! {
     Board {

@@ -9,17 +9,17 @@ use serde_json::json;
 
 use crate::cli::flags::{KeyFile, Time, number};
 use crate::cli::{Failure, SceneArgs, Ui};
-use crate::recording::origin::Origin;
-use crate::recording::recorder::Recorder;
-use crate::recording::ticks::{BoardTicks, board_channels, name_of};
-use crate::{live::endpoint::Stop, live::operator::Operator};
-use haptic_sim::board::{
+use haptic_board_tools::{
     calibrate::board::{get, say},
     calibrate::settings_file,
     operator::PORT,
     recording,
 };
-use haptic_sim::report::files::write_csv;
+use haptic_live::recording::origin::Origin;
+use haptic_live::recording::recorder::Recorder;
+use haptic_live::recording::ticks::{BoardTicks, board_channels, name_of};
+use haptic_live::{endpoint::Stop, operator::Operator};
+use haptic_report::files::write_csv;
 
 /// Between two looks at what was typed.
 const LOOK: Duration = Duration::from_millis(20);

@@ -4,8 +4,9 @@ use clap::Args;
 use serde_json::json;
 
 use crate::cli::{Failure, Ui};
-use crate::shared::collaborative::{self, MOST_USERS, Mistake, Scheme, Trial};
 use crate::{cli::flags::choice, cli::ui::and};
+use haptic_environments::collaborative;
+use haptic_environments::collaborative::{MOST_USERS, Mistake, Scheme, Trial};
 
 #[derive(Debug, Args)]
 pub(in crate::cli) struct Collaborate {

@@ -11,12 +11,13 @@ use serde::Serialize;
 use serde_json::json;
 
 use crate::cli::flags::{Out, Time, choice, number, switch};
+use crate::cli::ui::and;
 use crate::cli::{Failure, SceneArgs, Ui};
-use crate::shared::cooperative::limits::{self, bounded_radius};
-use crate::shared::cooperative::run::{Outcome, run};
-use crate::shared::cooperative::{Collision, Engine, Setup};
-use crate::{cli::ui::and, shared::cooperative::waves::Waves};
-use haptic_sim::report::{Columns, Made};
+use haptic_environments::cooperative::run::{Outcome, run};
+use haptic_environments::cooperative::waves::Waves;
+use haptic_environments::cooperative::{Collision, Engine, Setup};
+use haptic_environments::{cooperative::limits, cooperative::limits::bounded_radius};
+use haptic_report::{Columns, Made};
 use haptic_sim::scene::Scene;
 
 const DELAYS_MS: [f64; 10] = [0.0, 1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0];

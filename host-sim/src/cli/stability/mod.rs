@@ -17,7 +17,7 @@ use haptic_analysis::{
 };
 use haptic_core::names::Choice;
 use haptic_core::num::Scalar;
-use haptic_sim::report::{Cell, Columns};
+use haptic_report::{Cell, Columns};
 
 super::commands! {
     Question {

@@ -5,7 +5,7 @@ use haptic_protocol::wire::{
     Message, Moved, Page, Part, Payload, PeerId, Presence, Probe, Push, Reply, Sample, Sighting, Stamps, TABLES,
     Telemetry, Topic,
 };
-use haptic_protocol::world::{Manifest, Object, Scope};
+use haptic_protocol::wire::{Manifest, Scope};
 
 /// The message is these bytes, and they are the message.
 fn is(message: impl Into<Message>, bytes: &[u8]) {
@@ -219,7 +219,7 @@ fn part() {
     // A checksum of an object that is not in scope.
     refused(&bytes, 28, &[1], Error::Reserved("part"));
 
-    let mut bytes = [0; Part::HEAD + Object::LEN];
+    let mut bytes = [0; Part::HEAD + Part::OBJECT_LEN];
     bytes[..2].copy_from_slice(&[Part::KIND, 3]);
     assert!(Part::parse(&bytes).is_ok());
     refused(&bytes[..79], 0, &[], Error::Length { message: "part", wanted: 80, got: 79 });

@@ -1,7 +1,6 @@
 //! Bounded memory: a link is one value of fixed size, and what it keeps beyond keys is a few bounded lists.
 
 use haptic_protocol::link::{Link, Notice};
-use haptic_protocol::roles::static_scene::Download;
 use haptic_protocol::wire::{Event, MAX_DATAGRAM};
 
 use crate::protocol::world::{CLEAN, World};
@@ -13,13 +12,6 @@ fn a_link_fits_on_a_microcontroller() {
     // `Link: 'static` without a lifetime or a pointer to anything: it is all there is.
     fn owns_everything<T: Send + 'static>() {}
     owns_everything::<Link>();
-}
-
-#[test]
-fn a_client_of_a_static_world_fits_on_a_microcontroller() {
-    let bytes = size_of::<Download<64>>();
-    println!("Download of 64 objects {bytes} B, of 256 {} B", size_of::<Download<256>>());
-    assert!(bytes <= 8 * 1024);
 }
 
 #[test]

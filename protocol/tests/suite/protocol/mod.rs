@@ -2,7 +2,6 @@
 
 mod authentic;
 mod clock;
-mod cooperative;
 mod events;
 mod format;
 mod fresh;
@@ -16,10 +15,9 @@ mod parsers;
 #[cfg(feature = "peer")]
 mod peer;
 mod playout;
-mod records;
+mod random;
 mod replay;
 mod restarts;
-mod static_scene;
 mod tamper;
 mod text;
 mod world;

@@ -6,7 +6,7 @@ use haptic_protocol::wire::{
     MAX_MESSAGE, Message, Moved, Page, Part, Payload, PeerId, Presence, Probe, Push, Reply, Sample, Sighting, TABLES,
     Telemetry, Topic, VERSION,
 };
-use haptic_protocol::world::{Manifest, Scope};
+use haptic_protocol::wire::{Manifest, Scope};
 use proptest::prelude::*;
 
 use crate::protocol::world::{World, config, state};

@@ -7,12 +7,12 @@ use std::sync::Arc;
 use board_bench::image::Firmware;
 use board_bench::trial::{self, Trial};
 use clap::Parser;
+use haptic_report::{Columns, Files};
 use haptic_sim::Laws;
-use haptic_sim::report::{Columns, Files};
 use haptic_sim::run::Outcome;
 use haptic_sim::scenes;
+use haptic_studies::figures;
 use host_sim::made;
-use host_sim::studies::figures;
 use serde_json::json;
 
 /// The scene that is run without `--scene`: the cooperation paper's §5.2, passive wave.

@@ -9,8 +9,8 @@ use board_bench::twin::{self, Equal};
 use board_bench::wire::Line;
 use board_bench::{docs, reviewed};
 use firmware_parts::record::{ENGAGED, Record};
+use haptic_board_tools::recording;
 use haptic_core::safety::Mode;
-use haptic_sim::board::recording;
 use haptic_sim::scenes;
 
 fn largest_step(records: &[Record], of: impl Fn(&Record) -> f32) -> f32 {

@@ -8,12 +8,12 @@ use std::sync::Arc;
 use board_bench::bench::{Bench, PWM_STEPS};
 use board_bench::image::Firmware;
 use board_bench::wire::Line;
-use haptic_sim::board::bringup::{Plan, bring_up};
-use haptic_sim::board::calibrate::board::{Board, Tick};
-use haptic_sim::board::calibrate::counts::Distance;
-use haptic_sim::board::calibrate::motor::Against;
-use haptic_sim::board::calibrate::winding::Sheet;
-use haptic_sim::board::calibrate::{Person, Task};
+use haptic_board_tools::bringup::{Plan, bring_up};
+use haptic_board_tools::calibrate::board::{Board, Tick};
+use haptic_board_tools::calibrate::counts::Distance;
+use haptic_board_tools::calibrate::motor::Against;
+use haptic_board_tools::calibrate::winding::Sheet;
+use haptic_board_tools::calibrate::{Person, Task};
 use haptic_sim::scene::Scene;
 
 /// The bench with one board, as its operator and the person at its device share it.

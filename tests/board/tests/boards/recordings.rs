@@ -6,10 +6,10 @@ use std::sync::Arc;
 use board_bench::bench::{Bench, for_boards};
 use board_bench::image::Firmware;
 use board_bench::wire::Line;
+use haptic_live::recording::file::read;
+use haptic_live::recording::merge::merge;
 use haptic_sim::pair::Pair;
 use haptic_sim::scenes;
-use host_sim::recording::file::read;
-use host_sim::recording::merge::merge;
 
 #[test]
 fn two_recorded_boards_merge_to_the_simulators_true_discrepancy() {

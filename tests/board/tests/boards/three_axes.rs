@@ -10,9 +10,9 @@ use board_bench::reviewed;
 use board_bench::trial;
 use board_bench::twin::{self, Equal};
 use firmware_parts::record::ENGAGED;
+use haptic_live::recording::file::read;
 use haptic_sim::scene::Scene;
 use haptic_sim::{Laws, scenes};
-use host_sim::recording::file::read;
 
 /// The paper's passive wave on every axis of a serial arm, whose users push against each other in a direction of space.
 fn scene() -> Scene {

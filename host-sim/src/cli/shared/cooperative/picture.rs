@@ -1,8 +1,8 @@
 //! Pictures of `cooperative`: one run over time, and a sweep of delays.
 
 use super::Row;
-use crate::shared::cooperative::run::Outcome;
-use crate::shared::cooperative::{Collision, Engine};
+use haptic_environments::cooperative::run::Outcome;
+use haptic_environments::cooperative::{Collision, Engine};
 use haptic_plot::{Figure, Panel, Series};
 
 pub(super) fn over_time(row: &Row) -> Figure {

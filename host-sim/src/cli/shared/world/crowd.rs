@@ -5,9 +5,9 @@ use serde_json::json;
 
 use crate::cli::flags::{Time, WorldArgs, seconds};
 use crate::cli::{Failure, Ui};
-use crate::live::endpoint::Stop;
-use crate::shared::world::{self, PACKET_US, host::MOST_LINES};
 use crate::trials::{beside, crowd, load::Span};
+use haptic_environments::{world, world::PACKET_US, world::host::MOST_LINES};
+use haptic_live::endpoint::Stop;
 
 /// The turnaround that a server is held to, at the 99th percentile, µs.
 const LIMIT_US: f64 = 1_000.0;

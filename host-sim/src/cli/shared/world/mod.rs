@@ -5,14 +5,14 @@ mod stroke;
 mod visit;
 
 use clap::Args;
-use haptic_protocol::world::{Object, Region};
+use haptic_environments::records::{Object, Region};
 use serde_json::json;
 
 use crate::cli::flags::{End, WorldArgs};
 use crate::cli::{Failure, Ui, listings};
-use crate::live::endpoint::{Endpoint, Stop};
-use crate::live::serve;
-use crate::shared::world::host::{Host, MOST_LINES};
+use haptic_environments::live::serve;
+use haptic_environments::world::host::{Host, MOST_LINES};
+use haptic_live::endpoint::{Endpoint, Stop};
 use haptic_sim::key_file;
 
 crate::cli::commands! {

@@ -1,13 +1,13 @@
 //! `host-sim shared world stroke`: what a hand feels that strokes along an object and pushes it about, and where its work goes.
 
 use clap::Args;
-use haptic_protocol::world::{Block, Shape};
+use haptic_environments::records::{Block, Shape};
 use serde_json::json;
 
 use crate::cli::flags::{Out, WorldArgs, number};
 use crate::cli::{Failure, Ui};
-use crate::shared::world::picture;
-use crate::shared::world::stroke::{Options, stroke};
+use haptic_environments::world::picture;
+use haptic_environments::world::stroke::{Options, stroke};
 
 #[derive(Debug, Args)]
 #[command(mut_arg("world", |arg| {

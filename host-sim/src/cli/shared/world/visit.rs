@@ -6,8 +6,9 @@ use clap::Args;
 
 use crate::cli::flags::{End, number, seconds};
 use crate::cli::{Failure, Ui};
-use crate::shared::world::visitor::{Party, Setup};
-use crate::{live::endpoint::Stop, live::visit, shared::world::host::MOST_LINES};
+use haptic_environments::world::visitor::{Party, Setup};
+use haptic_environments::{live::visit, world::host::MOST_LINES};
+use haptic_live::endpoint::Stop;
 use haptic_protocol::key::Role;
 use haptic_sim::key_file;
 

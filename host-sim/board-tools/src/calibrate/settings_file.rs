@@ -1,0 +1,78 @@
+//! The settings file that calibrations leave: a scene of a few keys, which `cooperate --scene` and boards take.
+//!
+//! Each calibration adds its keys to what the file holds; a key that is found again is replaced.
+
+use std::path::Path;
+
+use haptic_core::settings::{Settings, Value};
+
+use super::Found;
+use super::board::{Board, say};
+use haptic_sim::scene::Scene;
+
+/// Adds what was found to the file at `path`, which is made if it is not there.
+///
+/// # Errors
+/// The file cannot be read as a scene, or cannot be written.
+pub fn add(path: &Path, found: &[Found]) -> Result<(), String> {
+    let place = path.display();
+    let before = if path.exists() {
+        std::fs::read_to_string(path).map_err(|cause| format!("cannot read {place}: {cause}"))?
+    } else {
+        String::new()
+    };
+    let mut document: toml::Table = before.parse().map_err(|error| format!("{place}: {error}").replace('\n', " "))?;
+    for Found { key, value, .. } in found {
+        let (table, name) = key.split_once('.').unwrap_or(("", key));
+        let entry = document.entry(table).or_insert_with(|| toml::Value::Table(toml::Table::new()));
+        let Some(inner) = entry.as_table_mut() else { return Err(format!("{place}: {table} is no table")) };
+        inner.insert(name.to_owned(), value.clone());
+    }
+    let text = format!("# Found by `host-sim board calibrate`; a scene file, in part.\n\n{document}");
+    Scene::default().apply(&text, &place.to_string(), path.parent()).map_err(|error| error.to_string())?;
+    std::fs::write(path, text).map_err(|cause| format!("cannot write {place}: {cause}"))
+}
+
+/// The keys that a scene's text names, as `table.key`; none where it is no TOML.
+pub fn named(text: &str) -> Vec<String> {
+    let document: toml::Table = text.parse().unwrap_or_default();
+    let keys = |(table, inner): (&String, &toml::Value)| -> Vec<String> {
+        inner.as_table().into_iter().flat_map(toml::Table::keys).map(|name| format!("{table}.{name}")).collect()
+    };
+    document.iter().flat_map(keys).collect()
+}
+
+/// A value as a board's lines and recordings spell it: numbers exactly, names without quotes.
+pub fn plain(value: Value<'_>) -> String {
+    match value {
+        Value::Number(number) => format!("{number:?}"),
+        Value::Flag(flag) => flag.to_string(),
+        Value::Text(text) => text.to_owned(),
+    }
+}
+
+/// Gives a board what of a scene is the board's, keys that the file names only, and has it taken.
+///
+/// # Errors
+/// The file cannot be read, or the board refuses a key.
+pub fn give(board: &mut dyn Board, path: &Path) -> Result<usize, String> {
+    let scene = Scene::load(haptic_sim::Laws::built_in(), Some(path), &[]).map_err(|error| error.to_string())?;
+    let text = std::fs::read_to_string(path).map_err(|cause| format!("cannot read {}: {cause}", path.display()))?;
+    give_scene(board, &scene, &named(&text))
+}
+
+/// Gives a board these keys of a scene, as far as they are the board's own, and has them taken. Gives how many.
+///
+/// # Errors
+/// The board refuses a key.
+pub fn give_scene(board: &mut dyn Board, scene: &Scene, named: &[String]) -> Result<usize, String> {
+    let mut given = 0;
+    for key in Settings::keys().filter(|key| named.iter().any(|name| name == key.name)) {
+        let Some(value) = scene.peer.get(key.name) else { continue };
+        let line = format!("set {} {}", key.name, plain(value));
+        say(board, &line)?;
+        given += 1;
+    }
+    say(board, "apply")?;
+    Ok(given)
+}

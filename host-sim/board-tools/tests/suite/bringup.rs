@@ -1,0 +1,196 @@
+//! The first hour, on simulated boards: it passes whichever signs are wrong, and each thing that does not work ends it at its step.
+
+use std::path::PathBuf;
+
+use haptic_board_tools::bringup::{Passed, Plan, bring_up};
+use haptic_board_tools::calibrate::board::{Board, Tick};
+use haptic_board_tools::calibrate::counts::Distance;
+use haptic_board_tools::calibrate::motor::Against;
+use haptic_board_tools::calibrate::simulated::Shared;
+use haptic_board_tools::calibrate::winding::Sheet;
+use haptic_board_tools::calibrate::{Person, Task};
+use haptic_board_tools::status::{Probed, Status};
+use haptic_core::device::probe::{End, Outcome, Verdict};
+use haptic_core::safety::{Fault, Mode};
+use haptic_core::settings::Choice;
+use haptic_sim::scene::Scene;
+
+const DEVICE: &str = "device.mass_kg=0.17";
+
+/// A person who does all that is asked but these tasks.
+struct Careless {
+    careful: Shared,
+    leaves_out: fn(&Task) -> bool,
+}
+
+impl Person for Careless {
+    fn please(&mut self, task: &Task) -> Result<(), String> {
+        if (self.leaves_out)(task) { Ok(()) } else { self.careful.please(task) }
+    }
+
+    fn reading(&mut self, what: &str) -> Result<f64, String> {
+        self.careful.reading(what)
+    }
+}
+
+/// Brings up a new board with this device, as `wrap` shows it; gives what the settings file says of the device, the board, and the outcome.
+fn run<B: Board>(
+    name: &str,
+    device: &str,
+    leaves_out: fn(&Task) -> bool,
+    wrap: fn(Shared) -> B,
+) -> (Option<Scene>, B, Result<Vec<Passed>, String>) {
+    let overrides: Vec<String> = device.split_whitespace().map(str::to_owned).collect();
+    let truth = Scene::load(haptic_sim::Laws::built_in(), None, &overrides).unwrap_or_else(|error| panic!("{error}"));
+    let careful = Shared::new(&truth).expect("a board");
+    let (mut board, mut person) = (wrap(careful.clone()), Careless { careful: careful.clone(), leaves_out });
+    let file = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("brought-up-{name}.toml"));
+    let _ = std::fs::remove_file(&file);
+    let turns = device.contains("capstan");
+    let distance = if turns { Distance::Revolutions(2.0) } else { Distance::Metres(0.05) };
+    let plan = Plan { joint: 1, distance, sheet: Sheet::default(), against: Against::Mass(0.2), file: &file };
+    let outcome = bring_up(&mut board, &mut person, plan, |_| ());
+    let found = outcome.is_ok().then(|| {
+        let before = haptic_core::settings::Settings::default().safety.max_force_n;
+        assert_eq!(careful.settings().safety.max_force_n, before, "the limit is put back");
+        Scene::load(haptic_sim::Laws::built_in(), Some(&file), &[]).expect("the simulator takes the file")
+    });
+    (found, board, outcome)
+}
+
+#[test]
+fn a_new_board_passes_every_step_whichever_signs_are_wrong() {
+    const SLIDE: &str = "plant.coulomb_n=0.1 encoder.counts_per_m=157000 motor.newton_or_newton_metre_per_a=6.3";
+    const CAPSTAN: &str = "kinematics.model=capstan encoder.counts_per_rev=4000 kinematics.capstan_ratio=12 \
+                           kinematics.paddle_radius_m=0.07 motor.newton_or_newton_metre_per_a=0.05 plant.coulomb_n=0.1";
+    const LOOP: &str = "plant.drive=current plant.pwm_steps=3000 motor.resistance_ohm=3 motor.inductance_h=0.0007 \
+                        encoder.counts_per_m=157000 motor.newton_or_newton_metre_per_a=6.3 plant.coulomb_n=0.1";
+    for (kind, device) in [("slide", SLIDE), ("capstan", CAPSTAN), ("loop", LOOP)] {
+        for (motor, encoder) in [(false, false), (true, false), (false, true), (true, true)] {
+            let signs = format!("device.mass_kg=0.17 motor.reversed={motor} encoder.reversed={encoder}");
+            let (found, _, passed) =
+                run(&format!("{kind}-{motor}-{encoder}"), &format!("{device} {signs}"), |_| false, |board| board);
+            let passed = passed.unwrap_or_else(|why| panic!("{kind} {signs}: {why}"));
+            assert_eq!(passed.len(), 11);
+            let found = found.expect("what it found");
+            assert_eq!((found.peer.motor.reversed, found.peer.encoder.reversed), (motor, encoder), "{kind}");
+            assert!((found.world.device.mass_kg / 0.17 - 1.0).abs() < 0.03, "{kind}: {}", found.world.device.mass_kg);
+            let seen = &passed.iter().find(|passed| passed.step == "current").expect("the step").seen;
+            if kind == "loop" {
+                assert!((found.peer.motor.resistance_ohm / 3.0 - 1.0).abs() < 0.02, "{seen}");
+                assert!((found.peer.motor.inductance_h / 0.0007 - 1.0).abs() < 0.05, "{seen}");
+            } else {
+                assert_eq!(seen, "this board has no current loop: nothing was measured");
+            }
+        }
+    }
+}
+
+/// Each of these is something that does not work, seen from the PC.
+#[test]
+fn what_does_not_work_ends_it_at_its_step_with_what_to_look_at() {
+    type Case = (&'static str, fn(&Task) -> bool, &'static str);
+    let cases: [Case; 5] = [
+        ("stop", |task| *task == Task::PressStop, "emergency stop: the board answers \"arm\" with \"error check first"),
+        ("encoder", |task| matches!(task, Task::MoveMetres { .. }), "encoder: the encoder counted 0"),
+        ("motor", |task| matches!(task, Task::Fasten { .. }), "motor: the added mass shows as "),
+        ("contact", |task| matches!(task, Task::Push { .. }), "first contact: nothing pushed back"),
+        ("cable", |task| *task == Task::PullCable, "cable: the motors should be off because"),
+    ];
+    for (name, leaves_out, expected) in cases {
+        let (_, _, outcome) = run(name, DEVICE, leaves_out, |board| board);
+        let why = outcome.expect_err(name);
+        assert!(why.starts_with(expected) && why.contains("; look at "), "{name}: {why}");
+    }
+}
+
+/// A board whose device is pulled as soon as nobody looks for a second.
+struct Pulled(Shared);
+
+impl Board for Pulled {
+    fn ask(&mut self, line: &str) -> Result<String, String> {
+        self.0.ask(line)
+    }
+
+    fn ticks(&mut self, seconds: f64) -> Result<Vec<Tick>, String> {
+        if seconds == 1.0 {
+            self.0.please(&Task::Push { joint: 1, metres: 0.005 })?;
+        }
+        self.0.ticks(seconds)
+    }
+}
+
+#[test]
+fn a_joint_that_moves_by_itself_does_not_pass_the_lowest_force() {
+    let (_, mut board, outcome) = run("pulled", DEVICE, |_| false, Pulled);
+    let why = outcome.expect_err("pulled");
+    assert!(why.starts_with("lowest force: in a second it moved by "), "{why}");
+    assert!(board.0.ask("status").expect("an answer").contains(" disarmed "), "it is disarmed");
+}
+
+/// A board one of whose ticks began 0.1 ms late.
+struct Late(Shared);
+
+impl Board for Late {
+    fn ask(&mut self, line: &str) -> Result<String, String> {
+        match line {
+            "time delay" => {
+                Ok("ok from due to begun, cycles of 480 MHz: most 48000 in tick 41 sent; from:ticks 0:9".to_owned())
+            }
+            _ => self.0.ask(line),
+        }
+    }
+
+    fn ticks(&mut self, seconds: f64) -> Result<Vec<Tick>, String> {
+        self.0.ticks(seconds)
+    }
+}
+
+#[test]
+fn a_tick_that_begins_late_does_not_pass() {
+    let (_, _, outcome) = run("late", DEVICE, |_| false, Late);
+    let why = outcome.expect_err("late");
+    assert!(why.starts_with("time: delay 100.0 µs, may be 50 µs: "), "{why}");
+}
+
+/// Every mode that a board can be in is read back from what it says; what is none is refused.
+/// Whatever a board may say of a probe is read back as what it was.
+#[test]
+fn an_outcome_is_read_as_end_and_verdict() {
+    let electric = Outcome { check: true, joint: 2, ..Outcome::default() };
+    for end in End::ALL {
+        let said = Outcome { end: *end, ..electric }.to_string();
+        let probed = Probed::parse(&said).expect("an outcome");
+        assert_eq!((probed.end, probed.is_running(), probed.to_string()), (*end, *end == End::Running, said));
+        assert_eq!(probed.verdict.is_some(), !matches!(end, End::None | End::Running), "{probed}");
+    }
+    for verdict in Verdict::ALL {
+        let said = format!("joint 1 done work 9 0 of 8: its time was over; {}: {}", verdict.name(), verdict.explain());
+        assert_eq!(Probed::parse(&said).expect("an outcome").verdict, Some(*verdict));
+    }
+    for said in ["", "joint 1", "joint 1 tired: it sleeps"] {
+        let why = Probed::parse(said).expect_err("no outcome");
+        assert!(why.contains("how the probe ended") && why.contains(said), "{why}");
+    }
+}
+
+#[test]
+fn a_status_is_read_as_a_mode() {
+    let modes = [Mode::Disarmed, Mode::Armed, Mode::Probing].into_iter().chain(Fault::ALL.map(Mode::Faulted));
+    for mode in modes {
+        let said = format!(
+            "board 2 {} fault {} ticks 7; motors off: the operator was silent",
+            mode.name(),
+            mode.fault_number()
+        );
+        let status = Status::parse(&said).expect("a status");
+        assert_eq!((status.mode, status.let_go, status.to_string()), (mode, true, said));
+    }
+    assert!(!Status::parse("board 1 armed fault 0 ticks 7; silent").expect("a status").let_go);
+    for said in
+        ["", "board 1 armed", "board 1 armed fault 3 ticks 7", "board 1 faulted fault 0", "board 1 faulted fault 200"]
+    {
+        let why = Status::parse(said).expect_err("no status");
+        assert!(why.contains("no mode") && why.contains(said), "{why}");
+    }
+}

@@ -1,0 +1,20 @@
+//! From what a role says to the seats of an engine.
+
+use haptic_protocol::wire::{MAX_DATAGRAM, Message, PeerId, SEAL_LEN};
+use haptic_sim::engine::Out;
+
+use crate::roles::Carried;
+
+/// Takes what a role says about `object` to the seats of an engine, which have the peers' numbers.
+pub fn said<M: Carried>(object: u16, out: &mut Out<'_, usize, Message>) -> impl FnMut(PeerId, M) {
+    move |to: PeerId, message: M| {
+        if let Ok(message) = message.carry(object) {
+            out(usize::from(to.0), &message);
+        }
+    }
+}
+
+/// Bytes of a sealed message.
+pub(crate) fn sealed_len(message: &Message) -> usize {
+    SEAL_LEN + message.emit(&mut [0; MAX_DATAGRAM]).unwrap_or(0)
+}

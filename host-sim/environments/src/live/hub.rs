@@ -1,0 +1,203 @@
+//! A hub ([`Hub`]) in real time, on an endpoint. What was heard in a packet period goes through the junction at its end, the newest
+//! of each line.
+
+pub use std::{net::SocketAddr, time::Duration};
+
+use haptic_protocol::key::Key;
+use haptic_sim::engine::{Actor, Out};
+use haptic_sim::{key_file::entropy, scene::Scene};
+use serde::Serialize;
+
+use super::hub_watch::HubWatch;
+use crate::cooperative::hub::{End, Hub, line_wrong, number_on};
+use crate::cooperative::junction::{Energy, Port};
+use haptic_live::endpoint::{Endpoint, Live, Punctuality, Span, Stop, Ticker};
+use haptic_live::peer::{Other, told};
+use haptic_live::watch::{Seen, Wanted};
+
+/// What the hub saw of one line.
+#[derive(Serialize)]
+pub struct LineReport {
+    /// Number of the line, counted from 1.
+    pub line: u32,
+    /// Number of the scene's peer that belongs on it: 1 on odd lines, 2 on even ones.
+    pub number: u8,
+    /// Where its peer is answered; none where no session has begun.
+    pub address: Option<String>,
+    /// How many lives of the peer there were.
+    pub lives: u64,
+    /// Who was refused on this line last, and why.
+    pub refused: Option<String>,
+    /// Wave energy at the hub's end of the line, J.
+    #[serde(flatten)]
+    pub energy: Energy,
+    /// Where the peer last said that its copy is, mm.
+    pub copy_mm: Option<f64>,
+    /// What the peer's newest telemetry says; none before any came.
+    pub said: Option<Other>,
+    /// Smoothed round trip of the line, µs; none if none was measured.
+    pub round_trip_us: Option<u32>,
+    /// Sealed datagrams of the peer that were opened and accepted.
+    pub datagrams_taken: u32,
+    /// Sealed datagrams of the peer that never came.
+    pub datagrams_missing: u32,
+    /// What the link reported last, in order, with the time in s since the start.
+    pub notices: Vec<(f64, String)>,
+}
+
+impl LineReport {
+    fn new((line, (end, port)): (u32, (&End<SocketAddr>, &Port))) -> Self {
+        let (address, refused) = (end.address(), end.refused.newest());
+        let (end, counts) = (&end.line, end.line.link.counts());
+        Self {
+            line,
+            number: number_on(line),
+            address: address.map(|address| address.to_string()),
+            lives: end.lives,
+            refused: refused.map(|(from, why)| line_wrong(line, from, &why)),
+            energy: port.energy,
+            copy_mm: end.heard.map(|said| 1e3 * f64::from(said.object_position)),
+            said: end.heard.as_ref().map(Other::new),
+            round_trip_us: end.link.clock().round_trip_us(),
+            datagrams_taken: counts.taken,
+            datagrams_missing: counts.missing,
+            notices: told(&end.notices),
+        }
+    }
+}
+
+/// What the hub saw.
+#[derive(Serialize)]
+pub struct Report {
+    /// Packet periods since all were there.
+    pub packets: u64,
+    /// Wave energy sent over wave energy that the peers put in; never above 1.
+    pub energy_out_over_in: f64,
+    /// Where the lines meet, mm from where they met first.
+    pub object_mm: f64,
+    /// Largest distance between two copies as the peers last reported them, mm; they report every half second, not at one instant.
+    pub apart_mm: f64,
+    /// How far apart all copies truly were, by the peers' telemetry, and where it was recorded.
+    #[serde(flatten)]
+    pub seen: Seen,
+    /// Datagrams that no line took: forged, replayed, broken, or of a peer without its line's key.
+    pub datagrams_refused: u64,
+    /// Who sent the last of them that tells something, and why it was refused.
+    pub refused: Option<String>,
+    /// What was seen of each line, from line 1 on.
+    pub lines: Vec<LineReport>,
+    /// How well the hub's control loop kept its ticks.
+    pub punctuality: Punctuality,
+}
+
+struct Meeting {
+    hub: Hub<SocketAddr>,
+    listen: SocketAddr,
+    patience_s: f64,
+    /// Packet periods until it is over.
+    packets: u64,
+    watch: HubWatch,
+}
+
+impl Actor<SocketAddr> for Meeting {
+    type Packet = [u8];
+
+    fn hear(&mut self, now_ns: u64, from: SocketAddr, datagram: &mut [u8], out: &mut Out<'_, SocketAddr, [u8]>) {
+        self.hub.receive(now_ns / 1_000, from, datagram, out);
+        self.watch.heard(now_ns, &self.hub);
+    }
+
+    fn act(&mut self, now_ns: u64, out: &mut Out<'_, SocketAddr, [u8]>) {
+        let waited = self.hub.packets.is_none();
+        if waited && 1e-9 * now_ns as f64 >= self.patience_s {
+            self.hub.begin_without_absent();
+        }
+        self.hub.tick(now_ns / 1_000, out);
+        if waited && self.hub.packets.is_some() {
+            match self.absent() {
+                absent if absent.is_empty() => {
+                    self.watch.teller.words(format!("all {} are there: arm the boards", self.hub.lines().count()));
+                }
+                absent => self.watch.teller.words(format!("begins without line {}: arm the boards", absent.join(", "))),
+            }
+        }
+        for news in self.hub.news(now_ns / 1_000) {
+            self.watch.teller.words(news.to_string());
+        }
+        self.watch.ticked(now_ns, &self.hub);
+    }
+}
+
+impl Meeting {
+    /// The lines that nobody is on, and whether somebody was refused there.
+    fn absent(&self) -> Vec<String> {
+        let absent = (1_u32..).zip(self.hub.lines()).filter(|(_, (end, _))| !end.line.link.is_up());
+        let name = |(line, (end, _)): (u32, (&End<SocketAddr>, &Port))| {
+            let refused = end.refused.newest().map(|(from, why)| format!(": {}", line_wrong(line, from, &why)));
+            format!("{line} (peer number {}{})", number_on(line), refused.unwrap_or_default())
+        };
+        absent.map(name).collect()
+    }
+}
+
+impl Live for Meeting {
+    fn waited(&mut self, waited: Duration) {
+        self.hub.waited(waited.as_micros() as u64);
+    }
+
+    fn end(&self) -> Option<Result<(), String>> {
+        self.hub.packets.filter(|packets| *packets >= self.packets).map(|_| Ok(()))
+    }
+
+    fn missing(&self) -> Option<String> {
+        if self.hub.packets.is_some() {
+            return None;
+        }
+        let (Self { listen, patience_s, .. }, users, absent) = (self, self.hub.lines().count(), self.absent());
+        let stranger = self.hub.stranger().map(|stranger| format!("; on no line: {stranger}"));
+        Some(format!(
+            "only {} of {users} peers came within {patience_s} s; nobody on line {} at {listen}, or nobody who holds its key{}",
+            users - absent.len(),
+            absent.join(", "),
+            stranger.unwrap_or_default(),
+        ))
+    }
+
+    fn goodbye(&mut self, now_ns: u64, out: &mut Out<'_, SocketAddr, [u8]>) {
+        self.hub.goodbye(now_ns / 1_000, out);
+    }
+}
+
+/// Runs the hub to the end, or until it is stopped.
+pub fn run(
+    scene: &Scene,
+    key: &Key,
+    users: usize,
+    listen: SocketAddr,
+    Span { duration_s, patience_s }: Span,
+    wanted: &Wanted,
+    stop: &Stop,
+) -> Result<Report, String> {
+    let timing = &scene.peer.timing;
+    let packets = (duration_s / timing.packet_period_s()).round() as u64;
+    let endpoint = Endpoint::polled(listen)?;
+    let watch = HubWatch::new(wanted, scene, users, endpoint.start(), packets)?;
+    let mut meeting = Meeting { hub: Hub::new(scene, users, key, entropy)?, listen, patience_s, packets, watch };
+    let ticker = Ticker::realtime(Duration::from_secs_f64(timing.control_period_s));
+    let punctuality = endpoint.run(ticker, patience_s, stop, &mut meeting)?;
+    let Meeting { hub, watch, .. } = meeting;
+    let energy = hub.junction.energy();
+    let lines: Vec<LineReport> = (1..).zip(hub.lines()).map(LineReport::new).collect();
+    let copies = || lines.iter().filter_map(|line| line.copy_mm);
+    Ok(Report {
+        packets: hub.packets.unwrap_or(0),
+        energy_out_over_in: if energy.put_in_j > 0.0 { energy.sent_j / energy.put_in_j } else { 1.0 },
+        object_mm: 1e3 * hub.junction.motion.position,
+        apart_mm: copies().reduce(f64::max).unwrap_or(0.0) - copies().reduce(f64::min).unwrap_or(0.0),
+        seen: watch.end(),
+        datagrams_refused: hub.refused,
+        refused: hub.stranger(),
+        lines,
+        punctuality,
+    })
+}

@@ -1,0 +1,8 @@
+//! Ends of the shared environments in real time, each an actor on the one loop of [`haptic_live::endpoint`].
+
+pub mod hub;
+mod hub_watch;
+mod links;
+pub mod serve;
+pub mod squash;
+pub mod visit;

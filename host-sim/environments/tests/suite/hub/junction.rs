@@ -1,0 +1,198 @@
+//! The junction behind a hub: its closed form while a line fades, and that it is passive whatever the network does.
+
+use haptic_core::law::Packet;
+use haptic_core::law::node::Node;
+use haptic_environments::cooperative::junction::{Energy, Junction};
+use haptic_sim::{Scene, scenes};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rand_xoshiro::rand_core::{Rng, SeedableRng};
+
+/// Impedance and packet period of the defaults.
+const B: f64 = 10.0;
+const PACKET_S: f64 = 0.008;
+
+fn scene(ledger: bool) -> Scene {
+    let mut scene = scenes::load(haptic_sim::Laws::built_in(), "hub").expect("a built-in scene");
+    scene.peer.coordination.ledger = ledger;
+    scene.peer.coordination.drift_correction = ledger;
+    scene
+}
+
+fn wave(wave: f64) -> Option<Packet<f64>> {
+    Some(Packet { wave, ..Packet::default() })
+}
+
+#[test]
+fn lines_that_are_there_meet_in_the_plain_node() {
+    let mut junction = Junction::new(&scene(false), 3).expect("waves");
+    let node = Node::<f64, 3>::new([B; 3]);
+    for waves in [[0.3, -0.7, 0.1], [1.0, 2.0, -5.0], [0.0, 0.0, 1e-3]] {
+        junction.exchange(waves.map(wave), true);
+        let scattered = node.scatter(waves);
+        assert!((junction.motion.velocity - scattered.velocity).abs() < 1e-15);
+        for ((port, back), wave) in junction.ports.iter().zip(scattered.back).zip(waves) {
+            assert!((port.back.wave - back).abs() < 1e-14, "{port:?}");
+            // What is left over of force is nothing; what each line gives is √(b/2)·(u − w).
+            assert!((port.force_n - (B / 2.0).sqrt() * (wave - back)).abs() < 1e-14);
+        }
+        assert!(junction.ports.iter().map(|port| port.force_n).sum::<f64>().abs() < 1e-13);
+    }
+}
+
+/// Three packet periods as if nothing were, then nine steps, each as in closed form: v = √(2b)·Σs·u/(b·Σs).
+#[test]
+fn a_line_that_falls_silent_goes_quiet_step_by_step() {
+    let mut junction = Junction::new(&scene(false), 3).expect("waves");
+    let waves = [0.4, 0.2, 0.9];
+    let velocity = |share: f64| (2.0 * B).sqrt() * (0.6 + share * 0.9) / (B * (2.0 + share));
+    junction.exchange(waves.map(wave), true);
+    assert!((junction.motion.velocity - velocity(1.0)).abs() < 1e-15);
+    for silent in 1..=20_u32 {
+        junction.exchange([wave(0.4), wave(0.2), None], true);
+        let share = 1.0 - f64::from(silent.clamp(3, 12) - 3) / 9.0;
+        assert!((junction.motion.velocity - velocity(share)).abs() < 1e-14, "{silent} periods");
+        let back = share * ((2.0 * B).sqrt() * velocity(share) - 0.9);
+        assert!((junction.ports[2].back.wave - back).abs() < 1e-13, "{silent} periods");
+        let energy = junction.energy();
+        assert!(energy.sent_j <= energy.taken_j * (1.0 + 1e-12), "{energy:?}");
+    }
+    assert!(!junction.ports[2].is_engaged() && junction.ports[1].is_engaged());
+    for packet in 1..=10 {
+        junction.exchange(waves.map(wave), true);
+        let share = f64::from(packet.min(9)) / 9.0;
+        assert!((junction.motion.velocity - velocity(share)).abs() < 1e-14, "{packet} packets");
+    }
+}
+
+/// Whoever begins anew on a line is let in when what was there before has faded.
+#[test]
+fn another_life_waits_until_the_line_is_quiet() {
+    let mut junction = Junction::new(&scene(true), 2).expect("waves");
+    // A wave that varies between packets costs more than its mean: what is left over pays for holding.
+    let packet = |wave: f64, count: u32| {
+        let energy_j = 1.5 * 0.5 * PACKET_S * wave * wave * f64::from(count);
+        Some(Packet { wave, energy_j, wave_integral: PACKET_S * wave * f64::from(count), ..Packet::default() })
+    };
+    for count in 1..100 {
+        junction.exchange([packet(0.3, count), packet(0.3, count)], true);
+    }
+    let before = junction.motion.velocity;
+    junction.part(1);
+    let mut last = before;
+    for count in 1..=12 {
+        junction.exchange([packet(0.3, 99 + count), packet(-0.8, count)], true);
+        let step = (junction.motion.velocity - last).abs();
+        // Both pushed alike, so the velocity does not change while one of them lets go.
+        assert!(step < 1e-12, "period {count}: {step} m/s");
+        last = junction.motion.velocity;
+    }
+    assert!(!junction.ports[1].is_engaged());
+    for count in 13..60 {
+        junction.exchange([packet(0.3, 99 + count), packet(-0.8, count)], true);
+        // At most a ninth of the line comes at once.
+        assert!((junction.motion.velocity - last).abs() < 0.2 * (2.0_f64 * B).sqrt() * 1.1 / B, "period {count}");
+        last = junction.motion.velocity;
+    }
+    let velocity = (2.0 * B).sqrt() * (0.3 - 0.8) / (2.0 * B);
+    assert!((last - velocity).abs() < 1e-9, "{last} m/s, not {velocity}");
+}
+
+/// Loss, reorder, duplicates, silence and restarts, waves at random: never more out than the peers have put in, at any time.
+#[test]
+fn passive_whatever_the_network_does() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(5);
+    let mut unit = move || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
+    for users in [2, 3, 16] {
+        let mut junction = Junction::new(&scene(true), users).expect("waves");
+        (0..users).for_each(|line| junction.part(line));
+        let mut sent = vec![Packet::<f64>::default(); users];
+        let mut held = sent.clone();
+        let mut truly_in_j = 0.0;
+        for period in 0..20_000 {
+            let mut came = vec![None; users];
+            for line in 0..users {
+                if unit() < 1e-3 {
+                    // A new life: its counters begin anew.
+                    sent[line] = Packet::default();
+                    junction.part(line);
+                }
+                let level = if period / 500 % 2 == 0 { 0.5 } else { 0.01 };
+                let wave = level * (2.0 * unit() - 1.0);
+                let energy_j = 0.5 * PACKET_S * wave * wave;
+                truly_in_j += energy_j;
+                let before = sent[line];
+                sent[line] = Packet {
+                    wave,
+                    energy_j: before.energy_j + energy_j,
+                    wave_integral: before.wave_integral + PACKET_S * wave,
+                    ..before
+                };
+                came[line] = match unit() {
+                    lost if lost < 0.3 => None,
+                    old if old < 0.4 => Some(held[line]),
+                    _ => Some(sent[line]),
+                };
+                if unit() < 0.2 {
+                    held[line] = sent[line];
+                }
+            }
+            junction.exchange(came, true);
+            let energy = junction.energy();
+            assert!(energy.sent_j <= energy.taken_j * (1.0 + 1e-9) + 1e-12, "{users} users, {period}: {energy:?}");
+            assert!(
+                energy.taken_j <= truly_in_j + 1e-12,
+                "{users} users, {period}: {energy:?}, {truly_in_j} J in truth"
+            );
+        }
+        let energy = junction.energy();
+        assert!(energy.put_in_j <= truly_in_j && energy.sent_j > 0.2 * truly_in_j, "{energy:?} of {truly_in_j} J");
+    }
+}
+
+#[test]
+fn laws_without_waves_are_refused() {
+    let mut scene = scene(true);
+    for (comm, name) in [("power", "power"), ("none", "none")] {
+        scene.peer.coordination.comm = comm;
+        let said = Junction::new(&scene, 2).expect_err("no waves").to_string();
+        assert!(said.contains(&format!("coordination.comm = \"{name}\"")), "{said}");
+    }
+}
+
+/// A peer that claims whatever its numbers can say: what the others get stays finite, what it puts in is what the junction would
+/// give out, and the figures of all are off by the credit that is kept, 0.1 J, at the most.
+#[test]
+fn claims_of_one_line_forge_no_figure_of_another() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(7);
+    let mut any = |of: &[f64]| of[random.next_u64() as usize % of.len()];
+    let mut junction = Junction::new(&scene(true), 3).expect("waves");
+    (0..3).for_each(|line| junction.part(line));
+    let (mut honest, mut truly_in_j) = ([Packet::<f64>::default(); 2], [0.0; 2]);
+    for period in 0..5_000 {
+        for (line, (packet, truly_in_j)) in honest.iter_mut().zip(&mut truly_in_j).enumerate() {
+            let wave = 0.2 * (0.02 * f64::from(period) + line as f64).sin();
+            let energy_j = 0.5 * PACKET_S * wave * wave;
+            *truly_in_j += energy_j;
+            (packet.wave, packet.energy_j) = (wave, packet.energy_j + energy_j);
+            packet.wave_integral += PACKET_S * wave;
+        }
+        // Ever more, from the first packet to the largest number there is; and less than nothing in between.
+        let most = 10.0_f64.powf(-300.0 + f64::from(period) / 8.2);
+        let claims = [most, most, -most, f64::MIN, 0.0];
+        let waves = [0.0, 1.0, -1.0, 1e30, -3.4e38, 3.4e38];
+        let forged =
+            Packet { wave: any(&waves), energy_j: any(&claims), wave_integral: any(&claims), ..Packet::default() };
+        junction.exchange([Some(honest[0]), Some(honest[1]), Some(forged)], true);
+        for port in &junction.ports {
+            let back = port.back;
+            assert!([back.wave, back.energy_j, back.wave_integral].iter().all(|number| number.is_finite()), "{port:?}");
+        }
+    }
+    for (port, truly_in_j) in junction.ports.iter().zip(truly_in_j) {
+        assert!((port.energy.put_in_j / truly_in_j - 1.0).abs() < 1e-9, "{port:?}, {truly_in_j} J in truth");
+    }
+    let Energy { put_in_j, taken_j, .. } = junction.ports[2].energy;
+    assert!(put_in_j <= taken_j + 0.1 + 1e-9, "{put_in_j} J claimed, {taken_j} J taken");
+    let Energy { put_in_j, sent_j, .. } = junction.energy();
+    assert!(sent_j <= put_in_j && sent_j > 0.1 * put_in_j, "{sent_j} J out, {put_in_j} J in");
+}

@@ -1,0 +1,4 @@
+//! The hub: 2 to 16 peers, each behind a sealed link, hold one object.
+
+mod junction;
+mod virtual_time;

@@ -1,0 +1,21 @@
+//! The shared environments from outside. One program: several would each link it.
+//!
+//! | file | asks |
+//! |---|---|
+//! | [`roles`] | what do roles make of their messages? |
+//! | [`records`] | what do records of a world make of any bytes? |
+//! | [`fuzz`] | what do the fuzz targets make of what fuzzers found? |
+//! | [`collaborate`], [`cooperative`], [`hub`], [`lifted`], [`squash`], [`static_scene`] | what do the environments do in virtual time? |
+
+mod collaborate;
+mod cooperative;
+mod fuzz;
+mod hub;
+mod lifted;
+#[path = "../../../../protocol/tests/suite/protocol/random.rs"]
+mod random;
+mod records;
+mod roles;
+mod squash;
+mod static_scene;
+mod vectors;

@@ -1,0 +1,232 @@
+//! A server and strangers: what is not from its clients gets nothing, changes nothing and takes no memory to speak of.
+
+use haptic_core::num::Motion;
+use haptic_environments::world::host::{Host, MOST_LINES};
+use haptic_environments::world::load;
+use haptic_environments::world::visitor::{Setup, Visitor};
+use haptic_protocol::key::Key;
+use haptic_protocol::wire::{Header, VERSION};
+
+use super::world_file::TWO_ROOMS;
+
+const CLIENT: u32 = 1;
+const STRANGER: u32 = 666;
+
+/// A server and its client on line 3, talking without a network; everything that the client ever sent.
+struct Pair {
+    host: Host<u32>,
+    visitor: Visitor,
+    now: u64,
+    sent: Vec<Vec<u8>>,
+}
+
+impl Pair {
+    fn new() -> Self {
+        let mut drawn = 0_u8;
+        let entropy = move || {
+            drawn = drawn.wrapping_add(1).max(1);
+            [drawn; Key::LEN]
+        };
+        let (world, key) = (*load(TWO_ROOMS.as_ref()).expect("a good world"), Key::new([7; 32]));
+        let setup = Setup { key: key.line(3), line: 3, home: 1, reachable: vec![1], radius_m: None };
+        let visitor = Visitor::new(setup, || [99; Key::LEN]);
+        let host = Host::new(key, 1, 8, world, None, entropy).expect("a good world");
+        Self { host, visitor, now: 0, sent: vec![] }
+    }
+
+    /// One packet period; whom the server's clock made it send to.
+    fn period(&mut self) -> Vec<u32> {
+        self.now += 8_000;
+        self.visitor.step([Motion::at(0.0); 2]);
+        let mut said = vec![];
+        self.visitor.exchange(self.now, |_, bytes| said.push(bytes.to_vec()));
+        while let Some(bytes) = said.pop() {
+            self.sent.push(bytes.clone());
+            let mut answers = vec![];
+            self.host.receive(self.now, CLIENT, &mut bytes.clone(), |to, bytes| answers.push((to, bytes.to_vec())));
+            for (to, mut answer) in answers {
+                assert_eq!(to, CLIENT);
+                let server = haptic_environments::world::visitor::Party::Server(1);
+                self.visitor.receive(self.now, server, &mut answer, |_, bytes| said.push(bytes.to_vec()));
+            }
+        }
+        let mut told = vec![];
+        self.host.tick(self.now, |to, _| told.push(to));
+        told
+    }
+}
+
+#[test]
+fn what_was_recorded_is_worth_nothing_to_a_stranger() {
+    let mut pair = Pair::new();
+    for _ in 0..200 {
+        pair.period();
+    }
+    assert!(pair.visitor.is_complete() && pair.sent.len() > 200);
+    let (now, refused) = (pair.now, pair.host.counts.refused);
+    let mut greetings = 0;
+    for datagram in &pair.sent {
+        pair.host.receive(now, STRANGER, &mut datagram.clone(), |to, answer| {
+            // An old hello is answered, byte for byte as long, with a challenge that the stranger cannot meet.
+            assert_eq!((to, answer[1], answer.len()), (STRANGER, 2, 200));
+            assert_eq!(datagram.len(), 200);
+            greetings += 1;
+        });
+    }
+    // Every sealed one was refused, and none of them moved the client's address or session.
+    let sealed = pair.sent.iter().filter(|datagram| datagram[1] == Header::KIND).count() as u64;
+    assert_eq!(pair.host.counts.refused - refused, sealed);
+    assert!(sealed > 100 && greetings <= pair.sent.len() as u64 - sealed);
+    let told: Vec<u32> = (0..200).flat_map(|_| pair.period()).collect();
+    assert!(told.iter().all(|to| *to == CLIENT));
+    assert_eq!(pair.host.clients(), 1);
+    assert!(pair.visitor.is_complete());
+}
+
+#[test]
+fn anything_at_all_from_anybody() {
+    let mut pair = Pair::new();
+    for _ in 0..20 {
+        pair.period();
+    }
+    let before = pair.host.counts.refused;
+    let (mut random, mut answers) = (1_u64, 0);
+    let mut next = move || {
+        random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (random >> 33) as u8
+    };
+    for round in 0..20_000 {
+        let mut bytes: Vec<u8> = (0..usize::from(next())).map(|_| next()).collect();
+        // Every other one begins as a hello on some line, or as a datagram that the client has sent, with one bit wrong.
+        if round % 3 == 1 {
+            bytes.resize(200, 0);
+            bytes[..8].copy_from_slice(&[VERSION, 1, 0, 1, next() % 16, 0, 0, 0]);
+        } else if round % 3 == 2 {
+            bytes.clone_from(&pair.sent[round % pair.sent.len()]);
+            let bit = usize::from(next()) * 8 % (8 * bytes.len());
+            bytes[bit / 8] ^= 1 << (next() % 8);
+        }
+        let came = bytes.len();
+        pair.host.receive(pair.now, STRANGER, &mut bytes, |to, said| {
+            assert!((to, said[1]) == (STRANGER, 1) && said.len() <= came);
+            answers += 1;
+        });
+    }
+    // One hello a second at the most tells a stranger what is wrong.
+    assert!(answers <= 1);
+    assert_eq!(pair.host.counts.refused - before, 20_000);
+    assert_eq!((pair.host.clients(), pair.period()), (1, vec![]));
+}
+
+#[test]
+fn a_server_has_as_many_lines_as_it_was_told() {
+    let world = *load(TWO_ROOMS.as_ref()).expect("a good world");
+    for lines in [0, MOST_LINES + 1] {
+        let error = Host::<u32>::new(Key::new([7; 32]), 1, lines, world.clone(), None, || [1; 32]).err();
+        assert_eq!(error, Some(format!("lines = {lines} is not allowed: it must be from 1 to 4096")));
+    }
+}
+
+impl Pair {
+    /// One packet period in which `copies` of each datagram of the client come first, from somebody else; to whom the server
+    /// said how many bytes, and how many came from that somebody.
+    fn raced(&mut self, copies: usize) -> (Vec<(u32, usize)>, usize) {
+        self.now += 8_000;
+        self.visitor.step([Motion::at(0.0); 2]);
+        let (mut said, mut told, mut copied) = (vec![], vec![], 0);
+        self.visitor.exchange(self.now, |_, bytes| said.push(bytes.to_vec()));
+        while let Some(bytes) = said.pop() {
+            let mut answers = vec![];
+            for from in [STRANGER].repeat(copies).into_iter().chain([CLIENT]) {
+                copied += if from == STRANGER { bytes.len() } else { 0 };
+                self.host.receive(self.now, from, &mut bytes.clone(), |to, bytes| answers.push((to, bytes.to_vec())));
+            }
+            told.extend(answers.iter().map(|(to, answer)| (*to, answer.len())));
+            for (_, mut answer) in answers.into_iter().filter(|(to, _)| *to == CLIENT) {
+                let server = haptic_environments::world::visitor::Party::Server(1);
+                self.visitor.receive(self.now, server, &mut answer, |_, bytes| said.push(bytes.to_vec()));
+            }
+        }
+        self.host.tick(self.now, |to, bytes| told.push((to, bytes.len())));
+        (told, copied)
+    }
+}
+
+/// What a client sends, injected from elsewhere before it comes from the client: its line stays where it has proved to be.
+#[test]
+fn a_copy_that_comes_first_moves_no_line() {
+    let mut pair = Pair::new();
+    for _ in 0..100 {
+        pair.period();
+    }
+    let mut to_client = 0;
+    for _ in 0..500 {
+        let (told, copied) = pair.raced(1);
+        assert!(copied > 0 && told.iter().all(|(to, _)| *to == CLIENT), "{told:?}");
+        to_client += told.len();
+    }
+    assert!(to_client > 500 && pair.host.clients() == 1 && pair.visitor.is_complete());
+}
+
+/// Whoever wins every race from the first datagram on keeps a client out; the moment he stops, it is served.
+#[test]
+fn a_client_is_served_when_a_race_is_over() {
+    let mut pair = Pair::new();
+    for _ in 0..500 {
+        pair.raced(1);
+    }
+    assert!(!pair.visitor.is_complete());
+    for _ in 0..300 {
+        pair.raced(0);
+    }
+    assert!(pair.visitor.is_complete());
+}
+
+/// A client that has moved begins anew from there, and is served there.
+#[test]
+fn a_client_that_moves_is_answered_where_it_is_now() {
+    const MOVED: u32 = 7;
+    let mut pair = Pair::new();
+    for _ in 0..100 {
+        pair.period();
+    }
+    let mut to_moved = 0;
+    for _ in 0..200 {
+        pair.now += 8_000;
+        pair.visitor.step([Motion::at(0.0); 2]);
+        let mut said = vec![];
+        pair.visitor.exchange(pair.now, |_, bytes| said.push(bytes.to_vec()));
+        while let Some(mut bytes) = said.pop() {
+            let mut answers = vec![];
+            pair.host.receive(pair.now, MOVED, &mut bytes, |to, bytes| answers.push((to, bytes.to_vec())));
+            // What goes to where it was is lost.
+            for (_, mut answer) in answers.into_iter().filter(|(to, _)| *to == MOVED) {
+                to_moved += 1;
+                let server = haptic_environments::world::visitor::Party::Server(1);
+                pair.visitor.receive(pair.now, server, &mut answer, |_, bytes| said.push(bytes.to_vec()));
+            }
+        }
+        pair.host.tick(pair.now, |_, _| {});
+    }
+    assert!(to_moved > 100 && pair.host.clients() == 1, "{to_moved} datagrams");
+}
+
+/// Greetings on every line, by someone who holds no key of theirs: nothing is kept, and at most one a second is answered.
+#[test]
+fn greetings_without_a_key_take_no_memory() {
+    let mut pair = Pair::new();
+    let mut answers = vec![];
+    for count in 0..4_000_u32 {
+        let mut hello = [0x5a; 200];
+        hello[..8].copy_from_slice(&[VERSION, 1, 0, 1, (count % 8 + 1) as u8, 0, 0, 0]);
+        hello[48..56].fill(0);
+        hello[48] = 1;
+        hello[64..184].fill(0);
+        let now = u64::from(count) * 1_000;
+        pair.host.receive(now, STRANGER, &mut hello, |to, bytes| answers.push((to, bytes.len())));
+    }
+    assert_eq!((pair.host.lines_called(), pair.host.clients(), pair.host.counts.refused), (0, 0, 4_000));
+    assert_eq!(answers, [(STRANGER, 200); 4]);
+    let news: Vec<String> = (0..4_000_000).step_by(8_000).filter_map(|now| pair.host.news(now)).collect();
+    assert!(news.len() == 1 && news[0].starts_with("666 holds another key"), "{news:?}");
+}

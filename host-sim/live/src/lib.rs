@@ -1,0 +1,14 @@
+//! Peers in real time, over real sockets: each an actor on the one loop of [`endpoint`], with its recordings.
+#![forbid(unsafe_code)]
+
+pub mod apart;
+pub mod batch;
+pub mod endpoint;
+pub mod operator;
+pub mod peer;
+pub mod quantiles;
+pub mod recording;
+pub mod refused;
+pub mod relay;
+pub mod tell;
+pub mod watch;

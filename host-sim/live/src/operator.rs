@@ -1,0 +1,228 @@
+//! The operator's end of a board's command port on a socket: one line of text there, one answer back, and what the ticks saw.
+
+use std::time::{Duration, Instant};
+use std::{net::SocketAddr, path::Path};
+
+use haptic_board_tools::calibrate::board::{Board, Tick};
+use haptic_board_tools::operator::Session;
+use haptic_protocol::key::Role;
+use haptic_protocol::lines::LONGEST;
+use haptic_protocol::wire::{MAX_DATAGRAM, Sample};
+use haptic_sim::engine::{Actor, Out};
+use haptic_sim::key_file;
+
+use super::endpoint::{Endpoint, Live, Stop, Ticker};
+
+/// How long a board may take to answer, at first and then.
+const PATIENCE: Duration = Duration::from_secs(3);
+/// Between two looks at what has come.
+const LOOK: Duration = Duration::from_millis(2);
+
+/// Sessions that wait for something to be `done`, for so long at the most.
+struct Waiting<'a, F> {
+    sessions: &'a mut [Session],
+    board: SocketAddr,
+    done: F,
+    over: bool,
+}
+
+impl<F: FnMut(&mut [Session]) -> bool> Actor<SocketAddr> for Waiting<'_, F> {
+    type Packet = [u8];
+
+    fn hear(&mut self, now_ns: u64, from: SocketAddr, datagram: &mut [u8], out: &mut Out<'_, SocketAddr, [u8]>) {
+        if from == self.board {
+            for session in &mut *self.sessions {
+                session.receive(now_ns / 1_000, &mut datagram.to_vec());
+            }
+            self.speak(now_ns, out);
+        }
+    }
+
+    fn speak(&mut self, now_ns: u64, out: &mut Out<'_, SocketAddr, [u8]>) {
+        let mut bytes = [0; MAX_DATAGRAM];
+        for session in &mut *self.sessions {
+            while let Some(length) = session.poll(now_ns / 1_000, &mut bytes) {
+                // A port that nobody listens on is no reason to stop calling: the board may be starting.
+                out(self.board, &bytes[..length]);
+            }
+        }
+    }
+
+    fn act(&mut self, _: u64, _: &mut Out<'_, SocketAddr, [u8]>) {
+        self.over = (self.done)(self.sessions);
+    }
+}
+
+impl<F: FnMut(&mut [Session]) -> bool> Live for Waiting<'_, F> {
+    fn end(&self) -> Option<Result<(), String>> {
+        self.over.then_some(Ok(()))
+    }
+
+    fn waited(&mut self, waited: Duration) {
+        self.sessions.iter_mut().for_each(|session| session.waited(waited.as_micros() as u64));
+    }
+}
+
+/// Waits on an endpoint until something is `done`, for so long at the most.
+fn wait(
+    endpoint: &Endpoint,
+    board: SocketAddr,
+    sessions: &mut [Session],
+    time: Duration,
+    done: impl FnMut(&mut [Session]) -> bool,
+) -> Result<(), String> {
+    let mut waiting = Waiting { sessions, board, done, over: false };
+    endpoint.run(Ticker::new(LOOK).lasting(time.as_secs_f64()), f64::MAX, &Stop::default(), &mut waiting).map(|_| ())
+}
+
+/// A board that listens. It is told goodbye when this is dropped.
+#[derive(Debug)]
+pub struct Operator {
+    endpoint: Endpoint,
+    board: SocketAddr,
+    number: u8,
+    session: Session,
+    stop: Stop,
+}
+
+impl Operator {
+    /// Gets in touch with the board at `board`, whichever it is, under the operator's key of `key_file`.
+    ///
+    /// # Errors
+    /// The key file cannot be read, or the board does not answer.
+    pub fn connect(board: SocketAddr, key_file: &Path) -> Result<Self, String> {
+        let key = key_file::read(key_file, Role::Operator)?;
+        let any = if board.is_ipv4() { "0.0.0.0:0" } else { "[::]:0" };
+        let endpoint = Endpoint::answering(any.parse().map_err(|_| format!("{any} is no address"))?)?;
+        // Either board may be there: both are called, and the one that is there answers.
+        let [one, two] = [1, 2].map(|number| Session::new(key.clone(), number, key_file::entropy()?));
+        let mut called = [one?, two?];
+        let answered = |session: &Session| session.is_there() || session.is_refused();
+        wait(&endpoint, board, &mut called, PATIENCE, |called| called.iter().any(answered))?;
+        if called.iter().any(Session::is_refused) {
+            return Err(format!("the board at {board} takes other commands than this program: update one"));
+        }
+        let there = (1..).zip(called).find(|(_, session)| session.is_there());
+        let (number, session) = there.ok_or_else(|| {
+            format!("nobody answers at {board}, or nobody who holds the key of {}", key_file.display())
+        })?;
+        Ok(Self { endpoint, board, number, session, stop: Stop::default() })
+    }
+
+    /// This operator, whose recording and listening end when `stop` is asked for.
+    pub fn until(mut self, stop: Stop) -> Self {
+        self.stop = stop;
+        self
+    }
+
+    /// Number of the board, 1 or 2.
+    pub fn number(&self) -> u8 {
+        self.number
+    }
+
+    fn wait(&mut self, time: Duration, mut done: impl FnMut(&mut Session) -> bool) -> Result<(), String> {
+        let session = std::slice::from_mut(&mut self.session);
+        wait(&self.endpoint, self.board, session, time, |sessions| sessions.iter_mut().any(&mut done))
+    }
+
+    /// Says a line and gives the answer, which begins with `ok` or `error`.
+    ///
+    /// # Errors
+    /// The board fell silent, or the socket failed.
+    pub fn ask(&mut self, line: &str) -> Result<String, String> {
+        if line.len() > LONGEST {
+            return Err(format!("a line of {} bytes is not allowed: it must be at most {LONGEST}", line.len()));
+        }
+        if !self.session.say(line) {
+            return Err(format!("{} has not taken the line before", self.board));
+        }
+        let mut answer = None;
+        self.wait(PATIENCE, |session| {
+            answer = session.answer();
+            answer.is_some()
+        })?;
+        if answer.is_none() {
+            self.session.unsay();
+        }
+        answer.ok_or_else(|| format!("no answer from {} to {line:?}", self.board))
+    }
+
+    /// When its clock began.
+    pub fn start(&self) -> Instant {
+        self.endpoint.start()
+    }
+
+    /// Has every `every`-th tick sent for so long, and gives what came, with why the board refused to go on if it did.
+    ///
+    /// # Errors
+    /// The board fell silent, or the socket failed.
+    pub fn record(&mut self, every: u32, time: Duration) -> Result<(Vec<Sample>, Option<String>), String> {
+        let mut samples = Vec::new();
+        let refusal = self.record_each(every, time, |_, session| samples.extend(session.take_samples()))?;
+        Ok((samples, refusal))
+    }
+
+    /// Has every `every`-th tick sent for so long; `each` takes what came, ns after the clock began. A board that was away, or has started anew, has forgotten
+    /// it: it is told again as soon as it is back. If it then refuses, that ends it.
+    pub fn record_each(
+        &mut self,
+        every: u32,
+        time: Duration,
+        mut each: impl FnMut(u64, &mut Session),
+    ) -> Result<Option<String>, String> {
+        let line = format!("stream {every}");
+        let answer = self.ask(&line)?;
+        let refusal_of = |number: u8, answer: &str| format!("board {number}: {line}: {answer}");
+        if !answer.starts_with("ok") {
+            return Err(refusal_of(self.number, &answer));
+        }
+        let (start, mut told, mut answered, mut refusal) = (Instant::now(), true, true, None);
+        let (number, stop, begun) = (self.number, self.stop.clone(), self.endpoint.start());
+        self.wait(time + PATIENCE, |session| {
+            each(begun.elapsed().as_nanos() as u64, session);
+            if !session.is_there() {
+                told = false;
+            } else if !told {
+                told = session.say(&line);
+                answered = false;
+            }
+            if let Some(answer) = session.answer() {
+                answered = true;
+                refusal = (!answer.starts_with("ok")).then(|| refusal_of(number, &answer));
+            }
+            // An answer that is still on its way would be taken for the next line's.
+            refusal.is_some() || (stop.is_asked() || start.elapsed() >= time) && (answered || !told)
+        })?;
+        Ok(refusal)
+    }
+
+    /// Listens for so long, and gives the samples that came since the last time.
+    ///
+    /// # Errors
+    /// The socket failed.
+    pub fn samples(&mut self, time: Duration) -> Result<Vec<Sample>, String> {
+        let stop = self.stop.clone();
+        self.wait(time, |_| stop.is_asked())?;
+        Ok(self.session.take_samples())
+    }
+}
+
+impl Drop for Operator {
+    fn drop(&mut self) {
+        let mut out = [0; MAX_DATAGRAM];
+        if let Some(length) = self.session.goodbye(self.endpoint.now_ns() / 1_000, &mut out) {
+            self.endpoint.send(self.board, &out[..length]);
+        }
+    }
+}
+
+impl Board for Operator {
+    fn ask(&mut self, line: &str) -> Result<String, String> {
+        Self::ask(self, line)
+    }
+
+    fn ticks(&mut self, seconds: f64) -> Result<Vec<Tick>, String> {
+        let samples = self.samples(Duration::from_secs_f64(seconds))?;
+        Ok(samples.iter().filter_map(|sample| Tick::from_record(sample.payload())).collect())
+    }
+}

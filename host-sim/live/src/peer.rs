@@ -1,0 +1,344 @@
+//! One peer in real time: a [`Node`] on an endpoint. What was heard in a packet period goes into the exchange at its end, newest
+//! flow only.
+
+use std::{net::SocketAddr, time::Duration};
+
+use haptic_core::safety::Mode;
+use haptic_protocol::key::Key;
+use haptic_protocol::link::{Error, Notice};
+use haptic_protocol::wire::{Flows, Message, Telemetry};
+use haptic_sim::engine::{Actor, Out};
+use haptic_sim::measure::port::{ObjectPort, PortEnergy};
+use haptic_sim::measure::{LastHalf, Statistics};
+use haptic_sim::peers::Builds;
+use haptic_sim::run::AXIS_NAMES;
+use haptic_sim::{key_file::entropy, node::Node, of_axes, scene::Scene};
+use serde::Serialize;
+
+use super::endpoint::{Endpoint, Live, Punctuality, Span, Stop, Ticker};
+use super::watch::{Seen, TELLING_S, Wanted, Watch};
+use crate::refused::{is_telling, wrong};
+
+/// What one peer saw.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// Number of this peer: 1 is the left one, 2 the right one.
+    pub peer: u8,
+    /// Number of ticks while armed.
+    pub ticks: u64,
+    /// Mean |x_o − x_d| over the last half, mm; of several shared axes the distance in the plane or in space.
+    pub decoded_discrepancy_mm: f64,
+    /// Of several shared axes, along the first.
+    #[serde(flatten)]
+    pub seen: Seen,
+    /// Of one shared axis, or the first.
+    #[serde(flatten)]
+    pub forces: Forces,
+    /// Each of several shared axes.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub axes: Vec<Along>,
+    /// What the wall in the room of its device pushed with over the last half, N of the device; absent without one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wall_force_n: Option<Statistics>,
+    /// Energy through the ports of its coordination while armed, J, summed over all shared axes.
+    pub port_energy: Ports,
+    /// Why it stopped, if it did.
+    pub fault: Option<String>,
+    /// What the link reported, in order, with the time in s since the start.
+    pub notices: Vec<(f64, String)>,
+    /// Smoothed round trip of the link, µs; none if none was measured.
+    pub round_trip_us: Option<u32>,
+    /// Mean deviation of the round trip, µs.
+    pub jitter_us: u32,
+    /// The other peer's clock less this one's, µs.
+    pub clock_offset_us: Option<i64>,
+    /// How much faster the other peer's clock runs, ppm.
+    pub clock_drift_ppm: f32,
+    /// What the other peer's newest telemetry says; none before any came.
+    pub other: Option<Other>,
+    /// Sealed datagrams of the other peer that were opened and accepted.
+    pub datagrams_taken: u32,
+    /// Sealed datagrams of the other peer that never came.
+    pub datagrams_missing: u32,
+    /// Datagrams refused: forged, replayed or broken.
+    pub datagrams_refused: u32,
+    /// How well the control loop kept its ticks.
+    pub punctuality: Punctuality,
+}
+
+/// Forces along one axis, over the last half.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Forces {
+    /// Mean coordination force F_T, N.
+    pub coordination_force_n: f64,
+    /// Contact force F_LC, N of the world.
+    pub contact_force_n: Statistics,
+}
+
+/// What one peer saw along one of several shared axes.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Along {
+    axis: &'static str,
+    decoded_discrepancy_mm: f64,
+    #[serde(flatten)]
+    forces: Forces,
+}
+
+/// Energy through the ports of its coordination while armed, J, of all shared axes, and what came out over what went in: above 1 it made
+/// energy.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Ports {
+    received_j: f64,
+    sent_j: f64,
+    to_object_j: f64,
+    from_object_j: f64,
+    stored_j: f64,
+    out_over_in: f64,
+}
+
+impl From<PortEnergy> for Ports {
+    fn from(energy: PortEnergy) -> Self {
+        let PortEnergy { received_j, sent_j, to_object_j, from_object_j, stored_j } = energy;
+        Self { received_j, sent_j, to_object_j, from_object_j, stored_j, out_over_in: energy.out_over_in() }
+    }
+}
+
+/// What the other peer's telemetry says.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Other {
+    ticks: u32,
+    /// 0 disarmed, 1 armed, 2 faulted.
+    mode: u8,
+    fault: u8,
+    /// Its coordination force F_T on the object, N; of several shared axes along the first.
+    pub coordination_force_n: f32,
+    /// The round trip as it measures it, µs.
+    round_trip_us: u32,
+    /// From and to the network.
+    energy_received_j: f64,
+    energy_sent_j: f64,
+}
+
+impl Other {
+    /// From telemetry of the other peer, as it came.
+    pub fn new(said: &Telemetry) -> Self {
+        Self {
+            ticks: said.tick,
+            mode: said.mode,
+            fault: said.fault,
+            coordination_force_n: said.coordination_force,
+            round_trip_us: said.round_trip_us,
+            energy_received_j: said.energy_received,
+            energy_sent_j: said.energy_sent,
+        }
+    }
+}
+
+/// Notices and when they were given, µs, as a report has them.
+pub fn told<'a>(notices: impl IntoIterator<Item = &'a (u64, Notice)>) -> Vec<(f64, String)> {
+    notices.into_iter().map(|(at_us, notice)| (*at_us as f64 * 1e-6, format!("{notice:?}"))).collect()
+}
+
+/// How long a peer that refuses the other one goes on calling, so that the other learns of it as well, µs.
+const LINGER_US: u64 = 500_000;
+
+struct Peer<const SHARED: usize, const N: usize> {
+    node: Node<SHARED, N>,
+    connect: SocketAddr,
+    patience_s: f64,
+    /// Ticks of the experiment.
+    ticks: u64,
+    /// Along each axis |x_o − x_d|, F_T, F_LC and its square.
+    halves: [LastHalf<4>; SHARED],
+    /// The distance of the copies; the wall's force and its square.
+    whole: LastHalf<3>,
+    ports: [ObjectPort; SHARED],
+    /// Who sent the newest datagram that was refused and tells something, and why it was.
+    refusal: Option<(SocketAddr, Error)>,
+    /// The other peer has other parameters: which table differs, and when that was found, µs.
+    differs: Option<(&'static str, u64)>,
+    /// For so long now, µs.
+    now_us: u64,
+    watch: Watch,
+    /// Tick of the newest telemetry.
+    told: Option<u32>,
+}
+
+impl<const SHARED: usize, const N: usize> Peer<SHARED, N> {
+    fn differs_in(&self, table: &str) -> String {
+        format!("{} was told other parameters: table [{table}] of the scene differs", self.connect)
+    }
+}
+
+impl<const SHARED: usize, const N: usize> Actor<SocketAddr> for Peer<SHARED, N>
+where
+    Flows<SHARED>: Into<Message>,
+{
+    type Packet = [u8];
+
+    fn hear(&mut self, now_ns: u64, from: SocketAddr, datagram: &mut [u8], _: &mut Out<'_, SocketAddr, [u8]>) {
+        // What is refused is counted by the link, too.
+        match self.node.receive(now_ns / 1_000, datagram) {
+            Ok(flow) => {
+                let line = &self.node.line;
+                self.watch.heard(now_ns, line, flow.is_some());
+                let told = line.heard.as_ref().map(|said| said.tick);
+                if let Some(said) = line.heard.as_ref().filter(|_| told != self.told) {
+                    self.watch.said(said, line.link.sealed_us(), self.node.armed_ticks);
+                }
+                self.told = told;
+            }
+            Err(why) if is_telling(&why) => self.refusal = Some((from, why)),
+            Err(_) => {}
+        }
+    }
+
+    fn act(&mut self, now_ns: u64, out: &mut Out<'_, SocketAddr, [u8]>) {
+        let node = &mut self.node;
+        node.tick(now_ns / 1_000, |bytes| out(self.connect, bytes));
+        self.now_us = now_ns / 1_000;
+        let since_us = self.differs.map_or(self.now_us, |(_, since_us)| since_us);
+        self.differs = node.line.link.refused().map(|table| (table, since_us));
+        if let Some(tick) = node.armed_ticks.checked_sub(1) {
+            let mut apart_m: f64 = 0.0;
+            let axes = node.peer.observed().into_iter().map(|seen| seen.map(f64::from));
+            for (seen, (half, port)) in axes.zip(self.halves.iter_mut().zip(&mut self.ports)) {
+                let discrepancy_m = (seen.object.position - seen.desired.position).abs();
+                let contact_n = seen.contact_force;
+                half.see(tick, [discrepancy_m, seen.coordination_force, contact_n, contact_n * contact_n]);
+                port.see(&seen);
+                apart_m = apart_m.hypot(discrepancy_m);
+            }
+            let wall_n = node.wall_n();
+            self.whole.see(tick, [apart_m, wall_n, wall_n * wall_n]);
+        }
+        self.watch.ticked(now_ns, node);
+    }
+}
+
+impl<const SHARED: usize, const N: usize> Live for Peer<SHARED, N>
+where
+    Flows<SHARED>: Into<Message>,
+{
+    fn waited(&mut self, waited: Duration) {
+        self.node.line.link.waited(waited.as_micros() as u64);
+    }
+
+    fn end(&self) -> Option<Result<(), String>> {
+        let over = (self.node.armed_ticks >= self.ticks).then_some(Ok(()));
+        let told = self.differs.filter(|(_, since_us)| self.now_us >= since_us + LINGER_US);
+        told.map(|(table, _)| Err(self.differs_in(table))).or(over)
+    }
+
+    fn missing(&self) -> Option<String> {
+        let Self { connect, patience_s, .. } = self;
+        if let Some((table, _)) = self.differs {
+            return Some(self.differs_in(table));
+        }
+        (self.node.peer.mode() == Mode::Disarmed).then(|| match self.node.line.link.is_up() {
+            true => format!(
+                "{connect} is there, but sent no flow within {patience_s} s: a hub waits until all its peers are there"
+            ),
+            false => match &self.refusal {
+                Some((from, why)) => wrong(from, why),
+                None => {
+                    format!("nobody answered from {connect} within {patience_s} s: is it there, and does it send here?")
+                }
+            },
+        })
+    }
+
+    fn goodbye(&mut self, now_ns: u64, out: &mut Out<'_, SocketAddr, [u8]>) {
+        self.node.goodbye(now_ns / 1_000, |bytes| out(self.connect, bytes));
+    }
+}
+
+/// Runs peer 1 (left) or 2 (right), which listens at the first address while the other listens at the second, to the end of its
+/// experiment, or until it is stopped.
+pub fn run(
+    scene: &Scene,
+    key: Key,
+    number: u8,
+    ends: [SocketAddr; 2],
+    span: Span,
+    wanted: &Wanted,
+    stop: &Stop,
+) -> Result<Report, String> {
+    let entropy = entropy()?;
+    let among = (scene, number, ends, span);
+    of_axes!(scene, live(entropy, (key, among), wanted, stop))
+}
+
+fn live<const SHARED: usize, const N: usize>(
+    entropy: [u8; Key::LEN],
+    (key, (scene, number, [listen, connect], Span { duration_s, patience_s })): (
+        Key,
+        (&Scene, u8, [SocketAddr; 2], Span),
+    ),
+    wanted: &Wanted,
+    stop: &Stop,
+) -> Result<Report, String>
+where
+    Flows<SHARED>: Into<Message>,
+    f32: Builds<SHARED, N>,
+{
+    let node = Node::<SHARED, N>::build(scene, number, key, entropy)?.telling_every(TELLING_S);
+    let period_s = scene.peer.timing.control_period_s;
+    let ticks = (duration_s / period_s).round() as u64;
+    let endpoint = Endpoint::polled(listen)?;
+    endpoint.reaches(connect)?;
+    let mut peer = Peer {
+        watch: Watch::new(wanted, scene, number, endpoint.start(), connect.to_string(), ticks)?,
+        told: None,
+        node,
+        connect,
+        patience_s,
+        ticks,
+        halves: [LastHalf::new(ticks); SHARED],
+        whole: LastHalf::new(ticks),
+        ports: [ObjectPort::new(period_s, scene.peer.coordination.stiffness_n_per_m); SHARED],
+        refusal: None,
+        differs: None,
+        now_us: 0,
+    };
+    let ticker = Ticker::realtime(Duration::from_secs_f64(period_s));
+    let punctuality = endpoint.run(ticker, patience_s, stop, &mut peer)?;
+    let Peer { node, halves, whole, ports, watch, .. } = peer;
+    let [apart_m, wall, wall_squared] = whole.means();
+    let along = |(axis, half): (&'static str, &LastHalf<4>)| {
+        let [discrepancy_m, coordination_force_n, contact, contact_squared] = half.means();
+        let contact_force_n = Statistics::of_moments(contact, contact_squared);
+        let forces = Forces { coordination_force_n, contact_force_n };
+        Along { axis, decoded_discrepancy_mm: 1e3 * discrepancy_m, forces }
+    };
+    let axes: Vec<Along> = AXIS_NAMES.into_iter().zip(&halves).map(along).collect();
+    let energies = ports.iter().zip(node.peer.ledger());
+    let energies = energies.map(|(port, booked)| port.with_network(booked.received_j().into(), booked.sent_j().into()));
+    let (line, link) = (&node.line, &node.line.link);
+    let counts = link.counts();
+    Ok(Report {
+        peer: number,
+        ticks: node.armed_ticks,
+        decoded_discrepancy_mm: 1e3 * apart_m,
+        seen: watch.end(endpoint.now_ns() as f64 * 1e-9),
+        forces: axes[0].forces,
+        axes: if SHARED > 1 { axes } else { Vec::new() },
+        wall_force_n: (scene.users[usize::from(number == 2)].has_wall())
+            .then(|| Statistics::of_moments(wall, wall_squared)),
+        port_energy: energies.sum::<PortEnergy>().into(),
+        fault: match node.peer.mode() {
+            Mode::Faulted(fault) => Some(format!("fault {}: {}", fault.number(), fault.explain())),
+            _ => None,
+        },
+        notices: told(&line.notices),
+        round_trip_us: link.clock().round_trip_us(),
+        jitter_us: link.clock().jitter_us(),
+        clock_offset_us: link.clock().offset_us(endpoint.now_ns() / 1_000),
+        clock_drift_ppm: link.clock().drift_ppm(),
+        other: line.heard.as_ref().map(Other::new),
+        datagrams_taken: counts.taken,
+        datagrams_missing: counts.missing,
+        datagrams_refused: counts.refused,
+        punctuality,
+    })
+}

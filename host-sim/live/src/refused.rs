@@ -1,0 +1,68 @@
+//! Refused: what was not taken and why, reported to a person while the program runs, in bounded memory and never in a stream.
+
+use std::fmt::Display;
+
+use haptic_protocol::link::Error;
+
+/// Between two lines about different things, µs.
+const EVERY_US: u64 = 5_000_000;
+/// Between two lines about the same, µs.
+const AGAIN_US: u64 = 60_000_000;
+
+/// The newest refusal of a line, or of nobody's line.
+#[derive(Clone, Copy, Debug)]
+pub struct Refused<A> {
+    newest: Option<(A, Error)>,
+    told: Option<((A, Error), u64)>,
+    waits: bool,
+}
+
+impl<A> Default for Refused<A> {
+    fn default() -> Self {
+        Self { newest: None, told: None, waits: false }
+    }
+}
+
+impl<A: Copy + PartialEq> Refused<A> {
+    /// What came from there was refused.
+    pub fn note(&mut self, from: A, why: Error) {
+        self.newest = Some((from, why));
+        self.waits = true;
+    }
+
+    /// The newest one, if it is to be reported now.
+    pub fn take(&mut self, now_us: u64) -> Option<(A, Error)> {
+        let newest = self.newest.filter(|_| self.waits)?;
+        let since_us = self.told.map(|(told, at_us)| (told == newest, now_us.saturating_sub(at_us)));
+        if since_us.is_some_and(|(same, since_us)| since_us < if same { AGAIN_US } else { EVERY_US }) {
+            return None;
+        }
+        self.waits = false;
+        self.told = Some((newest, now_us));
+        Some(newest)
+    }
+
+    /// The newest one, reported or not.
+    pub fn newest(&self) -> Option<(A, Error)> {
+        self.newest
+    }
+}
+
+/// Whether it is worth telling: what comes of a restart, a replay or the network passes by itself.
+pub fn is_telling(why: &Error) -> bool {
+    use Error::{BeyondLast, Exhausted, Forged, NoSession, OtherSession, Replayed, Stale, TooOld};
+    !matches!(why, NoSession | OtherSession | Replayed | TooOld | Stale | Forged | BeyondLast | Exhausted)
+}
+
+/// What is wrong with whoever is at `from`, in words for a person at this end.
+pub fn wrong(from: impl Display, why: &Error) -> String {
+    let what = match why {
+        Error::ForgedGreeting => "holds another key: give both ends of a line the same one".to_owned(),
+        Error::OwnNumber => "has the number of this end, or is this end: give the two different numbers".to_owned(),
+        Error::Stranger | Error::NotForUs => "has another number than belongs here".to_owned(),
+        Error::OtherLine => "is on another line".to_owned(),
+        Error::Parameters(table) => format!("was told other parameters: table [{table}] differs"),
+        why => format!("is not understood: {why}"),
+    };
+    format!("{from} {what}")
+}

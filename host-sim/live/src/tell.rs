@@ -1,0 +1,189 @@
+//! What a live command says while it runs: a line each second, and what happens in between, on a thread of its own, so that a terminal
+//! that does not take them holds up nobody.
+
+use std::io::Write as _;
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::thread::JoinHandle;
+
+use haptic_protocol::link::Notice;
+use serde::Serialize;
+use serde_json::json;
+
+/// Lines that may wait.
+const WAITING: usize = 64;
+
+/// How lines are said.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Manner {
+    /// In words, on standard error.
+    #[default]
+    Words,
+    /// As one JSON object each, on standard output.
+    Json,
+    /// Nothing at all is printed.
+    Quiet,
+}
+
+/// A second of a live end.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Second {
+    /// Time since the start, s.
+    pub time_s: f64,
+    /// Of an experiment whose length is known, what is over, s, and its length, s.
+    pub done_s: f64,
+    /// Length of the whole experiment, s.
+    pub of_s: f64,
+    /// `calling`, `waiting`, `armed`, `faulted`.
+    pub state: &'static str,
+    /// Who is at the other end.
+    pub partner: String,
+    /// Smoothed round trip of the link, µs; of a hub that of its slowest line.
+    pub round_trip_us: Option<u32>,
+    /// Root of the mean square distance of the copies in this second, its largest, and by how much the clock may make it wrong.
+    pub true_discrepancy_mm: Option<f64>,
+    /// Largest distance of the copies in this second, mm.
+    pub largest_true_discrepancy_mm: Option<f64>,
+    /// Largest error of a distance of the copies that the clocks may cause, mm.
+    pub true_discrepancy_error_mm: Option<f64>,
+    /// Half of the smallest round trip, and what chance adds.
+    pub clock_error_us: Option<f64>,
+    /// Share of the second in which the line lived.
+    pub live_share: Option<f64>,
+    /// What stopped this end, if anything did.
+    pub fault: Option<String>,
+}
+
+impl Second {
+    fn words(&self) -> String {
+        let Self { done_s, of_s, state, partner, .. } = self;
+        // A bar of ten.
+        let full = (10.0 * done_s / of_s).clamp(0.0, 10.0) as usize;
+        let bar = format!("{}{}", "#".repeat(full), ".".repeat(10 - full));
+        let mut words = format!("[{bar}] {done_s:.0}/{of_s:.0} s  {state}, {partner}");
+        if let Some(us) = self.round_trip_us {
+            words += &format!("  round trip {:.2} ms", f64::from(us) * 1e-3);
+        }
+        let clock = self.true_discrepancy_error_mm.unwrap_or_default();
+        if let (Some(rms), Some(largest)) = (self.true_discrepancy_mm, self.largest_true_discrepancy_mm) {
+            words += &format!("  true discrepancy {rms:.3} mm rms, {largest:.3} at most (clocks ±{clock:.3})");
+        }
+        if let Some(share) = self.live_share {
+            words += &format!("  live {:.0} %", 1e2 * share);
+        }
+        match &self.fault {
+            Some(fault) => words + "  " + fault,
+            None => words,
+        }
+    }
+}
+
+/// What a notice of a link means.
+pub fn words(notice: &Notice) -> String {
+    match notice {
+        Notice::Joined => "the other end is there and holds the key: a session has begun".to_owned(),
+        Notice::NewPeer(0) => "the other end is here for the first time, or has started anew".to_owned(),
+        Notice::NewPeer(dropped) => {
+            format!("the other end has started anew: {dropped} events that it had not taken are dropped")
+        }
+        Notice::Engaged => "flow comes: the coordination begins from rest".to_owned(),
+        Notice::Fading => "no flow for 3 packet periods: the coordination lets go, little by little".to_owned(),
+        Notice::Resumed => "flow comes again: the coordination takes hold from where it was".to_owned(),
+        Notice::Disengaged => {
+            "the coordination has let go: nothing came for too long, or the session has ended".to_owned()
+        }
+        Notice::Lost => "the session has ended: the other end said goodbye, fell silent or started anew".to_owned(),
+        Notice::Old(us) => {
+            format!(
+                "flow comes too late and is not taken: {:.0} ms one way (safety.max_delay_s)",
+                f64::from(*us) * 1e-3
+            )
+        }
+        Notice::Refused(table) => {
+            format!("the other end was told other parameters: table [{table}] of the scene differs")
+        }
+    }
+}
+
+/// A line that waits.
+enum Line {
+    Second(Box<Second>),
+    Notice { time_s: f64, notice: String, words: String },
+    Words(String),
+}
+
+/// Says lines until it is dropped.
+#[derive(Debug)]
+pub struct Teller {
+    queue: Option<SyncSender<Line>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Teller {
+    /// Starts a thread that says lines in this manner; a quiet teller has none.
+    pub fn new(manner: Manner) -> Self {
+        if manner == Manner::Quiet {
+            return Self { queue: None, thread: None };
+        }
+        let (queue, lines) = sync_channel(WAITING);
+        let thread = std::thread::Builder::new().name("teller".to_owned()).spawn(move || say(&lines, manner)).ok();
+        Self { queue: Some(queue), thread }
+    }
+
+    /// Where there is no room, a line is not said: there will be others.
+    fn put(&self, line: Line) {
+        let _ = self.queue.as_ref().map(|queue| queue.try_send(line));
+    }
+
+    /// Says the line of a second; where too many lines wait already, it is dropped.
+    pub fn second(&self, second: Second) {
+        self.put(Line::Second(Box::new(second)));
+    }
+
+    /// Something has happened to a link; `whose` is empty where there is one only.
+    pub fn notice(&self, time_us: u64, whose: &str, notice: &Notice) {
+        let words = format!("{whose}{}", words(notice));
+        self.put(Line::Notice { time_s: time_us as f64 * 1e-6, notice: format!("{whose}{notice:?}"), words });
+    }
+
+    /// What there is no notice for.
+    pub fn words(&self, words: String) {
+        self.put(Line::Words(words));
+    }
+}
+
+impl Drop for Teller {
+    fn drop(&mut self) {
+        self.queue = None;
+        let _ = self.thread.take().map(JoinHandle::join);
+    }
+}
+
+#[derive(Serialize)]
+struct Told<'a> {
+    kind: &'static str,
+    #[serde(flatten)]
+    second: &'a Second,
+}
+
+fn say(lines: &Receiver<Line>, manner: Manner) {
+    for line in lines {
+        if manner == Manner::Words {
+            match line {
+                Line::Second(second) => eprintln!("{}", second.words()),
+                Line::Notice { words, .. } | Line::Words(words) => eprintln!("{words}"),
+            }
+            continue;
+        }
+        let object = match line {
+            Line::Second(second) => json!(Told { kind: "second", second: &second }),
+            Line::Notice { time_s, notice, words } => {
+                json!({ "kind": "notice", "time_s": time_s, "notice": notice, "words": words })
+            }
+            Line::Words(words) => json!({ "kind": "words", "words": words }),
+        };
+        // Whoever does not read on is told nothing more; the run goes on.
+        if writeln!(std::io::stdout(), "{object}").is_err() {
+            return;
+        }
+    }
+}

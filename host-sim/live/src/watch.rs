@@ -1,0 +1,279 @@
+//! Who watches a live end: a recording of it, a line each second, and its true discrepancy, all beside the beat.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use haptic_core::law::Sends;
+use haptic_core::safety::Mode;
+use haptic_protocol::wire::{Flows, Message, Telemetry};
+use haptic_report::Made;
+use haptic_sim::node::{Line, Node};
+use haptic_sim::scene::Scene;
+use serde::Serialize;
+
+use super::apart::{Own, Sum};
+use super::tell::{Manner, Second, Teller};
+use crate::recording::common_clock::{Relation, Watched};
+use crate::recording::mcap::Channel;
+use crate::recording::origin::Origin;
+use crate::recording::recorder::{Ended, Recorder};
+use crate::recording::ticks;
+
+/// A clock this well known is what a local network gives, s.
+pub const GOOD_CLOCK_S: f64 = 100e-6;
+/// Live ends tell each other so often where their copies are, s: what true discrepancy is measured from.
+pub const TELLING_S: f64 = 0.02;
+
+/// What the command line asks for.
+#[derive(Clone, Debug, Default)]
+pub struct Wanted {
+    /// Record into this file, with what made it.
+    pub record: Option<(PathBuf, Made)>,
+    /// How lines are said while it runs.
+    pub manner: Manner,
+}
+
+impl Wanted {
+    /// Begins a recording, if one is wanted, on a clock that began at `start`.
+    pub fn recorder(&self, who: &str, start: Instant, channels: Vec<Channel>) -> Result<Option<Recorder>, String> {
+        let create = |(path, made): &(PathBuf, Made)| Recorder::create(path, &Origin::here(made, who, start), channels);
+        self.record.as_ref().map(create).transpose()
+    }
+}
+
+/// How the clocks of two ends stand to each other, as a report has it.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct CommonClock {
+    /// The other end's clock less this one's, now.
+    offset_us: f64,
+    /// By how much that may be wrong.
+    error_us: f64,
+    drift_ppm: f64,
+    drift_error_ppm: f64,
+    smallest_round_trip_us: f64,
+}
+
+impl CommonClock {
+    /// From the relation of the two clocks, when this end's own clock shows `now_s`, s.
+    pub fn at(relation: &Relation, now_s: f64) -> Self {
+        Self {
+            offset_us: 1e6 * relation.offset_s(now_s),
+            error_us: 1e6 * relation.error_s(now_s),
+            drift_ppm: 1e6 * relation.drift,
+            drift_error_ppm: 1e6 * relation.drift_error(),
+            smallest_round_trip_us: 1e6 * relation.round_trip_s,
+        }
+    }
+}
+
+/// What was seen of one run, as a report has it.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Seen {
+    /// Mean distance of the two copies over the last half, mm, from the other end's telemetry; its largest of all; and by how much the
+    /// clocks may make it wrong.
+    pub true_discrepancy_mm: Option<f64>,
+    /// Largest distance of the copies in the whole run, mm.
+    pub largest_true_discrepancy_mm: Option<f64>,
+    /// Largest error of a distance of the copies that the clocks may cause, mm.
+    pub true_discrepancy_error_mm: Option<f64>,
+    /// How the clocks stood at the end of the run; absent in a hub's report, and where no exchange was completed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub common_clock: Option<CommonClock>,
+    /// Where it was recorded, and what is missing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub recorded: Option<String>,
+}
+
+impl Seen {
+    /// From the distances of the last half and of the whole run, with the clocks and the recording, if there are any.
+    pub fn of(half: &Sum, all: &Sum, common_clock: Option<CommonClock>, recorded: Option<String>) -> Self {
+        let mm = |metres: Option<f64>| metres.map(|metres| 1e3 * metres);
+        Self {
+            true_discrepancy_mm: mm(half.mean_m()),
+            largest_true_discrepancy_mm: mm(all.largest_m()),
+            true_discrepancy_error_mm: mm(all.error_m()),
+            common_clock,
+            recorded,
+        }
+    }
+}
+
+/// Records and reports what a peer does.
+pub(crate) struct Watch {
+    recorder: Option<Recorder>,
+    pub teller: Teller,
+    partner: String,
+    period_s: f64,
+    /// Ticks of the experiment.
+    ticks: u64,
+    counts_ticks: bool,
+    patience: u32,
+    clock: Watched,
+    lives: u64,
+    own: Own,
+    of_second: Sum,
+    of_half: Sum,
+    of_all: Sum,
+    /// Ticks since the last packet, and how long the line has lived, in ticks.
+    silent: u32,
+    live_ticks: u32,
+    /// Ticks of this second, and those in which the line lived.
+    of_this: [u32; 2],
+    all_ticks: u64,
+    told: u64,
+}
+
+impl Watch {
+    /// Of peer `number`, whose clock began at `start`.
+    pub(crate) fn new(
+        wanted: &Wanted,
+        scene: &Scene,
+        number: u8,
+        start: Instant,
+        partner: String,
+        ticks: u64,
+    ) -> Result<Self, String> {
+        let channels = ticks::channels(&format!("peer_{number}"), scene.peer.axis.shared as usize);
+        let timing = &scene.peer.timing;
+        Ok(Self {
+            recorder: wanted.recorder(&format!("peer {number}"), start, channels)?,
+            teller: Teller::new(wanted.manner),
+            partner,
+            period_s: timing.control_period_s,
+            ticks,
+            counts_ticks: scene.law().sends == Sends::Counters,
+            patience: timing.ticks_per_packet,
+            clock: Watched::default(),
+            lives: 0,
+            own: Own::default(),
+            of_second: Sum::default(),
+            of_half: Sum::default(),
+            of_all: Sum::default(),
+            silent: u32::MAX,
+            live_ticks: 0,
+            of_this: [0; 2],
+            all_ticks: 0,
+            told: 0,
+        })
+    }
+
+    /// A datagram was taken; whether it brought flow.
+    pub(crate) fn heard<const SHARED: usize>(&mut self, now_ns: u64, line: &Line<SHARED>, flow: bool) {
+        if flow {
+            self.silent = 0;
+        }
+        if line.lives != self.lives {
+            self.lives = line.lives;
+            self.clock.forget();
+        }
+        if let Some(exchange) = self.clock.see(line.link.clock().newest()) {
+            self.record(ticks::EXCHANGES, now_ns, &ticks::exchange(&exchange, line.link.session_number()));
+            if self.clock.relation.is_none() {
+                self.clock.look();
+            }
+        }
+    }
+
+    /// The other end has sent its telemetry.
+    pub(crate) fn said(&mut self, said: &Telemetry, sealed_us: u64, armed_ticks: u64) {
+        let Some(apart) = self.own.apart(said, sealed_us, self.period_s, &self.clock) else { return };
+        self.of_second.add(apart);
+        self.of_all.add(apart);
+        if armed_ticks >= self.ticks / 2 {
+            self.of_half.add(apart);
+        }
+    }
+
+    fn record(&self, channel: u16, time_ns: u64, values: &[f64]) {
+        if let Some(recorder) = &self.recorder {
+            recorder.put(channel, time_ns, values);
+        }
+    }
+
+    /// A tick is over.
+    pub(crate) fn ticked<const SHARED: usize, const N: usize>(&mut self, now_ns: u64, node: &Node<SHARED, N>)
+    where
+        Flows<SHARED>: Into<Message>,
+    {
+        // All axes count the same.
+        let live_ticks = node.peer.outgoing()[0].live_ticks;
+        let live = if self.counts_ticks { live_ticks != self.live_ticks } else { self.silent < self.patience };
+        (self.live_ticks, self.silent) = (live_ticks, self.silent.saturating_add(1));
+        let mode = node.peer.mode();
+        for (axis, (seen, ledger)) in node.peer.observed().into_iter().zip(node.peer.ledger()).enumerate() {
+            let energies = [ledger.received_j(), ledger.sent_j()];
+            let row = ticks::tick(now_ns, self.all_ticks, mode, seen, energies, live);
+            self.record(ticks::of_axis(axis, ticks::SECONDS), now_ns, &row);
+        }
+        self.all_ticks += 1;
+        if mode == Mode::Armed {
+            self.own.is_at(now_ns as f64 * 1e-9, node.observed().object.position.into());
+        } else {
+            self.own.forget();
+        }
+        self.of_this[0] += 1;
+        self.of_this[1] += u32::from(live);
+        let line = &node.line;
+        let new = line.noticed - self.told;
+        for (time_us, notice) in line.notices.iter().rev().take(new as usize).rev() {
+            self.teller.notice(*time_us, "", notice);
+        }
+        self.told = line.noticed;
+        if f64::from(self.of_this[0]) * self.period_s >= 1.0 {
+            self.second(now_ns, node);
+        }
+    }
+
+    fn second<const SHARED: usize, const N: usize>(&mut self, now_ns: u64, node: &Node<SHARED, N>) {
+        self.clock.look();
+        let (time_s, link, sum) = (now_ns as f64 * 1e-9, &node.line.link, std::mem::take(&mut self.of_second));
+        let [ticks, live] = std::mem::take(&mut self.of_this);
+        let (relation, live_share) = (self.clock.relation.as_ref(), f64::from(live) / f64::from(ticks));
+        let number = |value: Option<f64>| value.unwrap_or(f64::NAN);
+        let of_clock = ticks::relation(time_s, relation);
+        let values = [number(sum.rms_m()), number(sum.largest_m()), number(sum.error_m()), live_share];
+        let missing = f64::from(link.counts().missing);
+        self.record(ticks::SECONDS, now_ns, &[&of_clock[..], &values, &[missing]].concat());
+        let mm = |metres: Option<f64>| metres.map(|metres| 1e3 * metres);
+        let (state, fault) = match node.peer.mode() {
+            Mode::Faulted(fault) => ("faulted", Some(format!("fault {}: {}", fault.number(), fault.explain()))),
+            Mode::Armed => ("armed", None),
+            _ if link.is_up() => ("waiting", None),
+            _ => ("calling", None),
+        };
+        self.teller.second(Second {
+            time_s,
+            done_s: node.armed_ticks as f64 * self.period_s,
+            of_s: self.ticks as f64 * self.period_s,
+            state,
+            partner: self.partner.clone(),
+            round_trip_us: link.clock().round_trip_us(),
+            true_discrepancy_mm: mm(sum.rms_m()),
+            largest_true_discrepancy_mm: mm(sum.largest_m()),
+            true_discrepancy_error_mm: mm(sum.error_m()),
+            clock_error_us: relation.map(|relation| 1e6 * relation.error_s(time_s)),
+            live_share: link.is_up().then_some(live_share),
+            fault,
+        });
+    }
+
+    /// What there was to see; the recording is closed.
+    pub(crate) fn end(mut self, now_s: f64) -> Seen {
+        self.clock.look();
+        let clock = self.clock.relation.as_ref().map(|relation| CommonClock::at(relation, now_s));
+        if let Some(clock) = clock.filter(|clock| clock.error_us > 1e6 * GOOD_CLOCK_S) {
+            let CommonClock { error_us, smallest_round_trip_us, .. } = clock;
+            self.teller.words(format!(
+                "the clocks of the two ends are known to {:.2} ms only, not to 0.1 ms as on a local network: half of the smallest \
+                 round trip ({:.2} ms) cannot be told from a difference of the two ways",
+                1e-3 * error_us,
+                1e-3 * smallest_round_trip_us
+            ));
+        }
+        let recorded = self.recorder.take().map(Recorder::finish);
+        if let Some(ended) = &recorded {
+            self.teller.words(ended.told());
+        }
+        Seen::of(&self.of_half, &self.of_all, clock, recorded.as_ref().map(Ended::told))
+    }
+}

@@ -1,0 +1,13 @@
+//! Reports: what an experiment found, as files that people and other programs can read.
+//!
+//! Nothing here knows about haptics. The same data give the same bytes on every run, but for the record of when and by
+//! which program they were made: no system font, no map with a random order. Empty tables, NaN and constant data are
+//! ordinary input everywhere.
+#![forbid(unsafe_code)]
+
+mod columns;
+pub mod files;
+
+pub use columns::{Cell, Column, Columns, Rows, Values, numbered, word};
+pub use files::{Files, Made};
+pub use haptic_plot::{ReportError, significant};

@@ -1,7 +1,0 @@
-//! A PC's end of a board: its operator, what it records, its calibration, and the first hour with it.
-
-pub mod bringup;
-pub mod calibrate;
-pub mod operator;
-pub mod recording;
-pub mod status;

@@ -1,0 +1,196 @@
+//! A cell of the campaign: one way to hold the copies together over one network, run with every seed.
+
+use rayon::prelude::*;
+
+use haptic_core::law::Promise;
+use haptic_core::safety::Fault;
+use haptic_core::settings::Refused;
+use haptic_sim::measure::growth::Forces;
+use haptic_sim::measure::swing::{Felt, felt};
+use haptic_sim::pair::Pair;
+use haptic_sim::run::{Options, Outcome, Verdict, run};
+use haptic_sim::scene::Scene;
+use haptic_sim::user::{Trace, User};
+
+use super::networks;
+use crate::{Failure, estimate::Estimate};
+
+/// Simulated time of a run, s.
+pub const DURATION_S: f64 = 20.0;
+
+/// Runs of a cell whose network is random.
+pub const SEEDS: u32 = 20;
+
+/// What either user pushes in the run that measures the way, N.
+pub const WAY_N: f64 = 1.0;
+
+/// And for how long, s.
+pub const WAY_S: f64 = 1.0;
+
+/// After how long at rest, s: a line that follows the network has learned it.
+pub const REST_S: f64 = 3.0;
+
+/// What a common push shows.
+#[derive(Clone, Copy, Debug)]
+struct Way {
+    /// How far the copies are in the end, their mean, m.
+    way_m: f64,
+    /// Largest |F_T|, N.
+    peak_n: f64,
+}
+
+/// One way to hold the copies together over one network.
+#[derive(Clone, Debug)]
+pub struct Cell {
+    /// Name of the law, or of the scene.
+    pub comm: String,
+    /// Name of the network.
+    pub network: String,
+    /// Whether it promises to be passive on any network.
+    pub passive: bool,
+    /// What the runs gave, seed by seed.
+    pub outcomes: Vec<Outcome>,
+    /// What a slow swing shows of a scene that is stable, its delay less the network's own; of [`super::costs`] only.
+    pub swing: Option<Felt>,
+    /// Common pushes, seed by seed; none of one in which a peer stopped.
+    ways: Vec<Option<Way>>,
+    /// The way on the scene's own network, m.
+    free_way_m: Option<f64>,
+}
+
+impl Cell {
+    /// Whether every run was stable.
+    pub fn is_stable(&self) -> bool {
+        self.outcomes.iter().all(Outcome::is_stable)
+    }
+
+    /// Runs of this verdict.
+    pub fn count(&self, verdict: Verdict) -> usize {
+        self.outcomes.iter().filter(|outcome| outcome.verdict() == verdict).count()
+    }
+
+    /// The worst verdict, and of how many of the runs.
+    pub fn verdict(&self) -> String {
+        let worst = [Verdict::Unstable, Verdict::Apart].into_iter().find(|verdict| self.count(*verdict) > 0);
+        let worst = worst.unwrap_or(Verdict::Stable);
+        format!("{} {}/{}", worst.name(), self.count(worst), self.outcomes.len())
+    }
+
+    /// What it is of every run, if all were whole.
+    fn whole(&self, of: impl Fn(&Outcome) -> f64) -> Option<Vec<f64>> {
+        self.outcomes.iter().map(|outcome| outcome.whole(&of)).collect()
+    }
+
+    /// The largest of all runs, if all were whole.
+    pub fn worst(&self, of: impl Fn(&Outcome) -> f64) -> Option<f64> {
+        // What is no number of one run is none of all: they are of one scene.
+        self.whole(of)?.into_iter().reduce(f64::max).filter(|worst| !worst.is_nan())
+    }
+
+    /// The true discrepancy over the seeds, if all runs were whole.
+    pub fn true_discrepancy_mm(&self) -> Option<Estimate> {
+        self.whole(|outcome| outcome.whole.true_discrepancy_mm).map(|values| Estimate::of(&values))
+    }
+
+    /// The decoded discrepancy at peer 2 over the seeds, if all runs were whole.
+    pub fn decoded_discrepancy_mm(&self) -> Option<Estimate> {
+        self.whole(|outcome| outcome.whole.decoded_discrepancy_mm).map(|values| Estimate::of(&values))
+    }
+
+    /// The way under a common push over that on the scene's own network, if no peer stopped in either.
+    pub fn way(&self) -> Option<Estimate> {
+        let free_m = self.free_way_m?;
+        let ways: Option<Vec<f64>> = self.ways.iter().map(|way| Some((*way)?.way_m / free_m)).collect();
+        ways.map(|ways| Estimate::of(&ways))
+    }
+
+    /// The largest |F_T| of any common push, N.
+    pub fn way_peak_n(&self) -> Option<f64> {
+        self.ways.iter().try_fold(0.0_f64, |most, way| Some(most.max((*way)?.peak_n)))
+    }
+
+    /// The fault of the first run that had one.
+    pub fn fault(&self) -> Option<(usize, Fault)> {
+        self.outcomes.iter().find_map(|outcome| outcome.fault)
+    }
+
+    /// Why the first of the runs with the worst verdict is not stable.
+    pub fn reason(&self) -> Option<String> {
+        let failed = |outcome: &&Outcome| outcome.verdict() == Verdict::Unstable;
+        let first = self.outcomes.iter().find(failed).or(self.outcomes.iter().find(|outcome| !outcome.is_stable()));
+        first.and_then(|outcome| outcome.reason).map(|reason| reason.to_string())
+    }
+}
+
+/// Both users push the same way, from rest.
+fn way(scene: &Scene) -> Result<Option<Way>, Refused<'static>> {
+    let mut pushed = scene.clone();
+    for (user, sign) in pushed.users.iter_mut().zip([1.0, -1.0]) {
+        // The arm stays, what the user does with it does not. A push of user 2 toward the other peer is toward negative x.
+        let arm = user.settings.user;
+        *user = User::default();
+        let own = &mut user.settings.user;
+        own.arm_damping_n_s_per_m = arm.arm_damping_n_s_per_m;
+        own.arm_mass_kg = arm.arm_mass_kg;
+        user.trace = Some(Trace::step(REST_S, sign * WAY_N));
+    }
+    let mut pair = Pair::<f64>::new(&pushed)?;
+    let ticks = |time_s: f64| (time_s / scene.peer.timing.control_period_s).round() as u64;
+    (0..ticks(REST_S)).for_each(|_| pair.step());
+    let ticks = ticks(WAY_S);
+    let mut forces = Forces::new(ticks);
+    let middle =
+        |pair: &Pair<f64>| pair.sides().map(|side| side.peer.observed()[0].object.position).iter().sum::<f64>() / 2.0;
+    let mut start_m = 0.0;
+    for tick in 0..ticks {
+        pair.step();
+        forces.see(tick, pair.sides().map(|side| side.peer.observed()[0].coordination_force));
+        if tick == 0 {
+            start_m = middle(&pair);
+        }
+    }
+    let way = Way { way_m: middle(&pair) - start_m, peak_n: forces.peak() };
+    Ok(pair.fault().is_none().then_some(way))
+}
+
+/// Whether this scene promises to be passive on any network: its law does, or the ledger that pays for what the law emits.
+fn is_passive(scene: &Scene) -> bool {
+    scene.peer.coordination.ledger || scene.law().promises.contains(&Promise::Passive)
+}
+
+/// How far a common push gets on the scene's own network, m, if no peer stops.
+pub(super) fn free_way_m(scene: &Scene) -> Result<Option<f64>, Refused<'static>> {
+    Ok(way(scene)?.map(|way| way.way_m))
+}
+
+/// Runs every cell (comm, network, its scene over that network, [`free_way_m`] of its scene on its own) in parallel; the order and
+/// every bit are the same on any number of threads.
+pub(super) fn run_all(cells: Vec<(String, &str, Scene, Option<f64>)>, periods: u32) -> Result<Vec<Cell>, Failure> {
+    let seeds = |scene: &Scene| if networks::is_random(scene) { SEEDS } else { 1 };
+    let jobs: Vec<(&Scene, u32)> =
+        cells.iter().flat_map(|(_, _, scene, _)| (0..seeds(scene)).map(move |later| (scene, later))).collect();
+    let job = |(scene, later): (&Scene, u32)| {
+        let mut scene = scene.clone();
+        scene.world.network.seed = scene.world.network.seed.wrapping_add(later);
+        let outcome = run::<f64>(&scene, Options { duration_s: DURATION_S, record_every: 0 }, &|_| {})?;
+        Ok::<_, Failure>((outcome, way(&scene)?))
+    };
+    let runs: Vec<(Outcome, Option<Way>)> = jobs.into_par_iter().map(job).collect::<Result<_, _>>()?;
+    let mut runs = runs.into_iter();
+    let mut done = Vec::new();
+    for &(ref comm, network, ref scene, free_way_m) in &cells {
+        let (outcomes, ways) = runs.by_ref().take(seeds(scene) as usize).unzip();
+        let (comm, network, passive) = (comm.clone(), network.to_owned(), is_passive(scene));
+        done.push((scene, Cell { comm, network, passive, outcomes, swing: None, ways, free_way_m }));
+    }
+    let swung = |(scene, mut cell): (&Scene, Cell)| {
+        if periods > 0 && cell.is_stable() {
+            let timing = &scene.peer.timing;
+            let own_s = timing.packet_period_s() * f64::from(scene.world.network.one_way_delay_packets);
+            let swing = felt(scene, periods)?;
+            cell.swing = Some(Felt { delay_s: swing.delay_s - own_s, ..swing });
+        }
+        Ok(cell)
+    };
+    done.into_par_iter().map(swung).collect()
+}

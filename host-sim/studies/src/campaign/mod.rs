@@ -1,0 +1,290 @@
+//! Every kind of communications over bad networks: the fault campaign, and what passivity costs.
+//!
+//! The forces are those of the cooperation paper's §5.2 and the peers those of the paper's gains, with the implicit decode
+//! and no object delay, so that what breaks is the network's doing.
+//!
+//! **Nothing is chosen**: where the network draws random numbers a cell is [`SEEDS`] runs, of the scene's seed and those after it, else one. If a
+//! single one of them failed the cell has no figures; of copies that came apart only the figures that say how far are kept.
+//!
+//! | column | what | ideal |
+//! |---|---|---|
+//! | verdict | the worst of the seeds, and how many of them had it | stable |
+//! | true | mean of \|x_o1 − x_o2\| over the last half of [`DURATION_S`]: mean over the seeds and half of its 95 % interval (Student) | F/K_T + F·T/b |
+//! | worst | the largest of it at any instant of any seed | |
+//! | channel | what a peer took from the network over what the other one gave to it, worst direction and seed: above 1 the network makes energy, which is what a hand feels as an object that comes alive (THEORY §5) | ≤ 1 |
+//! | peer | what left the ports of a peer's coordination over what entered them ([`haptic_sim::measure::port`]), worst peer and seed: above 1 the peer makes energy | ≤ 1 |
+//! | peak, jump | largest F_T of any seed, and its largest change from tick to tick | |
+//! | way | how far the copies (their mean) are after both users have pushed [`WAY_N`] the same way for [`WAY_S`], after [`REST_S`] at rest, over the same on the scene's own network: mean over the seeds | 1 |
+//! | its peak | largest F_T in any of those runs: what an object that moves and is held by a bad network does to a hand | |
+//!
+//! | column of the costs | what | ideal |
+//! |---|---|---|
+//! | added delay | from one peer's tick to the other's that acts on it, less the network's own delay | 0 |
+//! | apparent mass | what both hands feel when they move the object together (transparency) | 2·m_O |
+//! | drag | what they lose while they do | 0 |
+//!
+//! Delay, mass and drag are measured on a slow swing ([`haptic_sim::measure::swing`]) with the first seed. A sample that is held for a
+//! packet period is (M − 1)/2 ticks late on average, in every row; a wave is sent a tick after it was made.
+//!
+//! A law from outside the crate is tried as well, at the gains that it declares; core's own are, if they are asked for: [`laws`].
+
+mod cells;
+pub mod laws;
+mod networks;
+pub mod sending;
+
+use haptic_core::law::Sends;
+
+use haptic_report::{Columns, Rows};
+use haptic_sim::peers::Laws;
+use haptic_sim::run::{Outcome, Verdict};
+use haptic_sim::scene::Scene;
+use haptic_sim::{scenes, user::User};
+
+use self::networks::Named;
+use super::Failure;
+
+pub use self::cells::{Cell, DURATION_S, REST_S, SEEDS, WAY_N, WAY_S};
+
+/// Communications, with what they need: name and settings.
+pub const COMMS: [Named; 5] = [
+    ("power", &["coordination.comm=power", "coordination.stiffness_n_per_m=310"]),
+    ("wave", &["coordination.comm=wave", "coordination.stiffness_n_per_m=1590"]),
+    (
+        "passive-wave+ledger",
+        &["coordination.comm=passive-wave", "coordination.stiffness_n_per_m=10000", "coordination.ledger=true"],
+    ),
+    (
+        "passive-mean+ledger+correction",
+        &[
+            "coordination.comm=passive-mean",
+            "coordination.stiffness_n_per_m=10000",
+            "coordination.ledger=true",
+            "coordination.drift_correction=true",
+        ],
+    ),
+    ("self-timed", SELF_TIMED),
+];
+
+/// The built-in scene `any-network` on the forces of the others.
+const SELF_TIMED: &[&str] = &[
+    "coordination.comm=self-timed",
+    "object.integrator=midpoint",
+    "timing.ticks_per_packet=1",
+    "network.one_way_delay_packets=8",
+    "object.mass_kg=0.02",
+    "coordination.wave_impedance_n_s_per_m=60",
+    "coordination.stiffness_n_per_m=10000",
+    "safety.fade_s=5",
+    "safety.disengage_s=8",
+];
+
+/// These ways to hold the copies together, and every law from outside the crate that sends something.
+fn with_outside(laws: Laws, named: &[Named]) -> Vec<(&'static str, Vec<String>)> {
+    let owned = |settings: &[&str]| settings.iter().map(|setting| (*setting).to_owned()).collect();
+    let mut all: Vec<(&str, Vec<String>)> = named.iter().map(|(name, settings)| (*name, owned(settings))).collect();
+    for name in laws.outside() {
+        let law = laws.kinds().iter().find(|law| law.name == name && law.sends != Sends::Nothing);
+        all.extend(law.map(|law| (name, [vec![format!("coordination.comm={name}")], owned(law.gains)].concat())));
+    }
+    all
+}
+
+/// Ways to hold the copies together: name and settings.
+pub const CHOICES: [Named; 10] = [
+    ("power", &["coordination.comm=power", "coordination.stiffness_n_per_m=310"]),
+    ("wave", &["coordination.comm=wave", "coordination.stiffness_n_per_m=1590"]),
+    ("wave + ledger", &["coordination.comm=wave", "coordination.stiffness_n_per_m=1590", "coordination.ledger=true"]),
+    ("passive-wave", &["coordination.comm=passive-wave", "coordination.stiffness_n_per_m=10000"]),
+    (
+        "passive-wave + ledger",
+        &["coordination.comm=passive-wave", "coordination.stiffness_n_per_m=10000", "coordination.ledger=true"],
+    ),
+    ("passive-mean", &["coordination.comm=passive-mean", "coordination.stiffness_n_per_m=10000"]),
+    (
+        "passive-mean + ledger",
+        &["coordination.comm=passive-mean", "coordination.stiffness_n_per_m=10000", "coordination.ledger=true"],
+    ),
+    (
+        "passive-mean + ledger + correction",
+        &[
+            "coordination.comm=passive-mean",
+            "coordination.stiffness_n_per_m=10000",
+            "coordination.ledger=true",
+            "coordination.drift_correction=true",
+        ],
+    ),
+    (
+        "passive-mean + ledger + correction + play-out",
+        &[
+            "coordination.comm=passive-mean",
+            "coordination.stiffness_n_per_m=10000",
+            "coordination.ledger=true",
+            "coordination.drift_correction=true",
+            "network.playout_packets=2",
+        ],
+    ),
+    (
+        "self-timed",
+        &["coordination.comm=self-timed", "coordination.stiffness_n_per_m=10000", "object.integrator=midpoint"],
+    ),
+];
+
+/// The scene that every comm is tried in, with gains of its own.
+const BASE: &str = "paper-5.2-passive-wave-16ms";
+
+/// With these peers, so that what breaks is the network's doing.
+const PEERS: [&str; 3] =
+    ["coordination.decode=implicit", "object.integrator=semi-implicit", "object.force_delay_ticks=0"];
+
+/// Periods of the swing: losses average out.
+const PERIODS: u32 = 60;
+
+/// Runs every one of these scenes over every network.
+fn over_networks(scenes: &[(String, Scene)], networks: &[Named], periods: u32) -> Result<Vec<Cell>, Failure> {
+    let mut cells = Vec::new();
+    for (comm, scene) in scenes {
+        let free_way_m = cells::free_way_m(scene)?;
+        for (network, settings) in networks {
+            cells.push((comm.clone(), *network, networks::over(scene, settings)?, free_way_m));
+        }
+    }
+    cells::run_all(cells, periods)
+}
+
+/// The scenes of these ways to hold the copies together, and of every law from outside the crate that sends something.
+fn scenes(laws: Laws, named: &[Named]) -> Result<Vec<(String, Scene)>, Failure> {
+    let scene = |(comm, settings): (&str, Vec<String>)| {
+        let mut scene = scenes::load(laws, BASE)?;
+        PEERS.into_iter().chain(settings.iter().map(String::as_str)).try_for_each(|set| scene.apply_override(set))?;
+        Ok((comm.to_owned(), scene))
+    };
+    with_outside(laws, named).into_iter().map(scene).collect()
+}
+
+/// Runs every law over every impaired network.
+///
+/// # Errors
+/// A scene that cannot be built or run.
+pub fn campaign(laws: Laws) -> Result<Vec<Cell>, Failure> {
+    over_networks(&scenes(laws, &COMMS)?, networks::IMPAIRMENTS, 0)
+}
+
+/// The campaign of one scene as it is, called `name`: its peers, its packets, its network where an impairment says
+/// nothing, its users if any of them does something, else those of the paper's §5.2.
+///
+/// # Errors
+/// A scene that cannot be built or run.
+pub fn of_scene(laws: Laws, name: &str, scene: &Scene) -> Result<Vec<Cell>, Failure> {
+    let mut scene = scene.clone();
+    if !scene.users.iter().any(User::acts) {
+        scene.users = scenes::load(laws, BASE)?.users;
+    }
+    over_networks(&[(name.to_owned(), scene)], networks::IMPAIRMENTS, 0)
+}
+
+/// What every way to hold the copies together costs, network by network.
+///
+/// # Errors
+/// A scene that cannot be built or run.
+pub fn costs(laws: Laws) -> Result<Vec<Cell>, Failure> {
+    let mut cells = over_networks(&scenes(laws, &CHOICES)?, networks::FEW, PERIODS)?;
+    cells.sort_by_key(|cell| networks::FEW.iter().position(|(name, _)| *name == cell.network));
+    Ok(cells)
+}
+
+/// Columns that campaign and costs share.
+fn runs<'a>(rows: Rows<'a, Cell>) -> Rows<'a, Cell> {
+    rows.value("stable", Cell::is_stable)
+        .means("whether every seed's run is stable")
+        .data_only()
+        .value("verdict", Cell::verdict)
+        .means("the worst of the seeds (stable, apart, NO), and how many of them had it")
+        .number("true_discrepancy_mm", 2, |cell| cell.true_discrepancy_mm().map(|estimate| estimate.mean))
+        .means("mean of |x_o1 - x_o2| over the last half, mean over the seeds")
+        .head("true")
+        .number("true_discrepancy_95_mm", 2, |cell| cell.true_discrepancy_mm().and_then(|estimate| estimate.within_95))
+        .means("half of its 95 % interval over the seeds (Student)")
+        .head("±")
+        .number("decoded_discrepancy_mm", 2, |cell| cell.decoded_discrepancy_mm().map(|estimate| estimate.mean))
+        .means("mean of |x_o - x_d| at peer 2 over the last half, mean over the seeds")
+        .data_only()
+        .number("decoded_discrepancy_95_mm", 2, |cell| cell.decoded_discrepancy_mm().and_then(|one| one.within_95))
+        .means("half of its 95 % interval over the seeds (Student)")
+        .data_only()
+        .number("worst_true_discrepancy_mm", 2, |cell| cell.worst(|o| o.whole.largest_true_discrepancy_mm))
+        .means("the largest |x_o1 - x_o2| at any instant of any seed")
+        .head("worst")
+        .number("energy_out_over_in", 4, |cell| cell.worst(Outcome::energy_out_over_in))
+        .means("energy that a peer took from the network over what the other one gave to it, worst direction and seed")
+        .head("channel out/in")
+        .number("peer_energy_out_over_in", 4, |cell| cell.worst(|o| o.peer_energy_out_over_in().unwrap_or(f64::NAN)))
+        .means("energy that left the ports of a peer's coordination over what entered them, worst peer and seed")
+        .head("peer out/in")
+}
+
+/// The campaign as a table.
+pub fn columns(cells: &[Cell]) -> Columns {
+    let named = Columns::of(cells)
+        .value("comm", |cell| cell.comm.as_str())
+        .means("how the copies are held together")
+        .value("passive", |cell| cell.passive)
+        .means("whether it promises to be passive on any network")
+        .data_only()
+        .value("impairment", |cell| cell.network.as_str())
+        .means("what the network does")
+        .head("network");
+    runs(named)
+        .number("peak_force_n", 2, |cell| cell.worst(|o| o.whole.peak_coordination_force_n))
+        .means("largest |F_T| of any seed")
+        .head("peak")
+        .number("largest_jump_n", 3, |cell| cell.worst(|o| o.whole.largest_jump_n))
+        .means("largest change of F_T from tick to tick, of any seed")
+        .head("jump")
+        .number("way", 2, |cell| cell.way().map(|estimate| estimate.mean))
+        .means("how far a common push moves the copies, over the same on the scene's own network: mean over the seeds")
+        .number("way_95", 2, |cell| cell.way().and_then(|estimate| estimate.within_95))
+        .means("half of its 95 % interval over the seeds (Student)")
+        .data_only()
+        .number("way_peak_force_n", 2, Cell::way_peak_n)
+        .means("largest |F_T| in any of those runs")
+        .head("its peak")
+        .value("seeds", |cell| cell.outcomes.len())
+        .means("runs of the cell")
+        .data_only()
+        .value("stable_seeds", |cell| cell.count(Verdict::Stable))
+        .means("how many of them are stable")
+        .data_only()
+        .value("apart_seeds", |cell| cell.count(Verdict::Apart))
+        .means("in how many of them the copies came apart")
+        .data_only()
+        .value("fault", |cell| cell.fault().map(|(peer, fault)| format!("peer {peer}: {fault:?}")))
+        .means("the fault of the first run that had one, and whose it is")
+        .value("reason", Cell::reason)
+        .means("why the first of the runs with the worst verdict is not stable")
+        .data_only()
+        .done()
+}
+
+/// The costs as a table.
+pub fn cost_columns(costs: &[Cell]) -> Columns {
+    let named = Columns::of(costs)
+        .value("network", |cost| cost.network.as_str())
+        .means("what the network does")
+        .value("choice", |cost| cost.comm.as_str())
+        .means("how the copies are held together")
+        .head("comm");
+    runs(named)
+        .number("added_delay_ms", 1, |cost| cost.swing.map(|swing| 1e3 * swing.delay_s))
+        .means("from one peer's tick to the other's that acts on it, less the network's own delay")
+        .number("apparent_mass_kg", 3, |cost| cost.swing.map(|swing| swing.mass_kg))
+        .means("what both hands feel when they move the object together")
+        .head("mass")
+        .number("drag_n_s_per_m", 2, |cost| cost.swing.map(|swing| swing.drag_n_s_per_m))
+        .means("drag that both hands feel while they move it")
+        .done()
+}
+
+#[cfg(test)]
+#[path = "../../tests/inside/campaign.rs"]
+mod tests;

@@ -1,0 +1,20 @@
+//! Numbers that a paper, the documentation or a reviewed table prints.
+#![forbid(unsafe_code)]
+
+pub mod accuracy;
+pub mod architectures;
+pub mod campaign;
+pub mod compare;
+pub mod estimate;
+pub mod figures;
+pub mod force;
+pub mod paper;
+pub mod precision;
+pub mod proof;
+pub mod published;
+pub mod record;
+pub mod reproduce;
+pub mod sweep;
+pub mod transparency;
+
+type Failure = Box<dyn std::error::Error + Send + Sync>;

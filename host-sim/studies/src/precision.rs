@@ -1,0 +1,290 @@
+//! How far f32 and fixed point stray from f64 in the same scene, and whether that is rounding or the scene's own chaos.
+//!
+//! Three pairs run side by side, f64, f32 and I32F32, each with its own devices in f64, on the same pushes; and a **shadow**, a
+//! second pair in f64 whose first device starts 1 nm (10⁻⁹ m) further to the right, otherwise the same. What the shadow's distance
+//! grows to, the scene makes of any difference. A number type that is no further from f64 than that makes of one of its own
+//! rounding steps is called **chaos**: a better number type would not help. Otherwise its rounding adds up: **error**. Where nothing
+//! grows and the number type is no further off than one step, it is **rounding** and no more.
+//!
+//! - Distance: the largest difference of either copy's position so far.
+//! - Growth rate λ: least squares of the logarithm of the shadow's distance over time, of the largest in each tenth of a second, until
+//!   it is [`GROWN`] times that of the start, 10 µm; after that it saturates. If it never is, all of the run is fitted.
+//! - What the scene makes of one step: the shadow's largest distance over 1 nm; once that has grown, e^(λt), but no more than
+//!   [`APART`] times the shadow's distance, for two runs that have nothing to do with each other any more differ by chance.
+//!
+//! Two modes of the copies are distinguished: the **common** one, their mean position, which nothing pulls back where the hands have
+//! no arms, so that forces that are rounded move it at random; and the **relative** one, x_1 − x_2, which the coordination holds. In a
+//! line that decodes its waves into a velocity (`wave`) the relative mode is at rest anywhere, too (THEORY §2), and walks; a
+//! self-timed line sums the waves themselves, and it does not.
+
+use haptic_core::{num::Fixed, settings::Refused};
+
+use haptic_report::Columns;
+use haptic_sim::{pair::Pair, peers::Number, scene::Scene};
+
+/// How much further the first device of the shadow starts, m.
+const DISPLACED_M: f64 = 1e-9;
+/// How much a distance grows before it counts as the scene's own making, and is fitted no further.
+pub const GROWN: f64 = 1e4;
+/// How much further apart than f64 and its shadow two runs may be by chance that part at other times.
+pub const APART: f64 = 10.0;
+/// The shadow's distance is fitted by its largest in so many seconds.
+const WINDOW_S: f64 = 0.1;
+/// When a row is taken, beside the end, s: a minute, an hour, ten.
+pub const ROWS_S: [f64; 3] = [60.0, 3600.0, 36_000.0];
+
+/// Largest differences from f64 so far.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Differences {
+    /// Of the mean of both copies' positions, m.
+    pub common_m: f64,
+    /// Of x_1 − x_2, m.
+    pub relative_m: f64,
+    /// Of either copy's position, m.
+    pub position_m: f64,
+    /// Of either coordination force, N.
+    pub force_n: f64,
+}
+
+/// Where a difference from f64 comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// The scene makes as much of one rounding step.
+    Chaos,
+    /// It is one rounding step.
+    Rounding,
+    /// Rounding steps add up.
+    Error,
+}
+
+/// Differences of a number type from f64.
+#[derive(Clone, Copy, Debug)]
+pub struct Rounded {
+    /// Largest differences from the pair in f64 so far.
+    pub from_f64: Differences,
+    /// Step of the number type at the largest position seen, m.
+    pub position_step_m: f64,
+    /// Whether its distance from f64 is chaos, rounding or error.
+    pub verdict: Verdict,
+}
+
+/// What a run of a scene in three number types gave until a time.
+#[derive(Clone, Debug)]
+pub struct Precision {
+    /// Name of the scene that was run.
+    pub scene: String,
+    /// Simulated time until here, s.
+    pub time_s: f64,
+    /// Largest position of either copy in f64, m.
+    pub largest_position_m: f64,
+    /// Largest differences of the shadow from the pair in f64.
+    pub shadow: Differences,
+    /// λ; none where there is too little to fit.
+    pub growth_per_s: Option<f64>,
+    /// What the scene makes of a difference of 1.
+    pub amplification: f64,
+    /// How far the pair in f32 strayed from f64.
+    pub f32: Rounded,
+    /// How far the pair in fixed point, I32F32, strayed from f64.
+    pub i32f32: Rounded,
+    /// Where f64 itself faulted: differences were taken until then.
+    pub faulted_after_s: Option<f64>,
+    /// Chaos or error, and how much of it.
+    pub why: String,
+}
+
+/// Runs the scene for `duration_s`: a row at each of [`ROWS_S`] within it, and at the end.
+pub fn measure(name: &str, scene: &Scene, duration_s: f64) -> Result<Vec<Precision>, Refused<'static>> {
+    let (mut double, mut shadow) = (Pair::<f64>::new(scene)?, Pair::<f64>::new(scene)?);
+    let (mut single, mut fixed) = (Pair::<f32>::new(scene)?, Pair::<Fixed>::new(scene)?);
+    if let Some(first) = shadow.sides_mut().next() {
+        first.plant.free_axis().0.position += DISPLACED_M;
+    }
+    let ticks_in = |time_s: f64| (time_s / scene.peer.timing.control_period_s).round().max(1.0) as u64;
+    let (ticks, window) = (ticks_in(duration_s), ticks_in(WINDOW_S));
+    let rows_at = ROWS_S.map(ticks_in);
+    let mut seen = Seen::default();
+    let mut rows = Vec::new();
+    for tick in 1..=ticks {
+        double.step();
+        if double.fault().is_some() {
+            rows.push(seen.row(name, scene, double.time_s(), true));
+            break;
+        }
+        shadow.step();
+        single.step();
+        fixed.step();
+        for side in double.sides() {
+            seen.largest_m = seen.largest_m.max(side.peer.observed()[0].object.position.abs());
+        }
+        let distance_m = seen.shadow.see(&double, &shadow);
+        seen.f32.see(&double, &single);
+        seen.i32f32.see(&double, &fixed);
+        seen.window_m = seen.window_m.max(distance_m);
+        if tick % window == 0 {
+            seen.distances.push((double.time_s(), std::mem::take(&mut seen.window_m)));
+        }
+        if tick == ticks || rows_at.contains(&tick) {
+            rows.push(seen.row(name, scene, double.time_s(), false));
+        }
+    }
+    Ok(rows)
+}
+
+/// What was seen until now.
+#[derive(Default)]
+struct Seen {
+    largest_m: f64,
+    shadow: Differences,
+    f32: Differences,
+    i32f32: Differences,
+    /// Time, s, and largest distance of the shadow in the window that ended then, m.
+    distances: Vec<(f64, f64)>,
+    /// The same in this window.
+    window_m: f64,
+}
+
+impl Seen {
+    fn row(&self, name: &str, scene: &Scene, time_s: f64, faulted: bool) -> Precision {
+        let shadow = self.shadow;
+        let grown = shadow.position_m >= GROWN * DISPLACED_M;
+        let until_m = GROWN * DISPLACED_M;
+        let fitted: Vec<_> =
+            self.distances.iter().take_while(|(_, distance_m)| *distance_m < until_m).copied().collect();
+        let growth_per_s = growth_per_s(&fitted);
+        let ratio = shadow.position_m / DISPLACED_M;
+        let amplification = match growth_per_s {
+            Some(rate) if grown => ratio.max((rate * time_s).exp()),
+            _ => ratio,
+        };
+        let rounded = |from_f64: Differences, position_step_m: f64| {
+            let makes_m = amplification * position_step_m;
+            let verdict = if grown && from_f64.position_m <= makes_m.min(APART * shadow.position_m) {
+                Verdict::Chaos
+            } else if !grown && from_f64.position_m <= makes_m.max(position_step_m) {
+                Verdict::Rounding
+            } else {
+                Verdict::Error
+            };
+            Rounded { from_f64, position_step_m, verdict }
+        };
+        // Steps: 2^(exponent − 23) for f32, 2^−32 for I32F32.
+        let step_of_f32 = if self.largest_m > 0.0 { (self.largest_m.log2().floor() - 23.0).exp2() } else { 0.0 };
+        let (f32, i32f32) = (rounded(self.f32, step_of_f32), rounded(self.i32f32, (-32.0_f64).exp2()));
+        let why = if faulted && scene.is_linear() {
+            "unstable: every difference grows with the oscillation until the peers fault".to_owned()
+        } else {
+            let grows = if grown { "as far as the shadow".to_owned() } else { format!("to {amplification:.1}") };
+            format!("f32 {}; I32F32 {}; one step grows {grows}", f32.judged(), i32f32.judged())
+        };
+        Precision {
+            scene: name.to_owned(),
+            time_s,
+            largest_position_m: self.largest_m,
+            shadow,
+            growth_per_s,
+            amplification,
+            f32,
+            i32f32,
+            faulted_after_s: faulted.then_some(time_s),
+            why,
+        }
+    }
+}
+
+impl Differences {
+    /// Takes in how far the copies are apart now; how far that is, m.
+    fn see<S: Number>(&mut self, reference: &Pair<f64>, other: &Pair<S>) -> f64 {
+        let (exact, rounded) = (reference.sides().map(|side| side.peer.observed()[0]), other.sides());
+        let [first, second] = [0, 1].map(|at| {
+            let (exact, rounded) = (exact[at], rounded[at].peer.observed()[0]);
+            let force = (exact.coordination_force - rounded.coordination_force.to_f64()).abs();
+            self.force_n = self.force_n.max(force);
+            rounded.object.position.to_f64() - exact.object.position
+        });
+        let distance_m = first.abs().max(second.abs());
+        self.common_m = self.common_m.max((0.5 * (first + second)).abs());
+        self.relative_m = self.relative_m.max((first - second).abs());
+        self.position_m = self.position_m.max(distance_m);
+        distance_m
+    }
+}
+
+impl Verdict {
+    fn label(self) -> &'static str {
+        match self {
+            Self::Chaos => "chaos",
+            Self::Rounding => "rounding",
+            Self::Error => "error",
+        }
+    }
+}
+
+impl Rounded {
+    fn judged(&self) -> String {
+        let steps = if self.position_step_m > 0.0 { self.from_f64.position_m / self.position_step_m } else { 0.0 };
+        format!("{}, {steps:.0} steps", self.verdict.label())
+    }
+}
+
+/// Slope of the logarithm of distances (m) over time (s) by least squares, 1/s; a distance of 0 has none.
+fn growth_per_s(distances: &[(f64, f64)]) -> Option<f64> {
+    let points =
+        || distances.iter().filter(|point| point.1 > 0.0).map(|(time_s, distance_m)| (*time_s, distance_m.ln()));
+    let count = points().count() as f64;
+    let sums = points().fold((0.0, 0.0), |sums, point| (sums.0 + point.0, sums.1 + point.1));
+    let mean = (sums.0 / count, sums.1 / count);
+    let (over, under) = points().fold((0.0, 0.0), |(over, under), (time, log)| {
+        (over + (time - mean.0) * (log - mean.1), under + (time - mean.0) * (time - mean.0))
+    });
+    (count >= 3.0).then(|| over / under)
+}
+
+/// A row for each scene and time: what each column means, its unit, and which are for the data only.
+pub fn columns(rows: &[Precision]) -> Columns {
+    let mut columns = Columns::of(rows)
+        .value("scene", |row| row.scene.as_str())
+        .means("name of the scene")
+        .number("time_s", 0, |row| row.time_s)
+        .means("simulated time until here")
+        .value("largest_position_m", |row| row.largest_position_m)
+        .means("largest position of either copy in f64")
+        .data_only()
+        .number("shadow.position_m", 4, |row| row.shadow.position_m)
+        .means("largest distance of either copy from the shadow, which starts 1 nm further to the right")
+        .shown_in("µm", 1e6)
+        .head("shadow")
+        .number("growth_per_s", 3, |row| row.growth_per_s)
+        .means("rate at which the shadow's distance grows; nothing where there is too little to fit")
+        .value("amplification", |row| row.amplification)
+        .means("what the scene makes of a difference of 1")
+        .data_only();
+    for (name, of) in [("f32", (|row| &row.f32) as fn(&Precision) -> &Rounded), ("i32f32", |row| &row.i32f32)] {
+        columns = columns
+            .number(format!("{name}.common_m"), 4, |row| of(row).from_f64.common_m)
+            .means("largest difference from f64 of the mean of both copies' positions")
+            .shown_in("µm", 1e6)
+            .number(format!("{name}.relative_m"), 4, |row| of(row).from_f64.relative_m)
+            .means("largest difference from f64 of x_o1 - x_o2")
+            .shown_in("µm", 1e6)
+            .value(format!("{name}.position_m"), |row| of(row).from_f64.position_m)
+            .means("largest difference from f64 of either copy's position")
+            .data_only()
+            .value(format!("{name}.force_n"), |row| of(row).from_f64.force_n)
+            .means("largest difference from f64 of either coordination force")
+            .data_only()
+            .value(format!("{name}.position_step_m"), |row| of(row).position_step_m)
+            .means("step of the number type at the largest position")
+            .data_only()
+            .value(format!("{name}.verdict"), |row| of(row).verdict.label())
+            .means("chaos, rounding or error: where the difference comes from")
+            .data_only();
+    }
+    columns
+        .value("faulted_after_s", |row| row.faulted_after_s)
+        .means("where f64 itself stopped: differences were taken until then")
+        .data_only()
+        .value("why", |row| row.why.as_str())
+        .means("what either number type's difference is, and of how many steps")
+        .done()
+}

@@ -1,0 +1,84 @@
+//! Which laws keep their forces within the limits, for every number: [`haptic_proof`], law by law.
+
+use haptic_core::law::{AnyLaw, Law};
+use haptic_core::peer::Peer;
+use haptic_core::settings::Settings;
+use haptic_proof::{Number, Proved, Whatever, prove};
+use haptic_report::Columns;
+
+/// A law, and what was proved of it.
+#[derive(Clone, Debug)]
+pub struct Row {
+    /// Its name; of the law that says anything, words.
+    pub law: &'static str,
+    /// The result of the proof.
+    pub proved: Proved,
+}
+
+/// What the laws of core are called, and after them the one that says anything.
+pub fn names() -> Vec<&'static str> {
+    AnyLaw::<Number>::KINDS.iter().chain(Whatever::KINDS).map(|kind| kind.name).collect()
+}
+
+/// The law of that name.
+pub fn row(name: &str) -> Option<Row> {
+    let named = |kinds: &'static [haptic_core::law::Kind]| kinds.iter().find(|kind| kind.name == name);
+    let proved = match named(AnyLaw::<Number>::KINDS) {
+        Some(kind) => (kind.name, prove::<AnyLaw<Number>>(kind, Peer::tick)),
+        None => named(Whatever::KINDS).map(|kind| (kind.name, prove::<Whatever>(kind, Peer::tick)))?,
+    };
+    Some(Row { law: proved.0, proved: proved.1 })
+}
+
+/// Declares the columns of the rows.
+pub fn columns(rows: &[Row]) -> Columns {
+    Columns::of(rows)
+        .value("law", |row| row.law)
+        .means("coordination law")
+        .value("box", |_| "every number")
+        .means("what readings, counts, packets and state were: any finite packet, any bits of everything else")
+        .value("scenes", |row| row.proved.scenes as u64)
+        .means("scenes: the law's gains and every choice of settings")
+        .value("states", |row| row.proved.states as u64)
+        .means("states of whole numbers that a tick began in")
+        .value("paths", |row| row.proved.paths as u64)
+        .means("ways through a tick")
+        .number("widest_force_n", 3, |row| row.proved.widest_n)
+        .head("widest force")
+        .means("largest force that any path gives")
+        .number("widest_step_n", 3, |row| row.proved.widest_step_n)
+        .head("change a tick")
+        .means("largest change of force in a tick that any path gives")
+        .value("verdict", |row| match &row.proved.broken {
+            None => "holds".to_owned(),
+            Some((scene, broken)) if scene.is_empty() => broken.to_string(),
+            Some((scene, broken)) => format!("{broken} ({scene})"),
+        })
+        .means("whether forces stay within their limits, and if not, what was found, and where")
+        .done()
+}
+
+/// What was proved, and of which laws.
+pub fn told(table: &Columns) -> String {
+    let safety = Settings::default().safety;
+    format!(
+        "Every way through a tick, from any state, with any reading and any finite packet: forces stay within {} N and change by no\n\
+         more than {} N in a tick of 1 ms (and its rounding), or are off; duties stay within motor.max_duty; what is sent is finite\n\n\
+         {table}\n\
+         (any law): what the law does not matter, for it gives any number, infinite or none, in each tick.",
+        safety.max_force_n,
+        1e-3 * safety.max_slew_n_per_s
+    )
+}
+
+/// The proofs as a section of docs/laws.md.
+pub fn section(told: &str) -> String {
+    format!(
+        "What `host-sim prove --page docs/laws.md` prints; every test run proves the same again (`host-sim/proof/tests/suite/laws.rs`):\n\n\
+         ```text\n{told}\n```"
+    )
+}
+
+#[cfg(test)]
+#[path = "../tests/inside/proof.rs"]
+mod tests;

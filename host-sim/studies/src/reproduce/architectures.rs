@@ -1,0 +1,148 @@
+//! The architectures paper's claims: §2.3 with Figure 4, §3.2, §3.3 with equation 7.
+
+use haptic_analysis::rendering::closed::largest_stiffness;
+use haptic_analysis::rendering::identify::{DELAY_S, PERIOD_S, STIFFNESS_N_PER_M, identify, wall};
+use haptic_analysis::rendering::maps::{first, stiffness_limit};
+use haptic_analysis::rendering::{Place, Rendering};
+use haptic_report::significant;
+
+use super::claim::{Claim, of};
+use crate::Failure;
+use crate::architectures::{Architecture, Row};
+use haptic_environments::collaborative::{Scheme, Trial, campaign};
+use haptic_environments::cooperative::limits;
+
+/// Devices for which the paper's two statements are tried, kg.
+const MASSES_KG: [f64; 3] = [0.02, 0.1, 1.0];
+
+/// Runs of lock and token ring each.
+const RUNS: u64 = 200;
+
+/// All of them; `rows` are of every architecture at every delay.
+pub fn claims(rows: &[Row]) -> Result<Vec<Claim>, Failure> {
+    let all = [stability_maps()?, collaborative(), cooperative(rows)?];
+    Ok(of("architectures", all.concat()))
+}
+
+fn stability_maps() -> Result<Vec<Claim>, Failure> {
+    let devices = MASSES_KG.into_iter().map(identify).collect::<Result<Vec<_>, _>>()?;
+    let told = devices.iter().map(|device| {
+        let (mass, damping, late) = (device.mass_kg, device.damping_n_s_per_m, device.computing_ticks);
+        format!("{mass} kg: b = {damping:.2} N·s/m and {late:.2} of a period of computing")
+    });
+    let own = devices[1];
+    let device = wall(own.mass_kg, own.damping_n_s_per_m, own.computing_ticks);
+    let largest = |rendering: &Rendering| -> Result<f64, Failure> {
+        Ok(first(&stiffness_limit(rendering)?).unwrap_or(f64::INFINITY))
+    };
+    let periods_s = [1e-3, 2e-3, PERIOD_S, 0.01, 0.02];
+    let sampled = periods_s.map(|period_s| largest(&Rendering { period_s, ..device }));
+    let sampled = sampled.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let delays_s = [1e-3, 2e-3, DELAY_S, 0.01, 0.02, 0.03];
+    let delayed = delays_s.map(|delay_s| {
+        let fast = Rendering { period_s: delay_s / 40.0, ..device };
+        largest(&fast.delayed(Place::CollisionToDevice, delay_s))
+    });
+    let delayed = delayed.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let falls = |values: &[f64]| values.windows(2).all(|pair| pair[1] < pair[0]);
+    let list = |values: &[f64]| values.iter().map(|value| significant(*value, 3)).collect::<Vec<_>>().join(", ");
+    Ok(vec![
+        Claim::not_testable(
+            "§2.3",
+            "1000 N/m need at least 200 Hz and less than 5 ms",
+            format!("both hold at once for {}", told.collect::<Vec<_>>().join("; ")),
+            "two statements, and the device's damping and computing time are not given: two values fitted to two numbers prove nothing",
+        ),
+        Claim::holds(
+            "§2.3, Fig. 4",
+            "A lower sampling rate lowers the largest stiffness dramatically",
+            falls(&sampled),
+            format!("{} N/m at 1, 2, 5, 10, 20 ms, for that device of 0.1 kg", list(&sampled)),
+        ),
+        Claim::holds(
+            "§2.3, Fig. 4",
+            "Delay lowers the largest stiffness dramatically",
+            falls(&delayed),
+            format!("{} N/m at 1, 2, 5, 10, 20, 30 ms; b/delay is {} at 5 ms", list(&delayed), {
+                let fast = Rendering { period_s: DELAY_S / 40.0, ..device };
+                significant(largest_stiffness(&fast.delayed(Place::CollisionToDevice, DELAY_S)), 3)
+            }),
+        ),
+        Claim::not_testable(
+            "Fig. 4",
+            "The measured stability maps",
+            "the same maps for any device: host-sim stability rendering".to_owned(),
+            "mass, damping and computing time of the device are not given",
+        ),
+    ])
+}
+
+fn collaborative() -> Vec<Claim> {
+    let of = |scheme, name: &str| {
+        let verdict = campaign(&Trial { scheme, users: 4, seed: 1, mistake: None }, RUNS, &|| {});
+        let claim = format!("With {name} one user at a time edits, and no edit is lost");
+        let (owners, lost, stuck) = (verdict.two_owners, verdict.lost_update, verdict.no_progress);
+        let found = format!(
+            "{} runs of 4 users with loss, reorder and crashes: {owners} with two owners, {lost} with a lost update, {stuck} stuck; {} edits",
+            verdict.runs, verdict.published
+        );
+        Claim::holds("§3.2", &claim, owners + lost + stuck == 0 && verdict.published > 0, found)
+    };
+    vec![of(Scheme::Lock, "a central server"), of(Scheme::Ring, "a token ring")]
+}
+
+fn cooperative(rows: &[Row]) -> Result<Vec<Claim>, Failure> {
+    let mut claims = Vec::new();
+    let table = limits::table()?;
+    for round_trip_ms in [5.0, 10.0, 30.0] {
+        let here: Vec<_> = table.iter().filter(|one| one.round_trip_ms == round_trip_ms).collect();
+        let both = |of: &dyn Fn(&limits::Stiffest) -> f64| -> [f64; 2] {
+            let values = here.iter().map(|one| of(one));
+            [f64::min, f64::max].map(|pick| values.clone().reduce(pick).unwrap_or(f64::NAN))
+        };
+        let [low, high] = both(&|one| one.simulated_n_per_m);
+        let found = format!(
+            "{} to {} N/m, contact at the server and at the clients",
+            significant(low, 3),
+            significant(high, 3)
+        );
+        claims.push(if round_trip_ms == 30.0 {
+            Claim::not_testable("§3.3, eq. 7", "30 ms are enough for soft objects", found, "the paper says of no stiffness that it is soft")
+        } else {
+            let claim = format!("{round_trip_ms} ms are short enough for stiff objects ({STIFFNESS_N_PER_M} N/m and more)");
+            Claim::holds("§3.3, eq. 7", &claim, low >= 0.95 * STIFFNESS_N_PER_M, found).unless(|| {
+                let needs = STIFFNESS_N_PER_M * 1e-3 * round_trip_ms;
+                Ok(format!("with the damping that the paper's own 200 Hz and 5 ms imply; a device of {needs} N·s/m would (b/delay)"))
+            })?
+        });
+    }
+    claims.push(Claim::not_testable(
+        "§3.3",
+        "The cooperative system worked for latencies below 30 ms",
+        "see equation 7".to_owned(),
+        "of its devices and objects nothing is given",
+    ));
+    let of = |architecture: Architecture| rows.iter().filter(move |row| row.architecture == architecture);
+    let stable = |architecture| (of(architecture).filter(|row| row.stable).count(), of(architecture).count());
+    let [bounded, unbounded] = [Architecture::CooperativeServer, Architecture::CooperativeServerUnbounded].map(stable);
+    claims.push(Claim::holds(
+        "§3.3",
+        "An adaptive dynamic bounder keeps the simulation stable by lowering the stiffness with the round trip",
+        bounded.0 == bounded.1 && unbounded.0 < unbounded.1,
+        format!("{} of {} delays stable with it, {} without, 0 to 200 ms one way", bounded.0, bounded.1, unbounded.0),
+    ));
+    let longest = of(Architecture::CooperativeClient).max_by(|a, b| a.delay_ms.total_cmp(&b.delay_ms));
+    let stiffness = longest.map_or([f64::NAN; 2], |row| row.contact_n_per_m);
+    let delay_ms = longest.map_or(f64::NAN, |row| row.delay_ms);
+    claims.push(Claim::holds(
+        "§3.3",
+        "With the dynamics engine at a client, its own loop holds no transmission; the others' do",
+        stiffness[0] > stiffness[1],
+        format!(
+            "at {delay_ms} ms the bounder leaves it {} N/m, the other {} N/m",
+            significant(stiffness[0], 3),
+            significant(stiffness[1], 3)
+        ),
+    ));
+    Ok(claims)
+}

@@ -1,0 +1,90 @@
+//! A claim of a paper, and the verdict on it.
+
+use haptic_report::significant;
+
+use crate::Failure;
+
+/// What is to be said of a claim.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    Matched,
+    NotMatched,
+    NotTestable,
+}
+
+impl Verdict {
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Matched => "matched",
+            Self::NotMatched => "not matched",
+            Self::NotTestable => "not testable",
+        }
+    }
+}
+
+/// A claim of a paper and what came of it.
+#[derive(Clone, Debug)]
+pub struct Claim {
+    pub(super) paper: &'static str,
+    /// Section, figure or equation.
+    pub(super) place: &'static str,
+    pub(super) claim: String,
+    /// What was computed, in words.
+    pub(super) found: String,
+    /// How far the paper's number is from it, relative to the paper's; of a claim with one number.
+    pub(super) off: Option<f64>,
+    pub verdict: Verdict,
+    /// Why it is not matched or not testable; the reading that would match.
+    pub(super) why: String,
+}
+
+impl Claim {
+    /// One number of the paper, matched if what is computed is within this part of it.
+    pub fn number(place: &'static str, claim: &str, (papers, computed, unit): (f64, f64, &str), within: f64) -> Self {
+        let off = computed / papers - 1.0;
+        let found = format!("{} {unit}, the paper's {papers} ± {:.0} %", significant(computed, 4), 100.0 * within);
+        Self { off: Some(off), ..Self::holds(place, claim, off.abs() <= within, found) }
+    }
+
+    /// A sentence that is true of what is computed, or is not.
+    pub fn holds(place: &'static str, claim: &str, holds: bool, found: String) -> Self {
+        let verdict = if holds { Verdict::Matched } else { Verdict::NotMatched };
+        Self { paper: "", place, claim: claim.to_owned(), found, off: None, verdict, why: String::new() }
+    }
+
+    /// What no computation can decide.
+    pub fn not_testable(place: &'static str, claim: &str, found: String, why: &str) -> Self {
+        let open = Self::holds(place, claim, false, found);
+        Self { verdict: Verdict::NotTestable, why: why.to_owned(), ..open }
+    }
+
+    /// Why, where it is not matched.
+    pub fn unless(mut self, why: impl FnOnce() -> Result<String, Failure>) -> Result<Self, Failure> {
+        if self.verdict == Verdict::NotMatched {
+            self.why = why()?;
+        }
+        Ok(self)
+    }
+
+    /// A remark on one that is matched.
+    pub fn but(mut self, remark: String) -> Self {
+        if self.verdict == Verdict::Matched {
+            self.why = remark;
+        }
+        self
+    }
+}
+
+/// So many orders of magnitude, rounded.
+pub(super) fn orders(ratio: f64) -> f64 {
+    ratio.log10().round()
+}
+
+/// The claims of one paper.
+pub(super) fn of(paper: &'static str, claims: Vec<Claim>) -> Vec<Claim> {
+    claims.into_iter().map(|claim| Claim { paper, ..claim }).collect()
+}
+
+#[cfg(test)]
+#[path = "../../tests/inside/reproduce.rs"]
+mod tests;

@@ -1,0 +1,73 @@
+//! Every claim of both papers, judged from numbers that are computed here and now.
+//!
+//! | verdict | when |
+//! |---|---|
+//! | matched | what comes out is the paper's number within a stated part of it, or does what its sentence says |
+//! | not matched | it does not; where another reading of what the paper leaves open would, that reading is named, computed like the rest |
+//! | not testable | the paper gives no number, or leaves open as many values as it states |
+//!
+//! **An order of magnitude** is a ratio that rounds to it on a logarithmic scale: from √10 to 10·√10 for one. **Readings** are the choices that
+//! the cooperation paper leaves open: how the copy of the object is integrated, how late its forces are, how late the device's (`readings.rs`).
+
+mod architectures;
+mod claim;
+mod cooperation;
+mod readings;
+
+use haptic_report::Columns;
+
+use self::claim::{Claim, Verdict};
+
+pub use self::architectures::claims as architectures;
+pub use self::cooperation::{Computed, claims as cooperation};
+
+/// The claims as a table.
+pub fn columns(claims: &[Claim]) -> Columns {
+    Columns::of(claims)
+        .value("paper", |claim| claim.paper)
+        .means("cooperation or architectures")
+        .value("place", |claim| claim.place)
+        .means("section, figure or equation")
+        .value("claim", |claim| claim.claim.as_str())
+        .means("what the paper says")
+        .value("verdict", |claim| claim.verdict.name())
+        .means("matched, not matched, not testable")
+        .value("found", |claim| claim.found.as_str())
+        .means("what was computed, in words")
+        .number("off_percent", 1, |claim| claim.off.map(|off| 100.0 * off))
+        .means("what was computed less the paper's number, of the paper's")
+        .head("off")
+        .shown_in("%", 1.0)
+        .value("why", |claim| Some(claim.why.as_str()).filter(|why| !why.is_empty()))
+        .means("why it is not matched or not testable; the reading that would match")
+        .done()
+}
+
+/// How many are matched, not matched, not testable.
+pub fn counts(claims: &[Claim]) -> [usize; 3] {
+    [Verdict::Matched, Verdict::NotMatched, Verdict::NotTestable]
+        .map(|verdict| claims.iter().filter(|claim| claim.verdict == verdict).count())
+}
+
+/// One page: the claims of each paper as a table, and the figures behind it.
+pub fn page(claims: &[Claim], pictures: &[(&str, String)], experiments: &Columns) -> String {
+    let [matched, not, open] = counts(claims);
+    let mut page = format!(
+        "# Both papers, claim by claim\n\nComputed by `host-sim reproduce`: {matched} matched, {not} not matched, {open} not testable.\n"
+    );
+    for paper in ["cooperation", "architectures"] {
+        page +=
+            &format!("\n## The {paper} paper\n\n| place | claim | verdict | found | why |\n|---|---|---|---|---|\n");
+        for claim in claims.iter().filter(|claim| claim.paper == paper) {
+            let off = claim.off.map_or_else(String::new, |off| format!(" ({:+.1} %)", 100.0 * off));
+            let cell = |text: &str| text.replace('|', "\\|");
+            let [place, said, found, why] = [claim.place, &claim.claim, &claim.found, &claim.why].map(cell);
+            page += &format!("| {place} | {said} | **{}**{off} | {found} | {why} |\n", claim.verdict.name());
+        }
+    }
+    page += &format!("\n## Experiments of the cooperation paper\n\n```\n{experiments}```\n\n## Figures\n");
+    for (name, title) in pictures {
+        page += &format!("\n![{title}]({name}.svg)\n");
+    }
+    page
+}

@@ -1,0 +1,169 @@
+//! What a sweep has found so far, in a folder, so that it goes on where it was stopped.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `sweep.toml` | the question: the scene, and in its table `[made]` what is varied, seeds, time, version and commit |
+//! | `rows-I-of-N.csv` | the runs of shard I of N, a line each, in the order in which they ended |
+//!
+//! Rows are only ever appended, whole lines at a time, and reach the disk within [`SYNC`] and at the end. A line without an end,
+//! which a kill may leave, is cut off by the process that goes on, and its run is done again. One process writes a file at a time, which
+//! a lock sees to where the file system has locks. Every file of the folder is read, so that shards know of each other's runs.
+
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use haptic_report::files::{write_csv, write_parquet};
+use haptic_report::{Columns, Made};
+
+use super::row::Row;
+use crate::Failure;
+
+/// Longest that a row waits for the disk while others come, if the machine itself stops.
+const SYNC: Duration = Duration::from_secs(1);
+
+/// A file of rows that is being written.
+#[derive(Debug)]
+pub struct Journal {
+    path: PathBuf,
+    /// And when it last reached the disk.
+    file: Mutex<(File, Instant)>,
+}
+
+impl Journal {
+    /// Goes on with the sweep in this folder, or begins it there; returns every row that is there. `shard` is I and N.
+    ///
+    /// # Errors
+    /// The folder holds another sweep, or a file cannot be read or written.
+    pub fn open(folder: &Path, question: &Made, shard: (usize, usize)) -> Result<(Self, Vec<Row>), Failure> {
+        fs::create_dir_all(folder).map_err(|cause| format!("cannot make {}: {cause}", folder.display()))?;
+        same_question(folder, &question.toml())?;
+        let path = folder.join(format!("rows-{}-of-{}.csv", shard.0, shard.1));
+        let failed = |cause| format!("cannot write {}: {cause}", path.display());
+        let mut file = OpenOptions::new().create(true).append(true).open(&path).map_err(failed)?;
+        if let Err(TryLockError::WouldBlock) = file.try_lock() {
+            return Err(format!("{} is being written by another process: wait for its end", path.display()).into());
+        }
+        let whole = whole_lines(&path)?;
+        file.set_len(whole.len() as u64).map_err(failed)?;
+        if whole.is_empty() {
+            file.write_all(Row::heading().as_bytes()).map_err(failed)?;
+        }
+        file.sync_all().map_err(failed)?;
+        let rows = rows_in(folder)?;
+        Ok((Self { path, file: Mutex::new((file, Instant::now())) }, rows))
+    }
+
+    /// Adds these rows to the file.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn append(&self, rows: &[Row]) -> Result<(), Failure> {
+        let lines = Row::lines(rows)?;
+        let mut guard = self.file.lock().unwrap_or_else(PoisonError::into_inner);
+        let (file, synced) = &mut *guard;
+        let mut written = file.write_all(&lines);
+        if synced.elapsed() >= SYNC {
+            written = written.and_then(|()| file.sync_data());
+            *synced = Instant::now();
+        }
+        written.map_err(|cause| format!("cannot write {}: {cause}", self.path.display()).into())
+    }
+
+    /// Has everything reach the disk.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn finish(self) -> Result<(), Failure> {
+        let (file, _) = self.file.into_inner().unwrap_or_else(PoisonError::into_inner);
+        file.sync_all().map_err(|cause| format!("cannot write {}: {cause}", self.path.display()).into())
+    }
+}
+
+/// The rows as `sweep.csv` and `sweep.parquet` in this folder, each whole or as it was before; returns the paths of what the folder
+/// holds then. One process at a time does so: the one that holds the only journal of all points.
+///
+/// # Errors
+/// A file cannot be written.
+pub fn write(folder: &Path, rows: &Columns, question: &Made) -> Result<Vec<PathBuf>, Failure> {
+    let [csv, parquet, toml] = ["sweep.csv", "sweep.parquet", "sweep.toml"].map(|name| folder.join(name));
+    write_csv(rows, &csv)?;
+    write_parquet(rows, &parquet, &question.toml())?;
+    Ok(vec![csv, parquet, toml])
+}
+
+/// Sees to it that `sweep.toml` of this folder asks just this.
+fn same_question(folder: &Path, question: &str) -> Result<(), Failure> {
+    let path = folder.join("sweep.toml");
+    if !path.exists() {
+        // Whole or not at all, and never over another's.
+        let half = folder.join(format!(".sweep-{}.toml", std::process::id()));
+        let linked = fs::write(&half, question).and_then(|()| match fs::hard_link(&half, &path) {
+            Err(_) if path.exists() => Ok(()),
+            done => done,
+        });
+        let removed = fs::remove_file(&half);
+        linked.and(removed).map_err(|cause| format!("cannot write {}: {cause}", path.display()))?;
+    }
+    let there = fs::read_to_string(&path).map_err(|cause| format!("cannot read {}: {cause}", path.display()))?;
+    let (there, here) = (asked(&there), asked(question));
+    let line =
+        |of: &[String], at: usize| of.get(at).map_or_else(|| "nothing more".to_owned(), |line| format!("`{line}`"));
+    match (0..there.len().max(here.len())).find(|at| there.get(*at) != here.get(*at)) {
+        None => Ok(()),
+        Some(at) => Err(format!(
+            "{} is of another sweep: it says {}, this one {}; each sweep needs a folder of its own",
+            path.display(),
+            line(&there, at),
+            line(&here, at)
+        )
+        .into()),
+    }
+}
+
+/// The lines of a question that matter: not when it was asked.
+pub(super) fn asked(text: &str) -> Vec<String> {
+    text.lines().filter(|line| !line.starts_with("started = ")).map(str::to_owned).collect()
+}
+
+/// The text of a file up to the end of its last whole line.
+fn whole_lines(path: &Path) -> Result<Vec<u8>, Failure> {
+    let mut bytes = fs::read(path).map_err(|cause| format!("cannot read {}: {cause}", path.display()))?;
+    bytes.truncate(bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1));
+    Ok(bytes)
+}
+
+/// Every row of every shard, the first one of each run, in the order of points and seeds of each.
+fn rows_in(folder: &Path) -> Result<Vec<Row>, Failure> {
+    let failed = |cause| format!("cannot read {}: {cause}", folder.display());
+    let mut paths = Vec::new();
+    for entry in fs::read_dir(folder).map_err(failed)? {
+        let path = entry.map_err(failed)?.path();
+        let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        if name.starts_with("rows-") && name.ends_with(".csv") {
+            paths.push(path);
+        }
+    }
+    paths.sort();
+    let mut rows = Vec::new();
+    for path in &paths {
+        let text = whole_lines(path)?;
+        let heading = Row::heading();
+        let Some(lines) = text.strip_prefix(heading.as_bytes()) else {
+            if text.is_empty() {
+                continue;
+            }
+            return Err(format!("{}:1: it must be {}", path.display(), heading.trim_end()).into());
+        };
+        for (at, row) in Row::read(lines).enumerate() {
+            let wrong =
+                |cause| format!("{}:{}: {cause}; without this line its run is done again", path.display(), at + 2);
+            rows.push(row.map_err(wrong)?);
+        }
+    }
+    rows.sort_by_key(|row: &Row| (row.point, row.seed));
+    rows.dedup_by_key(|row| (row.point, row.seed));
+    Ok(rows)
+}

@@ -1,0 +1,67 @@
+//! The figures of merit of a run that a sweep keeps: those that `cooperate` and the campaign tell, as [`Outcome`] gives them.
+
+use haptic_report::Rows;
+use haptic_sim::run::Outcome;
+
+/// A figure of merit.
+#[derive(Clone, Copy, Debug)]
+pub struct Merit {
+    /// Its name without the unit.
+    pub stem: &'static str,
+    /// The unit, as names end; empty for a ratio.
+    pub unit: &'static str,
+    /// Meaning of the figure.
+    pub meaning: &'static str,
+    /// Whether a table for people shows it.
+    pub shown: bool,
+    /// The figure of a run; none of one that failed.
+    pub of: fn(&Outcome) -> Option<f64>,
+}
+
+impl Merit {
+    /// Its name, with the unit.
+    pub fn name(&self) -> String {
+        self.named("")
+    }
+
+    /// The name of half its 95 % interval.
+    pub fn name_95(&self) -> String {
+        self.named("_95")
+    }
+
+    /// The last column in text only where people are shown it.
+    pub(super) fn in_text<'a, R>(&self, columns: Rows<'a, R>) -> Rows<'a, R> {
+        if self.shown { columns } else { columns.data_only() }
+    }
+
+    fn named(&self, what: &str) -> String {
+        let unit = if self.unit.is_empty() { String::new() } else { format!("_{}", self.unit) };
+        format!("{}{what}{unit}", self.stem)
+    }
+}
+
+macro_rules! merits {
+    ($($stem:literal $unit:literal $shown:literal $meaning:literal $of:expr;)+) => {
+        [$(Merit { stem: $stem, unit: $unit, meaning: $meaning, shown: $shown, of: $of }),+]
+    };
+}
+
+/// All figures of merit. Those marked `whole` count in runs in which the copies came apart, too; the others only in stable runs.
+pub const MERITS: [Merit; 12] = merits! {
+    "true_discrepancy" "mm" true "mean of |x_o1 - x_o2| over the last half" |o| o.whole(|o| o.whole.true_discrepancy_mm);
+    "largest_true_discrepancy" "mm" false "largest |x_o1 - x_o2| over the whole run" |o| o.whole(|o| o.whole.largest_true_discrepancy_mm);
+    "true_discrepancy" "mm_per_n" false "mean of |x_o1 - x_o2| over that of the contact force, over the last half" |o| {
+        o.merit(|o| (o.whole.contact_force_n > 0.0).then(|| o.whole.true_discrepancy_mm / o.whole.contact_force_n)).flatten()
+    };
+    "decoded_discrepancy" "mm" false "mean of |x_o - x_d| at peer 2 over the last half" |o| o.merit(|o| o.whole.decoded_discrepancy_mm);
+    "coordination_force_mean" "n" true "mean of F_T at peer 2 over the last half" |o| o.merit(|o| o.whole.coordination_force_n.mean);
+    "coordination_force_sd" "n" false "standard deviation of F_T at peer 2 over the last half" |o| o.merit(|o| o.whole.coordination_force_n.sd);
+    "peak_coordination_force" "n" true "largest |F_T| of either peer over the whole run" |o| o.whole(|o| o.whole.peak_coordination_force_n);
+    "largest_jump" "n" false "largest change of either F_T from tick to tick" |o| o.whole(|o| o.whole.largest_jump_n);
+    "energy_out_over_in" "" true "energy that the network gave over what it was given" |o| o.whole(Outcome::energy_out_over_in);
+    "peer_energy_out_over_in" "" false "energy that the worse peer's coordination gave over what it took" |o| {
+        o.whole(Outcome::peer_energy_out_over_in).flatten()
+    };
+    "packets" "per_s" true "packets that a peer sent, mean of both" |o| o.whole(|o| o.packets_per_s);
+    "wire" "bytes_per_s" false "the same in bytes, sealed, with UDP and IP version 4" |o| o.whole(Outcome::bytes_per_s);
+};

@@ -1,0 +1,80 @@
+//! What one run of a sweep gave, and the columns of it.
+
+use haptic_report::{Column, Columns, Rows};
+use haptic_sim::run::Verdict;
+use serde::{Deserialize, Serialize};
+
+use super::merits::MERITS;
+use crate::Failure;
+
+/// What the number of a point means.
+pub(super) const POINT: &str = "which point, from 0; in a grid the last key varies fastest, a sample faster still";
+
+/// What one run gave. What is no number there is NaN.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Row {
+    /// Index of the point, from 0; in a grid the last key varies fastest.
+    pub point: usize,
+    /// The seed of the run.
+    pub seed: u32,
+    /// `stable`, `apart` or `NO`.
+    pub verdict: String,
+    /// Why it is not stable; empty where it is.
+    pub reason: String,
+    /// Largest |eigenvalue| of a packet period.
+    pub spectral_radius: f64,
+    /// Figures of merit; NaN where there is none.
+    pub merits: [f64; MERITS.len()],
+    /// Hash of both peers' states over every tick.
+    pub state_hash: String,
+}
+
+impl Row {
+    /// Columns of a file of rows: those of a run without the keys, which the question holds, and without what the verdict says.
+    pub fn columns() -> Columns {
+        of_runs(Columns::of(&[]).value("point", |row: &Self| row.point).means(POINT)).without("stable")
+    }
+
+    /// Heading of a file of rows.
+    pub(super) fn heading() -> String {
+        Self::columns().data().map(Column::name).collect::<Vec<_>>().join(",") + "\n"
+    }
+
+    /// Rows as lines of a file of rows.
+    ///
+    /// # Errors
+    /// A row that cannot be written as CSV.
+    pub fn lines(rows: &[Self]) -> Result<Vec<u8>, Failure> {
+        let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
+        rows.iter().try_for_each(|row| writer.serialize(row))?;
+        Ok(writer.into_inner()?)
+    }
+
+    /// The rows that these lines hold, each as it is read.
+    pub fn read(lines: &[u8]) -> impl Iterator<Item = csv::Result<Self>> {
+        csv::ReaderBuilder::new().has_headers(false).from_reader(lines).into_deserialize()
+    }
+}
+
+/// What every run has, after the columns that say which it is.
+pub(crate) fn of_runs(columns: Rows<'_, Row>) -> Columns {
+    let mut columns = columns
+        .value("seed", |row| row.seed)
+        .means("network.seed of the run")
+        .value("stable", |row| row.verdict == Verdict::Stable.name())
+        .means("whether nobody stopped, nothing grew, the copies stayed together, and no eigenvalue says otherwise")
+        .value("verdict", |row| row.verdict.as_str())
+        .means("stable, apart or NO")
+        .value("reason", |row| Some(row.reason.as_str()).filter(|reason| !reason.is_empty()))
+        .means("why it is not stable")
+        .number("spectral_radius", 6, |row| row.spectral_radius)
+        .means("largest |eigenvalue| over a packet period; its last bits depend on the processor");
+    for (at, merit) in MERITS.iter().enumerate() {
+        let figure = move |row: &Row| Some(row.merits[at]).filter(|figure| !figure.is_nan());
+        columns = columns.significant(merit.name(), 4, figure).means(merit.meaning);
+    }
+    columns
+        .value("state_hash", |row| row.state_hash.as_str())
+        .means("hash of both peers' states over every tick")
+        .done()
+}

@@ -1,0 +1,7 @@
+//! Studies: what they compute against other ways to compute it.
+
+mod architectures;
+mod campaign;
+mod costs;
+mod force;
+mod record;

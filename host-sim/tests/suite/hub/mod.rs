@@ -1,5 +1,0 @@
-//! The hub: 2 to 16 peers, each behind a sealed link, hold one object.
-
-mod junction;
-mod processes;
-mod virtual_time;

@@ -1,6 +1,0 @@
-//! See `src/lock.rs`.
-#![no_main]
-
-use haptic_protocol_fuzz::TARGETS;
-
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| (TARGETS[9].1)(bytes));
