@@ -23,7 +23,7 @@ use crate::device::stage::Measured;
 use crate::device::stage_watch::{Driven, StageState, StageWatch};
 use crate::device::watch::{Still, Watch};
 use crate::device::{self, AXES, Reading};
-use crate::law::ladder::{Engagement, Ladder};
+use crate::law::degradation::{Degradation, Engagement};
 use crate::law::{AnyLaw, Law, credit};
 use crate::num::{Configured, Motion, Scalar, StateVector};
 use crate::safety::{Command, Fault, Guard, Mode, Patience};
@@ -122,7 +122,7 @@ struct Joint<S: Scalar> {
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct Peer<S: Scalar, L: Law<S>, const SHARED: usize = 1, const N: usize = AXES, K = AnyKinematics<S>> {
-    shared: [SharedAxis<S, L>; SHARED],
+    shared_axes: [SharedAxis<S, L>; SHARED],
     device: [Motion<S>; N],
     forces: [S; N],
     load: Load<S>,
@@ -155,14 +155,14 @@ pub struct Peer<S: Scalar, L: Law<S>, const SHARED: usize = 1, const N: usize = 
     asked: [Duty; N],
     still: [Still; N],
     law: L,
-    ladder: Ladder<S>,
+    degradation: Degradation<S>,
     stage_watch: StageWatch<S>,
     stage: StageState<S, N>,
     probing: Probing<S>,
     /// Packet periods in which nothing was sent, since something was.
     quiet: u32,
     /// Armed with the clutch closed and no fixture: only contact and coordination to compute, as in most ticks.
-    plain: bool,
+    fast_path: bool,
     clutch: Clutch<S>,
     slips: [Slip<S>; SHARED],
     /// Virtual fixture where one axis is shared.
@@ -173,10 +173,10 @@ pub struct Peer<S: Scalar, L: Law<S>, const SHARED: usize = 1, const N: usize = 
 
 configured!([S: Scalar] Joint<S> { velocity; encoder });
 configured!([S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Configured] Peer<S, L, SHARED, N, K> {
-    shared, device, period_s, home, encoder, guard, watch, envelope, hold, motor, contact, kinematics, joints,
-    ticks_per_packet, axes, law, ladder, stage_watch, clutch, fixture, oblique;
+    shared_axes, device, period_s, home, encoder, guard, watch, envelope, hold, motor, contact, kinematics, joints,
+    ticks_per_packet, axes, law, degradation, stage_watch, clutch, fixture, oblique;
     forces, load, mode, until_packet, engagement, age_ticks, delayed, saturated, asked, still, stage, probing, quiet,
-    plain, slips
+    fast_path, slips
 });
 
 impl Settings {
@@ -222,18 +222,18 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         let world = &settings.in_the_world();
         let kinematics = K::build(world)?;
         let mut velocity = AnyVelocity::build(world)?;
-        let ladder = Ladder::build(settings)?;
+        let degradation = Degradation::build(settings)?;
         let contact = AnyRendering::build(settings)?;
         let integrator = AnyIntegrator::build(settings)?;
-        let kind = L::kind(settings).ok_or_else(|| crate::law::unknown(settings, L::KINDS))?;
+        let info = L::info(settings).ok_or_else(|| crate::law::unknown(settings, L::LAWS))?;
         let law = L::build(settings)?;
-        credit::check(settings, kind.sends)?;
-        let mut shared = [SharedAxis::new(&law, &contact, integrator, S::ZERO); SHARED];
-        for (axis, device) in shared.iter_mut().zip(&device) {
+        credit::check(settings, info.sends)?;
+        let mut shared_axes = [SharedAxis::new(&law, &contact, integrator, S::ZERO); SHARED];
+        for (axis, device) in shared_axes.iter_mut().zip(&device) {
             *axis = SharedAxis::new(&law, &contact, integrator, device.position);
         }
         Ok(Self {
-            shared,
+            shared_axes,
             period_s: S::from_f64(settings.timing.control_period_s),
             ticks_per_packet: settings.timing.ticks_per_packet,
             axes: settings.axis.count as usize,
@@ -243,14 +243,14 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
             motor: Motor::build(world),
             contact,
             law,
-            ladder,
+            degradation,
             guard: Guard::build(world),
             watch: Watch::build(world),
             envelope: Envelope::build(world),
             stage_watch: StageWatch::build(settings)?,
             home: device.map(|axis| axis.position),
             mode: Mode::Disarmed,
-            plain: false,
+            fast_path: false,
             until_packet: 0,
             joints: device.map(|at| {
                 velocity.start(at);
@@ -260,7 +260,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
             forces: [S::ZERO; N],
             saturated: Patience::default(),
             load: Load::default(),
-            engagement: ladder.engaged(),
+            engagement: degradation.engaged(),
             age_ticks: 0,
             delayed: false,
             probing: Probing::default(),
@@ -277,13 +277,13 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
 
     /// Puts the object at rest, clear of the device, and starts the coordination from there.
     fn engage(&mut self) {
-        for ((axis, slip), device) in self.shared.iter_mut().zip(&mut self.slips).zip(self.device) {
+        for ((axis, slip), device) in self.shared_axes.iter_mut().zip(&mut self.slips).zip(self.device) {
             slip.close();
             axis.engage(&self.law, &self.contact, slip.of(device).position);
         }
         self.forces = [S::ZERO; N];
         self.saturated = Patience::default();
-        self.engagement = self.ladder.engaged();
+        self.engagement = self.degradation.engaged();
         self.age_ticks = 0;
         self.delayed = false;
         self.still = [Still::default(); N];
@@ -309,7 +309,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
             for (slip, device) in self.slips.iter_mut().zip(self.device) {
                 slip.turn(command == Command::Clutch, device.position);
             }
-            self.plain = false;
+            self.fast_path = false;
         }
         if command == Command::Home && self.mode == Mode::Disarmed {
             self.slips = [Slip::default(); SHARED];
@@ -338,7 +338,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
     fn enter(&mut self, mode: Mode) {
         self.mode = mode;
         let free = self.fixture.is_none() && (SHARED == 1 || self.oblique.is_none());
-        self.plain = mode == Mode::Armed && free && self.slips.iter().all(Slip::is_none);
+        self.fast_path = mode == Mode::Armed && free && self.slips.iter().all(Slip::is_none);
     }
 
     /// Begins a probe, if disarmed; otherwise nothing changes.
@@ -370,17 +370,17 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
 
     /// What the last tick saw and did along every shared axis.
     pub fn observed(&self) -> [&Observed<S>; SHARED] {
-        self.shared.each_ref().map(|axis| &axis.observed)
+        self.shared_axes.each_ref().map(|axis| &axis.observed)
     }
 
     /// Energy that crossed the network port since arming, of every shared axis.
     pub fn ledger(&self) -> [&Ledger<S>; SHARED] {
-        self.shared.each_ref().map(|axis| &axis.ledger)
+        self.shared_axes.each_ref().map(|axis| &axis.ledger)
     }
 
     /// Impacts since arming along every shared axis, where contact is impulsive.
     pub fn impacts(&self) -> [Impacts<S>; SHARED] {
-        self.shared.each_ref().map(|axis| axis.strikes.impacts())
+        self.shared_axes.each_ref().map(|axis| axis.strikes.impacts())
     }
 
     /// Ticks per packet, M.
@@ -424,21 +424,21 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         if let Some(measured) = stage {
             self.judge(measured);
         }
-        if !self.plain {
-            return self.seldom(pose.jacobian, stage);
+        if !self.fast_path {
+            return self.slow_path(pose.jacobian, stage);
         }
         self.render::<true>(&pose)
     }
 
-    /// A tick that is not [`Peer::plain`]. Takes only the Jacobian: the pose's axes are in memory already.
+    /// A tick that is not [`Peer::fast_path`]. Takes only the Jacobian: the pose's axes are in memory already.
     #[cold]
     #[inline(never)]
-    fn seldom(&mut self, jacobian: [[S; N]; N], stage: Option<Measured<N>>) -> Actuators<S, N> {
+    fn slow_path(&mut self, jacobian: [[S; N]; N], stage: Option<Measured<N>>) -> Actuators<S, N> {
         if self.mode == Mode::Armed {
             return self.render::<false>(&Pose { axes: self.device, jacobian });
         }
         self.envelope.rest(&mut self.load);
-        for ((axis, slip), device) in self.shared.iter_mut().zip(&self.slips).zip(self.device) {
+        for ((axis, slip), device) in self.shared_axes.iter_mut().zip(&self.slips).zip(self.device) {
             axis.rest(slip.of(device));
         }
         if self.mode == Mode::Probing { self.push(stage) } else { Actuators::default() }
@@ -476,7 +476,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
             for ((device, commanded), ((sensed, force), slip)) in devices.iter_mut().zip(&mut commanded).zip(sensed) {
                 (*device, *commanded) = (self.clutch.carry(slip, *sensed), *force);
             }
-            let mut felt = axis::advance_together(&mut self.shared, &tick, oblique, devices, commanded)?;
+            let mut felt = axis::advance_together(&mut self.shared_axes, &tick, oblique, devices, commanded)?;
             for (felt, slip) in felt.iter_mut().zip(&self.slips) {
                 *felt = slip.ratio() * *felt;
             }
@@ -487,7 +487,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         let mut finite = true;
         let mut slips = self.slips.iter_mut();
         for (axis, (felt, (device, commanded))) in
-            self.shared.iter_mut().zip(felt.iter_mut().zip(pose.axes.iter().zip(&self.forces)))
+            self.shared_axes.iter_mut().zip(felt.iter_mut().zip(pose.axes.iter().zip(&self.forces)))
         {
             let slip = if PLAIN { None } else { slips.next() };
             let (device, share) = match slip {
@@ -700,7 +700,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
     for Peer<S, L, SHARED, N, K>
 {
     fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
-        self.shared.visit(each);
+        self.shared_axes.visit(each);
         for joint in &mut self.joints {
             joint.velocity.visit(each);
         }

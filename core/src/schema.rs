@@ -1,54 +1,54 @@
 //! Settings by name: the tables and the keys that coordination laws declare beside themselves, alike.
 //!
-//! The laws are given as a list of [`Kind`]s, so that a crate outside can add its own; [`Schema::BUILT_IN`] knows
+//! The laws are given as a list of [`LawInfo`]s, so that a crate outside can add its own; [`Schema::BUILT_IN`] knows
 //! those of this crate, and is what [`Settings`] itself goes by.
 
 use crate::law::{AnyLaw, Law};
-use crate::settings::{Allowed, Key, Kind, Refused, SetError, Setting, Settings, Tables, Value};
+use crate::settings::{Allowed, Key, LawInfo, Refused, SetError, Setting, Settings, Tables, Value};
 
 /// Every key there is with these laws.
 #[derive(Clone, Copy, Debug)]
 pub struct Schema {
-    kinds: &'static [Kind],
+    laws: &'static [LawInfo],
 }
 
 impl Schema {
     /// With the laws of this crate.
-    pub const BUILT_IN: Self = Self::new(AnyLaw::<f64>::KINDS);
+    pub const BUILT_IN: Self = Self::new(AnyLaw::<f64>::LAWS);
 
     /// The schema of the tables and of the keys of these laws.
-    pub const fn new(kinds: &'static [Kind]) -> Self {
-        Self { kinds }
+    pub const fn new(laws: &'static [LawInfo]) -> Self {
+        Self { laws }
     }
 
     /// The laws whose keys it knows.
-    pub fn kinds(self) -> &'static [Kind] {
-        self.kinds
+    pub fn laws(self) -> &'static [LawInfo] {
+        self.laws
     }
 
     /// The law that the settings name.
-    pub fn kind(self, settings: &Settings) -> Option<&'static Kind> {
-        crate::law::named(settings, self.kinds)
+    pub fn law(self, settings: &Settings) -> Option<&'static LawInfo> {
+        crate::law::named(settings, self.laws)
     }
 
     /// Every key: those of the tables in the order of declaration, then laws' own.
     pub fn keys(self) -> impl Iterator<Item = Key> {
         let tables = <Settings as Tables>::KEYS.iter().map(move |key| {
             let mut key = *key;
-            if let Allowed::Kinds(kinds) = &mut key.allowed {
-                *kinds = self.kinds;
+            if let Allowed::Laws(laws) = &mut key.allowed {
+                *laws = self.laws;
             }
             key
         });
         // A key that several laws have is listed once.
         let before = move |at: usize, key: &Key| {
-            self.kinds.iter().take(at).any(|kind| kind.keys.iter().any(|own| own.name == key.name))
+            self.laws.iter().take(at).any(|law| law.keys.iter().any(|own| own.name == key.name))
         };
         let own = self
-            .kinds
+            .laws
             .iter()
             .enumerate()
-            .flat_map(move |(at, kind)| kind.keys.iter().filter(move |key| !before(at, key)).copied());
+            .flat_map(move |(at, law)| law.keys.iter().filter(move |key| !before(at, key)).copied());
         tables.chain(own)
     }
 
@@ -64,8 +64,8 @@ impl Schema {
     pub fn set<'a>(self, settings: &mut Settings, name: &str, value: Value<'a>) -> Result<(), SetError<'a>> {
         match Tables::set(settings, name, value) {
             // The tables know no law.
-            Err(SetError::Refused(Refused { key, allowed: Allowed::Kinds(_), .. })) => {
-                let allowed = Allowed::Kinds(self.kinds);
+            Err(SetError::Refused(Refused { key, allowed: Allowed::Laws(_), .. })) => {
+                let allowed = Allowed::Laws(self.laws);
                 let refused = SetError::Refused(Refused { key, value, allowed, unit: "" });
                 settings.coordination.comm = Setting::parse(value, allowed).ok_or(refused)?;
                 Ok(())
@@ -79,7 +79,7 @@ impl Schema {
     }
 
     fn own(self, name: &str) -> Option<&'static Key> {
-        self.kinds.iter().flat_map(|kind| kind.keys).find(|key| key.name == name)
+        self.laws.iter().flat_map(|law| law.keys).find(|key| key.name == name)
     }
 }
 

@@ -66,7 +66,7 @@ pub enum Allowed {
     /// One of these names.
     Names(&'static [&'static str]),
     /// The name of one of these laws; empty where the table is declared, because crates may add laws.
-    Kinds(&'static [Kind]),
+    Laws(&'static [LawInfo]),
     /// Values that depend on other keys, in words.
     Only(&'static str),
 }
@@ -79,7 +79,7 @@ impl fmt::Display for Allowed {
             Self::Flag => write!(f, "true or false"),
             Self::Only(words) => write!(f, "{words}"),
             Self::Names(names) => one_of(f, names.iter().copied()),
-            Self::Kinds(kinds) => one_of(f, kinds.iter().map(|kind| kind.name)),
+            Self::Laws(kinds) => one_of(f, kinds.iter().map(|kind| kind.name)),
         }
     }
 }
@@ -189,9 +189,9 @@ impl Promise {
     }
 }
 
-/// A kind of coordination law, as settings and reports know it.
+/// A coordination law, as settings and reports know it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Kind {
+pub struct LawInfo {
     /// What `coordination.comm` calls it.
     pub name: &'static str,
     /// The kind of packet it sends.
@@ -209,7 +209,7 @@ pub struct Kind {
 /// Energy that nothing exhausts, J: the largest value of a law's own key that says how much energy it may spend.
 pub const PLENTY_J: f64 = 1e9;
 
-impl Kind {
+impl LawInfo {
     /// Its keys that say how much energy it may spend. At [`PLENTY_J`] it spends what it wants, which is how linear analysis sees it.
     pub fn budgets(&self) -> impl Iterator<Item = &'static Key> {
         let is_budget = |key: &&Key| matches!(key.allowed, Allowed::Number { max, .. } if max == PLENTY_J);
@@ -222,9 +222,9 @@ pub const MOST_OWN_KEYS: usize = 8;
 
 /// Values of laws' own keys where they are not the default, by name.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Own([Option<(&'static str, f64)>; MOST_OWN_KEYS]);
+pub struct OwnValues([Option<(&'static str, f64)>; MOST_OWN_KEYS]);
 
-impl Own {
+impl OwnValues {
     fn get(&self, key: &Key) -> f64 {
         self.0.iter().flatten().find(|(name, _)| *name == key.name).map_or(key.default, |(_, number)| *number)
     }
@@ -340,7 +340,7 @@ impl<C: Choice> Setting for C {
 impl Setting for &'static str {
     fn parse(value: Value<'_>, allowed: Allowed) -> Option<Self> {
         match (value, allowed) {
-            (Value::Text(text), Allowed::Kinds(kinds)) => kinds.iter().map(|kind| kind.name).find(|name| *name == text),
+            (Value::Text(text), Allowed::Laws(kinds)) => kinds.iter().map(|kind| kind.name).find(|name| *name == text),
             _ => None,
         }
     }
@@ -363,7 +363,7 @@ pub trait Tables: Copy {
     /// Every value within its range; a name from an open list is for whoever knows the list to refuse.
     fn check_ranges(&self) -> Result<(), Refused<'static>> {
         let mut probe = *self;
-        for key in Self::KEYS.iter().filter(|key| !matches!(key.allowed, Allowed::Kinds(_))) {
+        for key in Self::KEYS.iter().filter(|key| !matches!(key.allowed, Allowed::Laws(_))) {
             if let Some(value) = self.get(key.name)
                 && let Err(SetError::Refused(refused)) = probe.set(key.name, value)
             {
@@ -485,7 +485,7 @@ settings! {
     /// Every setting of a peer.
     pub struct Settings [
         /// What laws' own keys are set to.
-        own: Own
+        own: OwnValues
     ];
 
     /// The two rates.
@@ -539,7 +539,7 @@ settings! {
 
     /// What holds the two copies together.
     coordination: Coordination {
-        comm: &'static str = "passive-wave", Allowed::Kinds(&[]), "", "Coordination law, by what it sends.";
+        comm: &'static str = "passive-wave", Allowed::Laws(&[]), "", "Coordination law, by what it sends.";
         decode: Decode = Decode::Delayed, Allowed::Names(Decode::NAMES), "",
             "How the wave decode's algebraic loop is opened.";
         stiffness_n_per_m: f64 = 10620.0, number(0.0, 1e7), "N/m", "Coordination stiffness K_T.";
@@ -717,7 +717,7 @@ impl Settings {
 
     /// The settings that two coupled peers must share: of each key its table, its name there and its value, table by
     /// table; of laws' own keys those that are not at their default; and how many axes are shared, where that is not one.
-    pub fn shared(&self) -> impl Iterator<Item = (&'static str, &'static str, Value<'static>)> + '_ {
+    pub fn common(&self) -> impl Iterator<Item = (&'static str, &'static str, Value<'static>)> + '_ {
         let tables = <Self as Tables>::KEYS.iter().filter_map(|key| {
             let (table, short) = key.name.split_once('.').filter(|(table, _)| Self::SHARED.contains(table))?;
             Some((table, short, Tables::get(self, key.name)?))

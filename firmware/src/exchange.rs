@@ -7,7 +7,7 @@
 //! Invariants: the three owned indices are always a permutation of 0, 1, 2; what [`Reader::get`] shows changes only in
 //! [`Reader::fetch`]. Checked under every interleaving by loom: `cargo test -p firmware --features loom --test interleavings`.
 //!
-//! [`Queue`] is for streams in which every value counts: a ring with one index a side; when it is full the writer is told,
+//! [`Queue`] is for streams in which every value counts: a ring with one index a side; when it is full the writer is notified,
 //! and goes on. (`heapless::spsc` divides by its length at run time, and can panic there.)
 //!
 //! Limits: one writer, one reader.

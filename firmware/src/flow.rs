@@ -106,7 +106,7 @@ impl Flow {
 
     /// Other settings: the other peer needs them too before the two meet again.
     #[inline(never)]
-    fn told(&mut self, settings: &Settings) {
+    fn configure(&mut self, settings: &Settings) {
         self.part();
         if let Some(link) = connect(&self.key, &self.seed, self.number, settings) {
             *self.link = link;
@@ -141,7 +141,7 @@ pub(crate) async fn run(stack: Stack<'static>, mut flow: Flow) -> ! {
             }
             Either3::Second(Ok((length, _))) => flow.receive(bytes.get_mut(..length).unwrap_or_default()),
             Either3::Second(Err(_)) => signals.refused.count(),
-            Either3::Third(settings) => flow.told(&settings),
+            Either3::Third(settings) => flow.configure(&settings),
         }
         while let Some(length) = flow.link.poll(now(), &mut out) {
             // What the link repeats by itself needs no count.

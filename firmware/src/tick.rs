@@ -210,7 +210,7 @@ impl Loop {
                 // Without room it is lost: whoever misses it sees it by the numbers.
                 let _ = self.side.records.put(|record| {
                     let (counts, duties) = (joints(counts, axis), joints(actuators.duties, axis));
-                    let (stage, number) = (current::told(stage), axis as u8);
+                    let (stage, number) = (current::reported(stage), axis as u8);
                     let of = record::Tick { tick, axis: number, counts, duties, stage, mode, flags, digest };
                     let did = OfAxis::new(seen[axis], ledgers[axis]);
                     record.fill(&of, incoming.map(|packets| &packets[axis]), &did);

@@ -3,7 +3,7 @@
 use firmware_parts::exchange::{Consumer, Latest, Queue};
 use loom::thread;
 
-/// Every interleaving of three values through a queue of two: none torn, none twice, in order, none lost but told.
+/// Every interleaving of three values through a queue of two: none torn, none twice, in order, none lost but reported.
 #[test]
 fn a_queue_loses_only_what_it_refused() {
     loom::model(|| {

@@ -5,4 +5,4 @@ mod cli;
 mod play;
 pub mod trials;
 
-pub use cli::{Cli, made};
+pub use cli::{Cli, provenance};

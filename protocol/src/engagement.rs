@@ -6,10 +6,10 @@
 //! |---|---|---|
 //! | up to 3 | [`Rung::Engaged`] | rises by 1/12 a period, to 1; a missing packet is the ledger's business |
 //! | 3 to 12 | [`Rung::Fading`] | falls by 1/9 a period, so that it is 0 at 12 |
-//! | 12 and more | [`Rung::Apart`] | 0; local rendering goes on |
+//! | 12 and more | [`Rung::Disengaged`] | 0; local rendering goes on |
 //!
 //! Silence is a time: where packets come more often than every 8 ms silence is still counted in 8 ms, and where the peers are to
-//! be apart only after longer than 12 packet periods ([`crate::link::Link::apart_after`]), in a twelfth of that.
+//! be apart only after longer than 12 packet periods ([`crate::link::Link::disengage_after`]), in a twelfth of that.
 //!
 //! It is for a caller whose coordination knows nothing of silence. One that fades its packets itself, counted in packets as its
 //! analysis needs them, takes the notices (a session began, ended) and leaves the level alone: two in a row fade twice.
@@ -22,7 +22,7 @@
 pub(crate) enum Rung {
     /// No flow, or none for long.
     #[default]
-    Apart,
+    Disengaged,
     /// Flow comes: the level rises to 1.
     Engaged,
     /// Flow stays away: the level falls to 0.
@@ -32,16 +32,16 @@ pub(crate) enum Rung {
 /// Packet periods of silence before the coordination fades.
 pub(crate) const FADE_AFTER: u32 = 3;
 /// Packet periods of silence before the peers are apart.
-pub(crate) const APART_AFTER: u32 = 12;
+pub(crate) const DISENGAGE_AFTER: u32 = 12;
 /// The shortest period that silence is counted in, µs.
 const SHORTEST_PERIOD_US: u32 = 8_000;
 /// Packet periods from 0 to full engagement.
 pub(crate) const RISE: u32 = 12;
 
-const LEVELS: u32 = RISE * (APART_AFTER - FADE_AFTER) / 3;
+const LEVELS: u32 = RISE * (DISENGAGE_AFTER - FADE_AFTER) / 3;
 const RISE_STEP: u64 = (LEVELS / RISE) as u64;
-const FADE_STEP: u64 = (LEVELS / (APART_AFTER - FADE_AFTER)) as u64;
-const _: () = assert!(LEVELS.is_multiple_of(RISE) && LEVELS.is_multiple_of(APART_AFTER - FADE_AFTER));
+const FADE_STEP: u64 = (LEVELS / (DISENGAGE_AFTER - FADE_AFTER)) as u64;
+const _: () = assert!(LEVELS.is_multiple_of(RISE) && LEVELS.is_multiple_of(DISENGAGE_AFTER - FADE_AFTER));
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Engagement {
@@ -53,15 +53,15 @@ pub(crate) struct Engagement {
 }
 
 impl Engagement {
-    /// Apart, for flow that comes each `period_us`; the peers are to be apart after `apart_after_us` of silence, if that is longer.
-    pub(crate) fn new(period_us: u32, apart_after_us: u32) -> Self {
-        let period_us = period_us.max(SHORTEST_PERIOD_US).max(apart_after_us.div_ceil(APART_AFTER));
+    /// Apart, for flow that comes each `period_us`; the peers are to be apart after `disengage_after_us` of silence, if that is longer.
+    pub(crate) fn new(period_us: u32, disengage_after_us: u32) -> Self {
+        let period_us = period_us.max(SHORTEST_PERIOD_US).max(disengage_after_us.div_ceil(DISENGAGE_AFTER));
         Self { period_us: u64::from(period_us), heard_us: None, updated_us: 0, level: 0 }
     }
 
     /// Silence after which the peers are apart, µs.
-    pub(crate) fn apart_after_us(&self) -> u64 {
-        self.periods(APART_AFTER)
+    pub(crate) fn disengage_after_us(&self) -> u64 {
+        self.periods(DISENGAGE_AFTER)
     }
 
     /// The peers part: level 0 until flow comes again.
@@ -82,13 +82,13 @@ impl Engagement {
     pub(crate) fn update(&mut self, now: u64) {
         let Some(heard) = self.heard_us else { return };
         let fade = heard.saturating_add(self.periods(FADE_AFTER));
-        let apart = heard.saturating_add(self.periods(APART_AFTER));
+        let disengaged = heard.saturating_add(self.periods(DISENGAGE_AFTER));
         let until_fade = now.min(fade).saturating_sub(self.updated_us);
         let after_fade = now.saturating_sub(fade.max(self.updated_us));
         self.level = self.level.saturating_add(until_fade.saturating_mul(RISE_STEP)).min(self.full());
         self.level = self.level.saturating_sub(after_fade.saturating_mul(FADE_STEP));
         self.updated_us = self.updated_us.max(now);
-        if now >= apart {
+        if now >= disengaged {
             self.part();
         }
     }
@@ -104,7 +104,7 @@ impl Engagement {
     /// How far the coordination is degraded, as of the last update.
     pub(crate) fn rung(&self) -> Rung {
         match self.heard_us {
-            None => Rung::Apart,
+            None => Rung::Disengaged,
             Some(heard) if self.updated_us.saturating_sub(heard) > self.periods(FADE_AFTER) => Rung::Fading,
             Some(_) => Rung::Engaged,
         }

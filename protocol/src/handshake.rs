@@ -55,7 +55,7 @@ const MULTIPLY_EVERY_US: u64 = 50_000;
 pub(crate) struct Handshake {
     ends: Ends,
     line: u32,
-    shared: Key,
+    pre_shared: Key,
     outward: Key,
     inward: Key,
     entropy: Key,
@@ -73,16 +73,17 @@ pub(crate) struct Handshake {
 
 impl Handshake {
     /// Greets under the shared key. `entropy` must differ at every start of the peer and be unforeseeable.
-    pub(crate) fn new(shared: Key, ends: Ends, parameters: Parameters, entropy: &Key) -> Self {
+    pub(crate) fn new(pre_shared: Key, ends: Ends, parameters: Parameters, entropy: &Key) -> Self {
         let Ends { local, remote } = ends;
-        let greeting_key = |from: wire::PeerId, to: wire::PeerId| shared.derive("greeting").with(&[from.0, to.0]).end();
+        let greeting_key =
+            |from: wire::PeerId, to: wire::PeerId| pre_shared.derive("greeting").with(&[from.0, to.0]).end();
         let incarnation = u64::from_le_bytes(entropy.derive("incarnation").first());
         let mut handshake = Self {
             ends,
             line: 0,
             outward: greeting_key(local, remote),
             inward: greeting_key(remote, local),
-            shared,
+            pre_shared,
             entropy: entropy.clone(),
             drawn: 0,
             local: Offer { ephemeral: Ephemeral::default(), incarnation },
@@ -195,7 +196,7 @@ impl Handshake {
         }
         let remote = Offer { ephemeral: greeting.ephemeral, incarnation: greeting.incarnation };
         let agreed = self.agree(now, &greeting.ephemeral)?;
-        Ok(Session::new(&self.shared, self.ends, [self.local, remote], &agreed, &self.parameters.hashes(), now))
+        Ok(Session::new(&self.pre_shared, self.ends, [self.local, remote], &agreed, &self.parameters.hashes(), now))
     }
 }
 

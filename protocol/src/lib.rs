@@ -23,7 +23,7 @@
 //! ```
 //! use haptic_protocol::ends::Ends;
 //! use haptic_protocol::link::{Config, Link, Notice, Stage};
-//! use haptic_protocol::wire::{Along, Event, Flow, MAX_DATAGRAM, Message, PeerId};
+//! use haptic_protocol::wire::{AxisFlow, Event, Flow, MAX_DATAGRAM, Message, PeerId};
 //! use haptic_protocol::{key::Key, parameters::Parameters, parameters::Table};
 //!
 //! fn link(local: u8, remote: u8) -> Link {

@@ -19,7 +19,7 @@
 //! but [`Counts::refused`]; one counter numbers all that this peer ever seals, so that no key meets a nonce twice.
 //! **Limits**: one link leads to one peer; who is there is known by key and number, not by address.
 
-use crate::engagement::{APART_AFTER, Engagement};
+use crate::engagement::{DISENGAGE_AFTER, Engagement};
 use crate::handshake::{Handshake, LIFE_US};
 use crate::reliable::{Receiver, Sender};
 use crate::session::{Counter, Session};
@@ -116,11 +116,11 @@ pub enum Notice {
     Fading,
     /// Flow again before the engagement was lost: it rises from where it was.
     Resumed,
-    /// The engagement is 0: no flow for 12 packet periods ([`Link::apart_after`]), or the session has ended.
+    /// The engagement is 0: no flow for 12 packet periods ([`Link::disengage_after`]), or the session has ended.
     Disengaged,
     /// The session has ended: a goodbye, silence for 12 packet periods, or the other peer has started another one.
     Lost,
-    /// Flow comes too late and is not taken: its delay one way, µs. Told once, until flow is taken again.
+    /// Flow comes too late and is not taken: its delay one way, µs. Reported once, until flow is taken again.
     Old(u32),
     /// The other peer has other parameters: the name of the first table that differs.
     Refused(&'static str),
@@ -251,7 +251,7 @@ impl Link {
 
     /// This link, but the session and the engagement end only after `silence_us` µs without a datagram, if that is
     /// longer than 12 packet periods and than 96 ms.
-    pub fn apart_after(mut self, silence_us: u32) -> Self {
+    pub fn disengage_after(mut self, silence_us: u32) -> Self {
         self.engagement = Engagement::new(self.period_us, silence_us);
         self
     }
@@ -447,13 +447,13 @@ impl Link {
 
     /// How long a message counts, and a session that nothing was answered in, µs.
     fn life_us(&self) -> u64 {
-        LIFE_US.max(self.after(0, APART_AFTER))
+        LIFE_US.max(self.after(0, DISENGAGE_AFTER))
     }
 
     fn advance(&mut self, now: u64) {
         self.engagement.update(now);
         let over = self.session.as_ref().is_some_and(|session| match session.is_confirmed() {
-            true => now >= self.heard_us.saturating_add(self.engagement.apart_after_us()),
+            true => now >= self.heard_us.saturating_add(self.engagement.disengage_after_us()),
             false => now >= session.began_us.saturating_add(self.life_us()),
         });
         if over {

@@ -6,11 +6,13 @@ use haptic_core::num::{Motion, Scalar};
 use haptic_core::settings::{Settings, Value};
 
 use crate::link::{Config, ConfigError, Link};
-use crate::{ends::Ends, key::Key, parameters::Parameters, playout::Playout, wire::Along, wire::Flows, wire::Message};
+use crate::{
+    ends::Ends, key::Key, parameters::Parameters, playout::Playout, wire::AxisFlow, wire::Flows, wire::Message,
+};
 
 /// The settings that both peers must share, as a greeting carries them.
 pub fn parameters_of(settings: &Settings) -> Parameters {
-    Parameters::of(settings.shared(), |table, key, value| match value {
+    Parameters::of(settings.common(), |table, key, value| match value {
         Value::Number(number) => table.number(key, number),
         Value::Flag(flag) => table.flag(key, flag),
         Value::Text(text) => table.text(key, text),
@@ -30,7 +32,7 @@ pub fn open(settings: &Settings, key: Key, ends: Ends, entropy: [u8; Key::LEN]) 
     let config = Config { key, ends, packet_period_us, parameters: parameters_of(settings), entropy };
     // Casts saturate.
     let us = |seconds: f64| (1e6 * seconds) as u32;
-    let link = Link::new(config)?.apart_after(us(safety.disengage_s)).within(us(safety.max_delay_s));
+    let link = Link::new(config)?.disengage_after(us(safety.disengage_s)).within(us(safety.max_delay_s));
     Ok(link.keeping_silent(us(settings.own(&LONGEST))))
 }
 
@@ -38,7 +40,7 @@ pub fn open(settings: &Settings, key: Key, ends: Ends, entropy: [u8; Key::LEN]) 
 pub fn flow_of<S: Scalar, const AXES: usize>(packets: [Packet<S>; AXES], engaged: bool, tick: u32) -> Flows<AXES> {
     // From f32 and back to it nothing is lost.
     let wire = |value: S| value.to_f64() as f32;
-    let axes = packets.map(|packet| Along {
+    let axes = packets.map(|packet| AxisFlow {
         position: wire(packet.motion.position),
         velocity: wire(packet.motion.velocity),
         wave: wire(packet.wave),

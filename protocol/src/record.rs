@@ -239,7 +239,7 @@ impl<const MORE: usize> Record<MORE> {
     pub fn mode(&self) -> Mode {
         mode_of_code(self.0[word::MODE] & 0xFFFF)
     }
-    /// The peer as a whole, as it told it.
+    /// The peer as a whole, as it reported it.
     pub fn of_peer(&self) -> OfPeer {
         let [mode, fault, ..] = self.0[word::MODE].to_le_bytes();
         OfPeer { tick: self.tick().into(), mode, fault }

@@ -76,7 +76,7 @@ impl fmt::Debug for Session {
 impl Session {
     /// The session that two offers, the local one first, make under the shared key and the secret that their ephemerals agree on.
     pub(crate) fn new(
-        shared: &Key,
+        pre_shared: &Key,
         ends: Ends,
         [local, remote]: [Offer; 2],
         secret: &Key,
@@ -86,7 +86,7 @@ impl Session {
         let local_is_low = ends.local < ends.remote;
         let (low, high) = if local_is_low { (ends.local, ends.remote) } else { (ends.remote, ends.local) };
         let (of_low, of_high) = if local_is_low { (local, remote) } else { (remote, local) };
-        let mut derivation = shared
+        let mut derivation = pre_shared
             .derive("session")
             .with(&[VERSION, low.0, high.0])
             .with(&of_low.ephemeral)
@@ -119,7 +119,7 @@ impl Session {
         self.remote == Offer { ephemeral: greeting.ephemeral, incarnation: greeting.incarnation }
     }
 
-    /// Number by which the session's datagrams are told apart; not secret.
+    /// Number by which the session's datagrams are distinguished; not secret.
     pub(crate) fn number(&self) -> u32 {
         self.number
     }

@@ -10,7 +10,7 @@ use crate::options::Options;
 use crate::run::{self, Failure, cargo, run, step};
 use crate::setup::{self, Ready, THUMB_TARGET};
 
-/// What cargo is told of either image: that for one shared axis, and that for three.
+/// What cargo is given for either image: that for one shared axis, and that for three.
 pub(crate) const IMAGES: [&[&str]; 2] = [&[], &["--features", "three-axes"]];
 /// Longest run, s.
 const MOST_SECONDS: f64 = 3600.0;

@@ -20,7 +20,7 @@ const FOLDERS: [(&str, &str); 2] = [
     ("protocol/fuzz", include_str!("../../protocol/fuzz/Cargo.toml")),
     ("host-sim/environments/fuzz", include_str!("../../host-sim/environments/fuzz/Cargo.toml")),
 ];
-/// Time for each target unless told, s.
+/// Time for each target by default, s.
 const SECONDS: u32 = 60;
 /// Longest time for each target, s.
 const MOST_SECONDS: u32 = 86_400;

@@ -15,7 +15,7 @@
 //!
 //! **Promises**: nothing drifts, for positions are what is sent. It is not passive: delay lowers the largest stable K_T as in the power-domain law.
 
-use super::{Coupled, Kind, Law, Packet, Promise, Seen, Sends, Spring};
+use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Sends, Spring};
 use crate::num::{Motion, Scalar, StateVector};
 use crate::object::Solve;
 use crate::settings::{Refused, Settings};
@@ -65,7 +65,7 @@ impl<S: Scalar> AveragePosition<S> {
 }
 
 impl<S: Scalar> Law<S> for AveragePosition<S> {
-    const KINDS: &'static [Kind] = &[Kind {
+    const LAWS: &'static [LawInfo] = &[LawInfo {
         name: "average-position",
         sends: Sends::Motion,
         keys: &[],
@@ -88,9 +88,14 @@ impl<S: Scalar> Law<S> for AveragePosition<S> {
     }
 
     #[inline]
-    fn couple(&self, state: &mut AveragePositionState<S>, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
-        let desired = self.desired(state, seen.local);
-        Coupled::toward(desired, self.spring.force(desired, seen.local, solve))
+    fn couple(
+        &self,
+        state: &mut AveragePositionState<S>,
+        observed: &Observation<S>,
+        solve: impl Solve<S>,
+    ) -> Coupled<S> {
+        let desired = self.desired(state, observed.local);
+        Coupled::toward(desired, self.spring.force(desired, observed.local, solve))
     }
 
     fn send(&self, _: &AveragePositionState<S>, local: Motion<S>) -> Packet<S> {

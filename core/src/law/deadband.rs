@@ -25,7 +25,7 @@ use super::event::{self, LONGEST};
 use super::passivity_control::PassivityControl;
 use super::power::Power;
 use super::tank::START;
-use super::{Coupled, Kind, Law, Packet, Promise, Seen, Sends};
+use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Sends};
 use crate::num::{Configured, Motion, Scalar, StateVector};
 use crate::object::Solve;
 use crate::settings::{Key, PLENTY_J, Refused, Settings};
@@ -48,13 +48,13 @@ const LEAST: Key = Key::number(
 /// A law of motions whose packets are coded.
 pub trait Coded<S: Scalar>: Law<S> {
     /// The kind that settings know the coded law by.
-    const KIND: Kind;
+    const INFO: LawInfo;
     /// Whether the receiver uses the modified hold.
     fn is_modified(settings: &Settings) -> bool;
 }
 
 impl<S: Scalar> Coded<S> for Power<S> {
-    const KIND: Kind = Kind {
+    const INFO: LawInfo = LawInfo {
         name: "deadband",
         sends: Sends::Motion,
         keys: &[LONGEST, WEBER, LEAST],
@@ -74,7 +74,7 @@ impl<S: Scalar> Coded<S> for Power<S> {
 }
 
 impl<S: Scalar> Coded<S> for PassivityControl<S> {
-    const KIND: Kind = Kind {
+    const INFO: LawInfo = LawInfo {
         name: "passive-deadband",
         sends: Sends::Motion,
         keys: &[LONGEST, WEBER, LEAST, START],
@@ -127,7 +127,7 @@ pub struct CodingState<S: Scalar, T> {
     /// How far its motion has been carried on, m.
     carried: S,
     /// Velocity of the newest packet sent, ẋ*, m/s.
-    told: S,
+    announced: S,
     /// F_T of the tick before, N.
     force: S,
 }
@@ -155,15 +155,15 @@ impl<S: Scalar, L: Coded<S>> Coding<S, L> {
         if age_ticks == 0 {
             state.carried = S::ZERO;
         }
-        let told = state.held.motion.velocity;
+        let announced = state.held.motion.velocity;
         let velocity = if age_ticks >= self.longest {
             S::ZERO
         } else if self.modified && state.force > S::ZERO {
-            told - self.band(told)
+            announced - self.band(announced)
         } else if self.modified && state.force < S::ZERO {
-            told + self.band(told)
+            announced + self.band(announced)
         } else {
-            told
+            announced
         };
         let position = state.held.motion.position + state.carried;
         self.law.receive(&mut state.law, Packet { motion: Motion { position, velocity }, ..state.held });
@@ -172,7 +172,7 @@ impl<S: Scalar, L: Coded<S>> Coding<S, L> {
 }
 
 impl<S: Scalar, L: Coded<S>> Law<S> for Coding<S, L> {
-    const KINDS: &'static [Kind] = &[L::KIND];
+    const LAWS: &'static [LawInfo] = &[L::INFO];
     type State = CodingState<S, L::State>;
     const PORTS_ONLY: bool = L::PORTS_ONLY;
 
@@ -192,7 +192,7 @@ impl<S: Scalar, L: Coded<S>> Law<S> for Coding<S, L> {
 
     fn start(&self, local: Motion<S>) -> Self::State {
         let held = Packet { motion: Motion::at(local.position), ..Packet::default() };
-        CodingState { law: self.law.start(local), held, carried: S::ZERO, told: S::ZERO, force: S::ZERO }
+        CodingState { law: self.law.start(local), held, carried: S::ZERO, announced: S::ZERO, force: S::ZERO }
     }
 
     fn restart(&self, state: &mut Self::State, local: Motion<S>) {
@@ -206,9 +206,9 @@ impl<S: Scalar, L: Coded<S>> Law<S> for Coding<S, L> {
     }
 
     #[inline]
-    fn couple(&self, state: &mut Self::State, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
-        self.carry_on(state, seen.age_ticks);
-        let coupled = self.law.couple(&mut state.law, seen, solve);
+    fn couple(&self, state: &mut Self::State, observed: &Observation<S>, solve: impl Solve<S>) -> Coupled<S> {
+        self.carry_on(state, observed.age_ticks);
+        let coupled = self.law.couple(&mut state.law, observed, solve);
         state.force = coupled.force;
         coupled
     }
@@ -218,10 +218,10 @@ impl<S: Scalar, L: Coded<S>> Law<S> for Coding<S, L> {
     }
 
     fn speaks(&self, state: &Self::State, packet: &Packet<S>) -> bool {
-        (packet.motion.velocity - state.told).abs() > self.band(state.told)
+        (packet.motion.velocity - state.announced).abs() > self.band(state.announced)
     }
 
     fn spoke(&self, state: &mut Self::State, packet: &Packet<S>) {
-        state.told = packet.motion.velocity;
+        state.announced = packet.motion.velocity;
     }
 }

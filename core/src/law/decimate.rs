@@ -6,14 +6,14 @@
 //! the band it passes. [`Mean`] sends ū, the mean of the last M samples: held for M ticks it never emits more than was
 //! absorbed, M·ū² ≤ Σu² (Cauchy–Schwarz; THEORY §5), whatever the signal.
 
-use super::{Kind, Promise, Sends};
+use super::{LawInfo, Promise, Sends};
 use crate::num::{Configured, Scalar, StateVector};
 use crate::settings::Settings;
 
 /// A filter in front of the decimation to one wave sample per packet.
 pub trait Decimator<S: Scalar>: Configured + Copy + core::fmt::Debug + Send + Sync + 'static {
     /// The kind of law of a line behind this filter.
-    const KIND: Kind;
+    const INFO: LawInfo;
     /// Whether what is sent keeps the integral of the wave.
     const KEEPS_INTEGRAL: bool = false;
     /// State of the filter.
@@ -34,7 +34,7 @@ pub struct Newest;
 configured!([] Newest {});
 
 impl<S: Scalar> Decimator<S> for Newest {
-    const KIND: Kind = Kind {
+    const INFO: LawInfo = LawInfo {
         name: "wave",
         sends: Sends::Waves,
         keys: &[],
@@ -68,7 +68,7 @@ pub struct OnePole<S> {
 configured!([S: Scalar] OnePole<S> { keep, take });
 
 impl<S: Scalar> Decimator<S> for OnePole<S> {
-    const KIND: Kind = Kind {
+    const INFO: LawInfo = LawInfo {
         name: "passive-wave",
         sends: Sends::Waves,
         keys: &[],
@@ -118,7 +118,7 @@ impl<S> StateVector<S> for MeanState<S> {
 }
 
 impl<S: Scalar> Decimator<S> for Mean<S> {
-    const KIND: Kind = Kind {
+    const INFO: LawInfo = LawInfo {
         name: "passive-mean",
         sends: Sends::Waves,
         keys: &[],

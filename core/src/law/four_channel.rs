@@ -22,7 +22,7 @@
 //! Where the copy is moved by ports its contact is solved together with the law, which learns F_LC from how the copy moved,
 //! F_LC = (2m_O/T_c)·(v − ẋ_o) + b_O·v − F_T, in time for what is sent; its own hand it then feeds back a tick late.
 
-use super::{Coupled, Kind, Law, Packet, Seen, Sends, Spring};
+use super::{Coupled, Law, LawInfo, Observation, Packet, Sends, Spring};
 use crate::num::{Motion, Scalar, StateVector};
 use crate::object::{Port, Solve};
 use crate::settings::{Key, Refused, Settings};
@@ -87,7 +87,7 @@ impl<S: Scalar> FourChannel<S> {
 }
 
 impl<S: Scalar> Law<S> for FourChannel<S> {
-    const KINDS: &'static [Kind] = &[Kind {
+    const LAWS: &'static [LawInfo] = &[LawInfo {
         name: "four-channel",
         sends: Sends::Motion,
         keys: &[REMOTE, LOCAL],
@@ -118,11 +118,11 @@ impl<S: Scalar> Law<S> for FourChannel<S> {
     }
 
     #[inline]
-    fn couple(&self, state: &mut FourChannelState<S>, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
-        let (local, desired) = (seen.local, state.desired);
+    fn couple(&self, state: &mut FourChannelState<S>, observed: &Observation<S>, solve: impl Solve<S>) -> Coupled<S> {
+        let (local, desired) = (observed.local, state.desired);
         let (velocity, spring, hands);
         if solve.is_staged() {
-            state.own_force = seen.contact_force;
+            state.own_force = observed.contact_force;
             (velocity, hands) = (local.velocity, self.hands(state));
             spring = self.spring.force(desired, local, solve);
         } else {

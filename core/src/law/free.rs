@@ -1,6 +1,6 @@
 //! No coordination: the scene has one peer, or two that do not feel each other. Also the least a law can be.
 
-use super::{Kind, Law, Packet, Sends};
+use super::{Law, LawInfo, Packet, Sends};
 use crate::num::{Motion, Scalar};
 use crate::settings::{Refused, Settings};
 
@@ -11,8 +11,8 @@ pub struct Free;
 configured!([] Free {});
 
 impl<S: Scalar> Law<S> for Free {
-    const KINDS: &'static [Kind] =
-        &[Kind { name: "none", sends: Sends::Nothing, keys: &[], gains: &[], source: "", promises: &[] }];
+    const LAWS: &'static [LawInfo] =
+        &[LawInfo { name: "none", sends: Sends::Nothing, keys: &[], gains: &[], source: "", promises: &[] }];
     type State = ();
 
     fn build(_: &Settings) -> Result<Self, Refused<'static>> {

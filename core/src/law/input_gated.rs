@@ -20,7 +20,7 @@
 
 use super::credit::CAP_J;
 use super::tank::{START, needs_midpoint};
-use super::{Coupled, Kind, Law, Packet, Promise, Seen, Sends, Spring};
+use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Sends, Spring};
 use crate::num::{Motion, Scalar, StateVector};
 use crate::object::{Port, Solve};
 use crate::settings::{Refused, Settings};
@@ -63,7 +63,7 @@ impl<S> StateVector<S> for InputGatedState<S> {
 }
 
 impl<S: Scalar> Law<S> for InputGated<S> {
-    const KINDS: &'static [Kind] = &[Kind {
+    const LAWS: &'static [LawInfo] = &[LawInfo {
         name: "input-gated",
         sends: Sends::Motion,
         keys: &[START],
@@ -105,8 +105,8 @@ impl<S: Scalar> Law<S> for InputGated<S> {
     }
 
     #[inline]
-    fn couple(&self, state: &mut InputGatedState<S>, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
-        let open = self.spring.port(state.desired, seen.local);
+    fn couple(&self, state: &mut InputGatedState<S>, observed: &Observation<S>, solve: impl Solve<S>) -> Coupled<S> {
+        let open = self.spring.port(state.desired, observed.local);
         let (worst, covered) = (open.force * open.force, self.budget * state.account);
         // Written so that no number is no force.
         let force = if worst <= covered { open.force } else { open.force.limit(covered.sqrt()) };

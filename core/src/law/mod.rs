@@ -2,7 +2,7 @@
 //!
 //! A law sees its own copy move ([`Law::couple`], every tick), hands out one [`Packet`] each packet period ([`Law::send`]), unless it
 //! keeps silent ([`Law::speaks`], [`event`]), and takes in the other peer's ([`Law::receive`]). **A law is one file**: its name, what it
-//! sends, its own keys and the gains to try are its [`Kind`], beside it. In this crate the file, its `pub mod` and one line in the list
+//! sends, its own keys and the gains to try are its [`LawInfo`], beside it. In this crate the file, its `pub mod` and one line in the list
 //! below make it known to simulator, analyser, campaign, board and reports; a crate outside passes it to them. [`free`] is the
 //! smallest law.
 //!
@@ -13,11 +13,11 @@ pub mod average_position;
 pub mod credit;
 pub mod deadband;
 pub mod decimate;
+pub mod degradation;
 pub mod event;
 pub mod four_channel;
 pub mod free;
 pub mod input_gated;
-pub mod ladder;
 pub mod ledger;
 pub mod model_mediated;
 pub mod node;
@@ -38,7 +38,7 @@ use crate::num::{Configured, Motion, Scalar, StateVector, visit_counter};
 use crate::object::port::{self, Port, Solve};
 use crate::settings::{Allowed, Refused, Settings};
 
-pub use crate::settings::{Kind, Promise, Sends};
+pub use crate::settings::{LawInfo, Promise, Sends};
 
 /// What crosses the network once each packet period. A law fills the fields it uses; the others stay 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -79,7 +79,7 @@ impl<S: Scalar> Packet<S> {
 
 /// What a law sees in one tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Seen<S> {
+pub struct Observation<S> {
     /// Motion of the local copy as the tick begins, m and m/s.
     pub local: Motion<S>,
     /// Force of contact on the copy, N: of this tick, or of the one before where contact and law are solved together.
@@ -141,16 +141,16 @@ impl<S: Scalar> Coupled<S> {
 /// by side.
 pub trait Law<S: Scalar>: Configured + Copy + core::fmt::Debug + Send + Sync + 'static {
     /// The kinds that this law is asked for by; one, unless the law is a list of laws.
-    const KINDS: &'static [Kind];
+    const LAWS: &'static [LawInfo];
     /// State of the law.
     type State: StateVector<S> + Copy + core::fmt::Debug + Send + Sync;
     /// Whether it acts only on a copy that is moved by ports: then [`Law::build`] refuses any other order, and nothing is compiled for them.
     const PORTS_ONLY: bool = false;
 
-    /// The kind that the settings name, if it is this law; one of [`Law::KINDS`], unless those are known only when the program runs.
+    /// The kind that the settings name, if it is this law; one of [`Law::LAWS`], unless those are known only when the program runs.
     #[must_use]
-    fn kind(settings: &Settings) -> Option<&'static Kind> {
-        named(settings, Self::KINDS)
+    fn info(settings: &Settings) -> Option<&'static LawInfo> {
+        named(settings, Self::LAWS)
     }
     /// Takes what it needs from settings that are within their ranges. After this nothing can fail.
     ///
@@ -167,15 +167,15 @@ pub trait Law<S: Scalar>: Configured + Copy + core::fmt::Debug + Send + Sync + '
     fn receive(&self, state: &mut Self::State, packet: Packet<S>);
     /// One tick: the force on the local copy from what is seen and what was received. No force where the law does not say.
     ///
-    /// The law says what its port is, is told the velocity of the copy through the tick (m/s) by `solve`, and goes on from there; the force
+    /// The law says what its port is, is given the velocity of the copy through the tick (m/s) by `solve`, and goes on from there; the force
     /// is `port.at(velocity)`. [`Spring::force`] does so for a law that is a spring and damper. In the staged orders of the papers the
     /// velocity is the one that the tick begins with; where the copy is moved by ports (`object.integrator = "midpoint"`) it is the mean,
     /// and comes of all ports. There a law that says [`Port::of_force`], a force that does not depend on how the copy moves, makes energy
     /// if it is stiff, and one that does not ask `solve` leaves the copy where it is.
     #[inline]
-    fn couple(&self, _state: &mut Self::State, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
+    fn couple(&self, _state: &mut Self::State, observed: &Observation<S>, solve: impl Solve<S>) -> Coupled<S> {
         solve.velocity(Port::default());
-        Coupled::none(seen.local)
+        Coupled::none(observed.local)
     }
     /// What to send now: everything up to and including the last tick.
     fn send(&self, state: &Self::State, local: Motion<S>) -> Packet<S>;
@@ -202,13 +202,13 @@ pub trait Law<S: Scalar>: Configured + Copy + core::fmt::Debug + Send + Sync + '
 }
 
 /// The kind that the settings name, of these.
-pub(crate) fn named(settings: &Settings, kinds: &'static [Kind]) -> Option<&'static Kind> {
-    kinds.iter().find(|kind| kind.name == settings.coordination.comm)
+pub(crate) fn named(settings: &Settings, laws: &'static [LawInfo]) -> Option<&'static LawInfo> {
+    laws.iter().find(|info| info.name == settings.coordination.comm)
 }
 
 /// That the settings name none of these.
-pub(crate) fn unknown(settings: &Settings, kinds: &'static [Kind]) -> Refused<'static> {
-    settings.refuses("coordination.comm", Allowed::Kinds(kinds))
+pub(crate) fn unknown(settings: &Settings, laws: &'static [LawInfo]) -> Refused<'static> {
+    settings.refuses("coordination.comm", Allowed::Laws(laws))
 }
 
 macro_rules! laws {
@@ -234,22 +234,22 @@ macro_rules! laws {
         impl<S: Scalar> Configured for AnyLaw<S> {
             fn configuration(&self, each: &mut dyn FnMut(u64)) -> bool {
                 match self { $( Self::$Variant(law) => {
-                    let [kind] = <$law as Law<S>>::KINDS else { return false };
-                    kind.name.bytes().for_each(|letter| each(letter.into()));
+                    let [info] = <$law as Law<S>>::LAWS else { return false };
+                    info.name.bytes().for_each(|letter| each(letter.into()));
                     law.configuration(each)
                 } ),+ }
             }
         }
 
         impl<S: Scalar> Law<S> for AnyLaw<S> {
-            const KINDS: &'static [Kind] = &[$( <$law as Law<S>>::KINDS[0] ),+];
+            const LAWS: &'static [LawInfo] = &[$( <$law as Law<S>>::LAWS[0] ),+];
             type State = AnyLawState<S>;
 
             fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
-                $( if named(settings, <$law as Law<S>>::KINDS).is_some() {
+                $( if named(settings, <$law as Law<S>>::LAWS).is_some() {
                     return Ok(Self::$Variant(Law::<S>::build(settings)?));
                 } )+
-                Err(unknown(settings, Self::KINDS))
+                Err(unknown(settings, Self::LAWS))
             }
             fn start(&self, local: Motion<S>) -> Self::State {
                 match self { $( Self::$Variant(law) => AnyLawState::$Variant(*law, law.start(local)) ),+ }
@@ -261,11 +261,11 @@ macro_rules! laws {
                 match state { $( AnyLawState::$Variant(law, state) => law.receive(state, packet) ),+ }
             }
             #[inline]
-            fn couple(&self, state: &mut Self::State, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
+            fn couple(&self, state: &mut Self::State, observed: &Observation<S>, solve: impl Solve<S>) -> Coupled<S> {
                 match state { $(
-                    AnyLawState::$Variant(..) if <$law as Law<S>>::PORTS_ONLY && solve.is_staged() => Coupled::none(seen.local),
+                    AnyLawState::$Variant(..) if <$law as Law<S>>::PORTS_ONLY && solve.is_staged() => Coupled::none(observed.local),
                     // A copy for each: what one law takes by reference would be in memory for all.
-                    AnyLawState::$Variant(law, state) => law.couple(state, &{ *seen }, solve),
+                    AnyLawState::$Variant(law, state) => law.couple(state, &{ *observed }, solve),
                 )+ }
             }
             fn send(&self, state: &Self::State, local: Motion<S>) -> Packet<S> {

@@ -37,7 +37,7 @@ mod estimate;
 use super::credit::CAP_J;
 use super::decimate::{Decimator, Mean, MeanState};
 use super::tank::{START, needs_midpoint};
-use super::{Coupled, Kind, Law, Packet, Seen, Sends, Spring};
+use super::{Coupled, Law, LawInfo, Observation, Packet, Sends, Spring};
 use crate::num::{Carry, Motion, Scalar, StateVector};
 use crate::object::port::{Port, Solve, met_midway};
 use crate::settings::{Key, PLENTY_J, Refused, Settings};
@@ -222,7 +222,7 @@ impl<S: Scalar> ModelMediated<S> {
 }
 
 impl<S: Scalar> Law<S> for ModelMediated<S> {
-    const KINDS: &'static [Kind] = &[Kind {
+    const LAWS: &'static [LawInfo] = &[LawInfo {
         name: "model-mediated",
         sends: Sends::Motion,
         keys: &[START, STIFFNESS, DAMPING, RATE, MEMORY],
@@ -313,7 +313,7 @@ impl<S: Scalar> Law<S> for ModelMediated<S> {
     }
 
     #[inline]
-    fn couple(&self, state: &mut ModelMediatedState<S>, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
+    fn couple(&self, state: &mut ModelMediatedState<S>, observed: &Observation<S>, solve: impl Solve<S>) -> Coupled<S> {
         let (body, remote, model, kappa) = (state.body, state.remote, state.model, self.spring.impedance);
         // The correction, as far as the account pays for it whatever the body does.
         let wanted = self.stiffness * (remote.position - body.position) + self.damping * remote.velocity;
@@ -323,7 +323,7 @@ impl<S: Scalar> Law<S> for ModelMediated<S> {
         // D·w + F_T = drive.
         let inertia = self.twice_rate * model.mass;
         let own = inertia + model.damping + self.half_period * model.stiffness + pull_impedance;
-        let spring = self.spring.stiffness * (body.position - seen.local.position);
+        let spring = self.spring.stiffness * (body.position - observed.local.position);
         let drive = inertia * body.velocity + model.stiffness * (model.rest - body.position) + pull - spring;
         let inverse_sum = S::ONE.ratio(own + kappa);
         let share = kappa * inverse_sum;

@@ -22,7 +22,7 @@
 //! object, contacts or hands have taken all there was: then x_m waits for the next energy that anybody puts in.
 
 use super::tank::{START, Tank, Tanks};
-use super::{Coupled, Kind, Law, Packet, Promise, Seen, Sends};
+use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Sends};
 use crate::num::{Motion, Scalar, StateVector};
 use crate::object::port::{Port, Solve, met_midway};
 use crate::settings::{Refused, Settings};
@@ -62,7 +62,7 @@ impl<S: Scalar> StateVector<S> for PassivityControlState<S> {
 }
 
 impl<S: Scalar> Law<S> for PassivityControl<S> {
-    const KINDS: &'static [Kind] = &[Kind {
+    const LAWS: &'static [LawInfo] = &[LawInfo {
         name: "passivity-control",
         sends: Sends::Motion,
         keys: &[START],
@@ -99,10 +99,15 @@ impl<S: Scalar> Law<S> for PassivityControl<S> {
         state.tank.receive(&packet);
     }
 
-    fn couple(&self, state: &mut PassivityControlState<S>, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
+    fn couple(
+        &self,
+        state: &mut PassivityControlState<S>,
+        observed: &Observation<S>,
+        solve: impl Solve<S>,
+    ) -> Coupled<S> {
         let period = self.tanks.period_s;
         let power_in = self.tanks.fill(&mut state.tank);
-        let local = seen.local.position.to_counter();
+        let local = observed.local.position.to_counter();
         let wanted = self.tanks.half * (state.remote.position.to_counter() - local);
         let before = state.tank.level_j;
         let (stretch, cost) = self.tanks.stretch(&mut state.tank, self.stiffness, state.middle - local, wanted);

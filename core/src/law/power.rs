@@ -3,7 +3,7 @@
 //! The simplest law and the one that delay hurts: its largest stable stiffness falls with every packet of delay
 //! (cooperation paper §3, Fig. 2 and Fig. 4a).
 
-use super::{Coupled, Kind, Law, Packet, Promise, Seen, Sends, Spring};
+use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Sends, Spring};
 use crate::num::{Motion, Scalar};
 use crate::object::Solve;
 use crate::settings::{Refused, Settings};
@@ -17,7 +17,7 @@ pub struct Power<S> {
 configured!([S: Scalar] Power<S> { spring });
 
 impl<S: Scalar> Law<S> for Power<S> {
-    const KINDS: &'static [Kind] = &[Kind {
+    const LAWS: &'static [LawInfo] = &[LawInfo {
         name: "power",
         sends: Sends::Motion,
         keys: &[],
@@ -41,8 +41,8 @@ impl<S: Scalar> Law<S> for Power<S> {
     }
 
     #[inline]
-    fn couple(&self, desired: &mut Motion<S>, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
-        Coupled::toward(*desired, self.spring.force(*desired, seen.local, solve))
+    fn couple(&self, desired: &mut Motion<S>, observed: &Observation<S>, solve: impl Solve<S>) -> Coupled<S> {
+        Coupled::toward(*desired, self.spring.force(*desired, observed.local, solve))
     }
 
     fn send(&self, _: &Motion<S>, local: Motion<S>) -> Packet<S> {

@@ -21,7 +21,7 @@
 //! **Promises** that nothing drifts. The proxy does not make the link passive: x_r is late and held, and the work K_p, B_p do on the proxy at ẋ_r is the
 //! network's.
 
-use super::{Coupled, Kind, Law, Packet, Promise, Seen, Sends, Spring};
+use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Sends, Spring};
 use crate::num::{Carry, Motion, Scalar, StateVector};
 use crate::object::port::{Port, Solve, met_midway};
 use crate::settings::{Key, Refused, Settings};
@@ -87,7 +87,7 @@ impl<S> StateVector<S> for ProxyState<S> {
 }
 
 impl<S: Scalar> Law<S> for RemoteDynamicProxy<S> {
-    const KINDS: &'static [Kind] = &[Kind {
+    const LAWS: &'static [LawInfo] = &[LawInfo {
         name: "remote-dynamic-proxy",
         sends: Sends::Motion,
         keys: &[MASS, STIFFNESS, DAMPING],
@@ -125,10 +125,10 @@ impl<S: Scalar> Law<S> for RemoteDynamicProxy<S> {
     }
 
     #[inline]
-    fn couple(&self, state: &mut ProxyState<S>, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
+    fn couple(&self, state: &mut ProxyState<S>, observed: &Observation<S>, solve: impl Solve<S>) -> Coupled<S> {
         let (proxy, remote) = (state.proxy, state.remote);
         let pull = self.stiffness * (remote.position - proxy.position) + self.damping * remote.velocity;
-        let spring = self.spring.stiffness * (proxy.position - seen.local.position);
+        let spring = self.spring.stiffness * (proxy.position - observed.local.position);
         let drive = self.inertia * proxy.velocity + pull - spring;
         let port = Port { force: spring + self.share * drive, impedance: self.seen_impedance };
         let mean = solve.velocity(port);

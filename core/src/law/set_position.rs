@@ -23,7 +23,7 @@
 //! What it costs is a drag of B_T that is felt in free motion.
 
 use super::tank::{START, Tank, Tanks};
-use super::{Coupled, Kind, Law, Packet, Promise, Seen, Sends, Spring};
+use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Sends, Spring};
 use crate::num::{Motion, Scalar, StateVector};
 use crate::object::{Port, Solve};
 use crate::settings::{Refused, Settings};
@@ -59,7 +59,7 @@ impl<S: Scalar> StateVector<S> for SetPositionState<S> {
 }
 
 impl<S: Scalar> Law<S> for SetPosition<S> {
-    const KINDS: &'static [Kind] = &[Kind {
+    const LAWS: &'static [LawInfo] = &[LawInfo {
         name: "set-position",
         sends: Sends::Motion,
         keys: &[START],
@@ -97,9 +97,9 @@ impl<S: Scalar> Law<S> for SetPosition<S> {
         state.tank.receive(&packet);
     }
 
-    fn couple(&self, state: &mut SetPositionState<S>, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
+    fn couple(&self, state: &mut SetPositionState<S>, observed: &Observation<S>, solve: impl Solve<S>) -> Coupled<S> {
         let power_in = self.tanks.fill(&mut state.tank);
-        let local = seen.local.position.to_counter();
+        let local = observed.local.position.to_counter();
         let (before, wanted) = (state.set - local, state.wanted.to_counter() - local);
         let (stretch, _) = self.tanks.stretch(&mut state.tank, self.stiffness, before, wanted);
         state.set = local + stretch;

@@ -18,7 +18,7 @@
 //! does not promise that drift is made good: an empty tank pushes nothing.
 
 use super::tank::{START, Tank, Tanks};
-use super::{Coupled, Kind, Law, Packet, Promise, Seen, Sends, Spring};
+use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Sends, Spring};
 use crate::num::{Motion, Scalar, StateVector};
 use crate::object::{Port, Solve};
 use crate::settings::{Key, Refused, Settings};
@@ -78,7 +78,7 @@ impl<S: Scalar> StateVector<S> for TwoLayerState<S> {
 }
 
 impl<S: Scalar> Law<S> for TwoLayer<S> {
-    const KINDS: &'static [Kind] = &[Kind {
+    const LAWS: &'static [LawInfo] = &[LawInfo {
         name: "two-layer",
         sends: Sends::Motion,
         keys: &[START, LEVEL, FILL, SHARE],
@@ -113,13 +113,13 @@ impl<S: Scalar> Law<S> for TwoLayer<S> {
         state.tank.receive(&packet);
     }
 
-    fn couple(&self, state: &mut TwoLayerState<S>, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
+    fn couple(&self, state: &mut TwoLayerState<S>, observed: &Observation<S>, solve: impl Solve<S>) -> Coupled<S> {
         let period = self.tanks.period_s;
         let power_in = self.tanks.fill(&mut state.tank);
         let quantum = self.share * state.tank.level_j;
         state.tank.level_j = state.tank.level_j - quantum;
 
-        let wanted = self.spring.port(state.desired, seen.local);
+        let wanted = self.spring.port(state.desired, observed.local);
         let missing = self.level_j - state.tank.level_j;
         let damping = if missing > S::Counter::ZERO { self.fill * missing } else { S::Counter::ZERO };
         let impedance = wanted.impedance + S::of_counter(damping);

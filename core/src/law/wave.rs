@@ -17,7 +17,7 @@
 use super::credit::{Account, Credit};
 use super::decimate::{Decimator, Mean, Newest, OnePole};
 use super::terminal::{Ended, Terminal};
-use super::{Coupled, Kind, Law, Packet, Seen};
+use super::{Coupled, Law, LawInfo, Observation, Packet};
 use crate::num::{Carry, Configured, Motion, Scalar, StateVector, Sum};
 use crate::object::Solve;
 use crate::settings::{Allowed, Refused, Settings};
@@ -129,7 +129,7 @@ impl<S: Scalar, D: Decimator<S>> Line<S, D> {
 }
 
 impl<S: Scalar, D: Decimator<S>> Law<S> for Line<S, D> {
-    const KINDS: &'static [Kind] = &[D::KIND];
+    const LAWS: &'static [LawInfo] = &[D::INFO];
     type State = LineState<S, D::State>;
 
     fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
@@ -173,16 +173,21 @@ impl<S: Scalar, D: Decimator<S>> Law<S> for Line<S, D> {
     }
 
     #[inline]
-    fn couple(&self, state: &mut LineState<S, D::State>, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
+    fn couple(
+        &self,
+        state: &mut LineState<S, D::State>,
+        observed: &Observation<S>,
+        solve: impl Solve<S>,
+    ) -> Coupled<S> {
         let wave_in = self.paid(state);
         if solve.is_staged() {
-            let desired = self.decode(state, wave_in, seen.local);
+            let desired = self.decode(state, wave_in, observed.local);
             state.desired = desired;
-            state.force = self.end.spring.force(desired, seen.local, solve);
+            state.force = self.end.spring.force(desired, observed.local, solve);
             return self.emit(state, desired, wave_in);
         }
         let before = state.desired.position;
-        let Ended { velocity, force } = self.end.meet(before - seen.local.position, wave_in, solve);
+        let Ended { velocity, force } = self.end.meet(before - observed.local.position, wave_in, solve);
         state.desired = Motion { position: state.carry.add(before, self.period * velocity), velocity };
         state.force = force;
         self.emit(state, Motion { position: before, velocity }, wave_in)

@@ -22,7 +22,7 @@
 use super::decimate::{Decimator, Mean, MeanState};
 use super::tank::{Tank, Tanks, WAVE_START};
 use super::terminal::{Ended, Terminal};
-use super::{Coupled, Kind, Law, Packet, Promise, Seen, Sends};
+use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Sends};
 use crate::names::Side;
 use crate::num::{Carry, Motion, Scalar, StateVector};
 use crate::object::Solve;
@@ -83,7 +83,7 @@ impl<S: Scalar> StateVector<S> for WaveCompensatorState<S> {
 }
 
 impl<S: Scalar> Law<S> for WaveCompensator<S> {
-    const KINDS: &'static [Kind] = &[Kind {
+    const LAWS: &'static [LawInfo] = &[LawInfo {
         name: "wave-compensator",
         sends: Sends::WavesAndMotion,
         keys: &[WAVE_START, BANDWIDTH],
@@ -124,14 +124,19 @@ impl<S: Scalar> Law<S> for WaveCompensator<S> {
         state.tank.receive(&packet);
     }
 
-    fn couple(&self, state: &mut WaveCompensatorState<S>, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
+    fn couple(
+        &self,
+        state: &mut WaveCompensatorState<S>,
+        observed: &Observation<S>,
+        solve: impl Solve<S>,
+    ) -> Coupled<S> {
         self.tanks.fill(&mut state.tank);
         let bias = self.velocity_to_wave * (state.remote - state.desired.velocity);
         state.compensation = state.compensation + self.take * (bias - state.compensation);
         let wave_in = self.tanks.emit(&mut state.tank, state.wave - state.compensation);
 
         let before = state.desired.position;
-        let Ended { velocity, force } = self.end.meet(before - seen.local.position, wave_in, solve);
+        let Ended { velocity, force } = self.end.meet(before - observed.local.position, wave_in, solve);
         let wave_out = self.end.wave_out(velocity, force);
         state.desired = Motion { position: state.carry.add(before, self.period * velocity), velocity };
         self.mean.push(&mut state.outgoing, wave_out);

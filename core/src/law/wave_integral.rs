@@ -24,7 +24,7 @@
 use super::credit::CAP_J;
 use super::tank::{WAVE_START, needs_midpoint};
 use super::terminal::{Ended, Terminal};
-use super::{Coupled, Kind, Law, Packet, Promise, Seen, Sends};
+use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Sends};
 use crate::num::{Motion, Scalar, StateVector, Sum, visit_counter, visit_sum};
 use crate::object::Solve;
 use crate::settings::{Refused, Settings};
@@ -142,7 +142,7 @@ impl<S: Scalar> WaveIntegral<S> {
 }
 
 impl<S: Scalar> Law<S> for WaveIntegral<S> {
-    const KINDS: &'static [Kind] = &[Kind {
+    const LAWS: &'static [LawInfo] = &[LawInfo {
         name: "wave-integral",
         sends: Sends::Integrals,
         keys: &[WAVE_START],
@@ -214,7 +214,7 @@ impl<S: Scalar> Law<S> for WaveIntegral<S> {
         }
     }
 
-    fn couple(&self, state: &mut WaveIntegralState<S>, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
+    fn couple(&self, state: &mut WaveIntegralState<S>, observed: &Observation<S>, solve: impl Solve<S>) -> Coupled<S> {
         let desired = state.desired.total();
         if state.phase == 0 {
             state.sent.add(state.fresh);
@@ -222,7 +222,7 @@ impl<S: Scalar> Law<S> for WaveIntegral<S> {
         }
         state.phase = if state.phase + 1 >= self.ticks_per_packet { 0 } else { state.phase + 1 };
         (state.age, state.ticks) = (state.age.saturating_add(1), state.ticks.wrapping_add(1));
-        let stretch = S::of_counter(desired - seen.local.position.to_counter());
+        let stretch = S::of_counter(desired - observed.local.position.to_counter());
         let wave_in = self.emit(state);
         let Ended { velocity, force } = self.end.meet(stretch, wave_in, solve);
         let wave_out = self.end.wave_out(velocity, force);

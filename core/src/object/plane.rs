@@ -59,7 +59,7 @@ pub struct Gains {
 
 /// Motion and forces of a tick at a wall.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Met<S, const N: usize> {
+pub struct WallContact<S, const N: usize> {
     /// Mean velocity of the body through the tick v, m/s.
     pub mean_velocity: [S; N],
     /// Force with which the wall pushes along its normal, N; never negative.
@@ -119,14 +119,14 @@ impl<S: Scalar, const N: usize> Plane<S, N> {
     }
 
     /// Solves a tick of a body at this wall under everything else that pushes; the body is not moved yet.
-    pub fn meet(&self, body: &Body<S, N>, moving: &Moving<S, N>, others: &VectorPort<S, N>) -> Met<S, N> {
+    pub fn meet(&self, body: &Body<S, N>, moving: &Moving<S, N>, others: &VectorPort<S, N>) -> WallContact<S, N> {
         let normal = self.port(self.depth(moving));
         let push = |velocity: [S; N]| -normal.at(dot(self.normal, velocity));
         let nothing = [S::ZERO; N];
         let clear = body.mean_velocity(moving, others);
         if push(clear) <= S::ZERO {
             // What can only push does not pull, and what does not push does not rub.
-            return Met { mean_velocity: clear, push: S::ZERO, along: nothing };
+            return WallContact { mean_velocity: clear, push: S::ZERO, along: nothing };
         }
         let pushed = *others + VectorPort::along(self.normal, normal);
         let (rows, right) = body.equations(moving, &(pushed + self.drag()));
@@ -134,12 +134,12 @@ impl<S: Scalar, const N: usize> Plane<S, N> {
         if push(free) < S::ZERO {
             // What drags would draw it off: then there is nothing to drag on.
             let velocity = body.mean_velocity(moving, &pushed);
-            return Met { mean_velocity: velocity, push: push(velocity).max(S::ZERO), along: nothing };
+            return WallContact { mean_velocity: velocity, push: push(velocity).max(S::ZERO), along: nothing };
         }
         let along = |velocity: [S; N], friction: [S; N]| {
             combined(self.tangential(velocity).map(|part| -(self.drag * part)), friction, |one, two| one + two)
         };
-        let without = Met { mean_velocity: free, push: push(free), along: along(free, nothing) };
+        let without = WallContact { mean_velocity: free, push: push(free), along: along(free, nothing) };
         if self.friction == S::ZERO {
             return without;
         }
@@ -158,7 +158,7 @@ impl<S: Scalar, const N: usize> Plane<S, N> {
             let (needed, velocity, most) = holding(along_wall);
             let holds = push(velocity) >= S::ZERO && dot(needed, needed) <= most * most;
             if holds && dot(needed, along_wall) <= S::ZERO {
-                return Met { mean_velocity: velocity, push: push(velocity), along: along(along_wall, needed) };
+                return WallContact { mean_velocity: velocity, push: push(velocity), along: along(along_wall, needed) };
             }
         }
         let (needed, _, most) = holding(stopping);
@@ -168,7 +168,7 @@ impl<S: Scalar, const N: usize> Plane<S, N> {
         if dot(friction, velocity) > S::ZERO || push(velocity) < S::ZERO {
             return without;
         }
-        Met { mean_velocity: velocity, push: push(velocity), along: along(velocity, friction) }
+        WallContact { mean_velocity: velocity, push: push(velocity), along: along(velocity, friction) }
     }
 }
 

@@ -5,7 +5,7 @@
 
 use crate::contact::{AnyRendering, Press, Strikes};
 use crate::law::ledger::Ledger;
-use crate::law::{Coupled, Law, Packet, Seen};
+use crate::law::{Coupled, Law, Observation, Packet};
 use crate::num::{Motion, Scalar, StateVector};
 use crate::object::fixture::{self, Fixture, Pushes};
 use crate::object::plane::Oblique;
@@ -136,7 +136,7 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
         let Tick { law, contact, fixture, engaged, age_ticks, period_s } = *tick;
         let (object, next, felt, coupled) = if let AnyIntegrator::Midpoint(midpoint, carries) = &mut self.integrator {
             let (object, press) = contact.press(&mut self.strikes, device, self.object, commanded);
-            let seen = Seen { local: object, contact_force: self.observed.contact_force, age_ticks };
+            let seen = Observation { local: object, contact_force: self.observed.contact_force, age_ticks };
             let (mut half_change, mut contact_force) = (S::ZERO, S::ZERO);
             let mut solve = |coordination: Port<S>| {
                 if let Some(fixture) = fixture.filter(|_| !PLAIN) {
@@ -165,7 +165,7 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
             (object, midpoint.advance(carries, object, half_change), contact_force + press.pulse, coupled)
         } else {
             let (object, touch) = contact.touch(&mut self.strikes, device, self.object, commanded);
-            let seen = Seen { local: object, contact_force: touch.felt, age_ticks };
+            let seen = Observation { local: object, contact_force: touch.felt, age_ticks };
             let coupled = if engaged && !L::PORTS_ONLY {
                 law.couple(&mut self.coordination, &seen, Staged(object.velocity))
             } else {
@@ -253,7 +253,7 @@ pub(super) fn advance_together<S: Scalar, L: Law<S>, const N: usize>(
 /// The axes that remain, the motion of their copies (m, m/s), and the forces of their laws.
 type Left<'a, S, L> = (&'a mut [SharedAxis<S, L>], &'a [Motion<S>], &'a mut [Coupled<S>]);
 
-/// Asks the laws of the axes that are left for their ports, one within the other, and solves when all are there: each law is told its own
+/// Asks the laws of the axes that are left for their ports, one within the other, and solves when all are there: each law is given its own
 /// axis' velocity, and goes on.
 fn gather<S: Scalar, L: Law<S>, const N: usize>(
     tick: &Tick<'_, S, L>,
@@ -267,7 +267,7 @@ fn gather<S: Scalar, L: Law<S>, const N: usize>(
         together.means = solve(together.ports);
         return;
     };
-    let seen = Seen { local: *object, contact_force: axis.observed.contact_force, age_ticks: tick.age_ticks };
+    let seen = Observation { local: *object, contact_force: axis.observed.contact_force, age_ticks: tick.age_ticks };
     *coupled = tick.law.couple(&mut axis.coordination, &seen, |port: Port<S>| {
         if let Some(own) = together.ports.get_mut(at) {
             *own = port;

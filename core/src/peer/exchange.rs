@@ -40,28 +40,30 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
     /// [`Peer::speak`], written where it is to lie.
     fn speak_into(&mut self, packets: &mut [Packet<S>; SHARED]) -> bool {
         let engaged = self.is_engaged();
-        for (packet, axis) in packets.iter_mut().zip(&self.shared) {
+        for (packet, axis) in packets.iter_mut().zip(&self.shared_axes) {
             *packet = axis.outgoing(&self.law, engaged);
         }
-        self.ladder.longest() <= 1 || !self.keeps_silent(packets)
+        self.degradation.longest() <= 1 || !self.keeps_silent(packets)
     }
 
     /// What [`Peer::exchange`] would send now, if it is worth sending.
     pub fn outgoing(&self) -> [Packet<S>; SHARED] {
         let engaged = self.is_engaged();
-        self.shared.each_ref().map(|axis| axis.outgoing(&self.law, engaged))
+        self.shared_axes.each_ref().map(|axis| axis.outgoing(&self.law, engaged))
     }
 
     /// Whether none of these packets is worth sending, and silence not over.
     #[inline(never)]
     fn keeps_silent(&mut self, packets: &[Packet<S>; SHARED]) -> bool {
         self.quiet = self.quiet.saturating_add(1);
-        let may = self.is_engaged() && self.quiet < self.ladder.longest();
-        if may && !self.shared.iter().zip(packets).any(|(axis, packet)| self.law.speaks(&axis.coordination, packet)) {
+        let may = self.is_engaged() && self.quiet < self.degradation.longest();
+        if may
+            && !self.shared_axes.iter().zip(packets).any(|(axis, packet)| self.law.speaks(&axis.coordination, packet))
+        {
             return true;
         }
         self.quiet = 0;
-        for (axis, packet) in self.shared.iter_mut().zip(packets) {
+        for (axis, packet) in self.shared_axes.iter_mut().zip(packets) {
             self.law.spoke(&mut axis.coordination, packet);
         }
         false
@@ -70,7 +72,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
     /// The second half of [`Peer::exchange`]: counts the silence if nothing has been heard in this packet period.
     pub fn listen(&mut self) {
         if self.mode == Mode::Armed {
-            self.ladder.pass(&mut self.engagement);
+            self.degradation.pass(&mut self.engagement);
             if self.engagement.is_fading() {
                 self.fade();
             }
@@ -91,9 +93,9 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         if self.mode != Mode::Armed {
             return;
         }
-        let anew = self.ladder.hear(&mut self.engagement);
-        let whole = self.ladder.is_whole(&self.engagement);
-        for (axis, packet) in self.shared.iter_mut().zip(packets) {
+        let anew = self.degradation.hear(&mut self.engagement);
+        let whole = self.degradation.is_whole(&self.engagement);
+        for (axis, packet) in self.shared_axes.iter_mut().zip(packets) {
             if anew {
                 self.law.restart(&mut axis.coordination, axis.object);
             }
@@ -112,8 +114,8 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
     /// Gives the law the packets that stand, as far as they still count.
     #[inline(never)]
     fn fade(&mut self) {
-        let share = self.ladder.share(&self.engagement);
-        for axis in &mut self.shared {
+        let share = self.degradation.share(&self.engagement);
+        for axis in &mut self.shared_axes {
             axis.fade(&self.law, share);
         }
     }

@@ -2,13 +2,13 @@
 
 use crate::setup;
 use haptic_core::law::deadband::{Deadband, PassiveDeadband};
-use haptic_core::law::{Coupled, Law, Packet, Seen};
+use haptic_core::law::{Coupled, Law, Observation, Packet};
 use haptic_core::num::Motion;
 use haptic_core::settings::Settings;
 
 /// Silence for 50 ms.
-fn settings(comm: &'static str, own: &[(&str, f64)]) -> Settings {
-    let mut settings = setup::settings(comm, &[&[("event.longest_s", 0.05)], own].concat());
+fn settings(law: &'static str, own: &[(&str, f64)]) -> Settings {
+    let mut settings = setup::settings(law, &[&[("event.longest_s", 0.05)], own].concat());
     (settings.safety.fade_s, settings.safety.disengage_s) = (0.1, 0.4);
     settings
 }
@@ -70,7 +70,7 @@ fn after<L: Law<f64>>(law: &L, packet: Packet<f64>, ticks: u32) -> Vec<Coupled<f
     let mut state = law.start(Motion::REST);
     law.receive(&mut state, packet);
     let tick = |age_ticks| {
-        let seen = Seen { local: Motion::REST, age_ticks, ..Seen::default() };
+        let seen = Observation { local: Motion::REST, age_ticks, ..Observation::default() };
         law.couple(&mut state, &seen, |_| 0.0)
     };
     (0..ticks).map(tick).collect()

@@ -3,7 +3,7 @@
 use haptic_core::configured;
 use haptic_core::device::{AXES, Reading};
 use haptic_core::law::power::Power;
-use haptic_core::law::{AnyLaw, Coupled, Kind, Law, Packet, Seen, Sends, Spring};
+use haptic_core::law::{AnyLaw, Coupled, Law, LawInfo, Observation, Packet, Sends, Spring};
 use haptic_core::num::{Motion, Scalar};
 use haptic_core::object::Solve;
 use haptic_core::peer::{Peer, Sensors};
@@ -25,7 +25,7 @@ struct Predict<S> {
 configured!([S: Scalar] Predict<S> { spring, ahead, stops });
 
 impl<S: Scalar> Law<S> for Predict<S> {
-    const KINDS: &'static [Kind] = &[Kind {
+    const LAWS: &'static [LawInfo] = &[LawInfo {
         name: "predict",
         sends: Sends::Motion,
         keys: &[AHEAD, STOPS],
@@ -46,7 +46,7 @@ impl<S: Scalar> Law<S> for Predict<S> {
         let carried = Motion { position: motion.position + self.ahead * motion.velocity, ..motion };
         *desired = if self.stops { Motion::at(carried.position) } else { carried };
     }
-    fn couple(&self, desired: &mut Motion<S>, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
+    fn couple(&self, desired: &mut Motion<S>, seen: &Observation<S>, solve: impl Solve<S>) -> Coupled<S> {
         let force = self.spring.force(*desired, seen.local, solve);
         Coupled { desired: *desired, force, ..Coupled::default() }
     }
@@ -55,7 +55,7 @@ impl<S: Scalar> Law<S> for Predict<S> {
     }
 }
 
-const SCHEMA: Schema = Schema::new(Predict::<f64>::KINDS);
+const SCHEMA: Schema = Schema::new(Predict::<f64>::LAWS);
 
 fn settings(changes: &[(&str, Value<'static>)]) -> Settings {
     let mut settings = Settings::default();
@@ -79,14 +79,17 @@ fn desired<S: Scalar>(settings: &Settings) -> Motion<f64> {
 #[test]
 fn a_law_from_outside_runs_with_keys_of_its_own() {
     assert_eq!(desired::<f64>(&settings(&[])), Motion { position: 0.008, velocity: 1.0 });
-    let told = settings(&[("predict.ahead_s", Value::Number(0.125)), ("predict.stops", Value::Flag(true))]);
-    assert_eq!(desired::<f64>(&told), Motion::at(0.125));
-    assert_eq!(desired::<f32>(&told), Motion::at(0.125));
+    let configured = settings(&[("predict.ahead_s", Value::Number(0.125)), ("predict.stops", Value::Flag(true))]);
+    assert_eq!(desired::<f64>(&configured), Motion::at(0.125));
+    assert_eq!(desired::<f32>(&configured), Motion::at(0.125));
     let keys: Vec<&str> = SCHEMA.keys().map(|key| key.name).collect();
     assert_eq!(keys.len(), <Settings as Tables>::KEYS.len() + 2);
     assert!(keys.ends_with(&["predict.ahead_s", "predict.stops"]));
-    let told = |key| SCHEMA.get(&told, key);
-    assert_eq!((told("predict.ahead_s"), told("predict.stops")), (Some(Value::Number(0.125)), Some(Value::Flag(true))));
+    let configured = |key| SCHEMA.get(&configured, key);
+    assert_eq!(
+        (configured("predict.ahead_s"), configured("predict.stops")),
+        (Some(Value::Number(0.125)), Some(Value::Flag(true)))
+    );
 }
 
 #[test]
@@ -113,18 +116,18 @@ fn settings_that_say_the_same_are_the_same() {
     let (ahead, stops) = (("predict.ahead_s", Value::Number(0.1)), ("predict.stops", Value::Flag(true)));
     assert_eq!(settings(&[ahead, stops]), settings(&[stops, ahead]));
     assert_eq!(settings(&[ahead, ("predict.ahead_s", Value::Number(0.008))]), settings(&[]));
-    let shared: Vec<_> = settings(&[ahead]).shared().filter(|(table, ..)| *table == "predict").collect();
-    assert_eq!(shared, [("predict", "ahead_s", Value::Number(0.1))]);
+    let common: Vec<_> = settings(&[ahead]).common().filter(|(table, ..)| *table == "predict").collect();
+    assert_eq!(common, [("predict", "ahead_s", Value::Number(0.1))]);
 }
 
 #[test]
 fn a_peer_refuses_a_law_that_it_does_not_hold() {
     let here = [Motion::<f32>::REST; AXES];
     let refused = Peer::<f32, AnyLaw<f32>>::new(&settings(&[]), here).expect_err("another law").to_string();
-    let names: Vec<String> = AnyLaw::<f32>::KINDS.iter().map(|kind| format!("{:?}", kind.name)).collect();
+    let names: Vec<String> = AnyLaw::<f32>::LAWS.iter().map(|law| format!("{:?}", law.name)).collect();
     let names = names.join(", ");
     assert_eq!(refused, format!("coordination.comm = \"predict\" is not allowed: it must be one of {names}"));
     assert!(names.starts_with("\"power\", \"wave\"") && names.ends_with("\"none\""), "{names}");
     let refused = Peer::<f32, Power<f32>>::new(&Settings::default(), here).expect_err("another law");
-    assert_eq!(refused.allowed, Allowed::Kinds(Power::<f32>::KINDS));
+    assert_eq!(refused.allowed, Allowed::Laws(Power::<f32>::LAWS));
 }

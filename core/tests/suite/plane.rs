@@ -113,8 +113,8 @@ fn a_wall_askew_is_one_along_an_axis_turned() {
         let met = askew.meet(&body, &other, &pushed(turned(force)));
         body.advance(&mut other, met.mean_velocity);
         let wanted = turned(one.axes.map(|axis| axis.position));
-        let apart = (0..3).map(|at| (wanted[at] - other.axes[at].position).abs()).fold(0.0, f64::max);
-        assert!(apart < 1e-9, "{tick}: {apart:e}");
+        let difference = (0..3).map(|at| (wanted[at] - other.axes[at].position).abs()).fold(0.0, f64::max);
+        assert!(difference < 1e-9, "{tick}: {difference:e}");
     }
     assert!((200..2900).contains(&touched), "{touched}");
 }

@@ -1,4 +1,4 @@
-//! Probes against a device of two lines (mass, damping, dry friction, counts): limits hold, signs are told, hands are noticed.
+//! Probes against a device of two lines (mass, damping, dry friction, counts): limits hold, signs are found, hands are noticed.
 
 use haptic_core::device::encoder::Counts;
 use haptic_core::device::motor::Duty;

@@ -4,9 +4,9 @@ use haptic_core::object::IntegratorName;
 use haptic_core::settings::{Settings, Value};
 
 /// A packet a tick of 1 ms, K_T of 1000 N/m, and keys of the law's own.
-pub(crate) fn settings(comm: &'static str, own: &[(&str, f64)]) -> Settings {
+pub(crate) fn settings(law: &'static str, own: &[(&str, f64)]) -> Settings {
     let mut settings = Settings::default();
-    settings.coordination.comm = comm;
+    settings.coordination.comm = law;
     settings.object.integrator = IntegratorName::Midpoint;
     settings.timing.ticks_per_packet = 1;
     settings.coordination.stiffness_n_per_m = 1000.0;

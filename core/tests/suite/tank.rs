@@ -7,11 +7,11 @@ use haptic_core::law::set_position::SetPosition;
 use haptic_core::law::two_layer::TwoLayer;
 use haptic_core::law::wave_compensator::WaveCompensator;
 use haptic_core::law::wave_integral::WaveIntegral;
-use haptic_core::law::{Coupled, Law, Packet, Seen};
+use haptic_core::law::{Coupled, Law, Observation, Packet};
 use haptic_core::num::Motion;
 use haptic_core::settings::{Settings, Value};
 
-/// A law with its state, and a copy that moves as it is told.
+/// A law with its state, and a copy that moves on command.
 struct End<L: Law<f64>> {
     law: L,
     state: L::State,
@@ -37,7 +37,7 @@ impl<L: Law<f64>> End<L> {
     /// A tick of 1 ms in which the copy moves at this mean velocity.
     fn tick(&mut self, velocity: f64) -> Coupled<f64> {
         let local = Motion { position: self.position, velocity };
-        let seen = Seen { local, ..Seen::default() };
+        let seen = Observation { local, ..Observation::default() };
         let coupled = self.law.couple(&mut self.state, &seen, |_| velocity);
         self.position += 1e-3 * velocity;
         self.sent_j += 1e-3 * coupled.power_out;

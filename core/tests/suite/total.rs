@@ -83,8 +83,8 @@ fn settings(draws: &[f64]) -> Settings {
     let mut settings = Settings::default();
     for (key, &draw) in Settings::keys().zip(draws) {
         // Of laws' own keys, which come last, those of the law that was drawn: there is no room for all.
-        let of_a_law = Schema::BUILT_IN.kinds().iter().any(|kind| kind.keys.contains(&key));
-        if of_a_law && !Schema::BUILT_IN.kind(&settings).is_some_and(|kind| kind.keys.contains(&key)) {
+        let of_a_law = Schema::BUILT_IN.laws().iter().any(|law| law.keys.contains(&key));
+        if of_a_law && !Schema::BUILT_IN.law(&settings).is_some_and(|law| law.keys.contains(&key)) {
             continue;
         }
         let value = match key.allowed {
@@ -96,7 +96,7 @@ fn settings(draws: &[f64]) -> Settings {
             Allowed::Whole { min, max } => Value::Number((f64::from(min) + f64::from(max - min) * draw * draw).round()),
             Allowed::Flag => Value::Flag(draw > 0.5),
             Allowed::Names(names) => Value::Text(pick(names, draw)),
-            Allowed::Kinds(kinds) => Value::Text(pick(kinds, draw).name),
+            Allowed::Laws(kinds) => Value::Text(pick(kinds, draw).name),
             Allowed::Only(_) => continue,
         };
         settings.set(key.name, value).unwrap_or_else(|error| panic!("{}: {error:?}", key.name));
@@ -111,11 +111,11 @@ fn settings(draws: &[f64]) -> Settings {
         settings.contact.rendering = RenderingName::Continuous;
         settings.contact.gap_m = 0.0;
     }
-    let kind = Schema::BUILT_IN.kind(&settings).expect("a law");
-    if kind.sends != Sends::Waves {
+    let law = Schema::BUILT_IN.law(&settings).expect("a law");
+    if law.sends != Sends::Waves {
         (settings.coordination.ledger, settings.coordination.drift_correction) = (false, false);
     }
-    if kind.sends == Sends::Counters || kind.budgets().next().is_some() {
+    if law.sends == Sends::Counters || law.budgets().next().is_some() {
         settings.object.integrator = IntegratorName::Midpoint;
     }
     if settings.object.integrator == IntegratorName::Midpoint {
@@ -224,7 +224,7 @@ fn check_axes<S: Scalar, const SHARED: usize, const N: usize, K: Kinematics<S, N
         }
         before = forces;
         if peer.mode() == Mode::Armed {
-            // What is told of the tick is as finite as what it did.
+            // What is reported of the tick is as finite as what it did.
             for (seen, ledger) in peer.observed().into_iter().zip(peer.ledger()) {
                 let motions = [seen.device, seen.object, seen.desired];
                 let numbers = [seen.contact_force, seen.coordination_force, ledger.received_j(), ledger.sent_j()];

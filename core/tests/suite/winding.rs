@@ -1,5 +1,5 @@
 //! The check before arming of a device with a current loop: a motor of three lines (R, k, an ideal loop) behind a bridge and a sensor
-//! that may be broken, and what is told of each.
+//! that may be broken, and what is reported of each.
 
 use haptic_core::device::encoder::Counts;
 use haptic_core::device::motor::Duty;
@@ -196,7 +196,7 @@ fn a_windings_probe_rests_and_then_alternates_without_drift() {
     assert_eq!((outcome.end, outcome.electric), (End::Done, None));
     assert_eq!(ticks, [0, REST_TICKS + 640, 0], "no loop is closed");
     assert!(device.position_m.abs() < 2e-5, "{} m", device.position_m);
-    // Nothing measures, nothing is told: it does not push at all.
+    // Nothing measures, nothing is reported: it does not push at all.
     let mut peer = Peer::<f32, AnyLaw<f32>>::new(&settings, [Motion::REST; AXES]).expect("a good scene");
     peer.probe(probe);
     let still = Sensors::of(Reading::Counts([Counts(0); AXES]));

@@ -32,7 +32,7 @@ fn delays(asked: &Delays, laws: Laws) -> Result<Columns, Box<dyn Error + Send + 
     Ok(Columns::of(&rows)
         .value("one_way_delay_packets", |(packets, _)| *packets)
         .value("verdict", |(_, outcome)| outcome.verdict().name())
-        .number("true_discrepancy_mm", 3, |(_, outcome)| outcome.merit(|outcome| outcome.whole.true_discrepancy_mm))
+        .number("true_discrepancy_mm", 3, |(_, outcome)| outcome.metric(|outcome| outcome.whole.true_discrepancy_mm))
         .done())
 }
 

@@ -12,7 +12,7 @@
 //! In haptic-core the same law would be this file and one line in its list of laws.
 
 use haptic_core::configured;
-use haptic_core::law::{Coupled, Kind, Law, Packet, Seen, Sends, Spring};
+use haptic_core::law::{Coupled, Law, LawInfo, Observation, Packet, Sends, Spring};
 use haptic_core::num::{Motion, Scalar};
 use haptic_core::object::Solve;
 use haptic_core::settings::{Key, Refused, Settings};
@@ -30,7 +30,7 @@ struct Predict<S> {
 configured!([S: Scalar] Predict<S> { spring, ahead });
 
 impl<S: Scalar> Law<S> for Predict<S> {
-    const KINDS: &'static [Kind] = &[Kind {
+    const LAWS: &'static [LawInfo] = &[LawInfo {
         name: "predict",
         sends: Sends::Motion,
         keys: &[AHEAD],
@@ -54,7 +54,7 @@ impl<S: Scalar> Law<S> for Predict<S> {
         *desired = Motion { position: position + self.ahead * velocity, velocity };
     }
 
-    fn couple(&self, desired: &mut Motion<S>, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
+    fn couple(&self, desired: &mut Motion<S>, seen: &Observation<S>, solve: impl Solve<S>) -> Coupled<S> {
         Coupled::toward(*desired, self.spring.force(*desired, seen.local, solve))
     }
 

@@ -44,7 +44,7 @@ const TICK_S: f64 = 0.001;
 
 /// What one motor is to be given.
 #[derive(Clone, Copy, Debug)]
-enum Wanted {
+enum MotorRequest {
     /// A current, and the back-EMF that is expected, counts.
     Current(Duty, i32),
     /// A voltage, timer counts.
@@ -56,14 +56,14 @@ enum Wanted {
 pub(crate) struct Order {
     gains: Gains,
     sensors: [Sensor; AXES],
-    wanted: [Wanted; AXES],
+    wanted: [MotorRequest; AXES],
 }
 
 /// No voltage, no gains.
 impl Default for Order {
     fn default() -> Self {
         let (gains, sensors) = (Gains::default(), [Sensor::default(); AXES]);
-        Self { gains, sensors, wanted: [Wanted::Voltage(0); AXES] }
+        Self { gains, sensors, wanted: [MotorRequest::Voltage(0); AXES] }
     }
 }
 
@@ -252,10 +252,10 @@ impl Loop {
             self.codes[joint] = codes;
             let controller = &mut self.controllers[joint];
             self.next[joint] = match order.wanted[joint] {
-                Wanted::Current(duty, forward) if drives => controller.step(&order.gains, duty, codes, forward),
+                MotorRequest::Current(duty, forward) if drives => controller.step(&order.gains, duty, codes, forward),
                 wanted => {
                     *controller = Controller::default();
-                    if let (Wanted::Voltage(counts), true) = (wanted, drives) { counts } else { 0 }
+                    if let (MotorRequest::Voltage(counts), true) = (wanted, drives) { counts } else { 0 }
                 }
             };
             if drives {
@@ -292,7 +292,7 @@ impl Power {
 }
 
 /// What a record tells of it.
-pub(crate) fn told(measured: Option<Measured>) -> Option<Measured> {
+pub(crate) fn reported(measured: Option<Measured>) -> Option<Measured> {
     measured
 }
 
@@ -368,14 +368,17 @@ impl Stage {
     /// What the bridges are to do, from the next period on; the interrupt runs, if it did not.
     #[inline(always)]
     pub(crate) fn act(&mut self, power: &Power, actuators: &Actuators<f32>, counts: [Counts; AXES]) {
-        let mut wanted = [Wanted::Voltage(0); AXES];
+        let mut wanted = [MotorRequest::Voltage(0); AXES];
         for (joint, wanted) in wanted.iter_mut().enumerate() {
             let duty = actuators.duties[joint];
             *wanted = if actuators.open {
-                Wanted::Voltage(bridges::counts(duty))
+                MotorRequest::Voltage(bridges::counts(duty))
             } else {
                 let moved = counts[joint].0.wrapping_sub(self.counts[joint].0).cast_signed();
-                Wanted::Current(duty, power.design.forward(f32::from(moved) * power.speed_per_count, self.supply_mv))
+                MotorRequest::Current(
+                    duty,
+                    power.design.forward(f32::from(moved) * power.speed_per_count, self.supply_mv),
+                )
             };
         }
         self.counts = counts;

@@ -33,17 +33,17 @@ fn bytes_lead_back_to_the_record() {
     assert_eq!((back.counts(), back.duties()), (of.counts, of.duties));
     assert_eq!(back.digest(), digest(&mut peer));
     // Words 7 to 14 are what was seen, in the order of the table.
-    let mut told: Record = Record::default();
-    told.0[7..15].copy_from_slice(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0].map(f32::to_bits));
+    let mut decoded: Record = Record::default();
+    decoded.0[7..15].copy_from_slice(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0].map(f32::to_bits));
     let [device, object, desired] =
         [(1.0, 2.0), (3.0, 4.0), (5.0, 6.0)].map(|(position, velocity)| Motion { position, velocity });
     let seen = Observed { device, object, desired, contact_force: 7.0, coordination_force: 8.0 };
-    assert_eq!(told.observed(), seen);
-    told.0[16..18].copy_from_slice(&[9.0, 10.0].map(f32::to_bits));
-    assert_eq!(told.energy_j(), [9.0, 10.0]);
+    assert_eq!(decoded.observed(), seen);
+    decoded.0[16..18].copy_from_slice(&[9.0, 10.0].map(f32::to_bits));
+    assert_eq!(decoded.energy_j(), [9.0, 10.0]);
     let mut again = Record::default();
     again.fill(&of, None, &OfAxis { observed: &seen, received_j: 9.0, sent_j: 10.0 });
-    assert_eq!([&again.0[7..15], &again.0[16..18]], [&told.0[7..15], &told.0[16..18]]);
+    assert_eq!([&again.0[7..15], &again.0[16..18]], [&decoded.0[7..15], &decoded.0[16..18]]);
 }
 
 #[test]
@@ -61,14 +61,14 @@ fn a_packet_that_came_in_comes_out_whole() {
         wave_integral: -1.0 / 7.0,
         live_ticks: 0xFEDC_BA98,
     };
-    let told = |flags, incoming: Option<Packet<f32>>| {
+    let decoded = |flags, incoming: Option<Packet<f32>>| {
         let mut peer = peer(0.0);
         let mut record = Record::default();
         record.fill(&tick(&mut peer, 8, flags), incoming.as_ref(), &OfAxis::new(peer.observed()[0], peer.ledger()[0]));
         Record::from_bytes(&record.bytes()).unwrap().incoming()
     };
-    assert_eq!(told(SENT | RECEIVED, Some(packet)), Some(packet));
-    assert_eq!(told(SENT, None), None);
+    assert_eq!(decoded(SENT | RECEIVED, Some(packet)), Some(packet));
+    assert_eq!(decoded(SENT, None), None);
 }
 
 #[test]

@@ -5,7 +5,7 @@ use haptic_core::safety::{Command, Fault, Mode};
 use haptic_protocol::link::Stage;
 
 /// Code and value lead to each other, and no two values share a code.
-fn told_apart<T: Coded + PartialEq + core::fmt::Debug>(all: &[T]) {
+fn all_distinct<T: Coded + PartialEq + core::fmt::Debug>(all: &[T]) {
     let signals = all.iter().map(|value| (value, value.code()));
     for (value, code) in signals.clone() {
         assert_eq!(T::decode(code), *value);
@@ -17,10 +17,10 @@ fn told_apart<T: Coded + PartialEq + core::fmt::Debug>(all: &[T]) {
 fn words_carry_what_was_put_in() {
     let modes = [Mode::Disarmed, Mode::Armed, Mode::Probing].into_iter();
     let modes = modes.chain(Fault::ALL.into_iter().map(Mode::Faulted));
-    told_apart(&modes.collect::<Vec<_>>());
-    told_apart(&[Saving::Done, Saving::Busy, Saving::Failed]);
-    told_apart(&[Stage::Calling, Stage::Joining, Stage::Idle, Stage::Running, Stage::Fading, Stage::Refused]);
-    told_apart(&[false, true]);
+    all_distinct(&modes.collect::<Vec<_>>());
+    all_distinct(&[Saving::Done, Saving::Busy, Saving::Failed]);
+    all_distinct(&[Stage::Calling, Stage::Joining, Stage::Idle, Stage::Running, Stage::Fading, Stage::Refused]);
+    all_distinct(&[false, true]);
     assert_eq!(Mode::Faulted(Fault::PeerLost).code(), 0x0502, "as records have it");
 
     let signals = Signals::at_power_on();
@@ -53,5 +53,5 @@ fn the_same_command_given_again_is_another_order() {
     }
     // Numbers come round.
     let last = Order::decode(0xFFFF_FF00 | Order::decode(0).next(Command::Arm).code() & 0xFF);
-    told_apart(&[last, last.next(Command::Arm), last.next(Command::Arm).next(Command::Arm)]);
+    all_distinct(&[last, last.next(Command::Arm), last.next(Command::Arm).next(Command::Arm)]);
 }

@@ -11,7 +11,7 @@ use haptic_core::object::IntegratorName;
 use super::lifted::constructed::{Constructed, Place, State, construct};
 use super::lifted::delay::{delays_packets, delays_ticks};
 use super::lifted::driven::{OBJECT, TOO_LARGE};
-use super::lifted::pair::{is_apart, seat, seated_matrix};
+use super::lifted::pair::{hands_are_off, seat, seated_matrix};
 use super::lifted::{Lifted, prune};
 use super::modes::Hands;
 use super::verdict::Analyser;
@@ -55,8 +55,8 @@ pub fn agreement(linear: &Scene, hands: Hands) -> Result<Option<Agreement>, Anal
     if !driven.matrix.iter().all(|entry| entry.is_finite()) {
         // Grown beyond what is driven: the other must have grown as far, and no digit can be compared.
         let grown = !constructed.lifted.matrix.iter().all(|entry| entry.abs() < TOO_LARGE * ALMOST);
-        let apart = if grown { 0.0 } else { f64::INFINITY };
-        return Ok(Some(Agreement { matrix: apart, spectral_radius: apart }));
+        let difference = if grown { 0.0 } else { f64::INFINITY };
+        return Ok(Some(Agreement { matrix: difference, spectral_radius: difference }));
     }
     let matrix = compare(linear, &driven, &constructed);
     let mut analyser = Analyser::default();
@@ -64,8 +64,9 @@ pub fn agreement(linear: &Scene, hands: Hands) -> Result<Option<Agreement>, Anal
     analyser.measure(linear, [hands != Hands::None, hands != Hands::Both], &[delays])?;
     let first = analyser.joined(released, delays)?.spectral_radius;
     let objects = objects(&constructed.places);
-    let second =
-        analyser.judge_held(constructed.lifted, &objects, !seats.iter().all(|seat| is_apart(seat)))?.spectral_radius;
+    let second = analyser
+        .judge_held(constructed.lifted, &objects, !seats.iter().all(|seat| hands_are_off(seat)))?
+        .spectral_radius;
     let spectral_radius = if first == second { 0.0 } else { (first - second).abs() / first.max(second).max(1.0) };
     Ok(Some(Agreement { matrix, spectral_radius }))
 }
@@ -97,15 +98,15 @@ fn compare(linear: &Scene, driven: &Lifted, constructed: &Constructed) -> f64 {
     let (mut first, mut other) = (pick(&driven.matrix, &order), pick(&constructed.lifted.matrix, &kept));
     let mut units = vec![1.0; kept.len()];
     balance(&mut other, |at, factor| units[at] *= factor);
-    let (mut largest, mut apart) = (1.0_f64, 0.0_f64);
+    let (mut largest, mut difference) = (1.0_f64, 0.0_f64);
     for (j, unit) in units.iter().enumerate() {
         for (i, entry) in column_mut(&mut first, j).iter_mut().enumerate() {
             *entry *= unit / units[i];
             largest = largest.max(other[(i, j)].abs());
-            apart = apart.max((*entry - other[(i, j)]).abs());
+            difference = difference.max((*entry - other[(i, j)]).abs());
         }
     }
-    apart / largest
+    difference / largest
 }
 
 /// Core's order of a peer's states, as far as they are known here.

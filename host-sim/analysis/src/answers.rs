@@ -12,7 +12,7 @@
 //!
 //! **Limits**: a packet every tick, a law that is linear, a constant delay. Units as there.
 
-use haptic_sim::measure::impedance::{Answer, Complex, Far, held, of_device};
+use haptic_sim::measure::impedance::{Answer, Complex, RemoteEnd, held, of_device};
 use haptic_sim::scene::Scene;
 use nalgebra::{Complex as Number, DMatrix, DVector};
 
@@ -29,7 +29,12 @@ const FORCE: usize = 2;
 ///
 /// # Errors
 /// Settings that no peer accepts; packets that do not go every tick.
-pub fn answers(scene: &Scene, near: usize, far: Far, frequencies_hz: &[f64]) -> Result<Vec<Answer>, AnalysisError> {
+pub fn answers(
+    scene: &Scene,
+    near: usize,
+    far: RemoteEnd,
+    frequencies_hz: &[f64],
+) -> Result<Vec<Answer>, AnalysisError> {
     let mut linear = scene.linear();
     linear.users = Default::default();
     let timing = &linear.peer.timing;
@@ -43,9 +48,9 @@ pub fn answers(scene: &Scene, near: usize, far: Far, frequencies_hz: &[f64]) -> 
     let other = 1 - near;
     let (mut led, mut answering) = (Response::default(), Response::default());
     led.measure(&linear, near, 0)?;
-    answering.measure(&if far == Far::LetGo { linear.hands_off() } else { linear.clone() }, other, 0)?;
+    answering.measure(&if far == RemoteEnd::LetGo { linear.hands_off() } else { linear.clone() }, other, 0)?;
     // The device of a hand that holds it, or has let go of it, does not move what its peer sees.
-    let first = if far == Far::Alone { 0 } else { DEVICE };
+    let first = if far == RemoteEnd::Alone { 0 } else { DEVICE };
     let (delays, devices) = (delays_ticks(&linear), linear.devices());
     let (states, all) = (led.states() - DEVICE, led.states() + answering.states() - DEVICE - first);
     let part = |of: &Matrix, rows: usize, columns: usize| of.view_range(rows.., columns..).map(Number::from);
@@ -85,7 +90,7 @@ pub fn answers(scene: &Scene, near: usize, far: Far, frequencies_hz: &[f64]) -> 
         let packet = &said * near_states * late(other) + heard_of_hand;
         let far_force = force(&answering, first, far_states.into_owned(), packet);
         let complex = |of: Number<f64>| Complex { re: of.re, im: of.im };
-        let moved = if far == Far::Alone { far_states[0] * Number::new(0.0, omega) } else { Number::from(0.0) };
+        let moved = if far == RemoteEnd::Alone { far_states[0] * Number::new(0.0, omega) } else { Number::from(0.0) };
         Answer {
             impedance: of_device(&devices[near], omega, period_s, complex(-near_force)),
             motion: complex(moved),

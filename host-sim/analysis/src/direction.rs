@@ -80,11 +80,11 @@ pub(crate) fn direction(matrix: &Matrix, [size, angle]: [f64; 2], objects: &[usi
             seen += Matrix3::from_fn(|row, column| (part(row) * part(column).conj()).re / scale);
         }
     }
-    told(seen, axes)
+    principal_directions(seen, axes)
 }
 
 /// The directions whose share counts.
-fn told(seen: Matrix3<f64>, axes: usize) -> Option<Direction> {
+fn principal_directions(seen: Matrix3<f64>, axes: usize) -> Option<Direction> {
     let eigen = SymmetricEigen::new(seen);
     let most = eigen.eigenvalues.max();
     if most == 0.0 {

@@ -86,7 +86,7 @@ impl Family {
     /// How far a measured point is from what the others say, relative to its largest entry.
     fn off(&self, (value, parts): &(f64, Vec<Reduced>)) -> f64 {
         let mut said = Matrix::zeros(0, 0);
-        let apart = parts.iter().zip(&self.units).enumerate().map(|(part, (measured, units))| {
+        let difference = parts.iter().zip(&self.units).enumerate().map(|(part, (measured, units))| {
             let known = self.points.first().and_then(|(_, known)| known.get(part));
             if known.is_none_or(|known| known.matrix.shape() != measured.matrix.shape()) {
                 return f64::INFINITY;
@@ -94,11 +94,11 @@ impl Family {
             let mut measured = measured.matrix.clone();
             rescale(&mut measured, units);
             self.write(part, *value, &mut said);
-            let apart = (&measured - &said).amax();
+            let difference = (&measured - &said).amax();
             // Also where an entry is not finite.
-            if apart.is_finite() { apart / measured.amax().max(f64::MIN_POSITIVE) } else { f64::INFINITY }
+            if difference.is_finite() { difference / measured.amax().max(f64::MIN_POSITIVE) } else { f64::INFINITY }
         });
-        apart.fold(0.0, f64::max)
+        difference.fold(0.0, f64::max)
     }
 
     /// Whether a value lies within the points.

@@ -191,15 +191,15 @@ fn is_foreseen(known: &[Option<Point>], first: usize, [left, right]: [usize; 2])
     let follows = |part: usize, place: usize| {
         let height = move |point: &Point| point.parts[part][place][0];
         let [low, here, high] = three.map(height);
-        let apart = CLEAR * off(&height);
+        let clearance = CLEAR * off(&height);
         if (low > 0.0) != (high > 0.0) {
-            return apart <= here.abs() && apart <= (high - low).abs();
+            return clearance <= here.abs() && clearance <= (high - low).abs();
         }
         let alike = || {
             near.iter().all(|(_, point)| (height(point) > 0.0) == (here > 0.0))
                 && off(&|point: &Point| height(point).abs().ln()) <= ALIKE
         };
-        (here > 0.0) == (low > 0.0) && (apart <= low.abs().min(here.abs()).min(high.abs()) || alike())
+        (here > 0.0) == (low > 0.0) && (clearance <= low.abs().min(here.abs()).min(high.abs()) || alike())
     };
     // The same eigenvalue all the way.
     let goes_on = |part: usize, place: usize| off(&|point: &Point| point.parts[part][place][1]) <= TURN;
@@ -261,9 +261,11 @@ fn climb(probe: &impl Ask, three: &[Point]) -> Result<Vec<Point>, AnalysisError>
         let (to_low, to_high) = (right * (low.1 - best.1), left * (high.1 - best.1));
         let parabola = best.0 + 0.5 * (to_low * right - to_high * left) / (to_low + to_high);
         let golden = if right > left { best.0 + GOLDEN * right } else { best.0 - GOLDEN * left };
-        let apart = 1e-3 * (high.0 - low.0);
-        let good =
-            step % 2 == 0 && parabola - low.0 > apart && high.0 - parabola > apart && (parabola - best.0).abs() > apart;
+        let clearance = 1e-3 * (high.0 - low.0);
+        let good = step % 2 == 0
+            && parabola - low.0 > clearance
+            && high.0 - parabola > clearance
+            && (parabola - best.0).abs() > clearance;
         let point = probe.at(if good { parabola } else { golden })?;
         let new = distance(&point);
         let crossed = point.stable != side;

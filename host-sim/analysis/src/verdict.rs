@@ -9,7 +9,7 @@ use super::direction::{self, Direction};
 use super::error::AnalysisError;
 use super::lifted::delay::delays_ticks;
 use super::lifted::driven::Response;
-use super::lifted::pair::{Joined, is_apart, same_arms, same_ends, seat};
+use super::lifted::pair::{Joined, hands_are_off, same_arms, same_ends, seat};
 use super::lifted::{Lifted, Matrix, prune, rest};
 use super::spectrum::{Polar, Spectrum, radius};
 use haptic_sim::scene::Scene;
@@ -113,7 +113,7 @@ struct Answers {
     /// Both users' arms are the same, so that one answer is enough.
     alike: bool,
     /// Nobody can hold anything, so that every mode is that of no hands.
-    apart: bool,
+    hands_off: bool,
 }
 
 /// A peer's answers, one for each tick of a packet period at which it is to hear a packet.
@@ -185,15 +185,15 @@ impl Analyser {
         let mut at_ticks: Vec<usize> = delays.iter().flatten().map(|ticks| ticks % answers.ticks_per_packet).collect();
         at_ticks.sort_unstable();
         at_ticks.dedup();
-        answers.apart = is_apart(linear);
-        answers.alike = answers.apart || same_arms(linear);
-        if held && !answers.apart {
+        answers.hands_off = hands_are_off(linear);
+        answers.alike = answers.hands_off || same_arms(linear);
+        if held && !answers.hands_off {
             answers.held[0].measure(linear, 0, &at_ticks)?;
             if !answers.alike {
                 answers.held[1].measure(linear, 1, &at_ticks)?;
             }
         }
-        if released || answers.apart {
+        if released || answers.hands_off {
             let seat = seat(linear, true);
             let [first, second] = seat.peers();
             answers.released_alike = first.fixture == second.fixture && same_ends(linear);
@@ -235,8 +235,8 @@ impl Analyser {
 
     /// The verdict on the peers measured last, held or `released`, with these delays to peer 1 and to peer 2, ticks.
     pub(crate) fn joined(&mut self, released: [bool; 2], delays: [usize; 2]) -> Result<Verdict, AnalysisError> {
-        let Answers { held, released: let_go, released_alike, alike, apart, ticks_per_packet } = &self.answers;
-        let released = released.map(|released| released || *apart);
+        let Answers { held, released: let_go, released_alike, alike, hands_off, ticks_per_packet } = &self.answers;
+        let released = released.map(|released| released || *hands_off);
         let answer = |at: usize| {
             let (heard, same) = if released[at] { (let_go, released_alike) } else { (held, alike) };
             heard[if *same { 0 } else { at }].at(delays[at] % ticks_per_packet)

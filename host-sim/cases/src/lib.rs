@@ -26,7 +26,7 @@ use core::hint::black_box;
 use haptic_core::device::kinematics::{AnyKinematics, KinematicsName, Maths};
 use haptic_core::device::velocity::{AnyVelocity, VelocityName};
 use haptic_core::law::wave::{Decode, PassiveWave};
-use haptic_core::law::{AnyLaw, Kind, Law, Seen};
+use haptic_core::law::{AnyLaw, Law, LawInfo, Observation};
 use haptic_core::num::{Motion, Scalar};
 use haptic_core::object::{AnyIntegrator, IntegratorName, Staged};
 use haptic_core::settings::{Choice, Settings};
@@ -77,7 +77,7 @@ pub fn all<S: Scalar, M: Meter>() -> impl Iterator<Item = Case> {
     let velocities = reach::RESOLUTIONS
         .iter()
         .flat_map(|&counts_per_m| VelocityName::ALL.iter().map(move |&name| estimator::<S, M>(name, counts_per_m)));
-    let laws = AnyLaw::<S>::KINDS.iter().map(|kind| law::<S, M>(kind));
+    let laws = AnyLaw::<S>::LAWS.iter().map(|info| law::<S, M>(info));
     ticks
         .chain(named)
         .chain(laws)
@@ -94,8 +94,8 @@ fn tick<S: Scalar, L: Law<S>, M: Meter>(scene: &scenes::Scene) -> Case {
 }
 
 /// The ticks of a law at the gains that it declares: every law of the list, in the scene in which they are compared.
-fn law<S: Scalar, M: Meter>(kind: &Kind) -> Case {
-    ticks_of::<S, AnyLaw<S>, M>(format!("law/{}", kind.name), scenes::of_law(kind))
+fn law<S: Scalar, M: Meter>(law: &LawInfo) -> Case {
+    ticks_of::<S, AnyLaw<S>, M>(format!("law/{}", law.name), scenes::of_law(law))
 }
 
 fn ticks_of<S: Scalar, L: Law<S>, M: Meter>(name: String, settings: Settings) -> Case {
@@ -123,7 +123,7 @@ fn decode<S: Scalar, M: Meter>(decode: Decode) -> Case {
     case::<M, _, _, _>(format!("decode/{}", decode.name()), inputs, move || {
         let law = black_box(AnyLaw::<S>::build(&settings).expect(GOOD));
         let mut state = black_box(law.start(Motion::REST));
-        move |local| law.couple(&mut state, &Seen { local, ..Seen::default() }, Staged(local.velocity))
+        move |local| law.couple(&mut state, &Observation { local, ..Observation::default() }, Staged(local.velocity))
     })
 }
 

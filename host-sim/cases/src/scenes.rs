@@ -6,7 +6,7 @@ use haptic_core::device::kinematics::{KinematicsName, Maths};
 use haptic_core::device::velocity::VelocityName;
 use haptic_core::law::wave::Decode;
 use haptic_core::object::IntegratorName;
-use haptic_core::settings::{Kind, Settings, Value};
+use haptic_core::settings::{LawInfo, Settings, Value};
 
 /// A scene that is counted.
 #[derive(Clone, Copy, Debug)]
@@ -149,14 +149,14 @@ pub const SCENES: &[Scene] = &[
 pub const NAMED: Scene = scene("named-models", Some("delayed-forward-euler"), "models named at compile time", |_| {});
 
 /// The settings of a peer where laws are compared: one solve a tick, and the gains that the law declares.
-pub fn of_law(kind: &Kind) -> Settings {
+pub fn of_law(law: &LawInfo) -> Settings {
     let mut settings = Settings::default();
     implicit(&mut settings);
     settings.object.integrator = IntegratorName::Midpoint;
     settings.object.force_delay_ticks = 0.0;
-    settings.coordination.comm = kind.name;
-    for (key, value) in kind.gains.iter().filter_map(|gain| gain.split_once('=')) {
-        // A key of the world (a network's) is nothing that a peer is told.
+    settings.coordination.comm = law.name;
+    for (key, value) in law.gains.iter().filter_map(|gain| gain.split_once('=')) {
+        // A key of the world (a network's) is nothing that a peer is configured with.
         let _ = settings.set(key, Value::of_text(value));
     }
     settings

@@ -16,7 +16,7 @@ const ROOM: usize = 2048;
 const MOST_WAITED: Duration = Duration::from_secs(1);
 
 /// What came with one system call.
-pub struct Came {
+pub struct ReceivedBatch {
     room: Box<[[u8; ROOM]; MOST]>,
     /// Where each came from, and its length.
     from: Vec<(SocketAddr, usize)>,
@@ -26,7 +26,7 @@ pub struct Came {
     headers: nix::sys::socket::MultiHeaders<nix::sys::socket::SockaddrStorage>,
 }
 
-impl Default for Came {
+impl Default for ReceivedBatch {
     fn default() -> Self {
         Self {
             room: Box::new([[0; ROOM]; MOST]),
@@ -41,7 +41,7 @@ impl Default for Came {
     }
 }
 
-impl Came {
+impl ReceivedBatch {
     /// Takes what has come, up to a batch of it; with nothing there, waits as long as the socket's timeout says.
     #[cfg(target_os = "linux")]
     pub(super) fn take(&mut self, socket: &UdpSocket) -> io::Result<()> {
@@ -64,8 +64,10 @@ impl Came {
         let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
         for came in came {
             self.from.push((came.address.and_then(address).unwrap_or(nowhere), came.bytes.min(ROOM)));
-            let at = came.cmsgs().ok().and_then(|mut told| {
-                told.find_map(|told| if let ControlMessageOwned::ScmTimestampns(at) = told { Some(at) } else { None })
+            let at = came.cmsgs().ok().and_then(|mut control| {
+                control.find_map(
+                    |control| if let ControlMessageOwned::ScmTimestampns(at) = control { Some(at) } else { None },
+                )
             });
             let waited = at.and_then(|at| now.checked_sub(at.into())).filter(|waited| *waited < MOST_WAITED);
             self.waited.push(waited.unwrap_or_default());
@@ -102,13 +104,13 @@ impl Came {
 
 /// Datagrams that go out with one system call.
 #[derive(Debug, Default)]
-pub struct Going {
+pub struct OutgoingBatch {
     bytes: Vec<u8>,
     /// Where each is to go, and where it ends.
     to: Vec<(SocketAddr, usize)>,
 }
 
-impl Going {
+impl OutgoingBatch {
     pub(super) fn add(&mut self, to: SocketAddr, datagram: &[u8]) {
         self.bytes.extend_from_slice(datagram);
         self.to.push((to, self.bytes.len()));

@@ -18,7 +18,7 @@ use serde::Serialize;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 
-use super::batch::{Came, Going, MOST};
+use super::batch::{MOST, OutgoingBatch, ReceivedBatch};
 
 /// Longest that an endpoint waits for a datagram before it looks at the clock.
 const LOOK: Duration = Duration::from_millis(2);
@@ -286,7 +286,7 @@ impl Endpoint {
     }
 
     /// Sends it with what else is said meanwhile: by [`Endpoint::flush`], or when there is enough for a batch.
-    pub fn say(&self, going: &mut Going, to: SocketAddr, datagram: &[u8]) {
+    pub fn say(&self, going: &mut OutgoingBatch, to: SocketAddr, datagram: &[u8]) {
         going.add(to, datagram);
         if going.is_full() {
             self.flush(going);
@@ -294,13 +294,13 @@ impl Endpoint {
     }
 
     /// Sends what was said.
-    pub fn flush(&self, going: &mut Going) {
+    pub fn flush(&self, going: &mut OutgoingBatch) {
         self.unsent.fetch_add(going.send(&self.socket), Ordering::Relaxed);
     }
 
     /// Takes a batch of what has come, oldest first; an endpoint that answers waits for it, though not long. Whether there may
     /// be more to take.
-    pub fn take(&self, came: &mut Came) -> Result<bool, String> {
+    pub fn take(&self, came: &mut ReceivedBatch) -> Result<bool, String> {
         let Err(cause) = came.take(&self.socket) else { return Ok(true) };
         came.clear();
         match cause.kind() {
@@ -316,7 +316,7 @@ impl Endpoint {
     /// The socket failed.
     pub fn drain(
         &self,
-        came: &mut Came,
+        came: &mut ReceivedBatch,
         until: Instant,
         mut each: impl FnMut(SocketAddr, &mut [u8]),
     ) -> Result<(), String> {
@@ -327,7 +327,13 @@ impl Endpoint {
     }
 
     /// [`Endpoint::drain`] for an actor whose answers to each batch are sent at once.
-    fn hear(&self, came: &mut Came, going: &mut Going, until: Instant, actor: &mut impl Live) -> Result<(), String> {
+    fn hear(
+        &self,
+        came: &mut ReceivedBatch,
+        going: &mut OutgoingBatch,
+        until: Instant,
+        actor: &mut impl Live,
+    ) -> Result<(), String> {
         while Instant::now() < until && self.take(came)? {
             let waited: [Duration; MOST] = std::array::from_fn(|at| came.waited().get(at).copied().unwrap_or_default());
             for ((from, datagram), waited) in came.each().zip(waited) {
@@ -351,7 +357,7 @@ impl Endpoint {
         stop: &Stop,
         actor: &mut impl Live,
     ) -> Result<Punctuality, String> {
-        let (mut came, mut going) = (Came::default(), Going::default());
+        let (mut came, mut going) = (ReceivedBatch::default(), OutgoingBatch::default());
         let ended = loop {
             let heard = if self.answers {
                 let heard = self.hear(&mut came, &mut going, ticker.deadline(), actor);

@@ -1,8 +1,8 @@
 //! Peers in real time, over real sockets: each an actor on the one loop of [`endpoint`], with its recordings.
 #![forbid(unsafe_code)]
 
-pub mod apart;
 pub mod batch;
+pub mod discrepancy;
 pub mod endpoint;
 pub mod operator;
 pub mod peer;

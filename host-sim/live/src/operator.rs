@@ -75,7 +75,7 @@ fn wait(
     endpoint.run(Ticker::new(LOOK).lasting(time.as_secs_f64()), f64::MAX, &Stop::default(), &mut waiting).map(|_| ())
 }
 
-/// A board that listens. It is told goodbye when this is dropped.
+/// A board that listens. It is sent goodbye when this is dropped.
 #[derive(Debug)]
 pub struct Operator {
     endpoint: Endpoint,
@@ -163,7 +163,7 @@ impl Operator {
     }
 
     /// Has every `every`-th tick sent for so long; `each` takes what came, ns after the clock began. A board that was away, or has started anew, has forgotten
-    /// it: it is told again as soon as it is back. If it then refuses, that ends it.
+    /// it: it is sent again as soon as it is back. If it then refuses, that ends it.
     pub fn record_each(
         &mut self,
         every: u32,
@@ -176,14 +176,14 @@ impl Operator {
         if !answer.starts_with("ok") {
             return Err(refusal_of(self.number, &answer));
         }
-        let (start, mut told, mut answered, mut refusal) = (Instant::now(), true, true, None);
+        let (start, mut said, mut answered, mut refusal) = (Instant::now(), true, true, None);
         let (number, stop, begun) = (self.number, self.stop.clone(), self.endpoint.start());
         self.wait(time + PATIENCE, |session| {
             each(begun.elapsed().as_nanos() as u64, session);
             if !session.is_there() {
-                told = false;
-            } else if !told {
-                told = session.say(&line);
+                said = false;
+            } else if !said {
+                said = session.say(&line);
                 answered = false;
             }
             if let Some(answer) = session.answer() {
@@ -191,7 +191,7 @@ impl Operator {
                 refusal = (!answer.starts_with("ok")).then(|| refusal_of(number, &answer));
             }
             // An answer that is still on its way would be taken for the next line's.
-            refusal.is_some() || (stop.is_asked() || start.elapsed() >= time) && (answered || !told)
+            refusal.is_some() || (stop.is_asked() || start.elapsed() >= time) && (answered || !said)
         })?;
         Ok(refusal)
     }

@@ -16,7 +16,7 @@ use haptic_sim::{key_file::entropy, node::Node, of_axes, scene::Scene};
 use serde::Serialize;
 
 use super::endpoint::{Endpoint, Live, Punctuality, Span, Stop, Ticker};
-use super::watch::{Seen, TELLING_S, Wanted, Watch};
+use super::watch::{LiveOptions, LiveSummary, TELLING_S, Watch};
 use crate::refused::{is_telling, wrong};
 
 /// What one peer saw.
@@ -30,13 +30,13 @@ pub struct Report {
     pub decoded_discrepancy_mm: f64,
     /// Of several shared axes, along the first.
     #[serde(flatten)]
-    pub seen: Seen,
+    pub seen: LiveSummary,
     /// Of one shared axis, or the first.
     #[serde(flatten)]
     pub forces: Forces,
     /// Each of several shared axes.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub axes: Vec<Along>,
+    pub axes: Vec<AxisReport>,
     /// What the wall in the room of its device pushed with over the last half, N of the device; absent without one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wall_force_n: Option<Statistics>,
@@ -55,7 +55,7 @@ pub struct Report {
     /// How much faster the other peer's clock runs, ppm.
     pub clock_drift_ppm: f32,
     /// What the other peer's newest telemetry says; none before any came.
-    pub other: Option<Other>,
+    pub other: Option<RemoteReport>,
     /// Sealed datagrams of the other peer that were opened and accepted.
     pub datagrams_taken: u32,
     /// Sealed datagrams of the other peer that never came.
@@ -77,7 +77,7 @@ pub struct Forces {
 
 /// What one peer saw along one of several shared axes.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub struct Along {
+pub struct AxisReport {
     axis: &'static str,
     decoded_discrepancy_mm: f64,
     #[serde(flatten)]
@@ -105,7 +105,7 @@ impl From<PortEnergy> for Ports {
 
 /// What the other peer's telemetry says.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub struct Other {
+pub struct RemoteReport {
     ticks: u32,
     /// 0 disarmed, 1 armed, 2 faulted.
     mode: u8,
@@ -119,7 +119,7 @@ pub struct Other {
     energy_sent_j: f64,
 }
 
-impl Other {
+impl RemoteReport {
     /// From telemetry of the other peer, as it came.
     pub fn new(said: &Telemetry) -> Self {
         Self {
@@ -135,14 +135,14 @@ impl Other {
 }
 
 /// Notices and when they were given, µs, as a report has them.
-pub fn told<'a>(notices: impl IntoIterator<Item = &'a (u64, Notice)>) -> Vec<(f64, String)> {
+pub fn notice_texts<'a>(notices: impl IntoIterator<Item = &'a (u64, Notice)>) -> Vec<(f64, String)> {
     notices.into_iter().map(|(at_us, notice)| (*at_us as f64 * 1e-6, format!("{notice:?}"))).collect()
 }
 
 /// How long a peer that refuses the other one goes on calling, so that the other learns of it as well, µs.
 const LINGER_US: u64 = 500_000;
 
-struct Peer<const SHARED: usize, const N: usize> {
+struct LivePeer<const SHARED: usize, const N: usize> {
     node: Node<SHARED, N>,
     connect: SocketAddr,
     patience_s: f64,
@@ -161,16 +161,16 @@ struct Peer<const SHARED: usize, const N: usize> {
     now_us: u64,
     watch: Watch,
     /// Tick of the newest telemetry.
-    told: Option<u32>,
+    reported_tick: Option<u32>,
 }
 
-impl<const SHARED: usize, const N: usize> Peer<SHARED, N> {
+impl<const SHARED: usize, const N: usize> LivePeer<SHARED, N> {
     fn differs_in(&self, table: &str) -> String {
         format!("{} was told other parameters: table [{table}] of the scene differs", self.connect)
     }
 }
 
-impl<const SHARED: usize, const N: usize> Actor<SocketAddr> for Peer<SHARED, N>
+impl<const SHARED: usize, const N: usize> Actor<SocketAddr> for LivePeer<SHARED, N>
 where
     Flows<SHARED>: Into<Message>,
 {
@@ -182,11 +182,11 @@ where
             Ok(flow) => {
                 let line = &self.node.line;
                 self.watch.heard(now_ns, line, flow.is_some());
-                let told = line.heard.as_ref().map(|said| said.tick);
-                if let Some(said) = line.heard.as_ref().filter(|_| told != self.told) {
+                let tick = line.heard.as_ref().map(|said| said.tick);
+                if let Some(said) = line.heard.as_ref().filter(|_| tick != self.reported_tick) {
                     self.watch.said(said, line.link.sealed_us(), self.node.armed_ticks);
                 }
-                self.told = told;
+                self.reported_tick = tick;
             }
             Err(why) if is_telling(&why) => self.refusal = Some((from, why)),
             Err(_) => {}
@@ -200,23 +200,23 @@ where
         let since_us = self.differs.map_or(self.now_us, |(_, since_us)| since_us);
         self.differs = node.line.link.refused().map(|table| (table, since_us));
         if let Some(tick) = node.armed_ticks.checked_sub(1) {
-            let mut apart_m: f64 = 0.0;
+            let mut decoded_m: f64 = 0.0;
             let axes = node.peer.observed().into_iter().map(|seen| seen.map(f64::from));
             for (seen, (half, port)) in axes.zip(self.halves.iter_mut().zip(&mut self.ports)) {
                 let discrepancy_m = (seen.object.position - seen.desired.position).abs();
                 let contact_n = seen.contact_force;
                 half.see(tick, [discrepancy_m, seen.coordination_force, contact_n, contact_n * contact_n]);
                 port.see(&seen);
-                apart_m = apart_m.hypot(discrepancy_m);
+                decoded_m = decoded_m.hypot(discrepancy_m);
             }
             let wall_n = node.wall_n();
-            self.whole.see(tick, [apart_m, wall_n, wall_n * wall_n]);
+            self.whole.see(tick, [decoded_m, wall_n, wall_n * wall_n]);
         }
         self.watch.ticked(now_ns, node);
     }
 }
 
-impl<const SHARED: usize, const N: usize> Live for Peer<SHARED, N>
+impl<const SHARED: usize, const N: usize> Live for LivePeer<SHARED, N>
 where
     Flows<SHARED>: Into<Message>,
 {
@@ -226,8 +226,8 @@ where
 
     fn end(&self) -> Option<Result<(), String>> {
         let over = (self.node.armed_ticks >= self.ticks).then_some(Ok(()));
-        let told = self.differs.filter(|(_, since_us)| self.now_us >= since_us + LINGER_US);
-        told.map(|(table, _)| Err(self.differs_in(table))).or(over)
+        let overdue = self.differs.filter(|(_, since_us)| self.now_us >= since_us + LINGER_US);
+        overdue.map(|(table, _)| Err(self.differs_in(table))).or(over)
     }
 
     fn missing(&self) -> Option<String> {
@@ -261,7 +261,7 @@ pub fn run(
     number: u8,
     ends: [SocketAddr; 2],
     span: Span,
-    wanted: &Wanted,
+    wanted: &LiveOptions,
     stop: &Stop,
 ) -> Result<Report, String> {
     let entropy = entropy()?;
@@ -275,7 +275,7 @@ fn live<const SHARED: usize, const N: usize>(
         Key,
         (&Scene, u8, [SocketAddr; 2], Span),
     ),
-    wanted: &Wanted,
+    wanted: &LiveOptions,
     stop: &Stop,
 ) -> Result<Report, String>
 where
@@ -287,9 +287,9 @@ where
     let ticks = (duration_s / period_s).round() as u64;
     let endpoint = Endpoint::polled(listen)?;
     endpoint.reaches(connect)?;
-    let mut peer = Peer {
+    let mut peer = LivePeer {
         watch: Watch::new(wanted, scene, number, endpoint.start(), connect.to_string(), ticks)?,
-        told: None,
+        reported_tick: None,
         node,
         connect,
         patience_s,
@@ -303,15 +303,15 @@ where
     };
     let ticker = Ticker::realtime(Duration::from_secs_f64(period_s));
     let punctuality = endpoint.run(ticker, patience_s, stop, &mut peer)?;
-    let Peer { node, halves, whole, ports, watch, .. } = peer;
-    let [apart_m, wall, wall_squared] = whole.means();
+    let LivePeer { node, halves, whole, ports, watch, .. } = peer;
+    let [decoded_m, wall, wall_squared] = whole.means();
     let along = |(axis, half): (&'static str, &LastHalf<4>)| {
         let [discrepancy_m, coordination_force_n, contact, contact_squared] = half.means();
         let contact_force_n = Statistics::of_moments(contact, contact_squared);
         let forces = Forces { coordination_force_n, contact_force_n };
-        Along { axis, decoded_discrepancy_mm: 1e3 * discrepancy_m, forces }
+        AxisReport { axis, decoded_discrepancy_mm: 1e3 * discrepancy_m, forces }
     };
-    let axes: Vec<Along> = AXIS_NAMES.into_iter().zip(&halves).map(along).collect();
+    let axes: Vec<AxisReport> = AXIS_NAMES.into_iter().zip(&halves).map(along).collect();
     let energies = ports.iter().zip(node.peer.ledger());
     let energies = energies.map(|(port, booked)| port.with_network(booked.received_j().into(), booked.sent_j().into()));
     let (line, link) = (&node.line, &node.line.link);
@@ -319,7 +319,7 @@ where
     Ok(Report {
         peer: number,
         ticks: node.armed_ticks,
-        decoded_discrepancy_mm: 1e3 * apart_m,
+        decoded_discrepancy_mm: 1e3 * decoded_m,
         seen: watch.end(endpoint.now_ns() as f64 * 1e-9),
         forces: axes[0].forces,
         axes: if SHARED > 1 { axes } else { Vec::new() },
@@ -330,12 +330,12 @@ where
             Mode::Faulted(fault) => Some(format!("fault {}: {}", fault.number(), fault.explain())),
             _ => None,
         },
-        notices: told(&line.notices),
+        notices: notice_texts(&line.notices),
         round_trip_us: link.clock().round_trip_us(),
         jitter_us: link.clock().jitter_us(),
         clock_offset_us: link.clock().offset_us(endpoint.now_ns() / 1_000),
         clock_drift_ppm: link.clock().drift_ppm(),
-        other: line.heard.as_ref().map(Other::new),
+        other: line.heard.as_ref().map(RemoteReport::new),
         datagrams_taken: counts.taken,
         datagrams_missing: counts.missing,
         datagrams_refused: counts.refused,

@@ -13,13 +13,13 @@ const AGAIN_US: u64 = 60_000_000;
 #[derive(Clone, Copy, Debug)]
 pub struct Refused<A> {
     newest: Option<(A, Error)>,
-    told: Option<((A, Error), u64)>,
+    reported: Option<((A, Error), u64)>,
     waits: bool,
 }
 
 impl<A> Default for Refused<A> {
     fn default() -> Self {
-        Self { newest: None, told: None, waits: false }
+        Self { newest: None, reported: None, waits: false }
     }
 }
 
@@ -33,12 +33,12 @@ impl<A: Copy + PartialEq> Refused<A> {
     /// The newest one, if it is to be reported now.
     pub fn take(&mut self, now_us: u64) -> Option<(A, Error)> {
         let newest = self.newest.filter(|_| self.waits)?;
-        let since_us = self.told.map(|(told, at_us)| (told == newest, now_us.saturating_sub(at_us)));
+        let since_us = self.reported.map(|(reported, at_us)| (reported == newest, now_us.saturating_sub(at_us)));
         if since_us.is_some_and(|(same, since_us)| since_us < if same { AGAIN_US } else { EVERY_US }) {
             return None;
         }
         self.waits = false;
-        self.told = Some((newest, now_us));
+        self.reported = Some((newest, now_us));
         Some(newest)
     }
 

@@ -11,7 +11,7 @@ use haptic_sim::engine::{Actor, Out};
 use haptic_sim::network::link::{Counts, Link, Route};
 use serde::Serialize;
 
-use super::batch::Came;
+use super::batch::ReceivedBatch;
 use super::endpoint::{Endpoint, Live, Stop, Ticker};
 
 /// How often the relay looks: what it adds to the delay at the most.
@@ -41,7 +41,7 @@ pub struct Report {
 /// The first peer talks to the endpoint that runs this, the second one to another.
 struct Relay {
     second: Endpoint,
-    came: Came,
+    came: ReceivedBatch,
     peers: [SocketAddr; 2],
     lines: [Link<[u8]>; 2],
     strangers: u64,
@@ -95,7 +95,7 @@ pub fn run(routes: [Route; 2], ends: [End; 2], duration_s: f64, stop: &Stop) -> 
     let (first, second, peers) = (first?, second?, ends.map(|end| end.peer));
     first.reaches(peers[0]).and_then(|()| second.reaches(peers[1]))?;
     let (lines, over_ns) = (routes.map(|route| Link::new(route).holding(MOST_BYTES)), 1e9 * duration_s);
-    let mut relay = Relay { second, came: Came::default(), peers, lines, strangers: 0, over_ns, end: None };
+    let mut relay = Relay { second, came: ReceivedBatch::default(), peers, lines, strangers: 0, over_ns, end: None };
     first.run(Ticker::realtime(PERIOD), f64::MAX, stop, &mut relay)?;
     Ok(Report { ways: relay.lines.map(|line| line.counts()), strangers: relay.strangers })
 }

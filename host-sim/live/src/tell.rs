@@ -159,7 +159,7 @@ impl Drop for Teller {
 }
 
 #[derive(Serialize)]
-struct Told<'a> {
+struct TaggedSecond<'a> {
     kind: &'static str,
     #[serde(flatten)]
     second: &'a Second,
@@ -175,13 +175,13 @@ fn say(lines: &Receiver<Line>, manner: Manner) {
             continue;
         }
         let object = match line {
-            Line::Second(second) => json!(Told { kind: "second", second: &second }),
+            Line::Second(second) => json!(TaggedSecond { kind: "second", second: &second }),
             Line::Notice { time_s, notice, words } => {
                 json!({ "kind": "notice", "time_s": time_s, "notice": notice, "words": words })
             }
             Line::Words(words) => json!({ "kind": "words", "words": words }),
         };
-        // Whoever does not read on is told nothing more; the run goes on.
+        // Whoever does not read on is sent nothing more; the run goes on.
         if writeln!(std::io::stdout(), "{object}").is_err() {
             return;
         }

@@ -6,12 +6,12 @@ use std::time::Instant;
 use haptic_core::law::Sends;
 use haptic_core::safety::Mode;
 use haptic_protocol::wire::{Flows, Message, Telemetry};
-use haptic_report::Made;
+use haptic_report::Provenance;
 use haptic_sim::node::{Line, Node};
 use haptic_sim::scene::Scene;
 use serde::Serialize;
 
-use super::apart::{Own, Sum};
+use super::discrepancy::{PositionHistory, Sum};
 use super::tell::{Manner, Second, Teller};
 use crate::recording::common_clock::{Relation, Watched};
 use crate::recording::mcap::Channel;
@@ -26,17 +26,19 @@ pub const TELLING_S: f64 = 0.02;
 
 /// What the command line asks for.
 #[derive(Clone, Debug, Default)]
-pub struct Wanted {
+pub struct LiveOptions {
     /// Record into this file, with what made it.
-    pub record: Option<(PathBuf, Made)>,
+    pub record: Option<(PathBuf, Provenance)>,
     /// How lines are said while it runs.
     pub manner: Manner,
 }
 
-impl Wanted {
+impl LiveOptions {
     /// Begins a recording, if one is wanted, on a clock that began at `start`.
     pub fn recorder(&self, who: &str, start: Instant, channels: Vec<Channel>) -> Result<Option<Recorder>, String> {
-        let create = |(path, made): &(PathBuf, Made)| Recorder::create(path, &Origin::here(made, who, start), channels);
+        let create = |(path, provenance): &(PathBuf, Provenance)| {
+            Recorder::create(path, &Origin::here(provenance, who, start), channels)
+        };
         self.record.as_ref().map(create).transpose()
     }
 }
@@ -68,7 +70,7 @@ impl CommonClock {
 
 /// What was seen of one run, as a report has it.
 #[derive(Clone, Debug, Default, Serialize)]
-pub struct Seen {
+pub struct LiveSummary {
     /// Mean distance of the two copies over the last half, mm, from the other end's telemetry; its largest of all; and by how much the
     /// clocks may make it wrong.
     pub true_discrepancy_mm: Option<f64>,
@@ -84,7 +86,7 @@ pub struct Seen {
     pub recorded: Option<String>,
 }
 
-impl Seen {
+impl LiveSummary {
     /// From the distances of the last half and of the whole run, with the clocks and the recording, if there are any.
     pub fn of(half: &Sum, all: &Sum, common_clock: Option<CommonClock>, recorded: Option<String>) -> Self {
         let mm = |metres: Option<f64>| metres.map(|metres| 1e3 * metres);
@@ -110,7 +112,7 @@ pub(crate) struct Watch {
     patience: u32,
     clock: Watched,
     lives: u64,
-    own: Own,
+    own: PositionHistory,
     of_second: Sum,
     of_half: Sum,
     of_all: Sum,
@@ -120,13 +122,13 @@ pub(crate) struct Watch {
     /// Ticks of this second, and those in which the line lived.
     of_this: [u32; 2],
     all_ticks: u64,
-    told: u64,
+    reported: u64,
 }
 
 impl Watch {
     /// Of peer `number`, whose clock began at `start`.
     pub(crate) fn new(
-        wanted: &Wanted,
+        wanted: &LiveOptions,
         scene: &Scene,
         number: u8,
         start: Instant,
@@ -145,7 +147,7 @@ impl Watch {
             patience: timing.ticks_per_packet,
             clock: Watched::default(),
             lives: 0,
-            own: Own::default(),
+            own: PositionHistory::default(),
             of_second: Sum::default(),
             of_half: Sum::default(),
             of_all: Sum::default(),
@@ -153,7 +155,7 @@ impl Watch {
             live_ticks: 0,
             of_this: [0; 2],
             all_ticks: 0,
-            told: 0,
+            reported: 0,
         })
     }
 
@@ -176,11 +178,11 @@ impl Watch {
 
     /// The other end has sent its telemetry.
     pub(crate) fn said(&mut self, said: &Telemetry, sealed_us: u64, armed_ticks: u64) {
-        let Some(apart) = self.own.apart(said, sealed_us, self.period_s, &self.clock) else { return };
-        self.of_second.add(apart);
-        self.of_all.add(apart);
+        let Some(discrepancy) = self.own.discrepancy(said, sealed_us, self.period_s, &self.clock) else { return };
+        self.of_second.add(discrepancy);
+        self.of_all.add(discrepancy);
         if armed_ticks >= self.ticks / 2 {
-            self.of_half.add(apart);
+            self.of_half.add(discrepancy);
         }
     }
 
@@ -214,11 +216,11 @@ impl Watch {
         self.of_this[0] += 1;
         self.of_this[1] += u32::from(live);
         let line = &node.line;
-        let new = line.noticed - self.told;
+        let new = line.noticed - self.reported;
         for (time_us, notice) in line.notices.iter().rev().take(new as usize).rev() {
             self.teller.notice(*time_us, "", notice);
         }
-        self.told = line.noticed;
+        self.reported = line.noticed;
         if f64::from(self.of_this[0]) * self.period_s >= 1.0 {
             self.second(now_ns, node);
         }
@@ -258,7 +260,7 @@ impl Watch {
     }
 
     /// What there was to see; the recording is closed.
-    pub(crate) fn end(mut self, now_s: f64) -> Seen {
+    pub(crate) fn end(mut self, now_s: f64) -> LiveSummary {
         self.clock.look();
         let clock = self.clock.relation.as_ref().map(|relation| CommonClock::at(relation, now_s));
         if let Some(clock) = clock.filter(|clock| clock.error_us > 1e6 * GOOD_CLOCK_S) {
@@ -272,8 +274,8 @@ impl Watch {
         }
         let recorded = self.recorder.take().map(Recorder::finish);
         if let Some(ended) = &recorded {
-            self.teller.words(ended.told());
+            self.teller.words(ended.summary());
         }
-        Seen::of(&self.of_half, &self.of_all, clock, recorded.as_ref().map(Ended::told))
+        LiveSummary::of(&self.of_half, &self.of_all, clock, recorded.as_ref().map(Ended::summary))
     }
 }

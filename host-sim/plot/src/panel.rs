@@ -20,7 +20,7 @@ const NAME: f64 = 19.0;
 const SPACING: f64 = 6.0;
 /// Radius of dots, pixels.
 pub(crate) const DOT: f64 = 7.0;
-/// Opacity of regions: four on top of each other can still be told apart.
+/// Opacity of regions: four on top of each other can still be distinguished.
 pub(crate) const TINT: f64 = 0.25;
 /// Part of a category's room that its bars fill together, and that one bar fills at most.
 const FILLED: f64 = 0.84;

@@ -12,14 +12,14 @@
 //! | [`mod@prove`] | scenes, states and claims; the verdict on each law |
 //! | [`whatever`](Whatever) | the law that says anything |
 
+mod graph;
 pub mod prove;
 pub mod range;
-mod tape;
 pub mod unknown;
 pub mod whatever;
 
+pub use graph::{Path, begin, explore};
 pub use prove::{Proved, prove};
 pub use range::Range;
-pub use tape::{Path, begin, explore};
 pub use unknown::{Number, Unknown};
 pub use whatever::Whatever;

@@ -17,7 +17,7 @@
 use haptic_core::device::encoder::Counts;
 use haptic_core::device::kinematics::{AnyKinematics, Kinematics};
 use haptic_core::device::{AXES, Reading};
-use haptic_core::law::{Kind, Law, Packet};
+use haptic_core::law::{Law, LawInfo, Packet};
 use haptic_core::num::{Motion, StateVector};
 use haptic_core::peer::{Actuators, Peer, Sensors};
 use haptic_core::safety::{Command, Mode};
@@ -27,8 +27,8 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 
+use crate::graph::{self, MOST_PATHS, Place};
 use crate::range::{Float, Range};
-use crate::tape::{self, MOST_PATHS, Place};
 use crate::unknown::{Number, Unknown};
 
 /// States of whole numbers that each scene is looked at in, half of them with encoders; of two axes, the first two.
@@ -115,15 +115,15 @@ impl Proved {
 }
 
 /// Proves the claims for one kind of law, one of those that `L` is, with one shared axis of a device in the plane.
-pub fn prove<L: Law<Number>>(kind: &'static Kind, tick: Tick<L>) -> Proved {
-    prove_in(&scenes::<L, 1, AXES, AnyKinematics<Number>>(kind, &[], true), tick)
+pub fn prove<L: Law<Number>>(law: &'static LawInfo, tick: Tick<L>) -> Proved {
+    prove_in(&scenes::<L, 1, AXES, AnyKinematics<Number>>(law, &[], true), tick)
 }
 
 /// [`prove`] with two shared axes of two: without choices, and without the claims about packets.
-pub fn prove_shared<L: Law<Number>>(kind: &'static Kind) -> Proved {
+pub fn prove_shared<L: Law<Number>>(law: &'static LawInfo) -> Proved {
     let shared = ["axis.count", "axis.shared"].map(|key| (key, Value::Number(2.0)));
     prove_in::<L, 2, 2, AnyKinematics<Number>>(
-        &scenes::<L, 2, 2, AnyKinematics<Number>>(kind, &shared, false),
+        &scenes::<L, 2, 2, AnyKinematics<Number>>(law, &shared, false),
         Peer::tick,
     )
 }
@@ -140,14 +140,14 @@ type Change = (&'static str, Value<'static>);
 
 /// The scenes of a law, by what they differ in.
 fn scenes<L: Law<Number>, const SHARED: usize, const N: usize, K: Kinematics<Number, N>>(
-    kind: &'static Kind,
+    law: &'static LawInfo,
     changes: &[Change],
     choose: bool,
 ) -> Vec<(String, Settings)> {
-    let schema = Schema::new(L::KINDS);
-    let gains = kind.gains.iter().filter_map(|gain| gain.split_once('='));
+    let schema = Schema::new(L::LAWS);
+    let gains = law.gains.iter().filter_map(|gain| gain.split_once('='));
     let mut gained = Settings::default();
-    gained.coordination.comm = kind.name;
+    gained.coordination.comm = law.name;
     for (key, value) in gains {
         // Those of networks and the like are no peer's.
         let _ = schema.set(&mut gained, key, Value::of_text(value));
@@ -156,7 +156,7 @@ fn scenes<L: Law<Number>, const SHARED: usize, const N: usize, K: Kinematics<Num
         let mut settings = *settings;
         changes.iter().all(|(key, value)| schema.set(&mut settings, key, *value).is_ok()).then_some(settings)
     };
-    tape::begin();
+    graph::begin();
     let builds = |settings: &Settings| Peer::<Number, L, SHARED, N, K>::build(settings, [Motion::REST; N]).is_ok();
     let ports: [Change; 3] = [
         ("object.integrator", Value::Text("midpoint")),
@@ -168,11 +168,12 @@ fn scenes<L: Law<Number>, const SHARED: usize, const N: usize, K: Kinematics<Num
     let mut scenes: Vec<(String, Settings)> = Vec::new();
     for (name, base) in bases {
         let Some(base) = base.filter(builds) else { continue };
-        let mut add = |settings: Settings, told: &[Change]| {
-            let told = told.iter().map(|(key, value)| format!("{key} = {value}"));
-            let told: Vec<String> = [name.to_owned()].into_iter().filter(|name| !name.is_empty()).chain(told).collect();
+        let mut add = |settings: Settings, changed: &[Change]| {
+            let changed = changed.iter().map(|(key, value)| format!("{key} = {value}"));
+            let changed: Vec<String> =
+                [name.to_owned()].into_iter().filter(|name| !name.is_empty()).chain(changed).collect();
             if scenes.iter().all(|(_, other)| *other != settings) {
-                scenes.push((told.join(", "), settings));
+                scenes.push((changed.join(", "), settings));
             }
         };
         add(base, &[]);
@@ -187,8 +188,8 @@ fn scenes<L: Law<Number>, const SHARED: usize, const N: usize, K: Kinematics<Num
                 let two = with(&one, &[*other]).filter(builds)?;
                 Some((two, [*choice, *other]))
             });
-            if let Some((two, told)) = pair {
-                add(two, &told);
+            if let Some((two, changed)) = pair {
+                add(two, &changed);
             }
         }
     }
@@ -276,11 +277,11 @@ fn armed<L: Law<Number>, const SHARED: usize, const N: usize, K: Kinematics<Numb
     state: u64,
     counts: bool,
 ) -> Option<(Peer<Number, L, SHARED, N, K>, [Number; N])> {
-    tape::begin();
-    tape::any_whole(false);
+    graph::begin();
+    graph::any_whole(false);
     let home = [(); N].map(|()| Motion::at(Number::any_finite()));
     let mut peer = Peer::<Number, L, SHARED, N, K>::build(settings, home).ok()?;
-    tape::any_whole(true);
+    graph::any_whole(true);
     let mut chance = Xoshiro256PlusPlus::seed_from_u64(state);
     let ticks = TICKS + state * u64::from(settings.timing.ticks_per_packet + 1);
     let mut last = None;
@@ -299,7 +300,7 @@ fn armed<L: Law<Number>, const SHARED: usize, const N: usize, K: Kinematics<Numb
             let (actuators, _) = step(&mut next, tick, Outside { heard, counts });
             (next, actuators)
         };
-        last = tape::one_way(draw, TRIES, run, |(next, _)| next.mode() == Mode::Armed);
+        last = graph::one_way(draw, TRIES, run, |(next, _)| next.mode() == Mode::Armed);
         match last {
             Some((next, _)) => peer = next,
             None => peer.trip(haptic_core::safety::Fault::Diverged),
@@ -317,7 +318,7 @@ fn armed<L: Law<Number>, const SHARED: usize, const N: usize, K: Kinematics<Numb
         }
         visited += 1;
     });
-    tape::forget(&known);
+    graph::forget(&known);
     Some((peer, forces))
 }
 
@@ -337,7 +338,7 @@ fn one_tick<L: Law<Number>, const SHARED: usize, const N: usize, K: Kinematics<N
     let rounding = 4.0 * <f32 as Float>::EPSILON * most;
     let code = (settings.motor.max_duty * 32767.0).floor();
     let mut broken = None;
-    let whole = tape::explore(
+    let whole = graph::explore(
         || {
             let mut peer = *before;
             let (actuators, sent) = step(&mut peer, tick, outside);

@@ -7,8 +7,8 @@ use std::ops::{Add, Mul, Neg, Sub};
 
 use haptic_core::num::Scalar;
 
+use crate::graph::{self, Place};
 use crate::range::{Float, Op, Range};
-use crate::tape::{self, Place};
 
 /// Index of a node in this thread's computation graph, whose numbers are of the type `F`.
 #[derive(Clone, Copy)]
@@ -31,7 +31,7 @@ impl<F: Float> Unknown<F> {
 
     /// Any number of this range.
     pub fn within(range: Range) -> Self {
-        Self::at(tape::unknown(range))
+        Self::at(graph::unknown(range))
     }
 
     /// Any bits at all.
@@ -46,7 +46,7 @@ impl<F: Float> Unknown<F> {
 
     /// What is known of it.
     pub fn range(self) -> Range {
-        tape::range(self.place)
+        graph::range(self.place)
     }
 
     fn of_one(self, op: Op) -> Self {
@@ -61,7 +61,7 @@ impl<F: Float> Unknown<F> {
     }
 
     fn with(self, op: Op, other: Self) -> Self {
-        Self::at(tape::compute::<F>(op, self.place, other.place))
+        Self::at(graph::compute::<F>(op, self.place, other.place))
     }
 }
 
@@ -105,7 +105,7 @@ impl<F: Float> Neg for Unknown<F> {
 
 impl<F: Float> PartialEq for Unknown<F> {
     fn eq(&self, other: &Self) -> bool {
-        tape::equal::<F>(self.place, other.place)
+        graph::equal::<F>(self.place, other.place)
     }
 }
 
@@ -120,10 +120,10 @@ impl<F: Float> PartialOrd for Unknown<F> {
         }
     }
     fn lt(&self, other: &Self) -> bool {
-        tape::less::<F>(self.place, other.place, true)
+        graph::less::<F>(self.place, other.place, true)
     }
     fn le(&self, other: &Self) -> bool {
-        tape::less::<F>(self.place, other.place, false)
+        graph::less::<F>(self.place, other.place, false)
     }
     fn gt(&self, other: &Self) -> bool {
         other < self
@@ -136,19 +136,19 @@ impl<F: Float> PartialOrd for Unknown<F> {
 impl<F: Float> Scalar for Unknown<F> {
     type Counter = Unknown<f64>;
     const NAME: &'static str = F::NAME_OF_RANGES;
-    const ZERO: Self = Self::at(tape::ZERO);
-    const ONE: Self = Self::at(tape::ONE);
+    const ZERO: Self = Self::at(graph::ZERO);
+    const ONE: Self = Self::at(graph::ONE);
 
     fn from_f64(value: f64) -> Self {
-        Self::at(tape::constant(F::from_f64(value).to_f64()))
+        Self::at(graph::constant(F::from_f64(value).to_f64()))
     }
     /// The number, if it is one alone. Otherwise 0, and what is proved from there is not: it is noted.
     fn to_f64(self) -> f64 {
-        tape::taken_out(self.place)
+        graph::taken_out(self.place)
     }
     /// While a peer is built, this number; in its ticks, any whole number, whatever counts are.
     fn from_i32(value: i32) -> Self {
-        Self::at(tape::whole::<F>(value))
+        Self::at(graph::whole::<F>(value))
     }
     /// Rounds the number that [`Unknown::to_f64`] gives.
     fn round_to_i32(self) -> i32 {
@@ -156,16 +156,16 @@ impl<F: Float> Scalar for Unknown<F> {
     }
     /// Both ends, one after the other: a code decides about faults and nothing else. What lies between is noted.
     fn to_code(self) -> i16 {
-        tape::code::<F>(self.place) as i16
+        graph::code::<F>(self.place) as i16
     }
     fn to_counter(self) -> Unknown<f64> {
-        Unknown::at(tape::compute::<f64>(Op::ToCounter, self.place, self.place))
+        Unknown::at(graph::compute::<f64>(Op::ToCounter, self.place, self.place))
     }
     fn of_counter(counter: Unknown<f64>) -> Self {
-        Self::at(tape::compute::<F>(Op::OfCounter, counter.place, counter.place))
+        Self::at(graph::compute::<F>(Op::OfCounter, counter.place, counter.place))
     }
     fn is_finite(self) -> bool {
-        tape::is_finite::<F>(self.place)
+        graph::is_finite::<F>(self.place)
     }
     /// Of the place, which is the number.
     fn bits(self) -> u64 {

@@ -1,7 +1,7 @@
 //! The law that says anything: each number it gives may be any, infinite or none, each time another. What is proved with it holds for
 //! every law there could be, whatever is in its state and whole numbers.
 
-use haptic_core::law::{Coupled, Kind, Law, Packet, Seen, Sends};
+use haptic_core::law::{Coupled, Law, LawInfo, Observation, Packet, Sends};
 use haptic_core::num::{Configured, Motion, Scalar};
 use haptic_core::object::{Port, Solve};
 use haptic_core::settings::{Refused, Settings};
@@ -29,8 +29,8 @@ fn packet() -> Packet<Number> {
 impl Configured for Whatever {}
 
 impl Law<Number> for Whatever {
-    const KINDS: &'static [Kind] =
-        &[Kind { name: "(any law)", sends: Sends::Waves, keys: &[], gains: &[], source: "", promises: &[] }];
+    const LAWS: &'static [LawInfo] =
+        &[LawInfo { name: "(any law)", sends: Sends::Waves, keys: &[], gains: &[], source: "", promises: &[] }];
     type State = ();
 
     fn build(_: &Settings) -> Result<Self, Refused<'static>> {
@@ -38,7 +38,7 @@ impl Law<Number> for Whatever {
     }
     fn start(&self, _: Motion<Number>) {}
     fn receive(&self, (): &mut (), _: Packet<Number>) {}
-    fn couple(&self, (): &mut (), _: &Seen<Number>, solve: impl Solve<Number>) -> Coupled<Number> {
+    fn couple(&self, (): &mut (), _: &Observation<Number>, solve: impl Solve<Number>) -> Coupled<Number> {
         // It may ask for the copy's velocity, or not; where that is known, it makes no difference.
         if !solve.is_staged() && Number::any() > Number::ZERO {
             solve.velocity(Port { force: Number::any(), impedance: Number::any() });

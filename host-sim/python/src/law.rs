@@ -2,11 +2,11 @@
 //!
 //! It has its name, its own keys and its gains as any law has, and whatever takes a scene takes it: runs, stability, sweeps, steps. Each
 //! peer asks Python once a tick, which makes a run some ten times slower, and only one thread at a time gets an answer. It is
-//! a law of explicit numbers: what it is told, its state and what it answers are tuples of floats, so that the analyser can see its state.
+//! a law of explicit numbers: what it is given, its state and what it answers are tuples of floats, so that the analyser can see its state.
 
 use std::sync::{PoisonError, RwLock};
 
-use haptic_core::law::{Coupled, Kind, Law, Packet, Seen, Sends};
+use haptic_core::law::{Coupled, Law, LawInfo, Observation, Packet, Sends};
 use haptic_core::num::{Configured, Motion, Scalar, StateVector};
 use haptic_core::object::{Port, Solve};
 use haptic_core::settings::{Allowed, Key, Refused, Settings, Value};
@@ -24,7 +24,7 @@ const MOST_READ: usize = 16;
 
 /// A law and its methods.
 struct Written {
-    kind: &'static Kind,
+    info: &'static LawInfo,
     reads: &'static [&'static str],
     start: Py<PyAny>,
     receive: Py<PyAny>,
@@ -122,21 +122,21 @@ fn state(given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
 impl Configured for AskPython {}
 
 impl<S: Scalar> Law<S> for AskPython {
-    const KINDS: &'static [Kind] = &[];
+    const LAWS: &'static [LawInfo] = &[];
     type State = Numbers<S>;
 
-    fn kind(settings: &Settings) -> Option<&'static Kind> {
-        laws().schema().kind(settings)
+    fn info(settings: &Settings) -> Option<&'static LawInfo> {
+        laws().schema().law(settings)
     }
 
     fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
         let schema = laws().schema();
         let written = WRITTEN.read().unwrap_or_else(PoisonError::into_inner);
-        let at = written.iter().position(|law| law.kind.name == settings.coordination.comm);
+        let at = written.iter().position(|law| law.info.name == settings.coordination.comm);
         let at = at.ok_or(Refused {
             key: "coordination.comm",
             value: Value::Text(settings.coordination.comm),
-            allowed: Allowed::Kinds(schema.kinds()),
+            allowed: Allowed::Laws(schema.laws()),
             unit: "",
         })?;
         let mut values = [0.0; MOST_READ];
@@ -147,7 +147,7 @@ impl<S: Scalar> Law<S> for AskPython {
                 _ => f64::NAN,
             };
         }
-        Ok(Self { at, sends: written[at].kind.sends, values, count: written[at].reads.len() })
+        Ok(Self { at, sends: written[at].info.sends, values, count: written[at].reads.len() })
     }
 
     fn start(&self, local: Motion<S>) -> Numbers<S> {
@@ -166,13 +166,13 @@ impl<S: Scalar> Law<S> for AskPython {
     }
 
     /// Of a copy that is moved by ports: a force that does not depend on how the copy moves.
-    fn couple(&self, numbers: &mut Numbers<S>, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
+    fn couple(&self, numbers: &mut Numbers<S>, seen: &Observation<S>, solve: impl Solve<S>) -> Coupled<S> {
         let answer = self.ask(
             |law| &law.couple,
             |py, couple, values| {
                 let contact_n = seen.contact_force.to_f64();
-                let told = (values, numbers.tuple(py)?, pair(py, seen.local)?, contact_n, seen.age_ticks);
-                let answer = couple.call1(told)?;
+                let arguments = (values, numbers.tuple(py)?, pair(py, seen.local)?, contact_n, seen.age_ticks);
+                let answer = couple.call1(arguments)?;
                 let answer = answer.cast::<PyTuple>()?;
                 let number = |at: usize| answer.get_item(at)?.extract::<f64>();
                 let desired: (f64, f64) = answer.get_item(2)?.extract()?;
@@ -248,7 +248,7 @@ pub(crate) fn add_law(law: &Bound<'_, PyAny>) -> PyResult<()> {
     }
     let known = laws();
     let mut written = WRITTEN.write().unwrap_or_else(PoisonError::into_inner);
-    let there = written.iter().position(|law| law.kind.name == name);
+    let there = written.iter().position(|law| law.info.name == name);
     let own = |key: &String| keys.iter().any(|own| own.name == *key);
     let scene = Scene::new(known);
     if let Some(key) =
@@ -262,23 +262,30 @@ pub(crate) fn add_law(law: &Bound<'_, PyAny>) -> PyResult<()> {
         |all: Vec<String>| -> &'static [&'static str] { all.into_iter().map(leak).collect::<Vec<_>>().leak() };
     // What a law written for trying out promises, nobody has shown.
     let (source, promises) = ("", &[][..]);
-    let kind = Kind { name: leak(name.clone()), sends, keys: keys.leak(), gains: leak_all(gains), source, promises };
-    let methods = |kind: &'static Kind| -> PyResult<Written> {
-        Ok(Written { kind, reads: leak_all(reads), start: start?, receive: receive?, couple: couple?, send: send? })
+    let law = LawInfo { name: leak(name.clone()), sends, keys: keys.leak(), gains: leak_all(gains), source, promises };
+    let methods = |law: &'static LawInfo| -> PyResult<Written> {
+        Ok(Written {
+            info: law,
+            reads: leak_all(reads),
+            start: start?,
+            receive: receive?,
+            couple: couple?,
+            send: send?,
+        })
     };
     if let Some(at) = there {
-        if *written[at].kind != kind {
+        if *written[at].info != law {
             return Err(refused(format!("there is a law {name} already, with other keys: give this one another name")));
         }
-        let kind = written[at].kind;
-        written[at] = methods(kind)?;
+        let law = written[at].info;
+        written[at] = methods(law)?;
         return Ok(());
     }
-    if known.kinds().iter().any(|known| known.name == name) {
+    if known.all().iter().any(|known| known.name == name) {
         return Err(refused(format!("there is a law {name} already: give this one another name")));
     }
-    let kinds: &'static [Kind] = vec![kind].leak();
-    written.push(methods(&kinds[0])?);
-    *LAWS.write().unwrap_or_else(PoisonError::into_inner) = known.with_kinds::<FromPython>(kinds);
+    let laws: &'static [LawInfo] = vec![law].leak();
+    written.push(methods(&laws[0])?);
+    *LAWS.write().unwrap_or_else(PoisonError::into_inner) = known.with_laws::<FromPython>(laws);
     Ok(())
 }

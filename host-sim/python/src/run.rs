@@ -3,7 +3,7 @@
 use haptic_analysis::{Conclusion, conclude};
 use haptic_core::num::Fixed;
 use haptic_sim::run::{Options, Outcome, run_while};
-use haptic_studies::sweep::MERITS;
+use haptic_studies::sweep::METRICS;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -91,17 +91,17 @@ pub(crate) fn run(py: Python<'_>, scene: &Scene, seconds: f64, scalar: &str, eve
     })?;
     let Conclusion { outcome, verdict } = conclusion;
     let merits = PyDict::new(py);
-    for merit in MERITS {
+    for merit in METRICS {
         merits.set_item(merit.name(), (merit.of)(&outcome))?;
     }
-    let (stable, told) = (outcome.is_stable(), outcome.verdict().name());
+    let (stable, verdict_name) = (outcome.is_stable(), outcome.verdict().name());
     let Outcome { reason, fault, fault_time_s, ticks, hash, axes, .. } = outcome;
     let axes: Vec<Py<PyDict>> =
         axes.into_iter().map(|along| Ok(to_python(py, along.table, &[])?.unbind())).collect::<PyResult<_>>()?;
     Ok(Run {
         merits: merits.unbind(),
         stable,
-        verdict: told,
+        verdict: verdict_name,
         reason: reason.map(|reason| reason.to_string()),
         fault: fault.map(|(peer, fault)| (peer, fault.explain().to_string())),
         fault_time_s,

@@ -186,7 +186,7 @@ pub(crate) fn keys(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
             "allowed",
             match key.allowed {
                 Allowed::Names(names) => one_of(names)?,
-                Allowed::Kinds(kinds) => one_of(&kinds.iter().map(|kind| kind.name).collect::<Vec<_>>())?,
+                Allowed::Laws(kinds) => one_of(&kinds.iter().map(|kind| kind.name).collect::<Vec<_>>())?,
                 other => other.to_string().into_py_any(py)?,
             },
         )?;

@@ -6,10 +6,10 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use haptic_core::names::Choice;
-use haptic_report::Made;
+use haptic_report::Provenance;
 use haptic_studies::sweep;
 use haptic_studies::sweep::{Axis, Design, Row, Sample, Spread};
-use host_sim::made;
+use host_sim::provenance;
 use pyo3::exceptions::{PyOSError, PyRuntimeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyString, PyTuple};
@@ -64,13 +64,13 @@ fn written(of: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<String>> {
 }
 
 impl Sweep {
-    fn question(&self) -> PyResult<Made> {
-        self.sweep.question(made()).map_err(refused)
+    fn question(&self) -> PyResult<Provenance> {
+        self.sweep.question(provenance()).map_err(refused)
     }
 }
 
 /// What of a question every process that answers it must have alike: the program, and what is in the traces.
-fn alike(question: &Made) -> Vec<String> {
+fn alike(question: &Provenance) -> Vec<String> {
     let matters = |line: &&str| ["version = ", "commit = ", "trace_"].iter().any(|name| line.starts_with(name));
     let text = question.toml();
     let made = text.split_once("\n[made]\n").map_or("", |(_, made)| made);
@@ -258,7 +258,7 @@ impl Sweep {
 #[pyclass(module = "haptic_sim")]
 pub(crate) struct Journal {
     sweep: Arc<sweep::Sweep>,
-    question: Made,
+    question: Provenance,
     folder: PathBuf,
     file: Option<sweep::Journal>,
     rows: Vec<Row>,

@@ -160,7 +160,7 @@ const UNITS: &[(&str, &str)] = &[
 ];
 
 /// A name without its unit, and the unit: at the end, or before a dot (`force_n.mean`).
-fn apart(name: &str) -> (String, &'static str) {
+fn split_unit(name: &str) -> (String, &'static str) {
     let without = |part: &str| {
         let of = |(end, unit): &(&str, &'static str)| Some((part.strip_suffix(end)?.strip_suffix(['_', '.'])?, *unit));
         let (rest, unit) = UNITS.iter().find_map(of).filter(|(rest, _)| !rest.is_empty())?;
@@ -172,7 +172,7 @@ fn apart(name: &str) -> (String, &'static str) {
 
 /// The name of what there is several of, with a number before its unit: `object_m` of peer 2 is `object_2_m`.
 pub fn numbered(name: &str, number: usize) -> String {
-    let (rest, _) = apart(name);
+    let (rest, _) = split_unit(name);
     format!("{rest}_{number}{}", &name[rest.len()..])
 }
 
@@ -202,7 +202,7 @@ pub struct Column {
 
 impl Column {
     fn new(name: String, digits: Digits, values: Values) -> Self {
-        let (head, unit) = apart(&name);
+        let (head, unit) = split_unit(&name);
         Self {
             head: head.replace(['_', '.'], " "),
             unit: unit.to_owned(),
@@ -228,7 +228,7 @@ impl Column {
 
     /// The unit of what is written to files; empty of what has none: a count, a ratio, a flag, words.
     pub fn unit(&self) -> &'static str {
-        apart(&self.name).1
+        split_unit(&self.name).1
     }
 
     /// Meaning of the column, in words; may be empty.
@@ -493,8 +493,8 @@ impl Columns {
 
     /// A line for each of these columns: its heading and what it means.
     pub fn meanings(&self, names: &[&str]) -> String {
-        let told = self.shown().filter(|column| names.contains(&column.name()));
-        told.map(|column| format!("{}: {}.\n", column.head, column.meaning)).collect()
+        let described = self.shown().filter(|column| names.contains(&column.name()));
+        described.map(|column| format!("{}: {}.\n", column.head, column.meaning)).collect()
     }
 }
 

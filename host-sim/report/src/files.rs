@@ -4,7 +4,7 @@
 //! `inf` and `-inf` by name; the payload of a NaN is not kept). Parquet stores a column as REQUIRED DOUBLE, bit for bit, or
 //! as text, compressed with Snappy, in row groups of [`ROW_GROUP_ROWS`] rows.
 //!
-//! **What made them** ([`Made`]) stands in a file of the same name with the ending `.toml`, and inside Parquet, SVG and PDF. It
+//! **What made them** ([`Provenance`]) stands in a file of the same name with the ending `.toml`, and inside Parquet, SVG and PDF. It
 //! is no comment in CSV: spreadsheets and PlotJuggler take a first line that is no heading for one, and the same data would
 //! not give the same bytes. The file holds every setting as a scene file does, so that it is one: who loads it runs the same
 //! again; its table `[made]`, which a scene ignores, holds version, commit, start and the rest.
@@ -33,12 +33,12 @@ pub const ROW_GROUP_ROWS: usize = 1 << 16;
 
 /// Provenance of a file: the program, when it began, and all its settings.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Made {
+pub struct Provenance {
     facts: Vec<(String, Cell)>,
     settings: Vec<(String, String)>,
 }
 
-impl Made {
+impl Provenance {
     /// By this version and commit, beginning now.
     pub fn now(version: &str, commit: &str) -> Self {
         let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
@@ -85,7 +85,7 @@ impl Made {
     }
 }
 
-impl Serialize for Made {
+impl Serialize for Provenance {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(None)?;
         for (name, cell) in &self.facts {
@@ -103,13 +103,13 @@ impl Serialize for Made {
 pub struct Files {
     folder: PathBuf,
     name: String,
-    made: Made,
+    provenance: Provenance,
     print: Print,
-    parts: Vec<Part>,
+    parts: Vec<FileContent>,
 }
 
 #[derive(Debug)]
-struct Part {
+struct FileContent {
     name: String,
     ending: &'static str,
     bytes: Vec<u8>,
@@ -117,8 +117,14 @@ struct Part {
 
 impl Files {
     /// Files in this folder; what made them will stand in `NAME.toml`.
-    pub fn new(folder: &Path, name: &str, made: Made) -> Self {
-        Self { folder: folder.to_owned(), name: name.to_owned(), made, print: Print::default(), parts: Vec::new() }
+    pub fn new(folder: &Path, name: &str, provenance: Provenance) -> Self {
+        Self {
+            folder: folder.to_owned(),
+            name: name.to_owned(),
+            provenance,
+            print: Print::default(),
+            parts: Vec::new(),
+        }
     }
 
     /// Figures are to be printed so.
@@ -141,7 +147,7 @@ impl Files {
     /// # Errors
     /// The file cannot be written.
     pub fn parquet(&mut self, columns: &Columns) -> Result<(), ReportError> {
-        let bytes = parquet(columns, &self.made.toml()).map_err(self.failed("parquet", "Parquet"))?;
+        let bytes = parquet(columns, &self.provenance.toml()).map_err(self.failed("parquet", "Parquet"))?;
         self.add(self.name.clone(), "parquet", bytes);
         Ok(())
     }
@@ -162,19 +168,19 @@ impl Files {
         self.add(self.name.clone(), ending, text.into_bytes());
     }
 
-    /// What a figure carries inside: the command, and what [`Made`] says but for the time.
+    /// What a figure carries inside: the command, and what [`Provenance`] says but for the time.
     fn about(&self) -> String {
         let program =
             |word: String| Path::new(&word).file_name().map_or(word.clone(), |name| name.to_string_lossy().into());
         let mut words = std::env::args();
         let command: Vec<String> = words.next().map(program).into_iter().chain(words).collect();
-        let made = self.made.toml();
-        let made = made.lines().filter(|line| !line.starts_with("started = "));
-        format!("# {}\n{}", command.join(" "), made.collect::<Vec<_>>().join("\n"))
+        let provenance = self.provenance.toml();
+        let provenance = provenance.lines().filter(|line| !line.starts_with("started = "));
+        format!("# {}\n{}", command.join(" "), provenance.collect::<Vec<_>>().join("\n"))
     }
 
     fn add(&mut self, name: String, ending: &'static str, bytes: Vec<u8>) {
-        self.parts.push(Part { name, ending, bytes });
+        self.parts.push(FileContent { name, ending, bytes });
     }
 
     fn failed<E: std::fmt::Display>(&self, ending: &str, format: &'static str) -> impl Fn(E) -> ReportError + use<E> {
@@ -194,7 +200,7 @@ impl Files {
     pub fn write(self) -> Result<Vec<PathBuf>, ReportError> {
         // Parquet says when it was made, SVG and PDF by which command: whether what they hold is the same, CSV and PNG tell.
         let compared = || self.parts.iter().filter(|part| !matches!(part.ending, "parquet" | "svg" | "pdf"));
-        let there = |part: &Part, number| std::fs::read(self.path(&part.name, part.ending, number)).ok();
+        let there = |part: &FileContent, number| std::fs::read(self.path(&part.name, part.ending, number)).ok();
         let mut number = 1;
         while compared().any(|part| there(part, number).is_some_and(|bytes| bytes != part.bytes)) {
             number += 1;
@@ -209,7 +215,7 @@ impl Files {
         }
         let path = self.path(&self.name, "toml", number);
         if !path.exists() {
-            write_file(&path, "TOML", self.made.toml().as_bytes())?;
+            write_file(&path, "TOML", self.provenance.toml().as_bytes())?;
         }
         paths.push(path);
         Ok(paths)
@@ -229,8 +235,8 @@ pub fn write_csv(columns: &Columns, path: &Path) -> Result<(), ReportError> {
 ///
 /// # Errors
 /// The file cannot be written.
-pub fn write_parquet(columns: &Columns, path: &Path, made: &str) -> Result<(), ReportError> {
-    let bytes = parquet(columns, made).map_err(ReportError::write(path, "Parquet"))?;
+pub fn write_parquet(columns: &Columns, path: &Path, provenance: &str) -> Result<(), ReportError> {
+    let bytes = parquet(columns, provenance).map_err(ReportError::write(path, "Parquet"))?;
     write_file(path, "Parquet", &bytes)
 }
 
@@ -277,7 +283,7 @@ fn number(cell: &Cell) -> Option<f64> {
 }
 
 /// A table as Parquet, with what made it (`made`), and unit and meaning of every column (`unit.NAME`, `meaning.NAME`).
-fn parquet(columns: &Columns, made: &str) -> Result<Vec<u8>, ParquetError> {
+fn parquet(columns: &Columns, provenance: &str) -> Result<Vec<u8>, ParquetError> {
     let data = distinct(columns).map_err(ParquetError::General)?;
     let is_text = |column: &Column| (0..columns.len()).any(|row| number(&column.cell(row)).is_none());
     let field = |column: &&Column| {
@@ -290,11 +296,12 @@ fn parquet(columns: &Columns, made: &str) -> Result<Vec<u8>, ParquetError> {
     };
     let fields = data.iter().map(field).collect::<Result<Vec<_>, _>>()?;
     let schema = Arc::new(Type::group_type_builder("table").with_fields(fields).build()?);
-    let told = |column: &&Column| {
+    let described = |column: &&Column| {
         let about = [("unit", column.unit()), ("meaning", column.meaning())];
         about.map(|(what, text)| KeyValue::new(format!("{what}.{}", column.name()), text.to_owned()))
     };
-    let metadata = std::iter::once(KeyValue::new("made".to_owned(), made.to_owned())).chain(data.iter().flat_map(told));
+    let metadata =
+        std::iter::once(KeyValue::new("made".to_owned(), provenance.to_owned())).chain(data.iter().flat_map(described));
     let properties = WriterProperties::builder().set_compression(Compression::SNAPPY);
     let properties = properties.set_key_value_metadata(Some(metadata.collect())).build();
     let mut writer = SerializedFileWriter::new(Vec::new(), schema, Arc::new(properties))?;

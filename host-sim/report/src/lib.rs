@@ -9,5 +9,5 @@ mod columns;
 pub mod files;
 
 pub use columns::{Cell, Column, Columns, Rows, Values, numbered, word};
-pub use files::{Files, Made};
+pub use files::{Files, Provenance};
 pub use haptic_plot::{ReportError, significant};

@@ -96,7 +96,7 @@ pub enum Turn {
 }
 
 /// What an observer sees after each turn of an actor.
-pub struct Seen<'a, A> {
+pub struct EngineView<'a, A> {
     /// Simulated true time, ns.
     pub now_ns: u64,
     /// Whose turn it was.
@@ -129,7 +129,7 @@ impl<A: Actor<usize>> Engine<A> {
     /// These actors, at time 0, with what `route` says from one seat to another; a tick is `period_ns`.
     pub fn new(period_ns: u64, seats: Vec<Seat<A>>, mut route: impl FnMut(usize, usize) -> Route) -> Self {
         let count = seats.len();
-        let routes = (0..count * count).map(|way| route(way / count, way % count)).collect();
+        let routes = (0..count * count).map(|direction| route(direction / count, direction % count)).collect();
         Self { seats, routes, in_flight: InFlight::default(), period_ns, tick: 0, missed: 0 }
     }
 
@@ -153,17 +153,17 @@ impl<A: Actor<usize>> Engine<A> {
     /// What became of all that was said; what came to a seat that was off is lost, too.
     pub fn counts(&self) -> Counts {
         let none = Counts { lost: self.missed, ..Counts::default() };
-        self.routes.iter().map(Route::counts).fold(none, |sum, way| Counts {
-            taken: sum.taken + way.taken,
-            sent: sum.sent + way.sent,
-            lost: sum.lost + way.lost,
-            corrupt: sum.corrupt + way.corrupt,
+        self.routes.iter().map(Route::counts).fold(none, |sum, direction| Counts {
+            taken: sum.taken + direction.taken,
+            sent: sum.sent + direction.sent,
+            lost: sum.lost + direction.lost,
+            corrupt: sum.corrupt + direction.corrupt,
         })
     }
 
     /// One tick; `watch` sees every turn.
     #[inline]
-    pub fn step(&mut self, watch: &mut impl FnMut(Seen<'_, A>)) {
+    pub fn step(&mut self, watch: &mut impl FnMut(EngineView<'_, A>)) {
         let most = self.seats.iter().map(|seat| if seat.period == 1.0 { 1 } else { seat.turns(self.tick) }).max();
         for round in 0..most.unwrap_or(0).max(1) {
             self.round(round, watch);
@@ -173,7 +173,7 @@ impl<A: Actor<usize>> Engine<A> {
 
     /// One turn of those who have more than `round` in this tick.
     #[inline]
-    fn round(&mut self, round: u64, watch: &mut impl FnMut(Seen<'_, A>)) {
+    fn round(&mut self, round: u64, watch: &mut impl FnMut(EngineView<'_, A>)) {
         let (now_ns, tick) = (self.now_ns(), self.tick);
         let has_turn = |seat: &Seat<A>| match seat.period == 1.0 {
             true => !seat.off && round == 0,
@@ -195,7 +195,7 @@ impl<A: Actor<usize>> Engine<A> {
 
     /// What has arrived by `now_ns` is heard, in the order of arrival.
     #[inline]
-    fn deliver(&mut self, now_ns: u64, watch: &mut impl FnMut(Seen<'_, A>)) {
+    fn deliver(&mut self, now_ns: u64, watch: &mut impl FnMut(EngineView<'_, A>)) {
         while let Some((due_ns, Envelope { from, to, mut packet })) = self.in_flight.take(now_ns) {
             if self.seats[to].off {
                 self.missed += 1;
@@ -213,7 +213,7 @@ impl<A: Actor<usize>> Engine<A> {
         at: usize,
         now_ns: u64,
         turn: Turn,
-        watch: &mut impl FnMut(Seen<'_, A>),
+        watch: &mut impl FnMut(EngineView<'_, A>),
         take: impl FnOnce(&mut A, u64, &mut Out<'_, usize, A::Packet>),
     ) {
         let (count, routes, in_flight) = (self.seats.len(), &mut self.routes, &mut self.in_flight);
@@ -226,6 +226,6 @@ impl<A: Actor<usize>> Engine<A> {
                 });
             }
         });
-        watch(Seen { now_ns, seat: at, turn, seats: &mut self.seats });
+        watch(EngineView { now_ns, seat: at, turn, seats: &mut self.seats });
     }
 }

@@ -4,8 +4,8 @@
 //! Each control period: [`Node::receive`] for every datagram that came, then [`Node::tick`]. Real time, a flood and restarts in
 //! virtual time drive the same lines.
 //!
-//! **Who fades what.** The link knows *who* is there: it tells when a session begins and ends, and a peer that is told of an
-//! end lets go at once. The peer's own degradation (`haptic_core::law::ladder`) knows *how much* comes: it fades packets
+//! **Who fades what.** The link knows *who* is there: it tells when a session begins and ends, and a peer that is notified of an
+//! end lets go at once. The peer's own degradation (`haptic_core::law::degradation`) knows *how much* comes: it fades packets
 //! through silence and steps up again from no force. The link's level ([`Link::engagement`]) is the same degradation in time, for
 //! a caller that has none of its own; here it only goes into the report, for two degradations in a row would fade twice.
 //!
@@ -28,7 +28,7 @@ use crate::peers::{Builds, DynPeer};
 use crate::{plant::Plant, scene::Scene};
 
 /// A link that hands each datagram to whoever sends it.
-pub trait Says {
+pub trait Transmit {
     /// Says a message; whether there was a session to say it in.
     fn say(&mut self, now_us: u64, message: impl Into<Message>, send: impl FnMut(&[u8])) -> bool;
 
@@ -36,7 +36,7 @@ pub trait Says {
     fn say_due(&mut self, now_us: u64, send: impl FnMut(&[u8]));
 }
 
-impl Says for Link {
+impl Transmit for Link {
     fn say(&mut self, now_us: u64, message: impl Into<Message>, send: impl FnMut(&[u8])) -> bool {
         let mut out = [0; MAX_DATAGRAM];
         self.send(now_us, message, &mut out).map(|len| &out[..len]).map(send).is_some()

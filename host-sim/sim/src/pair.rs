@@ -168,7 +168,7 @@ impl<S: Scalar, D: Device<S, N>, const SHARED: usize, const N: usize> Actor<usiz
 
 /// What a tick of a peer read and did.
 #[derive(Debug)]
-pub struct Seen<'a, S: Scalar, const SHARED: usize = 1, const N: usize = AXES> {
+pub struct PeerTick<'a, S: Scalar, const SHARED: usize = 1, const N: usize = AXES> {
     /// Number of the peer, 1 or 2.
     pub number: usize,
     /// Packets that the peer heard before the tick, one for each shared axis.
@@ -281,12 +281,12 @@ impl<S: Scalar, D: Device<S, N>, const SHARED: usize, const N: usize> Pair<S, D,
 
     /// [`Pair::step`], handing `each` what every tick of either peer read and did.
     #[inline]
-    pub fn step_watched(&mut self, each: &mut impl FnMut(Seen<'_, S, SHARED, N>)) {
+    pub fn step_watched(&mut self, each: &mut impl FnMut(PeerTick<'_, S, SHARED, N>)) {
         self.engine.step(&mut |turn| {
             let Side { heard, exchanged, sensors, actuators, peer, .. } = &mut turn.seats[turn.seat].actor;
             if turn.turn == Turn::Acted {
                 let (heard, exchanged) = (*heard, *exchanged);
-                each(Seen { number: turn.seat + 1, heard, exchanged, sensors, actuators, peer: &mut **peer });
+                each(PeerTick { number: turn.seat + 1, heard, exchanged, sensors, actuators, peer: &mut **peer });
             }
         });
     }

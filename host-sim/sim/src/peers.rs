@@ -13,7 +13,7 @@ use haptic_core::law::{AnyLaw, Law, Packet};
 use haptic_core::num::{Configured, Fixed, Motion, Scalar, StateVector};
 use haptic_core::peer::{Actuators, Observed, Peer, Sensors};
 use haptic_core::safety::{Command, Mode};
-use haptic_core::settings::{Kind, Refused, Settings};
+use haptic_core::settings::{LawInfo, Refused, Settings};
 use haptic_core::{contact::Impacts, device::AXES, law::ledger::Ledger, schema::Schema};
 
 use crate::double_double::DoubleDouble;
@@ -158,7 +158,7 @@ impl<S: Scalar> Makes<S> {
 /// What peers a family makes, by number type.
 #[derive(Clone, Copy, Debug)]
 pub struct Maker {
-    kinds: &'static [Kind],
+    laws: &'static [LawInfo],
     f32: Makes<f32>,
     f64: Makes<f64>,
     fixed: Makes<Fixed>,
@@ -170,7 +170,7 @@ pub struct Maker {
 impl Maker {
     const fn of<F: Family>() -> Self {
         Self {
-            kinds: <F::Of<f64> as Law<f64>>::KINDS,
+            laws: <F::Of<f64> as Law<f64>>::LAWS,
             f32: Makes::of::<F::Of<f32>>(),
             f64: Makes::of::<F::Of<f64>>(),
             fixed: Makes::of::<F::Of<Fixed>>(),
@@ -255,7 +255,7 @@ impl Laws {
     /// The law, or a key of its own, is called like one that is there.
     #[must_use]
     pub fn with<F: Family>(self) -> Self {
-        self.with_kinds::<F>(<F::Of<f64> as Law<f64>>::KINDS)
+        self.with_laws::<F>(<F::Of<f64> as Law<f64>>::LAWS)
     }
 
     /// These laws and a family whose laws are known only when the program runs.
@@ -263,17 +263,17 @@ impl Laws {
     /// # Panics
     /// As [`Laws::with`].
     #[must_use]
-    pub fn with_kinds<F: Family>(self, kinds: &'static [Kind]) -> Self {
-        let maker = Maker { kinds, ..Maker::of::<F>() };
-        for kind in maker.kinds {
-            assert!(self.kinds().iter().all(|known| known.name != kind.name), "there is a law {} already", kind.name);
+    pub fn with_laws<F: Family>(self, laws: &'static [LawInfo]) -> Self {
+        let maker = Maker { laws, ..Maker::of::<F>() };
+        for law in maker.laws {
+            assert!(self.all().iter().all(|known| known.name != law.name), "there is a law {} already", law.name);
             let taken =
-                kind.keys.iter().find(|key| self.schema.keys().any(|known| known.name == key.name && known != **key));
-            assert!(taken.is_none(), "{}: there is a key {} already", kind.name, taken.map_or("", |key| key.name));
+                law.keys.iter().find(|key| self.schema.keys().any(|known| known.name == key.name && known != **key));
+            assert!(taken.is_none(), "{}: there is a key {} already", law.name, taken.map_or("", |key| key.name));
         }
-        let kinds = [self.kinds(), maker.kinds].concat();
+        let laws = [self.all(), maker.laws].concat();
         let makers = [self.makers, &[maker]].concat();
-        Self { schema: Schema::new(Box::leak(kinds.into())), makers: Box::leak(makers.into()) }
+        Self { schema: Schema::new(Box::leak(laws.into())), makers: Box::leak(makers.into()) }
     }
 
     /// Every key of a peer with these laws.
@@ -282,13 +282,13 @@ impl Laws {
     }
 
     /// Every law, in the order in which they were added.
-    pub fn kinds(&self) -> &'static [Kind] {
-        self.schema.kinds()
+    pub fn all(&self) -> &'static [LawInfo] {
+        self.schema.laws()
     }
 
     /// Names of the laws that core does not know.
     pub fn outside(&self) -> impl Iterator<Item = &'static str> {
-        self.makers[1..].iter().flat_map(|maker| maker.kinds).map(|kind| kind.name)
+        self.makers[1..].iter().flat_map(|maker| maker.laws).map(|law| law.name)
     }
 
     /// A peer with these settings, disarmed. `device` is where the device is when its encoders are first read.
@@ -300,7 +300,7 @@ impl Laws {
         settings: &Settings,
         device: [Motion<S>; N],
     ) -> Result<Box<dyn DynPeer<S, SHARED, N>>, Refused<'static>> {
-        let named = |maker: &&Maker| maker.kinds.iter().any(|kind| kind.name == settings.coordination.comm);
+        let named = |maker: &&Maker| maker.laws.iter().any(|law| law.name == settings.coordination.comm);
         S::make(self.makers.iter().find(named).unwrap_or(&self.makers[0]))(settings, device)
     }
 }

@@ -5,7 +5,7 @@
 //!
 //! A run is **stable** (THEORY §9) if no peer faulted, neither the coordination force nor the energy of the copies grew, the copies
 //! are within [`APART_MM`] of each other, and both peers were engaged in the end; else [`Outcome::reason`] is the first of these that
-//! failed. What a run that failed computed is no figure of merit: [`Outcome::merit`] gives none. Of one in which
+//! failed. What a run that failed computed is no figure of merit: [`Outcome::metric`] gives none. Of one in which
 //! only the copies came apart the figures that describe that are kept ([`Outcome::whole`]): distance, forces, energy made.
 //! Peaks and ratios stand for the whole run.
 
@@ -20,7 +20,7 @@ use haptic_core::settings::Refused;
 
 pub use self::account::{Account, Ticked};
 pub use self::accounts::Accounts;
-pub use self::outcome::{AXIS_NAMES, Along, Figures, Options, Outcome};
+pub use self::outcome::{AXIS_NAMES, AxisOutcome, Figures, Options, Outcome};
 pub use self::reason::{APART_MM, Reason, Verdict};
 pub use crate::measure::port::PortEnergy;
 
@@ -73,7 +73,7 @@ runs!(f32, f64, Fixed, DoubleDouble);
 /// # Errors
 /// The first key of the scene that is out of range or impossible beside the others.
 pub fn run<S: Run>(scene: &Scene, options: Options, progress: Progress<'_>) -> Result<Outcome, Refused<'static>> {
-    S::run(scene, options, &told(progress), None)
+    S::run(scene, options, &report_progress(progress), None)
 }
 
 /// [`run`] for as long as `go_on`, which is asked every 10,000 ticks, says so. A run that is ended early has made
@@ -95,11 +95,11 @@ pub fn run_seen<S: Run>(
     progress: Progress<'_>,
     each: EachRow<'_>,
 ) -> Result<Outcome, Refused<'static>> {
-    S::run(scene, options, &told(progress), Some(each))
+    S::run(scene, options, &report_progress(progress), Some(each))
 }
 
 /// A [`GoOn`] that never ends the run.
-fn told(progress: Progress<'_>) -> impl Fn(u64) -> bool {
+fn report_progress(progress: Progress<'_>) -> impl Fn(u64) -> bool {
     move |tick| {
         progress(tick);
         true

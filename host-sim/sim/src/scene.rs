@@ -14,7 +14,7 @@ use haptic_core::device::current::{self, CurrentLoop};
 use haptic_core::device::motor::Duty;
 use haptic_core::device::velocity::VelocityName;
 use haptic_core::num::Motion;
-use haptic_core::settings::{Allowed, Choice, Key, Kind, Refused, SetError, Settings, Tables, Value, number};
+use haptic_core::settings::{Allowed, Choice, Key, LawInfo, Refused, SetError, Settings, Tables, Value, number};
 
 use crate::network::trace::NetworkTrace;
 use crate::peers::{Builds, DynPeer, Laws};
@@ -233,13 +233,13 @@ pub struct Scene {
     /// The users at the two devices.
     pub users: [User; 2],
     /// Settings of one end alone, by key: `peer.1.…` and `peer.2.…`, of [`OWN`].
-    own: [Own; 2],
+    own: [OwnKeys; 2],
     /// A recording of what the network did (`network.trace`), instead of what its table would draw.
     pub network_trace: Option<Arc<NetworkTrace>>,
 }
 
 /// Keys of one end alone, with their values, which were checked.
-type Own = Vec<(&'static str, Value<'static>)>;
+type OwnKeys = Vec<(&'static str, Value<'static>)>;
 
 /// Tables and keys that may differ between the two ends, written with `peer.1.` or `peer.2.` before them: a leader and a follower whose
 /// devices, scales and limits are unlike. Settings that both must share are common, and in a simulation so
@@ -286,11 +286,11 @@ fn may_differ(key: &str) -> bool {
 impl Scene {
     /// Every key of a scene file with what it accepts, those of the two users included.
     pub fn keys(&self) -> Vec<(String, Key)> {
-        let shared = self.laws.schema().keys().chain(World::KEYS.iter().copied()).map(|key| (key.name.to_owned(), key));
+        let common = self.laws.schema().keys().chain(World::KEYS.iter().copied()).map(|key| (key.name.to_owned(), key));
         let users = (1..=2).flat_map(|user| {
             UserSettings::KEYS.iter().map(move |key| (key.name.replacen("user.", &format!("user.{user}."), 1), *key))
         });
-        shared.chain(users).filter(|(name, _)| name != "contact.side").collect()
+        common.chain(users).filter(|(name, _)| name != "contact.side").collect()
     }
 
     /// Every key that has a value, and that value as TOML: with them a scene file says all of the scene.
@@ -463,7 +463,7 @@ impl Scene {
             // A user's key, or one end's, is declared once for both: name the one that was written.
             SetError::Refused(refused) => {
                 let meant = match (refused.value, refused.allowed) {
-                    (Value::Text(text), Allowed::Kinds(kinds)) => nearest(text, kinds.iter().map(|kind| kind.name)),
+                    (Value::Text(text), Allowed::Laws(kinds)) => nearest(text, kinds.iter().map(|kind| kind.name)),
                     (Value::Text(text), Allowed::Names(names)) => nearest(text, names.iter().copied()),
                     _ => None,
                 };
@@ -741,8 +741,8 @@ impl Scene {
     }
 
     /// The law that the scene names; one that is not known here has been refused.
-    pub fn law(&self) -> &'static Kind {
-        self.laws.schema().kind(&self.peer).unwrap_or(&self.laws.kinds()[0])
+    pub fn law(&self) -> &'static LawInfo {
+        self.laws.schema().law(&self.peer).unwrap_or(&self.laws.all()[0])
     }
 
     /// What a mistyped key may have meant.

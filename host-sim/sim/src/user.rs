@@ -93,7 +93,7 @@ impl User {
     }
 
     /// The direction of what the user does, as parts along the axes; exactly the first one where no key says otherwise.
-    pub fn way(&self) -> [f64; 3] {
+    pub fn direction(&self) -> [f64; 3] {
         let (sine, cosine) = libm::sincos(self.settings.user.direction_rad);
         let (up, level) = libm::sincos(self.settings.user.elevation_rad);
         [cosine * level, sine * level, up]

@@ -48,15 +48,15 @@ impl Accuracy {
         ui.only_built_in("accuracy compares");
         let ((families, cost_per_scene), _) =
             ui.work(1, "errors", |_| Ok::<_, Failure>((accuracy::families(self.processor)?, costs(self.processor))))?;
-        let made = ui.made().with("instructions_of", self.processor.label());
-        let files = ui.files(&self.out, "accuracy", "accuracy", &made, |files| {
+        let provenance = ui.provenance().with("instructions_of", self.processor.label());
+        let files = ui.files(&self.out, "accuracy", "accuracy", &provenance, |files| {
             files.csv(&accuracy::columns(&families, true))?;
             let figures = picture::all(&families, &cost_per_scene, self.processor);
             figures.iter().try_for_each(|(name, figure)| files.figure(Some(name), figure))
         })?;
         let pictures = pictures(files);
         ui.document_of(
-            &made,
+            &provenance,
             &json!({
                 "processor": self.processor, "families": families, "scalars": SCALARS,
                 "cost_per_scene": cost_per_scene, "pictures": pictures,
@@ -220,14 +220,14 @@ impl Transparency {
         let (curves, wall_s) =
             ui.work(2 * delays.len(), "curves", |step| transparency::study(&scene, delays, &|| step()))?;
         let (table, responses) = (transparency::columns(&curves), transparency::response_columns(&curves));
-        let made = ui.made().settings(scene.settings()).with("round_trips_ms", format!("{delays:?}"));
-        let files = ui.files(&self.out, "accuracy", "transparency", &made, |files| {
+        let provenance = ui.provenance().settings(scene.settings()).with("round_trips_ms", format!("{delays:?}"));
+        let files = ui.files(&self.out, "accuracy", "transparency", &provenance, |files| {
             files.csv(&responses)?;
             files.parquet(&responses)?;
             files.figure(None, &transparency::figure(&curves))
         })?;
         let document = json!({ "ends": table, "responses": responses, "wall_s": wall_s, "files": files });
-        ui.document_of(&made, &document)?;
+        ui.document_of(&provenance, &document)?;
         writeln!(ui, "{}: what each end feels of the other, in the world's units\n", self.scene.name());
         ui.table(&table);
         writeln!(ui, "{wall_s:.1} s");

@@ -20,9 +20,9 @@ impl Architectures {
         ui.only_built_in("architectures compares");
         let steps = Architecture::ALL.len() * DELAYS_MS.len();
         let (rows, wall_s) = ui.work(steps, "architectures", |step| rows(&step))?;
-        let made = ui.made().with("number_type", f64::NAME).with("seconds", TASK.duration_s);
+        let provenance = ui.provenance().with("number_type", f64::NAME).with("seconds", TASK.duration_s);
         let table = columns(&rows);
-        let files = ui.files(&self.out, "architectures", "architectures", &made, |files| {
+        let files = ui.files(&self.out, "architectures", "architectures", &provenance, |files| {
             files.csv(&table)?;
             files.figure(None, &picture::figure(&rows))
         })?;
@@ -30,17 +30,17 @@ impl Architectures {
         let unbounded = (1..=8).map(radius).collect::<Result<Vec<_>, _>>()?;
         let packets: Vec<_> =
             unbounded.iter().map(|(ms, radius)| json!({ "packet_ms": ms, "spectral_radius": radius })).collect();
-        ui.document_of(&made, &json!({ "rows": table, "unbounded": packets, "wall_s": wall_s, "files": files }))?;
+        ui.document_of(&provenance, &json!({ "rows": table, "unbounded": packets, "wall_s": wall_s, "files": files }))?;
         writeln!(
             ui,
             "Two users carry and place a body; delay from user to user, one way, ms; NO: unstable, or not done in time\n"
         );
-        let told = |title: &str, architectures: &[Architecture], cell: &dyn Fn(&Row) -> String| {
+        let print_table = |title: &str, architectures: &[Architecture], cell: &dyn Fn(&Row) -> String| {
             writeln!(ui, "{title}\n\n{}", across(&rows, architectures, cell));
         };
         let if_stable = |row: &Row, cell: String| if row.stable { cell } else { "NO".to_owned() };
         let title = "True discrepancy, mean / largest (mm); NO with the spectral radius of a packet period";
-        told(title, &Architecture::ALL, &|row| {
+        print_table(title, &Architecture::ALL, &|row| {
             let [mean, largest] = [row.true_discrepancy_mm, row.peak_discrepancy_mm].map(|mm| significant(mm, 3));
             if row.stable { format!("{mean} / {largest}") } else { format!("NO {:.3}", row.spectral_radius) }
         });
@@ -54,17 +54,17 @@ impl Architectures {
         );
         writeln!(ui, "{}\n", slowest_packets(&unbounded));
         let bounded = [Architecture::CooperativeServer, Architecture::CooperativeClient];
-        told("What the bounder has left of 1000 N/m of contact, either user's (N/m)", &bounded, &|row| {
+        print_table("What the bounder has left of 1000 N/m of contact, either user's (N/m)", &bounded, &|row| {
             let [one, two] = row.contact_n_per_m.map(|stiffness| significant(stiffness, 3));
             format!("{one} {two}")
         });
-        told("Mean / largest force felt (N)", &Architecture::ALL, &|row| {
+        print_table("Mean / largest force felt (N)", &Architecture::ALL, &|row| {
             if_stable(row, format!("{:.2} / {:.1}", row.felt_n, row.peak_n))
         });
-        told("Placed after (s), and where (mm, both users)", &Architecture::ALL, &|row| {
+        print_table("Placed after (s), and where (mm, both users)", &Architecture::ALL, &|row| {
             if_stable(row, format!("{:.1}: {:.0} {:.0}", row.placed_s, row.rests_mm[0], row.rests_mm[1]))
         });
-        told("Bytes a second: one user / server (kB/s, sealed)", &Architecture::ALL, &|row| {
+        print_table("Bytes a second: one user / server (kB/s, sealed)", &Architecture::ALL, &|row| {
             if_stable(row, format!("{:.1} / {:.1}", 1e-3 * row.user_bytes_per_s, 1e-3 * row.server_bytes_per_s))
         });
         writeln!(ui, "{:.1} s", wall_s);

@@ -68,13 +68,13 @@ impl Campaign {
 
     /// Laws on the bench.
     fn laws(&self, ui: &Ui, names: &str) -> Result<(), Failure> {
-        let kinds = asked_for(ui.laws, names).map_err(|error| format!("--laws: {error}"))?;
+        let chosen = asked_for(ui.laws, names).map_err(|error| format!("--laws: {error}"))?;
         let (file, set) = self.scene.parts();
-        let scenes = law_scenes(ui.laws, &kinds, file, &set)?;
-        let (rows, wall_s) = ui.work(kinds.len(), "laws", |step| bench(ui.laws, &scenes, &|| step()))?;
+        let scenes = law_scenes(ui.laws, &chosen, file, &set)?;
+        let (rows, wall_s) = ui.work(chosen.len(), "laws", |step| bench(ui.laws, &scenes, &|| step()))?;
         let cells: Vec<Cell> = rows.iter().flat_map(|row| row.cells.clone()).collect();
         let (table, networks, impedance) = (tables::columns(&rows), columns(&cells), tables::impedance_columns(&rows));
-        let made = ui.made().with("number_type", f64::NAME).settings(scenes[0].settings());
+        let provenance = ui.provenance().with("number_type", f64::NAME).settings(scenes[0].settings());
         let mut files = Vec::new();
         // Each picture is drawn once: beside the page if there is one.
         let drawn = |of: fn(&[Row]) -> Figure| self.page.is_none().then(|| of(&rows));
@@ -83,7 +83,7 @@ impl Campaign {
             ("laws-networks", &networks, None),
             ("laws-impedance", &impedance, drawn(figures::impedance)),
         ] {
-            files.extend(ui.files(&self.out, "laws", name, &made, |files| {
+            files.extend(ui.files(&self.out, "laws", name, &provenance, |files| {
                 files.csv(table)?;
                 files.parquet(table)?;
                 figure.map_or(Ok(()), |figure| files.figure(None, &figure))
@@ -91,12 +91,12 @@ impl Campaign {
         }
         if let Some(file) = &self.page {
             let set: Vec<String> = EACH_TICK.map(str::to_owned).to_vec();
-            let scenes = law_scenes(ui.laws, &kinds, None, &set)?;
-            let (each_tick, _) = ui.work(kinds.len(), "laws", |step| bench(ui.laws, &scenes, &|| step()))?;
+            let scenes = law_scenes(ui.laws, &chosen, None, &set)?;
+            let (each_tick, _) = ui.work(chosen.len(), "laws", |step| bench(ui.laws, &scenes, &|| step()))?;
             files.extend(written(file, &rows, &each_tick)?);
         }
         ui.document_of(
-            &made,
+            &provenance,
             &json!({ "laws": table, "networks": networks, "impedance": impedance, "wall_s": wall_s, "files": files }),
         )?;
         ui.table(&table);

@@ -32,7 +32,7 @@ pub(in crate::cli) struct Args {
 }
 
 /// A kind of table.
-struct Kind {
+struct TableKind {
     name: String,
     /// Which files it is in, or which command prints it.
     place: String,
@@ -41,7 +41,7 @@ struct Kind {
     columns: Columns,
 }
 
-impl Kind {
+impl TableKind {
     fn new(name: &str, place: &str, row: &'static str, columns: Columns) -> Self {
         Self { name: name.to_owned(), place: place.to_owned(), row, columns }
     }
@@ -71,7 +71,7 @@ impl Kind {
 }
 
 /// All kinds of tables, in the order of docs/columns.csv.
-fn kinds(ui: &Ui) -> Vec<Kind> {
+fn kinds(ui: &Ui) -> Vec<TableKind> {
     let scene = Scene::new(ui.laws);
     let axes = vec![sweep::Axis { key: KEY.to_owned(), values: Vec::new() }];
     let swept = Sweep { scene, axes, sample: None, seeds: 1, seconds: 0.0 };
@@ -82,112 +82,127 @@ fn kinds(ui: &Ui) -> Vec<Kind> {
     let simulated = "a control period; in a long run one of several";
     let crossing = "a crossing from stable to unstable or back";
     let mut kinds = vec![
-        Kind::new("cooperate", "SCENE.csv, SCENE.parquet", simulated, Columns::named(Account::columns())),
-        Kind::new("sweep", "sweep.csv, sweep.parquet", "a run", swept.columns(&[])),
-        Kind::new("sweep-rows", "rows-I-of-N.csv", "a run, as they ended", Row::columns()),
-        Kind::new("sweep-points", "`sweep --json`, points", "a point", swept.summary(&[])),
-        Kind::new(
+        TableKind::new("cooperate", "SCENE.csv, SCENE.parquet", simulated, Columns::named(Account::columns())),
+        TableKind::new("sweep", "sweep.csv, sweep.parquet", "a run", swept.columns(&[])),
+        TableKind::new("sweep-rows", "rows-I-of-N.csv", "a run, as they ended", Row::columns()),
+        TableKind::new("sweep-points", "`sweep --json`, points", "a point", swept.summary(&[])),
+        TableKind::new(
             "compare",
             "compare.csv, compare.parquet",
             "a figure of merit of a scene after the first",
             compared.columns(&[], &[]),
         ),
-        Kind::new("compare-runs", "compare-runs.csv, compare-runs.parquet", "a run", compared.runs(&[])),
-        Kind::new(
+        TableKind::new("compare-runs", "compare-runs.csv, compare-runs.parquet", "a run", compared.runs(&[])),
+        TableKind::new(
             "campaign",
             "`campaign --json`; laws-networks.csv, laws-networks.parquet",
             "a way to hold the copies together, and a network",
             campaign::columns(&[]),
         ),
-        Kind::new(
+        TableKind::new(
             "campaign-costs",
             "`campaign --costs --json`",
             "a network, and a way to hold the copies together",
             campaign::cost_columns(&[]),
         ),
-        Kind::new("campaign-sending", "`campaign --sending all --json`", "a network", campaign::sending::columns(&[])),
-        Kind::new(
+        TableKind::new(
+            "campaign-sending",
+            "`campaign --sending all --json`",
+            "a network",
+            campaign::sending::columns(&[]),
+        ),
+        TableKind::new(
             "campaign-sending-curve",
             "`campaign --sending curve --json`",
             "a motion, a network and N",
             campaign::sending::curve_columns(&[]),
         ),
-        Kind::new("published", "`published --json`", "a number of a law's paper", published::columns(&[])),
-        Kind::new("published-regions", "`published --regions --json`", "a law", published::regions::columns(&[])),
-        Kind::new("laws", "laws.csv, laws.parquet", "a law", campaign::laws::tables::columns(&[])),
-        Kind::new(
+        TableKind::new("published", "`published --json`", "a number of a law's paper", published::columns(&[])),
+        TableKind::new("published-regions", "`published --regions --json`", "a law", published::regions::columns(&[])),
+        TableKind::new("laws", "laws.csv, laws.parquet", "a law", campaign::laws::tables::columns(&[])),
+        TableKind::new(
             "laws-impedance",
             "laws-impedance.csv, laws-impedance.parquet",
             "a law, and a frequency",
             campaign::laws::tables::impedance_columns(&[]),
         ),
-        Kind::new("paper", "paper.csv, reproduce-experiments.csv", "an experiment", paper::experiment_columns(&[])),
-        Kind::new(
+        TableKind::new(
+            "paper",
+            "paper.csv, reproduce-experiments.csv",
+            "an experiment",
+            paper::experiment_columns(&[]),
+        ),
+        TableKind::new(
             "paper-gains",
             "reproduce-gains.csv; `paper --json`, gains",
             "a way to hold the copies together",
             paper::gain_columns(&[]),
         ),
-        Kind::new("reproduce", "reproduce.csv", "a claim", reproduce::columns(&[])),
-        Kind::new(
+        TableKind::new("reproduce", "reproduce.csv", "a claim", reproduce::columns(&[])),
+        TableKind::new(
             "architectures",
             "architectures.csv, reproduce-architectures.csv",
             "an architecture at a delay",
             architectures::columns(&[]),
         ),
-        Kind::new("stability-paper", "figure4.csv, reproduce-figure-4.csv", crossing, figure4::table(&[])),
-        Kind::new("stability-map", "map-SCENE-KEY-KEY.csv", crossing, map.table()),
-        Kind::new("stability-rendering", "rendering.csv, reproduce-rendering.csv", crossing, maps::table(&[])),
-        Kind::new("accuracy", "accuracy.csv", "a choice", accuracy::columns([], true)),
-        Kind::new(
+        TableKind::new("stability-paper", "figure4.csv, reproduce-figure-4.csv", crossing, figure4::table(&[])),
+        TableKind::new("stability-map", "map-SCENE-KEY-KEY.csv", crossing, map.table()),
+        TableKind::new("stability-rendering", "rendering.csv, reproduce-rendering.csv", crossing, maps::table(&[])),
+        TableKind::new("accuracy", "accuracy.csv", "a choice", accuracy::columns([], true)),
+        TableKind::new(
             "accuracy-precision",
             "`accuracy precision --json`",
             "a scene, until a time",
             precision::columns(&[]),
         ),
-        Kind::new(
+        TableKind::new(
             "accuracy-rigid",
             "`accuracy rigid --json`",
             "a number type at a step",
             accuracy::rigid::columns(&[]),
         ),
-        Kind::new("force-response", "`accuracy force --json`, response", "a frequency", force::response_columns(&[])),
-        Kind::new("force-moving", "`accuracy force --json`, moving", "a command", force::moving_columns(&[])),
-        Kind::new(
+        TableKind::new(
+            "force-response",
+            "`accuracy force --json`, response",
+            "a frequency",
+            force::response_columns(&[]),
+        ),
+        TableKind::new("force-moving", "`accuracy force --json`, moving", "a command", force::moving_columns(&[])),
+        TableKind::new(
             "force-stiffest",
             "`accuracy force --json`, stiffest",
             "a way to make a force",
             force::stiffest_columns(&[]),
         ),
-        Kind::new(
+        TableKind::new(
             "transparency",
             "`accuracy transparency --json`, ends",
             "an end at a delay",
             transparency::columns(&[]),
         ),
-        Kind::new(
+        TableKind::new(
             "transparency-responses",
             "transparency.csv, transparency.parquet",
             "an end at a delay, and a frequency",
             transparency::response_columns(&[]),
         ),
-        Kind::new("shared-cooperative", "cooperative.csv", simulated, Columns::named(run::COLUMNS)),
-        Kind::new("shared-stroke", "shape.csv", "a control period", Columns::named(stroke::COLUMNS)),
-        Kind::new(
+        TableKind::new("shared-cooperative", "cooperative.csv", simulated, Columns::named(run::COLUMNS)),
+        TableKind::new("shared-stroke", "shape.csv", "a control period", Columns::named(stroke::COLUMNS)),
+        TableKind::new(
             "network-trace",
             "the FILE of `network trace`",
             "a copy of a packet, or a packet that is lost",
             Columns::named(trace::COLUMNS),
         ),
-        Kind::new("merge", "the OUT of `merge`", "an instant", Columns::named(merge::COLUMNS)),
-        Kind::new(
+        TableKind::new("merge", "the OUT of `merge`", "an instant", Columns::named(merge::COLUMNS)),
+        TableKind::new(
             "board",
             "the FILE.csv of `board operator --record`",
             "a tick that came",
             Columns::named(haptic_board_tools::recording::COLUMNS),
         ),
-        Kind::new("figure", "SVG and PDF: the data inside", "a point of a figure", Columns::named(DATA_COLUMNS)),
-        Kind::of("cooperate", both),
+        TableKind::new("figure", "SVG and PDF: the data inside", "a point of a figure", Columns::named(DATA_COLUMNS)),
+        TableKind::of("cooperate", both),
     ];
     let channels = [
         ("peer", ticks::channels("peer_1", 1)),
@@ -195,7 +210,8 @@ fn kinds(ui: &Ui) -> Vec<Kind> {
         ("board", ticks::board_channels(1, 1)),
         ("play", play::channels("/both/ticks")),
     ];
-    let recorded = channels.into_iter().flat_map(|(of, all)| all.into_iter().map(move |channel| Kind::of(of, channel)));
+    let recorded =
+        channels.into_iter().flat_map(|(of, all)| all.into_iter().map(move |channel| TableKind::of(of, channel)));
     kinds.extend(recorded);
     kinds
 }
@@ -209,10 +225,11 @@ fn kind(text: &str) -> Result<String, String> {
 
 impl Args {
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        let asked = |kind: &Kind| self.kind.as_ref().is_none_or(|name| *name == kind.name);
-        let kinds: Vec<Kind> = kinds(ui).into_iter().filter(asked).collect();
-        let document =
-            |kind: &Kind| (kind.name.clone(), json!({ "in": kind.place, "row": kind.row, "columns": kind.table() }));
+        let asked = |kind: &TableKind| self.kind.as_ref().is_none_or(|name| *name == kind.name);
+        let kinds: Vec<TableKind> = kinds(ui).into_iter().filter(asked).collect();
+        let document = |kind: &TableKind| {
+            (kind.name.clone(), json!({ "in": kind.place, "row": kind.row, "columns": kind.table() }))
+        };
         ui.document(&kinds.iter().map(document).collect::<serde_json::Map<String, Value>>())?;
         for kind in &kinds {
             writeln!(ui, "{}: {}; a row is {}\n", kind.name, kind.place, kind.row);

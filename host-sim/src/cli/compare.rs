@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use haptic_core::num::Scalar;
-use haptic_report::Made;
+use haptic_report::Provenance;
 use haptic_sim::scenes;
 use haptic_sim::user::User;
 use serde_json::json;
@@ -13,7 +13,7 @@ use super::flags::{Out, Time};
 use super::{Failure, Ui};
 use haptic_studies::campaign::laws::law_scene;
 use haptic_studies::compare::{Comparison, Entrant};
-use haptic_studies::sweep::MERITS;
+use haptic_studies::sweep::METRICS;
 
 #[derive(Debug, Args)]
 pub(super) struct Compare {
@@ -50,28 +50,28 @@ impl Compare {
                 ui.warn(format_args!("{}: nobody pushes: set user.1.push_n", entrant.name));
             }
         }
-        let made = self.made(ui, &entrants);
+        let provenance = self.provenance(ui, &entrants);
         let comparison = Comparison { entrants, seeds: self.seeds, seconds: self.time.seconds };
         let jobs = comparison.entrants.len() * self.seeds as usize;
         let (rows, wall_s) = ui.work(jobs, "runs", |step| comparison.run(&|| step()))?;
         let differences = comparison.differences(&rows);
-        let every: Vec<usize> = (0..MERITS.len()).collect();
-        let usual = || every.iter().copied().filter(|at| MERITS[*at].shown).collect();
+        let every: Vec<usize> = (0..METRICS.len()).collect();
+        let usual = || every.iter().copied().filter(|at| METRICS[*at].shown).collect();
         let shown = if self.merit.is_empty() { usual() } else { self.merit.clone() };
         let all = comparison.columns(&differences, &every);
-        let mut files = ui.files(&self.out, "compare", "compare", &made, |files| {
+        let mut files = ui.files(&self.out, "compare", "compare", &provenance, |files| {
             files.csv(&all)?;
             files.parquet(&all)?;
             files.figure(None, &comparison.figure(&differences, &shown))
         })?;
         let runs = comparison.runs(&rows);
-        files.extend(ui.files(&self.out, "compare", "compare-runs", &made, |files| {
+        files.extend(ui.files(&self.out, "compare", "compare-runs", &provenance, |files| {
             files.csv(&runs)?;
             files.parquet(&runs)
         })?);
         let failed = rows.iter().filter(|row| !row.reason.is_empty()).count();
         ui.document_of(
-            &made,
+            &provenance,
             &json!({
                 "differences": all, "runs": rows.len(), "not_stable_runs": failed, "wall_s": wall_s, "files": files,
             }),
@@ -90,12 +90,12 @@ impl Compare {
         let own = parts.map(str::to_owned);
         let seed = self.seed.map(|seed| format!("network.seed={seed}"));
         let settings: Vec<String> = self.set.iter().cloned().chain(own).chain(seed).collect();
-        let law = ui.laws.kinds().iter().find(|law| law.name == name);
+        let law = ui.laws.all().iter().find(|law| law.name == name);
         let scene = match law {
             Some(law) => law_scene(ui.laws, law, self.scene.as_deref(), &settings),
             None => scenes::find(ui.laws, Some(Path::new(name)), &settings),
         };
-        let laws = || ui.laws.kinds().iter().map(|law| law.name).collect::<Vec<_>>().join(", ");
+        let laws = || ui.laws.all().iter().map(|law| law.name).collect::<Vec<_>>().join(", ");
         let scene = scene.map_err(|error| match law {
             None if !Path::new(name).exists() && scenes::text(name).is_none() => {
                 format!("{error}; the laws are {}", laws())
@@ -106,25 +106,25 @@ impl Compare {
     }
 
     /// The first scene's settings, and in what each other one is not as it.
-    fn made(&self, ui: &Ui, entrants: &[Entrant]) -> Made {
+    fn provenance(&self, ui: &Ui, entrants: &[Entrant]) -> Provenance {
         let first = entrants[0].scene.settings();
-        let mut made = ui.made().with("number_type", f64::NAME).with("seconds", self.time.seconds);
-        made = made.with("seeds", self.seeds).with("scene_1", entrants[0].name.as_str());
+        let mut provenance = ui.provenance().with("number_type", f64::NAME).with("seconds", self.time.seconds);
+        provenance = provenance.with("seeds", self.seeds).with("scene_1", entrants[0].name.as_str());
         for (number, entrant) in (2..).zip(&entrants[1..]) {
             let other = entrant.scene.settings();
             let changed = other.iter().filter(|setting| !first.contains(setting));
             let gone = first.iter().filter(|(key, _)| !other.iter().any(|(known, _)| known == key));
             let texts = changed.map(|(key, value)| format!("{key}={value}"));
             let texts: Vec<String> = texts.chain(gone.map(|(key, _)| format!("{key} as usual"))).collect();
-            made = made.with(&format!("scene_{number}"), entrant.name.as_str());
-            made = made.with(&format!("scene_{number}_differs"), texts.join(", "));
+            provenance = provenance.with(&format!("scene_{number}"), entrant.name.as_str());
+            provenance = provenance.with(&format!("scene_{number}_differs"), texts.join(", "));
         }
-        made.settings(first)
+        provenance.settings(first)
     }
 }
 
 /// The number of a figure of merit with this name.
 fn merit(text: &str) -> Result<usize, String> {
-    let names: Vec<String> = MERITS.iter().map(|merit| merit.name()).collect();
+    let names: Vec<String> = METRICS.iter().map(|merit| merit.name()).collect();
     names.iter().position(|name| name == text).ok_or_else(|| format!("they are {}", names.join(", ")))
 }

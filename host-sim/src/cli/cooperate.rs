@@ -33,8 +33,8 @@ impl Cooperate {
             false => Options { duration_s: time.seconds, record_every: 0 },
         };
         let steps = (time.seconds / period_s / 1e4) as usize;
-        let made = ui.made().settings(scene.settings());
-        let recorder = record.simulated(&made, scene.peer.axis.shared as usize)?;
+        let provenance = ui.provenance().settings(scene.settings());
+        let recorder = record.simulated(&provenance, scene.peer.axis.shared as usize)?;
         let each = |axis: usize, row: &[f64]| {
             if let Some(recorder) = &recorder {
                 // There are three axes at most.
@@ -48,7 +48,7 @@ impl Cooperate {
             ScalarName::I32f32 => go::<Fixed>(&scene, options, step, each),
         })?;
         if let Some(recorder) = recorder {
-            ui.status(recorder.finish().told());
+            ui.status(recorder.finish().summary());
         }
 
         let conclusion = conclude(&scene, outcome)?;
@@ -59,16 +59,16 @@ impl Cooperate {
         }
         let facts = whole(&self.scene.name(), &scene, &conclusion, wall_s)?;
         let outcome = &conclusion.outcome;
-        let made = made.with("number_type", scalar).with("seconds", time.seconds);
-        let made = made.with("seed", scene.world.network.seed).with("state_hash", hash(outcome));
-        let made = made.with("recorded_every_ticks", options.record_every);
+        let provenance = provenance.with("number_type", scalar).with("seconds", time.seconds);
+        let provenance = provenance.with("seed", scene.world.network.seed).with("state_hash", hash(outcome));
+        let provenance = provenance.with("recorded_every_ticks", options.record_every);
         let number = if scalar == f64::NAME { String::new() } else { format!("-{scalar}") };
         let name = self.scene.run_name(&scene) + &number;
         let several = outcome.axes.len() > 1;
         let mut files = Vec::new();
         for (axis, along) in outcome.axes.iter().enumerate() {
             let name = if several { format!("{name}-{}", AXIS_NAMES[axis]) } else { name.clone() };
-            files.extend(ui.files(out, "cooperate", &name, &made, |files| {
+            files.extend(ui.files(out, "cooperate", &name, &provenance, |files| {
                 files.csv(&along.table)?;
                 files.parquet(&along.table)?;
                 files.figure(None, &figures::run(&name, outcome, axis))
@@ -81,7 +81,7 @@ impl Cooperate {
         if several {
             document["axes"] = (0..axes.len()).map(|row| axes.row(row)).collect();
         }
-        ui.document_of(&made, &document)?;
+        ui.document_of(&provenance, &document)?;
         writeln!(ui, "{}", facts.down(&[&self.scene.name()]));
         if several {
             writeln!(ui, "along each axis:\n\n{axes}");
@@ -135,13 +135,13 @@ fn whole(name: &str, scene: &Scene, conclusion: &Conclusion, wall_s: f64) -> Res
         .number("spectral_radius", 6, |()| verdict.spectral_radius)
         .number("true_discrepancy_mm", 4, |()| outcome.whole(|o| o.whole.true_discrepancy_mm))
         .head("true discrepancy |x_o1 - x_o2|")
-        .number("true_discrepancy_mm_per_n", 4, |()| outcome.merit(per_n).flatten())
+        .number("true_discrepancy_mm_per_n", 4, |()| outcome.metric(per_n).flatten())
         .head("true discrepancy per newton of contact")
-        .number("decoded_discrepancy_mm", 4, |()| outcome.merit(|o| o.whole.decoded_discrepancy_mm))
+        .number("decoded_discrepancy_mm", 4, |()| outcome.metric(|o| o.whole.decoded_discrepancy_mm))
         .head("decoded discrepancy |x_o - x_d|, peer 2")
-        .number("coordination_force_n.mean", 4, |()| outcome.merit(|o| o.whole.coordination_force_n.mean))
+        .number("coordination_force_n.mean", 4, |()| outcome.metric(|o| o.whole.coordination_force_n.mean))
         .head("coordination force, peer 2: mean")
-        .number("coordination_force_n.sd", 4, |()| outcome.merit(|o| o.whole.coordination_force_n.sd))
+        .number("coordination_force_n.sd", 4, |()| outcome.metric(|o| o.whole.coordination_force_n.sd))
         .head("coordination force, peer 2: standard deviation")
         .number("peak_coordination_force_n", 4, |()| outcome.whole(|o| o.whole.peak_coordination_force_n))
         .number("apparent_object_mass_kg", 3, |()| mass)

@@ -9,7 +9,7 @@ use clap::{Arg, ArgAction, Args, ValueEnum};
 use haptic_board_tools::calibrate::settings_file;
 use haptic_core::names::Choice;
 use haptic_protocol::key::{Key, Role};
-use haptic_report::Made;
+use haptic_report::Provenance;
 use haptic_sim::run::Account;
 use haptic_sim::scene::Scene;
 use haptic_sim::{key_file, scenes};
@@ -23,7 +23,7 @@ use haptic_live::recording::origin::Origin;
 use haptic_live::recording::recorder::Recorder;
 use haptic_live::recording::ticks::name_of;
 use haptic_live::tell::Manner;
-use haptic_live::watch::Wanted;
+use haptic_live::watch::LiveOptions;
 
 /// Longest time that may be asked for, s: a day. Beyond it, sums of ticks of 1 ms in f64 begin to round.
 const LONGEST_S: f64 = 86_400.0;
@@ -214,13 +214,13 @@ pub(super) struct Watching {
 
 impl Watching {
     /// As the live commands take it.
-    pub(super) fn wanted(&self, made: Made) -> Wanted {
+    pub(super) fn wanted(&self, provenance: Provenance) -> LiveOptions {
         let manner = match (self.json_lines, self.quiet) {
             (true, _) => Manner::Json,
             (_, true) => Manner::Quiet,
             _ => Manner::Words,
         };
-        Wanted { record: self.record.record.clone().map(|file| (file, made)), manner }
+        LiveOptions { record: self.record.record.clone().map(|file| (file, provenance)), manner }
     }
 }
 
@@ -234,9 +234,9 @@ pub(super) struct RecordTo {
 
 impl RecordTo {
     /// Begins a recording of both peers in simulated time, if one is wanted: a channel for each of so many shared axes.
-    pub(super) fn simulated(&self, made: &Made, axes: usize) -> Result<Option<Recorder>, String> {
+    pub(super) fn simulated(&self, provenance: &Provenance, axes: usize) -> Result<Option<Recorder>, String> {
         let channel = |axis| Channel::new(format!("/both/{}", name_of(axis)), "Tick", Account::columns());
-        let (origin, channels) = (Origin::simulated(made, "both peers"), (0..axes).map(channel).collect());
+        let (origin, channels) = (Origin::simulated(provenance, "both peers"), (0..axes).map(channel).collect());
         self.record.as_ref().map(|file| Recorder::create(file, &origin, channels)).transpose()
     }
 }

@@ -35,8 +35,8 @@ impl Peer {
         let key = self.end.key.read()?;
         let span = span(&self.end, &self.patience);
         let ends = [self.end.listen, self.connect];
-        let made = ui.made().settings(scene.settings()).with("peer", self.number);
-        let wanted = self.watching.wanted(made);
+        let provenance = ui.provenance().settings(scene.settings()).with("peer", self.number);
+        let wanted = self.watching.wanted(provenance);
         let report = peer::run(&scene, key, self.number, ends, span, &wanted, &Stop::on_signals()?)?;
         ui.live_report(self.watching.json_lines, &format!("peer {}", self.number), &report)
     }
@@ -64,7 +64,7 @@ impl Hub {
         let key = self.end.key.read()?;
         let (users, listen, span) = (self.users, self.end.listen, span(&self.end, &self.patience));
         ui.status(format_args!("hub for {users} peers listens on {listen}"));
-        let wanted = self.watching.wanted(ui.made().settings(scene.settings()).with("users", users));
+        let wanted = self.watching.wanted(ui.provenance().settings(scene.settings()).with("users", users));
         let report = hub::run(&scene, &key, users.into(), listen, span, &wanted, &Stop::on_signals()?)?;
         ui.live_report(self.watching.json_lines, "hub", &report)
     }

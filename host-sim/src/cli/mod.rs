@@ -38,7 +38,7 @@ use clap_complete::Shell;
 use flags::SceneArgs;
 use haptic_report::Columns;
 use haptic_sim::{Laws, scene::nearest};
-pub use ui::made;
+pub use ui::provenance;
 use ui::{Failure, Ui};
 
 /// Declares a command, or a group of them, and runs whichever was asked for.

@@ -21,14 +21,15 @@ impl Paper {
             step();
             Ok::<_, Failure>((experiments, gain_columns(&gains()?)))
         })?;
-        let made = ui.made().with("number_type", f64::NAME).with("seconds", DURATION_S).with("scenes", "built in");
+        let provenance =
+            ui.provenance().with("number_type", f64::NAME).with("seconds", DURATION_S).with("scenes", "built in");
         let table = experiment_columns(&experiments);
-        let files = ui.files(&self.out, "paper", "paper", &made, |files| {
+        let files = ui.files(&self.out, "paper", "paper", &provenance, |files| {
             files.csv(&table)?;
             figures::paper(&experiments).iter().try_for_each(|(name, figure)| files.figure(Some(name), figure))
         })?;
         let pictures = pictures(files);
-        ui.document_of(&made, &json!({ "experiments": table, "gains": gains, "pictures": pictures }))?;
+        ui.document_of(&provenance, &json!({ "experiments": table, "gains": gains, "pictures": pictures }))?;
         writeln!(
             ui,
             "Distributed haptic cooperation (Rakhsha & Constantinescu 2012), section 5: means over 10 s, mm and N\n"

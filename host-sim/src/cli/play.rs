@@ -12,7 +12,7 @@ use haptic_sim::key_file;
 use super::board::address;
 use super::flags::{RecordTo, choice, seconds};
 use super::{Failure, SceneArgs, Ui};
-use crate::play::{Boards, End, Kind, Model, Page, Place, Shown, measure};
+use crate::play::{Boards, End, EnvironmentKind, Model, Page, Place, Shown, measure};
 use haptic_live::endpoint::Stop;
 
 /// How long each run of `--measure` takes where nobody says, s.
@@ -24,8 +24,8 @@ pub(super) struct Play {
     #[command(flatten)]
     scene: SceneArgs,
     /// What is shown first; the page can show the others, too.
-    #[arg(long, value_parser = choice::<Kind>(), default_value = "pair", value_name = "NAME")]
-    environment: Kind,
+    #[arg(long, value_parser = choice::<EnvironmentKind>(), default_value = "pair", value_name = "NAME")]
+    environment: EnvironmentKind,
     /// Who holds the other hand while only one window is open.
     #[arg(long, value_parser = choice::<Model>(), default_value = "follows", value_name = "NAME")]
     partner: Model,
@@ -63,11 +63,11 @@ impl Play {
         if self.measure {
             return ui.result(&measure(&scene, self.seconds.unwrap_or(MEASURED_S), &stop)?);
         }
-        let (shown, made) = (self.shown()?, ui.made().settings(scene.settings()));
+        let (shown, provenance) = (self.shown()?, ui.provenance().settings(scene.settings()));
         let people = match &shown {
             Shown::Here(_) => vec![1, 2],
             Shown::Boards(_) => vec![1],
-            Shown::Far(end) => {
+            Shown::Remote(end) => {
                 ui.status(format_args!("partner:   {end}"));
                 vec![usize::from(end.number)]
             }
@@ -77,7 +77,7 @@ impl Play {
             ui.status(format_args!("person {person}:  {}", page.address(person)));
         }
         ui.status(format_args!("to watch:  {}\nCtrl-C ends it", page.address(0)));
-        let record = self.record.record.as_deref().map(|file| (file, &made));
+        let record = self.record.record.as_deref().map(|file| (file, &provenance));
         let kept = page.run(self.seconds.unwrap_or(f64::INFINITY), record, &stop)?;
         ui.report("play", &json!(kept))
     }
@@ -88,7 +88,7 @@ impl Play {
         }
         let Some(file) = &self.key_file else { return Ok(Shown::Here(self.environment)) };
         let key = key_file::read(file, Role::Peers)?;
-        Ok(Shown::Far(match (self.listen, self.join) {
+        Ok(Shown::Remote(match (self.listen, self.join) {
             (Some(at), _) => End::listening(at, key, self.number.unwrap_or(1))?,
             (None, Some(to)) => End::joining(to, key, self.number.unwrap_or(2))?,
             (None, None) => return Err("--key-file is for --listen or --join: give one of them".into()),

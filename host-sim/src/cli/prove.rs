@@ -33,12 +33,12 @@ impl Prove {
         let rows: Vec<_> = asked.par_iter().filter_map(|name| proof::row(name)).collect();
         let table = proof::columns(&rows);
         ui.document(&json!({ "laws": table }))?;
-        let told = proof::told(&table);
-        writeln!(ui, "{told}");
+        let report = proof::report(&table);
+        writeln!(ui, "{report}");
         if let Some(file) = &self.page {
             let refused = |cause: String| format!("--page {}: {cause}", file.display());
             let old = std::fs::read_to_string(file).map_err(|cause| refused(cause.to_string()))?;
-            let page = page::with(&old, page::PROOFS, &proof::section(&told)).map_err(refused)?;
+            let page = page::with(&old, page::PROOFS, &proof::section(&report)).map_err(refused)?;
             write_file(file, "Markdown", page.as_bytes())?;
             ui.wrote(std::slice::from_ref(file));
         }

@@ -14,7 +14,7 @@ pub(super) struct Published {
 impl Published {
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         if self.regions {
-            let (found, _) = ui.work(ui.laws.kinds().len(), "laws", |step| regions::regions(ui.laws, step))?;
+            let (found, _) = ui.work(ui.laws.all().len(), "laws", |step| regions::regions(ui.laws, step))?;
             return ui.result(&regions::columns(&found));
         }
         ui.only_built_in("published compares");

@@ -28,10 +28,10 @@ impl Format {
         }
     }
 
-    fn write(self, table: &Columns, path: &Path, made: &str) -> Result<(), ReportError> {
+    fn write(self, table: &Columns, path: &Path, provenance: &str) -> Result<(), ReportError> {
         match self {
             Self::Csv => write_csv(table, path),
-            Self::Parquet => write_parquet(table, path, made),
+            Self::Parquet => write_parquet(table, path, provenance),
         }
     }
 }
@@ -40,7 +40,7 @@ impl Format {
 fn load(ui: &Ui, path: &Path) -> Result<Recording, Failure> {
     let recording = read(path)?;
     if let Some(cut) = recording.cut {
-        ui.warn(format_args!("{}: {}", path.display(), cut.told()));
+        ui.warn(format_args!("{}: {}", path.display(), cut.summary()));
     }
     if let Some(lost) = recording.lost.filter(|lost| *lost > 0) {
         ui.warn(format_args!(
@@ -65,7 +65,7 @@ impl Convert {
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let format = Format::of(&self.to)?;
         let recording = load(ui, &self.from)?;
-        let made = &recording.origin.made;
+        let provenance = &recording.origin.provenance;
         let mut files = Vec::new();
         // A page has a channel for each environment that it can show: what was never shown is no file.
         let come = |(at, rows): &(usize, &Rows)| *at == 0 || !rows.is_empty();
@@ -77,13 +77,13 @@ impl Convert {
                 let ending = self.to.extension().unwrap_or_default().to_string_lossy();
                 path.set_file_name(format!("{stem}-{leaf}.{ending}"));
             }
-            format.write(&rows.table(), &path, made)?;
+            format.write(&rows.table(), &path, provenance)?;
             files.push(json!({ "channel": rows.topic, "rows": rows.len(), "file": path }));
         }
         if let Format::Csv = format {
             // Parquet has it inside.
             let path = self.to.with_extension("toml");
-            std::fs::write(&path, made).map_err(|cause| format!("cannot write {}: {cause}", path.display()))?;
+            std::fs::write(&path, provenance).map_err(|cause| format!("cannot write {}: {cause}", path.display()))?;
         }
         let cut = recording
             .cut
@@ -114,7 +114,7 @@ impl Merge {
             [_, table, ..] => return Err(Format::of(table).err().unwrap_or_default().into()),
         };
         if let Some(path) = out {
-            Format::of(path)?.write(&merged.table, path, &one.origin.made)?;
+            Format::of(path)?.write(&merged.table, path, &one.origin.provenance)?;
             ui.status(format_args!("wrote {}", path.display()));
         }
         if merged.clock_error_us > 1e6 * GOOD_CLOCK_S {

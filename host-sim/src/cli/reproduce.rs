@@ -39,7 +39,8 @@ impl Reproduce {
             Ok::<_, Failure>((experiments, gains, curves, rows, maps, claims))
         })?;
         let (experiments, gains, curves, rows, maps, claims) = found;
-        let made = ui.made().with("number_type", f64::NAME).with("seconds", DURATION_S).with("scenes", "built in");
+        let provenance =
+            ui.provenance().with("number_type", f64::NAME).with("seconds", DURATION_S).with("scenes", "built in");
         let table = columns(&claims);
         let tables = [
             ("reproduce-experiments", experiment_columns(&experiments)),
@@ -53,17 +54,17 @@ impl Reproduce {
         drawn.push(("rendering", rendering::figure(&device, &maps)));
         drawn.push(("architectures", choice::picture::figure(&rows)));
         let titles: Vec<(&str, String)> = drawn.iter().map(|(name, figure)| (*name, figure.title.clone())).collect();
-        let mut files = ui.files(&self.out, "reproduce", "reproduce", &made, |files| {
+        let mut files = ui.files(&self.out, "reproduce", "reproduce", &provenance, |files| {
             files.csv(&table)?;
             files.text("md", page(&claims, &titles, &tables[0].1));
             drawn.iter().try_for_each(|(name, figure)| files.figure(Some(name), figure))
         })?;
         for (name, table) in &tables {
-            files.extend(ui.files(&self.out, "reproduce", name, &made, |files| files.csv(table))?);
+            files.extend(ui.files(&self.out, "reproduce", name, &provenance, |files| files.csv(table))?);
         }
         let [matched, not_matched, not_testable] = counts(&claims);
         ui.document_of(
-            &made,
+            &provenance,
             &json!({
                 "claims": table, "matched": matched, "not_matched": not_matched, "not_testable": not_testable,
                 "experiments": tables[0].1, "gains": tables[1].1, "wall_s": wall_s, "files": files,

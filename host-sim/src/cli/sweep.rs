@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use haptic_report::Made;
+use haptic_report::Provenance;
 use haptic_sim::user::User;
 use serde_json::json;
 
@@ -59,7 +59,7 @@ impl Sweep {
         if !sweep.scene.users.iter().any(User::acts) && !sweep.keys().any(|key| key.starts_with("user.")) {
             ui.warn("nobody pushes: set user.1.push_n (or load a scene)");
         }
-        let question = sweep.question(ui.made())?;
+        let question = sweep.question(ui.provenance())?;
         let folder = ui.writes(&self.out).then(|| self.folder(&question));
         let (journal, there) = match &folder {
             Some(folder) => {
@@ -109,7 +109,7 @@ impl Sweep {
     }
 
     /// Where it is kept: one folder for a question, so that asking again goes on.
-    fn folder(&self, question: &Made) -> PathBuf {
+    fn folder(&self, question: &Provenance) -> PathBuf {
         let usual = || Path::new("out/sweep").join(format!("{}-{}", self.scene.name(), sweep::tag(question)));
         self.out.out.clone().unwrap_or_else(usual)
     }

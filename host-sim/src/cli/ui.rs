@@ -13,7 +13,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use haptic_plot::Print;
-use haptic_report::{Columns, Files, Made, ReportError, word};
+use haptic_report::{Columns, Files, Provenance, ReportError, word};
 use haptic_sim::Laws;
 
 use super::number::number;
@@ -24,7 +24,7 @@ pub(super) type Failure = Box<dyn Error + Send + Sync>;
 #[derive(Clone, Debug)]
 pub(super) struct Ui {
     json: bool,
-    made: Made,
+    provenance: Provenance,
     /// The laws that a scene may name.
     pub(super) laws: Laws,
 }
@@ -52,15 +52,16 @@ impl Out {
 
 /// A document, and what made it.
 #[derive(Serialize)]
-struct Told<'a, D> {
+struct WithProvenance<'a, D> {
     #[serde(flatten)]
     document: &'a D,
-    made: &'a Made,
+    #[serde(rename = "made")]
+    provenance: &'a Provenance,
 }
 
 impl Ui {
     pub(super) fn new(json: bool, laws: Laws) -> Self {
-        Self { json, laws, made: made() }
+        Self { json, laws, provenance: provenance() }
     }
 
     /// The result as the one JSON document.
@@ -94,8 +95,13 @@ impl Ui {
     }
 
     /// [`Ui::report`] with the provenance of the results.
-    pub(super) fn report_of(&self, made: &Made, title: &str, document: &impl Serialize) -> Result<(), Failure> {
-        self.document_of(made, document)?;
+    pub(super) fn report_of(
+        &self,
+        provenance: &Provenance,
+        title: &str,
+        document: &impl Serialize,
+    ) -> Result<(), Failure> {
+        self.document_of(provenance, document)?;
         self.text(title, document)
     }
 
@@ -131,13 +137,13 @@ impl Ui {
     }
 
     /// This program, since it began: what a run adds its settings to.
-    pub(super) fn made(&self) -> Made {
-        self.made.clone()
+    pub(super) fn provenance(&self) -> Provenance {
+        self.provenance.clone()
     }
 
     /// The result as the one JSON document, with what made it.
-    pub(super) fn document_of(&self, made: &Made, document: &impl Serialize) -> Result<(), Failure> {
-        self.document(&Told { document, made })
+    pub(super) fn document_of(&self, provenance: &Provenance, document: &impl Serialize) -> Result<(), Failure> {
+        self.document(&WithProvenance { document, provenance })
     }
 
     /// Text of the result: what `write!` and `writeln!` call.
@@ -171,14 +177,14 @@ impl Ui {
         out: &Out,
         usual: &str,
         name: &str,
-        made: &Made,
+        provenance: &Provenance,
         fill: impl FnOnce(&mut Files) -> Result<(), ReportError>,
     ) -> Result<Vec<PathBuf>, Failure> {
         if !self.writes(out) {
             return Ok(Vec::new());
         }
         let usual = PathBuf::from("out").join(usual);
-        let mut files = Files::new(out.out.as_ref().unwrap_or(&usual), name, made.clone());
+        let mut files = Files::new(out.out.as_ref().unwrap_or(&usual), name, provenance.clone());
         files.print(out.print());
         fill(&mut files)?;
         Ok(files.write()?)
@@ -224,8 +230,8 @@ impl Ui {
 }
 
 /// This program, from now on: what its files say of what made them.
-pub fn made() -> Made {
-    Made::now(env!("CARGO_PKG_VERSION"), option_env!("HOST_SIM_COMMIT").unwrap_or("unknown"))
+pub fn provenance() -> Provenance {
+    Provenance::now(env!("CARGO_PKG_VERSION"), option_env!("HOST_SIM_COMMIT").unwrap_or("unknown"))
 }
 
 /// These fields, and after them those of a document.

@@ -1,12 +1,13 @@
 //! One or two boards as their operator has them: what their ticks see, and the few lines that a page may say to them.
 //!
-//! A board moves a motor against a person, so a page says no line of its own making: arm, clear a fault, check a joint, and stop.
-//! **Stop** goes before everything else that is to be said, to every board. **Hold to run**: the motors go off when nobody's page has
-//! asked for [`SILENCE`], because it was closed, hidden or is stuck; they also go off by themselves when this process is silent
-//! (`safety.operator_lost_s`). The pointer pulls nothing: whoever holds the device feels the other one's hand.
+//! A board moves a motor against a person, so a page says no line of its own making: arm, clear a fault, check a joint,
+//! and stop. **Stop** goes before everything else that is to be said, to every board. **Hold to run**: the motors go
+//! off when nobody's page has asked for [`SILENCE`], because it was closed, hidden or is stuck; they also go off by
+//! themselves when this process is silent (`safety.operator_lost_s`). The pointer pulls nothing: whoever holds the
+//! device feels the other one's hand.
 //!
-//! Each board has a thread, which may wait for an answer; the beat only tries its lock. Ticks come in batches and some are lost: they
-//! are played out [`BEHIND`] late, each held until the next.
+//! Each board has a thread, which may wait for an answer; the control loop only tries its lock. Ticks come in batches
+//! and some are lost: they are played out [`BEHIND`] late, each held until the next.
 
 use std::collections::VecDeque;
 use std::net::SocketAddr;
@@ -17,7 +18,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use haptic_board_tools::calibrate::board::{Board, FAULTED, Joint, settings};
-use haptic_board_tools::calibrate::simulated::Shared;
+use haptic_board_tools::calibrate::simulated::SharedSimulation;
 use haptic_board_tools::recording::{COLUMNS, row};
 use haptic_board_tools::status::Probed;
 use haptic_core::safety::Fault;
@@ -43,7 +44,7 @@ const EVERY: u32 = 4;
 /// How far behind its newest tick a board is shown, ticks, and how far before what is shown begins anew.
 const BEHIND: f64 = 60.0;
 const FARTHEST: f64 = 250.0;
-/// How far a board's thread stands back behind the beat.
+/// How far a board's thread stands back behind the control loop.
 const NICENESS: i32 = 5;
 /// Answers that are shown.
 const ANSWERS: usize = 6;
@@ -75,7 +76,7 @@ pub(crate) enum Place {
 
 /// What a page gets about a board.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-struct Told {
+struct BoardStatus {
     name: String,
     there: bool,
     /// What it said of itself last.
@@ -84,21 +85,21 @@ struct Told {
     said: VecDeque<(String, String)>,
 }
 
-/// What lies between a board's thread and the beat.
+/// What lies between a board's thread and the control loop.
 #[derive(Debug, Default)]
-struct Papers {
+struct BoardMailbox {
     /// To be said, oldest first; a stop comes before all of it.
     lines: VecDeque<Line>,
     stop: bool,
     rows: VecDeque<[f64; NUMBERS]>,
-    told: Told,
+    reported: BoardStatus,
 }
 
 /// A board and its thread.
 struct Seat {
     /// 0 or 1.
     index: usize,
-    papers: Arc<Mutex<Papers>>,
+    mailbox: Arc<Mutex<BoardMailbox>>,
     over: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
     /// Tick that is shown, and what it saw.
@@ -108,13 +109,13 @@ struct Seat {
 }
 
 /// Whoever answers lines and gives ticks.
-trait Party {
+trait BoardLink {
     fn ask(&mut self, line: &str) -> Result<String, String>;
     /// Lets so much time pass, and gives what came.
     fn rows(&mut self, seconds: f64) -> Result<Vec<[f64; NUMBERS]>, String>;
 }
 
-impl Party for Operator {
+impl BoardLink for Operator {
     fn ask(&mut self, line: &str) -> Result<String, String> {
         Self::ask(self, line)
     }
@@ -131,11 +132,11 @@ fn first_row(payload: &[u8]) -> Option<[f64; NUMBERS]> {
 }
 
 /// How a board's thread begins.
-type Open = Box<dyn FnOnce() -> Result<Box<dyn Party>, String> + Send>;
+type Open = Box<dyn FnOnce() -> Result<Box<dyn BoardLink>, String> + Send>;
 
 /// A simulated board, kept in real time.
 struct Practice {
-    board: Shared,
+    board: SharedSimulation,
     m_per_count: f64,
     zero: Option<u16>,
     due: Instant,
@@ -143,13 +144,13 @@ struct Practice {
 
 impl Practice {
     fn new(truth: &Scene) -> Result<Self, String> {
-        let mut board = Shared::new(truth)?;
+        let mut board = SharedSimulation::new(truth)?;
         let m_per_count = Joint::of(&settings(&mut board)?, 1)?.m_per_count;
         Ok(Self { board, m_per_count, zero: None, due: Instant::now() })
     }
 }
 
-impl Party for Practice {
+impl BoardLink for Practice {
     fn ask(&mut self, line: &str) -> Result<String, String> {
         Board::ask(&mut self.board, line)
     }
@@ -172,69 +173,69 @@ impl Party for Practice {
 }
 
 /// Talks to a board until it is over.
-fn attend(party: &mut dyn Party, papers: &Mutex<Papers>, over: &AtomicBool) {
-    let lock = || papers.lock().unwrap_or_else(PoisonError::into_inner);
-    let say = |party: &mut dyn Party, line: &str| {
-        let answer = party.ask(line);
-        let mut papers = lock();
-        papers.told.there = answer.is_ok();
+fn attend(link: &mut dyn BoardLink, mailbox: &Mutex<BoardMailbox>, over: &AtomicBool) {
+    let lock = || mailbox.lock().unwrap_or_else(PoisonError::into_inner);
+    let say = |link: &mut dyn BoardLink, line: &str| {
+        let answer = link.ask(line);
+        let mut mailbox = lock();
+        mailbox.reported.there = answer.is_ok();
         let answer = answer.unwrap_or_else(|why| why);
         if line == "status" {
             // `ok board 1 disarmed …`: which it is stands above.
             let own = answer.strip_prefix("ok board ").and_then(|rest| rest.split_once(' '));
-            papers.told.status = own.map_or(answer.as_str(), |(_, own)| own).to_owned();
+            mailbox.reported.status = own.map_or(answer.as_str(), |(_, own)| own).to_owned();
         } else {
-            if papers.told.said.len() == ANSWERS {
-                papers.told.said.pop_front();
+            if mailbox.reported.said.len() == ANSWERS {
+                mailbox.reported.said.pop_front();
             }
-            papers.told.said.push_back((line.to_owned(), answer.clone()));
+            mailbox.reported.said.push_back((line.to_owned(), answer.clone()));
         }
         answer
     };
     let (mut asked, mut came, mut probing) = (None::<Instant>, Instant::now(), false);
     while !over.load(Ordering::Relaxed) {
         let (stop, line) = {
-            let mut papers = lock();
-            let stop = std::mem::take(&mut papers.stop);
-            (stop, if stop { None } else { papers.lines.pop_front() })
+            let mut mailbox = lock();
+            let stop = std::mem::take(&mut mailbox.stop);
+            (stop, if stop { None } else { mailbox.lines.pop_front() })
         };
         if stop {
-            say(party, "disarm");
+            say(link, "disarm");
         } else if let Some(line) = line {
-            let answer = say(party, &line.text());
+            let answer = say(link, &line.text());
             probing = matches!(line, Line::Check(_)) && answer.starts_with("ok");
         } else if asked.is_none_or(|asked| asked.elapsed() >= STATUS) {
             asked = Some(Instant::now());
-            say(party, "status");
+            say(link, "status");
             if probing {
-                let outcome = party.ask("probed").unwrap_or_else(|why| why);
+                let outcome = link.ask("probed").unwrap_or_else(|why| why);
                 probing =
                     outcome.strip_prefix("ok ").is_some_and(|said| Probed::parse(said).is_ok_and(|it| it.is_running()));
                 if !probing {
-                    lock().told.said.push_back(("what the check found".to_owned(), outcome));
+                    lock().reported.said.push_back(("what the check found".to_owned(), outcome));
                 }
             }
             // A board that was away, or has started anew, has forgotten what it was asked for.
-            if came.elapsed() >= STATUS && lock().told.there {
-                let _ = party.ask(&format!("stream {EVERY}"));
+            if came.elapsed() >= STATUS && lock().reported.there {
+                let _ = link.ask(&format!("stream {EVERY}"));
                 came = Instant::now();
             }
         }
-        match party.rows(LOOK_S) {
+        match link.rows(LOOK_S) {
             Ok(rows) if rows.is_empty() => {}
             Ok(rows) => {
                 came = Instant::now();
                 lock().rows.extend(rows);
             }
             Err(why) => {
-                let mut papers = lock();
-                (papers.told.there, papers.told.status) = (false, why);
+                let mut mailbox = lock();
+                (mailbox.reported.there, mailbox.reported.status) = (false, why);
             }
         }
     }
     // Nobody stays who could stop it.
-    let _ = party.ask("disarm");
-    let _ = party.ask("stream off");
+    let _ = link.ask("disarm");
+    let _ = link.ask("stream off");
 }
 
 impl Seat {
@@ -242,13 +243,13 @@ impl Seat {
     fn open(place: Place, index: usize) -> Result<Self, String> {
         match place {
             Place::Simulated => {
-                let practice = || Ok(Box::new(Practice::new(&Scene::default())?) as Box<dyn Party>);
+                let practice = || Ok(Box::new(Practice::new(&Scene::default())?) as Box<dyn BoardLink>);
                 Self::attend(format!("simulated board {}", index + 1), index, Box::new(practice))
             }
             Place::At(at, key_file) => {
                 let operator = Operator::connect(at, &key_file)?;
                 let number = operator.number();
-                let board = move || Ok(Box::new(operator) as Box<dyn Party>);
+                let board = move || Ok(Box::new(operator) as Box<dyn BoardLink>);
                 Self::attend(format!("board {number} at {at}"), usize::from(number) - 1, Box::new(board))
             }
         }
@@ -256,27 +257,28 @@ impl Seat {
 
     /// The seat of a board that is opened on its thread.
     fn attend(name: String, index: usize, open: Open) -> Result<Self, String> {
-        let told = Told { name, ..Told::default() };
-        let (papers, over) = (Arc::new(Mutex::new(Papers { told, ..Papers::default() })), Arc::default());
-        let (desk, stop) = (Arc::clone(&papers), Arc::clone(&over));
+        let reported = BoardStatus { name, ..BoardStatus::default() };
+        let (mailbox, over) =
+            (Arc::new(Mutex::new(BoardMailbox { reported, ..BoardMailbox::default() })), Arc::default());
+        let (theirs, stop) = (Arc::clone(&mailbox), Arc::clone(&over));
         let work = move || {
             stand_back(NICENESS);
             match open() {
-                Ok(mut party) => attend(&mut *party, &desk, &stop),
-                Err(why) => desk.lock().unwrap_or_else(PoisonError::into_inner).told.status = why,
+                Ok(mut link) => attend(&mut *link, &theirs, &stop),
+                Err(why) => theirs.lock().unwrap_or_else(PoisonError::into_inner).reported.status = why,
             }
         };
         let thread = std::thread::Builder::new().name("board".into()).spawn(work).map_err(|cause| cause.to_string())?;
-        Ok(Self { index, papers, over, thread: Some(thread), at: 0.0, shown: None, rows: VecDeque::new() })
+        Ok(Self { index, mailbox, over, thread: Some(thread), at: 0.0, shown: None, rows: VecDeque::new() })
     }
 
-    /// Takes what its thread has laid down, if that does not hold it just now; what it is told is new, if it is.
-    fn look(&mut self, told: &mut Told) -> bool {
-        let Ok(mut papers) = self.papers.try_lock() else { return false };
-        self.rows.append(&mut papers.rows);
-        let news = papers.told != *told;
+    /// Takes what its thread has laid down, if that does not hold it just now; what is reported is new, if it is.
+    fn look(&mut self, reported: &mut BoardStatus) -> bool {
+        let Ok(mut mailbox) = self.mailbox.try_lock() else { return false };
+        self.rows.append(&mut mailbox.rows);
+        let news = mailbox.reported != *reported;
         if news {
-            told.clone_from(&papers.told);
+            reported.clone_from(&mailbox.reported);
         }
         news
     }
@@ -316,7 +318,7 @@ impl Drop for Seat {
 /// One or two boards.
 pub(crate) struct Boards {
     seats: Vec<Seat>,
-    told: Vec<Told>,
+    reported: Vec<BoardStatus>,
     /// When a page has last asked.
     seen: Instant,
     restarts: u32,
@@ -340,20 +342,26 @@ impl Boards {
     }
 
     fn of_seats(seats: Vec<Seat>) -> Self {
-        Self { told: vec![Told::default(); seats.len()], seats, seen: Instant::now(), restarts: 1, news: true }
+        Self {
+            reported: vec![BoardStatus::default(); seats.len()],
+            seats,
+            seen: Instant::now(),
+            restarts: 1,
+            news: true,
+        }
     }
 
     fn stop(&mut self) {
         for seat in &mut self.seats {
             // It is held for microseconds. What waits is forgotten.
-            let mut papers = seat.papers.lock().unwrap_or_else(PoisonError::into_inner);
-            papers.stop = true;
-            papers.lines.clear();
+            let mut mailbox = seat.mailbox.lock().unwrap_or_else(PoisonError::into_inner);
+            mailbox.stop = true;
+            mailbox.lines.clear();
         }
     }
 
-    fn of(&self, index: usize) -> Option<(&Seat, &Told)> {
-        self.seats.iter().zip(&self.told).find(|(seat, _)| seat.index == index)
+    fn of(&self, index: usize) -> Option<(&Seat, &BoardStatus)> {
+        self.seats.iter().zip(&self.reported).find(|(seat, _)| seat.index == index)
     }
 }
 
@@ -363,9 +371,9 @@ impl Environment for Boards {
             Command::Stop => self.stop(),
             Command::Board(number, line) => {
                 if let Some(seat) = self.seats.iter().find(|seat| seat.index + 1 == usize::from(number)) {
-                    let mut papers = seat.papers.lock().unwrap_or_else(PoisonError::into_inner);
-                    if papers.lines.len() < ANSWERS {
-                        papers.lines.push_back(line);
+                    let mut mailbox = seat.mailbox.lock().unwrap_or_else(PoisonError::into_inner);
+                    if mailbox.lines.len() < ANSWERS {
+                        mailbox.lines.push_back(line);
                     }
                 }
             }
@@ -388,8 +396,8 @@ impl Environment for Boards {
     fn play(&mut self, _: usize) {}
 
     fn step(&mut self) -> Result<Sample, String> {
-        for (seat, told) in self.seats.iter_mut().zip(&mut self.told) {
-            self.news |= seat.look(told);
+        for (seat, reported) in self.seats.iter_mut().zip(&mut self.reported) {
+            self.news |= seat.look(reported);
             seat.play();
         }
         let armed = self.standing().modes.contains(&ARMED);
@@ -414,17 +422,17 @@ impl Environment for Boards {
 
     fn standing(&self) -> Standing {
         // A place without a board is as a board that is off.
-        let modes = [0, 1].map(|index| self.of(index).map_or(OFF, |(seat, told)| seat.mode(told.there)));
+        let modes = [0, 1].map(|index| self.of(index).map_or(OFF, |(seat, reported)| seat.mode(reported.there)));
         Standing { modes, cut: false, partner: 0 }
     }
 
     fn news(&mut self) -> Option<String> {
         std::mem::take(&mut self.news).then(|| {
-            let boards: Vec<_> = (self.seats.iter().zip(&self.told))
-                .map(|(seat, told)| {
-                    let mode = seat.mode(told.there);
+            let boards: Vec<_> = (self.seats.iter().zip(&self.reported))
+                .map(|(seat, reported)| {
+                    let mode = seat.mode(reported.there);
                     let fault = mode.checked_sub(FAULT).and_then(Fault::from_number).map(Fault::explain);
-                    json!({ "number": seat.index + 1, "told": told, "fault": fault })
+                    json!({ "number": seat.index + 1, "told": reported, "fault": fault })
                 })
                 .collect();
             json!({ "boards": boards }).to_string()

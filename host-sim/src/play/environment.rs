@@ -1,7 +1,9 @@
-//! What a page's beat steps and its windows draw: one mechanism for two peers, one peer of two machines, and every shared environment.
+//! What a page's control loop steps and its windows draw: one mechanism for two peers, one peer of two machines, and
+//! every shared environment.
 //!
-//! An environment has up to two hands that people hold, and gives a sample a tick. What is in a sample its list of columns says; the
-//! last column of all is how often it has started anew, so that a window lets go of a world that is no more.
+//! An environment has up to two hands that people hold, and gives a sample a tick. What is in a sample its list of
+//! columns says; the last column of all is how often it has started anew, so that a window lets go of a world that is
+//! no more.
 
 use haptic_core::safety::Mode;
 use haptic_sim::scene::Scene;
@@ -86,5 +88,5 @@ pub(super) trait Environment {
     }
 }
 
-/// An environment that is opened on the beat's own thread.
+/// An environment that is opened on the control loop's own thread.
 pub(super) type Opening = Box<dyn FnOnce() -> Result<Box<dyn Environment>, String> + Send>;

@@ -6,9 +6,9 @@ use haptic_sim::scene::Scene;
 
 use super::environment::{ARMED, Column, number_of};
 use super::hand::Hand;
-use super::meeting::{Held, Play};
 use super::partner::{Model, Partner};
 use super::session::{PERIOD_S, end_of_travel};
+use super::shared_environment::{Held, Play};
 use haptic_environments::cooperative::waves::Waves;
 
 /// Number of hands on the object.

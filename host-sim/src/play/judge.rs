@@ -6,7 +6,7 @@
 //! flight takes seconds to judge, and is not.
 //!
 //! **What is asked first**: an order that takes a stable scene to one that is not known to be stable, unless it touches nothing
-//! but the network, which nobody asks. Such a window is told why, and what to change; who says `anyway` gets it.
+//! but the network, which nobody asks. Such a window learns why, and what to change; who says `anyway` gets it.
 
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -20,9 +20,9 @@ use haptic_sim::scene::{Jitter, Scene};
 use serde::Serialize;
 use serde_json::json;
 
-use super::desk::Desk;
 use super::hand::{DAMPING, STIFFNESS};
-use super::kinds::Kind;
+use super::kinds::EnvironmentKind;
+use super::mailbox::Mailbox;
 use super::orders::apply;
 use super::session::same_but_for_network;
 use haptic_live::endpoint::stand_back;
@@ -62,94 +62,95 @@ pub(super) struct Finding {
 
 /// Starts the thread; gives where orders go. What is `fixed` is not changed, for this reason.
 pub(super) fn start(
-    desk: &Arc<Desk>,
+    mailbox: &Arc<Mailbox>,
     scene: Scene,
-    kind: Kind,
+    kind: EnvironmentKind,
     fixed: Option<&'static str>,
 ) -> Result<SyncSender<Ask>, String> {
     let (asks, orders) = sync_channel(16);
-    let desk = Arc::clone(desk);
+    let mailbox = Arc::clone(mailbox);
     let work = move || {
         stand_back(NICENESS);
-        run(&desk, scene, kind, &orders, fixed);
+        run(&mailbox, scene, kind, &orders, fixed);
     };
     std::thread::Builder::new().name("judge".into()).spawn(work).map_err(|cause| cause.to_string())?;
     Ok(asks)
 }
 
-fn run(desk: &Desk, mut scene: Scene, mut kind: Kind, orders: &Receiver<Ask>, fixed: Option<&str>) {
-    tell(desk, &scene, None);
+fn run(mailbox: &Mailbox, mut scene: Scene, mut kind: EnvironmentKind, orders: &Receiver<Ask>, fixed: Option<&str>) {
+    tell(mailbox, &scene, None);
     let mut finding = find(&scene);
-    tell(desk, &scene, Some(&finding));
+    tell(mailbox, &scene, Some(&finding));
     for Ask { window, line } in orders {
         let (anyway, line) = line.strip_prefix("anyway ").map_or((false, line.as_str()), |line| (true, line));
         let wanted = match wanted(&scene, kind, line, fixed) {
-            Ok(Wanted::Scene(wanted)) => *wanted,
-            Ok(Wanted::Show(other)) => {
+            Ok(Request::Scene(wanted)) => *wanted,
+            Ok(Request::Show(other)) => {
                 kind = other;
-                desk.lock().show = Some((kind, Box::new(scene.clone())));
-                tell(desk, &scene, Some(&finding));
+                mailbox.lock().show = Some((kind, Box::new(scene.clone())));
+                tell(mailbox, &scene, Some(&finding));
                 continue;
             }
             Err(why) => {
-                desk.lock().answer(window, json!({ "refused": why }).to_string());
-                tell(desk, &scene, Some(&finding));
+                mailbox.lock().answer(window, json!({ "refused": why }).to_string());
+                tell(mailbox, &scene, Some(&finding));
                 continue;
             }
         };
         let free = anyway || finding.stable != Some(true) || same_but_for_network(&wanted, &scene);
         if free {
             // It acts now; what is to be said of it comes after.
-            desk.lock().scene = Some(Box::new(wanted.clone()));
-            tell(desk, &wanted, None);
+            mailbox.lock().scene = Some(Box::new(wanted.clone()));
+            tell(mailbox, &wanted, None);
         }
         let found = find(&wanted);
         if !free && found.stable != Some(true) {
             let ask = json!({ "ask": { "line": line, "text": found.text, "instead": found.instead } });
-            desk.lock().answer(window, ask.to_string());
-            tell(desk, &scene, Some(&finding));
+            mailbox.lock().answer(window, ask.to_string());
+            tell(mailbox, &scene, Some(&finding));
             continue;
         }
         if !free {
-            desk.lock().scene = Some(Box::new(wanted.clone()));
+            mailbox.lock().scene = Some(Box::new(wanted.clone()));
         }
-        tell(desk, &wanted, Some(&found));
+        tell(mailbox, &wanted, Some(&found));
         (scene, finding) = (wanted, found);
     }
 }
 
 /// What an order asks for.
-enum Wanted {
+enum Request {
     Scene(Box<Scene>),
-    Show(Kind),
+    Show(EnvironmentKind),
 }
 
 /// What a line asks for, where that can be shown; else why not.
-fn wanted(scene: &Scene, kind: Kind, line: &str, fixed: Option<&str>) -> Result<Wanted, String> {
+fn wanted(scene: &Scene, kind: EnvironmentKind, line: &str, fixed: Option<&str>) -> Result<Request, String> {
     if let Some(why) = fixed {
         return Err(why.to_owned());
     }
     let Some(name) = line.strip_prefix("show ") else {
         let wanted = apply(scene, line)?;
-        if kind != Kind::Pair {
+        if kind != EnvironmentKind::Pair {
             kind.open(&wanted)?;
         }
-        return Ok(Wanted::Scene(Box::new(wanted)));
+        return Ok(Request::Scene(Box::new(wanted)));
     };
-    let other = Kind::from_name(name).ok_or_else(|| format!("{name}: there are {}", Kind::NAMES.join(", ")))?;
+    let other = EnvironmentKind::from_name(name)
+        .ok_or_else(|| format!("{name}: there are {}", EnvironmentKind::NAMES.join(", ")))?;
     other.open(scene)?;
-    Ok(Wanted::Show(other))
+    Ok(Request::Show(other))
 }
 
 /// Tells every window what holds: all settings, those that are not the usual ones, and what is known of them.
-fn tell(desk: &Desk, scene: &Scene, finding: Option<&Finding>) {
+fn tell(mailbox: &Mailbox, scene: &Scene, finding: Option<&Finding>) {
     let usual = Scene::new(scene.laws).settings();
     let settings = scene.settings();
     let changed: Vec<_> = settings.iter().filter(|pair| !usual.contains(pair)).collect();
     let all: serde_json::Map<_, _> = settings.iter().map(|(key, value)| (key.clone(), json!(value))).collect();
     let one_way_s = delays_ticks(&scene.linear()).map(|ticks| ticks as f64 * scene.peer.timing.control_period_s);
     let holds = json!({ "settings": all, "changed": changed, "one_way_s": one_way_s[1], "finding": finding });
-    desk.lock().tell(json!({ "holds": holds }).to_string());
+    mailbox.lock().tell(json!({ "holds": holds }).to_string());
 }
 
 /// Judges whether a scene is stable.

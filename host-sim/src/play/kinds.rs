@@ -6,16 +6,16 @@ use serde_json::{Value, json};
 
 use super::environment::{Column, Environment};
 use super::hub::{self, Hub};
-use super::meeting::Meeting;
 use super::partner::Model;
 use super::session::{self, Session};
+use super::shared_environment::SharedEnvironment;
 use super::squash::{self, Squash};
 use super::turns::{self, Turns};
 use super::visit::{self, Visit};
 
 /// An environment that needs nothing but a scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub(crate) enum EnvironmentKind {
     /// Two peers hold one object.
     #[default]
     Pair,
@@ -31,12 +31,12 @@ pub(crate) enum Kind {
     Ring,
 }
 
-impl Choice for Kind {
+impl Choice for EnvironmentKind {
     const NAMES: &'static [&'static str] = &["pair", "hub", "squash", "world", "lock", "ring"];
     const ALL: &'static [Self] = &[Self::Pair, Self::Hub, Self::Squash, Self::World, Self::Lock, Self::Ring];
 }
 
-impl Kind {
+impl EnvironmentKind {
     /// Index of this kind in the list.
     pub(super) fn number(self) -> u8 {
         Self::ALL.iter().position(|kind| *kind == self).unwrap_or_default() as u8
@@ -46,11 +46,11 @@ impl Kind {
     pub(super) fn open(self, scene: &Scene) -> Result<Box<dyn Environment>, String> {
         Ok(match self {
             Self::Pair => Box::new(Session::new(scene.clone(), Model::default()).map_err(|why| why.to_string())?),
-            Self::Hub => Box::new(Meeting::<Hub>::new(scene)?),
-            Self::Squash => Box::new(Meeting::<Squash>::new(scene)?),
-            Self::World => Box::new(Meeting::<Visit>::new(scene)?),
-            Self::Lock => Box::new(Meeting::<Turns<true>>::new(scene)?),
-            Self::Ring => Box::new(Meeting::<Turns<false>>::new(scene)?),
+            Self::Hub => Box::new(SharedEnvironment::<Hub>::new(scene)?),
+            Self::Squash => Box::new(SharedEnvironment::<Squash>::new(scene)?),
+            Self::World => Box::new(SharedEnvironment::<Visit>::new(scene)?),
+            Self::Lock => Box::new(SharedEnvironment::<Turns<true>>::new(scene)?),
+            Self::Ring => Box::new(SharedEnvironment::<Turns<false>>::new(scene)?),
         })
     }
 

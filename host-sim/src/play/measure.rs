@@ -1,8 +1,9 @@
-//! How well the beat is kept without a window and with ten, and how soon a window is answered.
+//! How well the control loop keeps time without a window and with ten, and how soon a window is answered.
 //!
-//! The windows are of this process, over loopback, each on a thread of its own: they ask 60 times a second and read what they get, as
-//! a page does; two of them hold a hand. Beside ten of them stand three connections that misbehave: one that asks for all that is
-//! kept and never reads, one that says nothing after its handshake, one that never ends its request.
+//! The windows are of this process, over loopback, each on a thread of its own: they ask 60 times a second and read
+//! what they get, as a page does; two of them hold a hand. Beside ten of them stand three connections that misbehave:
+//! one that asks for all that is kept and never reads, one that says nothing after its handshake, one that never ends
+//! its request.
 
 use std::io::{Read as _, Write as _};
 use std::net::{Ipv4Addr, TcpStream};
@@ -15,8 +16,8 @@ use haptic_sim::scene::Scene;
 use tungstenite::protocol::Role;
 use tungstenite::{Message, WebSocket};
 
-use super::beat::Kept;
-use super::kinds::Kind;
+use super::control_loop::Kept;
+use super::kinds::EnvironmentKind;
 use super::page::{Page, Shown};
 use super::partner::Model;
 use haptic_live::endpoint::Stop;
@@ -33,7 +34,7 @@ struct Run {
     answered: Quantiles,
 }
 
-/// Keeps the beat for so many seconds each, without and with windows.
+/// Runs the control loop for so many seconds each, without and with windows.
 pub(crate) fn measure(scene: &Scene, seconds: f64, stop: &Stop) -> Result<Columns, String> {
     let mut runs = Vec::new();
     for (windows, misbehaving) in [(0, 0), (2, 0), (10, 3)] {
@@ -59,7 +60,7 @@ pub(crate) fn measure(scene: &Scene, seconds: f64, stop: &Stop) -> Result<Column
 }
 
 fn run(scene: &Scene, seconds: f64, stop: &Stop, windows: usize, misbehaving: usize) -> Result<Run, String> {
-    let page = Page::serve(scene.clone(), Shown::Here(Kind::Pair), Model::CarriesOn, 0)?;
+    let page = Page::serve(scene.clone(), Shown::Here(EnvironmentKind::Pair), Model::CarriesOn, 0)?;
     let over = Arc::new(AtomicBool::new(false));
     let asking: Vec<_> = (0..windows)
         .map(|window| {

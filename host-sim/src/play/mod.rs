@@ -1,4 +1,5 @@
-//! A live page: two people hold one virtual object in two browser windows, in real time, over a network that is as bad as they set it.
+//! A live page: two people hold one virtual object in two browser windows, in real time, over a network that is as bad
+//! as they set it.
 //!
 //! | file | holds |
 //! |---|---|
@@ -7,47 +8,47 @@
 //! | [`environment`] | what is stepped and drawn, whatever it is |
 //! | [`kinds`] | which there are |
 //! | [`session`] | the two peers, their devices and hands, and the network, tick by tick |
-//! | [`far`] | one peer, whose partner is on another machine |
-//! | [`meeting`] | what shared environments have in common |
+//! | [`remote`] | one peer, whose partner is on another machine |
+//! | [`shared_environment`] | what shared environments have in common |
 //! | [`hub`], [`squash`], [`visit`], [`turns`] | N hands on one object, the game, a static world, lock and token ring |
 //! | [`boards`], [`boards_line`] | boards as their operator has them, and what a page may say to them |
 //! | [`orders`] | what a page may ask to be set, and what scene that gives |
 //! | [`judge`] | whether that scene is stable, and what to change if not |
-//! | [`desk`] | what lies between the beat, the judge and the windows |
-//! | [`beat`] | 1 kHz by the clock |
+//! | [`mailbox`] | what lies between the control loop, the judge and the windows |
+//! | [`control_loop`] | 1 kHz by the clock |
 //! | [`web`] | four files and a WebSocket for each window, on 127.0.0.1 |
 //! | [`page`] | all of that together |
-//! | [`measure`] | how well the beat is kept with ten pages open |
+//! | [`measure`] | how well the control loop keeps time with ten pages open |
 //!
-//! **Threads.** The beat has one, the judge one, each window one. The beat waits for nobody: it only tries the desk's lock, and what
-//! it could not lay down now it lays down a tick later. A window is sent what it asks for and nothing else, so one that sleeps or
-//! does not read costs a thread that waits, and no tick.
+//! **Threads.** The control loop has one, the judge one, each window one. The control loop waits for nobody: it only
+//! tries the mailbox's lock, and what it could not lay down now it lays down a tick later. A window is sent what it
+//! asks for and nothing else, so one that sleeps or does not read costs a thread that waits, and no tick.
 
-mod beat;
 mod boards;
 mod boards_line;
-mod desk;
+mod control_loop;
 mod environment;
-mod far;
 mod hand;
 mod hub;
 mod judge;
 mod kinds;
+mod mailbox;
 mod measure;
-mod meeting;
 mod orders;
 mod page;
 mod partner;
+mod remote;
 mod session;
+mod shared_environment;
 mod squash;
 mod turns;
 mod visit;
 mod web;
 
-pub(crate) use beat::channels;
 pub(crate) use boards::{Boards, Place};
-pub(crate) use far::End;
-pub(crate) use kinds::Kind;
+pub(crate) use control_loop::channels;
+pub(crate) use kinds::EnvironmentKind;
 pub(crate) use measure::measure;
 pub(crate) use page::{Page, Shown};
 pub(crate) use partner::Model;
+pub(crate) use remote::End;

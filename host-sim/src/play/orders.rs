@@ -109,20 +109,20 @@ fn with_law(scene: &Scene, name: &str) -> Result<(Scene, Vec<String>), String> {
         "passive-mean" => Some("hub"),
         _ => None,
     };
-    let told = match recommended {
+    let base = match recommended {
         Some(from) => scenes::load(scene.laws, from).map_err(|error| error.to_string())?.peer,
         None => Settings::default(),
     };
     let mut changed = scene.clone();
-    (changed.peer.timing, changed.peer.object) = (told.timing, told.object);
-    (changed.peer.coordination, changed.peer.safety) = (told.coordination, told.safety);
-    let kind = scene.laws.kinds().iter().find(|kind| kind.name == name);
-    let gains = kind.filter(|_| recommended.is_none()).map_or(&[][..], |kind| kind.gains);
+    (changed.peer.timing, changed.peer.object) = (base.timing, base.object);
+    (changed.peer.coordination, changed.peer.safety) = (base.coordination, base.safety);
+    let info = scene.laws.all().iter().find(|law| law.name == name);
+    let gains = info.filter(|_| recommended.is_none()).map_or(&[][..], |law| law.gains);
     // What moves and decodes in one solve takes neither from the tick before.
     let solved = if gains.contains(&"object.integrator=midpoint") { &SOLVED[..] } else { &[] };
-    let comm = format!("coordination.comm={name}");
+    let law = format!("coordination.comm={name}");
     let keys = solved.iter().chain(gains).map(|gain| (*gain).to_owned());
-    Ok((changed, std::iter::once(comm).chain(keys).collect()))
+    Ok((changed, std::iter::once(law).chain(keys).collect()))
 }
 
 #[cfg(test)]

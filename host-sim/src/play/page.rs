@@ -5,18 +5,18 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use haptic_report::Made;
+use haptic_report::Provenance;
 use haptic_sim::scene::Scene;
 
-use super::beat::{self, Kept};
 use super::boards::Boards;
-use super::desk::Desk;
+use super::control_loop::{self, Kept};
 use super::environment::Opening;
-use super::far::{End, Far};
 use super::judge;
-use super::kinds::Kind;
+use super::kinds::EnvironmentKind;
+use super::mailbox::Mailbox;
 use super::orders;
 use super::partner::Model;
+use super::remote::{End, Remote};
 use super::web::{Site, hello};
 use haptic_live::endpoint::Stop;
 use haptic_live::recording::origin::Origin;
@@ -25,18 +25,18 @@ use haptic_live::recording::recorder::Recorder;
 /// What a page shows.
 pub(crate) enum Shown {
     /// An environment of this process.
-    Here(Kind),
+    Here(EnvironmentKind),
     /// One peer, whose partner is a process elsewhere.
-    Far(End),
+    Remote(End),
     /// Boards, which are there.
     Boards(Boards),
 }
 
 /// A page that is served.
 pub(crate) struct Page {
-    desk: Arc<Desk>,
+    mailbox: Arc<Mailbox>,
     site: Site,
-    kind: Kind,
+    kind: EnvironmentKind,
     opening: Opening,
     /// Topic of a recording, and whose it is.
     recorded: (&'static str, &'static str),
@@ -48,34 +48,34 @@ impl Page {
         orders::check(&scene)?;
         let failed = |cause| format!("cannot listen on 127.0.0.1:{port}: {cause}");
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(failed)?;
-        let desk = Arc::new(Desk::new(partner));
+        let mailbox = Arc::new(Mailbox::new(partner));
         let (other, fixed) = match &shown {
             Shown::Here(_) => (None, None),
-            Shown::Far(end) => {
+            Shown::Remote(end) => {
                 let why = "both ends were told these settings: end both and start them with others";
                 (Some(end.to_string()), Some(why))
             }
             Shown::Boards(_) => (None, Some("boards are told their settings by `host-sim board operator`")),
         };
         let site = Site::new(&listener, hello(&scene, other, matches!(shown, Shown::Boards(_))))?;
-        let kind = if let Shown::Here(kind) = &shown { *kind } else { Kind::default() };
+        let kind = if let Shown::Here(kind) = &shown { *kind } else { EnvironmentKind::default() };
         // What cannot be shown is an error before anybody looks.
         if fixed.is_none() {
             kind.open(&scene)?;
         }
-        let asks = judge::start(&desk, scene.clone(), kind, fixed)?;
-        site.serve(listener, &desk, asks)?;
+        let asks = judge::start(&mailbox, scene.clone(), kind, fixed)?;
+        site.serve(listener, &mailbox, asks)?;
         let recorded = match &shown {
             Shown::Here(_) => ("/both/ticks", "both peers"),
-            Shown::Far(_) => ("/page/ticks", "a page of one peer"),
+            Shown::Remote(_) => ("/page/ticks", "a page of one peer"),
             Shown::Boards(_) => ("/boards/ticks", "a page of boards"),
         };
         let opening: Opening = match shown {
             Shown::Here(kind) => Box::new(move || kind.open(&scene)),
-            Shown::Far(end) => Box::new(move || Ok(Box::new(Far::new(scene, end)?))),
+            Shown::Remote(end) => Box::new(move || Ok(Box::new(Remote::new(scene, end)?))),
             Shown::Boards(boards) => Box::new(move || Ok(Box::new(boards))),
         };
-        Ok(Self { desk, site, kind, opening, recorded })
+        Ok(Self { mailbox, site, kind, opening, recorded })
     }
 
     /// The address for person 1 or 2. What follows its `#` is told to nobody by a browser.
@@ -83,25 +83,25 @@ impl Page {
         self.site.address(person)
     }
 
-    /// Keeps the beat until it is stopped, or so many seconds are over: on a thread of its own, for what a thread starts inherits
-    /// its real-time priority. Every tick goes into the recording, if there is one.
-    pub(crate) fn run(self, seconds: f64, record: Option<(&Path, &Made)>, stop: &Stop) -> Result<Kept, String> {
-        let Self { desk, kind, opening, recorded, .. } = self;
-        let begin = |(file, made): (&Path, &Made)| {
+    /// Runs the control loop until it is stopped, or so many seconds are over: on a thread of its own, for what a
+    /// thread starts inherits its real-time priority. Every tick goes into the recording, if there is one.
+    pub(crate) fn run(self, seconds: f64, record: Option<(&Path, &Provenance)>, stop: &Stop) -> Result<Kept, String> {
+        let Self { mailbox, kind, opening, recorded, .. } = self;
+        let begin = |(file, provenance): (&Path, &Provenance)| {
             let (topic, who) = recorded;
-            Recorder::create(file, &Origin::here(made, who, Instant::now()), beat::channels(topic))
+            Recorder::create(file, &Origin::here(provenance, who, Instant::now()), control_loop::channels(topic))
         };
         let recorder = record.map(begin).transpose()?;
-        let beat = || beat::run(&desk, kind, opening, seconds, recorder.as_ref(), stop);
+        let control_loop = || control_loop::run(&mailbox, kind, opening, seconds, recorder.as_ref(), stop);
         let kept = std::thread::scope(|scope| {
-            let beat = std::thread::Builder::new().name("beat".into()).spawn_scoped(scope, beat);
-            beat.map_err(|cause| cause.to_string())?.join().map_err(|_| "the beat failed".to_owned())?
+            let control_loop = std::thread::Builder::new().name("beat".into()).spawn_scoped(scope, control_loop);
+            control_loop.map_err(|cause| cause.to_string())?.join().map_err(|_| "the beat failed".to_owned())?
         });
         if let Some(recorder) = recorder {
-            eprintln!("{}", recorder.finish().told());
+            eprintln!("{}", recorder.finish().summary());
         }
         // Windows ask 60 times a second: each sees that it is over, and closes.
-        desk.lock().over = true;
+        mailbox.lock().over = true;
         std::thread::sleep(Duration::from_millis(100));
         kept
     }

@@ -68,9 +68,9 @@ impl Partner {
                 Some(*from)
             }
             Model::CarriesOn => {
-                let (way, within) = ((*since / EVERY_S) as u64, *since % EVERY_S);
+                let (turn, within) = ((*since / EVERY_S) as u64, *since % EVERY_S);
                 let (gone, _) = minimum_jerk(FAR_M, REACH_S, within);
-                Some(*from + if way.is_multiple_of(2) { gone } else { FAR_M - gone })
+                Some(*from + if turn.is_multiple_of(2) { gone } else { FAR_M - gone })
             }
         }
     }

@@ -1,7 +1,7 @@
 //! The two peers with devices and hands, and the network between them: what [`haptic_sim::pair::Pair`] is in a run, with hands
 //! that come and go, and settings that change in flight.
 //!
-//! **What a change does.** Keys of the network act at once, on what is sent from then on. Everything else is what a peer is told
+//! **What a change does.** Keys of the network act at once, on what is sent from then on. Everything else is what a peer is configured with
 //! before it is armed: both start anew, at rest, where the middle of their devices is, and hands let go. Peers whose motors are off,
 //! because they were stopped or because of a fault, stay so until they are asked to start.
 //!
@@ -72,7 +72,7 @@ pub(super) struct Side {
 }
 
 /// What a tick of one peer comes to.
-pub(super) struct Seen {
+pub(super) struct TickOutcome {
     /// Energy sent and not received, and kept, J.
     pub(super) sent_j: f64,
     pub(super) kept_j: f64,
@@ -88,7 +88,7 @@ impl Side {
     }
 
     /// After a tick of this peer, which has heard so many packets.
-    pub(super) fn see(&mut self, peer: &dyn DynPeer<f32>, heard: u64) -> Seen {
+    pub(super) fn see(&mut self, peer: &dyn DynPeer<f32>, heard: u64) -> TickOutcome {
         let [ledger] = peer.ledger();
         let [received, sent] = [ledger.received_j(), ledger.sent_j()].map(f64::from);
         self.port.see(&peer.observed()[0].map(f64::from));
@@ -98,7 +98,7 @@ impl Side {
         self.silent = if heard == self.heard { self.silent.saturating_add(1) } else { 0 };
         let live = if self.counts { live_ticks != self.live_ticks } else { self.silent < self.patience };
         (self.heard, self.live_ticks) = (heard, live_ticks);
-        Seen { sent_j: sent - received, kept_j, live: f32::from(u8::from(live)) }
+        TickOutcome { sent_j: sent - received, kept_j, live: f32::from(u8::from(live)) }
     }
 }
 
@@ -283,8 +283,8 @@ pub(super) fn end_of_travel(Motion { position, velocity }: Motion<f64>) -> f64 {
 
 /// Whether two scenes are the same but for their networks.
 pub(super) fn same_but_for_network(one: &Scene, other: &Scene) -> bool {
-    let told = |scene: &Scene| scene.settings().into_iter().filter(|(key, _)| !key.starts_with("network."));
-    told(one).eq(told(other))
+    let settings_of = |scene: &Scene| scene.settings().into_iter().filter(|(key, _)| !key.starts_with("network."));
+    settings_of(one).eq(settings_of(other))
 }
 
 fn sides(scene: &Scene) -> [Side; 2] {

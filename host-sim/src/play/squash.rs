@@ -10,10 +10,10 @@ use haptic_sim::engine::{Actor, Engine, Out, Seat};
 use haptic_sim::{key_file::entropy, network::link::Route, scene::Scene};
 
 use super::environment::Column;
-use super::meeting::{Held, Play, way};
 use super::session::PERIOD_S;
+use super::shared_environment::{Held, Play, scene_route};
 use haptic_environments::said;
-use haptic_environments::squash::bot::{Contestant, Part, SCALE};
+use haptic_environments::squash::bot::{Contestant, Participant, SCALE};
 
 /// Number of players in the game.
 const COUNT: usize = 4;
@@ -50,15 +50,15 @@ pub(super) fn size() -> [f64; 2] {
 pub(super) const POINTER: f64 = SCALE;
 
 /// The server or one player.
-struct Peer(Part);
+struct GameSeat(Participant);
 
-impl Actor<usize> for Peer {
+impl Actor<usize> for GameSeat {
     type Packet = wire::Message;
 
     fn hear(&mut self, now_ns: u64, from: usize, message: &mut wire::Message, out: &mut Out<'_, usize, wire::Message>) {
         let Some((_, message)) = Message::read(message) else { return };
         self.0.receive(now_ns / 1_000, PeerId(from as u8), &message, &mut said(0, out));
-        if let Part::Player(contestant) = &mut self.0 {
+        if let Participant::Player(contestant) = &mut self.0 {
             contestant.hears(now_ns / 1_000, |_, _| ());
         }
     }
@@ -66,8 +66,8 @@ impl Actor<usize> for Peer {
     fn speak(&mut self, now_ns: u64, out: &mut Out<'_, usize, wire::Message>) {
         let now_us = now_ns / 1_000;
         match &mut self.0 {
-            Part::Server(server) => server.poll(now_us, &mut said(0, out)),
-            Part::Player(contestant) => {
+            Participant::Server(server) => server.poll(now_us, &mut said(0, out)),
+            Participant::Player(contestant) => {
                 contestant.tick(now_us, true, &mut said(0, out));
                 contestant.hears(now_us, |_, _| ());
             }
@@ -77,14 +77,14 @@ impl Actor<usize> for Peer {
 
 /// A game of squash in the page.
 pub(super) struct Squash {
-    engine: Engine<Peer>,
+    engine: Engine<GameSeat>,
 }
 
 impl Squash {
     fn players(&self) -> impl Iterator<Item = &Contestant> {
         self.engine.seats.iter().filter_map(|seat| match &seat.actor.0 {
-            Part::Player(contestant) => Some(contestant.as_ref()),
-            Part::Server(_) => None,
+            Participant::Player(contestant) => Some(contestant.as_ref()),
+            Participant::Server(_) => None,
         })
     }
 }
@@ -95,15 +95,16 @@ impl Play for Squash {
         let seeds = entropy()?;
         let player = |number: usize| {
             let seed = u64::from_le_bytes([0, 1, 2, 3, 4, 5, 6, 7].map(|at| seeds[(8 * number + at) % seeds.len()]));
-            Part::Player(Box::new(Contestant::new(PeerId(number as u8), seed as u16, seed)))
+            Participant::Player(Box::new(Contestant::new(PeerId(number as u8), seed as u16, seed)))
         };
-        let server = std::iter::once(Part::Server(Box::new(Server::new(config))));
-        let seats = server.chain((1..=COUNT).map(player)).map(|part| Seat::new(Peer(part))).collect();
-        Ok(Self { engine: Engine::new((1e9 * PERIOD_S) as u64, seats, |from, to| way(scene, from, to)) })
+        let server = std::iter::once(Participant::Server(Box::new(Server::new(config))));
+        let seats = server.chain((1..=COUNT).map(player)).map(|part| Seat::new(GameSeat(part))).collect();
+        Ok(Self { engine: Engine::new((1e9 * PERIOD_S) as u64, seats, |from, to| scene_route(scene, from, to)) })
     }
 
     fn hold(&mut self, hand: usize, held: Held) {
-        let Some(Part::Player(contestant)) = self.engine.seats.get_mut(hand + 1).map(|seat| &mut seat.actor.0) else {
+        let Some(Participant::Player(contestant)) = self.engine.seats.get_mut(hand + 1).map(|seat| &mut seat.actor.0)
+        else {
             return;
         };
         let [length, width] = size();

@@ -14,8 +14,8 @@ use haptic_sim::engine::{Actor, Engine, Out, Seat};
 use haptic_sim::{key_file::entropy, network::link::Route, rng::Rng, scene::Scene};
 
 use super::environment::Column;
-use super::meeting::{Held, Play, way};
 use super::session::PERIOD_S;
+use super::shared_environment::{Held, Play, scene_route};
 use haptic_environments::said;
 
 /// Number of users at the object.
@@ -172,8 +172,8 @@ impl User {
     fn step(&mut self, now: u64, out: &mut Out<'_, usize, Message>) {
         self.tick += 1;
         let (wanted, closed) = self.wants();
-        let way = distance(wanted, self.hand);
-        let share = (SPEED_M_PER_S * PERIOD_S / way.max(1e-9)).min(1.0);
+        let distance_m = distance(wanted, self.hand);
+        let share = (SPEED_M_PER_S * PERIOD_S / distance_m.max(1e-9)).min(1.0);
         self.hand = [0, 1].map(|axis| self.hand[axis] + share * (wanted[axis] - self.hand[axis]));
         match &mut self.right {
             Right::Lock(client) => {
@@ -299,7 +299,7 @@ impl<const LOCK: bool> Play for Turns<LOCK> {
             Around::User(Box::new(User::new(right, index, Rng::new(!seed))))
         };
         let seats = server.into_iter().chain((0..USERS).map(&mut user)).map(Seat::new).collect();
-        Ok(Self { engine: Engine::new((1e9 * PERIOD_S) as u64, seats, |from, to| way(scene, from, to)) })
+        Ok(Self { engine: Engine::new((1e9 * PERIOD_S) as u64, seats, |from, to| scene_route(scene, from, to)) })
     }
 
     fn hold(&mut self, hand: usize, held: Held) {

@@ -1,7 +1,7 @@
-//! A static world: two visitors feel what a server of it has told them, over the scene's network.
+//! A static world: two visitors feel what a server of it has announced to them, over the scene's network.
 //!
 //! Each has a device of the cooperation paper's mass and damping, pulled by its pointer along both axes and pushed by what it touches.
-//! In a static world nobody feels anybody else: where the other one is, a visitor is told. Nobody plays a hand that nobody holds.
+//! In a static world nobody feels anybody else: where the other one is, is announced to a visitor. Nobody plays a hand that nobody holds.
 
 use std::sync::OnceLock;
 
@@ -14,11 +14,11 @@ use serde_json::{Value, json};
 
 use super::environment::Column;
 use super::hand::Hand;
-use super::meeting::{Held, Play, way};
 use super::session::PERIOD_S;
+use super::shared_environment::{Held, Play, scene_route};
 use haptic_environments::world::host::Host;
 use haptic_environments::world::stroke::HAND;
-use haptic_environments::world::visitor::{Party, Setup, Visitor};
+use haptic_environments::world::visitor::{Correspondent, Setup, Visitor};
 use haptic_environments::world::{TICKS_PER_PACKET, World, corners, parse};
 
 /// What there is to be felt, and the number of its server.
@@ -88,7 +88,7 @@ impl Actor<usize> for Around {
         match self {
             Self::Server(host) => _ = host.receive(now_us, from, datagram, |to, bytes| out(to, bytes)),
             Self::Visitor(device) => {
-                device.visitor.receive(now_us, Party::Server(SERVER), datagram, |_, bytes| out(0, bytes));
+                device.visitor.receive(now_us, Correspondent::Server(SERVER), datagram, |_, bytes| out(0, bytes));
             }
         }
     }
@@ -155,7 +155,7 @@ impl Play for Visit {
         };
         let server = std::iter::once(Around::Server(Box::new(host)));
         let seats = server.chain((1..=COUNT as u32).map(device)).map(Seat::new).collect();
-        Ok(Self { engine: Engine::new((1e9 * PERIOD_S) as u64, seats, |from, to| way(scene, from, to)) })
+        Ok(Self { engine: Engine::new((1e9 * PERIOD_S) as u64, seats, |from, to| scene_route(scene, from, to)) })
     }
 
     fn hold(&mut self, hand: usize, held: Held) {

@@ -38,11 +38,11 @@ use tungstenite::protocol::{Role, WebSocketConfig};
 use tungstenite::{Error, Message, WebSocket};
 
 use super::boards_line::Line;
-use super::desk::{Desk, Papers, Pointed};
 use super::environment::{Command, FAULT, MOST as NUMBERS, WAITS};
 use super::hand;
 use super::judge::Ask;
-use super::kinds::Kind;
+use super::kinds::EnvironmentKind;
+use super::mailbox::{Contents, Mailbox, Pointed};
 use super::orders::CLICKS;
 use super::partner::Model;
 use super::session::{PERIOD_S, REACH_M};
@@ -63,7 +63,7 @@ const SOONEST: Duration = Duration::from_millis(4);
 /// Longest head of a request, and longest message of a window, bytes: a scene file of every key has 5,000.
 const LONGEST_HEAD: usize = 4096;
 const LONGEST_MESSAGE: usize = 16384;
-/// How far windows stand back behind the beat where that gets no real-time priority.
+/// How far windows stand back behind the control loop where that gets no real-time priority.
 const NICENESS: i32 = 5;
 /// Connections at a time.
 const MOST: usize = 16;
@@ -101,17 +101,22 @@ impl Site {
     }
 
     /// Serves on a thread of its own, as long as the program runs.
-    pub(super) fn serve(&self, listener: TcpListener, desk: &Arc<Desk>, asks: SyncSender<Ask>) -> Result<(), String> {
-        let (site, desk, gate) = (self.clone(), Arc::clone(desk), Arc::new(()));
+    pub(super) fn serve(
+        &self,
+        listener: TcpListener,
+        mailbox: &Arc<Mailbox>,
+        asks: SyncSender<Ask>,
+    ) -> Result<(), String> {
+        let (site, mailbox, gate) = (self.clone(), Arc::clone(mailbox), Arc::new(()));
         let accept = move || {
             stand_back(NICENESS);
             for stream in listener.incoming().flatten() {
-                let (site, desk, asks, pass) = (site.clone(), Arc::clone(&desk), asks.clone(), Arc::clone(&gate));
+                let (site, mailbox, asks, pass) = (site.clone(), Arc::clone(&mailbox), asks.clone(), Arc::clone(&gate));
                 if Arc::strong_count(&gate) <= MOST + 1 {
                     let serve = move || {
                         let _pass = pass;
                         // A browser that went away is nothing to report.
-                        let _ = site.connection(stream, &desk, &asks);
+                        let _ = site.connection(stream, &mailbox, &asks);
                     };
                     let _ = std::thread::Builder::new().name("window".into()).spawn(serve);
                 }
@@ -121,7 +126,7 @@ impl Site {
         started.map(drop).map_err(|cause| cause.to_string())
     }
 
-    fn connection(&self, mut stream: TcpStream, desk: &Desk, asks: &SyncSender<Ask>) -> std::io::Result<()> {
+    fn connection(&self, mut stream: TcpStream, mailbox: &Mailbox, asks: &SyncSender<Ask>) -> std::io::Result<()> {
         stream.set_nodelay(true)?;
         stream.set_read_timeout(Some(PATIENCE))?;
         stream.set_write_timeout(Some(PATIENCE))?;
@@ -140,7 +145,7 @@ impl Site {
                     .max_message_size(Some(LONGEST_MESSAGE))
                     .max_frame_size(Some(LONGEST_MESSAGE));
                 let socket = WebSocket::from_partially_read(stream, rest, Role::Server, Some(limits));
-                Window { socket, hand, desk, asks }.serve(&self.hello);
+                Window { socket, hand, mailbox, asks }.serve(&self.hello);
                 Ok(())
             }
         }
@@ -223,18 +228,18 @@ fn respond(stream: &mut TcpStream, status: &str, kind: &str, text: &str) -> std:
 struct Window<'a> {
     socket: WebSocket<TcpStream>,
     hand: Option<usize>,
-    desk: &'a Desk,
+    mailbox: &'a Mailbox,
     asks: &'a SyncSender<Ask>,
 }
 
 impl Window<'_> {
     fn serve(mut self, hello: &Value) {
         let me = {
-            let mut papers = self.desk.lock();
-            papers.windows += 1;
-            let me = papers.windows;
+            let mut contents = self.mailbox.lock();
+            contents.windows += 1;
+            let me = contents.windows;
             if let Some(hand) = self.hand {
-                (papers.holder[hand], papers.pointed[hand]) = (Some(me), Some(LET_GO));
+                (contents.holder[hand], contents.pointed[hand]) = (Some(me), Some(LET_GO));
             }
             me
         };
@@ -242,11 +247,11 @@ impl Window<'_> {
         if self.socket.send(Message::text(greeting)).is_ok() {
             self.answer(me);
         }
-        let mut papers = self.desk.lock();
-        if let Some(hand) = self.hand.filter(|hand| papers.holder[*hand] == Some(me)) {
-            (papers.holder[hand], papers.pointed[hand]) = (None, None);
+        let mut contents = self.mailbox.lock();
+        if let Some(hand) = self.hand.filter(|hand| contents.holder[*hand] == Some(me)) {
+            (contents.holder[hand], contents.pointed[hand]) = (None, None);
         }
-        drop(papers);
+        drop(contents);
         let _ = self.socket.close(None);
         let _ = self.socket.flush();
     }
@@ -262,13 +267,13 @@ impl Window<'_> {
                 Err(Error::Io(error)) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => None,
                 Err(_) => return,
             };
-            let mut papers = self.desk.lock();
-            if papers.over || self.hand.is_some_and(|hand| papers.holder[hand] != Some(me)) {
+            let mut contents = self.mailbox.lock();
+            if contents.over || self.hand.is_some_and(|hand| contents.holder[hand] != Some(me)) {
                 return;
             }
             let answers = match message {
                 None => {
-                    self.point(&mut papers, LET_GO);
+                    self.point(&mut contents, LET_GO);
                     continue;
                 }
                 Some(Message::Binary(bytes)) => match <[u8; 16]>::try_from(&bytes[..]) {
@@ -278,20 +283,20 @@ impl Window<'_> {
                         let at = [along, across].map(f32::from_le_bytes);
                         let at =
                             at.iter().all(|at| at.is_finite()).then(|| at.map(|at| at.clamp(-FARTHEST_M, FARTHEST_M)));
-                        self.point(&mut papers, Pointed { at, restarts: u32::from_le_bytes(restarts) });
-                        picture(&mut papers, me, &mut edition, u32::from_le_bytes(from))
+                        self.point(&mut contents, Pointed { at, restarts: u32::from_le_bytes(restarts) });
+                        picture(&mut contents, me, &mut edition, u32::from_le_bytes(from))
                     }
                     Err(_) => return,
                 },
                 Some(Message::Text(line)) => {
-                    drop(papers);
+                    drop(contents);
                     self.order(me, line.as_str());
                     continue;
                 }
                 Some(Message::Close(_)) => return,
                 Some(_) => continue,
             };
-            drop(papers);
+            drop(contents);
             std::thread::sleep((last + SOONEST).saturating_duration_since(Instant::now()));
             last = Instant::now();
             if answers.into_iter().any(|answer| self.socket.send(answer).is_err()) {
@@ -300,9 +305,9 @@ impl Window<'_> {
         }
     }
 
-    fn point(&self, papers: &mut Papers, pointed: Pointed) {
+    fn point(&self, contents: &mut Contents, pointed: Pointed) {
         if let Some(hand) = self.hand {
-            papers.pointed[hand] = Some(pointed);
+            contents.pointed[hand] = Some(pointed);
         }
     }
 
@@ -320,13 +325,13 @@ impl Window<'_> {
         match command {
             // Whoever only watches stops a board, and does nothing else with it.
             Some(Command::Board(..)) if self.hand.is_none() => {
-                self.desk.lock().answer(me, json!({ "refused": "this window only watches" }).to_string());
+                self.mailbox.lock().answer(me, json!({ "refused": "this window only watches" }).to_string());
             }
-            Some(command) => self.desk.lock().ask(command),
+            Some(command) => self.mailbox.lock().ask(command),
             None => {
                 if self.asks.try_send(Ask { window: me, line: line.to_owned() }).is_err() {
                     let busy = "the last orders are still being judged: try again";
-                    self.desk.lock().answer(me, json!({ "refused": busy }).to_string());
+                    self.mailbox.lock().answer(me, json!({ "refused": busy }).to_string());
                 }
             }
         }
@@ -344,25 +349,25 @@ const LET_GO: Pointed = Pointed { at: None, restarts: 0 };
 const FARTHEST_M: f32 = 0.2;
 
 /// What a window that has come to tick `from` gets.
-fn picture(papers: &mut Papers, window: u64, edition: &mut u64, from: u32) -> Vec<Message> {
+fn picture(contents: &mut Contents, window: u64, edition: &mut u64, from: u32) -> Vec<Message> {
     let mut bytes = Vec::with_capacity(HEADER + 4 * NUMBERS * 20);
-    let (first, samples) = papers.since(from);
-    bytes.extend(header(first, papers));
+    let (first, samples) = contents.since(from);
+    bytes.extend(header(first, contents));
     bytes.extend(samples.flatten().flat_map(|number| number.to_le_bytes()));
     let mut answers = vec![Message::Binary(bytes.into())];
-    answers.extend(papers.told_since(edition).map(Message::text));
-    answers.extend(std::iter::from_fn(|| papers.answer_for(window)).map(Message::text));
+    answers.extend(contents.announced_since(edition).map(Message::text));
+    answers.extend(std::iter::from_fn(|| contents.answer_for(window)).map(Message::text));
     answers
 }
 
 /// Tick of the first sample, late ticks, latest, µs, each u32; modes of the two peers, who holds a hand, cut, partner, which environment, one spare.
-fn header(first: u32, papers: &Papers) -> [u8; HEADER] {
-    let status = papers.status;
+fn header(first: u32, contents: &Contents) -> [u8; HEADER] {
+    let status = contents.status;
     let mut bytes = [0; HEADER];
     for (at, number) in [first, status.late, status.worst_us].into_iter().enumerate() {
         bytes[4 * at..4 * at + 4].copy_from_slice(&number.to_le_bytes());
     }
-    let people = papers.holder.map(|holder| u8::from(holder.is_some()));
+    let people = contents.holder.map(|holder| u8::from(holder.is_some()));
     let standing = status.standing;
     let [one, two] = standing.modes;
     let rest = [one, two, people[0], people[1], u8::from(standing.cut), standing.partner, status.kind, 0];
@@ -377,7 +382,7 @@ pub(super) fn next(sent: &[u8]) -> Option<u32> {
     Some(first.wrapping_add(samples))
 }
 
-/// What a page is told once: so that no name, unit or range stands in it a second time.
+/// What a page is sent once: so that no name, unit or range stands in it a second time.
 /// `other` is who has the other hand where that is a process elsewhere.
 pub(super) fn hello(scene: &Scene, other: Option<String>, boards: bool) -> Value {
     let faults: serde_json::Map<_, _> =
@@ -399,7 +404,7 @@ pub(super) fn hello(scene: &Scene, other: Option<String>, boards: bool) -> Value
         .map(|(name, scene, keys)| json!({ "name": name, "order": format!("scene {scene} {keys}").trim_end() }))
         .collect();
     json!({
-        "environments": Kind::hello(),
+        "environments": EnvironmentKind::hello(),
         "numbers": NUMBERS,
         "header_bytes": HEADER,
         "faults": faults,
@@ -409,7 +414,7 @@ pub(super) fn hello(scene: &Scene, other: Option<String>, boards: bool) -> Value
         "boards": boards,
         "keys": keys,
         "clicks": clicks,
-        "laws": scene.laws.kinds().iter().map(|kind| kind.name).collect::<Vec<_>>(),
+        "laws": scene.laws.all().iter().map(|law| law.name).collect::<Vec<_>>(),
         "partners": Model::NAMES,
         "hand_n_per_m": hand::STIFFNESS,
         "hand_n": hand::STRENGTH,

@@ -18,7 +18,7 @@ use std::time::Instant;
 use haptic_environments::roles::static_scene::Download;
 use haptic_protocol::wire::{Message, Presence, Sighting};
 use haptic_protocol::{key::Key, link::Link};
-use haptic_sim::{key_file::entropy, node::Says as _};
+use haptic_sim::{key_file::entropy, node::Transmit as _};
 use serde::Serialize;
 
 use super::beside::{self, Echo};
@@ -210,11 +210,11 @@ impl Clients for Load<'_> {
         let at = line.map_or(0, |line| line as usize).wrapping_sub(1);
         let Some(client) = self.clients.get_mut(at) else { return };
         match client.link.receive(now_ns / 1_000, datagram) {
-            Ok(Some(Message::Presence(told))) => {
-                let sent_ns = std::mem::take(&mut client.sent_ns[told.tick as usize % UNDER_WAY]);
+            Ok(Some(Message::Presence(presence))) => {
+                let sent_ns = std::mem::take(&mut client.sent_ns[presence.tick as usize % UNDER_WAY]);
                 if measured && sent_ns > 0 {
                     self.seen.answered += 1;
-                    self.seen.sightings += told.seen().len() as u64;
+                    self.seen.sightings += presence.seen().len() as u64;
                     self.round_trip.add(now_ns - sent_ns);
                 }
             }

@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use haptic_environments::live::serve::Computed;
 use haptic_environments::world::PACKET_US;
-use haptic_live::batch::{Came, Going, MOST};
+use haptic_live::batch::{MOST, OutgoingBatch, ReceivedBatch};
 use haptic_live::endpoint::{Endpoint, Stop, realtime};
 use haptic_live::quantiles::{Quantiles, Times};
 
@@ -60,7 +60,7 @@ pub(super) fn run(
     let mut kept = Kept { realtime_priority: realtime(), ..Kept::default() };
     let (period_ns, warm_ns, end_ns) =
         (1_000 * PACKET_US, (1e9 * warm_up_s) as u64, (1e9 * (warm_up_s + seconds)) as u64);
-    let (mut came, mut going, mut late) = (Came::default(), Going::default(), Times::default());
+    let (mut came, mut going, mut late) = (ReceivedBatch::default(), OutgoingBatch::default(), Times::default());
     let (mut next, mut slipped_ns, mut rested_ns) = (0_u64, endpoint.now_ns(), 0);
     let mut measured: Option<(Computed, u64)> = None;
     loop {
@@ -118,8 +118,8 @@ fn take(
     endpoint: &Endpoint,
     server: SocketAddr,
     measured: bool,
-    came: &mut Came,
-    going: &mut Going,
+    came: &mut ReceivedBatch,
+    going: &mut OutgoingBatch,
     clients: &mut impl Clients,
 ) -> Result<(), String> {
     for _ in 0..TAKES {

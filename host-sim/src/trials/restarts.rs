@@ -11,7 +11,7 @@ use haptic_core::safety::{Guard, Mode};
 use haptic_protocol::key::Key;
 use serde::Serialize;
 
-use haptic_sim::engine::{Actor, Engine, Out, Seat, Seen, Turn};
+use haptic_sim::engine::{Actor, Engine, EngineView, Out, Seat, Turn};
 use haptic_sim::{network::link::Route, network::rule::Direction, node::Node, plant::Plant, rng::Rng, scene::Scene};
 
 /// Longest that two peers may take to engage, s.
@@ -107,7 +107,7 @@ impl World<'_> {
     /// One control period of both.
     fn step(&mut self) {
         let report = &mut self.report;
-        self.engine.step(&mut |seen: Seen<'_, Life>| {
+        self.engine.step(&mut |seen: EngineView<'_, Life>| {
             if seen.turn == Turn::Spoke {
                 measure(report, &mut seen.seats[seen.seat].actor);
             }

@@ -35,7 +35,7 @@ fn case_done(case: &str) {
     black_box(case);
 }
 
-/// Callgrind, told by names.
+/// Callgrind, addressed by names.
 struct Callgrind;
 
 impl Meter for Callgrind {

@@ -15,7 +15,7 @@ use haptic_sim::scene::Scene;
 
 use super::Failure;
 use super::estimate::Estimate;
-use super::sweep::{MERITS, Merit, Row, all_same, of_runs};
+use super::sweep::{METRICS, Metric, Row, all_same, of_runs};
 
 /// A scene that is compared.
 #[derive(Clone, Debug)]
@@ -42,8 +42,8 @@ pub struct Comparison {
 pub struct Difference {
     /// Index of the scene, from 1.
     pub entrant: usize,
-    /// Index of the figure of merit in [`MERITS`].
-    pub merit: usize,
+    /// Index of the figure of merit in [`METRICS`].
+    pub metric: usize,
     /// Means over the seeds, of the first scene and of this one, where every run has it.
     pub means: [Option<f64>; 2],
     /// This one's less the first one's, seed by seed.
@@ -81,9 +81,9 @@ impl Comparison {
     /// Every scene after the first beside it, in all figures of merit.
     pub fn differences(&self, rows: &[Row]) -> Vec<Difference> {
         let runs: Vec<&[Row]> = rows.chunk_by(|one, other| one.point == other.point).collect();
-        let of = |entrant| (0..MERITS.len()).map(move |merit| (entrant, merit));
+        let of = |entrant| (0..METRICS.len()).map(move |metric| (entrant, metric));
         let pairs = (1..runs.len()).flat_map(of);
-        pairs.map(|(entrant, merit)| difference([runs[0], runs[entrant]], entrant, merit)).collect()
+        pairs.map(|(entrant, metric)| difference([runs[0], runs[entrant]], entrant, metric)).collect()
     }
 
     /// Every run as a table.
@@ -94,7 +94,7 @@ impl Comparison {
 
     /// The differences as a table; in text these figures of merit.
     pub fn columns(&self, differences: &[Difference], shown: &[usize]) -> Columns {
-        let shown: Vec<&Difference> = differences.iter().filter(|one| shown.contains(&one.merit)).collect();
+        let shown: Vec<&Difference> = differences.iter().filter(|one| shown.contains(&one.metric)).collect();
         let relative = |one: &&Difference| {
             let percent = 100.0 * one.difference?.mean / one.means[0]?.abs();
             Some(percent).filter(|percent| percent.is_finite())
@@ -105,7 +105,7 @@ impl Comparison {
             .data_only()
             .value("scene", |one| self.entrants[one.entrant].name.as_str())
             .means("name of the scene or law")
-            .value("merit", |one| MERITS[one.merit].name())
+            .value("merit", |one| METRICS[one.metric].name())
             .means("figure of merit; what follows is in its unit")
             .significant("first", 4, |one| one.means[0])
             .means("mean over the seeds, of the first scene")
@@ -130,8 +130,8 @@ impl Comparison {
     /// Intervals of the differences, a panel for each of these figures of merit.
     pub fn figure(&self, differences: &[Difference], shown: &[usize]) -> Figure {
         let others = self.entrants.len() - 1;
-        let panel = |merit: &usize| {
-            let of: Vec<&Difference> = differences.iter().filter(|one| one.merit == *merit).collect();
+        let panel = |metric: &usize| {
+            let of: Vec<&Difference> = differences.iter().filter(|one| one.metric == *metric).collect();
             let interval = |one: &&Difference| {
                 let found = one.difference?;
                 Some((one.entrant as f64 - 1.0, found.mean, found.within_95.unwrap_or(0.0)))
@@ -139,7 +139,7 @@ impl Comparison {
             let failed = of.iter().filter(|one| one.difference.is_none()).count();
             let zero = vec![(-0.6, 0.0), (others as f64 - 0.4, 0.0)];
             Panel {
-                y_label: label(&MERITS[*merit]),
+                y_label: label(&METRICS[*metric]),
                 categories: self.entrants[1..].iter().map(|entrant| entrant.name.replace(',', ", ")).collect(),
                 note: (failed > 0).then(|| format!("{failed} without: a run failed")),
                 series: vec![
@@ -164,17 +164,17 @@ impl Comparison {
 }
 
 /// A figure of merit on an axis.
-fn label(merit: &Merit) -> String {
-    let unit = if merit.unit.is_empty() { String::new() } else { format!(" ({})", merit.unit.replace("_per_", "/")) };
-    let mut name = format!("{}{unit}", merit.stem.replace('_', " ")).replace("(n)", "(N)").replace("/n)", "/N)");
+fn label(metric: &Metric) -> String {
+    let unit = if metric.unit.is_empty() { String::new() } else { format!(" ({})", metric.unit.replace("_per_", "/")) };
+    let mut name = format!("{}{unit}", metric.stem.replace('_', " ")).replace("(n)", "(N)").replace("/n)", "/N)");
     name[..1].make_ascii_uppercase();
     name
 }
 
 /// One figure of merit of two scenes' runs, seed by seed.
-fn difference(runs: [&[Row]; 2], entrant: usize, merit: usize) -> Difference {
+fn difference(runs: [&[Row]; 2], entrant: usize, metric: usize) -> Difference {
     let values = runs.map(|runs| {
-        let values: Vec<f64> = runs.iter().map(|run| run.merits[merit]).collect();
+        let values: Vec<f64> = runs.iter().map(|run| run.metrics[metric]).collect();
         (!values.iter().any(|value| value.is_nan())).then_some(values)
     });
     let sure = runs.into_iter().all(all_same);
@@ -183,10 +183,10 @@ fn difference(runs: [&[Row]; 2], entrant: usize, merit: usize) -> Difference {
         let found = Estimate::of(&differences);
         Estimate { within_95: found.within_95.filter(|_| !sure), ..found }
     });
-    let failed = || runs.into_iter().flatten().find(|run| run.merits[merit].is_nan() && !run.reason.is_empty());
+    let failed = || runs.into_iter().flatten().find(|run| run.metrics[metric].is_nan() && !run.reason.is_empty());
     Difference {
         entrant,
-        merit,
+        metric,
         means: values.map(|values| values.map(|values| Estimate::of(&values).mean)),
         reason: if difference.is_some() { None } else { failed().map(|run| run.reason.clone()) },
         difference,

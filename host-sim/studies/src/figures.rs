@@ -154,7 +154,7 @@ pub fn run(name: &str, outcome: &Outcome, axis: usize) -> Figure {
 
 /// How a figure calls one kind of communications.
 fn title(experiment: &Experiment) -> String {
-    let name = match experiment.comm {
+    let name = match experiment.law {
         "power" => "Power-domain",
         "wave" => "Traditional wave",
         "passive-wave" => "Passive wave",
@@ -234,7 +234,7 @@ fn discrepancies(runs: &[&Experiment]) -> Figure {
             series: vec![
                 bars("paper, Fig. 9", 0, &|one| one.paper_discrepancy_mm.unwrap_or(f64::NAN)),
                 bars("decoded |x_o - x_d|", 1, &|one| {
-                    one.outcome.merit(|o| o.whole.decoded_discrepancy_mm).unwrap_or(f64::NAN)
+                    one.outcome.metric(|o| o.whole.decoded_discrepancy_mm).unwrap_or(f64::NAN)
                 }),
                 bars("true |x_o1 - x_o2|", 2, &|one| {
                     one.outcome.whole(|o| o.whole.true_discrepancy_mm).unwrap_or(f64::NAN)

@@ -82,7 +82,7 @@ impl Command {
 
 /// What one drive made of one command.
 #[derive(Clone, Copy, Debug)]
-pub struct Made {
+pub struct DriveResponse {
     /// Root mean square of what is wrong with the force, N.
     pub error_n: f64,
     /// Root mean square of the error against the command as late as the drive says it is, N.
@@ -101,9 +101,9 @@ pub struct Row {
     /// Its root mean square, N.
     pub command_n: f64,
     /// The duty is a share of the supply.
-    pub open: Made,
+    pub open: DriveResponse,
     /// The duty is the reference of the current loop.
-    pub closed: Made,
+    pub closed: DriveResponse,
 }
 
 impl Row {
@@ -182,7 +182,7 @@ pub fn measure(scene: &Scene, command_n: f64) -> Result<Force, Failure> {
 const THEORY_N: f64 = 0.42;
 
 /// One command of this root mean square (N) on a joint that moves by this (m).
-fn run(scene: &Scene, command: Command, command_n: f64, hand_m: f64) -> Result<Made, Failure> {
+fn run(scene: &Scene, command: Command, command_n: f64, hand_m: f64) -> Result<DriveResponse, Failure> {
     let (settings, period_s) = (&scene.peer, scene.peer.timing.control_period_s);
     let motor = Motor::<f64>::build(settings);
     let mut drive = Drive::new(settings, &scene.world.plant, u64::from(scene.world.network.seed))?;
@@ -217,7 +217,7 @@ fn run(scene: &Scene, command: Command, command_n: f64, hand_m: f64) -> Result<M
         before_n = wanted_n;
     }
     let [held, came] = phasors.map(|[sin, cos]| (sin.hypot(cos), cos.atan2(sin).to_degrees()));
-    Ok(Made {
+    Ok(DriveResponse {
         error_n: rms(errors.iter().map(|error| error[0])),
         delayed_error_n: rms(errors.iter().map(|error| error[1])),
         gain: came.0 / held.0,
@@ -301,8 +301,8 @@ pub fn stiffest(scene: &Scene) -> Result<Vec<Stiffest>, Failure> {
         (format!("current loop, {hz} Hz"), scene)
     };
     let late = exact("one control period late, as in the papers", 1.0);
-    let ways = [late].into_iter().chain(LOOPS_HZ.map(looped)).chain([exact("at once", 0.0)]);
-    let found = ways.map(|(force, scene)| {
+    let methods = [late].into_iter().chain(LOOPS_HZ.map(looped)).chain([exact("at once", 0.0)]);
+    let found = methods.map(|(force, scene)| {
         scene.check("accuracy force")?;
         let range = Range { key: "contact.stiffness_n_per_m".to_owned(), from: 1.0, to: STIFFEST_N_PER_M };
         let found = limit(&scene, range, Effort { steps: 100, ..Effort::default() })?;

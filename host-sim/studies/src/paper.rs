@@ -19,7 +19,7 @@ pub const DURATION_S: f64 = 20.0;
 /// What the paper says of one kind of communications.
 #[derive(Clone, Copy, Debug)]
 struct Printed {
-    comm: &'static str,
+    law: &'static str,
     /// Largest coordination gain in the experiments, N/m (§5.1).
     gain_n_per_m: f64,
     /// Mean position discrepancy at that gain, mm (Fig. 9).
@@ -27,9 +27,9 @@ struct Printed {
 }
 
 const PRINTED: [Printed; 3] = [
-    Printed { comm: "power", gain_n_per_m: 310.0, discrepancy_mm: 3.5 },
-    Printed { comm: "wave", gain_n_per_m: 1590.0, discrepancy_mm: 0.644 },
-    Printed { comm: "passive-wave", gain_n_per_m: 10620.0, discrepancy_mm: 0.099 },
+    Printed { law: "power", gain_n_per_m: 310.0, discrepancy_mm: 3.5 },
+    Printed { law: "wave", gain_n_per_m: 1590.0, discrepancy_mm: 0.644 },
+    Printed { law: "passive-wave", gain_n_per_m: 10620.0, discrepancy_mm: 0.099 },
 ];
 
 /// One experiment and what came of it.
@@ -40,7 +40,7 @@ pub struct Experiment {
     /// Section of the paper, or "matched-line".
     pub(super) section: &'static str,
     /// The law of the experiment.
-    pub(super) comm: &'static str,
+    pub(super) law: &'static str,
     pub(super) round_trip_ms: f64,
     /// Coordination stiffness K_T, N/m.
     pub(super) coordination_stiffness_n_per_m: f64,
@@ -62,8 +62,8 @@ pub struct Gain {
 
 impl Gain {
     /// The law of the experiment.
-    pub(super) fn comm(&self) -> &'static str {
-        self.printed.comm
+    pub(super) fn law(&self) -> &'static str {
+        self.printed.law
     }
 }
 
@@ -85,12 +85,12 @@ fn experiment((name, section): (&'static str, &'static str)) -> Result<Experimen
     let conclusion = conclude(&scene, outcome)?;
     let apparent_object_mass_kg = conclusion.apparent_mass_kg(&scene)?;
     let Conclusion { outcome, verdict } = conclusion;
-    let comm = scene.peer.coordination.comm;
-    let printed = PRINTED.iter().find(|printed| printed.comm == comm && section == "5.2");
+    let law = scene.peer.coordination.comm;
+    let printed = PRINTED.iter().find(|printed| printed.law == law && section == "5.2");
     Ok(Experiment {
         scene: name,
         section,
-        comm,
+        law,
         round_trip_ms: 2e3 * timing.packet_period_s() * f64::from(scene.world.network.one_way_delay_packets),
         coordination_stiffness_n_per_m: scene.peer.coordination.stiffness_n_per_m,
         paper_discrepancy_mm: printed.map(|printed| printed.discrepancy_mm),
@@ -103,7 +103,7 @@ fn experiment((name, section): (&'static str, &'static str)) -> Result<Experimen
 /// The paper's largest gains beside the boundaries of this model, in the experiments' configuration.
 pub fn gains() -> Result<Vec<Gain>, Failure> {
     let gain = |printed: &Printed| {
-        let scene = scenes::load(haptic_sim::Laws::built_in(), &format!("paper-5.1-{}-16ms", printed.comm))?;
+        let scene = scenes::load(haptic_sim::Laws::built_in(), &format!("paper-5.1-{}-16ms", printed.law))?;
         let range = Range { key: "coordination.stiffness_n_per_m".to_owned(), from: 1.0, to: 12_000.0 };
         let limit = haptic_analysis::limit(&scene, range, Effort::default())?;
         Ok(Gain { printed: *printed, crossings_n_per_m: limit.crossings })
@@ -113,7 +113,7 @@ pub fn gains() -> Result<Vec<Gain>, Failure> {
 
 /// The experiments as a table.
 pub fn experiment_columns(experiments: &[Experiment]) -> Columns {
-    let merit = |of: fn(&Outcome) -> f64| move |one: &Experiment| one.outcome.merit(of);
+    let metric = |of: fn(&Outcome) -> f64| move |one: &Experiment| one.outcome.metric(of);
     Columns::of(experiments)
         .value("scene", |one| one.scene)
         .means("built-in scene")
@@ -121,7 +121,7 @@ pub fn experiment_columns(experiments: &[Experiment]) -> Columns {
         .value("section", |one| one.section)
         .means("section of the cooperation paper, or matched-line")
         .head("experiment")
-        .value("comm", |one| one.comm)
+        .value("comm", |one| one.law)
         .means("how the copies are held together")
         .number("round_trip_ms", 0, |one| one.round_trip_ms)
         .means("network's round trip")
@@ -139,7 +139,7 @@ pub fn experiment_columns(experiments: &[Experiment]) -> Columns {
         .value("spectral_radius", |one| one.verdict.spectral_radius)
         .means("largest |eigenvalue| over a packet period")
         .data_only()
-        .number("decoded_discrepancy_mm", 4, merit(|o| o.whole.decoded_discrepancy_mm))
+        .number("decoded_discrepancy_mm", 4, metric(|o| o.whole.decoded_discrepancy_mm))
         .head("decoded")
         .means("|x_o - x_d| at peer 2, what the paper plots")
         .value("paper_discrepancy_mm", |one| one.paper_discrepancy_mm)
@@ -148,13 +148,13 @@ pub fn experiment_columns(experiments: &[Experiment]) -> Columns {
         .number("true_discrepancy_mm", 4, |one| one.outcome.whole(|o| o.whole.true_discrepancy_mm))
         .head("true")
         .means("|x_o1 - x_o2| at one instant")
-        .number("true_discrepancy_mm_per_n", 3, merit(|o| o.whole.true_discrepancy_mm / o.whole.contact_force_n))
+        .number("true_discrepancy_mm_per_n", 3, metric(|o| o.whole.true_discrepancy_mm / o.whole.contact_force_n))
         .means("true discrepancy over the mean contact force")
         .head("true")
-        .number("coordination_force_n.mean", 3, merit(|o| o.whole.coordination_force_n.mean))
+        .number("coordination_force_n.mean", 3, metric(|o| o.whole.coordination_force_n.mean))
         .means("mean of F_T at peer 2 over the last half")
         .head("F_T")
-        .number("coordination_force_n.sd", 3, merit(|o| o.whole.coordination_force_n.sd))
+        .number("coordination_force_n.sd", 3, metric(|o| o.whole.coordination_force_n.sd))
         .means("standard deviation of F_T at peer 2 over the last half")
         .head("sd")
         .number("apparent_object_mass_kg", 3, |one| one.apparent_object_mass_kg)
@@ -166,7 +166,7 @@ pub fn experiment_columns(experiments: &[Experiment]) -> Columns {
 /// The gains as a table.
 pub fn gain_columns(gains: &[Gain]) -> Columns {
     Columns::of(gains)
-        .value("comm", |gain| gain.printed.comm)
+        .value("comm", |gain| gain.printed.law)
         .means("how the copies are held together")
         .number("paper_n_per_m", 0, |gain| gain.printed.gain_n_per_m)
         .means("largest gain in the paper's experiments")

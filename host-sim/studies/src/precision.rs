@@ -103,7 +103,7 @@ pub fn measure(name: &str, scene: &Scene, duration_s: f64) -> Result<Vec<Precisi
     let ticks_in = |time_s: f64| (time_s / scene.peer.timing.control_period_s).round().max(1.0) as u64;
     let (ticks, window) = (ticks_in(duration_s), ticks_in(WINDOW_S));
     let rows_at = ROWS_S.map(ticks_in);
-    let mut seen = Seen::default();
+    let mut seen = Divergence::default();
     let mut rows = Vec::new();
     for tick in 1..=ticks {
         double.step();
@@ -133,7 +133,7 @@ pub fn measure(name: &str, scene: &Scene, duration_s: f64) -> Result<Vec<Precisi
 
 /// What was seen until now.
 #[derive(Default)]
-struct Seen {
+struct Divergence {
     largest_m: f64,
     shadow: Differences,
     f32: Differences,
@@ -144,7 +144,7 @@ struct Seen {
     window_m: f64,
 }
 
-impl Seen {
+impl Divergence {
     fn row(&self, name: &str, scene: &Scene, time_s: f64, faulted: bool) -> Precision {
         let shadow = self.shadow;
         let grown = shadow.position_m >= GROWN * DISPLACED_M;

@@ -17,15 +17,15 @@ pub struct Row {
 
 /// What the laws of core are called, and after them the one that says anything.
 pub fn names() -> Vec<&'static str> {
-    AnyLaw::<Number>::KINDS.iter().chain(Whatever::KINDS).map(|kind| kind.name).collect()
+    AnyLaw::<Number>::LAWS.iter().chain(Whatever::LAWS).map(|law| law.name).collect()
 }
 
 /// The law of that name.
 pub fn row(name: &str) -> Option<Row> {
-    let named = |kinds: &'static [haptic_core::law::Kind]| kinds.iter().find(|kind| kind.name == name);
-    let proved = match named(AnyLaw::<Number>::KINDS) {
-        Some(kind) => (kind.name, prove::<AnyLaw<Number>>(kind, Peer::tick)),
-        None => named(Whatever::KINDS).map(|kind| (kind.name, prove::<Whatever>(kind, Peer::tick)))?,
+    let named = |kinds: &'static [haptic_core::law::LawInfo]| kinds.iter().find(|law| law.name == name);
+    let proved = match named(AnyLaw::<Number>::LAWS) {
+        Some(law) => (law.name, prove::<AnyLaw<Number>>(law, Peer::tick)),
+        None => named(Whatever::LAWS).map(|law| (law.name, prove::<Whatever>(law, Peer::tick)))?,
     };
     Some(Row { law: proved.0, proved: proved.1 })
 }
@@ -59,7 +59,7 @@ pub fn columns(rows: &[Row]) -> Columns {
 }
 
 /// What was proved, and of which laws.
-pub fn told(table: &Columns) -> String {
+pub fn report(table: &Columns) -> String {
     let safety = Settings::default().safety;
     format!(
         "Every way through a tick, from any state, with any reading and any finite packet: forces stay within {} N and change by no\n\
@@ -72,10 +72,10 @@ pub fn told(table: &Columns) -> String {
 }
 
 /// The proofs as a section of docs/laws.md.
-pub fn section(told: &str) -> String {
+pub fn section(report: &str) -> String {
     format!(
         "What `host-sim prove --page docs/laws.md` prints; every test run proves the same again (`host-sim/proof/tests/suite/laws.rs`):\n\n\
-         ```text\n{told}\n```"
+         ```text\n{report}\n```"
     )
 }
 

@@ -5,7 +5,7 @@ use haptic_core::settings::{Key, Settings};
 
 use haptic_board_tools::calibrate::settings_file::plain;
 use haptic_cases::replay::{EXACT, EXCHANGE, PACKET, SEED, fold};
-use haptic_sim::pair::{Pair, Seen};
+use haptic_sim::pair::{Pair, PeerTick};
 use haptic_sim::scene::Scene;
 
 /// The recording and what it must come to.
@@ -55,7 +55,7 @@ pub fn record(scene: &Scene, number: usize, ticks: u64) -> Result<Recording, Str
     Ok(Recording { bytes, ticks, hash })
 }
 
-fn put(bytes: &mut Vec<u8>, seen: &Seen<'_, f32>) {
+fn put(bytes: &mut Vec<u8>, seen: &PeerTick<'_, f32>) {
     let exchange = if seen.exchanged { EXCHANGE } else { 0 };
     let flags = exchange | if seen.heard.is_some() { PACKET } else { 0 };
     match seen.sensors.reading {

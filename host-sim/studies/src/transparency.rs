@@ -17,7 +17,7 @@ use std::f64::consts::TAU;
 use haptic_analysis::{answers, judge};
 use haptic_plot::{Dash, Figure, Panel, Series};
 use haptic_report::Columns;
-use haptic_sim::measure::impedance::{Answer, Complex, Far, SPEED_M_PER_S, answer};
+use haptic_sim::measure::impedance::{Answer, Complex, RemoteEnd, SPEED_M_PER_S, answer};
 use haptic_sim::scene::Scene;
 use rayon::prelude::*;
 
@@ -33,7 +33,7 @@ const BAND_HZ: [f64; 2] = [0.1, 100.0];
 const POINTS: usize = 31;
 const FINER: usize = 10;
 /// The far device held, and alone.
-const FARS: [Far; 2] = [Far::Held, Far::Alone];
+const FARS: [RemoteEnd; 2] = [RemoteEnd::Held, RemoteEnd::Alone];
 
 /// Answers at one frequency: with the far device held, and alone.
 #[derive(Clone, Copy, Debug)]

@@ -1,6 +1,6 @@
 use super::*;
 
-/// A board that answers as it is told to, and writes down what it hears.
+/// A board that answers as the test sets it, and writes down what it hears.
 #[derive(Default)]
 struct Written {
     said: Arc<Mutex<Vec<String>>>,
@@ -8,7 +8,7 @@ struct Written {
     armed: bool,
 }
 
-impl Party for Written {
+impl BoardLink for Written {
     fn ask(&mut self, line: &str) -> Result<String, String> {
         self.said.lock().expect("a list").push(line.to_owned());
         self.armed = (self.armed || line == "arm") && line != "disarm";
@@ -26,9 +26,9 @@ impl Party for Written {
 }
 
 fn boards() -> (Boards, Arc<Mutex<Vec<String>>>) {
-    let party = Written::default();
-    let said = Arc::clone(&party.said);
-    let seat = Seat::attend("written".to_owned(), 0, Box::new(move || Ok(Box::new(party) as Box<dyn Party>)))
+    let link = Written::default();
+    let said = Arc::clone(&link.said);
+    let seat = Seat::attend("written".to_owned(), 0, Box::new(move || Ok(Box::new(link) as Box<dyn BoardLink>)))
         .expect("a thread");
     (Boards::of_seats(vec![seat]), said)
 }
@@ -106,7 +106,7 @@ fn a_simulated_board_is_there_at_once() {
     });
     // A board that was not checked is not armed.
     boards.command(Command::Board(2, Line::Check(1))).expect("it is said");
-    until(&mut boards, true, |boards, _| boards.told[1].said.iter().any(|(_, answer)| answer.contains("agree")));
+    until(&mut boards, true, |boards, _| boards.reported[1].said.iter().any(|(_, answer)| answer.contains("agree")));
     boards.command(Command::Board(2, Line::Arm)).expect("it is said");
     until(&mut boards, true, |boards, _| boards.standing().modes == [OFF, ARMED]);
     boards.command(Command::Stop).expect("it stops");

@@ -57,18 +57,18 @@ fn jitter_and_long_delays() {
 /// A gain that is not known to be good is asked about and not set; the network is not asked; who insists gets it.
 #[test]
 fn a_gain_outside_its_region_asks_first() {
-    let desk = Arc::new(Desk::new(crate::play::Model::Absent));
-    let orders = start(&desk, scene("paper-5.2-power-16ms", &[]), Kind::Pair, None).expect("a thread");
+    let mailbox = Arc::new(Mailbox::new(crate::play::Model::Absent));
+    let orders = start(&mailbox, scene("paper-5.2-power-16ms", &[]), EnvironmentKind::Pair, None).expect("a thread");
     let order = |line: &str| {
         orders.send(Ask { window: 1, line: line.to_owned() }).expect("it listens");
-        // A question or a refusal is an answer; what is set is told with the verdict on it.
+        // A question or a refusal is an answer; what is set is reported with the verdict on it.
         let (mut edition, mut scene) = (0, None);
         loop {
-            let mut papers = desk.lock();
-            let told = papers.told_since(&mut edition).unwrap_or_default();
-            scene = papers.scene.take().or(scene);
-            let answer = papers.answer_for(1);
-            drop(papers);
+            let mut contents = mailbox.lock();
+            let told = contents.announced_since(&mut edition).unwrap_or_default();
+            scene = contents.scene.take().or(scene);
+            let answer = contents.answer_for(1);
+            drop(contents);
             let judged = told.contains("spectral_radius") && !told.contains("\"finding\":null");
             if answer.is_some() || scene.is_some() && judged {
                 return (scene.map(|scene| scene.peer.coordination.stiffness_n_per_m), answer.unwrap_or_default());

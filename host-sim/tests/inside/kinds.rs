@@ -4,7 +4,7 @@ use super::*;
 use crate::play::environment::{ARMED, Command, OFF, Sample};
 
 /// The environment of a kind in the recommended scene over a network that loses and jitters.
-fn open(kind: Kind) -> Box<dyn Environment> {
+fn open(kind: EnvironmentKind) -> Box<dyn Environment> {
     let mut scene = scenes::load(Laws::built_in(), "any-network").expect("a scene");
     for text in ["network.loss=0.1", "network.jitter=\"uniform\"", "network.jitter_s=0.01"] {
         scene.apply_override(text).expect("a key");
@@ -12,7 +12,7 @@ fn open(kind: Kind) -> Box<dyn Environment> {
     kind.open(&scene).expect("an environment")
 }
 
-fn column(kind: Kind, sample: &Sample, name: &str) -> f64 {
+fn column(kind: EnvironmentKind, sample: &Sample, name: &str) -> f64 {
     f64::from(sample[kind.columns().iter().position(|(known, ..)| *known == name).expect("a column")])
 }
 
@@ -25,12 +25,12 @@ fn run(shown: &mut dyn Environment, seconds: f64, wanted: Option<[f64; 2]>, mut 
     }
 }
 
-/// Names are told once, and there is room for all of them and for the number of restarts.
+/// Names are sent once, and there is room for all of them and for the number of restarts.
 #[test]
 fn every_kind_fits_a_sample() {
-    for kind in Kind::ALL {
+    for kind in EnvironmentKind::ALL {
         let names: Vec<_> = kind.columns().iter().map(|(name, ..)| name).collect();
-        let room = crate::play::environment::MOST - usize::from(*kind != Kind::Pair);
+        let room = crate::play::environment::MOST - usize::from(*kind != EnvironmentKind::Pair);
         assert!(names.len() <= room && (1..names.len()).all(|at| !names[at..].contains(&names[at - 1])), "{names:?}");
         let mut shown = open(*kind);
         run(&mut *shown, 0.5, None, |sample| assert_eq!(sample[crate::play::environment::MOST - 1], 0.0));
@@ -47,21 +47,21 @@ fn every_kind_fits_a_sample() {
 /// The hand of a person carries what four hold, and all copies follow.
 #[test]
 fn four_hands_hold_one_object() {
-    let mut shown = open(Kind::Hub);
+    let mut shown = open(EnvironmentKind::Hub);
     shown.command(Command::Partner(Model::Follows)).expect("a partner");
     let (mut apart, mut last) = (0.0_f64, [0.0; crate::play::environment::MOST]);
     run(&mut *shown, 4.0, Some([0.06, 0.0]), |sample| {
-        apart = apart.max(column(Kind::Hub, sample, "apart"));
+        apart = apart.max(column(EnvironmentKind::Hub, sample, "apart"));
         last = *sample;
     });
-    let copies = [1, 2, 3, 4].map(|n| column(Kind::Hub, &last, &format!("object_{n}")));
+    let copies = [1, 2, 3, 4].map(|n| column(EnvironmentKind::Hub, &last, &format!("object_{n}")));
     assert!(copies.iter().all(|copy| *copy > 0.01) && apart < 0.02, "{copies:?} {apart}");
 }
 
 /// Bots play without people; a person who goes where the ball comes has rallies, too.
 #[test]
 fn squash_is_played() {
-    let kind = Kind::Squash;
+    let kind = EnvironmentKind::Squash;
     let mut shown = open(kind);
     let mut strokes = 0.0_f64;
     for _ in 0..20_000 {
@@ -88,7 +88,7 @@ fn squash_is_played() {
 /// What is not known is not felt; what is known holds a hand that leans on it, as its spring and the hand's share the way.
 #[test]
 fn a_static_world_is_felt() {
-    let kind = Kind::World;
+    let kind = EnvironmentKind::World;
     let mut shown = open(kind);
     let mut last = [0.0; crate::play::environment::MOST];
     run(&mut *shown, 2.0, None, |_| {});
@@ -107,7 +107,7 @@ fn a_static_world_is_felt() {
 /// A person gets the object, carries it and leaves it where it lets go, for all to see; never do two have it.
 #[test]
 fn turns_are_taken() {
-    for kind in [Kind::Lock, Kind::Ring] {
+    for kind in [EnvironmentKind::Lock, EnvironmentKind::Ring] {
         let mut shown = open(kind);
         let states = |sample: &Sample| [1, 2, 3].map(|n| column(kind, sample, &format!("state_{n}")));
         let (mut sample, mut got) = ([0.0; crate::play::environment::MOST], 0);

@@ -47,7 +47,7 @@ fn clicks_laws_and_files_are_scenes() {
     let mut scene = Scene::new(Laws::built_in());
     for (name, built_in, keys) in CLICKS {
         scene = apply(&scene, format!("scene {built_in} {keys}").trim_end()).expect(name);
-        for kind in scene.laws.kinds() {
+        for kind in scene.laws.all() {
             let changed = apply(&scene, &format!("law {}", kind.name)).expect(kind.name);
             assert_eq!((changed.law().name, changed.world.network), (kind.name, scene.world.network));
         }

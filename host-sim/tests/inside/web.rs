@@ -71,14 +71,14 @@ fn other_names_and_methods_are_refused() {
 }
 
 /// A page as it is served, over a real socket, and what is asked of it.
-fn served() -> (Site, Arc<Desk>, u16) {
+fn served() -> (Site, Arc<Mailbox>, u16) {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
     let port = listener.local_addr().expect("an address").port();
     let scene = Scene::new(Laws::built_in());
-    let desk = Arc::new(Desk::new(Model::Absent));
+    let mailbox = Arc::new(Mailbox::new(Model::Absent));
     let site = Site::new(&listener, hello(&scene, None, false)).expect("a site");
-    site.serve(listener, &desk, std::sync::mpsc::sync_channel(1).0).expect("a thread");
-    (site, desk, port)
+    site.serve(listener, &mailbox, std::sync::mpsc::sync_channel(1).0).expect("a thread");
+    (site, mailbox, port)
 }
 
 fn get(port: u16, request: &str) -> String {
@@ -131,13 +131,13 @@ fn sizes_and_connections_are_limited() {
 /// A second window takes the hand of the first, and a window that is closed leaves it to the partner.
 #[test]
 fn a_hand_is_held_by_the_newest_window() {
-    let (site, desk, _) = served();
+    let (site, mailbox, _) = served();
     let open = || {
         let stream = crate::play::measure::connect(&site.address(2)).expect("it is let in");
         WebSocket::from_raw_socket(stream, Role::Client, None)
     };
     let holder = |wanted: Option<u64>| {
-        while desk.lock().holder[1] != wanted {
+        while mailbox.lock().holder[1] != wanted {
             std::thread::sleep(Duration::from_millis(5));
         }
     };
@@ -154,12 +154,12 @@ fn a_hand_is_held_by_the_newest_window() {
     for (said, heard) in [(0.05, Some(0.05)), (9.0, Some(FARTHEST_M)), (f32::NAN, None), (f32::INFINITY, None)] {
         second.send(Message::Binary(point(said).into())).expect("it hears");
         let wanted = Some(Pointed { at: heard.map(|along| [along, 0.01]), restarts: 7 });
-        while desk.lock().pointed[1] != wanted {
+        while mailbox.lock().pointed[1] != wanted {
             std::thread::sleep(Duration::from_millis(1));
         }
     }
     // Silence lets go, and so does the end.
-    while desk.lock().pointed[1] != Some(LET_GO) {
+    while mailbox.lock().pointed[1] != Some(LET_GO) {
         std::thread::sleep(Duration::from_millis(5));
     }
     second.close(None).expect("it closes");

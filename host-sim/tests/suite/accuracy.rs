@@ -164,8 +164,8 @@ fn the_pair_converges_to_continuous_control() {
     ] {
         let error = |rate| {
             let run = pair::run::<f64>(&pair::scene(integrator, decode, rate), duration_s).expect("a valid scene");
-            let apart = pair::apart(&run, &exact);
-            [apart.position_rms_m, apart.force_rms_n]
+            let deviation = pair::deviation(&run, &exact);
+            [deviation.position_rms_m, deviation.force_rms_n]
         };
         for (slow, fast) in error(8).into_iter().zip(error(16)) {
             assert!((1.7..2.3).contains(&(slow / fast)), "{integrator:?} {decode:?}: {slow} {fast}");

@@ -26,7 +26,7 @@ fn number(document: &Value, key: &str) -> f64 {
     document[key].as_f64().unwrap_or_else(|| panic!("{key} in {document}"))
 }
 
-/// What was told of an end, in order.
+/// What was reported of an end, in order.
 fn notices(of: &Value) -> Vec<&str> {
     of["notices"].as_array().expect("a list").iter().filter_map(|one| one[1].as_str()).collect()
 }

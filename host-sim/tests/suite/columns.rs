@@ -16,7 +16,7 @@ use haptic_live::recording::recorder::Recorder;
 use haptic_live::{recording::file::read, recording::ticks};
 use haptic_protocol::record::{self, Record};
 use haptic_report::files::write_parquet;
-use haptic_report::{Columns, Made};
+use haptic_report::{Columns, Provenance};
 use haptic_sim::run::{Account, Accounts, Options, Ticked};
 use haptic_sim::scene::Scene;
 use parquet::file::reader::{FileReader, SerializedFileReader};
@@ -198,7 +198,7 @@ fn a_quantity_more_is_one_line() {
     assert_eq!([said("unit.spring_2_m"), said("meaning.spring_2_m")], [Some("m"), Some("peer 2: x_d - x_o")]);
     let recorder = Recorder::create(
         &mcap,
-        &Origin::simulated(&Made::now("0", ""), "peer 1"),
+        &Origin::simulated(&Provenance::now("0", ""), "peer 1"),
         vec![Channel::new("/peer/ticks", "Tick", ticks)],
     );
     let recorder = recorder.expect("a file");

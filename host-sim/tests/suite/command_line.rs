@@ -21,27 +21,27 @@ fn close(got: &Value, want: f64, relative: f64) {
 fn the_papers_discrepancies() {
     let document = json(&["paper", "--json"]);
     let experiments = document["experiments"].as_array().expect("a list of experiments");
-    let find = |section: &str, comm: &str, round_trip: f64| {
+    let find = |section: &str, law: &str, round_trip: f64| {
         experiments
             .iter()
-            .find(|one| one["section"] == section && one["comm"] == comm && one["round_trip_ms"] == round_trip)
-            .unwrap_or_else(|| panic!("no experiment {section} {comm} {round_trip}"))
+            .find(|one| one["section"] == section && one["comm"] == law && one["round_trip_ms"] == round_trip)
+            .unwrap_or_else(|| panic!("no experiment {section} {law} {round_trip}"))
     };
-    for (comm, decoded, decoded_within, true_mm, paper) in [
+    for (law, decoded, decoded_within, true_mm, paper) in [
         ("power", 3.25, 0.01, 3.24, 3.5),
         ("wave", 0.638, 0.02, 2.24, 0.644),
         ("passive-wave", 0.0946, 0.01, 1.78, 0.099),
     ] {
-        let one = find("5.2", comm, 16.0);
-        assert_eq!(one["stable"], true, "{comm}");
+        let one = find("5.2", law, 16.0);
+        assert_eq!(one["stable"], true, "{law}");
         close(&one["decoded_discrepancy_mm"], decoded, decoded_within);
         close(&one["true_discrepancy_mm"], true_mm, 0.02);
         close(&one["paper_discrepancy_mm"], paper, 0.0);
     }
     // §5.1: at 32 ms the power-domain gain of 16 ms no longer holds; both wave gains do.
-    for (comm, stable) in [("power", false), ("wave", true), ("passive-wave", true)] {
-        assert_eq!(find("5.1", comm, 32.0)["stable"], stable, "{comm} at 32 ms");
-        assert_eq!(find("5.1", comm, 16.0)["stable"], true, "{comm} at 16 ms");
+    for (law, stable) in [("power", false), ("wave", true), ("passive-wave", true)] {
+        assert_eq!(find("5.1", law, 32.0)["stable"], stable, "{law} at 32 ms");
+        assert_eq!(find("5.1", law, 16.0)["stable"], true, "{law} at 16 ms");
     }
 }
 
@@ -160,10 +160,10 @@ fn an_unstable_scene_is_a_result_with_advice() {
     ]);
     assert_eq!((&report["stable"], &report["verdict"]), (&false.into(), &"NO".into()));
     assert!(report["reason"].as_str().is_some_and(|reason| reason.contains(" stopped at ")), "{report}");
-    for merit in
+    for metric in
         ["true_discrepancy_mm", "decoded_discrepancy_mm", "peak_coordination_force_n", "apparent_object_mass_kg"]
     {
-        assert!(report[merit].is_null(), "{merit} in {report}");
+        assert!(report[metric].is_null(), "{metric} in {report}");
     }
     assert!(report["spectral_radius"].as_f64().is_some_and(|radius| radius > 1.0));
     let warning = report["warnings"][0].as_str().expect("a warning");

@@ -73,11 +73,11 @@ fn a_law_from_outside_is_simulated_proved_and_compared() {
     assert_eq!((&bench["laws"][0]["law"], &bench["networks"][0]["comm"]), (&"predict".into(), &"predict".into()));
     assert_eq!(bench["networks"].as_array().map(Vec::len), Some(38));
 
-    // Two users push; the run is another one when the copy is carried on, and says what it was told.
+    // Two users push; the run is another one when the copy is carried on, and says what it was configured with.
     let pushed = ["coordination.stiffness_n_per_m=310", "user.1.push_n=1", "user.2.push_n=0.5"];
     let pushed: Vec<&str> = pushed.iter().flat_map(|setting| ["--set", setting]).collect();
-    let merits = |ahead_s| of(&[&["cooperate", "--seconds", "2"], &pushed[..]].concat(), ahead_s);
-    let (plain, ahead) = (merits("predict.ahead_s=0"), merits("predict.ahead_s=0.01"));
+    let metrics = |ahead_s| of(&[&["cooperate", "--seconds", "2"], &pushed[..]].concat(), ahead_s);
+    let (plain, ahead) = (metrics("predict.ahead_s=0"), metrics("predict.ahead_s=0.01"));
     assert!(plain["stable"] == true && ahead["stable"] == true, "{plain} {ahead}");
     assert!(plain["true_discrepancy_mm"].as_f64() > Some(1.0) && plain["state_hash"] != ahead["state_hash"], "{plain}");
     assert_eq!(ahead["made"]["settings"]["predict.ahead_s"], "0.01");

@@ -93,7 +93,7 @@ fn what_is_wrong_is_said_in_one_line() {
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {error}");
         assert!(output.stdout.is_empty() && error.contains(names) && said.len() == 1, "{arguments:?}: {error}");
     }
-    // A peer that was told something else.
+    // A peer with other settings.
     let mut waiting = host_sim(&[&hub[..], &["--users", "2"]].concat()).spawn().expect("host-sim runs");
     let other = host_sim(&["peer", "--scene", "hub", "--set", "object.mass_kg=0.5", "--number", "1"])
         .args(["--listen", "127.0.0.1:0", "--connect", &address, "--key-file", &keys.file(1)])
@@ -111,7 +111,7 @@ fn ended(child: Child) -> (Option<i32>, String) {
     (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
 }
 
-/// The third of three was told another mass: it is refused and told which table, the hub says so as well, and the other two
+/// The third of three was configured with another mass: it is refused and learns which table, the hub says so as well, and the other two
 /// hold their object as if it were not there.
 #[test]
 fn one_client_cannot_stop_a_hub() {

@@ -280,7 +280,7 @@ fn a_recorded_network_between_two_processes_is_the_one_in_memory() {
     }
 }
 
-/// Told other parameters, whoever begins: both say so, and which table.
+/// Configured with other parameters, whoever begins: both say so, and which table.
 #[test]
 fn a_mismatch_of_settings_is_told_at_both_ends() {
     let folder = folder("mismatch");
@@ -433,7 +433,7 @@ struct Phase {
     /// Largest less smallest force of the wall, N.
     ripple_n: f64,
     /// How far the copies are apart, m.
-    apart_m: f64,
+    distance_m: f64,
     /// Least force of the wall in the whole phase, N, but for the first one's arrival.
     least_n: f64,
 }
@@ -459,7 +459,7 @@ fn phases([leader, follower]: &[End; 2], seconds: u32) -> Vec<Phase> {
             wall_n: mean(&|at| pushed[at].wall_n()),
             felt_n: mean(&|at| led[at].contact_n.abs()),
             ripple_n: walls.clone().fold(0.0, f64::max) - walls.fold(f64::INFINITY, f64::min),
-            apart_m: mean(&|at| (led[at].object_m - pushed[at].object_m).abs()),
+            distance_m: mean(&|at| (led[at].object_m - pushed[at].object_m).abs()),
             least_n: whole.map(Tick::wall_n).fold(f64::INFINITY, f64::min),
         }
     };
@@ -506,15 +506,15 @@ fn a_leader_presses_on_the_followers_wall_in_another_process() {
     for phases in on_both_networks("leader-follower", 8, 13) {
         let [first, second] = &phases[..] else { panic!("{phases:#?}") };
         // How far the copies are apart says how long a wave line is, F·(2/K_T + T/b): as long as the way, and what a busy machine adds.
-        let [line_s, later_s] = [first, second].map(|phase| 10.0 * (phase.apart_m / phase.wall_n - 2.0 / 2_000.0));
+        let [line_s, later_s] = [first, second].map(|phase| 10.0 * (phase.distance_m / phase.wall_n - 2.0 / 2_000.0));
         assert!(
             (0.08..0.3).contains(&line_s) && (0.08..0.3).contains(&later_s),
             "{line_s} s, {later_s} s, {phases:#?}"
         );
         // Nothing has been let go of yet: from where the hand wants to be to the wall are its arm, both contacts, the line and the wall.
-        let way_m = 5.0 * (0.02 + 0.4 / 300.0) - 0.05;
-        let springs_m_per_n = 1.0 / 300.0 + 2.0 / 1_000.0 + 1.0 / 2_000.0 + first.apart_m / first.wall_n;
-        let wanted = way_m / springs_m_per_n;
+        let travel_m = 5.0 * (0.02 + 0.4 / 300.0) - 0.05;
+        let springs_m_per_n = 1.0 / 300.0 + 2.0 / 1_000.0 + 1.0 / 2_000.0 + first.distance_m / first.wall_n;
+        let wanted = travel_m / springs_m_per_n;
         assert!((first.wall_n / wanted - 1.0).abs() < 0.01, "{first:?}, {wanted} N by springs in a row");
     }
 }
@@ -533,6 +533,6 @@ fn ten_minutes_of_leader_and_follower_in_two_processes() {
         println!("felt over wall {:?}", range(|phase| phase.felt_n / phase.wall_n));
         println!("ripple {:?} N", range(|phase| phase.ripple_n));
         println!("least force of a phase {:?} N", range(|phase| phase.least_n));
-        println!("apart {:?} m", range(|phase| phase.apart_m));
+        println!("apart {:?} m", range(|phase| phase.distance_m));
     }
 }

@@ -25,8 +25,8 @@ fn folder(name: &str) -> PathBuf {
     folder
 }
 
-/// Board 2: answers every line with `ok` and the line, `no` with an error, and sends a sample after each. Told to stream
-/// every tick, it sends ticks, until it is told not to, or its operator was silent for as long as a board bears it. `away` pulls its cable.
+/// Board 2: answers every line with `ok` and the line, `no` with an error, and sends a sample after each. Asked to stream
+/// every tick, it sends ticks, until it is asked not to, or its operator was silent for as long as a board bears it. `away` pulls its cable.
 struct Board {
     address: SocketAddr,
     stop: Arc<AtomicBool>,

@@ -1,4 +1,5 @@
-//! `host-sim accuracy precision`: growth rates against the analyser's spectral radius, and chaos told from error.
+//! `host-sim accuracy precision`: growth rates against the analyser's spectral radius, and chaos distinguished from
+//! error.
 
 use std::process::Command;
 

@@ -120,7 +120,7 @@ fn killed(keys: &Keys) -> Value {
     let mut first = peer(keys, "1", [&one, &for_one], &recordings[0]);
     let mut second = peer(keys, "2", [&two, &for_two], &recordings[1]);
     std::thread::sleep(Duration::from_secs_f64(SECONDS));
-    // SIGKILL: nothing of it is told.
+    // SIGKILL: nothing of it is reported.
     first.kill().expect("it is running");
     let _ = first.wait();
     for child in [&mut second, &mut relay] {

@@ -29,19 +29,19 @@ fn every_claim_has_a_verdict_and_a_reason() {
         (text(at, "verdict"), text(at, "found"), text(at, "why"), claims[at]["off_percent"].as_f64())
     };
     // THEORY §3: 357, 1597 and 10850 N/m beside 310, 1590 and 10620; a pocket from 4401 to 6061 N/m.
-    for (comm, off, verdict) in
+    for (law, off, verdict) in
         [("power", 15.2, "not matched"), ("wave", 0.4, "matched"), ("passive-wave", 2.2, "matched")]
     {
-        let (said, _, _, got) = claim(&format!("The largest gain of {comm} communications"));
-        assert!(said == verdict && (got.expect("a part") - off).abs() < 0.3, "{comm}: {said}, {got:?} %");
+        let (said, _, _, got) = claim(&format!("The largest gain of {law} communications"));
+        assert!(said == verdict && (got.expect("a part") - off).abs() < 0.3, "{law}: {said}, {got:?} %");
     }
     let (verdict, found, why, _) = claim("With passive-wave communications every gain");
     assert!(verdict == "not matched" && found.contains("440") && found.contains("606"), "{verdict}: {found}");
     assert!(why.contains("depends on what the paper leaves open"), "{why}");
     // THEORY §4.
-    for (comm, off) in [("power", -7.1), ("wave", -0.9), ("passive-wave", -4.4)] {
-        let (said, _, _, got) = claim(&format!("discrepancy of {comm} communications is"));
-        assert!(said == "matched" && (got.expect("a part") - off).abs() < 1.0, "{comm}: {said}, {got:?} %");
+    for (law, off) in [("power", -7.1), ("wave", -0.9), ("passive-wave", -4.4)] {
+        let (said, _, _, got) = claim(&format!("discrepancy of {law} communications is"));
+        assert!(said == "matched" && (got.expect("a part") - off).abs() < 1.0, "{law}: {said}, {got:?} %");
     }
     assert_eq!(claim("1000 N/m need at least 200 Hz").0, "not testable");
     assert!(claim("30 ms are enough").1.contains("N/m"));

@@ -1,4 +1,4 @@
-//! Two ends that say lines of text to each other over links and a wire that does as it is told: what is heard is what was said,
+//! Two ends that say lines of text to each other over links and a wire that the script commands: what is heard is what was said,
 //! whole, once and in order; and in the end all of it. A third says events that are no such lines: they come to something.
 
 use haptic_protocol::lines::{END, Heard, LONGEST, Lines, PART};

@@ -1,4 +1,4 @@
-//! Two links that can be told to do anything, shared by the targets `link` and `session`.
+//! Two links that can be made to do anything, shared by the targets `link` and `session`.
 
 use haptic_protocol::ends::Ends;
 use haptic_protocol::key::Key;

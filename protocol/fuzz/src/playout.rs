@@ -12,7 +12,7 @@ pub(super) fn run(bytes: &[u8]) {
     let mut playout = Playout::new(packets, ticks);
     let depth = packets * ticks;
     // The clocks differ by anything, the sender's ticks come in order but for what the network does to them.
-    let (mut now, apart) = (u32::from(script.half()) << 16, u32::from(script.half()) << 16);
+    let (mut now, tick_offset) = (u32::from(script.half()) << 16, u32::from(script.half()) << 16);
     let mut sent = now;
     let wild = script.byte() == 255;
     let (mut waiting, mut last) = (Vec::<u32>::new(), None::<u32>);
@@ -29,7 +29,7 @@ pub(super) fn run(bytes: &[u8]) {
                 let late = u32::from(script.byte());
                 // Sent not long ago; or, by a sender that has lost its mind, at any time.
                 let tick = if wild && late > 250 { u32::from(script.half()) << 16 } else { sent.wrapping_sub(late) };
-                let tick = tick.wrapping_add(apart);
+                let tick = tick.wrapping_add(tick_offset);
                 let delay = now.wrapping_sub(tick);
                 let (least, most) = took.unwrap_or((delay, delay));
                 let before = |one: u32, two: u32| (one.wrapping_sub(two) as i32) < 0;

@@ -1,4 +1,4 @@
-//! Two links and a wire that does as it is told: calls in any order at any time, datagrams delivered, dropped, repeated,
+//! Two links and a wire that the script commands: calls in any order at any time, datagrams delivered, dropped, repeated,
 //! altered, peers restarted. No panic; events once and in order; levels within bounds; and in the end they always meet.
 
 use haptic_protocol::link::Stage;

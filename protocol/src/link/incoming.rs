@@ -159,7 +159,7 @@ impl Link {
             (None, _) if self.refused.is_some() => Stage::Refused,
             (None, _) => Stage::Calling,
             (Some(session), _) if !session.is_confirmed() => Stage::Joining,
-            (Some(_), Rung::Apart) => Stage::Idle,
+            (Some(_), Rung::Disengaged) => Stage::Idle,
             (Some(_), Rung::Engaged) => Stage::Running,
             (Some(_), Rung::Fading) => Stage::Fading,
         }
@@ -175,7 +175,7 @@ impl Link {
         self.refused
     }
 
-    /// The oldest notice that has not been told.
+    /// The oldest notice that has not been reported.
     pub fn take_notice(&mut self) -> Option<Notice> {
         self.notices.take()
     }

@@ -10,7 +10,7 @@ layout! {
     /// The two sums run from the tick at which the sender engaged and cover every tick up to and including the flow's; they are f64 so
     /// that an f32 peer's values arrive exactly and hours of summing lose nothing. Power-domain uses position and velocity,
     /// wave-domain the rest (THEORY §2, §5); what a law does not use is 0.
-    pub struct Along(32 bytes) {
+    pub struct AxisFlow(32 bytes) {
         0 => position: f32, "Position of the sender's copy of the object, m.";
         4 => velocity: f32, "Velocity of the sender's copy of the object, m/s.";
         8 => wave: f32, "Wave sample u_out, √W.";
@@ -30,7 +30,7 @@ pub struct Flows<const AXES: usize> {
     /// The sender's newest tick, in control periods since it started; wraps after 49 days at 1 kHz.
     pub tick: u32,
     /// The packet of each shared axis.
-    pub axes: [Along; AXES],
+    pub axes: [AxisFlow; AXES],
 }
 
 /// Flow of one shared axis.
@@ -42,7 +42,7 @@ pub type Flow3 = Flows<3>;
 
 impl<const AXES: usize> Default for Flows<AXES> {
     fn default() -> Self {
-        Self { engaged: false, fading: false, tick: 0, axes: [Along::default(); AXES] }
+        Self { engaged: false, fading: false, tick: 0, axes: [AxisFlow::default(); AXES] }
     }
 }
 
@@ -59,7 +59,7 @@ impl<const AXES: usize> Flows<AXES> {
     /// The byte that names the message.
     pub const KIND: u8 = Self::NAMES.0;
     /// Length of the message, bytes.
-    pub const LEN: usize = 8 + AXES * Along::LEN;
+    pub const LEN: usize = 8 + AXES * AxisFlow::LEN;
 
     /// Reads the message, which must fill `bytes` exactly.
     ///

@@ -19,7 +19,7 @@ mod world;
 
 pub use datagram::{Challenge, Ephemeral, Greeting, GreetingKind, Header, PeerId, Stamps, TABLES, TableHash};
 pub use fixed::{Ack, Goodbye, Moved, Probe, Push, Reply, Telemetry};
-pub use flow::{Along, Flow, Flow2, Flow3, Flows};
+pub use flow::{AxisFlow, Flow, Flow2, Flow3, Flows};
 pub use varying::{Event, Presence, Sample, Sighting};
 pub use world::{Ask, Bits, MAX_OBJECTS, MAX_REGIONS, Manifest, Page, Part, Payload, Scope, Topic};
 

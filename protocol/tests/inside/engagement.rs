@@ -1,4 +1,4 @@
-//! The level of the silence ladder, without a link.
+//! The level of the degradation by silence, without a link.
 
 use crate::engagement::{Engagement, Rung};
 
@@ -37,7 +37,7 @@ fn holds_3_fades_9_then_apart() {
             let rung = match silent {
                 s if s <= 3.0 => Rung::Engaged,
                 s if s < 12.0 => Rung::Fading,
-                _ => Rung::Apart,
+                _ => Rung::Disengaged,
             };
             assert_eq!(engagement.rung(), rung, "{silent}");
         }
@@ -69,7 +69,7 @@ fn time_that_goes_backwards_or_jumps_stays_within_0_and_1() {
 /// 12 packet periods, 96 ms, or what is asked for, whichever is longest.
 #[test]
 fn how_long_a_silence_may_be() {
-    for (period_us, asked_us, apart_us) in [
+    for (period_us, asked_us, disengaged_us) in [
         (8_000, 0, 96_000),
         (1_000, 0, 96_000),
         (20_000, 96_000, 240_000),
@@ -77,11 +77,11 @@ fn how_long_a_silence_may_be() {
         (8_000, 96_000, 96_000),
     ] {
         let mut engagement = Engagement::new(period_us, asked_us);
-        assert_eq!(engagement.apart_after_us(), apart_us);
+        assert_eq!(engagement.disengage_after_us(), disengaged_us);
         engagement.hear(1_000);
-        engagement.update(1_000 + apart_us - 1);
+        engagement.update(1_000 + disengaged_us - 1);
         assert_eq!(engagement.rung(), Rung::Fading);
-        engagement.update(1_000 + apart_us);
-        assert_eq!(engagement.rung(), Rung::Apart);
+        engagement.update(1_000 + disengaged_us);
+        assert_eq!(engagement.rung(), Rung::Disengaged);
     }
 }

@@ -1,4 +1,4 @@
-//! What only the crate itself can see: known answers of its keys and seals, and the ladder of silence and
+//! What only the crate itself can see: known answers of its keys and seals, and the degradation by silence and
 //! reliable events without a link.
 
 mod engagement;

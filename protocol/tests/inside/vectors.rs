@@ -10,7 +10,7 @@ use crate::key::Key;
 use crate::parameters::{Parameters, Table};
 use crate::session::{Counter, EPOCH_BITS, Offer, Session};
 use crate::wire::{
-    Along, Ask, Bits, Flow, Greeting, GreetingKind, Header, MAX_DATAGRAM, Message, PeerId, Presence, Probe, Scope,
+    Ask, AxisFlow, Bits, Flow, Greeting, GreetingKind, Header, MAX_DATAGRAM, Message, PeerId, Presence, Probe, Scope,
     Sighting, Topic,
 };
 
@@ -107,7 +107,7 @@ fn flow() -> Message {
         engaged: true,
         fading: false,
         tick: 4711,
-        axes: [Along {
+        axes: [AxisFlow {
             position: 0.25,
             velocity: -0.5,
             wave: 1.5,

@@ -60,7 +60,7 @@ pub struct Stopped {
     pub at: u64,
     /// Frames that left, each with its instant.
     pub frames: Vec<(u64, Vec<u8>)>,
-    /// What the bridges are told.
+    /// What the bridges are commanded.
     pub bridges: Bridges,
     /// Watched instructions that were reached.
     pub hits: Vec<Hit>,

@@ -11,7 +11,7 @@ use haptic_live::recording::recorder::Recorder;
 use haptic_live::recording::ticks::{BoardTicks, board_channels};
 use haptic_protocol::key::{Key, Role};
 use haptic_protocol::wire::MAX_DATAGRAM;
-use haptic_report::Made;
+use haptic_report::Provenance;
 
 /// Ethernet address of the PC.
 pub const MAC: [u8; 6] = [0x02, 0, 0, 0, 0, 0x10];
@@ -127,9 +127,11 @@ impl Pc {
     /// # Panics
     /// The file is there already, or cannot be written.
     pub fn record(&mut self, number: u8, axes: usize, file: &Path) {
-        let made = Made::now(env!("CARGO_PKG_VERSION"), "bench");
-        let origin =
-            Origin { clock: "bench".to_owned(), ..Origin::simulated(&made, format!("operator of board {number}")) };
+        let provenance = Provenance::now(env!("CARGO_PKG_VERSION"), "bench");
+        let origin = Origin {
+            clock: "bench".to_owned(),
+            ..Origin::simulated(&provenance, format!("operator of board {number}"))
+        };
         let recorder =
             Recorder::create(file, &origin, board_channels(number, axes)).expect("a file that is not there yet");
         self.recordings[usize::from(number - 1)] = Some((BoardTicks::new(1e-3, axes), recorder));

@@ -1,6 +1,6 @@
 //! A scene on two boards, from power-on to the figures of merit: what `cargo xtask board` runs and what tests compare.
 //!
-//! Figures are formed as host-sim forms its own (means over the last half, decoded at peer 2), from what the boards told
+//! Figures are formed as host-sim forms its own (means over the last half, decoded at peer 2), from what the boards reported
 //! over telemetry, tick by tick; host-sim's f32 run of the same scene stands beside them.
 
 use std::sync::Arc;

@@ -30,7 +30,7 @@ pub struct Equal {
     pub first_difference: Option<u64>,
 }
 
-/// What a board told from the tick that armed it on.
+/// What a board reported from the tick that armed it on.
 #[derive(Clone, Copy, Debug)]
 pub struct Armed<'a> {
     /// Records of every armed tick.
@@ -129,7 +129,7 @@ pub fn closed_loop_ordered(scene: &Scene, boards: [Armed<'_>; 2], orders: &[(usi
 }
 
 /// A peer of host-sim that shares three axes, with its device.
-struct Shared {
+struct SharedAxesPeer {
     peer: Peer<f32, AnyLaw<f32>, 3, 3, AnySpatial<f32>>,
     plant: Plant<3>,
     /// What it has sent.
@@ -165,7 +165,7 @@ pub fn closed_loop_shared(scene: &Scene, boards: [Armed<'_>; 2], further: [&[Rec
         peer.command(Command::Arm);
         // Nobody is there until he is heard.
         peer.part();
-        Shared { peer, plant, sent: Vec::new() }
+        SharedAxesPeer { peer, plant, sent: Vec::new() }
     });
     let told: [BTreeMap<(u32, u8), &Record>; 2] =
         further.map(|records| records.iter().map(|record| ((record.tick(), record.axis()), record)).collect());
@@ -191,7 +191,7 @@ pub fn closed_loop_shared(scene: &Scene, boards: [Armed<'_>; 2], further: [&[Rec
                     same &= sides[1 - at].sent.iter().rev().take(LATEST).any(|sent| *sent == packets);
                     sides[at].peer.hear(&packets);
                 }
-                let Shared { peer, plant, sent } = &mut sides[at];
+                let SharedAxesPeer { peer, plant, sent } = &mut sides[at];
                 if peer.packet_due() {
                     sent.extend(peer.exchange());
                 }

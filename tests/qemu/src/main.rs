@@ -62,7 +62,7 @@ impl File {
     }
 }
 
-/// What QEMU was told to tell us.
+/// What QEMU was asked to report.
 fn command_line(text: &mut [u8; 256]) -> &str {
     let block = [text.as_mut_ptr() as usize, text.len()];
     // SAFETY: a block of address and length, which SYS_GET_CMDLINE fills in; the length becomes that of the text.

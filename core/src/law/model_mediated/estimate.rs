@@ -33,12 +33,12 @@ impl<S: Scalar> Estimate<S> {
         for (i, seen) in seen.iter_mut().enumerate() {
             *seen = (0..4).fold(S::ZERO, |sum, j| sum + self.covariance[at(i, j)] * factors[j]);
         }
-        let told = dot(&factors, &seen);
-        if told < least {
+        let expected = dot(&factors, &seen);
+        if expected < least {
             return;
         }
         let error = force - dot(&factors, &self.theta);
-        let share = S::ONE.ratio(noise + told);
+        let share = S::ONE.ratio(noise + expected);
         for i in 0..4 {
             let gain = seen[i] * share;
             self.theta[i] = self.theta[i] + gain * error;

@@ -6,7 +6,8 @@
 //! and each beyond them makes the line a tick longer. A packet is worth sending when
 //!
 //! - N ticks have passed since the last one, and the line is in motion: either wave is more than a tenth of θ. Ticks that stand count, too,
-//!   with nothing new to tell: both ends may stand because a packet was lost, each with fewer than N samples untold; or
+//!   with nothing new to tell: both ends may stand because a packet was lost, each with fewer than N samples
+//!   unannounced; or
 //! - the wave has changed by more than θ = [`THRESHOLD`] since the mean of those that the last packet brought: a jolt is not smoothed
 //!   over N ticks.
 //!
@@ -52,7 +53,7 @@ configured!([C: Scalar] Events<C> { threshold, rest, together, rate });
 
 /// What the other end knows, if everything arrives.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Told<C> {
+pub(super) struct Announced<C> {
     /// The counters of the newest packet.
     integral: C,
     live: u32,
@@ -87,19 +88,19 @@ impl<C: Scalar> Events<C> {
     }
 
     /// Whether a packet that says so many live ticks is worth sending; `taken` is the wave that came in last, √W.
-    pub(super) fn is_worth(&self, told: &Told<C>, taken: C, live: u32) -> bool {
-        let untold = live.wrapping_sub(told.live);
-        let moves = told.newest.abs() > self.rest || taken.abs() > self.rest;
-        let is_due = moves && untold.saturating_add(told.stood) >= self.together;
-        is_due || untold > 0 && (told.newest - told.mean).abs() > self.threshold
+    pub(super) fn is_worth(&self, announced: &Announced<C>, taken: C, live: u32) -> bool {
+        let unannounced = live.wrapping_sub(announced.live);
+        let moves = announced.newest.abs() > self.rest || taken.abs() > self.rest;
+        let is_due = moves && unannounced.saturating_add(announced.stood) >= self.together;
+        is_due || unannounced > 0 && (announced.newest - announced.mean).abs() > self.threshold
     }
 
     /// A packet with these counters goes out.
-    pub(super) fn told(&self, told: &mut Told<C>, integral: C, live: u32) {
-        let samples = live.wrapping_sub(told.live).cast_signed();
+    pub(super) fn announced(&self, announced: &mut Announced<C>, integral: C, live: u32) {
+        let samples = live.wrapping_sub(announced.live).cast_signed();
         if samples > 0 {
-            told.mean = ((integral - told.integral) * self.rate).over(C::from_i32(samples));
+            announced.mean = ((integral - announced.integral) * self.rate).over(C::from_i32(samples));
         }
-        (told.integral, told.live, told.stood) = (integral, live, 0);
+        (announced.integral, announced.live, announced.stood) = (integral, live, 0);
     }
 }

@@ -22,12 +22,12 @@
 mod events;
 mod incoming;
 
-use events::{Events, THRESHOLD, TOGETHER, Told};
+use events::{Announced, Events, THRESHOLD, TOGETHER};
 use incoming::{AHEAD, ANEW, CAPITAL, CREDIT, Incoming, Outstanding};
 
 use super::event::LONGEST;
 use super::terminal::{Ended, Terminal};
-use super::{Coupled, Kind, Law, Packet, Promise, Seen, Sends, needs_midpoint};
+use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Sends, needs_midpoint};
 use crate::num::{Motion, Scalar, StateVector, Sum, visit_counter, visit_sum};
 use crate::object::Solve;
 use crate::settings::{Refused, Settings};
@@ -61,7 +61,7 @@ pub struct SelfTimedState<C> {
     live: u32,
     /// Ticks since a packet was due.
     phase: u32,
-    told: Told<C>,
+    announced: Announced<C>,
 }
 
 /// x_d, what is outstanding, and what the next packet adds: all that a linear line remembers.
@@ -75,7 +75,7 @@ impl<S: Scalar> StateVector<S> for SelfTimedState<S::Counter> {
 }
 
 impl<S: Scalar> Law<S> for SelfTimed<S> {
-    const KINDS: &'static [Kind] = &[Kind {
+    const LAWS: &'static [LawInfo] = &[LawInfo {
         name: "self-timed",
         sends: Sends::Counters,
         keys: &[CREDIT, CAPITAL, AHEAD, LONGEST, THRESHOLD, TOGETHER],
@@ -120,17 +120,17 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
     }
 
     #[inline]
-    fn couple(&self, state: &mut Self::State, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
+    fn couple(&self, state: &mut Self::State, observed: &Observation<S>, solve: impl Solve<S>) -> Coupled<S> {
         if state.phase == 0 {
             state.sent.add(state.fresh);
             state.fresh = S::Counter::ZERO;
         }
         state.phase = if state.phase + 1 >= self.ticks_per_packet { 0 } else { state.phase + 1 };
         let desired = state.desired.total();
-        let stretch = S::of_counter(desired - seen.local.position.to_counter());
+        let stretch = S::of_counter(desired - observed.local.position.to_counter());
         let position = S::of_counter(desired);
         let Some(wave_in) = self.incoming.emit(&mut state.outstanding) else {
-            state.told.stood = state.told.stood.saturating_add(1);
+            state.announced.stood = state.announced.stood.saturating_add(1);
             let Ended { velocity, force } = self.end.stand(stretch, solve);
             return Coupled { desired: Motion { position, velocity }, force, ..Coupled::default() };
         };
@@ -140,7 +140,7 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
         state.desired.add(self.period_s * self.wave_to_position * (taken + given));
         state.fresh = state.fresh + self.period_s * given;
         state.live = state.live.wrapping_add(1);
-        state.told.newest = given;
+        state.announced.newest = given;
         Coupled {
             desired: Motion { position, velocity },
             force,
@@ -157,12 +157,12 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
     fn speaks(&self, state: &Self::State, packet: &Packet<S>) -> bool {
         self.events
             .as_ref()
-            .is_none_or(|events| events.is_worth(&state.told, state.outstanding.last, packet.live_ticks))
+            .is_none_or(|events| events.is_worth(&state.announced, state.outstanding.last, packet.live_ticks))
     }
 
     fn spoke(&self, state: &mut Self::State, packet: &Packet<S>) {
         if let Some(events) = &self.events {
-            events.told(&mut state.told, packet.wave_integral, packet.live_ticks);
+            events.announced(&mut state.announced, packet.wave_integral, packet.live_ticks);
         }
     }
 

@@ -34,14 +34,14 @@ fn scene(law: &'static str, ticks_per_packet: f64, damping: f64) -> Settings {
 fn copies_swing_against_each_other_as_one_copy_at_a_wall() {
     let swings = |law| {
         let mut copies = Copies::<f64>::new(&scene(law, 1.0, 0.0), 0);
-        let apart: Vec<f64> = (0..20_000)
+        let distance_m: Vec<f64> = (0..20_000)
             .map(|tick| {
                 let push = if tick < 100 { 1e-3 } else { 0.0 };
                 let [one, two] = pushed(&mut copies, push, -push);
                 one.position - two.position
             })
             .collect();
-        std::f64::consts::TAU / period(&apart[200..])
+        std::f64::consts::TAU / period(&distance_m[200..])
     };
     let (mean, power) = (swings("average-position"), swings("power"));
     let closed = (K / 0.3).sqrt();
@@ -58,7 +58,7 @@ fn the_swing_about_the_mean_is_stable_at_every_gain_without_delay() {
             let mut scene = scene(law, packet, 0.0);
             scene.coordination.stiffness_n_per_m = 2e4;
             let mut copies = Copies::<f64>::new(&scene, 0);
-            let apart: Vec<f64> = (0..8000)
+            let distance_m: Vec<f64> = (0..8000)
                 .map(|tick| {
                     let push = if tick < 10 { 1e-3 } else { 0.0 };
                     let [one, two] = pushed(&mut copies, push, -push);
@@ -66,7 +66,7 @@ fn the_swing_about_the_mean_is_stable_at_every_gain_without_delay() {
                 })
                 .collect();
             let largest = |part: &[f64]| part.iter().copied().fold(0.0, f64::max);
-            largest(&apart) / largest(&apart[..200])
+            largest(&distance_m) / largest(&distance_m[..200])
         };
         let mean = swing("average-position");
         assert!(mean < 1.02, "{packet} ticks a packet: grew {mean} times");
@@ -80,7 +80,7 @@ fn the_swing_about_the_mean_is_stable_at_every_gain_without_delay() {
 fn copies_stand_about_their_mean() {
     let mut copies = Copies::<f64>::new(&scene("average-position", 8.0, 20.0), 2);
     let [one, two] = (0..20_000).map(|_| pushed(&mut copies, 1.0, -1.0)).last().expect("ticks");
-    let apart = one.position - two.position;
-    assert!((apart / (2.0 / (K + SOFT)) - 1.0).abs() < 1e-4, "{apart} m apart");
+    let distance_m = one.position - two.position;
+    assert!((distance_m / (2.0 / (K + SOFT)) - 1.0).abs() < 1e-4, "{distance_m} m apart");
     assert!((one.position + two.position).abs() < 1e-9);
 }

@@ -92,9 +92,12 @@ fn copies_stand_apart_by_what_is_not_told() {
         let mut copies = Copies::<f64>::new(&settings, 0);
         let hands = [Motion::at(0.01), Motion::at(-0.01)];
         let [one, two] = (0..20_000).map(|_| copies.tick(hands)).last().expect("ticks");
-        let apart = (1.0 + local - remote) * (one.contact_force - two.contact_force) / 2000.0;
+        let distance_m = (1.0 + local - remote) * (one.contact_force - two.contact_force) / 2000.0;
         let got = one.object.position - two.object.position;
-        assert!((got - apart).abs() < 1e-9, "λ {remote}, μ {local}: {got} m apart, {apart} by the closed form");
+        assert!(
+            (got - distance_m).abs() < 1e-9,
+            "λ {remote}, μ {local}: {got} m apart, {distance_m} by the closed form"
+        );
         assert!(one.contact_force > 1.0 && two.contact_force < -1.0, "hands press");
     }
 }

@@ -1,7 +1,7 @@
 //! The account is never below nothing, what comes out is what was put in, and the gate opens as far as the closed form says.
 
 use haptic_core::law::input_gated::InputGated;
-use haptic_core::law::{Law, Packet, Seen};
+use haptic_core::law::{Law, Observation, Packet};
 use haptic_core::num::Motion;
 use haptic_core::object::Port;
 
@@ -28,7 +28,7 @@ fn each_end_is_passive_by_itself() {
             }
             let hand = Port { force: 5.0 * random(), impedance: 1.0 };
             let mut mean = 0.0;
-            let seen = Seen { local: copy, ..Seen::default() };
+            let seen = Observation { local: copy, ..Observation::default() };
             let coupled = law.couple(&mut end, &seen, |port: Port<f64>| {
                 let (inertia, all) = (2.0 * MASS_KG / PERIOD, port + hand);
                 mean = (inertia * copy.velocity + all.force) / (inertia + all.impedance);
@@ -58,7 +58,7 @@ fn the_gate_opens_as_far_as_the_account_covers() {
         let law = <InputGated<f64> as Law<f64>>::build(&settings).expect("good settings");
         let mut end = law.start(Motion::REST);
         law.receive(&mut end, Packet { motion: Motion::at(0.1), ..Packet::default() });
-        let coupled = law.couple(&mut end, &Seen::default(), |_| 0.0);
+        let coupled = law.couple(&mut end, &Observation::default(), |_| 0.0);
         assert!((coupled.force - wanted).abs() < 1e-12 * wanted.max(1.0), "{start} J: {} N, {wanted} N", coupled.force);
     }
 }

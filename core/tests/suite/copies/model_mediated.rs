@@ -1,7 +1,7 @@
 //! The model is learned to be what the other hand is, is felt without delay, and never gives more than its account has.
 
 use haptic_core::law::model_mediated::ModelMediated;
-use haptic_core::law::{Law, Packet, Seen};
+use haptic_core::law::{Law, Observation, Packet};
 use haptic_core::num::Motion;
 use haptic_core::object::Port;
 use haptic_core::settings::Settings;
@@ -54,7 +54,7 @@ impl Ends {
                 impedance: stiffness * PERIOD / 2.0 + damping,
             };
             let mut mean = 0.0;
-            let seen = Seen { local: copy, ..Seen::default() };
+            let seen = Observation { local: copy, ..Observation::default() };
             let coupled = self.law.couple(&mut self.states[at], &seen, |port: Port<f64>| {
                 let all = port + hand;
                 let inertia = 2.0 * MASS_KG / PERIOD;
@@ -87,12 +87,12 @@ fn the_model_becomes_the_other_hand_and_copy() {
                 ends.tick([[0.0, 1.0, 0.0, push], [stiffness, damping, place, 0.0]]);
             }
             let model = ends.states[0].model();
-            let told = format!("{ticks_per_packet} ticks a packet, {stiffness} N/m, {damping} N·s/m: {model:?}");
-            assert!((model.mass / MASS_KG - 1.0).abs() < 0.05, "{told}");
-            assert!((model.damping - damping).abs() < 0.05 * damping + 0.1, "{told}");
-            assert!((model.stiffness - stiffness).abs() < 0.05 * stiffness + 5.0, "{told}");
+            let label = format!("{ticks_per_packet} ticks a packet, {stiffness} N/m, {damping} N·s/m: {model:?}");
+            assert!((model.mass / MASS_KG - 1.0).abs() < 0.05, "{label}");
+            assert!((model.damping - damping).abs() < 0.05 * damping + 0.1, "{label}");
+            assert!((model.stiffness - stiffness).abs() < 0.05 * stiffness + 5.0, "{label}");
             if stiffness > 0.0 {
-                assert!((model.rest - place).abs() < 5e-4, "{told}");
+                assert!((model.rest - place).abs() < 5e-4, "{label}");
             }
         }
     }

@@ -116,6 +116,6 @@ fn nothing_drifts_after_losses() {
         });
     }
     let [one, two] = (0..10_000).map(|_| copies.tick([Motion::REST; 2])).last().expect("ticks");
-    let apart = one.object.position - two.object.position;
-    assert!(apart.abs() < 1e-6, "{apart} m apart");
+    let distance_m = one.object.position - two.object.position;
+    assert!(distance_m.abs() < 1e-6, "{distance_m} m apart");
 }

@@ -207,7 +207,7 @@ fn what_cannot_be_is_refused_by_name() {
 }
 
 proptest! {
-    /// Neither limit is passed, and nothing overflows (tests run with overflow checks), whatever the loop is told.
+    /// Neither limit is passed, and nothing overflows (tests run with overflow checks), whatever the loop is commanded.
     #[test]
     fn the_limits_hold_whatever_comes_in(
         (r, l, hz, full) in (0.0..=1.0_f64, 0.0..=1.0_f64, 50.0..=2000.0_f64, -3.0..=3.0_f64),

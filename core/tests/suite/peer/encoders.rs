@@ -55,11 +55,11 @@ fn a_channel_that_is_dead() {
         let mut bench = bench(&settings());
         assert!((0..50).all(|_| tick(&mut bench, 0, usual, None) == Mode::Disarmed), "{usual:?}");
     }
-    // As often as not is not told, more often is.
+    // As often as not is not reported, more often is.
     let mut bench = bench(&settings());
     assert!((0..50).all(|nth| tick(&mut bench, 0, [2, nth % 2 * 2], None) == Mode::Disarmed));
-    let told = (0..50).find(|nth| tick(&mut bench, 0, [u8::from(nth % 3 > 0) * 2, 0], None) == wire);
-    assert_eq!(told, Some(8), "+1, +1, −1 from nothing");
+    let reported = (0..50).find(|nth| tick(&mut bench, 0, [u8::from(nth % 3 > 0) * 2, 0], None) == wire);
+    assert_eq!(reported, Some(8), "+1, +1, −1 from nothing");
 }
 
 /// Where the axis is, m.

@@ -95,7 +95,7 @@ fn what_can_only_push_never_pulls() {
     let mut settings = settings(4000.0, 2.0, 10.0, 0.3, 0.0);
     settings.contact.one_sided = true;
     let mut bench = Bench::<f64>::armed(&settings);
-    let (mut pushed, mut apart) = (0, 0);
+    let (mut pushed, mut ticks_free) = (0, 0);
     for tick in 0..5000 {
         let (wave, hand) = inputs(tick);
         // The line draws the copy to the hand.
@@ -108,10 +108,10 @@ fn what_can_only_push_never_pulls() {
             pushed += 1;
             assert!(seen.device.position > seen.object.position, "tick {tick}: a push from a distance");
         } else {
-            apart += 1;
+            ticks_free += 1;
         }
     }
-    assert!(pushed > 500 && apart > 500, "{pushed} ticks of push, {apart} of none");
+    assert!(pushed > 500 && ticks_free > 500, "{pushed} ticks of push, {ticks_free} of none");
 }
 
 /// A constant push on a free copy: x = ½·F/m·t² at every tick, in every number type, for the rule is exact there.

@@ -99,7 +99,7 @@ fn a_peer_that_counts_from_zero_again_is_paid_for_only_after_parting() {
     };
     let (held, parted) = (emitted(false), emitted(true));
     assert!(held <= price * (1.0 + 1e-9), "{held} J without parting");
-    // Nine steps of the ladder, then everything.
+    // Nine steps of the degradation, then everything.
     assert!(parted > 41.0 * price && parted <= 50.0 * price, "{parted} J after parting, {} J sent", 50.0 * price);
 }
 

@@ -39,7 +39,7 @@ impl Random {
 }
 
 /// One way of a network: packets with the tick at which they come.
-struct Way<S: Scalar> {
+struct Direction<S: Scalar> {
     random: Random,
     flying: Vec<(u32, Packet<S>)>,
     delay: u32,
@@ -50,7 +50,7 @@ struct Way<S: Scalar> {
     burst: u32,
 }
 
-impl<S: Scalar> Way<S> {
+impl<S: Scalar> Direction<S> {
     fn new(seed: u64) -> Self {
         let mut random = Random(seed);
         let [delay, jitter, loss, twice] = [(); 4].map(|()| random.unit());
@@ -97,7 +97,7 @@ impl<S: Scalar> Way<S> {
 /// Two peers whose hands do what they want, over two ways.
 struct Couple<S: Scalar> {
     benches: [Bench<S>; 2],
-    ways: [Way<S>; 2],
+    directions: [Direction<S>; 2],
     tick: u32,
     /// Packets of both.
     sent: u32,
@@ -105,15 +105,15 @@ struct Couple<S: Scalar> {
 
 impl<S: Scalar> Couple<S> {
     fn new(settings: &Settings, seed: u64) -> Self {
-        let ways = [Way::new(2 * seed), Way::new(2 * seed + 1)];
-        Self { benches: [(); 2].map(|()| Bench::armed(settings)), ways, tick: 0, sent: 0 }
+        let directions = [Direction::new(2 * seed), Direction::new(2 * seed + 1)];
+        Self { benches: [(); 2].map(|()| Bench::armed(settings)), directions, tick: 0, sent: 0 }
     }
 
     fn step(&mut self, hands: [Motion<f64>; 2]) {
         let sent = [0, 1].map(|at| self.benches[at].peer.speak().map(|[packet]| packet));
         for at in 0..2 {
             self.sent += u32::from(sent[at].is_some());
-            let incoming = self.ways[at].cross(self.tick, sent[1 - at]);
+            let incoming = self.directions[at].cross(self.tick, sent[1 - at]);
             let bench = &mut self.benches[at];
             incoming.into_iter().for_each(|packet| bench.peer.hear(&[packet]));
             bench.peer.listen();
@@ -132,7 +132,7 @@ impl<S: Scalar> Couple<S> {
     }
 
     /// x_d of the one less x_d of the other, m.
-    fn apart(&self) -> f64 {
+    fn distance(&self) -> f64 {
         let [one, other] = [0, 1].map(|at| self.benches[at].peer.observed()[0].desired.position.to_f64());
         one - other
     }
@@ -161,14 +161,14 @@ fn is_passive_and_does_not_drift<S: Scalar>(settings: &Settings, seeds: u64, rou
             }
         }
         // Nothing is lost any more, and the hands rest.
-        for way in &mut couple.ways {
-            (way.loss, way.burst) = (0.0, 0);
+        for direction in &mut couple.directions {
+            (direction.loss, direction.burst) = (0.0, 0);
         }
         for _ in 0..4000 {
             couple.step([Motion::REST; 2]);
         }
-        let apart = couple.apart().abs();
-        assert!(apart < rounding_m, "seed {seed}: {apart:.1e} m apart");
+        let distance = couple.distance().abs();
+        assert!(distance < rounding_m, "seed {seed}: {distance:.1e} m apart");
     }
 }
 
@@ -213,8 +213,8 @@ fn whatever_is_not_worth_a_packet_makes_no_energy_and_no_drift() {
 fn packets_go_as_often_as_the_keys_say() {
     for (together, threshold, every) in [(9.0, 0.2, 9), (40.0, 0.2, 40), (9.0, 100.0, 50)] {
         let mut couple = Couple::<f64>::new(&of_events(together, threshold), 1);
-        for way in &mut couple.ways {
-            *way = Way { delay: 5, jitter: 0.0, loss: 0.0, twice: 0.0, ..Way::new(1) };
+        for direction in &mut couple.directions {
+            *direction = Direction { delay: 5, jitter: 0.0, loss: 0.0, twice: 0.0, ..Direction::new(1) };
         }
         // Both press with the same force for ever: the waves are F/√(2b) each, some 0.4 √W, and do not change.
         let press = |at: f64| [Motion::at(at), Motion::at(-at)];
@@ -231,14 +231,14 @@ fn packets_go_as_often_as_the_keys_say() {
 fn two_ends_that_stand_do_not_wait_for_each_other() {
     for phase in 0..9 {
         let mut couple = Couple::<f64>::new(&of_events(9.0, 1.0), 1);
-        for way in &mut couple.ways {
-            *way = Way { delay: 5, jitter: 0.0, loss: 0.0, twice: 0.0, ..Way::new(1) };
+        for direction in &mut couple.directions {
+            *direction = Direction { delay: 5, jitter: 0.0, loss: 0.0, twice: 0.0, ..Direction::new(1) };
         }
         let press = |at: f64| [Motion::at(at), Motion::at(-at)];
         (0..4000).for_each(|tick| couple.step(press(0.01 * f64::min(1.0, f64::from(tick) / 1000.0))));
         (0..phase).for_each(|_| couple.step(press(0.01)));
         let live = |couple: &Couple<f64>| couple.benches.each_ref().map(|bench| bench.peer.outgoing()[0].live_ticks);
-        couple.ways.iter_mut().for_each(|way| way.burst = 13);
+        couple.directions.iter_mut().for_each(|direction| direction.burst = 13);
         let before = live(&couple);
         (0..100).for_each(|_| couple.step(press(0.01)));
         let lived = live(&couple).into_iter().zip(before).map(|(after, before)| after - before);
@@ -248,12 +248,12 @@ fn two_ends_that_stand_do_not_wait_for_each_other() {
     }
 }
 
-/// A wave that jumps is told in the tick after.
+/// A wave that jumps is announced in the tick after.
 #[test]
 fn a_jolt_goes_at_once() {
     let mut couple = Couple::<f64>::new(&of_events(40.0, 0.2), 1);
-    for way in &mut couple.ways {
-        *way = Way { delay: 5, jitter: 0.0, loss: 0.0, twice: 0.0, ..Way::new(1) };
+    for direction in &mut couple.directions {
+        *direction = Direction { delay: 5, jitter: 0.0, loss: 0.0, twice: 0.0, ..Direction::new(1) };
     }
     (0..500).for_each(|_| couple.step([Motion::REST; 2]));
     couple.sent = 0;
@@ -306,8 +306,8 @@ fn silence_is_a_wall() {
 fn the_delay_is_the_credit_whatever_the_networks_is() {
     for (delay, credit) in [(0_u32, 8_u32), (3, 8), (7, 8), (20, 30)] {
         let mut couple = Couple::<f64>::new(&settings(f64::from(credit)), 1);
-        for way in &mut couple.ways {
-            *way = Way { delay, jitter: 0.0, loss: 0.0, twice: 0.0, ..Way::new(1) };
+        for direction in &mut couple.directions {
+            *direction = Direction { delay, jitter: 0.0, loss: 0.0, twice: 0.0, ..Direction::new(1) };
         }
         (0..100).for_each(|_| couple.step([Motion::REST; 2]));
         let live = couple.benches.each_ref().map(|bench| bench.peer.outgoing()[0].live_ticks);
@@ -327,8 +327,8 @@ fn the_delay_is_the_credit_whatever_the_networks_is() {
 #[test]
 fn a_peer_that_begins_anew_takes_the_other_with_it() {
     let mut couple = Couple::<f64>::new(&settings(12.0), 3);
-    for way in &mut couple.ways {
-        *way = Way { delay: 5, jitter: 0.0, loss: 0.0, twice: 0.0, ..Way::new(3) };
+    for direction in &mut couple.directions {
+        *direction = Direction { delay: 5, jitter: 0.0, loss: 0.0, twice: 0.0, ..Direction::new(3) };
     }
     (0..2000).for_each(|tick| couple.step(hands(tick)));
     let before = couple.energies();

@@ -13,9 +13,9 @@ type Plane<S> = Peer<S, AnyLaw<S>, 2>;
 type Space<S> = Peer<S, AnyLaw<S>, 3, 3, AnySpatial<S>>;
 
 /// A scene of this law with as many axes, all of them shared.
-fn scene(comm: &'static str, axes: u32) -> Settings {
+fn scene(law: &'static str, axes: u32) -> Settings {
     let mut settings = Settings::default();
-    (settings.coordination.comm, settings.axis.count, settings.axis.shared) = (comm, axes, axes);
+    (settings.coordination.comm, settings.axis.count, settings.axis.shared) = (law, axes, axes);
     settings.timing.ticks_per_packet = 3;
     settings.object.force_delay_ticks = 0.0;
     settings.coordination.decode = Decode::Implicit;
@@ -98,7 +98,7 @@ fn alone<S: Scalar>(settings: &Settings, axis: usize) -> Vec<[u64; 5]> {
 }
 
 fn axes_that_nothing_couples_are_as_if_they_were_alone<S: Scalar>() {
-    for kind in <AnyLaw<S> as Law<S>>::KINDS {
+    for kind in <AnyLaw<S> as Law<S>>::LAWS {
         for integrator in [IntegratorName::SemiImplicit, IntegratorName::Midpoint] {
             if integrator != IntegratorName::Midpoint
                 && (kind.sends == Sends::Counters || kind.budgets().next().is_some())
@@ -294,8 +294,11 @@ fn a_wall_along_an_axis_is_that_of_one_axis_and_leaves_the_others_alone() {
         for (tick, (object, felt)) in all.iter().enumerate() {
             peer.tick(&Sensors::of(Reading::Exact([strokes(1e-3 * tick as f64)[axis], Motion::REST])));
             let seen = peer.observed()[0];
-            let apart = (seen.object.position - object[axis]).abs();
-            assert!(apart < 1e-12 && (seen.contact_force - felt[axis]).abs() < 1e-8, "{axis} {tick}: {apart:e}");
+            let difference = (seen.object.position - object[axis]).abs();
+            assert!(
+                difference < 1e-12 && (seen.contact_force - felt[axis]).abs() < 1e-8,
+                "{axis} {tick}: {difference:e}"
+            );
         }
     }
     assert!(all.iter().any(|(object, _)| object[0] > 0.0022), "never at the wall");

@@ -1,8 +1,8 @@
-//! Silence on purpose, with a law that speaks when it is told to: how long it lasts, who does not notice, and who does.
+//! Silence on purpose, with a law that speaks on command: how long it lasts, who does not notice, and who does.
 
 use haptic_core::device::{AXES, Reading};
 use haptic_core::law::power::Power;
-use haptic_core::law::{Coupled, Kind, Law, Packet, Seen, Sends, event};
+use haptic_core::law::{Coupled, Law, LawInfo, Observation, Packet, Sends, event};
 use haptic_core::num::{Configured, Motion};
 use haptic_core::object::Solve;
 use haptic_core::peer::{Peer, Sensors};
@@ -17,8 +17,14 @@ struct Shy(Power<f64>);
 impl Configured for Shy {}
 
 impl Law<f64> for Shy {
-    const KINDS: &'static [Kind] =
-        &[Kind { name: "shy", sends: Sends::Motion, keys: &[event::LONGEST], gains: &[], source: "", promises: &[] }];
+    const LAWS: &'static [LawInfo] = &[LawInfo {
+        name: "shy",
+        sends: Sends::Motion,
+        keys: &[event::LONGEST],
+        gains: &[],
+        source: "",
+        promises: &[],
+    }];
     type State = Motion<f64>;
 
     fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
@@ -30,7 +36,7 @@ impl Law<f64> for Shy {
     fn receive(&self, state: &mut Motion<f64>, packet: Packet<f64>) {
         self.0.receive(state, packet);
     }
-    fn couple(&self, state: &mut Motion<f64>, seen: &Seen<f64>, solve: impl Solve<f64>) -> Coupled<f64> {
+    fn couple(&self, state: &mut Motion<f64>, seen: &Observation<f64>, solve: impl Solve<f64>) -> Coupled<f64> {
         self.0.couple(state, seen, solve)
     }
     fn send(&self, state: &Motion<f64>, local: Motion<f64>) -> Packet<f64> {
@@ -41,7 +47,7 @@ impl Law<f64> for Shy {
     }
 }
 
-const SCHEMA: Schema = Schema::new(Shy::KINDS);
+const SCHEMA: Schema = Schema::new(Shy::LAWS);
 
 /// Packets of 8 ms, silence for `longest_s`, fading from 0.4 s to 0.8 s.
 fn settings(longest_s: f64) -> Settings {

@@ -100,7 +100,7 @@ impl<S: Scalar> Rig<S> {
 }
 
 /// Ticks until a leaky mean over 8 ms, taken every second tick, of `what` passes what is tolerated now; more was `before`.
-fn told_after(what: f64, now: f64, before: f64) -> Option<u32> {
+fn noticed_after(what: f64, now: f64, before: f64) -> Option<u32> {
     (1..200)
         .find(|pairs| {
             let left = 0.75_f64.powi(*pairs);
@@ -153,7 +153,7 @@ every_number! {
         };
         for part in [0.0, 0.5, 0.7, 2.0] {
             // With as much voltage as that takes there is nothing but the current to tell.
-            let exact = told_after((1.0 - part).abs() * 2.25, 0.39125, 0.0).map(|ticks| (ticks, Fault::CurrentNotFollowed));
+            let exact = noticed_after((1.0 - part).abs() * 2.25, 0.39125, 0.0).map(|ticks| (ticks, Fault::CurrentNotFollowed));
             assert_eq!(lost(part, part * 2.25 * OHM), exact, "{}: {part}", S::NAME);
         }
         assert_eq!(lost(0.84, 0.84 * 2.25 * OHM), None, "{}", S::NAME);
@@ -222,13 +222,13 @@ every_number! {
             let volts = EMF * f64::abs(speed);
             for (what, scale) in [("stuck", 0.0), ("reversed", -1.0), ("half", 0.5), ("double", 2.0), ("three", 3.0)] {
                 let now = 0.62 + 0.125 * scale.abs() * volts;
-                let exact = told_after((1.0 - scale).abs() * volts, now, 0.62 + 0.125 * volts);
+                let exact = noticed_after((1.0 - scale).abs() * volts, now, 0.62 + 0.125 * volts);
                 let exact = exact.map(|ticks| (ticks, Fault::EncoderImplausible));
                 assert_eq!(reads(speed, scale), exact, "{}: {what} at {speed} m/s", S::NAME);
             }
             assert_eq!(reads(speed, 0.9), None, "{}: {speed} m/s, within tolerance", S::NAME);
         }
-        // Below 0.62 V nothing is told, and at rest nothing can be.
+        // Below 0.62 V nothing is reported, and at rest nothing can be.
         assert_eq!(reads(0.07, 0.0), None, "{}", S::NAME);
     }
 
@@ -275,13 +275,13 @@ every_number! {
     fn a_supply_at_its_end_is_no_fault<S: Scalar>() {
         for (volts, found) in [(22.8, None), (18.0, Some(Fault::CurrentNotFollowed))] {
             let mut rig = Rig::<S>::armed(&settings(), (volts + 0.5 * OHM) / EMF);
-            let told = rig.run(400, |truth| {
+            let noticed = rig.run(400, |truth| {
                 let flow = &mut truth.measured.motors[0];
                 flow.mean = (-0.5 * CODES) as i16;
                 flow.last = flow.mean;
                 flow.voltage = (volts / SUPPLY.0 * f64::from(SUPPLY.1)) as i16;
             });
-            assert_eq!(told.map(|(_, fault)| fault), found, "{}: {volts} V", S::NAME);
+            assert_eq!(noticed.map(|(_, fault)| fault), found, "{}: {volts} V", S::NAME);
         }
     }
 

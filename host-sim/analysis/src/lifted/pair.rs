@@ -34,14 +34,14 @@ pub(crate) fn same_arms(linear: &Scene) -> bool {
 }
 
 /// Whether nobody can hold anything, for want of stiffness and damping of contact.
-pub(crate) fn is_apart(linear: &Scene) -> bool {
+pub(crate) fn hands_are_off(linear: &Scene) -> bool {
     linear.peers().iter().all(|peer| peer.contact.stiffness_n_per_m == 0.0 && peer.contact.damping_n_s_per_m == 0.0)
 }
 
 /// The linear scene of a peer with its hand on or let go ([`Scene::hands_off`]): a device that holds nothing, and the arm at
 /// it, are no part of it.
 pub(crate) fn seat(linear: &Scene, released: bool) -> Cow<'_, Scene> {
-    if released || is_apart(linear) { Cow::Owned(linear.hands_off()) } else { Cow::Borrowed(linear) }
+    if released || hands_are_off(linear) { Cow::Owned(linear.hands_off()) } else { Cow::Borrowed(linear) }
 }
 
 /// Two peers' answers, each to a packet that it hears so far into a packet period as its delay says, and the whole packet periods

@@ -132,8 +132,8 @@ impl Square<'_> {
             if below <= f64::EPSILON * near {
                 let beside = self.at(row - 1, row).abs();
                 let (large, small) = (below.max(beside), below.min(beside));
-                let apart = (above - here).abs();
-                let (far, close) = (here.abs().max(apart), here.abs().min(apart));
+                let difference = (above - here).abs();
+                let (far, close) = (here.abs().max(difference), here.abs().min(difference));
                 let sum = far + large;
                 if small * (large / sum) <= NOTHING.max(f64::EPSILON * (close * (far / sum))) {
                     break;
@@ -151,8 +151,8 @@ impl Square<'_> {
         let (half, product) = (0.5 * (a - d), b * c);
         let inside = half * half + product;
         if inside < 0.0 {
-            let (middle, apart) = (d + half, (-inside).sqrt());
-            return [(middle, apart), (middle, -apart)];
+            let (middle, difference) = (d + half, (-inside).sqrt());
+            return [(middle, difference), (middle, -difference)];
         }
         let far = half + inside.sqrt().copysign(half);
         let near = if far == 0.0 { 0.0 } else { product / far };

@@ -15,14 +15,14 @@ const KEYS: [(&str, f64); 4] = [
     ("coordination.damping_n_s_per_m", 100.0),
 ];
 
-fn sweep(comm: &'static str, decode: Decode, (key, to): (&str, f64)) -> Sweep {
-    let mut scene = figure4::scene(comm, 1);
+fn sweep(law: &'static str, decode: Decode, (key, to): (&str, f64)) -> Sweep {
+    let mut scene = figure4::scene(law, 1);
     scene.peer.coordination.decode = decode;
     Sweep::new(&scene, Range { key: key.to_owned(), from: 0.0, to }).unwrap()
 }
 
 /// The largest difference of a radius, relative to the larger of it and 1, over a hundred values.
-fn apart(sweep: &Sweep, family: &Family, mode: Hands, [low, high]: [f64; 2]) -> f64 {
+fn worst_difference(sweep: &Sweep, family: &Family, mode: Hands, [low, high]: [f64; 2]) -> f64 {
     let (mut followed, mut driven) = (Analyser::default(), Analyser::default());
     let values = (0..=100).map(|at| low * (high / low).powf(f64::from(at) / 100.0).clamp(1.0, high / low));
     let difference = |value: f64| {
@@ -39,16 +39,21 @@ fn apart(sweep: &Sweep, family: &Family, mode: Hands, [low, high]: [f64; 2]) -> 
 #[test]
 fn radii_are_those_of_driven_peers() {
     let mut families = 0;
-    for comm in figure4::COMMS {
+    for law in figure4::COMMS {
         for decode in Decode::ALL {
             for (key, to) in KEYS {
-                let sweep = sweep(comm, *decode, (key, to));
+                let sweep = sweep(law, *decode, (key, to));
                 let range = [1e-6 * to, to];
                 for mode in Hands::ALL {
                     let Some(family) = Family::of(&sweep, *mode, range).unwrap() else { continue };
                     families += 1;
-                    let apart = apart(&sweep, &family, *mode, range);
-                    assert!(apart < 1e-9, "{comm}, {}, {key}, {}: {apart}", decode.name(), mode.name());
+                    let worst_difference = worst_difference(&sweep, &family, *mode, range);
+                    assert!(
+                        worst_difference < 1e-9,
+                        "{law}, {}, {key}, {}: {worst_difference}",
+                        decode.name(),
+                        mode.name()
+                    );
                 }
             }
         }

@@ -116,8 +116,8 @@ fn defective_eigenvalues_do_not_disturb_the_largest() {
 /// Many eigenvalues within a millionth of the circle, and of each other.
 #[test]
 fn clusters_at_the_circle_are_told_apart() {
-    let turns = |count: u32, apart: f64| -> Vec<Matrix> {
-        (0..count).map(|at| pair(1.0 - 1e-6 * f64::from(at), 0.3 + apart * f64::from(at))).collect()
+    let turns = |count: u32, difference: f64| -> Vec<Matrix> {
+        (0..count).map(|at| pair(1.0 - 1e-6 * f64::from(at), 0.3 + difference * f64::from(at))).collect()
     };
     for blocks in [turns(12, 0.2), turns(8, 1e-6), (0..9).map(|at| rows([[1.0 - 1e-7 * f64::from(at)]])).collect()] {
         let mut matrix = hidden(&blocks);
@@ -147,10 +147,10 @@ fn long_delays_have_roots_all_round() {
 /// What it is for: the figure's scenes from one packet on its way to a hundred.
 #[test]
 fn lifted_matrices_have_the_same_radius_by_another_method() {
-    for comm in figure4::COMMS {
+    for law in figure4::COMMS {
         for delay in [0, 1, 3, 10, 30] {
             for (contact, coordination) in [(500.0, 1590.0), (1000.0, 5018.0), (2400.0, 10_700.0)] {
-                let mut scene = figure4::scene(comm, delay);
+                let mut scene = figure4::scene(law, delay);
                 scene.peer.contact.stiffness_n_per_m = contact;
                 scene.peer.coordination.stiffness_n_per_m = coordination;
                 let whole = pair_matrix(&scene.linear()).unwrap();
@@ -160,7 +160,7 @@ fn lifted_matrices_have_the_same_radius_by_another_method() {
                 rest::divide_out(&mut lifted);
                 let other = second(&lifted.matrix);
                 let found = radius(&mut lifted.matrix).unwrap();
-                assert!((found - other).abs() < 1e-10 * other, "{comm}, {delay} packets: {found}, {other}");
+                assert!((found - other).abs() < 1e-10 * other, "{law}, {delay} packets: {found}, {other}");
             }
         }
     }

@@ -13,9 +13,9 @@ fn scenes() -> Vec<Scene> {
         ("passive-wave", Decode::Delayed, 1, 1.0),
         ("passive-wave", Decode::Implicit, 3, 0.2),
     ]
-    .map(|(comm, decode, delay, late)| {
+    .map(|(law, decode, delay, late)| {
         let mut scene = Scene::default();
-        scene.peer.coordination.comm = comm;
+        scene.peer.coordination.comm = law;
         scene.peer.coordination.decode = decode;
         scene.peer.object.integrator = IntegratorName::SemiImplicit;
         scene.peer.object.force_delay_ticks = if decode == Decode::Implicit { 0.0 } else { 1.0 };

@@ -37,7 +37,7 @@ fn sorted(mut polar: Polar) -> Polar {
 }
 
 /// How far the eigenvalues of all axes are from those of the axes, each of which is a scene of one.
-fn apart(all: &Scene, each: &[Scene]) -> f64 {
+fn difference(all: &Scene, each: &[Scene]) -> f64 {
     let mut most = 0.0_f64;
     for hands in [Hands::Both, Hands::One, Hands::None] {
         let (together, alone) = (parts(all, hands), each.iter().map(|one| parts(one, hands)).collect::<Vec<_>>());
@@ -86,8 +86,8 @@ fn axes_that_nothing_couples_have_the_spectrum_of_one_axis_each() {
                 if ends == ENDS[2] {
                     one.apply_override("peer.2.device.mass_kg=0.3").expect("a good key");
                 }
-                let apart = apart(&all, &vec![one; axes as usize]);
-                assert!(apart < 1e-9, "{axes} {law:?} {ends:?}: {apart:e}");
+                let difference = difference(&all, &vec![one; axes as usize]);
+                assert!(difference < 1e-9, "{axes} {law:?} {ends:?}: {difference:e}");
                 let direction = judge(&all).expect("a good scene").worst.direction;
                 assert_eq!(direction, Some(Direction::Any), "{axes} {law:?} {ends:?}");
             }
@@ -137,8 +137,8 @@ fn a_mechanism_whose_mass_couples_the_axes_has_the_spectra_of_its_principal_mass
                 one.world.device.mass_kg = *mass_kg;
                 one
             };
-            let apart = apart(&all, &masses.iter().map(of_mass).collect::<Vec<_>>());
-            assert!(apart < 1e-9, "{mechanism:?} {law:?}: {apart:e} with {masses:?}");
+            let difference = difference(&all, &masses.iter().map(of_mass).collect::<Vec<_>>());
+            assert!(difference < 1e-9, "{mechanism:?} {law:?}: {difference:e} with {masses:?}");
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use haptic_analysis::answers;
-use haptic_sim::measure::impedance::{Answer, Complex, Far, SPEED_M_PER_S, answer};
+use haptic_sim::measure::impedance::{Answer, Complex, RemoteEnd, SPEED_M_PER_S, answer};
 use haptic_sim::scene::Scene;
 use haptic_sim::{Laws, scenes};
 
@@ -13,7 +13,7 @@ fn scene(packets: u32) -> Scene {
     scenes::find(Laws::built_in(), Some("leader-follower".as_ref()), &keys).unwrap()
 }
 
-fn one(packets: u32, near: usize, far: Far, frequency_hz: f64) -> Answer {
+fn one(packets: u32, near: usize, far: RemoteEnd, frequency_hz: f64) -> Answer {
     answers(&scene(packets), near, far, &[frequency_hz]).unwrap()[0]
 }
 
@@ -21,17 +21,17 @@ fn one(packets: u32, near: usize, far: Far, frequency_hz: f64) -> Answer {
 fn what_is_analysed_is_what_is_measured() {
     for packets in [40, 80] {
         for near in [0, 1] {
-            for far in [Far::Held, Far::LetGo, Far::Alone] {
+            for far in [RemoteEnd::Held, RemoteEnd::LetGo, RemoteEnd::Alone] {
                 for frequency_hz in [0.5, 4.0, 25.0] {
                     let measured = answer(&scene(packets), near, far, frequency_hz, SPEED_M_PER_S).unwrap();
                     let measured = measured.expect("it repeats");
                     let analysed = one(packets, near, far, frequency_hz);
                     let close = |what: &str, one: Complex, other: Complex, least: f64| {
                         let off = Complex { re: one.re - other.re, im: one.im - other.im }.abs();
-                        let told = format!("{what}, {packets} packets, led at {near}, {far:?}, {frequency_hz} Hz");
+                        let label = format!("{what}, {packets} packets, led at {near}, {far:?}, {frequency_hz} Hz");
                         // What nobody holds and hardly anything damps still rings in the run, by what a run may repeat to.
-                        let within = if far == Far::LetGo { 3e-2 } else { 1e-3 };
-                        assert!(off <= within * one.abs().max(least), "{told}: {one:?}, {other:?}");
+                        let within = if far == RemoteEnd::LetGo { 3e-2 } else { 1e-3 };
+                        assert!(off <= within * one.abs().max(least), "{label}: {one:?}, {other:?}");
                     };
                     close("impedance", analysed.impedance, measured.impedance, 1e-3);
                     close("motion", analysed.motion, measured.motion, 1e-3);
@@ -56,7 +56,7 @@ fn slowly_moved_it_is_a_spring_or_a_mass() {
             // Its damping behind that spring lets the hand go ahead: b − jω·b²/K of a damper behind a spring.
             let mass = masses - far_damping * far_damping / spring;
             let (held, alone) =
-                (one(packets, near, Far::Held, frequency_hz), one(packets, near, Far::Alone, frequency_hz));
+                (one(packets, near, RemoteEnd::Held, frequency_hz), one(packets, near, RemoteEnd::Alone, frequency_hz));
             let (felt, weighs) = (-omega * held.impedance.im, alone.impedance.im / omega);
             assert!((felt / spring - 1.0).abs() < 0.02, "{packets}: {felt} N/m, not {spring}");
             assert!((weighs / mass - 1.0).abs() < 0.01, "{packets}: {weighs} kg, not {mass}");
@@ -71,6 +71,6 @@ fn slowly_moved_it_is_a_spring_or_a_mass() {
 fn packets_of_several_ticks_are_refused_by_name() {
     let mut scene = scene(8);
     scene.apply_override("timing.ticks_per_packet=8").unwrap();
-    let refused = answers(&scene, 0, Far::Held, &[1.0]).unwrap_err().to_string();
+    let refused = answers(&scene, 0, RemoteEnd::Held, &[1.0]).unwrap_err().to_string();
     assert_eq!(refused, "timing.ticks_per_packet = 8 is not allowed here: it must be 1, a packet every tick");
 }

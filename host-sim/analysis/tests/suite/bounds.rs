@@ -17,8 +17,8 @@ use haptic_core::object::IntegratorName;
 use haptic_sim::scene::Scene;
 use rayon::prelude::*;
 
-fn scene(comm: &'static str, integrator: IntegratorName, delay: u32, device_delay: f64, contact: f64) -> Scene {
-    let mut scene = figure4::scene(comm, delay);
+fn scene(law: &'static str, integrator: IntegratorName, delay: u32, device_delay: f64, contact: f64) -> Scene {
+    let mut scene = figure4::scene(law, delay);
     scene.peer.coordination.decode = Decode::Implicit;
     scene.peer.object.integrator = integrator;
     scene.peer.object.force_delay_ticks = 0.0;
@@ -45,13 +45,13 @@ fn contact_is_stable(scene: &Scene) -> bool {
 /// Every scene of the given integrators with the contact alone stable, and the crossings of K_T there.
 fn all(integrators: &[IntegratorName], delays: &[u32]) -> Vec<(Scene, Limit)> {
     let mut scenes = Vec::new();
-    for comm in ["wave", "passive-wave"] {
+    for law in ["wave", "passive-wave"] {
         for &integrator in integrators {
             for &delay in delays {
                 for device_delay in [0.0, 0.5, 1.0] {
                     for contact in [100.0, 600.0, 1000.0, 1700.0, 3000.0] {
                         for mass in [0.3, 0.6] {
-                            let mut scene = scene(comm, integrator, delay, device_delay, contact);
+                            let mut scene = scene(law, integrator, delay, device_delay, contact);
                             scene.peer.object.mass_kg = mass;
                             scenes.push(scene);
                         }

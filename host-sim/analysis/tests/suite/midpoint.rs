@@ -7,8 +7,8 @@ use haptic_sim::scene::Scene;
 
 use crate::random::Random;
 
-pub(crate) fn midpoint(comm: &'static str, delay_packets: u32) -> Scene {
-    let mut scene = figure4::scene(comm, delay_packets);
+pub(crate) fn midpoint(law: &'static str, delay_packets: u32) -> Scene {
+    let mut scene = figure4::scene(law, delay_packets);
     scene.peer.object.integrator = IntegratorName::Midpoint;
     scene.peer.object.force_delay_ticks = 0.0;
     scene.peer.object.mass_kg = 0.3;
@@ -82,15 +82,15 @@ fn the_filter_before_the_rate_drop_is_not_passive() {
 /// The second construction writes the rule as algebra and lets a solver close it.
 #[test]
 fn both_constructions_say_the_same() {
-    for comm in ["power", "wave", "passive-wave", "passive-mean", "none"] {
+    for law in ["power", "wave", "passive-wave", "passive-mean", "none"] {
         for (delay, ticks) in [(0, 1), (1, 8), (3, 5)] {
-            let mut scene = midpoint(comm, delay);
+            let mut scene = midpoint(law, delay);
             scene.peer.timing.ticks_per_packet = ticks;
             scene.peer.object.damping_n_s_per_m = 0.7;
             for hands in [Hands::Both, Hands::One, Hands::None] {
-                let apart = agreement(&scene.linear(), hands).expect("a good scene").expect("it has equations");
-                let apart = apart.matrix.max(apart.spectral_radius);
-                assert!(apart < 1e-9, "{comm}, {delay} packets of {ticks} ticks, {hands:?}: {apart:.1e}");
+                let difference = agreement(&scene.linear(), hands).expect("a good scene").expect("it has equations");
+                let difference = difference.matrix.max(difference.spectral_radius);
+                assert!(difference < 1e-9, "{law}, {delay} packets of {ticks} ticks, {hands:?}: {difference:.1e}");
             }
         }
     }

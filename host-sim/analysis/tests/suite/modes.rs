@@ -176,21 +176,21 @@ fn every_delay_that_the_table_can_produce() {
 #[test]
 fn a_limit_is_that_of_the_worst_mode() {
     let key = "coordination.stiffness_n_per_m";
-    for comm in ["power", "wave", "passive-wave"] {
-        let scene = scene(&format!("{EXPERIMENTS} coordination.comm={comm}"));
+    for law in ["power", "wave", "passive-wave"] {
+        let scene = scene(&format!("{EXPERIMENTS} coordination.comm={law}"));
         let along = |hands| {
             let range = Range { key: key.to_owned(), from: 1.0, to: 12_000.0 };
             limit(&scene, range, Effort { hands, ..Effort::default() }).unwrap()
         };
         let (every, single) = (along(None), Hands::ALL.iter().map(|hands| along(Some(*hands))));
         let first = single.filter_map(|limit| limit.crossings.first().copied()).fold(f64::INFINITY, f64::min);
-        assert_eq!(every.crossings[0], first, "{comm}");
+        assert_eq!(every.crossings[0], first, "{law}");
         assert!(every.stable_at_start);
         for (at, crossing) in every.crossings.iter().enumerate() {
             for (factor, stable) in [(1.0 - 1e-3, at % 2 == 0), (1.0 + 1e-3, at % 2 == 1)] {
                 let mut scene = scene.clone();
                 scene.set_number(key, crossing * factor).unwrap();
-                assert_eq!(judge(&scene).unwrap().worst.stable, stable, "{comm}: {factor} of {crossing}");
+                assert_eq!(judge(&scene).unwrap().worst.stable, stable, "{law}: {factor} of {crossing}");
             }
         }
     }
@@ -247,20 +247,20 @@ fn the_simulator_grows_as_the_released_matrix_says() {
 /// such scene; left out, what is left says how fast the rest settles. A damped one does not glide, and stays.
 #[test]
 fn gliding_is_a_rest_mode_and_slowing_down_is_not() {
-    for comm in ["wave", "passive-wave", "passive-mean"] {
+    for law in ["wave", "passive-wave", "passive-mean"] {
         let found = |damping: f64| {
             let overrides = format!(
-                "coordination.comm={comm} coordination.decode=implicit object.integrator=semi-implicit \
+                "coordination.comm={law} coordination.decode=implicit object.integrator=semi-implicit \
                  object.force_delay_ticks=0 coordination.stiffness_n_per_m=1000 object.damping_n_s_per_m={damping}"
             );
             mode(&judged(&overrides), Hands::None).verdict
         };
         let (free, slowed) = (found(0.0), found(1e-4));
-        assert!(free.rest_modes == 3 && free.spectral_radius < 0.999, "{comm}: {free:?}");
+        assert!(free.rest_modes == 3 && free.spectral_radius < 0.999, "{law}: {free:?}");
         // Both copies, and the line that moves with them: m_O and b·T_d for each.
         let wanted = (-1e-4 / (0.3 + 10.0 * 0.008) * 0.008_f64).exp();
-        assert!(slowed.rest_modes == 2, "{comm}: {slowed:?}");
-        assert!((slowed.spectral_radius - wanted).abs() < 0.1 * (1.0 - wanted), "{comm}: {slowed:?} {wanted}");
+        assert!(slowed.rest_modes == 2, "{law}: {slowed:?}");
+        assert!((slowed.spectral_radius - wanted).abs() < 0.1 * (1.0 - wanted), "{law}: {slowed:?} {wanted}");
     }
 }
 

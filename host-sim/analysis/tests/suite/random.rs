@@ -71,7 +71,7 @@ pub(crate) fn scene(seed: u64) -> Scene {
     peer.object.force_delay_ticks = random.delay();
     peer.object.integrator = random.one(IntegratorName::ALL);
     // The self-timed line has a suite of its own: its outstanding samples are no constant of the scene.
-    let kinds: Vec<_> = Schema::BUILT_IN.kinds().iter().filter(|kind| kind.sends != Sends::Counters).collect();
+    let kinds: Vec<_> = Schema::BUILT_IN.laws().iter().filter(|kind| kind.sends != Sends::Counters).collect();
     peer.coordination.comm = random.one(&kinds).name;
     peer.coordination.decode = random.one(Decode::ALL);
     peer.coordination.stiffness_n_per_m = random.spread(1.0, 1e5);

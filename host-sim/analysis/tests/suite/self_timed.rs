@@ -22,9 +22,12 @@ fn both_constructions_say_the_same() {
         for stiffness in [400.0, 1e5] {
             scene.peer.coordination.stiffness_n_per_m = stiffness;
             for hands in [Hands::Both, Hands::One, Hands::None] {
-                let apart = agreement(&scene.linear(), hands).expect("a good scene").expect("it has equations");
-                let apart = apart.matrix.max(apart.spectral_radius);
-                assert!(apart < 1e-9, "delay {delay}, credit {credit}, K_T {stiffness}, {hands:?}: {apart:.1e}");
+                let difference = agreement(&scene.linear(), hands).expect("a good scene").expect("it has equations");
+                let difference = difference.matrix.max(difference.spectral_radius);
+                assert!(
+                    difference < 1e-9,
+                    "delay {delay}, credit {credit}, K_T {stiffness}, {hands:?}: {difference:.1e}"
+                );
             }
         }
     }

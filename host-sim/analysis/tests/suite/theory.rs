@@ -16,8 +16,8 @@ fn close(got: f64, wanted: f64, tolerance: f64) {
     assert!((got / wanted - 1.0).abs() < tolerance, "got {got}, wanted {wanted}");
 }
 
-fn figure4_at(comm: &'static str, delay: u32, contact: f64) -> Vec<f64> {
-    let mut scene = figure4::scene(comm, delay);
+fn figure4_at(law: &'static str, delay: u32, contact: f64) -> Vec<f64> {
+    let mut scene = figure4::scene(law, delay);
     scene.peer.contact.stiffness_n_per_m = contact;
     crossings(&scene, K_T, 0.0, 13_000.0)
 }
@@ -30,9 +30,9 @@ fn figure_4_at_500_n_per_m() {
         ("wave", [3603.0, 3366.0, 3014.0, 2891.0]),
         ("passive-wave", [10695.0, 10759.0, 10766.0, 10689.0]),
     ];
-    for (comm, limits) in table {
+    for (law, limits) in table {
         for (delay, wanted) in (0..).zip(limits) {
-            close(figure4_at(comm, delay, 500.0)[0], wanted, 2e-3);
+            close(figure4_at(law, delay, 500.0)[0], wanted, 2e-3);
         }
     }
 }
@@ -71,9 +71,9 @@ fn the_configuration_of_the_experiments() {
         ("wave", vec![1597.0, 5277.0, 9894.0]),
         ("passive-wave", vec![4401.0, 6061.0, 10850.0]),
     ];
-    for (comm, wanted) in table {
+    for (law, wanted) in table {
         let mut scene = Scene::default();
-        scene.peer.coordination.comm = comm;
+        scene.peer.coordination.comm = law;
         let found = crossings(&scene, K_T, 10.0, 13_000.0);
         assert_eq!(found.len(), wanted.len(), "{found:?}");
         for (got, wanted) in found.into_iter().zip(wanted) {
@@ -107,14 +107,14 @@ fn a_key_of_whole_numbers_crosses_between_two() {
 #[test]
 fn rest_modes_are_counted() {
     let table = [("power", 1, 0, 1), ("wave", 2, 0, 1), ("passive-wave", 2, 0, 1), ("none", 2, 0, 1)];
-    for (comm, free, both_held, one_held) in table {
+    for (law, free, both_held, one_held) in table {
         let mut scene = Scene::default();
-        scene.peer.coordination.comm = comm;
+        scene.peer.coordination.comm = law;
         let rest_modes = |scene: &Scene| haptic_analysis::verdict(scene).unwrap().rest_modes;
-        assert_eq!(rest_modes(&scene), free, "{comm:?}");
+        assert_eq!(rest_modes(&scene), free, "{law:?}");
         scene.users[1].settings.user.arm_stiffness_n_per_m = 100.0;
-        assert_eq!(rest_modes(&scene), if comm == "power" { 0 } else { one_held }, "{comm:?}, one arm");
+        assert_eq!(rest_modes(&scene), if law == "power" { 0 } else { one_held }, "{law:?}, one arm");
         scene.users[0].settings.user.arm_stiffness_n_per_m = 100.0;
-        assert_eq!(rest_modes(&scene), both_held, "{comm:?}, two arms");
+        assert_eq!(rest_modes(&scene), both_held, "{law:?}, two arms");
     }
 }

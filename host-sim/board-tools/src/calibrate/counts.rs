@@ -81,7 +81,7 @@ fn follow(
 /// Asks the person to move joint `number`, and gives its scale.
 ///
 /// # Errors
-/// The board refused, the person gave up, or the scale cannot be told from the marks.
+/// The board refused, the person gave up, or the scale cannot be distinguished from the marks.
 pub fn calibrate(
     board: &mut dyn Board,
     person: &mut dyn Person,

@@ -11,7 +11,7 @@
 
 use super::board::{Board, Joint, Run, settings};
 use super::least_squares::solve;
-use super::winding::{Seen, pulses};
+use super::winding::{MotorReading, pulses};
 use super::{Estimate, motion};
 use haptic_core::{device::current::PWM_PERIOD_S, settings::Settings};
 
@@ -31,7 +31,8 @@ pub const APART: f64 = 0.1;
 fn constants(run: &Run, joint: &Joint, settings: &Settings, found: &mut Vec<f64>) {
     let along = if settings.motor.reversed { -1.0 } else { 1.0 };
     let per_count = along * joint.m_per_count / joint.lever / joint.period_s;
-    let seen: Vec<Seen> = run.stage.iter().map(|stage| Seen::of(stage, settings, joint.number)).collect();
+    let seen: Vec<MotorReading> =
+        run.stage.iter().map(|stage| MotorReading::of(stage, settings, joint.number)).collect();
     // What a tick measured is of the time since the one before.
     let periods = joint.period_s / PWM_PERIOD_S;
     let passes = settings.motor.resistance_ohm * PWM_PERIOD_S / settings.motor.inductance_h;
@@ -88,8 +89,8 @@ pub fn constant(board: &mut dyn Board, number: u32) -> Result<Option<Estimate>, 
 /// # Errors
 /// Both constants with their intervals, where they disagree.
 pub fn against(by_voltage: Estimate, other: Estimate, way: &str) -> Result<(), String> {
-    let apart = (by_voltage.value - other.value).abs();
-    if apart <= APART * other.value.abs() + by_voltage.within + other.within {
+    let difference = (by_voltage.value - other.value).abs();
+    if difference <= APART * other.value.abs() + by_voltage.within + other.within {
         return Ok(());
     }
     Err(format!(

@@ -48,9 +48,9 @@ pub struct Simulated {
 
 /// A [`Simulated`] that board and person share.
 #[derive(Clone, Debug)]
-pub struct Shared(Rc<RefCell<Simulated>>);
+pub struct SharedSimulation(Rc<RefCell<Simulated>>);
 
-impl Shared {
+impl SharedSimulation {
     /// The device that `truth` describes, on a new board.
     ///
     /// # Errors
@@ -246,7 +246,7 @@ impl Simulated {
     }
 }
 
-impl Board for Shared {
+impl Board for SharedSimulation {
     fn ask(&mut self, line: &str) -> Result<String, String> {
         let mut simulated = self.0.borrow_mut();
         simulated.steps(0.002);
@@ -263,7 +263,7 @@ impl Board for Shared {
     }
 }
 
-impl Person for Shared {
+impl Person for SharedSimulation {
     fn please(&mut self, task: &Task) -> Result<(), String> {
         let mut simulated = self.0.borrow_mut();
         let Simulated { truth, .. } = &*simulated;

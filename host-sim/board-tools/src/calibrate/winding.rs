@@ -68,14 +68,14 @@ pub struct Winding {
 
 /// One motor's side of a [`Measured`], in volts and amperes.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Seen {
+pub(super) struct MotorReading {
     pub(super) mean_a: f64,
     pub(super) last_a: f64,
     pub(super) mean_v: f64,
     pub(super) supply_v: f64,
 }
 
-impl Seen {
+impl MotorReading {
     pub(super) fn of(stage: &Measured, settings: &Settings, number: u32) -> Self {
         let flow = stage.motors[number as usize - 1];
         let amperes = |codes: i16| f64::from(codes) / f64::from(Duty::FULL_SCALE) * settings.motor.full_scale_a;
@@ -95,7 +95,7 @@ struct Row {
 
 /// The ticks of a probe after its rest, `periods` PWM periods each; and the means of the rest.
 fn rows(run: &Run, settings: &Settings, number: u32, periods: f64) -> (Vec<Row>, Vec<f64>) {
-    let seen: Vec<Seen> = run.stage.iter().map(|stage| Seen::of(stage, settings, number)).collect();
+    let seen: Vec<MotorReading> = run.stage.iter().map(|stage| MotorReading::of(stage, settings, number)).collect();
     let given = |tick: usize| run.duties[tick] * seen[tick].supply_v;
     let rest = REST_TICKS as usize;
     let rows = (rest..seen.len() - 1).map(|tick| {
@@ -165,18 +165,18 @@ fn fit(rows: &[Row], periods: f64) -> Option<([f64; 4], [f64; 2])> {
 pub fn identify(runs: [&Run; 2], settings: &Settings, number: u32) -> Result<Winding, String> {
     let periods = f64::from(periods_per_tick(settings).map_err(|refused| refused.to_string())?);
     let [(full, rest), (half, _)] = runs.map(|run| rows(run, settings, number, periods));
-    let apart: Vec<Row> = (full.iter().zip(&half))
+    let split_rows: Vec<Row> = (full.iter().zip(&half))
         .map(|(one, other)| Row {
             volts: one.volts - other.volts,
             before: one.before - other.before,
             change: one.change - other.change,
         })
         .collect();
-    let ticks = (apart.len() / STRETCHES).min(TICKS) / WAYS.len() * WAYS.len();
+    let ticks = (split_rows.len() / STRETCHES).min(TICKS) / WAYS.len() * WAYS.len();
     if ticks < FEWEST {
-        return Err(format!("{} ticks of voltage are too few: raise probe.max_s", apart.len()));
+        return Err(format!("{} ticks of voltage are too few: raise probe.max_s", split_rows.len()));
     }
-    let power = |of: fn(&Row) -> f64| apart.iter().map(of).sum::<f64>() / apart.len() as f64;
+    let power = |of: fn(&Row) -> f64| split_rows.iter().map(of).sum::<f64>() / split_rows.len() as f64;
     let least = f64::from(LEAST_CODES) / f64::from(Duty::FULL_SCALE) * settings.motor.full_scale_a;
     let (along, square) = (power(|row| row.volts * row.before), power(|row| row.before.powi(2)));
     if square < (0.5 * least).powi(2) {
@@ -190,7 +190,7 @@ pub fn identify(runs: [&Run; 2], settings: &Settings, number: u32) -> Result<Win
     }
     let mut found = [const { Vec::new() }; 4];
     let [mut left, mut given] = [0.0; 2];
-    for stretch in apart.chunks_exact(ticks).take(STRETCHES) {
+    for stretch in split_rows.chunks_exact(ticks).take(STRETCHES) {
         let (values, squares) = fit(stretch, periods).ok_or("the current does not change: no winding shows in it")?;
         found.iter_mut().zip(values).for_each(|(found, value)| found.push(value));
         left += squares[0];

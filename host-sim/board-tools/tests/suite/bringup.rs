@@ -6,7 +6,7 @@ use haptic_board_tools::bringup::{Passed, Plan, bring_up};
 use haptic_board_tools::calibrate::board::{Board, Tick};
 use haptic_board_tools::calibrate::counts::Distance;
 use haptic_board_tools::calibrate::motor::Against;
-use haptic_board_tools::calibrate::simulated::Shared;
+use haptic_board_tools::calibrate::simulated::SharedSimulation;
 use haptic_board_tools::calibrate::winding::Sheet;
 use haptic_board_tools::calibrate::{Person, Task};
 use haptic_board_tools::status::{Probed, Status};
@@ -19,7 +19,7 @@ const DEVICE: &str = "device.mass_kg=0.17";
 
 /// A person who does all that is asked but these tasks.
 struct Careless {
-    careful: Shared,
+    careful: SharedSimulation,
     leaves_out: fn(&Task) -> bool,
 }
 
@@ -38,11 +38,11 @@ fn run<B: Board>(
     name: &str,
     device: &str,
     leaves_out: fn(&Task) -> bool,
-    wrap: fn(Shared) -> B,
+    wrap: fn(SharedSimulation) -> B,
 ) -> (Option<Scene>, B, Result<Vec<Passed>, String>) {
     let overrides: Vec<String> = device.split_whitespace().map(str::to_owned).collect();
     let truth = Scene::load(haptic_sim::Laws::built_in(), None, &overrides).unwrap_or_else(|error| panic!("{error}"));
-    let careful = Shared::new(&truth).expect("a board");
+    let careful = SharedSimulation::new(&truth).expect("a board");
     let (mut board, mut person) = (wrap(careful.clone()), Careless { careful: careful.clone(), leaves_out });
     let file = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("brought-up-{name}.toml"));
     let _ = std::fs::remove_file(&file);
@@ -105,7 +105,7 @@ fn what_does_not_work_ends_it_at_its_step_with_what_to_look_at() {
 }
 
 /// A board whose device is pulled as soon as nobody looks for a second.
-struct Pulled(Shared);
+struct Pulled(SharedSimulation);
 
 impl Board for Pulled {
     fn ask(&mut self, line: &str) -> Result<String, String> {
@@ -129,7 +129,7 @@ fn a_joint_that_moves_by_itself_does_not_pass_the_lowest_force() {
 }
 
 /// A board one of whose ticks began 0.1 ms late.
-struct Late(Shared);
+struct Late(SharedSimulation);
 
 impl Board for Late {
     fn ask(&mut self, line: &str) -> Result<String, String> {

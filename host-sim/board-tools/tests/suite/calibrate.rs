@@ -2,7 +2,7 @@
 //! forms with noise, and what is refused instead of guessed.
 
 use haptic_board_tools::calibrate::board::{Board, Joint, Run, Tick};
-use haptic_board_tools::calibrate::simulated::Shared;
+use haptic_board_tools::calibrate::simulated::SharedSimulation;
 use haptic_board_tools::calibrate::{Found, Person, Task, motion, settings_file};
 use haptic_board_tools::{calibrate::counts, calibrate::counts::Distance};
 use haptic_board_tools::{calibrate::motor, calibrate::motor::Against};
@@ -27,7 +27,7 @@ fn flag(found: &[Found], key: &str) -> bool {
 }
 
 /// Gives the board what was found, as the command line does.
-fn give(board: &mut Shared, found: &[Found], name: &str) {
+fn give(board: &mut SharedSimulation, found: &[Found], name: &str) {
     let path = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("calibrated-{name}.toml"));
     let _ = std::fs::remove_file(&path);
     settings_file::add(&path, found).expect("a settings file");
@@ -61,7 +61,7 @@ fn a_new_board_finds_out_everything_about_its_device() {
             ));
             let (peer, world) = (&truth.peer, &truth.world.device);
             let name = format!("{name}-{motor_reversed}-{encoder_reversed}");
-            let mut board = Shared::new(&truth).expect("a board");
+            let mut board = SharedSimulation::new(&truth).expect("a board");
             let mut person = board.clone();
             let (key, distance, counts) = if lever == 1.0 {
                 ("encoder.counts_per_m", Distance::Metres(0.1), peer.encoder.counts_per_m)
@@ -102,7 +102,7 @@ fn a_new_board_finds_out_everything_about_its_device() {
 #[test]
 fn a_gauge_gives_the_motor_constant() {
     let truth = scene("motor.newton_or_newton_metre_per_a=5.5 plant.coulomb_n=0.3");
-    let mut board = Shared::new(&truth).expect("a board");
+    let mut board = SharedSimulation::new(&truth).expect("a board");
     let mut person = board.clone();
     let found = motor::constant(&mut board, &mut person, 1, Against::Gauge).expect("a constant");
     near("gauge", number(&found, "motor.newton_or_newton_metre_per_a"), 5.5, 0.001);
@@ -190,7 +190,7 @@ pub(crate) fn refused<T: std::fmt::Debug>(outcome: Result<T, String>, said: &str
 
 #[test]
 fn what_the_data_do_not_give_is_refused() {
-    let new = |overrides: &str| Shared::new(&scene(overrides)).expect("a board");
+    let new = |overrides: &str| SharedSimulation::new(&scene(overrides)).expect("a board");
     refused(counts::calibrate(&mut new(""), &mut Idle, 1, Distance::Metres(0.1)), "the encoder counted 0: too few");
     refused(counts::calibrate(&mut new(""), &mut Idle, 2, Distance::Metres(0.1)), "joint 2 is not allowed");
     refused(counts::calibrate(&mut new(""), &mut Idle, 1, Distance::Metres(-0.1)), "a distance of -0.1");
@@ -213,7 +213,7 @@ fn what_the_data_do_not_give_is_refused() {
 }
 
 /// A board whose telemetry loses every hundredth tick.
-struct Lossy(Shared);
+struct Lossy(SharedSimulation);
 
 impl Board for Lossy {
     fn ask(&mut self, line: &str) -> Result<String, String> {
@@ -226,7 +226,7 @@ impl Board for Lossy {
 
 #[test]
 fn ticks_that_get_lost_are_noticed() {
-    let mut board = Lossy(Shared::new(&scene("")).expect("a board"));
+    let mut board = Lossy(SharedSimulation::new(&scene("")).expect("a board"));
     refused(motion::inertia(&mut board, 1), "got lost on the way");
     let mut person = board.0.clone();
     refused(counts::calibrate(&mut board, &mut person, 1, Distance::Metres(0.1)), "got lost on the way");
@@ -247,7 +247,7 @@ fn the_settings_file_grows() {
     assert_eq!(scene.get("object.mass_kg"), Some(Value::Number(0.25)));
     assert_eq!(scene.get("encoder.counts_per_m"), Some(Value::Number(123_456.0)));
     assert_eq!(scene.get("motor.reversed"), Some(Value::Flag(true)));
-    let mut board = Shared::new(&Scene::default()).expect("a board");
+    let mut board = SharedSimulation::new(&Scene::default()).expect("a board");
     assert_eq!(settings_file::give(&mut board, &path), Ok(3));
     assert_eq!(board.settings().get("encoder.counts_per_m"), Some(Value::Number(123_456.0)));
     // What is outside a key's range never reaches the file.

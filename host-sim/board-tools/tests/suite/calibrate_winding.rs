@@ -2,7 +2,7 @@
 //! each thing that is broken or wrong is refused before the board can be armed.
 
 use haptic_board_tools::calibrate::board::{Board, Run, run as run_line};
-use haptic_board_tools::calibrate::simulated::Shared;
+use haptic_board_tools::calibrate::simulated::SharedSimulation;
 use haptic_board_tools::calibrate::winding::{Sheet, Winding, identify, winding};
 use haptic_board_tools::calibrate::{Estimate, emf};
 use haptic_board_tools::{calibrate::motor, calibrate::motor::Against};
@@ -17,11 +17,11 @@ fn scene(overrides: &str) -> Scene {
     Scene::load(haptic_sim::Laws::built_in(), None, &overrides).unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn board(overrides: &str) -> Shared {
-    Shared::new(&scene(overrides)).expect("a board")
+fn board(overrides: &str) -> SharedSimulation {
+    SharedSimulation::new(&scene(overrides)).expect("a board")
 }
 
-fn ask(board: &mut Shared, lines: &[&str]) {
+fn ask(board: &mut SharedSimulation, lines: &[&str]) {
     for line in lines {
         let answer = board.ask(line).expect("an answer");
         assert!(answer.starts_with("ok"), "{line}: {answer}");
@@ -29,7 +29,7 @@ fn ask(board: &mut Shared, lines: &[&str]) {
 }
 
 /// What a check says, and what `arm` does after it.
-fn checked(board: &mut Shared) -> (String, String) {
+fn checked(board: &mut SharedSimulation) -> (String, String) {
     ask(board, &["check 1"]);
     board.ticks(0.2).expect("it runs");
     (board.ask("probed").expect("an answer"), board.ask("arm").expect("an answer"))
@@ -69,7 +69,7 @@ fn the_true_winding_and_constant_are_within_their_intervals() {
     }
 }
 
-fn run(board: &mut Shared, duty: &str) -> Run {
+fn run(board: &mut SharedSimulation, duty: &str) -> Run {
     run_line(board, 1, &format!("probe 1 winding {duty} 0.68")).expect("a run")
 }
 
@@ -163,6 +163,6 @@ fn a_motor_that_cannot_be_explained_is_refused() {
     refused(winding(&mut held, 1, good), "raise probe.max_s");
     // Without a loop there is nothing to see.
     let plain = Scene::load(haptic_sim::Laws::built_in(), None, &[]).expect("defaults");
-    assert_eq!(winding(&mut Shared::new(&plain).expect("a board"), 1, good), Ok(None));
-    assert_eq!(emf::constant(&mut Shared::new(&plain).expect("a board"), 1), Ok(None));
+    assert_eq!(winding(&mut SharedSimulation::new(&plain).expect("a board"), 1, good), Ok(None));
+    assert_eq!(emf::constant(&mut SharedSimulation::new(&plain).expect("a board"), 1), Ok(None));
 }

@@ -1,6 +1,6 @@
-//! The dynamics engine between a server and two clients, on a network that does as it is told, with clocks as far apart as is
+//! The dynamics engine between a server and two clients, on a network that the script commands, with clocks as far apart as is
 //! allowed and clients that crash. Never two engines; a version is moved by one of them only, and never after a later one;
-//! the object goes on from where it was told to be; and in the end the server has the engine again in time.
+//! the object goes on from where it was announced to be; and in the end the server has the engine again in time.
 
 use haptic_environments::roles::Role;
 use haptic_environments::roles::collaborative::Lease;
@@ -22,7 +22,7 @@ struct World {
     clients: [(Client, Body); CLIENTS],
     clocks: [Clock; CLIENTS + 1],
     lives: [u32; CLIENTS],
-    /// The newest version that anybody moved, who that was, and every body that was ever told.
+    /// The newest version that anybody moved, who that was, and every body that was ever announced.
     newest: (u32, usize),
     moved: f64,
 }
@@ -136,7 +136,7 @@ impl World {
         let body = if who == 0 { &mut self.body } else { &mut self.clients[who - 1].1 };
         body.axes[0][0] += 1.0;
         if who > 0 && told {
-            self.server.told(PeerId(who as u8), version, *body);
+            self.server.take_state(PeerId(who as u8), version, *body);
         }
     }
 }

@@ -1,4 +1,4 @@
-//! A client that downloads a world which changes, over a network that does as it is told and breaks objects on the way. What is
+//! A client that downloads a world which changes, over a network that the script commands and breaks objects on the way. What is
 //! held is always part of a world that was published; a download that says it is complete has exactly what is in scope; and
 //! in the end it is.
 
@@ -16,7 +16,7 @@ const MARGIN_M: f32 = 2.0;
 
 /// A question, or a part of the answer.
 #[derive(Clone)]
-enum Said {
+enum QueryMessage {
     Ask(Ask),
     Part(Part),
 }
@@ -66,14 +66,14 @@ struct Pair {
 
 impl Pair {
     /// What a message comes to.
-    fn receive(&mut self, said: Said, net: &mut Net<Said>) {
+    fn receive(&mut self, said: QueryMessage, net: &mut Net<QueryMessage>) {
         match said {
-            Said::Ask(ask) => {
+            QueryMessage::Ask(ask) => {
                 let parts: Vec<Part> = self.server.answer(&ask).collect();
                 assert!(parts.len() <= BURST);
-                parts.into_iter().for_each(|part| net.send(0, 1, Said::Part(part)));
+                parts.into_iter().for_each(|part| net.send(0, 1, QueryMessage::Part(part)));
             }
-            Said::Part(part) => {
+            QueryMessage::Part(part) => {
                 self.client.take(&part);
                 self.look();
             }
@@ -116,12 +116,13 @@ pub(super) fn run(bytes: &[u8]) {
             2..=4 => {
                 if let Some(ask) = pair.client.poll(now, 50_000) {
                     assert!((1..=BURST).contains(&ask.wanted.iter().count()));
-                    net.send(1, 0, Said::Ask(ask));
+                    net.send(1, 0, QueryMessage::Ask(ask));
                 }
             }
             5..=10 => {
                 if let Some((_, _, mut said)) = net.deliver(&mut script) {
-                    if let (Said::Part(Part { payload: Payload::Object(record), .. }), true) = (&mut said, call >= 192)
+                    if let (QueryMessage::Part(Part { payload: Payload::Object(record), .. }), true) =
+                        (&mut said, call >= 192)
                     {
                         record[usize::from(call) % 64] ^= script.byte();
                     }
@@ -155,7 +156,7 @@ pub(super) fn run(bytes: &[u8]) {
     for _ in 0..400 {
         now += 10_000;
         if let Some(ask) = pair.client.poll(now, 50_000) {
-            net.send(1, 0, Said::Ask(ask));
+            net.send(1, 0, QueryMessage::Ask(ask));
         }
         while let [first, rest @ ..] = &net.take_all()[..] {
             for (_, _, said) in std::iter::once(first).chain(rest) {

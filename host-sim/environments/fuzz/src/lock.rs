@@ -1,4 +1,4 @@
-//! A lock's server and three clients on a network that does as it is told, with clocks as far apart as is allowed, users that
+//! A lock's server and three clients on a network that the script commands, with clocks as far apart as is allowed, users that
 //! come and go, clients and servers that crash. Never two owners; what is published was made by the owner, from what was
 //! published before; everybody is told the truth about it; and in the end whoever asks is granted in time.
 
@@ -31,7 +31,7 @@ struct World {
     taken: Vec<u32>,
     /// Version that each owner began with.
     base: [u32; CLIENTS],
-    /// Grants that each client was told of.
+    /// Grants that each client was notified of.
     granted: [u32; CLIENTS],
 }
 

@@ -1,4 +1,4 @@
-//! A token ring of three members on a network that does as it is told, with clocks as far apart as is allowed and members
+//! A token ring of three members on a network that the script commands, with clocks as far apart as is allowed and members
 //! that crash. Never two owners; a version is published once; what is published is in every later state; and in the end
 //! whoever asks is granted in time.
 

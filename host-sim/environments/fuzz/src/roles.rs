@@ -111,7 +111,7 @@ fn engines(mut any: Anything) {
             0 => client.ask(any.now),
             1 => client.give_back(any.now, body),
             2 => server.recall(any.now),
-            3 => server.told(from, server.version(), cooperative::Body { axes: [[f64::NAN; 2]; 2] }),
+            3 => server.take_state(from, server.version(), cooperative::Body { axes: [[f64::NAN; 2]; 2] }),
             _ => client.poll(any.now, &mut out),
         }
         server.poll(any.now, &mut out);

@@ -1,4 +1,4 @@
-//! A game of squash with three players on a network that does as it is told. At most one player may hit the ball in a rally;
+//! A game of squash with three players on a network that the script commands. At most one player may hit the ball in a rally;
 //! all hear the same of every rally; the ball is always in the court; and what a racket is to feel is always a number.
 
 use std::collections::HashMap;

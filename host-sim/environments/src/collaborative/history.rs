@@ -1,7 +1,7 @@
 //! The checker: who built on what, and what was promised to whom. It knows nothing of locks and tokens.
 //!
 //! Every edit makes a value that occurs once, and the history remembers what it was made from. Then *no lost update* is a
-//! statement about a tree: everything whose author was told that it is published lies on one branch, whatever is official
+//! statement about a tree: everything whose author was notified that it is published lies on one branch, whatever is official
 //! only moves outward on it, and what everybody has in the end lies beyond all of it.
 
 use std::collections::HashMap;
@@ -45,7 +45,7 @@ impl History {
         value
     }
 
-    /// An author is told that its value is published. Wrong if it and something that was published before do not build on
+    /// An author is notified that its value is published. Wrong if it and something that was published before do not build on
     /// each other.
     pub(super) fn publish(&mut self, value: &Value) {
         let inside = self.depth(value) < self.depth(&self.tip.clone());

@@ -78,7 +78,7 @@ impl Member {
         self.user.edited = None;
     }
 
-    fn is_told(&mut self, now: u64) {
+    fn take_notices(&mut self, now: u64) {
         while let Some(notice) = self.ring.take_notice() {
             match notice {
                 Notice::Published(version) => self.user.has_published(version, now),
@@ -99,7 +99,7 @@ impl Member {
             Some((from, message)) => self.ring.receive(now, from, &message, out),
             None => self.ring.poll(now, out),
         }
-        self.is_told(now);
+        self.take_notices(now);
         let since_us = *self.since_us.get_or_insert(now);
         if self.stays_us.is_some_and(|stays_us| now - since_us >= stays_us) {
             self.ring.leave();
@@ -123,7 +123,7 @@ impl Member {
                 _ => {}
             }
         }
-        self.is_told(now);
+        self.take_notices(now);
         self.stored = *self.ring.record();
     }
 

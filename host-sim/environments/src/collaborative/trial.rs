@@ -71,7 +71,7 @@ pub struct Verdict {
     pub no_progress: u64,
     /// Seed of the first run that failed, and how.
     pub first_failure: Option<(u64, String)>,
-    /// Updates that their authors were told are published.
+    /// Updates that their authors were notified are published.
     pub published: u64,
     /// Rights to edit that ended before their owner had finished.
     pub interrupted: u64,

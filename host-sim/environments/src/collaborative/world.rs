@@ -8,7 +8,7 @@ use std::{cell::RefCell, rc::Rc};
 
 use crate::{roles::Carried, roles::collaborative::Value};
 use haptic_protocol::wire::{Message, PeerId};
-use haptic_sim::engine::{Actor, Clock, Engine, Out, Seat, Seen};
+use haptic_sim::engine::{Actor, Clock, Engine, EngineView, Out, Seat};
 use haptic_sim::network::rule::{Direction, Jitter, SeededRule};
 use haptic_sim::{network::link::Route, rng::Rng, scene::Network};
 
@@ -31,13 +31,13 @@ const DOWN_US: u64 = 1_500_000;
 
 /// A peer of either scheme; times are of its own clock, µs.
 #[expect(clippy::large_enum_variant, reason = "at most nine of them")]
-pub(super) enum Peer {
+pub(super) enum SchemePeer {
     Server(lock::Server),
     Client(lock::Client),
     Member(ring::Member),
 }
 
-impl Actor<usize> for Peer {
+impl Actor<usize> for SchemePeer {
     type Packet = Message;
 
     fn hear(&mut self, now_ns: u64, from: usize, message: &mut Message, out: &mut Out<'_, usize, Message>) {
@@ -56,7 +56,7 @@ fn read<M: Carried>(came: Option<(PeerId, &mut Message)>) -> Option<Option<(Peer
     (object == OBJECT).then_some(Some((from, message)))
 }
 
-impl Peer {
+impl SchemePeer {
     fn step(&mut self, now: u64, came: Option<(PeerId, &mut Message)>, out: &mut Out<'_, usize, Message>) {
         match self {
             Self::Member(member) => _ = read(came).map(|came| member.step(now, came, &mut said(OBJECT, out))),
@@ -152,11 +152,11 @@ fn rule(network: Network, rng: &mut Rng) -> SeededRule {
 }
 
 /// The network comes together, falls into two, or loses single ways between two peers, one direction each.
-fn fall_apart(engine: &mut Engine<Peer>, rng: &mut Rng) {
+fn disconnect_some(engine: &mut Engine<SchemePeer>, rng: &mut Rng) {
     let (count, kind) = (engine.seats.len(), rng.below(4));
     let sides = rng.below(1 << count);
-    for way in 0..count * count {
-        let (from, to) = (way / count, way % count);
+    for pair in 0..count * count {
+        let (from, to) = (pair / count, pair % count);
         engine.route(from, to).cut = match kind {
             0 | 1 => false,
             2 => (sides >> from ^ sides >> to) & 1 == 1,
@@ -166,21 +166,21 @@ fn fall_apart(engine: &mut Engine<Peer>, rng: &mut Rng) {
 }
 
 /// Whether a peer that is there may edit.
-fn owns(seat: &Seat<Peer>, now_ns: u64) -> bool {
+fn owns(seat: &Seat<SchemePeer>, now_ns: u64) -> bool {
     !seat.off && seat.actor.owns(seat.clock.at(now_ns) / 1_000)
 }
 
 /// One run to its end.
 pub(super) fn run(trial: &Trial) -> Verdict {
     let (mut rng, seed, history) = (Rng::new(trial.seed), trial.seed, Rc::<RefCell<History>>::default());
-    let (peers, wait_bound_us): (Vec<Peer>, u64) = match trial.scheme {
+    let (peers, wait_bound_us): (Vec<SchemePeer>, u64) = match trial.scheme {
         Scheme::Lock => {
             let (server, clients) = lock::peers(trial, &history);
-            let peers = std::iter::once(Peer::Server(server)).chain(clients.into_iter().map(Peer::Client));
+            let peers = std::iter::once(SchemePeer::Server(server)).chain(clients.into_iter().map(SchemePeer::Client));
             (peers.collect(), lock::wait_bound_us(trial.users, 2 * DELAY_US))
         }
         Scheme::Ring => {
-            let peers = ring::peers(trial, &history).into_iter().map(Peer::Member);
+            let peers = ring::peers(trial, &history).into_iter().map(SchemePeer::Member);
             (peers.collect(), ring::wait_bound_us(trial.users, 2 * DELAY_US))
         }
     };
@@ -203,8 +203,8 @@ pub(super) fn run(trial: &Trial) -> Verdict {
         ..Network::default()
     };
     let good = Network { jitter: Jitter::Uniform, jitter_s: DELAY_US as f64 * 1e-6, ..Network::default() };
-    let way = |_, _| Route::new(1_000 * DELAY_US).with_rule(rule(bad, &mut rng));
-    let mut engine = Engine::new(1_000 * POLL_US, seats, way);
+    let pair = |_, _| Route::new(1_000 * DELAY_US).with_rule(rule(bad, &mut rng));
+    let mut engine = Engine::new(1_000 * POLL_US, seats, pair);
     let forgets = trial.mistake == Some(Mistake::Amnesia);
     let (crashes, partitions) = (rng.below(100) as f64 * 3e-5, rng.below(100) as f64 * 1e-4);
     let mut verdict = Verdict { runs: 1, wait_bound_ms: wait_bound_us as f64 * 1e-3, ..Verdict::default() };
@@ -214,7 +214,7 @@ pub(super) fn run(trial: &Trial) -> Verdict {
     while verdict.first_failure.is_none() {
         let now_us = engine.now_ns() / 1_000;
         if now_us < TROUBLE_US && rng.chance(partitions) {
-            fall_apart(&mut engine, &mut rng);
+            disconnect_some(&mut engine, &mut rng);
         }
         for (seat, until) in engine.seats.iter_mut().zip(&mut down_until) {
             if seat.off && *until <= now_us {
@@ -226,7 +226,7 @@ pub(super) fn run(trial: &Trial) -> Verdict {
                 *until = (now_us + 20_000 + rng.below(DOWN_US)).min(TROUBLE_US);
             }
         }
-        engine.step(&mut |Seen { now_ns, seat, seats, .. }| {
+        engine.step(&mut |EngineView { now_ns, seat, seats, .. }| {
             if owns(&seats[seat], now_ns)
                 && let Some(other) = (0..count).find(|other| *other != seat && owns(&seats[*other], now_ns))
             {
@@ -238,8 +238,8 @@ pub(super) fn run(trial: &Trial) -> Verdict {
             verdict.wrong(seed, Trouble::LostUpdate, now_us, what);
         }
         if now_us == TROUBLE_US {
-            for way in 0..count * count {
-                let route = engine.route(way / count, way % count);
+            for pair in 0..count * count {
+                let route = engine.route(pair / count, pair % count);
                 route.cut = false;
                 route.rule = Some(Box::new(rule(good, &mut rng)));
             }
@@ -270,7 +270,7 @@ pub(super) fn run(trial: &Trial) -> Verdict {
     let (now_us, mut history) = (engine.now_ns() / 1_000, history.borrow_mut());
     for (at, peer) in engine.seats.iter().map(|seat| &seat.actor).enumerate() {
         match peer {
-            Peer::Member(member) if member.for_good && !member.ring.has_left() => {
+            SchemePeer::Member(member) if member.for_good && !member.ring.has_left() => {
                 let what = format!("peer {at} wanted to leave and has not left");
                 verdict.wrong(seed, Trouble::NoProgress, now_us, &what);
             }

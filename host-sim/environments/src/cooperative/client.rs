@@ -36,7 +36,7 @@ pub struct Client {
     waiting_s: f64,
     /// The version of the engine whose states are shown, the newest of them, and ticks since.
     version: u32,
-    told: Motion<f64>,
+    received: Motion<f64>,
     silent: u64,
     /// Ticks between packets, and until it stops coasting.
     coasts: core::ops::Range<u64>,
@@ -64,7 +64,7 @@ impl Client {
             clock: Clock::default(),
             waiting_s: 2.0 * f64::from(settings.timing.ticks_per_packet - 1) * period_s,
             version: 0,
-            told: Motion::REST,
+            received: Motion::REST,
             silent: 0,
             coasts: u64::from(settings.timing.ticks_per_packet)..(COAST_S / period_s) as u64,
             period_s,
@@ -78,7 +78,10 @@ impl Client {
 
     /// The object as it is rendered.
     pub fn view(&self) -> Motion<f64> {
-        Motion { position: self.told.position + self.ease.position, velocity: self.told.velocity + self.ease.velocity }
+        Motion {
+            position: self.received.position + self.ease.position,
+            velocity: self.received.velocity + self.ease.velocity,
+        }
     }
 
     /// Takes in the object as the engine of this version tells it; older engines are not listened to.
@@ -99,7 +102,7 @@ impl Client {
                 velocity: shown.velocity - object.velocity,
             };
         }
-        (self.version, self.told, self.silent) = (version, object, 0);
+        (self.version, self.received, self.silent) = (version, object, 0);
     }
 
     /// The round trip as it counts for the bounder, s: measured, four deviations above, and the wait at both ends.
@@ -114,10 +117,10 @@ impl Client {
             let measured = if here { Some(0.0) } else { self.round_trip_s() };
             let [device, ..] = self.plant.motions();
             // Where contact has a gap this is more than the depth: stiffening is then slower than it need be.
-            bounder.follow(&mut self.bound, measured, device.position - self.told.position - self.ease.position);
+            bounder.follow(&mut self.bound, measured, device.position - self.received.position - self.ease.position);
         }
         if self.coasts.contains(&self.silent) {
-            self.told.position += self.period_s * self.told.velocity;
+            self.received.position += self.period_s * self.received.velocity;
         }
         self.silent += 1;
         self.ease.position *= self.eased;

@@ -30,7 +30,7 @@ use haptic_protocol::parameters::Parameters;
 use haptic_protocol::peer::{flow_of, packets_of};
 use haptic_protocol::wire::{Goodbye, Greeting, Header, MAX_DATAGRAM, Message, PeerId, Telemetry};
 use haptic_protocol::{ends::Ends, key::Key};
-use haptic_sim::node::{Line, Says as _, TELEMETRY_S};
+use haptic_sim::node::{Line, TELEMETRY_S, Transmit as _};
 use haptic_sim::scene::Scene;
 
 use super::MOST_USERS;
@@ -213,7 +213,7 @@ impl<A: Copy + PartialEq + Display> Hub<A> {
         }
         self.next_answer_us = now_us + ANSWER_EVERY_US;
         let number = Greeting::parse(datagram).map_or(1, |(greeting, ..)| greeting.from.0.clamp(1, 2));
-        // Bare links were told nothing, so that a fresh greeting would differ, but nobody has a challenge of theirs.
+        // Bare links were given nothing, so that a fresh greeting would differ, but nobody has a challenge of theirs.
         let mut crossed = self.ends.iter_mut().filter_map(|end| {
             let End { crossed, refused, .. } = end;
             crossed.receive(now_us, datagram).is_ok().then_some(refused)

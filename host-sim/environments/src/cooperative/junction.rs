@@ -9,7 +9,7 @@
 //! delay without loss is passive. A counter is only what a peer says: of it the junction books what it would ever give out,
 //! no more than [`CAP_J`] in hand at a time, so that whatever one peer claims, the figures of all are off by that at the most.
 //!
-//! **Silence.** A port fades with silence as a peer does ([`haptic_core::law::ladder`]). At share s it is matched to its
+//! **Silence.** A port fades with silence as a peer does ([`haptic_core::law::degradation`]). At share s it is matched to its
 //! line of impedance b and is a line of impedance s·b to the node: of the wave u that comes √s·u goes in, of what the node
 //! answers √s comes back, together s·(√(2b)·v − u); the rest ends in the port. So s = 1 is the line itself and s = 0 none,
 //! all is continuous between them, and no s makes energy: a line goes quiet, and comes back, without a jump for the others.
@@ -22,7 +22,7 @@
 //! **Units**: √W, J, N, N·s/m, s. **Limit**: waves carry no positions: what a long silence takes apart stays apart.
 
 use haptic_core::law::credit::{Account, CAP_J, Credit};
-use haptic_core::law::ladder::{Engagement, Ladder};
+use haptic_core::law::degradation::{Degradation, Engagement};
 use haptic_core::law::{Packet, Sends};
 use haptic_core::{law::node::Node, num::Motion};
 use haptic_sim::Scene;
@@ -75,18 +75,18 @@ impl Port {
     /// One packet period: the wave that comes out of the line, √W.
     fn take(
         &mut self,
-        ladder: &Ladder<f64>,
+        degradation: &Degradation<f64>,
         credit: Option<&Credit<f64>>,
         packet_s: f64,
         came: Option<Packet<f64>>,
     ) -> f64 {
         self.leaving &= self.is_engaged();
         let came = came.filter(|_| !self.leaving);
-        if came.is_some() && ladder.hear(&mut self.engagement) {
+        if came.is_some() && degradation.hear(&mut self.engagement) {
             (self.account, self.counted_j) = (Account::default(), None);
             self.energy.put_in_j -= std::mem::take(&mut self.in_hand_j);
         }
-        ladder.pass(&mut self.engagement);
+        degradation.pass(&mut self.engagement);
         if let Some(packet) = came {
             // The first packet of a life pays for itself and brings no past.
             let own_j = 0.5 * packet_s * packet.wave * packet.wave;
@@ -129,7 +129,7 @@ impl Port {
 pub struct Junction {
     /// In the order of the lines.
     pub ports: Vec<Port>,
-    ladder: Ladder<f64>,
+    degradation: Degradation<f64>,
     credit: Option<Credit<f64>>,
     impedance: f64,
     packet_s: f64,
@@ -160,9 +160,9 @@ impl Junction {
         // The node's tick is a packet period.
         let mut own = *settings;
         (own.timing.control_period_s, own.timing.ticks_per_packet) = (packet_s, 1);
-        let ladder = Ladder::build(settings).expect("settings that peers accept");
+        let degradation = Degradation::build(settings).expect("settings that peers accept");
         let port = Port {
-            engagement: ladder.engaged(),
+            engagement: degradation.engaged(),
             leaving: false,
             standing: Packet::default(),
             account: Account::default(),
@@ -174,7 +174,7 @@ impl Junction {
         };
         Ok(Self {
             ports: vec![port; users],
-            ladder,
+            degradation,
             credit: Credit::build(&own),
             impedance: coordination.wave_impedance_n_s_per_m,
             packet_s,
@@ -210,7 +210,7 @@ impl Junction {
         let Some(copy) = &mut self.copy else { return };
         for (line, (port, came)) in self.ports.iter_mut().zip(came).enumerate() {
             if let Some(packet) = came {
-                if self.ladder.hear(&mut port.engagement) {
+                if self.degradation.hear(&mut port.engagement) {
                     copy.restart(line, self.motion);
                 }
                 copy.hear(line, packet);
@@ -218,7 +218,7 @@ impl Junction {
         }
         if packets {
             for (line, port) in self.ports.iter_mut().enumerate() {
-                self.ladder.pass(&mut port.engagement);
+                self.degradation.pass(&mut port.engagement);
                 port.back = Packet { energy_j: port.energy.sent_j, ..copy.back(line, self.motion) };
             }
         }
@@ -239,8 +239,8 @@ impl Junction {
         let places = shares.iter_mut().zip(&mut waves);
         let mut taken = [0.0; MOST_USERS];
         for (((port, came), (share, wave)), taken) in self.ports.iter_mut().zip(came).zip(places).zip(&mut taken) {
-            *taken = port.take(&self.ladder, self.credit.as_ref(), self.packet_s, came);
-            *share = self.ladder.share(&port.engagement);
+            *taken = port.take(&self.degradation, self.credit.as_ref(), self.packet_s, came);
+            *share = self.degradation.share(&port.engagement);
             *wave = share.sqrt() * *taken;
             port.energy.taken_j += 0.5 * self.packet_s * *wave * *wave;
         }

@@ -121,16 +121,16 @@ impl Period {
     fn pass(&mut self) {
         let (devices, rest) = self.state.split_at_mut(DEVICE_STATES * self.seats.len());
         let (motions, mut pushes) = rest.split_at_mut(2 * (1 + self.down));
-        let mut told: Vec<Motion<f64>> =
+        let mut broadcast: Vec<Motion<f64>> =
             motions.chunks_exact(2).map(|at| Motion { position: at[0], velocity: at[1] }).collect();
-        self.engine.take_over(told[0]);
+        self.engine.take_over(broadcast[0]);
         for (seat, state) in self.seats.iter_mut().zip(devices.chunks_exact(DEVICE_STATES)) {
             let (motion, motor) = seat.plant.free_axis();
             (motion.position, motion.velocity, *motor) = (state[0], state[1], state[2]);
         }
         for tick in 0..self.ticks {
             for (seat, user) in self.seats.iter_mut().zip(&mut self.engine.users) {
-                let object = seat.line.delay_packets.map_or(self.engine.object, |[_, down]| told[down]);
+                let object = seat.line.delay_packets.map_or(self.engine.object, |[_, down]| broadcast[down]);
                 let force_n = seat.contact.force(*seat.plant.free_axis().0, object);
                 match seat.line.delay_packets {
                     None => user.force_n = force_n,
@@ -156,8 +156,8 @@ impl Period {
             state.copy_from_slice(&[motion.position, motion.velocity, *motor]);
         }
         // What was newest is one packet older.
-        told.rotate_right(1);
-        let after = std::iter::once(self.engine.object).chain(told.into_iter().skip(1));
+        broadcast.rotate_right(1);
+        let after = std::iter::once(self.engine.object).chain(broadcast.into_iter().skip(1));
         for (at, motion) in motions.chunks_exact_mut(2).zip(after) {
             at.copy_from_slice(&[motion.position, motion.velocity]);
         }

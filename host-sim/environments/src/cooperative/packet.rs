@@ -60,8 +60,8 @@ pub(super) fn motion([[position, velocity], _]: [[impl Into<f64>; 2]; 2]) -> Mot
 impl Up {
     /// Bytes of it all, of a client among `users`.
     pub(super) fn bytes(&self, users: usize) -> usize {
-        let told = self.states.map_or(0, |_| (users - 1) * (SEAL_LEN + Moved::LEN));
-        SEAL_LEN + Push::LEN + told + self.say.as_ref().map_or(0, said_bytes)
+        let broadcast = self.states.map_or(0, |_| (users - 1) * (SEAL_LEN + Moved::LEN));
+        SEAL_LEN + Push::LEN + broadcast + self.say.as_ref().map_or(0, said_bytes)
     }
 }
 

@@ -83,11 +83,11 @@ pub fn run(setup: &Setup, duration_s: f64) -> Result<Outcome, WorldError> {
         }
         world.step();
         let object = world.object().position;
-        let apart = world.clients().map(|client| (client.view().position - object).abs()).fold(0.0, f64::max);
+        let distance_m = world.clients().map(|client| (client.view().position - object).abs()).fold(0.0, f64::max);
         forces.see(tick, world.forces());
-        peak_m = peak_m.max(apart);
+        peak_m = peak_m.max(distance_m);
         let felt_n = forces.last().iter().map(|force| force.abs()).sum::<f64>() / setup.users as f64;
-        halves.see(tick, [apart, felt_n]);
+        halves.see(tick, [distance_m, felt_n]);
         let holder = world.holders().first().copied();
         engine_ticks[holder.map_or(0, |holder| holder.min(1) + 1)] += 1;
         if let Some(holder) = holder {

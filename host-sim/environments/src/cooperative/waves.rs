@@ -18,12 +18,12 @@ use super::{MOST_USERS, junction::Junction, world::WorldError};
 /// Who sits at the engine: first the server, where the lines meet.
 #[expect(clippy::large_enum_variant, reason = "at most seventeen of them")]
 enum Around {
-    Server(Meeting),
+    Server(JunctionServer),
     Peer(Side<f64>),
 }
 
 /// The server's ends of the lines, and where they meet.
-struct Meeting {
+struct JunctionServer {
     junction: Junction,
     lines: Vec<Inbox<[Packet<f64>; 1]>>,
     packet_ns: u64,
@@ -34,7 +34,7 @@ impl Actor<usize> for Around {
 
     fn hear(&mut self, now_ns: u64, from: usize, packet: &mut Self::Packet, out: &mut Out<'_, usize, Self::Packet>) {
         match self {
-            Self::Server(meeting) => meeting.lines[from - 1].put(now_ns, *packet),
+            Self::Server(junction_server) => junction_server.lines[from - 1].put(now_ns, *packet),
             Self::Peer(side) => side.hear(now_ns, from, packet, out),
         }
     }
@@ -48,7 +48,7 @@ impl Actor<usize> for Around {
     fn act(&mut self, now_ns: u64, out: &mut Out<'_, usize, Self::Packet>) {
         match self {
             Self::Peer(side) => side.act(now_ns, out),
-            Self::Server(Meeting { junction, lines, packet_ns }) => {
+            Self::Server(JunctionServer { junction, lines, packet_ns }) => {
                 let packets_due = now_ns.is_multiple_of(*packet_ns);
                 if junction.is_due(packets_due) {
                     let heard = lines.iter_mut().map(|line| line.take(now_ns).map(|[packet]| packet));
@@ -110,7 +110,7 @@ impl Waves {
         let timing = &scene.peer.timing;
         let every = if junction.is_due(false) { 1 } else { timing.ticks_per_packet };
         let lines = (0..users).map(|_| Inbox::new(scene, every)).collect();
-        let server = Around::Server(Meeting { junction, lines, packet_ns: timing.packet_period_ns() });
+        let server = Around::Server(JunctionServer { junction, lines, packet_ns: timing.packet_period_ns() });
         let peers = (0..users).map(|index| {
             let end = index % 2;
             Ok(Seat::new(Around::Peer(Side::new(scene, end, 0, Plant::new(scene, end))?)))
@@ -167,11 +167,11 @@ impl Waves {
             self.step();
             peak_n = self.forces().map(f64::abs).fold(peak_n, f64::max);
             let places = || self.copies().map(|copy| copy.position);
-            let apart = places().fold(f64::NEG_INFINITY, f64::max) - places().fold(f64::INFINITY, f64::min);
-            means.see(tick, [apart, self.forces().map(f64::abs).sum::<f64>() / self.sides().count() as f64]);
+            let distance_m = places().fold(f64::NEG_INFINITY, f64::max) - places().fold(f64::INFINITY, f64::min);
+            means.see(tick, [distance_m, self.forces().map(f64::abs).sum::<f64>() / self.sides().count() as f64]);
         }
         let energy = self.engine.seats.iter().find_map(|seat| match &seat.actor {
-            Around::Server(meeting) => Some(meeting.junction.energy()),
+            Around::Server(junction_server) => Some(junction_server.junction.energy()),
             Around::Peer(_) => None,
         });
         let energy = energy.unwrap_or_default();

@@ -66,7 +66,7 @@ const CLOCK: Clock = Clock { start_ns: 1_000, rate: 1.0 };
 
 /// Who sits at the engine: clients, and last the server.
 #[expect(clippy::large_enum_variant, reason = "at most seventeen of them")]
-enum Peer {
+enum Participant {
     Client(Seat),
     Server(Server),
 }
@@ -220,7 +220,7 @@ impl Server {
         self.engine.users[index] = self.rules.pushed(&up.push, now_us);
         self.users[index].up = Some(up);
         if let Some(states) = up.states {
-            self.role.told(peer(index), states[0].version, body(motion(states[0].axes)));
+            self.role.take_state(peer(index), states[0].version, body(motion(states[0].axes)));
             for (other, (user, state)) in self.users.iter_mut().zip(states).enumerate() {
                 user.passed_on = (other != index).then_some(state);
             }
@@ -257,7 +257,7 @@ impl Server {
     }
 }
 
-impl Actor<usize> for Peer {
+impl Actor<usize> for Participant {
     type Packet = Numbered<Packet>;
 
     fn hear(&mut self, now_ns: u64, from: usize, packet: &mut Numbered<Packet>, _: &mut Sends<'_>) {
@@ -285,7 +285,7 @@ impl Actor<usize> for Peer {
 
 /// A cooperative environment at work.
 pub struct World {
-    engine: engine::Engine<Peer>,
+    engine: engine::Engine<Participant>,
     /// The object as it was last moved, by whom ever.
     moved: Motion<f64>,
 }
@@ -370,7 +370,7 @@ impl World {
             users: (0..users).map(user).collect(),
             bytes: 0,
         };
-        let peers = (0..users).map(|index| Peer::Client(client(index))).chain([Peer::Server(server)]);
+        let peers = (0..users).map(|index| Participant::Client(client(index))).chain([Participant::Server(server)]);
         let seats = peers.map(|peer| engine::Seat { clock: CLOCK, ..engine::Seat::new(peer) }).collect();
         let route = |from: usize, to: usize| match from == users {
             true => Route::of_scene(scene, Direction::TwoToOne, to as u32),
@@ -381,15 +381,15 @@ impl World {
 
     fn seats(&self) -> impl Iterator<Item = &Seat> {
         self.engine.seats.iter().filter_map(|seat| match &seat.actor {
-            Peer::Client(seat) => Some(seat),
-            Peer::Server(_) => None,
+            Participant::Client(seat) => Some(seat),
+            Participant::Server(_) => None,
         })
     }
 
     fn server(&self) -> Option<&Server> {
         self.engine.seats.iter().find_map(|seat| match &seat.actor {
-            Peer::Server(server) => Some(server),
-            Peer::Client(_) => None,
+            Participant::Server(server) => Some(server),
+            Participant::Client(_) => None,
         })
     }
 
@@ -424,7 +424,7 @@ impl World {
     /// The first client asks for the engine.
     pub fn ask(&mut self) {
         let now = self.now_us();
-        if let Some(engine::Seat { actor: Peer::Client(seat), .. }) = self.engine.seats.first_mut() {
+        if let Some(engine::Seat { actor: Participant::Client(seat), .. }) = self.engine.seats.first_mut() {
             seat.role.ask(now);
         }
     }
@@ -432,7 +432,7 @@ impl World {
     /// The server asks for it back.
     pub fn recall(&mut self) {
         let now = self.now_us();
-        if let Some(engine::Seat { actor: Peer::Server(server), .. }) = self.engine.seats.last_mut() {
+        if let Some(engine::Seat { actor: Participant::Server(server), .. }) = self.engine.seats.last_mut() {
             server.role.recall(now);
         }
     }

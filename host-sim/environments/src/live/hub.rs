@@ -12,8 +12,8 @@ use super::hub_watch::HubWatch;
 use crate::cooperative::hub::{End, Hub, line_wrong, number_on};
 use crate::cooperative::junction::{Energy, Port};
 use haptic_live::endpoint::{Endpoint, Live, Punctuality, Span, Stop, Ticker};
-use haptic_live::peer::{Other, told};
-use haptic_live::watch::{Seen, Wanted};
+use haptic_live::peer::{RemoteReport, notice_texts};
+use haptic_live::watch::{LiveOptions, LiveSummary};
 
 /// What the hub saw of one line.
 #[derive(Serialize)]
@@ -34,7 +34,7 @@ pub struct LineReport {
     /// Where the peer last said that its copy is, mm.
     pub copy_mm: Option<f64>,
     /// What the peer's newest telemetry says; none before any came.
-    pub said: Option<Other>,
+    pub said: Option<RemoteReport>,
     /// Smoothed round trip of the line, µs; none if none was measured.
     pub round_trip_us: Option<u32>,
     /// Sealed datagrams of the peer that were opened and accepted.
@@ -57,11 +57,11 @@ impl LineReport {
             refused: refused.map(|(from, why)| line_wrong(line, from, &why)),
             energy: port.energy,
             copy_mm: end.heard.map(|said| 1e3 * f64::from(said.object_position)),
-            said: end.heard.as_ref().map(Other::new),
+            said: end.heard.as_ref().map(RemoteReport::new),
             round_trip_us: end.link.clock().round_trip_us(),
             datagrams_taken: counts.taken,
             datagrams_missing: counts.missing,
-            notices: told(&end.notices),
+            notices: notice_texts(&end.notices),
         }
     }
 }
@@ -79,7 +79,7 @@ pub struct Report {
     pub apart_mm: f64,
     /// How far apart all copies truly were, by the peers' telemetry, and where it was recorded.
     #[serde(flatten)]
-    pub seen: Seen,
+    pub seen: LiveSummary,
     /// Datagrams that no line took: forged, replayed, broken, or of a peer without its line's key.
     pub datagrams_refused: u64,
     /// Who sent the last of them that tells something, and why it was refused.
@@ -90,7 +90,7 @@ pub struct Report {
     pub punctuality: Punctuality,
 }
 
-struct Meeting {
+struct HubActor {
     hub: Hub<SocketAddr>,
     listen: SocketAddr,
     patience_s: f64,
@@ -99,7 +99,7 @@ struct Meeting {
     watch: HubWatch,
 }
 
-impl Actor<SocketAddr> for Meeting {
+impl Actor<SocketAddr> for HubActor {
     type Packet = [u8];
 
     fn hear(&mut self, now_ns: u64, from: SocketAddr, datagram: &mut [u8], out: &mut Out<'_, SocketAddr, [u8]>) {
@@ -128,7 +128,7 @@ impl Actor<SocketAddr> for Meeting {
     }
 }
 
-impl Meeting {
+impl HubActor {
     /// The lines that nobody is on, and whether somebody was refused there.
     fn absent(&self) -> Vec<String> {
         let absent = (1_u32..).zip(self.hub.lines()).filter(|(_, (end, _))| !end.line.link.is_up());
@@ -140,7 +140,7 @@ impl Meeting {
     }
 }
 
-impl Live for Meeting {
+impl Live for HubActor {
     fn waited(&mut self, waited: Duration) {
         self.hub.waited(waited.as_micros() as u64);
     }
@@ -175,17 +175,17 @@ pub fn run(
     users: usize,
     listen: SocketAddr,
     Span { duration_s, patience_s }: Span,
-    wanted: &Wanted,
+    wanted: &LiveOptions,
     stop: &Stop,
 ) -> Result<Report, String> {
     let timing = &scene.peer.timing;
     let packets = (duration_s / timing.packet_period_s()).round() as u64;
     let endpoint = Endpoint::polled(listen)?;
     let watch = HubWatch::new(wanted, scene, users, endpoint.start(), packets)?;
-    let mut meeting = Meeting { hub: Hub::new(scene, users, key, entropy)?, listen, patience_s, packets, watch };
+    let mut actor = HubActor { hub: Hub::new(scene, users, key, entropy)?, listen, patience_s, packets, watch };
     let ticker = Ticker::realtime(Duration::from_secs_f64(timing.control_period_s));
-    let punctuality = endpoint.run(ticker, patience_s, stop, &mut meeting)?;
-    let Meeting { hub, watch, .. } = meeting;
+    let punctuality = endpoint.run(ticker, patience_s, stop, &mut actor)?;
+    let HubActor { hub, watch, .. } = actor;
     let energy = hub.junction.energy();
     let lines: Vec<LineReport> = (1..).zip(hub.lines()).map(LineReport::new).collect();
     let copies = || lines.iter().filter_map(|line| line.copy_mm);

@@ -3,12 +3,12 @@
 use std::net::SocketAddr;
 use std::time::Instant;
 
-use haptic_live::apart::{Copies, Sum};
+use haptic_live::discrepancy::{Copies, Sum};
 use haptic_live::recording::common_clock::Watched;
 use haptic_live::recording::recorder::Recorder;
 use haptic_live::recording::ticks;
 use haptic_live::tell::{Second, Teller};
-use haptic_live::watch::{Seen, Wanted};
+use haptic_live::watch::{LiveOptions, LiveSummary};
 use haptic_protocol::link::Notice;
 use haptic_sim::scene::Scene;
 
@@ -22,7 +22,7 @@ pub(crate) struct HubWatch {
     packet_s: f64,
     packets: u64,
     clocks: Vec<Watched>,
-    told: Vec<Option<u32>>,
+    reported: Vec<Option<u32>>,
     copies: Copies,
     of_second: Sum,
     of_half: Sum,
@@ -35,7 +35,7 @@ pub(crate) struct HubWatch {
 impl HubWatch {
     /// Of so many lines, whose clock began at `start`, and which runs for so many packet periods.
     pub(crate) fn new(
-        wanted: &Wanted,
+        wanted: &LiveOptions,
         scene: &Scene,
         lines: usize,
         start: Instant,
@@ -49,7 +49,7 @@ impl HubWatch {
             packet_s: timing.packet_period_s(),
             packets,
             clocks: vec![Watched::default(); lines],
-            told: vec![None; lines],
+            reported: vec![None; lines],
             copies: Copies::new(lines),
             of_second: Sum::default(),
             of_half: Sum::default(),
@@ -78,17 +78,17 @@ impl HubWatch {
                 }
             }
             let tick = line.heard.as_ref().map(|said| said.tick);
-            if let Some(said) = line.heard.as_ref().filter(|_| tick != self.told[at]) {
+            if let Some(said) = line.heard.as_ref().filter(|_| tick != self.reported[at]) {
                 let sealed_us = line.link.sealed_us();
-                if let Some(apart) = self.copies.told(at, said, sealed_us, self.period_s, &self.clocks[at]) {
-                    self.of_second.add(apart);
-                    self.of_all.add(apart);
+                if let Some(discrepancy) = self.copies.observe(at, said, sealed_us, self.period_s, &self.clocks[at]) {
+                    self.of_second.add(discrepancy);
+                    self.of_all.add(discrepancy);
                     if hub.packets.unwrap_or(0) >= self.packets / 2 {
-                        self.of_half.add(apart);
+                        self.of_half.add(discrepancy);
                     }
                 }
             }
-            self.told[at] = tick;
+            self.reported[at] = tick;
         }
     }
 
@@ -102,19 +102,19 @@ impl HubWatch {
         }
         self.record(ticks::TICKS, now_ns, &self.row);
         self.ticks += 1;
-        for ((end, _), (at, told)) in hub.lines().zip(self.noticed.iter_mut().enumerate()) {
+        for ((end, _), (at, reported)) in hub.lines().zip(self.noticed.iter_mut().enumerate()) {
             let line = &end.line;
-            if line.noticed == *told {
+            if line.noticed == *reported {
                 continue;
             }
-            for (time_us, notice) in line.notices.iter().rev().take((line.noticed - *told) as usize).rev() {
+            for (time_us, notice) in line.notices.iter().rev().take((line.noticed - *reported) as usize).rev() {
                 self.teller.notice(*time_us, &format!("line {}: ", at + 1), notice);
                 if let Notice::NewPeer(_) = notice {
                     // Another life has another clock.
                     self.clocks[at].forget();
                 }
             }
-            *told = line.noticed;
+            *reported = line.noticed;
         }
         if self.ticks.is_multiple_of((1.0 / self.period_s).round().max(1.0) as u64) {
             self.second(now_ns, time_s, hub);
@@ -156,11 +156,11 @@ impl HubWatch {
     }
 
     /// What there was to see; the recording is closed.
-    pub(crate) fn end(mut self) -> Seen {
-        let recorded = self.recorder.take().map(|recorder| recorder.finish().told());
-        if let Some(told) = &recorded {
-            self.teller.words(told.clone());
+    pub(crate) fn end(mut self) -> LiveSummary {
+        let recorded = self.recorder.take().map(|recorder| recorder.finish().summary());
+        if let Some(reported) = &recorded {
+            self.teller.words(reported.clone());
         }
-        Seen::of(&self.of_half, &self.of_all, None, recorded)
+        LiveSummary::of(&self.of_half, &self.of_all, None, recorded)
     }
 }

@@ -12,7 +12,7 @@ use haptic_protocol::link::{Config, Link};
 use haptic_protocol::parameters::{Parameters, Table};
 use haptic_protocol::wire::{self, Goodbye, PeerId};
 use haptic_protocol::{ends::Ends, key::Key};
-use haptic_sim::{engine::Out, key_file::entropy, node::Says as _};
+use haptic_sim::{engine::Out, key_file::entropy, node::Transmit as _};
 use serde::Serialize;
 
 /// Packet period of the links, µs: a link ends after 12 of them in silence.
@@ -20,7 +20,7 @@ const PACKET_US: u32 = 50_000;
 
 /// When another was there.
 #[derive(Clone, Debug, Serialize)]
-pub struct Met {
+pub struct PeerContact {
     /// 0 is the server, 1 … the players.
     number: u8,
     /// Where it should listen.
@@ -34,7 +34,7 @@ pub struct Met {
     refusal: Option<String>,
 }
 
-impl fmt::Display for Met {
+impl fmt::Display for PeerContact {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.number {
             number if number == SERVER.0 => f.write_str("the server")?,
@@ -51,7 +51,7 @@ impl fmt::Display for Met {
 
 /// The links to everybody else.
 pub(super) struct Links {
-    others: Vec<(Link, Met)>,
+    others: Vec<(Link, PeerContact)>,
     /// Who else sent something, last, and how many datagrams came from such.
     stranger: Option<(SocketAddr, u32)>,
 }
@@ -72,7 +72,7 @@ impl Links {
                 entropy: entropy()?,
             });
             let (number, address, refused) = (other, *address, 0);
-            let met = Met { number, address, first_heard_s: None, last_heard_s: None, refused, refusal: None };
+            let met = PeerContact { number, address, first_heard_s: None, last_heard_s: None, refused, refusal: None };
             Ok((link.map_err(|error| error.to_string())?, met))
         });
         Ok(Self { others: others.collect::<Result<_, String>>()?, stranger: None })
@@ -131,7 +131,7 @@ impl Links {
     }
 
     /// The others, in order.
-    pub(super) fn met(&self) -> impl Iterator<Item = &Met> {
+    pub(super) fn met(&self) -> impl Iterator<Item = &PeerContact> {
         self.others.iter().map(|(_, met)| met)
     }
 
@@ -149,7 +149,7 @@ impl Links {
         if self.met().any(|met| met.first_heard_s.is_some()) {
             return None;
         }
-        let mut heard: Vec<String> = self.met().map(Met::to_string).collect();
+        let mut heard: Vec<String> = self.met().map(PeerContact::to_string).collect();
         if let Some((address, count)) = self.stranger {
             heard.push(format!("{count} datagrams came from elsewhere, the last from {address}"));
         }

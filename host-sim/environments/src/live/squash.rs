@@ -10,8 +10,8 @@ use haptic_sim::engine::{Actor, Out};
 use haptic_sim::key_file::entropy;
 use serde::Serialize;
 
-use super::links::{Links, Met};
-use crate::squash::bot::{Contestant, Part, TICK_S};
+use super::links::{Links, PeerContact};
+use crate::squash::bot::{Contestant, Participant, TICK_S};
 use haptic_live::endpoint::{Endpoint, Live, Punctuality, Stop, Ticker};
 
 /// Who this is, and where the others are.
@@ -65,7 +65,7 @@ pub struct Report {
     /// Longest round trip that the game knows of, ms; 0 without the bounder.
     pub round_trip_ms: f64,
     /// The others, and when each was there.
-    pub others: Vec<Met>,
+    pub others: Vec<PeerContact>,
     /// Links to others that are up in the end.
     pub links: usize,
     /// Datagrams of the others that their links refused.
@@ -78,7 +78,7 @@ struct Process<'a> {
     options: &'a Options,
     own: SocketAddr,
     links: Links,
-    part: Part,
+    part: Participant,
     out: Outbox<Message, 64>,
     ticks: u64,
     seen: Report,
@@ -96,7 +96,7 @@ impl Actor<SocketAddr> for Process<'_> {
         let now = now_ns / 1_000;
         let Self { options, links, part, out, seen, .. } = self;
         match part {
-            Part::Server(server) => {
+            Participant::Server(server) => {
                 server.poll(now, out);
                 let last = server.game().last;
                 if seen.rallies.last().map_or(0, |rally| rally.rally) < last.rally {
@@ -104,7 +104,7 @@ impl Actor<SocketAddr> for Process<'_> {
                     seen.rallies.push(last.into());
                 }
             }
-            Part::Player(contestant) => {
+            Participant::Player(contestant) => {
                 contestant.hears(now, |_, notice| {
                     if let Notice::Ends { verdict, .. } = notice {
                         let own = verdict.loser.0 == options.number;
@@ -130,7 +130,7 @@ impl Live for Process<'_> {
         self.seen.links = self.links.up();
         let early = (self.ticks as f64 * TICK_S) < self.options.seconds;
         // In the middle of the game: the server need not wait for a heartbeat that stays away.
-        if let (true, Part::Player(contestant)) = (early, &mut self.part) {
+        if let (true, Participant::Player(contestant)) = (early, &mut self.part) {
             contestant.player.leave();
             contestant.player.poll(now_us, &mut self.out);
             self.links.say(now_us, &mut self.out, net);
@@ -154,9 +154,9 @@ pub fn run(key: &Key, options: &Options, stop: &Stop) -> Result<Report, String> 
     let seed = entropy()?.iter().take(8).fold(0, |seed, byte| seed << 8 | u64::from(*byte));
     let part = if number == SERVER.0 {
         let players = (count - 1) as u8;
-        Part::Server(Box::new(Server::new(ServerConfig { players, rallies: RALLIES, bounder: options.bounder })))
+        Participant::Server(Box::new(Server::new(ServerConfig { players, rallies: RALLIES, bounder: options.bounder })))
     } else {
-        Part::Player(Box::new(Contestant::new(PeerId(number), seed as u16, seed)))
+        Participant::Player(Box::new(Contestant::new(PeerId(number), seed as u16, seed)))
     };
     let links = Links::new(key, number, &options.addresses)?;
     let endpoint = Endpoint::polled(own)?;

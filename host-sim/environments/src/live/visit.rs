@@ -12,7 +12,7 @@ use haptic_sim::engine::{Actor, Out};
 use haptic_sim::key_file::entropy;
 use serde::Serialize;
 
-use crate::world::visitor::{Party, Setup, Visitor};
+use crate::world::visitor::{Correspondent, Setup, Visitor};
 use crate::world::{CONTROL_PERIOD_S, OBJECTS, TICKS_PER_PACKET, open_link};
 use haptic_live::endpoint::{Endpoint, Live, Punctuality, Stop, Ticker};
 use haptic_live::refused::wrong;
@@ -24,7 +24,7 @@ pub struct Options {
     /// Address on which this client listens.
     pub listen: SocketAddr,
     /// Servers and friend, and where they listen.
-    pub parties: Vec<(Party, SocketAddr)>,
+    pub parties: Vec<(Correspondent, SocketAddr)>,
     /// The hand goes from here …
     pub from_m: [f64; 2],
     /// … to here …
@@ -38,7 +38,7 @@ pub struct Options {
 }
 
 impl Options {
-    fn address(&self, party: Party) -> Option<SocketAddr> {
+    fn address(&self, party: Correspondent) -> Option<SocketAddr> {
         self.parties.iter().find(|(known, _)| *known == party).map(|(_, at)| *at)
     }
 
@@ -55,7 +55,7 @@ impl Options {
 
 /// Someone who was seen.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub struct Seen {
+pub struct SightedClient {
     /// Number of the line that it is on.
     pub line: u32,
     /// Where it last said that it is, x and y, m.
@@ -94,7 +94,7 @@ pub struct Report {
     /// Control periods with a force while no server was heard.
     pub felt_alone_ticks: u64,
     /// Others that were seen in the last second.
-    pub others: Vec<Seen>,
+    pub others: Vec<SightedClient>,
     /// Smoothed round trip to the home server, µs; none if none was measured.
     pub round_trip_us: Option<u32>,
     /// How well the control loop kept its ticks.
@@ -156,7 +156,7 @@ impl Live for Visit<'_> {
             || home.is_some_and(|link| link.clock().round_trip_us().is_some())
             || self.downloads().any(|download| download.objects_taken() > 0 || download.world().is_some())
             || self.visitor.others().next().is_some();
-        let servers = self.options.parties.iter().filter(|(party, _)| matches!(party, Party::Server(_)));
+        let servers = self.options.parties.iter().filter(|(party, _)| matches!(party, Correspondent::Server(_)));
         let addresses = || servers.map(|(_, address)| address.to_string()).collect::<Vec<_>>();
         (!met).then(|| match self.visitor.refused {
             Some((party, why)) => match self.options.address(party) {
@@ -200,7 +200,7 @@ pub fn run(options: &Options, stop: &Stop) -> Result<Report, String> {
         corrupt: visitor.corrupt,
         home: visitor.home(),
         moves: visitor.moves(),
-        others: visitor.others().map(|other| Seen { line: other.who, position_m: other.position }).collect(),
+        others: visitor.others().map(|other| SightedClient { line: other.who, position_m: other.position }).collect(),
         round_trip_us: visitor.link(visitor.home()).and_then(|link| link.clock().round_trip_us()),
         punctuality,
         ..visit.seen

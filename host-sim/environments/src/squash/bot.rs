@@ -228,14 +228,14 @@ impl Bot {
 }
 
 /// Who takes part in a game.
-pub enum Part {
+pub enum Participant {
     /// The server's role, which keeps the score.
     Server(Box<Server>),
     /// A player's role and the bot that plays it.
     Player(Box<Contestant>),
 }
 
-impl Part {
+impl Participant {
     /// The game as this part knows it.
     pub fn game(&self) -> &Game {
         match self {

@@ -71,8 +71,8 @@ pub(super) struct Referee {
     hits: HashMap<(u16, u16), Hit>,
     verdicts: Vec<Verdict>,
     score: [u8; PLAYERS],
-    /// The results that each player was told.
-    told: Vec<Vec<Verdict>>,
+    /// The results that were reported to each player.
+    reported: Vec<Vec<Verdict>>,
     pub(super) report: Report,
 }
 
@@ -84,7 +84,7 @@ impl Referee {
             hits: HashMap::new(),
             verdicts: Vec::new(),
             score: [0; PLAYERS],
-            told: vec![Vec::new(); usize::from(players)],
+            reported: vec![Vec::new(); usize::from(players)],
             report: Report { agreed: true, ..Report::default() },
         }
     }
@@ -107,8 +107,8 @@ impl Referee {
         let flown_s = at_s - hit.at_s;
         let ([vx, vy], x) = (hit.ball.velocity.map(f64::from), f64::from(hit.ball.position[0]));
         // Forward to the front wall, and all the way back.
-        let way = 2.0 * f64::from(self.court.length_m) - x;
-        self.report.left_the_court += u32::from(flown_s * vx > way);
+        let distance_m = 2.0 * f64::from(self.court.length_m) - x;
+        self.report.left_the_court += u32::from(flown_s * vx > distance_m);
         self.report.farthest_before_news_m = self.report.farthest_before_news_m.max(flown_s * vx.hypot(vy));
     }
 
@@ -129,12 +129,12 @@ impl Referee {
         self.verdicts.push(verdict);
     }
 
-    /// Player `by` is told a result, having heard of so many hits.
-    pub(super) fn told(&mut self, by: u8, verdict: Verdict, score: [u8; PLAYERS], seen: u16) {
+    /// A result is reported to player `by`, having heard of so many hits.
+    pub(super) fn reported(&mut self, by: u8, verdict: Verdict, score: [u8; PLAYERS], seen: u16) {
         let at = usize::from(by) - 1;
         self.report.results_before_hits += u32::from(seen < verdict.strokes);
-        self.told[at].push(verdict);
-        if self.told[at].len() == self.verdicts.len() && score != self.score {
+        self.reported[at].push(verdict);
+        if self.reported[at].len() == self.verdicts.len() && score != self.score {
             self.disagree(format!("player {by} has the score {score:?}, the referee {:?}", self.score));
         }
     }
@@ -142,8 +142,8 @@ impl Referee {
     /// What a player who comes back has not been told, for it was not there.
     pub(super) fn came_back(&mut self, by: u8) {
         let at = usize::from(by) - 1;
-        self.told[at].clone_from(&self.verdicts);
-        self.told[at].pop();
+        self.reported[at].clone_from(&self.verdicts);
+        self.reported[at].pop();
     }
 
     fn disagree(&mut self, what: String) {
@@ -153,14 +153,14 @@ impl Referee {
 
     /// The end: whoever is still there must have been told everything, but for what is still on its way.
     pub(super) fn ends(&mut self, present: &[bool], on_its_way: usize) {
-        for (at, told) in self.told.clone().into_iter().enumerate() {
-            let complete = told.len() + on_its_way >= self.verdicts.len() || !present[at];
-            if !self.verdicts.starts_with(&told) || !complete {
-                let differs = told.iter().zip(&self.verdicts).find(|(one, two)| one != two);
+        for (at, reported) in self.reported.clone().into_iter().enumerate() {
+            let complete = reported.len() + on_its_way >= self.verdicts.len() || !present[at];
+            if !self.verdicts.starts_with(&reported) || !complete {
+                let differs = reported.iter().zip(&self.verdicts).find(|(one, two)| one != two);
                 self.disagree(format!(
                     "player {} was told {} results of {}, and differs in {differs:?}",
                     at + 1,
-                    told.len(),
+                    reported.len(),
                     self.verdicts.len()
                 ));
             }

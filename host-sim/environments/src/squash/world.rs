@@ -9,41 +9,41 @@ use crate::roles::squash::{
 };
 use crate::roles::{Carried as _, Role as _};
 use haptic_protocol::wire::{self, PeerId};
-use haptic_sim::engine::{Actor, Clock, Engine, Out, Seat, Seen};
+use haptic_sim::engine::{Actor, Clock, Engine, EngineView, Out, Seat};
 use haptic_sim::network::rule::{Direction, SeededRule};
 use haptic_sim::{network::link::Route, rng::Rng, scene::Network};
 
-use super::bot::{Contestant, Part, SCALE, TICK_S};
+use super::bot::{Contestant, Participant, SCALE, TICK_S};
 use super::game::{Change, Game, Moment, Options};
 use super::referee::Referee;
 use crate::{carried::sealed_len, said};
 
 /// Who sits at the engine, and what the referee has not seen of it yet.
-struct Peer {
-    part: Part,
+struct SimulatedPeer {
+    participant: Participant,
     damped: bool,
     bytes: u64,
     strike: Option<Strike>,
-    /// What it was told, and whether that makes it the next to hit.
+    /// What was announced to it, and whether that makes it the next to hit.
     notices: Vec<(Notice, bool)>,
     /// Where the hand was in each tick of the last round trip.
     trail: VecDeque<[f64; 2]>,
 }
 
-impl Peer {
-    fn new(part: Part, damped: bool) -> Self {
-        Self { part, damped, bytes: 0, strike: None, notices: Vec::new(), trail: VecDeque::new() }
+impl SimulatedPeer {
+    fn new(participant: Participant, damped: bool) -> Self {
+        Self { participant, damped, bytes: 0, strike: None, notices: Vec::new(), trail: VecDeque::new() }
     }
 
     /// Player `number`, in another life than any before.
     fn player(number: usize, damped: bool, rng: &mut Rng) -> Self {
         let (life, seed) = (rng.below(1 << 16) as u16, rng.below(u64::MAX));
-        Self::new(Part::Player(Box::new(Contestant::new(PeerId(number as u8), life, seed))), damped)
+        Self::new(Participant::Player(Box::new(Contestant::new(PeerId(number as u8), life, seed))), damped)
     }
 
-    /// What it was told since, for the bot and for the referee.
-    fn is_told(&mut self, now_us: u64) {
-        let Self { part: Part::Player(contestant), notices, .. } = self else { return };
+    /// What was announced to it since, for the bot and for the referee.
+    fn take_notices(&mut self, now_us: u64) {
+        let Self { participant: Participant::Player(contestant), notices, .. } = self else { return };
         let number = contestant.number;
         contestant.hears(now_us, |player, notice| {
             let next = matches!(notice, Notice::Hit { turn, .. } if player.game().active(turn.stroke) == Some(number));
@@ -60,44 +60,46 @@ fn counted<'a>(bytes: &'a mut u64, out: &'a mut Out<'_, usize, wire::Message>) -
     }
 }
 
-impl Actor<usize> for Peer {
+impl Actor<usize> for SimulatedPeer {
     type Packet = wire::Message;
 
     fn hear(&mut self, now_ns: u64, from: usize, message: &mut wire::Message, out: &mut Out<'_, usize, wire::Message>) {
         let Some((_, message)) = Message::read(message) else { return };
         let mut out = counted(&mut self.bytes, out);
-        self.part.receive(now_ns / 1_000, PeerId(from as u8), &message, &mut said(0, &mut out));
+        self.participant.receive(now_ns / 1_000, PeerId(from as u8), &message, &mut said(0, &mut out));
         drop(out);
-        self.is_told(now_ns / 1_000);
+        self.take_notices(now_ns / 1_000);
     }
 
     fn speak(&mut self, now_ns: u64, out: &mut Out<'_, usize, wire::Message>) {
         let now_us = now_ns / 1_000;
         let mut out = counted(&mut self.bytes, out);
-        match &mut self.part {
-            Part::Server(server) => server.poll(now_us, &mut said(0, &mut out)),
-            Part::Player(contestant) => self.strike = contestant.tick(now_us, self.damped, &mut said(0, &mut out)),
+        match &mut self.participant {
+            Participant::Server(server) => server.poll(now_us, &mut said(0, &mut out)),
+            Participant::Player(contestant) => {
+                self.strike = contestant.tick(now_us, self.damped, &mut said(0, &mut out))
+            }
         }
         drop(out);
-        self.is_told(now_us);
+        self.take_notices(now_us);
     }
 }
 
 /// The players with their numbers, of all seats.
-fn players(seats: &[Seat<Peer>]) -> impl Iterator<Item = (usize, &Seat<Peer>, &Contestant)> {
-    seats.iter().enumerate().filter_map(|(at, seat)| match &seat.actor.part {
-        Part::Player(contestant) => Some((at, seat, contestant.as_ref())),
-        Part::Server(_) => None,
+fn players(seats: &[Seat<SimulatedPeer>]) -> impl Iterator<Item = (usize, &Seat<SimulatedPeer>, &Contestant)> {
+    seats.iter().enumerate().filter_map(|(at, seat)| match &seat.actor.participant {
+        Participant::Player(contestant) => Some((at, seat, contestant.as_ref())),
+        Participant::Server(_) => None,
     })
 }
 
 /// The referee watches a turn.
-fn watch(referee: &mut Referee, rallies: &mut u16, seen: Seen<'_, Peer>) {
+fn watch(referee: &mut Referee, rallies: &mut u16, seen: EngineView<'_, SimulatedPeer>) {
     let (now_s, by) = (seen.now_ns as f64 * 1e-9, seen.seat as u8);
     let clock = seen.seats[seen.seat].clock;
-    let Peer { part, strike, notices, .. } = &mut seen.seats[seen.seat].actor;
-    let contestant = match part {
-        Part::Server(server) => {
+    let SimulatedPeer { participant, strike, notices, .. } = &mut seen.seats[seen.seat].actor;
+    let contestant = match participant {
+        Participant::Server(server) => {
             let last = server.game().last;
             if last.rally > *rallies {
                 *rallies = last.rally;
@@ -105,7 +107,7 @@ fn watch(referee: &mut Referee, rallies: &mut u16, seen: Seen<'_, Peer>) {
             }
             return;
         }
-        Part::Player(contestant) => contestant,
+        Participant::Player(contestant) => contestant,
     };
     if let Some(strike) = strike.take() {
         let ball = contestant.player.ball(clock.at(seen.now_ns) / 1_000).unwrap_or_default();
@@ -126,15 +128,18 @@ fn watch(referee: &mut Referee, rallies: &mut u16, seen: Seen<'_, Peer>) {
                     referee.next_knows(now_s, turn);
                 }
             }
-            Notice::Ends { verdict, score, seen } => referee.told(by, verdict, score, seen),
+            Notice::Ends { verdict, score, seen } => referee.reported(by, verdict, score, seen),
         }
     }
 }
 
 /// How far every hand went in a round trip of so many ticks, and from where the others think that it is.
-fn measure(referee: &mut Referee, seats: &mut [Seat<Peer>], round_trip: usize) {
+fn measure(referee: &mut Referee, seats: &mut [Seat<SimulatedPeer>], round_trip: usize) {
     for at in 1..seats.len() {
-        let Seat { actor: Peer { part: Part::Player(contestant), trail, .. }, off: false, .. } = &mut seats[at] else {
+        let Seat {
+            actor: SimulatedPeer { participant: Participant::Player(contestant), trail, .. }, off: false, ..
+        } = &mut seats[at]
+        else {
             continue;
         };
         let [x, y] = contestant.bot.position;
@@ -153,9 +158,9 @@ fn measure(referee: &mut Referee, seats: &mut [Seat<Peer>], round_trip: usize) {
     }
 }
 
-fn moment(seats: &[Seat<Peer>], now_ns: u64) -> Moment {
+fn moment(seats: &[Seat<SimulatedPeer>], now_ns: u64) -> Moment {
     let turn = players(seats).map(|(.., contestant)| contestant.player.turn()).max().unwrap_or_default();
-    let ball = |(_, seat, contestant): (usize, &Seat<Peer>, &Contestant)| {
+    let ball = |(_, seat, contestant): (usize, &Seat<SimulatedPeer>, &Contestant)| {
         contestant.player.ball(seat.clock.at(now_ns) / 1_000)
     };
     let mut on = players(seats).filter(|(_, seat, _)| !seat.off);
@@ -186,8 +191,8 @@ pub fn play(options: &Options) -> Game {
     let mut routes: Vec<Route> = (0..count * count).map(route).collect();
     let config = ServerConfig { players: options.players, rallies: options.rallies, bounder: options.bounder };
     let seats = clocks.into_iter().enumerate().map(|(at, clock)| {
-        let server = || Peer::new(Part::Server(Box::new(Server::new(config))), damped);
-        let actor = if at == 0 { server() } else { Peer::player(at, damped, &mut rng) };
+        let server = || SimulatedPeer::new(Participant::Server(Box::new(Server::new(config))), damped);
+        let actor = if at == 0 { server() } else { SimulatedPeer::player(at, damped, &mut rng) };
         Seat { clock, ..Seat::new(actor) }
     });
     let (seats, period_ns) = (seats.collect(), (1e9 * TICK_S) as u64);
@@ -197,20 +202,20 @@ pub fn play(options: &Options) -> Game {
     let round_trip = (options.round_trip_s / TICK_S).round().max(1.0) as usize;
     let (mut moments, mut present, mut rallies) = (Vec::new(), vec![true; count - 1], 0);
     // The game is over, and everybody who is there knows.
-    let is_over = |seats: &[Seat<Peer>]| {
-        seats.iter().filter(|seat| !seat.off).all(|seat| seat.actor.part.game().phase == Phase::Over)
+    let is_over = |seats: &[Seat<SimulatedPeer>]| {
+        seats.iter().filter(|seat| !seat.off).all(|seat| seat.actor.participant.game().phase == Phase::Over)
     };
     while engine.tick() < ticks && !is_over(&engine.seats) {
         let tick = engine.tick();
         for &(at_s, number, change) in &options.changes {
             if (at_s / TICK_S).round() as u64 == tick {
                 let (at, seat) = (usize::from(number), &mut engine.seats[usize::from(number)]);
-                match (change, &mut seat.actor.part) {
-                    (Change::Leaves, Part::Player(contestant)) => contestant.player.leave(),
-                    (Change::Leaves, Part::Server(_)) => {}
+                match (change, &mut seat.actor.participant) {
+                    (Change::Leaves, Participant::Player(contestant)) => contestant.player.leave(),
+                    (Change::Leaves, Participant::Server(_)) => {}
                     (Change::Vanishes, _) => seat.off = true,
                     (Change::Comes, _) => {
-                        seat.actor = Peer::player(at, damped, &mut rng);
+                        seat.actor = SimulatedPeer::player(at, damped, &mut rng);
                         seat.off = false;
                         referee.came_back(number);
                     }
@@ -229,7 +234,7 @@ pub fn play(options: &Options) -> Game {
     referee.ends(&present, usize::from(!over));
     let mut report = referee.report;
     report.over = over;
-    report.round_trip_ms = f64::from(engine.seats[0].actor.part.game().round_trip_us) * 1e-3;
+    report.round_trip_ms = f64::from(engine.seats[0].actor.participant.game().round_trip_us) * 1e-3;
     report.score.truncate(usize::from(options.players));
     let bytes: u64 = engine.seats[1..].iter().map(|seat| seat.actor.bytes).sum();
     report.bytes_per_s = bytes as f64 / (engine.tick() as f64 * TICK_S) / f64::from(options.players);

@@ -16,7 +16,7 @@ use crate::roles::static_scene::{Board, Server};
 use haptic_protocol::key::Key;
 use haptic_protocol::link::{Error, Link};
 use haptic_protocol::wire::{Goodbye, Greeting, Header, MAX_DATAGRAM, Message};
-use haptic_sim::node::Says as _;
+use haptic_sim::node::Transmit as _;
 
 use super::{CLIENT, OBJECTS, World, line_of, open_link};
 use crate::path::Path;
@@ -158,9 +158,9 @@ impl<A: Copy + PartialEq> Host<A> {
             }
             Some(Message::Presence(said)) => {
                 self.counts.presences += 1;
-                if let Some((told, seat)) = self.board.hear(now, number, &said, line.seat) {
+                if let Some((presence, seat)) = self.board.hear(now, number, &said, line.seat) {
                     line.seat = Some(seat);
-                    line.link.say(now, told, &mut answer);
+                    line.link.say(now, presence, &mut answer);
                 }
             }
             _ => {}

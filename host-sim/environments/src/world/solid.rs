@@ -29,9 +29,9 @@ pub(super) struct Frame {
 impl Frame {
     pub(super) fn new(from: [f32; 2], to: [f32; 2]) -> Self {
         let from = from.map(f64::from);
-        let way = minus(to.map(f64::from), from);
-        let length = libm::sqrt(dot(way, way));
-        let along = way.map(|part| part / length);
+        let offset = minus(to.map(f64::from), from);
+        let length = libm::sqrt(dot(offset, offset));
+        let along = offset.map(|part| part / length);
         Self { from, along, out: [-along[1], along[0]], length }
     }
 

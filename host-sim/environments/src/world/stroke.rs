@@ -7,7 +7,7 @@
 //! the arm's spring k and the contact's K share that way: d = b/(1 + K/k), with b the way of the arm under the surface.
 //!
 //! **Corners** of less than 180° hold on to the hand: drawn around one from inside, it stays under the side that it comes from
-//! until the other one is as near, which at an angle θ is at the depth b/(1 − (K/k)·cos θ) ([`Part::leaves_at_m`]). Where
+//! until the other one is as near, which at an angle θ is at the depth b/(1 − (K/k)·cos θ) ([`SideResult::leaves_at_m`]). Where
 //! K·cos θ ≥ k the arm is too soft and never draws it away: sharp corners want soft contacts.
 //!
 //! **Energy**: what the arm's far end does, ∫F·dx, is what springs and bodies hold at the end, plus what the dampers took.
@@ -79,7 +79,7 @@ pub const COLUMNS: [Named; 8] = [
 
 /// What was felt while the arm went along one side.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Part {
+pub struct SideResult {
     /// `a-b`: the side from corner a to corner b; `rim`: a disc's.
     pub side: String,
     /// Angle inside the object at the side's first corner, degrees; none of a disc.
@@ -124,7 +124,7 @@ pub struct Stroke {
     /// The outline, seen from the object, m; closed.
     pub(crate) outline: Vec<Vector>,
     /// What was felt where.
-    pub parts: Vec<Part>,
+    pub parts: Vec<SideResult>,
     /// Energy balance of the stroke, J.
     pub energy: Energy,
     /// Every tick: how far the arm's far end has come; where the hand is, seen from the object, the force on it and its depth;
@@ -139,14 +139,14 @@ struct Path {
 }
 
 impl Path {
-    /// Where, how fast and along what one is after `way_m`.
-    fn at(&self, way_m: f64, speed: f64) -> (Vector, Vector, Option<usize>) {
-        let mut left = way_m;
+    /// Where, how fast and along what one is after `travel_m`.
+    fn at(&self, travel_m: f64, speed: f64) -> (Vector, Vector, Option<usize>) {
+        let mut left = travel_m;
         for (pair, part) in self.points.windows(2).zip(&self.parts) {
-            let way = minus(pair[1], pair[0]);
-            let length = size(way);
+            let edge = minus(pair[1], pair[0]);
+            let length = size(edge);
             if left < length {
-                return (add(pair[0], left / length, way), way.map(|axis| speed * axis / length), *part);
+                return (add(pair[0], left / length, edge), edge.map(|axis| speed * axis / length), *part);
             }
             left -= length;
         }
@@ -184,14 +184,14 @@ fn outline(shape: &Shape) -> Vec<(Vector, &'static str)> {
 
 /// The way of the arm's far end, from outside the middle of the last side in, around, and out again; and the sides it goes
 /// along, for a contact that is `ratio` times as stiff as the arm.
-fn path(outline: &[(Vector, &str)], below_m: f64, ratio: f64) -> (Path, Vec<Part>) {
+fn path(outline: &[(Vector, &str)], below_m: f64, ratio: f64) -> (Path, Vec<SideResult>) {
     let count = outline.len();
     let corner = |at: usize| outline[at % count].0;
     let area: f64 = (0..count).map(|at| corner(at)[0] * corner(at + 1)[1] - corner(at)[1] * corner(at + 1)[0]).sum();
     // The outward normal of the side that begins at a corner.
     let normal = |at: usize| {
-        let way = minus(corner(at + 1), corner(at));
-        [way[1], -way[0]].map(|part| part * area.signum() / size(way))
+        let edge = minus(corner(at + 1), corner(at));
+        [edge[1], -edge[0]].map(|part| part * area.signum() / size(edge))
     };
     let inset = |at: usize| {
         let (one, other) = (normal(at + count - 1), normal(at));
@@ -206,15 +206,18 @@ fn path(outline: &[(Vector, &str)], below_m: f64, ratio: f64) -> (Path, Vec<Part
         let ([a, b], [c, d]) = (normal(at + count - 1), normal(at));
         let turned = ((a * d - b * c) * area.signum()).atan2(a * c + b * d);
         let cosine = -turned.cos();
-        Part {
+        SideResult {
             side: format!("{}-{}", outline[at].1, outline[(at + 1) % count].1),
             corner_deg: Some(180.0 - turned.to_degrees()),
             leaves_at_m: (turned > 0.0 && ratio * cosine < 1.0).then(|| below_m / (1.0 - ratio * cosine)),
-            ..Part::default()
+            ..SideResult::default()
         }
     };
-    let parts =
-        if round { vec![Part { side: "rim".to_owned(), ..Part::default() }] } else { (0..count).map(part).collect() };
+    let parts = if round {
+        vec![SideResult { side: "rim".to_owned(), ..SideResult::default() }]
+    } else {
+        (0..count).map(part).collect()
+    };
     let last = parts.len() - 1;
     let points = [beside(below_m), beside(-below_m)].into_iter().chain((0..count).map(inset));
     let points = points.chain([beside(-below_m), beside(below_m)]).collect();
@@ -259,15 +262,15 @@ pub fn stroke(shape: &Shape, options: &Options) -> Result<Stroke, String> {
     let speeds = |motions: [Motion<f64>; 2]| motions.map(|axis| axis.velocity);
     let ticks = (path.length() / (speed_m_per_s * period_s)).ceil() as usize;
     for tick in 0..ticks {
-        let way_m = speed_m_per_s * period_s * tick as f64;
-        let (point, velocity, part) = path.at(way_m, speed_m_per_s);
+        let travel_m = speed_m_per_s * period_s * tick as f64;
+        let (point, velocity, part) = path.at(travel_m, speed_m_per_s);
         let stretch = minus(add(places(object), 1.0, point), places(hand));
         let gone = minus(add(speeds(object), 1.0, velocity), speeds(hand));
         let arm = add(stretch.map(|part| ARM.0 * part), ARM.1, gone);
         let pressed = solid.press(&contact, hand, object);
         let felt = pressed.force.map(|part| -part);
         let ([hand_x, hand_y], [x, y]) = (minus(places(hand), places(object)), places(object));
-        table.push_row(&[way_m, hand_x, hand_y, felt[0], felt[1], pressed.depth, x, y]);
+        table.push_row(&[travel_m, hand_x, hand_y, felt[0], felt[1], pressed.depth, x, y]);
         if let Some(part) = part.and_then(|at| parts.get_mut(at)) {
             part.largest_depth_m = part.largest_depth_m.max(pressed.depth);
             part.largest_force_n = part.largest_force_n.max(size(felt));
@@ -278,7 +281,7 @@ pub fn stroke(shape: &Shape, options: &Options) -> Result<Stroke, String> {
             hand[axis] = hand_law.step(&mut before[0][axis], hand[axis], arm[axis] + felt[axis]);
             object[axis] = object_law.step(&mut before[1][axis], object[axis], pressed.force[axis]);
         }
-        let next = path.at(way_m + speed_m_per_s * period_s, speed_m_per_s).0;
+        let next = path.at(travel_m + speed_m_per_s * period_s, speed_m_per_s).0;
         let moved = minus(add(places(object), 1.0, next), add(places(last.1), 1.0, point));
         let between = |old: [Motion<f64>; 2], new| dot(speeds(old), add(speeds(old), 1.0, speeds(new))) / 2.0;
         energy.work_j += dot(arm, moved);

@@ -11,7 +11,7 @@ use haptic_core::num::Motion;
 use haptic_protocol::key::Key;
 use haptic_protocol::link::{Error, Link};
 use haptic_protocol::wire::{Goodbye, Message, Presence, Sighting};
-use haptic_sim::node::Says as _;
+use haptic_sim::node::Transmit as _;
 
 use super::render::Renderer;
 use super::{CLIENT, OBJECTS, PACKET_US, look_around, open_link};
@@ -28,7 +28,7 @@ struct Contact {
 
 /// Who a datagram goes to or came from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Party {
+pub enum Correspondent {
     /// The server with this number.
     Server(u8),
     /// The client on this line, straight.
@@ -54,7 +54,7 @@ pub struct Setup {
 pub struct Visitor {
     setup: Setup,
     entropy: Box<dyn FnMut() -> [u8; Key::LEN] + Send>,
-    contacts: BTreeMap<Party, Contact>,
+    contacts: BTreeMap<Correspondent, Contact>,
     roam: Roam,
     regions: Vec<Region>,
     manifest: Manifest,
@@ -68,7 +68,7 @@ pub struct Visitor {
     /// Parts that were not what their checksum said.
     pub(crate) corrupt: u32,
     /// Who sent the newest datagram that was refused and tells something, and why it was.
-    pub(crate) refused: Option<(Party, Error)>,
+    pub(crate) refused: Option<(Correspondent, Error)>,
 }
 
 impl Visitor {
@@ -93,7 +93,7 @@ impl Visitor {
 
     /// Tells the client on line `who` where this one is, straight and not by the server, over a link of the two's own.
     pub fn befriend(&mut self, who: u32, link: Link) {
-        self.contacts.insert(Party::Client(who), Contact { link, download: None });
+        self.contacts.insert(Correspondent::Client(who), Contact { link, download: None });
     }
 
     /// One control period: the force on the hand, N.
@@ -110,8 +110,8 @@ impl Visitor {
     /// Everything that is held from any server; of two versions of an object the higher one, and home's where they agree.
     fn known(&self) -> Vec<Object> {
         let mut known = BTreeMap::<u32, Object>::new();
-        let home = Party::Server(self.roam.home());
-        let others = self.contacts.iter().filter(|(party, _)| **party != home).map(|(_, other)| other);
+        let home = Correspondent::Server(self.roam.home());
+        let others = self.contacts.iter().filter(|(correspondent, _)| **correspondent != home).map(|(_, other)| other);
         let downloads = self.contacts.get(&home).into_iter().chain(others).filter_map(|one| one.download.as_ref());
         for object in downloads.flat_map(|download| download.objects()) {
             let held = known.entry(object.id).or_insert(*object);
@@ -127,14 +127,14 @@ impl Visitor {
     }
 
     /// One packet period: everything that is to be said now, and to which server.
-    pub fn exchange(&mut self, now: u64, mut send: impl FnMut(Party, &[u8])) {
+    pub fn exchange(&mut self, now: u64, mut send: impl FnMut(Correspondent, &[u8])) {
         self.roam(now);
         let position = self.position();
         let velocity = self.hand.map(|axis| axis.velocity as f32);
         let presence = Presence::new(self.tick, [Sighting { who: self.setup.line, position, velocity }]);
-        let home = Party::Server(self.roam.home());
-        for (party, Contact { link, download }) in &mut self.contacts {
-            let mut send = |bytes: &[u8]| send(*party, bytes);
+        let home = Correspondent::Server(self.roam.home());
+        for (correspondent, Contact { link, download }) in &mut self.contacts {
+            let mut send = |bytes: &[u8]| send(*correspondent, bytes);
             if let Some((download, radius)) = download.as_mut().zip(self.setup.radius_m) {
                 look_around(download, position, radius);
             }
@@ -145,7 +145,7 @@ impl Visitor {
                 }
             }
             // Of those at servers, only those at the same one know of each other.
-            if download.is_none() || *party == home && link.is_up() {
+            if download.is_none() || *correspondent == home && link.is_up() {
                 link.say(now, presence, &mut send);
             }
             link.say_due(now, send);
@@ -156,7 +156,7 @@ impl Visitor {
     fn roam(&mut self, now: u64) {
         let position = self.position();
         let contacts = &self.contacts;
-        let of = |server| contacts.get(&Party::Server(server)).and_then(|contact| contact.download.as_ref());
+        let of = |server| contacts.get(&Correspondent::Server(server)).and_then(|contact| contact.download.as_ref());
         let ready = |server| of(server).is_some_and(|download| download.is_complete());
         if self.roam.update(&self.regions, position, ready).is_some() {
             self.news = true;
@@ -165,13 +165,16 @@ impl Visitor {
         }
         let needed = self.roam.needs(&self.regions, self.manifest.margin_m, position);
         for server in &needed {
-            let new = self.setup.reachable.contains(server) && !self.contacts.contains_key(&Party::Server(*server));
+            let new =
+                self.setup.reachable.contains(server) && !self.contacts.contains_key(&Correspondent::Server(*server));
             if let Some(link) = new.then(|| self.call(*server)).flatten() {
-                self.contacts.insert(Party::Server(*server), Contact { link, download: Some(Box::default()) });
+                self.contacts.insert(Correspondent::Server(*server), Contact { link, download: Some(Box::default()) });
             }
         }
         let before = self.contacts.len();
-        self.contacts.retain(|party, _| !matches!(party, Party::Server(server) if !needed.contains(server)));
+        self.contacts.retain(
+            |correspondent, _| !matches!(correspondent, Correspondent::Server(server) if !needed.contains(server)),
+        );
         self.news |= self.contacts.len() != before;
         self.others.retain(|_, (seen_us, _)| now.saturating_sub(*seen_us) < 1_000_000);
     }
@@ -182,7 +185,13 @@ impl Visitor {
     }
 
     /// Takes a datagram, opened in place, and sends what it must be answered with at once.
-    pub fn receive(&mut self, now: u64, from: Party, datagram: &mut [u8], mut send: impl FnMut(Party, &[u8])) {
+    pub fn receive(
+        &mut self,
+        now: u64,
+        from: Correspondent,
+        datagram: &mut [u8],
+        mut send: impl FnMut(Correspondent, &[u8]),
+    ) {
         let Some(Contact { link, download }) = self.contacts.get_mut(&from) else { return };
         match (link.receive(now, datagram), download) {
             (Ok(Some(Message::Part(part))), Some(download)) => match download.take(&part) {
@@ -195,10 +204,10 @@ impl Visitor {
                     self.manifest = download.world().map_or(self.manifest, |(_, manifest)| manifest);
                 }
             },
-            (Ok(Some(Message::Presence(told))), _) => {
-                for other in told.seen() {
+            (Ok(Some(Message::Presence(sighted))), _) => {
+                for other in sighted.seen() {
                     // A friend speaks for itself only.
-                    let who = if let Party::Client(who) = from { who } else { other.who };
+                    let who = if let Correspondent::Client(who) = from { who } else { other.who };
                     self.others.insert(who, (now, Sighting { who, ..*other }));
                 }
             }
@@ -210,20 +219,20 @@ impl Visitor {
     }
 
     /// Tells servers and friends that this one goes.
-    pub fn goodbye(&mut self, now: u64, mut send: impl FnMut(Party, &[u8])) {
-        for (party, contact) in &mut self.contacts {
-            contact.link.say(now, Goodbye {}, |bytes| send(*party, bytes));
+    pub fn goodbye(&mut self, now: u64, mut send: impl FnMut(Correspondent, &[u8])) {
+        for (correspondent, contact) in &mut self.contacts {
+            contact.link.say(now, Goodbye {}, |bytes| send(*correspondent, bytes));
         }
     }
 
     /// The link to a server.
     pub fn link(&self, server: u8) -> Option<&Link> {
-        self.contacts.get(&Party::Server(server)).map(|contact| &contact.link)
+        self.contacts.get(&Correspondent::Server(server)).map(|contact| &contact.link)
     }
 
     /// The download from a server.
     pub fn download(&self, server: u8) -> Option<&Download<OBJECTS>> {
-        self.contacts.get(&Party::Server(server))?.download.as_deref()
+        self.contacts.get(&Correspondent::Server(server))?.download.as_deref()
     }
 
     /// Whether everything in scope is held from the home server.

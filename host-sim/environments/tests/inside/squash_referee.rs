@@ -25,20 +25,20 @@ fn whoever_was_told_something_else_disagrees() {
     let (mut referee, verdict) = game();
     referee.decided(verdict);
     let score = [0, 1, 0, 0, 0, 0, 0, 0];
-    referee.told(1, verdict, score, 1);
-    referee.told(2, verdict, score, 0);
+    referee.reported(1, verdict, score, 1);
+    referee.reported(2, verdict, score, 0);
     referee.ends(&[true, true], 0);
     assert!(referee.report.agreed && referee.report.results_before_hits == 1);
 
     let (mut referee, verdict) = game();
     referee.decided(verdict);
-    referee.told(1, Verdict { strokes: 2, ..verdict }, score, 1);
+    referee.reported(1, Verdict { strokes: 2, ..verdict }, score, 1);
     referee.ends(&[true, false], 0);
     assert!(!referee.report.agreed);
 
     let (mut referee, verdict) = game();
     referee.decided(verdict);
-    referee.told(1, verdict, [1, 0, 0, 0, 0, 0, 0, 0], 1);
+    referee.reported(1, verdict, [1, 0, 0, 0, 0, 0, 0, 0], 1);
     assert!(referee.report.disagreement.unwrap().contains("the score [1, 0"));
 
     let (mut referee, verdict) = game();

@@ -194,9 +194,9 @@ fn waves(keys: &[&str]) -> Scene {
 /// Two lines of equal impedance that meet in a node are one line: up one packet, down one packet is two packets.
 #[test]
 fn two_peers_around_a_node_are_the_plain_pair() {
-    for comm in ["wave", "passive-wave", "passive-mean"] {
-        let comm = format!("coordination.comm={comm}");
-        let keys = [comm.as_str(), "coordination.stiffness_n_per_m=1000", "object.integrator=semi-implicit"];
+    for law in ["wave", "passive-wave", "passive-mean"] {
+        let law = format!("coordination.comm={law}");
+        let keys = [law.as_str(), "coordination.stiffness_n_per_m=1000", "object.integrator=semi-implicit"];
         let mut pair = Pair::<f64>::new(&waves(&[&keys[..], &["network.one_way_delay_packets=2"]].concat())).unwrap();
         let mut around =
             Waves::new(&waves(&[&keys[..], &["network.one_way_delay_packets=1"]].concat()), 2).expect("a node");
@@ -204,8 +204,8 @@ fn two_peers_around_a_node_are_the_plain_pair() {
             pair.step();
             around.step();
             for (side, copy) in pair.sides().into_iter().zip(around.copies()) {
-                let apart = side.peer.observed()[0].object.position - copy.position;
-                assert!(apart.abs() < 1e-10, "{comm} at tick {tick}: {apart} m");
+                let distance_m = side.peer.observed()[0].object.position - copy.position;
+                assert!(distance_m.abs() < 1e-10, "{law} at tick {tick}: {distance_m} m");
             }
         }
     }

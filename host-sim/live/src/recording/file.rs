@@ -44,7 +44,7 @@ pub struct Cut {
 
 impl Cut {
     /// The damage in words, for a person.
-    pub fn told(&self) -> String {
+    pub fn summary(&self) -> String {
         let Self { whole, rest, saved } = self;
         let kept = if *saved > 0 { format!(", of which {saved} rows were saved") } else { String::new() };
         format!("the recording was cut: it has no end, and {rest} bytes after byte {whole} are no whole record{kept}")

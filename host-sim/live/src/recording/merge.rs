@@ -125,9 +125,9 @@ impl<'a> Side<'a> {
         let place = |at: usize| Place { at_s: starts[at] + times[at], position_m: positions[at], speed: speeds[at] };
         let mut places: Vec<_> = (0..times.len()).filter(|at| modes[*at] == ARMED).map(place).collect();
         places.sort_by(|one, other| one.at_s.total_cmp(&other.at_s));
-        let mut ways: Vec<f64> = places.windows(2).map(|two| two[1].at_s - two[0].at_s).collect();
-        ways.sort_by(f64::total_cmp);
-        let longest_s = GAP * ways.get(ways.len() / 2).copied().unwrap_or(0.0);
+        let mut intervals_s: Vec<f64> = places.windows(2).map(|two| two[1].at_s - two[0].at_s).collect();
+        intervals_s.sort_by(f64::total_cmp);
+        let longest_s = GAP * intervals_s.get(intervals_s.len() / 2).copied().unwrap_or(0.0);
         Ok(Self { origin, places, longest_s, board, exchanges })
     }
 
@@ -191,11 +191,11 @@ fn relate(one: &Side<'_>, two: &Side<'_>) -> Result<(Relation, String, Option<f6
     let of = |side: &Side<'_>| -> Vec<Exchange> {
         side.exchanges.iter().filter(|(session, _)| peers && both(*session)).map(|(_, exchange)| *exchange).collect()
     };
-    let shared: Vec<_> = of(one).into_iter().chain(of(two).into_iter().map(Exchange::turned)).collect();
-    if let Some(relation) = Relation::of(&shared) {
+    let of_both: Vec<_> = of(one).into_iter().chain(of(two).into_iter().map(Exchange::turned)).collect();
+    if let Some(relation) = Relation::of(&of_both) {
         let at_s = one.places.get(one.places.len() / 2).map_or(0.0, |place| place.at_s);
         let beside = same.map(|same| 1e6 * (same.offset_s(at_s) - relation.offset_s(at_s)));
-        return Ok((relation, format!("{} exchanges between the two", shared.len()), beside));
+        return Ok((relation, format!("{} exchanges between the two", of_both.len()), beside));
     }
     let by =
         if peers { "the clock of the machine that both ran on" } else { "each board's exchanges with one machine" };

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
-use haptic_report::Made;
+use haptic_report::Provenance;
 
 /// What made a recording, and when.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -11,7 +11,7 @@ pub struct Origin {
     /// Version of the program.
     pub version: String,
     /// A scene file with a table `[made]`, as beside other files.
-    pub made: String,
+    pub provenance: String,
     /// Who recorded: `peer 1`, `hub`, `operator of board 2`, `both peers`.
     pub who: String,
     /// Unix time at time 0, ns: programs show it; it is no clock to compare by.
@@ -24,12 +24,12 @@ pub struct Origin {
 
 impl Origin {
     /// Recorded on this machine's clock, with time 0 at `start`.
-    pub fn here(made: &Made, who: impl Into<String>, start: Instant) -> Self {
+    pub fn here(provenance: &Provenance, who: impl Into<String>, start: Instant) -> Self {
         let (since, clock_ns) = (start.elapsed().as_nanos() as u64, monotonic_ns());
         let unix_ns = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_nanos() as u64;
         Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            made: made.toml(),
+            provenance: provenance.toml(),
             who: who.into(),
             start_unix_ns: unix_ns.saturating_sub(since),
             clock: boot(),
@@ -38,8 +38,8 @@ impl Origin {
     }
 
     /// Origin of a recording in simulated time.
-    pub fn simulated(made: &Made, who: impl Into<String>) -> Self {
-        let start = Self::here(made, who, Instant::now());
+    pub fn simulated(provenance: &Provenance, who: impl Into<String>) -> Self {
+        let start = Self::here(provenance, who, Instant::now());
         Self { clock: String::new(), start_clock_ns: 0, ..start }
     }
 
@@ -48,7 +48,7 @@ impl Origin {
         vec![
             ("who", self.who.clone()),
             ("version", self.version.clone()),
-            ("scene", self.made.clone()),
+            ("scene", self.provenance.clone()),
             ("start_unix_ns", self.start_unix_ns.to_string()),
             ("clock", self.clock.clone()),
             ("start_clock_ns", self.start_clock_ns.to_string()),
@@ -60,7 +60,7 @@ impl Origin {
         let number = |name| fact(name).parse().unwrap_or(0);
         Self {
             version: fact("version"),
-            made: fact("scene"),
+            provenance: fact("scene"),
             who: fact("who"),
             start_unix_ns: number("start_unix_ns"),
             clock: fact("clock"),

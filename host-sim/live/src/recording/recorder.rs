@@ -54,7 +54,7 @@ pub struct Ended {
 
 impl Ended {
     /// What there is to say of it, in a line.
-    pub fn told(&self) -> String {
+    pub fn summary(&self) -> String {
         let failed = self.failed.as_ref().map_or(String::new(), |why| format!("; {why}"));
         let lost = if self.lost > 0 { format!(", {} rows are missing", self.lost) } else { String::new() };
         format!("recorded {} rows in {}{lost}{failed}", self.rows, self.file.display())

@@ -112,9 +112,9 @@ pub fn hub_channels(lines: usize) -> Vec<Channel> {
     let own = [TIME, TICK[quantities::place(&TICK, "tick")], ("object_m", "where the lines meet")];
     let own = own.map(|(name, meaning)| (name.to_owned(), meaning.to_owned()));
     let of_line = |line: usize| {
-        let told =
+        let described =
             [("force_n", "force at the hub's end"), ("taken_j", "energy taken out"), ("sent_j", "energy sent into it")];
-        told.map(|(name, meaning)| (format!("line_{line}_{name}"), format!("line {line}: {meaning}")))
+        described.map(|(name, meaning)| (format!("line_{line}_{name}"), format!("line {line}: {meaning}")))
     };
     let line = ("line", "which line, from 1");
     vec![

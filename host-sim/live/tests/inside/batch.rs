@@ -15,7 +15,7 @@ fn socket() -> UdpSocket {
 fn each_arrives_whole_in_order_and_where_it_was_sent() {
     let (from, ends) = (socket(), [socket(), socket()]);
     let datagram = |number: usize| vec![number as u8; number * 16 % (ROOM + 1)];
-    let mut going = Going::default();
+    let mut going = OutgoingBatch::default();
     for number in 0..3 * MOST + 5 {
         going.add(ends[number % 2].local_addr().unwrap(), &datagram(number));
     }
@@ -37,7 +37,7 @@ fn what_came_is_taken_in_order_and_nobody_waits_for_more() {
         let Ok(to) = UdpSocket::bind(any) else { continue };
         to.set_read_timeout(Some(Duration::from_secs(2))).unwrap();
         let senders = [(); 2].map(|()| UdpSocket::bind(any).unwrap());
-        let mut came = Came::default();
+        let mut came = ReceivedBatch::default();
         // Taken twice: what a header was left with by one call must not change the next.
         for count in [MOST + 3, 2] {
             for number in 0..count {
@@ -63,7 +63,7 @@ fn what_came_is_taken_in_order_and_nobody_waits_for_more() {
 #[test]
 fn one_that_is_not_taken_does_not_hold_up_the_others() {
     let (from, to) = (socket(), socket());
-    let mut going = Going::default();
+    let mut going = OutgoingBatch::default();
     for (number, to) in
         [to.local_addr().unwrap(), "[::1]:9".parse().unwrap(), to.local_addr().unwrap()].into_iter().enumerate()
     {

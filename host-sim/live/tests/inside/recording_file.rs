@@ -15,8 +15,8 @@ fn place(name: &str) -> PathBuf {
 
 fn origin() -> Origin {
     let text = |text: &str| text.to_owned();
-    let (version, made, who, clock) = (text("1"), text("[object]\nmass_kg = 2\n"), text("peer 1"), text("boot"));
-    Origin { version, made, who, start_unix_ns: 5, clock, start_clock_ns: 77 }
+    let (version, provenance, who, clock) = (text("1"), text("[object]\nmass_kg = 2\n"), text("peer 1"), text("boot"));
+    Origin { version, provenance, who, start_unix_ns: 5, clock, start_clock_ns: 77 }
 }
 
 /// Two channels of many and odd numbers.
@@ -113,7 +113,7 @@ fn the_beat_never_waits() {
     assert!(start.elapsed().as_secs_f64() < 2.0, "{:?}", start.elapsed());
     let ended = recorder.finish();
     assert!(ended.rows + ended.lost == ROWS && ended.lost > 0, "{ended:?}");
-    assert!(ended.told().contains(&format!("{} rows are missing", ended.lost)));
+    assert!(ended.summary().contains(&format!("{} rows are missing", ended.lost)));
     let recording = read(&path).expect("a recording");
     std::fs::remove_file(&path).expect("it is there");
     assert_eq!(recording.lost, Some(ended.lost));

@@ -14,8 +14,8 @@ use super::{both, merge};
 const SESSION: f64 = 7.0;
 
 fn origin(who: &str, clock: &str, start_clock_ns: u64) -> Origin {
-    let (version, made, who, clock) = ("0".to_owned(), "[made]\n".to_owned(), who.to_owned(), clock.to_owned());
-    Origin { version, made, who, start_unix_ns: 1_700_000_000_000_000_000, clock, start_clock_ns }
+    let (version, provenance, who, clock) = ("0".to_owned(), "[made]\n".to_owned(), who.to_owned(), clock.to_owned());
+    Origin { version, provenance, who, start_unix_ns: 1_700_000_000_000_000_000, clock, start_clock_ns }
 }
 
 fn recorded(

@@ -3,7 +3,7 @@
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
 
-use haptic_live::batch::Came;
+use haptic_live::batch::ReceivedBatch;
 use haptic_live::endpoint::{Endpoint, Live, Punctuality, Stop, Ticker, realtime};
 use haptic_live::relay;
 use haptic_sim::engine::{Actor, Out};
@@ -117,7 +117,7 @@ fn a_planted_rule_decides_what_passes() {
         let ends = ends.map(|(listen, peer)| relay::End { listen, peer: peer.address });
         let stop = &stop;
         let relay = scope.spawn(move || relay::run(routes, ends, 20.0, stop));
-        let (mut batch, mut came) = (Came::default(), Vec::new());
+        let (mut batch, mut came) = (ReceivedBatch::default(), Vec::new());
         for sent in 0..200_u8 {
             two.send(addresses[1], &[sent]);
             std::thread::sleep(Duration::from_millis(2));
@@ -148,7 +148,7 @@ fn a_relay_has_fixed_ends() {
         let ends = ends.map(|(listen, peer)| relay::End { listen, peer });
         let stop = &stop;
         let relay = scope.spawn(move || relay::run([Route::new(0), Route::new(0)], ends, 20.0, stop));
-        let (mut batch, mut came) = (Came::default(), [0; 3]);
+        let (mut batch, mut came) = (ReceivedBatch::default(), [0; 3]);
         let end = Instant::now() + Duration::from_secs(10);
         while came[..2].iter().any(|count| *count < 20) && Instant::now() < end {
             one.send(listen[0], b"peer 1");

@@ -15,19 +15,19 @@ fn holds(name: &str, proved: &Proved, scenes: usize) {
 
 #[test]
 fn every_law_keeps_forces_within_their_limits() {
-    for kind in AnyLaw::<Number>::KINDS {
-        holds(kind.name, &prove::<AnyLaw<Number>>(kind, Peer::tick), 10);
+    for law in AnyLaw::<Number>::LAWS {
+        holds(law.name, &prove::<AnyLaw<Number>>(law, Peer::tick), 10);
     }
 }
 
 #[test]
 fn so_does_a_law_that_says_anything() {
-    let [kind] = Whatever::KINDS else { unreachable!() };
-    holds(kind.name, &prove::<Whatever>(kind, Peer::tick), 10);
+    let [law] = Whatever::LAWS else { unreachable!() };
+    holds(law.name, &prove::<Whatever>(law, Peer::tick), 10);
 }
 
 #[test]
 fn so_it_does_along_two_shared_axes() {
-    let [kind] = Whatever::KINDS else { unreachable!() };
-    holds(kind.name, &prove_shared::<Whatever>(kind), 2);
+    let [law] = Whatever::LAWS else { unreachable!() };
+    holds(law.name, &prove_shared::<Whatever>(law), 2);
 }

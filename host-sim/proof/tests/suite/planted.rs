@@ -1,7 +1,7 @@
 //! What is wrong is found: ticks with a fault put into them, and a law that leaves its number type.
 
 use haptic_core::law::power::Power;
-use haptic_core::law::{Coupled, Kind, Law, Packet, Seen, Sends};
+use haptic_core::law::{Coupled, Law, LawInfo, Observation, Packet, Sends};
 use haptic_core::num::{Configured, Motion, Scalar};
 use haptic_core::object::{Port, Solve};
 use haptic_core::peer::{Actuators, Peer, Sensors};
@@ -12,8 +12,8 @@ use haptic_proof::{Number, prove};
 type Held = Power<Number>;
 
 fn found(tick: Tick<Held>) -> Broken {
-    let [kind] = Held::KINDS else { unreachable!() };
-    prove::<Held>(kind, tick).broken.expect("a fault was put into it").1
+    let [law] = Held::LAWS else { unreachable!() };
+    prove::<Held>(law, tick).broken.expect("a fault was put into it").1
 }
 
 /// The tick with something done to its first force.
@@ -76,8 +76,8 @@ struct Outside;
 impl Configured for Outside {}
 
 impl<S: Scalar> Law<S> for Outside {
-    const KINDS: &'static [Kind] =
-        &[Kind { name: "outside", sends: Sends::Motion, keys: &[], gains: &[], source: "", promises: &[] }];
+    const LAWS: &'static [LawInfo] =
+        &[LawInfo { name: "outside", sends: Sends::Motion, keys: &[], gains: &[], source: "", promises: &[] }];
     type State = Motion<S>;
 
     fn build(_: &Settings) -> Result<Self, Refused<'static>> {
@@ -89,7 +89,7 @@ impl<S: Scalar> Law<S> for Outside {
     fn receive(&self, state: &mut Motion<S>, packet: Packet<S>) {
         *state = Motion::at(S::from_f64(0.5 * packet.motion.position.to_f64()));
     }
-    fn couple(&self, state: &mut Motion<S>, _: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
+    fn couple(&self, state: &mut Motion<S>, _: &Observation<S>, solve: impl Solve<S>) -> Coupled<S> {
         solve.velocity(Port::default());
         Coupled { desired: *state, ..Coupled::default() }
     }
@@ -100,7 +100,7 @@ impl<S: Scalar> Law<S> for Outside {
 
 #[test]
 fn a_law_that_leaves_its_number_type() {
-    let [kind] = <Outside as Law<Number>>::KINDS else { unreachable!() };
-    let broken = prove::<Outside>(kind, Peer::tick).broken.expect("it does").1;
+    let [law] = <Outside as Law<Number>>::LAWS else { unreachable!() };
+    let broken = prove::<Outside>(law, Peer::tick).broken.expect("it does").1;
     assert_eq!(broken, Broken::Escaped);
 }

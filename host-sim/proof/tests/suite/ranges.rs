@@ -185,13 +185,13 @@ fn courses(settings: &Settings) {
 
 #[test]
 fn courses_in_f32_end_on_a_path() {
-    for kind in AnyLaw::<Number>::KINDS {
+    for law in AnyLaw::<Number>::LAWS {
         for ports in [false, true] {
             let mut settings = Settings::default();
-            settings.coordination.comm = kind.name;
+            settings.coordination.comm = law.name;
             settings.axis.count = 2;
             settings.timing.ticks_per_packet = 1;
-            for gain in kind.gains {
+            for gain in law.gains {
                 let (key, value) = gain.split_once('=').expect("key=value");
                 let _ = settings.set(key, Value::of_text(value));
             }

@@ -2,7 +2,7 @@
 
 use haptic_plot::Figure;
 use haptic_report::files::{ROW_GROUP_ROWS, write_csv, write_parquet};
-use haptic_report::{Column, Columns, Files, Made, ReportError};
+use haptic_report::{Column, Columns, Files, Provenance, ReportError};
 use parquet::file::metadata::KeyValue;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
@@ -143,9 +143,9 @@ fn csv(columns: &Columns) -> Result<Vec<u8>, ReportError> {
     write_csv(columns, &path).map(|()| std::fs::read(path).unwrap())
 }
 
-fn parquet(columns: &Columns, made: &Made) -> Result<Vec<u8>, ReportError> {
+fn parquet(columns: &Columns, provenance: &Provenance) -> Result<Vec<u8>, ReportError> {
     let folder = tempdir().unwrap();
-    let mut files = Files::new(folder.path(), "x", made.clone());
+    let mut files = Files::new(folder.path(), "x", provenance.clone());
     files.parquet(columns)?;
     files.write().map(|paths| std::fs::read(&paths[0]).unwrap())
 }
@@ -181,9 +181,9 @@ fn read_parquet(bytes: &[u8]) -> (Columns, Option<Vec<KeyValue>>) {
     (columns, about.key_value_metadata().cloned())
 }
 
-fn made() -> Made {
+fn provenance() -> Provenance {
     let settings = vec![("coordination.comm".to_owned(), "\"wave\"".to_owned())];
-    Made::now("1.2.3", "abc").with("seed", 7_u32).with("number_type", "f64").settings(settings)
+    Provenance::now("1.2.3", "abc").with("seed", 7_u32).with("number_type", "f64").settings(settings)
 }
 
 #[test]
@@ -198,10 +198,11 @@ fn parquet_round_trips_every_bit_and_says_what_made_it() {
     let mut long = Columns::named([("x_m", "a place")]);
     (0..ROW_GROUP_ROWS + 3).for_each(|i| long.push_row(&[(i as f64).sin()]));
     for columns in [awkward(), long, Columns::named([("time_s", "since the start")]), Columns::default()] {
-        let (read, about) = read_parquet(&parquet(&columns, &made()).unwrap());
+        let (read, about) = read_parquet(&parquet(&columns, &provenance()).unwrap());
         assert_eq!(bits(&read), bits(&columns));
-        let told = about.unwrap().into_iter().find(|entry| entry.key == "made").and_then(|entry| entry.value).unwrap();
-        let table: toml::Table = told.parse().unwrap();
+        let printed =
+            about.unwrap().into_iter().find(|entry| entry.key == "made").and_then(|entry| entry.value).unwrap();
+        let table: toml::Table = printed.parse().unwrap();
         assert_eq!(
             (table["made"]["seed"].as_integer(), table["coordination"]["comm"].as_str()),
             (Some(7), Some("wave"))
@@ -216,8 +217,8 @@ fn parquet_says_unit_and_meaning_of_every_column() {
     let path = folder.path().join("gains.parquet");
     write_parquet(&columns, &path, "").unwrap();
     let reader = SerializedFileReader::new(std::fs::File::open(path).unwrap()).unwrap();
-    let told = reader.metadata().file_metadata().key_value_metadata().unwrap();
-    let about = |key: String| told.iter().find(|entry| entry.key == key)?.value.clone();
+    let printed = reader.metadata().file_metadata().key_value_metadata().unwrap();
+    let about = |key: String| printed.iter().find(|entry| entry.key == key)?.value.clone();
     for (column, unit) in columns.data().zip(["", "N/m", "N/m", "N", "N"]) {
         // In text one of them is in mN; the file keeps what its name says.
         assert_eq!(about(format!("unit.{}", column.name())).as_deref(), Some(unit));
@@ -231,7 +232,7 @@ fn words_and_nothing_are_written_too() {
     let rows = [("a", Some(true), Some(1.5)), ("b, c", None, None)];
     let columns = Columns::of(&rows).value("name", |r| r.0).value("stable", |r| r.1).value("x_m", |r| r.2).done();
     assert_eq!(String::from_utf8(csv(&columns).unwrap()).unwrap(), "name,stable,x_m\na,1,1.5\n\"b, c\",,\n");
-    assert!(!parquet(&columns, &made()).unwrap().is_empty());
+    assert!(!parquet(&columns, &provenance()).unwrap().is_empty());
     assert_eq!(csv(&Columns::default()).unwrap(), b"");
 }
 
@@ -251,7 +252,7 @@ fn nothing_is_overwritten() {
     let write = |value: f64| {
         let mut columns = Columns::named([("x_m", "a place")]);
         columns.push_row(&[value]);
-        let mut files = Files::new(&folder.path().join("new folder"), "a.b", made());
+        let mut files = Files::new(&folder.path().join("new folder"), "a.b", provenance());
         files.csv(&columns).unwrap();
         files.parquet(&columns).unwrap();
         files.figure(Some("picture"), &Figure::default()).unwrap();

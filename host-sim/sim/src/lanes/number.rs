@@ -22,7 +22,7 @@ pub const LANES: usize = 16;
 const ALL: u32 = (1 << LANES) - 1;
 
 /// The source of the numbers that [`Scalar::from_f64`] makes.
-enum Tape {
+enum ConstantSource {
     /// What it is given, for every lane.
     Off,
     /// The argument, for every lane; it is recorded.
@@ -34,7 +34,7 @@ enum Tape {
 thread_local! {
     static LEFT: Cell<u32> = const { Cell::new(0) };
     static SHOWN: Cell<usize> = const { Cell::new(0) };
-    static TAPE: RefCell<Tape> = const { RefCell::new(Tape::Off) };
+    static SOURCE: RefCell<ConstantSource> = const { RefCell::new(ConstantSource::Off) };
 }
 
 /// The lanes that have left since [`super::Pairs::new`], as bits.
@@ -59,30 +59,30 @@ pub(super) fn show(lane: usize) {
 
 /// Builds something for one scene, and notes its numbers.
 pub(super) fn recorded<T>(build: impl FnOnce() -> T) -> (T, Vec<f64>) {
-    TAPE.set(Tape::Recording(Vec::new()));
+    SOURCE.set(ConstantSource::Recording(Vec::new()));
     let built = build();
-    let Tape::Recording(numbers) = TAPE.replace(Tape::Off) else { return (built, Vec::new()) };
+    let ConstantSource::Recording(numbers) = SOURCE.replace(ConstantSource::Off) else { return (built, Vec::new()) };
     (built, numbers)
 }
 
 /// Builds the same with the numbers of every lane.
 pub(super) fn played<T>(numbers: Vec<Vec<f64>>, build: impl FnOnce() -> T) -> T {
-    TAPE.set(Tape::Playing(numbers, 0));
+    SOURCE.set(ConstantSource::Playing(numbers, 0));
     let built = build();
-    TAPE.set(Tape::Off);
+    SOURCE.set(ConstantSource::Off);
     built
 }
 
 /// The number of each lane that `from_f64` makes of this one.
 #[inline(never)]
 fn numbers(value: f64) -> [f64; LANES] {
-    TAPE.with_borrow_mut(|tape| match tape {
-        Tape::Off => [value; LANES],
-        Tape::Recording(noted) => {
+    SOURCE.with_borrow_mut(|source| match source {
+        ConstantSource::Off => [value; LANES],
+        ConstantSource::Recording(noted) => {
             noted.push(value);
             [value; LANES]
         }
-        Tape::Playing(noted, at) => {
+        ConstantSource::Playing(noted, at) => {
             let now = *at;
             *at += 1;
             // Where a scene has fewer it is not built alike, which its configuration will tell.

@@ -41,7 +41,7 @@ const REPEATS: f64 = 0.02;
 
 /// What the other user does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Far {
+pub enum RemoteEnd {
     /// Holds the device where it is.
     Held,
     /// Has let go: no contact there.
@@ -167,7 +167,7 @@ impl Device<f64> for Hand {
 /// Settings that no peer accepts.
 pub fn felt(
     scene: &Scene,
-    far: Far,
+    far: RemoteEnd,
     frequency_hz: f64,
     speed_m_per_s: f64,
 ) -> Result<Option<Complex>, Refused<'static>> {
@@ -181,7 +181,7 @@ pub fn felt(
 pub fn answer(
     scene: &Scene,
     near: usize,
-    far: Far,
+    far: RemoteEnd,
     frequency_hz: f64,
     speed_m_per_s: f64,
 ) -> Result<Option<Answer>, Refused<'static>> {
@@ -199,11 +199,11 @@ pub fn answer(
     };
     let side = |index: usize| {
         let mut settings = linear.peers()[index];
-        if index != near && far == Far::LetGo {
+        if index != near && far == RemoteEnd::LetGo {
             (settings.contact.stiffness_n_per_m, settings.contact.damping_n_s_per_m) = (0.0, 0.0);
         }
         let peer = linear.laws.peer::<f64, 1, AXES>(&settings, [Motion::REST; AXES])?;
-        let alone = (index != near && far == Far::Alone).then(|| Plant::new(&linear, index));
+        let alone = (index != near && far == RemoteEnd::Alone).then(|| Plant::new(&linear, index));
         Ok(Side::of(&linear, peer, hand(if index == near { speed_m_per_s } else { 0.0 }, alone), 1 - index))
     };
     let mut pair = Pair::of(&linear, [side(0)?, side(1)?]);

@@ -79,10 +79,10 @@ impl<const N: usize> Encoders<N> {
     pub(super) fn marks(&self) -> [Marks; N] {
         from_fn(|joint| {
             let (before, at) = (self.before[joint], self.at[joint]);
-            let (way, steps) = ((at - before).signum(), (at - before).unsigned_abs().min(ENOUGH));
+            let (direction, steps) = ((at - before).signum(), (at - before).unsigned_abs().min(ENOUGH));
             let mut edges = [0_u8; 2];
             for step in 0..steps as i64 {
-                let [from, to] = [before + way * step, before + way * (step + 1)].map(high);
+                let [from, to] = [before + direction * step, before + direction * (step + 1)].map(high);
                 for (edges, (from, to)) in edges.iter_mut().zip(from.into_iter().zip(to)) {
                     *edges = (*edges + u8::from(!from && to)).min(2);
                 }

@@ -62,7 +62,7 @@ pub struct Held<const N: usize = AXES> {
 pub struct Plant<const N: usize = AXES> {
     user: User,
     /// Where its forces point, as parts along the axes.
-    way: [f64; 3],
+    direction: [f64; 3],
     /// +1 where toward the other peer is toward positive x.
     toward: f64,
     period_s: f64,
@@ -136,7 +136,7 @@ impl<const N: usize> Plant<N> {
             Principal::new(principal::in_the_task(inverse, moving_mass_kg, device.joint_inertia), moving)
         });
         Self {
-            way: user.way(),
+            direction: user.direction(),
             toward,
             period_s,
             step_s,
@@ -326,7 +326,7 @@ impl<const N: usize> Plant<N> {
                 self.toward * (profile.arm_stiffness_n_per_m * wanted + profile.arm_damping_n_s_per_m * wanted_speed);
         }
         from_fn(|axis| {
-            let along = self.way[axis] * push;
+            let along = self.direction[axis] * push;
             if axis == 0 { along + self.pull_n } else { along + profile.side_push_n }
         })
     }

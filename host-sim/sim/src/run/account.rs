@@ -1,4 +1,4 @@
-//! Account of a run along one axis: what its [`Along`] is formed of, tick by tick, the same for simulated peers and for boards.
+//! Account of a run along one axis: what its [`AxisOutcome`] is formed of, tick by tick, the same for simulated peers and for boards.
 
 use std::array::from_fn;
 
@@ -7,7 +7,7 @@ use haptic_core::peer::Observed;
 use haptic_core::safety::{Fault, Mode};
 use haptic_core::sample::{OfAxis, Quantities, Quantity, Reach, SAMPLE};
 
-use super::outcome::{Along, Figures, Options};
+use super::outcome::{AxisOutcome, Figures, Options};
 use crate::measure::growth::{Forces, Growth};
 use crate::measure::port::ObjectPort;
 use crate::measure::{Figure, LastHalf, Statistics};
@@ -254,7 +254,7 @@ impl Account {
     }
 
     /// What it gave along this axis.
-    pub(crate) fn along(self) -> Along {
+    pub(crate) fn along(self) -> AxisOutcome {
         let [true_m, decoded_m, force, force_squared, contact] = self.halves.means();
         let energy = [0, 1].map(|at| {
             let ticked = self.latest[at];
@@ -270,7 +270,7 @@ impl Account {
             largest_jump_n: self.forces.largest_change(),
             energy,
         };
-        Along { figures, table: self.table }
+        AxisOutcome { figures, table: self.table }
     }
 
     /// Records the control period that is over, if it is one of those that are.

@@ -5,7 +5,7 @@
 use std::array::from_fn;
 
 use super::account::{Account, Ticked};
-use super::outcome::{Along, Figures, Options, Outcome};
+use super::outcome::{AxisOutcome, Figures, Options, Outcome};
 use super::reason::{APART_MM, Reason};
 use crate::measure::growth::Forces;
 use crate::measure::{Figure, LastHalf, Statistics};
@@ -133,7 +133,7 @@ impl<const SHARED: usize> Accounts<SHARED> {
             [Account::force_grew, Account::energy_grew].map(|grew| self.axes.iter().any(grew));
         let [true_m, decoded_m, contact_force_n] = self.halves.means();
         let last_true_m = if SHARED == 1 { self.axes[0].true_m() } else { self.true_m };
-        let axes: Vec<Along> = self.axes.into_iter().map(Account::along).collect();
+        let axes: Vec<AxisOutcome> = self.axes.into_iter().map(Account::along).collect();
         let whole = if SHARED == 1 {
             axes[0].figures
         } else {
@@ -153,15 +153,15 @@ impl<const SHARED: usize> Accounts<SHARED> {
                 energy: [0, 1].map(|at| axes.iter().map(|axis| axis.figures.energy[at]).sum()),
             }
         };
-        let apart_mm = whole.true_discrepancy_mm.max(1e3 * last_true_m);
+        let discrepancy_mm = whole.true_discrepancy_mm.max(1e3 * last_true_m);
         let reason = if let Some((peer, fault, time_s)) = stopped {
             Some(Reason::Stopped { peer, fault, time_s })
         } else if force_grew {
             Some(Reason::ForceGrew)
         } else if energy_grew {
             Some(Reason::EnergyGrew)
-        } else if apart_mm > APART_MM {
-            Some(Reason::Apart { true_discrepancy_mm: apart_mm })
+        } else if discrepancy_mm > APART_MM {
+            Some(Reason::Apart { true_discrepancy_mm: discrepancy_mm })
         } else {
             let_go.map(|peer| Reason::LetGo { peer })
         };

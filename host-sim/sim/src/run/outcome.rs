@@ -60,7 +60,7 @@ pub struct Figures {
 
 /// What a run gave along one shared axis.
 #[derive(Clone, Debug)]
-pub struct Along {
+pub struct AxisOutcome {
     /// Discrepancies, forces and energies of this axis.
     pub figures: Figures,
     /// What was recorded; empty if nothing was.
@@ -81,7 +81,7 @@ pub struct Outcome {
     /// Figures of all shared axes together; of one axis, its own.
     pub whole: Figures,
     /// Each shared axis, in the order of [`AXIS_NAMES`].
-    pub axes: Vec<Along>,
+    pub axes: Vec<AxisOutcome>,
     /// Impacts at both peers, where contact is impulsive.
     pub impacts: Option<[Impacts<f64>; 2]>,
     /// Number of ticks that were stepped.
@@ -123,7 +123,7 @@ impl Outcome {
     }
 
     /// A figure of merit; none of a run that is not stable.
-    pub fn merit<T>(&self, of: impl FnOnce(&Self) -> T) -> Option<T> {
+    pub fn metric<T>(&self, of: impl FnOnce(&Self) -> T) -> Option<T> {
         self.is_stable().then(|| of(self))
     }
 

@@ -42,7 +42,7 @@ fn without_coordination_a_hand_feels_device_contact_and_copy() {
         let behind = inverse(sum(inverse(contact), inverse(Complex { re: 0.0, im: omega * copy.mass_kg })));
         let held = behind.times(Complex { re: late.cos(), im: -late.sin() });
         let want = sum(held, Complex { re: device.damping_n_s_per_m, im: omega * device.mass_kg });
-        for far in [Far::Held, Far::LetGo] {
+        for far in [RemoteEnd::Held, RemoteEnd::LetGo] {
             let got = felt(&scene, far, frequency_hz, SPEED_M_PER_S).expect("good settings").expect("it repeats");
             close(got, want, 0.01);
         }
@@ -69,11 +69,11 @@ fn a_wave_line_weighs_and_yields_as_its_transit_time_says() {
     let feels = |far| felt(&scene, far, 0.5, SPEED_M_PER_S).expect("good settings").expect("it repeats");
     // A wave leaves the tick after it was made: 21 ticks.
     let (impedance, transit_s) = (10.0, 0.021);
-    let mass_kg = feels(Far::LetGo).im / omega;
+    let mass_kg = feels(RemoteEnd::LetGo).im / omega;
     let want_kg = scene.world.device.mass_kg + 2.0 * scene.peer.object.mass_kg + impedance * transit_s;
     assert!((mass_kg / want_kg - 1.0).abs() < 0.01, "{mass_kg} kg, not {want_kg}");
     let moving_kg = scene.world.device.mass_kg + scene.peer.object.mass_kg;
-    let stiffness = omega * (omega * moving_kg - feels(Far::Held).im);
+    let stiffness = omega * (omega * moving_kg - feels(RemoteEnd::Held).im);
     let want = impedance / transit_s;
     assert!((stiffness / want - 1.0).abs() < 0.02, "{stiffness} N/m, not {want}");
 }
@@ -82,7 +82,7 @@ fn a_wave_line_weighs_and_yields_as_its_transit_time_says() {
 #[test]
 fn an_unstable_scene_has_no_impedance() {
     let scene = scene(&["coordination.comm=power", "coordination.stiffness_n_per_m=20000"]);
-    assert_eq!(felt(&scene, Far::LetGo, 5.0, SPEED_M_PER_S), Ok(None));
+    assert_eq!(felt(&scene, RemoteEnd::LetGo, 5.0, SPEED_M_PER_S), Ok(None));
 }
 
 /// Whole control periods in each, and none that packets meet at the same phases for ever.

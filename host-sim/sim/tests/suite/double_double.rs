@@ -8,7 +8,7 @@ fn number(value: f64) -> DoubleDouble {
 }
 
 /// How far two values are apart, of the first.
-fn apart(a: DoubleDouble, b: DoubleDouble) -> f64 {
+fn difference(a: DoubleDouble, b: DoubleDouble) -> f64 {
     ((a - b).to_f64() / a.to_f64()).abs()
 }
 
@@ -22,7 +22,7 @@ fn sums_keep_what_f64_loses() {
 fn products_and_quotients_undo_each_other() {
     for divisor in [3.0, 7.25e-3, -123_456.789, 1e-9] {
         let third = number(1.0).ratio(number(divisor));
-        assert!(apart(number(1.0), third * number(divisor)) < 1e-31, "{divisor}");
+        assert!(difference(number(1.0), third * number(divisor)) < 1e-31, "{divisor}");
     }
     assert_eq!(number(2.0).ratio(DoubleDouble::ZERO), DoubleDouble::ZERO);
 }
@@ -31,7 +31,7 @@ fn products_and_quotients_undo_each_other() {
 fn roots_square_back() {
     for value in [2.0, 0.1, 1e-12, 7e9] {
         let root = number(value).sqrt();
-        assert!(apart(number(value), root * root) < 1e-30, "{value}");
+        assert!(difference(number(value), root * root) < 1e-30, "{value}");
     }
     assert_eq!(number(-1.0).sqrt(), DoubleDouble::ZERO);
 }
@@ -42,7 +42,7 @@ fn sine_and_cosine_hold_their_identities() {
     for at in -40..40 {
         let angle = number(0.37 * f64::from(at) + 0.01);
         let (sine, cosine) = angle.sin_cos();
-        assert!(apart(DoubleDouble::ONE, sine * sine + cosine * cosine) < 1e-29);
+        assert!(difference(DoubleDouble::ONE, sine * sine + cosine * cosine) < 1e-29);
         let (double, _) = (angle + angle).sin_cos();
         assert!((double - number(2.0) * sine * cosine).abs().to_f64() < 1e-29);
         assert!((sine.to_f64() - angle.to_f64().sin()).abs() < 2e-16);

@@ -1,6 +1,6 @@
 //! The engine: order of turns, clocks, and what becomes of packets.
 
-use haptic_sim::engine::{Actor, Clock, Engine, Out, Seat, Seen, Turn};
+use haptic_sim::engine::{Actor, Clock, Engine, EngineView, Out, Seat, Turn};
 use haptic_sim::network::link::{Counts, Route};
 use haptic_sim::network::rule::Fate;
 
@@ -37,7 +37,7 @@ fn engine(route: impl FnMut(usize, usize) -> Route) -> Engine<Caller> {
 fn without_delay_what_is_said_is_heard_before_anybody_acts() {
     let mut engine = engine(|_, _| Route::default());
     let mut order = Vec::new();
-    engine.step(&mut |seen: Seen<'_, Caller>| order.push((seen.seat, seen.turn)));
+    engine.step(&mut |seen: EngineView<'_, Caller>| order.push((seen.seat, seen.turn)));
     let wanted =
         [(0, Turn::Spoke), (1, Turn::Spoke), (1, Turn::Heard), (0, Turn::Heard), (0, Turn::Acted), (1, Turn::Acted)];
     assert_eq!(order, wanted);

@@ -20,7 +20,7 @@ const DEVICE: [&str; 7] = [
     "user.1.sine_n=3",
     "user.1.sine_rad_per_s=19",
 ];
-/// What a board that was told nothing has.
+/// What a board with its default settings has.
 const GENTLE: [&str; 2] = ["safety.max_force_n=3", "safety.max_slew_n_per_s=60"];
 
 fn scene(keys: &[&str]) -> Scene {
@@ -41,7 +41,7 @@ fn faults(scene: &Scene, ticks: u64) -> Option<(u64, Fault)> {
 }
 
 /// Ticks from the fault of the plant, at half a second and 0.15 m/s, until device 1 faults, and why; none in another second.
-fn told(fault: &str, keys: &[&str]) -> Option<(u64, Fault)> {
+fn first_fault(fault: &str, keys: &[&str]) -> Option<(u64, Fault)> {
     let fault = format!("plant.fault={fault}");
     let found = faults(&scene(&[&["plant.fault_at_s=0.5", fault.as_str()], keys].concat()), 1500);
     found.map(|(tick, fault)| (tick.checked_sub(500).expect("not before it began"), fault))
@@ -50,7 +50,7 @@ fn told(fault: &str, keys: &[&str]) -> Option<(u64, Fault)> {
 #[test]
 fn what_goes_wrong_is_told_by_name_and_soon() {
     for limits in [&[][..], &GENTLE] {
-        assert_eq!(told("none", limits), None);
+        assert_eq!(first_fault("none", limits), None);
         for (what, fault, within_ms) in [
             ("open-motor", Fault::CurrentNotFollowed, 6),
             ("dead-sense", Fault::CurrentNotFollowed, 6),
@@ -65,7 +65,7 @@ fn what_goes_wrong_is_told_by_name_and_soon() {
             // Half of 0.22 m/s is 0.88 V, where 0.73 V are tolerated: not before the motion is at its fastest.
             ("encoder-halved", Fault::EncoderImplausible, 400),
         ] {
-            let (ticks, found) = told(what, limits).unwrap_or_else(|| panic!("{what} is not told"));
+            let (ticks, found) = first_fault(what, limits).unwrap_or_else(|| panic!("{what} is not told"));
             assert!(found == fault && ticks <= within_ms, "{what}: {found:?} after {ticks} ms, {limits:?}");
         }
     }
@@ -74,10 +74,10 @@ fn what_goes_wrong_is_told_by_name_and_soon() {
 /// The device comes back through its index within a third of a second: 40 counts are not to be found there.
 #[test]
 fn lost_counts_are_told_by_the_index() {
-    assert_eq!(told("encoder-loses", &[]), None, "no index, and a step of 40 counts in a tick is 0.2 m/s");
+    assert_eq!(first_fault("encoder-loses", &[]), None, "no index, and a step of 40 counts in a tick is 0.2 m/s");
     let index = ["encoder.index=true", "encoder.index_at_m_or_rad=0.002", "user.1.arm_stiffness_n_per_m=100"];
-    assert_eq!(told("none", &index), None);
-    let (ticks, fault) = told("encoder-loses", &index).expect("told");
+    assert_eq!(first_fault("none", &index), None);
+    let (ticks, fault) = first_fault("encoder-loses", &index).expect("told");
     assert!(fault == Fault::LostCounts && ticks < 350, "{ticks} {fault:?}");
     // A joint that turns has an index in every turn.
     let turning = [
@@ -86,8 +86,8 @@ fn lost_counts_are_told_by_the_index() {
         "kinematics.capstan_ratio=40",
         "motor.newton_or_newton_metre_per_a=0.016",
     ];
-    assert_eq!(told("none", &turning), None);
-    let (ticks, fault) = told("encoder-loses", &turning).expect("told");
+    assert_eq!(first_fault("none", &turning), None);
+    let (ticks, fault) = first_fault("encoder-loses", &turning).expect("told");
     assert!(fault == Fault::LostCounts && ticks < 300, "{ticks} {fault:?}");
 }
 
@@ -167,9 +167,9 @@ fn no_good_device_is_doubted() {
 #[test]
 fn a_stuck_encoder_without_a_power_stage() {
     let keys = [&GENTLE[..], &["plant.winding=false", "plant.drive=voltage", "safety.saturated_ticks=10000"]].concat();
-    assert_eq!(told("none", &keys), None);
+    assert_eq!(first_fault("none", &keys), None);
     for what in ["encoder-stuck", "encoder-dithers"] {
-        let (ticks, fault) = told(what, &keys).expect("told");
+        let (ticks, fault) = first_fault(what, &keys).expect("told");
         assert!(fault == Fault::EncoderStuck && ticks <= 40, "{what}: {fault:?} after {ticks} ms");
     }
 }

@@ -21,9 +21,9 @@ fn random_scenes(random: &mut Rng) -> Vec<Scene> {
         let pick = |random: &mut Rng, count| random.below(count) as usize;
         let integrator = ["forward-euler", "semi-implicit", "exact", "midpoint"][pick(random, 4)];
         let midpoint = integrator == "midpoint";
-        let comm = names[pick(random, 6)];
+        let law = names[pick(random, 6)];
         let mut kind = vec![
-            format!("coordination.comm={comm}"),
+            format!("coordination.comm={law}"),
             format!("object.integrator={integrator}"),
             format!(
                 "coordination.decode={}",
@@ -36,7 +36,7 @@ fn random_scenes(random: &mut Rng) -> Vec<Scene> {
             format!("network.jitter={}", ["none", "uniform"][pick(random, 2)]),
             "network.jitter_s=0.01".to_owned(),
             format!("contact.one_sided={}", random.chance(0.3)),
-            format!("coordination.ledger={}", random.chance(0.2) && !matches!(comm, "power" | "none")),
+            format!("coordination.ledger={}", random.chance(0.2) && !matches!(law, "power" | "none")),
         ];
         if midpoint {
             kind.push("object.force_delay_ticks=0.0".to_owned());
@@ -69,7 +69,7 @@ fn random_scenes(random: &mut Rng) -> Vec<Scene> {
 }
 
 /// Everything that a run gave, to the bit.
-fn told(outcome: &Outcome) -> String {
+fn printed(outcome: &Outcome) -> String {
     format!("{outcome:?}")
 }
 
@@ -78,7 +78,7 @@ fn same<S: InLanes>(scenes: &[Scene]) {
     assert_eq!(side_by_side.len(), scenes.len());
     for (scene, outcome) in scenes.iter().zip(&side_by_side) {
         let alone = run::<S>(scene, Options { duration_s: SECONDS, record_every: 0 }, &|_| {}).unwrap();
-        assert_eq!(told(outcome), told(&alone), "{} {:?}", S::NAME, scene.settings());
+        assert_eq!(printed(outcome), printed(&alone), "{} {:?}", S::NAME, scene.settings());
     }
 }
 
@@ -137,10 +137,10 @@ fn scenes_that_differ_in_gains_stay_in_their_lanes_and_a_fault_takes_only_its_ow
 /// What a law keeps in counters is each lane's own, too; gains, losses and what is in the tank differ.
 #[test]
 fn laws_with_energy_tanks_have_the_bits_that_they_have_alone() {
-    for comm in ["set-position", "passivity-control", "two-layer", "wave-integral", "wave-compensator"] {
+    for law in ["set-position", "passivity-control", "two-layer", "wave-integral", "wave-compensator"] {
         let mut scenes = gains("matched-line", 500.0, 8e3);
         for scene in &mut scenes {
-            for setting in [&format!("coordination.comm={comm}"), "object.integrator=midpoint", "network.loss=0.2"] {
+            for setting in [&format!("coordination.comm={law}"), "object.integrator=midpoint", "network.loss=0.2"] {
                 scene.apply_override(setting).expect("a good override");
             }
         }
@@ -162,7 +162,7 @@ fn a_scene_that_is_built_otherwise_than_its_lanes_leaves_them_at_once() {
 
 /// A law from outside that keeps a whole number, and whose text says nothing; what it is it hands over, or not.
 mod stepped {
-    use haptic_core::law::{Coupled, Kind, Law, Packet, Seen, Sends, Spring};
+    use haptic_core::law::{Coupled, Law, LawInfo, Observation, Packet, Sends, Spring};
     use haptic_core::num::{Configured, Motion, Scalar};
     use haptic_core::object::Solve;
     use haptic_core::settings::{Key, Refused, Settings};
@@ -188,8 +188,8 @@ mod stepped {
     }
 
     impl<S: Scalar, const SAYS: bool> Law<S> for Stepped<S, SAYS> {
-        const KINDS: &'static [Kind] =
-            &[Kind { name: "stepped", sends: Sends::Motion, keys: &[TIMES], gains: &[], source: "", promises: &[] }];
+        const LAWS: &'static [LawInfo] =
+            &[LawInfo { name: "stepped", sends: Sends::Motion, keys: &[TIMES], gains: &[], source: "", promises: &[] }];
         type State = Motion<S>;
 
         fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
@@ -201,7 +201,7 @@ mod stepped {
         fn receive(&self, desired: &mut Motion<S>, packet: Packet<S>) {
             *desired = packet.motion;
         }
-        fn couple(&self, desired: &mut Motion<S>, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
+        fn couple(&self, desired: &mut Motion<S>, seen: &Observation<S>, solve: impl Solve<S>) -> Coupled<S> {
             let force = S::from_i32(self.times) * self.spring.force(*desired, seen.local, solve);
             Coupled::toward(*desired, force)
         }

@@ -166,7 +166,8 @@ fn play_out_makes_the_delay_constant() {
     assert!(delivered > 4_980 && dropped < 10 && counts.lost == 0, "{counts:?}, {delivered}, {dropped}");
 }
 
-/// Without impairment the fastest is known from the start, and every packet waits exactly as long as it was told to.
+/// Without impairment the fastest is known from the start, and every packet waits exactly as long as it is configured
+/// to.
 #[test]
 fn play_out_on_a_good_network_is_more_delay_and_nothing_else() {
     let mut line = line(&["network.one_way_delay_packets=2", "network.playout_packets=4"]);

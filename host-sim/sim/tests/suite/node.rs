@@ -5,7 +5,7 @@ use haptic_protocol::key::Key;
 use haptic_protocol::wire::{Flows, Message};
 use haptic_sim::Laws;
 use haptic_sim::node::Node;
-use haptic_sim::run::{Along, Options, run};
+use haptic_sim::run::{AxisOutcome, Options, run};
 use haptic_sim::scenes;
 
 /// Where the message begins in a sealed datagram (FORMAT.md), which is opened in place.
@@ -46,7 +46,7 @@ fn sealed_peers_of_several_axes_come_to_what_a_run_comes_to() {
         let run = run::<f32>(&scene, Options { duration_s: 20.0, record_every: 1000 }, &|_| ());
         let run = run.expect("a good scene");
         let end = |column: &str| -> Vec<f64> {
-            let last = |of: &Along| *of.table.column(column).expect("recorded").last().expect("rows");
+            let last = |of: &AxisOutcome| *of.table.column(column).expect("recorded").last().expect("rows");
             run.axes.iter().map(last).collect()
         };
         let key = |number: u8| (number, Key::new([0x5a; Key::LEN]), [number; Key::LEN]);

@@ -1,4 +1,4 @@
-//! When a run is stable, what is told of one that is not, and the energy at a peer's ports, against closed forms.
+//! When a run is stable, what is reported of one that is not, and the energy at a peer's ports, against closed forms.
 
 use haptic_core::num::Motion;
 use haptic_core::peer::Observed;
@@ -20,7 +20,7 @@ fn at(position: f64, velocity: f64, force: f64) -> Observed<f64> {
     Observed { object, desired: object, coordination_force: force, ..Observed::default() }
 }
 
-fn told(observed: Observed<f64>, mode: Mode, engaged: bool) -> Ticked {
+fn peer_tick(observed: Observed<f64>, mode: Mode, engaged: bool) -> Ticked {
     Ticked::new(&observed, [0.0; 2], mode, engaged)
 }
 
@@ -28,7 +28,7 @@ fn told(observed: Observed<f64>, mode: Mode, engaged: bool) -> Ticked {
 fn outcome(second: impl Fn(f64) -> Ticked) -> Outcome {
     let mut account = Accounts::<1>::new(&scene(&[]), TICKS, OPTIONS);
     for tick in 0..TICKS {
-        account.ticked(0, [told(at(0.0, 0.0, 0.0), Mode::Armed, true)]);
+        account.ticked(0, [peer_tick(at(0.0, 0.0, 0.0), Mode::Armed, true)]);
         account.ticked(1, [second(1e-3 * tick as f64)]);
         account.period();
     }
@@ -36,7 +36,7 @@ fn outcome(second: impl Fn(f64) -> Ticked) -> Outcome {
 }
 
 fn armed(observed: Observed<f64>) -> Ticked {
-    told(observed, Mode::Armed, true)
+    peer_tick(observed, Mode::Armed, true)
 }
 
 #[track_caller]
@@ -48,8 +48,8 @@ fn close(got: f64, want: f64, within: f64) {
 fn every_figure_of_a_stable_run_is_told() {
     let outcome = outcome(|time| armed(at(1e-3, 0.01 * time.sin(), 2.0)));
     assert_eq!((outcome.reason, outcome.verdict(), outcome.is_stable()), (None, Verdict::Stable, true));
-    close(outcome.merit(|o| o.whole.true_discrepancy_mm).expect("a figure"), 1.0, 1e-12);
-    close(outcome.merit(|o| o.whole.coordination_force_n.mean).expect("a figure"), 2.0, 1e-12);
+    close(outcome.metric(|o| o.whole.true_discrepancy_mm).expect("a figure"), 1.0, 1e-12);
+    close(outcome.metric(|o| o.whole.coordination_force_n.mean).expect("a figure"), 2.0, 1e-12);
 }
 
 /// The copies stand 5 mm apart until the fault and together after it: a mean over that would be small.
@@ -57,13 +57,13 @@ fn every_figure_of_a_stable_run_is_told() {
 fn a_fault_takes_every_figure_and_names_itself() {
     let outcome = outcome(|time| match time < 6.0 {
         true => armed(at(5e-3, 0.0, 1.0)),
-        false => told(at(0.0, 0.0, 0.0), Mode::Faulted(Fault::ForceSaturated), false),
+        false => peer_tick(at(0.0, 0.0, 0.0), Mode::Faulted(Fault::ForceSaturated), false),
     });
     let reason = outcome.reason.expect("a reason");
     let wanted = format!("peer 2 stopped at 6.000 s: ForceSaturated: {}", Fault::ForceSaturated.explain());
     assert_eq!(reason.to_string(), wanted);
     assert_eq!((outcome.verdict(), outcome.verdict().name(), outcome.bounded), (Verdict::Unstable, "NO", false));
-    assert_eq!(outcome.merit(|o| o.whole.true_discrepancy_mm), None);
+    assert_eq!(outcome.metric(|o| o.whole.true_discrepancy_mm), None);
     assert_eq!(outcome.whole(|o| o.whole.true_discrepancy_mm), None);
     // What is behind it was averaged until the fault.
     close(outcome.whole.true_discrepancy_mm, 5.0, 1e-12);
@@ -74,8 +74,8 @@ fn the_peer_that_stopped_first_is_named() {
     let mut account = Accounts::<1>::new(&scene(&[]), TICKS, OPTIONS);
     for tick in 0..TICKS {
         let since = |first, fault| if tick < first { Mode::Armed } else { Mode::Faulted(fault) };
-        account.ticked(0, [told(at(0.0, 0.0, 0.0), since(3000, Fault::PeerLost), tick < 3000)]);
-        account.ticked(1, [told(at(0.0, 0.0, 0.0), since(2000, Fault::Overspeed), tick < 2000)]);
+        account.ticked(0, [peer_tick(at(0.0, 0.0, 0.0), since(3000, Fault::PeerLost), tick < 3000)]);
+        account.ticked(1, [peer_tick(at(0.0, 0.0, 0.0), since(2000, Fault::Overspeed), tick < 2000)]);
         account.period();
     }
     let outcome = account.outcome();
@@ -88,7 +88,7 @@ fn what_grows_without_bound_is_no_run() {
     let force = |time: f64| 1e-3 * time.exp() * (300.0 * time).sin();
     let oscillating = outcome(|time| armed(at(0.0, 0.0, force(time))));
     assert_eq!(oscillating.reason, Some(Reason::ForceGrew));
-    assert!(!oscillating.bounded && oscillating.merit(|o| o.whole.contact_force_n).is_none());
+    assert!(!oscillating.bounded && oscillating.metric(|o| o.whole.contact_force_n).is_none());
     let faster = outcome(|time| armed(at(0.0, 1e-3 * time.exp(), 0.0)));
     assert_eq!(faster.reason, Some(Reason::EnergyGrew));
     // As large in the end, but not by growing on and on: a network that draws a bad burst late.
@@ -104,18 +104,18 @@ fn what_grows_without_bound_is_no_run() {
 #[test]
 fn who_had_let_go_in_the_end_did_not_hold_an_object() {
     let let_go = |from: f64, to: f64| {
-        outcome(move |time| told(at(0.0, 0.0, 0.0), Mode::Armed, time < from || time >= to)).reason
+        outcome(move |time| peer_tick(at(0.0, 0.0, 0.0), Mode::Armed, time < from || time >= to)).reason
     };
     assert_eq!(let_go(7.0, 8.0), Some(Reason::LetGo { peer: 2 }));
     assert_eq!(let_go(5.0, 7.0), None);
-    // Nothing is told of copies that are close by chance; of those that are not, that they came apart.
-    let close_by = outcome(|time| told(at(0.0, 0.0, 0.0), Mode::Armed, time < 7.0));
+    // Nothing is reported of copies that are close by chance; of those that are not, that they came apart.
+    let close_by = outcome(|time| peer_tick(at(0.0, 0.0, 0.0), Mode::Armed, time < 7.0));
     assert_eq!((close_by.verdict(), close_by.whole(|o| o.whole.true_discrepancy_mm)), (Verdict::Unstable, None));
-    let gone = outcome(|time| told(at(0.5, 0.0, 0.0), Mode::Armed, time < 7.0));
+    let gone = outcome(|time| peer_tick(at(0.5, 0.0, 0.0), Mode::Armed, time < 7.0));
     assert_eq!(gone.verdict(), Verdict::Apart);
 }
 
-/// Of copies that came apart, how far is told, and nothing that would make them look good.
+/// Of copies that came apart, how far is reported, and nothing that would make them look good.
 #[test]
 fn copies_that_come_apart_are_no_object() {
     let standing = |mm: f64| outcome(move |_| armed(at(1e-3 * mm, 0.0, 1.0)));
@@ -125,7 +125,7 @@ fn copies_that_come_apart_are_no_object() {
     assert_eq!(apart.reason.expect("a reason").to_string(), "the copies are 2.40 m apart");
     assert_eq!(standing(12.3).reason.expect("a reason").to_string(), "the copies are 12.3 mm apart");
     close(apart.whole(|o| o.whole.true_discrepancy_mm).expect("how far"), 2400.0, 1e-9);
-    assert_eq!(apart.merit(|o| o.whole.decoded_discrepancy_mm), None);
+    assert_eq!(apart.metric(|o| o.whole.decoded_discrepancy_mm), None);
     // Not yet on average, but in the end.
     let leaving = outcome(|time| armed(at(1e-3 * (time - 5.0).max(0.0) * 6.0, 0.0, 1.0)));
     assert!(leaving.whole.true_discrepancy_mm < APART_MM);
@@ -133,7 +133,7 @@ fn copies_that_come_apart_are_no_object() {
     // What the analyser knows counts for more, and a fault more than that.
     let doubt = Some(Reason::Unstable { spectral_radius: 1.01 });
     assert_eq!(leaving.doubted(doubt).reason, doubt);
-    let stopped = outcome(|_| told(at(0.0, 0.0, 0.0), Mode::Faulted(Fault::Diverged), false));
+    let stopped = outcome(|_| peer_tick(at(0.0, 0.0, 0.0), Mode::Faulted(Fault::Diverged), false));
     assert!(matches!(stopped.doubted(doubt).reason, Some(Reason::Stopped { .. })));
 }
 
@@ -261,7 +261,7 @@ fn a_run_that_is_broken_on_purpose_says_why() {
     let outcome = run::<f64>(&broken, OPTIONS, &|_| {}).expect("a good scene");
     let reason = outcome.reason.expect("a reason").to_string();
     assert!(reason.contains(": ForceSaturated: "), "{reason}");
-    assert_eq!(outcome.merit(|o| o.whole.true_discrepancy_mm), None);
+    assert_eq!(outcome.metric(|o| o.whole.true_discrepancy_mm), None);
     // Half of everything lost a second at a time: what is left of the object is two of them, or none.
     let torn = scene(&[
         "network.loss=0.5",
@@ -271,5 +271,5 @@ fn a_run_that_is_broken_on_purpose_says_why() {
         "user.2.push_n=1",
     ]);
     let outcome = run::<f64>(&torn, OPTIONS, &|_| {}).expect("a good scene");
-    assert!(!outcome.is_stable() && outcome.merit(|o| o.whole.true_discrepancy_mm).is_none(), "{:?}", outcome.reason);
+    assert!(!outcome.is_stable() && outcome.metric(|o| o.whole.true_discrepancy_mm).is_none(), "{:?}", outcome.reason);
 }

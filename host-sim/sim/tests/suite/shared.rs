@@ -2,7 +2,7 @@
 
 use haptic_report::Columns;
 use haptic_sim::Laws;
-use haptic_sim::run::{self, Along, Options, Outcome};
+use haptic_sim::run::{self, AxisOutcome, Options, Outcome};
 use haptic_sim::scene::Scene;
 use haptic_sim::scenes;
 
@@ -29,7 +29,7 @@ fn alone(of_several: &Scene, axis: usize) -> Outcome {
     let mut scene = of_several.clone();
     (scene.peer.axis.count, scene.peer.axis.shared) = (1, 1);
     for user in &mut scene.users {
-        let share = user.way()[axis];
+        let share = user.direction()[axis];
         let profile = &mut user.settings.user;
         profile.push_n *= share;
         profile.sine_n *= share;
@@ -44,9 +44,9 @@ fn each_axis_is_a_run_of_one_to_the_bit() {
     for axes in ["2", "3"] {
         for law in ["power", "wave", "passive-wave", "passive-mean", "self-timed"] {
             let mut keys = vec!["coordination.stiffness_n_per_m=300", "network.jitter_s=0.004", "network.loss=0.1"];
-            let (count, share, comm) =
+            let (count, share, law) =
                 (format!("axis.count={axes}"), format!("axis.shared={axes}"), format!("coordination.comm={law}"));
-            keys.extend([&*count, &*share, &*comm]);
+            keys.extend([&*count, &*share, &*law]);
             keys.extend(angles);
             if law == "self-timed" {
                 keys.push("object.integrator=midpoint");
@@ -95,7 +95,7 @@ fn scales_hold_along_every_shared_axis() {
         let whole = Options { duration_s: 20.0, record_every: 1000 };
         let run = run::run::<f64>(&scene, whole, &|_| ()).expect("a good scene");
         let compliance = p2 / (k2 * f2) + 2.0 / scene.peer.contact.stiffness_n_per_m + 1.0 / stiffness;
-        for (axis, (outcome, share)) in run.axes.iter().zip(scene.users[0].way()).enumerate() {
+        for (axis, (outcome, share)) in run.axes.iter().zip(scene.users[0].direction()).enumerate() {
             let last = |name: &str| *outcome.table.column(name).expect("recorded").last().expect("rows");
             let (position, force) = (last("device_1_m"), last("contact_1_n"));
             let wanted = f1 * share / (1.0 / compliance + k1 * f1 / p1);
@@ -134,7 +134,7 @@ fn mechanisms_with_all_axes_shared_come_near_to_exact_ones() {
             run
         });
         for (axis, (exact, real)) in exact.axes.iter().zip(&real.axes).enumerate() {
-            let path = |along: &Along| along.table.column("object_1_m").expect("recorded").to_vec();
+            let path = |along: &AxisOutcome| along.table.column("object_1_m").expect("recorded").to_vec();
             let (exact, real) = (path(exact), path(real));
             let most = exact.iter().fold(0.0_f64, |most, at| most.max(at.abs()));
             let off = exact.iter().zip(&real).fold(0.0_f64, |most, (one, two)| most.max((one - two).abs()));
@@ -177,10 +177,13 @@ fn the_scenes_of_a_plane_and_of_space_balance_along_every_axis() {
         let run = run::run::<f64>(&scene, Options { duration_s: 20.0, record_every: 1000 }, &|_| ());
         let run = run.expect("a good scene");
         assert!(run.is_stable() && run.axes.len() == axes, "{name}");
-        let ways = scene.users.each_ref().map(|user| user.way());
+        let directions = scene.users.each_ref().map(|user| user.direction());
         for (axis, outcome) in run.axes.iter().enumerate() {
             let last = |name: &str| *outcome.table.column(name).expect("recorded").last().expect("rows");
-            let wanted = [-push_n * ways[1][axis], reach_m * ways[0][axis] - push_n * ways[1][axis] / stiffness];
+            let wanted = [
+                -push_n * directions[1][axis],
+                reach_m * directions[0][axis] - push_n * directions[1][axis] / stiffness,
+            ];
             let [force, place] = [-last("coordination_2_n"), last("device_1_m")];
             assert!((force / wanted[0] - 1.0).abs() < 1e-4, "{name}, axis {axis}: {force} N, not {}", wanted[0]);
             assert!((place / wanted[1] - 1.0).abs() < 1e-4, "{name}, axis {axis}: {place} m, not {}", wanted[1]);

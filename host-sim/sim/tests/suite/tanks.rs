@@ -10,34 +10,34 @@ use haptic_sim::{Laws, Scene, scenes};
 /// A law, the share of K_T·(x_d − x_o)² that waits in its spring, and what is in each tank at first, J.
 #[derive(Clone, Copy, Debug)]
 struct Subject {
-    comm: &'static str,
+    law: &'static str,
     spring: f64,
     start_j: f64,
 }
 
-const SET_POSITION: Subject = Subject { comm: "set-position", spring: 0.5, start_j: 0.02 };
-const PASSIVITY_CONTROL: Subject = Subject { comm: "passivity-control", spring: 0.25, start_j: 0.02 };
-const TWO_LAYER: Subject = Subject { comm: "two-layer", spring: 0.0, start_j: 0.02 };
-const WAVE_INTEGRAL: Subject = Subject { comm: "wave-integral", spring: 0.5, start_j: 0.0 };
-const WAVE_COMPENSATOR: Subject = Subject { comm: "wave-compensator", spring: 0.5, start_j: 0.0 };
-const PASSIVE_DEADBAND: Subject = Subject { comm: "passive-deadband", ..PASSIVITY_CONTROL };
+const SET_POSITION: Subject = Subject { law: "set-position", spring: 0.5, start_j: 0.02 };
+const PASSIVITY_CONTROL: Subject = Subject { law: "passivity-control", spring: 0.25, start_j: 0.02 };
+const TWO_LAYER: Subject = Subject { law: "two-layer", spring: 0.0, start_j: 0.02 };
+const WAVE_INTEGRAL: Subject = Subject { law: "wave-integral", spring: 0.5, start_j: 0.0 };
+const WAVE_COMPENSATOR: Subject = Subject { law: "wave-compensator", spring: 0.5, start_j: 0.0 };
+const PASSIVE_DEADBAND: Subject = Subject { law: "passive-deadband", ..PASSIVITY_CONTROL };
 const ALL: [Subject; 6] =
     [SET_POSITION, PASSIVITY_CONTROL, TWO_LAYER, WAVE_INTEGRAL, WAVE_COMPENSATOR, PASSIVE_DEADBAND];
 
 /// §5.2 with this law, moved by ports.
-fn scene(comm: &str, settings: &[String]) -> Scene {
+fn scene(law: &str, settings: &[String]) -> Scene {
     let mut scene = scenes::load(Laws::built_in(), "paper-5.2-passive-wave-16ms").expect("built in");
     let common = [
         "object.integrator=midpoint",
         "object.force_delay_ticks=0",
         "coordination.decode=implicit",
-        &format!("coordination.comm={comm}"),
+        &format!("coordination.comm={law}"),
         "safety.fade_s=50",
         "safety.disengage_s=90",
         "safety.peer_lost_s=100",
         "safety.max_delay_s=1",
     ];
-    let silent = (comm == PASSIVE_DEADBAND.comm).then_some("event.longest_s=0.1");
+    let silent = (law == PASSIVE_DEADBAND.law).then_some("event.longest_s=0.1");
     for setting in common.into_iter().chain(silent).chain(settings.iter().map(String::as_str)) {
         scene.apply_override(setting).expect("a good override");
     }
@@ -136,7 +136,7 @@ fn makes_nothing<S: Number>(subject: Subject, runs: u64, rounding: f64) {
     let mut moved_j = 0.0_f64;
     for seed in 1..=runs {
         let settings = [any_peers(&mut random), any_network(&mut random, seed)].concat();
-        let scene = scene(subject.comm, &settings);
+        let scene = scene(subject.law, &settings);
         let mut pair = Pair::<S>::new(&scene).expect("a good scene");
         let mut books = Books::new(subject);
         for _ in 0..2000 {
@@ -181,7 +181,7 @@ fn released_copies_gain_nothing() {
             settings.push("user.1.pulse_s=0.05".into());
             settings.push("user.1.push_n=0".into());
             settings.push("user.2.push_n=0".into());
-            let scene = scene(subject.comm, &settings);
+            let scene = scene(subject.law, &settings);
             let mut pair = Pair::<f64>::new(&scene).expect("a good scene");
             let mut books = Books::new(subject);
             for _ in 0..2000 {
@@ -207,19 +207,19 @@ fn comes_back(subject: Subject, extra: &[&str], within_m: f64) {
         for user in [1, 2] {
             settings.extend(["push_n=0.5", "sine_n=0", "pulse_n=0"].map(|what| format!("user.{user}.{what}")));
         }
-        let mut bad = scene(subject.comm, &settings);
+        let mut bad = scene(subject.law, &settings);
         bad.users.iter_mut().for_each(|user| user.trace = Some(Trace::step(4.0, -0.5)));
         let mut pair = Pair::<f64>::new(&bad).expect("a good scene");
         let mut largest = 0.0_f64;
-        let mut apart = 0.0;
+        let mut distance_m = 0.0;
         for _ in 0..20_000 {
             pair.step();
             assert_eq!(pair.fault(), None, "{subject:?}, seed {seed}");
             let [one, two] = pair.sides().map(|side| side.peer.observed()[0].object.position);
-            apart = (one - two).abs();
-            largest = largest.max(apart);
+            distance_m = (one - two).abs();
+            largest = largest.max(distance_m);
         }
-        worst = (worst.0.max(apart), worst.1.max(largest));
+        worst = (worst.0.max(distance_m), worst.1.max(largest));
     }
     println!("{subject:?}: {:.2e} m apart in the end, {:.2e} m at the most", worst.0, worst.1);
     assert!(worst.0 <= within_m, "{subject:?}: {} m apart", worst.0);

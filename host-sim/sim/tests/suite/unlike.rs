@@ -1,4 +1,4 @@
-//! Two ends that are unlike: scales, masses, and keys that one end alone is told.
+//! Two ends that are unlike: scales, masses, and keys that one end alone is configured with.
 
 use haptic_core::num::Motion;
 use haptic_core::peer::Actuators;
@@ -56,8 +56,8 @@ fn one_end_alone_is_told_its_own_and_says_so() {
     assert_eq!(scene.devices().map(|device| device.mass_kg), [0.2, 5.0]);
     assert_eq!(scene.peers().map(|peer| peer.safety.max_force_n), [3.0, 40.0]);
     // What a file of results says is the scene again, whatever the order.
-    let told: Vec<String> = scene.settings().into_iter().map(|(key, value)| format!("{key}={value}")).collect();
-    let again = Scene::load(Laws::built_in(), None, &told).unwrap();
+    let configured: Vec<String> = scene.settings().into_iter().map(|(key, value)| format!("{key}={value}")).collect();
+    let again = Scene::load(Laws::built_in(), None, &configured).unwrap();
     assert_eq!(again.fingerprint(), scene.fingerprint());
     assert_eq!(again.devices(), scene.devices());
     assert_ne!(scene.fingerprint(), with("any-network", &["device.mass_kg=0.2"]).fingerprint());

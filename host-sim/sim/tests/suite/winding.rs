@@ -110,7 +110,7 @@ fn an_open_bridge_drags_and_a_loop_does_not() {
             assert!((force - 10.0).abs() < 0.06, "{speed} m/s: {force} {keys:?}");
         }
     }
-    // Standing still, an open bridge that is told the supply over R as full scale gives what is asked for.
+    // Standing still, an open bridge that is configured with the supply over R as full scale gives what is asked for.
     assert!((settled(drive(&[]), 8192, 0.0) - 10.0).abs() < 0.01);
     let against = settled(drive(&["plant.drive=current", "motor.reversed=true", "plant.current_noise_a=0"]), 8192, 0.3);
     assert!((against + 10.0).abs() < 0.06, "{against}");

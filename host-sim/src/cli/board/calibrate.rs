@@ -13,7 +13,7 @@ use super::operator;
 use crate::cli::flags::number;
 use crate::cli::{Failure, SceneArgs, Ui};
 use haptic_board_tools::calibrate::{Found, Person, Task, motion, settings_file};
-use haptic_board_tools::{calibrate::board::Board, calibrate::simulated::Shared};
+use haptic_board_tools::{calibrate::board::Board, calibrate::simulated::SharedSimulation};
 use haptic_board_tools::{calibrate::counts, calibrate::counts::Distance};
 use haptic_board_tools::{calibrate::motor, calibrate::motor::Against};
 use haptic_board_tools::{calibrate::winding, calibrate::winding::Sheet};
@@ -199,8 +199,8 @@ impl At {
     pub(super) fn parties(&self, ui: &Ui) -> Result<Parties, Failure> {
         let truth = self.truth.load_of_one_axis(ui)?;
         if self.board == "simulated" {
-            let shared = Shared::new(&truth)?;
-            return Ok((Box::new(shared.clone()), Box::new(shared)));
+            let simulation = SharedSimulation::new(&truth)?;
+            return Ok((Box::new(simulation.clone()), Box::new(simulation)));
         }
         if self.truth.is_given() {
             return Err(

@@ -160,15 +160,15 @@ impl Operate {
         axes: usize,
     ) -> Result<(), Failure> {
         let (number, time) = (operator.number(), Duration::from_secs_f64(self.time.seconds));
-        let made = ui.made().with("board", number).with("every", self.every);
-        let origin = Origin::here(&made, format!("operator of board {number}"), operator.start());
+        let provenance = ui.provenance().with("board", number).with("every", self.every);
+        let origin = Origin::here(&provenance, format!("operator of board {number}"), operator.start());
         let recorder = Recorder::create(file, &origin, board_channels(number, axes))?;
         let mut ticks = BoardTicks::new(period_s, axes);
         let refusal = operator.record_each(self.every, time, |now_ns, session| {
             let samples = session.take_stamped();
             ticks.take(session.link(), &samples, |channel, row| recorder.put(channel, now_ns, row));
         });
-        ui.status(recorder.finish().told());
+        ui.status(recorder.finish().summary());
         let stopped = say(operator, "stream off");
         if let Some(refusal) = refusal? {
             return Err(refusal.into());

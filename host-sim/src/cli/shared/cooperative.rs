@@ -17,7 +17,7 @@ use haptic_environments::cooperative::run::{Outcome, run};
 use haptic_environments::cooperative::waves::Waves;
 use haptic_environments::cooperative::{Collision, Engine, Setup};
 use haptic_environments::{cooperative::limits, cooperative::limits::bounded_radius};
-use haptic_report::{Columns, Made};
+use haptic_report::{Columns, Provenance};
 use haptic_sim::scene::Scene;
 
 const DELAYS_MS: [f64; 10] = [0.0, 1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0];
@@ -143,8 +143,8 @@ impl Cooperative {
             points.into_par_iter().map(row).collect::<Result<Vec<_>, _>>()
         })?;
         let limits = if self.delay_ms.is_none() { limits::table()? } else { Vec::new() };
-        let made = self.made(ui)?;
-        let files = ui.files(&self.out, "cooperative", "cooperative", &made, |files| match &rows[..] {
+        let provenance = self.provenance(ui)?;
+        let files = ui.files(&self.out, "cooperative", "cooperative", &provenance, |files| match &rows[..] {
             [row] => {
                 files.csv(&row.outcome.table)?;
                 files.figure(None, &picture::over_time(row))
@@ -152,7 +152,7 @@ impl Cooperative {
             rows => files.figure(None, &picture::sweep(rows)),
         })?;
         let wall_s = start.elapsed().as_secs_f64();
-        ui.document_of(&made, &json!({ "rows": rows, "limits": limits, "wall_s": wall_s, "files": files }))?;
+        ui.document_of(&provenance, &json!({ "rows": rows, "limits": limits, "wall_s": wall_s, "files": files }))?;
         ui.table(&columns(&rows));
         if !limits.is_empty() {
             let paper = "the paper: 5 to 10 ms for stiff objects, 30 ms for soft ones";
@@ -174,11 +174,12 @@ impl Cooperative {
         ui.report("", &rows)
     }
 
-    fn made(&self, ui: &Ui) -> Result<Made, Failure> {
+    fn provenance(&self, ui: &Ui) -> Result<Provenance, Failure> {
         let scene = self.load(ui, self.delay_ms.unwrap_or(0.0), &Setup::BASE)?;
-        let made = ui.made().settings(scene.settings()).with("users", self.users).with("seconds", self.time.seconds);
-        let made = made.with("seed", scene.world.network.seed).with("sweep", self.delay_ms.is_none());
-        Ok(made.with("collision", self.collision.name()).with("engine", self.engine.name()))
+        let provenance =
+            ui.provenance().settings(scene.settings()).with("users", self.users).with("seconds", self.time.seconds);
+        let provenance = provenance.with("seed", scene.world.network.seed).with("sweep", self.delay_ms.is_none());
+        Ok(provenance.with("collision", self.collision.name()).with("engine", self.engine.name()))
     }
 }
 

@@ -101,19 +101,19 @@ impl Squash {
         }
         options.record_every = if ui.writes(&self.out) { 5 } else { 0 };
         let game = play(&options);
-        let made = ui.made().settings(scene.settings()).with("players", options.players);
-        let made = made.with("round_trip_ms", self.rtt_ms).with("seconds", seconds);
-        let made = made.with("bounder", bounder).with("motion_bounder", motion_bounder);
+        let provenance = ui.provenance().settings(scene.settings()).with("players", options.players);
+        let provenance = provenance.with("round_trip_ms", self.rtt_ms).with("seconds", seconds);
+        let provenance = provenance.with("bounder", bounder).with("motion_bounder", motion_bounder);
         let name = self.scene.run_name(&scene);
-        let files = ui.files(&self.out, "squash", &format!("squash-{name}"), &made, |files| {
+        let files = ui.files(&self.out, "squash", &format!("squash-{name}"), &provenance, |files| {
             files.figure(None, &picture::figure(&game, &options))
         })?;
-        let told = json!({
+        let summary = json!({
             "players": self.players, "rtt_ms": self.rtt_ms, "bounder": bounder, "motion_bounder": motion_bounder,
             "seconds": seconds, "seed": options.seed,
         });
-        let told = and(told, &game.report)?;
-        ui.report_of(&made, "squash", &and(told, &json!({ "files": files }))?)
+        let summary = and(summary, &game.report)?;
+        ui.report_of(&provenance, "squash", &and(summary, &json!({ "files": files }))?)
     }
 }
 

@@ -55,7 +55,7 @@ impl Point {
         // How far apart the two constructions of the lifted matrix are in the mode in which they are farthest.
         let second = seconds.as_deref().and_then(|all| all.iter().copied().reduce(Agreement::or_farther));
         let report = and(json!(judgement), &json!({ "constructions": second, "advice": advice }))?;
-        ui.document_of(&ui.made().settings(scene.settings()), &report)?;
+        ui.document_of(&ui.provenance().settings(scene.settings()), &report)?;
         let rows: Vec<_> = (0..).zip(&judgement.modes).collect();
         let apart = |(at, _): &(usize, &Mode)| match &seconds {
             Some(seconds) => Cell::Number(seconds[*at].matrix.max(seconds[*at].spectral_radius)),
@@ -130,7 +130,7 @@ impl Limit {
         let limit = haptic_analysis::limit(&scene, Range { key: self.of.clone(), from, to }, effort)?;
         let report = and(json!({ "of": of, "from": from, "to": to, "hands": self.only.hands }), &limit)?;
         let report = and(report, &json!({ "wall_s": start.elapsed().as_secs_f64() }))?;
-        ui.document_of(&ui.made().settings(scene.settings()), &report)?;
+        ui.document_of(&ui.provenance().settings(scene.settings()), &report)?;
         let word = |stable: bool| if stable { "stable" } else { "unstable" };
         let crossings = &limit.crossings;
         let after = |at: usize| limit.stable_at_start != (at % 2 == 1);
@@ -167,16 +167,16 @@ impl Map {
         let effort = Effort { steps: (2 * self.y.count).max(200), hands: self.only.hands, ..Effort::default() };
         let axes = [self.x.clone(), self.y.clone()];
         let (found, wall_s) = ui.work(self.x.count, "columns", |step| map(&scene, axes, effort, step))?;
-        let made = ui.made().settings(scene.settings()).with("hands", self.only.name());
+        let provenance = ui.provenance().settings(scene.settings()).with("hands", self.only.name());
         let name = format!("map-{}-{}-{}", self.scene.run_name(&scene), self.x.range.key, self.y.range.key);
-        let files = ui.files(&self.out, "stability", &name, &made, |files| {
+        let files = ui.files(&self.out, "stability", &name, &provenance, |files| {
             files.csv(&found.table())?;
             files.figure(None, &picture::region(&format!("Stability region of {}", self.scene.name()), &found))
         })?;
         let (Range { key: x, .. }, Range { key: y, from, to }) = (&self.x.range, &self.y.range);
         let evaluations = found.evaluations();
         ui.document_of(
-            &made,
+            &provenance,
             &json!({
                 "x": x, "y": y, "y_from": from, "y_to": to, "hands": self.only.hands,
                 "columns": found.columns, "evaluations": evaluations, "wall_s": wall_s, "files": files,
@@ -208,15 +208,15 @@ impl Paper {
     fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let points = figure4::COMMS.len() * figure4::DELAYS.len() * figure4::POINTS;
         let (curves, wall_s) = ui.work(points, "Figure 4", |step| figure4::curves(step))?;
-        let made = ui.made().with("number_type", f64::NAME);
-        let files = ui.files(&self.out, "stability", "figure4", &made, |files| {
+        let provenance = ui.provenance().with("number_type", f64::NAME);
+        let files = ui.files(&self.out, "stability", "figure4", &provenance, |files| {
             files.csv(&figure4::table(&curves))?;
             files.figure(None, &picture::figure4(&curves))
         })?;
         let evaluations: usize = curves.iter().map(|(_, map)| map.evaluations()).sum();
         let curves: Vec<Curve> = curves.into_iter().map(|(curve, _)| curve).collect();
         let report = json!({ "curves": curves, "evaluations": evaluations, "wall_s": wall_s, "files": files });
-        ui.document_of(&made, &report)?;
+        ui.document_of(&provenance, &report)?;
         writeln!(ui, "Largest stable K_T (N/m) up to 12000, from 0 upwards, and further crossings\n");
         let near = |curve: &Curve, stiffness: f64| {
             let distance = |column: &Column| (column.x - stiffness).abs();

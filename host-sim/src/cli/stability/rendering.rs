@@ -69,14 +69,14 @@ impl Rendering {
             let curve = |(base, sweep)| maps::curve(&base, sweep, self.sampling_period_s, step);
             sweeps.into_iter().map(curve).collect::<Result<Vec<_>, _>>()
         })?;
-        let made = ui.made().with("number_type", f64::NAME).with("device_mass_kg", setup.device.mass_kg);
-        let made = made.with("device_damping_n_s_per_m", setup.device.damping_n_s_per_m);
-        let made = made.with("object_mass_kg", self.object_mass_kg);
-        let made = made.with("object_damping_n_s_per_m", self.object_damping_n_s_per_m);
-        let made = made.with("contact_damping_n_s_per_m", setup.contact_damping_n_s_per_m);
-        let made =
-            made.with("computing_ticks", setup.computing_ticks).with("sampling_period_s", self.sampling_period_s);
-        let files = ui.files(&self.out, "stability", "rendering", &made, |files| {
+        let provenance = ui.provenance().with("number_type", f64::NAME).with("device_mass_kg", setup.device.mass_kg);
+        let provenance = provenance.with("device_damping_n_s_per_m", setup.device.damping_n_s_per_m);
+        let provenance = provenance.with("object_mass_kg", self.object_mass_kg);
+        let provenance = provenance.with("object_damping_n_s_per_m", self.object_damping_n_s_per_m);
+        let provenance = provenance.with("contact_damping_n_s_per_m", setup.contact_damping_n_s_per_m);
+        let provenance =
+            provenance.with("computing_ticks", setup.computing_ticks).with("sampling_period_s", self.sampling_period_s);
+        let files = ui.files(&self.out, "stability", "rendering", &provenance, |files| {
             files.csv(&maps::table(&curves))?;
             files.figure(None, &picture::figure(&setup, &curves))
         })?;
@@ -84,7 +84,7 @@ impl Rendering {
         let wall_s = start.elapsed().as_secs_f64();
         // What the stiffness of the paper's statement asks of this device; devices for which its two statements hold at once.
         let asked = needs(&setup)?;
-        ui.document_of(&made, &json!({
+        ui.document_of(&provenance, &json!({
             "device": setup.device, "object": setup.object.unwrap_or(setup.device),
             "contact_damping_n_s_per_m": contact_damping, "computing_ticks": computing_ticks,
             "needs_for_1000_n_per_m": asked, "identified": identified, "curves": curves, "wall_s": wall_s, "files": files,

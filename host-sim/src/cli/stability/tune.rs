@@ -33,7 +33,7 @@ impl Tune {
                 "reason": outcome.reason.map(|reason| reason.to_string()),
                 "fault": outcome.fault.map(|(peer, fault)| format!("peer {peer}: {}", fault.explain())),
                 "true_discrepancy_mm": outcome.whole(|o| o.whole.true_discrepancy_mm),
-                "decoded_discrepancy_mm": outcome.merit(|o| o.whole.decoded_discrepancy_mm),
+                "decoded_discrepancy_mm": outcome.metric(|o| o.whole.decoded_discrepancy_mm),
                 "peak_coordination_force_n": outcome.whole(|o| o.whole.peak_coordination_force_n),
                 "released": released,
             })
@@ -44,7 +44,7 @@ impl Tune {
             writeln!(ui, "not even the softest contact is stable; try more damping or less delay");
         }
         let report = json!({ "proposal": proposal, "set": set, "trial": trial });
-        ui.report_of(&ui.made().settings(scene.settings()), &self.scene.name(), &report)?;
+        ui.report_of(&ui.provenance().settings(scene.settings()), &self.scene.name(), &report)?;
         let percent = 100.0 * self.margin;
         writeln!(
             ui,

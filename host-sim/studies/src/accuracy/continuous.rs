@@ -48,12 +48,12 @@ fn sum(terms: &[(f64, Row)]) -> Row {
 }
 
 /// One peer: what a millisecond makes of it, and what its coordination force is.
-struct Peer {
+struct ContinuousPeer {
     transition: Matrix,
     force: Row,
 }
 
-impl Peer {
+impl ContinuousPeer {
     fn new(scene: &Scene) -> Self {
         let (device, contact, object) = (&scene.world.device, &scene.peer.contact, &scene.peer.object);
         let line = &scene.peer.coordination;
@@ -88,7 +88,7 @@ impl Peer {
 
 /// The pair of a linear passive-wave scene, one sample each millisecond from 0 to before `duration_s`.
 pub fn run(scene: &Scene, duration_s: f64) -> Vec<Sample> {
-    let peer = Peer::new(scene);
+    let peer = ContinuousPeer::new(scene);
     let timing = &scene.peer.timing;
     let packet_s = timing.packet_period_s();
     let samples_per_packet = (packet_s / SAMPLE_S).round() as usize;

@@ -8,7 +8,7 @@
 //! Alone like this the delayed decode is stable up to K_T = (b + B_T)/T_c, 12 000 N/m here, and rings below it.
 
 use haptic_core::law::wave::Decode;
-use haptic_core::law::{AnyLaw, Law, Seen};
+use haptic_core::law::{AnyLaw, Law, Observation};
 use haptic_core::num::{Motion, Scalar};
 use haptic_core::object::Staged;
 use haptic_core::settings::{Choice, Refused, Settings};
@@ -60,7 +60,8 @@ pub fn errors<S: Scalar>(settings: &Settings) -> (f64, f64) {
             if let Some(packet) = packet {
                 law.receive(&mut state, packet);
             }
-            let coupled = law.couple(&mut state, &Seen { local, ..Seen::default() }, Staged(local.velocity));
+            let coupled =
+                law.couple(&mut state, &Observation { local, ..Observation::default() }, Staged(local.velocity));
             let position = coupled.desired.position.to_f64() - local.position.to_f64() - stretch;
             (position, coupled.force.to_f64() - force)
         })

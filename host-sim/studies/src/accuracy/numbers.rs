@@ -8,7 +8,7 @@
 use haptic_core::num::{Fixed, Scalar};
 use haptic_core::{law::wave::Decode, object::IntegratorName, settings::Refused};
 
-use super::pair::{self, Apart, apart};
+use super::pair::{self, Deviation, deviation};
 use super::{Comparison, Family, continuous, counts::Processor};
 use haptic_report::significant;
 use haptic_sim::double_double::DoubleDouble;
@@ -28,10 +28,10 @@ pub(super) fn measure(processor: Processor) -> Result<Family, Refused<'static>> 
     let measured: Vec<_> = runs
         .iter()
         .map(|(name, run)| {
-            ((*name).to_owned(), [apart(run, &exact), apart(run, &precise)], processor.count(CASE, name))
+            ((*name).to_owned(), [deviation(run, &exact), deviation(run, &precise)], processor.count(CASE, name))
         })
         .collect();
-    let compare = |title: &str, error: &str, unit, pick: fn(&[Apart; 2]) -> f64| {
+    let compare = |title: &str, error: &str, unit, pick: fn(&[Deviation; 2]) -> f64| {
         Comparison::of(title, error, unit, &measured, pick)
     };
     let comparisons = vec![

@@ -57,7 +57,7 @@ pub fn run<S: Number>(scene: &Scene, duration_s: f64) -> Result<Vec<Sample>, Ref
 
 /// How far a run is from its reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Apart {
+pub struct Deviation {
     /// Difference of the copies' positions, root mean square, m.
     pub position_rms_m: f64,
     /// Difference of the coordination forces, root mean square, N.
@@ -69,7 +69,7 @@ pub struct Apart {
 }
 
 /// Compares two runs, sample by sample and peer by peer.
-pub fn apart(run: &[Sample], reference: &[Sample]) -> Apart {
+pub fn deviation(run: &[Sample], reference: &[Sample]) -> Deviation {
     let over = |part: fn(&Sample) -> [f64; 2]| {
         run.iter().zip(reference).flat_map(move |(a, b)| {
             let (a, b) = (part(a), part(b));
@@ -77,7 +77,7 @@ pub fn apart(run: &[Sample], reference: &[Sample]) -> Apart {
         })
     };
     let (positions, forces) = (over(|sample| sample.objects_m), over(|sample| sample.forces_n));
-    Apart {
+    Deviation {
         position_rms_m: rms(positions.clone()),
         force_rms_n: rms(forces.clone()),
         position_largest_m: largest(positions),

@@ -8,7 +8,7 @@ use haptic_core::settings::{Choice, Refused};
 use haptic_core::{law::wave::Decode, object::IntegratorName};
 use rayon::prelude::*;
 
-use super::pair::{self, Apart, apart};
+use super::pair::{self, Deviation, deviation};
 use super::{Comparison, Family, continuous, counts::Processor};
 use haptic_report::significant;
 
@@ -32,15 +32,15 @@ pub(super) fn measure(processor: Processor) -> Result<Family, Refused<'static>> 
             // The case whose ticks are counted: [`super::counts`].
             let count = processor.count(&format!("tick/{from}-{by}"), "f32");
             let per_ms = count.map(|count| count * u64::from(ticks_per_ms));
-            Ok((format!("{by}, {from}, {ticks_per_ms} kHz"), apart(&run, &exact), per_ms))
+            Ok((format!("{by}, {from}, {ticks_per_ms} kHz"), deviation(&run, &exact), per_ms))
         })
         .collect::<Result<Vec<_>, Refused<'static>>>()?;
-    let compare = |title: &str, error: &str, unit, pick: fn(&Apart) -> f64| {
+    let compare = |title: &str, error: &str, unit, pick: fn(&Deviation) -> f64| {
         Comparison::of(title, error, unit, &measured, pick).in_series()
     };
     let comparisons = vec![
-        compare("position of the copies", "RMS error of x_o", "m", |apart| apart.position_rms_m),
-        compare("coordination force", "RMS error of F_T", "N", |apart| apart.force_rms_n),
+        compare("position of the copies", "RMS error of x_o", "m", |deviation| deviation.position_rms_m),
+        compare("coordination force", "RMS error of F_T", "N", |deviation| deviation.force_rms_n),
     ];
     let force = &comparisons[1];
     let insight = format!(

@@ -50,9 +50,9 @@ impl Account {
     /// One tick: the body as both users feel it, m, and what they push it with, N.
     pub(super) fn see(&mut self, views: [f64; 2], forces: [f64; 2]) {
         self.forces.see(self.views.len() as u64, forces);
-        let apart = (views[0] - views[1]).abs();
-        self.discrepancy += apart;
-        self.peak_m = self.peak_m.max(apart);
+        let distance_m = (views[0] - views[1]).abs();
+        self.discrepancy += distance_m;
+        self.peak_m = self.peak_m.max(distance_m);
         self.felt += 0.5 * (forces[0].abs() + forces[1].abs());
         self.views.push(views);
     }

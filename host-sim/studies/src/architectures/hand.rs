@@ -23,7 +23,7 @@ pub const REST_S: f64 = 0.8;
 
 /// What a user has to do with the body.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Doing {
+pub(super) enum TaskState {
     /// Waits for the body.
     Waits,
     /// Carries it since this time, s.
@@ -42,8 +42,8 @@ struct Reach {
 impl Reach {
     /// Place (m) and speed (m/s) that are wanted.
     fn at(self, time_s: f64) -> (f64, f64) {
-        let (way, speed) = minimum_jerk(self.to_m - self.from_m, HALF_REACH_S, time_s - self.since_s);
-        (self.from_m + way, speed)
+        let (travel_m, speed) = minimum_jerk(self.to_m - self.from_m, HALF_REACH_S, time_s - self.since_s);
+        (self.from_m + travel_m, speed)
     }
 
     /// From where it has come by now to another place.
@@ -62,7 +62,7 @@ pub(super) struct Hand {
     pub(super) body: Motion<f64>,
     contact: Contact<f64>,
     integrator: AnyIntegrator<f64>,
-    pub(super) doing: Doing,
+    pub(super) doing: TaskState,
     goal: f64,
     /// The official copy as last seen, m: what one has released stands until there is news.
     known: f64,
@@ -86,7 +86,7 @@ impl Hand {
             body: Motion::REST,
             contact: Contact::build(settings),
             integrator,
-            doing: Doing::Waits,
+            doing: TaskState::Waits,
             goal,
             known: 0.0,
             force: 0.0,
@@ -102,19 +102,19 @@ impl Hand {
     pub(super) fn step(&mut self, time_s: f64, owns: bool, official: f64) -> bool {
         let mut lets_go = false;
         match self.doing {
-            Doing::Waits if owns && self.is_at(official) => {
+            TaskState::Waits if owns && self.is_at(official) => {
                 self.body = Motion::at(official);
-                self.doing = Doing::Carries(time_s);
+                self.doing = TaskState::Carries(time_s);
                 self.reach.turn(time_s, self.goal);
             }
             // Whoever has lost the right has to wait again.
-            Doing::Carries(_) if !owns => {
+            TaskState::Carries(_) if !owns => {
                 self.body = Motion::at(official);
-                self.doing = Doing::Waits;
+                self.doing = TaskState::Waits;
                 self.reach.turn(time_s, official);
             }
-            Doing::Carries(since) if time_s - since > HALF_REACH_S + REST_S => {
-                self.doing = Doing::Done;
+            TaskState::Carries(since) if time_s - since > HALF_REACH_S + REST_S => {
+                self.doing = TaskState::Done;
                 self.body.velocity = 0.0;
                 lets_go = true;
             }
@@ -122,7 +122,7 @@ impl Hand {
         }
         if official != self.known {
             self.known = official;
-            if !matches!(self.doing, Doing::Carries(_)) {
+            if !matches!(self.doing, TaskState::Carries(_)) {
                 self.body = Motion::at(official);
                 self.reach.turn(time_s, official);
             }
@@ -130,7 +130,7 @@ impl Hand {
         let (wanted, speed) = self.reach.at(time_s);
         let (pull, felt) = (self.stiffness * wanted + self.damping * speed, self.force);
         self.force = 0.0;
-        if matches!(self.doing, Doing::Carries(_)) {
+        if matches!(self.doing, TaskState::Carries(_)) {
             self.force = self.contact.force(self.device, self.body);
             self.body = self.integrator.step(self.body, self.force);
         }

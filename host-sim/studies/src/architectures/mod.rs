@@ -190,7 +190,7 @@ pub fn rows(done: &(impl Fn() + Sync)) -> Result<Vec<Row>, Failure> {
 
 impl Row {
     /// A figure of merit; none of what is not stable.
-    fn merit(&self, of: impl Fn(&Self) -> f64) -> Option<f64> {
+    fn metric(&self, of: impl Fn(&Self) -> f64) -> Option<f64> {
         self.stable.then(|| of(self))
     }
 }
@@ -212,19 +212,19 @@ pub fn columns(rows: &[Row]) -> Columns {
         .means("stiffness of user 1's contact at the end: what a bounder has left of it")
         .value("contact_n_per_m.1", |row| row.contact_n_per_m[1])
         .means("stiffness of user 2's contact at the end")
-        .value("true_discrepancy_mm", |row| row.merit(|row| row.true_discrepancy_mm))
+        .value("true_discrepancy_mm", |row| row.metric(|row| row.true_discrepancy_mm))
         .means("mean distance between the body as the two are shown it")
-        .value("peak_discrepancy_mm", |row| row.merit(|row| row.peak_discrepancy_mm))
+        .value("peak_discrepancy_mm", |row| row.metric(|row| row.peak_discrepancy_mm))
         .means("the largest of it")
-        .value("felt_n", |row| row.merit(|row| row.felt_n))
+        .value("felt_n", |row| row.metric(|row| row.felt_n))
         .means("mean |contact force| of both users")
-        .value("peak_n", |row| row.merit(|row| row.peak_n))
+        .value("peak_n", |row| row.metric(|row| row.peak_n))
         .means("largest |contact force|")
-        .value("rests_mm.0", |row| row.merit(|row| row.rests_mm[0]))
+        .value("rests_mm.0", |row| row.metric(|row| row.rests_mm[0]))
         .means("where the body ends for user 1")
-        .value("rests_mm.1", |row| row.merit(|row| row.rests_mm[1]))
+        .value("rests_mm.1", |row| row.metric(|row| row.rests_mm[1]))
         .means("where the body ends for user 2")
-        .value("placed_s", |row| row.merit(|row| row.placed_s))
+        .value("placed_s", |row| row.metric(|row| row.placed_s))
         .means("after what time it stays within 2 mm of that for both")
         .value("user_bytes_per_s", |row| row.user_bytes_per_s)
         .means("what a user sends, mean of both")

@@ -12,7 +12,7 @@ use haptic_sim::pair::Pair;
 /// Two peers: static (no coordination law) or distributed.
 pub(super) fn distributed(architecture: Architecture, delay_ms: f64) -> Result<Row, Failure> {
     // The gains of the fault campaign.
-    let (comm, stiffness) = match architecture {
+    let (law, stiffness) = match architecture {
         Architecture::DistributedPower => ("power", 310.0),
         Architecture::DistributedWave => ("wave", 1590.0),
         Architecture::DistributedPassiveWave => ("passive-wave", 10_000.0),
@@ -20,7 +20,7 @@ pub(super) fn distributed(architecture: Architecture, delay_ms: f64) -> Result<R
         _ => ("none", 0.0),
     };
     let scene = scene(&[
-        format!("coordination.comm={comm}"),
+        format!("coordination.comm={law}"),
         format!("coordination.stiffness_n_per_m={stiffness}"),
         "coordination.decode=implicit".to_owned(),
         format!("network.extra_delay_s={}", 1e-3 * delay_ms),
@@ -33,14 +33,14 @@ pub(super) fn distributed(architecture: Architecture, delay_ms: f64) -> Result<R
         let seen = pair.sides().map(|side| side.peer.observed()[0]);
         account.see(seen.map(|seen| seen.object.position), seen.map(|seen| seen.contact_force));
     }
-    let bytes = if comm == "none" {
+    let bytes = if law == "none" {
         2.0 * presence_bytes_per_s() * TASK.duration_s
     } else {
         let packets: u64 = pair.sides().into_iter().map(|side| side.sent).sum();
         (packets * (SEAL_LEN + Flow::LEN) as u64) as f64
     };
     // A server of a static world tells everybody where the others are.
-    let server = if comm == "none" { bytes } else { 0.0 };
+    let server = if law == "none" { bytes } else { 0.0 };
     let end = End {
         done: pair.fault().is_none(),
         // A slow oscillation would not grow visibly within the task; eigenvalues tell.

@@ -10,7 +10,7 @@ use haptic_sim::engine::{Actor, Engine, Out, Seat};
 use haptic_sim::network::link::Route;
 
 use super::account::{Account, End, event_bytes, presence_bytes_per_s};
-use super::hand::{Doing, Hand};
+use super::hand::{Hand, TaskState};
 use super::{Architecture, Failure, Row, TASK, scene};
 use haptic_analysis::verdict;
 use haptic_environments::said;
@@ -39,13 +39,13 @@ const OBJECT: u16 = 0;
 const SERVER: PeerId = PeerId(0);
 
 /// A role of one peer, whichever scheme.
-enum Part {
+enum Role {
     Server(Box<lock::Server<4>>),
     Client(Box<lock::Client>),
     Member(Box<Ring>),
 }
 
-impl Part {
+impl Role {
     fn ask(&mut self, now_us: u64) {
         match self {
             Self::Server(_) => {}
@@ -89,8 +89,8 @@ impl Part {
 }
 
 /// A peer, with a user whose hand is at the body unless it is the server.
-struct Peer {
-    part: Part,
+struct SchemePeer {
+    part: Role,
     hand: Option<Hand>,
     /// The user begins when the body is this far, m.
     begins_m: f64,
@@ -101,16 +101,16 @@ struct Peer {
     bytes: usize,
 }
 
-impl Actor<usize> for Peer {
+impl Actor<usize> for SchemePeer {
     type Packet = Message;
 
     fn hear(&mut self, now_ns: u64, from: usize, message: &mut Message, out: &mut Out<'_, usize, Message>) {
         let (now_us, from) = (now_ns / 1_000, PeerId(from as u8));
         let out = &mut counted(self.ticks.is_some(), &mut self.bytes, out);
         match (&mut self.part, lock::Message::read(message), ring::Message::read(message)) {
-            (Part::Server(role), Some((_, message)), _) => role.receive(now_us, from, &message, &mut said(OBJECT, out)),
-            (Part::Client(role), Some((_, message)), _) => role.receive(now_us, from, &message, &mut said(OBJECT, out)),
-            (Part::Member(role), _, Some((_, message))) => role.receive(now_us, from, &message, &mut said(OBJECT, out)),
+            (Role::Server(role), Some((_, message)), _) => role.receive(now_us, from, &message, &mut said(OBJECT, out)),
+            (Role::Client(role), Some((_, message)), _) => role.receive(now_us, from, &message, &mut said(OBJECT, out)),
+            (Role::Member(role), _, Some((_, message))) => role.receive(now_us, from, &message, &mut said(OBJECT, out)),
             _ => {}
         }
     }
@@ -120,7 +120,7 @@ impl Actor<usize> for Peer {
         let Self { part, hand, .. } = self;
         let out = &mut counted(self.ticks.is_some(), &mut self.bytes, out);
         if let (Some(hand), Some(ticks)) = (hand, &mut self.ticks) {
-            if hand.doing == Doing::Waits && part.official() > self.begins_m {
+            if hand.doing == TaskState::Waits && part.official() > self.begins_m {
                 part.ask(now_us);
             }
             if hand.step(*ticks as f64 * self.period_s, part.owns(now_us), part.official()) {
@@ -147,17 +147,17 @@ fn counted<'a>(
 }
 
 /// The roles of a scheme in the order of their numbers, which of them is the first user's, and the delay of a message, µs.
-fn parts(architecture: Architecture, delay_us: u64) -> Result<(Vec<Part>, usize, u64), Failure> {
+fn parts(architecture: Architecture, delay_us: u64) -> Result<(Vec<Role>, usize, u64), Failure> {
     let lease = Lease::new(LEASE_US)?;
     if architecture == Architecture::CollaborativeLock {
-        let client = |incarnation| Part::Client(Box::new(lock::Client::new(SERVER, lease, incarnation, value(0.0))));
-        let server = Part::Server(Box::new(lock::Server::new(lease, value(0.0))));
+        let client = |incarnation| Role::Client(Box::new(lock::Client::new(SERVER, lease, incarnation, value(0.0))));
+        let server = Role::Server(Box::new(lock::Server::new(lease, value(0.0))));
         return Ok((vec![server, client(1), client(2)], 1, delay_us / 2));
     }
     let founders = Roster::of(0..2);
     let member = |seat: u8| {
         let config = Config { seat, contacts: founders, lease, turn_us: TURN_US, seed: u64::from(seat) + 1 };
-        Part::Member(Box::new(Ring::new(config, 0, Record::founder(founders, value(0.0)))))
+        Role::Member(Box::new(Ring::new(config, 0, Record::founder(founders, value(0.0)))))
     };
     Ok((vec![member(0), member(1)], 0, delay_us))
 }
@@ -172,10 +172,10 @@ pub(super) fn row(architecture: Architecture, delay_ms: f64) -> Result<Row, Fail
         let hand = user.map(|user| Hand::new(&scene, user, goals[user]));
         // User 2 waits until the body is half-way.
         let begins_m = if user == Some(1) { 0.5 * goals[0] } else { f64::NEG_INFINITY };
-        Seat::new(Peer { part, hand, begins_m, period_s, ticks: None, bytes: 0 })
+        Seat::new(SchemePeer { part, hand, begins_m, period_s, ticks: None, bytes: 0 })
     });
-    let way = |_, _| Route::new(1_000 * delay_us);
-    let mut engine = Engine::new(scene.peer.timing.control_period_ns(), seats.collect(), way);
+    let route = |_, _| Route::new(1_000 * delay_us);
+    let mut engine = Engine::new(scene.peer.timing.control_period_ns(), seats.collect(), route);
     // A ring begins by finding out that nobody has a token; that is over before the task starts.
     let settled_us = 2 * u64::from(LEASE_US) + 4 * delay_us;
     let ticks = (TASK.duration_s / period_s) as u64;
@@ -200,7 +200,7 @@ pub(super) fn row(architecture: Architecture, delay_ms: f64) -> Result<Row, Fail
     let aware = presence_bytes_per_s() * TASK.duration_s;
     let served = if architecture == Architecture::CollaborativeLock { server_bytes as f64 + 2.0 * aware } else { 0.0 };
     let end = End {
-        done: hands().all(|hand| hand.doing == Doing::Done),
+        done: hands().all(|hand| hand.doing == TaskState::Done),
         // Of one hand at the body, whoever's is the larger: nobody else pushes.
         spectral_radius: verdict(&scene)?.spectral_radius,
         contact_n_per_m: [scene.peer.contact.stiffness_n_per_m; 2],

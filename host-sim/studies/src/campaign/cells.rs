@@ -21,20 +21,20 @@ pub const DURATION_S: f64 = 20.0;
 /// Runs of a cell whose network is random.
 pub const SEEDS: u32 = 20;
 
-/// What either user pushes in the run that measures the way, N.
-pub const WAY_N: f64 = 1.0;
+/// What either user pushes in the run that measures the mobility, N.
+pub const PUSH_N: f64 = 1.0;
 
 /// And for how long, s.
-pub const WAY_S: f64 = 1.0;
+pub const PUSH_S: f64 = 1.0;
 
 /// After how long at rest, s: a line that follows the network has learned it.
 pub const REST_S: f64 = 3.0;
 
 /// What a common push shows.
 #[derive(Clone, Copy, Debug)]
-struct Way {
+struct PushOutcome {
     /// How far the copies are in the end, their mean, m.
-    way_m: f64,
+    displacement_m: f64,
     /// Largest |F_T|, N.
     peak_n: f64,
 }
@@ -43,7 +43,7 @@ struct Way {
 #[derive(Clone, Debug)]
 pub struct Cell {
     /// Name of the law, or of the scene.
-    pub comm: String,
+    pub law: String,
     /// Name of the network.
     pub network: String,
     /// Whether it promises to be passive on any network.
@@ -53,9 +53,9 @@ pub struct Cell {
     /// What a slow swing shows of a scene that is stable, its delay less the network's own; of [`super::costs`] only.
     pub swing: Option<Felt>,
     /// Common pushes, seed by seed; none of one in which a peer stopped.
-    ways: Vec<Option<Way>>,
-    /// The way on the scene's own network, m.
-    free_way_m: Option<f64>,
+    pushes: Vec<Option<PushOutcome>>,
+    /// How far the push moves the copies on the scene's own network, m.
+    free_displacement_m: Option<f64>,
 }
 
 impl Cell {
@@ -97,16 +97,17 @@ impl Cell {
         self.whole(|outcome| outcome.whole.decoded_discrepancy_mm).map(|values| Estimate::of(&values))
     }
 
-    /// The way under a common push over that on the scene's own network, if no peer stopped in either.
-    pub fn way(&self) -> Option<Estimate> {
-        let free_m = self.free_way_m?;
-        let ways: Option<Vec<f64>> = self.ways.iter().map(|way| Some((*way)?.way_m / free_m)).collect();
-        ways.map(|ways| Estimate::of(&ways))
+    /// The mobility: how far a common push moves the copies, over that on the scene's own network, if no peer stopped
+    /// in either.
+    pub fn mobility(&self) -> Option<Estimate> {
+        let free_m = self.free_displacement_m?;
+        let pushes: Option<Vec<f64>> = self.pushes.iter().map(|push| Some((*push)?.displacement_m / free_m)).collect();
+        pushes.map(|pushes| Estimate::of(&pushes))
     }
 
     /// The largest |F_T| of any common push, N.
-    pub fn way_peak_n(&self) -> Option<f64> {
-        self.ways.iter().try_fold(0.0_f64, |most, way| Some(most.max((*way)?.peak_n)))
+    pub fn push_peak_n(&self) -> Option<f64> {
+        self.pushes.iter().try_fold(0.0_f64, |most, push| Some(most.max((*push)?.peak_n)))
     }
 
     /// The fault of the first run that had one.
@@ -123,7 +124,7 @@ impl Cell {
 }
 
 /// Both users push the same way, from rest.
-fn way(scene: &Scene) -> Result<Option<Way>, Refused<'static>> {
+fn push(scene: &Scene) -> Result<Option<PushOutcome>, Refused<'static>> {
     let mut pushed = scene.clone();
     for (user, sign) in pushed.users.iter_mut().zip([1.0, -1.0]) {
         // The arm stays, what the user does with it does not. A push of user 2 toward the other peer is toward negative x.
@@ -132,12 +133,12 @@ fn way(scene: &Scene) -> Result<Option<Way>, Refused<'static>> {
         let own = &mut user.settings.user;
         own.arm_damping_n_s_per_m = arm.arm_damping_n_s_per_m;
         own.arm_mass_kg = arm.arm_mass_kg;
-        user.trace = Some(Trace::step(REST_S, sign * WAY_N));
+        user.trace = Some(Trace::step(REST_S, sign * PUSH_N));
     }
     let mut pair = Pair::<f64>::new(&pushed)?;
     let ticks = |time_s: f64| (time_s / scene.peer.timing.control_period_s).round() as u64;
     (0..ticks(REST_S)).for_each(|_| pair.step());
-    let ticks = ticks(WAY_S);
+    let ticks = ticks(PUSH_S);
     let mut forces = Forces::new(ticks);
     let middle =
         |pair: &Pair<f64>| pair.sides().map(|side| side.peer.observed()[0].object.position).iter().sum::<f64>() / 2.0;
@@ -149,8 +150,8 @@ fn way(scene: &Scene) -> Result<Option<Way>, Refused<'static>> {
             start_m = middle(&pair);
         }
     }
-    let way = Way { way_m: middle(&pair) - start_m, peak_n: forces.peak() };
-    Ok(pair.fault().is_none().then_some(way))
+    let push = PushOutcome { displacement_m: middle(&pair) - start_m, peak_n: forces.peak() };
+    Ok(pair.fault().is_none().then_some(push))
 }
 
 /// Whether this scene promises to be passive on any network: its law does, or the ledger that pays for what the law emits.
@@ -159,11 +160,11 @@ fn is_passive(scene: &Scene) -> bool {
 }
 
 /// How far a common push gets on the scene's own network, m, if no peer stops.
-pub(super) fn free_way_m(scene: &Scene) -> Result<Option<f64>, Refused<'static>> {
-    Ok(way(scene)?.map(|way| way.way_m))
+pub(super) fn free_displacement_m(scene: &Scene) -> Result<Option<f64>, Refused<'static>> {
+    Ok(push(scene)?.map(|push| push.displacement_m))
 }
 
-/// Runs every cell (comm, network, its scene over that network, [`free_way_m`] of its scene on its own) in parallel; the order and
+/// Runs every cell (law, network, its scene over that network, [`free_displacement_m`] of its scene on its own) in parallel; the order and
 /// every bit are the same on any number of threads.
 pub(super) fn run_all(cells: Vec<(String, &str, Scene, Option<f64>)>, periods: u32) -> Result<Vec<Cell>, Failure> {
     let seeds = |scene: &Scene| if networks::is_random(scene) { SEEDS } else { 1 };
@@ -173,15 +174,15 @@ pub(super) fn run_all(cells: Vec<(String, &str, Scene, Option<f64>)>, periods: u
         let mut scene = scene.clone();
         scene.world.network.seed = scene.world.network.seed.wrapping_add(later);
         let outcome = run::<f64>(&scene, Options { duration_s: DURATION_S, record_every: 0 }, &|_| {})?;
-        Ok::<_, Failure>((outcome, way(&scene)?))
+        Ok::<_, Failure>((outcome, push(&scene)?))
     };
-    let runs: Vec<(Outcome, Option<Way>)> = jobs.into_par_iter().map(job).collect::<Result<_, _>>()?;
+    let runs: Vec<(Outcome, Option<PushOutcome>)> = jobs.into_par_iter().map(job).collect::<Result<_, _>>()?;
     let mut runs = runs.into_iter();
     let mut done = Vec::new();
-    for &(ref comm, network, ref scene, free_way_m) in &cells {
-        let (outcomes, ways) = runs.by_ref().take(seeds(scene) as usize).unzip();
-        let (comm, network, passive) = (comm.clone(), network.to_owned(), is_passive(scene));
-        done.push((scene, Cell { comm, network, passive, outcomes, swing: None, ways, free_way_m }));
+    for &(ref law, network, ref scene, free_displacement_m) in &cells {
+        let (outcomes, pushes) = runs.by_ref().take(seeds(scene) as usize).unzip();
+        let (law, network, passive) = (law.clone(), network.to_owned(), is_passive(scene));
+        done.push((scene, Cell { law, network, passive, outcomes, swing: None, pushes, free_displacement_m }));
     }
     let swung = |(scene, mut cell): (&Scene, Cell)| {
         if periods > 0 && cell.is_stable() {

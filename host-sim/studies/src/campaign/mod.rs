@@ -14,7 +14,7 @@
 //! | channel | what a peer took from the network over what the other one gave to it, worst direction and seed: above 1 the network makes energy, which is what a hand feels as an object that comes alive (THEORY §5) | ≤ 1 |
 //! | peer | what left the ports of a peer's coordination over what entered them ([`haptic_sim::measure::port`]), worst peer and seed: above 1 the peer makes energy | ≤ 1 |
 //! | peak, jump | largest F_T of any seed, and its largest change from tick to tick | |
-//! | way | how far the copies (their mean) are after both users have pushed [`WAY_N`] the same way for [`WAY_S`], after [`REST_S`] at rest, over the same on the scene's own network: mean over the seeds | 1 |
+//! | way | how far the copies (their mean) are after both users have pushed [`PUSH_N`] the same way for [`PUSH_S`], after [`REST_S`] at rest, over the same on the scene's own network: mean over the seeds | 1 |
 //! | its peak | largest F_T in any of those runs: what an object that moves and is held by a bad network does to a hand | |
 //!
 //! | column of the costs | what | ideal |
@@ -44,7 +44,7 @@ use haptic_sim::{scenes, user::User};
 use self::networks::Named;
 use super::Failure;
 
-pub use self::cells::{Cell, DURATION_S, REST_S, SEEDS, WAY_N, WAY_S};
+pub use self::cells::{Cell, DURATION_S, PUSH_N, PUSH_S, REST_S, SEEDS};
 
 /// Communications, with what they need: name and settings.
 pub const COMMS: [Named; 5] = [
@@ -84,7 +84,7 @@ fn with_outside(laws: Laws, named: &[Named]) -> Vec<(&'static str, Vec<String>)>
     let owned = |settings: &[&str]| settings.iter().map(|setting| (*setting).to_owned()).collect();
     let mut all: Vec<(&str, Vec<String>)> = named.iter().map(|(name, settings)| (*name, owned(settings))).collect();
     for name in laws.outside() {
-        let law = laws.kinds().iter().find(|law| law.name == name && law.sends != Sends::Nothing);
+        let law = laws.all().iter().find(|law| law.name == name && law.sends != Sends::Nothing);
         all.extend(law.map(|law| (name, [vec![format!("coordination.comm={name}")], owned(law.gains)].concat())));
     }
     all
@@ -130,7 +130,7 @@ pub const CHOICES: [Named; 10] = [
     ),
 ];
 
-/// The scene that every comm is tried in, with gains of its own.
+/// The scene that every law is tried in, with gains of its own.
 const BASE: &str = "paper-5.2-passive-wave-16ms";
 
 /// With these peers, so that what breaks is the network's doing.
@@ -143,10 +143,10 @@ const PERIODS: u32 = 60;
 /// Runs every one of these scenes over every network.
 fn over_networks(scenes: &[(String, Scene)], networks: &[Named], periods: u32) -> Result<Vec<Cell>, Failure> {
     let mut cells = Vec::new();
-    for (comm, scene) in scenes {
-        let free_way_m = cells::free_way_m(scene)?;
+    for (law, scene) in scenes {
+        let free_displacement_m = cells::free_displacement_m(scene)?;
         for (network, settings) in networks {
-            cells.push((comm.clone(), *network, networks::over(scene, settings)?, free_way_m));
+            cells.push((law.clone(), *network, networks::over(scene, settings)?, free_displacement_m));
         }
     }
     cells::run_all(cells, periods)
@@ -154,10 +154,10 @@ fn over_networks(scenes: &[(String, Scene)], networks: &[Named], periods: u32) -
 
 /// The scenes of these ways to hold the copies together, and of every law from outside the crate that sends something.
 fn scenes(laws: Laws, named: &[Named]) -> Result<Vec<(String, Scene)>, Failure> {
-    let scene = |(comm, settings): (&str, Vec<String>)| {
+    let scene = |(law, settings): (&str, Vec<String>)| {
         let mut scene = scenes::load(laws, BASE)?;
         PEERS.into_iter().chain(settings.iter().map(String::as_str)).try_for_each(|set| scene.apply_override(set))?;
-        Ok((comm.to_owned(), scene))
+        Ok((law.to_owned(), scene))
     };
     with_outside(laws, named).into_iter().map(scene).collect()
 }
@@ -226,7 +226,7 @@ fn runs<'a>(rows: Rows<'a, Cell>) -> Rows<'a, Cell> {
 /// The campaign as a table.
 pub fn columns(cells: &[Cell]) -> Columns {
     let named = Columns::of(cells)
-        .value("comm", |cell| cell.comm.as_str())
+        .value("comm", |cell| cell.law.as_str())
         .means("how the copies are held together")
         .value("passive", |cell| cell.passive)
         .means("whether it promises to be passive on any network")
@@ -241,12 +241,12 @@ pub fn columns(cells: &[Cell]) -> Columns {
         .number("largest_jump_n", 3, |cell| cell.worst(|o| o.whole.largest_jump_n))
         .means("largest change of F_T from tick to tick, of any seed")
         .head("jump")
-        .number("way", 2, |cell| cell.way().map(|estimate| estimate.mean))
+        .number("way", 2, |cell| cell.mobility().map(|estimate| estimate.mean))
         .means("how far a common push moves the copies, over the same on the scene's own network: mean over the seeds")
-        .number("way_95", 2, |cell| cell.way().and_then(|estimate| estimate.within_95))
+        .number("way_95", 2, |cell| cell.mobility().and_then(|estimate| estimate.within_95))
         .means("half of its 95 % interval over the seeds (Student)")
         .data_only()
-        .number("way_peak_force_n", 2, Cell::way_peak_n)
+        .number("way_peak_force_n", 2, Cell::push_peak_n)
         .means("largest |F_T| in any of those runs")
         .head("its peak")
         .value("seeds", |cell| cell.outcomes.len())
@@ -271,7 +271,7 @@ pub fn cost_columns(costs: &[Cell]) -> Columns {
     let named = Columns::of(costs)
         .value("network", |cost| cost.network.as_str())
         .means("what the network does")
-        .value("choice", |cost| cost.comm.as_str())
+        .value("choice", |cost| cost.law.as_str())
         .means("how the copies are held together")
         .head("comm");
     runs(named)

@@ -6,7 +6,7 @@
 use haptic_sim::network::rule::Jitter;
 use haptic_sim::scene::{Scene, SceneError};
 
-/// A comm or a network: name and settings.
+/// A law or a network: name and settings.
 pub(super) type Named = (&'static str, &'static [&'static str]);
 
 /// Networks: name and settings.

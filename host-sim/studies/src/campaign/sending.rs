@@ -59,7 +59,7 @@ pub struct Row {
     /// A packet a tick.
     pub each: Cell,
     /// N samples in one.
-    pub seldom: Cell,
+    pub sparse: Cell,
 }
 
 fn true_mm(cell: &Cell) -> Option<f64> {
@@ -77,17 +77,17 @@ fn largest(cell: &Cell, of: impl Fn(&Outcome) -> f64) -> f64 {
 impl Row {
     /// Relative increase of the true discrepancy; negative is a gain. None where either is not stable.
     pub fn cost(&self) -> Option<f64> {
-        Some(true_mm(&self.seldom)? / true_mm(&self.each)? - 1.0)
+        Some(true_mm(&self.sparse)? / true_mm(&self.each)? - 1.0)
     }
 
     /// The most energy out over in of the channel, of any seed.
     fn channel(&self) -> f64 {
-        largest(&self.seldom, Outcome::energy_out_over_in)
+        largest(&self.sparse, Outcome::energy_out_over_in)
     }
 
     /// The largest ratio of energy out over energy in of a peer.
     fn peer(&self) -> f64 {
-        largest(&self.seldom, |outcome| outcome.peer_energy_out_over_in().unwrap_or(0.0))
+        largest(&self.sparse, |outcome| outcome.peer_energy_out_over_in().unwrap_or(0.0))
     }
 
     /// Whether few packets do here; else what fails.
@@ -96,10 +96,10 @@ impl Row {
     /// What fails, in words.
     pub fn meets(&self) -> Result<(), &'static str> {
         match () {
-            () if largest(&self.seldom, |outcome| outcome.packets_per_s) > MOST_PACKETS => Err("packets"),
+            () if largest(&self.sparse, |outcome| outcome.packets_per_s) > MOST_PACKETS => Err("packets"),
             () if self.channel() > NONE_MADE || self.peer() > NONE_MADE_BY_PEER => Err("energy"),
-            () if !self.seldom.is_stable() && self.each.is_stable() => Err("apart"),
-            () if !self.seldom.is_stable() => Err("both apart"),
+            () if !self.sparse.is_stable() && self.each.is_stable() => Err("apart"),
+            () if !self.sparse.is_stable() => Err("both apart"),
             () if self.cost().is_some_and(|cost| cost > MOST_COST) => Err("discrepancy"),
             () => Ok(()),
         }
@@ -124,7 +124,7 @@ pub(super) fn rows(laws: Laws, (motion, users): Named, networks: &[Named], along
     let together = along.iter().flat_map(|together| each.iter().map(move |cell| (*together, cell)));
     Ok(together
         .zip(cells)
-        .map(|((together, each), seldom)| Row { motion, together, each: each.clone(), seldom })
+        .map(|((together, each), sparse)| Row { motion, together, each: each.clone(), sparse })
         .collect())
 }
 
@@ -147,22 +147,22 @@ pub fn curve(laws: Laws) -> Result<Vec<Row>, Failure> {
 }
 
 /// What both tables have.
-fn told(rows: Rows<'_, Row>) -> Rows<'_, Row> {
+fn described(rows: Rows<'_, Row>) -> Rows<'_, Row> {
     rows.number("each_true_discrepancy_mm", 3, |row| true_mm(&row.each))
         .means("true discrepancy with a packet a tick, mean over the seeds; none where a run is not stable")
         .head("a packet a tick")
-        .number("true_discrepancy_mm", 3, |row| true_mm(&row.seldom))
+        .number("true_discrepancy_mm", 3, |row| true_mm(&row.sparse))
         .means("the same with N samples in a packet")
         .head("N together")
-        .number("true_discrepancy_95_mm", 3, |row| row.seldom.true_discrepancy_mm().and_then(|one| one.within_95))
+        .number("true_discrepancy_95_mm", 3, |row| row.sparse.true_discrepancy_mm().and_then(|one| one.within_95))
         .means("half of its 95 % interval over the seeds (Student)")
         .head("±")
         .number("cost", 1, |row| row.cost().map(|cost| 100.0 * cost))
         .means("what N costs in true discrepancy, %")
         .head("cost %")
-        .number("packets_per_s", 0, |row| mean(&row.seldom, |outcome| outcome.packets_per_s))
+        .number("packets_per_s", 0, |row| mean(&row.sparse, |outcome| outcome.packets_per_s))
         .means("packets that a peer sends, mean over the seeds")
-        .number("bytes_per_s", 0, |row| mean(&row.seldom, Outcome::bytes_per_s))
+        .number("bytes_per_s", 0, |row| mean(&row.sparse, Outcome::bytes_per_s))
         .means("the same in bytes, with UDP and IP version 4")
         .head("bytes")
         .number("energy_out_over_in", 4, Row::channel)
@@ -171,7 +171,7 @@ fn told(rows: Rows<'_, Row>) -> Rows<'_, Row> {
         .number("peer_energy_out_over_in", 4, Row::peer)
         .means("energy that left the ports of a peer's coordination over what entered them, worst peer and seed")
         .head("peer out/in")
-        .value("verdict", |row| row.seldom.verdict())
+        .value("verdict", |row| row.sparse.verdict())
         .means("the worst of the seeds, and how many of them had it")
 }
 
@@ -181,7 +181,7 @@ pub fn columns(rows: &[Row]) -> Columns {
         .value("impairment", |row| row.each.network.as_str())
         .means("what the network does")
         .head("network");
-    told(named)
+    described(named)
         .value("meets", |row| row.meets().map_or_else(|why| why, |()| "yes"))
         .means("yes: at most 120 packets/s cost at most 10 % and make no energy; else what fails")
         .done()
@@ -198,11 +198,11 @@ pub fn curve_columns(rows: &[Row]) -> Columns {
         .value("together_ticks", |row| row.together)
         .means("N, samples in a packet")
         .head("N");
-    told(named)
-        .number("peak_force_n", 1, |row| row.seldom.worst(|outcome| outcome.whole.peak_coordination_force_n))
+    described(named)
+        .number("peak_force_n", 1, |row| row.sparse.worst(|outcome| outcome.whole.peak_coordination_force_n))
         .means("largest |F_T| of any seed")
         .head("peak")
-        .number("way", 2, |row| row.seldom.way().map(|estimate| estimate.mean))
+        .number("way", 2, |row| row.sparse.mobility().map(|estimate| estimate.mean))
         .means("how far a common push moves the copies, over the same on the scene's own network")
         .done()
 }

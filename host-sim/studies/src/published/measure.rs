@@ -5,12 +5,12 @@
 use haptic_analysis::tune::CONTACT;
 use haptic_analysis::{Effort, Hands, Range, limit};
 use haptic_core::law::model_mediated::ModelMediated;
-use haptic_core::law::{AnyLaw, Coupled, Law, Packet, Seen};
+use haptic_core::law::{AnyLaw, Coupled, Law, Observation, Packet};
 use haptic_core::num::Motion;
 use haptic_core::object::Port;
 use haptic_core::settings::Settings;
 use haptic_sim::measure::apparent_mass;
-use haptic_sim::measure::impedance::{Far, felt};
+use haptic_sim::measure::impedance::{RemoteEnd, felt};
 use haptic_sim::pair::Pair;
 use haptic_sim::run::{Options, run};
 use haptic_sim::scene::Scene;
@@ -42,22 +42,22 @@ const EACH_TICK: &str = "timing.ticks_per_packet=1";
 /// The scene in which the bench tries a law, at the gains that it declares, then with these settings.
 pub fn scene(law: &str, set: &[&str]) -> Result<Scene, Failure> {
     let laws = Laws::built_in();
-    let kind = asked_for(laws, law)?[0];
+    let law = asked_for(laws, law)?[0];
     let set: Vec<String> = set.iter().map(|text| (*text).to_owned()).collect();
-    Ok(law_scene(laws, kind, None, &set)?)
+    Ok(law_scene(laws, law, None, &set)?)
 }
 
 /// Decoded discrepancy in the cooperation paper's §5.2, mm.
-pub fn discrepancy_mm(comm: &str) -> Result<f64, Failure> {
-    let scene = scenes::load(Laws::built_in(), &format!("paper-5.2-{comm}-16ms"))?;
+pub fn discrepancy_mm(law: &str) -> Result<f64, Failure> {
+    let scene = scenes::load(Laws::built_in(), &format!("paper-5.2-{law}-16ms"))?;
     let outcome = run::<f64>(&scene, Options { duration_s: DURATION_S, record_every: 0 }, &|_| {})?;
     Ok(outcome.whole(|outcome| outcome.whole.decoded_discrepancy_mm).unwrap_or(f64::NAN))
 }
 
 /// Where this model turns unstable, nearest to the gain of the paper's §5.1, N/m.
-pub fn boundary_n_per_m(comm: &str, near_n_per_m: f64) -> Result<f64, Failure> {
+pub fn boundary_n_per_m(law: &str, near_n_per_m: f64) -> Result<f64, Failure> {
     let crossings =
-        gains()?.into_iter().find(|gain| gain.comm() == comm).map_or(Vec::new(), |gain| gain.crossings_n_per_m);
+        gains()?.into_iter().find(|gain| gain.law() == law).map_or(Vec::new(), |gain| gain.crossings_n_per_m);
     // From stable at the start: each other one leads back.
     let ends = crossings.into_iter().step_by(2);
     let far = |crossing: &f64| (crossing - near_n_per_m).abs();
@@ -70,14 +70,14 @@ pub fn mass_kg(law: &str) -> Result<f64, Failure> {
 }
 
 /// 2F/K_T + F·T/b of 1 N, with the T that the line's own mass shows, mm.
-pub fn apart_by_its_mass_mm(law: &str) -> Result<f64, Failure> {
+pub fn distance_by_its_mass_mm(law: &str) -> Result<f64, Failure> {
     let stiffness = scene(law, &[])?.peer.coordination.stiffness_n_per_m;
     let line_s = (mass_kg(law)? - 2.0 * MASS_KG) / IMPEDANCE;
     Ok(1e3 * (2.0 / stiffness + line_s / IMPEDANCE))
 }
 
 /// How far apart the copies stand in the end whose users push 1 N against each other, mm.
-pub fn apart_mm(law: &str) -> Result<f64, Failure> {
+pub fn distance_mm(law: &str) -> Result<f64, Failure> {
     let scene = scene(law, &["user.2.sine_n=0"])?;
     let outcome = run::<f64>(&scene, Options { duration_s: DURATION_S, record_every: 0 }, &|_| {})?;
     Ok(outcome.whole(|outcome| outcome.whole.true_discrepancy_mm).unwrap_or(f64::NAN))
@@ -87,7 +87,7 @@ pub fn apart_mm(law: &str) -> Result<f64, Failure> {
 pub fn stiffness_felt_n_per_m(set: &[&str]) -> Result<f64, Failure> {
     const SLOW_HZ: f64 = 0.5;
     let scene = scene("four-channel", &[set, &[EACH_TICK, "network.one_way_delay_packets=0"]].concat())?;
-    let impedance = felt(&scene, Far::Held, SLOW_HZ, 0.05)?;
+    let impedance = felt(&scene, RemoteEnd::Held, SLOW_HZ, 0.05)?;
     Ok(impedance.map_or(f64::NAN, |z| -z.im * core::f64::consts::TAU * SLOW_HZ))
 }
 
@@ -164,7 +164,7 @@ impl End {
 
     /// A tick in which the copy stays where it began.
     fn held(&mut self, age_ticks: u32) -> Coupled<f64> {
-        let seen = Seen { age_ticks, ..Seen::default() };
+        let seen = Observation { age_ticks, ..Observation::default() };
         self.law.couple(&mut self.state, &seen, |_| 0.0)
     }
 }
@@ -296,7 +296,7 @@ pub fn stiffness_learned_n_per_m() -> Result<f64, Failure> {
         for (at, hand) in hands.into_iter().enumerate() {
             let copy = copies[at];
             let mut mean = 0.0;
-            let seen = Seen { local: copy, ..Seen::default() };
+            let seen = Observation { local: copy, ..Observation::default() };
             let coupled = law.couple(&mut states[at], &seen, |port: Port<f64>| {
                 let all = port + hand;
                 mean = (inertia * copy.velocity + all.force) / (inertia + all.impedance);

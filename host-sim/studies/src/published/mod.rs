@@ -22,7 +22,7 @@ pub const WITHIN: f64 = 0.05;
 
 /// Where what a paper says comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Says {
+pub enum ClaimSource {
     /// The number is in its text or figure.
     Printed,
     /// Its equation, at the values of the scene.
@@ -43,7 +43,7 @@ pub struct Number {
     /// Its unit; nothing for a share.
     pub unit: &'static str,
     /// Whether the paper prints the number or an equation gives it.
-    pub says: Says,
+    pub says: ClaimSource,
     theirs: fn() -> f64,
     ours: fn() -> Result<f64, Failure>,
     /// Why it is further off than [`WITHIN`]; nothing where it is not.
@@ -75,7 +75,7 @@ impl Row {
 
 const COOPERATION: &str = "Rakhsha & Constantinescu 2012";
 
-use Says::{Equation, Printed};
+use ClaimSource::{Equation, Printed};
 
 /// Every number of the papers that is compared.
 #[rustfmt::skip]
@@ -97,7 +97,7 @@ pub const NUMBERS: &[Number] = &[
     Number { law: "passive-mean", paper: "Niemeyer & Slotine 1991", place: "a line's inertia b·T", what: "mass of both copies and a line of 16 ms", unit: "kg", says: Equation,
         theirs: || 2.0 * of::MASS_KG + of::IMPEDANCE * of::LINE_S, ours: || of::mass_kg("passive-mean"), why: "" },
     Number { law: "self-timed", paper: "docs/theory.md, section 8", place: "a line of constant delay in its own time", what: "apart under 1 N: 2F/K_T + F·T/b, T = (mass − 2m_O)/b", unit: "mm", says: Equation,
-        theirs: || of::apart_by_its_mass_mm("self-timed").unwrap_or(f64::NAN), ours: || of::apart_mm("self-timed"), why: "" },
+        theirs: || of::distance_by_its_mass_mm("self-timed").unwrap_or(f64::NAN), ours: || of::distance_mm("self-timed"), why: "" },
     Number { law: "set-position", paper: "Lee & Huang 2010", place: "ΔP ≤ E of the set position", what: "first set position with E = 20 mJ: √(2E/K)", unit: "mm", says: Equation,
         theirs: || 1e3 * (2.0 * of::TANK_J / 1000.0_f64).sqrt(), ours: of::first_set_position_mm, why: "" },
     Number { law: "passivity-control", paper: "Ryu, Artigas & Preusche 2010", place: "E_out ≤ E_in, delayed", what: "force when 4 mJ are known to be absorbed: 2√(W·K)", unit: "N", says: Equation,
@@ -105,7 +105,7 @@ pub const NUMBERS: &[Number] = &[
     Number { law: "two-layer", paper: "Franken et al. 2011", place: "simple energy transfer protocol, share β", what: "level of two tanks and the line, 20 ticks each way: E/(2 + 2βd)", unit: "mJ", says: Equation,
         theirs: || 40.0 / (2.0 + 2.0 * 0.01 * 20.0), ours: of::tank_level_mj, why: "" },
     Number { law: "wave-integral", paper: "Niemeyer & Slotine 2004", place: "a line's stiffness b/T", what: "apart under 1 N: 2F/K_T + F·T/b, a line of 16 ms", unit: "mm", says: Equation,
-        theirs: || 1e3 * (2.0 / 1e4 + of::LINE_S / of::IMPEDANCE), ours: || of::apart_mm("wave-integral"), why: "" },
+        theirs: || 1e3 * (2.0 / 1e4 + of::LINE_S / of::IMPEDANCE), ours: || of::distance_mm("wave-integral"), why: "" },
     Number { law: "wave-compensator", paper: "Ye & Liu 2009", place: "bias b·(ẋ_r − ẋ_d), low-passed at λ", what: "bias of the force left after 1/λ, of b·ẋ_r", unit: "", says: Equation,
         theirs: || (-1.0_f64).exp(), ours: of::bias_left, why: "" },
     Number { law: "four-channel", paper: "Lawrence 1993", place: "transparency-optimised: Z_t = Z_e", what: "stiffness felt of the far hand's contact, without delay", unit: "N/m", says: Equation,
@@ -113,7 +113,7 @@ pub const NUMBERS: &[Number] = &[
     Number { law: "average-position", paper: "Rakhsha & Constantinescu, Average-Position Coordination", place: "effective gain K_T instead of N·K_T", what: "ω² of the copies' swing, power-domain over average, N = 2", unit: "", says: Equation,
         theirs: || 2.0, ours: of::gain_of_the_others_over_the_mean, why: "" },
     Number { law: "remote-dynamic-proxy", paper: "Li & Constantinescu 2010", place: "proxy K_p behind the coupling K_T", what: "apart under 1 N: F/K_T + F/K_p", unit: "mm", says: Equation,
-        theirs: || 1e3 * (1.0 / 1590.0 + 1.0 / 310.0), ours: || of::apart_mm("remote-dynamic-proxy"), why: "" },
+        theirs: || 1e3 * (1.0 / 1590.0 + 1.0 / 310.0), ours: || of::distance_mm("remote-dynamic-proxy"), why: "" },
     Number { law: "deadband", paper: "Hirche, Hinterseer, Steinbach & Buss 2007", place: "Weber's law, threshold k·|ẋ|", what: "packets for a speed that grows tenfold, k = 0.1: ln 10/ln 1.1", unit: "", says: Equation,
         theirs: || 10.0_f64.ln() / 1.1_f64.ln(), ours: of::packets_of_a_ramp, why: "" },
     Number { law: "deadband", paper: "Hinterseer, Hirche, Chaudhuri, Steinbach & Buss 2008", place: "abstract, up to 90 %", what: "packets saved of 1000 /s, a hand that pushes 4 N to and fro once a second", unit: "%", says: Printed,

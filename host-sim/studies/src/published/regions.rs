@@ -8,7 +8,7 @@
 
 use haptic_analysis::tune::{CONTACT, COORDINATION};
 use haptic_analysis::{Effort, Hands, Range, limit};
-use haptic_core::settings::Kind;
+use haptic_core::settings::LawInfo;
 use haptic_report::Columns;
 use haptic_sim::Laws;
 use haptic_sim::pair::Pair;
@@ -59,24 +59,24 @@ pub struct Region {
 /// # Errors
 /// Settings that no peer accepts, or what the analyser has against a scene.
 pub fn regions(laws: Laws, done: impl Fn() + Sync) -> Result<Vec<Region>, Failure> {
-    let of = |kind| {
-        let found = region(laws, kind);
+    let of = |law| {
+        let found = region(laws, law);
         done();
         found
     };
-    laws.kinds().par_iter().map(of).collect()
+    laws.all().par_iter().map(of).collect()
 }
 
-fn region(laws: Laws, kind: &'static Kind) -> Result<Region, Failure> {
-    let own = LINEAR.iter().filter(|(key, _)| kind.keys.iter().any(|known| known.name == *key));
+fn region(laws: Laws, law: &'static LawInfo) -> Result<Region, Failure> {
+    let own = LINEAR.iter().filter(|(key, _)| law.keys.iter().any(|known| known.name == *key));
     let own: Vec<String> = own.map(|(key, value)| format!("{key}={value}")).collect();
-    let mut linear = law_scene(laws, kind, None, &own)?.linear();
+    let mut linear = law_scene(laws, law, None, &own)?.linear();
     let coordination = boundary(&linear, COORDINATION)?;
     if let Some(found) = coordination {
         let declared = linear.peer.coordination.stiffness_n_per_m;
         linear.set_number(COORDINATION, declared.min(found.matrix / 2.0))?;
     }
-    Ok(Region { law: kind.name, coordination, contact: boundary(&linear, CONTACT)? })
+    Ok(Region { law: law.name, coordination, contact: boundary(&linear, CONTACT)? })
 }
 
 fn boundary(linear: &Scene, key: &str) -> Result<Option<Boundary>, Failure> {

@@ -26,7 +26,7 @@ pub fn claims(rows: &[Row]) -> Result<Vec<Claim>, Failure> {
 
 fn stability_maps() -> Result<Vec<Claim>, Failure> {
     let devices = MASSES_KG.into_iter().map(identify).collect::<Result<Vec<_>, _>>()?;
-    let told = devices.iter().map(|device| {
+    let described = devices.iter().map(|device| {
         let (mass, damping, late) = (device.mass_kg, device.damping_n_s_per_m, device.computing_ticks);
         format!("{mass} kg: b = {damping:.2} N·s/m and {late:.2} of a period of computing")
     });
@@ -50,7 +50,7 @@ fn stability_maps() -> Result<Vec<Claim>, Failure> {
         Claim::not_testable(
             "§2.3",
             "1000 N/m need at least 200 Hz and less than 5 ms",
-            format!("both hold at once for {}", told.collect::<Vec<_>>().join("; ")),
+            format!("both hold at once for {}", described.collect::<Vec<_>>().join("; ")),
             "two statements, and the device's damping and computing time are not given: two values fitted to two numbers prove nothing",
         ),
         Claim::holds(

@@ -29,8 +29,8 @@ const CONTACT_N_PER_M: f64 = 500.0;
 
 impl Computed<'_> {
     /// The first crossing of a curve of Figure 4, by delay, N/m.
-    fn limits(&self, comm: &str) -> Vec<f64> {
-        let curves = self.curves.iter().filter(|(curve, _)| curve.comm == comm);
+    fn limits(&self, law: &str) -> Vec<f64> {
+        let curves = self.curves.iter().filter(|(curve, _)| curve.comm == law);
         let first = |map: &Map| {
             let far = |x: f64| (x - CONTACT_N_PER_M).abs();
             let column = map.columns.iter().min_by(|a, b| far(a.x).total_cmp(&far(b.x)));
@@ -39,12 +39,12 @@ impl Computed<'_> {
         curves.map(|(_, map)| first(map)).collect()
     }
 
-    fn experiment(&self, section: &str, comm: &str, round_trip_ms: f64) -> Result<&Experiment, Failure> {
-        let is = |one: &&Experiment| one.section == section && one.comm == comm && one.round_trip_ms == round_trip_ms;
+    fn experiment(&self, section: &str, law: &str, round_trip_ms: f64) -> Result<&Experiment, Failure> {
+        let is = |one: &&Experiment| one.section == section && one.law == law && one.round_trip_ms == round_trip_ms;
         self.experiments
             .iter()
             .find(is)
-            .ok_or_else(|| format!("no experiment {section} {comm} {round_trip_ms} ms").into())
+            .ok_or_else(|| format!("no experiment {section} {law} {round_trip_ms} ms").into())
     }
 }
 
@@ -59,7 +59,7 @@ pub fn claims(computed: &Computed<'_>) -> Result<Vec<Claim>, Failure> {
 }
 
 fn figure_4(computed: &Computed<'_>) -> Result<Vec<Claim>, Failure> {
-    let [power, wave, passive] = ["power", "wave", "passive-wave"].map(|comm| computed.limits(comm));
+    let [power, wave, passive] = ["power", "wave", "passive-wave"].map(|law| computed.limits(law));
     let ratios = |over: &[f64], under: &[f64]| over.iter().zip(under).map(|(a, b)| a / b).collect::<Vec<_>>();
     let over_power = ratios(&wave, &power);
     let over_wave = ratios(&passive, &wave);
@@ -114,14 +114,14 @@ fn figure_4(computed: &Computed<'_>) -> Result<Vec<Claim>, Failure> {
 
 fn gains(computed: &Computed<'_>) -> Result<Vec<Claim>, Failure> {
     let mut claims = Vec::new();
-    for (comm, gain, _) in PRINTED {
-        let scene = scenes::load(Laws::built_in(), &format!("paper-5.1-{comm}-16ms"))?;
+    for (law, gain, _) in PRINTED {
+        let scene = scenes::load(Laws::built_in(), &format!("paper-5.1-{law}-16ms"))?;
         let found = crossings(&scene, 12_000.0)?;
         // The boundary that the gain would be at: the nearest one behind which it is unstable.
         let ends = found.crossings.iter().enumerate().filter(|(at, _)| found.stable_at_start == (at % 2 == 0));
         let near = ends.map(|(_, crossing)| *crossing).min_by(|a, b| (a - gain).abs().total_cmp(&(b - gain).abs()));
         let numbers = (gain, near.unwrap_or(f64::NAN), "N/m");
-        let largest = format!("The largest gain of {comm} communications is {gain} N/m (16 ms)");
+        let largest = format!("The largest gain of {law} communications is {gain} N/m (16 ms)");
         claims.push(Claim::number("§5.1, Fig. 6", &largest, numbers, 0.05).unless(|| {
             let side = if numbers.1 > gain { "inside" } else { "outside" };
             Ok(match nearest(&scene, gain)? {
@@ -133,7 +133,7 @@ fn gains(computed: &Computed<'_>) -> Result<Vec<Claim>, Failure> {
                 ),
             })
         })?);
-        let up_to = format!("With {comm} communications every gain up to {gain} N/m is stable (16 ms)");
+        let up_to = format!("With {law} communications every gain up to {gain} N/m is stable (16 ms)");
         let below: Vec<f64> = found.crossings.iter().copied().filter(|crossing| *crossing < gain).collect();
         let words = if below.is_empty() {
             "no boundary below it".to_owned()
@@ -150,14 +150,14 @@ fn gains(computed: &Computed<'_>) -> Result<Vec<Claim>, Failure> {
                 ),
             })
         })?);
-        let stable = computed.experiment("5.1", comm, 16.0)?.outcome.is_stable();
-        let holds = format!("At {gain} N/m {comm} communications are stable with 16 ms round trip");
+        let stable = computed.experiment("5.1", law, 16.0)?.outcome.is_stable();
+        let holds = format!("At {gain} N/m {law} communications are stable with 16 ms round trip");
         claims.push(Claim::holds("Fig. 6", &holds, stable, "a run of 20 s, and its eigenvalues".to_owned()));
     }
-    for (comm, wanted) in [("power", false), ("wave", true), ("passive-wave", true)] {
-        let outcome = &computed.experiment("5.1", comm, 32.0)?.outcome;
+    for (law, wanted) in [("power", false), ("wave", true), ("passive-wave", true)] {
+        let outcome = &computed.experiment("5.1", law, 32.0)?.outcome;
         let word = if wanted { "stays stable" } else { "is not robust" };
-        let claim = format!("At the same gain with 32 ms round trip {comm} {word}");
+        let claim = format!("At the same gain with 32 ms round trip {law} {word}");
         let found = outcome.reason.map_or_else(|| "stable".to_owned(), |reason| reason.to_string());
         claims.push(Claim::holds("§5.1, Fig. 7", &claim, outcome.is_stable() == wanted, found));
     }
@@ -165,15 +165,15 @@ fn gains(computed: &Computed<'_>) -> Result<Vec<Claim>, Failure> {
 }
 
 fn coherency(computed: &Computed<'_>) -> Result<Vec<Claim>, Failure> {
-    let of = |comm| computed.experiment("5.2", comm, 16.0).map(|one| &one.outcome);
+    let of = |law| computed.experiment("5.2", law, 16.0).map(|one| &one.outcome);
     let outcomes = [of("power")?, of("wave")?, of("passive-wave")?];
     let [decoded, all_true] = [
-        outcomes.map(|outcome| outcome.merit(|o| o.whole.decoded_discrepancy_mm).unwrap_or(f64::NAN)),
-        outcomes.map(|outcome| outcome.merit(|o| o.whole.true_discrepancy_mm).unwrap_or(f64::NAN)),
+        outcomes.map(|outcome| outcome.metric(|o| o.whole.decoded_discrepancy_mm).unwrap_or(f64::NAN)),
+        outcomes.map(|outcome| outcome.metric(|o| o.whole.true_discrepancy_mm).unwrap_or(f64::NAN)),
     ];
     let mut claims = Vec::new();
-    for ((comm, _, papers), computed) in PRINTED.into_iter().zip(decoded) {
-        let claim = format!("The mean position discrepancy of {comm} communications is {papers} mm");
+    for ((law, _, papers), computed) in PRINTED.into_iter().zip(decoded) {
+        let claim = format!("The mean position discrepancy of {law} communications is {papers} mm");
         claims.push(
             Claim::number("§5.2, Fig. 9", &claim, (papers, computed, "mm"), WITHIN)
                 .but("read as the distance to the remote copy as it is decoded at the same peer".to_owned()),

@@ -16,7 +16,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use haptic_report::files::{write_csv, write_parquet};
-use haptic_report::{Columns, Made};
+use haptic_report::{Columns, Provenance};
 
 use super::row::Row;
 use crate::Failure;
@@ -37,7 +37,7 @@ impl Journal {
     ///
     /// # Errors
     /// The folder holds another sweep, or a file cannot be read or written.
-    pub fn open(folder: &Path, question: &Made, shard: (usize, usize)) -> Result<(Self, Vec<Row>), Failure> {
+    pub fn open(folder: &Path, question: &Provenance, shard: (usize, usize)) -> Result<(Self, Vec<Row>), Failure> {
         fs::create_dir_all(folder).map_err(|cause| format!("cannot make {}: {cause}", folder.display()))?;
         same_question(folder, &question.toml())?;
         let path = folder.join(format!("rows-{}-of-{}.csv", shard.0, shard.1));
@@ -87,7 +87,7 @@ impl Journal {
 ///
 /// # Errors
 /// A file cannot be written.
-pub fn write(folder: &Path, rows: &Columns, question: &Made) -> Result<Vec<PathBuf>, Failure> {
+pub fn write(folder: &Path, rows: &Columns, question: &Provenance) -> Result<Vec<PathBuf>, Failure> {
     let [csv, parquet, toml] = ["sweep.csv", "sweep.parquet", "sweep.toml"].map(|name| folder.join(name));
     write_csv(rows, &csv)?;
     write_parquet(rows, &parquet, &question.toml())?;

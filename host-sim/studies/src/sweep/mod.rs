@@ -3,7 +3,7 @@
 //! A **point** is one choice of a value for every [`Axis`] of a grid, the last one varying fastest, and at each point of the grid one
 //! point of a [`Sample`], which varies faster still. Every point is run with the same seeds: the
 //! scene's `network.seed` and those after it. A run is that of `cooperate`, in f64, with what the analyser says of the point
-//! (an oscillation may be too slow to grow in a run); its figures of merit are [`MERITS`].
+//! (an oscillation may be too slow to grow in a run); its figures of merit are [`METRICS`].
 //!
 //! **Nothing is chosen**: a run that is not stable is a row with its reason, and a point of which a run has no such figure has no mean
 //! of it. There is no interval of a single run, nor where every seed gave the same run.
@@ -14,7 +14,7 @@
 
 mod axis;
 mod journal;
-mod merits;
+mod metrics;
 mod row;
 mod sample;
 
@@ -25,7 +25,7 @@ use ring::digest::{SHA256, digest};
 
 use haptic_analysis::Conclusion;
 use haptic_core::names::Choice;
-use haptic_report::{Columns, Made, Rows};
+use haptic_report::{Columns, Provenance, Rows};
 use haptic_sim::lanes::{self, number::LANES};
 use haptic_sim::run::{Options, Outcome, Verdict, run};
 use haptic_sim::scene::{Scene, SceneError};
@@ -35,7 +35,7 @@ use super::{Failure, estimate::Estimate};
 
 pub use self::axis::Axis;
 pub use self::journal::{Journal, write};
-pub use self::merits::{MERITS, Merit};
+pub use self::metrics::{METRICS, Metric};
 pub use self::row::Row;
 pub(crate) use self::row::of_runs;
 pub use self::sample::{Design, MOST_KEYS, Sample, Spread};
@@ -141,17 +141,18 @@ impl Sweep {
     ///
     /// # Errors
     /// A trace that cannot be read.
-    pub fn question(&self, made: Made) -> Result<Made, Failure> {
-        let mut made = made.settings(self.scene.settings()).with("number_type", "f64").with("seconds", self.seconds);
-        made = made.with("seeds", self.seeds);
+    pub fn question(&self, provenance: Provenance) -> Result<Provenance, Failure> {
+        let mut provenance =
+            provenance.settings(self.scene.settings()).with("number_type", "f64").with("seconds", self.seconds);
+        provenance = provenance.with("seeds", self.seeds);
         for (number, axis) in (1..).zip(&self.axes) {
-            made = made.with(&format!("over_{number}"), format!("{}={}", axis.key, axis.values.join(",")));
+            provenance = provenance.with(&format!("over_{number}"), format!("{}={}", axis.key, axis.values.join(",")));
         }
         if let Some(sample) = &self.sample {
-            made = made.with("design", sample.design.name()).with("sample_points", sample.points);
-            made = made.with("sample_seed", sample.seed);
+            provenance = provenance.with("design", sample.design.name()).with("sample_points", sample.points);
+            provenance = provenance.with("sample_seed", sample.seed);
             for (number, spread) in (1..).zip(&sample.spreads) {
-                made = made.with(&format!("sample_{number}"), spread.text());
+                provenance = provenance.with(&format!("sample_{number}"), spread.text());
             }
         }
         let listed = self.axes.iter().map(|axis| (&axis.key, axis.values.as_slice()));
@@ -163,9 +164,9 @@ impl Sweep {
         let traces = users.chain(network).cloned().chain(named);
         for (number, trace) in (1..).zip(traces) {
             let bytes = std::fs::read(&trace).map_err(|cause| format!("cannot read {}: {cause}", trace.display()))?;
-            made = made.with(&format!("trace_{number}_sha256"), hex(digest(&SHA256, &bytes).as_ref()));
+            provenance = provenance.with(&format!("trace_{number}_sha256"), hex(digest(&SHA256, &bytes).as_ref()));
         }
-        Ok(made)
+        Ok(provenance)
     }
 
     /// The points of shard I of N.
@@ -232,9 +233,10 @@ impl Sweep {
             let lacking = || points.iter().filter(|(_, seeds, ..)| seeds.contains(&seed));
             let scenes: Vec<Scene> = lacking().map(|(.., scene, _)| with_seed(scene, seed)).collect();
             let outcomes = lanes::run::<f64>(&scenes, self.seconds)?;
-            let told = lacking().zip(&scenes).zip(outcomes);
-            let told = told.map(|(((point, .., verdict), scene), outcome)| Row::of(*point, scene, verdict, outcome));
-            let new: Vec<Row> = told.collect();
+            let finished = lacking().zip(&scenes).zip(outcomes);
+            let finished =
+                finished.map(|(((point, .., verdict), scene), outcome)| Row::of(*point, scene, verdict, outcome));
+            let new: Vec<Row> = finished.collect();
             keep(&new)?;
             rows.extend(new);
         }
@@ -294,12 +296,12 @@ impl Sweep {
             .value("apart_runs", |runs| count(runs, Verdict::Apart))
             .means("in how many of them the copies came apart")
             .head("apart");
-        for (at, merit) in MERITS.iter().enumerate() {
+        for (at, metric) in METRICS.iter().enumerate() {
             let of = |runs: &&[Row]| estimate(runs, at);
-            columns = columns.significant(merit.name(), 4, move |runs| of(runs).map(|found| found.mean));
-            columns = merit.in_text(columns.means(merit.meaning));
-            columns = columns.significant(merit.name_95(), 2, move |runs| of(runs)?.within_95).head("±");
-            columns = merit.in_text(columns.means("half of its 95 % interval over the seeds (Student)"));
+            columns = columns.significant(metric.name(), 4, move |runs| of(runs).map(|found| found.mean));
+            columns = metric.in_text(columns.means(metric.meaning));
+            columns = columns.significant(metric.name_95(), 2, move |runs| of(runs)?.within_95).head("±");
+            columns = metric.in_text(columns.means("half of its 95 % interval over the seeds (Student)"));
         }
         let worst = |runs: &&[Row]| {
             let of = |verdict: Verdict| runs.iter().find(|run| run.verdict == verdict.name());
@@ -332,7 +334,7 @@ impl Row {
             verdict: outcome.verdict().name().to_owned(),
             reason: outcome.reason.map_or_else(String::new, |reason| reason.to_string()),
             spectral_radius: verdict.spectral_radius,
-            merits: MERITS.map(|merit| (merit.of)(&outcome).unwrap_or(f64::NAN)),
+            metrics: METRICS.map(|metric| (metric.of)(&outcome).unwrap_or(f64::NAN)),
             state_hash: format!("{:016x}", outcome.hash),
         }
     }
@@ -351,8 +353,8 @@ pub(crate) fn all_same(runs: &[Row]) -> bool {
 }
 
 /// A figure of merit over the runs of a point, if every one of them has it.
-fn estimate(runs: &[Row], merit: usize) -> Option<Estimate> {
-    let values: Vec<f64> = runs.iter().map(|run| run.merits[merit]).collect();
+fn estimate(runs: &[Row], metric: usize) -> Option<Estimate> {
+    let values: Vec<f64> = runs.iter().map(|run| run.metrics[metric]).collect();
     if values.iter().any(|value| value.is_nan()) {
         return None;
     }
@@ -361,7 +363,7 @@ fn estimate(runs: &[Row], merit: usize) -> Option<Estimate> {
 }
 
 /// A short text that tells a question from others, whenever it is asked.
-pub fn tag(question: &Made) -> String {
+pub fn tag(question: &Provenance) -> String {
     let asked = journal::asked(&question.toml()).join("\n");
     hex(&digest(&SHA256, asked.as_bytes()).as_ref()[..4])
 }

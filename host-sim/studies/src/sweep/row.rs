@@ -4,7 +4,7 @@ use haptic_report::{Column, Columns, Rows};
 use haptic_sim::run::Verdict;
 use serde::{Deserialize, Serialize};
 
-use super::merits::MERITS;
+use super::metrics::METRICS;
 use crate::Failure;
 
 /// What the number of a point means.
@@ -24,7 +24,8 @@ pub struct Row {
     /// Largest |eigenvalue| of a packet period.
     pub spectral_radius: f64,
     /// Figures of merit; NaN where there is none.
-    pub merits: [f64; MERITS.len()],
+    #[serde(rename = "merits")]
+    pub metrics: [f64; METRICS.len()],
     /// Hash of both peers' states over every tick.
     pub state_hash: String,
 }
@@ -69,9 +70,9 @@ pub(crate) fn of_runs(columns: Rows<'_, Row>) -> Columns {
         .means("why it is not stable")
         .number("spectral_radius", 6, |row| row.spectral_radius)
         .means("largest |eigenvalue| over a packet period; its last bits depend on the processor");
-    for (at, merit) in MERITS.iter().enumerate() {
-        let figure = move |row: &Row| Some(row.merits[at]).filter(|figure| !figure.is_nan());
-        columns = columns.significant(merit.name(), 4, figure).means(merit.meaning);
+    for (at, metric) in METRICS.iter().enumerate() {
+        let figure = move |row: &Row| Some(row.metrics[at]).filter(|figure| !figure.is_nan());
+        columns = columns.significant(metric.name(), 4, figure).means(metric.meaning);
     }
     columns
         .value("state_hash", |row| row.state_hash.as_str())

@@ -1,4 +1,4 @@
-//! Cells of the campaign: networks in milliseconds, seeds, means with their intervals, and what is not told.
+//! Cells of the campaign: networks in milliseconds, seeds, means with their intervals, and what is not reported.
 
 use haptic_sim::run::Reason;
 
@@ -76,20 +76,24 @@ fn one_failure_is_not_averaged_away() {
     assert!(columns(&[cell]).row(0)["true_discrepancy_mm"].is_null());
 }
 
-/// On the scene's own network the way is 1 by definition; a longer line is heavier, so that the same push moves it less far.
+/// On the scene's own network the mobility is 1 by definition; a longer line is heavier, so that the same push moves it less far.
 #[test]
 fn the_way_is_that_of_the_scenes_own_network() {
     let scene = base(&["coordination.ledger=false", "coordination.drift_correction=false"]);
     let [own, late] = [("none", &[][..]), ("late", &["network.one_way_delay_packets=20"][..])]
         .map(|network| cells(&scene, &[network]).remove(0));
-    let way = own.way().expect("a way");
-    assert_eq!((way.mean, way.within_95), (1.0, None));
+    let mobility = own.mobility().expect("a way");
+    assert_eq!((mobility.mean, mobility.within_95), (1.0, None));
     // A line of 160 ms and 10 N s/m weighs 1.6 kg more than one of 8 ms.
-    assert!(late.way().is_some_and(|way| way.mean > 0.3 && way.mean < 0.7), "{:?}", late.way());
-    assert!(own.way_peak_n().is_some_and(|peak| peak > 0.1 && peak < 1.0), "{:?}", own.way_peak_n());
+    assert!(
+        late.mobility().is_some_and(|mobility| mobility.mean > 0.3 && mobility.mean < 0.7),
+        "{:?}",
+        late.mobility()
+    );
+    assert!(own.push_peak_n().is_some_and(|peak| peak > 0.1 && peak < 1.0), "{:?}", own.push_peak_n());
 }
 
-/// The last row is the recommended scene: its peers are told the same.
+/// The last row is the recommended scene: its peers are configured with the same.
 #[test]
 fn the_self_timed_row_is_any_network() {
     let laws = Laws::built_in();
@@ -115,8 +119,8 @@ fn few_packets_do_where_the_line_has_margin() {
     assert!(!rows[3].each.is_stable(), "a packet a tick fits no narrow line");
     // N − 8 ticks of T_c·F/b: nothing of four, 1 ms·1 N/60 N·s/m of nine.
     let added = |row: &sending::Row| {
-        let [each, seldom] = [&row.each, &row.seldom].map(|cell| cell.true_discrepancy_mm().expect("stable").mean);
-        seldom - each
+        let [each, sparse] = [&row.each, &row.sparse].map(|cell| cell.true_discrepancy_mm().expect("stable").mean);
+        sparse - each
     };
     assert!(added(&rows[0]).abs() < 1e-3 && (added(&rows[2]) - 1.0 / 60.0).abs() < 1e-3, "{told:?}");
 }

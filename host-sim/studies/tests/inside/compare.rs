@@ -5,11 +5,11 @@ use super::*;
 /// Runs with these values of the first figure of merit.
 fn runs(point: usize, values: &[f64]) -> Vec<Row> {
     let row = |(seed, value): (u32, &f64)| {
-        let mut merits = [f64::NAN; MERITS.len()];
-        merits[0] = *value;
+        let mut metrics = [f64::NAN; METRICS.len()];
+        metrics[0] = *value;
         let reason = if value.is_nan() { format!("seed {seed} failed") } else { String::new() };
         let verdict = if value.is_nan() { "NO" } else { "stable" }.to_owned();
-        Row { point, seed, verdict, reason, spectral_radius: 0.9, merits, state_hash: format!("{value}") }
+        Row { point, seed, verdict, reason, spectral_radius: 0.9, metrics, state_hash: format!("{value}") }
     };
     (1..).zip(values).map(row).collect()
 }

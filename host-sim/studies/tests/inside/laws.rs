@@ -4,12 +4,13 @@ use haptic_core::law::Sends;
 
 use super::*;
 
-/// All of them in the order of the registry, or those that are named; a slip of the pen is told from what there is not.
+/// All of them in the order of the registry, or those that are named; a slip of the pen is distinguished from what
+/// there is not.
 #[test]
 fn laws_are_asked_for_by_name() {
     let laws = Laws::built_in();
-    let names = |text: &str| asked_for(laws, text).map(|kinds| kinds.iter().map(|kind| kind.name).collect::<Vec<_>>());
-    let all: Vec<&str> = laws.kinds().iter().map(|kind| kind.name).collect();
+    let names = |text: &str| asked_for(laws, text).map(|chosen| chosen.iter().map(|law| law.name).collect::<Vec<_>>());
+    let all: Vec<&str> = laws.all().iter().map(|law| law.name).collect();
     assert_eq!(names("all"), Ok(all));
     assert_eq!(names("wave, power,wave"), Ok(vec!["wave", "power"]));
     let refusal = |text: &str| names(text).expect_err("no law");
@@ -22,12 +23,12 @@ fn laws_are_asked_for_by_name() {
 #[test]
 fn every_law_has_the_same_scene_and_its_own_gains() {
     let laws = Laws::built_in();
-    let common: Vec<_> = law_scene(laws, &laws.kinds()[0], None, &[]).expect("a scene").settings();
-    for law in laws.kinds() {
+    let common: Vec<_> = law_scene(laws, &laws.all()[0], None, &[]).expect("a scene").settings();
+    for law in laws.all() {
         let scene = law_scene(laws, law, None, &["user.1.push_n=0.5".to_owned()]).expect("a scene");
         let own = |key: &str| {
             let declared = |gain: &str| gain.split_once('=').is_some_and(|(name, _)| name == key);
-            law.gains.iter().chain(laws.kinds()[0].gains).any(|gain| declared(gain))
+            law.gains.iter().chain(laws.all()[0].gains).any(|gain| declared(gain))
         };
         for (key, value) in scene.settings() {
             match key.as_str() {
@@ -51,13 +52,13 @@ mod outside {
 
     use haptic_core::configured;
     use haptic_core::law::power::Power;
-    use haptic_core::law::{Coupled, Kind, Law, Packet, Seen, Sends};
+    use haptic_core::law::{Coupled, Law, LawInfo, Observation, Packet, Sends};
     use haptic_core::num::{Motion, Scalar};
     use haptic_core::object::{Port, Solve, Staged};
     use haptic_core::settings::{Promise, Refused, Settings};
 
-    const KINDS: [Kind; 2] = [
-        Kind {
+    const LAWS: [LawInfo; 2] = [
+        LawInfo {
             name: "pretends",
             sends: Sends::Motion,
             keys: &[],
@@ -65,7 +66,7 @@ mod outside {
             source: "nobody, never",
             promises: &[Promise::Passive, Promise::NoDrift],
         },
-        Kind {
+        LawInfo {
             name: "pushes-only",
             sends: Sends::Motion,
             keys: &[],
@@ -85,7 +86,7 @@ mod outside {
     configured!([S: Scalar] Outside<S> { power, pushes_only });
 
     impl<S: Scalar> Law<S> for Outside<S> {
-        const KINDS: &'static [Kind] = &KINDS;
+        const LAWS: &'static [LawInfo] = &LAWS;
         type State = Motion<S>;
 
         fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
@@ -97,7 +98,7 @@ mod outside {
         fn receive(&self, desired: &mut Motion<S>, packet: Packet<S>) {
             *desired = packet.motion;
         }
-        fn couple(&self, desired: &mut Motion<S>, seen: &Seen<S>, solve: impl Solve<S>) -> Coupled<S> {
+        fn couple(&self, desired: &mut Motion<S>, seen: &Observation<S>, solve: impl Solve<S>) -> Coupled<S> {
             if !self.pushes_only {
                 return self.power.couple(desired, seen, solve);
             }
@@ -125,8 +126,8 @@ fn with_outside() -> Laws {
 /// The rows of these laws over a network that loses nothing and one that does.
 fn rows(names: &str, networks: &[Named]) -> Vec<Row> {
     let laws = with_outside();
-    let kinds = asked_for(laws, names).expect("laws");
-    let scenes = law_scenes(laws, &kinds, None, &[]).expect("scenes");
+    let chosen = asked_for(laws, names).expect("laws");
+    let scenes = law_scenes(laws, &chosen, None, &[]).expect("scenes");
     over(laws, &scenes, networks, &|| ()).expect("a bench")
 }
 
@@ -138,7 +139,7 @@ const OWN: &[Named] = &[("none", &[])];
 fn every_law_has_a_row_and_runs_as_it_was_judged() {
     let rows = rows("all", OWN);
     let laws = with_outside();
-    let names: Vec<&str> = laws.kinds().iter().map(|kind| kind.name).collect();
+    let names: Vec<&str> = laws.all().iter().map(|law| law.name).collect();
     assert_eq!(rows.iter().map(|row| row.law.name).collect::<Vec<_>>(), names);
     assert!(names.contains(&"pretends") && names.contains(&"power"));
     let table = tables::columns(&rows);
@@ -190,26 +191,26 @@ fn every_promise_is_kept_on_the_worst_networks() {
     let worst: Vec<Named> = networks::IMPAIRMENTS.iter().copied().filter(|(name, _)| WORST.contains(name)).collect();
     assert_eq!(worst.len(), WORST.len());
     let laws = Laws::built_in();
-    let kinds = asked_for(laws, "all").expect("laws");
+    let chosen = asked_for(laws, "all").expect("laws");
     let mut promised = 0;
-    for scene in law_scenes(laws, &kinds, None, &[]).expect("scenes") {
+    for scene in law_scenes(laws, &chosen, None, &[]).expect("scenes") {
         let cells = over_networks(&[(scene.law().name.to_owned(), scene.clone())], &worst, 0).expect("runs");
         for kept in promises::kept(&scene, &cells, &worst).expect("a verdict") {
             assert!(kept.kept, "{}: {kept:?}", scene.law().name);
             promised += 1;
         }
     }
-    assert!(promised > kinds.len() / 2, "{promised} promises");
+    assert!(promised > chosen.len() / 2, "{promised} promises");
 }
 
 /// THEORY §7: the largest K_LC of the midpoint peer at device delays of 0, 0.5 and 1 tick (K_T = 10⁴, mean of eight).
 #[test]
 fn the_largest_contact_is_that_of_the_theory() {
     let laws = Laws::built_in();
-    let kinds = asked_for(laws, "passive-mean").expect("a law");
+    let chosen = asked_for(laws, "passive-mean").expect("a law");
     for (delay, want) in [("0", 7295.0), ("0.5", 3511.0), ("1", 2318.0)] {
         let set = [format!("device.force_delay_ticks={delay}"), "coordination.stiffness_n_per_m=10000".to_owned()];
-        let scene = law_scenes(laws, &kinds, None, &set).expect("a scene").remove(0);
+        let scene = law_scenes(laws, &chosen, None, &set).expect("a scene").remove(0);
         let stability = stability::judged(&scene, true).expect("linear");
         let got = stability::stable_to(&stability.contact);
         assert!((got / want - 1.0).abs() < 0.01, "delay {delay}: {got} N/m, not {want}");

@@ -16,7 +16,7 @@ fn every_law_stands_proved_in_the_page() {
     let wanted: Vec<(&str, bool)> = names().into_iter().map(|name| (name, true)).collect();
     assert_eq!(verdicts, wanted, "host-sim prove --page docs/laws.md");
     // The words around the table are those of the code.
-    let empty = section(&told(&columns(&[])));
+    let empty = section(&report(&columns(&[])));
     let marks = ["law", "(any law)"].map(|mark| empty.find(&format!("\n{mark}")).expect("words"));
     assert!(found.starts_with(&empty[..marks[0]]) && found.ends_with(&empty[marks[1]..]), "{found}");
 }

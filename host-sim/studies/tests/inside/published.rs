@@ -1,4 +1,4 @@
-//! Every law has a number of its paper and a region by two constructions; every number is met, or why not is told.
+//! Every law has a number of its paper and a region by two constructions; every number is met, or why not is reported.
 
 use std::sync::LazyLock;
 
@@ -13,9 +13,9 @@ static ROWS: LazyLock<Vec<Row>> = LazyLock::new(|| rows().expect("measurements")
 fn every_law_has_a_number_of_its_paper() {
     let of = |name: &str| NUMBERS.iter().filter(|number| number.law == name).count();
     let laws = Laws::built_in();
-    let missing: Vec<&str> = laws.kinds().iter().map(|kind| kind.name).filter(|name| of(name) == 0).collect();
+    let missing: Vec<&str> = laws.all().iter().map(|law| law.name).filter(|name| of(name) == 0).collect();
     assert!(missing.is_empty(), "no number of the paper of {missing:?} in NUMBERS");
-    let known = laws.kinds().iter().map(|kind| of(kind.name)).sum::<usize>();
+    let known = laws.all().iter().map(|law| of(law.name)).sum::<usize>();
     assert_eq!(known, NUMBERS.len(), "a number of a law that is not in the registry");
 }
 

@@ -135,7 +135,7 @@ fn mean_discrepancies_are_those_of_the_way_and_the_time() {
 }
 
 /// From the first ask to the last release a lock costs three ways from user to user that nothing hides: the grant of the
-/// first turn, the release that user 2 waits for, and the one that user 1 is told of in the end.
+/// first turn, the release that user 2 waits for, and the one that user 1 is notified of in the end.
 #[test]
 fn a_lock_costs_three_delays() {
     let placed = |delay_ms| {

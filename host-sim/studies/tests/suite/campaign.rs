@@ -9,18 +9,17 @@ const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/campaign.txt
 fn passive_comms_hold_on_every_network_and_the_table_is_as_reviewed() {
     let cells = campaign(haptic_sim::Laws::built_in()).expect("the campaign runs");
     for cell in cells.iter().filter(|cell| cell.passive) {
-        let name = format!("{} over {}", cell.comm, cell.network);
+        let name = format!("{} over {}", cell.law, cell.network);
         let largest = |of: fn(&Outcome) -> f64| cell.outcomes.iter().map(of).fold(0.0, f64::max);
         assert!(cell.outcomes.iter().all(|outcome| outcome.bounded), "{name} diverges: {:?}", cell.reason());
         let made = largest(Outcome::energy_out_over_in);
         assert!(made <= 1.0 + 1e-9, "the line of {name} makes energy: {made}");
-        // The silence ladder and the slew of the forces: no blow, whatever the network does.
+        // The degradation by silence and the slew of the forces: no blow, whatever the network does.
         let jump_n = largest(|outcome| outcome.whole.largest_jump_n);
         assert!(jump_n < 10.0, "{name} jerks by {jump_n} N");
     }
     // The campaign would prove nothing if it broke nothing.
-    let count =
-        |comm: &str, of: &dyn Fn(&&Cell) -> bool| cells.iter().filter(|cell| cell.comm == comm).filter(of).count();
+    let count = |law: &str, of: &dyn Fn(&&Cell) -> bool| cells.iter().filter(|cell| cell.law == law).filter(of).count();
     let broken = count("power", &|cell| cell.count(Verdict::Unstable) > 0);
     assert!(broken >= 15, "only {broken} networks break the power-domain coupling");
     let held_energy = count("wave", &|cell| cell.outcomes.iter().any(|outcome| outcome.energy_out_over_in() > 1.001));
@@ -31,8 +30,8 @@ fn passive_comms_hold_on_every_network_and_the_table_is_as_reviewed() {
         assert_eq!(count("passive-mean+ledger+correction", &apart), 1, "{bursts}");
     }
 
-    // The table is of the comms that are named there; a law that is only in core's list has rows after them.
-    let named: Vec<Cell> = cells.into_iter().filter(|cell| COMMS.iter().any(|(name, ..)| *name == cell.comm)).collect();
+    // The table is of the laws that are named there; a law that is only in core's list has rows after them.
+    let named: Vec<Cell> = cells.into_iter().filter(|cell| COMMS.iter().any(|(name, ..)| *name == cell.law)).collect();
     let table = columns(&named).to_string();
     if std::env::var_os("BLESS").is_some() {
         std::fs::write(FILE, &table).expect("write the snapshot");

@@ -23,16 +23,16 @@ fn added_ms(cost: &Cell) -> Option<f64> {
 fn every_cost_is_what_its_mechanism_must_cost() {
     let mut costs = costs(haptic_sim::Laws::built_in()).expect("the table");
     // Closed forms are known where the network alone makes the delay; the self-timed line learns one of its own.
-    costs.retain(|cost| cost.comm != "self-timed");
+    costs.retain(|cost| cost.law != "self-timed");
     assert_eq!(costs.len(), 2 * (CHOICES.len() - 1));
     // The ledger does not pay for what a plain wave line makes: the copies come apart, and what the hands would feel is no figure.
-    let (apart, costs): (Vec<Cell>, Vec<Cell>) = costs.into_iter().partition(|cost| !cost.is_stable());
-    let names: Vec<_> = apart.iter().map(|cost| (cost.comm.as_str(), cost.network.as_str())).collect();
+    let (diverged, costs): (Vec<Cell>, Vec<Cell>) = costs.into_iter().partition(|cost| !cost.is_stable());
+    let names: Vec<_> = diverged.iter().map(|cost| (cost.law.as_str(), cost.network.as_str())).collect();
     assert_eq!(names, [("wave + ledger", "no loss"), ("wave + ledger", "20 % lost")]);
-    assert!(apart.iter().all(|cost| cost.count(Verdict::Unstable) == 0 && cost.swing.is_none()));
+    assert!(diverged.iter().all(|cost| cost.count(Verdict::Unstable) == 0 && cost.swing.is_none()));
 
     let find = |choice: &str, network: &str| -> &Cell {
-        costs.iter().find(|cost| cost.comm == choice && cost.network == network).expect("the row")
+        costs.iter().find(|cost| cost.law == choice && cost.network == network).expect("the row")
     };
 
     // Held for M ticks: (M − 1)/2 late on average. The mean of M samples: as much again. A wave leaves the tick after.
@@ -49,18 +49,18 @@ fn every_cost_is_what_its_mechanism_must_cost() {
     // A sample that is lost leaves the one before: p/(1 − p) packet periods older on average.
     let older = 0.2 / 0.8 * PACKET_MS;
     for cost in costs.iter().filter(|cost| cost.network == "20 % lost") {
-        let good = added_ms(find(&cost.comm, "no loss")).expect("stable");
-        close(added_ms(cost), good + older, 0.4, &cost.comm);
+        let good = added_ms(find(&cost.law, "no loss")).expect("stable");
+        close(added_ms(cost), good + older, 0.4, &cost.law);
     }
 
     // THEORY §4: a line of impedance b and transit time T weighs b·T more than the copies.
-    for cost in costs.iter().filter(|cost| cost.comm != "power") {
+    for cost in costs.iter().filter(|cost| cost.law != "power") {
         let transit_s = 1e-3 * (PACKET_MS + added_ms(cost).expect("stable"));
-        close(cost.swing.map(|swing| swing.mass_kg), COPIES_KG + IMPEDANCE * transit_s, 0.01, &cost.comm);
+        close(cost.swing.map(|swing| swing.mass_kg), COPIES_KG + IMPEDANCE * transit_s, 0.01, &cost.law);
     }
 
-    // The ledger is what makes a comm passive; correction is what brings the copies together again.
-    for cost in costs.iter().filter(|cost| cost.comm.contains("ledger")) {
+    // The ledger is what makes a law passive; correction is what brings the copies together again.
+    for cost in costs.iter().filter(|cost| cost.law.contains("ledger")) {
         assert!(cost.worst(Outcome::energy_out_over_in).is_some_and(|made| made <= 1.0 + 1e-9), "{cost:?}");
     }
     let [drifting, corrected] = ["passive-mean + ledger", "passive-mean + ledger + correction"]

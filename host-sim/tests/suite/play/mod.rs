@@ -6,9 +6,9 @@
 mod boards;
 mod devtools;
 mod environments;
-mod far;
 mod files;
 mod inputs;
+mod remote;
 
 use std::io::{BufRead as _, BufReader, Read as _};
 use std::path::{Path, PathBuf};
@@ -111,8 +111,8 @@ fn it_ends_when_it_is_asked_to() {
     assert!(report["ticks"].as_u64() > Some(100), "{report}");
 }
 
-/// How punctual the beat is without and with two windows, and how soon a moved pointer is a picture: a table for
-/// `cargo xtask page --measure`, which says for how long.
+/// How punctual the control loop is without and with two windows, and how soon a moved pointer is a picture: a table
+/// for `cargo xtask page --measure`, which says for how long.
 #[test]
 #[ignore = "takes minutes, and tells of the machine"]
 fn how_punctual_and_how_soon() {
@@ -139,10 +139,10 @@ fn pointer_to_picture(play: &Play) -> [f64; 3] {
     let hand = middle(&mut browser, &one, "hand");
     browser.mouse(&one, "mousePressed", hand);
     let ([start, mut frames], started) = (browser.numbers(&one, "[page.frames(), 0]"), Instant::now());
-    let (mut at, mut way, mut seen, mut took) = (hand, 30.0, [f64::NAN; 2], 0.0);
+    let (mut at, mut swing, mut seen, mut took) = (hand, 30.0, [f64::NAN; 2], 0.0);
     while browser.evaluate(&one, "document.getElementById('status').textContent.startsWith('closed')") != true {
-        at = drag(&mut browser, &one, at, way);
-        way = -way;
+        at = drag(&mut browser, &one, at, swing);
+        swing = -swing;
         let [half, most, now] = browser.numbers(&one, "[page.lag(0.5), page.lag(0.95), page.frames()]");
         (seen, frames, took) = ([half, most], now, started.elapsed().as_secs_f64());
     }
@@ -170,7 +170,7 @@ fn two_windows_hold_one_object() {
         browser.wait(window, "Number(document.getElementById('true').textContent) < 5");
     }
 
-    // How soon a hand is drawn on its way after its pointer has moved is told.
+    // How soon a hand is drawn on its way after its pointer has moved is reported.
     let lags: [f64; 2] = browser.numbers(&one, "[page.lag(0.5), page.lag(0.95)]");
     assert!(lags[0] > 0.0 && lags[1] >= lags[0], "{lags:?}");
     println!("pointer to picture, ms at 50 and 95 %: {lags:?}");

@@ -1,5 +1,5 @@
 //! Everything that can happen to a model within so many actions, depth first; a state that was searched as deep before is not
-//! searched again. States are told apart by a fingerprint of 64 bits.
+//! searched again. States are distinguished by a fingerprint of 64 bits.
 
 use std::collections::HashMap;
 use std::fmt::Debug;
@@ -21,7 +21,7 @@ pub(super) trait Model: Clone {
 
 /// What a search has seen.
 #[derive(Debug)]
-pub(super) struct Seen<A, P> {
+pub(super) struct SearchResult<A, P> {
     /// Different states.
     pub(super) states: usize,
     /// Actions tried.
@@ -57,18 +57,18 @@ impl<A: Copy> Search<A> {
 }
 
 /// All sequences of up to `depth` actions, until a promise is broken.
-pub(super) fn all<M: Model>(start: &M, depth: u32) -> Seen<M::Action, M::Promise> {
+pub(super) fn all<M: Model>(start: &M, depth: u32) -> SearchResult<M::Action, M::Promise> {
     let mut search = Search { known: HashMap::new(), path: Vec::new(), actions: 0 };
     let broken = search.below(start, depth).err().map(|promise| (search.path, promise));
-    Seen { states: search.known.len(), actions: search.actions, broken }
+    SearchResult { states: search.known.len(), actions: search.actions, broken }
 }
 
 /// The shortest sequence of up to `depth` actions that breaks a promise.
-pub(super) fn shortest<M: Model>(start: &M, depth: u32) -> Seen<M::Action, M::Promise> {
+pub(super) fn shortest<M: Model>(start: &M, depth: u32) -> SearchResult<M::Action, M::Promise> {
     let mut seen = all(start, 0);
     for depth in 1..=depth {
         let next = all(start, depth);
-        seen = Seen { actions: seen.actions + next.actions, ..next };
+        seen = SearchResult { actions: seen.actions + next.actions, ..next };
         if seen.broken.is_some() {
             break;
         }

@@ -127,13 +127,13 @@ pub(super) enum Action {
 }
 
 /// A datagram, when it was said, µs, and its fingerprint.
-struct Said {
+struct SentDatagram {
     bytes: Vec<u8>,
     at: u64,
     mark: u64,
 }
 
-impl Said {
+impl SentDatagram {
     fn is_sealed(&self) -> bool {
         self.bytes[1] == Header::KIND
     }
@@ -183,7 +183,7 @@ pub(super) struct World {
     fresh: Rc<[Vec<Rc<End>>; 2]>,
     truth: [Truth; 2],
     /// All that was ever said to each end.
-    said: [Vec<Rc<Said>>; 2],
+    said: [Vec<Rc<SentDatagram>>; 2],
     /// How many lines were said, and when those were that were done.
     lines: u8,
     done: Vec<u64>,
@@ -232,7 +232,7 @@ impl World {
         self.promises.hold(Promise::NonceOnce, !said.iter().any(|before| key_and_nonce(&before.bytes)));
         *waiting |= 1u64.checked_shl(said.len() as u32).expect("at most 64 datagrams each way");
         let mark = mark(|hasher| (datagram, self.now).hash(hasher));
-        said.push(Rc::new(Said { bytes: datagram.to_vec(), at: self.now, mark }));
+        said.push(Rc::new(SentDatagram { bytes: datagram.to_vec(), at: self.now, mark }));
     }
 
     /// All that this end has to say sets out.

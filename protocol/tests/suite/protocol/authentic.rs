@@ -2,7 +2,7 @@
 //! not know. A `Link` never says such things, so they are sealed here by a second implementation ([`crate::protocol::format`]).
 
 use haptic_protocol::link::{Error, Link, Stage};
-use haptic_protocol::wire::{self, Along, Flow, MAX_DATAGRAM, Message};
+use haptic_protocol::wire::{self, AxisFlow, Flow, MAX_DATAGRAM, Message};
 
 use crate::protocol::format::{GREETING, Session, hello, hello_with};
 use crate::protocol::world::{CLEAN, PERIOD, Rng, World, config};
@@ -148,7 +148,8 @@ fn greetings_bring_about_a_multiplication_every_50_ms_and_no_more() {
 }
 
 fn flow(tick: u32) -> (Flow, [u8; Flow::LEN]) {
-    let flow = Flow { engaged: true, tick, axes: [Along { position: 0.25, ..Along::default() }], ..Flow::default() };
+    let flow =
+        Flow { engaged: true, tick, axes: [AxisFlow { position: 0.25, ..AxisFlow::default() }], ..Flow::default() };
     let mut bytes = [0; Flow::LEN];
     flow.emit(&mut bytes).expect("finite numbers");
     (flow, bytes)

@@ -54,7 +54,7 @@ fn parameters_that_differ_are_refused_by_name_at_both_ends() {
     }
     let error = Error::Parameters("coordination");
     assert_eq!(error.to_string(), "the other peer has other parameters: coordination");
-    // Told better, it is taken.
+    // Configured better, it is taken.
     world.restart(1);
     assert!(world.run_until(200_000, World::is_engaged).is_some());
     assert_eq!(world.links[0].refused(), None);

@@ -1,7 +1,7 @@
 //! Every message as bytes that were written down by hand, and what version 2 refuses.
 
 use haptic_protocol::wire::{
-    Ack, Along, Ask, Bits, Error, Event, Flow, Flow2, Flow3, Goodbye, Greeting, GreetingKind, Header, MAX_MESSAGE,
+    Ack, Ask, AxisFlow, Bits, Error, Event, Flow, Flow2, Flow3, Goodbye, Greeting, GreetingKind, Header, MAX_MESSAGE,
     Message, Moved, Page, Part, Payload, PeerId, Presence, Probe, Push, Reply, Sample, Sighting, Stamps, TABLES,
     Telemetry, Topic,
 };
@@ -48,7 +48,7 @@ fn flow() {
         engaged: true,
         fading: false,
         tick: 0x1234_5678,
-        axes: [Along {
+        axes: [AxisFlow {
             position: 1.0,
             velocity: -0.5,
             wave: 2.5,
@@ -72,7 +72,7 @@ fn flow_of_several_axes() {
     // Kind, fading, tick; then every axis as the one of a flow has it.
     let head = |kind| vec![kind, 2, 0, 0, 0x78, 0x56, 0x34, 0x12];
     let axis = |first| [&[0, 0, first, 0x3f][..], &[0; 24], &[first, 0, 0, 0]].concat();
-    let along = |position, live_ticks| Along { position, live_ticks, ..Along::default() };
+    let along = |position, live_ticks| AxisFlow { position, live_ticks, ..AxisFlow::default() };
     let (one, two, three) = (along(1.0, 0x80), along(0.5, 0), along(0.5625, 0x10));
     let two_axes = [head(10), axis(0x80), axis(0)].concat();
     is(Flow2 { engaged: false, fading: true, tick: 0x1234_5678, axes: [one, two] }, &two_axes);

@@ -2,12 +2,12 @@
 
 mod authentic;
 mod clock;
+mod degradation;
 mod events;
 mod format;
 mod fresh;
 mod handshake;
 mod key;
-mod ladder;
 mod layouts;
 mod lines;
 mod memory;

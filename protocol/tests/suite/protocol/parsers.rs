@@ -2,7 +2,7 @@
 
 use haptic_protocol::link::Link;
 use haptic_protocol::wire::{
-    Ack, Along, Ask, Bits, Event, Flow, Flow2, Flow3, Goodbye, Greeting, GreetingKind, Header, MAX_DATAGRAM,
+    Ack, Ask, AxisFlow, Bits, Event, Flow, Flow2, Flow3, Goodbye, Greeting, GreetingKind, Header, MAX_DATAGRAM,
     MAX_MESSAGE, Message, Moved, Page, Part, Payload, PeerId, Presence, Probe, Push, Reply, Sample, Sighting, TABLES,
     Telemetry, Topic, VERSION,
 };
@@ -21,7 +21,7 @@ fn f64s() -> impl Strategy<Value = f64> {
 
 fn messages() -> impl Strategy<Value = Message> {
     let along = (any::<u32>(), f32s(), f32s(), f32s(), f64s(), f64s()).prop_map(
-        |(live_ticks, position, velocity, wave, wave_integral, energy_sent)| Along {
+        |(live_ticks, position, velocity, wave, wave_integral, energy_sent)| AxisFlow {
             position,
             velocity,
             wave,

@@ -1,4 +1,4 @@
-//! Packets of haptic-core on the wire, and what two peers must have been told alike.
+//! Packets of haptic-core on the wire, and what two peers must be configured with alike.
 
 use haptic_core::law::Packet;
 use haptic_core::num::Motion;
@@ -38,13 +38,13 @@ fn what_is_each_devices_own_may_differ_and_nothing_else() {
             Allowed::Whole { min, max } => other(&[min, max].map(|whole| Value::Number(whole.into()))),
             Allowed::Flag => other(&[false, true].map(Value::Flag)),
             Allowed::Names(names) => names.iter().map(|name| Value::Text(name)).find(|value| *value != now),
-            Allowed::Kinds(kinds) => kinds.iter().map(|kind| Value::Text(kind.name)).find(|value| *value != now),
+            Allowed::Laws(kinds) => kinds.iter().map(|kind| Value::Text(kind.name)).find(|value| *value != now),
             Allowed::Only(_) => None,
         };
         let other = other.expect("another value");
         let mut changed = settings;
         changed.set(key.name, other).expect("an allowed value");
-        let own = Schema::BUILT_IN.kinds().iter().any(|law| law.keys.iter().any(|own| own.name == key.name));
+        let own = Schema::BUILT_IN.laws().iter().any(|law| law.keys.iter().any(|own| own.name == key.name));
         let tables = ["timing.", "object.", "coordination."];
         let shared = own || key.name == "axis.shared" || tables.iter().any(|table| key.name.starts_with(table));
         assert_eq!(parameters_of(&changed) != parameters_of(&settings), shared, "{}", key.name);

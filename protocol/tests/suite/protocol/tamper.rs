@@ -4,7 +4,7 @@
 use haptic_protocol::ends::Ends;
 use haptic_protocol::key::Key;
 use haptic_protocol::link::{Config, Error, Link};
-use haptic_protocol::wire::{Along, Event, Flow, MAX_DATAGRAM, PeerId, Telemetry};
+use haptic_protocol::wire::{AxisFlow, Event, Flow, MAX_DATAGRAM, PeerId, Telemetry};
 
 use crate::protocol::world::{PERIOD, Rng, World, config, state};
 
@@ -35,7 +35,8 @@ fn sealed() -> Vec<(&'static str, usize, World, Vec<u8>)> {
 
     let mut world = silent(1);
     let now = world.clock(0);
-    let flow = Flow { engaged: true, tick: 9, axes: [Along { position: 0.25, ..Along::default() }], ..Flow::default() };
+    let flow =
+        Flow { engaged: true, tick: 9, axes: [AxisFlow { position: 0.25, ..AxisFlow::default() }], ..Flow::default() };
     let len = world.links[0].send(now, flow, &mut out).unwrap();
     all.push(("flow", 88, world, out[..len].to_vec()));
 

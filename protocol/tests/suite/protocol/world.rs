@@ -4,7 +4,7 @@ use haptic_protocol::ends::Ends;
 use haptic_protocol::key::Key;
 use haptic_protocol::link::{Config, Link, Notice, Stage};
 use haptic_protocol::parameters::{Parameters, Table};
-use haptic_protocol::wire::{Along, Event, Flow, MAX_DATAGRAM, Message, PeerId};
+use haptic_protocol::wire::{AxisFlow, Event, Flow, MAX_DATAGRAM, Message, PeerId};
 
 pub(crate) use super::random::Rng;
 
@@ -165,7 +165,7 @@ impl World {
             }
             // The two peers' packet periods do not coincide.
             if self.tick % 8 == 3 * peer as u32 && !self.quiet[peer] {
-                let along = Along { position: 0.5, energy_sent: f64::from(self.tick), ..Along::default() };
+                let along = AxisFlow { position: 0.5, energy_sent: f64::from(self.tick), ..AxisFlow::default() };
                 let flow = Flow { tick: self.tick, axes: [along], ..Flow::default() };
                 let mut out = [0; MAX_DATAGRAM];
                 if let Some(len) = self.links[peer].send(self.clock(peer), flow, &mut out) {

@@ -13,7 +13,7 @@ use crate::part::{Bridges, MOTORS};
 /// PWM steps from zero to full duty on the board (firmware/src/board/bridges.rs).
 pub const PWM_STEPS: u32 = 6000;
 
-/// What a scene is told for devices with windings, their motors in current loops.
+/// What a scene is configured with for devices with windings, their motors in current loops.
 pub const CURRENT_LOOP: [&str; 4] =
     ["plant.encoder=true", "plant.motor=true", "plant.winding=true", "plant.drive=current"];
 
@@ -61,7 +61,7 @@ impl Device {
         self.motors().has_stage().then(|| self.0.clone())
     }
 
-    /// One period under what the bridges are told, and where its encoders are then; one that moves by itself does so from the next tick on, which
+    /// One period under what the bridges are commanded, and where its encoders are then; one that moves by itself does so from the next tick on, which
     /// is after `begins_ns`.
     pub(super) fn step(&self, time_s: f64, bridges: &Bridges, begins_ns: u64) -> Option<[i64; MOTORS]> {
         let mut motors = self.motors();
@@ -73,7 +73,7 @@ impl Device {
     }
 }
 
-/// The duties that give what the bridges are told, to half a step.
+/// The duties that give what the bridges are commanded, to half a step.
 pub fn duties(bridges: &Bridges) -> [Duty; MOTORS] {
     bridges.voltages().map(|steps| {
         let full = f64::from(Duty::FULL_SCALE);

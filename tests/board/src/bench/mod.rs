@@ -2,8 +2,8 @@
 //!
 //! Time goes in steps of 1 ms that end in the middle between two ticks. At every stop, in this order: frames that left go
 //! onto the wire and those that arrived come off it; each device (host-sim's plant) moves by one period under what its
-//! board's bridges are told; its encoder begins to turn there. So a device does on the bench exactly what it does in
-//! host-sim's harness, and what is compared is the board.
+//! board's bridges are commanded; its encoder begins to turn there. So a device does on the bench exactly what it does
+//! in host-sim's harness, and what is compared is the board.
 //!
 //! What a person does there stands in `person.rs`, what a device is on a board in `device.rs`.
 
@@ -347,7 +347,7 @@ impl Bench {
         Armed { records, standing: records.iter().take_while(|record| record.tick() < first).count() }
     }
 
-    /// The ticks of a board (1 or 2) along its further shared axes, every one, as it told them.
+    /// The ticks of a board (1 or 2) along its further shared axes, every one, as it reported them.
     pub fn further(&self, number: usize) -> &[Record] {
         &self.pc.further[number - 1]
     }

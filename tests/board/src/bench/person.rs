@@ -63,7 +63,7 @@ impl Bench {
         self.inputs.iter_mut().for_each(|inputs| inputs.button = Some(held));
     }
 
-    /// Tells a board (1 or 2) that was told nothing else that amplifiers make its motors' currents: what the bench's devices are without a scene.
+    /// Tells a board (1 or 2) with no other settings that amplifiers make its motors' currents: what the bench's devices are without a scene.
     ///
     /// # Panics
     /// It does not take it.

@@ -12,7 +12,7 @@ use haptic_sim::Laws;
 use haptic_sim::run::Outcome;
 use haptic_sim::scenes;
 use haptic_studies::figures;
-use host_sim::made;
+use host_sim::provenance;
 use serde_json::json;
 
 /// The scene that is run without `--scene`: the cooperation paper's §5.2, passive wave.
@@ -63,10 +63,11 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
         (None, false) => Some(PathBuf::from("out/board")),
         (out, _) => out.clone(),
     };
-    let made = made().settings(scene.settings()).with("number_type", "f32").with("seconds", arguments.seconds);
+    let provenance =
+        provenance().settings(scene.settings()).with("number_type", "f32").with("seconds", arguments.seconds);
     let written = match folder {
         Some(folder) => {
-            let mut files = Files::new(&folder, &name, made);
+            let mut files = Files::new(&folder, &name, provenance);
             files.csv(&trial.boards.axes[0].table)?;
             files.figure(None, &figures::run(&format!("{name}, two virtual boards"), &trial.boards, 0))?;
             files.write()?
@@ -95,18 +96,18 @@ fn document(name: &str, trial: &Trial, written: &[PathBuf]) -> serde_json::Value
         "stable": boards.is_stable(),
         "verdict": boards.verdict().name(),
         "reason": boards.reason.map(|reason| reason.to_string()),
-        "decoded_discrepancy_mm": boards.merit(|o| o.whole.decoded_discrepancy_mm),
+        "decoded_discrepancy_mm": boards.metric(|o| o.whole.decoded_discrepancy_mm),
         "true_discrepancy_mm": boards.whole(|o| o.whole.true_discrepancy_mm),
-        "coordination_force_n": boards.merit(|o| o.whole.coordination_force_n),
+        "coordination_force_n": boards.metric(|o| o.whole.coordination_force_n),
         "peak_coordination_force_n": boards.whole(|o| o.whole.peak_coordination_force_n),
         "energy_out_over_in": boards.whole(Outcome::energy_out_over_in),
         "peer_energy_out_over_in": boards.whole(Outcome::peer_energy_out_over_in).flatten(),
         "fault": fault(boards),
         "host_sim": {
             "reason": host_sim.reason.map(|reason| reason.to_string()),
-            "decoded_discrepancy_mm": host_sim.merit(|o| o.whole.decoded_discrepancy_mm),
+            "decoded_discrepancy_mm": host_sim.metric(|o| o.whole.decoded_discrepancy_mm),
             "true_discrepancy_mm": host_sim.whole(|o| o.whole.true_discrepancy_mm),
-            "coordination_force_n": host_sim.merit(|o| o.whole.coordination_force_n),
+            "coordination_force_n": host_sim.metric(|o| o.whole.coordination_force_n),
             "fault": fault(host_sim),
         },
         "ticks": boards.ticks,
@@ -132,11 +133,11 @@ fn print(name: &str, trial: &Trial) {
         .value("reason", |o| o.reason.map(|reason| reason.to_string()))
         .number("true_discrepancy_mm", 4, |o| o.whole(|o| o.whole.true_discrepancy_mm))
         .head("true discrepancy |x_o1 - x_o2|")
-        .number("decoded_discrepancy_mm", 4, |o| o.merit(|o| o.whole.decoded_discrepancy_mm))
+        .number("decoded_discrepancy_mm", 4, |o| o.metric(|o| o.whole.decoded_discrepancy_mm))
         .head("decoded discrepancy |x_o - x_d|, peer 2")
-        .number("mean_n", 4, |o| o.merit(|o| o.whole.coordination_force_n.mean))
+        .number("mean_n", 4, |o| o.metric(|o| o.whole.coordination_force_n.mean))
         .head("coordination force, peer 2: mean")
-        .number("sd_n", 4, |o| o.merit(|o| o.whole.coordination_force_n.sd))
+        .number("sd_n", 4, |o| o.metric(|o| o.whole.coordination_force_n.sd))
         .head("coordination force, peer 2: standard deviation")
         .number("peak_coordination_force_n", 4, |o| o.whole(|o| o.whole.peak_coordination_force_n))
         .value("fault", |o| fault(o).unwrap_or_else(|| "none".to_owned()));

@@ -61,11 +61,11 @@ impl EncoderTimer {
 
     /// [`EncoderTimer::turn`] within another time, ns.
     pub fn turn_within(&mut self, counts: i64, spread_ns: u64, context: &mut DeviceContext<'_>) {
-        let way = counts - self.target();
-        if way == 0 {
+        let remaining = counts - self.target();
+        if remaining == 0 {
             return;
         }
-        self.pending.extend(std::iter::repeat_n(way.signum(), way.unsigned_abs() as usize));
+        self.pending.extend(std::iter::repeat_n(remaining.signum(), remaining.unsigned_abs() as usize));
         self.every_ns = (spread_ns / self.pending.len() as u64).max(CLOSEST_NS);
         if self.next.is_none() {
             self.schedule(context);

@@ -26,7 +26,7 @@ const FIFO: usize = 2048;
 
 /// What the two halves know of each other.
 #[derive(Debug, Default)]
-struct Shared {
+struct MacState {
     receiver: bool,
     transmitter: bool,
     promiscuous: bool,
@@ -35,7 +35,7 @@ struct Shared {
     up_at: Option<u64>,
 }
 
-impl Shared {
+impl MacState {
     fn up(&self, now: VirtualNanos) -> bool {
         self.cable && self.up_at.is_some_and(|at| now.0 >= at)
     }
@@ -48,27 +48,27 @@ impl Shared {
 
 /// Model of the MAC and the PHY behind it.
 #[derive(Debug)]
-pub struct Mac(Arc<Mutex<Shared>>);
+pub struct Mac(Arc<Mutex<MacState>>);
 
 /// Both halves, with the cable in.
 pub fn pair() -> (Mac, Dma) {
-    let shared = Arc::new(Mutex::new(Shared { cable: true, ..Shared::default() }));
-    (Mac(shared.clone()), Dma { shared, ..Dma::default() })
+    let state = Arc::new(Mutex::new(MacState { cable: true, ..MacState::default() }));
+    (Mac(state.clone()), Dma { state, ..Dma::default() })
 }
 
 impl Mac {
     /// Pulls the cable, or puts it back in.
     pub fn plug(&mut self, now: VirtualNanos, cable: bool) {
-        let mut shared = self.0.lock().expect("no panic holds it");
-        shared.cable = cable;
-        shared.up_at = cable.then_some(now.0 + NEGOTIATION_NS);
+        let mut state = self.0.lock().expect("no panic holds it");
+        state.cable = cable;
+        state.up_at = cable.then_some(now.0 + NEGOTIATION_NS);
     }
 
     /// PHY registers of a LAN8742A at address 0; other addresses float.
-    fn phy(shared: &Shared, phy: u64, register: u64, now: VirtualNanos) -> u64 {
+    fn phy(state: &MacState, phy: u64, register: u64, now: VirtualNanos) -> u64 {
         match (phy, register) {
             (0, 0) => 0x3000,
-            (0, 1) if shared.up(now) => 0x782D,
+            (0, 1) if state.up(now) => 0x782D,
             (0, 1) => 0x7809,
             (0, 2) => 0x0007,
             (0, 3) => 0xC131,
@@ -82,25 +82,25 @@ impl Device for Mac {
     type Register = m::Register;
     fn write(&mut self, register: m::Register, value: u64, f: &mut RegisterFile, c: &mut DeviceContext<'_>) {
         use m::Register as R;
-        let shared = &mut *self.0.lock().expect("no panic holds it");
+        let state = &mut *self.0.lock().expect("no panic holds it");
         match register {
             R::Maccr => {
-                shared.receiver = value & 1 != 0;
-                shared.transmitter = value & 2 != 0;
+                state.receiver = value & 1 != 0;
+                state.transmitter = value & 2 != 0;
             }
-            R::Macpfr => shared.promiscuous = value & 1 != 0,
+            R::Macpfr => state.promiscuous = value & 1 != 0,
             // The low word is written last, and takes the high one with it.
             R::Maca0lr => {
                 let (low, high) = (value as u32, f.get(R::Maca0hr) as u16);
-                shared.address[..4].copy_from_slice(&low.to_le_bytes());
-                shared.address[4..].copy_from_slice(&high.to_le_bytes());
+                state.address[..4].copy_from_slice(&low.to_le_bytes());
+                state.address[4..].copy_from_slice(&high.to_le_bytes());
             }
             R::Macmdioar if value & 1 != 0 => {
                 let (phy, number, operation) = (value >> 21 & 31, value >> 16 & 31, value >> 2 & 3);
                 if operation == 3 {
-                    f.set(R::Macmdiodr, Self::phy(shared, phy, number, c.now()));
+                    f.set(R::Macmdiodr, Self::phy(state, phy, number, c.now()));
                 } else if (phy, number) == (0, 0) && f.get(R::Macmdiodr) & 1 << 9 != 0 {
-                    shared.up_at = Some(c.now().0 + NEGOTIATION_NS);
+                    state.up_at = Some(c.now().0 + NEGOTIATION_NS);
                 }
                 f.set(R::Macmdioar, value & !1);
             }
@@ -108,8 +108,8 @@ impl Device for Mac {
         }
     }
     fn reset(&mut self) {
-        let mut shared = self.0.lock().expect("no panic holds it");
-        *shared = Shared { cable: shared.cable, ..Shared::default() };
+        let mut state = self.0.lock().expect("no panic holds it");
+        *state = MacState { cable: state.cable, ..MacState::default() };
     }
 }
 
@@ -136,7 +136,7 @@ const UNREACHABLE: [Range<u32>; 2] = [0x2000_0000..0x2002_0000, 0..0x0001_0000];
 /// The DMA and its channel.
 #[derive(Debug, Default)]
 pub struct Dma {
-    shared: Arc<Mutex<Shared>>,
+    state: Arc<Mutex<MacState>>,
     /// Frames that left, with the time.
     pub sent: Vec<(u64, Vec<u8>)>,
     /// Frames on the wire, not yet looked at.
@@ -213,12 +213,12 @@ impl Dma {
 
     /// Takes what is on the wire into the FIFO, as far as it is for us and fits.
     fn listen(&mut self, now: VirtualNanos) {
-        let shared = self.shared.clone();
-        let shared = shared.lock().expect("no panic holds it");
+        let state = self.state.clone();
+        let state = state.lock().expect("no panic holds it");
         for frame in self.inbox.drain(..) {
-            if !(shared.receiver && shared.up(now)) {
+            if !(state.receiver && state.up(now)) {
                 self.unlinked += 1;
-            } else if !shared.takes(&frame) {
+            } else if !state.takes(&frame) {
                 self.filtered += 1;
             } else if self.rx_starved && self.fifo.iter().map(Vec::len).sum::<usize>() + frame.len() > FIFO {
                 self.overflowed += 1;
@@ -319,13 +319,13 @@ impl Device for Dma {
             TX_DONE => {
                 let mut frame = std::mem::take(&mut self.tx_data);
                 frame.truncate((self.tx_descriptor[2] & 0x3FFF) as usize);
-                let shared = self.shared.lock().expect("no panic holds it");
-                if shared.transmitter && shared.up(c.now()) {
+                let state = self.state.lock().expect("no panic holds it");
+                if state.transmitter && state.up(c.now()) {
                     self.sent.push((c.now().0, frame));
                 } else {
                     self.unlinked += 1;
                 }
-                drop(shared);
+                drop(state);
                 self.tx_at = (self.tx_at + 1) % (f.get(d::Register::Dmactxrlr) as u32 + 1);
                 self.tx_busy = false;
                 self.raise(TRANSMITTED, f, c);
@@ -365,7 +365,7 @@ impl Device for Dma {
 
     fn reset(&mut self) {
         *self = Self {
-            shared: self.shared.clone(),
+            state: self.state.clone(),
             sent: std::mem::take(&mut self.sent),
             inbox: std::mem::take(&mut self.inbox),
             filtered: self.filtered,

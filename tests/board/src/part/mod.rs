@@ -310,7 +310,7 @@ impl Part {
         Device::poll(&mut self.dma, registers, &mut context);
     }
 
-    /// What the bridges are told now.
+    /// What the bridges are commanded now.
     pub fn bridges(&mut self, at: VirtualNanos) -> Bridges {
         let mut peek = |address| self.peek(at, address, Width::W32).unwrap_or(0);
         let (mode, output) = (peek(0x5802_1400), peek(0x5802_1414));

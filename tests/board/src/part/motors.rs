@@ -2,7 +2,7 @@
 //!
 //! With windings ([`Motors::period`]) the node that runs the board calls it at every update of the bridges' timer, so that voltage, current,
 //! force, motion and back-EMF go round within the PWM period, by the very functions that host-sim's own drive calls. Without, the bench
-//! moves it once a control period under the duties that the bridges are told ([`Motors::step`]).
+//! moves it once a control period under the duties that the bridges are commanded ([`Motors::step`]).
 
 use haptic_core::device::encoder::Counts;
 use haptic_core::device::{AXES, Reading, motor::Duty};

@@ -170,13 +170,13 @@ impl<'a> Stack<'a> {
         Ok(callees)
     }
 
-    fn depth(&mut self, place: &Place, way: &mut Vec<Place>) -> Result<u64, String> {
+    fn depth(&mut self, place: &Place, path: &mut Vec<Place>) -> Result<u64, String> {
         if let Some((bytes, _)) = self.known.get(place) {
             return Ok(*bytes);
         }
-        if way.contains(place) {
+        if path.contains(place) {
             let names: Vec<String> =
-                way.iter().skip_while(|on_it| *on_it != place).map(|place| self.name(place.0)).collect();
+                path.iter().skip_while(|on_it| *on_it != place).map(|place| self.name(place.0)).collect();
             return Err(format!("{} calls itself, and calls.txt does not say how often", names.join(", which calls ")));
         }
         let (at, mut left) = place.clone();
@@ -193,16 +193,16 @@ impl<'a> Stack<'a> {
                 *left -= 1;
             }
         }
-        way.push(place.clone());
+        path.push(place.clone());
         let mut deepest = (0, None);
         for callee in self.callees(at)? {
             let next = (callee, left.clone());
-            let bytes = self.depth(&next, way)?;
+            let bytes = self.depth(&next, path)?;
             if bytes > deepest.0 {
                 deepest = (bytes, Some(next));
             }
         }
-        way.pop();
+        path.pop();
         let bytes = self.code.functions[&at].body.frame() + deepest.0;
         self.known.insert(place.clone(), (bytes, deepest.1));
         Ok(bytes)

@@ -1,4 +1,4 @@
-//! What turns outputs off in hardware does so at once, and is told apart; a board without its external clock starts, talks, and is not
+//! What turns outputs off in hardware does so at once, and is distinguished; a board without its external clock starts, talks, and is not
 //! armed.
 //!
 //! Not shown, because the emulator does not model it: that SYSCFG_CFGR connects the voltage detector and a locked-up core to the break.

@@ -49,7 +49,7 @@ fn pulled_and_put_back() {
             assert!(said.any(|said| said.starts_with(line)), "{line:?} is not in its place in {number}: {log:#?}");
         }
     }
-    // Board 1 was out of its operator's reach: it says so, and sends ticks again once it is told to.
+    // Board 1 was out of its operator's reach: it says so, and sends ticks again once it is asked to.
     let log = bench.log(&firmware, 1);
     assert!(log.iter().any(|said| said == "operator: gone"), "{log:#?}");
     bench.meet(1);

@@ -1,4 +1,4 @@
-//! A person brings a board up: host-sim's steps against the release image, closed around a device whose numbers they are not told.
+//! A person brings a board up: host-sim's steps against the release image, closed around a device whose numbers they are not given.
 
 use std::cell::RefCell;
 use std::path::Path;
@@ -77,7 +77,7 @@ impl Person for Table {
     }
 }
 
-/// A device whose numbers a board is not told, as somebody at a table has it; `set` says what it is beside that.
+/// A device whose numbers a board is not given, as somebody at a table has it; `set` says what it is beside that.
 fn table(set: &[&str]) -> Table {
     let mut truth = Scene::default();
     for text in [

@@ -1,4 +1,4 @@
-//! Encoders that fail while the device moves, at the force limits of a board that was told nothing: their edges and index tell, and what
+//! Encoders that fail while the device moves, at the force limits of a board with its default settings: their edges and index tell, and what
 //! motors in current loops show of their speed. The rows become the table in docs/hardware.md; `HAPTIC_BLESS=1` writes it, otherwise it must be there.
 
 use std::sync::Arc;
@@ -10,7 +10,7 @@ use board_bench::wire::Line;
 use haptic_sim::Laws;
 use haptic_sim::scene::{PlantFault, Scene};
 
-/// A device whose user pushes it with 3 N at 3 Hz, with motors in current loops and the limits of a board that was told nothing.
+/// A device whose user pushes it with 3 N at 3 Hz, with motors in current loops and the limits of a board with its default settings.
 const DEVICE: [&str; 5] = [
     "axis.velocity=adaptive",
     "user.1.sine_n=3",
@@ -19,7 +19,7 @@ const DEVICE: [&str; 5] = [
     "safety.max_slew_n_per_s=60",
 ];
 
-/// Faster than this a failing encoder is to be told, m/s.
+/// Faster than this a failing encoder is to be noticed, m/s.
 const SPEED: f64 = 0.15;
 
 /// An index that the device passes again and again.

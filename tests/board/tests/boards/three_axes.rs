@@ -72,7 +72,7 @@ fn two_boards_equal_host_sim_along_three_axes() {
     assert!(instructions.max <= 3000, "{instructions:?}");
 }
 
-/// What an operator records of such a board is, axis by axis, what the board told.
+/// What an operator records of such a board is, axis by axis, what the board reported.
 #[test]
 fn an_operator_records_every_shared_axis() {
     let file: PathBuf = std::env::temp_dir().join(format!("three-axes-{}.mcap", std::process::id()));

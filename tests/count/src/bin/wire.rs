@@ -14,7 +14,7 @@ use haptic_protocol::ends::Ends;
 use haptic_protocol::key::Key;
 use haptic_protocol::link::{Config, Link, Stage};
 use haptic_protocol::parameters::{Parameters, Table};
-use haptic_protocol::wire::{Along, Datagram, Flow, MAX_DATAGRAM, Message, PeerId};
+use haptic_protocol::wire::{AxisFlow, Datagram, Flow, MAX_DATAGRAM, Message, PeerId};
 
 /// Packet periods in which everything is done once.
 const CALLS: u32 = 100;
@@ -118,7 +118,7 @@ fn main() -> ! {
     let mut out = [0; MAX_DATAGRAM];
     for call in 0..CALLS {
         let now = PERIOD_US * u64::from(call + 1);
-        let along = Along { position: 0.01, wave: -0.5, energy_sent: 1.0, ..Along::default() };
+        let along = AxisFlow { position: 0.01, wave: -0.5, energy_sent: 1.0, ..AxisFlow::default() };
         let flow = Flow { engaged: true, tick: 8 * call, axes: [along], ..Flow::default() };
         let len = seal.count(|| send(one, now, black_box(&flow), &mut out));
         assert!(len > Flow::LEN);

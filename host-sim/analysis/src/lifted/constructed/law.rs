@@ -7,11 +7,11 @@ use haptic_core::settings::Value;
 
 use super::peer::Input::{Coordination, Decoded, Emitted, Wave};
 use super::peer::State::{CoordinationForce, DesiredPosition, DesiredVelocity, Outgoing, Outstanding};
-use super::peer::{Peer, decay};
+use super::peer::{ConstructedPeer, decay};
 use crate::lifted::delay::delays_ticks;
 use haptic_sim::scene::Scene;
 
-impl Peer {
+impl ConstructedPeer {
     /// F_T = K_T·(x_d − x_o) + B_T·(ẋ_d − ẋ_o) with x_d, ẋ_d as received.
     pub(super) fn power(&mut self, scene: &Scene) {
         let (k, b) = (scene.peer.coordination.stiffness_n_per_m, scene.peer.coordination.damping_n_s_per_m);

@@ -9,7 +9,7 @@
 //! Limit: what the open loop grows by within a packet is lost in digits, however stable the closed loop is. It grows where
 //! forward Euler overshoots its own damping, b_O·T_c > 2·m_O; the driven matrix does not mind.
 
-use super::peer::Peer;
+use super::peer::ConstructedPeer;
 use crate::matrix::{Matrix, add_block, column_mut};
 
 /// One packet period of one peer.
@@ -22,7 +22,7 @@ pub(super) struct Period {
 }
 
 /// Closes the loop over `ticks` ticks.
-pub(super) fn close(peer: &Peer, ticks: usize) -> Period {
+pub(super) fn close(peer: &ConstructedPeer, ticks: usize) -> Period {
     let (z, u, s) = (peer.a.nrows(), peer.b.ncols(), peer.h.ncols());
     // Aᵏ for k = 0…M, and AᵏB, F·AᵏB for k = 0…M−1.
     let mut powers = vec![Matrix::identity(z, z)];

@@ -32,7 +32,7 @@ pub(crate) fn construct([first, second]: [&Scene; 2]) -> Option<Constructed> {
     if delays.iter().any(|ticks| ticks % packet != 0) {
         return None;
     }
-    let peers = [peer::Peer::new(first, 0)?, peer::Peer::new(second, 1)?];
+    let peers = [peer::ConstructedPeer::new(first, 0)?, peer::ConstructedPeer::new(second, 1)?];
     let periods = peers.each_ref().map(|peer| lift::close(peer, packet));
     Some(network::join(first, &peers, &periods, delays.map(|ticks| ticks / packet)))
 }

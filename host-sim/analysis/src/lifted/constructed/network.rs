@@ -5,7 +5,7 @@
 //! youngest first.
 
 use super::lift::Period;
-use super::peer::{Peer, State};
+use super::peer::{ConstructedPeer, State};
 use crate::lifted::Lifted;
 use crate::matrix::{Matrix, add_block, column};
 use haptic_sim::scene::Scene;
@@ -27,7 +27,12 @@ pub(crate) struct Constructed {
 }
 
 /// Joins the two peers, with so many whole packet periods of delay to each.
-pub(super) fn join(scene: &Scene, peers: &[Peer; 2], periods: &[Period; 2], delays: [usize; 2]) -> Constructed {
+pub(super) fn join(
+    scene: &Scene,
+    peers: &[ConstructedPeer; 2],
+    periods: &[Period; 2],
+    delays: [usize; 2],
+) -> Constructed {
     let mut places = Vec::new();
     for (peer, open) in peers.iter().enumerate() {
         places.extend(open.states.iter().map(|&state| Place::Local { peer, state }));
@@ -65,7 +70,7 @@ pub(super) fn join(scene: &Scene, peers: &[Peer; 2], periods: &[Period; 2], dela
 }
 
 /// THEORY §3: in power the translation of the pair, otherwise each peer's own, where no arm holds it.
-fn rest_modes(scene: &Scene, peers: &[Peer; 2], places: &[Place]) -> Vec<Vec<f64>> {
+fn rest_modes(scene: &Scene, peers: &[ConstructedPeer; 2], places: &[Place]) -> Vec<Vec<f64>> {
     let translation = |moving: &[usize]| {
         let moves = |place: &Place| match place {
             Place::Local { peer, state } => moving.contains(peer) && is_position(*state),

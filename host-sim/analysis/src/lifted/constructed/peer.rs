@@ -53,7 +53,7 @@ pub(super) enum Input {
 
 /// Open loop and feedback of one peer.
 #[derive(Clone, Debug)]
-pub(super) struct Peer {
+pub(super) struct ConstructedPeer {
     /// What the states are, in order.
     pub states: Vec<State>,
     /// The states that are sent; as many as there are held inputs s.
@@ -70,14 +70,14 @@ pub(super) struct Peer {
     pub h: Matrix,
     /// A state that starts from zero in every period, once it has been sent.
     pub restarts: Option<State>,
-    met: Met,
+    force_timing: ForceTiming,
     /// The peer can stand anywhere: no arm pulls it back.
     pub free: bool,
 }
 
 /// How the forces of a tick meet the object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Met {
+enum ForceTiming {
     /// As it was when the tick began.
     Before,
     /// Where it is on average.
@@ -90,31 +90,31 @@ use State::{
     LastReading, ObjectForce, ObjectPosition, ObjectVelocity, Outgoing, Outstanding,
 };
 
-impl Peer {
+impl ConstructedPeer {
     /// Peer `index` of the scene, or `None` where its models are not known here.
     pub(super) fn new(scene: &Scene, index: usize) -> Option<Self> {
         if scene.peers()[index].fixture.kind != FixtureName::None || scene.is_shared_along_several() {
             return None;
         }
-        let comm = scene.peer.coordination.comm;
-        let (wave, sends) = match comm {
+        let law = scene.peer.coordination.comm;
+        let (wave, sends) = match law {
             "power" => (false, vec![ObjectPosition, ObjectVelocity]),
             "wave" | "passive-wave" | "passive-mean" | "self-timed" => (true, vec![Outgoing]),
             "none" => (false, vec![]),
             _ => return None,
         };
         let mut states = vec![DevicePosition, DeviceVelocity, DeviceForce, ObjectPosition, ObjectVelocity];
-        let met = match scene.peer.object.integrator {
-            IntegratorName::Midpoint => Met::Midway,
-            _ => Met::Before,
+        let force_timing = match scene.peer.object.integrator {
+            IntegratorName::Midpoint => ForceTiming::Midway,
+            _ => ForceTiming::Before,
         };
-        if met == Met::Before {
+        if force_timing == ForceTiming::Before {
             states.push(ObjectForce);
         }
         if wave {
             states.extend([DesiredPosition, DesiredVelocity, CoordinationForce, Outgoing]);
         }
-        if comm == "self-timed" {
+        if law == "self-timed" {
             states.push(Outstanding);
         }
         match scene.peer.axis.velocity {
@@ -132,15 +132,15 @@ impl Peer {
             f: Matrix::zeros(u, z),
             g: Matrix::zeros(u, u),
             h: Matrix::zeros(u, s),
-            met,
-            restarts: matches!(comm, "passive-mean" | "self-timed").then_some(Outgoing),
+            force_timing,
+            restarts: matches!(law, "passive-mean" | "self-timed").then_some(Outgoing),
             free: scene.users[index].settings.user.arm_stiffness_n_per_m == 0.0,
             states,
         };
         peer.device(scene, index);
         peer.object(scene)?;
         peer.velocity(scene, index);
-        match comm {
+        match law {
             "power" => peer.power(scene),
             "none" => {}
             "self-timed" => {
@@ -223,15 +223,15 @@ impl Peer {
         let [position, velocity] = [ObjectPosition, ObjectVelocity].map(|state| self.at(state));
         let row = force as usize;
         self.f[(row, position)] -= stiffness;
-        match self.met {
-            Met::Before => self.f[(row, velocity)] -= damping,
-            Met::Midway => self.g[(row, Mean as usize)] -= stiffness * 0.5 * period + damping,
+        match self.force_timing {
+            ForceTiming::Before => self.f[(row, velocity)] -= damping,
+            ForceTiming::Midway => self.g[(row, Mean as usize)] -= stiffness * 0.5 * period + damping,
         }
     }
 
     /// Whether the object is moved by ports.
     pub(super) fn is_midway(&self) -> bool {
-        self.met == Met::Midway
+        self.force_timing == ForceTiming::Midway
     }
 
     /// F_LC = K_LC·(x_h − x_o) + B_LC·(ẋ_h − ẋ_o), with ẋ_h as the estimator gives it.

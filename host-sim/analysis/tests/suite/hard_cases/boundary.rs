@@ -29,11 +29,11 @@ fn stiffness_with(scene: &Scene, crossing: f64, wanted: f64) -> f64 {
 /// Why: a map is only as good as its edge. At every crossing of the experiments' configuration, pockets included, a
 /// millionth inside and a millionth outside, the pair that runs decays or grows as the eigenvalue says: in f64 to 1e-9 of
 /// the growth per packet, in f32 to 5e-7, which is what rounding its coefficients moves the boundary by. I32F32 rounds
-/// coefficients and states to steps that do not shrink with them: it agrees to 1e-4, and is told apart at 1e-3.
+/// coefficients and states to steps that do not shrink with them: it agrees to 1e-4, and is distinguished at 1e-3.
 #[test]
 fn a_millionth_inside_and_outside_the_simulation_agrees() {
-    for (comm, _) in COMMS {
-        let scene = scene(&format!("coordination.comm={comm}"));
+    for (law, _) in COMMS {
+        let scene = scene(&format!("coordination.comm={law}"));
         let range = Range { key: "coordination.stiffness_n_per_m".to_owned(), from: 10.0, to: 13_000.0 };
         let crossings = limit(&scene, range, Effort::default()).expect("a limit").crossings;
         assert!(!crossings.is_empty());
@@ -44,7 +44,7 @@ fn a_millionth_inside_and_outside_the_simulation_agrees() {
                 let double = growth::<f64>(&linear, KICK_M_PER_S, 30_000, 30_000);
                 let single = growth::<f32>(&linear, KICK_M_PER_S, 30_000, 30_000);
                 println!(
-                    "{comm} K_T = {:.3} N/m: rho - 1 = {:.6e}; f64 {:.6e}, f32 {:.3e}",
+                    "{law} K_T = {:.3} N/m: rho - 1 = {:.6e}; f64 {:.6e}, f32 {:.3e}",
                     linear.peer.coordination.stiffness_n_per_m,
                     known - 1.0,
                     double - 1.0,
@@ -59,7 +59,7 @@ fn a_millionth_inside_and_outside_the_simulation_agrees() {
                 let linear = with_radius(&scene, crossing, 1.0 + off);
                 let known = verdict(&linear).expect("a verdict").spectral_radius;
                 let fixed = growth::<Fixed>(&linear, KICK_M_PER_S, 3000, 2000);
-                println!("{comm} near {crossing:.1} N/m: rho - 1 = {:.4e}; i32f32 {:.4e}", known - 1.0, fixed - 1.0);
+                println!("{law} near {crossing:.1} N/m: rho - 1 = {:.4e}; i32f32 {:.4e}", known - 1.0, fixed - 1.0);
                 assert!((fixed - known).abs() < 1e-4, "i32f32 {fixed}, eigenvalue {known}");
                 assert_eq!(fixed > 1.0, off > 0.0);
             }

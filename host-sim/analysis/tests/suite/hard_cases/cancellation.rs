@@ -4,7 +4,7 @@ use haptic_analysis::verdict;
 use haptic_core::law::Sends;
 use haptic_core::num::Fixed;
 use haptic_core::schema::Schema;
-use haptic_core::settings::Kind;
+use haptic_core::settings::LawInfo;
 use haptic_sim::pair::Pair;
 use haptic_sim::peers::Number;
 use haptic_sim::scene::Scene;
@@ -35,14 +35,13 @@ fn asymmetry<S: Number>(scene: &Scene) -> (f64, Option<u64>) {
 
 fn scenes(extra: &str) -> impl Iterator<Item = (String, Scene)> {
     // Without the self-timed line and laws with energy tanks, which need one integrator where these are drawn.
-    let drawn = |law: &&Kind| law.sends != Sends::Counters && law.budgets().next().is_none();
-    let kinds = Schema::BUILT_IN.kinds().iter().filter(drawn);
-    kinds.flat_map(|law| ["delayed", "implicit"].map(|decode| (law.name, decode))).map(move |(comm, decode)| {
-        // Forces that are told late make four channels unstable: as near to no delay as there is.
-        let near =
-            if comm == "four-channel" { "network.one_way_delay_packets=0 timing.ticks_per_packet=1" } else { "" };
+    let drawn = |law: &&LawInfo| law.sends != Sends::Counters && law.budgets().next().is_none();
+    let kinds = Schema::BUILT_IN.laws().iter().filter(drawn);
+    kinds.flat_map(|law| ["delayed", "implicit"].map(|decode| (law.name, decode))).map(move |(law, decode)| {
+        // Forces that are sent late make four channels unstable: as near to no delay as there is.
+        let near = if law == "four-channel" { "network.one_way_delay_packets=0 timing.ticks_per_packet=1" } else { "" };
         let overrides = format!(
-            "coordination.comm={comm} coordination.decode={decode} user.1.push_n=1 user.2.push_n=1 \
+            "coordination.comm={law} coordination.decode={decode} user.1.push_n=1 user.2.push_n=1 \
                  user.1.sine_n=0.25 user.2.sine_n=0.25 {near} {extra}"
         );
         let mut scene = scene(&overrides);
@@ -53,7 +52,7 @@ fn scenes(extra: &str) -> impl Iterator<Item = (String, Scene)> {
                 break;
             }
         }
-        (format!("{comm}, {decode} {extra}"), scene)
+        (format!("{law}, {decode} {extra}"), scene)
     })
 }
 

@@ -27,13 +27,13 @@ fn stays<S: Number>(scene: &Scene) {
 /// with exact positions and with encoder counts, touching or a gap away.
 #[test]
 fn a_device_at_rest_on_the_surface_stays_at_rest() {
-    for (comm, stiffness) in COMMS {
+    for (law, stiffness) in COMMS {
         let encoders =
             ["difference", "filtered", "adaptive"].map(|name| format!("plant.encoder=true axis.velocity={name}"));
         for sensing in encoders.iter().map(String::as_str).chain([""]) {
             for gap_m in [0.0, 0.005] {
                 let scene = scene(&format!(
-                    "coordination.comm={comm} coordination.stiffness_n_per_m={stiffness} contact.one_sided=true \
+                    "coordination.comm={law} coordination.stiffness_n_per_m={stiffness} contact.one_sided=true \
                      contact.gap_m={gap_m} {sensing}"
                 ));
                 stays::<f32>(&scene);
@@ -96,9 +96,9 @@ fn chatter<S: Number>(scene: &Scene) -> (u32, f64) {
 /// oscillation, its size is set by the push, not by time. In all three number types alike.
 #[test]
 fn chatter_begins_at_the_limit_of_the_linear_contact() {
-    for (comm, stiffness) in COMMS {
+    for (law, stiffness) in COMMS {
         let base = format!(
-            "coordination.comm={comm} coordination.stiffness_n_per_m={stiffness} contact.one_sided=true \
+            "coordination.comm={law} coordination.stiffness_n_per_m={stiffness} contact.one_sided=true \
              object.integrator=exact"
         );
         let range = Range { key: "contact.stiffness_n_per_m".to_owned(), from: 1.0, to: 20_000.0 };
@@ -110,7 +110,7 @@ fn chatter_begins_at_the_limit_of_the_linear_contact() {
                     "{base} contact.stiffness_n_per_m={contact} user.1.push_n={push_n} user.2.push_n={push_n}"
                 ));
                 let all = [chatter::<f64>(&scene), chatter::<f32>(&scene), chatter::<Fixed>(&scene)];
-                println!("{comm}, {push_n} N, K_LC = {factor} · {edge:.0} N/m: changes and force in 5 s {all:?}");
+                println!("{law}, {push_n} N, K_LC = {factor} · {edge:.0} N/m: changes and force in 5 s {all:?}");
                 for (changes, largest_n) in all {
                     assert_eq!(changes == 0, rests, "{changes} changes");
                     assert!(largest_n < 20.0 * push_n, "{largest_n} N");

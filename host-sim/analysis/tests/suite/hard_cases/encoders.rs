@@ -96,8 +96,8 @@ fn a_wrap_that_nobody_could_see_is_refused() {
 fn cooperation_is_the_same_at_every_resolution() {
     let users = "user.1.push_n=1 user.2.push_n=1 user.2.sine_n=0.25";
     let options = Options { duration_s: 6.0, record_every: 0 };
-    for (comm, stiffness) in COMMS {
-        let base = format!("coordination.comm={comm} coordination.stiffness_n_per_m={stiffness} {users}");
+    for (law, stiffness) in COMMS {
+        let base = format!("coordination.comm={law} coordination.stiffness_n_per_m={stiffness} {users}");
         for estimator in ESTIMATORS {
             // The same estimator, so that its lag is not taken for coarseness; the adaptive one, whose window follows the
             // resolution, is a difference where there is no end to that.
@@ -108,7 +108,7 @@ fn cooperation_is_the_same_at_every_resolution() {
                 let scene = scene(&format!("{base} {}", sensing(bits, estimator)));
                 let differs = |outcome: Result<Outcome, _>| {
                     let outcome = outcome.expect("a good scene");
-                    assert!(outcome.bounded, "{comm} 2^{bits} {estimator}");
+                    assert!(outcome.bounded, "{law} 2^{bits} {estimator}");
                     let ratio = |a: f64, b: f64| a / b - 1.0;
                     [
                         ratio(outcome.whole.decoded_discrepancy_mm, exact.whole.decoded_discrepancy_mm),
@@ -122,14 +122,14 @@ fn cooperation_is_the_same_at_every_resolution() {
                     differs(run::<Fixed>(&scene, options, &|_| {})),
                 ];
                 println!(
-                    "{comm}, 2^{bits}/m, {estimator}: decoded {:+.1e}, true {:+.1e}, force {:+.1e}",
+                    "{law}, 2^{bits}/m, {estimator}: decoded {:+.1e}, true {:+.1e}, force {:+.1e}",
                     all[0][0], all[0][1], all[0][2]
                 );
                 for difference in all {
                     for (difference, allowed) in
                         difference.into_iter().zip([0.005, 0.01, if bits < 20 { 0.2 } else { 0.05 }])
                     {
-                        assert!(difference.abs() < allowed, "{comm} 2^{bits} {estimator}: {difference}");
+                        assert!(difference.abs() < allowed, "{law} 2^{bits} {estimator}: {difference}");
                     }
                 }
             }

@@ -96,12 +96,12 @@ fn check(name: &str, overrides: &str) {
 #[test]
 fn coordination_stiffness_over_ten_decades() {
     let implicit = "coordination.decode=implicit object.force_delay_ticks=0 object.integrator=semi-implicit";
-    for (comm, _) in COMMS {
+    for (law, _) in COMMS {
         for (decode, more) in [("delayed", ""), ("implicit", implicit)] {
             for exponent in -3..=7 {
                 let comm_and_gain =
-                    format!("coordination.comm={comm} coordination.stiffness_n_per_m=1e{exponent} {more}");
-                check(&format!("{comm}, {decode}, K_T = 1e{exponent} N/m"), &comm_and_gain);
+                    format!("coordination.comm={law} coordination.stiffness_n_per_m=1e{exponent} {more}");
+                check(&format!("{law}, {decode}, K_T = 1e{exponent} N/m"), &comm_and_gain);
             }
         }
     }
@@ -110,14 +110,14 @@ fn coordination_stiffness_over_ten_decades() {
 /// Why: 0.1 g under 1000 N/m swings faster than it is sampled; a ton hardly moves, and its modes lie within 1e-6 of 1.
 #[test]
 fn object_mass_over_seven_decades() {
-    for (comm, stiffness) in COMMS {
+    for (law, stiffness) in COMMS {
         for integrator in ["forward-euler", "semi-implicit", "exact"] {
             for exponent in -4..=3 {
                 let overrides = format!(
-                    "coordination.comm={comm} coordination.stiffness_n_per_m={stiffness} object.integrator={integrator} \
+                    "coordination.comm={law} coordination.stiffness_n_per_m={stiffness} object.integrator={integrator} \
                      object.mass_kg=1e{exponent}"
                 );
-                check(&format!("{comm}, {integrator}, m_O = 1e{exponent} kg"), &overrides);
+                check(&format!("{law}, {integrator}, m_O = 1e{exponent} kg"), &overrides);
             }
         }
     }
@@ -127,13 +127,13 @@ fn object_mass_over_seven_decades() {
 #[test]
 fn delay_up_to_a_second() {
     // Power-domain coordination bears little stiffness over such delays.
-    for (comm, stiffness) in [("power", 5.0), ("wave", 1000.0), ("passive-wave", 2000.0)] {
+    for (law, stiffness) in [("power", 5.0), ("wave", 1000.0), ("passive-wave", 2000.0)] {
         for delay in [0, 1, 2, 5, 10, 20, 50, 100, 125] {
             let overrides = format!(
-                "coordination.comm={comm} coordination.stiffness_n_per_m={stiffness} \
+                "coordination.comm={law} coordination.stiffness_n_per_m={stiffness} \
                  network.one_way_delay_packets={delay}"
             );
-            check(&format!("{comm}, n_t = {delay}"), &overrides);
+            check(&format!("{law}, n_t = {delay}"), &overrides);
         }
     }
 }

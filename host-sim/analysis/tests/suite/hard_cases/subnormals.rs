@@ -22,10 +22,10 @@ struct Fate {
 }
 
 /// Kicks both devices, held by arms so that everything decays, and counts.
-fn fate<S: Number>(comm: &str, stiffness: f64, kick_m_per_s: f64, is_subnormal: impl Fn(S) -> bool) -> Fate {
+fn fate<S: Number>(law: &str, stiffness: f64, kick_m_per_s: f64, is_subnormal: impl Fn(S) -> bool) -> Fate {
     let arms = "user.1.arm_stiffness_n_per_m=50 user.1.arm_damping_n_s_per_m=1 \
                 user.2.arm_stiffness_n_per_m=50 user.2.arm_damping_n_s_per_m=1";
-    let scene = scene(&format!("coordination.comm={comm} coordination.stiffness_n_per_m={stiffness} {arms}"));
+    let scene = scene(&format!("coordination.comm={law} coordination.stiffness_n_per_m={stiffness} {arms}"));
     let mut pair = Pair::<S>::new(&scene).expect("a good scene");
     for (side, share) in pair.sides_mut().zip([1.0, -0.3]) {
         side.plant.free_axis().0.velocity = share * kick_m_per_s;
@@ -62,18 +62,18 @@ fn fate<S: Number>(comm: &str, stiffness: f64, kick_m_per_s: f64, is_subnormal: 
 /// power domain; a wave link stands still where its rest mode has come to rest. I32F32 has no subnormals.
 #[test]
 fn states_decay_through_the_subnormal_range() {
-    for (comm, stiffness) in COMMS {
+    for (law, stiffness) in COMMS {
         let (single_kick, double_kick) = (1e-30, 1e-300);
-        let single = fate::<f32>(comm, stiffness, single_kick, f32::is_subnormal);
-        let double = fate::<f64>(comm, stiffness, double_kick, f64::is_subnormal);
+        let single = fate::<f32>(law, stiffness, single_kick, f32::is_subnormal);
+        let double = fate::<f64>(law, stiffness, double_kick, f64::is_subnormal);
         for (name, fate, kick) in [("f32", single, single_kick), ("f64", double, double_kick)] {
             let Fate { numbers, ticks_subnormal, most_subnormal, left } = fate;
             println!(
-                "{comm} in {name}: subnormal numbers in {ticks_subnormal} of {TICKS} ticks, at most {most_subnormal} of \
+                "{law} in {name}: subnormal numbers in {ticks_subnormal} of {TICKS} ticks, at most {most_subnormal} of \
                  {numbers}; at the end {left:e}"
             );
             assert!(ticks_subnormal > 100 && most_subnormal <= numbers && numbers <= 40);
-            assert!(left < if comm == "power" { 1e-8 } else { 1e-3 } * kick, "{left:e} is left of {kick:e}");
+            assert!(left < if law == "power" { 1e-8 } else { 1e-3 } * kick, "{left:e} is left of {kick:e}");
         }
     }
 }

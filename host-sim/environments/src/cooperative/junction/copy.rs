@@ -6,7 +6,7 @@
 //! Energy: each end of a line emits no more than it was given (THEORY §8), the copy and the springs start at rest, so that what goes
 //! back into all lines never is more than what came out of them.
 
-use haptic_core::law::{AnyLaw, AnyLawState, Coupled, Law, Packet, Seen};
+use haptic_core::law::{AnyLaw, AnyLawState, Coupled, Law, Observation, Packet};
 use haptic_core::model::Model as _;
 use haptic_core::num::Motion;
 use haptic_core::object::{Port, midpoint::Carries, midpoint::Midpoint};
@@ -62,7 +62,7 @@ impl SharedCopy {
 
     /// One tick of the copy from `at`, under all lines that are engaged; where it is then.
     pub(super) fn tick(&mut self, engaged: impl Fn(usize) -> bool, at: Motion<f64>) -> Motion<f64> {
-        let seen = Seen { local: at, contact_force: 0.0, age_ticks: 0 };
+        let seen = Observation { local: at, contact_force: 0.0, age_ticks: 0 };
         let mut half_change = 0.0;
         let mut solve = |all: Port<f64>| {
             half_change = self.midpoint.half_change(at.velocity, all);
@@ -79,7 +79,7 @@ impl SharedCopy {
 fn meet(
     law: &AnyLaw<f64>,
     lines: &mut dyn Iterator<Item = &mut End>,
-    seen: &Seen<f64>,
+    seen: &Observation<f64>,
     before: Port<f64>,
     solve: &mut dyn FnMut(Port<f64>) -> f64,
 ) -> f64 {

@@ -17,7 +17,7 @@
 //! In a network without a bound on delay nobody can have both safety and progress always. Here safety never waits for
 //! anything, progress does: it needs the server, or a majority that hear each other.
 //!
-//! A *lost update* is one that its author was told is published and that a later state does not build on.
+//! A *lost update* is one that its author was notified is published and that a later state does not build on.
 
 mod lease;
 pub mod lock;

@@ -12,8 +12,8 @@ enum Place {
         to: PeerId,
         /// When it comes back by itself.
         until_us: u64,
-        /// Until when a client that has not heard is told again.
-        told_until_us: u64,
+        /// Until when a client that has not heard is notified again.
+        announced_until_us: u64,
         /// The client has said that it has it.
         held: bool,
         /// It is asked back; when to say so next.
@@ -71,7 +71,7 @@ impl Server {
     }
 
     /// The holder's flow of states: what the server goes on from if the holder vanishes.
-    pub fn told(&mut self, from: PeerId, version: u32, body: Body) {
+    pub fn take_state(&mut self, from: PeerId, version: u32, body: Body) {
         if version == self.version && self.lent_to() == Some(from) && body.axes.iter().flatten().all(|n| n.is_finite())
         {
             self.object = body;
@@ -98,12 +98,12 @@ impl Role for Server {
             (Place::Here, Message::Ask { stamp_us }) => {
                 self.version = self.version.wrapping_add(1);
                 self.place =
-                    Place::Lent { to: from, until_us: until, told_until_us: until, held: false, recall_us: None };
+                    Place::Lent { to: from, until_us: until, announced_until_us: until, held: false, recall_us: None };
                 out.send(from, Message::Lend { version: self.version, stamp_us, body: self.object });
             }
             // It has not heard: the same again, for the request that it makes now.
-            (Place::Lent { to, until_us, told_until_us, held: false, .. }, Message::Ask { stamp_us })
-                if *to == from && now_us < *told_until_us =>
+            (Place::Lent { to, until_us, announced_until_us, held: false, .. }, Message::Ask { stamp_us })
+                if *to == from && now_us < *announced_until_us =>
             {
                 *until_us = until;
                 out.send(from, Message::Lend { version: self.version, stamp_us, body: self.object });

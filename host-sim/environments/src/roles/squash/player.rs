@@ -65,7 +65,7 @@ struct Flight {
 }
 
 #[derive(Clone, Copy, Debug, Default)]
-struct Other {
+struct OpponentState {
     /// The newest hit that it knows.
     turn: Turn,
     life: u16,
@@ -89,7 +89,7 @@ pub struct Player {
     trips: RoundTrips,
     racket: Ball,
     /// The server at 0, players at their numbers.
-    others: [Other; PLAYERS + 1],
+    others: [OpponentState; PLAYERS + 1],
     number: u32,
     next_place_us: u64,
     next_again_us: u64,
@@ -108,7 +108,7 @@ impl Player {
             clock: Clock::default(),
             trips: RoundTrips::default(),
             racket: Ball::default(),
-            others: [Other::default(); PLAYERS + 1],
+            others: [OpponentState::default(); PLAYERS + 1],
             number: 0,
             next_place_us: 0,
             next_again_us: 0,
@@ -332,10 +332,10 @@ impl Role for Player {
                 let Some(other) = self.others.get_mut(usize::from(from.0)) else { return };
                 if life != other.life {
                     // It has started anew, and counts from the beginning.
-                    *other = Other { life, ..Other::default() };
+                    *other = OpponentState { life, ..OpponentState::default() };
                 }
                 if number > other.number {
-                    *other = Other { number, racket, turn: turn.max(other.turn), ..*other };
+                    *other = OpponentState { number, racket, turn: turn.max(other.turn), ..*other };
                 }
             }
             Message::Hit { turn, at_us, ball } => {

@@ -1,8 +1,8 @@
 //! Board: the positions of all clients, sent to each other client in turns.
 //!
-//! Each answer carries the next [`Presence::MOST`] of the others; so with up to five clients everybody is told about all
+//! Each answer carries the next [`Presence::MOST`] of the others; so with up to five clients everybody is notified about all
 //! others with every packet, and with n of them every ⌈(n − 1)/4⌉ packets. The cost of an answer does not grow with the
-//! number of clients. Someone who has not been heard for a while is not told any more.
+//! number of clients. Someone who has not been heard for a while is not reported any more.
 
 use heapless::Vec;
 
@@ -24,7 +24,8 @@ pub struct Board<const CLIENTS: usize> {
 }
 
 impl<const CLIENTS: usize> Board<CLIENTS> {
-    /// Nobody yet; who is silent for `silence_us` is forgotten when somebody new needs the room, and not told any more.
+    /// Nobody yet; who is silent for `silence_us` is forgotten when somebody new needs the room, and not reported any
+    /// more.
     pub fn new(silence_us: u64) -> Self {
         Self { places: Vec::new(), silence_us }
     }
@@ -45,10 +46,10 @@ impl<const CLIENTS: usize> Board<CLIENTS> {
         place.heard_us = now;
         let cursor = place.cursor;
         let count = self.places.len();
-        let (mut told, mut passed) = (Vec::<Sighting, { Presence::MOST }>::new(), 0);
+        let (mut sightings, mut passed) = (Vec::<Sighting, { Presence::MOST }>::new(), 0);
         // At most a few times as many looks as there are answers, whoever is silent.
         for step in 0..count.min(8 * Presence::MOST) {
-            if told.is_full() {
+            if sightings.is_full() {
                 break;
             }
             passed = step + 1;
@@ -57,13 +58,13 @@ impl<const CLIENTS: usize> Board<CLIENTS> {
                 && at != seat
                 && now.saturating_sub(other.heard_us) < self.silence_us
             {
-                let _ = told.push(other.sighting);
+                let _ = sightings.push(other.sighting);
             }
         }
         if let Some(place) = self.places.get_mut(seat) {
             place.cursor = cursor.wrapping_add(passed) % count.max(1);
         }
-        Some((Presence::new(said.tick, told), seat))
+        Some((Presence::new(said.tick, sightings), seat))
     }
 
     /// A seat for `who`: its own, a new one, or that of somebody who is silent.

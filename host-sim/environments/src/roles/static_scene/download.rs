@@ -78,7 +78,7 @@ impl PageSet {
 pub struct Download<const N: usize> {
     scope: Scope,
     tag: u8,
-    told: Option<(u64, Manifest)>,
+    announced: Option<(u64, Manifest)>,
     regions: Vec<Option<Region>, MAX_REGIONS>,
     asked_regions: u32,
     pages: PageSet,
@@ -124,7 +124,7 @@ impl<const N: usize> Download<N> {
 
     /// What the world is, and its checksum; `None` before the server was heard.
     pub fn world(&self) -> Option<(u64, Manifest)> {
-        self.told
+        self.announced
     }
 
     /// Whether everything in scope is held.
@@ -156,10 +156,11 @@ impl<const N: usize> Download<N> {
     /// `timeout_us`.
     pub fn poll(&mut self, now: u64, timeout_us: u64) -> Option<Ask> {
         if now >= self.manifest_us || core::mem::take(&mut self.doubt) {
-            self.manifest_us = now.saturating_add(if self.told.is_some() { REFRESH_US } else { timeout_us.max(1) });
+            self.manifest_us =
+                now.saturating_add(if self.announced.is_some() { REFRESH_US } else { timeout_us.max(1) });
             return self.ask(Topic::Manifest, 0..1);
         }
-        self.told?;
+        self.announced?;
         // Once more when a round is over: what has not come in it is due again.
         for _ in 0..2 {
             if let Some(ask) = self.missing() {
@@ -208,7 +209,7 @@ impl<const N: usize> Download<N> {
     }
 
     fn page_count(&self) -> usize {
-        self.told.map_or(0, |(_, manifest)| usize::from(manifest.objects).div_ceil(Page::OBJECTS))
+        self.announced.map_or(0, |(_, manifest)| usize::from(manifest.objects).div_ceil(Page::OBJECTS))
     }
 
     /// Forgets which objects are in scope, so that they are listed anew; the objects stay.
@@ -222,12 +223,12 @@ impl<const N: usize> Download<N> {
 
     /// Takes in an answer.
     pub fn take(&mut self, part: &Part) -> Taken {
-        let known = self.told.is_some_and(|(world, _)| world == part.world);
+        let known = self.announced.is_some_and(|(world, _)| world == part.world);
         if let Payload::Manifest(manifest) = part.payload {
-            if known && self.told.is_some_and(|(_, told)| told == manifest) {
+            if known && self.announced.is_some_and(|(_, announced)| announced == manifest) {
                 return Taken::Nothing;
             }
-            self.told = Some((part.world, manifest));
+            self.announced = Some((part.world, manifest));
             self.regions.clear();
             let _ = self.regions.resize(usize::from(manifest.regions), None);
             self.asked_regions = 0;
@@ -235,7 +236,7 @@ impl<const N: usize> Download<N> {
             return if self.settle() == Taken::Complete { Taken::Complete } else { Taken::World };
         }
         if !known {
-            self.doubt = self.told.is_some();
+            self.doubt = self.announced.is_some();
             return Taken::Nothing;
         }
         if part.tag != self.tag {
@@ -276,8 +277,8 @@ impl<const N: usize> Download<N> {
             return Taken::Nothing;
         };
         let checksum = checksum_of(record);
-        let told = self.entries.get(at).is_some_and(|entry| entry.checksum == checksum);
-        let (Ok(object), true) = (Object::parse(record), told) else { return self.corrupted() };
+        let announced = self.entries.get(at).is_some_and(|entry| entry.checksum == checksum);
+        let (Ok(object), true) = (Object::parse(record), announced) else { return self.corrupted() };
         self.hold(Held { object, checksum });
         if let Some(entry) = self.entries.get_mut(at) {
             entry.held = true;
@@ -308,7 +309,7 @@ impl<const N: usize> Download<N> {
 
     /// Whether that was the last part that was missing.
     fn settle(&mut self) -> Taken {
-        let Some((world, manifest)) = self.told else { return Taken::Nothing };
+        let Some((world, manifest)) = self.announced else { return Taken::Nothing };
         let pages = (0..self.page_count()).all(|page| self.pages.has(page));
         let regions = self.regions.iter().all(Option::is_some);
         if self.complete || !pages || !regions || self.entries.iter().any(|entry| !entry.held) {

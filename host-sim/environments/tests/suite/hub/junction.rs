@@ -152,8 +152,8 @@ fn passive_whatever_the_network_does() {
 #[test]
 fn laws_without_waves_are_refused() {
     let mut scene = scene(true);
-    for (comm, name) in [("power", "power"), ("none", "none")] {
-        scene.peer.coordination.comm = comm;
+    for (law, name) in [("power", "power"), ("none", "none")] {
+        scene.peer.coordination.comm = law;
         let said = Junction::new(&scene, 2).expect_err("no waves").to_string();
         assert!(said.contains(&format!("coordination.comm = \"{name}\"")), "{said}");
     }

@@ -10,7 +10,7 @@ use haptic_protocol::{key::Key, link::Notice};
 use haptic_sim::engine::{Actor, Engine, Out, Seat};
 use haptic_sim::network::link::Route;
 use haptic_sim::network::rule::{Direction, Fate};
-use haptic_sim::node::{Line, MOST_NOTICES, Node, Says as _};
+use haptic_sim::node::{Line, MOST_NOTICES, Node, Transmit as _};
 use haptic_sim::plant::Plant;
 use haptic_sim::scene::Scene;
 use haptic_sim::scenes;
@@ -31,12 +31,12 @@ fn key() -> Key {
 }
 
 /// Who sits at the engine: the peers, and last the hub.
-enum Part {
+enum Participant {
     Hub(Box<Hub<usize>>),
     Peer(Box<Node>, usize),
 }
 
-impl Actor<usize> for Part {
+impl Actor<usize> for Participant {
     type Packet = [u8];
 
     fn hear(&mut self, now_ns: u64, from: usize, datagram: &mut [u8], out: &mut Out<'_, usize, [u8]>) {
@@ -60,20 +60,20 @@ impl Actor<usize> for Part {
 }
 
 /// A hub, its peers and their lines; a peer may be gone.
-struct Meeting {
+struct HubTrial {
     scene: Scene,
-    engine: Engine<Part>,
+    engine: Engine<Participant>,
     lives: u8,
 }
 
-impl Meeting {
+impl HubTrial {
     fn new(scene: Scene, users: usize) -> Self {
         let mut drawn = 0;
         let entropy = || {
             drawn += 1;
             Ok([drawn; Key::LEN])
         };
-        let hub = Part::Hub(Box::new(Hub::new(&scene, users, &key(), entropy).expect("a hub")));
+        let hub = Participant::Hub(Box::new(Hub::new(&scene, users, &key(), entropy).expect("a hub")));
         let peers =
             (0..users).map(|index| life(&scene, index, users, 101 + index as u8, Plant::new(&scene, index % 2)));
         let seats = peers.chain([hub]).map(Seat::new).collect();
@@ -100,16 +100,16 @@ impl Meeting {
 
     fn hub(&self) -> &Hub<usize> {
         match &self.engine.seats.last().expect("a hub").actor {
-            Part::Hub(hub) => hub,
-            Part::Peer(..) => panic!("the hub sits last"),
+            Participant::Hub(hub) => hub,
+            Participant::Peer(..) => panic!("the hub sits last"),
         }
     }
 
     /// Those who are there.
     fn peers(&self) -> impl Iterator<Item = &Node> {
         self.engine.seats.iter().filter(|seat| !seat.off).filter_map(|seat| match &seat.actor {
-            Part::Peer(node, _) => Some(node.as_ref()),
-            Part::Hub(_) => None,
+            Participant::Peer(node, _) => Some(node.as_ref()),
+            Participant::Hub(_) => None,
         })
     }
 
@@ -120,10 +120,10 @@ impl Meeting {
 }
 
 /// A life of the peer on line `index` + 1 of a hub at seat `hub`.
-fn life(scene: &Scene, index: usize, hub: usize, entropy: u8, device: Plant) -> Part {
+fn life(scene: &Scene, index: usize, hub: usize, entropy: u8, device: Plant) -> Participant {
     let line = index as u32 + 1;
     let node = Node::with_device(scene, number_on(line), key().line(line), [entropy; Key::LEN], device);
-    Part::Peer(Box::new(node.expect("a peer")), hub)
+    Participant::Peer(Box::new(node.expect("a peer")), hub)
 }
 
 /// What the two users do, from 0.2 s on: what is armed by then step by step is engaged.
@@ -140,56 +140,59 @@ fn trace(side: usize) -> String {
     format!("user.{side}.trace={}", path.display())
 }
 
-/// Sealed links, sessions, flow in f32 and the ladder change nothing: copies are where they are around the node in memory.
+/// Sealed links, sessions, flow in f32 and the degradation change nothing: copies are where they are around the node in memory.
 #[test]
 fn peers_around_a_hub_are_the_waves_in_memory() {
     for users in [2, 3, 16] {
         let scene = scene(&[trace(1), trace(2)]);
         let mut memory = Waves::new(&scene, users).expect("peers around a node");
-        let mut meeting = Meeting::new(scene, users);
+        let mut trial = HubTrial::new(scene, users);
         let mut farthest_m = 0.0_f64;
         for _ in 0..3_000 {
-            meeting.step();
-            if meeting.peers().all(|peer| peer.armed_ticks == 0) {
+            trial.step();
+            if trial.peers().all(|peer| peer.armed_ticks == 0) {
                 continue;
             }
             memory.step();
-            for (peer, copy) in meeting.peers().zip(memory.copies()) {
-                let apart = f64::from(peer.observed().object.position) - copy.position;
+            for (peer, copy) in trial.peers().zip(memory.copies()) {
+                let distance_m = f64::from(peer.observed().object.position) - copy.position;
                 farthest_m = farthest_m.max(copy.position.abs());
                 // f32 here, f64 there.
-                assert!(apart.abs() < 1e-7, "{users} users, tick {}: {apart} m apart", meeting.engine.tick());
+                assert!(distance_m.abs() < 1e-7, "{users} users, tick {}: {distance_m} m apart", trial.engine.tick());
             }
         }
-        assert!(farthest_m > 0.02 && meeting.peers().all(|peer| peer.peer.mode() == Mode::Armed), "{farthest_m} m");
-        assert!(meeting.peers().all(|peer| peer.armed_ticks > 2_900), "they began late");
+        assert!(farthest_m > 0.02 && trial.peers().all(|peer| peer.peer.mode() == Mode::Armed), "{farthest_m} m");
+        assert!(trial.peers().all(|peer| peer.armed_ticks > 2_900), "they began late");
     }
 }
 
 /// Two users push against each other with 1 N through a hub of lines with a time of their own: between the copies are four springs
-/// and two lines, 2·(2F/K_T + F·T/b), T being what both ends of a line were told.
+/// and two lines, 2·(2F/K_T + F·T/b), T being what both ends of a line were configured with.
 #[test]
 fn self_timed_lines_meet_in_a_copy() {
     for credit_ticks in [8, 20] {
         let keys = ["user.1.push_n=1", "user.2.push_n=1", "network.one_way_delay_packets=2"].map(str::to_owned);
         let credit = format!("coordination.credit_ticks={credit_ticks}");
         let scene = built_in("any-network", &[&keys[..], &[credit]].concat());
-        let mut meeting = Meeting::new(scene, 2);
-        (0..20_000).for_each(|_| meeting.step());
-        let copies: Vec<f32> = meeting.peers().map(|peer| peer.observed().object.position).collect();
-        let coordination = &meeting.scene.peer.coordination;
+        let mut trial = HubTrial::new(scene, 2);
+        (0..20_000).for_each(|_| trial.step());
+        let copies: Vec<f32> = trial.peers().map(|peer| peer.observed().object.position).collect();
+        let coordination = &trial.scene.peer.coordination;
         let apart_m = f64::from((copies[0] - copies[1]).abs());
         let line_s = (apart_m / 2.0 - 2.0 / coordination.stiffness_n_per_m) * coordination.wave_impedance_n_s_per_m;
         // Who begins later than the other end may have made the line longer by what packets need.
-        let told_s = 1e-3 * f64::from(credit_ticks);
-        assert!((0.98 * told_s..1.02 * (told_s + 0.002)).contains(&line_s), "{apart_m} m apart, lines of {line_s} s");
-        let energy = meeting.hub().junction.energy();
+        let credit_s = 1e-3 * f64::from(credit_ticks);
+        assert!(
+            (0.98 * credit_s..1.02 * (credit_s + 0.002)).contains(&line_s),
+            "{apart_m} m apart, lines of {line_s} s"
+        );
+        let energy = trial.hub().junction.energy();
         assert!(energy.sent_j > 0.0 && energy.sent_j <= energy.taken_j, "{energy:?}");
     }
 }
 
 /// Through bursts, jitter, reordering and a life that ends in the middle, the copies of up to eight people stay together, and no more
-/// energy goes back into the lines than came out of them ([`Meeting::step`]).
+/// energy goes back into the lines than came out of them ([`HubTrial::step`]).
 #[test]
 fn self_timed_lines_around_a_hub_stand_through_bursts() {
     const PEOPLE: [&str; 7] = [
@@ -210,23 +213,23 @@ fn self_timed_lines_around_a_hub_stand_through_bursts() {
     ];
     for (users, network) in [(2, &[][..]), (3, &BAD), (8, &BAD)] {
         let keys: Vec<String> = PEOPLE.iter().chain(network).map(|key| (*key).to_owned()).collect();
-        let mut meeting = Meeting::new(built_in("any-network", &keys), users);
+        let mut trial = HubTrial::new(built_in("any-network", &keys), users);
         let mut farthest_m = 0.0_f64;
         for tick in 0..12_000 {
             if tick == 6_000 {
-                let device = meeting.peers().last().expect("a peer").device();
-                meeting.restart(users - 1, device);
+                let device = trial.peers().last().expect("a peer").device();
+                trial.restart(users - 1, device);
             }
-            meeting.step();
-            let places = || meeting.peers().map(|peer| f64::from(peer.observed().object.position));
+            trial.step();
+            let places = || trial.peers().map(|peer| f64::from(peer.observed().object.position));
             // The one that began anew is where its device is.
             if (1_000..6_000).contains(&tick) {
-                let apart = places().fold(f64::MIN, f64::max) - places().fold(f64::MAX, f64::min);
-                farthest_m = farthest_m.max(apart);
+                let distance_m = places().fold(f64::MIN, f64::max) - places().fold(f64::MAX, f64::min);
+                farthest_m = farthest_m.max(distance_m);
             }
         }
-        assert!(meeting.peers().all(|peer| peer.peer.mode() == Mode::Armed && peer.peer.is_engaged()));
-        assert_eq!(meeting.lives_on(users - 1), 2);
+        assert!(trial.peers().all(|peer| peer.peer.mode() == Mode::Armed && peer.peer.is_engaged()));
+        assert_eq!(trial.lives_on(users - 1), 2);
         println!("{users} users, {network:?}: {farthest_m} m");
         let most_m = if network.is_empty() { 3e-3 } else { 10e-3 };
         assert!(farthest_m < most_m, "{users} users, {network:?}: {farthest_m} m");
@@ -248,23 +251,23 @@ fn a_peer_that_restarts_is_let_go_and_taken_in_again() {
     const BAD: [&str; 3] = ["network.loss=0.1", "network.jitter=uniform", "network.jitter_s=0.006"];
     for network in [&[][..], &BAD] {
         let keys: Vec<String> = PEOPLE.iter().chain(network).map(|key| (*key).to_owned()).collect();
-        let mut meeting = Meeting::new(scene(&keys), 4);
+        let mut trial = HubTrial::new(scene(&keys), 4);
         let mut forces = [0.0_f64; 4];
         // The largest change of a force from tick to tick: while all are there, and from the silence on.
         let mut jumps_n = [0.0_f64; 2];
         let mut back_at = None;
         for tick in 0..9_000 {
             match tick {
-                4_000 => meeting.engine.seats[3].off = true,
-                5_000 => meeting.restart(3, Plant::new(&meeting.scene, 1)),
+                4_000 => trial.engine.seats[3].off = true,
+                5_000 => trial.restart(3, Plant::new(&trial.scene, 1)),
                 7_000 => {
-                    let device = meeting.peers().nth(3).expect("it is back").device();
-                    meeting.restart(3, device);
+                    let device = trial.peers().nth(3).expect("it is back").device();
+                    trial.restart(3, device);
                 }
                 _ => {}
             }
-            meeting.step();
-            for (peer, before) in meeting.peers().take(3).zip(&mut forces) {
+            trial.step();
+            for (peer, before) in trial.peers().take(3).zip(&mut forces) {
                 let force = f64::from(peer.observed().coordination_force);
                 if tick >= 1_000 {
                     let jump_n = &mut jumps_n[usize::from(tick >= 4_000)];
@@ -272,16 +275,16 @@ fn a_peer_that_restarts_is_let_go_and_taken_in_again() {
                 }
                 *before = force;
             }
-            let engaged = meeting.hub().lines().nth(3).is_some_and(|(_, port)| port.is_engaged());
+            let engaged = trial.hub().lines().nth(3).is_some_and(|(_, port)| port.is_engaged());
             if tick > 5_000 && engaged {
                 back_at = back_at.or(Some(tick));
             }
             assert!(engaged || !(1_000..=4_000).contains(&tick), "not engaged at tick {tick}");
         }
         assert!(back_at.is_some_and(|tick| tick < 5_500), "back at {back_at:?}");
-        assert_eq!(meeting.lives_on(3), 3);
-        assert!(meeting.peers().all(|peer| peer.peer.mode() == Mode::Armed && peer.peer.is_engaged()));
-        // What the network itself does, and a step of the ladder: a ninth of the push that the line carries. Where packets are
+        assert_eq!(trial.lives_on(3), 3);
+        assert!(trial.peers().all(|peer| peer.peer.mode() == Mode::Armed && peer.peer.is_engaged()));
+        // What the network itself does, and a step of the degradation: a ninth of the push that the line carries. Where packets are
         // lost, that of a packet that is late and of the next one may come at once.
         let [calm_n, disturbed_n] = jumps_n;
         let steps = if network.is_empty() { 1.0 } else { 2.0 };
@@ -292,15 +295,15 @@ fn a_peer_that_restarts_is_let_go_and_taken_in_again() {
 /// Any closure is a rule, here as in the relay: every third datagram on the way of one peer is lost, and all hold on.
 #[test]
 fn a_planted_rule_loses_what_it_says() {
-    let mut meeting = Meeting::new(scene(&[]), 2);
+    let mut trial = HubTrial::new(scene(&[]), 2);
     let every_third = |number: u64, _: u64| if number.is_multiple_of(3) { Fate::Drop } else { Fate::Pass };
-    meeting.engine.route(0, 2).rule = Some(Box::new(every_third));
-    (0..3_000).for_each(|_| meeting.step());
-    assert!(meeting.peers().all(|peer| peer.peer.mode() == Mode::Armed && peer.peer.is_engaged()));
-    let [there, back] = [(0, 2), (2, 0)].map(|(from, to)| meeting.engine.route(from, to).counts());
+    trial.engine.route(0, 2).rule = Some(Box::new(every_third));
+    (0..3_000).for_each(|_| trial.step());
+    assert!(trial.peers().all(|peer| peer.peer.mode() == Mode::Armed && peer.peer.is_engaged()));
+    let [there, back] = [(0, 2), (2, 0)].map(|(from, to)| trial.engine.route(from, to).counts());
     assert_eq!((there.lost, back.lost), (there.taken.div_ceil(3), 0));
-    // The hub is told of what it did not get.
-    let (end, _) = meeting.hub().lines().next().expect("a line");
+    // The hub learns of what it did not get.
+    let (end, _) = trial.hub().lines().next().expect("a line");
     assert!(end.line.link.counts().missing > 100, "{there:?}");
 }
 

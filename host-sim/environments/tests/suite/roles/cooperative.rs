@@ -187,7 +187,7 @@ impl World {
         body.axes[0][0] += 1.0;
         let body = *body;
         if who > 0 && !self.rng.chance(self.loss) {
-            self.server.told(PeerId(who as u8), version, body);
+            self.server.take_state(PeerId(who as u8), version, body);
         }
     }
 }

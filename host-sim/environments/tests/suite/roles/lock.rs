@@ -12,7 +12,7 @@ fn lease() -> Lease {
     Lease::new(LEASE_US).unwrap()
 }
 
-/// One server and two clients on a network that does only what it is told.
+/// One server and two clients on a network that only the test moves.
 struct Table {
     server: Server<4>,
     clients: [Client; 2],

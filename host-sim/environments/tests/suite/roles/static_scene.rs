@@ -362,12 +362,12 @@ fn everybody_hears_of_everybody_in_turns() {
             for who in 0..clients {
                 let own = Sighting { who: 777, position: [who as f32, 0.0], velocity: [0.0; 2] };
                 let said = Presence::new(period, [own]);
-                let (told, seat) = board.hear(u64::from(period) * 8_000, who, &said, seats[who as usize]).unwrap();
+                let (presence, seat) = board.hear(u64::from(period) * 8_000, who, &said, seats[who as usize]).unwrap();
                 seats[who as usize] = Some(seat);
-                assert_eq!(told.tick, period);
+                assert_eq!(presence.tick, period);
                 // Who somebody is, the server knows by the line and not by what is said.
-                assert!(told.seen().iter().all(|other| other.who != who && other.position[0] == other.who as f32));
-                heard[who as usize].extend(told.seen().iter().map(|other| other.who));
+                assert!(presence.seen().iter().all(|other| other.who != who && other.position[0] == other.who as f32));
+                heard[who as usize].extend(presence.seen().iter().map(|other| other.who));
             }
         }
         assert!(heard.iter().all(|heard| heard.len() == clients as usize - 1), "{clients}: {heard:?}");
@@ -381,12 +381,12 @@ fn the_silent_are_not_told_and_give_up_their_seat() {
     let (_, seat) = board.hear(0, 1, &said, None).unwrap();
     board.hear(0, 2, &said, None).unwrap();
     assert_eq!(board.hear(50_000, 3, &said, None), None);
-    let (told, _) = board.hear(99_000, 1, &said, Some(seat)).unwrap();
-    assert_eq!(told.seen().len(), 1);
+    let (presence, _) = board.hear(99_000, 1, &said, Some(seat)).unwrap();
+    assert_eq!(presence.seen().len(), 1);
     // Client 2 has been silent for 100 ms.
-    let (told, _) = board.hear(100_000, 1, &said, Some(seat)).unwrap();
-    assert_eq!((told.seen().len(), board.present(100_000)), (0, 1));
-    let (told, other) = board.hear(100_000, 3, &said, Some(seat)).unwrap();
-    assert!(other != seat && told.seen().len() == 1);
+    let (presence, _) = board.hear(100_000, 1, &said, Some(seat)).unwrap();
+    assert_eq!((presence.seen().len(), board.present(100_000)), (0, 1));
+    let (presence, other) = board.hear(100_000, 3, &said, Some(seat)).unwrap();
+    assert!(other != seat && presence.seen().len() == 1);
     assert_eq!(board.hear(0, 4, &Presence::default(), None), None);
 }

@@ -46,13 +46,13 @@ impl Pair {
             self.host.receive(self.now, CLIENT, &mut bytes.clone(), |to, bytes| answers.push((to, bytes.to_vec())));
             for (to, mut answer) in answers {
                 assert_eq!(to, CLIENT);
-                let server = haptic_environments::world::visitor::Party::Server(1);
+                let server = haptic_environments::world::visitor::Correspondent::Server(1);
                 self.visitor.receive(self.now, server, &mut answer, |_, bytes| said.push(bytes.to_vec()));
             }
         }
-        let mut told = vec![];
-        self.host.tick(self.now, |to, _| told.push(to));
-        told
+        let mut sent_to = vec![];
+        self.host.tick(self.now, |to, _| sent_to.push(to));
+        sent_to
     }
 }
 
@@ -77,8 +77,8 @@ fn what_was_recorded_is_worth_nothing_to_a_stranger() {
     let sealed = pair.sent.iter().filter(|datagram| datagram[1] == Header::KIND).count() as u64;
     assert_eq!(pair.host.counts.refused - refused, sealed);
     assert!(sealed > 100 && greetings <= pair.sent.len() as u64 - sealed);
-    let told: Vec<u32> = (0..200).flat_map(|_| pair.period()).collect();
-    assert!(told.iter().all(|to| *to == CLIENT));
+    let sent_to: Vec<u32> = (0..200).flat_map(|_| pair.period()).collect();
+    assert!(sent_to.iter().all(|to| *to == CLIENT));
     assert_eq!(pair.host.clients(), 1);
     assert!(pair.visitor.is_complete());
 }
@@ -133,7 +133,7 @@ impl Pair {
     fn raced(&mut self, copies: usize) -> (Vec<(u32, usize)>, usize) {
         self.now += 8_000;
         self.visitor.step([Motion::at(0.0); 2]);
-        let (mut said, mut told, mut copied) = (vec![], vec![], 0);
+        let (mut said, mut sent_to, mut copied) = (vec![], vec![], 0);
         self.visitor.exchange(self.now, |_, bytes| said.push(bytes.to_vec()));
         while let Some(bytes) = said.pop() {
             let mut answers = vec![];
@@ -141,14 +141,14 @@ impl Pair {
                 copied += if from == STRANGER { bytes.len() } else { 0 };
                 self.host.receive(self.now, from, &mut bytes.clone(), |to, bytes| answers.push((to, bytes.to_vec())));
             }
-            told.extend(answers.iter().map(|(to, answer)| (*to, answer.len())));
+            sent_to.extend(answers.iter().map(|(to, answer)| (*to, answer.len())));
             for (_, mut answer) in answers.into_iter().filter(|(to, _)| *to == CLIENT) {
-                let server = haptic_environments::world::visitor::Party::Server(1);
+                let server = haptic_environments::world::visitor::Correspondent::Server(1);
                 self.visitor.receive(self.now, server, &mut answer, |_, bytes| said.push(bytes.to_vec()));
             }
         }
-        self.host.tick(self.now, |to, bytes| told.push((to, bytes.len())));
-        (told, copied)
+        self.host.tick(self.now, |to, bytes| sent_to.push((to, bytes.len())));
+        (sent_to, copied)
     }
 }
 
@@ -161,9 +161,9 @@ fn a_copy_that_comes_first_moves_no_line() {
     }
     let mut to_client = 0;
     for _ in 0..500 {
-        let (told, copied) = pair.raced(1);
-        assert!(copied > 0 && told.iter().all(|(to, _)| *to == CLIENT), "{told:?}");
-        to_client += told.len();
+        let (sent_to, copied) = pair.raced(1);
+        assert!(copied > 0 && sent_to.iter().all(|(to, _)| *to == CLIENT), "{sent_to:?}");
+        to_client += sent_to.len();
     }
     assert!(to_client > 500 && pair.host.clients() == 1 && pair.visitor.is_complete());
 }
@@ -202,7 +202,7 @@ fn a_client_that_moves_is_answered_where_it_is_now() {
             // What goes to where it was is lost.
             for (_, mut answer) in answers.into_iter().filter(|(to, _)| *to == MOVED) {
                 to_moved += 1;
-                let server = haptic_environments::world::visitor::Party::Server(1);
+                let server = haptic_environments::world::visitor::Correspondent::Server(1);
                 pair.visitor.receive(pair.now, server, &mut answer, |_, bytes| said.push(bytes.to_vec()));
             }
         }

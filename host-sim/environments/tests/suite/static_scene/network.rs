@@ -146,12 +146,12 @@ fn crossing(world: &World, servers: &[(u8, Option<u8>)], network: &[&str]) -> (f
     let mut oracle = Oracle::new(world.objects());
     oracle.0.step(start.map(Motion::at));
     let (mut last, mut largest, mut differs) = (None::<[f64; 2]>, 0.0_f64, 0.0_f64);
-    let apart = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
+    let distance = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
     for tick in 0..(2_000.0 * std::f64::consts::TAU) as u64 {
         let hand = through_the_door(tick);
         let force = sim.step(|_| hand)[&1];
-        largest = largest.max(last.map_or(0.0, |last| apart(force, last)));
-        differs = differs.max(apart(force, oracle.0.step(hand)));
+        largest = largest.max(last.map_or(0.0, |last| distance(force, last)));
+        differs = differs.max(distance(force, oracle.0.step(hand)));
         last = Some(force);
     }
     (largest, sim.visitor(1).moves(), differs)

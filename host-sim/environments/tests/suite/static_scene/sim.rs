@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use haptic_core::num::Motion;
 use haptic_environments::world::World;
 use haptic_environments::world::host::Host;
-use haptic_environments::world::visitor::{Party, Setup, Visitor};
+use haptic_environments::world::visitor::{Correspondent, Setup, Visitor};
 use haptic_protocol::key::Key;
 use haptic_sim::engine::{Actor, Engine, Out, Seat};
 use haptic_sim::network::link::Route;
@@ -16,15 +16,15 @@ use haptic_sim::scene::Scene;
 const SERVERS: usize = 8;
 const CLIENTS: usize = 16;
 
-fn seat(party: Party) -> usize {
+fn seat(party: Correspondent) -> usize {
     match party {
-        Party::Server(number) => usize::from(number),
-        Party::Client(line) => SERVERS + line as usize,
+        Correspondent::Server(number) => usize::from(number),
+        Correspondent::Client(line) => SERVERS + line as usize,
     }
 }
 
-fn party(seat: usize) -> Party {
-    if seat < SERVERS { Party::Server(seat as u8) } else { Party::Client((seat - SERVERS) as u32) }
+fn party(seat: usize) -> Correspondent {
+    if seat < SERVERS { Correspondent::Server(seat as u8) } else { Correspondent::Client((seat - SERVERS) as u32) }
 }
 
 /// Who sits there.
@@ -115,7 +115,7 @@ impl Sim {
         let setup = Setup { key: Key::new([7; 32]).line(line), line, home, reachable, radius_m };
         let visitor = Box::new(Visitor::new(setup, entropy(u64::from(line) + 10 * self.tick())));
         let client = End::Client { visitor, line, hand: [Motion::REST; 2], force_n: [0.0; 2] };
-        self.engine.seats[seat(Party::Client(line))] = Seat::new(client);
+        self.engine.seats[seat(Correspondent::Client(line))] = Seat::new(client);
     }
 
     pub(crate) fn host(&mut self, number: u8) -> &mut Host<usize> {
@@ -126,14 +126,14 @@ impl Sim {
     }
 
     pub(crate) fn visitor(&self, line: u32) -> &Visitor {
-        match &self.engine.seats[seat(Party::Client(line))].actor {
+        match &self.engine.seats[seat(Correspondent::Client(line))].actor {
             End::Client { visitor, .. } => visitor,
             _ => panic!("no visitor {line}"),
         }
     }
 
     pub(crate) fn visitor_mut(&mut self, line: u32) -> &mut Visitor {
-        match &mut self.engine.seats[seat(Party::Client(line))].actor {
+        match &mut self.engine.seats[seat(Correspondent::Client(line))].actor {
             End::Client { visitor, .. } => visitor,
             _ => panic!("no visitor {line}"),
         }

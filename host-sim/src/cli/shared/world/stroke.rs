@@ -57,9 +57,9 @@ impl Stroke {
         let Self { mass_kg, drag_n_s_per_m, below_m, speed_m_per_s, .. } = *self;
         let options = Options { mass_kg, drag_n_s_per_m, below_m, speed_m_per_s, ..Options::default() };
         let stroke = stroke(&self.shape()?, &options)?;
-        let made = ui.made().with("mass_kg", mass_kg).with("drag_n_s_per_m", drag_n_s_per_m);
-        let made = made.with("below_m", below_m).with("speed_m_per_s", speed_m_per_s);
-        let files = ui.files(&self.out, "shape", "shape", &made, |files| {
+        let provenance = ui.provenance().with("mass_kg", mass_kg).with("drag_n_s_per_m", drag_n_s_per_m);
+        let provenance = provenance.with("below_m", below_m).with("speed_m_per_s", speed_m_per_s);
+        let files = ui.files(&self.out, "shape", "shape", &provenance, |files| {
             files.csv(&stroke.table)?;
             files.figure(None, &picture::figure(&stroke))
         })?;
@@ -67,7 +67,7 @@ impl Stroke {
         let object = ["object_x_m", "object_y_m"].into_iter().filter_map(|name| stroke.table.column(name)).flatten();
         let way_m = object.fold(0.0_f64, |most, at| most.max(at.abs()));
         ui.report_of(
-            &made,
+            &provenance,
             "stroke",
             &json!({
                 "parts": stroke.parts, "energy": stroke.energy, "remainder_j": stroke.energy.remainder_j(),

@@ -6,7 +6,7 @@ use clap::Args;
 
 use crate::cli::flags::{End, number, seconds};
 use crate::cli::{Failure, Ui};
-use haptic_environments::world::visitor::{Party, Setup};
+use haptic_environments::world::visitor::{Correspondent, Setup};
 use haptic_environments::{live::visit, world::host::MOST_LINES};
 use haptic_live::endpoint::Stop;
 use haptic_protocol::key::Role;
@@ -100,11 +100,11 @@ impl Visit {
             reachable: self.servers.iter().map(|(number, _)| *number).collect(),
             radius_m: self.radius_m.map(|radius_m| radius_m as f32),
         };
-        let servers = self.servers.iter().map(|(number, address)| (Party::Server(*number), *address));
+        let servers = self.servers.iter().map(|(number, address)| (Correspondent::Server(*number), *address));
         let options = visit::Options {
             setup,
             listen: self.end.listen,
-            parties: servers.chain(self.friend.map(|(line, address)| (Party::Client(line), address))).collect(),
+            parties: servers.chain(self.friend.map(|(line, address)| (Correspondent::Client(line), address))).collect(),
             from_m: self.from_m,
             to_m: self.to_m,
             stroke_s: self.stroke_s,

@@ -14,13 +14,13 @@ const VERDICTS: [(&str, usize); 3] = [("stable", 2), ("apart", 4), ("NO", 1)];
 /// More names than this beside each other are hard to read.
 const BESIDE: usize = 9;
 
-/// True discrepancy against way, and the verdict of every law over every network.
+/// True discrepancy against mobility, and the verdict of every law over every network.
 pub fn laws(rows: &[Row]) -> Figure {
     let places: Vec<(f64, f64, &str)> = rows
         .iter()
         .filter_map(|row| {
             let true_mm = row.mean(|cell| cell.true_discrepancy_mm().map(|estimate| estimate.mean))?;
-            Some((true_mm, row.mean(|cell| cell.way().map(|estimate| estimate.mean))?, row.law.name))
+            Some((true_mm, row.mean(|cell| cell.mobility().map(|estimate| estimate.mean))?, row.law.name))
         })
         .collect();
     let points = places.iter().map(|(x, y, _)| (*x, *y)).collect();

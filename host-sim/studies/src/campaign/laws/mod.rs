@@ -1,11 +1,11 @@
 //! The bench: laws beside each other, every one in the same scene, at the gains that it declares.
 //!
-//! All that a row says comes from the law's [`Kind`] and from what is measured: whoever adds a law, to core's list or in a crate
+//! All that a row says comes from the law's [`LawInfo`] and from what is measured: whoever adds a law, to core's list or in a crate
 //! outside, has a row here.
 //!
 //! | module | what of a law |
 //! |---|---|
-//! | `campaign::cells` | runs over every network: discrepancy, forces, way, energies |
+//! | `campaign::cells` | runs over every network: discrepancy, forces, mobility, energies |
 //! | [`stability`] | largest K_T and K_LC in every mode, by the analyser |
 //! | [`touch`] | what the hand feels: impedance, Z-width, mass, drag |
 //! | [`promises`] | what it promises, and whether that was kept here |
@@ -24,7 +24,7 @@ pub mod touch;
 
 use std::path::Path;
 
-use haptic_core::settings::Kind;
+use haptic_core::settings::LawInfo;
 use haptic_protocol::wire::{Flow, SEAL_LEN};
 use haptic_sim::pair::Pair;
 use haptic_sim::peers::Laws;
@@ -48,23 +48,23 @@ pub const SOLVED: [&str; 3] =
 ///
 /// # Errors
 /// A name that no law has.
-pub fn asked_for(laws: Laws, text: &str) -> Result<Vec<&'static Kind>, String> {
-    let kinds = laws.kinds();
+pub fn asked_for(laws: Laws, text: &str) -> Result<Vec<&'static LawInfo>, String> {
+    let infos = laws.all();
     if text == "all" {
-        return Ok(kinds.iter().collect());
+        return Ok(infos.iter().collect());
     }
-    let mut found: Vec<&Kind> = Vec::new();
+    let mut found: Vec<&LawInfo> = Vec::new();
     for name in text.split(',').map(str::trim) {
-        let Some(kind) = kinds.iter().find(|kind| kind.name == name) else {
-            let names = || kinds.iter().map(|kind| kind.name).chain(["all"]);
+        let Some(law) = infos.iter().find(|law| law.name == name) else {
+            let names = || infos.iter().map(|law| law.name).chain(["all"]);
             let hint = match nearest(name, names()) {
                 Some(name) => format!("did you mean {name}?"),
                 None => format!("the laws are {}", names().collect::<Vec<_>>().join(", ")),
             };
             return Err(format!("there is no law called {name:?}; {hint}"));
         };
-        if !found.contains(&kind) {
-            found.push(kind);
+        if !found.contains(&law) {
+            found.push(law);
         }
     }
     Ok(found)
@@ -75,11 +75,11 @@ pub fn asked_for(laws: Laws, text: &str) -> Result<Vec<&'static Kind>, String> {
 ///
 /// # Errors
 /// What the scene or the law does not accept.
-pub fn law_scene(laws: Laws, law: &Kind, scene: Option<&Path>, set: &[String]) -> Result<Scene, SceneError> {
+pub fn law_scene(laws: Laws, law: &LawInfo, scene: Option<&Path>, set: &[String]) -> Result<Scene, SceneError> {
     let peers = SOLVED.iter().filter(|_| scene.is_none());
     let settings = peers.chain(law.gains).map(|setting| (*setting).to_owned());
-    let comm = format!("coordination.comm={}", law.name);
-    let settings: Vec<String> = std::iter::once(comm).chain(settings).chain(set.iter().cloned()).collect();
+    let law = format!("coordination.comm={}", law.name);
+    let settings: Vec<String> = std::iter::once(law).chain(settings).chain(set.iter().cloned()).collect();
     scenes::find(laws, Some(scene.unwrap_or(Path::new(BASE))), &settings)
 }
 
@@ -87,22 +87,22 @@ pub fn law_scene(laws: Laws, law: &Kind, scene: Option<&Path>, set: &[String]) -
 ///
 /// # Errors
 /// As [`law_scene`]; the law is named.
-pub fn law_scenes(laws: Laws, kinds: &[&Kind], scene: Option<&Path>, set: &[String]) -> Result<Vec<Scene>, Failure> {
-    let scene = |law: &&Kind| {
+pub fn law_scenes(laws: Laws, infos: &[&LawInfo], scene: Option<&Path>, set: &[String]) -> Result<Vec<Scene>, Failure> {
+    let scene = |law: &&LawInfo| {
         let mut found = law_scene(laws, law, scene, set).map_err(|error| format!("{}: {error}", law.name))?;
         if !found.users.iter().any(User::acts) {
             found.users = scenes::load(laws, BASE)?.users;
         }
         Ok(found)
     };
-    kinds.iter().map(scene).collect()
+    infos.iter().map(scene).collect()
 }
 
 /// A law on the bench.
 #[derive(Clone, Debug)]
 pub struct Row {
     /// The law that was tried.
-    pub law: &'static Kind,
+    pub law: &'static LawInfo,
     /// The scene it was tried in.
     pub scene: Scene,
     /// Results, network by network.
@@ -137,7 +137,7 @@ pub fn bench(laws: Laws, scenes: &[Scene], done: &dyn Fn()) -> Result<Vec<Row>, 
 /// [`bench`] over these networks; the first is the scene's own.
 fn over(laws: Laws, scenes: &[Scene], networks: &[Named], done: &dyn Fn()) -> Result<Vec<Row>, Failure> {
     let row = |scene: &Scene| {
-        let law = laws.kinds().iter().find(|law| law.name == scene.law().name).unwrap_or(scene.law());
+        let law = laws.all().iter().find(|law| law.name == scene.law().name).unwrap_or(scene.law());
         let cells = over_networks(&[(law.name.to_owned(), scene.clone())], networks, 0)?;
         let stable = cells[0].is_stable();
         let (stability, touch) = rayon::join(|| stability::judged(scene, stable), || touch::felt(scene, stable));

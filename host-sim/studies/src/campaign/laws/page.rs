@@ -81,7 +81,7 @@ fn section(row: &Row) -> String {
     let mut say = |what: &str, words: String| text += &format!("- {what}: {words}\n");
     let or_none = |words: &str| if words.is_empty() { "none".to_owned() } else { words.to_owned() };
     say("Source", or_none(law.source));
-    say("Promises", row.told().unwrap_or_else(|| "none".to_owned()));
+    say("Promises", row.promise_texts().unwrap_or_else(|| "none".to_owned()));
     say("Gains", or_none(&law.gains.iter().map(|gain| format!("`{gain}`")).collect::<Vec<_>>().join(", ")));
     match &row.stability {
         Ok(stability) => {

@@ -1,4 +1,4 @@
-//! Whether a law kept on the bench what its [`Kind`](haptic_core::settings::Kind) promises.
+//! Whether a law kept on the bench what its [`LawInfo`](haptic_core::settings::Kind) promises.
 //!
 //! | promise | looked at | kept |
 //! |---|---|---|
@@ -88,13 +88,13 @@ fn drift_mm(scene: &Scene) -> Result<Option<f64>, Failure> {
         pair.route(direction).rule = None;
     }
     let last = (1.0 / scene.peer.timing.control_period_s).round() as u64;
-    let mut apart_m = 0.0;
+    let mut distance_m = 0.0;
     for tick in 0..ticks[1] {
         pair.step();
         if tick + last >= ticks[1] {
             let [one, other] = pair.sides().map(|side| side.peer.observed()[0].object.position);
-            apart_m += (one - other).abs() / last as f64;
+            distance_m += (one - other).abs() / last as f64;
         }
     }
-    Ok(pair.fault().is_none().then_some(1e3 * apart_m))
+    Ok(pair.fault().is_none().then_some(1e3 * distance_m))
 }

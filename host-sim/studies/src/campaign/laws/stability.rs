@@ -3,7 +3,7 @@
 use haptic_analysis::tune::{CONTACT, COORDINATION};
 use haptic_analysis::{AnalysisError, Effort, Hands, Judgement, Limit, Range, is_linear, judge, limit};
 use haptic_core::names::Choice;
-use haptic_sim::measure::impedance::{Far, SPEED_M_PER_S, felt};
+use haptic_sim::measure::impedance::{RemoteEnd, SPEED_M_PER_S, felt};
 use haptic_sim::scene::Scene;
 
 /// Stiffnesses are looked at from 0 up to this, N/m.
@@ -69,7 +69,7 @@ fn not_linear(scene: &Scene) -> Result<Option<&'static str>, String> {
         return Ok(Some("the law is not linear: its answer to a sum is not the sum of its answers"));
     }
     for frequency_hz in LOOKED_AT_HZ {
-        let at = |speed| felt(scene, Far::Held, frequency_hz, speed).map_err(|error| error.to_string());
+        let at = |speed| felt(scene, RemoteEnd::Held, frequency_hz, speed).map_err(|error| error.to_string());
         if let (Some(slow), Some(fast)) = (at(SPEED_M_PER_S)?, at(2.0 * SPEED_M_PER_S)?)
             && (fast.re - slow.re).hypot(fast.im - slow.im) > SAME * slow.abs()
         {

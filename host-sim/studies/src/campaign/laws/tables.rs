@@ -51,11 +51,11 @@ impl Row {
     }
 
     /// What it promises and whether that was kept, in words.
-    pub(super) fn told(&self) -> Option<String> {
-        let told = |kept: &super::Kept| {
+    pub(super) fn promise_texts(&self) -> Option<String> {
+        let promise_texts = |kept: &super::Kept| {
             format!("{}: {} ({})", kept.promise.name(), if kept.kept { "kept" } else { "NOT KEPT" }, kept.found)
         };
-        let all: Vec<String> = self.promises.iter().map(told).collect();
+        let all: Vec<String> = self.promises.iter().map(promise_texts).collect();
         (!all.is_empty()).then(|| all.join("; "))
     }
 }
@@ -68,12 +68,12 @@ fn named(rows: &[Row]) -> Rows<'_, Row> {
 /// What came of it over the networks.
 fn over_networks<'a>(rows: Rows<'a, Row>) -> Rows<'a, Row> {
     let true_mm = |cell: &Cell| cell.true_discrepancy_mm().map(|estimate| estimate.mean);
-    let way = |cell: &Cell| cell.way().map(|estimate| estimate.mean);
+    let mobility = |cell: &Cell| cell.mobility().map(|estimate| estimate.mean);
     rows
         .value("source", |row| Some(row.law.source).filter(|source| !source.is_empty()))
         .means("where it was published")
         .data_only()
-        .value("promises", Row::told)
+        .value("promises", Row::promise_texts)
         .means("what it promises, and whether that was kept here")
         .data_only()
         .value("promises_kept", |row| (!row.promises.is_empty()).then(|| row.promises.iter().all(|kept| kept.kept)))
@@ -103,10 +103,10 @@ fn over_networks<'a>(rows: Rows<'a, Row>) -> Rows<'a, Row> {
         .number("worst_true_discrepancy_mm", 1, |row| row.most(|cell| cell.worst(|o| o.whole.largest_true_discrepancy_mm)))
         .means("the largest at any instant on any of those networks")
         .head("worst true")
-        .number("mean_way", 2, move |row| row.mean(way))
+        .number("mean_way", 2, move |row| row.mean(mobility))
         .means("way under a common push over that on the scene's own network, mean over the networks on which it is stable")
         .head("way")
-        .number("least_way", 2, move |row| row.least(way))
+        .number("least_way", 2, move |row| row.least(mobility))
         .means("the least of those")
         .head("least way")
         .number("peak_force_n", 1, |row| row.most(|cell| cell.worst(|o| o.whole.peak_coordination_force_n)))

@@ -12,7 +12,7 @@
 //! | the version of a state is the fence it was made under | a state is newer if its number is higher, and nobody needs to agree on more |
 //! | the server answers every release, twice if it comes twice | the client knows whether its work is in the official copy |
 //! | after a restart the server gives nothing out for one lease | somebody may still hold what it has forgotten |
-//! | who follows says which version it has; who has an older one is told | a lost publication is repaired at the next call |
+//! | who follows says which version it has; who has an older one is notified | a lost publication is repaired at the next call |
 //!
 //! One [`Server`] and one [`Client`] per object and peer: the message names the object. [`Lease::retry_us`] sets all repetition.
 //!

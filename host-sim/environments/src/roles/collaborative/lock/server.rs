@@ -85,7 +85,7 @@ impl<const CLIENTS: usize> Server<CLIENTS> {
                 if self.followers.is_full() {
                     self.followers.retain(|(_, heard_us)| now.saturating_sub(*heard_us) < lease);
                 }
-                // Full of clients that are there: this one is served as it asks, and not told by itself.
+                // Full of clients that are there: this one is served as it asks, and not notified by itself.
                 let _ = self.followers.push((from, now));
             }
         }

@@ -1,6 +1,6 @@
 //! Holder: keeps the support of a majority, edits, publishes, passes the token on.
 
-use super::message::{Ballot, Held, Holding, Kept, Message, Other, Part, Roster, SEATS, Stage, State};
+use super::message::{Ballot, Held, Holding, Kept, MemberRecord, MemberState, Message, Roster, SEATS, Stage, State};
 use super::{Notice, Ring};
 use crate::{roles::Out, roles::collaborative::Value};
 use haptic_protocol::wire::PeerId;
@@ -11,7 +11,7 @@ const ABSENT_AFTER: u8 = 8;
 impl Ring {
     /// Others first, from now on.
     pub(super) fn end_turn(&mut self) {
-        if let Part::Holder(holding) = &mut self.part {
+        if let MemberState::Holder(holding) = &mut self.part {
             holding.used = true;
             if holding.is_editing() {
                 holding.stage = Stage::Done;
@@ -22,7 +22,7 @@ impl Ring {
     /// The token is here; whether anybody may edit, the others say.
     pub(super) fn take_token(&mut self, now: u64, out: &mut dyn Out<Message>) {
         let held = [None; SEATS as usize];
-        self.part = Part::Holder(Holding { held, stage: Stage::Settling { publishes: false }, used: false });
+        self.part = MemberState::Holder(Holding { held, stage: Stage::Settling { publishes: false }, used: false });
         self.supported = Some(self.config.seat);
         self.say_hold(now, out);
     }
@@ -37,7 +37,9 @@ impl Ring {
 
     /// Somebody keeps the state and votes for nobody else.
     pub(super) fn held(&mut self, from: u8, ballot: Ballot, version: u32, number: u32) {
-        let (Part::Holder(holding), Some(sent_us)) = (&mut self.part, self.holds.sent_us(number)) else { return };
+        let (MemberState::Holder(holding), Some(sent_us)) = (&mut self.part, self.holds.sent_us(number)) else {
+            return;
+        };
         if ballot != self.record.kept.ballot {
             return;
         }
@@ -49,7 +51,7 @@ impl Ring {
 
     /// Until when a majority votes for nobody else, µs: what the slowest of the quickest majority has answered to.
     pub(super) fn lease_until_us(&self, now: u64) -> u64 {
-        let Part::Holder(holding) = &self.part else { return 0 };
+        let MemberState::Holder(holding) = &self.part else { return 0 };
         let majority = |roster: Roster| {
             let mut sent = heapless::Vec::<u64, { SEATS as usize }>::new();
             for seat in roster.seats() {
@@ -70,7 +72,7 @@ impl Ring {
     /// The next version: this value, and the members as they want to be.
     pub(super) fn propose(&mut self, now: u64, value: Value, publishes: bool, out: &mut dyn Out<Message>) {
         let roster = self.next_roster(now);
-        let Part::Holder(holding) = &mut self.part else { return };
+        let MemberState::Holder(holding) = &mut self.part else { return };
         let State { version, roster: before, .. } = self.record.kept.state;
         let Some(version) = version.checked_add(1) else { return };
         self.record.kept.state = State { version, roster, before, value };
@@ -99,7 +101,7 @@ impl Ring {
 
     /// Does whatever can be done now.
     pub(super) fn settle(&mut self, now: u64, out: &mut dyn Out<Message>) {
-        if !matches!(self.part, Part::Holder(_)) {
+        if !matches!(self.part, MemberState::Holder(_)) {
             return;
         }
         if self.highest > self.record.promised && now >= self.lease_until_us(now) {
@@ -108,7 +110,7 @@ impl Ring {
             return;
         }
         let kept = self.kept();
-        let Part::Holder(holding) = &mut self.part else { return };
+        let MemberState::Holder(holding) = &mut self.part else { return };
         match holding.stage {
             Stage::Settling { publishes } => {
                 if !self.record.kept.state.has_majority(kept) {
@@ -135,7 +137,7 @@ impl Ring {
     /// Who keeps the newest state.
     fn kept(&self) -> Roster {
         let own = Roster::of([self.config.seat]);
-        let Part::Holder(holding) = &self.part else { return own };
+        let MemberState::Holder(holding) = &self.part else { return own };
         let keeps = |held: &Option<Held>| held.is_some_and(|held| held.version == self.record.kept.state.version);
         let others = (0..SEATS).zip(&holding.held).filter(|(_, held)| keeps(held));
         others.fold(own, |kept, (seat, _)| kept.with(seat))
@@ -144,7 +146,7 @@ impl Ring {
     /// The state is kept by a majority: what next?
     fn go_on(&mut self, now: u64, out: &mut dyn Out<Message>) {
         let (next, live) = (self.next_in_turn(now), now < self.lease_until_us(now));
-        let Part::Holder(holding) = &mut self.part else { return };
+        let MemberState::Holder(holding) = &mut self.part else { return };
         if self.wants && !(holding.used && next.is_some()) {
             if live {
                 holding.stage = Stage::Editing { since_us: now };
@@ -172,7 +174,7 @@ impl Ring {
         for (seat, other) in (0..SEATS).zip(&mut self.others) {
             other.joins &= !roster.contains(seat);
             if !roster.contains(seat) {
-                *other = Other { joins: other.joins, ..Other::default() };
+                *other = MemberRecord { joins: other.joins, ..MemberRecord::default() };
             }
         }
     }
@@ -189,14 +191,14 @@ impl Ring {
 
     fn pass(&mut self, now: u64, to: u8, out: &mut dyn Out<Message>) {
         let Ballot { epoch, turn } = self.record.kept.ballot;
-        let (Part::Holder(holding), Some(turn)) = (&self.part, turn.checked_add(1)) else { return };
+        let (MemberState::Holder(holding), Some(turn)) = (&self.part, turn.checked_add(1)) else { return };
         let roster = self.record.kept.state.roster;
         for ((seat, other), held) in (0..SEATS).zip(&mut self.others).zip(&holding.held) {
             let missed = held.is_none() && roster.contains(seat);
             other.missed = if missed { other.missed.saturating_add(1) } else { 0 };
         }
         let ballot = Ballot { epoch, turn };
-        self.part = Part::Passing { to, ballot };
+        self.part = MemberState::Passing { to, ballot };
         self.supported = None;
         // It is served: what it wants now it will say again.
         self.note(to, |other| other.wants = false);

@@ -1,7 +1,7 @@
 //! What a member does for the others: keeps the state, supports one holder at a time, votes; and how as a candidate it makes a lost
 //! token anew, never two of them.
 
-use super::message::{Ballot, Candidacy, Kept, Message, Part, Roster};
+use super::message::{Ballot, Candidacy, Kept, MemberState, Message, Roster};
 use super::{Notice, Record, Ring};
 use crate::roles::Out;
 use haptic_protocol::wire::PeerId;
@@ -53,16 +53,16 @@ impl Ring {
 
     /// Somebody else has a higher right: this one is a member like any other.
     pub(super) fn step_back(&mut self) {
-        let told = matches!(&self.part, Part::Holder(holding) if holding.is_at_work());
-        self.part = Part::Member;
-        if told {
+        let notified = matches!(&self.part, MemberState::Holder(holding) if holding.is_at_work());
+        self.part = MemberState::Member;
+        if notified {
             self.notices.put(Notice::Lost);
         }
     }
 
     /// Whether this member may vote for a seat: it is bound to nobody else, and does not edit.
     pub(super) fn is_free(&self, now: u64, seat: u8) -> bool {
-        let edits = matches!(self.part, Part::Holder(_)) && now < self.lease_until_us(now);
+        let edits = matches!(self.part, MemberState::Holder(_)) && now < self.lease_until_us(now);
         !edits && (now >= self.bound_until_us || self.supported == Some(seat))
     }
 
@@ -104,7 +104,7 @@ impl Ring {
         self.step_back();
         self.highest = epoch;
         self.record.promised = epoch;
-        self.part = Part::Candidate(Candidacy { votes: Roster::of([self.config.seat]), kept: self.record.kept });
+        self.part = MemberState::Candidate(Candidacy { votes: Roster::of([self.config.seat]), kept: self.record.kept });
         // Another try, if this one comes to nothing.
         self.put_off(now);
         self.next_us = now.saturating_add(self.config.lease.retry_us());
@@ -115,10 +115,10 @@ impl Ring {
     /// A vote, with what the voter knows.
     pub(super) fn voted(&mut self, now: u64, from: u8, epoch: u32, kept: Kept, out: &mut dyn Out<Message>) {
         if epoch == Self::NO_VOTE {
-            self.told_off(kept);
+            self.follow(kept);
             return;
         }
-        let Part::Candidate(candidacy) = &mut self.part else { return };
+        let MemberState::Candidate(candidacy) = &mut self.part else { return };
         if epoch != self.record.promised {
             return;
         }
@@ -131,9 +131,9 @@ impl Ring {
 
     /// The token is this one's when the majorities agree, by what the newest state says about who the members are.
     fn count(&mut self, now: u64, out: &mut dyn Out<Message>) {
-        let Part::Candidate(Candidacy { votes, kept }) = self.part else { return };
+        let MemberState::Candidate(Candidacy { votes, kept }) = self.part else { return };
         if !kept.state.roster.contains(self.config.seat) {
-            self.told_off(kept);
+            self.follow(kept);
         } else if kept.state.has_majority(votes) {
             self.record.kept = Kept { ballot: Ballot { epoch: self.record.promised, turn: 0 }, ..kept };
             self.take_token(now, out);
@@ -142,7 +142,7 @@ impl Ring {
 
     /// The others have gone on without this one. It keeps what they have, unless it has promised somebody not to: its own
     /// candidacy is over, and binds nobody.
-    fn told_off(&mut self, kept: Kept) {
+    fn follow(&mut self, kept: Kept) {
         let Record { promised, kept: before } = self.record;
         let own = promised & 0xf == u32::from(self.config.seat);
         let out = kept.age() > before.age() && !kept.state.roster.contains(self.config.seat);
@@ -156,7 +156,7 @@ impl Ring {
     pub(super) fn overtaken(&mut self, now: u64, epoch: u32) {
         if epoch > self.highest {
             self.highest = epoch;
-            if matches!(self.part, Part::Candidate(_)) {
+            if matches!(self.part, MemberState::Candidate(_)) {
                 let wait = self.draw(self.config.lease.giver_us() / 4);
                 self.stands_us = now.saturating_add(wait);
             }

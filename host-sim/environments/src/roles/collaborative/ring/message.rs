@@ -152,7 +152,7 @@ messages! {
             4 => epoch: u32, "The promise.";
         /// Somebody who would like to be a member.
         Join = 7, 4 bytes
-        /// A member who would like to leave, and to be told when it has.
+        /// A member who would like to leave, and to be notified when it has.
         Leave = 8, 4 bytes
     }
 }
@@ -160,7 +160,7 @@ messages! {
 /// What a member is just now.
 #[derive(Clone, Debug)]
 #[allow(clippy::large_enum_variant)] // A member of a ring has room for any of them anyway.
-pub(super) enum Part {
+pub(super) enum MemberState {
     Member,
     Candidate(Candidacy),
     Holder(Holding),
@@ -226,7 +226,7 @@ impl Holding {
 }
 
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Other {
+pub(super) struct MemberRecord {
     pub(super) heard_us: Option<u64>,
     pub(super) wants: bool,
     pub(super) leaves: bool,

@@ -34,7 +34,7 @@ mod member;
 mod message;
 
 pub use message::{Ballot, Kept, Message, Roster, SEATS, State};
-use message::{Other, Part};
+use message::{MemberRecord, MemberState};
 
 /// What a member must still know after a crash. Store it before sending what came with the change.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -91,7 +91,7 @@ pub enum Notice {
 pub struct Ring {
     config: Config,
     record: Record,
-    part: Part,
+    part: MemberState,
     wants: bool,
     leaving: bool,
     /// No vote before, but for the one that is supported.
@@ -104,7 +104,7 @@ pub struct Ring {
     /// When something is to be said again.
     next_us: u64,
     holds: Requests,
-    others: [Other; SEATS as usize],
+    others: [MemberRecord; SEATS as usize],
     random: u64,
     notices: Notices<Notice, 8>,
 }
@@ -116,7 +116,7 @@ impl Ring {
         let mut ring = Self {
             config,
             record,
-            part: Part::Member,
+            part: MemberState::Member,
             wants: false,
             leaving: false,
             bound_until_us: if record.promised == 0 { now } else { now.saturating_add(config.lease.giver_us()) },
@@ -125,7 +125,7 @@ impl Ring {
             highest: record.promised,
             next_us: now,
             holds: Requests::default(),
-            others: [Other::default(); SEATS as usize],
+            others: [MemberRecord::default(); SEATS as usize],
             random: config.seed,
             notices: Notices::default(),
         };
@@ -145,7 +145,7 @@ impl Ring {
 
     /// Whether it may edit now.
     pub fn owns(&self, now: u64) -> bool {
-        matches!(&self.part, Part::Holder(holding) if holding.is_editing()) && now < self.lease_until_us(now)
+        matches!(&self.part, MemberState::Holder(holding) if holding.is_editing()) && now < self.lease_until_us(now)
     }
 
     /// The user comes near: it wants to edit.
@@ -187,15 +187,17 @@ impl Ring {
     /// What has not been answered is said again.
     fn repeat(&mut self, now: u64, out: &mut dyn Out<Message>) {
         match &self.part {
-            Part::Member if self.leaving && !self.has_left() => self.tell(self.config.contacts, Message::Leave, out),
-            Part::Member if self.leaving || self.record.kept.state.roster.contains(self.config.seat) => {}
-            Part::Member => self.tell(self.config.contacts, Message::Join, out),
-            Part::Candidate(candidacy) => {
+            MemberState::Member if self.leaving && !self.has_left() => {
+                self.tell(self.config.contacts, Message::Leave, out)
+            }
+            MemberState::Member if self.leaving || self.record.kept.state.roster.contains(self.config.seat) => {}
+            MemberState::Member => self.tell(self.config.contacts, Message::Join, out),
+            MemberState::Candidate(candidacy) => {
                 let (to, epoch) = (candidacy.electorate(), self.record.promised);
                 self.tell(to, Message::Elect { epoch }, out);
             }
-            Part::Holder(_) => self.say_hold(now, out),
-            Part::Passing { to, ballot } => {
+            MemberState::Holder(_) => self.say_hold(now, out),
+            MemberState::Passing { to, ballot } => {
                 out.send(PeerId(*to), Message::Pass { kept: Kept { ballot: *ballot, ..self.record.kept } });
             }
         }
@@ -208,7 +210,7 @@ impl Ring {
         }
     }
 
-    fn note(&mut self, seat: u8, change: impl FnOnce(&mut Other)) {
+    fn note(&mut self, seat: u8, change: impl FnOnce(&mut MemberRecord)) {
         if let Some(other) = self.others.get_mut(usize::from(seat)) {
             change(other);
         }
@@ -245,7 +247,7 @@ impl Role for Ring {
             Message::Hold { kept, number } => self.hold(now, seat, kept, number, out),
             Message::Held { ballot, version, number, wants, leaves } => {
                 self.note(seat, |other| {
-                    *other = Other { heard_us: Some(now), wants, leaves, ..*other };
+                    *other = MemberRecord { heard_us: Some(now), wants, leaves, ..*other };
                 });
                 self.held(seat, ballot, version, number);
             }
@@ -254,10 +256,10 @@ impl Role for Ring {
             Message::Vote { epoch, kept } => self.voted(now, seat, epoch, kept, out),
             Message::Newer { epoch } => self.overtaken(now, epoch),
             Message::Leave => {
-                self.note(seat, |other| *other = Other { joins: false, leaves: true, ..*other });
+                self.note(seat, |other| *other = MemberRecord { joins: false, leaves: true, ..*other });
                 self.tell_off(seat, out);
             }
-            Message::Join => self.note(seat, |other| *other = Other { joins: true, leaves: false, ..*other }),
+            Message::Join => self.note(seat, |other| *other = MemberRecord { joins: true, leaves: false, ..*other }),
         }
         self.settle(now, out);
     }
@@ -266,7 +268,7 @@ impl Role for Ring {
         self.settle(now, out);
         let member = self.record.kept.state.roster.contains(self.config.seat);
         if member
-            && !matches!(self.part, Part::Holder(_))
+            && !matches!(self.part, MemberState::Holder(_))
             && now >= self.stands_us
             && self.is_free(now, self.config.seat)
         {

@@ -5,7 +5,7 @@ use haptic_sim::run::Outcome;
 
 /// A figure of merit.
 #[derive(Clone, Copy, Debug)]
-pub struct Merit {
+pub struct Metric {
     /// Its name without the unit.
     pub stem: &'static str,
     /// The unit, as names end; empty for a ratio.
@@ -18,7 +18,7 @@ pub struct Merit {
     pub of: fn(&Outcome) -> Option<f64>,
 }
 
-impl Merit {
+impl Metric {
     /// Its name, with the unit.
     pub fn name(&self) -> String {
         self.named("")
@@ -40,22 +40,22 @@ impl Merit {
     }
 }
 
-macro_rules! merits {
+macro_rules! metrics {
     ($($stem:literal $unit:literal $shown:literal $meaning:literal $of:expr;)+) => {
-        [$(Merit { stem: $stem, unit: $unit, meaning: $meaning, shown: $shown, of: $of }),+]
+        [$(Metric { stem: $stem, unit: $unit, meaning: $meaning, shown: $shown, of: $of }),+]
     };
 }
 
 /// All figures of merit. Those marked `whole` count in runs in which the copies came apart, too; the others only in stable runs.
-pub const MERITS: [Merit; 12] = merits! {
+pub const METRICS: [Metric; 12] = metrics! {
     "true_discrepancy" "mm" true "mean of |x_o1 - x_o2| over the last half" |o| o.whole(|o| o.whole.true_discrepancy_mm);
     "largest_true_discrepancy" "mm" false "largest |x_o1 - x_o2| over the whole run" |o| o.whole(|o| o.whole.largest_true_discrepancy_mm);
     "true_discrepancy" "mm_per_n" false "mean of |x_o1 - x_o2| over that of the contact force, over the last half" |o| {
-        o.merit(|o| (o.whole.contact_force_n > 0.0).then(|| o.whole.true_discrepancy_mm / o.whole.contact_force_n)).flatten()
+        o.metric(|o| (o.whole.contact_force_n > 0.0).then(|| o.whole.true_discrepancy_mm / o.whole.contact_force_n)).flatten()
     };
-    "decoded_discrepancy" "mm" false "mean of |x_o - x_d| at peer 2 over the last half" |o| o.merit(|o| o.whole.decoded_discrepancy_mm);
-    "coordination_force_mean" "n" true "mean of F_T at peer 2 over the last half" |o| o.merit(|o| o.whole.coordination_force_n.mean);
-    "coordination_force_sd" "n" false "standard deviation of F_T at peer 2 over the last half" |o| o.merit(|o| o.whole.coordination_force_n.sd);
+    "decoded_discrepancy" "mm" false "mean of |x_o - x_d| at peer 2 over the last half" |o| o.metric(|o| o.whole.decoded_discrepancy_mm);
+    "coordination_force_mean" "n" true "mean of F_T at peer 2 over the last half" |o| o.metric(|o| o.whole.coordination_force_n.mean);
+    "coordination_force_sd" "n" false "standard deviation of F_T at peer 2 over the last half" |o| o.metric(|o| o.whole.coordination_force_n.sd);
     "peak_coordination_force" "n" true "largest |F_T| of either peer over the whole run" |o| o.whole(|o| o.whole.peak_coordination_force_n);
     "largest_jump" "n" false "largest change of either F_T from tick to tick" |o| o.whole(|o| o.whole.largest_jump_n);
     "energy_out_over_in" "" true "energy that the network gave over what it was given" |o| o.whole(Outcome::energy_out_over_in);

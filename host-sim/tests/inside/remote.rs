@@ -2,17 +2,17 @@ use haptic_sim::{Laws, scenes};
 
 use super::*;
 
-fn pair(scene: &str, to: &str) -> [Far; 2] {
+fn pair(scene: &str, to: &str) -> [Remote; 2] {
     let [here, there] = [scene, to].map(|name| scenes::load(Laws::built_in(), name).expect("a scene"));
     let key = || Key::new([7; Key::LEN]);
     let listening = End::listening("127.0.0.1:0".parse().expect("an address"), key(), 1).expect("a socket");
     let joining = End::joining(listening.endpoint.address, key(), 2).expect("a socket");
-    [Far::new(here, listening).expect("an end"), Far::new(there, joining).expect("an end")]
+    [Remote::new(here, listening).expect("an end"), Remote::new(there, joining).expect("an end")]
 }
 
 /// Both ends tick by the clock, each hand where it is wanted, until `done`, and no longer than half a minute.
 #[track_caller]
-fn until(ends: &mut [Far; 2], wanted: [Option<f64>; 2], done: impl Fn(&[Sample; 2]) -> bool) -> [Sample; 2] {
+fn until(ends: &mut [Remote; 2], wanted: [Option<f64>; 2], done: impl Fn(&[Sample; 2]) -> bool) -> [Sample; 2] {
     let start = Instant::now();
     loop {
         let samples = [0, 1].map(|at| {
@@ -47,7 +47,7 @@ fn two_ends_hold_one_object() {
             && (f64::from(two[HAND + 1]) + 0.02 * stiffness).abs() < 0.1
     });
     let [one, two] = until(&mut ends, [Some(0.02), Some(0.0)], |[one, two]| {
-        // What each was told of the other's copy is where that is, once nothing moves.
+        // What was reported to each of the other's copy is where that is, once nothing moves.
         (one[OBJECT + 1] - two[OBJECT + 1]).abs() < 5e-4 && (two[OBJECT] - one[OBJECT]).abs() < 5e-4
     });
     assert!((one[DEVICE] - one[DEVICE + 1]).abs() > 0.002 && two[DEVICE] > two[DEVICE + 1], "{one:?} {two:?}");
@@ -78,7 +78,7 @@ fn a_stop_holds_until_it_is_taken_back() {
     assert_eq!(ends[0].restarts, 1);
 }
 
-/// Who was told another scene is not let in.
+/// Who was configured with another scene is not let in.
 #[test]
 fn other_settings_are_refused() {
     let mut ends = pair("any-network", "matched-line");

@@ -58,13 +58,13 @@ pub(super) trait Play: Sized {
 }
 
 /// The scene's network on the way from one seat to another; every way has a stream of random numbers of its own.
-pub(super) fn way(scene: &Scene, from: usize, to: usize) -> Route {
+pub(super) fn scene_route(scene: &Scene, from: usize, to: usize) -> Route {
     let direction = if from < to { Direction::OneToTwo } else { Direction::TwoToOne };
     Route::of_scene(scene, direction, (16 * from + to) as u32)
 }
 
 /// A shared environment that is played.
-pub(super) struct Meeting<P> {
+pub(super) struct SharedEnvironment<P> {
     scene: Scene,
     play: P,
     model: Model,
@@ -75,7 +75,7 @@ pub(super) struct Meeting<P> {
     last: Sample,
 }
 
-impl<P: Play> Meeting<P> {
+impl<P: Play> SharedEnvironment<P> {
     /// At rest, in this scene.
     pub(super) fn new(scene: &Scene) -> Result<Self, String> {
         let (play, last) = (P::open(scene)?, [f32::NAN; MOST]);
@@ -100,7 +100,7 @@ impl<P: Play> Meeting<P> {
     }
 }
 
-impl<P: Play> Environment for Meeting<P> {
+impl<P: Play> Environment for SharedEnvironment<P> {
     fn command(&mut self, command: Command) -> Result<(), String> {
         match command {
             Command::Stop => self.still = true,
@@ -124,8 +124,8 @@ impl<P: Play> Environment for Meeting<P> {
             return self.anew();
         }
         let seats = self.play.seats();
-        for (from, to) in (0..seats * seats).map(|way| (way / seats, way % seats)) {
-            let Route { delay_ns, rule, .. } = way(&self.scene, from, to);
+        for (from, to) in (0..seats * seats).map(|seat_pair| (seat_pair / seats, seat_pair % seats)) {
+            let Route { delay_ns, rule, .. } = scene_route(&self.scene, from, to);
             let route = self.play.route(from, to);
             (route.delay_ns, route.rule) = (delay_ns, rule);
         }

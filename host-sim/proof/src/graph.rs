@@ -46,7 +46,7 @@ enum Answers {
 }
 
 /// The computation graph of a thread.
-struct Tape {
+struct Graph {
     nodes: Vec<Node>,
     constants: HashMap<u64, Place>,
     computed: HashMap<(Op, Place, Place, bool), Place>,
@@ -65,16 +65,16 @@ struct Tape {
 }
 
 thread_local! {
-    static TAPE: RefCell<Tape> = RefCell::new(Tape::new());
+    static GRAPH: RefCell<Graph> = RefCell::new(Graph::new());
 }
 
-fn on<T>(act: impl FnOnce(&mut Tape) -> T) -> T {
-    TAPE.with_borrow_mut(act)
+fn on<T>(act: impl FnOnce(&mut Graph) -> T) -> T {
+    GRAPH.with_borrow_mut(act)
 }
 
-impl Tape {
+impl Graph {
     fn new() -> Self {
-        let mut tape = Self {
+        let mut graph = Self {
             nodes: Vec::new(),
             constants: HashMap::new(),
             computed: HashMap::new(),
@@ -87,14 +87,14 @@ impl Tape {
             escaped: false,
             codes: Range::EMPTY,
         };
-        tape.constant(0.0);
-        tape.constant(1.0);
-        tape
+        graph.constant(0.0);
+        graph.constant(1.0);
+        graph
     }
 
     fn push(&mut self, range: Range, from: From) -> Place {
         self.nodes.push(Node { range, away: 0.0, from });
-        // A tape of 4e9 numbers would be 200 GB.
+        // A graph of 4e9 numbers would be 200 GB.
         (self.nodes.len() - 1) as Place
     }
 
@@ -307,46 +307,46 @@ fn between<F: Float>(lo: f64, hi: f64) -> Range {
 }
 
 pub(crate) fn constant(number: f64) -> Place {
-    on(|tape| tape.constant(number))
+    on(|graph| graph.constant(number))
 }
 
 pub(crate) fn unknown(range: Range) -> Place {
-    on(|tape| tape.push(range, From::Unknown))
+    on(|graph| graph.push(range, From::Unknown))
 }
 
 pub(crate) fn range(place: Place) -> Range {
-    on(|tape| tape.range(place))
+    on(|graph| graph.range(place))
 }
 
 pub(crate) fn compute<F: Float>(op: Op, a: Place, b: Place) -> Place {
-    on(|tape| tape.compute::<F>(op, a, b))
+    on(|graph| graph.compute::<F>(op, a, b))
 }
 
 pub(crate) fn less<F: Float>(a: Place, b: Place, strict: bool) -> bool {
-    on(|tape| tape.compare::<F>(a, b, strict))
+    on(|graph| graph.compare::<F>(a, b, strict))
 }
 
 pub(crate) fn equal<F: Float>(a: Place, b: Place) -> bool {
-    on(|tape| {
-        let (of_a, of_b) = (tape.range(a), tape.range(b));
+    on(|graph| {
+        let (of_a, of_b) = (graph.range(a), graph.range(b));
         let both = Range { nan: false, ..of_a.and(of_b) };
         let same = a == b || of_a.is_point() && of_b.is_point() && both.has_numbers();
-        let answer = tape.decide(both.has_numbers(), of_a.nan || of_b.nan || !same);
+        let answer = graph.decide(both.has_numbers(), of_a.nan || of_b.nan || !same);
         if answer {
-            tape.narrow::<F>(a, both, 0);
-            tape.narrow::<F>(b, both, 0);
+            graph.narrow::<F>(a, both, 0);
+            graph.narrow::<F>(b, both, 0);
         }
         answer
     })
 }
 
 pub(crate) fn is_finite<F: Float>(place: Place) -> bool {
-    on(|tape| {
-        let range = tape.range(place);
+    on(|graph| {
+        let range = graph.range(place);
         let finite = Range::finite::<F>();
-        let answer = tape.decide(range.and(finite).has_numbers(), !range.is_finite());
+        let answer = graph.decide(range.and(finite).has_numbers(), !range.is_finite());
         if answer {
-            tape.narrow::<F>(place, finite, 0);
+            graph.narrow::<F>(place, finite, 0);
         }
         answer
     })
@@ -354,47 +354,47 @@ pub(crate) fn is_finite<F: Float>(place: Place) -> bool {
 
 /// A whole number that is a constant while things are built, and afterwards any.
 pub(crate) fn whole<F: Float>(value: i32) -> Place {
-    on(|tape| {
+    on(|graph| {
         let of = |value: i32| F::from_i32(value).to_f64();
-        if tape.any_whole {
-            tape.push(Range::of(of(i32::MIN), of(i32::MAX)), From::Unknown)
+        if graph.any_whole {
+            graph.push(Range::of(of(i32::MIN), of(i32::MAX)), From::Unknown)
         } else {
-            tape.constant(of(value))
+            graph.constant(of(value))
         }
     })
 }
 
 /// The number itself, if there is only one; otherwise it is noted that it was taken out of its type.
 pub(crate) fn taken_out(place: Place) -> f64 {
-    on(|tape| {
-        let range = tape.range(place);
+    on(|graph| {
+        let range = graph.range(place);
         if range.is_point() && !range.is_empty() {
             return if range.nan { f64::NAN } else { range.lo };
         }
-        tape.escaped = true;
+        graph.escaped = true;
         0.0
     })
 }
 
 /// One of the ends of a code, which a motor is given.
 pub(crate) fn code<F: Float>(place: Place) -> i32 {
-    on(|tape| {
-        let range = tape.range(place);
+    on(|graph| {
+        let range = graph.range(place);
         let [least, most] = [range.lo, range.hi].map(|end| F::from_f64(end).round_to_i32());
-        tape.codes = tape.codes.or(Range::of(f64::from(least), f64::from(most)));
-        tape.codes.nan |= range.nan;
-        if tape.decide(true, least != most) { most } else { least }
+        graph.codes = graph.codes.or(Range::of(f64::from(least), f64::from(most)));
+        graph.codes.nan |= range.nan;
+        if graph.decide(true, least != most) { most } else { least }
     })
 }
 
 /// Whether whole numbers stand for any.
 pub(crate) fn any_whole(any: bool) {
-    on(|tape| tape.any_whole = any);
+    on(|graph| graph.any_whole = any);
 }
 
 /// A new computation graph: no [`Unknown`](crate::unknown::Unknown) of before means anything any more.
 pub fn begin() {
-    on(|tape| *tape = Tape::new());
+    on(|graph| *graph = Graph::new());
 }
 
 /// What a way to go through a piece of program came to.
@@ -409,31 +409,31 @@ pub struct Path<T> {
 
 /// Runs a piece of program in every way that it may go, and hands over what came of each. False: there are more than 200,000 of them.
 pub fn explore<T>(run: impl Fn() -> T, mut each: impl FnMut(Path<T>)) -> bool {
-    let mark = on(|tape| {
-        tape.trail.clear();
-        tape.script.clear();
-        tape.answers = Answers::Script;
-        tape.nodes.len()
+    let mark = on(|graph| {
+        graph.trail.clear();
+        graph.script.clear();
+        graph.answers = Answers::Script;
+        graph.nodes.len()
     });
     for _ in 0..MOST_PATHS {
-        on(|tape| {
-            tape.back_to(mark);
-            (tape.escaped, tape.codes) = (false, Range::EMPTY);
+        on(|graph| {
+            graph.back_to(mark);
+            (graph.escaped, graph.codes) = (false, Range::EMPTY);
         });
         let gave = run();
-        let (codes, escaped, impossible) = on(|tape| (tape.codes, tape.escaped, tape.impossible));
+        let (codes, escaped, impossible) = on(|graph| (graph.codes, graph.escaped, graph.impossible));
         if !impossible {
             each(Path { gave, codes, escaped });
         }
-        let done = on(|tape| {
+        let done = on(|graph| {
             // The last question that was answered yes is answered no.
-            let Some(last) = tape.script.iter().rposition(|answer| *answer) else { return true };
-            tape.script.truncate(last);
-            tape.script.push(false);
+            let Some(last) = graph.script.iter().rposition(|answer| *answer) else { return true };
+            graph.script.truncate(last);
+            graph.script.push(false);
             false
         });
         if done {
-            on(|tape| tape.back_to(mark));
+            on(|graph| graph.back_to(mark));
             return true;
         }
     }
@@ -443,23 +443,23 @@ pub fn explore<T>(run: impl Fn() -> T, mut each: impl FnMut(Path<T>)) -> bool {
 /// Runs a piece of program in one way, by chance, until `good` is what came of it; the last answer is the first that is changed. None
 /// after so many tries.
 pub(crate) fn one_way<T>(seed: u64, tries: usize, run: impl Fn() -> T, good: impl Fn(&T) -> bool) -> Option<T> {
-    let mark = on(|tape| {
-        tape.trail.clear();
-        tape.script.clear();
-        tape.answers = Answers::Chance(seed | 1);
-        tape.nodes.len()
+    let mark = on(|graph| {
+        graph.trail.clear();
+        graph.script.clear();
+        graph.answers = Answers::Chance(seed | 1);
+        graph.nodes.len()
     });
     for _ in 0..tries {
-        on(|tape| tape.back_to(mark));
+        on(|graph| graph.back_to(mark));
         let gave = run();
-        let (impossible, asked) = on(|tape| (tape.impossible, tape.asked));
+        let (impossible, asked) = on(|graph| (graph.impossible, graph.asked));
         if !impossible && good(&gave) {
             return Some(gave);
         }
-        on(|tape| {
-            tape.script.truncate(asked);
-            let last = tape.script.pop();
-            tape.script.extend(last.map(|answer| !answer));
+        on(|graph| {
+            graph.script.truncate(asked);
+            let last = graph.script.pop();
+            graph.script.extend(last.map(|answer| !answer));
         });
     }
     None
@@ -468,14 +468,14 @@ pub(crate) fn one_way<T>(seed: u64, tries: usize, run: impl Fn() -> T, good: imp
 /// Of everything that was computed since the graph began, nothing is known any more but that these lie in these ranges; what was
 /// constant stays. So whatever holds of a program that goes on from here holds for any numbers in its state.
 pub(crate) fn forget(but: &[(Place, Range)]) {
-    on(|tape| {
-        tape.trail.clear();
-        tape.computed.clear();
-        for node in tape.nodes.iter_mut().filter(|node| node.from != From::Constant) {
+    on(|graph| {
+        graph.trail.clear();
+        graph.computed.clear();
+        for node in graph.nodes.iter_mut().filter(|node| node.from != From::Constant) {
             *node = Node { range: Range::ANY, away: 0.0, from: From::Unknown };
         }
         for (place, range) in but {
-            let node = &mut tape.nodes[*place as usize];
+            let node = &mut graph.nodes[*place as usize];
             if node.from != From::Constant {
                 node.range = *range;
             }

@@ -1,4 +1,5 @@
-//! What lies between the beat, the judge and the windows: where hands are wanted, what is asked for, and the latest samples.
+//! What lies between the control loop, the judge and the windows: where hands are wanted, what is asked for, and the
+//! latest samples.
 
 use std::collections::VecDeque;
 use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
@@ -6,7 +7,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 use haptic_sim::scene::Scene;
 
 use super::environment::{Command, Sample, Standing};
-use super::kinds::Kind;
+use super::kinds::EnvironmentKind;
 use super::partner::Model;
 
 /// Samples kept: what a window that asks late can still get.
@@ -30,14 +31,14 @@ pub(super) struct Status {
     pub(super) late: u32,
     pub(super) worst_us: u32,
     pub(super) standing: Standing,
-    /// Index of the environment shown, in [`Kind`]'s list.
+    /// Index of the environment shown, in [`EnvironmentKind`]'s list.
     pub(super) kind: u8,
 }
 
-/// Everything on the desk.
+/// Everything in the mailbox.
 #[derive(Debug)]
-pub(super) struct Papers {
-    /// What each pointer said since the beat last looked.
+pub(super) struct Contents {
+    /// What each pointer said since the control loop last looked.
     pub(super) pointed: [Option<Pointed>; 2],
     /// The window that holds each hand; `None`: nobody, so that the partner does.
     pub(super) holder: [Option<u64>; 2],
@@ -47,10 +48,10 @@ pub(super) struct Papers {
     /// What every setting is from the next tick on.
     pub(super) scene: Option<Box<Scene>>,
     /// Another environment, in that scene, from the next tick on.
-    pub(super) show: Option<(Kind, Box<Scene>)>,
+    pub(super) show: Option<(EnvironmentKind, Box<Scene>)>,
     answers: VecDeque<(u64, String)>,
     /// What holds, for every window, and how often that has changed.
-    told: (String, u64),
+    announced: (String, u64),
     samples: VecDeque<Sample>,
     /// Tick of the first sample that is kept.
     first: u32,
@@ -59,7 +60,7 @@ pub(super) struct Papers {
     pub(super) over: bool,
 }
 
-impl Papers {
+impl Contents {
     fn new(partner: Model) -> Self {
         Self {
             pointed: [None; 2],
@@ -69,7 +70,7 @@ impl Papers {
             scene: None,
             show: None,
             answers: VecDeque::new(),
-            told: (String::new(), 0),
+            announced: (String::new(), 0),
             samples: VecDeque::new(),
             first: 0,
             status: Status::default(),
@@ -107,12 +108,12 @@ impl Papers {
 
     /// Sends a text to every window.
     pub(super) fn tell(&mut self, text: String) {
-        self.told = (text, self.told.1 + 1);
+        self.announced = (text, self.announced.1 + 1);
     }
 
     /// What holds, if that is news to who has come to `edition`.
-    pub(super) fn told_since(&self, edition: &mut u64) -> Option<String> {
-        let (text, now) = &self.told;
+    pub(super) fn announced_since(&self, edition: &mut u64) -> Option<String> {
+        let (text, now) = &self.announced;
         let news = edition != now;
         *edition = *now;
         news.then(|| text.clone())
@@ -142,24 +143,24 @@ impl Papers {
     }
 }
 
-/// The state that beat, judge and windows share.
+/// The state that control loop, judge and windows share.
 #[derive(Debug)]
-pub(super) struct Desk(Mutex<Papers>);
+pub(super) struct Mailbox(Mutex<Contents>);
 
-impl Desk {
+impl Mailbox {
     pub(super) fn new(partner: Model) -> Self {
-        Self(Mutex::new(Papers::new(partner)))
+        Self(Mutex::new(Contents::new(partner)))
     }
 
     /// For whoever may wait: a window's thread, the judge's.
-    pub(super) fn lock(&self) -> MutexGuard<'_, Papers> {
+    pub(super) fn lock(&self) -> MutexGuard<'_, Contents> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// For the beat, which may not.
-    pub(super) fn try_lock(&self) -> Option<MutexGuard<'_, Papers>> {
+    /// For the control loop, which may not.
+    pub(super) fn try_lock(&self) -> Option<MutexGuard<'_, Contents>> {
         match self.0.try_lock() {
-            Ok(papers) => Some(papers),
+            Ok(contents) => Some(contents),
             Err(TryLockError::Poisoned(poisoned)) => Some(poisoned.into_inner()),
             Err(TryLockError::WouldBlock) => None,
         }
@@ -167,5 +168,5 @@ impl Desk {
 }
 
 #[cfg(test)]
-#[path = "../../tests/inside/desk.rs"]
+#[path = "../../tests/inside/mailbox.rs"]
 mod tests;

@@ -1,9 +1,9 @@
 //! 1 kHz by the clock, on the calling thread, at a real-time priority where the system gives one.
 //!
-//! **Deadline**: each tick is done within its millisecond. One that begins more than a millisecond late is counted, the next come
-//! quicker until they are in time again, so that none is left out; more than [`SLEPT`] behind, the machine slept, and the beat
-//! begins anew from now. What is late here is no fault of the peers: they are not told (`Sensors::overrun`), for a desktop would
-//! disarm them every minute.
+//! **Deadline**: each tick is done within its millisecond. One that begins more than a millisecond late is counted, the
+//! next come quicker until they are in time again, so that none is left out; more than [`SLEPT`] behind, the machine
+//! slept, and the control loop begins anew from now. What is late here is no fault of the peers: they are not told
+//! (`Sensors::overrun`), for a desktop would disarm them every minute.
 
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
@@ -11,9 +11,9 @@ use std::time::{Duration, Instant};
 use haptic_core::names::Choice as _;
 use serde::Serialize;
 
-use super::desk::{Desk, Papers, Status};
 use super::environment::{Command, Environment, MOST, Opening, Sample};
-use super::kinds::Kind;
+use super::kinds::EnvironmentKind;
+use super::mailbox::{Contents, Mailbox, Status};
 use super::partner::Model;
 use super::session::PERIOD_S;
 use haptic_live::endpoint::{Punctuality, Stop, Ticker};
@@ -23,7 +23,7 @@ use haptic_live::recording::recorder::Recorder;
 /// A tick this late is not caught up.
 const SLEPT: Duration = Duration::from_millis(500);
 
-/// How well the beat was kept.
+/// How well the control loop kept time.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(crate) struct Kept {
     /// Number of ticks that were kept.
@@ -38,10 +38,10 @@ pub(crate) struct Kept {
     pub(crate) realtime_priority: bool,
 }
 
-/// Keeps the beat until it is stopped, or so many seconds are over.
+/// Runs the control loop until it is stopped, or so many seconds are over.
 pub(super) fn run(
-    desk: &Desk,
-    kind: Kind,
+    mailbox: &Mailbox,
+    kind: EnvironmentKind,
     open: Opening,
     seconds: f64,
     recorder: Option<&Recorder>,
@@ -56,8 +56,8 @@ pub(super) fn run(
             slept += 1;
             ticker.postpone(late);
         }
-        if let Some(mut papers) = desk.try_lock() {
-            exchange(&mut shown, &mut papers, &mut waiting, &ticker.kept)?;
+        if let Some(mut contents) = mailbox.try_lock() {
+            exchange(&mut shown, &mut contents, &mut waiting, &ticker.kept)?;
         }
         let sample = shown.environment.step()?;
         if let Some(recorder) = recorder {
@@ -78,19 +78,19 @@ pub(crate) fn channels(topic: &str) -> Vec<Channel> {
         let name = if unit.is_empty() { (*name).to_owned() } else { format!("{name}_{}", unit.to_lowercase()) };
         (name, (*meaning).to_owned())
     };
-    let channel = |kind: &Kind| {
+    let channel = |kind: &EnvironmentKind| {
         let time = ("time_s".to_owned(), "since the beat began".to_owned());
         let fields = std::iter::once(time).chain(kind.columns().iter().map(named));
         match kind {
             // What a page shows where nobody says has the recording's own topic.
-            Kind::Pair => Channel::new(topic, "Tick", fields),
+            EnvironmentKind::Pair => Channel::new(topic, "Tick", fields),
             kind => {
-                let name = Kind::NAMES[usize::from(kind.number())];
+                let name = EnvironmentKind::NAMES[usize::from(kind.number())];
                 Channel::new(format!("/both/{name}"), &format!("Tick_{name}"), fields)
             }
         }
     };
-    Kind::ALL.iter().map(channel).collect()
+    EnvironmentKind::ALL.iter().map(channel).collect()
 }
 
 fn recorded(time_s: f64, sample: &Sample) -> [f64; 1 + MOST] {
@@ -100,36 +100,36 @@ fn recorded(time_s: f64, sample: &Sample) -> [f64; 1 + MOST] {
 /// The environment that is stepped, and its kind.
 struct Shown {
     environment: Box<dyn Environment>,
-    kind: Kind,
+    kind: EnvironmentKind,
 }
 
-/// Takes what lies on the desk, and lays down what it is waited for.
+/// Takes what lies in the mailbox, and puts in what is waited for.
 fn exchange(
     shown: &mut Shown,
-    papers: &mut Papers,
+    contents: &mut Contents,
     waiting: &mut VecDeque<Sample>,
     kept: &Punctuality,
 ) -> Result<(), String> {
-    if let Some((kind, scene)) = papers.show.take() {
+    if let Some((kind, scene)) = contents.show.take() {
         let partner = shown.environment.standing().partner;
         *shown = Shown { environment: kind.open(&scene)?, kind };
         if let Some(model) = Model::ALL.get(usize::from(partner)) {
             shown.environment.command(Command::Partner(*model))?;
         }
         waiting.clear();
-        papers.clear();
+        contents.clear();
     }
     let Shown { environment: shown, kind } = shown;
-    while let Some(command) = papers.next_command() {
+    while let Some(command) = contents.next_command() {
         shown.command(command)?;
     }
-    if let Some(scene) = papers.scene.take() {
+    if let Some(scene) = contents.scene.take() {
         shown.set(*scene)?;
     }
-    let anybody = papers.holder.iter().any(Option::is_some);
+    let anybody = contents.holder.iter().any(Option::is_some);
     for index in 0..2 {
-        if papers.holder[index].is_some() {
-            if let Some(pointed) = papers.pointed[index].take() {
+        if contents.holder[index].is_some() {
+            if let Some(pointed) = contents.pointed[index].take() {
                 shown.point(index, pointed.at.map(|at| at.map(f64::from)), pointed.restarts);
             }
         } else if anybody {
@@ -140,10 +140,10 @@ fn exchange(
         }
     }
     if let Some(news) = shown.news() {
-        papers.tell(news);
+        contents.tell(news);
     }
-    waiting.drain(..).for_each(|sample| papers.put(sample));
-    papers.status = Status {
+    waiting.drain(..).for_each(|sample| contents.put(sample));
+    contents.status = Status {
         late: u32::try_from(kept.missed).unwrap_or(u32::MAX),
         worst_us: u32::try_from(kept.worst_us).unwrap_or(u32::MAX),
         standing: shown.standing(),

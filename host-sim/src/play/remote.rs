@@ -12,14 +12,14 @@ use std::time::{Duration, Instant};
 
 use haptic_core::safety::{Command as Order, Mode};
 use haptic_protocol::{key::Key, wire::Telemetry};
-use haptic_sim::node::{Node, Says as _};
+use haptic_sim::node::{Node, Transmit as _};
 use haptic_sim::{key_file::entropy, scene::Scene};
 
 use super::environment::{ARMED, Command, Environment, FAULT, MOST, OFF, Sample, Standing, WAITS, number_of};
 use super::hand::Hand;
 use super::session::{PERIOD_S, Side, end_of_travel};
 use haptic_environments::path::Path;
-use haptic_live::batch::{Came, Going};
+use haptic_live::batch::{OutgoingBatch, ReceivedBatch};
 use haptic_live::endpoint::Endpoint;
 
 /// How much of a tick goes to what has come, so that no flood of datagrams holds it up.
@@ -63,14 +63,14 @@ impl End {
 
 /// What the other one has said of itself.
 #[derive(Clone, Copy, Debug)]
-struct Told {
+struct PartnerState {
     telemetry: Telemetry,
     /// Its copy less this one's at that time, m.
-    apart_m: f64,
+    offset_m: f64,
 }
 
 /// One peer and its line.
-pub(super) struct Far {
+pub(super) struct Remote {
     scene: Scene,
     node: Node,
     /// 0 or 1.
@@ -78,13 +78,13 @@ pub(super) struct Far {
     endpoint: Endpoint,
     join: Option<SocketAddr>,
     path: Path<SocketAddr>,
-    came: Came,
-    going: Going,
+    came: ReceivedBatch,
+    going: OutgoingBatch,
     hand: Hand,
     pull_n: f64,
     side: Side,
     heard: u64,
-    told: Option<Told>,
+    partner_state: Option<PartnerState>,
     /// Where this copy was in the last ticks, newest first, m.
     was: VecDeque<f64>,
     tick: u64,
@@ -92,7 +92,7 @@ pub(super) struct Far {
     cut: bool,
 }
 
-impl Far {
+impl Remote {
     /// Calls, and arms when the other one is there.
     pub(super) fn new(scene: Scene, end: End) -> Result<Self, String> {
         let End { key, number, endpoint, join } = end;
@@ -102,13 +102,13 @@ impl Far {
             endpoint,
             join,
             path: Path::default(),
-            came: Came::default(),
-            going: Going::default(),
+            came: ReceivedBatch::default(),
+            going: OutgoingBatch::default(),
             hand: Hand::default(),
             pull_n: 0.0,
             side: Side::new(&scene),
             heard: 0,
-            told: None,
+            partner_state: None,
             was: VecDeque::with_capacity(KEPT),
             tick: 0,
             restarts: 0,
@@ -141,7 +141,8 @@ impl Far {
             let round_trip_us = self.node.line.link.clock().round_trip_us().unwrap_or_default();
             let ago = (0.5e-6 * f64::from(round_trip_us) / PERIOD_S).round() as usize;
             let here = self.was.get(ago).or(self.was.back()).copied().unwrap_or_default();
-            self.told = Some(Told { telemetry, apart_m: f64::from(telemetry.object_position) - here });
+            self.partner_state =
+                Some(PartnerState { telemetry, offset_m: f64::from(telemetry.object_position) - here });
         }
         Ok(())
     }
@@ -152,12 +153,12 @@ impl Far {
         let link = &self.node.line.link;
         let one_way_s = link.clock().round_trip_us().map_or(f32::NAN, |us| 0.5e-6 * us as f32);
         let object = f64::from(seen.object.position);
-        let told = self.told.filter(|_| link.is_up());
-        let other = told.map(|told| told.telemetry).unwrap_or_default();
-        let there = |number: f32| if told.is_some() { number } else { f32::NAN };
+        let partner_state = self.partner_state.filter(|_| link.is_up());
+        let other = partner_state.map(|partner_state| partner_state.telemetry).unwrap_or_default();
+        let there = |number: f32| if partner_state.is_some() { number } else { f32::NAN };
         let wanted = self.hand.holds().map_or(f32::NAN, |at| at as f32);
         let device = self.node.motion().position as f32;
-        let drawn = told.map_or(f32::NAN, |told| (object + told.apart_m) as f32);
+        let drawn = partner_state.map_or(f32::NAN, |partner_state| (object + partner_state.offset_m) as f32);
         let both = |own: f32, other: f32| if self.own == 0 { [own, other] } else { [other, own] };
         let pairs = [
             both(wanted, f32::NAN),
@@ -187,7 +188,7 @@ fn is_sealed(datagram: &[u8]) -> bool {
     datagram.get(1) == Some(&haptic_protocol::wire::Header::KIND)
 }
 
-impl Environment for Far {
+impl Environment for Remote {
     fn command(&mut self, command: Command) -> Result<(), String> {
         match command {
             Command::Stop => self.node.halt(true),
@@ -246,7 +247,7 @@ impl Environment for Far {
             OFF if !self.node.is_halted() => WAITS,
             mode => mode,
         };
-        let other = match self.told.filter(|_| link.is_up()).map(|told| told.telemetry) {
+        let other = match self.partner_state.filter(|_| link.is_up()).map(|partner_state| partner_state.telemetry) {
             None => WAITS,
             Some(Telemetry { mode: 1, .. }) => ARMED,
             Some(Telemetry { mode: 2, fault, .. }) => FAULT + fault,
@@ -257,7 +258,7 @@ impl Environment for Far {
     }
 }
 
-impl Drop for Far {
+impl Drop for Remote {
     fn drop(&mut self) {
         let Self { node, endpoint, join, path, .. } = self;
         node.goodbye(endpoint.now_ns() / 1_000, |bytes| {
@@ -269,5 +270,5 @@ impl Drop for Far {
 }
 
 #[cfg(test)]
-#[path = "../../tests/inside/far.rs"]
+#[path = "../../tests/inside/remote.rs"]
 mod tests;

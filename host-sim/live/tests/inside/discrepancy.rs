@@ -2,13 +2,13 @@
 
 use haptic_protocol::wire::Telemetry;
 
-use super::{Own, Sum};
+use super::{PositionHistory, Sum};
 use crate::recording::common_clock::Watched;
 
 /// The other clock is 7 s ahead, the other copy 2 mm behind; both go at 0.1 m/s.
 #[test]
 fn the_distance_is_that_of_one_instant() {
-    let (mut clock, mut own, mut sum) = (Watched::default(), Own::default(), Sum::default());
+    let (mut clock, mut own, mut sum) = (Watched::default(), PositionHistory::default(), Sum::default());
     let telemetry =
         |at_s: f64| Telemetry { mode: 1, object_position: (0.1 * at_s - 0.002) as f32, ..Telemetry::default() };
     for tick in 0..4000_u64 {
@@ -17,20 +17,20 @@ fn the_distance_is_that_of_one_instant() {
         own.is_at(now_us as f64 * 1e-6, 1e-7 * now_us as f64);
         if tick % 50 == 49 {
             clock.look();
-            // It took 30 ms, and told of the tick before the one in which it was sealed.
+            // It took 30 ms, and reported the tick before the one in which it was sealed.
             let sealed_us = now_us - 30_000 + 7_000_000;
             let said = telemetry(1e-6 * (now_us - 31_000) as f64);
-            let Some(apart) = own.apart(&said, sealed_us, 0.001, &clock) else { panic!("tick {tick}") };
-            sum.add(apart);
-            assert!((apart.distance_m - 0.002).abs() < 1e-6, "{apart:?}");
+            let Some(discrepancy) = own.discrepancy(&said, sealed_us, 0.001, &clock) else { panic!("tick {tick}") };
+            sum.add(discrepancy);
+            assert!((discrepancy.distance_m - 0.002).abs() < 1e-6, "{discrepancy:?}");
             // Half of 400 µs and some, at 0.1 m/s.
-            assert!((20e-6..30e-6).contains(&apart.error_m), "{apart:?}");
+            assert!((20e-6..30e-6).contains(&discrepancy.error_m), "{discrepancy:?}");
         }
     }
     assert!((sum.rms_m().unwrap() - 0.002).abs() < 1e-6 && (sum.mean_m().unwrap() - 0.002).abs() < 1e-6);
     // Not armed, of a time before all that is kept, after it: nothing is said.
-    assert_eq!(own.apart(&Telemetry::default(), 10_000_000, 0.001, &clock), None);
-    assert_eq!(own.apart(&telemetry(0.0), 8_000_000, 0.001, &clock), None);
-    assert_eq!(own.apart(&telemetry(0.0), 20_000_000, 0.001, &clock), None);
+    assert_eq!(own.discrepancy(&Telemetry::default(), 10_000_000, 0.001, &clock), None);
+    assert_eq!(own.discrepancy(&telemetry(0.0), 8_000_000, 0.001, &clock), None);
+    assert_eq!(own.discrepancy(&telemetry(0.0), 20_000_000, 0.001, &clock), None);
     assert_eq!(Sum::default().rms_m(), None);
 }

@@ -18,7 +18,7 @@ const KEPT_S: f64 = 3.0;
 
 /// A distance of two copies.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Apart {
+pub struct Discrepancy {
     /// |x_o1 − x_o2|, m.
     pub distance_m: f64,
     /// By how much the clock's error may make that wrong, m.
@@ -34,9 +34,9 @@ struct Place {
 
 /// One's own copy, of late.
 #[derive(Clone, Debug, Default)]
-pub struct Own(VecDeque<Place>);
+pub struct PositionHistory(VecDeque<Place>);
 
-impl Own {
+impl PositionHistory {
     /// Where it is now.
     pub fn is_at(&mut self, at_s: f64, position_m: f64) {
         self.0.push_back(Place { at_s, position_m });
@@ -75,42 +75,43 @@ impl Own {
     }
 
     /// How far the other copy is, by telemetry that was sealed at this time of the other clock.
-    pub fn apart(&self, said: &Telemetry, sealed_us: u64, period_s: f64, clock: &Watched) -> Option<Apart> {
+    pub fn discrepancy(&self, said: &Telemetry, sealed_us: u64, period_s: f64, clock: &Watched) -> Option<Discrepancy> {
         let relation = clock.relation.as_ref()?;
         // Both copies move only while both are armed.
         let armed = said.mode == 1;
         let at_s = relation.own_s(sealed_us as f64 * 1e-6 - period_s);
         let (position_m, speed) = self.was_at(at_s).filter(|_| armed)?;
         let distance_m = (position_m - f64::from(said.object_position)).abs();
-        Some(Apart { distance_m, error_m: speed.abs() * relation.error_s(at_s) })
+        Some(Discrepancy { distance_m, error_m: speed.abs() * relation.error_s(at_s) })
     }
 }
 
 /// Recent positions of the copies of several peers, as each reports its own now and then.
 #[derive(Clone, Debug)]
 pub struct Copies {
-    lines: Vec<Own>,
+    lines: Vec<PositionHistory>,
     errors_m: Vec<f64>,
     /// The instant that was looked at last, s.
     looked_s: f64,
 }
 
 impl Copies {
-    /// For so many lines, on none of which a peer has told anything yet.
+    /// For so many lines, on none of which a peer has reported anything yet.
     pub fn new(lines: usize) -> Self {
-        Self { lines: vec![Own::default(); lines], errors_m: vec![0.0; lines], looked_s: f64::NEG_INFINITY }
+        Self { lines: vec![PositionHistory::default(); lines], errors_m: vec![0.0; lines], looked_s: f64::NEG_INFINITY }
     }
 
     /// What the peer on a line says, in a datagram that was sealed at this time of its clock. Gives how far the copies are apart at
-    /// the newest instant of which all have told, between two tellings each; those who have not told for 3 s are left out.
-    pub fn told(
+    /// the newest instant of which all have reported, between two tellings each; those who have not reported for 3 s
+    /// are left out.
+    pub fn observe(
         &mut self,
         line: usize,
         said: &Telemetry,
         sealed_us: u64,
         period_s: f64,
         clock: &Watched,
-    ) -> Option<Apart> {
+    ) -> Option<Discrepancy> {
         let relation = clock.relation.as_ref()?;
         if said.mode != 1 {
             self.lines[line].forget();
@@ -121,7 +122,7 @@ impl Copies {
             self.lines[line].is_at(at_s, said.object_position.into());
         }
         self.errors_m[line] = relation.error_s(at_s);
-        let newest = self.lines.iter().filter_map(Own::newest_s);
+        let newest = self.lines.iter().filter_map(PositionHistory::newest_s);
         let latest_s = newest.clone().fold(f64::NEG_INFINITY, f64::max);
         let known_s = newest.filter(|newest_s| *newest_s > latest_s - KEPT_S).fold(f64::INFINITY, f64::min);
         if known_s <= self.looked_s {
@@ -140,7 +141,7 @@ impl Copies {
         self.looked_s = known_s;
         let (least, most) =
             places.iter().fold((f64::MAX, f64::MIN), |(least, most), (at, _)| (least.min(*at), most.max(*at)));
-        Some(Apart {
+        Some(Discrepancy {
             distance_m: most - least,
             error_m: places.iter().map(|(_, error_m)| *error_m).fold(0.0, f64::max),
         })
@@ -159,12 +160,12 @@ pub struct Sum {
 
 impl Sum {
     /// Takes in one distance of the copies and its error.
-    pub fn add(&mut self, apart: Apart) {
+    pub fn add(&mut self, discrepancy: Discrepancy) {
         self.count += 1;
-        self.squares += apart.distance_m * apart.distance_m;
-        self.distances += apart.distance_m;
-        self.largest_m = self.largest_m.max(apart.distance_m);
-        self.largest_error_m = self.largest_error_m.max(apart.error_m);
+        self.squares += discrepancy.distance_m * discrepancy.distance_m;
+        self.distances += discrepancy.distance_m;
+        self.largest_m = self.largest_m.max(discrepancy.distance_m);
+        self.largest_error_m = self.largest_error_m.max(discrepancy.error_m);
     }
 
     fn of(&self, value: f64) -> Option<f64> {
@@ -193,5 +194,5 @@ impl Sum {
 }
 
 #[cfg(test)]
-#[path = "../tests/inside/apart.rs"]
+#[path = "../tests/inside/discrepancy.rs"]
 mod tests;

@@ -1,11 +1,11 @@
-//! The silence ladder as a link climbs down it, and what comes after.
+//! The degradation by silence as a link climbs down it, and what comes after.
 
 use haptic_protocol::link::{Link, Notice, Stage};
 use haptic_protocol::wire::Telemetry;
 
 use crate::protocol::world::{CLEAN, PERIOD, World, config};
 
-/// Cuts the wire to peer 1 for `us` and gives what peer 1 was told meanwhile and until both are engaged again.
+/// Cuts the wire to peer 1 for `us` and gives what was reported to peer 1 meanwhile and until both are engaged again.
 fn told_after_a_cut(us: u64) -> (Vec<Notice>, f32) {
     let mut world = World::engaged(1);
     world.notices[1].clear();
@@ -77,14 +77,16 @@ fn a_peer_that_sends_no_flow_keeps_its_session() {
     assert_eq!(world.stages(), [Stage::Idle; 2]);
 }
 
-/// Flow each 56 ms instead of 8: a link that was told so says little more than that, and gives up a dead peer as soon as one that was not.
+/// Flow each 56 ms instead of 8: a link that is configured so says little more than that, and gives up a dead peer as
+/// soon as one that was not.
 #[test]
 fn a_link_that_keeps_silent_adds_little_to_its_flow_and_is_no_slower_to_give_up() {
     let run = |longest_us: u32| {
         let mut world = World::new(8, CLEAN);
         for (link, (local, remote)) in world.links.iter_mut().zip([(1, 2), (2, 1)]) {
             let entropy = [local; 32];
-            *link = Link::new(config(local, remote, entropy)).unwrap().apart_after(480_000).keeping_silent(longest_us);
+            *link =
+                Link::new(config(local, remote, entropy)).unwrap().disengage_after(480_000).keeping_silent(longest_us);
         }
         world.run(1_000_000);
         assert!(world.is_engaged());
@@ -170,11 +172,11 @@ fn telemetry_says_what_the_link_knows_and_leaves_the_rest() {
     assert!(counts.taken > 900 && counts.missing > 100 && counts.late > 10 && counts.refused > 0, "{counts:?}");
 }
 
-/// Peers that stand through silence keep their session as long as they are told to, and the level with it.
+/// Peers that stand through silence keep their session as long as they are configured to, and the level with it.
 #[test]
 fn peers_that_are_apart_only_later_keep_their_session() {
     let mut world = World::engaged(1);
-    world.links = world.links.map(|link| link.apart_after(8_000_000));
+    world.links = world.links.map(|link| link.disengage_after(8_000_000));
     assert!(world.run_until(20_000_000, World::is_engaged).is_some());
     let session = world.links[1].session_number();
     world.notices[1].clear();

@@ -17,7 +17,7 @@ use crate::settings::{Allowed, Refused, Settings};
 
 /// Lengths of hold, fade and return, in packet periods.
 #[derive(Clone, Copy, Debug)]
-pub struct Ladder<S> {
+pub struct Degradation<S> {
     /// Periods of silence that change nothing.
     hold: u32,
     /// Steps from engaged to disengaged.
@@ -28,7 +28,7 @@ pub struct Ladder<S> {
     longest: u32,
 }
 
-configured!([S: Scalar] Ladder<S> { hold, steps, step, longest });
+configured!([S: Scalar] Degradation<S> { hold, steps, step, longest });
 
 /// How far a peer's coordination is degraded by silence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,7 +43,7 @@ pub struct Engagement {
     came: bool,
 }
 
-impl<S: Scalar> Ladder<S> {
+impl<S: Scalar> Degradation<S> {
     /// The degradation steps of the scene's settings.
     ///
     /// # Errors
@@ -94,7 +94,7 @@ impl<S: Scalar> Ladder<S> {
         }
     }
 
-    /// Whether the coordination is complete: [`Ladder::share`] is 1.
+    /// Whether the coordination is complete: [`Degradation::share`] is 1.
     #[inline]
     pub fn is_whole(&self, at: &Engagement) -> bool {
         at.level >= self.steps

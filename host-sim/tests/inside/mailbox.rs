@@ -1,0 +1,56 @@
+use super::*;
+use crate::play::environment::MOST as NUMBERS;
+
+fn numbered(number: usize) -> Sample {
+    [number as f32; NUMBERS]
+}
+
+#[test]
+fn who_asks_gets_what_came_since() {
+    let mut contents = Contents::new(Model::Follows);
+    (0..KEPT + 100).for_each(|number| contents.put(numbered(number)));
+    let since = |from: u32| {
+        let (first, samples) = contents.since(from);
+        (first, samples.map(|sample| sample[0]).collect::<Vec<_>>())
+    };
+    let last = (KEPT + 100) as u32;
+    assert_eq!(since(last - 2), (last - 2, vec![(last - 2) as f32, (last - 1) as f32]));
+    assert_eq!(since(last), (last, vec![]));
+    // Who slept, and who has nothing, gets all that is kept.
+    for from in [50, u32::MAX, last + 1] {
+        let (first, samples) = since(from);
+        assert_eq!((first, samples.len(), samples[0]), (100, KEPT, 100.0), "{from}");
+    }
+}
+
+#[test]
+fn a_stop_is_never_turned_away() {
+    let mut contents = Contents::new(Model::Follows);
+    (0..2 * MOST).for_each(|_| contents.ask(Command::Start));
+    contents.ask(Command::Stop);
+    let all: Vec<_> = std::iter::from_fn(|| contents.next_command()).collect();
+    assert_eq!(all.last(), Some(&Command::Stop));
+}
+
+#[test]
+fn the_beat_does_not_wait() {
+    let mailbox = Mailbox::new(Model::Follows);
+    let held = mailbox.lock();
+    assert!(mailbox.try_lock().is_none());
+    drop(held);
+    assert!(mailbox.try_lock().is_some());
+}
+
+#[test]
+fn answers_go_to_who_asked_and_news_to_everybody_once() {
+    let mut contents = Contents::new(Model::Follows);
+    contents.answer(1, "one".into());
+    contents.answer(2, "two".into());
+    contents.tell("all".into());
+    assert_eq!((contents.answer_for(2).as_deref(), contents.answer_for(2)), (Some("two"), None));
+    let mut edition = 0;
+    assert_eq!(contents.announced_since(&mut edition).as_deref(), Some("all"));
+    assert_eq!(contents.announced_since(&mut edition), None);
+    (0..3 * MOST).for_each(|_| contents.answer(9, "unread".into()));
+    assert!(contents.answers.len() <= MOST);
+}
