@@ -2,7 +2,9 @@
 #![forbid(unsafe_code)]
 
 mod cli;
+mod error;
 mod play;
 pub mod trials;
 
 pub use cli::{Cli, provenance};
+pub use error::Error;

@@ -13,7 +13,7 @@ use super::limit::{Effort, Limit, along};
 use super::modes::{Hands, judge};
 use super::sweep::{Range, Sweep};
 use super::verdict::Verdict;
-use crate::error::AnalysisError;
+use crate::error::Error;
 use haptic_sim::scene::Scene;
 
 /// How far inside its region a proposed gain lies, as a fraction of the gain at the edge.
@@ -43,7 +43,7 @@ pub struct Change {
 ///
 /// # Errors
 /// A scene that the analyser cannot judge.
-pub fn advice(scene: &Scene) -> Result<String, AnalysisError> {
+pub fn advice(scene: &Scene) -> Result<String, Error> {
     let now = judge(scene)?;
     let radius = now.worst.spectral_radius;
     if now.worst.stable {
@@ -76,7 +76,7 @@ pub fn advice(scene: &Scene) -> Result<String, AnalysisError> {
 ///
 /// # Errors
 /// A scene that the analyser cannot judge.
-pub fn change(scene: &Scene) -> Result<Option<Change>, AnalysisError> {
+pub fn change(scene: &Scene) -> Result<Option<Change>, Error> {
     for (name, key) in scene.keys().into_iter().filter(|(name, _)| GAINS.contains(&name.as_str())) {
         let now = gain(scene, &name);
         let Allowed::Number { max, .. } = key.allowed else { continue };
@@ -96,7 +96,7 @@ fn gain(scene: &Scene, name: &str) -> f64 {
 }
 
 /// The nearest value that is stable with a margin.
-fn nearest(sweep: &Sweep, limit: &Limit, now: f64, key: &Key) -> Result<Option<Change>, AnalysisError> {
+fn nearest(sweep: &Sweep, limit: &Limit, now: f64, key: &Key) -> Result<Option<Change>, Error> {
     let range = sweep.range();
     let mut edges = vec![range.from];
     edges.extend(&limit.crossings);
@@ -128,7 +128,7 @@ fn short(value: f64) -> f64 {
 }
 
 /// Other settings that make the scene stable as it is.
-fn others(scene: &Scene) -> Result<Vec<&'static str>, AnalysisError> {
+fn others(scene: &Scene) -> Result<Vec<&'static str>, Error> {
     let mut implicit = scene.clone();
     implicit.peer.coordination.decode = Decode::Implicit;
     let mut prompt = scene.clone();

@@ -15,7 +15,7 @@ use super::lifted::pair::{hands_are_off, seat, seated_matrix};
 use super::lifted::{Lifted, prune};
 use super::modes::Hands;
 use super::verdict::Analyser;
-use crate::error::AnalysisError;
+use crate::error::Error;
 use crate::matrix::{Matrix, column_mut};
 use crate::spectrum::balance;
 use haptic_sim::scene::Scene;
@@ -46,7 +46,7 @@ impl Agreement {
 ///
 /// # Errors
 /// A scene that cannot be built, or whose eigenvalues do not converge.
-pub fn agreement(linear: &Scene, hands: Hands) -> Result<Option<Agreement>, AnalysisError> {
+pub fn agreement(linear: &Scene, hands: Hands) -> Result<Option<Agreement>, Error> {
     let released = [hands == Hands::None, hands != Hands::Both];
     let seats = released.map(|released| seat(linear, released));
     let seats = seats.each_ref().map(AsRef::as_ref);

@@ -16,7 +16,7 @@ use haptic_sim::measure::impedance::{Answer, Complex, RemoteEnd, held, of_device
 use haptic_sim::scene::Scene;
 use nalgebra::{Complex as Number, DMatrix, DVector};
 
-use crate::error::AnalysisError;
+use crate::error::Error;
 use crate::lifted::delay::delays_ticks;
 use crate::lifted::driven::Response;
 use crate::matrix::Matrix;
@@ -34,15 +34,16 @@ pub fn answers(
     near: usize,
     far: RemoteEnd,
     frequencies_hz: &[f64],
-) -> Result<Vec<Answer>, AnalysisError> {
+) -> Result<Vec<Answer>, Error> {
     let mut linear = scene.linear();
     linear.users = Default::default();
     let timing = &linear.peer.timing;
     if timing.ticks_per_packet != 1 {
         let every = timing.ticks_per_packet;
-        return Err(AnalysisError::OutOfRange(format!(
+        return Err(haptic_sim::Error::from(format!(
             "timing.ticks_per_packet = {every} is not allowed here: it must be 1, a packet every tick"
-        )));
+        ))
+        .into());
     }
     let period_s = timing.control_period_s;
     let other = 1 - near;

@@ -10,7 +10,7 @@ use haptic_sim::user::User;
 use super::advice::advice;
 use super::modes::judge;
 use super::verdict::{Verdict, verdict};
-use crate::error::AnalysisError;
+use crate::error::Error;
 
 /// A run of a scene, with what the analyser says of the scene.
 #[derive(Clone, Debug)]
@@ -26,7 +26,7 @@ pub struct Conclusion {
 ///
 /// # Errors
 /// A scene that cannot be analysed.
-pub fn conclude(scene: &Scene, outcome: Outcome) -> Result<Conclusion, AnalysisError> {
+pub fn conclude(scene: &Scene, outcome: Outcome) -> Result<Conclusion, Error> {
     Ok(Conclusion::new(scene, outcome, verdict(scene)?))
 }
 
@@ -42,7 +42,7 @@ impl Conclusion {
     ///
     /// # Errors
     /// A scene whose peers cannot be built.
-    pub fn apparent_mass_kg(&self, scene: &Scene) -> Result<Option<f64>, AnalysisError> {
+    pub fn apparent_mass_kg(&self, scene: &Scene) -> Result<Option<f64>, Error> {
         if !(self.outcome.is_stable() && self.verdict.stable) {
             return Ok(None);
         }
@@ -54,7 +54,7 @@ impl Conclusion {
     ///
     /// # Errors
     /// A scene that cannot be analysed.
-    pub fn warnings(&self, scene: &Scene) -> Result<Vec<String>, AnalysisError> {
+    pub fn warnings(&self, scene: &Scene) -> Result<Vec<String>, Error> {
         let mut warnings = Vec::new();
         if self.verdict.stable {
             let judged = judge(scene)?;

@@ -1,17 +1,16 @@
 //! Why an analysis could not be made.
 
 use haptic_core::settings::{Allowed, Refused};
-use haptic_sim::scene::SceneError;
 
 /// Why an analysis could not be made, in one line.
 #[derive(Debug, thiserror::Error)]
-pub enum AnalysisError {
+pub enum Error {
     /// The peer does not accept the settings.
     #[error(transparent)]
     Refused(#[from] Refused<'static>),
-    /// The scene does not accept a value of a sweep.
+    /// A value, or the scene that it would make, is not allowed.
     #[error(transparent)]
-    Scene(#[from] SceneError),
+    Sim(#[from] haptic_sim::Error),
     /// The key of a sweep is a name or a flag.
     #[error("{key} is no number that could be swept: it is {allowed}")]
     NoNumber {
@@ -30,21 +29,18 @@ pub enum AnalysisError {
         /// Last value.
         to: f64,
     },
-    /// A number outside what an analysis can take.
-    #[error("{0}")]
-    OutOfRange(String),
     /// The eigenvalue iteration gave up.
     #[error("the eigenvalues of this scene's lifted matrix did not converge")]
     NoConvergence,
 }
 
-impl AnalysisError {
+impl Error {
     /// Refuses a number that does not lie within `[min, max]`.
     pub(crate) fn within(key: &str, value: f64, [min, max]: [f64; 2], unit: &str) -> Result<(), Self> {
         if value >= min && value <= max {
             return Ok(());
         }
         let allowed = format!("it must be a number from {min} to {max} {unit}");
-        Err(Self::OutOfRange(format!("{key} = {value} is not allowed: {allowed}")))
+        Err(haptic_sim::Error::not_allowed(format!("{key} = {value}"), allowed).into())
     }
 }

@@ -9,7 +9,7 @@
 //! Evaluated by the barycentric formula (Berrut & Trefethen 2004). What is found in a family is asked of the peers again before it is
 //! said: see [`super::limit`].
 
-use super::error::AnalysisError;
+use super::error::Error;
 use super::matrix::{Matrix, column_mut, reset};
 use super::modes::Hands;
 use super::spectrum::{Polar, balance};
@@ -35,13 +35,13 @@ pub(crate) struct Family {
 
 impl Family {
     /// The family of a mode from `low` to `high`, if there is one.
-    pub(crate) fn of(sweep: &Sweep, mode: Hands, [low, high]: [f64; 2]) -> Result<Option<Self>, AnalysisError> {
+    pub(crate) fn of(sweep: &Sweep, mode: Hands, [low, high]: [f64; 2]) -> Result<Option<Self>, Error> {
         let mut analyser = Analyser::default();
         let mut measure = |at: usize, of: usize| {
             let share = 0.5 - 0.5 * (std::f64::consts::PI * at as f64 / of as f64).cos();
             // The ends exactly.
             let value = low * (1.0 - share) + high * share;
-            Ok::<_, AnalysisError>((value, analyser.matrices(&sweep.at(value)?, mode)?))
+            Ok::<_, Error>((value, analyser.matrices(&sweep.at(value)?, mode)?))
         };
         let mut intervals = INTERVALS[0];
         let mut family = Self { points: Vec::new(), units: Vec::new() };
@@ -53,7 +53,7 @@ impl Family {
         }
         while intervals <= INTERVALS[1] {
             let between = (1..2 * intervals).step_by(2).map(|at| Ok((at, measure(at, 2 * intervals)?)));
-            let between = between.collect::<Result<Vec<_>, AnalysisError>>()?;
+            let between = between.collect::<Result<Vec<_>, Error>>()?;
             let off = between.iter().map(|(_, point)| family.off(point)).fold(0.0, f64::max);
             if !between.into_iter().all(|(at, point)| family.takes(at, point)) || off > HOPELESS {
                 return Ok(None);
@@ -108,12 +108,7 @@ impl Family {
     }
 
     /// The eigenvalues of every part at a value.
-    pub(crate) fn eigenvalues(
-        &self,
-        analyser: &mut Analyser,
-        value: f64,
-        parts: &mut Vec<Polar>,
-    ) -> Result<(), AnalysisError> {
+    pub(crate) fn eigenvalues(&self, analyser: &mut Analyser, value: f64, parts: &mut Vec<Polar>) -> Result<(), Error> {
         let Some((_, known)) = self.points.first() else { return Ok(()) };
         for (part, reduced) in known.iter().enumerate() {
             parts.push(analyser.polar(|matrix| self.write(part, value, matrix), reduced.held)?);

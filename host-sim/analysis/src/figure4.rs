@@ -11,7 +11,7 @@ use super::limit::Effort;
 use super::map::{Axis, Map, map};
 use super::modes::Hands;
 use super::sweep::Range;
-use crate::error::AnalysisError;
+use crate::error::Error;
 use haptic_report::Columns;
 use haptic_sim::scene::Scene;
 
@@ -55,7 +55,7 @@ pub struct Curve {
 ///
 /// # Errors
 /// A scene that the analyser cannot judge.
-pub fn curves(done: impl Fn() + Sync) -> Result<Vec<(Curve, Map)>, AnalysisError> {
+pub fn curves(done: impl Fn() + Sync) -> Result<Vec<(Curve, Map)>, Error> {
     // Steps of 150 N/m find every pocket of this figure; 0.1 % is ten times finer than it is drawn.
     let effort = Effort { steps: 80, tolerance: 1e-3, hands: Some(Hands::Both) };
     let mut curves = Vec::new();

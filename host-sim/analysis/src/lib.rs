@@ -52,7 +52,7 @@ pub use agreement::{Agreement, agreement};
 pub use answers::answers;
 pub use conclusion::{Conclusion, conclude};
 pub use direction::Direction;
-pub use error::AnalysisError;
+pub use error::Error;
 pub use lifted::constructed::hold::exponential;
 pub use lifted::delay::delays_ticks;
 pub use lifted::driven::Response;

@@ -18,7 +18,7 @@ use super::search::{Found, crossings};
 use super::spectrum::Polar;
 use super::sweep::{Range, Sweep};
 use super::verdict::{Analyser, is_stable};
-use crate::error::AnalysisError;
+use crate::error::Error;
 use haptic_sim::scene::Scene;
 
 /// How hard to look.
@@ -100,22 +100,22 @@ impl Limit {
 ///
 /// # Errors
 /// A key that takes no numbers, a scene that cannot be judged, or eigenvalues that do not converge.
-pub fn limit(scene: &Scene, range: Range, effort: Effort) -> Result<Limit, AnalysisError> {
+pub fn limit(scene: &Scene, range: Range, effort: Effort) -> Result<Limit, Error> {
     along(&Sweep::new(scene, range)?, effort)
 }
 
 /// Finds all crossings along a sweep.
-pub(crate) fn along(sweep: &Sweep, effort: Effort) -> Result<Limit, AnalysisError> {
+pub(crate) fn along(sweep: &Sweep, effort: Effort) -> Result<Limit, Error> {
     // Each mode by itself: the worst of all has flat stretches of one that hide the humps of another.
     let points = sweep.points(effort.steps);
     let of_mode = |mode: &Hands| Ok(Limit::new(of_mode(sweep, &points, effort.tolerance, *mode)?, &points));
-    let limits = sweep.modes(effort.hands).iter().map(of_mode).collect::<Result<Vec<_>, AnalysisError>>()?;
+    let limits = sweep.modes(effort.hands).iter().map(of_mode).collect::<Result<Vec<_>, Error>>()?;
     Ok(Limit::of_all(&limits))
 }
 
 /// All crossings in one mode: in the family of its matrices where there is one and the driven peers confirm what is
 /// found in it, else by driving the peers at every value.
-fn of_mode(sweep: &Sweep, points: &[f64], tolerance: f64, mode: Hands) -> Result<Found, AnalysisError> {
+fn of_mode(sweep: &Sweep, points: &[f64], tolerance: f64, mode: Hands) -> Result<Found, Error> {
     let driven = |analyser: &mut Analyser, value: f64, parts: &mut Vec<Polar>| {
         sweep.radius(analyser, value, Some(mode))?;
         parts.extend(analyser.parts().iter().cloned());
@@ -141,7 +141,7 @@ fn of_mode(sweep: &Sweep, points: &[f64], tolerance: f64, mode: Hands) -> Result
 }
 
 /// Whether the peers, driven a tolerance before and after each crossing, are on the side that was found.
-fn bears_out(sweep: &Sweep, found: &Found, tolerance: f64, mode: Hands) -> Result<bool, AnalysisError> {
+fn bears_out(sweep: &Sweep, found: &Found, tolerance: f64, mode: Hands) -> Result<bool, Error> {
     let mut analyser = Analyser::default();
     for (at, crossing) in found.crossings.iter().enumerate() {
         for (factor, before) in [(1.0 - tolerance, true), (1.0 + tolerance, false)] {

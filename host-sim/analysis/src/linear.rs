@@ -7,7 +7,7 @@
 use haptic_sim::scene::Scene;
 
 use super::lifted::driven::Response;
-use crate::error::AnalysisError;
+use crate::error::Error;
 
 /// Pairs of states that are tried.
 const DRAWS: u32 = 8;
@@ -19,7 +19,7 @@ const ROUNDING: f64 = 1e-9;
 ///
 /// # Errors
 /// Settings that no peer accepts.
-pub fn is_linear(scene: &Scene) -> Result<bool, AnalysisError> {
+pub fn is_linear(scene: &Scene) -> Result<bool, Error> {
     let linear = scene.linear();
     let mut response = Response::default();
     response.measure(&linear, 0, 0)?;

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::limit::{Effort, Limit, along};
 use super::sweep::{Range, Sweep};
-use crate::error::AnalysisError;
+use crate::error::Error;
 use haptic_report::Columns;
 use haptic_sim::scene::Scene;
 
@@ -31,11 +31,11 @@ impl Axis {
 
 /// Reads an axis from `key=A..B:N`.
 impl std::str::FromStr for Axis {
-    type Err = String;
+    type Err = Error;
 
-    fn from_str(text: &str) -> Result<Self, String> {
-        let wrong =
-            || format!("{text}: write it as table.key=A..B:N, for example coordination.stiffness_n_per_m=0..12000:100");
+    fn from_str(text: &str) -> Result<Self, Error> {
+        let form = "write it as table.key=A..B:N, for example coordination.stiffness_n_per_m=0..12000:100";
+        let wrong = || haptic_sim::Error::at(text, form);
         let (key, rest) = text.split_once('=').ok_or_else(wrong)?;
         let (range, count) = rest.rsplit_once(':').ok_or_else(wrong)?;
         let (from, to) = range.split_once("..").ok_or_else(wrong)?;
@@ -43,7 +43,8 @@ impl std::str::FromStr for Axis {
         let range = Range { key: key.trim().to_owned(), from: number(from)?, to: number(to)? };
         let count = count.trim().parse::<usize>().map_err(|_| wrong())?;
         if !(2..=10_000).contains(&count) {
-            return Err(format!("{text}: {count} values are not allowed: it must be a whole number from 2 to 10000"));
+            let said = format!("{count} values are not allowed: it must be a whole number from 2 to 10000");
+            return Err(haptic_sim::Error::at(text, said).into());
         }
         Ok(Self { range, count })
     }
@@ -74,7 +75,7 @@ pub struct Map {
 ///
 /// # Errors
 /// A key that takes no numbers, a scene that cannot be judged, or eigenvalues that do not converge.
-pub fn map(scene: &Scene, axes: [Axis; 2], effort: Effort, done: impl Fn() + Sync) -> Result<Map, AnalysisError> {
+pub fn map(scene: &Scene, axes: [Axis; 2], effort: Effort, done: impl Fn() + Sync) -> Result<Map, Error> {
     let [x, y] = &axes;
     let across = Sweep::new(scene, x.range.clone())?;
     // The range of y must be possible whatever x is: better said before the work than in the middle of it.
@@ -87,7 +88,7 @@ pub fn map(scene: &Scene, axes: [Axis; 2], effort: Effort, done: impl Fn() + Syn
     let keys = scene.keys();
     let units =
         [x, y].map(|axis| keys.iter().find(|(name, _)| *name == axis.range.key).map_or("", |(_, key)| key.unit));
-    let columns = x.values().par_iter().map(column).collect::<Result<_, AnalysisError>>()?;
+    let columns = x.values().par_iter().map(column).collect::<Result<_, Error>>()?;
     Ok(Map { units, axes, columns })
 }
 

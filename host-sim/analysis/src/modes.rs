@@ -20,7 +20,7 @@ use serde::Serialize;
 use super::delays::delays;
 use super::lifted::delay::delays_ticks;
 use super::verdict::{Analyser, Reduced, Verdict};
-use crate::error::AnalysisError;
+use crate::error::Error;
 use haptic_sim::scene::{DriveName, Jitter, Scene};
 use haptic_sim::user::User;
 
@@ -91,7 +91,7 @@ impl Judgement {
 ///
 /// # Errors
 /// A scene that the analyser cannot judge in one of its modes.
-pub fn judge(scene: &Scene) -> Result<Judgement, AnalysisError> {
+pub fn judge(scene: &Scene) -> Result<Judgement, Error> {
     let mut analyser = Analyser::default();
     let mut modes = analyser.modes(scene, None)?;
     if let Some(met) = scene.at_walls() {
@@ -112,7 +112,7 @@ pub(crate) fn entered(only: Option<Hands>) -> Vec<Hands> {
 
 impl Analyser {
     /// The verdict on each mode that the scene can enter, or on the one that is asked for.
-    pub(crate) fn modes(&mut self, scene: &Scene, only: Option<Hands>) -> Result<Vec<Mode>, AnalysisError> {
+    pub(crate) fn modes(&mut self, scene: &Scene, only: Option<Hands>) -> Result<Vec<Mode>, Error> {
         let modes = entered(only);
         let linear = scene.linear();
         let (own, (delays, _)) = (delays_ticks(&linear), delays(scene, &linear));
@@ -121,7 +121,7 @@ impl Analyser {
     }
 
     /// The worst verdict on a mode of what was measured.
-    fn mode(&mut self, mode: Hands, own: [usize; 2], delays: &[[usize; 2]]) -> Result<Mode, AnalysisError> {
+    fn mode(&mut self, mode: Hands, own: [usize; 2], delays: &[[usize; 2]]) -> Result<Mode, Error> {
         let let_go: &[[bool; 2]] = match mode {
             Hands::Both => &[[false; 2]],
             Hands::One if self.sides_differ() => &[[false, true], [true, false]],
@@ -142,12 +142,12 @@ impl Analyser {
     }
 
     /// What is left of the lifted matrices of a mode, one for every part.
-    pub(crate) fn matrices(&mut self, scene: &Scene, mode: Hands) -> Result<Vec<Reduced>, AnalysisError> {
+    pub(crate) fn matrices(&mut self, scene: &Scene, mode: Hands) -> Result<Vec<Reduced>, Error> {
         self.reduced(|analyser| analyser.modes(scene, Some(mode)).map(drop))
     }
 
     /// The largest spectral radius of the modes.
-    pub(crate) fn radius(&mut self, scene: &Scene, only: Option<Hands>) -> Result<f64, AnalysisError> {
+    pub(crate) fn radius(&mut self, scene: &Scene, only: Option<Hands>) -> Result<f64, Error> {
         Ok(worst(&self.modes(scene, only)?).spectral_radius)
     }
 }

@@ -19,7 +19,7 @@ use rayon::prelude::*;
 
 use super::spectrum::{Polar, radius};
 use super::verdict::{ROUNDING, is_stable};
-use crate::error::AnalysisError;
+use crate::error::Error;
 
 /// Steps of the first look at a scan, at least.
 const COARSE: usize = 8;
@@ -80,9 +80,9 @@ fn top(part: &Polar) -> f64 {
 
 /// What can be asked from several threads.
 trait Ask: Sync {
-    fn at(&self, value: f64) -> Result<Point, AnalysisError>;
+    fn at(&self, value: f64) -> Result<Point, Error>;
 
-    fn each(&self, values: Vec<f64>) -> Result<Vec<Point>, AnalysisError> {
+    fn each(&self, values: Vec<f64>) -> Result<Vec<Point>, Error> {
         values.into_par_iter().with_min_len(4).map(|value| self.at(value)).collect()
     }
 }
@@ -96,9 +96,9 @@ struct Probe<A, R> {
 impl<A, R> Ask for Probe<A, R>
 where
     A: Default + Send,
-    R: Fn(&mut A, f64, &mut Vec<Polar>) -> Result<(), AnalysisError> + Sync,
+    R: Fn(&mut A, f64, &mut Vec<Polar>) -> Result<(), Error> + Sync,
 {
-    fn at(&self, value: f64) -> Result<Point, AnalysisError> {
+    fn at(&self, value: f64) -> Result<Point, Error> {
         let memory = || self.memory.lock().unwrap_or_else(PoisonError::into_inner);
         let mut own = memory().pop().unwrap_or_default();
         let mut parts = Vec::new();
@@ -115,8 +115,8 @@ pub(crate) fn crossings<A: Default + Send>(
     points: &[f64],
     whole: bool,
     tolerance: f64,
-    eigenvalues: impl Fn(&mut A, f64, &mut Vec<Polar>) -> Result<(), AnalysisError> + Sync,
-) -> Result<Found, AnalysisError> {
+    eigenvalues: impl Fn(&mut A, f64, &mut Vec<Polar>) -> Result<(), Error> + Sync,
+) -> Result<Found, Error> {
     let probe = Probe { memory: Mutex::new(Vec::new()), eigenvalues };
     let mut seen = if whole { probe.each(points.to_vec())? } else { scan(&probe, points)? };
     let mut evaluations = seen.len();
@@ -124,14 +124,14 @@ pub(crate) fn crossings<A: Default + Send>(
         let smooth = &seen[usize::from(points[0] == 0.0)..];
         let bulges: Vec<&[Point]> = smooth.windows(3).filter(|three| may_cross(three)).collect();
         let climbed = bulges.into_par_iter().map(|three| climb(&probe, three));
-        let climbed = climbed.collect::<Result<Vec<_>, AnalysisError>>()?.concat();
+        let climbed = climbed.collect::<Result<Vec<_>, Error>>()?.concat();
         evaluations += climbed.len();
         seen.extend(climbed);
         seen.sort_by(|a, b| a.value.total_cmp(&b.value));
     }
     let turns: Vec<&[Point]> = seen.windows(2).filter(|pair| pair[0].stable != pair[1].stable).collect();
     let closed = turns.into_par_iter().map(|pair| close_in(&probe, pair, whole, tolerance));
-    let closed = closed.collect::<Result<Vec<_>, AnalysisError>>()?;
+    let closed = closed.collect::<Result<Vec<_>, Error>>()?;
     Ok(Found {
         stable_at_start: seen.first().is_some_and(|point| point.stable),
         crossings: closed.iter().map(|(crossing, _)| *crossing).collect(),
@@ -140,12 +140,12 @@ pub(crate) fn crossings<A: Default + Send>(
 }
 
 /// The points that must be looked at, ascending.
-fn scan(probe: &impl Ask, points: &[f64]) -> Result<Vec<Point>, AnalysisError> {
+fn scan(probe: &impl Ask, points: &[f64]) -> Result<Vec<Point>, Error> {
     let mut known: Vec<Option<Point>> = vec![None; points.len()];
     let look = |known: &mut [Option<Point>], asked: Vec<usize>| {
         let found = probe.each(asked.iter().map(|at| points[*at]).collect())?;
         asked.into_iter().zip(found).for_each(|(at, point)| known[at] = Some(point));
-        Ok::<(), AnalysisError>(())
+        Ok::<(), Error>(())
     };
     let last = points.len() - 1;
     // A key of 0 may leave out what any other value has: a step by itself.
@@ -249,7 +249,7 @@ fn may_cross(three: &[Point]) -> bool {
 
 /// Looks for the extreme between three points, by parabolas where they fit and by the golden section elsewhere; stops where the other
 /// side is reached, or out of reach.
-fn climb(probe: &impl Ask, three: &[Point]) -> Result<Vec<Point>, AnalysisError> {
+fn climb(probe: &impl Ask, three: &[Point]) -> Result<Vec<Point>, Error> {
     const GOLDEN: f64 = 0.381_966_011_250_105_1;
     let side = three[1].stable;
     let distance = |point: &Point| (point.value, point.height().abs());
@@ -288,7 +288,7 @@ fn climb(probe: &impl Ask, three: &[Point]) -> Result<Vec<Point>, AnalysisError>
 }
 
 /// Closes in between a point on either side; the crossing and how many radii it took.
-fn close_in(probe: &impl Ask, pair: &[Point], whole: bool, tolerance: f64) -> Result<(f64, usize), AnalysisError> {
+fn close_in(probe: &impl Ask, pair: &[Point], whole: bool, tolerance: f64) -> Result<(f64, usize), Error> {
     // The newest point, and the newest on the other side of the circle.
     let [mut other, mut new] = [0, 1].map(|at| (pair[at].value, pair[at].height()));
     // Where to look next, from the newest on as a share of what is between: at first where a line through both is 0.

@@ -6,7 +6,7 @@
 
 use std::time::Instant;
 
-use super::error::AnalysisError;
+use super::error::Error;
 use super::figure4;
 use super::sweep::{Range, Sweep};
 use super::verdict::Analyser;
@@ -30,7 +30,7 @@ pub struct Speed {
 ///
 /// # Errors
 /// A scene that the analyser cannot judge.
-pub fn measure(radii: usize, threads: usize) -> Result<Speed, AnalysisError> {
+pub fn measure(radii: usize, threads: usize) -> Result<Speed, Error> {
     let range = Range { key: "coordination.stiffness_n_per_m".to_owned(), from: 0.0, to: 12_000.0 };
     let mut scene = figure4::scene("passive-wave", 3);
     scene.peer.contact.stiffness_n_per_m = 500.0;
@@ -43,7 +43,7 @@ pub fn measure(radii: usize, threads: usize) -> Result<Speed, AnalysisError> {
             sum += verdict.spectral_radius;
             states = verdict.states;
         }
-        Ok::<_, AnalysisError>((sum, states))
+        Ok::<_, Error>((sum, states))
     };
     let start = Instant::now();
     let results: Vec<_> = std::thread::scope(|scope| {

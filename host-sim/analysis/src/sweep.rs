@@ -7,7 +7,7 @@ use haptic_core::settings::{Allowed, Value};
 
 use super::modes::{Hands, entered};
 use super::verdict::{Analyser, Verdict};
-use crate::error::AnalysisError;
+use crate::error::Error;
 use haptic_sim::scene::Scene;
 
 /// A key and the values it runs through.
@@ -40,7 +40,7 @@ pub(crate) struct Sweep {
 
 impl Sweep {
     /// Checks that the key is a number and that the scene accepts both ends of the range.
-    pub(crate) fn new(scene: &Scene, range: Range) -> Result<Self, AnalysisError> {
+    pub(crate) fn new(scene: &Scene, range: Range) -> Result<Self, Error> {
         let mut scene = scene.clone();
         // Recordings are no part of what is judged, and long.
         scene.network_trace = None;
@@ -51,10 +51,10 @@ impl Sweep {
             (Some(Value::Number(_)), Some(Allowed::Whole { .. })) => true,
             // An unknown key is what setting it will complain about, with a hint.
             (Some(Value::Number(_)) | None, _) | (_, None) => false,
-            (Some(_), Some(allowed)) => return Err(AnalysisError::NoNumber { key: range.key, allowed }),
+            (Some(_), Some(allowed)) => return Err(Error::NoNumber { key: range.key, allowed }),
         };
         if !(range.from < range.to && range.from.is_finite() && range.to.is_finite()) {
-            return Err(AnalysisError::Range { key: range.key, from: range.from, to: range.to });
+            return Err(Error::Range { key: range.key, from: range.from, to: range.to });
         }
         let sweep = Self { scene, range, whole };
         sweep.at(sweep.range.from)?;
@@ -78,24 +78,19 @@ impl Sweep {
     }
 
     /// The scene with this value of the key (the nearest whole one, for a key that takes no others).
-    pub(crate) fn at(&self, value: f64) -> Result<Scene, AnalysisError> {
+    pub(crate) fn at(&self, value: f64) -> Result<Scene, Error> {
         let mut scene = self.scene.clone();
         scene.set_number(&self.range.key, if self.whole { value.round() } else { value })?;
         Ok(scene)
     }
 
     /// The verdict at this value, both hands on.
-    pub(crate) fn verdict(&self, analyser: &mut Analyser, value: f64) -> Result<Verdict, AnalysisError> {
+    pub(crate) fn verdict(&self, analyser: &mut Analyser, value: f64) -> Result<Verdict, Error> {
         analyser.verdict(&self.at(value)?.linear())
     }
 
     /// The largest spectral radius at this value, of one mode or of all that the scene can enter.
-    pub(crate) fn radius(
-        &self,
-        analyser: &mut Analyser,
-        value: f64,
-        hands: Option<Hands>,
-    ) -> Result<f64, AnalysisError> {
+    pub(crate) fn radius(&self, analyser: &mut Analyser, value: f64, hands: Option<Hands>) -> Result<f64, Error> {
         analyser.radius(&self.at(value)?, hands)
     }
 

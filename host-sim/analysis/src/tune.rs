@@ -27,7 +27,7 @@ use super::limit::{Effort, along};
 use super::modes::judge;
 use super::sweep::{Range, Sweep};
 use super::verdict::{Analyser, Verdict, is_stable};
-use crate::error::AnalysisError;
+use crate::error::Error;
 use haptic_sim::pair::Pair;
 use haptic_sim::run::{Options, Outcome, Run, run};
 use haptic_sim::scene::Scene;
@@ -87,13 +87,13 @@ impl Proposal {
     ///
     /// # Errors
     /// A gain beyond its key's range.
-    pub fn applied(&self, scene: &Scene, factor: f64) -> Result<Scene, AnalysisError> {
+    pub fn applied(&self, scene: &Scene, factor: f64) -> Result<Scene, Error> {
         with(scene, factor * self.contact_stiffness_n_per_m, factor * self.coordination_stiffness_n_per_m)
     }
 }
 
 /// The scene with these gains, N/m.
-fn with(scene: &Scene, contact: f64, coordination: f64) -> Result<Scene, AnalysisError> {
+fn with(scene: &Scene, contact: f64, coordination: f64) -> Result<Scene, Error> {
     let mut scene = scene.clone();
     scene.set_number(CONTACT, contact)?;
     scene.set_number(COORDINATION, coordination)?;
@@ -105,8 +105,8 @@ fn with(scene: &Scene, contact: f64, coordination: f64) -> Result<Scene, Analysi
 ///
 /// # Errors
 /// A margin that is out of range, or a scene that the analyser cannot judge.
-pub fn tune(scene: &Scene, margin: f64, done: impl Fn() + Sync) -> Result<Option<Proposal>, AnalysisError> {
-    AnalysisError::within("margin", margin, MARGINS, "")?;
+pub fn tune(scene: &Scene, margin: f64, done: impl Fn() + Sync) -> Result<Option<Proposal>, Error> {
+    Error::within("margin", margin, MARGINS, "")?;
     let raised = 1.0 + margin;
     let stiffest = first(&with(scene, 0.0, 0.0)?, CONTACT, largest(CONTACT))?.unwrap_or(largest(CONTACT));
     let enough = (ENOUGH * stiffest).min(largest(COORDINATION));
@@ -119,7 +119,7 @@ pub fn tune(scene: &Scene, margin: f64, done: impl Fn() + Sync) -> Result<Option
             done();
             Ok((contact, end))
         })
-        .collect::<Result<Vec<_>, AnalysisError>>()?;
+        .collect::<Result<Vec<_>, Error>>()?;
     let mut lowest = f64::INFINITY;
     let corners = ends.into_iter().map(|(contact, end)| {
         lowest = lowest.min(end);
@@ -146,14 +146,14 @@ pub fn steps() -> u64 {
 }
 
 /// The proposal, if all of it holds.
-fn verified(scene: &Scene, contact: f64, coordination: f64, margin: f64) -> Result<Option<Proposal>, AnalysisError> {
+fn verified(scene: &Scene, contact: f64, coordination: f64, margin: f64) -> Result<Option<Proposal>, Error> {
     let raised = 1.0 + margin;
     let verdict = |contact, coordination| Ok(judge(&with(scene, contact, coordination)?)?.worst);
     let point: Verdict = verdict(contact, coordination)?;
     let corners = [(raised, 1.0), (1.0, raised), (raised, raised)]
         .into_iter()
         .map(|(a, b)| verdict(a * contact, b * coordination))
-        .collect::<Result<Vec<Verdict>, AnalysisError>>()?;
+        .collect::<Result<Vec<Verdict>, Error>>()?;
     if !point.stable || corners.iter().any(|corner| !corner.stable) {
         return Ok(None);
     }
@@ -182,7 +182,7 @@ fn verified(scene: &Scene, contact: f64, coordination: f64, margin: f64) -> Resu
 }
 
 /// The first unstable value of a gain from 0 on; `None` where there is none.
-fn first(scene: &Scene, key: &str, to: f64) -> Result<Option<f64>, AnalysisError> {
+fn first(scene: &Scene, key: &str, to: f64) -> Result<Option<f64>, Error> {
     if to <= 0.0 {
         return Ok(Some(0.0));
     }
@@ -222,7 +222,7 @@ fn rounded_down(value: f64) -> f64 {
 ///
 /// # Errors
 /// The first key that is out of range or impossible beside the others.
-pub fn try_out<S: Run>(scene: &Scene, proposal: &Proposal, duration_s: f64) -> Result<Outcome, AnalysisError> {
+pub fn try_out<S: Run>(scene: &Scene, proposal: &Proposal, duration_s: f64) -> Result<Outcome, Error> {
     let mut scene = proposal.applied(scene, 1.0)?;
     let idle = |user: &User| {
         let does = &user.settings.user;
@@ -257,7 +257,7 @@ pub struct Released {
 ///
 /// # Errors
 /// The first key that is out of range or impossible beside the others.
-pub fn let_go<S: Number>(scene: &Scene, proposal: &Proposal, duration_s: f64) -> Result<Released, AnalysisError> {
+pub fn let_go<S: Number>(scene: &Scene, proposal: &Proposal, duration_s: f64) -> Result<Released, Error> {
     let scene = proposal.applied(scene, 1.0)?.hands_off();
     of_axes!(scene, let_go_along::<S>(&scene, duration_s))
 }
@@ -265,7 +265,7 @@ pub fn let_go<S: Number>(scene: &Scene, proposal: &Proposal, duration_s: f64) ->
 fn let_go_along<S: Number + Builds<SHARED, N>, const SHARED: usize, const N: usize>(
     scene: &Scene,
     duration_s: f64,
-) -> Result<Released, AnalysisError> {
+) -> Result<Released, Error> {
     let mut pair = Pair::<S, Plant<N>, SHARED, N>::build(scene)?;
     if let Some(side) = pair.sides_mut().next() {
         // A peer's state begins with position and velocity of its copy.

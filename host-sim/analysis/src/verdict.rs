@@ -6,7 +6,7 @@
 use serde::Serialize;
 
 use super::direction::{self, Direction};
-use super::error::AnalysisError;
+use super::error::Error;
 use super::lifted::delay::delays_ticks;
 use super::lifted::driven::Response;
 use super::lifted::pair::{Joined, hands_are_off, same_arms, same_ends, seat};
@@ -74,7 +74,7 @@ pub(crate) fn is_stable(spectral_radius: f64) -> bool {
 ///
 /// # Errors
 /// A scene that cannot be built, or whose eigenvalues do not converge.
-pub fn verdict(scene: &Scene) -> Result<Verdict, AnalysisError> {
+pub fn verdict(scene: &Scene) -> Result<Verdict, Error> {
     Analyser::default().verdict(&scene.linear())
 }
 
@@ -124,7 +124,7 @@ struct Heard {
 }
 
 impl Heard {
-    fn measure(&mut self, linear: &Scene, index: usize, at_ticks: &[usize]) -> Result<(), AnalysisError> {
+    fn measure(&mut self, linear: &Scene, index: usize, at_ticks: &[usize]) -> Result<(), Error> {
         self.at_ticks.clear();
         self.at_ticks.extend_from_slice(at_ticks);
         self.answers.resize_with(at_ticks.len(), Response::default);
@@ -145,7 +145,7 @@ impl Analyser {
     ///
     /// # Errors
     /// A scene that cannot be built, or whose eigenvalues do not converge.
-    pub fn verdict(&mut self, linear: &Scene) -> Result<Verdict, AnalysisError> {
+    pub fn verdict(&mut self, linear: &Scene) -> Result<Verdict, Error> {
         let delays = delays_ticks(linear);
         self.measure(linear, [true, false], &[delays])?;
         self.joined([false; 2], delays)
@@ -155,17 +155,12 @@ impl Analyser {
     ///
     /// # Errors
     /// Eigenvalues that do not converge.
-    pub fn judge(&mut self, lifted: Lifted, anchors: &[usize]) -> Result<Verdict, AnalysisError> {
+    pub fn judge(&mut self, lifted: Lifted, anchors: &[usize]) -> Result<Verdict, Error> {
         self.judge_held(lifted, anchors, true)
     }
 
     /// [`Analyser::judge`], also where nothing holds the object and it may glide (`held` is false).
-    pub(crate) fn judge_held(
-        &mut self,
-        lifted: Lifted,
-        anchors: &[usize],
-        held: bool,
-    ) -> Result<Verdict, AnalysisError> {
+    pub(crate) fn judge_held(&mut self, lifted: Lifted, anchors: &[usize], held: bool) -> Result<Verdict, Error> {
         let (states, stands) = self.solvers[0].reduce(&lifted, anchors);
         let (polar, glides) = self.solvers[0].eigenvalues(held)?;
         Ok(Verdict::new(radius(&polar), states, stands + glides, false))
@@ -178,7 +173,7 @@ impl Analyser {
         linear: &Scene,
         [held, released]: [bool; 2],
         delays: &[[usize; 2]],
-    ) -> Result<(), AnalysisError> {
+    ) -> Result<(), Error> {
         self.parts.clear();
         let answers = &mut self.answers;
         answers.ticks_per_packet = linear.peer.timing.ticks_per_packet as usize;
@@ -213,8 +208,8 @@ impl Analyser {
     /// What is left of the lifted matrix of every part that `joins` joins.
     pub(crate) fn reduced(
         &mut self,
-        joins: impl FnOnce(&mut Self) -> Result<(), AnalysisError>,
-    ) -> Result<Vec<Reduced>, AnalysisError> {
+        joins: impl FnOnce(&mut Self) -> Result<(), Error>,
+    ) -> Result<Vec<Reduced>, Error> {
         self.reduced = Some(Vec::new());
         let joined = joins(self);
         let reduced = self.reduced.take().unwrap_or_default();
@@ -222,7 +217,7 @@ impl Analyser {
     }
 
     /// The eigenvalues of such a matrix, as `write` writes it.
-    pub(crate) fn polar(&mut self, write: impl FnOnce(&mut Matrix), held: bool) -> Result<Polar, AnalysisError> {
+    pub(crate) fn polar(&mut self, write: impl FnOnce(&mut Matrix), held: bool) -> Result<Polar, Error> {
         let solver = &mut self.solvers[0];
         write(&mut solver.kept.matrix);
         solver.eigenvalues(held).map(|(polar, _)| polar)
@@ -234,7 +229,7 @@ impl Analyser {
     }
 
     /// The verdict on the peers measured last, held or `released`, with these delays to peer 1 and to peer 2, ticks.
-    pub(crate) fn joined(&mut self, released: [bool; 2], delays: [usize; 2]) -> Result<Verdict, AnalysisError> {
+    pub(crate) fn joined(&mut self, released: [bool; 2], delays: [usize; 2]) -> Result<Verdict, Error> {
         let Answers { held, released: let_go, released_alike, alike, hands_off, ticks_per_packet } = &self.answers;
         let released = released.map(|released| released || *hands_off);
         let answer = |at: usize| {
@@ -287,11 +282,11 @@ impl Solver {
     }
 
     /// The eigenvalues of what is left, and how many modes glide.
-    fn eigenvalues(&mut self, held: bool) -> Result<(Polar, usize), AnalysisError> {
+    fn eigenvalues(&mut self, held: bool) -> Result<(Polar, usize), Error> {
         // What nobody holds and nothing damps glides on for ever: 1 to rounding, which decides nothing and would hide how fast
         // everything else settles.
         let glides = |re: f64, im: f64| !held && (re - 1.0).hypot(im) <= ROUNDING;
-        self.spectrum.polar_beside(&mut self.kept.matrix, glides).ok_or(AnalysisError::NoConvergence)
+        self.spectrum.polar_beside(&mut self.kept.matrix, glides).ok_or(Error::NoConvergence)
     }
 }
 

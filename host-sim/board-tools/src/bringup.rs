@@ -28,6 +28,7 @@ use super::calibrate::motor::{self, Against};
 use super::calibrate::winding::{self, Sheet};
 use super::calibrate::{Found, Person, Task, motion, settings_file};
 use super::status::Status;
+use crate::Error;
 
 /// The limit of force of the steps in which the board is armed, N.
 pub const LOWEST_N: f64 = 0.5;
@@ -76,7 +77,7 @@ struct BringUp<'a> {
 }
 
 /// A step: its name, what it does and sees, and what to look at if it does not pass.
-type Step<'a> = (&'static str, fn(&mut BringUp<'a>) -> Result<String, String>, &'static str);
+type Step<'a> = (&'static str, fn(&mut BringUp<'a>) -> Result<String, Error>, &'static str);
 
 fn steps<'a>() -> [Step<'a>; 11] {
     [
@@ -107,7 +108,7 @@ pub fn bring_up(
     person: &mut dyn Person,
     plan: Plan<'_>,
     mut each: impl FnMut(&Passed),
-) -> Result<Vec<Passed>, String> {
+) -> Result<Vec<Passed>, Error> {
     let mut bring_up = BringUp { board, person, plan };
     let mut passed = Vec::new();
     for (step, run, look_at) in steps() {
@@ -128,21 +129,21 @@ fn listed(found: &[Found]) -> String {
 }
 
 impl BringUp<'_> {
-    fn status(&mut self) -> Result<Status, String> {
+    fn status(&mut self) -> Result<Status, Error> {
         Status::parse(&say(self.board, "status")?)
     }
 
     /// The answer to a line that must be refused, for this reason.
-    fn refused(&mut self, line: &str, why: &str) -> Result<(), String> {
+    fn refused(&mut self, line: &str, why: &str) -> Result<(), Error> {
         let answer = self.board.ask(line)?;
         if answer.starts_with("error") && answer.contains(why) {
             return Ok(());
         }
-        Err(format!("the board answers {line:?} with {answer:?}, and should refuse: {why}"))
+        Err(format!("the board answers {line:?} with {answer:?}, and should refuse: {why}").into())
     }
 
     /// Keeps what was found, and gives it to the board.
-    fn keep(&mut self, found: &[Found]) -> Result<(), String> {
+    fn keep(&mut self, found: &[Found]) -> Result<(), Error> {
         settings_file::add(self.plan.file, found)?;
         // What a newton and a metre are is set at the board only.
         self.person.please(&Task::HoldButton)?;
@@ -152,18 +153,18 @@ impl BringUp<'_> {
     }
 
     /// Sets a key and has the board take it.
-    fn set(&mut self, key: &str, value: f64) -> Result<(), String> {
+    fn set(&mut self, key: &str, value: f64) -> Result<(), Error> {
         say(self.board, &format!("set {key} {value:?}"))?;
         say(self.board, "apply").map(drop)
     }
 
-    fn get(&mut self, key: &str) -> Result<f64, String> {
+    fn get(&mut self, key: &str) -> Result<f64, Error> {
         let text = board::get(self.board, key)?;
-        text.parse().map_err(|_| format!("{key} is no number: {text:?}"))
+        text.parse().map_err(|_| format!("{key} is no number: {text:?}").into())
     }
 
     /// Has the person do something while the board is kept, and gives the ticks meanwhile.
-    fn meanwhile(&mut self, task: &Task) -> Result<Vec<Tick>, String> {
+    fn meanwhile(&mut self, task: &Task) -> Result<Vec<Tick>, Error> {
         self.person.begin(task)?;
         let mut ticks = self.board.ticks(LOOK_S)?;
         while !self.person.is_done()? {
@@ -176,8 +177,8 @@ impl BringUp<'_> {
     fn watch(
         &mut self,
         settings: &Settings,
-        act: impl FnOnce(&mut Self) -> Result<Vec<Tick>, String>,
-    ) -> Result<Vec<[f64; 2]>, String> {
+        act: impl FnOnce(&mut Self) -> Result<Vec<Tick>, Error>,
+    ) -> Result<Vec<[f64; 2]>, Error> {
         let at = self.plan.joint as usize - 1;
         let joint = Joint::of(settings, self.plan.joint)?;
         let sign = if settings.motor.reversed { -1.0 } else { 1.0 } * joint.lever.signum();
@@ -185,16 +186,16 @@ impl BringUp<'_> {
         say(self.board, "stream 1")?;
         let ticks = act(self)?;
         say(self.board, "stream off")?;
-        let Some(first) = ticks.first() else { return Err("no tick came from the board".to_owned()) };
+        let Some(first) = ticks.first() else { return Err("no tick came from the board".into()) };
         let along = |counts: u16| f64::from(counts.wrapping_sub(first.counts[at]).cast_signed()) * joint.m_per_count;
         Ok(ticks.iter().map(|tick| [along(tick.counts[at]), sign * f64::from(tick.duties[at]) / 32767.0]).collect())
     }
 
-    fn light(&mut self) -> Result<String, String> {
+    fn light(&mut self) -> Result<String, Error> {
         self.person.please(&Task::SeeLight)?;
         let status = self.status()?;
         if status.mode != Mode::Disarmed {
-            return Err(format!("it should be disarmed and without a fault: {status}"));
+            return Err(format!("it should be disarmed and without a fault: {status}").into());
         }
         say(self.board, "stream 1")?;
         self.board.ticks(0.1)?;
@@ -202,12 +203,12 @@ impl BringUp<'_> {
         say(self.board, "stream off")?;
         let gaps = ticks.windows(2).filter(|two| two[1].number.wrapping_sub(two[0].number) != 1).count();
         if ticks.len() < 400 || gaps > 0 {
-            return Err(format!("{} of 500 ticks came, with {gaps} gaps: the network loses them", ticks.len()));
+            return Err(format!("{} of 500 ticks came, with {gaps} gaps: the network loses them", ticks.len()).into());
         }
         Ok(status.to_string())
     }
 
-    fn stop_is_seen(&mut self) -> Result<String, String> {
+    fn stop_is_seen(&mut self) -> Result<String, Error> {
         self.person.please(&Task::PressStop)?;
         self.refused("arm", "the emergency stop is pressed, or not connected")?;
         self.person.please(&Task::ReleaseStop)?;
@@ -215,24 +216,24 @@ impl BringUp<'_> {
         let answer = self.board.ask("clear")?;
         match answer.as_str() {
             "ok disarmed" => Ok("pressed, arming is refused".to_owned()),
-            _ => Err(format!("released, the board answers \"clear\" with {answer:?}")),
+            _ => Err(format!("released, the board answers \"clear\" with {answer:?}").into()),
         }
     }
 
-    fn encoder(&mut self) -> Result<String, String> {
+    fn encoder(&mut self) -> Result<String, Error> {
         let found = counts::calibrate(self.board, self.person, self.plan.joint, self.plan.distance)?;
         self.keep(&found)?;
         Ok(listed(&found))
     }
 
-    fn sign(&mut self) -> Result<String, String> {
+    fn sign(&mut self) -> Result<String, Error> {
         self.person.please(&Task::LetGo { joint: self.plan.joint })?;
         let found = motor::sign(self.board, self.plan.joint)?;
         self.keep(&found)?;
         Ok(listed(&found))
     }
 
-    fn current(&mut self) -> Result<String, String> {
+    fn current(&mut self) -> Result<String, Error> {
         let Some(found) = winding::winding(self.board, self.plan.joint, self.plan.sheet)? else {
             return Ok("this board has no current loop: nothing was measured".to_owned());
         };
@@ -240,7 +241,7 @@ impl BringUp<'_> {
         Ok(listed(&found))
     }
 
-    fn motor(&mut self) -> Result<String, String> {
+    fn motor(&mut self) -> Result<String, Error> {
         let joint = self.plan.joint;
         let mut found = motor::constant(self.board, self.person, joint, self.plan.against)?;
         self.keep(&found)?;
@@ -255,7 +256,7 @@ impl BringUp<'_> {
     }
 
     /// Armed with the lowest force, signs checked anew; calls `then`, and leaves the board disarmed with the limit that it had.
-    fn armed<T>(&mut self, then: impl FnOnce(&mut Self, &Settings) -> Result<T, String>) -> Result<T, String> {
+    fn armed<T>(&mut self, then: impl FnOnce(&mut Self, &Settings) -> Result<T, Error>) -> Result<T, Error> {
         let limit = self.get("safety.max_force_n")?;
         self.set("safety.max_force_n", limit.min(LOWEST_N))?;
         for joint in 1..=settings(self.board)?.axis.count {
@@ -270,19 +271,19 @@ impl BringUp<'_> {
         Ok(outcome)
     }
 
-    fn lowest_force(&mut self) -> Result<String, String> {
+    fn lowest_force(&mut self) -> Result<String, Error> {
         self.armed(|this, settings| {
             let seen = this.watch(settings, |this| this.board.ticks(1.0))?;
             let crept = seen.iter().fold(0.0, |most: f64, [way, _]| most.max(way.abs()));
             let status = this.status()?;
             if status.mode != Mode::Armed || crept > CREEP_M {
-                return Err(format!("in a second it moved by {:.2} mm; {status}", 1e3 * crept));
+                return Err(format!("in a second it moved by {:.2} mm; {status}", 1e3 * crept).into());
             }
             Ok(format!("armed with {LOWEST_N} N, moved by {:.2} mm in a second", 1e3 * crept))
         })
     }
 
-    fn first_contact(&mut self) -> Result<String, String> {
+    fn first_contact(&mut self) -> Result<String, Error> {
         self.armed(|this, settings| {
             let joint = this.plan.joint;
             let toward = if board::get(this.board, "contact.side")? == "left" { 1.0 } else { -1.0 };
@@ -294,18 +295,18 @@ impl BringUp<'_> {
             let status = this.status()?;
             if status.mode != Mode::Armed || work >= 0.0 || newtons > 1.1 * LOWEST_N {
                 let which = if work >= 0.0 { "nothing pushed back" } else { "it pushed back" };
-                return Err(format!("{which}, with {newtons:.2} N at the most; {status}"));
+                return Err(format!("{which}, with {newtons:.2} N at the most; {status}").into());
             }
             Ok(format!("pushed back with {newtons:.2} N at the most"))
         })
     }
 
-    fn stop(&mut self) -> Result<String, String> {
+    fn stop(&mut self) -> Result<String, Error> {
         self.armed(|this, _| {
             this.meanwhile(&Task::PressStop)?;
             let status = this.status()?;
             if status.mode != Mode::Disarmed {
-                return Err(format!("the motors are not off: {status}"));
+                return Err(format!("the motors are not off: {status}").into());
             }
             this.refused("arm", "emergency stop")?;
             this.person.please(&Task::ReleaseStop)?;
@@ -315,7 +316,7 @@ impl BringUp<'_> {
         })
     }
 
-    fn cable(&mut self) -> Result<String, String> {
+    fn cable(&mut self) -> Result<String, Error> {
         let patience_s = self.get("safety.operator_lost_s")?;
         self.armed(|this, _| {
             this.meanwhile(&Task::PullCable)?;
@@ -331,13 +332,13 @@ impl BringUp<'_> {
             }
             let status = status?;
             if status.mode != Mode::Disarmed || !status.let_go {
-                return Err(format!("the motors should be off because the operator was silent: {status}"));
+                return Err(format!("the motors should be off because the operator was silent: {status}").into());
             }
             Ok("off while the operator was silent, and said so".to_owned())
         })
     }
 
-    fn time(&mut self) -> Result<String, String> {
+    fn time(&mut self) -> Result<String, Error> {
         let mut seen = Vec::new();
         for (what, budget_us) in [("delay", LATE_US), ("duration", LONG_US), ("spacing", LATE_US)] {
             let answer = say(self.board, &format!("time {what}"))?;
@@ -347,11 +348,11 @@ impl BringUp<'_> {
                 rest.split_whitespace().next()?.parse::<f64>().ok()
             };
             let (Some(megahertz), Some(most)) = (number("cycles of "), number(": most ")) else {
-                return Err(format!("no times in {answer:?}"));
+                return Err(format!("no times in {answer:?}").into());
             };
             let most_us = most / megahertz;
             if most_us > budget_us {
-                return Err(format!("{what} {most_us:.1} µs, may be {budget_us} µs: {answer}"));
+                return Err(format!("{what} {most_us:.1} µs, may be {budget_us} µs: {answer}").into());
             }
             seen.push(format!("{what} {most_us:.1} µs of {budget_us}"));
         }

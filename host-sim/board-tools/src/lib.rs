@@ -3,6 +3,9 @@
 
 pub mod bringup;
 pub mod calibrate;
+mod error;
 pub mod operator;
 pub mod recording;
 pub mod status;
+
+pub use error::Error;

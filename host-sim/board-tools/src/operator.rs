@@ -9,6 +9,7 @@
 
 use std::collections::VecDeque;
 
+use crate::Error;
 use haptic_protocol::link::{Config, Link, Notice, Stage};
 use haptic_protocol::parameters::{Parameters, Table};
 use haptic_protocol::wire::{Datagram, Message, PeerId, Sample};
@@ -34,13 +35,13 @@ impl Session {
     ///
     /// # Errors
     /// The link cannot be made, such as of two ends with one number.
-    pub fn new(key: Key, number: u8, entropy: [u8; Key::LEN]) -> Result<Self, String> {
+    pub fn new(key: Key, number: u8, entropy: [u8; Key::LEN]) -> Result<Self, Error> {
         let mut parameters = Parameters::new();
         // What the lines mean; a board that means something else is refused by name.
         parameters.add(Table::new("operator").number("version", 1.0)).map_err(|error| error.to_string())?;
         let ends = Ends { local: OPERATOR, remote: PeerId(number) };
         let link = Link::new(Config { key, ends, packet_period_us: PERIOD_US, parameters, entropy })
-            .map_err(|error| error.to_string())?;
+            .map_err(haptic_sim::Error::from)?;
         Ok(Self { link, lines: Lines::default(), answers: VecDeque::new(), samples: Vec::new() })
     }
 

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::Error;
 use haptic_core::device::probe::{End, Verdict};
 use haptic_core::safety::Mode;
 use haptic_core::settings::Choice;
@@ -21,7 +22,7 @@ impl Status {
     ///
     /// # Errors
     /// It is no status that this version knows.
-    pub fn parse(said: &str) -> Result<Self, String> {
+    pub fn parse(said: &str) -> Result<Self, Error> {
         let words: Vec<&str> = said.split([' ', ';']).collect();
         let mode = words.windows(3).find_map(|three| match three {
             [name, "fault", number] => Mode::named(name, number.parse().ok()?),
@@ -53,7 +54,7 @@ impl Probed {
     ///
     /// # Errors
     /// It is no outcome that this version knows.
-    pub fn parse(said: &str) -> Result<Self, String> {
+    pub fn parse(said: &str) -> Result<Self, Error> {
         let end = said.split([' ', ':']).nth(2).and_then(End::from_name);
         let end = end.ok_or_else(|| format!("the board does not say how the probe ended: {said:?}"))?;
         let verdict = said.split("; ").find_map(|part| Verdict::from_name(part.split_once(": ")?.0));

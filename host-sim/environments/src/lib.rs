@@ -12,6 +12,8 @@ pub mod collaborative;
 #[cfg(feature = "std")]
 pub mod cooperative;
 #[cfg(feature = "std")]
+mod error;
+#[cfg(feature = "std")]
 pub mod live;
 #[cfg(feature = "std")]
 pub mod path;
@@ -24,3 +26,5 @@ pub mod world;
 
 #[cfg(feature = "std")]
 pub use carried::said;
+#[cfg(feature = "std")]
+pub use error::Error;

@@ -19,6 +19,7 @@ use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 
 use super::batch::{MOST, OutgoingBatch, ReceivedBatch};
+use crate::Error;
 
 /// Longest that an endpoint waits for a datagram before it looks at the clock.
 const LOOK: Duration = Duration::from_millis(2);
@@ -45,12 +46,12 @@ impl Stop {
     ///
     /// # Errors
     /// The system does not let the program handle its signals.
-    pub fn on_signals() -> Result<Self, String> {
+    pub fn on_signals() -> Result<Self, Error> {
         let stop = Self::default();
         for signal in [SIGINT, SIGTERM] {
             flag::register_conditional_shutdown(signal, 2, stop.0.clone())
                 .and_then(|_| flag::register(signal, stop.0.clone()))
-                .map_err(|cause| format!("cannot listen for signals: {cause}"))?;
+                .map_err(haptic_sim::Error::cannot("listen for", &"signals"))?;
         }
         Ok(stop)
     }
@@ -180,7 +181,7 @@ pub struct Span {
 /// An actor of the engine's as an endpoint runs it. Times are ns since the endpoint was opened.
 pub trait Live: Actor<SocketAddr, Packet = [u8]> {
     /// Whether it has ended, after a tick and before its time is over, and what is wrong if something is.
-    fn end(&self) -> Option<Result<(), String>> {
+    fn end(&mut self) -> Option<Result<(), Error>> {
         None
     }
 
@@ -216,7 +217,7 @@ impl Endpoint {
     ///
     /// # Errors
     /// The address cannot be opened.
-    pub fn polled(listen: SocketAddr) -> Result<Self, String> {
+    pub fn polled(listen: SocketAddr) -> Result<Self, Error> {
         Self::open(listen, false)
     }
 
@@ -224,22 +225,22 @@ impl Endpoint {
     ///
     /// # Errors
     /// The address cannot be opened.
-    pub fn answering(listen: SocketAddr) -> Result<Self, String> {
+    pub fn answering(listen: SocketAddr) -> Result<Self, Error> {
         Self::open(listen, true)
     }
 
-    fn open(listen: SocketAddr, answers: bool) -> Result<Self, String> {
-        let failed = |cause| format!("cannot listen on {listen}: {cause}");
-        let socket = UdpSocket::bind(listen).map_err(failed)?;
+    fn open(listen: SocketAddr, answers: bool) -> Result<Self, Error> {
+        let failed = haptic_sim::Error::cannot::<std::io::Error>("listen on", &listen);
+        let socket = UdpSocket::bind(listen).map_err(&failed)?;
         let waits = if answers { socket.set_read_timeout(Some(LOOK)) } else { socket.set_nonblocking(true) };
-        waits.map_err(failed)?;
+        waits.map_err(&failed)?;
         // A system that gives less is a fuller line.
         #[cfg(unix)]
         let _ = rustix::net::sockopt::set_socket_recv_buffer_size(&socket, HOLDS);
         // Without it datagrams have waited for no time.
         #[cfg(target_os = "linux")]
         let _ = nix::sys::socket::setsockopt(&socket, nix::sys::socket::sockopt::ReceiveTimestampns, &true);
-        let address = socket.local_addr().map_err(failed)?;
+        let address = socket.local_addr().map_err(&failed)?;
         Ok(Self { socket, address, answers, start: Instant::now(), unsent: AtomicU64::new(0) })
     }
 
@@ -252,18 +253,18 @@ impl Endpoint {
     ///
     /// # Errors
     /// The other address is of another family, or this endpoint's own.
-    pub fn reaches(&self, to: SocketAddr) -> Result<(), String> {
+    pub fn reaches(&self, to: SocketAddr) -> Result<(), Error> {
         let (own, family) = (self.address, |address: SocketAddr| if address.is_ipv4() { "IPv4" } else { "IPv6" });
         if own.is_ipv4() != to.is_ipv4() {
             let [ours, theirs] = [own, to].map(family);
-            return Err(format!(
+            return Err(Error::Refused(format!(
                 "{to} cannot be reached from {own}: one is {theirs} and the other {ours}; both must be the same"
-            ));
+            )));
         }
         let (from, at) = (own.ip(), to.ip());
         if own.port() == to.port() && (from == at || from.is_unspecified() && (at.is_loopback() || at.is_unspecified()))
         {
-            return Err(format!("{to} is where this end listens itself: give it the address of the other"));
+            return Err(format!("{to} is where this end listens itself: give it the address of the other").into());
         }
         Ok(())
     }
@@ -300,13 +301,13 @@ impl Endpoint {
 
     /// Takes a batch of what has come, oldest first; an endpoint that answers waits for it, though not long. Whether there may
     /// be more to take.
-    pub fn take(&self, came: &mut ReceivedBatch) -> Result<bool, String> {
+    pub fn take(&self, came: &mut ReceivedBatch) -> Result<bool, Error> {
         let Err(cause) = came.take(&self.socket) else { return Ok(true) };
         came.clear();
         match cause.kind() {
             ErrorKind::WouldBlock | ErrorKind::TimedOut => Ok(self.answers),
             kind if PASSING.contains(&kind) => Ok(true),
-            _ => Err(format!("the socket on {} failed: {cause}", self.address)),
+            _ => Err(format!("the socket on {} failed: {cause}", self.address).into()),
         }
     }
 
@@ -319,7 +320,7 @@ impl Endpoint {
         came: &mut ReceivedBatch,
         until: Instant,
         mut each: impl FnMut(SocketAddr, &mut [u8]),
-    ) -> Result<(), String> {
+    ) -> Result<(), Error> {
         while Instant::now() < until && self.take(came)? {
             came.each().for_each(|(from, datagram)| each(from, datagram));
         }
@@ -333,7 +334,7 @@ impl Endpoint {
         going: &mut OutgoingBatch,
         until: Instant,
         actor: &mut impl Live,
-    ) -> Result<(), String> {
+    ) -> Result<(), Error> {
         while Instant::now() < until && self.take(came)? {
             let waited: [Duration; MOST] = std::array::from_fn(|at| came.waited().get(at).copied().unwrap_or_default());
             for ((from, datagram), waited) in came.each().zip(waited) {
@@ -356,7 +357,7 @@ impl Endpoint {
         patience_s: f64,
         stop: &Stop,
         actor: &mut impl Live,
-    ) -> Result<Punctuality, String> {
+    ) -> Result<Punctuality, Error> {
         let (mut came, mut going) = (ReceivedBatch::default(), OutgoingBatch::default());
         let ended = loop {
             let heard = if self.answers {
@@ -378,7 +379,7 @@ impl Endpoint {
             let late = ticker.start.elapsed().as_secs_f64() > patience_s;
             match (end, actor.missing()) {
                 (Some(Err(wrong)), _) => break Err(wrong),
-                (end, Some(missing)) if late || end.is_some() => break Err(missing),
+                (end, Some(missing)) if late || end.is_some() => break Err(missing.into()),
                 (Some(Ok(())), _) => break Ok(()),
                 _ => {}
             }

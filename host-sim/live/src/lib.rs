@@ -4,6 +4,7 @@
 pub mod batch;
 pub mod discrepancy;
 pub mod endpoint;
+mod error;
 pub mod operator;
 pub mod peer;
 pub mod quantiles;
@@ -12,3 +13,5 @@ pub mod refused;
 pub mod relay;
 pub mod tell;
 pub mod watch;
+
+pub use error::Error;

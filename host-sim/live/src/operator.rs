@@ -12,6 +12,7 @@ use haptic_sim::engine::{Actor, Out};
 use haptic_sim::key_file;
 
 use super::endpoint::{Endpoint, Live, Stop, Ticker};
+use crate::Error;
 
 /// How long a board may take to answer, at first and then.
 const PATIENCE: Duration = Duration::from_secs(3);
@@ -54,7 +55,7 @@ impl<F: FnMut(&mut [Session]) -> bool> Actor<SocketAddr> for Waiting<'_, F> {
 }
 
 impl<F: FnMut(&mut [Session]) -> bool> Live for Waiting<'_, F> {
-    fn end(&self) -> Option<Result<(), String>> {
+    fn end(&mut self) -> Option<Result<(), Error>> {
         self.over.then_some(Ok(()))
     }
 
@@ -70,7 +71,7 @@ fn wait(
     sessions: &mut [Session],
     time: Duration,
     done: impl FnMut(&mut [Session]) -> bool,
-) -> Result<(), String> {
+) -> Result<(), Error> {
     let mut waiting = Waiting { sessions, board, done, over: false };
     endpoint.run(Ticker::new(LOOK).lasting(time.as_secs_f64()), f64::MAX, &Stop::default(), &mut waiting).map(|_| ())
 }
@@ -90,7 +91,7 @@ impl Operator {
     ///
     /// # Errors
     /// The key file cannot be read, or the board does not answer.
-    pub fn connect(board: SocketAddr, key_file: &Path) -> Result<Self, String> {
+    pub fn connect(board: SocketAddr, key_file: &Path) -> Result<Self, Error> {
         let key = key_file::read(key_file, Role::Operator)?;
         let any = if board.is_ipv4() { "0.0.0.0:0" } else { "[::]:0" };
         let endpoint = Endpoint::answering(any.parse().map_err(|_| format!("{any} is no address"))?)?;
@@ -100,7 +101,7 @@ impl Operator {
         let answered = |session: &Session| session.is_there() || session.is_refused();
         wait(&endpoint, board, &mut called, PATIENCE, |called| called.iter().any(answered))?;
         if called.iter().any(Session::is_refused) {
-            return Err(format!("the board at {board} takes other commands than this program: update one"));
+            return Err(format!("the board at {board} takes other commands than this program: update one").into());
         }
         let there = (1..).zip(called).find(|(_, session)| session.is_there());
         let (number, session) = there.ok_or_else(|| {
@@ -120,7 +121,7 @@ impl Operator {
         self.number
     }
 
-    fn wait(&mut self, time: Duration, mut done: impl FnMut(&mut Session) -> bool) -> Result<(), String> {
+    fn wait(&mut self, time: Duration, mut done: impl FnMut(&mut Session) -> bool) -> Result<(), Error> {
         let session = std::slice::from_mut(&mut self.session);
         wait(&self.endpoint, self.board, session, time, |sessions| sessions.iter_mut().any(&mut done))
     }
@@ -129,12 +130,13 @@ impl Operator {
     ///
     /// # Errors
     /// The board fell silent, or the socket failed.
-    pub fn ask(&mut self, line: &str) -> Result<String, String> {
+    pub fn ask(&mut self, line: &str) -> Result<String, Error> {
         if line.len() > LONGEST {
-            return Err(format!("a line of {} bytes is not allowed: it must be at most {LONGEST}", line.len()));
+            let allowed = format!("it must be at most {LONGEST}");
+            return Err(haptic_sim::Error::not_allowed(format!("a line of {} bytes", line.len()), allowed).into());
         }
         if !self.session.say(line) {
-            return Err(format!("{} has not taken the line before", self.board));
+            return Err(format!("{} has not taken the line before", self.board).into());
         }
         let mut answer = None;
         self.wait(PATIENCE, |session| {
@@ -144,7 +146,7 @@ impl Operator {
         if answer.is_none() {
             self.session.unsay();
         }
-        answer.ok_or_else(|| format!("no answer from {} to {line:?}", self.board))
+        answer.ok_or_else(|| format!("no answer from {} to {line:?}", self.board).into())
     }
 
     /// When its clock began.
@@ -156,7 +158,7 @@ impl Operator {
     ///
     /// # Errors
     /// The board fell silent, or the socket failed.
-    pub fn record(&mut self, every: u32, time: Duration) -> Result<(Vec<Sample>, Option<String>), String> {
+    pub fn record(&mut self, every: u32, time: Duration) -> Result<(Vec<Sample>, Option<String>), Error> {
         let mut samples = Vec::new();
         let refusal = self.record_each(every, time, |_, session| samples.extend(session.take_samples()))?;
         Ok((samples, refusal))
@@ -169,12 +171,12 @@ impl Operator {
         every: u32,
         time: Duration,
         mut each: impl FnMut(u64, &mut Session),
-    ) -> Result<Option<String>, String> {
+    ) -> Result<Option<String>, Error> {
         let line = format!("stream {every}");
         let answer = self.ask(&line)?;
         let refusal_of = |number: u8, answer: &str| format!("board {number}: {line}: {answer}");
         if !answer.starts_with("ok") {
-            return Err(refusal_of(self.number, &answer));
+            return Err(refusal_of(self.number, &answer).into());
         }
         let (start, mut said, mut answered, mut refusal) = (Instant::now(), true, true, None);
         let (number, stop, begun) = (self.number, self.stop.clone(), self.endpoint.start());
@@ -200,7 +202,7 @@ impl Operator {
     ///
     /// # Errors
     /// The socket failed.
-    pub fn samples(&mut self, time: Duration) -> Result<Vec<Sample>, String> {
+    pub fn samples(&mut self, time: Duration) -> Result<Vec<Sample>, Error> {
         let stop = self.stop.clone();
         self.wait(time, |_| stop.is_asked())?;
         Ok(self.session.take_samples())
@@ -217,12 +219,12 @@ impl Drop for Operator {
 }
 
 impl Board for Operator {
-    fn ask(&mut self, line: &str) -> Result<String, String> {
-        Self::ask(self, line)
+    fn ask(&mut self, line: &str) -> Result<String, haptic_board_tools::Error> {
+        Ok(Self::ask(self, line).map_err(Box::from)?)
     }
 
-    fn ticks(&mut self, seconds: f64) -> Result<Vec<Tick>, String> {
-        let samples = self.samples(Duration::from_secs_f64(seconds))?;
+    fn ticks(&mut self, seconds: f64) -> Result<Vec<Tick>, haptic_board_tools::Error> {
+        let samples = self.samples(Duration::from_secs_f64(seconds)).map_err(Box::from)?;
         Ok(samples.iter().filter_map(|sample| Tick::from_record(sample.payload())).collect())
     }
 }

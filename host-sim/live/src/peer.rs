@@ -224,10 +224,10 @@ where
         self.node.line.link.waited(waited.as_micros() as u64);
     }
 
-    fn end(&self) -> Option<Result<(), String>> {
+    fn end(&mut self) -> Option<Result<(), crate::Error>> {
         let over = (self.node.armed_ticks >= self.ticks).then_some(Ok(()));
         let overdue = self.differs.filter(|(_, since_us)| self.now_us >= since_us + LINGER_US);
-        overdue.map(|(table, _)| Err(self.differs_in(table))).or(over)
+        overdue.map(|(table, _)| Err(self.differs_in(table).into())).or(over)
     }
 
     fn missing(&self) -> Option<String> {
@@ -263,7 +263,7 @@ pub fn run(
     span: Span,
     wanted: &LiveOptions,
     stop: &Stop,
-) -> Result<Report, String> {
+) -> Result<Report, crate::Error> {
     let entropy = entropy()?;
     let among = (scene, number, ends, span);
     of_axes!(scene, live(entropy, (key, among), wanted, stop))
@@ -277,7 +277,7 @@ fn live<const SHARED: usize, const N: usize>(
     ),
     wanted: &LiveOptions,
     stop: &Stop,
-) -> Result<Report, String>
+) -> Result<Report, crate::Error>
 where
     Flows<SHARED>: Into<Message>,
     f32: Builds<SHARED, N>,

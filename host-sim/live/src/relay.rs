@@ -13,6 +13,7 @@ use serde::Serialize;
 
 use super::batch::ReceivedBatch;
 use super::endpoint::{Endpoint, Live, Stop, Ticker};
+use crate::Error;
 
 /// How often the relay looks: what it adds to the delay at the most.
 const PERIOD: Duration = Duration::from_micros(200);
@@ -46,7 +47,7 @@ struct Relay {
     lines: [Link<[u8]>; 2],
     strangers: u64,
     over_ns: f64,
-    end: Option<Result<(), String>>,
+    end: Option<Result<(), Error>>,
 }
 
 impl Actor<SocketAddr> for Relay {
@@ -81,8 +82,8 @@ impl Actor<SocketAddr> for Relay {
 }
 
 impl Live for Relay {
-    fn end(&self) -> Option<Result<(), String>> {
-        self.end.clone()
+    fn end(&mut self) -> Option<Result<(), Error>> {
+        self.end.take()
     }
 }
 
@@ -90,7 +91,7 @@ impl Live for Relay {
 ///
 /// # Errors
 /// A socket failed.
-pub fn run(routes: [Route; 2], ends: [End; 2], duration_s: f64, stop: &Stop) -> Result<Report, String> {
+pub fn run(routes: [Route; 2], ends: [End; 2], duration_s: f64, stop: &Stop) -> Result<Report, Error> {
     let [first, second] = ends.map(|end| Endpoint::polled(end.listen));
     let (first, second, peers) = (first?, second?, ends.map(|end| end.peer));
     first.reaches(peers[0]).and_then(|()| second.reaches(peers[1]))?;

@@ -13,6 +13,7 @@ use serde::Serialize;
 
 use super::discrepancy::{PositionHistory, Sum};
 use super::tell::{Manner, Second, Teller};
+use crate::Error;
 use crate::recording::common_clock::{Relation, Watched};
 use crate::recording::mcap::Channel;
 use crate::recording::origin::Origin;
@@ -35,7 +36,7 @@ pub struct LiveOptions {
 
 impl LiveOptions {
     /// Begins a recording, if one is wanted, on a clock that began at `start`.
-    pub fn recorder(&self, who: &str, start: Instant, channels: Vec<Channel>) -> Result<Option<Recorder>, String> {
+    pub fn recorder(&self, who: &str, start: Instant, channels: Vec<Channel>) -> Result<Option<Recorder>, Error> {
         let create = |(path, provenance): &(PathBuf, Provenance)| {
             Recorder::create(path, &Origin::here(provenance, who, start), channels)
         };
@@ -134,7 +135,7 @@ impl Watch {
         start: Instant,
         partner: String,
         ticks: u64,
-    ) -> Result<Self, String> {
+    ) -> Result<Self, Error> {
         let channels = ticks::channels(&format!("peer_{number}"), scene.peer.axis.shared as usize);
         let timing = &scene.peer.timing;
         Ok(Self {

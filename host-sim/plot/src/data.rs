@@ -5,6 +5,7 @@
 //! the points inside the horizontal range and one on either side, of many in one column of pixels the lowest and the highest, which is
 //! all that is seen of it; numbers have seven digits that count.
 
+use super::error::Cause;
 use super::range::Axes;
 use super::{DATA_COLUMNS, Figure, Panel, Series, Shape, trace};
 
@@ -12,10 +13,10 @@ use super::{DATA_COLUMNS, Figure, Panel, Series, Shape, trace};
 type Row = (String, [Option<f64>; 4]);
 
 /// The table as CSV, of panels whose frames are so many pixels wide; empty for a figure that shows nothing.
-pub(crate) fn csv(figure: &Figure, axes: &[Axes], widths: &[f64]) -> Result<String, String> {
+pub(crate) fn csv(figure: &Figure, axes: &[Axes], widths: &[f64]) -> Result<String, Cause> {
     let mut about = String::new();
     let mut writer = csv::Writer::from_writer(Vec::new());
-    let mut line = |cells: &[&str]| writer.write_record(cells).map_err(|cause| cause.to_string());
+    let mut line = |cells: &[&str]| writer.write_record(cells);
     line(&DATA_COLUMNS.map(|(name, _)| name))?;
     let mut rows_in_all = 0;
     for (number, ((panel, axes), width)) in figure.panels.iter().zip(axes).zip(widths).enumerate() {
@@ -31,8 +32,8 @@ pub(crate) fn csv(figure: &Figure, axes: &[Axes], widths: &[f64]) -> Result<Stri
             }
         }
     }
-    let table = writer.into_inner().map_err(|cause| cause.to_string())?;
-    let table = String::from_utf8(table).map_err(|cause| cause.to_string())?;
+    let table = writer.into_inner()?;
+    let table = String::from_utf8(table)?;
     Ok(if rows_in_all == 0 { String::new() } else { about + &table })
 }
 

@@ -6,6 +6,7 @@
 //! found from data is widened upwards once, until the legend is clear; a legend that would take more than a third of its panel, or that
 //! covers data in a range that was given, stands below all panels instead.
 
+use super::error::Cause;
 use super::range::{self, Axes};
 use super::scale::Scale;
 use super::sheet::{Anchor, Frame, INK, Mark, Print, Sheet, TICK, Text};
@@ -24,7 +25,7 @@ const GAP: f64 = 46.0;
 const TALL: f64 = 1.0 / 3.0;
 
 /// The figure as marks in pixels.
-pub(crate) fn sheet(figure: &Figure, print: Print) -> Result<Sheet, String> {
+pub(crate) fn sheet(figure: &Figure, print: Print) -> Result<Sheet, Cause> {
     let width = print.pixels();
     let axes = range::resolve(figure);
     // Legends that stand below all panels.

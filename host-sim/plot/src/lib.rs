@@ -16,6 +16,7 @@
 //! viewer's own font is fitted to the same widths.
 
 mod data;
+mod error;
 mod font;
 mod layout;
 mod legend;
@@ -31,6 +32,7 @@ mod trace;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
+pub use error::Error;
 pub use scale::significant;
 pub use sheet::{Dash, PALETTE, Print, WIDTH};
 
@@ -207,7 +209,7 @@ impl Series {
 ///
 /// # Errors
 /// What the painter could not draw.
-pub fn paint(figure: &Figure, print: Print, about: &str) -> Result<[(&'static str, Vec<u8>); 3], String> {
+pub fn paint(figure: &Figure, print: Print, about: &str) -> Result<[(&'static str, Vec<u8>); 3], Error> {
     let sheet = layout::sheet(figure, print)?;
     Ok([
         ("svg", svg::render(&sheet, about).into_bytes()),
@@ -220,8 +222,8 @@ pub fn paint(figure: &Figure, print: Print, about: &str) -> Result<[(&'static st
 ///
 /// # Errors
 /// A file cannot be written, or the painter could not draw.
-pub fn draw(figure: &Figure, base: &Path) -> Result<Vec<PathBuf>, ReportError> {
-    let painted = paint(figure, Print::default(), "").map_err(ReportError::write(base, "a figure"))?;
+pub fn draw(figure: &Figure, base: &Path) -> Result<Vec<PathBuf>, Error> {
+    let painted = paint(figure, Print::default(), "").map_err(Error::write(base, "a figure"))?;
     let write = |(ending, bytes): (&'static str, Vec<u8>)| {
         // Appended, not replaced: the base may contain a dot (`fig.6`).
         let mut name = OsString::from(base);
@@ -232,36 +234,16 @@ pub fn draw(figure: &Figure, base: &Path) -> Result<Vec<PathBuf>, ReportError> {
     painted.into_iter().map(write).collect()
 }
 
-/// A report file could not be written.
-#[derive(Debug, thiserror::Error)]
-#[error("cannot write {} as {format}: {cause}", path.display())]
-pub struct ReportError {
-    /// Path of the file.
-    pub path: PathBuf,
-    /// Format of the file: `CSV`, `Parquet`, `SVG`, `PNG` or `TOML`.
-    pub format: &'static str,
-    /// What the operating system or the encoder said.
-    pub cause: String,
-}
-
-impl ReportError {
-    /// What a failed write of `path` as `format` becomes, for `map_err`.
-    pub fn write<E: std::fmt::Display>(path: &Path, format: &'static str) -> impl Fn(E) -> Self + use<E> {
-        let path = path.to_owned();
-        move |cause| Self { path: path.clone(), format, cause: cause.to_string() }
-    }
-}
-
 /// Writes a file whole or not at all, its folder made if needed: under a name of its own until it is complete.
 ///
 /// # Errors
 /// The file or its folder cannot be written.
-pub fn write_file(path: &Path, format: &'static str, bytes: &[u8]) -> Result<(), ReportError> {
+pub fn write_file(path: &Path, format: &'static str, bytes: &[u8]) -> Result<(), Error> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut half = OsString::from(path);
     half.push(".part");
     let written = std::fs::create_dir_all(folder).and_then(|()| std::fs::write(&half, bytes));
-    written.and_then(|()| std::fs::rename(&half, path)).map_err(ReportError::write(path, format))
+    written.and_then(|()| std::fs::rename(&half, path)).map_err(Error::write(path, format))
 }
 
 #[cfg(test)]

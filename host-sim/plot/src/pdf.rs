@@ -13,6 +13,7 @@ use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref, Str, TextStr};
 use subsetter::GlyphRemapper;
 use ttf_parser::Face;
 
+use super::error::Cause;
 use super::font;
 use super::sheet::{Mark, Point, Rgb, Sheet, Text};
 
@@ -25,7 +26,7 @@ const FONT_NAME: Name = Name(b"UBUNTU+Ubuntu-Light");
 const SYSTEM: SystemInfo = SystemInfo { registry: Str(b"Adobe"), ordering: Str(b"Identity"), supplement: 0 };
 
 /// The sheet as a PDF file.
-pub(crate) fn render(sheet: &Sheet, about: &str) -> Result<Vec<u8>, String> {
+pub(crate) fn render(sheet: &Sheet, about: &str) -> Result<Vec<u8>, Cause> {
     let mut painter = Painter::new()?;
     let scale = sheet.width_mm * PT_PER_MM / sheet.width.max(1.0);
     let size = [sheet.width * scale, sheet.height * scale].map(|length| length as f32);
@@ -103,8 +104,8 @@ struct Painter {
 }
 
 impl Painter {
-    fn new() -> Result<Self, String> {
-        let face = Face::parse(UBUNTU_LIGHT, 0).map_err(|cause| cause.to_string())?;
+    fn new() -> Result<Self, Cause> {
+        let face = Face::parse(UBUNTU_LIGHT, 0)?;
         Ok(Self {
             content: Content::new(),
             face,
@@ -212,7 +213,7 @@ impl Painter {
     }
 
     /// The font with the glyphs that were used.
-    fn write_font(&self, pdf: &mut Pdf, font: Ref, id: &mut impl FnMut() -> Ref) -> Result<(), String> {
+    fn write_font(&self, pdf: &mut Pdf, font: Ref, id: &mut impl FnMut() -> Ref) -> Result<(), Cause> {
         let (descendant, described, unicode, data) = (id(), id(), id(), id());
         let ems = |units: i16| f32::from(units) * 1000.0 / f32::from(self.face.units_per_em());
         pdf.type0_font(font)
@@ -239,7 +240,7 @@ impl Painter {
         let mut map = UnicodeCmap::new(Name(b"Letters"), SYSTEM);
         self.letters.iter().for_each(|(glyph, letter)| map.pair(*glyph, *letter));
         pdf.cmap(unicode, &map.finish());
-        let part = subsetter::subset(UBUNTU_LIGHT, 0, &self.used).map_err(|cause| cause.to_string())?;
+        let part = subsetter::subset(UBUNTU_LIGHT, 0, &self.used)?;
         let packed = compress_to_vec_zlib(&part, 6);
         let mut stream = pdf.stream(data, &packed);
         stream.filter(Filter::FlateDecode).pair(Name(b"Length1"), part.len() as i32);

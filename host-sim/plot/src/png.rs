@@ -7,6 +7,7 @@
 use plotters::backend::{BitMapBackend, DrawingBackend};
 use plotters::style::{FontTransform, RGBAColor, RGBColor, ShapeStyle, TextStyle};
 
+use super::error::Cause;
 use super::sheet::{Frame, Mark, PAPER, Point, Rgb, Sheet, Text};
 use super::{font, trace};
 
@@ -14,7 +15,7 @@ use super::{font, trace};
 const ZOOM: u32 = 3;
 
 /// The sheet as a PNG file.
-pub(crate) fn render(sheet: &Sheet) -> Result<Vec<u8>, String> {
+pub(crate) fn render(sheet: &Sheet) -> Result<Vec<u8>, Cause> {
     let (width, height) = (sheet.width.max(1.0) as u32, sheet.height.max(1.0) as u32);
     let mut large = vec![PAPER.0; 3 * (width * ZOOM) as usize * (height * ZOOM) as usize];
     let mut painter = Painter(BitMapBackend::with_buffer(&mut large, (width * ZOOM, height * ZOOM)));
@@ -23,9 +24,9 @@ pub(crate) fn render(sheet: &Sheet) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, width, height);
     encoder.set_color(png::ColorType::Rgb);
-    let mut writer = encoder.write_header().map_err(|cause| cause.to_string())?;
+    let mut writer = encoder.write_header()?;
     let written = writer.write_image_data(&averaged(&large, width as usize)).and_then(|()| writer.finish());
-    written.map_err(|cause| cause.to_string())?;
+    written?;
     Ok(bytes)
 }
 
@@ -51,7 +52,7 @@ fn averaged(large: &[u8], width: usize) -> Vec<u8> {
 struct Painter<'a>(BitMapBackend<'a>);
 
 impl Painter<'_> {
-    fn paint(&mut self, mark: &Mark) -> Result<(), String> {
+    fn paint(&mut self, mark: &Mark) -> Result<(), Cause> {
         match mark {
             Mark::Line { points, color, width, dash } => {
                 let strokes = trace::dashes(points, dash.pattern());
@@ -68,7 +69,7 @@ impl Painter<'_> {
         }
     }
 
-    fn stroke(&mut self, points: &[Point], width: f64, style: &ShapeStyle) -> Result<(), String> {
+    fn stroke(&mut self, points: &[Point], width: f64, style: &ShapeStyle) -> Result<(), Cause> {
         let half = width / 2.0;
         for pair in points.windows(2) {
             let (from, to) = (pair[0], pair[1]);
@@ -83,7 +84,7 @@ impl Painter<'_> {
             let (dx, dy) = ((to.0 - from.0) / length * half, (to.1 - from.1) / length * half);
             let [left, right] =
                 [1.0, -1.0].map(|side| [from, to].map(|at| large((at.0 - side * dy, at.1 + side * dx))));
-            self.0.fill_polygon([left[0], left[1], right[1], right[0]], style).map_err(|e| e.to_string())?;
+            self.0.fill_polygon([left[0], left[1], right[1], right[0]], style)?;
         }
         // A stroke shorter than it is wide, of a dotted line, has no joint to be seen.
         let length: f64 = points.windows(2).map(|pair| (pair[1].0 - pair[0].0).hypot(pair[1].1 - pair[0].1)).sum();
@@ -95,17 +96,15 @@ impl Painter<'_> {
         joints.iter().try_for_each(|at| self.disc(*at, half, style))
     }
 
-    fn fill(&mut self, frame: &Frame, style: &ShapeStyle) -> Result<(), String> {
+    fn fill(&mut self, frame: &Frame, style: &ShapeStyle) -> Result<(), Cause> {
         let (left, top) = large((frame.left, frame.top));
         let (right, bottom) = large((frame.right, frame.bottom));
         // The backend excludes the last row and column; a line is at least one pixel wide.
-        self.0
-            .draw_rect((left, top), (right.max(left + 1), bottom.max(top + 1)), style, true)
-            .map_err(|e| e.to_string())
+        self.0.draw_rect((left, top), (right.max(left + 1), bottom.max(top + 1)), style, true).map_err(Cause::from)
     }
 
     /// Column of pixels by column, each by its middle: pieces side by side share none.
-    fn strip(&mut self, corners: &[Point; 4], style: &ShapeStyle) -> Result<(), String> {
+    fn strip(&mut self, corners: &[Point; 4], style: &ShapeStyle) -> Result<(), Cause> {
         let zoomed = corners.map(|(x, y)| (x * f64::from(ZOOM), y * f64::from(ZOOM)));
         let [(left, top_left), (right, top_right), (_, bottom_right), (_, bottom_left)] = zoomed;
         for column in (left - 0.5).ceil() as i32..(right - 0.5).ceil() as i32 {
@@ -113,17 +112,17 @@ impl Painter<'_> {
             let between = |from: f64, to: f64| (from + (to - from) * share).round() as i32;
             let (top, bottom) = (between(top_left, top_right), between(bottom_left, bottom_right));
             if top < bottom {
-                self.0.draw_rect((column, top), (column + 1, bottom), style, true).map_err(|e| e.to_string())?;
+                self.0.draw_rect((column, top), (column + 1, bottom), style, true)?;
             }
         }
         Ok(())
     }
 
-    fn disc(&mut self, at: Point, radius: f64, style: &ShapeStyle) -> Result<(), String> {
-        self.0.draw_circle(large(at), (radius * f64::from(ZOOM)).round() as u32, style, true).map_err(|e| e.to_string())
+    fn disc(&mut self, at: Point, radius: f64, style: &ShapeStyle) -> Result<(), Cause> {
+        self.0.draw_circle(large(at), (radius * f64::from(ZOOM)).round() as u32, style, true).map_err(Cause::from)
     }
 
-    fn letters(&mut self, text: &Text) -> Result<(), String> {
+    fn letters(&mut self, text: &Text) -> Result<(), Cause> {
         let (words, width) = font::words(&text.text, text.size);
         let back = text.anchor.back(width);
         let ink = RGBColor(text.color.0, text.color.1, text.color.2);
@@ -136,7 +135,7 @@ impl Painter<'_> {
             let font = font::font(word.size * f64::from(ZOOM)).transform(transform.clone());
             let style = TextStyle::from(font).color(&ink);
             for shift in [0, 1] {
-                self.0.draw_text(&word.text, &style, (at.0 + shift, at.1)).map_err(|e| e.to_string())?;
+                self.0.draw_text(&word.text, &style, (at.0 + shift, at.1))?;
             }
         }
         Ok(())

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::path::{Path, PathBuf, absolute};
 
 use haptic_core::settings::{Allowed, Value};
-use haptic_sim::scene::SceneError;
+
 use haptic_sim::{Laws, scenes as built_in};
 use pyo3::IntoPyObjectExt;
 use pyo3::exceptions::{PyKeyError, PyOSError, PyTypeError};
@@ -50,7 +50,7 @@ impl Scene {
 
 /// A scene that is found with the built-in laws, or else with those that Python has added: their keys are no part of a scene that
 /// names none of them.
-fn with_laws(find: impl Fn(Laws) -> Result<haptic_sim::Scene, SceneError>) -> PyResult<haptic_sim::Scene> {
+fn with_laws(find: impl Fn(Laws) -> Result<haptic_sim::Scene, haptic_sim::Error>) -> PyResult<haptic_sim::Scene> {
     find(Laws::built_in()).or_else(|_| find(laws())).map_err(refused)
 }
 

@@ -130,7 +130,7 @@ impl Sweep {
         if !(1..=100_000).contains(&seeds) {
             return Err(refused(format!("seeds = {seeds} is not allowed: it must be a whole number from 1 to 100000")));
         }
-        let wrong = |text: &str, cause: String| refused(format!("{text}: {cause}"));
+        let wrong = |text: &str, cause: haptic_studies::Error| refused(format!("{text}: {cause}"));
         let axes = over.iter().map(|text| text.parse::<Axis>().map_err(|cause| wrong(text, cause)));
         let axes = axes.collect::<PyResult<Vec<_>>>()?;
         let spreads = sample.iter().map(|text| text.parse::<Spread>().map_err(|cause| wrong(text, cause)));

@@ -17,7 +17,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use std::{collections::BTreeSet, fmt::Write, sync::Arc};
 
 use chrono::{DateTime, SecondsFormat};
-use haptic_plot::{Figure, Print, ReportError, paint, write_file};
+use haptic_plot::{Error, Figure, Print, paint, write_file};
 use parquet::basic::{Compression, LogicalType, Repetition, Type as PhysicalType};
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType};
 use parquet::{
@@ -27,6 +27,9 @@ use parquet::{
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 use super::columns::{Cell, Column, Columns};
+
+/// What an encoder said.
+type Cause = Box<dyn std::error::Error + Send + Sync>;
 
 /// Rows in one Parquet row group: 65 s at 1 kHz, half a megabyte for each column.
 pub const ROW_GROUP_ROWS: usize = 1 << 16;
@@ -136,7 +139,7 @@ impl Files {
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn csv(&mut self, columns: &Columns) -> Result<(), ReportError> {
+    pub fn csv(&mut self, columns: &Columns) -> Result<(), Error> {
         let bytes = csv(columns).map_err(self.failed("csv", "CSV"))?;
         self.add(self.name.clone(), "csv", bytes);
         Ok(())
@@ -146,7 +149,7 @@ impl Files {
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn parquet(&mut self, columns: &Columns) -> Result<(), ReportError> {
+    pub fn parquet(&mut self, columns: &Columns) -> Result<(), Error> {
         let bytes = parquet(columns, &self.provenance.toml()).map_err(self.failed("parquet", "Parquet"))?;
         self.add(self.name.clone(), "parquet", bytes);
         Ok(())
@@ -156,7 +159,7 @@ impl Files {
     ///
     /// # Errors
     /// A file cannot be written.
-    pub fn figure(&mut self, name: Option<&str>, figure: &Figure) -> Result<(), ReportError> {
+    pub fn figure(&mut self, name: Option<&str>, figure: &Figure) -> Result<(), Error> {
         let painted = paint(figure, self.print, &self.about()).map_err(self.failed("svg", "a figure"))?;
         let name = name.unwrap_or(&self.name).to_owned();
         painted.into_iter().for_each(|(ending, bytes)| self.add(name.clone(), ending, bytes));
@@ -183,8 +186,8 @@ impl Files {
         self.parts.push(FileContent { name, ending, bytes });
     }
 
-    fn failed<E: std::fmt::Display>(&self, ending: &str, format: &'static str) -> impl Fn(E) -> ReportError + use<E> {
-        ReportError::write(&self.path(&self.name, ending, 1), format)
+    fn failed<E: Into<Cause>>(&self, ending: &str, format: &'static str) -> impl Fn(E) -> Error + use<E> {
+        Error::write(&self.path(&self.name, ending, 1), format)
     }
 
     /// Appended, not replaced: a name may contain a dot.
@@ -197,7 +200,7 @@ impl Files {
     ///
     /// # Errors
     /// A file cannot be written.
-    pub fn write(self) -> Result<Vec<PathBuf>, ReportError> {
+    pub fn write(self) -> Result<Vec<PathBuf>, Error> {
         // Parquet says when it was made, SVG and PDF by which command: whether what they hold is the same, CSV and PNG tell.
         let compared = || self.parts.iter().filter(|part| !matches!(part.ending, "parquet" | "svg" | "pdf"));
         let there = |part: &FileContent, number| std::fs::read(self.path(&part.name, part.ending, number)).ok();
@@ -226,8 +229,8 @@ impl Files {
 ///
 /// # Errors
 /// The file cannot be written.
-pub fn write_csv(columns: &Columns, path: &Path) -> Result<(), ReportError> {
-    let bytes = csv(columns).map_err(ReportError::write(path, "CSV"))?;
+pub fn write_csv(columns: &Columns, path: &Path) -> Result<(), Error> {
+    let bytes = csv(columns).map_err(Error::write(path, "CSV"))?;
     write_file(path, "CSV", &bytes)
 }
 
@@ -235,28 +238,30 @@ pub fn write_csv(columns: &Columns, path: &Path) -> Result<(), ReportError> {
 ///
 /// # Errors
 /// The file cannot be written.
-pub fn write_parquet(columns: &Columns, path: &Path, provenance: &str) -> Result<(), ReportError> {
-    let bytes = parquet(columns, provenance).map_err(ReportError::write(path, "Parquet"))?;
+pub fn write_parquet(columns: &Columns, path: &Path, provenance: &str) -> Result<(), Error> {
+    let bytes = parquet(columns, provenance).map_err(Error::write(path, "Parquet"))?;
     write_file(path, "Parquet", &bytes)
 }
 
-fn distinct(columns: &Columns) -> Result<Vec<&Column>, String> {
+fn distinct(columns: &Columns) -> Result<Vec<&Column>, Cause> {
     let mut names = BTreeSet::new();
     match columns.data().find(|column| !names.insert(column.name())) {
-        Some(column) => Err(format!("two columns are named `{}`: every column needs a name of its own", column.name())),
+        Some(column) => {
+            Err(format!("two columns are named `{}`: every column needs a name of its own", column.name()).into())
+        }
         None => Ok(columns.data().collect()),
     }
 }
 
-fn csv(columns: &Columns) -> Result<Vec<u8>, String> {
+fn csv(columns: &Columns) -> Result<Vec<u8>, Cause> {
     let data = distinct(columns)?;
     let mut writer = csv::Writer::from_writer(Vec::new());
     let mut line = |cells: Vec<String>| if cells.is_empty() { Ok(()) } else { writer.write_record(cells) };
-    line(data.iter().map(|column| column.name().to_owned()).collect()).map_err(|cause| cause.to_string())?;
+    line(data.iter().map(|column| column.name().to_owned()).collect())?;
     for row in 0..columns.len() {
-        line(data.iter().map(|column| csv_cell(column.cell(row))).collect()).map_err(|cause| cause.to_string())?;
+        line(data.iter().map(|column| csv_cell(column.cell(row))).collect())?;
     }
-    writer.into_inner().map_err(|cause| cause.to_string())
+    Ok(writer.into_inner()?)
 }
 
 fn csv_cell(cell: Cell) -> String {
@@ -284,7 +289,7 @@ fn number(cell: &Cell) -> Option<f64> {
 
 /// A table as Parquet, with what made it (`made`), and unit and meaning of every column (`unit.NAME`, `meaning.NAME`).
 fn parquet(columns: &Columns, provenance: &str) -> Result<Vec<u8>, ParquetError> {
-    let data = distinct(columns).map_err(ParquetError::General)?;
+    let data = distinct(columns).map_err(|cause| ParquetError::General(cause.to_string()))?;
     let is_text = |column: &Column| (0..columns.len()).any(|row| number(&column.cell(row)).is_none());
     let field = |column: &&Column| {
         let (kind, logical) = match is_text(column) {

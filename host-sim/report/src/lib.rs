@@ -10,4 +10,4 @@ pub mod files;
 
 pub use columns::{Cell, Column, Columns, Rows, Values, numbered, word};
 pub use files::{Files, Provenance};
-pub use haptic_plot::{ReportError, significant};
+pub use haptic_plot::{Error, significant};

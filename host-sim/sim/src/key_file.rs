@@ -11,6 +11,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{SystemTime, UNIX_EPOCH};
 use std::{fs::File, io::Read, io::Write, path::Path};
 
+use crate::Error;
 use haptic_protocol::key::{Key, Role};
 
 /// Longest key file, bytes: the digits, what they are for, and some space around them.
@@ -22,7 +23,7 @@ const OPERATOR: &str = "operator ";
 ///
 /// # Errors
 /// The system gives no random bytes.
-pub fn entropy() -> Result<[u8; Key::LEN], String> {
+pub fn entropy() -> Result<[u8; Key::LEN], Error> {
     let mut bytes = [0; Key::LEN];
     getrandom::fill(&mut bytes).map_err(|cause| format!("no randomness: {cause}"))?;
     Ok(hedged(bytes))
@@ -40,7 +41,7 @@ fn hedged(noise: [u8; Key::LEN]) -> [u8; Key::LEN] {
 ///
 /// # Errors
 /// The file exists or cannot be written, or the system gives no random bytes.
-pub fn generate(path: &Path, role: Role) -> Result<(), String> {
+pub fn generate(path: &Path, role: Role) -> Result<(), Error> {
     write(path, role, &Key::new(entropy()?))
 }
 
@@ -48,7 +49,7 @@ pub fn generate(path: &Path, role: Role) -> Result<(), String> {
 ///
 /// # Errors
 /// The file exists or cannot be written.
-pub fn write(path: &Path, role: Role, key: &Key) -> Result<(), String> {
+pub fn write(path: &Path, role: Role, key: &Key) -> Result<(), Error> {
     let digits: String = key.bytes().iter().map(|byte| format!("{byte:02x}")).collect();
     let word = if role == Role::Operator { OPERATOR } else { "" };
     write_secret(path, format!("{word}{digits}\n").as_bytes())
@@ -58,12 +59,12 @@ pub fn write(path: &Path, role: Role, key: &Key) -> Result<(), String> {
 ///
 /// # Errors
 /// The file exists or cannot be written.
-pub fn write_secret(path: &Path, bytes: &[u8]) -> Result<(), String> {
-    let failed = |cause: std::io::Error| format!("cannot make the key file {}: {cause}", path.display());
+pub fn write_secret(path: &Path, bytes: &[u8]) -> Result<(), Error> {
+    let failed = Error::cannot::<std::io::Error>("make the key file", &path.display());
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     // Only its owner may read it from the first byte on; dropped under this name, it is gone.
-    let mut file = tempfile::NamedTempFile::new_in(folder).map_err(failed)?;
-    file.write_all(bytes).and_then(|()| file.as_file().sync_all()).map_err(failed)?;
+    let mut file = tempfile::NamedTempFile::new_in(folder).map_err(&failed)?;
+    file.write_all(bytes).and_then(|()| file.as_file().sync_all()).map_err(&failed)?;
     file.persist_noclobber(path).map_err(|refused| failed(refused.error))?;
     // The name is on the disk as well, where a folder can be asked for that.
     let _ = File::open(folder).and_then(|folder| folder.sync_all());
@@ -74,27 +75,28 @@ pub fn write_secret(path: &Path, bytes: &[u8]) -> Result<(), String> {
 ///
 /// # Errors
 /// The file cannot be read, may be read by others, or holds no key of this role.
-pub fn read(path: &Path, role: Role) -> Result<Key, String> {
+pub fn read(path: &Path, role: Role) -> Result<Key, Error> {
     let place = path.display();
-    let failed = |cause: std::io::Error| format!("cannot read the key file {place}: {cause}");
-    let file = File::open(path).map_err(failed)?;
+    let failed = Error::cannot::<std::io::Error>("read the key file", &place);
+    let file = File::open(path).map_err(&failed)?;
     let mut bytes = Vec::with_capacity(LONGEST + 1);
-    Read::take(&file, LONGEST as u64 + 1).read_to_end(&mut bytes).map_err(failed)?;
+    Read::take(&file, LONGEST as u64 + 1).read_to_end(&mut bytes).map_err(&failed)?;
     let (is, key) = parse(&bytes).ok_or_else(|| {
         format!("{place} is no key file: it must hold 64 hexadecimal digits, as `host-sim key generate` writes them")
     })?;
     if is != role {
-        return Err(match role {
+        let said = match role {
             Role::Peers => format!(
                 "{place} is an operator's key file, and one of peers is needed here: `host-sim key generate` makes them"
             ),
             Role::Operator => format!(
                 "{place} is a key file of peers, and the operator's is needed here: `host-sim key generate --operator` makes them"
             ),
-        });
+        };
+        return Err(said.into());
     }
     #[cfg(unix)]
-    own(path, &file.metadata().map_err(failed)?)?;
+    own(path, &file.metadata().map_err(&failed)?)?;
     Ok(key)
 }
 
@@ -117,7 +119,7 @@ fn parse(bytes: &[u8]) -> Option<(Role, Key)> {
 
 /// Nobody else can read the file, or put another key into it.
 #[cfg(unix)]
-fn own(path: &Path, file: &std::fs::Metadata) -> Result<(), String> {
+fn own(path: &Path, file: &std::fs::Metadata) -> Result<(), Error> {
     use std::os::unix::fs::MetadataExt;
     let (place, mode, owner) = (path.display(), file.mode() & 0o7777, file.uid());
     let user = rustix::process::geteuid();
@@ -125,14 +127,14 @@ fn own(path: &Path, file: &std::fs::Metadata) -> Result<(), String> {
     let asked = std::env::var("SUDO_UID").ok().and_then(|user| user.parse().ok()).filter(|_| user.is_root());
     if owner != user.as_raw() && Some(owner) != asked {
         let user = user.as_raw();
-        return Err(format!(
+        return Err(Error::Refused(format!(
             "the key file {place} belongs to user {owner} and not to user {user}, who runs this: chown {user} {place}"
-        ));
+        )));
     }
     if mode & 0o077 != 0 {
-        return Err(format!(
+        return Err(Error::Refused(format!(
             "the key file {place} (mode {mode:03o}) is open to others than its owner: chmod 600 {place}"
-        ));
+        )));
     }
     Ok(())
 }

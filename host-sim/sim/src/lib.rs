@@ -5,6 +5,7 @@
 
 pub mod double_double;
 pub mod engine;
+mod error;
 pub mod key_file;
 pub mod lanes;
 pub mod measure;
@@ -21,6 +22,7 @@ pub mod scenes;
 pub mod student;
 pub mod user;
 
+pub use error::Error;
 pub use haptic_core::device::AXES;
 pub use peers::{DynPeer, Family, Laws, Number};
 pub use scene::Scene;

@@ -101,11 +101,11 @@ impl<const SHARED: usize> Line<SHARED> {
     ///
     /// # Errors
     /// Settings of which no link can be made.
-    pub fn open(scene: &Scene, number: u8, key: Key, entropy: [u8; Key::LEN]) -> Result<Self, String> {
+    pub fn open(scene: &Scene, number: u8, key: Key, entropy: [u8; Key::LEN]) -> Result<Self, crate::Error> {
         let settings = &scene.peers()[usize::from(number == 2)];
         let timing = &settings.timing;
         let ends = Ends { local: PeerId(number), remote: PeerId(3 - number) };
-        let link = open(settings, key, ends, entropy).map_err(|error| error.to_string())?;
+        let link = open(settings, key, ends, entropy)?;
         let inbox = Inbox::new(scene.world.network.playout_packets, timing.ticks_per_packet);
         Ok(Self { link, inbox, heard: None, notices: VecDeque::new(), noticed: 0, lives: 0 })
     }
@@ -151,7 +151,7 @@ impl Node {
     ///
     /// # Errors
     /// A scene that cannot be built, or settings of which no link can be made.
-    pub fn new(scene: &Scene, number: u8, key: Key, entropy: [u8; Key::LEN]) -> Result<Self, String> {
+    pub fn new(scene: &Scene, number: u8, key: Key, entropy: [u8; Key::LEN]) -> Result<Self, crate::Error> {
         Self::build(scene, number, key, entropy)
     }
 }
@@ -166,7 +166,7 @@ where
     ///
     /// # Errors
     /// A scene that cannot be built, another number of shared axes, or settings of which no link can be made.
-    pub fn build(scene: &Scene, number: u8, key: Key, entropy: [u8; Key::LEN]) -> Result<Self, String> {
+    pub fn build(scene: &Scene, number: u8, key: Key, entropy: [u8; Key::LEN]) -> Result<Self, crate::Error> {
         Self::with_device(scene, number, key, entropy, Plant::build(scene, usize::from(number == 2)))
     }
 
@@ -177,8 +177,8 @@ where
         key: Key,
         entropy: [u8; Key::LEN],
         plant: Plant<N>,
-    ) -> Result<Self, String> {
-        let peer = scene.peer_from(usize::from(number == 2), plant.motions()).map_err(|refused| refused.to_string())?;
+    ) -> Result<Self, crate::Error> {
+        let peer = scene.peer_from(usize::from(number == 2), plant.motions())?;
         let (line, period_s) = (Line::open(scene, number, key, entropy)?, scene.peer.timing.control_period_s);
         let telemetry_s = TELEMETRY_S;
         Ok(Self {

@@ -16,6 +16,7 @@ use haptic_core::device::velocity::VelocityName;
 use haptic_core::num::Motion;
 use haptic_core::settings::{Allowed, Choice, Key, LawInfo, Refused, SetError, Settings, Tables, Value, number};
 
+use crate::Error;
 use crate::network::trace::NetworkTrace;
 use crate::peers::{Builds, DynPeer, Laws};
 use crate::user::{Trace, User, UserSettings};
@@ -247,25 +248,6 @@ type OwnKeys = Vec<(&'static str, Value<'static>)>;
 const OWN: [&str; 7] =
     ["scale", "device", "fixture", "safety", "probe", "contact.stiffness_n_per_m", "contact.damping_n_s_per_m"];
 
-/// An error in a scene, and its place, in one line.
-#[derive(Debug, thiserror::Error)]
-#[error("{said}")]
-pub struct SceneError {
-    said: String,
-    /// It names a key that no other is like: who can list them all may say so.
-    pub unlike: bool,
-}
-
-impl SceneError {
-    pub(crate) fn new(said: String) -> Self {
-        Self { said, unlike: false }
-    }
-
-    fn at(place: &str, said: impl std::fmt::Display) -> Self {
-        Self::new(format!("{place}: {said}"))
-    }
-}
-
 /// The user (0 or 1) that a key belongs to, and its name in [`UserSettings`].
 fn users_key(key: &str) -> Option<(usize, String)> {
     let (user, rest) = key.strip_prefix("user.")?.split_once('.')?;
@@ -328,11 +310,10 @@ impl Scene {
     /// # Errors
     /// A file that cannot be read, text that is no scene, or a key that is out of range or impossible beside the
     /// others.
-    pub fn load(laws: Laws, path: Option<&Path>, overrides: &[String]) -> Result<Self, SceneError> {
+    pub fn load(laws: Laws, path: Option<&Path>, overrides: &[String]) -> Result<Self, Error> {
         let Some(path) = path else { return Self::of_text(laws, "", "scene", None, overrides) };
         let place = path.display().to_string();
-        let text =
-            std::fs::read_to_string(path).map_err(|cause| SceneError::new(format!("cannot read {place}: {cause}")))?;
+        let text = std::fs::read_to_string(path).map_err(Error::cannot("read", &place))?;
         Self::of_text(laws, &text, &place, path.parent(), overrides)
     }
 
@@ -343,7 +324,7 @@ impl Scene {
         place: &str,
         folder: Option<&Path>,
         overrides: &[String],
-    ) -> Result<Self, SceneError> {
+    ) -> Result<Self, Error> {
         let mut scene = Self::new(laws);
         scene.apply(text, place, folder)?;
         overrides.iter().try_for_each(|text| scene.apply_override(text))?;
@@ -355,11 +336,11 @@ impl Scene {
     ///
     /// # Errors
     /// Text that is no TOML, a key that does not exist, or a value that it does not accept.
-    pub fn apply(&mut self, text: &str, place: &str, folder: Option<&Path>) -> Result<(), SceneError> {
+    pub fn apply(&mut self, text: &str, place: &str, folder: Option<&Path>) -> Result<(), Error> {
         let mut table: toml::Table = text.parse().map_err(|error: toml::de::Error| {
             let line = error.span().map(|span| text[..span.start.min(text.len())].matches('\n').count() + 1);
             let place = line.map_or_else(|| place.to_owned(), |line| format!("{place}:{line}"));
-            SceneError::at(&place, error.message().replace('\n', " "))
+            Error::at(&place, error.message().replace('\n', " "))
         })?;
         // What made a file of results stands in its scene file too, and changes nothing.
         table.remove("made");
@@ -373,7 +354,7 @@ impl Scene {
         text: &str,
         place: &str,
         folder: Option<&Path>,
-    ) -> Result<(), SceneError> {
+    ) -> Result<(), Error> {
         for (name, value) in table {
             let key = if prefix.is_empty() { name.clone() } else { format!("{prefix}.{name}") };
             match value {
@@ -392,9 +373,8 @@ impl Scene {
     ///
     /// # Errors
     /// A key that does not exist, or a value that it does not accept.
-    pub fn apply_override(&mut self, text: &str) -> Result<(), SceneError> {
-        let (key, value) =
-            text.split_once('=').ok_or_else(|| SceneError::new(format!("{text}: write it as table.key=value")))?;
+    pub fn apply_override(&mut self, text: &str) -> Result<(), Error> {
+        let (key, value) = text.split_once('=').ok_or_else(|| Error::at(text, "write it as table.key=value"))?;
         let (key, value) = (key.trim(), value.trim());
         let parsed = format!("v = {value}").parse::<toml::Table>().ok().and_then(|mut table| table.remove("v"));
         self.set(key, &parsed.unwrap_or_else(|| toml::Value::String(value.to_owned())), "override", None)
@@ -404,7 +384,7 @@ impl Scene {
     ///
     /// # Errors
     /// A key that does not exist, or a value that it does not accept.
-    pub fn set_number(&mut self, key: &str, number: f64) -> Result<(), SceneError> {
+    pub fn set_number(&mut self, key: &str, number: f64) -> Result<(), Error> {
         self.set(key, &toml::Value::Float(number), "sweep", None)
     }
 
@@ -412,32 +392,26 @@ impl Scene {
     ///
     /// # Errors
     /// There is no such key, or it does not accept the value.
-    pub fn set(
-        &mut self,
-        key: &str,
-        value: &toml::Value,
-        place: &str,
-        folder: Option<&Path>,
-    ) -> Result<(), SceneError> {
+    pub fn set(&mut self, key: &str, value: &toml::Value, place: &str, folder: Option<&Path>) -> Result<(), Error> {
         let plain = match value {
             toml::Value::Integer(whole) => Value::Number(*whole as f64),
             toml::Value::Float(number) => Value::Number(*number),
             toml::Value::Boolean(flag) => Value::Flag(*flag),
             toml::Value::String(text) => Value::Text(text),
             other => {
-                let refused = format!("{key} = {other} is not allowed: a key takes a number, true or false, or a name");
-                return Err(SceneError::at(place, refused));
+                let allowed = "a key takes a number, true or false, or a name";
+                return Err(Error::at(place, Error::not_allowed(format!("{key} = {other}"), allowed)));
             }
         };
         // Keys that name a file: its path, and where a complaint about it belongs.
         let file = || match plain {
             Value::Text(file) => Ok(folder.map_or_else(|| PathBuf::from(file), |folder| folder.join(file))),
             _ => {
-                let refused = format!("{key} = {plain} is not allowed: it must be the name of a CSV file");
-                Err(SceneError::at(place, refused))
+                let refused = Error::not_allowed(format!("{key} = {plain}"), "it must be the name of a CSV file");
+                Err(Error::at(place, refused))
             }
         };
-        let wrong = |message: String| SceneError::at(place, format_args!("{key}: {message}"));
+        let wrong = |cause| Error::at(place, Error::at(key, cause));
         let outcome = match users_key(key) {
             _ if key == "network.trace" => {
                 self.network_trace = Some(Arc::new(NetworkTrace::read(&file()?).map_err(wrong)?));
@@ -455,11 +429,7 @@ impl Scene {
             },
         };
         outcome.map_err(|error| match error {
-            SetError::Unknown => {
-                let hint = self.hint(key);
-                let said = format!("{place}: there is no key {key}{hint}");
-                SceneError { said, unlike: hint.is_empty() }
-            }
+            SetError::Unknown => Error::at(place, Error::NoKey { key: key.to_owned(), hint: self.hint(key) }),
             // A user's key, or one end's, is declared once for both: name the one that was written.
             SetError::Refused(refused) => {
                 let meant = match (refused.value, refused.allowed) {
@@ -468,7 +438,7 @@ impl Scene {
                     _ => None,
                 };
                 let hint = meant.map_or_else(String::new, |name| format!("; did you mean {name}?"));
-                SceneError::at(place, refused.to_string().replacen(refused.key, key, 1) + &hint)
+                Error::at(place, refused.to_string().replacen(refused.key, key, 1) + &hint)
             }
         })
     }
@@ -509,7 +479,7 @@ impl Scene {
     }
 
     /// A device as the shared world has it must be one that could be written down: the analysis takes it for that.
-    fn check_scale(&self) -> Result<(), String> {
+    fn check_scale(&self) -> Result<(), Error> {
         for (end, (peer, world)) in (1..).zip(self.ends()) {
             let scaled = world.device.mass_kg * peer.scale.force / peer.scale.position;
             if !(1e-4..=1e3).contains(&scaled) {
@@ -517,7 +487,7 @@ impl Scene {
                     "device.mass_kg = {} of peer {end} is not allowed with scale.position = {} and scale.force = {}: in the world it is \
                      {scaled} kg, it must be 0.0001…1000 kg",
                     world.device.mass_kg, peer.scale.position, peer.scale.force
-                ));
+                ).into());
             }
         }
         Ok(())
@@ -529,10 +499,10 @@ impl Scene {
     }
 
     /// What weighs at the joints is told of axes that are all shared, and free to move every way.
-    fn check_joint_inertia(&self) -> Result<(), String> {
+    fn check_joint_inertia(&self) -> Result<(), Error> {
         let refused = |with: String| {
             let said = self.devices().map(|device| device.joint_inertia).into_iter().fold(0.0, f64::max);
-            Err(format!("device.joint_inertia = {said} is not allowed with {with}"))
+            Err(format!("device.joint_inertia = {said} is not allowed with {with}").into())
         };
         match () {
             () if !self.is_coupled() => Ok(()),
@@ -559,10 +529,10 @@ impl Scene {
     ///
     /// # Errors
     /// The object is shared along several axes, which was asked for at `place`.
-    pub fn check_one_axis(&self, place: &str) -> Result<(), SceneError> {
+    pub fn check_one_axis(&self, place: &str) -> Result<(), Error> {
         let shared = self.peer.axis.shared;
         let said = "is not allowed here: it must be 1 but for `cooperate`, `peer`, `sweep`, `compare` and `stability`";
-        if shared > 1 { Err(SceneError::at(place, format_args!("axis.shared = {shared} {said}"))) } else { Ok(()) }
+        if shared > 1 { Err(Error::at(place, format!("axis.shared = {shared} {said}"))) } else { Ok(()) }
     }
 
     /// Whether a peer with these settings can be built and run at a simulated device.
@@ -590,8 +560,8 @@ impl Scene {
     ///
     /// # Errors
     /// The first that is not allowed, which stood at `place`.
-    pub fn check(&self, place: &str) -> Result<(), SceneError> {
-        let refused = |refused: Refused<'_>| SceneError::at(place, refused);
+    pub fn check(&self, place: &str) -> Result<(), Error> {
+        let refused = |refused: Refused<'static>| Error::at(place, refused);
         let own = self.peers().into_iter().filter(|_| self.own.iter().any(|own| !own.is_empty()));
         for settings in core::iter::once(self.peer).chain(own) {
             self.check_peer(&settings).map_err(refused)?;
@@ -604,7 +574,7 @@ impl Scene {
             haptic_core::device::encoder::check(&self.peer).map_err(refused)?;
         }
         if self.world.plant.encoder && self.peer.axis.velocity == VelocityName::Measured {
-            return Err(SceneError::at(
+            return Err(Error::at(
                 place,
                 "axis.velocity = \"measured\" is not allowed with plant.encoder = true: counts carry no velocity, it must be \
                  one of \"difference\", \"filtered\", \"adaptive\"",
@@ -614,11 +584,11 @@ impl Scene {
             .and_then(|()| self.check_winding())
             .and_then(|()| self.check_scale())
             .and_then(|()| self.check_joint_inertia())
-            .map_err(|said| SceneError::at(place, said))
+            .map_err(|said| Error::at(place, said))
     }
 
     /// A winding is driven by duties, in whole PWM periods, and the loop around it fast enough to count as a delay.
-    fn check_winding(&self) -> Result<(), String> {
+    fn check_winding(&self) -> Result<(), Error> {
         let plant = &self.world.plant;
         if !plant.winding {
             return Ok(());
@@ -629,18 +599,18 @@ impl Scene {
                     .into(),
             );
         }
-        current::periods_per_tick(&self.peer).map_err(|refused| refused.to_string())?;
+        current::periods_per_tick(&self.peer)?;
         if plant.drive == DriveName::Voltage {
             return Ok(());
         }
-        CurrentLoop::build(&self.peer, plant.timer_counts()).map_err(|refused| refused.to_string())?;
+        CurrentLoop::build(&self.peer, plant.timer_counts())?;
         match self.force_delay_ticks() {
             ticks if ticks <= 1.0 => Ok(()),
             ticks => Err(format!(
                 "motor.current_loop_hz = {} is not allowed with timing.control_period_s = {}: its current comes {ticks:.2} control \
                  periods after the force was sensed, it must be at most 1",
                 self.peer.motor.current_loop_hz, self.peer.timing.control_period_s
-            )),
+            ).into()),
         }
     }
 
@@ -662,7 +632,7 @@ impl Scene {
     /// An impact of a device that is thought heavier than what moves with it makes energy: a share
     /// (1 + e)·μ̂/μ·(2 − (1 + e)·μ̂/μ) of that of the approach is lost, μ and μ̂ the true and the assumed reduced mass, and with e = 1
     /// that is negative for any μ̂ > μ. One that is thought lighter keeps some of its approach; below half, most of it.
-    fn check_mass(&self) -> Result<(), String> {
+    fn check_mass(&self) -> Result<(), Error> {
         let (contact, device) = (&self.peer.contact, &self.world.device);
         let ends = self.ends().into_iter().zip(&self.users);
         let masses = ends.map(|((peer, world), user)| {
@@ -682,7 +652,7 @@ impl Scene {
             "contact.device_mass_kg = {} is not allowed with device.mass_kg = {} and contact.rendering = \"impulsive\": it must be \
              {least}…{most} kg, from half the device's mass to all that moves with it; more makes energy at every impact",
             contact.device_mass_kg, device.mass_kg
-        ))
+        ).into())
     }
 
     /// The value of a key, a user's included.

@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
+use crate::Error;
 use crate::peers::Laws;
-use crate::scene::{Scene, SceneError, nearest};
+use crate::scene::{Scene, nearest};
 
 macro_rules! scenes {
     ($($name:literal),+ $(,)?) => {
@@ -45,7 +46,7 @@ pub fn text(name: &str) -> Option<&'static str> {
 ///
 /// # Errors
 /// No scene has this name.
-pub fn load(laws: Laws, name: &str) -> Result<Scene, SceneError> {
+pub fn load(laws: Laws, name: &str) -> Result<Scene, Error> {
     Scene::of_text(laws, text(name).ok_or_else(|| unknown(name))?, name, None, &[])
 }
 
@@ -53,7 +54,7 @@ pub fn load(laws: Laws, name: &str) -> Result<Scene, SceneError> {
 ///
 /// # Errors
 /// A bare word that names neither a file nor a built-in scene.
-pub fn meant(scene: Option<&Path>) -> Result<Option<&str>, SceneError> {
+pub fn meant(scene: Option<&Path>) -> Result<Option<&str>, Error> {
     let word = scene.filter(|path| !path.exists()).and_then(Path::to_str).filter(|word| !word.contains(['/', '\\']));
     word.map(|word| text(word).map(|_| word).ok_or_else(|| unknown(word))).transpose()
 }
@@ -62,18 +63,18 @@ pub fn meant(scene: Option<&Path>) -> Result<Option<&str>, SceneError> {
 ///
 /// # Errors
 /// No scene or file has this name, or it cannot be loaded.
-pub fn find(laws: Laws, scene: Option<&Path>, overrides: &[String]) -> Result<Scene, SceneError> {
+pub fn find(laws: Laws, scene: Option<&Path>, overrides: &[String]) -> Result<Scene, Error> {
     match meant(scene)? {
         Some(name) => Scene::of_text(laws, text(name).unwrap_or_default(), name, None, overrides),
         None => Scene::load(laws, scene, overrides),
     }
 }
 
-fn unknown(word: &str) -> SceneError {
+fn unknown(word: &str) -> Error {
     let names = || known().map(|(name, _)| *name);
     let hint = match nearest(word, names()) {
         Some(name) => format!("did you mean {name}?"),
         None => format!("the built-in ones are {}", names().collect::<Vec<_>>().join(", ")),
     };
-    SceneError::new(format!("{word} is neither a file nor a built-in scene; {hint}"))
+    format!("{word} is neither a file nor a built-in scene; {hint}").into()
 }

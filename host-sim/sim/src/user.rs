@@ -6,6 +6,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::Error;
 use haptic_core::settings::number;
 
 haptic_core::settings! {
@@ -131,35 +132,35 @@ impl Trace {
     ///
     /// # Errors
     /// The file cannot be read, or the first row that is wrong.
-    pub fn read(file: &Path) -> Result<Self, String> {
+    pub fn read(file: &Path) -> Result<Self, Error> {
         let path = file.display();
-        let read = |cause| format!("cannot read {path}: {cause}");
-        let mut reader = csv::ReaderBuilder::new().flexible(true).trim(csv::Trim::All).from_path(file).map_err(read)?;
-        let header = reader.headers().map_err(read)?;
+        let read = Error::cannot::<csv::Error>("read", &path);
+        let mut reader =
+            csv::ReaderBuilder::new().flexible(true).trim(csv::Trim::All).from_path(file).map_err(&read)?;
+        let header = reader.headers().map_err(&read)?;
         if *header != ["time_s", "force_n"][..] {
             let found = header.iter().collect::<Vec<_>>().join(",");
-            return Err(format!("{path}: the first line must be time_s,force_n, not {found}"));
+            return Err(Error::at(&path, format!("the first line must be time_s,force_n, not {found}")));
         }
         let mut samples: Vec<(f64, f64)> = Vec::new();
         for (row, record) in (1..).zip(reader.records()) {
-            let record = record.map_err(read)?;
+            let record = record.map_err(&read)?;
             let numbers: Option<Vec<f64>> =
                 record.iter().map(|field| field.parse().ok().filter(|number: &f64| number.is_finite())).collect();
             match numbers.as_deref() {
                 Some(&[time_s, _]) if samples.last().is_some_and(|last| last.0 >= time_s) => {
-                    return Err(format!("{path}: row {row}: time {time_s} s is not after the row before"));
+                    return Err(Error::at(&path, format!("row {row}: time {time_s} s is not after the row before")));
                 }
                 Some(&[time_s, force_n]) => samples.push((time_s, force_n)),
                 _ => {
                     let found = record.iter().collect::<Vec<_>>().join(",");
-                    return Err(format!(
-                        "{path}: row {row}: expected a time and a force as two finite numbers, found {found}"
-                    ));
+                    let said = format!("row {row}: expected a time and a force as two finite numbers, found {found}");
+                    return Err(Error::at(path, said));
                 }
             }
         }
         if samples.is_empty() {
-            return Err(format!("{path}: no samples"));
+            return Err(Error::at(&path, "no samples"));
         }
         Ok(Self { file: std::path::absolute(file).unwrap_or_else(|_| file.to_owned()), samples })
     }

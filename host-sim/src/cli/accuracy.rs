@@ -149,7 +149,7 @@ pub(in crate::cli) struct Force {
     command: f64,
 }
 
-fn newtons(text: &str) -> Result<f64, String> {
+fn newtons(text: &str) -> Result<f64, Failure> {
     let allowed = "it must be a number from 0.01 to 200 N";
     text.parse().ok().filter(|newtons| (0.01..=200.0).contains(newtons)).ok_or_else(|| allowed.into())
 }

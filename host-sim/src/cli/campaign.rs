@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use haptic_core::num::Scalar;
-use haptic_plot::{Figure, ReportError, write_file};
+use haptic_plot::{Error, Figure, write_file};
 use serde_json::json;
 
 use super::flags::Out;
@@ -114,7 +114,7 @@ fn written(file: &Path, rows: &[Row], each_tick: &[Row]) -> Result<Vec<PathBuf>,
     for (name, figure) in PICTURES.into_iter().zip([figures::laws(rows), figures::impedance(rows)]) {
         let path = file.with_file_name(name);
         let painted = haptic_plot::paint(&figure, haptic_plot::Print::default(), "");
-        let painted = painted.map_err(ReportError::write(&path, "a figure"))?;
+        let painted = painted.map_err(Error::write(&path, "a figure"))?;
         for (_, bytes) in painted.into_iter().filter(|(ending, _)| *ending == "png") {
             write_file(&path, "PNG", &bytes)?;
         }

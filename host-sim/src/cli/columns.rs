@@ -217,10 +217,10 @@ fn kinds(ui: &Ui) -> Vec<TableKind> {
 }
 
 /// The name of a kind.
-fn kind(text: &str) -> Result<String, String> {
+fn kind(text: &str) -> Result<String, Failure> {
     let kinds = kinds(&Ui::new(false, haptic_sim::Laws::built_in()));
     let names: Vec<&str> = kinds.iter().map(|kind| kind.name.as_str()).collect();
-    if names.contains(&text) { Ok(text.to_owned()) } else { Err(format!("they are {}", names.join(", "))) }
+    if names.contains(&text) { Ok(text.to_owned()) } else { Err(format!("they are {}", names.join(", ")).into()) }
 }
 
 impl Args {

@@ -92,8 +92,8 @@ impl Compare {
         let settings: Vec<String> = self.set.iter().cloned().chain(own).chain(seed).collect();
         let law = ui.laws.all().iter().find(|law| law.name == name);
         let scene = match law {
-            Some(law) => law_scene(ui.laws, law, self.scene.as_deref(), &settings),
-            None => scenes::find(ui.laws, Some(Path::new(name)), &settings),
+            Some(law) => law_scene(ui.laws, law, self.scene.as_deref(), &settings).map_err(Failure::from),
+            None => scenes::find(ui.laws, Some(Path::new(name)), &settings).map_err(Failure::from),
         };
         let laws = || ui.laws.all().iter().map(|law| law.name).collect::<Vec<_>>().join(", ");
         let scene = scene.map_err(|error| match law {
@@ -124,7 +124,7 @@ impl Compare {
 }
 
 /// The number of a figure of merit with this name.
-fn merit(text: &str) -> Result<usize, String> {
+fn merit(text: &str) -> Result<usize, Failure> {
     let names: Vec<String> = METRICS.iter().map(|merit| merit.name()).collect();
-    names.iter().position(|name| name == text).ok_or_else(|| format!("they are {}", names.join(", ")))
+    names.iter().position(|name| name == text).ok_or_else(|| format!("they are {}", names.join(", ")).into())
 }

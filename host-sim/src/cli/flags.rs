@@ -71,14 +71,14 @@ impl SceneArgs {
         let seed = self.seed.map(|seed| format!("network.seed={seed}"));
         let overrides: Vec<String> = base.chain(self.set.iter().cloned()).chain(seed).chain(last).collect();
         scenes::find(ui.laws, self.scene.as_deref(), &overrides).map_err(|error| {
-            let hint = if error.unlike { "; --keys lists them all" } else { "" };
+            let hint = if error.is_unlike() { "; --keys lists them all" } else { "" };
             format!("{error}{hint}").into()
         })
     }
 
     /// The built-in scene that is meant, if one is.
-    fn built_in(&self) -> Result<Option<&str>, String> {
-        scenes::meant(self.scene.as_deref()).map_err(|error| format!("--scene {error}"))
+    fn built_in(&self) -> Result<Option<&str>, Failure> {
+        scenes::meant(self.scene.as_deref()).map_err(|error| format!("--scene {error}").into())
     }
 
     /// The keys that the scene and its overrides name, as `table.key`.
@@ -86,7 +86,7 @@ impl SceneArgs {
         let text = match (&self.scene, self.built_in()?) {
             (_, Some(name)) => scenes::text(name).unwrap_or_default().to_owned(),
             (Some(path), _) => {
-                std::fs::read_to_string(path).map_err(|cause| format!("cannot read {}: {cause}", path.display()))?
+                std::fs::read_to_string(path).map_err(haptic_sim::Error::cannot("read", &path.display()))?
             }
             (None, None) => String::new(),
         };
@@ -234,10 +234,10 @@ pub(super) struct RecordTo {
 
 impl RecordTo {
     /// Begins a recording of both peers in simulated time, if one is wanted: a channel for each of so many shared axes.
-    pub(super) fn simulated(&self, provenance: &Provenance, axes: usize) -> Result<Option<Recorder>, String> {
+    pub(super) fn simulated(&self, provenance: &Provenance, axes: usize) -> Result<Option<Recorder>, Failure> {
         let channel = |axis| Channel::new(format!("/both/{}", name_of(axis)), "Tick", Account::columns());
         let (origin, channels) = (Origin::simulated(provenance, "both peers"), (0..axes).map(channel).collect());
-        self.record.as_ref().map(|file| Recorder::create(file, &origin, channels)).transpose()
+        Ok(self.record.as_ref().map(|file| Recorder::create(file, &origin, channels)).transpose()?)
     }
 }
 
@@ -272,24 +272,24 @@ pub(super) struct KeyFile {
 }
 
 impl KeyFile {
-    pub(super) fn read(&self) -> Result<Key, String> {
-        key_file::read(&self.key_file, Role::Peers)
+    pub(super) fn read(&self) -> Result<Key, Failure> {
+        Ok(key_file::read(&self.key_file, Role::Peers)?)
     }
 }
 
 /// A time on the command line.
-pub(super) fn seconds(text: &str) -> Result<f64, String> {
+pub(super) fn seconds(text: &str) -> Result<f64, Failure> {
     up_to(LONGEST_S, text)
 }
 
 /// A time by the clock on the command line.
-fn live_seconds(text: &str) -> Result<f64, String> {
+fn live_seconds(text: &str) -> Result<f64, Failure> {
     up_to(LONGEST_LIVE_S, text)
 }
 
-fn up_to(longest_s: f64, text: &str) -> Result<f64, String> {
+fn up_to(longest_s: f64, text: &str) -> Result<f64, Failure> {
     let seconds = text.parse().ok().filter(|seconds| *seconds > 0.0 && *seconds <= longest_s);
-    seconds.ok_or_else(|| format!("it must be above 0 and up to {longest_s} s"))
+    seconds.ok_or_else(|| format!("it must be above 0 and up to {longest_s} s").into())
 }
 
 /// One of the names of a closed list, on the command line.

@@ -2,14 +2,16 @@
 
 use std::ops::RangeInclusive;
 
+use super::Failure;
+
 /// A number on the command line, both ends included.
 pub(super) fn number(
     allowed: RangeInclusive<f64>,
     unit: &'static str,
-) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
+) -> impl Fn(&str) -> Result<f64, Failure> + Clone + Send + Sync + 'static {
     move |text| {
         let number = text.parse().ok().filter(|number| allowed.contains(number));
         let (least, most) = (allowed.start(), allowed.end());
-        number.ok_or_else(|| format!("it must be a number from {least} to {most} {unit}").trim_end().to_owned())
+        number.ok_or_else(|| format!("it must be a number from {least} to {most} {unit}").trim_end().into())
     }
 }

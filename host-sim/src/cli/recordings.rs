@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use haptic_report::files::{write_csv, write_parquet};
-use haptic_report::{Columns, ReportError};
+use haptic_report::{Columns, Error};
 use serde_json::json;
 
 use super::{Failure, Ui};
@@ -20,15 +20,15 @@ enum Format {
 }
 
 impl Format {
-    fn of(path: &Path) -> Result<Self, String> {
+    fn of(path: &Path) -> Result<Self, Failure> {
         match path.extension().and_then(|ending| ending.to_str()) {
             Some("csv") => Ok(Self::Csv),
             Some("parquet") => Ok(Self::Parquet),
-            _ => Err(format!("{} is not allowed: its name must end in .csv or .parquet", path.display())),
+            _ => Err(format!("{} is not allowed: its name must end in .csv or .parquet", path.display()).into()),
         }
     }
 
-    fn write(self, table: &Columns, path: &Path, provenance: &str) -> Result<(), ReportError> {
+    fn write(self, table: &Columns, path: &Path, provenance: &str) -> Result<(), Error> {
         match self {
             Self::Csv => write_csv(table, path),
             Self::Parquet => write_parquet(table, path, provenance),
@@ -83,7 +83,7 @@ impl Convert {
         if let Format::Csv = format {
             // Parquet has it inside.
             let path = self.to.with_extension("toml");
-            std::fs::write(&path, provenance).map_err(|cause| format!("cannot write {}: {cause}", path.display()))?;
+            std::fs::write(&path, provenance).map_err(haptic_sim::Error::cannot("write", &path.display()))?;
         }
         let cut = recording
             .cut
@@ -111,7 +111,7 @@ impl Merge {
         let merged = match recordings {
             [] => both(&one)?,
             [two] => merge(&one, &load(ui, two)?)?,
-            [_, table, ..] => return Err(Format::of(table).err().unwrap_or_default().into()),
+            [_, table, ..] => return Format::of(table).map(drop),
         };
         if let Some(path) = out {
             Format::of(path)?.write(&merged.table, path, &one.origin.provenance)?;

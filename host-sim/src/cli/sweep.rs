@@ -116,9 +116,7 @@ impl Sweep {
 }
 
 /// `I/N` on the command line.
-fn shard(text: &str) -> Result<(usize, usize), String> {
+fn shard(text: &str) -> Result<(usize, usize), Failure> {
     let parts = text.split_once('/').and_then(|(shard, shards)| Some((shard.parse().ok()?, shards.parse().ok()?)));
-    parts
-        .filter(|(shard, shards)| (1..=*shards).contains(shard))
-        .ok_or_else(|| "write it as I/N, I from 1 to N".to_owned())
+    parts.filter(|(shard, shards)| (1..=*shards).contains(shard)).ok_or_else(|| "write it as I/N, I from 1 to N".into())
 }

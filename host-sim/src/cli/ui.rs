@@ -5,7 +5,7 @@
 //! with `writeln!(ui, …)`, [`Ui::table`] and [`Ui::wrote`] without. So no command asks which. [`Ui::report`] needs the document only.
 
 use std::io::{ErrorKind, Write};
-use std::{error::Error, fmt, path::PathBuf, time::Instant};
+use std::{fmt, path::PathBuf, time::Instant};
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -13,12 +13,12 @@ use serde::Serialize;
 use serde_json::Value;
 
 use haptic_plot::Print;
-use haptic_report::{Columns, Files, Provenance, ReportError, word};
+use haptic_report::{Columns, Files, Provenance, word};
 use haptic_sim::Laws;
 
 use super::number::number;
 
-pub(super) type Failure = Box<dyn Error + Send + Sync>;
+pub(super) use crate::Error as Failure;
 
 /// Where a command's output goes.
 #[derive(Clone, Debug)]
@@ -178,7 +178,7 @@ impl Ui {
         usual: &str,
         name: &str,
         provenance: &Provenance,
-        fill: impl FnOnce(&mut Files) -> Result<(), ReportError>,
+        fill: impl FnOnce(&mut Files) -> Result<(), haptic_report::Error>,
     ) -> Result<Vec<PathBuf>, Failure> {
         if !self.writes(out) {
             return Ok(Vec::new());

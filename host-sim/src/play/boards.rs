@@ -30,6 +30,7 @@ use serde_json::json;
 use super::boards_line::Line;
 use super::environment::{ARMED, Command, Environment, FAULT, MOST, OFF, Sample, Standing, WAITS};
 use super::session::PERIOD_S;
+use crate::Error;
 use haptic_live::endpoint::stand_back;
 use haptic_live::operator::Operator;
 
@@ -110,17 +111,17 @@ struct Seat {
 
 /// Whoever answers lines and gives ticks.
 trait BoardLink {
-    fn ask(&mut self, line: &str) -> Result<String, String>;
+    fn ask(&mut self, line: &str) -> Result<String, Error>;
     /// Lets so much time pass, and gives what came.
-    fn rows(&mut self, seconds: f64) -> Result<Vec<[f64; NUMBERS]>, String>;
+    fn rows(&mut self, seconds: f64) -> Result<Vec<[f64; NUMBERS]>, Error>;
 }
 
 impl BoardLink for Operator {
-    fn ask(&mut self, line: &str) -> Result<String, String> {
-        Self::ask(self, line)
+    fn ask(&mut self, line: &str) -> Result<String, Error> {
+        Ok(Self::ask(self, line)?)
     }
 
-    fn rows(&mut self, seconds: f64) -> Result<Vec<[f64; NUMBERS]>, String> {
+    fn rows(&mut self, seconds: f64) -> Result<Vec<[f64; NUMBERS]>, Error> {
         let samples = self.samples(Duration::from_secs_f64(seconds))?;
         Ok(samples.iter().filter_map(|sample| first_row(sample.payload())).collect())
     }
@@ -132,7 +133,7 @@ fn first_row(payload: &[u8]) -> Option<[f64; NUMBERS]> {
 }
 
 /// How a board's thread begins.
-type Open = Box<dyn FnOnce() -> Result<Box<dyn BoardLink>, String> + Send>;
+type Open = Box<dyn FnOnce() -> Result<Box<dyn BoardLink>, Error> + Send>;
 
 /// A simulated board, kept in real time.
 struct Practice {
@@ -143,7 +144,7 @@ struct Practice {
 }
 
 impl Practice {
-    fn new(truth: &Scene) -> Result<Self, String> {
+    fn new(truth: &Scene) -> Result<Self, Error> {
         let mut board = SharedSimulation::new(truth)?;
         let m_per_count = Joint::of(&settings(&mut board)?, 1)?.m_per_count;
         Ok(Self { board, m_per_count, zero: None, due: Instant::now() })
@@ -151,11 +152,11 @@ impl Practice {
 }
 
 impl BoardLink for Practice {
-    fn ask(&mut self, line: &str) -> Result<String, String> {
-        Board::ask(&mut self.board, line)
+    fn ask(&mut self, line: &str) -> Result<String, Error> {
+        Ok(Board::ask(&mut self.board, line)?)
     }
 
-    fn rows(&mut self, seconds: f64) -> Result<Vec<[f64; NUMBERS]>, String> {
+    fn rows(&mut self, seconds: f64) -> Result<Vec<[f64; NUMBERS]>, Error> {
         self.due += Duration::from_secs_f64(seconds);
         std::thread::sleep(self.due.saturating_duration_since(Instant::now()));
         let ticks = self.board.ticks(seconds)?;
@@ -179,7 +180,7 @@ fn attend(link: &mut dyn BoardLink, mailbox: &Mutex<BoardMailbox>, over: &Atomic
         let answer = link.ask(line);
         let mut mailbox = lock();
         mailbox.reported.there = answer.is_ok();
-        let answer = answer.unwrap_or_else(|why| why);
+        let answer = answer.unwrap_or_else(|why| why.to_string());
         if line == "status" {
             // `ok board 1 disarmed …`: which it is stands above.
             let own = answer.strip_prefix("ok board ").and_then(|rest| rest.split_once(' '));
@@ -208,7 +209,7 @@ fn attend(link: &mut dyn BoardLink, mailbox: &Mutex<BoardMailbox>, over: &Atomic
             asked = Some(Instant::now());
             say(link, "status");
             if probing {
-                let outcome = link.ask("probed").unwrap_or_else(|why| why);
+                let outcome = link.ask("probed").unwrap_or_else(|why| why.to_string());
                 probing =
                     outcome.strip_prefix("ok ").is_some_and(|said| Probed::parse(said).is_ok_and(|it| it.is_running()));
                 if !probing {
@@ -229,7 +230,7 @@ fn attend(link: &mut dyn BoardLink, mailbox: &Mutex<BoardMailbox>, over: &Atomic
             }
             Err(why) => {
                 let mut mailbox = lock();
-                (mailbox.reported.there, mailbox.reported.status) = (false, why);
+                (mailbox.reported.there, mailbox.reported.status) = (false, why.to_string());
             }
         }
     }
@@ -240,7 +241,7 @@ fn attend(link: &mut dyn BoardLink, mailbox: &Mutex<BoardMailbox>, over: &Atomic
 
 impl Seat {
     /// Gets in touch with a board; one that does not answer is an error that names it. `index` is where a simulated one stands.
-    fn open(place: Place, index: usize) -> Result<Self, String> {
+    fn open(place: Place, index: usize) -> Result<Self, Error> {
         match place {
             Place::Simulated => {
                 let practice = || Ok(Box::new(Practice::new(&Scene::default())?) as Box<dyn BoardLink>);
@@ -256,7 +257,7 @@ impl Seat {
     }
 
     /// The seat of a board that is opened on its thread.
-    fn attend(name: String, index: usize, open: Open) -> Result<Self, String> {
+    fn attend(name: String, index: usize, open: Open) -> Result<Self, Error> {
         let reported = BoardStatus { name, ..BoardStatus::default() };
         let (mailbox, over) =
             (Arc::new(Mutex::new(BoardMailbox { reported, ..BoardMailbox::default() })), Arc::default());
@@ -265,10 +266,10 @@ impl Seat {
             stand_back(NICENESS);
             match open() {
                 Ok(mut link) => attend(&mut *link, &theirs, &stop),
-                Err(why) => theirs.lock().unwrap_or_else(PoisonError::into_inner).reported.status = why,
+                Err(why) => theirs.lock().unwrap_or_else(PoisonError::into_inner).reported.status = why.to_string(),
             }
         };
-        let thread = std::thread::Builder::new().name("board".into()).spawn(work).map_err(|cause| cause.to_string())?;
+        let thread = std::thread::Builder::new().name("board".into()).spawn(work)?;
         Ok(Self { index, mailbox, over, thread: Some(thread), at: 0.0, shown: None, rows: VecDeque::new() })
     }
 
@@ -327,7 +328,7 @@ pub(crate) struct Boards {
 
 impl Boards {
     /// Gets in touch with all of them.
-    pub(crate) fn open(places: Vec<Place>) -> Result<Self, String> {
+    pub(crate) fn open(places: Vec<Place>) -> Result<Self, Error> {
         let seats = places.into_iter().enumerate().map(|(index, place)| Seat::open(place, index));
         let seats = seats.collect::<Result<Vec<_>, _>>()?;
         if let [one, two] = seats.as_slice()
@@ -336,7 +337,8 @@ impl Boards {
             return Err(format!(
                 "both boards say that they are board {}: one must be 1 and the other 2",
                 one.index + 1
-            ));
+            )
+            .into());
         }
         Ok(Self::of_seats(seats))
     }
@@ -366,7 +368,7 @@ impl Boards {
 }
 
 impl Environment for Boards {
-    fn command(&mut self, command: Command) -> Result<(), String> {
+    fn command(&mut self, command: Command) -> Result<(), Error> {
         match command {
             Command::Stop => self.stop(),
             Command::Board(number, line) => {
@@ -382,7 +384,7 @@ impl Environment for Boards {
         Ok(())
     }
 
-    fn set(&mut self, _: Scene) -> Result<(), String> {
+    fn set(&mut self, _: Scene) -> Result<(), Error> {
         Ok(())
     }
 
@@ -395,7 +397,7 @@ impl Environment for Boards {
 
     fn play(&mut self, _: usize) {}
 
-    fn step(&mut self) -> Result<Sample, String> {
+    fn step(&mut self) -> Result<Sample, Error> {
         for (seat, reported) in self.seats.iter_mut().zip(&mut self.reported) {
             self.news |= seat.look(reported);
             seat.play();

@@ -16,6 +16,7 @@ use super::kinds::EnvironmentKind;
 use super::mailbox::{Contents, Mailbox, Status};
 use super::partner::Model;
 use super::session::PERIOD_S;
+use crate::Error;
 use haptic_live::endpoint::{Punctuality, Stop, Ticker};
 use haptic_live::recording::mcap::Channel;
 use haptic_live::recording::recorder::Recorder;
@@ -46,7 +47,7 @@ pub(super) fn run(
     seconds: f64,
     recorder: Option<&Recorder>,
     stop: &Stop,
-) -> Result<Kept, String> {
+) -> Result<Kept, Error> {
     let mut shown = Shown { environment: open()?, kind };
     let mut ticker = Ticker::realtime(Duration::from_secs_f64(PERIOD_S)).lasting(seconds);
     let (mut slept, mut waiting, begun) = (0, VecDeque::new(), Instant::now());
@@ -109,7 +110,7 @@ fn exchange(
     contents: &mut Contents,
     waiting: &mut VecDeque<Sample>,
     kept: &Punctuality,
-) -> Result<(), String> {
+) -> Result<(), Error> {
     if let Some((kind, scene)) = contents.show.take() {
         let partner = shown.environment.standing().partner;
         *shown = Shown { environment: kind.open(&scene)?, kind };

@@ -10,6 +10,7 @@ use haptic_sim::scene::Scene;
 
 use super::boards_line::Line;
 use super::partner::Model;
+use crate::Error;
 
 /// Numbers in a sample, at the most; what a column is missing for is no number.
 pub(super) const MOST: usize = 22;
@@ -64,10 +65,10 @@ pub(super) struct Standing {
 /// Something that a page's hands act on.
 pub(super) trait Environment {
     /// Does what acts without a question.
-    fn command(&mut self, command: Command) -> Result<(), String>;
+    fn command(&mut self, command: Command) -> Result<(), Error>;
 
     /// Takes another scene, which is what every setting is from now on.
-    fn set(&mut self, scene: Scene) -> Result<(), String>;
+    fn set(&mut self, scene: Scene) -> Result<(), Error>;
 
     /// What a person's pointer says before the next tick: where it is, m, along and across, or that it lets go. Where it says so of a
     /// world that was before the last start, it has let go.
@@ -77,7 +78,7 @@ pub(super) trait Environment {
     fn play(&mut self, hand: usize);
 
     /// Steps the environment by one tick.
-    fn step(&mut self) -> Result<Sample, String>;
+    fn step(&mut self) -> Result<Sample, Error>;
 
     /// Modes of the peers, line and partner as they are now.
     fn standing(&self) -> Standing;
@@ -89,4 +90,4 @@ pub(super) trait Environment {
 }
 
 /// An environment that is opened on the control loop's own thread.
-pub(super) type Opening = Box<dyn FnOnce() -> Result<Box<dyn Environment>, String> + Send>;
+pub(super) type Opening = Box<dyn FnOnce() -> Result<Box<dyn Environment>, Error> + Send>;

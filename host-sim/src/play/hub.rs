@@ -9,6 +9,7 @@ use super::hand::Hand;
 use super::partner::{Model, Partner};
 use super::session::{PERIOD_S, end_of_travel};
 use super::shared_environment::{Held, Play};
+use crate::Error;
 use haptic_environments::cooperative::waves::Waves;
 
 /// Number of hands on the object.
@@ -47,8 +48,8 @@ pub(super) struct Hub {
 }
 
 impl Play for Hub {
-    fn open(scene: &Scene) -> Result<Self, String> {
-        let waves = Waves::new(scene, HANDS).map_err(|error| error.to_string())?;
+    fn open(scene: &Scene) -> Result<Self, Error> {
+        let waves = Waves::new(scene, HANDS)?;
         let [three, four] = THERE.map(Partner::new);
         let partners = [Partner::new(Model::default()), Partner::new(Model::default()), three, four];
         let (hands, held) = (Default::default(), [Held::ByNobody; 2]);

@@ -25,6 +25,7 @@ use super::kinds::EnvironmentKind;
 use super::mailbox::Mailbox;
 use super::orders::apply;
 use super::session::same_but_for_network;
+use crate::Error;
 use haptic_live::endpoint::stand_back;
 
 /// Packets in flight that are still judged.
@@ -66,14 +67,14 @@ pub(super) fn start(
     scene: Scene,
     kind: EnvironmentKind,
     fixed: Option<&'static str>,
-) -> Result<SyncSender<Ask>, String> {
+) -> Result<SyncSender<Ask>, Error> {
     let (asks, orders) = sync_channel(16);
     let mailbox = Arc::clone(mailbox);
     let work = move || {
         stand_back(NICENESS);
         run(&mailbox, scene, kind, &orders, fixed);
     };
-    std::thread::Builder::new().name("judge".into()).spawn(work).map_err(|cause| cause.to_string())?;
+    std::thread::Builder::new().name("judge".into()).spawn(work)?;
     Ok(asks)
 }
 
@@ -92,7 +93,7 @@ fn run(mailbox: &Mailbox, mut scene: Scene, mut kind: EnvironmentKind, orders: &
                 continue;
             }
             Err(why) => {
-                mailbox.lock().answer(window, json!({ "refused": why }).to_string());
+                mailbox.lock().answer(window, json!({ "refused": why.to_string() }).to_string());
                 tell(mailbox, &scene, Some(&finding));
                 continue;
             }
@@ -125,9 +126,9 @@ enum Request {
 }
 
 /// What a line asks for, where that can be shown; else why not.
-fn wanted(scene: &Scene, kind: EnvironmentKind, line: &str, fixed: Option<&str>) -> Result<Request, String> {
+fn wanted(scene: &Scene, kind: EnvironmentKind, line: &str, fixed: Option<&str>) -> Result<Request, Error> {
     if let Some(why) = fixed {
-        return Err(why.to_owned());
+        return Err(why.into());
     }
     let Some(name) = line.strip_prefix("show ") else {
         let wanted = apply(scene, line)?;
@@ -189,7 +190,7 @@ pub(super) fn find(scene: &Scene) -> Finding {
 
 /// The largest spectral radius of a scene whose delay is between that of the first and that of the second, and whether all are
 /// stable.
-fn radius(shortest: &Scene, longest: &Scene) -> Result<(f64, bool), haptic_analysis::AnalysisError> {
+fn radius(shortest: &Scene, longest: &Scene) -> Result<(f64, bool), haptic_analysis::Error> {
     let contact = &shortest.peer.contact;
     let parts = contact.one_sided || contact.gap_m > 0.0 || contact.rendering == RenderingName::Impulsive;
     let delays = if shortest.world.network == longest.world.network { &[shortest][..] } else { &[shortest, longest] };

@@ -12,6 +12,7 @@ use super::shared_environment::SharedEnvironment;
 use super::squash::{self, Squash};
 use super::turns::{self, Turns};
 use super::visit::{self, Visit};
+use crate::Error;
 
 /// An environment that needs nothing but a scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -43,9 +44,9 @@ impl EnvironmentKind {
     }
 
     /// Its environment in this scene.
-    pub(super) fn open(self, scene: &Scene) -> Result<Box<dyn Environment>, String> {
+    pub(super) fn open(self, scene: &Scene) -> Result<Box<dyn Environment>, Error> {
         Ok(match self {
-            Self::Pair => Box::new(Session::new(scene.clone(), Model::default()).map_err(|why| why.to_string())?),
+            Self::Pair => Box::new(Session::new(scene.clone(), Model::default())?),
             Self::Hub => Box::new(SharedEnvironment::<Hub>::new(scene)?),
             Self::Squash => Box::new(SharedEnvironment::<Squash>::new(scene)?),
             Self::World => Box::new(SharedEnvironment::<Visit>::new(scene)?),

@@ -20,6 +20,7 @@ use super::control_loop::Kept;
 use super::kinds::EnvironmentKind;
 use super::page::{Page, Shown};
 use super::partner::Model;
+use crate::Error;
 use haptic_live::endpoint::Stop;
 use haptic_live::quantiles::{Quantiles, Times};
 
@@ -35,7 +36,7 @@ struct Run {
 }
 
 /// Runs the control loop for so many seconds each, without and with windows.
-pub(crate) fn measure(scene: &Scene, seconds: f64, stop: &Stop) -> Result<Columns, String> {
+pub(crate) fn measure(scene: &Scene, seconds: f64, stop: &Stop) -> Result<Columns, Error> {
     let mut runs = Vec::new();
     for (windows, misbehaving) in [(0, 0), (2, 0), (10, 3)] {
         if !stop.is_asked() {
@@ -59,7 +60,7 @@ pub(crate) fn measure(scene: &Scene, seconds: f64, stop: &Stop) -> Result<Column
         .done())
 }
 
-fn run(scene: &Scene, seconds: f64, stop: &Stop, windows: usize, misbehaving: usize) -> Result<Run, String> {
+fn run(scene: &Scene, seconds: f64, stop: &Stop, windows: usize, misbehaving: usize) -> Result<Run, Error> {
     let page = Page::serve(scene.clone(), Shown::Here(EnvironmentKind::Pair), Model::CarriesOn, 0)?;
     let over = Arc::new(AtomicBool::new(false));
     let asking: Vec<_> = (0..windows)
@@ -82,7 +83,7 @@ fn run(scene: &Scene, seconds: f64, stop: &Stop, windows: usize, misbehaving: us
 }
 
 /// Connects as a browser does.
-pub(super) fn connect(address: &str) -> Result<TcpStream, String> {
+pub(super) fn connect(address: &str) -> Result<TcpStream, Error> {
     let failed = |cause: &dyn std::fmt::Display| format!("a window cannot open {address}: {cause}");
     let parts = address.strip_prefix("http://").and_then(|rest| rest.split_once("/#"));
     let (host, (person, token)) = parts
@@ -106,7 +107,7 @@ pub(super) fn connect(address: &str) -> Result<TcpStream, String> {
         head.push(byte[0]);
     }
     if !head.starts_with(b"HTTP/1.1 101") {
-        return Err(failed(&"it was refused"));
+        return Err(failed(&"it was refused").into());
     }
     Ok(stream)
 }
@@ -120,7 +121,7 @@ fn question(next: u32) -> Message {
 }
 
 /// Asks once a frame until it is over; how long each answer took, ns.
-fn ask(address: &str, over: &AtomicBool) -> Result<Vec<u64>, String> {
+fn ask(address: &str, over: &AtomicBool) -> Result<Vec<u64>, Error> {
     let mut socket = WebSocket::from_raw_socket(connect(address)?, Role::Client, None);
     let (mut next, mut took) = (u32::MAX, Vec::new());
     let mut frame = Instant::now();
@@ -147,18 +148,17 @@ fn ask(address: &str, over: &AtomicBool) -> Result<Vec<u64>, String> {
 }
 
 /// A connection that misbehaves in one of three ways, for as long as it is kept.
-fn misbehave(address: &str, which: usize) -> Result<TcpStream, String> {
-    let failed = |cause: std::io::Error| cause.to_string();
+fn misbehave(address: &str, which: usize) -> Result<TcpStream, Error> {
     if which == 2 {
         let port = address.split(':').nth(2).and_then(|rest| rest.split('/').next()?.parse().ok()).unwrap_or(0);
-        let mut stream = TcpStream::connect((Ipv4Addr::LOCALHOST, port)).map_err(failed)?;
-        stream.write_all(b"GET / HTTP/1.1\r\nHost: ").map_err(failed)?;
+        let mut stream = TcpStream::connect((Ipv4Addr::LOCALHOST, port))?;
+        stream.write_all(b"GET / HTTP/1.1\r\nHost: ")?;
         return Ok(stream);
     }
     let stream = connect(address)?;
     if which == 0 {
-        let mut asking = WebSocket::from_raw_socket(stream.try_clone().map_err(failed)?, Role::Client, None);
-        stream.set_write_timeout(Some(Duration::from_millis(100))).map_err(failed)?;
+        let mut asking = WebSocket::from_raw_socket(stream.try_clone()?, Role::Client, None);
+        stream.set_write_timeout(Some(Duration::from_millis(100)))?;
         std::thread::spawn(move || while asking.send(question(u32::MAX)).is_ok() {});
     }
     Ok(stream)

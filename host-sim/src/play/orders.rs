@@ -14,6 +14,7 @@ use haptic_core::settings::Settings;
 use haptic_sim::{scene::Scene, scenes};
 
 use super::session::PERIOD_S;
+use crate::Error;
 use haptic_studies::campaign::laws::SOLVED;
 
 /// The built-in scenes that are one click, with what the click is called and what it sets besides.
@@ -28,18 +29,18 @@ pub(super) const CLICKS: [(&str, &str, &str); 7] = [
 ];
 
 /// Whether a scene can be played in real time.
-pub(crate) fn check(scene: &Scene) -> Result<(), String> {
+pub(crate) fn check(scene: &Scene) -> Result<(), Error> {
     let period_s = scene.peer.timing.control_period_s;
     if period_s != PERIOD_S {
         return Err(format!(
             "timing.control_period_s = {period_s} is not allowed with play: it must be {PERIOD_S} s, which is real time at 1 kHz"
-        ));
+        ).into());
     }
     Ok(())
 }
 
 /// What the scene is after a line.
-pub(super) fn apply(scene: &Scene, line: &str) -> Result<Scene, String> {
+pub(super) fn apply(scene: &Scene, line: &str) -> Result<Scene, Error> {
     let (word, rest) = line.split_once(' ').unwrap_or((line, ""));
     let (scene, keys) = match word {
         "set" => (scene.clone(), split(rest)),
@@ -47,7 +48,7 @@ pub(super) fn apply(scene: &Scene, line: &str) -> Result<Scene, String> {
             let (name, keys) = rest.split_once(' ').unwrap_or((rest, ""));
             match name {
                 "default" => (Scene::new(scene.laws), split(keys)),
-                _ => (scenes::load(scene.laws, name).map_err(|error| error.to_string())?, split(keys)),
+                _ => (scenes::load(scene.laws, name)?, split(keys)),
             }
         }
         "law" => {
@@ -56,7 +57,7 @@ pub(super) fn apply(scene: &Scene, line: &str) -> Result<Scene, String> {
             (changed, own.into_iter().chain(split(keys)).collect())
         }
         "file" => (Scene::new(scene.laws), keys_of(rest)?),
-        _ => return Err(format!("{word}: there is no such order; a page knows set, scene, law, file and show")),
+        _ => return Err(format!("{word}: there is no such order; a page knows set, scene, law, file and show").into()),
     };
     set(scene, &keys)
 }
@@ -65,22 +66,24 @@ fn split(keys: &str) -> Vec<String> {
     keys.split_whitespace().map(str::to_owned).collect()
 }
 
-fn set(mut scene: Scene, keys: &[String]) -> Result<Scene, String> {
+fn set(mut scene: Scene, keys: &[String]) -> Result<Scene, Error> {
     for text in keys {
         let key = text.split_once('=').map_or(text.as_str(), |(key, _)| key).trim();
         if key.rsplit('.').next() == Some("trace") {
-            return Err(format!("{key} names a file, and a page reads none: give it as --set when play is started"));
+            return Err(
+                format!("{key} names a file, and a page reads none: give it as --set when play is started").into()
+            );
         }
-        scene.apply_override(text).map_err(|error| error.to_string())?;
+        scene.apply_override(text)?;
     }
     let place = "the scene";
-    scene.check(place).and_then(|()| scene.check_one_axis(place)).map_err(|error| error.to_string())?;
+    scene.check(place).and_then(|()| scene.check_one_axis(place))?;
     check(&scene)?;
     Ok(scene)
 }
 
 /// What a scene file sets, a line for each key.
-fn keys_of(text: &str) -> Result<Vec<String>, String> {
+fn keys_of(text: &str) -> Result<Vec<String>, Error> {
     let mut table: toml::Table = text.parse().map_err(|error: toml::de::Error| {
         let line = error.span().map_or(1, |span| text[..span.start.min(text.len())].matches('\n').count() + 1);
         format!("line {line} of the file: {}", error.message().replace('\n', " "))
@@ -103,14 +106,14 @@ fn flatten(prefix: &str, table: &toml::Table, keys: &mut Vec<String>) {
 
 /// This scene under another law, and the keys that make it that: with the peers' settings of the scene that
 /// recommends it, or with the paper's settings and the law's own gains; users, device, contact and network stay.
-fn with_law(scene: &Scene, name: &str) -> Result<(Scene, Vec<String>), String> {
+fn with_law(scene: &Scene, name: &str) -> Result<(Scene, Vec<String>), Error> {
     let recommended = match name {
         "self-timed" => Some("any-network"),
         "passive-mean" => Some("hub"),
         _ => None,
     };
     let base = match recommended {
-        Some(from) => scenes::load(scene.laws, from).map_err(|error| error.to_string())?.peer,
+        Some(from) => scenes::load(scene.laws, from)?.peer,
         None => Settings::default(),
     };
     let mut changed = scene.clone();

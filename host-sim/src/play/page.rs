@@ -18,6 +18,7 @@ use super::orders;
 use super::partner::Model;
 use super::remote::{End, Remote};
 use super::web::{Site, hello};
+use crate::Error;
 use haptic_live::endpoint::Stop;
 use haptic_live::recording::origin::Origin;
 use haptic_live::recording::recorder::Recorder;
@@ -44,9 +45,9 @@ pub(crate) struct Page {
 
 impl Page {
     /// Serves the page of this scene on 127.0.0.1, at any port where `port` is 0. Nobody's hand moves before [`Page::run`].
-    pub(crate) fn serve(scene: Scene, shown: Shown, partner: Model, port: u16) -> Result<Self, String> {
+    pub(crate) fn serve(scene: Scene, shown: Shown, partner: Model, port: u16) -> Result<Self, Error> {
         orders::check(&scene)?;
-        let failed = |cause| format!("cannot listen on 127.0.0.1:{port}: {cause}");
+        let failed = haptic_sim::Error::cannot::<std::io::Error>("listen on", &format_args!("127.0.0.1:{port}"));
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(failed)?;
         let mailbox = Arc::new(Mailbox::new(partner));
         let (other, fixed) = match &shown {
@@ -85,7 +86,7 @@ impl Page {
 
     /// Runs the control loop until it is stopped, or so many seconds are over: on a thread of its own, for what a
     /// thread starts inherits its real-time priority. Every tick goes into the recording, if there is one.
-    pub(crate) fn run(self, seconds: f64, record: Option<(&Path, &Provenance)>, stop: &Stop) -> Result<Kept, String> {
+    pub(crate) fn run(self, seconds: f64, record: Option<(&Path, &Provenance)>, stop: &Stop) -> Result<Kept, Error> {
         let Self { mailbox, kind, opening, recorded, .. } = self;
         let begin = |(file, provenance): (&Path, &Provenance)| {
             let (topic, who) = recorded;
@@ -95,7 +96,7 @@ impl Page {
         let control_loop = || control_loop::run(&mailbox, kind, opening, seconds, recorder.as_ref(), stop);
         let kept = std::thread::scope(|scope| {
             let control_loop = std::thread::Builder::new().name("beat".into()).spawn_scoped(scope, control_loop);
-            control_loop.map_err(|cause| cause.to_string())?.join().map_err(|_| "the beat failed".to_owned())?
+            control_loop?.join().map_err(|_| "the beat failed".to_owned())?
         });
         if let Some(recorder) = recorder {
             eprintln!("{}", recorder.finish().summary());

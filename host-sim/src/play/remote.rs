@@ -18,6 +18,7 @@ use haptic_sim::{key_file::entropy, scene::Scene};
 use super::environment::{ARMED, Command, Environment, FAULT, MOST, OFF, Sample, Standing, WAITS, number_of};
 use super::hand::Hand;
 use super::session::{PERIOD_S, Side, end_of_travel};
+use crate::Error;
 use haptic_environments::path::Path;
 use haptic_live::batch::{OutgoingBatch, ReceivedBatch};
 use haptic_live::endpoint::Endpoint;
@@ -48,12 +49,12 @@ impl fmt::Display for End {
 
 impl End {
     /// The end that the other one joins.
-    pub(crate) fn listening(at: SocketAddr, key: Key, number: u8) -> Result<Self, String> {
+    pub(crate) fn listening(at: SocketAddr, key: Key, number: u8) -> Result<Self, Error> {
         Ok(Self { key, number, endpoint: Endpoint::polled(at)?, join: None })
     }
 
     /// The end that joins the other one.
-    pub(crate) fn joining(to: SocketAddr, key: Key, number: u8) -> Result<Self, String> {
+    pub(crate) fn joining(to: SocketAddr, key: Key, number: u8) -> Result<Self, Error> {
         let any = if to.is_ipv4() { Ipv4Addr::UNSPECIFIED.into() } else { Ipv6Addr::UNSPECIFIED.into() };
         let endpoint = Endpoint::polled(SocketAddr::new(any, 0))?;
         endpoint.reaches(to)?;
@@ -94,7 +95,7 @@ pub(super) struct Remote {
 
 impl Remote {
     /// Calls, and arms when the other one is there.
-    pub(super) fn new(scene: Scene, end: End) -> Result<Self, String> {
+    pub(super) fn new(scene: Scene, end: End) -> Result<Self, Error> {
         let End { key, number, endpoint, join } = end;
         Ok(Self {
             node: Node::new(&scene, number, key, entropy()?)?,
@@ -118,7 +119,7 @@ impl Remote {
     }
 
     /// Takes what has come.
-    fn listen(&mut self) -> Result<(), String> {
+    fn listen(&mut self) -> Result<(), Error> {
         let until = Instant::now() + LISTENS;
         let Self { node, endpoint, join, path, came, going, cut, heard, .. } = self;
         while Instant::now() < until && endpoint.take(came)? {
@@ -189,7 +190,7 @@ fn is_sealed(datagram: &[u8]) -> bool {
 }
 
 impl Environment for Remote {
-    fn command(&mut self, command: Command) -> Result<(), String> {
+    fn command(&mut self, command: Command) -> Result<(), Error> {
         match command {
             Command::Stop => self.node.halt(true),
             Command::Start => {
@@ -207,7 +208,7 @@ impl Environment for Remote {
         Ok(())
     }
 
-    fn set(&mut self, scene: Scene) -> Result<(), String> {
+    fn set(&mut self, scene: Scene) -> Result<(), Error> {
         self.scene = scene;
         Ok(())
     }
@@ -223,7 +224,7 @@ impl Environment for Remote {
         self.point(hand, None, self.restarts);
     }
 
-    fn step(&mut self) -> Result<Sample, String> {
+    fn step(&mut self) -> Result<Sample, Error> {
         self.listen()?;
         let motion = self.node.motion();
         self.pull_n = self.hand.pull(self.tick, motion.position, motion.velocity, PERIOD_S);

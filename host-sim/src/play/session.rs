@@ -18,6 +18,7 @@ use haptic_sim::{DynPeer, pair::Pair, scene::Scene};
 use super::environment::{ARMED, Column, Command, Environment, MOST, Sample, Standing, number_of};
 use super::hand::Hand;
 use super::partner::{Model, Partner};
+use crate::Error;
 
 /// Farthest that a device goes from the middle, m.
 pub(crate) const REACH_M: f64 = 0.12;
@@ -239,10 +240,10 @@ impl Session {
 }
 
 impl Environment for Session {
-    fn command(&mut self, command: Command) -> Result<(), String> {
+    fn command(&mut self, command: Command) -> Result<(), Error> {
         match command {
             Command::Stop => self.stop(),
-            Command::Start => return self.start().map_err(|refused| refused.to_string()),
+            Command::Start => self.start()?,
             Command::Cut(cut) => self.cut(cut),
             Command::Partner(model) => self.partners = [Partner::new(model); 2],
             Command::Board(..) => {}
@@ -250,8 +251,8 @@ impl Environment for Session {
         Ok(())
     }
 
-    fn set(&mut self, scene: Scene) -> Result<(), String> {
-        self.change(scene).map_err(|refused| refused.to_string())
+    fn set(&mut self, scene: Scene) -> Result<(), Error> {
+        Ok(self.change(scene)?)
     }
 
     fn point(&mut self, index: usize, pointer: Option<[f64; 2]>, restarts: u32) {
@@ -266,7 +267,7 @@ impl Environment for Session {
         self.hands[index].point(self.tick, wanted, device);
     }
 
-    fn step(&mut self) -> Result<Sample, String> {
+    fn step(&mut self) -> Result<Sample, Error> {
         Ok(self.advance())
     }
 

@@ -6,6 +6,7 @@ use haptic_sim::scene::Scene;
 use super::environment::{ARMED, Command, Environment, MOST, OFF, Sample, Standing};
 use super::partner::Model;
 use super::session::same_but_for_network;
+use crate::Error;
 
 /// Who holds a hand, and where.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,7 +22,7 @@ pub(super) enum Held {
 /// What a shared environment is.
 pub(super) trait Play: Sized {
     /// At rest, in this scene.
-    fn open(scene: &Scene) -> Result<Self, String>;
+    fn open(scene: &Scene) -> Result<Self, Error>;
 
     /// Who holds hand 0 or 1 in the next tick.
     fn hold(&mut self, hand: usize, held: Held);
@@ -77,12 +78,12 @@ pub(super) struct SharedEnvironment<P> {
 
 impl<P: Play> SharedEnvironment<P> {
     /// At rest, in this scene.
-    pub(super) fn new(scene: &Scene) -> Result<Self, String> {
+    pub(super) fn new(scene: &Scene) -> Result<Self, Error> {
         let (play, last) = (P::open(scene)?, [f32::NAN; MOST]);
         Ok(Self { scene: scene.clone(), play, model: Model::default(), still: false, cut: false, restarts: 0, last })
     }
 
-    fn anew(&mut self) -> Result<(), String> {
+    fn anew(&mut self) -> Result<(), Error> {
         self.play = P::open(&self.scene)?;
         self.play.partner(self.model);
         self.restarts += 1;
@@ -101,7 +102,7 @@ impl<P: Play> SharedEnvironment<P> {
 }
 
 impl<P: Play> Environment for SharedEnvironment<P> {
-    fn command(&mut self, command: Command) -> Result<(), String> {
+    fn command(&mut self, command: Command) -> Result<(), Error> {
         match command {
             Command::Stop => self.still = true,
             Command::Start => {
@@ -118,7 +119,7 @@ impl<P: Play> Environment for SharedEnvironment<P> {
         Ok(())
     }
 
-    fn set(&mut self, scene: Scene) -> Result<(), String> {
+    fn set(&mut self, scene: Scene) -> Result<(), Error> {
         let before = std::mem::replace(&mut self.scene, scene);
         if !same_but_for_network(&before, &self.scene) {
             return self.anew();
@@ -141,7 +142,7 @@ impl<P: Play> Environment for SharedEnvironment<P> {
         self.play.hold(hand, Held::ByNobody);
     }
 
-    fn step(&mut self) -> Result<Sample, String> {
+    fn step(&mut self) -> Result<Sample, Error> {
         if self.still {
             return Ok(self.last);
         }

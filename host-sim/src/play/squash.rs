@@ -12,6 +12,7 @@ use haptic_sim::{key_file::entropy, network::link::Route, scene::Scene};
 use super::environment::Column;
 use super::session::PERIOD_S;
 use super::shared_environment::{Held, Play, scene_route};
+use crate::Error;
 use haptic_environments::said;
 use haptic_environments::squash::bot::{Contestant, Participant, SCALE};
 
@@ -90,7 +91,7 @@ impl Squash {
 }
 
 impl Play for Squash {
-    fn open(scene: &Scene) -> Result<Self, String> {
+    fn open(scene: &Scene) -> Result<Self, Error> {
         let config = ServerConfig { players: COUNT as u8, rallies: RALLIES, bounder: true };
         let seeds = entropy()?;
         let player = |number: usize| {

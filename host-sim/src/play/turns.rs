@@ -16,6 +16,7 @@ use haptic_sim::{key_file::entropy, network::link::Route, rng::Rng, scene::Scene
 use super::environment::Column;
 use super::session::PERIOD_S;
 use super::shared_environment::{Held, Play, scene_route};
+use crate::Error;
 use haptic_environments::said;
 
 /// Number of users at the object.
@@ -282,8 +283,8 @@ impl<const LOCK: bool> Turns<LOCK> {
 }
 
 impl<const LOCK: bool> Play for Turns<LOCK> {
-    fn open(scene: &Scene) -> Result<Self, String> {
-        let lease = Lease::new(LEASE_US).map_err(|error| error.to_string())?;
+    fn open(scene: &Scene) -> Result<Self, Error> {
+        let lease = Lease::new(LEASE_US)?;
         let seeds = entropy()?;
         let mut rng = Rng::new(u64::from_le_bytes([0, 1, 2, 3, 4, 5, 6, 7].map(|at| seeds[at])));
         let everybody = Roster::of(0..USERS as u8);

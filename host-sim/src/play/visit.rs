@@ -16,6 +16,7 @@ use super::environment::Column;
 use super::hand::Hand;
 use super::session::PERIOD_S;
 use super::shared_environment::{Held, Play, scene_route};
+use crate::Error;
 use haptic_environments::world::host::Host;
 use haptic_environments::world::stroke::HAND;
 use haptic_environments::world::visitor::{Correspondent, Setup, Visitor};
@@ -50,9 +51,9 @@ pub(super) const COLUMNS: [Column; 20] = [
     ("touched_2", "", "objects that visitor 2 touches"),
 ];
 
-fn world() -> Result<&'static World, String> {
-    static READ: OnceLock<Result<Box<World>, String>> = OnceLock::new();
-    READ.get_or_init(|| parse(ROOM, "scenes/worlds/room.toml")).as_deref().map_err(Clone::clone)
+fn world() -> Result<&'static World, Error> {
+    static READ: OnceLock<Result<Box<World>, haptic_environments::Error>> = OnceLock::new();
+    Ok(READ.get_or_init(|| parse(ROOM, "scenes/worlds/room.toml")).as_deref()?)
 }
 
 /// Outlines of what there is, for a page to draw, m: corners of what is solid, centre and radius of what is round, ends of a strip.
@@ -141,7 +142,7 @@ impl Visit {
 }
 
 impl Play for Visit {
-    fn open(scene: &Scene) -> Result<Self, String> {
+    fn open(scene: &Scene) -> Result<Self, Error> {
         let key = Key::new(entropy()?);
         let host =
             Host::new(key.clone(), SERVER, COUNT as u32, world()?.clone(), None, || entropy().unwrap_or_default())?;

@@ -89,8 +89,8 @@ enum Answer {
 
 impl Site {
     /// The site of a listener on this machine, with a fresh token of 128 bits.
-    pub(super) fn new(listener: &TcpListener, hello: Value) -> Result<Self, String> {
-        let port = listener.local_addr().map_err(|cause| cause.to_string())?.port();
+    pub(super) fn new(listener: &TcpListener, hello: Value) -> Result<Self, crate::Error> {
+        let port = listener.local_addr()?.port();
         let token = entropy()?[..16].iter().map(|byte| format!("{byte:02x}")).collect();
         Ok(Self { port, token, hello: Arc::new(hello) })
     }
@@ -106,7 +106,7 @@ impl Site {
         listener: TcpListener,
         mailbox: &Arc<Mailbox>,
         asks: SyncSender<Ask>,
-    ) -> Result<(), String> {
+    ) -> Result<(), crate::Error> {
         let (site, mailbox, gate) = (self.clone(), Arc::clone(mailbox), Arc::new(()));
         let accept = move || {
             stand_back(NICENESS);
@@ -123,7 +123,7 @@ impl Site {
             }
         };
         let started = std::thread::Builder::new().name("page".into()).spawn(accept);
-        started.map(drop).map_err(|cause| cause.to_string())
+        Ok(started.map(drop)?)
     }
 
     fn connection(&self, mut stream: TcpStream, mailbox: &Mailbox, asks: &SyncSender<Ask>) -> std::io::Result<()> {

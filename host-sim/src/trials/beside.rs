@@ -19,6 +19,7 @@ use ring::aead::{Aad, CHACHA20_POLY1305, LessSafeKey, Nonce, UnboundKey};
 use serde::Serialize;
 
 use super::load::{self, Clients, Span};
+use crate::Error;
 use haptic_environments::live::serve::Computed;
 use haptic_environments::world::PACKET_US;
 use haptic_live::endpoint::{Endpoint, Live, Stop, Ticker};
@@ -96,7 +97,7 @@ impl Clients for Callers<'_> {
 }
 
 /// Datagrams of so many bytes echoed, one in each packet period for each of `callers`, for so long.
-pub(crate) fn echo(callers: u64, bytes: usize, span: Span, stop: &Stop) -> Result<Echo, String> {
+pub(crate) fn echo(callers: u64, bytes: usize, span: Span, stop: &Stop) -> Result<Echo, Error> {
     let (loopback, start) = (SocketAddr::from(([127, 0, 0, 1], 0)), Instant::now());
     let (server, caller) = (Endpoint::answering(loopback)?.since(start), Endpoint::polled(loopback)?.since(start));
     let mut echoing = Echoing { warm_up_s: span.warm_up_s, since: None, echoed: [0; 2], first: true };
@@ -106,7 +107,7 @@ pub(crate) fn echo(callers: u64, bytes: usize, span: Span, stop: &Stop) -> Resul
             let ticker = Ticker::realtime(Duration::from_micros(PACKET_US));
             server.run(ticker, f64::MAX, &done, &mut echoing)?;
             let (computed, before) = echoing.since.unwrap_or((Computed::now(), echoing.echoed));
-            Ok::<_, String>((computed.share(), computed.seconds(), [0, 1].map(|of| echoing.echoed[of] - before[of])))
+            Ok::<_, Error>((computed.share(), computed.seconds(), [0, 1].map(|of| echoing.echoed[of] - before[of])))
         });
         let datagram = vec![0; bytes];
         let kept = load::run(&caller, server.address, callers, span, stop, &mut Callers(&datagram));
@@ -144,7 +145,7 @@ fn openssl() -> Option<f64> {
 }
 
 /// Measures how long sealing a flow message takes.
-pub(crate) fn sealing() -> Result<Sealing, String> {
+pub(crate) fn sealing() -> Result<Sealing, Error> {
     let key = [7; Key::LEN];
     let (ours, mut message) = (Cipher::new(&Key::new(key)), [0; FLOW]);
     let theirs = UnboundKey::new(&CHACHA20_POLY1305, &key).map_err(|_| "ring takes no key".to_owned())?;

@@ -23,6 +23,7 @@ use serde::Serialize;
 
 use super::beside::{self, Echo};
 use super::load::{self, Clients, Span};
+use crate::Error;
 use haptic_environments::live::serve;
 use haptic_environments::world::host::Host;
 use haptic_environments::world::{CLIENT, PACKET_US, World, line_of, look_around, open_link};
@@ -83,7 +84,7 @@ impl Report {
     }
 
     /// A bare echo of as many datagrams a second as the server took, for as long.
-    pub(crate) fn beside_echo(self, span: Span, stop: &Stop) -> Result<Self, String> {
+    pub(crate) fn beside_echo(self, span: Span, stop: &Stop) -> Result<Self, Error> {
         let rate_hz = self.server.answer.samples as f64 / self.measured_s.max(1e-9);
         let callers = ((rate_hz * 1e-6 * PACKET_US as f64) as u64).max(1);
         let echo = beside::echo(callers, self.answer_bytes.round() as usize, span, stop)?;
@@ -93,7 +94,7 @@ impl Report {
 }
 
 /// `clients` clients at one server of `world`, for the time of `span`, or until it is stopped.
-pub(crate) fn run(world: &World, clients: u32, span: Span, stop: &Stop) -> Result<Report, String> {
+pub(crate) fn run(world: &World, clients: u32, span: Span, stop: &Stop) -> Result<Report, Error> {
     let (key, start) = (Key::new(entropy()?), Instant::now());
     let loopback = SocketAddr::from(([127, 0, 0, 1], 0));
     let (server, load) = (Endpoint::answering(loopback)?.since(start), Endpoint::polled(loopback)?.since(start));
@@ -130,9 +131,9 @@ struct Load<'a> {
 }
 
 impl<'a> Load<'a> {
-    fn new(key: &Key, sent: &'a [AtomicU64], warm_up_s: f64) -> Result<Self, String> {
+    fn new(key: &Key, sent: &'a [AtomicU64], warm_up_s: f64) -> Result<Self, Error> {
         let count = sent.len();
-        let clients: Result<_, String> = (1..=count as u32)
+        let clients: Result<_, Error> = (1..=count as u32)
             .map(|line| {
                 let link = open_link(key.line(line), [CLIENT, SERVER], entropy()?)?.on_line(line);
                 // Spread over the room, so that neighbourhoods differ.

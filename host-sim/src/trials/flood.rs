@@ -30,6 +30,7 @@ use haptic_sim::engine::{Actor, Out};
 use haptic_sim::{key_file::entropy, node::Node, rng::Rng, scene::Scene};
 use serde::Serialize;
 
+use crate::Error;
 use haptic_live::endpoint::{Endpoint, Live, Punctuality, Stop, Ticker};
 
 /// Of so many forged datagrams that are refused, one has the whole state compared.
@@ -100,7 +101,7 @@ struct Field {
 
 /// Holds the scene's object through a flood of so many datagrams per second on both peers together, which is over early if it is
 /// stopped.
-pub(crate) fn run(scene: &Scene, rate_per_s: f64, seconds: f64, stop: &Stop) -> Result<Report, String> {
+pub(crate) fn run(scene: &Scene, rate_per_s: f64, seconds: f64, stop: &Stop) -> Result<Report, Error> {
     let endpoint = || Endpoint::polled(SocketAddr::from(([127, 0, 0, 1], 0)));
     let (endpoints, stranger) = ([endpoint()?, endpoint()?], endpoint()?);
     let addresses = endpoints.each_ref().map(|endpoint| endpoint.address);
@@ -128,8 +129,7 @@ pub(crate) fn run(scene: &Scene, rate_per_s: f64, seconds: f64, stop: &Stop) -> 
     });
     let ended = "one of its threads ended";
     let (sent, flood_s) = flooded.map_err(|_| ended)?;
-    let held: Vec<_> =
-        held.into_iter().map(|held| held.map_err(|_| ended.to_owned())?).collect::<Result<_, String>>()?;
+    let held: Vec<_> = held.into_iter().map(|held| Ok(held.map_err(|_| ended)??)).collect::<Result<_, Error>>()?;
     let punctuality = held.first().map_or_else(Punctuality::default, |(_, kept)| *kept);
 
     let packet = u64::from(scene.peer.timing.ticks_per_packet);
@@ -204,7 +204,7 @@ impl Actor<SocketAddr> for Held<'_> {
 }
 
 impl Live for Held<'_> {
-    fn end(&self) -> Option<Result<(), String>> {
+    fn end(&mut self) -> Option<Result<(), haptic_live::Error>> {
         self.over.then_some(Ok(()))
     }
 }

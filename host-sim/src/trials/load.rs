@@ -7,6 +7,7 @@
 use std::net::SocketAddr;
 use std::time::Duration;
 
+use crate::Error;
 use haptic_environments::live::serve::Computed;
 use haptic_environments::world::PACKET_US;
 use haptic_live::batch::{MOST, OutgoingBatch, ReceivedBatch};
@@ -56,7 +57,7 @@ pub(super) fn run(
     Span { warm_up_s, seconds }: Span,
     stop: &Stop,
     clients: &mut impl Clients,
-) -> Result<Kept, String> {
+) -> Result<Kept, Error> {
     let mut kept = Kept { realtime_priority: realtime(), ..Kept::default() };
     let (period_ns, warm_ns, end_ns) =
         (1_000 * PACKET_US, (1e9 * warm_up_s) as u64, (1e9 * (warm_up_s + seconds)) as u64);
@@ -121,7 +122,7 @@ fn take(
     came: &mut ReceivedBatch,
     going: &mut OutgoingBatch,
     clients: &mut impl Clients,
-) -> Result<(), String> {
+) -> Result<(), Error> {
     for _ in 0..TAKES {
         endpoint.take(came)?;
         for (_, datagram) in came.each() {

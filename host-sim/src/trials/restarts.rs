@@ -11,6 +11,7 @@ use haptic_core::safety::{Guard, Mode};
 use haptic_protocol::key::Key;
 use serde::Serialize;
 
+use crate::Error;
 use haptic_sim::engine::{Actor, Engine, EngineView, Out, Seat, Turn};
 use haptic_sim::{network::link::Route, network::rule::Direction, node::Node, plant::Plant, rng::Rng, scene::Scene};
 
@@ -59,7 +60,7 @@ struct Life {
 }
 
 impl Life {
-    fn new(scene: &Scene, number: u8, device: Plant, rng: &mut Rng) -> Result<Self, String> {
+    fn new(scene: &Scene, number: u8, device: Plant, rng: &mut Rng) -> Result<Self, Error> {
         let entropy = [(); Key::LEN].map(|()| rng.below(256) as u8);
         let node = Node::with_device(scene, number, Key::new([0x5a; Key::LEN]), entropy, device)?;
         Ok(Self { node, to: usize::from(number == 1), did: [Actuators::default(); 2], engaged: false, let_go: true })
@@ -138,7 +139,7 @@ impl World<'_> {
 ///
 /// # Errors
 /// A scene that cannot be built.
-pub fn run(scene: &Scene, count: u64, seed: u64) -> Result<Report, String> {
+pub fn run(scene: &Scene, count: u64, seed: u64) -> Result<Report, Error> {
     let mut rng = Rng::new(seed);
     let timing = &scene.peer.timing;
     let mut life = |number: u8| Life::new(scene, number, Plant::new(scene, usize::from(number) - 1), &mut rng);
@@ -149,7 +150,7 @@ pub fn run(scene: &Scene, count: u64, seed: u64) -> Result<Report, String> {
     let allowed_step_n = Guard::<f64>::build(&scene.peer).max_step;
     let mut world = World { scene, rng, engine, report: Report { allowed_step_n, seed, ..Report::default() } };
     if world.meet().is_none() {
-        return Err(format!("the two peers do not meet within {PATIENCE_S} s: is the network worse than that?"));
+        return Err(format!("the two peers do not meet within {PATIENCE_S} s: is the network worse than that?").into());
     }
     let mut sum_s = 0.0;
     for _ in 0..count {

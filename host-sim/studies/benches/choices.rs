@@ -16,6 +16,7 @@ use std::process::{Command, ExitCode};
 
 use haptic_cases::{Case, Meter};
 use haptic_core::num::Fixed;
+use haptic_studies::Error;
 use haptic_studies::accuracy::counts::{Processor, SCALARS, parse};
 
 /// Where the reviewed counts are.
@@ -54,7 +55,7 @@ fn cases_of(scalar: &str) -> Box<dyn Iterator<Item = Case>> {
 }
 
 /// Instructions per call of every case in one number type, counted in a process of its own.
-fn count(scalar: &str) -> Result<Vec<(String, u64)>, String> {
+fn count(scalar: &str) -> Result<Vec<(String, u64)>, Error> {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("choices-{}", std::process::id()));
     let failed = |what: &str, cause: &dyn std::fmt::Display| format!("{what} {}: {cause}", folder.display());
     std::fs::create_dir_all(&folder).map_err(|cause| failed("cannot make", &cause))?;
@@ -67,30 +68,30 @@ fn count(scalar: &str) -> Result<Vec<(String, u64)>, String> {
         .output()
         .map_err(|cause| format!("cannot run valgrind: {cause}; install it, for example with apt-get"))?;
     if !output.status.success() {
-        return Err(format!("the replay of {scalar} failed:\n{}", String::from_utf8_lossy(&output.stderr)));
+        return Err(format!("the replay of {scalar} failed:\n{}", String::from_utf8_lossy(&output.stderr)).into());
     }
     let counts = cases_of(scalar).enumerate().map(|(at, case)| {
         let total = total(&folder.join(format!("part.{}", at + 1)))?;
         let calls = case.calls as u64;
         Ok((case.name, (total + calls / 2) / calls))
     });
-    let counts = counts.collect::<Result<Vec<_>, String>>()?;
+    let counts = counts.collect::<Result<Vec<_>, Error>>()?;
     std::fs::remove_dir_all(&folder).map_err(|cause| failed("cannot remove", &cause))?;
     Ok(counts)
 }
 
 /// The total of one of callgrind's files.
-fn total(file: &Path) -> Result<u64, String> {
+fn total(file: &Path) -> Result<u64, Error> {
     let text = std::fs::read_to_string(file).map_err(|cause| format!("cannot read {}: {cause}", file.display()))?;
     let total = text.lines().find_map(|line| line.strip_prefix("totals: "));
     match total.and_then(|total| total.trim().parse().ok()) {
         Some(total) if total > 0 => Ok(total),
-        _ => Err(format!("{} has no count: was `measured_call` inlined?", file.display())),
+        _ => Err(format!("{} has no count: was `measured_call` inlined?", file.display()).into()),
     }
 }
 
 /// The table as it is reviewed.
-fn table() -> Result<String, String> {
+fn table() -> Result<String, Error> {
     let mut rows: Vec<(String, Vec<u64>)> = Vec::new();
     for scalar in SCALARS {
         for (at, (name, count)) in count(scalar)?.into_iter().enumerate() {
@@ -115,7 +116,7 @@ fn table() -> Result<String, String> {
 }
 
 /// Every case in both tables, every count within the tolerance.
-fn compare(now: &str) -> Result<(), String> {
+fn compare(now: &str) -> Result<(), Error> {
     let (reviewed, now) = (parse(Processor::X86.reviewed()), parse(now));
     let names: BTreeMap<_, _> = reviewed.iter().chain(&now).collect();
     let mut differences = String::new();
@@ -136,7 +137,8 @@ fn compare(now: &str) -> Result<(), String> {
     }
     Err(format!(
         "the counts are not those of {FILE}:\n{differences}undo what changed them, or accept them with --bless"
-    ))
+    )
+    .into())
 }
 
 fn main() -> ExitCode {
@@ -157,7 +159,7 @@ fn main() -> ExitCode {
             eprintln!("{FILE} rewritten: look at its difference");
             Ok(())
         }),
-        _ => Err(format!("there is no option {}: use --check or --bless", words.join(" "))),
+        _ => Err(format!("there is no option {}: use --check or --bless", words.join(" ")).into()),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

@@ -13,7 +13,7 @@ use haptic_plot::{Dash, Figure, Panel, Series};
 use haptic_report::Columns;
 use haptic_sim::scene::Scene;
 
-use super::Failure;
+use super::Error;
 use super::estimate::Estimate;
 use super::sweep::{METRICS, Metric, Row, all_same, of_runs};
 
@@ -64,7 +64,7 @@ impl Comparison {
     ///
     /// # Errors
     /// A scene that cannot be built or run.
-    pub fn run(&self, done: &(dyn Fn() + Sync)) -> Result<Vec<Row>, Failure> {
+    pub fn run(&self, done: &(dyn Fn() + Sync)) -> Result<Vec<Row>, Error> {
         let verdicts = self.entrants.par_iter().map(|entrant| haptic_analysis::verdict(&entrant.scene));
         let verdicts = verdicts.collect::<Result<Vec<_>, _>>()?;
         let first = self.entrants.first().map_or(0, |entrant| entrant.scene.world.network.seed);

@@ -26,7 +26,7 @@ use haptic_sim::plant::Drive;
 use haptic_sim::scene::{DriveName, Scene};
 use rayon::prelude::*;
 
-use super::Failure;
+use super::Error;
 use super::accuracy::rms;
 
 /// How far the hand goes, m.
@@ -144,7 +144,7 @@ impl Force {
 ///
 /// # Errors
 /// The scene's device has no slides; a current loop that core refuses.
-pub fn measure(scene: &Scene, command_n: f64) -> Result<Force, Failure> {
+pub fn measure(scene: &Scene, command_n: f64) -> Result<Force, Error> {
     if scene.peer.kinematics.model != KinematicsName::Direct {
         return Err("kinematics.model must be \"direct\" here: the hand moves a slide".into());
     }
@@ -165,7 +165,7 @@ pub fn measure(scene: &Scene, command_n: f64) -> Result<Force, Failure> {
                 let [open, closed] = [0, 1].map(|at: usize| run(&drives[at], command, command_n, hand_m));
                 Ok(Row { command, command_n, open: open?, closed: closed? })
             })
-            .collect::<Result<Vec<_>, Failure>>()
+            .collect::<Result<Vec<_>, Error>>()
     };
     let sines = || RESPONSE_HZ.map(|hz| (Command::Sine(hz), command_n)).into_iter();
     let in_band = sines().filter(|(command, _)| !matches!(command, Command::Sine(hz) if *hz > BAND_HZ));
@@ -182,7 +182,7 @@ pub fn measure(scene: &Scene, command_n: f64) -> Result<Force, Failure> {
 const THEORY_N: f64 = 0.42;
 
 /// One command of this root mean square (N) on a joint that moves by this (m).
-fn run(scene: &Scene, command: Command, command_n: f64, hand_m: f64) -> Result<DriveResponse, Failure> {
+fn run(scene: &Scene, command: Command, command_n: f64, hand_m: f64) -> Result<DriveResponse, Error> {
     let (settings, period_s) = (&scene.peer, scene.peer.timing.control_period_s);
     let motor = Motor::<f64>::build(settings);
     let mut drive = Drive::new(settings, &scene.world.plant, u64::from(scene.world.network.seed))?;
@@ -286,7 +286,7 @@ const LOOPS_HZ: [f64; 4] = [300.0, 500.0, 1000.0, 2000.0];
 ///
 /// # Errors
 /// A scene that the analyser cannot judge.
-pub fn stiffest(scene: &Scene) -> Result<Vec<Stiffest>, Failure> {
+pub fn stiffest(scene: &Scene) -> Result<Vec<Stiffest>, Error> {
     let exact = |force: &str, delay_ticks: f64| {
         let mut scene = scene.clone();
         scene.world.plant.winding = false;

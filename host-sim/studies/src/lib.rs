@@ -5,6 +5,7 @@ pub mod accuracy;
 pub mod architectures;
 pub mod campaign;
 pub mod compare;
+mod error;
 pub mod estimate;
 pub mod figures;
 pub mod force;
@@ -17,4 +18,4 @@ pub mod reproduce;
 pub mod sweep;
 pub mod transparency;
 
-type Failure = Box<dyn std::error::Error + Send + Sync>;
+pub use error::Error;

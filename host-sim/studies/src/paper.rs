@@ -11,7 +11,7 @@ use haptic_report::Columns;
 use haptic_sim::run::{Options, Outcome, run};
 use haptic_sim::scenes;
 
-use super::Failure;
+use super::Error;
 
 /// Simulated time of every experiment, s.
 pub const DURATION_S: f64 = 20.0;
@@ -68,7 +68,7 @@ impl Gain {
 }
 
 /// Runs every experiment of the paper and the matched line, in parallel.
-pub fn experiments() -> Result<Vec<Experiment>, Failure> {
+pub fn experiments() -> Result<Vec<Experiment>, Error> {
     let names = scenes::ALL.iter().filter_map(|(name, _)| Some((*name, section(name)?)));
     names.collect::<Vec<_>>().into_par_iter().map(experiment).collect()
 }
@@ -78,7 +78,7 @@ fn section(name: &'static str) -> Option<&'static str> {
     paper.or_else(|| (name == "matched-line").then_some(name))
 }
 
-fn experiment((name, section): (&'static str, &'static str)) -> Result<Experiment, Failure> {
+fn experiment((name, section): (&'static str, &'static str)) -> Result<Experiment, Error> {
     let scene = scenes::load(haptic_sim::Laws::built_in(), name)?;
     let timing = &scene.peer.timing;
     let outcome = run::<f64>(&scene, Options::recorded(DURATION_S, timing.control_period_s), &|_| {})?;
@@ -101,7 +101,7 @@ fn experiment((name, section): (&'static str, &'static str)) -> Result<Experimen
 }
 
 /// The paper's largest gains beside the boundaries of this model, in the experiments' configuration.
-pub fn gains() -> Result<Vec<Gain>, Failure> {
+pub fn gains() -> Result<Vec<Gain>, Error> {
     let gain = |printed: &Printed| {
         let scene = scenes::load(haptic_sim::Laws::built_in(), &format!("paper-5.1-{}-16ms", printed.law))?;
         let range = Range { key: "coordination.stiffness_n_per_m".to_owned(), from: 1.0, to: 12_000.0 };

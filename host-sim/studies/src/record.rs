@@ -3,6 +3,7 @@
 use haptic_core::device::Reading;
 use haptic_core::settings::{Key, Settings};
 
+use crate::Error;
 use haptic_board_tools::calibrate::settings_file::plain;
 use haptic_cases::replay::{EXACT, EXCHANGE, PACKET, SEED, fold};
 use haptic_sim::pair::{Pair, PeerTick};
@@ -31,11 +32,11 @@ fn lines(settings: &Settings) -> String {
 ///
 /// # Errors
 /// A scene that cannot be built.
-pub fn record(scene: &Scene, number: usize, ticks: u64) -> Result<Recording, String> {
+pub fn record(scene: &Scene, number: usize, ticks: u64) -> Result<Recording, Error> {
     if scene.world.network.clock_drift_ppm != 0.0 {
-        return Err("network.clock_drift_ppm must be 0: a recording has one tick a control period".to_owned());
+        return Err("network.clock_drift_ppm must be 0: a recording has one tick a control period".into());
     }
-    let mut pair = Pair::<f32>::new(scene).map_err(|refused| refused.to_string())?;
+    let mut pair = Pair::<f32>::new(scene)?;
     let settings = scene.peers()[number - 1];
     let text = lines(&settings);
     let mut bytes = (text.len() as u32).to_le_bytes().to_vec();

@@ -21,7 +21,7 @@ use haptic_sim::measure::impedance::{Answer, Complex, RemoteEnd, SPEED_M_PER_S, 
 use haptic_sim::scene::Scene;
 use rayon::prelude::*;
 
-use super::Failure;
+use super::Error;
 
 /// Stiffness of the walls that are judged, N/m.
 pub const WALLS_N_PER_M: [f64; 4] = [1e3, 1e4, 1e5, 1e6];
@@ -122,15 +122,13 @@ impl Curve {
 ///
 /// # Errors
 /// Half of it is no whole number of packets, or more than a scene takes.
-fn delayed(scene: &Scene, round_trip_ms: f64) -> Result<Scene, Failure> {
+fn delayed(scene: &Scene, round_trip_ms: f64) -> Result<Scene, Error> {
     let mut delayed = scene.linear();
     let packet_ms = 1e3 * scene.peer.timing.packet_period_s();
     let packets = 0.5 * round_trip_ms / packet_ms;
     if (packets - packets.round()).abs() > 1e-6 {
-        let twice = 2.0 * packet_ms;
-        return Err(
-            format!("a round trip of {round_trip_ms} ms is not allowed: it must be a multiple of {twice} ms").into()
-        );
+        let allowed = format!("it must be a multiple of {} ms", 2.0 * packet_ms);
+        return Err(haptic_sim::Error::not_allowed(format!("a round trip of {round_trip_ms} ms"), allowed).into());
     }
     delayed.set_number("network.one_way_delay_packets", packets.round())?;
     delayed.set_number("network.extra_delay_s", 0.0)?;
@@ -143,7 +141,7 @@ fn delayed(scene: &Scene, round_trip_ms: f64) -> Result<Scene, Failure> {
 ///
 /// # Errors
 /// Delays that are no whole packets; packets that do not go every tick; settings that no peer accepts.
-pub fn study(scene: &Scene, round_trips_ms: &[f64], done: &(dyn Fn() + Sync)) -> Result<Vec<Curve>, Failure> {
+pub fn study(scene: &Scene, round_trips_ms: &[f64], done: &(dyn Fn() + Sync)) -> Result<Vec<Curve>, Error> {
     let cases = round_trips_ms.iter().flat_map(|round_trip_ms| [1, 2].map(|end| (*round_trip_ms, end)));
     let curve = |(round_trip_ms, end): (f64, usize)| {
         let scene = delayed(scene, round_trip_ms)?;
@@ -158,7 +156,7 @@ pub fn study(scene: &Scene, round_trips_ms: &[f64], done: &(dyn Fn() + Sync)) ->
                 false => Ok(None),
             };
             let [held, alone] = FARS.map(measured);
-            Ok::<_, Failure>(Point { frequency_hz, analysed, measured: [held?, alone?] })
+            Ok::<_, Error>(Point { frequency_hz, analysed, measured: [held?, alone?] })
         };
         let points = points.into_par_iter().map(point).collect::<Result<_, _>>()?;
         let curve = Curve { round_trip_ms, end, points, stiffest_wall_n_per_m: stiffest_wall(&scene, 3 - end)? };
@@ -180,7 +178,7 @@ fn frequencies_hz(scene: &Scene, finer: usize) -> Vec<f64> {
 }
 
 /// The stiffest wall up to which the device of peer `number` may meet all of [`WALLS_N_PER_M`], for good, in every mode.
-fn stiffest_wall(scene: &Scene, number: usize) -> Result<Option<f64>, Failure> {
+fn stiffest_wall(scene: &Scene, number: usize) -> Result<Option<f64>, Error> {
     let mut stiffest = None;
     for stiffness in WALLS_N_PER_M {
         let mut walled = scene.clone();

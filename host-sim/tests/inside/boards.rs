@@ -9,13 +9,13 @@ struct Written {
 }
 
 impl BoardLink for Written {
-    fn ask(&mut self, line: &str) -> Result<String, String> {
+    fn ask(&mut self, line: &str) -> Result<String, Error> {
         self.said.lock().expect("a list").push(line.to_owned());
         self.armed = (self.armed || line == "arm") && line != "disarm";
         Ok(format!("ok {line}"))
     }
 
-    fn rows(&mut self, _: f64) -> Result<Vec<[f64; NUMBERS]>, String> {
+    fn rows(&mut self, _: f64) -> Result<Vec<[f64; NUMBERS]>, Error> {
         std::thread::sleep(Duration::from_millis(5));
         self.ticks += 4;
         let mut row = [0.0; NUMBERS];

@@ -3,7 +3,7 @@ use haptic_sim::Laws;
 use super::*;
 
 fn refused(line: &str) -> String {
-    apply(&Scene::new(Laws::built_in()), line).expect_err(line)
+    apply(&Scene::new(Laws::built_in()), line).expect_err(line).to_string()
 }
 
 #[test]

@@ -8,6 +8,7 @@ use haptic_sim::node::Node;
 use haptic_sim::scene::Scene;
 
 use crate::pc::{board_ip, board_mac, peers_key, resolved, udp};
+use host_sim::Error;
 
 /// Port of the flow, at both ends.
 const FLOW: u16 = 7701;
@@ -29,7 +30,7 @@ impl Partner {
     ///
     /// # Errors
     /// What host-sim refuses.
-    pub fn new(scene: &Scene, number: usize) -> Result<Self, String> {
+    pub fn new(scene: &Scene, number: usize) -> Result<Self, Error> {
         let node = Node::new(scene, number as u8, peers_key(), [0x77; Key::LEN])?;
         Ok(Self { node, number, out: Vec::new(), refused: 0 })
     }

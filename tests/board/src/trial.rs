@@ -18,6 +18,7 @@ use crate::image::Firmware;
 use crate::node::Report;
 use crate::twin::{self, Armed, Equal};
 use crate::wire::Line;
+use host_sim::Error;
 
 /// What a scene on two boards gave.
 #[derive(Debug)]
@@ -59,17 +60,15 @@ pub struct Trial {
 ///
 /// # Errors
 /// One sentence: what to change.
-pub fn line(scene: &Scene) -> Result<Line, String> {
+pub fn line(scene: &Scene) -> Result<Line, Error> {
     let network = &scene.world.network;
     if network.one_way_delay_packets == 0 {
-        return Err(
-            "network.one_way_delay_packets must be at least 1: a wire cannot deliver within the tick".to_owned()
-        );
+        return Err("network.one_way_delay_packets must be at least 1: a wire cannot deliver within the tick".into());
     }
     if network.clock_drift_ppm != 0.0 || network.playout_packets != 0 {
         return Err("the boards' clocks do not drift and have no play-out buffer: leave network.clock_drift_ppm and \
                     network.playout_packets alone; `host-sim cooperate` runs them"
-            .to_owned());
+            .into());
     }
     let packet_ns = u64::from(scene.peer.timing.ticks_per_packet) * PERIOD_NS;
     // It is heard a control period after it has arrived.
@@ -91,13 +90,12 @@ fn dropped(bench: &mut Bench, number: usize) -> u64 {
 ///
 /// # Errors
 /// The wire cannot do what the scene asks for, or the boards cannot run it.
-pub fn run(firmware: &Arc<Firmware>, scene: &Scene, seconds: f64) -> Result<Trial, String> {
+pub fn run(firmware: &Arc<Firmware>, scene: &Scene, seconds: f64) -> Result<Trial, Error> {
     let scene = for_boards(scene);
     let line = line(&scene)?;
     let given = of_scene(&scene, Direction::OneToTwo, 0).is_some() || scene.law().sends == Sends::Counters;
     let ticks = (seconds / scene.peer.timing.control_period_s).round() as u64;
-    let host_sim = haptic_sim::run::run::<f32>(&scene, Options::recorded(seconds, 1e-3), &|_| {})
-        .map_err(|refused| refused.to_string())?;
+    let host_sim = haptic_sim::run::run::<f32>(&scene, Options::recorded(seconds, 1e-3), &|_| {})?;
     let wall = Instant::now();
     let mut bench = Bench::start(firmware, 2, line);
     bench.set_up(&scene)?;

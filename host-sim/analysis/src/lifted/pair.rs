@@ -9,7 +9,7 @@ use super::Lifted;
 use super::closing::{End, close};
 use super::delay::delays_ticks;
 use super::driven::Response;
-use crate::error::AnalysisError;
+use crate::error::Error;
 
 /// Whether the two peers, their devices and both directions of the network are the same.
 pub fn is_symmetric(linear: &Scene) -> bool {
@@ -96,12 +96,12 @@ impl<'a> Joined<'a> {
 ///
 /// # Errors
 /// A scene that cannot be built.
-pub fn pair_matrix(linear: &Scene) -> Result<Lifted, AnalysisError> {
+pub fn pair_matrix(linear: &Scene) -> Result<Lifted, Error> {
     seated_matrix([linear, linear])
 }
 
 /// [`pair_matrix`] with a scene for each peer ([`seat`]).
-pub(crate) fn seated_matrix(seats: [&Scene; 2]) -> Result<Lifted, AnalysisError> {
+pub(crate) fn seated_matrix(seats: [&Scene; 2]) -> Result<Lifted, Error> {
     let (delays, ticks_per_packet) = (delays_ticks(seats[0]), seats[0].peer.timing.ticks_per_packet as usize);
     let mut answers = <[Response; 2]>::default();
     for (at, answer) in answers.iter_mut().enumerate() {

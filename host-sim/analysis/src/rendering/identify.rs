@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use super::maps::{Sweep, at, first, stiffness_limit};
 use super::{Body, Place, Renderer, Rendering};
-use crate::error::AnalysisError;
+use crate::error::Error;
 use crate::search::crossings;
 
 /// The paper's stiffness, N/m.
@@ -56,7 +56,7 @@ pub fn wall(mass_kg: f64, damping_n_s_per_m: f64, computing_ticks: f64) -> Rende
 ///
 /// # Errors
 /// As [`identify`].
-pub fn device(mass_kg: f64, object_mass_kg: f64) -> Result<Rendering, AnalysisError> {
+pub fn device(mass_kg: f64, object_mass_kg: f64) -> Result<Rendering, Error> {
     let found = identify(mass_kg)?;
     let object = Some(Body { mass_kg: object_mass_kg, damping_n_s_per_m: 0.0 });
     Ok(Rendering { object, period_s: 1e-3, ..wall(mass_kg, found.damping_n_s_per_m, found.computing_ticks) })
@@ -66,8 +66,8 @@ pub fn device(mass_kg: f64, object_mass_kg: f64) -> Result<Rendering, AnalysisEr
 ///
 /// # Errors
 /// A mass for which no device fits the statement, or eigenvalues that do not converge.
-pub fn identify(mass_kg: f64) -> Result<Identified, AnalysisError> {
-    let largest = |rendering: &Rendering| -> Result<f64, AnalysisError> {
+pub fn identify(mass_kg: f64) -> Result<Identified, Error> {
+    let largest = |rendering: &Rendering| -> Result<f64, Error> {
         Ok(first(&stiffness_limit(rendering)?).unwrap_or(f64::INFINITY))
     };
     let (mut damping, mut late) = (STIFFNESS_N_PER_M * DELAY_S, 1.0);
@@ -89,7 +89,7 @@ pub fn identify(mass_kg: f64) -> Result<Identified, AnalysisError> {
         // What more damping gives, sampling must take.
         late = (late * short / short_sampled).max(0.5);
     }
-    Err(AnalysisError::NoConvergence)
+    Err(Error::NoConvergence)
 }
 
 /// What the stiffness of the statement asks of a device in front of a wall.
@@ -105,11 +105,11 @@ pub struct Needs {
 ///
 /// # Errors
 /// Eigenvalues that do not converge.
-pub fn needs(base: &Rendering) -> Result<Needs, AnalysisError> {
+pub fn needs(base: &Rendering) -> Result<Needs, Error> {
     let wall = Rendering { object: None, ..*base };
     wall.check()?;
     let times: Vec<f64> = (0..=60).map(|step| 1e-5 * 10_f64.powf(f64::from(step) / 12.0)).collect();
-    let longest = |sweep| -> Result<Option<f64>, AnalysisError> {
+    let longest = |sweep| -> Result<Option<f64>, Error> {
         let found = crossings(&times, false, 1e-4, |renderer: &mut Renderer, time_s, radii| {
             radii.push(renderer.polar(&at(&wall, sweep, time_s, None), STIFFNESS_N_PER_M)?);
             Ok(())

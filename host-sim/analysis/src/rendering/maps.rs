@@ -13,7 +13,7 @@ use serde::Serialize;
 
 use super::closed::largest_stiffness;
 use super::{Place, Renderer, Rendering};
-use crate::error::AnalysisError;
+use crate::error::Error;
 use crate::limit::Limit;
 use crate::search::crossings;
 use haptic_report::Columns;
@@ -73,10 +73,10 @@ pub struct Curve {
 }
 
 /// The stiffness around which to look, N/m, of a scene that can be looked at.
-fn scale(rendering: &Rendering) -> Result<f64, AnalysisError> {
+fn scale(rendering: &Rendering) -> Result<f64, Error> {
     rendering.check()?;
     let near = largest_stiffness(rendering);
-    AnalysisError::within("damping over delay", near, [1e-9, 1e12], "N/m")?;
+    Error::within("damping over delay", near, [1e-9, 1e12], "N/m")?;
     Ok(near)
 }
 
@@ -84,7 +84,7 @@ fn scale(rendering: &Rendering) -> Result<f64, AnalysisError> {
 ///
 /// # Errors
 /// A number that is out of range, or a delay that the sampled map cannot hold.
-pub fn check(base: &Rendering, sampling_s: Option<f64>) -> Result<(), AnalysisError> {
+pub fn check(base: &Rendering, sampling_s: Option<f64>) -> Result<(), Error> {
     for (base, sweep) in sweeps(base) {
         for time_s in RANGE_S {
             scale(&at(&base, sweep, time_s, sampling_s))?;
@@ -97,7 +97,7 @@ pub fn check(base: &Rendering, sampling_s: Option<f64>) -> Result<(), AnalysisEr
 ///
 /// # Errors
 /// A number that is out of range, or eigenvalues that do not converge.
-pub fn stiffness_limit(rendering: &Rendering) -> Result<Limit, AnalysisError> {
+pub fn stiffness_limit(rendering: &Rendering) -> Result<Limit, Error> {
     let near = scale(rendering)?;
     let fifths = |octaves: std::ops::RangeInclusive<i32>| {
         (5 * octaves.start()..=5 * octaves.end()).map(|fifth| f64::from(fifth) / 5.0).collect::<Vec<_>>()
@@ -114,7 +114,7 @@ pub fn stiffness_limit(rendering: &Rendering) -> Result<Limit, AnalysisError> {
 }
 
 /// Crossings among `near` times 2 to the power of each of `octaves`.
-fn scan(rendering: &Rendering, near: f64, octaves: &[f64]) -> Result<Limit, AnalysisError> {
+fn scan(rendering: &Rendering, near: f64, octaves: &[f64]) -> Result<Limit, Error> {
     let points: Vec<f64> = octaves.iter().map(|octave| near * octave.exp2()).collect();
     let found = crossings(&points, false, TOLERANCE, |renderer: &mut Renderer, stiffness, radii| {
         radii.push(renderer.polar(rendering, stiffness)?);
@@ -145,12 +145,7 @@ pub fn at(base: &Rendering, sweep: Sweep, time_s: f64, sampling_s: Option<f64>) 
 ///
 /// # Errors
 /// A number that is out of range, or eigenvalues that do not converge.
-pub fn curve(
-    base: &Rendering,
-    sweep: Sweep,
-    sampling_s: Option<f64>,
-    done: impl Fn() + Sync,
-) -> Result<Curve, AnalysisError> {
+pub fn curve(base: &Rendering, sweep: Sweep, sampling_s: Option<f64>, done: impl Fn() + Sync) -> Result<Curve, Error> {
     let [from, to] = RANGE_S;
     let point = |at_point: usize| {
         let time_s = from * (to / from).powf(at_point as f64 / (POINTS - 1) as f64);
@@ -164,7 +159,7 @@ pub fn curve(
             crossings: limit.crossings,
         })
     };
-    let points = (0..POINTS).into_par_iter().map(point).collect::<Result<_, AnalysisError>>()?;
+    let points = (0..POINTS).into_par_iter().map(point).collect::<Result<_, Error>>()?;
     Ok(Curve { sweep, wall: base.object.is_none(), points })
 }
 

@@ -36,7 +36,7 @@ use serde::Serialize;
 use super::lifted::{Lifted, rest};
 use super::matrix::reset;
 use super::spectrum::{Polar, Spectrum, radius};
-use crate::error::AnalysisError;
+use crate::error::Error;
 use haptic_sim::plant::Linear;
 
 /// Where a delay can sit, in the order of the paper's delay1 … delay4.
@@ -117,9 +117,9 @@ impl Rendering {
     ///
     /// # Errors
     /// A number that is infinite, NaN, or beyond what the map can hold.
-    pub fn check(&self) -> Result<(), AnalysisError> {
-        let positive = |key, value, unit| AnalysisError::within(key, value, [1e-6, 1e6], unit);
-        let any = |key, value, unit| AnalysisError::within(key, value, [0.0, 1e6], unit);
+    pub fn check(&self) -> Result<(), Error> {
+        let positive = |key, value, unit| Error::within(key, value, [1e-6, 1e6], unit);
+        let any = |key, value, unit| Error::within(key, value, [0.0, 1e6], unit);
         positive("device_mass_kg", self.device.mass_kg, "kg")?;
         any("device_damping_n_s_per_m", self.device.damping_n_s_per_m, "N·s/m")?;
         if let Some(object) = self.object {
@@ -127,11 +127,11 @@ impl Rendering {
             any("object_damping_n_s_per_m", object.damping_n_s_per_m, "N·s/m")?;
         }
         any("contact_damping_n_s_per_m", self.contact_damping_n_s_per_m, "N·s/m")?;
-        AnalysisError::within("sampling_period_s", self.period_s, [1e-6, 10.0], "s")?;
-        AnalysisError::within("computing_ticks", self.computing_ticks, [0.0, 10.0], "ticks")?;
+        Error::within("sampling_period_s", self.period_s, [1e-6, 10.0], "s")?;
+        Error::within("computing_ticks", self.computing_ticks, [0.0, 10.0], "ticks")?;
         for (place, delay_s) in Place::ALL.into_iter().zip(self.delays_s) {
             let most_s = MOST_TICKS * self.period_s;
-            AnalysisError::within(&format!("delay_s ({})", place.name()), delay_s, [0.0, most_s], "s")?;
+            Error::within(&format!("delay_s ({})", place.name()), delay_s, [0.0, most_s], "s")?;
         }
         Ok(())
     }
@@ -163,15 +163,15 @@ impl Renderer {
     ///
     /// # Errors
     /// Eigenvalues that do not converge.
-    pub fn radius(&mut self, rendering: &Rendering, stiffness_n_per_m: f64) -> Result<f64, AnalysisError> {
+    pub fn radius(&mut self, rendering: &Rendering, stiffness_n_per_m: f64) -> Result<f64, Error> {
         self.polar(rendering, stiffness_n_per_m).map(|polar| radius(&polar))
     }
 
     /// Eigenvalues of the sampled map, as size and angle.
-    fn polar(&mut self, rendering: &Rendering, stiffness_n_per_m: f64) -> Result<Polar, AnalysisError> {
+    fn polar(&mut self, rendering: &Rendering, stiffness_n_per_m: f64) -> Result<Polar, Error> {
         self.build(rendering, stiffness_n_per_m);
         rest::divide_out(&mut self.lifted);
-        self.spectrum.polar(&mut self.lifted.matrix).ok_or(AnalysisError::NoConvergence)
+        self.spectrum.polar(&mut self.lifted.matrix).ok_or(Error::NoConvergence)
     }
 
     /// Writes the sampled map.

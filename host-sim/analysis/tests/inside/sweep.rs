@@ -2,7 +2,7 @@
 
 use super::*;
 
-fn sweep(key: &str, from: f64, to: f64) -> Result<Sweep, AnalysisError> {
+fn sweep(key: &str, from: f64, to: f64) -> Result<Sweep, Error> {
     Sweep::new(&Scene::default(), Range { key: key.to_owned(), from, to })
 }
 

@@ -8,6 +8,7 @@ use haptic_core::settings::{Choice, Settings, Value};
 use haptic_core::{device::AXES, device::kinematics::KinematicsName, num::Motion};
 use haptic_protocol::record::Record;
 
+use crate::Error;
 use crate::status::Probed;
 
 /// One tick of a board, as far as a calibration needs it.
@@ -47,21 +48,21 @@ impl Tick {
 /// A board, or what stands for one.
 pub trait Board {
     /// Says a line and gives the answer, which begins with `ok` or `error`.
-    fn ask(&mut self, line: &str) -> Result<String, String>;
+    fn ask(&mut self, line: &str) -> Result<String, Error>;
 
     /// Lets so much time pass, and gives the ticks that came since the last time.
-    fn ticks(&mut self, seconds: f64) -> Result<Vec<Tick>, String>;
+    fn ticks(&mut self, seconds: f64) -> Result<Vec<Tick>, Error>;
 }
 
 /// Sends a line that must be answered with `ok`, and gives what follows it.
 ///
 /// # Errors
 /// The board's refusal, or its silence.
-pub fn say(board: &mut dyn Board, line: &str) -> Result<String, String> {
+pub fn say(board: &mut dyn Board, line: &str) -> Result<String, Error> {
     let answer = board.ask(line)?;
     match answer.strip_prefix("ok") {
         Some(rest) => Ok(rest.trim_start().to_owned()),
-        None => Err(format!("the board answers {line:?} with {answer:?}")),
+        None => Err(Error::Answer { line: line.to_owned(), answer }),
     }
 }
 
@@ -69,7 +70,7 @@ pub fn say(board: &mut dyn Board, line: &str) -> Result<String, String> {
 ///
 /// # Errors
 /// No answer, or one that cannot be read.
-pub fn probed(board: &mut dyn Board) -> Result<Probed, String> {
+pub fn probed(board: &mut dyn Board) -> Result<Probed, Error> {
     Probed::parse(&say(board, "probed")?)
 }
 
@@ -77,7 +78,7 @@ pub fn probed(board: &mut dyn Board) -> Result<Probed, String> {
 ///
 /// # Errors
 /// No answer, or a key that the board does not know.
-pub fn get(board: &mut dyn Board, key: &str) -> Result<String, String> {
+pub fn get(board: &mut dyn Board, key: &str) -> Result<String, Error> {
     let answer = say(board, &format!("get {key}"))?;
     Ok(answer.split_once('=').map_or(answer.as_str(), |(_, value)| value).trim().trim_matches('"').to_owned())
 }
@@ -86,7 +87,7 @@ pub fn get(board: &mut dyn Board, key: &str) -> Result<String, String> {
 ///
 /// # Errors
 /// No answer, or a value that the key does not accept.
-pub fn settings(board: &mut dyn Board) -> Result<Settings, String> {
+pub fn settings(board: &mut dyn Board) -> Result<Settings, Error> {
     const TABLES: [&str; 6] = ["timing.", "axis.", "encoder.", "kinematics.", "motor.", "probe."];
     let mut settings = Settings::default();
     for key in Settings::keys().filter(|key| TABLES.iter().any(|table| key.name.starts_with(table))) {
@@ -116,9 +117,10 @@ impl Joint {
     ///
     /// # Errors
     /// A joint that the device does not have.
-    pub fn of(settings: &Settings, number: u32) -> Result<Self, String> {
+    pub fn of(settings: &Settings, number: u32) -> Result<Self, Error> {
         if !(1..=settings.axis.count).contains(&number) {
-            return Err(format!("joint {number} is not allowed: axis.count is {}", settings.axis.count));
+            let allowed = format!("axis.count is {}", settings.axis.count);
+            return Err(haptic_sim::Error::not_allowed(format!("joint {number}"), allowed).into());
         }
         let (encoder, kinematics) = (&settings.encoder, &settings.kinematics);
         let counts_per_unit = match kinematics.model {
@@ -129,11 +131,10 @@ impl Joint {
                     "kinematics.model = \"{}\" is not allowed here: what one joint moves depends on the pose; `calibrate sign` \
                      works, the rest is for \"direct\" and \"capstan\"",
                     model.name()
-                ));
+                ).into());
             }
         };
-        let model = haptic_core::device::kinematics::AnyKinematics::<f64>::build(settings)
-            .map_err(|refused| refused.to_string())?;
+        let model = haptic_core::device::kinematics::AnyKinematics::<f64>::build(settings)?;
         let lever = model.forward([Motion::REST; AXES]).jacobian[number as usize - 1][number as usize - 1];
         let sign = if encoder.reversed { -1.0 } else { 1.0 };
         Ok(Self {
@@ -162,7 +163,7 @@ pub struct Run {
 ///
 /// # Errors
 /// The board refused the probe, fell silent, or lost records.
-pub fn run(board: &mut dyn Board, joint: u32, line: &str) -> Result<Run, String> {
+pub fn run(board: &mut dyn Board, joint: u32, line: &str) -> Result<Run, Error> {
     say(board, "stream 1")?;
     let outcome = record(board, line);
     say(board, "stream off")?;
@@ -175,7 +176,7 @@ pub fn run(board: &mut dyn Board, joint: u32, line: &str) -> Result<Run, String>
     for tick in ticks {
         if let Some(last) = last {
             if tick.number.wrapping_sub(last.number) != 1 {
-                return Err(format!("ticks {} to {} got lost on the way: try again", last.number, tick.number));
+                return Err(format!("ticks {} to {} got lost on the way: try again", last.number, tick.number).into());
             }
             total += f64::from(tick.counts[at].wrapping_sub(last.counts[at]).cast_signed());
         }
@@ -188,7 +189,7 @@ pub fn run(board: &mut dyn Board, joint: u32, line: &str) -> Result<Run, String>
 }
 
 /// The ticks of a probe, with the one after it.
-fn record(board: &mut dyn Board, line: &str) -> Result<Vec<Tick>, String> {
+fn record(board: &mut dyn Board, line: &str) -> Result<Vec<Tick>, Error> {
     /// Longer than any probe.
     const PATIENCE_S: f64 = 15.0;
     const LOOK_S: f64 = 0.05;
@@ -201,7 +202,9 @@ fn record(board: &mut dyn Board, line: &str) -> Result<Vec<Tick>, String> {
             let begun = !ticks.is_empty();
             match tick.mode {
                 PROBING => ticks.push(tick),
-                FAULTED => return Err(format!("the board stopped with a fault during {line:?}: `status` says which")),
+                FAULTED => {
+                    return Err(format!("the board stopped with a fault during {line:?}: `status` says which").into());
+                }
                 _ if begun => {
                     ticks.push(tick);
                     return Ok(ticks);
@@ -218,5 +221,5 @@ fn record(board: &mut dyn Board, line: &str) -> Result<Vec<Tick>, String> {
             over = !probed(board)?.is_running();
         }
     }
-    Err(format!("no ticks of {line:?} came within {PATIENCE_S} s"))
+    Err(format!("no ticks of {line:?} came within {PATIENCE_S} s").into())
 }

@@ -5,6 +5,7 @@
 
 use super::board::{Board, Joint, Tick, say, settings};
 use super::{Estimate, Found, Person, Task};
+use crate::Error;
 use haptic_core::device::kinematics::KinematicsName;
 
 /// By how much the joint is to be moved.
@@ -27,12 +28,12 @@ const RESTING: f64 = 4.0;
 ///
 /// # Errors
 /// Too few counts for the distance, or marks that scatter too much.
-pub fn scale(moved_counts: f64, spread_counts: f64, distance: Distance) -> Result<Vec<Found>, String> {
+pub fn scale(moved_counts: f64, spread_counts: f64, distance: Distance) -> Result<Vec<Found>, Error> {
     if moved_counts.abs() < FEWEST {
         return Err(format!(
             "the encoder counted {moved_counts:.0}: too few for a scale, it must be at least {FEWEST:.0}; move it further, \
              or look at its wiring"
-        ));
+        ).into());
     }
     let (key, unit, length) = match distance {
         Distance::Metres(metres) => ("encoder.counts_per_m", "counts/m", metres),
@@ -43,16 +44,16 @@ pub fn scale(moved_counts: f64, spread_counts: f64, distance: Distance) -> Resul
 }
 
 /// Mean position and spread of a joint at rest, in counts from `from`, and the last tick.
-fn rest(board: &mut dyn Board, at: usize, last: &mut Option<Tick>, total: &mut f64) -> Result<(f64, f64), String> {
+fn rest(board: &mut dyn Board, at: usize, last: &mut Option<Tick>, total: &mut f64) -> Result<(f64, f64), Error> {
     follow(board.ticks(0.05)?, at, last, total, |_| ())?;
     let mut seen = Vec::new();
     follow(board.ticks(0.2)?, at, last, total, |total| seen.push(total))?;
     let (low, high) = seen.iter().fold((f64::MAX, f64::MIN), |(low, high), &at| (at.min(low), at.max(high)));
     if seen.len() < 5 {
-        return Err("the board's ticks do not come: is something else listening to it?".to_owned());
+        return Err("the board's ticks do not come: is something else listening to it?".into());
     }
     if high - low > RESTING {
-        return Err(format!("it moved by {:.0} counts at a mark: hold it still there", high - low));
+        return Err(format!("it moved by {:.0} counts at a mark: hold it still there", high - low).into());
     }
     Ok((seen.iter().sum::<f64>() / seen.len() as f64, high - low))
 }
@@ -64,11 +65,11 @@ fn follow(
     last: &mut Option<Tick>,
     total: &mut f64,
     mut each: impl FnMut(f64),
-) -> Result<(), String> {
+) -> Result<(), Error> {
     for tick in ticks {
         if let Some(last) = last {
             if tick.number.wrapping_sub(last.number) != EVERY {
-                return Err("ticks got lost on the way: try again, and do not take longer than 20 s".to_owned());
+                return Err("ticks got lost on the way: try again, and do not take longer than 20 s".into());
             }
             *total += f64::from(tick.counts[at].wrapping_sub(last.counts[at]).cast_signed());
         }
@@ -87,13 +88,14 @@ pub fn calibrate(
     person: &mut dyn Person,
     number: u32,
     distance: Distance,
-) -> Result<Vec<Found>, String> {
+) -> Result<Vec<Found>, Error> {
     let (length, turn, task) = match distance {
         Distance::Metres(metres) => (metres, false, Task::MoveMetres { joint: number, metres }),
         Distance::Revolutions(revolutions) => (revolutions, true, Task::Turn { joint: number, revolutions }),
     };
     if !(length > 0.0 && length <= 100.0) {
-        return Err(format!("a distance of {length} is not allowed: it must be above 0 and up to 100"));
+        let allowed = "it must be above 0 and up to 100";
+        return Err(haptic_sim::Error::not_allowed(format!("a distance of {length}"), allowed).into());
     }
     let settings = settings(board)?;
     let turns = settings.kinematics.model != KinematicsName::Direct;
@@ -101,9 +103,9 @@ pub fn calibrate(
         Joint::of(&settings, number)?;
     }
     match (turns, turn) {
-        (true, false) => return Err("this joint turns: say by how many revolutions, not by what distance".to_owned()),
+        (true, false) => return Err("this joint turns: say by how many revolutions, not by what distance".into()),
         (false, true) => {
-            return Err("this joint is a slide: say by what distance, not by how many revolutions".to_owned());
+            return Err("this joint is a slide: say by what distance, not by how many revolutions".into());
         }
         _ => {}
     }

@@ -13,6 +13,7 @@ use super::board::{Board, Joint, Run, settings};
 use super::least_squares::solve;
 use super::winding::{MotorReading, pulses};
 use super::{Estimate, motion};
+use crate::Error;
 use haptic_core::{device::current::PWM_PERIOD_S, settings::Settings};
 
 /// Slow, so that the joint gets fast, Hz.
@@ -56,7 +57,7 @@ fn constants(run: &Run, joint: &Joint, settings: &Settings, found: &mut Vec<f64>
 ///
 /// # Errors
 /// The board refused a motion, or the fit does not determine the constant.
-pub fn constant(board: &mut dyn Board, number: u32) -> Result<Option<Estimate>, String> {
+pub fn constant(board: &mut dyn Board, number: u32) -> Result<Option<Estimate>, Error> {
     let settings = settings(board)?;
     let joint = Joint::of(&settings, number)?;
     let runs = motion::excite(board, &settings, number, &FREQUENCIES_HZ)?;
@@ -67,7 +68,7 @@ pub fn constant(board: &mut dyn Board, number: u32) -> Result<Option<Estimate>, 
     runs.iter().for_each(|run| constants(run, &joint, &settings, &mut found));
     if found.len() < FEWEST {
         return Err(
-            "the joint went too far or too fast to see what voltage it makes: raise probe.max_travel_counts".to_owned()
+            "the joint went too far or too fast to see what voltage it makes: raise probe.max_travel_counts".into()
         );
     }
     let mut constant = Estimate::of(&found);
@@ -76,10 +77,10 @@ pub fn constant(board: &mut dyn Board, number: u32) -> Result<Option<Estimate>, 
         return Err(format!(
             "the voltage that the motor makes by moving tells its constant as {constant}, which says nothing: let go of it, or raise \
              probe.max_duty or probe.max_travel_counts"
-        ));
+        ).into());
     }
     if constant.value < 0.0 {
-        return Err("the motor makes a voltage against its motion: `calibrate sign` first".to_owned());
+        return Err("the motor makes a voltage against its motion: `calibrate sign` first".into());
     }
     Ok(Some(constant))
 }
@@ -88,7 +89,7 @@ pub fn constant(board: &mut dyn Board, number: u32) -> Result<Option<Estimate>, 
 ///
 /// # Errors
 /// Both constants with their intervals, where they disagree.
-pub fn against(by_voltage: Estimate, other: Estimate, way: &str) -> Result<(), String> {
+pub fn against(by_voltage: Estimate, other: Estimate, way: &str) -> Result<(), Error> {
     let difference = (by_voltage.value - other.value).abs();
     if difference <= APART * other.value.abs() + by_voltage.within + other.within {
         return Ok(());
@@ -96,5 +97,5 @@ pub fn against(by_voltage: Estimate, other: Estimate, way: &str) -> Result<(), S
     Err(format!(
         "the motor's constant is {other} {way}, and {by_voltage} by the voltage that it makes by moving: the encoder's scale is wrong (`calibrate \
          counts`), or the constant, or motor.sense_a"
-    ))
+    ).into())
 }

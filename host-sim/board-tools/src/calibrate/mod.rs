@@ -17,6 +17,7 @@ pub mod settings_file;
 pub mod simulated;
 pub mod winding;
 
+use crate::Error;
 use haptic_sim::student::student_95;
 
 /// A number with the half width of its 95 % interval.
@@ -136,18 +137,18 @@ impl std::fmt::Display for Task {
 /// The person at the device.
 pub trait Person {
     /// Asks for something to be done, and comes back when it is.
-    fn please(&mut self, task: &Task) -> Result<(), String>;
+    fn please(&mut self, task: &Task) -> Result<(), Error>;
 
     /// Asks for something to be done while a board has to be kept: comes back at once.
-    fn begin(&mut self, task: &Task) -> Result<(), String> {
+    fn begin(&mut self, task: &Task) -> Result<(), Error> {
         self.please(task)
     }
 
     /// Whether what was asked for is done.
-    fn is_done(&mut self) -> Result<bool, String> {
+    fn is_done(&mut self) -> Result<bool, Error> {
         Ok(true)
     }
 
     /// Asks for a number.
-    fn reading(&mut self, what: &str) -> Result<f64, String>;
+    fn reading(&mut self, what: &str) -> Result<f64, Error>;
 }

@@ -22,6 +22,7 @@ use std::f64::consts::PI;
 use super::board::{Board, Joint, Run, run, settings};
 use super::least_squares::solve;
 use super::{Estimate, Found};
+use crate::Error;
 use haptic_core::device::probe::End;
 use haptic_core::settings::Settings;
 use haptic_sim::student::student_95;
@@ -114,7 +115,7 @@ fn rows(run: &Run, joint: &Joint, delay_s: f64, rows: &mut Vec<([f64; UNKNOWNS],
 ///
 /// # Errors
 /// Too little motion to determine mass and friction.
-pub fn fit(runs: &[Run], joint: &Joint) -> Result<Motion, String> {
+pub fn fit(runs: &[Run], joint: &Joint) -> Result<Motion, Error> {
     let mut delay_s = 0.0;
     let mut found = [(0.0, 0.0); UNKNOWNS];
     let mut windows = 0;
@@ -126,7 +127,7 @@ pub fn fit(runs: &[Run], joint: &Joint) -> Result<Motion, String> {
             return Err(format!(
                 "it moved in {windows} windows of {WINDOW_S} s, which is too little: at least {FEWEST}; let go of it, or raise \
                  probe.max_duty, probe.max_travel_counts or probe.max_s"
-            ));
+            ).into());
         }
         found = solve(&all)
             .ok_or("the motion does not tell mass, friction and delay apart: other frequencies are needed")?;
@@ -148,7 +149,7 @@ pub(super) fn excite(
     settings: &Settings,
     number: u32,
     frequencies_hz: &[f64],
-) -> Result<Vec<Run>, String> {
+) -> Result<Vec<Run>, Error> {
     let mut runs = Vec::new();
     let limits = &settings.probe;
     let most = limits.max_duty.min(settings.motor.max_duty);
@@ -162,7 +163,7 @@ pub(super) fn excite(
                     runs.push(run);
                     break;
                 }
-                End::Stopped => return Err("the probe was stopped".to_owned()),
+                End::Stopped => return Err("the probe was stopped".into()),
                 _ => {}
             }
             // Too far or too fast: travel and speed go with the duty.
@@ -177,7 +178,7 @@ pub(super) fn excite(
 ///
 /// # Errors
 /// The board refused a motion, or the fit does not determine the numbers.
-pub fn identify(board: &mut dyn Board, number: u32) -> Result<(Motion, Joint, Settings), String> {
+pub fn identify(board: &mut dyn Board, number: u32) -> Result<(Motion, Joint, Settings), Error> {
     let settings = settings(board)?;
     let joint = Joint::of(&settings, number)?;
     let runs = excite(board, &settings, number, &FREQUENCIES_HZ)?;
@@ -188,13 +189,13 @@ pub fn identify(board: &mut dyn Board, number: u32) -> Result<(Motion, Joint, Se
         }
     }
     if motion.mass.value <= 0.0 {
-        return Err("the joint speeds up against its motor: `calibrate sign` first".to_owned());
+        return Err("the joint speeds up against its motor: `calibrate sign` first".into());
     }
     if motion.mass.within > 0.25 * motion.mass.value {
         return Err(format!(
             "the motion tells the mass only to {:.0} %: let go of it, or raise probe.max_duty or probe.max_travel_counts",
             100.0 * motion.mass.within / motion.mass.value
-        ));
+        ).into());
     }
     Ok((motion, joint, settings))
 }
@@ -208,14 +209,16 @@ pub fn newton_per_duty(settings: &Settings, joint: &Joint) -> f64 {
 ///
 /// # Errors
 /// The board refused a motion, or the fit does not determine the friction.
-pub fn friction(board: &mut dyn Board, number: u32) -> Result<Vec<Found>, String> {
+pub fn friction(board: &mut dyn Board, number: u32) -> Result<Vec<Found>, Error> {
     let (motion, joint, settings) = identify(board, number)?;
     let newton = newton_per_duty(&settings, &joint);
     // A friction below zero is none, as far as the data go.
     let at_least_none = |estimate: Estimate| Estimate { value: estimate.value.max(0.0), ..estimate };
     for (name, estimate) in [("viscous", motion.damping), ("dry", motion.dry)] {
         if estimate.value < -3.0 * estimate.within {
-            return Err(format!("{name} friction comes out at {}: something else pushes", estimate.times(newton)));
+            return Err(
+                format!("{name} friction comes out at {}: something else pushes", estimate.times(newton)).into()
+            );
         }
     }
     Ok(vec![
@@ -228,12 +231,14 @@ pub fn friction(board: &mut dyn Board, number: u32) -> Result<Vec<Found>, String
 ///
 /// # Errors
 /// The board refused a motion, or the fit does not determine the mass.
-pub fn inertia(board: &mut dyn Board, number: u32) -> Result<Vec<Found>, String> {
+pub fn inertia(board: &mut dyn Board, number: u32) -> Result<Vec<Found>, Error> {
     let (motion, joint, settings) = identify(board, number)?;
     let newton = newton_per_duty(&settings, &joint);
     let delay = motion.delay_s.times(1.0 / joint.period_s);
     if delay.value > 1.0 + delay.within {
-        return Err(format!("force follows duty by {delay} control periods, more than the 1 that a scene can have"));
+        return Err(
+            format!("force follows duty by {delay} control periods, more than the 1 that a scene can have").into()
+        );
     }
     Ok(vec![
         Found::number("device.mass_kg", motion.mass.times(newton), "kg"),

@@ -9,13 +9,14 @@ use haptic_core::settings::Settings;
 
 use super::board::{Board, Joint, probed, run, say, settings};
 use super::{Estimate, Found, Person, Task, emf, motion};
+use crate::Error;
 use haptic_sim::student::student_95;
 
 /// Slope of a line through points, with its 95 % interval.
 ///
 /// # Errors
 /// Too few points for a slope.
-pub fn slope(points: &[(f64, f64)]) -> Result<Estimate, String> {
+pub fn slope(points: &[(f64, f64)]) -> Result<Estimate, Error> {
     let count = points.len() as f64;
     let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / count;
     let (x, y) = (mean(|point| point.0), mean(|point| point.1));
@@ -23,7 +24,7 @@ pub fn slope(points: &[(f64, f64)]) -> Result<Estimate, String> {
     let value = points.iter().map(|point| (point.0 - x) * (point.1 - y)).sum::<f64>() / squares;
     let left: f64 = points.iter().map(|point| (point.1 - y - value * (point.0 - x)).powi(2)).sum();
     if points.len() < 3 {
-        return Err("two readings make no line: give at least three".to_owned());
+        return Err("two readings make no line: give at least three".into());
     }
     let t = student_95(points.len() as u32 - 2);
     let within = t * (left / (count - 2.0) / squares).sqrt();
@@ -31,7 +32,7 @@ pub fn slope(points: &[(f64, f64)]) -> Result<Estimate, String> {
         return Err(format!(
             "the readings lie on no line: {} N per full duty; hold the joint firmly against the gauge, and read it in newtons",
             Estimate { value, within }
-        ));
+        ).into());
     }
     Ok(Estimate { value, within })
 }
@@ -57,7 +58,7 @@ pub fn constant(
     person: &mut dyn Person,
     number: u32,
     against: Against,
-) -> Result<Vec<Found>, String> {
+) -> Result<Vec<Found>, Error> {
     let (estimate, unit, way) = match against {
         Against::Gauge => gauge(board, person, number).map(|(estimate, unit)| (estimate, unit, "by the gauge"))?,
         Against::Mass(kilograms) => {
@@ -91,7 +92,7 @@ fn per_ampere(newton_per_duty: Estimate, settings: &Settings, joint: &Joint) -> 
 }
 
 /// Finds the constant of joint `number`'s motor with a force gauge, which the person reads.
-fn gauge(board: &mut dyn Board, person: &mut dyn Person, number: u32) -> Result<(Estimate, &'static str), String> {
+fn gauge(board: &mut dyn Board, person: &mut dyn Person, number: u32) -> Result<(Estimate, &'static str), Error> {
     let settings = settings(board)?;
     let joint = Joint::of(&settings, number)?;
     let most = settings.probe.max_duty.min(settings.motor.max_duty);
@@ -101,7 +102,7 @@ fn gauge(board: &mut dyn Board, person: &mut dyn Person, number: u32) -> Result<
         let duty = most * f64::from(step) / 4.0;
         let pushed = run(board, number, &format!("probe {number} pulse {duty:.4} {}", settings.probe.max_s))?;
         if pushed.end != End::Done {
-            return Err("the joint gave way: hold it against the gauge all the time".to_owned());
+            return Err("the joint gave way: hold it against the gauge all the time".into());
         }
         points.push((
             duty,
@@ -117,9 +118,10 @@ fn mass(
     person: &mut dyn Person,
     number: u32,
     kilograms: f64,
-) -> Result<(Estimate, &'static str), String> {
+) -> Result<(Estimate, &'static str), Error> {
     if !(kilograms > 0.0 && kilograms <= 100.0) {
-        return Err(format!("an added mass of {kilograms} kg is not allowed: it must be above 0 and up to 100"));
+        let allowed = "it must be above 0 and up to 100";
+        return Err(haptic_sim::Error::not_allowed(format!("an added mass of {kilograms} kg"), allowed).into());
     }
     person.please(&Task::LetGo { joint: number })?;
     let (alone, joint, settings) = motion::identify(board, number)?;
@@ -127,11 +129,11 @@ fn mass(
     let (loaded, ..) = motion::identify(board, number)?;
     let (difference, within) = (loaded.mass.value - alone.mass.value, loaded.mass.within.hypot(alone.mass.within));
     if difference <= 0.0 || within > 0.2 * difference {
-        return Err(format!(
+        return Err(Error::Refused(format!(
             "the added mass shows as {} of {} of what moves: fasten it well, or take a larger one",
             Estimate { value: difference / loaded.mass.value, within: within / loaded.mass.value },
             1.0
-        ));
+        )));
     }
     let newton_per_duty = kilograms / difference;
     let estimate = Estimate { value: newton_per_duty, within: newton_per_duty * within / difference };
@@ -143,7 +145,7 @@ fn mass(
 ///
 /// # Errors
 /// The board refused the probe, or motor and encoder do not agree on a sign.
-pub fn sign(board: &mut dyn Board, number: u32) -> Result<Vec<Found>, String> {
+pub fn sign(board: &mut dyn Board, number: u32) -> Result<Vec<Found>, Error> {
     let reversed = settings(board)?.motor.reversed;
     say(board, &format!("check {number}"))?;
     let mut outcome = probed(board)?;
@@ -162,7 +164,7 @@ pub fn sign(board: &mut dyn Board, number: u32) -> Result<Vec<Found>, String> {
         // How it ended, and what that means.
         _ => {
             let said = outcome.to_string();
-            Err(said.split_once(": ").map_or(said.clone(), |(_, why)| why.to_owned()))
+            Err(said.split_once(": ").map_or(said.as_str(), |(_, why)| why).into())
         }
     }
 }

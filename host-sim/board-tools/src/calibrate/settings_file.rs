@@ -8,16 +8,17 @@ use haptic_core::settings::{Settings, Value};
 
 use super::Found;
 use super::board::{Board, say};
+use crate::Error;
 use haptic_sim::scene::Scene;
 
 /// Adds what was found to the file at `path`, which is made if it is not there.
 ///
 /// # Errors
 /// The file cannot be read as a scene, or cannot be written.
-pub fn add(path: &Path, found: &[Found]) -> Result<(), String> {
+pub fn add(path: &Path, found: &[Found]) -> Result<(), Error> {
     let place = path.display();
     let before = if path.exists() {
-        std::fs::read_to_string(path).map_err(|cause| format!("cannot read {place}: {cause}"))?
+        std::fs::read_to_string(path).map_err(haptic_sim::Error::cannot("read", &place))?
     } else {
         String::new()
     };
@@ -25,12 +26,14 @@ pub fn add(path: &Path, found: &[Found]) -> Result<(), String> {
     for Found { key, value, .. } in found {
         let (table, name) = key.split_once('.').unwrap_or(("", key));
         let entry = document.entry(table).or_insert_with(|| toml::Value::Table(toml::Table::new()));
-        let Some(inner) = entry.as_table_mut() else { return Err(format!("{place}: {table} is no table")) };
+        let Some(inner) = entry.as_table_mut() else {
+            return Err(haptic_sim::Error::at(place, format!("{table} is no table")).into());
+        };
         inner.insert(name.to_owned(), value.clone());
     }
     let text = format!("# Found by `host-sim board calibrate`; a scene file, in part.\n\n{document}");
-    Scene::default().apply(&text, &place.to_string(), path.parent()).map_err(|error| error.to_string())?;
-    std::fs::write(path, text).map_err(|cause| format!("cannot write {place}: {cause}"))
+    Scene::default().apply(&text, &place.to_string(), path.parent())?;
+    Ok(std::fs::write(path, text).map_err(haptic_sim::Error::cannot("write", &place))?)
 }
 
 /// The keys that a scene's text names, as `table.key`; none where it is no TOML.
@@ -55,9 +58,9 @@ pub fn plain(value: Value<'_>) -> String {
 ///
 /// # Errors
 /// The file cannot be read, or the board refuses a key.
-pub fn give(board: &mut dyn Board, path: &Path) -> Result<usize, String> {
-    let scene = Scene::load(haptic_sim::Laws::built_in(), Some(path), &[]).map_err(|error| error.to_string())?;
-    let text = std::fs::read_to_string(path).map_err(|cause| format!("cannot read {}: {cause}", path.display()))?;
+pub fn give(board: &mut dyn Board, path: &Path) -> Result<usize, Error> {
+    let scene = Scene::load(haptic_sim::Laws::built_in(), Some(path), &[])?;
+    let text = std::fs::read_to_string(path).map_err(haptic_sim::Error::cannot("read", &path.display()))?;
     give_scene(board, &scene, &named(&text))
 }
 
@@ -65,7 +68,7 @@ pub fn give(board: &mut dyn Board, path: &Path) -> Result<usize, String> {
 ///
 /// # Errors
 /// The board refuses a key.
-pub fn give_scene(board: &mut dyn Board, scene: &Scene, named: &[String]) -> Result<usize, String> {
+pub fn give_scene(board: &mut dyn Board, scene: &Scene, named: &[String]) -> Result<usize, Error> {
     let mut given = 0;
     for key in Settings::keys().filter(|key| named.iter().any(|name| name == key.name)) {
         let Some(value) = scene.peer.get(key.name) else { continue };

@@ -17,6 +17,7 @@ use haptic_core::{
 
 use super::board::{Board, Tick};
 use super::{Person, Task};
+use crate::Error;
 use haptic_sim::peers::{DynPeer, Laws};
 use haptic_sim::plant::Plant;
 use haptic_sim::scene::{DriveName, Scene};
@@ -55,20 +56,20 @@ impl SharedSimulation {
     ///
     /// # Errors
     /// The settings of `truth` cannot be built.
-    pub fn new(truth: &Scene) -> Result<Self, String> {
+    pub fn new(truth: &Scene) -> Result<Self, Error> {
         let mut truth = truth.clone();
         truth.world.plant.encoder = true;
         truth.world.plant.motor = true;
         if truth.world.plant.drive == DriveName::Current {
             truth.world.plant.winding = true;
             truth.peer.axis.velocity = VelocityName::Filtered;
-            truth.check("the device").map_err(|error| error.to_string())?;
+            truth.check("the device")?;
         }
         let mut settings = Settings::default();
         settings.axis.velocity = VelocityName::Filtered;
         settings.axis.count = truth.peer.axis.count;
         settings.kinematics = truth.peer.kinematics;
-        let peer = Laws::built_in().peer(&settings, [Motion::REST; AXES]).map_err(|refused| refused.to_string())?;
+        let peer = Laws::built_in().peer(&settings, [Motion::REST; AXES])?;
         let simulated = Simulated {
             plant: Plant::new(&truth, 0),
             peer,
@@ -155,10 +156,9 @@ impl Simulated {
     }
 
     /// Another device at the board.
-    fn replace(&mut self, device: &Scene) -> Result<(), String> {
+    fn replace(&mut self, device: &Scene) -> Result<(), Error> {
         self.plant = Plant::new(device, 0);
-        self.peer =
-            Laws::built_in().peer(&self.settings, [Motion::REST; AXES]).map_err(|refused| refused.to_string())?;
+        self.peer = Laws::built_in().peer(&self.settings, [Motion::REST; AXES])?;
         Ok(())
     }
 
@@ -247,16 +247,16 @@ impl Simulated {
 }
 
 impl Board for SharedSimulation {
-    fn ask(&mut self, line: &str) -> Result<String, String> {
+    fn ask(&mut self, line: &str) -> Result<String, Error> {
         let mut simulated = self.0.borrow_mut();
         simulated.steps(0.002);
         if simulated.silent_s.is_some() {
-            return Err("no answer: the cable is out".to_owned());
+            return Err("no answer: the cable is out".into());
         }
         Ok(simulated.answer(line).unwrap_or_else(|| "error the simulated board does not know this line".to_owned()))
     }
 
-    fn ticks(&mut self, seconds: f64) -> Result<Vec<Tick>, String> {
+    fn ticks(&mut self, seconds: f64) -> Result<Vec<Tick>, Error> {
         let mut simulated = self.0.borrow_mut();
         simulated.steps(seconds);
         Ok(std::mem::take(&mut simulated.records))
@@ -264,7 +264,7 @@ impl Board for SharedSimulation {
 }
 
 impl Person for SharedSimulation {
-    fn please(&mut self, task: &Task) -> Result<(), String> {
+    fn please(&mut self, task: &Task) -> Result<(), Error> {
         let mut simulated = self.0.borrow_mut();
         let Simulated { truth, .. } = &*simulated;
         let (kinematics, mut device) = (truth.peer.kinematics, truth.clone());
@@ -298,7 +298,7 @@ impl Person for SharedSimulation {
         Ok(())
     }
 
-    fn reading(&mut self, _: &str) -> Result<f64, String> {
+    fn reading(&mut self, _: &str) -> Result<f64, Error> {
         Ok(self.0.borrow().gauge_n.unwrap_or(0.0))
     }
 }

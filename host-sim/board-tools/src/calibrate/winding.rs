@@ -29,6 +29,7 @@ use haptic_core::settings::Settings;
 use super::board::{Board, Run, run, settings};
 use super::least_squares::solve;
 use super::{Estimate, Found};
+use crate::Error;
 
 /// Parts that are fitted by themselves.
 const STRETCHES: usize = 10;
@@ -162,8 +163,8 @@ fn fit(rows: &[Row], periods: f64) -> Option<([f64; 4], [f64; 2])> {
 ///
 /// # Errors
 /// The probes do not determine resistance and inductance, or the currents leave the sensor's range.
-pub fn identify(runs: [&Run; 2], settings: &Settings, number: u32) -> Result<Winding, String> {
-    let periods = f64::from(periods_per_tick(settings).map_err(|refused| refused.to_string())?);
+pub fn identify(runs: [&Run; 2], settings: &Settings, number: u32) -> Result<Winding, Error> {
+    let periods = f64::from(periods_per_tick(settings)?);
     let [(full, rest), (half, _)] = runs.map(|run| rows(run, settings, number, periods));
     let split_rows: Vec<Row> = (full.iter().zip(&half))
         .map(|(one, other)| Row {
@@ -174,19 +175,19 @@ pub fn identify(runs: [&Run; 2], settings: &Settings, number: u32) -> Result<Win
         .collect();
     let ticks = (split_rows.len() / STRETCHES).min(TICKS) / WAYS.len() * WAYS.len();
     if ticks < FEWEST {
-        return Err(format!("{} ticks of voltage are too few: raise probe.max_s", split_rows.len()));
+        return Err(format!("{} ticks of voltage are too few: raise probe.max_s", split_rows.len()).into());
     }
     let power = |of: fn(&Row) -> f64| split_rows.iter().map(of).sum::<f64>() / split_rows.len() as f64;
     let least = f64::from(LEAST_CODES) / f64::from(Duty::FULL_SCALE) * settings.motor.full_scale_a;
     let (along, square) = (power(|row| row.volts * row.before), power(|row| row.before.powi(2)));
     if square < (0.5 * least).powi(2) {
-        return Err(format!(
+        return Err(Error::Refused(format!(
             "no current flows ({:.1} mA): an open motor, a bridge without supply, or a sensor that is not connected",
             1e3 * square.sqrt()
-        ));
+        )));
     }
     if along < 0.0 {
-        return Err("the current flows against the voltage: swap the two wires at the current's sensor".to_owned());
+        return Err("the current flows against the voltage: swap the two wires at the current's sensor".into());
     }
     let mut found = [const { Vec::new() }; 4];
     let [mut left, mut given] = [0.0; 2];
@@ -203,14 +204,14 @@ pub fn identify(runs: [&Run; 2], settings: &Settings, number: u32) -> Result<Win
              wire, and that nothing moves the joint",
             100.0 * misfit,
             100.0 * MISFIT
-        ));
+        ).into());
     }
     let [mut resistance_ohm, mut inductance_h, moved_ohm, moved_h] = found.map(|values| Estimate::of(&values));
     resistance_ohm.within += UNSURE * moved_ohm.value.abs();
     inductance_h.within += UNSURE * moved_h.value.abs();
     for (name, estimate) in [("resistance", resistance_ohm), ("inductance", inductance_h)] {
         if !(estimate.value > 0.0 && estimate.within < 0.25 * estimate.value) {
-            return Err(format!("the {name} comes out at {estimate}, which says nothing: raise probe.max_duty"));
+            return Err(format!("the {name} comes out at {estimate}, which says nothing: raise probe.max_duty").into());
         }
     }
     let zeros: Vec<f64> = rest.chunks_exact(4).map(|four| four.iter().sum::<f64>() / 4.0).collect();
@@ -218,7 +219,7 @@ pub fn identify(runs: [&Run; 2], settings: &Settings, number: u32) -> Result<Win
 }
 
 /// Whether a number may be what the data sheet says.
-fn fits(what: &str, found: Estimate, sheet: Option<f64>, tolerance: f64, unit: &str) -> Result<(), String> {
+fn fits(what: &str, found: Estimate, sheet: Option<f64>, tolerance: f64, unit: &str) -> Result<(), Error> {
     let Some(sheet) = sheet else { return Ok(()) };
     if (found.value - sheet).abs() <= tolerance * sheet + found.within {
         return Ok(());
@@ -227,12 +228,12 @@ fn fits(what: &str, found: Estimate, sheet: Option<f64>, tolerance: f64, unit: &
         "the {what} is {found} {unit}, the data sheet says {sheet} {unit}, {:.0} % off at the most: another motor, a winding that is shorted in \
          part, a bad contact, or a wrong motor.sense_a",
         100.0 * tolerance
-    ))
+    ).into())
 }
 
 /// Drives joint `number`'s motor to and fro, and gives R, L and the sensor's zero; an error where a winding as the data sheet says cannot be what
 /// is behind the bridge. Nothing of a board without a current loop.
-pub fn winding(board: &mut dyn Board, number: u32, sheet: Sheet) -> Result<Option<Vec<Found>>, String> {
+pub fn winding(board: &mut dyn Board, number: u32, sheet: Sheet) -> Result<Option<Vec<Found>>, Error> {
     let settings = settings(board)?;
     let (limits, motor) = (&settings.probe, &settings.motor);
     let period_s = settings.timing.control_period_s;
@@ -245,18 +246,18 @@ pub fn winding(board: &mut dyn Board, number: u32, sheet: Sheet) -> Result<Optio
         match run.end {
             End::Done if run.stage.len() == run.counts.len() => runs.push(run),
             End::Unmeasured => return Ok(None),
-            End::Done => return Err("the board's records do not have the current".to_owned()),
-            end => return Err(format!("{}; if all is well, lower probe.max_duty", end.explain())),
+            End::Done => return Err("the board's records do not have the current".into()),
+            end => return Err(format!("{}; if all is well, lower probe.max_duty", end.explain()).into()),
         }
     }
     let Winding { resistance_ohm, inductance_h, zero_a } = identify([&runs[0], &runs[1]], &settings, number)?;
     fits("resistance", resistance_ohm, sheet.resistance_ohm, sheet.tolerance, "Ω")?;
     fits("inductance", inductance_h, sheet.inductance_h, sheet.tolerance, "H")?;
     if zero_a.value.abs() > ZERO * motor.sense_a {
-        return Err(format!(
+        return Err(Error::Refused(format!(
             "the current's sensor reads {zero_a} A while none flows, may be {} A: look at its reference",
             ZERO * motor.sense_a
-        ));
+        )));
     }
     Ok(Some(vec![
         Found::number("motor.resistance_ohm", resistance_ohm, "Ω"),

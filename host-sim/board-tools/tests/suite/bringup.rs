@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use haptic_board_tools::Error;
 use haptic_board_tools::bringup::{Passed, Plan, bring_up};
 use haptic_board_tools::calibrate::board::{Board, Tick};
 use haptic_board_tools::calibrate::counts::Distance;
@@ -24,11 +25,11 @@ struct Careless {
 }
 
 impl Person for Careless {
-    fn please(&mut self, task: &Task) -> Result<(), String> {
+    fn please(&mut self, task: &Task) -> Result<(), Error> {
         if (self.leaves_out)(task) { Ok(()) } else { self.careful.please(task) }
     }
 
-    fn reading(&mut self, what: &str) -> Result<f64, String> {
+    fn reading(&mut self, what: &str) -> Result<f64, Error> {
         self.careful.reading(what)
     }
 }
@@ -39,7 +40,7 @@ fn run<B: Board>(
     device: &str,
     leaves_out: fn(&Task) -> bool,
     wrap: fn(SharedSimulation) -> B,
-) -> (Option<Scene>, B, Result<Vec<Passed>, String>) {
+) -> (Option<Scene>, B, Result<Vec<Passed>, Error>) {
     let overrides: Vec<String> = device.split_whitespace().map(str::to_owned).collect();
     let truth = Scene::load(haptic_sim::Laws::built_in(), None, &overrides).unwrap_or_else(|error| panic!("{error}"));
     let careful = SharedSimulation::new(&truth).expect("a board");
@@ -99,7 +100,7 @@ fn what_does_not_work_ends_it_at_its_step_with_what_to_look_at() {
     ];
     for (name, leaves_out, expected) in cases {
         let (_, _, outcome) = run(name, DEVICE, leaves_out, |board| board);
-        let why = outcome.expect_err(name);
+        let why = outcome.expect_err(name).to_string();
         assert!(why.starts_with(expected) && why.contains("; look at "), "{name}: {why}");
     }
 }
@@ -108,11 +109,11 @@ fn what_does_not_work_ends_it_at_its_step_with_what_to_look_at() {
 struct Pulled(SharedSimulation);
 
 impl Board for Pulled {
-    fn ask(&mut self, line: &str) -> Result<String, String> {
+    fn ask(&mut self, line: &str) -> Result<String, Error> {
         self.0.ask(line)
     }
 
-    fn ticks(&mut self, seconds: f64) -> Result<Vec<Tick>, String> {
+    fn ticks(&mut self, seconds: f64) -> Result<Vec<Tick>, Error> {
         if seconds == 1.0 {
             self.0.please(&Task::Push { joint: 1, metres: 0.005 })?;
         }
@@ -123,7 +124,7 @@ impl Board for Pulled {
 #[test]
 fn a_joint_that_moves_by_itself_does_not_pass_the_lowest_force() {
     let (_, mut board, outcome) = run("pulled", DEVICE, |_| false, Pulled);
-    let why = outcome.expect_err("pulled");
+    let why = outcome.expect_err("pulled").to_string();
     assert!(why.starts_with("lowest force: in a second it moved by "), "{why}");
     assert!(board.0.ask("status").expect("an answer").contains(" disarmed "), "it is disarmed");
 }
@@ -132,7 +133,7 @@ fn a_joint_that_moves_by_itself_does_not_pass_the_lowest_force() {
 struct Late(SharedSimulation);
 
 impl Board for Late {
-    fn ask(&mut self, line: &str) -> Result<String, String> {
+    fn ask(&mut self, line: &str) -> Result<String, Error> {
         match line {
             "time delay" => {
                 Ok("ok from due to begun, cycles of 480 MHz: most 48000 in tick 41 sent; from:ticks 0:9".to_owned())
@@ -141,7 +142,7 @@ impl Board for Late {
         }
     }
 
-    fn ticks(&mut self, seconds: f64) -> Result<Vec<Tick>, String> {
+    fn ticks(&mut self, seconds: f64) -> Result<Vec<Tick>, Error> {
         self.0.ticks(seconds)
     }
 }
@@ -149,7 +150,7 @@ impl Board for Late {
 #[test]
 fn a_tick_that_begins_late_does_not_pass() {
     let (_, _, outcome) = run("late", DEVICE, |_| false, Late);
-    let why = outcome.expect_err("late");
+    let why = outcome.expect_err("late").to_string();
     assert!(why.starts_with("time: delay 100.0 µs, may be 50 µs: "), "{why}");
 }
 
@@ -169,7 +170,7 @@ fn an_outcome_is_read_as_end_and_verdict() {
         assert_eq!(Probed::parse(&said).expect("an outcome").verdict, Some(*verdict));
     }
     for said in ["", "joint 1", "joint 1 tired: it sleeps"] {
-        let why = Probed::parse(said).expect_err("no outcome");
+        let why = Probed::parse(said).expect_err("no outcome").to_string();
         assert!(why.contains("how the probe ended") && why.contains(said), "{why}");
     }
 }
@@ -190,7 +191,7 @@ fn a_status_is_read_as_a_mode() {
     for said in
         ["", "board 1 armed", "board 1 armed fault 3 ticks 7", "board 1 faulted fault 0", "board 1 faulted fault 200"]
     {
-        let why = Status::parse(said).expect_err("no status");
+        let why = Status::parse(said).expect_err("no status").to_string();
         assert!(why.contains("no mode") && why.contains(said), "{why}");
     }
 }

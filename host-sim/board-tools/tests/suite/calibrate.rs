@@ -1,6 +1,7 @@
 //! Calibration against devices whose numbers are known: the whole procedure on a simulated board, the fit against closed
 //! forms with noise, and what is refused instead of guessed.
 
+use haptic_board_tools::Error;
 use haptic_board_tools::calibrate::board::{Board, Joint, Run, Tick};
 use haptic_board_tools::calibrate::simulated::SharedSimulation;
 use haptic_board_tools::calibrate::{Found, Person, Task, motion, settings_file};
@@ -172,18 +173,18 @@ fn the_fit_finds_what_a_closed_form_was_made_with() {
 struct Idle;
 
 impl Person for Idle {
-    fn please(&mut self, _: &Task) -> Result<(), String> {
+    fn please(&mut self, _: &Task) -> Result<(), Error> {
         Ok(())
     }
-    fn reading(&mut self, _: &str) -> Result<f64, String> {
+    fn reading(&mut self, _: &str) -> Result<f64, Error> {
         Ok(1.0)
     }
 }
 
 /// One line that says this is what came of it.
 #[track_caller]
-pub(crate) fn refused<T: std::fmt::Debug>(outcome: Result<T, String>, said: &str) {
-    let error = outcome.expect_err(said);
+pub(crate) fn refused<T: std::fmt::Debug>(outcome: Result<T, Error>, said: &str) {
+    let error = outcome.expect_err(said).to_string();
     assert!(error.contains(said), "{error:?} does not say {said:?}");
     assert_eq!(error.lines().count(), 1);
 }
@@ -216,10 +217,10 @@ fn what_the_data_do_not_give_is_refused() {
 struct Lossy(SharedSimulation);
 
 impl Board for Lossy {
-    fn ask(&mut self, line: &str) -> Result<String, String> {
+    fn ask(&mut self, line: &str) -> Result<String, Error> {
         self.0.ask(line)
     }
-    fn ticks(&mut self, seconds: f64) -> Result<Vec<Tick>, String> {
+    fn ticks(&mut self, seconds: f64) -> Result<Vec<Tick>, Error> {
         Ok(self.0.ticks(seconds)?.into_iter().filter(|tick| tick.number % 100 != 0).collect())
     }
 }
@@ -248,7 +249,7 @@ fn the_settings_file_grows() {
     assert_eq!(scene.get("encoder.counts_per_m"), Some(Value::Number(123_456.0)));
     assert_eq!(scene.get("motor.reversed"), Some(Value::Flag(true)));
     let mut board = SharedSimulation::new(&Scene::default()).expect("a board");
-    assert_eq!(settings_file::give(&mut board, &path), Ok(3));
+    assert_eq!(settings_file::give(&mut board, &path).expect("it takes them"), 3);
     assert_eq!(board.settings().get("encoder.counts_per_m"), Some(Value::Number(123_456.0)));
     // What is outside a key's range never reaches the file.
     let far = haptic_board_tools::calibrate::Estimate { value: 1e12, within: 1.0 };

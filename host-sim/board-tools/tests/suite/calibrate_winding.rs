@@ -163,6 +163,6 @@ fn a_motor_that_cannot_be_explained_is_refused() {
     refused(winding(&mut held, 1, good), "raise probe.max_s");
     // Without a loop there is nothing to see.
     let plain = Scene::load(haptic_sim::Laws::built_in(), None, &[]).expect("defaults");
-    assert_eq!(winding(&mut SharedSimulation::new(&plain).expect("a board"), 1, good), Ok(None));
-    assert_eq!(emf::constant(&mut SharedSimulation::new(&plain).expect("a board"), 1), Ok(None));
+    assert!(matches!(winding(&mut SharedSimulation::new(&plain).expect("a board"), 1, good), Ok(None)));
+    assert!(matches!(emf::constant(&mut SharedSimulation::new(&plain).expect("a board"), 1), Ok(None)));
 }

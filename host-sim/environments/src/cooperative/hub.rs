@@ -73,10 +73,10 @@ impl<A: Copy + PartialEq> End<A> {
 }
 
 /// A link from peer `local` of two to the other, under a key, without parameters that must agree.
-fn bare(key: Key, local: u8, entropy: [u8; Key::LEN]) -> Result<Link, String> {
+fn bare(key: Key, local: u8, entropy: [u8; Key::LEN]) -> Result<Link, crate::Error> {
     let ends = Ends { local: PeerId(local), remote: PeerId(3 - local) };
     let config = Config { key, ends, packet_period_us: 100_000, parameters: Parameters::new(), entropy };
-    Link::new(config).map_err(|error| error.to_string())
+    Ok(Link::new(config)?)
 }
 
 /// The peer of the scene (1 or 2) that a line stands for, lines counted from 1.
@@ -117,19 +117,19 @@ impl<A: Copy + PartialEq + Display> Hub<A> {
         scene: &Scene,
         users: usize,
         key: &Key,
-        mut entropy: impl FnMut() -> Result<[u8; Key::LEN], String>,
-    ) -> Result<Self, String> {
+        mut entropy: impl FnMut() -> Result<[u8; Key::LEN], haptic_sim::Error>,
+    ) -> Result<Self, crate::Error> {
         if !(2..=MOST_USERS).contains(&users) {
-            return Err(format!("{users} users are not allowed: it must be a whole number from 2 to {MOST_USERS}"));
-        }
-        scene.check("hub").and_then(|()| scene.check_one_axis("hub")).map_err(|refused| refused.to_string())?;
-        let mut junction = Junction::new(scene, users).map_err(|error| error.to_string())?;
-        if scene.law().sends == Sends::Waves && !scene.peer.coordination.ledger {
             return Err(
-                "coordination.ledger = false is not allowed: it must be true, for on a network that may lose a packet \
-                        only waves that are paid for keep a hub passive"
-                    .to_owned(),
+                format!("{users} users are not allowed: it must be a whole number from 2 to {MOST_USERS}").into()
             );
+        }
+        scene.check("hub").and_then(|()| scene.check_one_axis("hub"))?;
+        let mut junction = Junction::new(scene, users)?;
+        if scene.law().sends == Sends::Waves && !scene.peer.coordination.ledger {
+            let allowed = "it must be true, for on a network that may lose a packet only waves that are paid for keep a hub \
+                           passive";
+            return Err(haptic_sim::Error::not_allowed("coordination.ledger = false", allowed).into());
         }
         let heralds = [bare(key.clone(), 1, entropy()?)?, bare(key.clone(), 2, entropy()?)?];
         let end = |at| {
@@ -138,7 +138,7 @@ impl<A: Copy + PartialEq + Display> Hub<A> {
             let line = Line::open(scene, 3 - number, key, entropy()?)?;
             Ok(End { line, path: Path::default(), refused: Refused::default(), crossed })
         };
-        let ends = (1..=users as u32).map(end).collect::<Result<Vec<_>, String>>()?;
+        let ends = (1..=users as u32).map(end).collect::<Result<Vec<_>, crate::Error>>()?;
         (0..users).for_each(|line| junction.part(line));
         let timing = &scene.peer.timing;
         Ok(Self {

@@ -28,7 +28,8 @@ use haptic_core::{law::node::Node, num::Motion};
 use haptic_sim::Scene;
 use serde::Serialize;
 
-use super::{MOST_USERS, world::WorldError};
+use super::MOST_USERS;
+use crate::Error;
 use copy::SharedCopy;
 
 mod copy;
@@ -145,16 +146,14 @@ impl Junction {
     ///
     /// # Errors
     /// A scene or a number of users that the junction cannot serve.
-    pub fn new(scene: &Scene, users: usize) -> Result<Self, WorldError> {
+    pub fn new(scene: &Scene, users: usize) -> Result<Self, Error> {
         let settings = &scene.peer;
         let coordination = &settings.coordination;
         let users = users.min(MOST_USERS);
         let copy = match scene.law().sends {
             Sends::Waves => None,
-            Sends::Counters => {
-                Some(SharedCopy::build(settings, users).map_err(|_| WorldError::NoWaves(coordination.comm))?)
-            }
-            _ => return Err(WorldError::NoWaves(coordination.comm)),
+            Sends::Counters => Some(SharedCopy::build(settings, users).map_err(|_| Error::NoWaves(coordination.comm))?),
+            _ => return Err(Error::NoWaves(coordination.comm)),
         };
         let packet_s = settings.timing.packet_period_s();
         // The node's tick is a packet period.

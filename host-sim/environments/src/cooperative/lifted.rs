@@ -12,7 +12,7 @@ use haptic_core::{contact::Contact, contact::bounder::Bound, device::AXES, num::
 
 use super::engine::{DynamicsEngine, Pushed};
 use super::world::World;
-use haptic_analysis::{Analyser, AnalysisError, Verdict};
+use haptic_analysis::{Analyser, Verdict};
 use haptic_analysis::{Lifted, Matrix, delays_ticks};
 use haptic_sim::{plant::Plant, scene::Scene};
 
@@ -50,7 +50,7 @@ pub fn lines(world: &World, scene: &Scene) -> Vec<Line> {
 ///
 /// # Errors
 /// A scene that cannot be built, or whose eigenvalues do not converge.
-pub fn verdict(scene: &Scene, lines: &[Line]) -> Result<Verdict, AnalysisError> {
+pub fn verdict(scene: &Scene, lines: &[Line]) -> Result<Verdict, crate::Error> {
     let mut period = Period::new(&scene.linear(), lines);
     let size = period.state.len();
     let mut matrix = Matrix::zeros(size, size);
@@ -64,7 +64,7 @@ pub fn verdict(scene: &Scene, lines: &[Line]) -> Result<Verdict, AnalysisError> 
     let free = scene.users.iter().all(|user| user.settings.user.arm_stiffness_n_per_m == 0.0);
     let rest_modes = if free { vec![period.translation()] } else { Vec::new() };
     let devices: Vec<usize> = (0..lines.len()).map(|client| DEVICE_STATES * client).collect();
-    Analyser::default().judge(Lifted { matrix, rest_modes }, &devices)
+    Ok(Analyser::default().judge(Lifted { matrix, rest_modes }, &devices)?)
 }
 
 /// A client of the period.

@@ -11,18 +11,16 @@
 //! ([`haptic_analysis::rendering`]); it shares no code with the worlds. N equal users on one object are N − 1 modes in which
 //! it rests and one in which all move alike, as one of them would on an Nth of the object.
 
-use std::error::Error;
-
 use rayon::prelude::*;
 use serde::Serialize;
 
+use haptic_analysis::rendering::closed::largest_stiffness;
 use haptic_analysis::rendering::maps::{first, stiffness_limit};
 use haptic_analysis::rendering::{Body, Renderer, Rendering};
-use haptic_analysis::{AnalysisError, rendering::closed::largest_stiffness};
-use haptic_sim::scene::SceneError;
 
-use super::world::{World, WorldError};
+use super::world::World;
 use super::{Collision, Setup, bounder};
+use crate::Error;
 
 /// Control period of these runs, s: fine against 5 ms.
 const PERIOD_S: f64 = 2e-4;
@@ -61,11 +59,8 @@ pub struct Stiffest {
     pub eigenvalues_n_per_m: f64,
 }
 
-/// In the scene, in the world or in the analysis.
-type LimitError = Box<dyn Error + Send + Sync>;
-
 /// The setup of one point.
-fn setup(stiffness: f64, collision: Collision, round_trip_s: f64) -> Result<Setup, SceneError> {
+fn setup(stiffness: f64, collision: Collision, round_trip_s: f64) -> Result<Setup, Error> {
     let (users, mass_kg) = match collision {
         Collision::Server => (1, 1000.0),
         Collision::Client => (2, SHARED_KG),
@@ -91,7 +86,7 @@ fn setup(stiffness: f64, collision: Collision, round_trip_s: f64) -> Result<Setu
 }
 
 /// Whether what a strike left dies out: its largest force in the last quarter against the third.
-fn dies_out(setup: &Setup, watched_s: f64) -> Result<bool, WorldError> {
+fn dies_out(setup: &Setup, watched_s: f64) -> Result<bool, Error> {
     let mut world = World::new(setup)?;
     let ticks = (watched_s / setup.scene.peer.timing.control_period_s) as u64;
     let mut quarters = [0.0_f64; 4];
@@ -132,18 +127,17 @@ pub fn rendering(setup: &Setup, round_trip_s: f64, drag: f64) -> Rendering {
 ///
 /// # Errors
 /// A setup that cannot be analysed.
-pub fn bounded_radius(setup: &Setup, round_trip_s: f64) -> Result<f64, AnalysisError> {
+pub fn bounded_radius(setup: &Setup, round_trip_s: f64) -> Result<f64, Error> {
     let bound = bounder(&setup.scene).bound(round_trip_s);
     let mut rendering = rendering(setup, round_trip_s, bound.drag);
     rendering.contact_damping_n_s_per_m = bound.damping;
-    Renderer::default().radius(&rendering, bound.stiffness)
+    Ok(Renderer::default().radius(&rendering, bound.stiffness)?)
 }
 
 /// The stiffest of the worlds, N/m, looked for around `near`.
-fn stiffest_simulated(near: f64, collision: Collision, round_trip_s: f64) -> Result<f64, LimitError> {
-    let stable = |stiffness: f64| -> Result<bool, LimitError> {
-        Ok(dies_out(&setup(stiffness, collision, round_trip_s)?, WATCHED_S)?)
-    };
+fn stiffest_simulated(near: f64, collision: Collision, round_trip_s: f64) -> Result<f64, Error> {
+    let stable =
+        |stiffness: f64| -> Result<bool, Error> { dies_out(&setup(stiffness, collision, round_trip_s)?, WATCHED_S) };
     let (mut low, mut high) = (0.0, 0.5 * near);
     // A stiffness that a scene refuses ends it at the latest.
     while stable(high)? {
@@ -160,7 +154,7 @@ fn stiffest_simulated(near: f64, collision: Collision, round_trip_s: f64) -> Res
 ///
 /// # Errors
 /// A setup that cannot be analysed.
-pub fn stiffest(kind: &'static str, round_trip_ms: f64, collision: Collision) -> Result<Stiffest, LimitError> {
+pub fn stiffest(kind: &'static str, round_trip_ms: f64, collision: Collision) -> Result<Stiffest, Error> {
     let round_trip_s = 1e-3 * round_trip_ms;
     let setup = setup(1.0, collision, round_trip_s)?;
     let rendering = rendering(&setup, round_trip_s, 0.0);
@@ -180,7 +174,7 @@ pub fn stiffest(kind: &'static str, round_trip_ms: f64, collision: Collision) ->
 ///
 /// # Errors
 /// A setup that cannot be analysed.
-pub fn table() -> Result<Vec<Stiffest>, LimitError> {
+pub fn table() -> Result<Vec<Stiffest>, Error> {
     let places = [Collision::Server, Collision::Client];
     let all: Vec<_> = places.into_iter().flat_map(|place| ROUND_TRIPS_MS.map(|(kind, ms)| (kind, ms, place))).collect();
     all.into_par_iter().map(|(kind, ms, place)| stiffest(kind, ms, place)).collect()

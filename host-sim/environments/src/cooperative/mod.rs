@@ -25,7 +25,7 @@ pub mod waves;
 pub mod world;
 
 use haptic_core::{contact::bounder::Bounder, names::Choice};
-use haptic_sim::scene::{Scene, SceneError};
+use haptic_sim::scene::Scene;
 
 /// Largest number of users.
 pub const MOST_USERS: usize = 16;
@@ -105,7 +105,7 @@ impl Setup {
     ///
     /// # Errors
     /// A key that does not exist, or a value that it does not accept.
-    pub fn base(one_way_s: f64, keys: &[&str]) -> Result<Self, SceneError> {
+    pub fn base(one_way_s: f64, keys: &[&str]) -> Result<Self, crate::Error> {
         let delay = format!("network.extra_delay_s={one_way_s}");
         let keys: Vec<String> =
             Self::BASE.iter().chain(&[delay.as_str()]).chain(keys).map(|key| (*key).to_owned()).collect();

@@ -7,8 +7,9 @@
 use serde::Serialize;
 
 use super::client::Client;
-use super::world::{World, WorldError};
+use super::world::World;
 use super::{Engine, Setup};
+use crate::Error;
 use haptic_report::Columns;
 use haptic_sim::measure::{LastHalf, growth::Forces};
 use haptic_sim::quantities::Named;
@@ -66,7 +67,7 @@ pub const COLUMNS: [Named; 7] = [
 ///
 /// # Errors
 /// A setup that cannot be built.
-pub fn run(setup: &Setup, duration_s: f64) -> Result<Outcome, WorldError> {
+pub fn run(setup: &Setup, duration_s: f64) -> Result<Outcome, Error> {
     let mut world = World::new(setup)?;
     let period_s = setup.scene.peer.timing.control_period_s;
     let ticks = (duration_s / period_s).round() as u64;

@@ -13,7 +13,8 @@ use haptic_sim::scene::{Network, Scene};
 use haptic_sim::{measure::LastHalf, network::rule::Direction, pair::Side, plant::Plant};
 use serde::Serialize;
 
-use super::{MOST_USERS, junction::Junction, world::WorldError};
+use super::{MOST_USERS, junction::Junction};
+use crate::Error;
 
 /// Who sits at the engine: first the server, where the lines meet.
 #[expect(clippy::large_enum_variant, reason = "at most seventeen of them")]
@@ -90,9 +91,9 @@ impl Waves {
     ///
     /// # Errors
     /// A scene or a number of users that cannot be built.
-    pub fn new(scene: &Scene, users: usize) -> Result<Self, WorldError> {
+    pub fn new(scene: &Scene, users: usize) -> Result<Self, Error> {
         if !(1..=MOST_USERS).contains(&users) {
-            return Err(WorldError::Users(users));
+            return Err(Error::Users(users));
         }
         let network = scene.world.network;
         let plain = Network {
@@ -104,7 +105,7 @@ impl Waves {
         };
         let waves_unpaid = scene.law().sends == Sends::Waves && !scene.peer.coordination.ledger;
         if (network != plain || scene.network_trace.is_some()) && waves_unpaid {
-            return Err(WorldError::NotConstant);
+            return Err(Error::NotConstant);
         }
         let junction = Junction::new(scene, users)?;
         let timing = &scene.peer.timing;
@@ -115,7 +116,7 @@ impl Waves {
             let end = index % 2;
             Ok(Seat::new(Around::Peer(Side::new(scene, end, 0, Plant::new(scene, end))?)))
         });
-        let seats = std::iter::once(Ok(Seat::new(server))).chain(peers).collect::<Result<_, WorldError>>()?;
+        let seats = std::iter::once(Ok(Seat::new(server))).chain(peers).collect::<Result<_, Error>>()?;
         let route = |from: usize, to: usize| match from {
             0 => Route::of_scene(scene, Direction::TwoToOne, to.saturating_sub(1) as u32),
             _ => Route::of_scene(scene, Direction::OneToTwo, from as u32 - 1),

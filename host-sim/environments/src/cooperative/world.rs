@@ -4,10 +4,11 @@
 //! the server takes in what came, whoever has the engine moves the object. So without delay a force acts in its own tick.
 //! While a client has the engine, the server passes pushes on to it and its states on to the others.
 
-use crate::roles::cooperative::{Lease, Message, Notice, OutOfRange};
+use crate::Error;
+use crate::roles::cooperative::{Lease, Message, Notice};
 use crate::roles::{Role, cooperative as role};
 use haptic_core::contact::bounder::Bounder;
-use haptic_core::{contact::Contact, num::Motion, settings::Refused};
+use haptic_core::{contact::Contact, num::Motion};
 use haptic_protocol::wire::{Moved, PeerId, Push};
 use haptic_sim::engine::{self, Actor, Clock, Out};
 use haptic_sim::network::link::{Inbox, Numbered, Route};
@@ -290,46 +291,18 @@ pub struct World {
     moved: Motion<f64>,
 }
 
-/// Why a world cannot be made.
-#[derive(Debug, thiserror::Error)]
-pub enum WorldError {
-    /// Too few or too many users.
-    #[error("users = {0} is not allowed: it must be a whole number from 1 to {MOST_USERS}")]
-    Users(usize),
-    /// What the peers refuse.
-    #[error(transparent)]
-    Refused(#[from] Refused<'static>),
-    /// What the hand-over refuses.
-    #[error(transparent)]
-    Lease(#[from] OutOfRange),
-    /// The engine cannot move to a client that computes no contact.
-    #[error(
-        "the engine must be at the server where contact is computed there: a client that computes no contact cannot move the object"
-    )]
-    NoContact,
-    /// The node is lossless only for waves that come when they are due.
-    #[error(
-        "network: through the node every wave must arrive, after a constant delay: leave jitter, loss and all else at 0, or \
-         set coordination.ledger = true, which pays for waves that are held"
-    )]
-    NotConstant,
-    /// There are no waves to scatter.
-    #[error("coordination.comm = \"{0}\" is not allowed: a node scatters waves, so it must be a law that sends them")]
-    NoWaves(&'static str),
-}
-
 impl World {
     /// Everybody at rest, the engine at the server.
     ///
     /// # Errors
     /// A setup that cannot be built.
-    pub fn new(setup: &Setup) -> Result<Self, WorldError> {
+    pub fn new(setup: &Setup) -> Result<Self, Error> {
         let users = setup.users;
         if !(1..=MOST_USERS).contains(&users) {
-            return Err(WorldError::Users(users));
+            return Err(Error::Users(users));
         }
         if setup.collision == Collision::Server && setup.engine != super::Engine::Server {
-            return Err(WorldError::NoContact);
+            return Err(Error::NoContact);
         }
         let scene = &setup.scene;
         let settings = scene.peers();

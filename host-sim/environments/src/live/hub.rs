@@ -9,6 +9,7 @@ use haptic_sim::{key_file::entropy, scene::Scene};
 use serde::Serialize;
 
 use super::hub_watch::HubWatch;
+use crate::Error;
 use crate::cooperative::hub::{End, Hub, line_wrong, number_on};
 use crate::cooperative::junction::{Energy, Port};
 use haptic_live::endpoint::{Endpoint, Live, Punctuality, Span, Stop, Ticker};
@@ -145,7 +146,7 @@ impl Live for HubActor {
         self.hub.waited(waited.as_micros() as u64);
     }
 
-    fn end(&self) -> Option<Result<(), String>> {
+    fn end(&mut self) -> Option<Result<(), haptic_live::Error>> {
         self.hub.packets.filter(|packets| *packets >= self.packets).map(|_| Ok(()))
     }
 
@@ -177,7 +178,7 @@ pub fn run(
     Span { duration_s, patience_s }: Span,
     wanted: &LiveOptions,
     stop: &Stop,
-) -> Result<Report, String> {
+) -> Result<Report, Error> {
     let timing = &scene.peer.timing;
     let packets = (duration_s / timing.packet_period_s()).round() as u64;
     let endpoint = Endpoint::polled(listen)?;

@@ -12,6 +12,7 @@ use haptic_live::watch::{LiveOptions, LiveSummary};
 use haptic_protocol::link::Notice;
 use haptic_sim::scene::Scene;
 
+use crate::Error;
 use crate::cooperative::hub::Hub;
 
 /// Records and reports what a hub does.
@@ -40,7 +41,7 @@ impl HubWatch {
         lines: usize,
         start: Instant,
         packets: u64,
-    ) -> Result<Self, String> {
+    ) -> Result<Self, Error> {
         let timing = &scene.peer.timing;
         Ok(Self {
             recorder: wanted.recorder("hub", start, ticks::hub_channels(lines))?,

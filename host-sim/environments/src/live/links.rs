@@ -6,6 +6,7 @@
 
 use std::{fmt, net::SocketAddr};
 
+use crate::Error;
 use crate::roles::squash::{Court, Message, SERVER};
 use crate::roles::{Carried, Outbox};
 use haptic_protocol::link::{Config, Link};
@@ -58,7 +59,7 @@ pub(super) struct Links {
 
 impl Links {
     /// Everybody listens at one of `addresses`, in the order of their numbers; this one is `number`.
-    pub(super) fn new(key: &Key, number: u8, addresses: &[SocketAddr]) -> Result<Self, String> {
+    pub(super) fn new(key: &Key, number: u8, addresses: &[SocketAddr]) -> Result<Self, Error> {
         let Court { length_m, width_m } = Court::SINGLES;
         let table = Table::new("squash").number("length_m", length_m.into()).number("width_m", width_m.into());
         let mut parameters = Parameters::new();
@@ -73,9 +74,9 @@ impl Links {
             });
             let (number, address, refused) = (other, *address, 0);
             let met = PeerContact { number, address, first_heard_s: None, last_heard_s: None, refused, refusal: None };
-            Ok((link.map_err(|error| error.to_string())?, met))
+            Ok((link?, met))
         });
-        Ok(Self { others: others.collect::<Result<_, String>>()?, stranger: None })
+        Ok(Self { others: others.collect::<Result<_, Error>>()?, stranger: None })
     }
 
     /// Takes a datagram; `each` gets what it brought. The address only tells which link to ask; whether it is true, the seal does.

@@ -14,6 +14,7 @@ use std::time::{Duration, Instant};
 use haptic_sim::engine::{Actor, Out};
 use serde::Serialize;
 
+use crate::Error;
 use crate::world::PACKET_US;
 use crate::world::host::{Counts, Host};
 use haptic_live::endpoint::{Endpoint, Live, Stop, Ticker};
@@ -164,7 +165,7 @@ pub fn run(
     host: &mut Host<SocketAddr>,
     options: Options<impl Fn(u32) -> Option<u64>>,
     stop: &Stop,
-) -> Result<Report, String> {
+) -> Result<Report, Error> {
     let (answer, turnaround) = (Times::default(), Times::default());
     let (batch, clients, computed, turn, batches) = (Vec::new(), 0, None, 0, 0);
     let (taken_ns, asked_ns, empty_ns) = (0, 0, 0);

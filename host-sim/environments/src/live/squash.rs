@@ -3,6 +3,7 @@
 
 use std::{net::SocketAddr, time::Duration};
 
+use crate::Error;
 use crate::roles::squash::{Ending, Message, Notice, PLAYERS, RALLIES, SERVER, Server, ServerConfig, Verdict};
 use crate::roles::{Outbox, Role};
 use haptic_protocol::{key::Key, wire::PeerId};
@@ -140,16 +141,17 @@ impl Live for Process<'_> {
 }
 
 /// Plays until the time is over, or it is stopped.
-pub fn run(key: &Key, options: &Options, stop: &Stop) -> Result<Report, String> {
+pub fn run(key: &Key, options: &Options, stop: &Stop) -> Result<Report, Error> {
     let count = options.addresses.len();
     if !(3..=PLAYERS + 1).contains(&count) {
-        return Err(format!(
+        return Err(Error::Refused(format!(
             "{count} addresses are not allowed: there must be 3 to 9, the server's and 2 to 8 players'"
-        ));
+        )));
     }
     let number = options.number;
     let own = *(options.addresses.get(usize::from(number))).ok_or_else(|| {
-        format!("number {number} is not allowed: with {count} addresses it must be 0 to {}", count - 1)
+        let allowed = format!("with {count} addresses it must be 0 to {}", count - 1);
+        haptic_sim::Error::not_allowed(format!("number {number}"), allowed)
     })?;
     let seed = entropy()?.iter().take(8).fold(0, |seed, byte| seed << 8 | u64::from(*byte));
     let part = if number == SERVER.0 {

@@ -5,6 +5,7 @@
 
 use std::{f64::consts::TAU, net::SocketAddr, time::Duration};
 
+use crate::Error;
 use crate::roles::static_scene::Download;
 use haptic_core::num::Motion;
 use haptic_protocol::key::Key;
@@ -174,7 +175,7 @@ impl Live for Visit<'_> {
 }
 
 /// Visits until the time is over, or it is stopped.
-pub fn run(options: &Options, stop: &Stop) -> Result<Report, String> {
+pub fn run(options: &Options, stop: &Stop) -> Result<Report, Error> {
     // Asked once before the clock starts; a generator that has worked once does not fail later.
     entropy()?;
     let line = options.setup.line;

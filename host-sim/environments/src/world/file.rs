@@ -2,6 +2,7 @@
 
 use std::{collections::BTreeMap, fmt::Display, path::Path};
 
+use crate::Error;
 use crate::records::{Block, Bounds, Field, Object, Region, Shape, Strip};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -12,9 +13,9 @@ use super::parameters::{CONTROL_PERIOD_S, World};
 ///
 /// # Errors
 /// The file cannot be read, or the first thing that is wrong in it.
-pub fn load(path: &Path) -> Result<Box<World>, String> {
+pub fn load(path: &Path) -> Result<Box<World>, Error> {
     let place = path.display().to_string();
-    let text = std::fs::read_to_string(path).map_err(|cause| format!("cannot read {place}: {cause}"))?;
+    let text = std::fs::read_to_string(path).map_err(haptic_sim::Error::cannot("read", &place))?;
     parse(&text, &place)
 }
 
@@ -56,13 +57,13 @@ struct Source<'a> {
 }
 
 impl Source<'_> {
-    fn wrong(&self, at: usize, message: impl Display) -> String {
+    fn wrong(&self, at: usize, message: impl Display) -> Error {
         let line = self.text[..at.min(self.text.len())].matches('\n').count() + 1;
-        format!("{}:{line}: {message}", self.place)
+        haptic_sim::Error::at(format_args!("{}:{line}", self.place), message.to_string()).into()
     }
 
     /// The number that `key` has in `table`, or its default; what is wrong names `what` it is a key of.
-    fn number(&self, table: &DeTable<'_>, what: &str, key: &Field) -> Result<f32, String> {
+    fn number(&self, table: &DeTable<'_>, what: &str, key: &Field) -> Result<f32, Error> {
         let Some((_, value)) = table.iter().find(|(name, _)| *name.get_ref() == key.name) else {
             return Ok(key.default);
         };
@@ -82,7 +83,7 @@ impl Source<'_> {
     }
 
     /// Every key in `table` is one of `known`.
-    fn known(&self, table: &DeTable<'_>, what: &str, known: &[&str]) -> Result<(), String> {
+    fn known(&self, table: &DeTable<'_>, what: &str, known: &[&str]) -> Result<(), Error> {
         match table.iter().find(|(name, _)| !known.iter().any(|known| *name.get_ref() == *known)) {
             None => Ok(()),
             Some((name, _)) => {
@@ -94,7 +95,7 @@ impl Source<'_> {
     }
 
     /// The tables of the list called `name`, with where each stands.
-    fn list<'t, 'i>(&self, root: &'t DeTable<'i>, name: &str) -> Result<Vec<(usize, &'t DeTable<'i>)>, String> {
+    fn list<'t, 'i>(&self, root: &'t DeTable<'i>, name: &str) -> Result<Vec<(usize, &'t DeTable<'i>)>, Error> {
         let Some((_, value)) = root.iter().find(|(key, _)| *key.get_ref() == name) else { return Ok(Vec::new()) };
         let refused = |value: &Spanned<DeValue<'_>>| {
             self.wrong(value.span().start, format!("{name} must be a list of tables: write [[{name}]]"))
@@ -107,7 +108,7 @@ impl Source<'_> {
         tables.collect()
     }
 
-    fn whole(&self, table: &DeTable<'_>, what: &str, key: &Field) -> Result<u32, String> {
+    fn whole(&self, table: &DeTable<'_>, what: &str, key: &Field) -> Result<u32, Error> {
         self.number(table, what, key).map(|number| number as u32)
     }
 }
@@ -116,7 +117,7 @@ impl Source<'_> {
 ///
 /// # Errors
 /// The first thing that is wrong in the text.
-pub fn parse(text: &str, place: &str) -> Result<Box<World>, String> {
+pub fn parse(text: &str, place: &str) -> Result<Box<World>, Error> {
     let source = Source { text, place };
     let root = DeTable::parse(text)
         .map_err(|error| source.wrong(error.span().map_or(0, |span| span.start), error.message().replace('\n', " ")))?;
@@ -132,7 +133,7 @@ pub fn parse(text: &str, place: &str) -> Result<Box<World>, String> {
     Ok(world)
 }
 
-fn regions(source: &Source<'_>, root: &DeTable<'_>, world: &mut World) -> Result<(), String> {
+fn regions(source: &Source<'_>, root: &DeTable<'_>, world: &mut World) -> Result<(), Error> {
     let keys = REGION.each_ref().map(|key| key.name);
     for (id, (at, table)) in source.list(root, "region")?.into_iter().enumerate() {
         let what = format!("region {}", id + 1);
@@ -165,7 +166,7 @@ fn regions(source: &Source<'_>, root: &DeTable<'_>, world: &mut World) -> Result
     Ok(())
 }
 
-fn objects(source: &Source<'_>, root: &DeTable<'_>, world: &mut World) -> Result<(), String> {
+fn objects(source: &Source<'_>, root: &DeTable<'_>, world: &mut World) -> Result<(), Error> {
     let mut lines = BTreeMap::new();
     for (name, kind, fields) in Shape::ALL {
         let keys: Vec<&str> = OBJECT.iter().chain(*fields).map(|key| key.name).collect();

@@ -75,9 +75,10 @@ impl<A: Copy + PartialEq> Host<A> {
         world: World,
         region: Option<u8>,
         entropy: impl FnMut() -> [u8; Key::LEN] + Send + 'static,
-    ) -> Result<Self, String> {
+    ) -> Result<Self, crate::Error> {
         if !(1..=MOST_LINES).contains(&lines) {
-            return Err(format!("lines = {lines} is not allowed: it must be from 1 to {MOST_LINES}"));
+            let allowed = format!("it must be from 1 to {MOST_LINES}");
+            return Err(haptic_sim::Error::not_allowed(format!("lines = {lines}"), allowed).into());
         }
         Ok(Self {
             key,
@@ -85,7 +86,7 @@ impl<A: Copy + PartialEq> Host<A> {
             entropy: Box::new(entropy),
             lines: std::iter::repeat_with(|| None).take(lines as usize).collect(),
             sessions: HashMap::new(),
-            server: Box::new(Server::new(world, region).map_err(|error| error.to_string())?),
+            server: Box::new(Server::new(world, region)?),
             board: Box::new(Board::new(PRESENT_US)),
             counts: Counts::default(),
             refused: Refused::default(),
@@ -97,8 +98,8 @@ impl<A: Copy + PartialEq> Host<A> {
     ///
     /// # Errors
     /// A number of the world that cannot be encoded.
-    pub fn publish(&mut self, world: World) -> Result<(), String> {
-        self.server.publish(world).map_err(|error| error.to_string())
+    pub fn publish(&mut self, world: World) -> Result<(), crate::Error> {
+        Ok(self.server.publish(world)?)
     }
 
     /// Clients with a session.

@@ -22,13 +22,13 @@ pub const TICKS_PER_PACKET: u32 = 8;
 pub const CLIENT: u8 = 0;
 
 /// The link from the first of two peer numbers to the second; both ends must have the same packet period.
-pub fn open_link(key: Key, [local, remote]: [u8; 2], entropy: [u8; Key::LEN]) -> Result<Link, String> {
+pub fn open_link(key: Key, [local, remote]: [u8; 2], entropy: [u8; Key::LEN]) -> Result<Link, crate::Error> {
     let mut parameters = Parameters::new();
     // One table of the 16 that there is room for.
     let _ = parameters.add(Table::new("static").number("packet_period_s", 1e-6 * PACKET_US as f64));
     let ends = Ends { local: PeerId(local), remote: PeerId(remote) };
     let config = Config { key, ends, packet_period_us: PACKET_US as u32, parameters, entropy };
-    Link::new(config).map_err(|error| error.to_string())
+    Ok(Link::new(config)?)
 }
 
 /// The line that a greeting names, or that a sealed datagram's session is of.

@@ -14,6 +14,7 @@
 //! Losses are summed with the velocities in the middle of each tick; what remains is of first order in the period.
 //! Units: SI.
 
+use crate::Error;
 use crate::records::Shape;
 use haptic_core::object::{Before, Integrator};
 use haptic_core::{model::Model as _, num::Motion, object::euler::SemiImplicit, settings::Settings};
@@ -229,9 +230,9 @@ fn path(outline: &[(Vector, &str)], below_m: f64, ratio: f64) -> (Path, Vec<Side
 ///
 /// # Errors
 /// A shape or options that cannot be stroked.
-pub fn stroke(shape: &Shape, options: &Options) -> Result<Stroke, String> {
+pub fn stroke(shape: &Shape, options: &Options) -> Result<Stroke, Error> {
     let Ok(solid) = solid(shape) else {
-        return Err("a strip has no outline to stroke along: choose a wall, a body or a block".to_owned());
+        return Err("a strip has no outline to stroke along: choose a wall, a body or a block".into());
     };
     let outline = outline(shape);
     let Options { mass_kg, drag_n_s_per_m, below_m, speed_m_per_s, period_s } = *options;
@@ -240,9 +241,9 @@ pub fn stroke(shape: &Shape, options: &Options) -> Result<Stroke, String> {
     // Every corner of the line lies as deep as the line, or behind a corner that points inwards, deeper.
     let fits = |point: &Vector| solid.depth(*point).is_some_and(|found| found.depth > 0.99 * below_m);
     if !path.points[1..path.points.len() - 1].iter().all(fits) {
-        return Err(format!(
+        return Err(Error::Refused(format!(
             "below_m = {below_m} is too much for this object: there is no way around it that far under its surface"
-        ));
+        )));
     }
     let law = |mass_kg: f64, damping: f64| {
         let mut settings = Settings::default();

@@ -14,6 +14,7 @@ use haptic_sim::quantities::Named;
 
 use super::mcap::{MAGIC, op};
 use super::origin::Origin;
+use crate::Error;
 
 /// Column that every row of a converted table begins with.
 pub const ROW: Named = ("row", "number of the row, from 0; one that is left out was lost while it was recorded");
@@ -210,7 +211,7 @@ struct Reading {
 
 impl Reading {
     /// Takes in a record; an error is a file that nobody here has written, `None` one that is broken.
-    fn take(&mut self, opcode: u8, mut content: Parse<'_>) -> Result<Option<()>, String> {
+    fn take(&mut self, opcode: u8, mut content: Parse<'_>) -> Result<Option<()>, Error> {
         match opcode {
             op::SCHEMA => {
                 let (Some(id), Some(name), Some(encoding)) = (content.number::<2>(), content.text(), content.text())
@@ -218,7 +219,7 @@ impl Reading {
                     return Ok(None);
                 };
                 if encoding != "protobuf" {
-                    return Err(format!("schema {name} is in {encoding}: only protobuf is read here"));
+                    return Err(format!("schema {name} is in {encoding}: only protobuf is read here").into());
                 }
                 let Some(columns) = content.counted().and_then(|set| doubles(Parse(set), &name)) else {
                     return Ok(None);
@@ -267,13 +268,13 @@ impl Reading {
     }
 
     /// The records in a chunk, as far as they are there.
-    fn chunk(&mut self, mut content: Parse<'_>) -> Result<Option<()>, String> {
+    fn chunk(&mut self, mut content: Parse<'_>) -> Result<Option<()>, Error> {
         let head = (|| Some((content.take(8 + 8 + 8 + 4)?, content.text()?, content.number::<8>()?)))();
         let Some((_, compression, _)) = head else { return Ok(None) };
         if !compression.is_empty() {
-            return Err(format!(
+            return Err(Error::Refused(format!(
                 "its chunks are compressed ({compression}): they are read here as they are written here, as they are"
-            ));
+            )));
         }
         while let Some((opcode, record)) = content.record() {
             if self.take(opcode, record)?.is_none() {
@@ -288,16 +289,16 @@ impl Reading {
 ///
 /// # Errors
 /// The file cannot be read, or is no recording.
-pub fn read(path: &Path) -> Result<Recording, String> {
+pub fn read(path: &Path) -> Result<Recording, Error> {
     let place = path.display();
-    let failed = |cause: std::io::Error| format!("cannot read {place}: {cause}");
-    let file = File::open(path).map_err(failed)?;
-    let size = file.metadata().map_err(failed)?.len();
+    let failed = haptic_sim::Error::cannot::<std::io::Error>("read", &place);
+    let file = File::open(path).map_err(&failed)?;
+    let size = file.metadata().map_err(&failed)?.len();
     let mut file = BufReader::new(file);
     let mut magic = [0; MAGIC.len()];
     let begins = file.read_exact(&mut magic).is_ok() && magic == *MAGIC;
     if !begins {
-        return Err(format!("{place} is no recording: it does not begin as an MCAP file does"));
+        return Err(format!("{place} is no recording: it does not begin as an MCAP file does").into());
     }
     let (mut reading, mut at, mut saved, mut content) = (Reading::default(), MAGIC.len() as u64, 0, Vec::new());
     while !reading.ended {
@@ -309,7 +310,7 @@ pub fn read(path: &Path) -> Result<Recording, String> {
         let length = parse.number::<8>().unwrap_or(0);
         let there = length.min(size - at - 9);
         content.clear();
-        file.by_ref().take(there).read_to_end(&mut content).map_err(failed)?;
+        file.by_ref().take(there).read_to_end(&mut content).map_err(&failed)?;
         let before = reading.rows;
         let taken = match head[0] {
             op::CHUNK => reading.chunk(Parse(&content)),

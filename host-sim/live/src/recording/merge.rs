@@ -19,6 +19,7 @@ use serde::Serialize;
 use super::common_clock::{Exchange, Relation};
 use super::file::Recording;
 use super::origin::Origin;
+use crate::Error;
 
 /// A way from tick to tick that is so many times longer than usual is a gap: nothing is laid into it.
 const GAP: f64 = 3.5;
@@ -100,7 +101,7 @@ fn wrong(origin: &Origin, what: &str) -> String {
 }
 
 impl<'a> Side<'a> {
-    fn of(recording: &'a Recording) -> Result<Self, String> {
+    fn of(recording: &'a Recording) -> Result<Self, Error> {
         let origin = &recording.origin;
         let channel = |leaf: &str| recording.channels.iter().find(|rows| rows.topic.ends_with(leaf));
         let rows = channel("/ticks").ok_or_else(|| wrong(origin, "has no ticks of a peer or a board"))?;
@@ -182,7 +183,7 @@ fn starts_of(times: &[f64], sealed: &[f64], ticks: &[f64]) -> Vec<f64> {
 }
 
 /// How the second recording's clock goes beside the first's, and how that is known.
-fn relate(one: &Side<'_>, two: &Side<'_>) -> Result<(Relation, String, Option<f64>), String> {
+fn relate(one: &Side<'_>, two: &Side<'_>) -> Result<(Relation, String, Option<f64>), Error> {
     let begin = |side: &Side<'_>| side.origin.start_clock_ns as f64 * 1e-9;
     let same = !one.origin.clock.is_empty() && one.origin.clock == two.origin.clock;
     let same = same.then(|| Relation::same_clock(begin(one) - begin(two)));
@@ -200,7 +201,7 @@ fn relate(one: &Side<'_>, two: &Side<'_>) -> Result<(Relation, String, Option<f6
     let by =
         if peers { "the clock of the machine that both ran on" } else { "each board's exchanges with one machine" };
     same.map(|same| (same, by.to_owned(), None)).ok_or_else(|| {
-        "the two have no clock in common: they were in no session with each other, and were recorded on two machines".to_owned()
+        "the two have no clock in common: they were in no session with each other, and were recorded on two machines".into()
     })
 }
 
@@ -208,7 +209,7 @@ fn relate(one: &Side<'_>, two: &Side<'_>) -> Result<(Relation, String, Option<f6
 ///
 /// # Errors
 /// The recordings lack what is needed to bring their clocks together, or do not overlap.
-pub fn merge(one: &Recording, two: &Recording) -> Result<Merged, String> {
+pub fn merge(one: &Recording, two: &Recording) -> Result<Merged, Error> {
     let ([one, two], names) = ([Side::of(one)?, Side::of(two)?], [one, two].map(|side| side.origin.who.clone()));
     let (relation, clock_by, same_machine_less_this_us) = relate(&one, &two)?;
     let mut sum = Sum::default();
@@ -235,14 +236,14 @@ pub fn merge(one: &Recording, two: &Recording) -> Result<Merged, String> {
 ///
 /// # Errors
 /// The recording lacks one of the two ends.
-pub fn both(recording: &Recording) -> Result<Merged, String> {
+pub fn both(recording: &Recording) -> Result<Merged, Error> {
     let origin = &recording.origin;
     let rows = recording.channels.iter().find(|rows| rows.topic == "/both/ticks");
     let rows = rows.ok_or_else(|| wrong(origin, "holds one end only: name the other end's recording as well"))?;
     let column = |name: &str| rows.column(name);
     let (Some(times), Some(first), Some(second)) = (column("time_s"), column("object_1_m"), column("object_2_m"))
     else {
-        return Err(wrong(origin, "has no two copies of an object"));
+        return Err(wrong(origin, "has no two copies of an object").into());
     };
     let mut sum = Sum::default();
     times.iter().zip(first).zip(second).for_each(|((at_s, one), two)| sum.see(*at_s, [*one, *two], 0.0, 0.0));
@@ -262,9 +263,11 @@ impl Sum {
         self.clock_error_s = self.clock_error_s.max(error_s);
     }
 
-    fn merged(self, ends: [String; 2], clock_by: String) -> Result<Merged, String> {
+    fn merged(self, ends: [String; 2], clock_by: String) -> Result<Merged, Error> {
         let (Some(first), Some(last)) = (self.rows.first(), self.rows.last()) else {
-            return Err(format!("{} and {} have no instant in common at which both were armed", ends[0], ends[1]));
+            return Err(
+                format!("{} and {} have no instant in common at which both were armed", ends[0], ends[1]).into()
+            );
         };
         let count = self.rows.len();
         let rms =

@@ -18,6 +18,7 @@ use std::time::{Duration, Instant};
 
 use super::mcap::{Channel, Writer};
 use super::origin::Origin;
+use crate::Error;
 
 /// Rows that may wait: seconds of two peers at 1 kHz.
 const QUEUE: usize = 8192;
@@ -76,16 +77,16 @@ impl Recorder {
     ///
     /// # Errors
     /// The file exists or cannot be written.
-    pub fn create(path: &Path, origin: &Origin, channels: Vec<Channel>) -> Result<Self, String> {
+    pub fn create(path: &Path, origin: &Origin, channels: Vec<Channel>) -> Result<Self, Error> {
         if let Some(wide) = channels.iter().find(|channel| channel.fields.len() > MOST_COLUMNS) {
             let count = wide.fields.len();
-            return Err(format!("{} has {count} columns: a recording has at most {MOST_COLUMNS}", wide.topic));
+            return Err(format!("{} has {count} columns: a recording has at most {MOST_COLUMNS}", wide.topic).into());
         }
         let failed = |cause: io::Error| match cause.kind() {
             io::ErrorKind::AlreadyExists => {
-                format!("{} exists: a recording is never written over another file", path.display())
+                Error::from(format!("{} exists: a recording is never written over another file", path.display()))
             }
-            _ => format!("cannot write {}: {cause}", path.display()),
+            _ => haptic_sim::Error::cannot("write", &path.display())(cause).into(),
         };
         let file = OpenOptions::new().write(true).create_new(true).open(path).map_err(failed)?;
         let sequences = channels.iter().map(|_| AtomicU32::new(0)).collect();

@@ -89,7 +89,7 @@ fn a_whole_file_and_one_that_is_cut_anywhere() {
     assert!(before == [600, 60] && saved > 0);
     // What is no recording, and a bit of one that turned.
     std::fs::write(&path, b"time_s\n0\n").expect("it is there");
-    assert!(read(&path).expect_err("no recording").contains("is no recording"));
+    assert!(read(&path).expect_err("no recording").to_string().contains("is no recording"));
     let mut turned = bytes.clone();
     for at in (8..2000).step_by(13) {
         turned[at] ^= 0x55;
@@ -97,7 +97,12 @@ fn a_whole_file_and_one_that_is_cut_anywhere() {
         let _ = read(&path);
         turned[at] ^= 0x55;
     }
-    assert!(Recorder::create(&path, &origin(), Vec::new()).expect_err("it is there").contains("never written over"));
+    assert!(
+        Recorder::create(&path, &origin(), Vec::new())
+            .expect_err("it is there")
+            .to_string()
+            .contains("never written over")
+    );
     std::fs::remove_file(&path).expect("it is there");
 }
 

@@ -3,6 +3,7 @@
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
 
+use haptic_live::Error;
 use haptic_live::batch::ReceivedBatch;
 use haptic_live::endpoint::{Endpoint, Live, Punctuality, Stop, Ticker, realtime};
 use haptic_live::relay;
@@ -36,7 +37,7 @@ impl Actor<SocketAddr> for Echo {
 }
 
 impl Live for Echo {
-    fn end(&self) -> Option<Result<(), String>> {
+    fn end(&mut self) -> Option<Result<(), Error>> {
         (self.ticks == 20).then_some(Ok(()))
     }
 
@@ -50,11 +51,11 @@ impl Live for Echo {
 }
 
 /// What came of a run, and how many ticks and goodbyes there were.
-fn run(open: fn(SocketAddr) -> Result<Endpoint, String>, alone: bool, stop: &Stop) -> (Result<u64, String>, Echo) {
+fn run(open: fn(SocketAddr) -> Result<Endpoint, Error>, alone: bool, stop: &Stop) -> (Result<u64, String>, Echo) {
     let endpoint = open(SocketAddr::from(([127, 0, 0, 1], 0))).expect("a socket on loopback");
     let mut echo = Echo { own: endpoint.address, heard: 0, ticks: 0, goodbyes: 0, alone };
     let kept = endpoint.run(Ticker::new(Duration::from_millis(5)), 0.02, stop, &mut echo);
-    (kept.map(|kept| kept.ticks), echo)
+    (kept.map(|kept| kept.ticks).map_err(|why| why.to_string()), echo)
 }
 
 #[test]
@@ -97,7 +98,7 @@ fn a_flood_holds_up_no_tick_and_every_end_has_its_goodbye() {
         assert!(start.elapsed() < Duration::from_secs(2), "{:?}", start.elapsed());
     }
     let (kept, echo) = run(Endpoint::polled, true, &stop);
-    assert_eq!((kept, echo.goodbyes), (Err("nobody".to_owned()), 1));
+    assert_eq!((kept, echo.goodbyes), (Err("nobody".into()), 1));
     assert!((1..20).contains(&echo.ticks), "{} ticks", echo.ticks);
     stop.ask();
     let (kept, echo) = run(Endpoint::polled, true, &stop);

@@ -2,7 +2,7 @@
 
 use haptic_plot::Figure;
 use haptic_report::files::{ROW_GROUP_ROWS, write_csv, write_parquet};
-use haptic_report::{Column, Columns, Files, Provenance, ReportError};
+use haptic_report::{Column, Columns, Error, Files, Provenance};
 use parquet::file::metadata::KeyValue;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
@@ -137,13 +137,13 @@ fn bits(columns: &Columns) -> Vec<(String, Vec<u64>)> {
     columns.data().map(|column| (column.name().to_owned(), values(column))).collect()
 }
 
-fn csv(columns: &Columns) -> Result<Vec<u8>, ReportError> {
+fn csv(columns: &Columns) -> Result<Vec<u8>, Error> {
     let folder = tempdir().unwrap();
     let path = folder.path().join("x.csv");
     write_csv(columns, &path).map(|()| std::fs::read(path).unwrap())
 }
 
-fn parquet(columns: &Columns, provenance: &Provenance) -> Result<Vec<u8>, ReportError> {
+fn parquet(columns: &Columns, provenance: &Provenance) -> Result<Vec<u8>, Error> {
     let folder = tempdir().unwrap();
     let mut files = Files::new(folder.path(), "x", provenance.clone());
     files.parquet(columns)?;

@@ -13,6 +13,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::Error;
 use crate::quantities::Named;
 
 /// Columns of the file.
@@ -78,12 +79,12 @@ impl NetworkTrace {
     ///
     /// # Errors
     /// The file cannot be read, or the first row that is wrong, in one line.
-    pub fn read(path: &Path) -> Result<Self, String> {
+    pub fn read(path: &Path) -> Result<Self, Error> {
         let place = path.display();
-        let mut reader = csv::Reader::from_path(path).map_err(|cause| format!("cannot read {place}: {cause}"))?;
+        let mut reader = csv::Reader::from_path(path).map_err(Error::cannot("read", &place))?;
         let mut packets = [Vec::new(), Vec::new()];
         for (at, row) in reader.deserialize::<(usize, usize, Option<f64>, String)>().enumerate() {
-            let wrong = |what: &str| format!("{place}: row {}: {what}", at + 1);
+            let wrong = |what: &str| Error::at(&place, Error::at(format_args!("row {}", at + 1), what));
             let (direction, packet, delay_s, fate) = row.map_err(|cause| wrong(&cause.to_string()))?;
             let half: &mut Vec<Vec<Arrival>> = match direction {
                 1 => &mut packets[0],
@@ -110,7 +111,7 @@ impl NetworkTrace {
             }
         }
         if packets.iter().any(Vec::is_empty) {
-            return Err(format!("{place}: both directions need at least one packet"));
+            return Err(Error::at(&place, "both directions need at least one packet"));
         }
         Ok(Self { file: std::path::absolute(path).unwrap_or_else(|_| path.to_owned()), packets })
     }
@@ -119,14 +120,14 @@ impl NetworkTrace {
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn write(&self, path: &Path) -> Result<(), String> {
-        let failed = |cause: csv::Error| format!("cannot write {}: {cause}", path.display());
-        let mut writer = csv::Writer::from_path(path).map_err(failed)?;
-        writer.write_record(COLUMNS.map(|(name, _)| name)).map_err(failed)?;
+    pub fn write(&self, path: &Path) -> Result<(), Error> {
+        let failed = Error::cannot::<csv::Error>("write", &path.display());
+        let mut writer = csv::Writer::from_path(path).map_err(&failed)?;
+        writer.write_record(COLUMNS.map(|(name, _)| name)).map_err(&failed)?;
         for (direction, half) in (1..).zip(&self.packets) {
             for (packet, copies) in half.iter().enumerate() {
                 let mut row = |delay: String, fate: &str| {
-                    writer.write_record([&direction.to_string(), &packet.to_string(), &delay, fate]).map_err(failed)
+                    writer.write_record([&direction.to_string(), &packet.to_string(), &delay, fate]).map_err(&failed)
                 };
                 if copies.is_empty() {
                     row(String::new(), "lost")?;

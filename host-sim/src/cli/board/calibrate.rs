@@ -12,6 +12,7 @@ use clap::{Args, Subcommand};
 use super::operator;
 use crate::cli::flags::number;
 use crate::cli::{Failure, SceneArgs, Ui};
+use haptic_board_tools::Error;
 use haptic_board_tools::calibrate::{Found, Person, Task, motion, settings_file};
 use haptic_board_tools::{calibrate::board::Board, calibrate::simulated::SharedSimulation};
 use haptic_board_tools::{calibrate::counts, calibrate::counts::Distance};
@@ -145,27 +146,27 @@ pub(in crate::cli) struct At {
 #[derive(Default)]
 struct Terminal {
     /// What is typed, if something was asked for.
-    typed: Option<Receiver<Result<String, String>>>,
+    typed: Option<Receiver<Result<String, Error>>>,
 }
 
 impl Terminal {
-    fn line() -> Result<String, String> {
+    fn line() -> Result<String, Error> {
         let mut line = String::new();
         match std::io::stdin().lock().read_line(&mut line) {
-            Ok(0) => Err("standard input has ended: somebody has to be at the device".to_owned()),
+            Ok(0) => Err("standard input has ended: somebody has to be at the device".into()),
             Ok(_) => Ok(line.trim().to_owned()),
-            Err(cause) => Err(format!("cannot read standard input: {cause}")),
+            Err(cause) => Err(haptic_sim::Error::cannot("read", &"standard input")(cause).into()),
         }
     }
 }
 
 impl Person for Terminal {
-    fn please(&mut self, task: &Task) -> Result<(), String> {
+    fn please(&mut self, task: &Task) -> Result<(), Error> {
         eprintln!("{task}; then press Enter");
         Self::line().map(|_| ())
     }
 
-    fn begin(&mut self, task: &Task) -> Result<(), String> {
+    fn begin(&mut self, task: &Task) -> Result<(), Error> {
         eprintln!("{task}; then press Enter");
         let (say, typed) = std::sync::mpsc::channel();
         self.typed = Some(typed);
@@ -173,7 +174,7 @@ impl Person for Terminal {
         Ok(())
     }
 
-    fn is_done(&mut self) -> Result<bool, String> {
+    fn is_done(&mut self) -> Result<bool, Error> {
         let Some(typed) = &self.typed else { return Ok(true) };
         match typed.try_recv() {
             Ok(line) => {
@@ -181,15 +182,15 @@ impl Person for Terminal {
                 line.map(|_| true)
             }
             Err(TryRecvError::Empty) => Ok(false),
-            Err(TryRecvError::Disconnected) => Err("nobody reads standard input any more".to_owned()),
+            Err(TryRecvError::Disconnected) => Err("nobody reads standard input any more".into()),
         }
     }
 
-    fn reading(&mut self, what: &str) -> Result<f64, String> {
+    fn reading(&mut self, what: &str) -> Result<f64, Error> {
         eprintln!("{what}:");
         let line = Self::line()?;
         let number: Option<f64> = line.parse().ok();
-        number.filter(|number| number.is_finite()).ok_or_else(|| format!("{line:?} is no number"))
+        number.filter(|number| number.is_finite()).ok_or_else(|| format!("{line:?} is no number").into())
     }
 }
 
@@ -221,7 +222,7 @@ impl At {
     fn run(
         &self,
         ui: &Ui,
-        find: impl FnOnce(&mut dyn Board, &mut dyn Person) -> Result<Vec<Found>, String>,
+        find: impl FnOnce(&mut dyn Board, &mut dyn Person) -> Result<Vec<Found>, Error>,
     ) -> Result<(), Failure> {
         let (mut board, mut person) = self.parties(ui)?;
         if self.settings.exists() {
@@ -246,7 +247,7 @@ impl Calibrate {
             Self::Sign(at) => at.run(ui, |board, _| motor::sign(board, at.joint)),
             Self::Winding { at, sheet } => at.run(ui, |board, _| {
                 winding::winding(board, at.joint, sheet.sheet())?
-                    .ok_or_else(|| "this board has no current loop: nothing measures the current".to_owned())
+                    .ok_or_else(|| "this board has no current loop: nothing measures the current".into())
             }),
             Self::Motor { at, reference } => {
                 let against = reference.against()?;

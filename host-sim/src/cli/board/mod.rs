@@ -50,7 +50,7 @@ impl Record {
         let ticks = (self.time.seconds / scene.peer.timing.control_period_s).round() as u64;
         let recording = record(&scene, usize::from(self.number), ticks)?;
         std::fs::write(&self.file, &recording.bytes)
-            .map_err(|cause| format!("cannot write {}: {cause}", self.file.display()))?;
+            .map_err(haptic_sim::Error::cannot("write", &self.file.display()))?;
         writeln!(ui, "{} ticks {:016x}", recording.ticks, recording.hash);
         let hash = format!("{:016x}", recording.hash);
         ui.document(&json!({ "ticks": recording.ticks, "hash": hash, "files": [&self.file] }))

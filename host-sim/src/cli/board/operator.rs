@@ -54,9 +54,9 @@ pub(in crate::cli) struct Operate {
 }
 
 /// An address with or without a port.
-pub(in crate::cli) fn address(text: &str) -> Result<SocketAddr, String> {
+pub(in crate::cli) fn address(text: &str) -> Result<SocketAddr, Failure> {
     let address = text.parse::<IpAddr>().map(|address| SocketAddr::new(address, PORT));
-    address.or_else(|_| text.parse()).map_err(|_| format!("{text} is no address: it must be like 192.168.77.1"))
+    address.or_else(|_| text.parse()).map_err(|_| format!("{text} is no address: it must be like 192.168.77.1").into())
 }
 
 /// Whether the motors are on, as far as these answers tell, and stay on only while an operator does.

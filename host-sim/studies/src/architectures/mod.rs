@@ -27,9 +27,9 @@ pub mod turns;
 
 use rayon::prelude::*;
 
-use super::Failure;
+use super::Error;
 use haptic_report::Columns;
-use haptic_sim::scene::{Scene, SceneError};
+use haptic_sim::scene::Scene;
 
 /// Delays from user to user, one way, ms.
 pub const DELAYS_MS: [f64; 8] = [0.0, 4.0, 10.0, 20.0, 40.0, 80.0, 120.0, 200.0];
@@ -138,7 +138,7 @@ pub struct Row {
 }
 
 /// The scene of the task with these keys: both users reach together, from the left and from the right.
-pub(crate) fn scene(keys: &[String]) -> Result<Scene, SceneError> {
+pub(crate) fn scene(keys: &[String]) -> Result<Scene, Error> {
     let user = |index: usize| {
         // Toward the other peer is toward positive x for user 1, and away from it for user 2.
         let sign = if index == 0 { 1.0 } else { -1.0 };
@@ -154,14 +154,14 @@ pub(crate) fn scene(keys: &[String]) -> Result<Scene, SceneError> {
     let base = ["object.integrator=semi-implicit", "object.force_delay_ticks=0", "network.one_way_delay_packets=0"];
     let base = base.map(str::to_owned);
     let all: Vec<String> = base.into_iter().chain(user(0)).chain(user(1)).chain(keys.iter().cloned()).collect();
-    Scene::load(haptic_sim::Laws::built_in(), None, &all)
+    Ok(Scene::load(haptic_sim::Laws::built_in(), None, &all)?)
 }
 
 /// One architecture at one delay.
 ///
 /// # Errors
 /// A scene that cannot be built or run.
-pub fn row(architecture: Architecture, delay_ms: f64) -> Result<Row, Failure> {
+pub fn row(architecture: Architecture, delay_ms: f64) -> Result<Row, Error> {
     match architecture {
         Architecture::CollaborativeLock | Architecture::CollaborativeRing => turns::row(architecture, delay_ms),
         Architecture::CooperativeServer
@@ -175,7 +175,7 @@ pub fn row(architecture: Architecture, delay_ms: f64) -> Result<Row, Failure> {
 ///
 /// # Errors
 /// A scene that cannot be built or run.
-pub fn rows(done: &(impl Fn() + Sync)) -> Result<Vec<Row>, Failure> {
+pub fn rows(done: &(impl Fn() + Sync)) -> Result<Vec<Row>, Error> {
     let points: Vec<_> =
         Architecture::ALL.iter().flat_map(|architecture| DELAYS_MS.map(|delay| (*architecture, delay))).collect();
     points

@@ -3,14 +3,14 @@
 use haptic_protocol::wire::{Flow, SEAL_LEN};
 
 use super::account::{Account, End, presence_bytes_per_s};
-use super::{Architecture, Failure, Row, TASK, scene};
+use super::{Architecture, Error, Row, TASK, scene};
 use haptic_analysis::verdict;
 use haptic_environments::cooperative::world::World;
 use haptic_environments::cooperative::{Engine, Setup, lifted};
 use haptic_sim::pair::Pair;
 
 /// Two peers: static (no coordination law) or distributed.
-pub(super) fn distributed(architecture: Architecture, delay_ms: f64) -> Result<Row, Failure> {
+pub(super) fn distributed(architecture: Architecture, delay_ms: f64) -> Result<Row, Error> {
     // The gains of the fault campaign.
     let (law, stiffness) = match architecture {
         Architecture::DistributedPower => ("power", 310.0),
@@ -51,7 +51,7 @@ pub(super) fn distributed(architecture: Architecture, delay_ms: f64) -> Result<R
     Ok(account.row(architecture, delay_ms, end))
 }
 
-pub(super) fn cooperative(architecture: Architecture, delay_ms: f64) -> Result<Row, Failure> {
+pub(super) fn cooperative(architecture: Architecture, delay_ms: f64) -> Result<Row, Error> {
     // Half of the way to the server.
     let scene = scene(&[format!("network.extra_delay_s={}", 0.5e-3 * delay_ms)])?;
     let mut setup = Setup::new(scene);
@@ -87,7 +87,7 @@ fn both(mut values: impl Iterator<Item = f64>) -> [f64; 2] {
 ///
 /// # Errors
 /// A setup that cannot be analysed.
-pub fn unbounded_radius(ticks_per_packet: u32) -> Result<f64, Failure> {
+pub fn unbounded_radius(ticks_per_packet: u32) -> Result<f64, Error> {
     let scene = scene(&[format!("timing.ticks_per_packet={ticks_per_packet}")])?;
     let mut setup = Setup::new(scene);
     setup.bounder = false;

@@ -11,7 +11,7 @@ use haptic_sim::network::link::Route;
 
 use super::account::{Account, End, event_bytes, presence_bytes_per_s};
 use super::hand::{Hand, TaskState};
-use super::{Architecture, Failure, Row, TASK, scene};
+use super::{Architecture, Error, Row, TASK, scene};
 use haptic_analysis::verdict;
 use haptic_environments::said;
 
@@ -147,8 +147,8 @@ fn counted<'a>(
 }
 
 /// The roles of a scheme in the order of their numbers, which of them is the first user's, and the delay of a message, µs.
-fn parts(architecture: Architecture, delay_us: u64) -> Result<(Vec<Role>, usize, u64), Failure> {
-    let lease = Lease::new(LEASE_US)?;
+fn parts(architecture: Architecture, delay_us: u64) -> Result<(Vec<Role>, usize, u64), Error> {
+    let lease = Lease::new(LEASE_US).map_err(haptic_environments::Error::from)?;
     if architecture == Architecture::CollaborativeLock {
         let client = |incarnation| Role::Client(Box::new(lock::Client::new(SERVER, lease, incarnation, value(0.0))));
         let server = Role::Server(Box::new(lock::Server::new(lease, value(0.0))));
@@ -162,7 +162,7 @@ fn parts(architecture: Architecture, delay_us: u64) -> Result<(Vec<Role>, usize,
     Ok((vec![member(0), member(1)], 0, delay_us))
 }
 
-pub(super) fn row(architecture: Architecture, delay_ms: f64) -> Result<Row, Failure> {
+pub(super) fn row(architecture: Architecture, delay_ms: f64) -> Result<Row, Error> {
     let scene = scene(&["coordination.comm=none".to_owned()])?;
     let period_s = scene.peer.timing.control_period_s;
     let (parts, first, delay_us) = parts(architecture, (1e3 * delay_ms) as u64)?;

@@ -13,7 +13,7 @@ use haptic_sim::scene::Scene;
 use haptic_sim::user::{Trace, User};
 
 use super::networks;
-use crate::{Failure, estimate::Estimate};
+use crate::{Error, estimate::Estimate};
 
 /// Simulated time of a run, s.
 pub const DURATION_S: f64 = 20.0;
@@ -166,7 +166,7 @@ pub(super) fn free_displacement_m(scene: &Scene) -> Result<Option<f64>, Refused<
 
 /// Runs every cell (law, network, its scene over that network, [`free_displacement_m`] of its scene on its own) in parallel; the order and
 /// every bit are the same on any number of threads.
-pub(super) fn run_all(cells: Vec<(String, &str, Scene, Option<f64>)>, periods: u32) -> Result<Vec<Cell>, Failure> {
+pub(super) fn run_all(cells: Vec<(String, &str, Scene, Option<f64>)>, periods: u32) -> Result<Vec<Cell>, Error> {
     let seeds = |scene: &Scene| if networks::is_random(scene) { SEEDS } else { 1 };
     let jobs: Vec<(&Scene, u32)> =
         cells.iter().flat_map(|(_, _, scene, _)| (0..seeds(scene)).map(move |later| (scene, later))).collect();
@@ -174,7 +174,7 @@ pub(super) fn run_all(cells: Vec<(String, &str, Scene, Option<f64>)>, periods: u
         let mut scene = scene.clone();
         scene.world.network.seed = scene.world.network.seed.wrapping_add(later);
         let outcome = run::<f64>(&scene, Options { duration_s: DURATION_S, record_every: 0 }, &|_| {})?;
-        Ok::<_, Failure>((outcome, push(&scene)?))
+        Ok::<_, Error>((outcome, push(&scene)?))
     };
     let runs: Vec<(Outcome, Option<PushOutcome>)> = jobs.into_par_iter().map(job).collect::<Result<_, _>>()?;
     let mut runs = runs.into_iter();

@@ -42,7 +42,7 @@ use haptic_sim::scene::Scene;
 use haptic_sim::{scenes, user::User};
 
 use self::networks::Named;
-use super::Failure;
+use super::Error;
 
 pub use self::cells::{Cell, DURATION_S, PUSH_N, PUSH_S, REST_S, SEEDS};
 
@@ -141,7 +141,7 @@ const PEERS: [&str; 3] =
 const PERIODS: u32 = 60;
 
 /// Runs every one of these scenes over every network.
-fn over_networks(scenes: &[(String, Scene)], networks: &[Named], periods: u32) -> Result<Vec<Cell>, Failure> {
+fn over_networks(scenes: &[(String, Scene)], networks: &[Named], periods: u32) -> Result<Vec<Cell>, Error> {
     let mut cells = Vec::new();
     for (law, scene) in scenes {
         let free_displacement_m = cells::free_displacement_m(scene)?;
@@ -153,7 +153,7 @@ fn over_networks(scenes: &[(String, Scene)], networks: &[Named], periods: u32) -
 }
 
 /// The scenes of these ways to hold the copies together, and of every law from outside the crate that sends something.
-fn scenes(laws: Laws, named: &[Named]) -> Result<Vec<(String, Scene)>, Failure> {
+fn scenes(laws: Laws, named: &[Named]) -> Result<Vec<(String, Scene)>, Error> {
     let scene = |(law, settings): (&str, Vec<String>)| {
         let mut scene = scenes::load(laws, BASE)?;
         PEERS.into_iter().chain(settings.iter().map(String::as_str)).try_for_each(|set| scene.apply_override(set))?;
@@ -166,7 +166,7 @@ fn scenes(laws: Laws, named: &[Named]) -> Result<Vec<(String, Scene)>, Failure> 
 ///
 /// # Errors
 /// A scene that cannot be built or run.
-pub fn campaign(laws: Laws) -> Result<Vec<Cell>, Failure> {
+pub fn campaign(laws: Laws) -> Result<Vec<Cell>, Error> {
     over_networks(&scenes(laws, &COMMS)?, networks::IMPAIRMENTS, 0)
 }
 
@@ -175,7 +175,7 @@ pub fn campaign(laws: Laws) -> Result<Vec<Cell>, Failure> {
 ///
 /// # Errors
 /// A scene that cannot be built or run.
-pub fn of_scene(laws: Laws, name: &str, scene: &Scene) -> Result<Vec<Cell>, Failure> {
+pub fn of_scene(laws: Laws, name: &str, scene: &Scene) -> Result<Vec<Cell>, Error> {
     let mut scene = scene.clone();
     if !scene.users.iter().any(User::acts) {
         scene.users = scenes::load(laws, BASE)?.users;
@@ -187,7 +187,7 @@ pub fn of_scene(laws: Laws, name: &str, scene: &Scene) -> Result<Vec<Cell>, Fail
 ///
 /// # Errors
 /// A scene that cannot be built or run.
-pub fn costs(laws: Laws) -> Result<Vec<Cell>, Failure> {
+pub fn costs(laws: Laws) -> Result<Vec<Cell>, Error> {
     let mut cells = over_networks(&scenes(laws, &CHOICES)?, networks::FEW, PERIODS)?;
     cells.sort_by_key(|cell| networks::FEW.iter().position(|(name, _)| *name == cell.network));
     Ok(cells)

@@ -3,8 +3,9 @@
 //! What a table of a scene counts in packets may be given in milliseconds here (`network.loss_burst_packets=40 ms`): it is as many
 //! packets as the scene sends in that time, so that a network is the same for every packet period.
 
+use crate::Error;
 use haptic_sim::network::rule::Jitter;
-use haptic_sim::scene::{Scene, SceneError};
+use haptic_sim::scene::Scene;
 
 /// A law or a network: name and settings.
 pub(super) type Named = (&'static str, &'static [&'static str]);
@@ -70,7 +71,7 @@ pub(super) const IMPAIRMENTS: &[Named] = &[
 pub(super) const FEW: &[Named] = &[("no loss", &[]), ("20 % lost", &["network.loss=0.2"])];
 
 /// The scene over this network.
-pub(super) fn over(scene: &Scene, settings: &[&str]) -> Result<Scene, SceneError> {
+pub(super) fn over(scene: &Scene, settings: &[&str]) -> Result<Scene, Error> {
     let mut scene = scene.clone();
     let packet_ms = 1e3 * scene.peer.timing.packet_period_s();
     for setting in settings {

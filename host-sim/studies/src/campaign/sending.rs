@@ -11,7 +11,7 @@ use haptic_sim::scenes;
 
 use super::networks::{self, Named};
 use super::{Cell, over_networks};
-use crate::Failure;
+use crate::Error;
 
 /// Packets that are enough, /s and each way.
 pub const MOST_PACKETS: f64 = 120.0;
@@ -107,7 +107,7 @@ impl Row {
 }
 
 /// This motion over these networks, N by N.
-pub(super) fn rows(laws: Laws, (motion, users): Named, networks: &[Named], along: &[u32]) -> Result<Vec<Row>, Failure> {
+pub(super) fn rows(laws: Laws, (motion, users): Named, networks: &[Named], along: &[u32]) -> Result<Vec<Row>, Error> {
     let scene = |together: Option<u32>| {
         let mut set: Vec<String> = users.iter().map(|text| (*text).to_owned()).collect();
         if let Some(together) = together {
@@ -117,7 +117,7 @@ pub(super) fn rows(laws: Laws, (motion, users): Named, networks: &[Named], along
     };
     let scenes = std::iter::once(None).chain(along.iter().map(|together| Some(*together)));
     let named = scenes.map(|together| Ok((motion.to_owned(), scene(together)?)));
-    let named = named.collect::<Result<Vec<_>, Failure>>()?;
+    let named = named.collect::<Result<Vec<_>, Error>>()?;
     // Scene by scene, network by network.
     let mut cells = over_networks(&named, networks, 0)?.into_iter();
     let each: Vec<Cell> = cells.by_ref().take(networks.len()).collect();
@@ -132,7 +132,7 @@ pub(super) fn rows(laws: Laws, (motion, users): Named, networks: &[Named], along
 ///
 /// # Errors
 /// Settings that no peer accepts.
-pub fn over_all(laws: Laws) -> Result<Vec<Row>, Failure> {
+pub fn over_all(laws: Laws) -> Result<Vec<Row>, Error> {
     rows(laws, MOTIONS[0], networks::IMPAIRMENTS, &[TOGETHER])
 }
 
@@ -140,7 +140,7 @@ pub fn over_all(laws: Laws) -> Result<Vec<Row>, Failure> {
 ///
 /// # Errors
 /// Settings that no peer accepts.
-pub fn curve(laws: Laws) -> Result<Vec<Row>, Failure> {
+pub fn curve(laws: Laws) -> Result<Vec<Row>, Error> {
     let few: Vec<Named> = networks::IMPAIRMENTS.iter().copied().filter(|(name, _)| CURVE.contains(name)).collect();
     let own = &few[..1];
     Ok([rows(laws, MOTIONS[0], &few, &ALONG)?, rows(laws, MOTIONS[1], own, &ALONG)?].concat())

@@ -17,7 +17,7 @@ use haptic_sim::scene::Scene;
 use haptic_sim::user::{Trace, User};
 use haptic_sim::{Laws, scenes};
 
-use crate::Failure;
+use crate::Error;
 use crate::campaign::laws::{asked_for, law_scene};
 use crate::paper::{DURATION_S, gains};
 
@@ -40,22 +40,22 @@ const PERIOD_S: f64 = 1e-3;
 const EACH_TICK: &str = "timing.ticks_per_packet=1";
 
 /// The scene in which the bench tries a law, at the gains that it declares, then with these settings.
-pub fn scene(law: &str, set: &[&str]) -> Result<Scene, Failure> {
+pub fn scene(law: &str, set: &[&str]) -> Result<Scene, Error> {
     let laws = Laws::built_in();
     let law = asked_for(laws, law)?[0];
     let set: Vec<String> = set.iter().map(|text| (*text).to_owned()).collect();
-    Ok(law_scene(laws, law, None, &set)?)
+    law_scene(laws, law, None, &set)
 }
 
 /// Decoded discrepancy in the cooperation paper's §5.2, mm.
-pub fn discrepancy_mm(law: &str) -> Result<f64, Failure> {
+pub fn discrepancy_mm(law: &str) -> Result<f64, Error> {
     let scene = scenes::load(Laws::built_in(), &format!("paper-5.2-{law}-16ms"))?;
     let outcome = run::<f64>(&scene, Options { duration_s: DURATION_S, record_every: 0 }, &|_| {})?;
     Ok(outcome.whole(|outcome| outcome.whole.decoded_discrepancy_mm).unwrap_or(f64::NAN))
 }
 
 /// Where this model turns unstable, nearest to the gain of the paper's §5.1, N/m.
-pub fn boundary_n_per_m(law: &str, near_n_per_m: f64) -> Result<f64, Failure> {
+pub fn boundary_n_per_m(law: &str, near_n_per_m: f64) -> Result<f64, Error> {
     let crossings =
         gains()?.into_iter().find(|gain| gain.law() == law).map_or(Vec::new(), |gain| gain.crossings_n_per_m);
     // From stable at the start: each other one leads back.
@@ -65,26 +65,26 @@ pub fn boundary_n_per_m(law: &str, near_n_per_m: f64) -> Result<f64, Failure> {
 }
 
 /// Apparent mass of the shared object, kg.
-pub fn mass_kg(law: &str) -> Result<f64, Failure> {
+pub fn mass_kg(law: &str) -> Result<f64, Error> {
     Ok(apparent_mass::measure(&scene(law, &[])?)?)
 }
 
 /// 2F/K_T + F·T/b of 1 N, with the T that the line's own mass shows, mm.
-pub fn distance_by_its_mass_mm(law: &str) -> Result<f64, Failure> {
+pub fn distance_by_its_mass_mm(law: &str) -> Result<f64, Error> {
     let stiffness = scene(law, &[])?.peer.coordination.stiffness_n_per_m;
     let line_s = (mass_kg(law)? - 2.0 * MASS_KG) / IMPEDANCE;
     Ok(1e3 * (2.0 / stiffness + line_s / IMPEDANCE))
 }
 
 /// How far apart the copies stand in the end whose users push 1 N against each other, mm.
-pub fn distance_mm(law: &str) -> Result<f64, Failure> {
+pub fn distance_mm(law: &str) -> Result<f64, Error> {
     let scene = scene(law, &["user.2.sine_n=0"])?;
     let outcome = run::<f64>(&scene, Options { duration_s: DURATION_S, record_every: 0 }, &|_| {})?;
     Ok(outcome.whole(|outcome| outcome.whole.true_discrepancy_mm).unwrap_or(f64::NAN))
 }
 
 /// Static stiffness that a slow hand feels while the far one holds its device, without delay, N/m.
-pub fn stiffness_felt_n_per_m(set: &[&str]) -> Result<f64, Failure> {
+pub fn stiffness_felt_n_per_m(set: &[&str]) -> Result<f64, Error> {
     const SLOW_HZ: f64 = 0.5;
     let scene = scene("four-channel", &[set, &[EACH_TICK, "network.one_way_delay_packets=0"]].concat())?;
     let impedance = felt(&scene, RemoteEnd::Held, SLOW_HZ, 0.05)?;
@@ -92,8 +92,8 @@ pub fn stiffness_felt_n_per_m(set: &[&str]) -> Result<f64, Failure> {
 }
 
 /// ω² of two copies that swing against each other in the power-domain law, over that at their mean.
-pub fn gain_of_the_others_over_the_mean() -> Result<f64, Failure> {
-    let squared = |law: &str| -> Result<f64, Failure> {
+pub fn gain_of_the_others_over_the_mean() -> Result<f64, Error> {
+    let squared = |law: &str| -> Result<f64, Error> {
         let set = [
             EACH_TICK,
             "network.one_way_delay_packets=0",
@@ -134,7 +134,7 @@ pub fn kicked(linear: &Scene, against: bool) -> Scene {
 }
 
 /// b/(K·T) at the first unstable stiffness of a wall that does not move, forces acting `late` ticks late.
-pub fn wall(late: f64) -> Result<f64, Failure> {
+pub fn wall(late: f64) -> Result<f64, Error> {
     const DAMPING: f64 = 5.0;
     let late = format!("device.force_delay_ticks={late}");
     let set =
@@ -151,9 +151,9 @@ struct End {
 }
 
 impl End {
-    fn new(law: &str, set: &[&str]) -> Result<Self, Failure> {
+    fn new(law: &str, set: &[&str]) -> Result<Self, Error> {
         let settings: Settings = scene(law, &[&[EACH_TICK], set].concat())?.peer;
-        let law = <AnyLaw<f64> as Law<f64>>::build(&settings).map_err(|refused| refused.to_string())?;
+        let law = <AnyLaw<f64> as Law<f64>>::build(&settings)?;
         Ok(Self { law, state: law.start(Motion::REST) })
     }
 
@@ -170,14 +170,14 @@ impl End {
 }
 
 /// First step of the set position modulation, with its tank as it begins and the other copy 1 m away, mm.
-pub fn first_set_position_mm() -> Result<f64, Failure> {
+pub fn first_set_position_mm() -> Result<f64, Error> {
     let mut end = End::new("set-position", &[])?;
     end.hear(1.0, 0.0, 0.0, 0.0);
     Ok(1e3 * end.held(0).desired.position)
 }
 
 /// Force of an end with an empty tank that has heard of 4 mJ, the other copy 1 m away, N.
-pub fn force_of_what_was_absorbed_n() -> Result<f64, Failure> {
+pub fn force_of_what_was_absorbed_n() -> Result<f64, Error> {
     let mut end = End::new("passivity-control", &["coordination.tank_j=0", "coordination.damping_n_s_per_m=0"])?;
     end.hear(1.0, 0.0, 0.0, 0.0);
     end.held(0);
@@ -186,7 +186,7 @@ pub fn force_of_what_was_absorbed_n() -> Result<f64, Failure> {
 }
 
 /// Where two tanks of 20 mJ come to rest that share 1 % a tick over 20 ticks each way, mJ.
-pub fn tank_level_mj() -> Result<f64, Failure> {
+pub fn tank_level_mj() -> Result<f64, Error> {
     const TICKS: usize = 20_000;
     const DELAY: usize = 20;
     let share = "coordination.tank_share=0.01";
@@ -207,7 +207,7 @@ pub fn tank_level_mj() -> Result<f64, Failure> {
 }
 
 /// What is left of the bias of the reflected force after the compensator's 1/λ, of the bias b·ẋ_r.
-pub fn bias_left() -> Result<f64, Failure> {
+pub fn bias_left() -> Result<f64, Error> {
     const SPEED: f64 = 0.1;
     const PUSHED_N: f64 = 2.0;
     let set =
@@ -224,7 +224,7 @@ pub fn bias_left() -> Result<f64, Failure> {
 }
 
 /// Packets while the speed grows from 0.1 to 1 m/s by 0.1 mm/s a tick.
-pub fn packets_of_a_ramp() -> Result<f64, Failure> {
+pub fn packets_of_a_ramp() -> Result<f64, Error> {
     let mut end = End::new("deadband", &["deadband.weber=0.1", "deadband.least_m_per_s=0.001"])?;
     let mut packets = 0.0;
     for tick in 1000..10_000 {
@@ -239,7 +239,7 @@ pub fn packets_of_a_ramp() -> Result<f64, Failure> {
 }
 
 /// Packets saved of 1000 a second, by a pair of which one hand goes to and fro by 5 cm once a second, %.
-pub fn packets_saved_percent() -> Result<f64, Failure> {
+pub fn packets_saved_percent() -> Result<f64, Error> {
     let set = [
         EACH_TICK,
         "network.one_way_delay_packets=0",
@@ -255,7 +255,7 @@ pub fn packets_saved_percent() -> Result<f64, Failure> {
 }
 
 /// ẋ_d/ẋ* under a force that pulls forward.
-pub fn velocity_held() -> Result<f64, Failure> {
+pub fn velocity_held() -> Result<f64, Error> {
     let mut end = End::new("passive-deadband", &["coordination.tank_j=1", "deadband.weber=0.1"])?;
     end.hear(0.01, 0.2, 0.0, 0.0);
     (0..10)
@@ -266,7 +266,7 @@ pub fn velocity_held() -> Result<f64, Failure> {
 }
 
 /// Force on a copy that is held, with 0.4 mJ in the account and 100 N asked for, N.
-pub fn gated_force_n() -> Result<f64, Failure> {
+pub fn gated_force_n() -> Result<f64, Error> {
     let set = ["coordination.stiffness_n_per_m=1000", "coordination.damping_n_s_per_m=2", "coordination.tank_j=0.0004"];
     let mut end = End::new("input-gated", &set)?;
     end.hear(0.1, 0.0, 0.0, 0.0);
@@ -274,10 +274,10 @@ pub fn gated_force_n() -> Result<f64, Failure> {
 }
 
 /// What the model at the end of a hand that shakes has become after 6 s: its k̂, where the other copy hangs on 600 N/m and 3 N·s/m, N/m.
-pub fn stiffness_learned_n_per_m() -> Result<f64, Failure> {
+pub fn stiffness_learned_n_per_m() -> Result<f64, Error> {
     let settings =
         scene("model-mediated", &["coordination.stiffness_n_per_m=3000", "coordination.damping_n_s_per_m=5"])?.peer;
-    let law = <ModelMediated<f64> as Law<f64>>::build(&settings).map_err(|refused| refused.to_string())?;
+    let law = <ModelMediated<f64> as Law<f64>>::build(&settings)?;
     let mut states = [Motion::REST; 2].map(|rest| Law::<f64>::start(&law, rest));
     let (mut copies, mut sent_j) = ([Motion::REST; 2], [0.0; 2]);
     let inertia = 2.0 * MASS_KG / PERIOD_S;

@@ -15,7 +15,7 @@ use haptic_report::Columns;
 use rayon::prelude::*;
 
 use self::measure as of;
-use super::Failure;
+use super::Error;
 
 /// How near is near enough, relative.
 pub const WITHIN: f64 = 0.05;
@@ -45,7 +45,7 @@ pub struct Number {
     /// Whether the paper prints the number or an equation gives it.
     pub says: ClaimSource,
     theirs: fn() -> f64,
-    ours: fn() -> Result<f64, Failure>,
+    ours: fn() -> Result<f64, Error>,
     /// Why it is further off than [`WITHIN`]; nothing where it is not.
     pub why: &'static str,
 }
@@ -134,7 +134,7 @@ pub const NUMBERS: &[Number] = &[
 ///
 /// # Errors
 /// Settings that no peer accepts.
-pub fn rows() -> Result<Vec<Row>, Failure> {
+pub fn rows() -> Result<Vec<Row>, Error> {
     let row = |number: &Number| Ok(Row { number: *number, theirs: (number.theirs)(), ours: (number.ours)()? });
     NUMBERS.par_iter().map(row).collect()
 }

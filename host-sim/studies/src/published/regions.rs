@@ -16,7 +16,7 @@ use haptic_sim::scene::Scene;
 use rayon::prelude::*;
 
 use super::measure::kicked;
-use crate::Failure;
+use crate::Error;
 use crate::campaign::laws::law_scene;
 
 /// Keys with which a law is linear that is not by itself: it keeps no silence, and learns nothing.
@@ -58,7 +58,7 @@ pub struct Region {
 ///
 /// # Errors
 /// Settings that no peer accepts, or what the analyser has against a scene.
-pub fn regions(laws: Laws, done: impl Fn() + Sync) -> Result<Vec<Region>, Failure> {
+pub fn regions(laws: Laws, done: impl Fn() + Sync) -> Result<Vec<Region>, Error> {
     let of = |law| {
         let found = region(laws, law);
         done();
@@ -67,7 +67,7 @@ pub fn regions(laws: Laws, done: impl Fn() + Sync) -> Result<Vec<Region>, Failur
     laws.all().par_iter().map(of).collect()
 }
 
-fn region(laws: Laws, law: &'static LawInfo) -> Result<Region, Failure> {
+fn region(laws: Laws, law: &'static LawInfo) -> Result<Region, Error> {
     let own = LINEAR.iter().filter(|(key, _)| law.keys.iter().any(|known| known.name == *key));
     let own: Vec<String> = own.map(|(key, value)| format!("{key}={value}")).collect();
     let mut linear = law_scene(laws, law, None, &own)?.linear();
@@ -79,7 +79,7 @@ fn region(laws: Laws, law: &'static LawInfo) -> Result<Region, Failure> {
     Ok(Region { law: law.name, coordination, contact: boundary(&linear, CONTACT)? })
 }
 
-fn boundary(linear: &Scene, key: &str) -> Result<Option<Boundary>, Failure> {
+fn boundary(linear: &Scene, key: &str) -> Result<Option<Boundary>, Error> {
     let range = Range { key: key.to_owned(), from: 0.0, to: TO_N_PER_M };
     let found = limit(linear, range, Effort { hands: Some(Hands::Both), ..Effort::default() })?;
     let ends = found.crossings.iter().skip(usize::from(!found.stable_at_start));
@@ -101,7 +101,7 @@ fn boundary(linear: &Scene, key: &str) -> Result<Option<Boundary>, Failure> {
 }
 
 /// Whether what a kick leaves behind dies away.
-fn settles(linear: &Scene) -> Result<bool, Failure> {
+fn settles(linear: &Scene) -> Result<bool, Error> {
     let mut pair = Pair::<f64>::new(&kicked(linear, false))?;
     let ticks = (RUN_S / linear.peer.timing.control_period_s).round() as u64;
     let [mut kick, mut middle, mut last] = [0.0_f64; 3];

@@ -7,7 +7,7 @@ use haptic_analysis::rendering::{Place, Rendering};
 use haptic_report::significant;
 
 use super::claim::{Claim, of};
-use crate::Failure;
+use crate::Error;
 use crate::architectures::{Architecture, Row};
 use haptic_environments::collaborative::{Scheme, Trial, campaign};
 use haptic_environments::cooperative::limits;
@@ -19,12 +19,12 @@ const MASSES_KG: [f64; 3] = [0.02, 0.1, 1.0];
 const RUNS: u64 = 200;
 
 /// All of them; `rows` are of every architecture at every delay.
-pub fn claims(rows: &[Row]) -> Result<Vec<Claim>, Failure> {
+pub fn claims(rows: &[Row]) -> Result<Vec<Claim>, Error> {
     let all = [stability_maps()?, collaborative(), cooperative(rows)?];
     Ok(of("architectures", all.concat()))
 }
 
-fn stability_maps() -> Result<Vec<Claim>, Failure> {
+fn stability_maps() -> Result<Vec<Claim>, Error> {
     let devices = MASSES_KG.into_iter().map(identify).collect::<Result<Vec<_>, _>>()?;
     let described = devices.iter().map(|device| {
         let (mass, damping, late) = (device.mass_kg, device.damping_n_s_per_m, device.computing_ticks);
@@ -32,7 +32,7 @@ fn stability_maps() -> Result<Vec<Claim>, Failure> {
     });
     let own = devices[1];
     let device = wall(own.mass_kg, own.damping_n_s_per_m, own.computing_ticks);
-    let largest = |rendering: &Rendering| -> Result<f64, Failure> {
+    let largest = |rendering: &Rendering| -> Result<f64, Error> {
         Ok(first(&stiffness_limit(rendering)?).unwrap_or(f64::INFINITY))
     };
     let periods_s = [1e-3, 2e-3, PERIOD_S, 0.01, 0.02];
@@ -91,7 +91,7 @@ fn collaborative() -> Vec<Claim> {
     vec![of(Scheme::Lock, "a central server"), of(Scheme::Ring, "a token ring")]
 }
 
-fn cooperative(rows: &[Row]) -> Result<Vec<Claim>, Failure> {
+fn cooperative(rows: &[Row]) -> Result<Vec<Claim>, Error> {
     let mut claims = Vec::new();
     let table = limits::table()?;
     for round_trip_ms in [5.0, 10.0, 30.0] {

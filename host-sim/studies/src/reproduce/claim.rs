@@ -1,8 +1,7 @@
 //! A claim of a paper, and the verdict on it.
 
+use crate::Error;
 use haptic_report::significant;
-
-use crate::Failure;
 
 /// What is to be said of a claim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,7 +58,7 @@ impl Claim {
     }
 
     /// Why, where it is not matched.
-    pub fn unless(mut self, why: impl FnOnce() -> Result<String, Failure>) -> Result<Self, Failure> {
+    pub fn unless(mut self, why: impl FnOnce() -> Result<String, Error>) -> Result<Self, Error> {
         if self.verdict == Verdict::NotMatched {
             self.why = why()?;
         }

@@ -7,7 +7,7 @@ use haptic_sim::{Laws, scenes};
 
 use super::claim::{Claim, of, orders};
 use super::readings::{crossings, nearest, stable_up_to};
-use crate::{Failure, paper::Experiment};
+use crate::{Error, paper::Experiment};
 
 /// What the claims are judged from.
 pub struct Computed<'a> {
@@ -39,7 +39,7 @@ impl Computed<'_> {
         curves.map(|(_, map)| first(map)).collect()
     }
 
-    fn experiment(&self, section: &str, law: &str, round_trip_ms: f64) -> Result<&Experiment, Failure> {
+    fn experiment(&self, section: &str, law: &str, round_trip_ms: f64) -> Result<&Experiment, Error> {
         let is = |one: &&Experiment| one.section == section && one.law == law && one.round_trip_ms == round_trip_ms;
         self.experiments
             .iter()
@@ -53,12 +53,12 @@ fn list(values: &[f64]) -> String {
 }
 
 /// All claims of the cooperation paper.
-pub fn claims(computed: &Computed<'_>) -> Result<Vec<Claim>, Failure> {
+pub fn claims(computed: &Computed<'_>) -> Result<Vec<Claim>, Error> {
     let all = [figure_4(computed)?, gains(computed)?, coherency(computed)?];
     Ok(of("cooperation", all.concat()))
 }
 
-fn figure_4(computed: &Computed<'_>) -> Result<Vec<Claim>, Failure> {
+fn figure_4(computed: &Computed<'_>) -> Result<Vec<Claim>, Error> {
     let [power, wave, passive] = ["power", "wave", "passive-wave"].map(|law| computed.limits(law));
     let ratios = |over: &[f64], under: &[f64]| over.iter().zip(under).map(|(a, b)| a / b).collect::<Vec<_>>();
     let over_power = ratios(&wave, &power);
@@ -112,7 +112,7 @@ fn figure_4(computed: &Computed<'_>) -> Result<Vec<Claim>, Failure> {
     Ok(claims)
 }
 
-fn gains(computed: &Computed<'_>) -> Result<Vec<Claim>, Failure> {
+fn gains(computed: &Computed<'_>) -> Result<Vec<Claim>, Error> {
     let mut claims = Vec::new();
     for (law, gain, _) in PRINTED {
         let scene = scenes::load(Laws::built_in(), &format!("paper-5.1-{law}-16ms"))?;
@@ -164,7 +164,7 @@ fn gains(computed: &Computed<'_>) -> Result<Vec<Claim>, Failure> {
     Ok(claims)
 }
 
-fn coherency(computed: &Computed<'_>) -> Result<Vec<Claim>, Failure> {
+fn coherency(computed: &Computed<'_>) -> Result<Vec<Claim>, Error> {
     let of = |law| computed.experiment("5.2", law, 16.0).map(|one| &one.outcome);
     let outcomes = [of("power")?, of("wave")?, of("passive-wave")?];
     let [decoded, all_true] = [

@@ -1,11 +1,10 @@
 //! What the cooperation paper leaves open, as scenes: every choice tried.
 
+use crate::Error;
 use haptic_analysis::{Effort, Limit, Range, limit};
 use haptic_core::names::Choice;
 use haptic_core::object::IntegratorName;
 use haptic_sim::scene::Scene;
-
-use crate::Failure;
 
 /// A way to read what the paper leaves open.
 #[derive(Clone, Debug)]
@@ -17,7 +16,7 @@ pub(super) struct Reading {
 
 impl Reading {
     /// This scene, read so.
-    fn of(&self, scene: &Scene) -> Result<Scene, Failure> {
+    fn of(&self, scene: &Scene) -> Result<Scene, Error> {
         let mut scene = scene.clone();
         self.settings.iter().try_for_each(|setting| scene.apply_override(setting))?;
         scene.check("reading")?;
@@ -43,13 +42,13 @@ pub(super) fn readings() -> Vec<Reading> {
 }
 
 /// Every K_T up to here at which this scene changes between stable and unstable, N/m.
-pub(super) fn crossings(scene: &Scene, to_n_per_m: f64) -> Result<Limit, Failure> {
+pub(super) fn crossings(scene: &Scene, to_n_per_m: f64) -> Result<Limit, Error> {
     let range = Range { key: "coordination.stiffness_n_per_m".to_owned(), from: 1.0, to: to_n_per_m };
     Ok(limit(scene, range, Effort::default())?)
 }
 
 /// Of all readings the one under which the first crossing is nearest to a gain, and that crossing, N/m.
-pub(super) fn nearest(scene: &Scene, gain_n_per_m: f64) -> Result<Option<(String, f64)>, Failure> {
+pub(super) fn nearest(scene: &Scene, gain_n_per_m: f64) -> Result<Option<(String, f64)>, Error> {
     let mut best: Option<(String, f64)> = None;
     for reading in readings() {
         let Some(first) = crossings(&reading.of(scene)?, 2.0 * gain_n_per_m)?.crossings.first().copied() else {
@@ -64,7 +63,7 @@ pub(super) fn nearest(scene: &Scene, gain_n_per_m: f64) -> Result<Option<(String
 }
 
 /// The readings under which every gain up to this one is stable, N/m.
-pub(super) fn stable_up_to(scene: &Scene, gain_n_per_m: f64) -> Result<Vec<String>, Failure> {
+pub(super) fn stable_up_to(scene: &Scene, gain_n_per_m: f64) -> Result<Vec<String>, Error> {
     let mut names = Vec::new();
     for reading in readings() {
         let found = crossings(&reading.of(scene)?, gain_n_per_m)?;

@@ -2,6 +2,7 @@
 
 use std::{collections::BTreeSet, str::FromStr};
 
+use crate::Error;
 use haptic_core::settings::Value;
 use haptic_report::Cell;
 
@@ -40,9 +41,9 @@ pub(super) fn cell(value: &str) -> Cell {
 }
 
 impl FromStr for Axis {
-    type Err = String;
+    type Err = Error;
 
-    fn from_str(text: &str) -> Result<Self, String> {
+    fn from_str(text: &str) -> Result<Self, Error> {
         let form = || form("A..B:N, A..B:N:log");
         let (key, values) = text.split_once('=').ok_or_else(form)?;
         let (key, values) = (key.trim().to_owned(), values.trim());
@@ -52,8 +53,8 @@ impl FromStr for Axis {
         };
         let mut seen = BTreeSet::new();
         match values.iter().find(|value| !seen.insert(*value)) {
-            _ if key.is_empty() || values.iter().any(String::is_empty) => Err(form()),
-            Some(twice) => Err(format!("the value {twice} stands there twice")),
+            _ if key.is_empty() || values.iter().any(String::is_empty) => Err(form().into()),
+            Some(twice) => Err(format!("the value {twice} stands there twice").into()),
             None => Ok(Self { key, values }),
         }
     }
@@ -72,7 +73,7 @@ pub(super) fn ends(first: &str, last: &str) -> Option<(f64, f64)> {
 }
 
 /// The numbers of `FIRST..REST`, or what is wrong with them; none where it is not written so.
-fn range(first: &str, rest: &str) -> Option<Result<Vec<String>, String>> {
+fn range(first: &str, rest: &str) -> Option<Result<Vec<String>, Error>> {
     let mut parts = rest.split(':');
     let (first, last) = ends(first, parts.next()?)?;
     let count = parts.next()?.trim().parse::<usize>().ok()?;
@@ -82,10 +83,10 @@ fn range(first: &str, rest: &str) -> Option<Result<Vec<String>, String>> {
         _ => return None,
     };
     if !(2..=MOST).contains(&count) || first == last {
-        return Some(Err(format!("a range has two ends and 2 to {MOST} values")));
+        return Some(Err(format!("a range has two ends and 2 to {MOST} values").into()));
     }
     if log && (first <= 0.0 || last <= 0.0) {
-        return Some(Err("equal ratios need ends above 0".to_owned()));
+        return Some(Err("equal ratios need ends above 0".into()));
     }
     // libm: the same bits on every machine.
     let value = |at: usize| match at as f64 / (count - 1) as f64 {

@@ -19,7 +19,7 @@ use haptic_report::files::{write_csv, write_parquet};
 use haptic_report::{Columns, Provenance};
 
 use super::row::Row;
-use crate::Failure;
+use crate::Error;
 
 /// Longest that a row waits for the disk while others come, if the machine itself stops.
 const SYNC: Duration = Duration::from_secs(1);
@@ -37,21 +37,21 @@ impl Journal {
     ///
     /// # Errors
     /// The folder holds another sweep, or a file cannot be read or written.
-    pub fn open(folder: &Path, question: &Provenance, shard: (usize, usize)) -> Result<(Self, Vec<Row>), Failure> {
-        fs::create_dir_all(folder).map_err(|cause| format!("cannot make {}: {cause}", folder.display()))?;
+    pub fn open(folder: &Path, question: &Provenance, shard: (usize, usize)) -> Result<(Self, Vec<Row>), Error> {
+        fs::create_dir_all(folder).map_err(haptic_sim::Error::cannot("make", &folder.display()))?;
         same_question(folder, &question.toml())?;
         let path = folder.join(format!("rows-{}-of-{}.csv", shard.0, shard.1));
-        let failed = |cause| format!("cannot write {}: {cause}", path.display());
-        let mut file = OpenOptions::new().create(true).append(true).open(&path).map_err(failed)?;
+        let failed = haptic_sim::Error::cannot::<std::io::Error>("write", &path.display());
+        let mut file = OpenOptions::new().create(true).append(true).open(&path).map_err(&failed)?;
         if let Err(TryLockError::WouldBlock) = file.try_lock() {
             return Err(format!("{} is being written by another process: wait for its end", path.display()).into());
         }
         let whole = whole_lines(&path)?;
-        file.set_len(whole.len() as u64).map_err(failed)?;
+        file.set_len(whole.len() as u64).map_err(&failed)?;
         if whole.is_empty() {
-            file.write_all(Row::heading().as_bytes()).map_err(failed)?;
+            file.write_all(Row::heading().as_bytes()).map_err(&failed)?;
         }
-        file.sync_all().map_err(failed)?;
+        file.sync_all().map_err(&failed)?;
         let rows = rows_in(folder)?;
         Ok((Self { path, file: Mutex::new((file, Instant::now())) }, rows))
     }
@@ -60,7 +60,7 @@ impl Journal {
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn append(&self, rows: &[Row]) -> Result<(), Failure> {
+    pub fn append(&self, rows: &[Row]) -> Result<(), Error> {
         let lines = Row::lines(rows)?;
         let mut guard = self.file.lock().unwrap_or_else(PoisonError::into_inner);
         let (file, synced) = &mut *guard;
@@ -69,16 +69,16 @@ impl Journal {
             written = written.and_then(|()| file.sync_data());
             *synced = Instant::now();
         }
-        written.map_err(|cause| format!("cannot write {}: {cause}", self.path.display()).into())
+        Ok(written.map_err(haptic_sim::Error::cannot("write", &self.path.display()))?)
     }
 
     /// Has everything reach the disk.
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn finish(self) -> Result<(), Failure> {
+    pub fn finish(self) -> Result<(), Error> {
         let (file, _) = self.file.into_inner().unwrap_or_else(PoisonError::into_inner);
-        file.sync_all().map_err(|cause| format!("cannot write {}: {cause}", self.path.display()).into())
+        Ok(file.sync_all().map_err(haptic_sim::Error::cannot("write", &self.path.display()))?)
     }
 }
 
@@ -87,7 +87,7 @@ impl Journal {
 ///
 /// # Errors
 /// A file cannot be written.
-pub fn write(folder: &Path, rows: &Columns, question: &Provenance) -> Result<Vec<PathBuf>, Failure> {
+pub fn write(folder: &Path, rows: &Columns, question: &Provenance) -> Result<Vec<PathBuf>, Error> {
     let [csv, parquet, toml] = ["sweep.csv", "sweep.parquet", "sweep.toml"].map(|name| folder.join(name));
     write_csv(rows, &csv)?;
     write_parquet(rows, &parquet, &question.toml())?;
@@ -95,7 +95,7 @@ pub fn write(folder: &Path, rows: &Columns, question: &Provenance) -> Result<Vec
 }
 
 /// Sees to it that `sweep.toml` of this folder asks just this.
-fn same_question(folder: &Path, question: &str) -> Result<(), Failure> {
+fn same_question(folder: &Path, question: &str) -> Result<(), Error> {
     let path = folder.join("sweep.toml");
     if !path.exists() {
         // Whole or not at all, and never over another's.
@@ -105,21 +105,20 @@ fn same_question(folder: &Path, question: &str) -> Result<(), Failure> {
             done => done,
         });
         let removed = fs::remove_file(&half);
-        linked.and(removed).map_err(|cause| format!("cannot write {}: {cause}", path.display()))?;
+        linked.and(removed).map_err(haptic_sim::Error::cannot("write", &path.display()))?;
     }
-    let there = fs::read_to_string(&path).map_err(|cause| format!("cannot read {}: {cause}", path.display()))?;
+    let there = fs::read_to_string(&path).map_err(haptic_sim::Error::cannot("read", &path.display()))?;
     let (there, here) = (asked(&there), asked(question));
     let line =
         |of: &[String], at: usize| of.get(at).map_or_else(|| "nothing more".to_owned(), |line| format!("`{line}`"));
     match (0..there.len().max(here.len())).find(|at| there.get(*at) != here.get(*at)) {
         None => Ok(()),
-        Some(at) => Err(format!(
+        Some(at) => Err(Error::Refused(format!(
             "{} is of another sweep: it says {}, this one {}; each sweep needs a folder of its own",
             path.display(),
             line(&there, at),
             line(&here, at)
-        )
-        .into()),
+        ))),
     }
 }
 
@@ -129,18 +128,18 @@ pub(super) fn asked(text: &str) -> Vec<String> {
 }
 
 /// The text of a file up to the end of its last whole line.
-fn whole_lines(path: &Path) -> Result<Vec<u8>, Failure> {
-    let mut bytes = fs::read(path).map_err(|cause| format!("cannot read {}: {cause}", path.display()))?;
+fn whole_lines(path: &Path) -> Result<Vec<u8>, Error> {
+    let mut bytes = fs::read(path).map_err(haptic_sim::Error::cannot("read", &path.display()))?;
     bytes.truncate(bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1));
     Ok(bytes)
 }
 
 /// Every row of every shard, the first one of each run, in the order of points and seeds of each.
-fn rows_in(folder: &Path) -> Result<Vec<Row>, Failure> {
-    let failed = |cause| format!("cannot read {}: {cause}", folder.display());
+fn rows_in(folder: &Path) -> Result<Vec<Row>, Error> {
+    let failed = haptic_sim::Error::cannot::<std::io::Error>("read", &folder.display());
     let mut paths = Vec::new();
-    for entry in fs::read_dir(folder).map_err(failed)? {
-        let path = entry.map_err(failed)?.path();
+    for entry in fs::read_dir(folder).map_err(&failed)? {
+        let path = entry.map_err(&failed)?.path();
         let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
         if name.starts_with("rows-") && name.ends_with(".csv") {
             paths.push(path);

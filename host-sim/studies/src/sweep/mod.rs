@@ -28,10 +28,10 @@ use haptic_core::names::Choice;
 use haptic_report::{Columns, Provenance, Rows};
 use haptic_sim::lanes::{self, number::LANES};
 use haptic_sim::run::{Options, Outcome, Verdict, run};
-use haptic_sim::scene::{Scene, SceneError};
+use haptic_sim::scene::Scene;
 
 use self::row::POINT;
-use super::{Failure, estimate::Estimate};
+use super::{Error, estimate::Estimate};
 
 pub use self::axis::Axis;
 pub use self::journal::{Journal, write};
@@ -105,7 +105,7 @@ impl Sweep {
     ///
     /// # Errors
     /// A key that does not exist, or a value that it does not accept.
-    pub fn scene_at(&self, point: usize) -> Result<Scene, SceneError> {
+    pub fn scene_at(&self, point: usize) -> Result<Scene, Error> {
         let settings = self.keys().zip(self.values(point)).map(|(key, value)| format!("{key}={value}"));
         let settings: Vec<String> = settings.collect();
         let mut scene = self.scene.clone();
@@ -118,7 +118,7 @@ impl Sweep {
     ///
     /// # Errors
     /// The first thing that could not be run.
-    pub fn check(&self) -> Result<(), Failure> {
+    pub fn check(&self) -> Result<(), Error> {
         for (at, key) in self.keys().enumerate() {
             if key == "network.seed" {
                 return Err("network.seed is no key to sweep over: every point is run with the same seeds".into());
@@ -134,14 +134,14 @@ impl Sweep {
         }
         // What is wrong first, whatever the number of threads.
         let wrong = (0..self.points()).into_par_iter().find_map_first(|point| self.scene_at(point).err());
-        wrong.map_or(Ok(()), |wrong| Err(wrong.into()))
+        wrong.map_or(Ok(()), Err)
     }
 
     /// What it asks, for [`Journal::open`] and for the files of what it found; traces are identified by their content.
     ///
     /// # Errors
     /// A trace that cannot be read.
-    pub fn question(&self, provenance: Provenance) -> Result<Provenance, Failure> {
+    pub fn question(&self, provenance: Provenance) -> Result<Provenance, Error> {
         let mut provenance =
             provenance.settings(self.scene.settings()).with("number_type", "f64").with("seconds", self.seconds);
         provenance = provenance.with("seeds", self.seeds);
@@ -163,7 +163,7 @@ impl Sweep {
         let network = self.scene.network_trace.iter().map(|trace| &trace.file);
         let traces = users.chain(network).cloned().chain(named);
         for (number, trace) in (1..).zip(traces) {
-            let bytes = std::fs::read(&trace).map_err(|cause| format!("cannot read {}: {cause}", trace.display()))?;
+            let bytes = std::fs::read(&trace).map_err(haptic_sim::Error::cannot("read", &trace.display()))?;
             provenance = provenance.with(&format!("trace_{number}_sha256"), hex(digest(&SHA256, &bytes).as_ref()));
         }
         Ok(provenance)
@@ -183,8 +183,8 @@ impl Sweep {
         &self,
         points: impl Iterator<Item = usize>,
         there: Vec<Row>,
-        keep: &(dyn Fn(&[Row]) -> Result<(), Failure> + Sync),
-    ) -> Result<Vec<Row>, Failure> {
+        keep: &(dyn Fn(&[Row]) -> Result<(), Error> + Sync),
+    ) -> Result<Vec<Row>, Error> {
         let points: BTreeSet<usize> = points.collect();
         let new = self.run_these(self.missing(&points, &there), keep)?;
         let mut rows: Vec<Row> = there.into_iter().filter(|row| points.contains(&row.point)).collect();
@@ -201,8 +201,8 @@ impl Sweep {
     pub fn run_these(
         &self,
         runs: Vec<(usize, Vec<u32>)>,
-        keep: &(dyn Fn(&[Row]) -> Result<(), Failure> + Sync),
-    ) -> Result<Vec<Row>, Failure> {
+        keep: &(dyn Fn(&[Row]) -> Result<(), Error> + Sync),
+    ) -> Result<Vec<Row>, Error> {
         // Points side by side, as far as every core has some.
         let lanes = (runs.len() / rayon::current_num_threads()).clamp(1, LANES);
         let rows: Vec<Vec<Row>> =
@@ -219,12 +219,12 @@ impl Sweep {
     fn run_beside(
         &self,
         todo: &[(usize, Vec<u32>)],
-        keep: &(dyn Fn(&[Row]) -> Result<(), Failure> + Sync),
-    ) -> Result<Vec<Row>, Failure> {
+        keep: &(dyn Fn(&[Row]) -> Result<(), Error> + Sync),
+    ) -> Result<Vec<Row>, Error> {
         let of = |(point, seeds): &(usize, Vec<u32>)| {
             let scene = self.scene_at(*point)?;
             let verdict = haptic_analysis::verdict(&scene)?;
-            Ok::<_, Failure>((*point, seeds.iter().copied().collect::<BTreeSet<u32>>(), scene, verdict))
+            Ok::<_, Error>((*point, seeds.iter().copied().collect::<BTreeSet<u32>>(), scene, verdict))
         };
         let points = todo.iter().map(of).collect::<Result<Vec<_>, _>>()?;
         let seeds: BTreeSet<u32> = todo.iter().flat_map(|(_, seeds)| seeds).copied().collect();
@@ -319,7 +319,7 @@ impl Row {
         scene: &Scene,
         verdict: &haptic_analysis::Verdict,
         seconds: f64,
-    ) -> Result<Self, Failure> {
+    ) -> Result<Self, Error> {
         let scene = with_seed(scene, seed);
         let outcome = run::<f64>(&scene, Options { duration_s: seconds, record_every: 0 }, &|_| {})?;
         Ok(Self::of(point, &scene, verdict, outcome))

@@ -5,7 +5,7 @@ use haptic_sim::run::Verdict;
 use serde::{Deserialize, Serialize};
 
 use super::metrics::METRICS;
-use crate::Failure;
+use crate::Error;
 
 /// What the number of a point means.
 pub(super) const POINT: &str = "which point, from 0; in a grid the last key varies fastest, a sample faster still";
@@ -45,10 +45,10 @@ impl Row {
     ///
     /// # Errors
     /// A row that cannot be written as CSV.
-    pub fn lines(rows: &[Self]) -> Result<Vec<u8>, Failure> {
+    pub fn lines(rows: &[Self]) -> Result<Vec<u8>, Error> {
         let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
-        rows.iter().try_for_each(|row| writer.serialize(row))?;
-        Ok(writer.into_inner()?)
+        rows.iter().try_for_each(|row| writer.serialize(row)).map_err(|cause| cause.to_string())?;
+        Ok(writer.into_inner().map_err(|cause| cause.to_string())?)
     }
 
     /// The rows that these lines hold, each as it is read.

@@ -18,6 +18,7 @@ use haptic_core::names::Choice;
 use haptic_sim::rng::Rng;
 
 use super::axis::{MOST, ends, form};
+use crate::Error;
 
 /// Most keys of a sample.
 pub const MOST_KEYS: usize = 21;
@@ -87,9 +88,9 @@ impl Spread {
 }
 
 impl FromStr for Spread {
-    type Err = String;
+    type Err = Error;
 
-    fn from_str(text: &str) -> Result<Self, String> {
+    fn from_str(text: &str) -> Result<Self, Error> {
         let wrong = || form("A..B, A..B:log, A..B:whole");
         let (key, values) = text.split_once('=').ok_or_else(wrong)?;
         let (key, values) = (key.trim().to_owned(), values.trim());
@@ -98,20 +99,20 @@ impl FromStr for Spread {
                 let (last, kind) = rest.split_once(':').map_or((rest, ""), |(last, kind)| (last, kind.trim()));
                 let (first, last) = ends(first, last).ok_or_else(wrong)?;
                 match kind {
-                    _ if first >= last => return Err("a range goes from a number to a larger one".to_owned()),
+                    _ if first >= last => return Err("a range goes from a number to a larger one".into()),
                     "" => Over::Linear(first, last),
-                    "log" if first <= 0.0 => return Err("equal ratios need ends above 0".to_owned()),
+                    "log" if first <= 0.0 => return Err("equal ratios need ends above 0".into()),
                     "log" => Over::Ratios(first, last),
                     "whole" if first.fract() == 0.0 && last.fract() == 0.0 => Over::Whole(first, last),
-                    "whole" => return Err("whole numbers need ends that are whole numbers".to_owned()),
-                    _ => return Err(wrong()),
+                    "whole" => return Err("whole numbers need ends that are whole numbers".into()),
+                    _ => return Err(wrong().into()),
                 }
             }
             None => Over::Listed(values.split(',').map(|value| value.trim().to_owned()).collect()),
         };
         let spread = Self { key, text: text.trim().to_owned(), over };
         let empty = spread.key.is_empty() || spread.listed().iter().any(String::is_empty);
-        if empty { Err(wrong()) } else { Ok(spread) }
+        if empty { Err(wrong().into()) } else { Ok(spread) }
     }
 }
 
@@ -135,12 +136,12 @@ impl Sample {
     ///
     /// # Errors
     /// More points or keys than the design can spread.
-    pub fn new(design: Design, points: usize, seed: u32, spreads: Vec<Spread>) -> Result<Self, String> {
+    pub fn new(design: Design, points: usize, seed: u32, spreads: Vec<Spread>) -> Result<Self, Error> {
         if !(1..=MOST).contains(&points) {
-            return Err(format!("a sample has 1 to {MOST} points"));
+            return Err(format!("a sample has 1 to {MOST} points").into());
         }
         if spreads.len() > MOST_KEYS {
-            return Err(format!("{} keys are more than a sample can spread: {MOST_KEYS}", spreads.len()));
+            return Err(format!("{} keys are more than a sample can spread: {MOST_KEYS}", spreads.len()).into());
         }
         let parts = |key: usize| {
             let mut random = stream(seed, key);

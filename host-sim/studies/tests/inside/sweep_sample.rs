@@ -173,7 +173,7 @@ fn values_of_ranges_and_lists() {
         ("=1..2", "write it as"),
         ("a.b=1,,2", "write it as"),
     ] {
-        let error = wrong.parse::<Spread>().expect_err(wrong);
+        let error = wrong.parse::<Spread>().expect_err(wrong).to_string();
         assert!(error.contains(says), "{wrong}: {error}");
     }
 }

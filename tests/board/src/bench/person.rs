@@ -14,6 +14,7 @@ use haptic_sim::scene::{PlantFault, Scene};
 use super::device::Device;
 use super::{Bench, PERIOD_NS};
 use crate::part::MOTORS;
+use host_sim::Error;
 
 /// The lines that bring a board from whatever it has to `settings`.
 fn lines(settings: &Settings) -> Vec<String> {
@@ -81,7 +82,7 @@ impl Bench {
     ///
     /// # Errors
     /// What a board says against a setting.
-    pub fn set_up(&mut self, scene: &Scene) -> Result<(), String> {
+    pub fn set_up(&mut self, scene: &Scene) -> Result<(), Error> {
         self.period_s = scene.peer.timing.control_period_s;
         self.scene = scene.clone();
         self.devices = (0..self.nodes.len()).map(|index| Some(Device::new(scene, index))).collect();
@@ -94,7 +95,7 @@ impl Bench {
             for line in lines(settings) {
                 let answer = self.ask(index + 1, &line);
                 if !answer.starts_with("ok") {
-                    return Err(format!("board {}: {line}: {answer}", index + 1));
+                    return Err(format!("board {}: {line}: {answer}", index + 1).into());
                 }
             }
         }
@@ -108,7 +109,7 @@ impl Bench {
     ///
     /// # Errors
     /// They do not.
-    fn settle(&mut self) -> Result<(), String> {
+    fn settle(&mut self) -> Result<(), Error> {
         if self.nodes.len() == 2 {
             let (timing, safety) = (&self.scene.peer.timing, &self.scene.peer.safety);
             let steps = u64::from(timing.packet_periods(safety.disengage_s - safety.fade_s));
@@ -120,7 +121,7 @@ impl Bench {
                 (1..=2).all(|number| self.ask(number, "status").contains("link running"))
             });
             if !met {
-                return Err(format!("the boards do not meet: {}", self.ask(1, "status")));
+                return Err(format!("the boards do not meet: {}", self.ask(1, "status")).into());
             }
         }
         Ok(())
@@ -217,14 +218,14 @@ impl Bench {
     ///
     /// # Errors
     /// What a board found.
-    pub fn check(&mut self, number: usize) -> Result<(), String> {
+    pub fn check(&mut self, number: usize) -> Result<(), Error> {
         self.let_go(None);
         let mut outcome = Ok(());
         for joint in 1..=self.scene.peer.axis.count {
             let begun = self.ask(number, &format!("check {joint}"));
             let answer = if begun.starts_with("ok") { self.probed(number) } else { begun };
             if !answer.contains("; agree: ") {
-                outcome = Err(format!("board {number}, joint {joint}: {answer}"));
+                outcome = Err(format!("board {number}, joint {joint}: {answer}").into());
             }
         }
         self.take_hold();

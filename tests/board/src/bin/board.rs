@@ -49,7 +49,7 @@ fn main() -> ExitCode {
     }
 }
 
-fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
+fn run(arguments: &Arguments) -> Result<(), host_sim::Error> {
     if !(arguments.seconds >= 1.0 && arguments.seconds <= 3600.0) {
         return Err(
             format!("--seconds {} is not allowed: it must be a number from 1 to 3600", arguments.seconds).into()

@@ -14,6 +14,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use code::{Code, veneer};
+use host_sim::Error;
 
 const LIST: &str = include_str!("../../calls.txt");
 /// What the processor puts on the stack at an interrupt, with the FPU in use and the stack aligned to 8 bytes.
@@ -84,7 +85,7 @@ impl<'a> Stack<'a> {
     ///
     /// # Errors
     /// It cannot be said, and why.
-    pub fn deepest(&mut self, entry: &str) -> Result<Path, String> {
+    pub fn deepest(&mut self, entry: &str) -> Result<Path, Error> {
         let at = self.code.find(entry).ok_or_else(|| format!("the image has no {entry}"))?;
         let limits =
             self.lines.iter().filter_map(|line| if let Line::AtMost(_, most) = line { Some(*most) } else { None });
@@ -102,7 +103,7 @@ impl<'a> Stack<'a> {
     ///
     /// # Errors
     /// It cannot be said, and why.
-    pub fn reached(&self, entry: &str) -> Result<BTreeMap<u64, String>, String> {
+    pub fn reached(&self, entry: &str) -> Result<BTreeMap<u64, String>, Error> {
         let mut open = vec![self.code.find(entry).ok_or_else(|| format!("the image has no {entry}"))?];
         let mut seen = BTreeMap::new();
         while let Some(at) = open.pop() {
@@ -137,19 +138,25 @@ impl<'a> Stack<'a> {
     }
 
     /// Where a function goes.
-    fn callees(&self, at: u64) -> Result<Vec<u64>, String> {
+    fn callees(&self, at: u64) -> Result<Vec<u64>, Error> {
         let function = &self.code.functions[&at];
         if let Some(target) = function.names.iter().find_map(|name| veneer(name)) {
             let plain = format!("{:#}", rustc_demangle::demangle(target));
-            return self.code.find(&plain).map(|at| vec![at]).ok_or_else(|| format!("{plain}: called, and not there"));
+            return self
+                .code
+                .find(&plain)
+                .map(|at| vec![at])
+                .ok_or_else(|| format!("{plain}: called, and not there").into());
         }
         if let Some(astray) = function.body.astray {
-            return Err(format!("{} moves the stack pointer at {astray:#x} to where cannot be said", self.name(at)));
+            return Err(
+                format!("{} moves the stack pointer at {astray:#x} to where cannot be said", self.name(at)).into()
+            );
         }
         let mut callees = Vec::new();
         for target in &function.body.calls {
             if !self.code.functions.contains_key(target) {
-                return Err(format!("{} goes to {target:#x}, where no function begins", self.name(at)));
+                return Err(format!("{} goes to {target:#x}, where no function begins", self.name(at)).into());
             }
             callees.push(*target);
         }
@@ -163,21 +170,25 @@ impl<'a> Stack<'a> {
                 .copied()
                 .collect();
             if patterns.is_empty() {
-                return Err(format!("{} calls through a pointer, and calls.txt does not say what", self.name(at)));
+                return Err(
+                    format!("{} calls through a pointer, and calls.txt does not say what", self.name(at)).into()
+                );
             }
             callees.extend(self.code.taken.iter().filter(|taken| patterns.iter().any(|name| self.is(**taken, name))));
         }
         Ok(callees)
     }
 
-    fn depth(&mut self, place: &Place, path: &mut Vec<Place>) -> Result<u64, String> {
+    fn depth(&mut self, place: &Place, path: &mut Vec<Place>) -> Result<u64, Error> {
         if let Some((bytes, _)) = self.known.get(place) {
             return Ok(*bytes);
         }
         if path.contains(place) {
             let names: Vec<String> =
                 path.iter().skip_while(|on_it| *on_it != place).map(|place| self.name(place.0)).collect();
-            return Err(format!("{} calls itself, and calls.txt does not say how often", names.join(", which calls ")));
+            return Err(
+                format!("{} calls itself, and calls.txt does not say how often", names.join(", which calls ")).into()
+            );
         }
         let (at, mut left) = place.clone();
         let limited: Vec<&str> = self

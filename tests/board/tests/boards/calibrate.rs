@@ -8,6 +8,7 @@ use std::sync::Arc;
 use board_bench::bench::{Bench, PWM_STEPS};
 use board_bench::image::Firmware;
 use board_bench::wire::Line;
+use haptic_board_tools::Error;
 use haptic_board_tools::bringup::{Plan, bring_up};
 use haptic_board_tools::calibrate::board::{Board, Tick};
 use haptic_board_tools::calibrate::counts::Distance;
@@ -25,11 +26,11 @@ struct Table {
 }
 
 impl Board for Table {
-    fn ask(&mut self, line: &str) -> Result<String, String> {
+    fn ask(&mut self, line: &str) -> Result<String, Error> {
         Ok(self.bench.borrow_mut().ask(1, line))
     }
 
-    fn ticks(&mut self, seconds: f64) -> Result<Vec<Tick>, String> {
+    fn ticks(&mut self, seconds: f64) -> Result<Vec<Tick>, Error> {
         let mut bench = self.bench.borrow_mut();
         bench.run_for_ms((1e3 * seconds).round() as u64);
         let mut taken = self.taken.borrow_mut();
@@ -41,7 +42,7 @@ impl Board for Table {
 }
 
 impl Person for Table {
-    fn please(&mut self, task: &Task) -> Result<(), String> {
+    fn please(&mut self, task: &Task) -> Result<(), Error> {
         let mut bench = self.bench.borrow_mut();
         match *task {
             Task::MoveMetres { metres, .. } | Task::Push { metres, .. } => bench.carry(1, metres, 500),
@@ -72,8 +73,8 @@ impl Person for Table {
         Ok(())
     }
 
-    fn reading(&mut self, what: &str) -> Result<f64, String> {
-        Err(format!("there is no gauge on the bench to read {what}"))
+    fn reading(&mut self, what: &str) -> Result<f64, Error> {
+        Err(format!("there is no gauge on the bench to read {what}").into())
     }
 }
 

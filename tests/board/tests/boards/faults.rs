@@ -118,7 +118,7 @@ impl Campaign {
             // After a reset, or a fault that puts encoders in doubt, signs are to be checked again.
             let mut answer = bench.ask(1, "arm");
             if answer.starts_with("error check first: ") {
-                assert_eq!(bench.check(1), Ok(()), "{what}");
+                assert_eq!(bench.check(1).map_err(|why| why.to_string()), Ok(()), "{what}");
                 answer = bench.ask(1, "arm");
             }
             assert_eq!(answer, "ok armed", "{what}");

@@ -108,7 +108,7 @@ fn who_holds_the_peers_key_is_no_operator() {
     let firmware = Arc::new(Firmware::release());
     let mut bench = Bench::start(&firmware, 1, Line::default());
     bench.tell_of_amplifiers(1);
-    assert_eq!(bench.check(1), Ok(()));
+    assert_eq!(bench.check(1).map_err(|why| why.to_string()), Ok(()));
     for line in ["arm", "set safety.max_force_n 200", "disarm", "status"] {
         let operator = std::mem::replace(&mut bench.pc, Pc::holding(&peers_key()));
         bench.pc.say(1, line);
@@ -138,7 +138,7 @@ fn a_stranger_gets_no_answer_and_changes_nothing() {
     let firmware = Arc::new(Firmware::release());
     let mut bench = Bench::start(&firmware, 1, Line::default());
     bench.tell_of_amplifiers(1);
-    assert_eq!(bench.check(1), Ok(()));
+    assert_eq!(bench.check(1).map_err(|why| why.to_string()), Ok(()));
     assert_eq!(bench.ask(1, "arm"), "ok armed");
     let told = |bench: &mut Bench| {
         let status = bench.ask(1, "status");

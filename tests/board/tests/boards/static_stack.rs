@@ -9,6 +9,7 @@ use board_bench::stack::code::Code;
 use board_bench::stack::{Path, Stack};
 use board_bench::wire::Line;
 use gimli::{CfaRule, DebugFrame, LittleEndian, RegisterRule, UnwindSection};
+use host_sim::Error;
 use object::{Object, ObjectSection};
 
 const TICK: &str = "TIM6_DAC";
@@ -19,7 +20,7 @@ fn image() -> Vec<u8> {
     std::fs::read(image::path()).expect("the image is there")
 }
 
-fn tick(elf: &[u8]) -> Result<Path, String> {
+fn tick(elf: &[u8]) -> Result<Path, Error> {
     Stack::of(&Code::read(elf)).deepest(TICK)
 }
 
@@ -62,7 +63,7 @@ fn what_is_planted_in_the_tick_is_found() {
     assert_eq!(deep.bytes, whole.bytes + 508 - taken, "sub sp, #508 in place of #{taken}");
 
     let refused = |at: u64, halfwords: &[u16], word: &str| {
-        let why = tick(&planted(at, halfwords)).expect_err("no number");
+        let why = tick(&planted(at, halfwords)).expect_err("no number").to_string();
         assert!(why.starts_with(TICK) && why.contains(word), "{why}");
     };
     refused(reserve, &[0x4780], "calls through a pointer");

@@ -311,7 +311,7 @@ fn a_planted_rule_loses_what_it_says() {
 fn what_a_hub_cannot_be_made_for() {
     let refused = |users: usize, key_set: &str| {
         let scene = scene(&[key_set.to_owned()]);
-        Hub::<usize>::new(&scene, users, &key(), || Ok([1; Key::LEN])).expect_err("no hub")
+        Hub::<usize>::new(&scene, users, &key(), || Ok([1; Key::LEN])).expect_err("no hub").to_string()
     };
     for users in [0, 1, 17] {
         assert!(refused(users, "user.1.push_n=1").contains("from 2 to 16"));
@@ -319,7 +319,7 @@ fn what_a_hub_cannot_be_made_for() {
     let no_ledger = "coordination.drift_correction=false";
     let mut plain = scene(&[no_ledger.to_owned()]);
     plain.apply_override("coordination.ledger=false").expect("a good override");
-    let said = Hub::<usize>::new(&plain, 2, &key(), || Ok([1; Key::LEN])).expect_err("no hub");
+    let said = Hub::<usize>::new(&plain, 2, &key(), || Ok([1; Key::LEN])).expect_err("no hub").to_string();
     assert!(said.contains("coordination.ledger = false") && said.contains("true"), "{said}");
 }
 

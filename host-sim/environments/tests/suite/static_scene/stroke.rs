@@ -93,10 +93,10 @@ fn the_energy_of_a_push_is_accounted_for() {
 
 #[test]
 fn what_cannot_be_stroked_is_said() {
-    let strip = stroke(&Shape::Strip(Strip::default()), &Options::default()).expect_err("a strip");
+    let strip = stroke(&Shape::Strip(Strip::default()), &Options::default()).expect_err("a strip").to_string();
     assert!(strip.contains("a strip has no outline"), "{strip}");
     let deep = Options { below_m: 0.02, ..Options::default() };
-    let deep = stroke(&Shape::Block(dart()), &deep).expect_err("no room");
+    let deep = stroke(&Shape::Block(dart()), &deep).expect_err("no room").to_string();
     assert!(deep.starts_with("below_m = 0.02 is too much for this object"), "{deep}");
     // Three corners, the last of them twice.
     let triangle = Block { d_x_m: 0.1, ..Block::default() };

@@ -44,32 +44,32 @@ pub(in crate::cli) struct Visit {
     friend_key_file: Option<PathBuf>,
 }
 
-fn numbered(text: &str) -> Result<(u32, SocketAddr), String> {
+fn numbered(text: &str) -> Result<(u32, SocketAddr), Failure> {
     let (number, address) = text.split_once('=').ok_or("write it as NUMBER=ADDRESS:PORT")?;
     let number = number.parse().map_err(|_| format!("{number} is no number"))?;
     Ok((number, address.parse().map_err(|_| format!("{address} is no ADDRESS:PORT"))?))
 }
 
-fn server(text: &str) -> Result<(u8, SocketAddr), String> {
+fn server(text: &str) -> Result<(u8, SocketAddr), Failure> {
     let (number, address) = numbered(text)?;
     match u8::try_from(number) {
         Ok(number @ 1..=254) => Ok((number, address)),
-        _ => Err("a server's number is from 1 to 254".to_owned()),
+        _ => Err("a server's number is from 1 to 254".into()),
     }
 }
 
-fn friend(text: &str) -> Result<(u32, SocketAddr), String> {
+fn friend(text: &str) -> Result<(u32, SocketAddr), Failure> {
     match numbered(text)? {
         (1..=MOST_LINES, _) => numbered(text),
-        _ => Err(format!("a line is from 1 to {MOST_LINES}")),
+        _ => Err(format!("a line is from 1 to {MOST_LINES}").into()),
     }
 }
 
-fn point(text: &str) -> Result<[f64; 2], String> {
+fn point(text: &str) -> Result<[f64; 2], Failure> {
     let parts: Option<Vec<f64>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
     match parts.as_deref() {
         Some([x, y]) if [x, y].iter().all(|part| part.abs() <= 1000.0) => Ok([*x, *y]),
-        _ => Err("write it as X,Y, each from -1000 to 1000 m".to_owned()),
+        _ => Err("write it as X,Y, each from -1000 to 1000 m".into()),
     }
 }
 

@@ -28,7 +28,7 @@ use haptic_core::settings::LawInfo;
 use haptic_protocol::wire::{Flow, SEAL_LEN};
 use haptic_sim::pair::Pair;
 use haptic_sim::peers::Laws;
-use haptic_sim::scene::{Scene, SceneError, nearest};
+use haptic_sim::scene::{Scene, nearest};
 use haptic_sim::scenes;
 use haptic_sim::user::User;
 
@@ -37,7 +37,7 @@ use self::stability::Stability;
 use self::touch::Touch;
 use super::networks::{self, Named};
 use super::{BASE, Cell, over_networks};
-use crate::Failure;
+use crate::Error;
 use crate::accuracy::counts::Processor;
 
 /// Peers that break nothing by themselves: one solve a tick, so that what a copy does is the law's and the network's doing.
@@ -48,7 +48,7 @@ pub const SOLVED: [&str; 3] =
 ///
 /// # Errors
 /// A name that no law has.
-pub fn asked_for(laws: Laws, text: &str) -> Result<Vec<&'static LawInfo>, String> {
+pub fn asked_for(laws: Laws, text: &str) -> Result<Vec<&'static LawInfo>, Error> {
     let infos = laws.all();
     if text == "all" {
         return Ok(infos.iter().collect());
@@ -61,7 +61,7 @@ pub fn asked_for(laws: Laws, text: &str) -> Result<Vec<&'static LawInfo>, String
                 Some(name) => format!("did you mean {name}?"),
                 None => format!("the laws are {}", names().collect::<Vec<_>>().join(", ")),
             };
-            return Err(format!("there is no law called {name:?}; {hint}"));
+            return Err(format!("there is no law called {name:?}; {hint}").into());
         };
         if !found.contains(&law) {
             found.push(law);
@@ -75,19 +75,19 @@ pub fn asked_for(laws: Laws, text: &str) -> Result<Vec<&'static LawInfo>, String
 ///
 /// # Errors
 /// What the scene or the law does not accept.
-pub fn law_scene(laws: Laws, law: &LawInfo, scene: Option<&Path>, set: &[String]) -> Result<Scene, SceneError> {
+pub fn law_scene(laws: Laws, law: &LawInfo, scene: Option<&Path>, set: &[String]) -> Result<Scene, Error> {
     let peers = SOLVED.iter().filter(|_| scene.is_none());
     let settings = peers.chain(law.gains).map(|setting| (*setting).to_owned());
     let law = format!("coordination.comm={}", law.name);
     let settings: Vec<String> = std::iter::once(law).chain(settings).chain(set.iter().cloned()).collect();
-    scenes::find(laws, Some(scene.unwrap_or(Path::new(BASE))), &settings)
+    Ok(scenes::find(laws, Some(scene.unwrap_or(Path::new(BASE))), &settings)?)
 }
 
 /// The scene of each of these laws ([`law_scene`]); users who do nothing are those of the campaign.
 ///
 /// # Errors
 /// As [`law_scene`]; the law is named.
-pub fn law_scenes(laws: Laws, infos: &[&LawInfo], scene: Option<&Path>, set: &[String]) -> Result<Vec<Scene>, Failure> {
+pub fn law_scenes(laws: Laws, infos: &[&LawInfo], scene: Option<&Path>, set: &[String]) -> Result<Vec<Scene>, Error> {
     let scene = |law: &&LawInfo| {
         let mut found = law_scene(laws, law, scene, set).map_err(|error| format!("{}: {error}", law.name))?;
         if !found.users.iter().any(User::acts) {
@@ -130,17 +130,20 @@ impl Row {
 ///
 /// # Errors
 /// Settings that no peer accepts on one of the networks.
-pub fn bench(laws: Laws, scenes: &[Scene], done: &dyn Fn()) -> Result<Vec<Row>, Failure> {
+pub fn bench(laws: Laws, scenes: &[Scene], done: &dyn Fn()) -> Result<Vec<Row>, Error> {
     over(laws, scenes, networks::IMPAIRMENTS, done)
 }
 
 /// [`bench`] over these networks; the first is the scene's own.
-fn over(laws: Laws, scenes: &[Scene], networks: &[Named], done: &dyn Fn()) -> Result<Vec<Row>, Failure> {
+fn over(laws: Laws, scenes: &[Scene], networks: &[Named], done: &dyn Fn()) -> Result<Vec<Row>, Error> {
     let row = |scene: &Scene| {
         let law = laws.all().iter().find(|law| law.name == scene.law().name).unwrap_or(scene.law());
         let cells = over_networks(&[(law.name.to_owned(), scene.clone())], networks, 0)?;
         let stable = cells[0].is_stable();
-        let (stability, touch) = rayon::join(|| stability::judged(scene, stable), || touch::felt(scene, stable));
+        let (stability, touch) = rayon::join(
+            || stability::judged(scene, stable).map_err(|why| why.to_string()),
+            || touch::felt(scene, stable),
+        );
         let row = Row {
             law,
             scene: scene.clone(),
@@ -161,7 +164,7 @@ fn over(laws: Laws, scenes: &[Scene], networks: &[Named], done: &dyn Fn()) -> Re
 const COUNTED_S: f64 = 10.0;
 
 /// Packets that a peer sends on the scene's own network, mean of both, /s.
-fn packets_per_s(scene: &Scene) -> Result<f64, Failure> {
+fn packets_per_s(scene: &Scene) -> Result<f64, Error> {
     let mut pair = Pair::<f64>::new(scene)?;
     let ticks = (COUNTED_S / scene.peer.timing.control_period_s).round() as u64;
     (0..ticks).for_each(|_| pair.step());

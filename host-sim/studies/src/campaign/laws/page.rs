@@ -6,6 +6,7 @@ use haptic_sim::run::Verdict;
 
 use super::tables::parts;
 use super::{PACKET_BYTES, Row};
+use crate::Error;
 
 /// Between these lines of the page stands what `host-sim prove --page` writes.
 pub const PROOFS: [&str; 2] = ["<!-- proofs begin -->", "<!-- proofs end -->"];
@@ -68,7 +69,7 @@ pub fn between<'a>(page: &'a str, [begin, end]: [&str; 2]) -> Option<&'a str> {
 ///
 /// # Errors
 /// A page without these lines.
-pub fn with(page: &str, [begin, end]: [&str; 2], text: &str) -> Result<String, String> {
+pub fn with(page: &str, [begin, end]: [&str; 2], text: &str) -> Result<String, Error> {
     let parts = page.split_once(begin).and_then(|(before, rest)| Some((before, rest.split_once(end)?.1)));
     let (before, after) = parts.ok_or_else(|| format!("there is no line {begin} before a line {end}"))?;
     Ok(format!("{before}{begin}\n{}\n{end}{after}", text.trim()))

@@ -16,7 +16,7 @@ use haptic_sim::user::{Trace, User};
 
 use super::super::Cell;
 use super::super::networks::{self, Named};
-use crate::Failure;
+use crate::Error;
 
 /// Above this a channel makes energy; sums of some 10⁴ products round by less.
 const NONE_MADE: f64 = 1.0 + 1e-9;
@@ -42,14 +42,14 @@ pub struct Kept {
 }
 
 /// Every promise of the scene's law.
-pub(super) fn kept(scene: &Scene, cells: &[Cell], networks: &[Named]) -> Result<Vec<Kept>, Failure> {
+pub(super) fn kept(scene: &Scene, cells: &[Cell], networks: &[Named]) -> Result<Vec<Kept>, Error> {
     let start_j = scene.law().budgets().map(|budget| scene.peer.own(budget)).sum();
     let of = |promise: &Promise| {
         let (kept, found) = match promise {
             Promise::Passive => channel(start_j, cells.iter()),
             Promise::PassiveOnConstantDelay => {
                 let constant = cells.iter().zip(networks).map(|(cell, (_, settings))| {
-                    Ok::<_, Failure>(networks::is_constant(&networks::over(scene, settings)?).then_some(cell))
+                    Ok::<_, Error>(networks::is_constant(&networks::over(scene, settings)?).then_some(cell))
                 });
                 channel(start_j, constant.collect::<Result<Vec<_>, _>>()?.into_iter().flatten())
             }
@@ -75,7 +75,7 @@ fn channel<'a>(start_j: f64, cells: impl Iterator<Item = &'a Cell>) -> (bool, St
 }
 
 /// How far apart the copies are once the network has recovered and nobody pushes, mm; none where a peer stopped.
-fn drift_mm(scene: &Scene) -> Result<Option<f64>, Failure> {
+fn drift_mm(scene: &Scene) -> Result<Option<f64>, Error> {
     let mut scene = networks::over(scene, &LOSING)?;
     for user in &mut scene.users {
         *user = User { trace: Some(Trace::step(DRIFTING_S[0], -1.0)), ..User::default() };

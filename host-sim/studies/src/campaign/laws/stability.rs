@@ -1,7 +1,8 @@
 //! What the analyser says of a law: the largest K_T in every mode, the largest K_LC, and the verdict on the gains as declared.
 
+use crate::Error;
 use haptic_analysis::tune::{CONTACT, COORDINATION};
-use haptic_analysis::{AnalysisError, Effort, Hands, Judgement, Limit, Range, is_linear, judge, limit};
+use haptic_analysis::{Effort, Hands, Judgement, Limit, Range, is_linear, judge, limit};
 use haptic_core::names::Choice;
 use haptic_sim::measure::impedance::{RemoteEnd, SPEED_M_PER_S, felt};
 use haptic_sim::scene::Scene;
@@ -38,38 +39,35 @@ pub fn stable_to(limit: &Limit) -> f64 {
 ///
 /// # Errors
 /// Why the analyser gives no limits.
-pub fn judged(scene: &Scene, runs: bool) -> Result<Stability, String> {
+pub fn judged(scene: &Scene, runs: bool) -> Result<Stability, Error> {
     if let Some(why) = not_linear(scene)? {
-        return Err(why.to_owned());
+        return Err(why.into());
     }
     let along = |key: &str, hands| {
         let range = Range { key: key.to_owned(), from: 0.0, to: TO_N_PER_M };
         limit(scene, range, Effort { hands, ..Effort::default() })
     };
-    let all = || {
-        let coordination = Hands::ALL.iter().map(|mode| along(COORDINATION, Some(*mode)));
-        Ok::<_, AnalysisError>(Stability {
-            coordination: coordination.collect::<Result<_, _>>()?,
-            contact: along(CONTACT, None)?,
-            judgement: judge(scene)?,
-        })
+    let coordination = Hands::ALL.iter().map(|mode| along(COORDINATION, Some(*mode)));
+    let stability = Stability {
+        coordination: coordination.collect::<Result<_, _>>()?,
+        contact: along(CONTACT, None)?,
+        judgement: judge(scene)?,
     };
-    let stability = all().map_err(|error| error.to_string())?;
     let both = stability.judgement.modes.iter().find(|mode| mode.mode == Hands::Both);
     if runs && both.is_some_and(|both| both.verdict.spectral_radius > GROWS) {
         // What it does at some size, the matrix of small states does not show.
-        return Err("the law is not linear: its run is stable where its matrix is not".to_owned());
+        return Err("the law is not linear: its run is stable where its matrix is not".into());
     }
     Ok(stability)
 }
 
 /// Why no matrix says all of this law, if so.
-fn not_linear(scene: &Scene) -> Result<Option<&'static str>, String> {
-    if !is_linear(scene).map_err(|error| error.to_string())? {
+fn not_linear(scene: &Scene) -> Result<Option<&'static str>, Error> {
+    if !is_linear(scene)? {
         return Ok(Some("the law is not linear: its answer to a sum is not the sum of its answers"));
     }
     for frequency_hz in LOOKED_AT_HZ {
-        let at = |speed| felt(scene, RemoteEnd::Held, frequency_hz, speed).map_err(|error| error.to_string());
+        let at = |speed| felt(scene, RemoteEnd::Held, frequency_hz, speed);
         if let (Some(slow), Some(fast)) = (at(SPEED_M_PER_S)?, at(2.0 * SPEED_M_PER_S)?)
             && (fast.re - slow.re).hypot(fast.im - slow.im) > SAME * slow.abs()
         {

@@ -8,12 +8,11 @@
 //! frequency up to [`PASSIVE_TO_HZ`], with the far hand on or off: −Re Z where that is largest. 0 is passive as it is. Above, contact, sampling and
 //! hold are felt whatever the law: half the packet rate of the campaign's scene is 62.5 Hz.
 
+use crate::Error;
 use haptic_sim::measure::impedance::{Complex, RemoteEnd, SPEED_M_PER_S, felt as impedance, frequencies_hz};
 use haptic_sim::measure::swing;
 use haptic_sim::scene::Scene;
 use rayon::prelude::*;
-
-use crate::Failure;
 
 /// Highest frequency of the Z-width, Hz.
 pub const WIDTH_TO_HZ: f64 = 2.0;
@@ -61,10 +60,10 @@ impl Touch {
 }
 
 /// Measures it; mass and drag where the scene is `stable`.
-pub(super) fn felt(scene: &Scene, stable: bool) -> Result<Touch, Failure> {
+pub(super) fn felt(scene: &Scene, stable: bool) -> Result<Touch, Error> {
     let point = |frequency_hz: f64| {
         let at = |far| impedance(scene, far, frequency_hz, SPEED_M_PER_S);
-        Ok::<_, Failure>(Point { frequency_hz, held: at(RemoteEnd::Held)?, let_go: at(RemoteEnd::LetGo)? })
+        Ok::<_, Error>(Point { frequency_hz, held: at(RemoteEnd::Held)?, let_go: at(RemoteEnd::LetGo)? })
     };
     let points = frequencies_hz(scene).into_par_iter().map(point).collect::<Result<_, _>>()?;
     let swing = stable.then(|| swing::felt(scene, PERIODS)).transpose()?;

@@ -1,0 +1,38 @@
+//! Why a board was not asked, calibrated or brought up.
+
+/// Why a board was not asked, or what was asked of it did not come about: one line.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The board answers a line with something else than `ok`.
+    #[error("the board answers {line:?} with {answer:?}")]
+    Answer {
+        /// What it was asked.
+        line: String,
+        /// What it said.
+        answer: String,
+    },
+    /// A setting of the board has a value that it does not accept.
+    #[error(transparent)]
+    Setting(#[from] haptic_core::settings::Refused<'static>),
+    /// A scene, a file or a value that is not allowed.
+    #[error(transparent)]
+    Sim(#[from] haptic_sim::Error),
+    /// What reaches the board, or the person at it, failed.
+    #[error(transparent)]
+    Reach(#[from] Box<dyn std::error::Error + Send + Sync>),
+    /// Anything else, in a sentence.
+    #[error("{0}")]
+    Refused(String),
+}
+
+impl From<String> for Error {
+    fn from(said: String) -> Self {
+        Self::Refused(said)
+    }
+}
+
+impl From<&str> for Error {
+    fn from(said: &str) -> Self {
+        Self::Refused(said.to_owned())
+    }
+}

@@ -1,0 +1,27 @@
+//! Why an end in real time did not start, or ended.
+
+/// Why an end in real time did not start, or ended, or its recording cannot be read: one line.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// A scene, a file or a value that is not allowed.
+    #[error(transparent)]
+    Sim(#[from] haptic_sim::Error),
+    /// A board, or what was asked of it.
+    #[error(transparent)]
+    Tools(#[from] haptic_board_tools::Error),
+    /// Anything else, in a sentence.
+    #[error("{0}")]
+    Refused(String),
+}
+
+impl From<String> for Error {
+    fn from(said: String) -> Self {
+        Self::Refused(said)
+    }
+}
+
+impl From<&str> for Error {
+    fn from(said: &str) -> Self {
+        Self::Refused(said.to_owned())
+    }
+}

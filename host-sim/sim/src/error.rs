@@ -1,0 +1,83 @@
+//! Why there is no scene, no run, or no key.
+
+use std::fmt::Display;
+
+use haptic_core::settings::Refused;
+
+/// What the operating system or a parser said.
+type Cause = Box<dyn std::error::Error + Send + Sync>;
+
+/// Why a scene, a peer of it, or a file beside it was refused: one line.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// A place, such as a file with its line, and what is wrong there.
+    #[error("{0}: {1}")]
+    At(String, Box<Self>),
+    /// A key that no scene has.
+    #[error("there is no key {key}{hint}")]
+    NoKey {
+        /// The key.
+        key: String,
+        /// Which one may be meant; empty where no key is like it.
+        hint: String,
+    },
+    /// What a user wrote has a value that is not allowed.
+    #[error("{what} is not allowed: {allowed}")]
+    NotAllowed {
+        /// What it is, and its value.
+        what: String,
+        /// What is allowed, as a sentence.
+        allowed: String,
+    },
+    /// A setting has a value that it does not accept.
+    #[error(transparent)]
+    Setting(#[from] Refused<'static>),
+    /// Settings of which no link can be made.
+    #[error(transparent)]
+    Link(#[from] haptic_protocol::link::ConfigError),
+    /// What cannot be done with which file, device or socket, and what the operating system or a parser said.
+    #[error("cannot {0}: {1}")]
+    Io(String, Cause),
+    /// Anything else, in a sentence.
+    #[error("{0}")]
+    Refused(String),
+}
+
+impl Error {
+    /// Whether it is about a key that no other is like: who can list them all may say so.
+    pub fn is_unlike(&self) -> bool {
+        match self {
+            Self::At(_, cause) => cause.is_unlike(),
+            Self::NoKey { hint, .. } => hint.is_empty(),
+            _ => false,
+        }
+    }
+
+    /// What is wrong at this place.
+    pub fn at(place: impl Display, cause: impl Into<Self>) -> Self {
+        Self::At(place.to_string(), Box::new(cause.into()))
+    }
+
+    /// A value that is not allowed, and what is.
+    pub fn not_allowed(what: impl Into<String>, allowed: impl Into<String>) -> Self {
+        Self::NotAllowed { what: what.into(), allowed: allowed.into() }
+    }
+
+    /// What a failure becomes of what was to be done (`read`, …) with a file or the like, for `map_err`.
+    pub fn cannot<E: Into<Cause>>(act: &str, with: &dyn Display) -> impl Fn(E) -> Self + use<E> {
+        let what = format!("{act} {with}");
+        move |cause| Self::Io(what.clone(), cause.into())
+    }
+}
+
+impl From<String> for Error {
+    fn from(said: String) -> Self {
+        Self::Refused(said)
+    }
+}
+
+impl From<&str> for Error {
+    fn from(said: &str) -> Self {
+        Self::Refused(said.to_owned())
+    }
+}
