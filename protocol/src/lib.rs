@@ -61,7 +61,7 @@
 //! let (mut to_one, mut seen) = (Vec::new(), None);
 //! for tick in (0..400).step_by(8) {
 //!     let now = u64::from(tick) * 1_000;
-//!     let axes = [Along { position: 0.01, ..Along::default() }];
+//!     let axes = [AxisFlow { position: 0.01, ..AxisFlow::default() }];
 //!     let flow = Flow { engaged: one.engagement() > 0.0, tick, axes, ..Flow::default() };
 //!     let (to_two, _) = period(&mut one, now, to_one, flow);
 //!     let (said, newest) = period(&mut two, now, to_two, Flow::default());

@@ -7,8 +7,7 @@ use std::error::Error;
 use std::path::Path;
 
 use haptic_plot::{Figure, Panel, Series, draw};
-use haptic_sim::pair::Pair;
-use haptic_sim::{Laws, Scene};
+use haptic_sim::{Laws, Pair, Scene};
 
 fn main() -> Result<(), Box<dyn Error>> {
     // Two users push against each other: one steadily, the other one like a sine.

@@ -10,8 +10,7 @@ use std::error::Error;
 
 use haptic_analysis::conclude;
 use haptic_report::Columns;
-use haptic_sim::run::{Options, run};
-use haptic_sim::{Laws, Scene};
+use haptic_sim::{Laws, Options, Scene, run};
 
 /// True discrepancy under a push of 1 N from both sides, over one-way delays.
 #[derive(clap::Args)]

@@ -8,8 +8,7 @@ use std::error::Error;
 use haptic_core::device::Reading;
 use haptic_core::num::Motion;
 use haptic_core::peer::{Actuators, Sensors};
-use haptic_sim::pair::{Device, Pair};
-use haptic_sim::{Laws, Scene};
+use haptic_sim::{Device, Laws, Pair, Scene};
 
 /// Control period, s.
 const PERIOD_S: f64 = 1e-3;

@@ -29,12 +29,7 @@ const FORCE: usize = 2;
 ///
 /// # Errors
 /// Settings that no peer accepts; packets that do not go every tick.
-pub fn answers(
-    scene: &Scene,
-    near: usize,
-    far: RemoteEnd,
-    frequencies_hz: &[f64],
-) -> Result<Vec<Answer>, Error> {
+pub fn answers(scene: &Scene, near: usize, far: RemoteEnd, frequencies_hz: &[f64]) -> Result<Vec<Answer>, Error> {
     let mut linear = scene.linear();
     linear.users = Default::default();
     let timing = &linear.peer.timing;

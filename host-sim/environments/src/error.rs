@@ -20,13 +20,14 @@ pub enum Error {
     Lease(#[from] OutOfRange),
     /// The engine cannot move to a client that computes no contact.
     #[error(
-        "the engine must be at the server where contact is computed there: a client that computes no contact cannot move the object"
+        "the engine must be at the server where contact is computed there: a client that computes no contact cannot \
+         move the object"
     )]
     NoContact,
     /// The node is lossless only for waves that come when they are due.
     #[error(
-        "network: through the node every wave must arrive, after a constant delay: leave jitter, loss and all else at 0, or \
-         set coordination.ledger = true, which pays for waves that are held"
+        "network: through the node every wave must arrive, after a constant delay: leave jitter, loss and all else at \
+         0, or set coordination.ledger = true, which pays for waves that are held"
     )]
     NotConstant,
     /// There are no waves to scatter.

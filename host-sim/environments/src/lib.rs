@@ -22,6 +22,8 @@ pub mod roles;
 #[cfg(feature = "std")]
 pub mod squash;
 #[cfg(feature = "std")]
+pub mod trials;
+#[cfg(feature = "std")]
 pub mod world;
 
 #[cfg(feature = "std")]

@@ -12,6 +12,7 @@ pub mod recording;
 pub mod refused;
 pub mod relay;
 pub mod tell;
+pub mod trials;
 pub mod watch;
 
 pub use error::Error;

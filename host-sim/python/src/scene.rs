@@ -4,7 +4,6 @@ use std::fs::File;
 use std::path::{Path, PathBuf, absolute};
 
 use haptic_core::settings::{Allowed, Value};
-
 use haptic_sim::{Laws, scenes as built_in};
 use pyo3::IntoPyObjectExt;
 use pyo3::exceptions::{PyKeyError, PyOSError, PyTypeError};

@@ -1,11 +1,35 @@
 //! A run on a PC: the scene, the software plant, the network, two peers stepped together, and the outcome.
 //!
-//! The peers themselves are `haptic_core`, the same lines that fly on the board.
+//! The peers themselves are `haptic_core`, the same lines that fly on the board. What a program needs that runs scenes stands here at
+//! the root; the modules say the rest:
+//!
+//! ```
+//! use haptic_sim::{Laws, Options, Pair, Scene, run, scenes};
+//!
+//! // A built-in scene, run to its outcome …
+//! let scene: Scene = scenes::load(Laws::built_in(), "paper-5.2-wave-16ms")?;
+//! let outcome = run::<f64>(&scene, Options { duration_s: 2.0, record_every: 0 }, &|_| ())?;
+//! assert!(outcome.is_stable());
+//! // … or tick by tick.
+//! let mut pair = Pair::<f64>::new(&scene)?;
+//! pair.step();
+//! # Ok::<(), haptic_sim::Error>(())
+//! ```
+//!
+//! | for | see |
+//! |---|---|
+//! | a scene and its built-in ones | [`Scene`], [`scenes`], [`Laws`], [`Family`], [`Error`] |
+//! | a run, and what came of it | [`run()`], [`run_while`], [`Options`], [`Outcome`], [`AxisOutcome`], [`Figures`], [`Verdict`], [`Reason`] |
+//! | two peers tick by tick | [`Pair`], [`Side`], [`PeerTick`], [`DynPeer`], [`Number`], [`of_axes!`], [`AXES`] |
+//! | devices and people | [`Device`], [`Plant`], [`User`], [`Trace`] |
+//! | a network of one's own | [`Rule`], [`Fate`], [`NetworkTrace`] |
+//! | many runs at once | [`lanes`] |
 #![forbid(unsafe_code)]
 
 pub mod double_double;
 pub mod engine;
 mod error;
+#[doc(hidden)]
 pub mod key_file;
 pub mod lanes;
 pub mod measure;
@@ -14,15 +38,23 @@ pub mod node;
 pub mod pair;
 pub mod peers;
 pub mod plant;
+#[doc(hidden)]
 pub mod quantities;
 pub mod rng;
 pub mod run;
 pub mod scene;
 pub mod scenes;
+#[doc(hidden)]
 pub mod student;
 pub mod user;
 
 pub use error::Error;
 pub use haptic_core::device::AXES;
+pub use network::rule::{Fate, Rule};
+pub use network::trace::NetworkTrace;
+pub use pair::{Device, Pair, PeerTick, Side};
 pub use peers::{DynPeer, Family, Laws, Number};
+pub use plant::Plant;
+pub use run::{AxisOutcome, Figures, Options, Outcome, Reason, Verdict, run, run_while};
 pub use scene::Scene;
+pub use user::{Trace, User};

@@ -7,7 +7,7 @@ use serde_json::json;
 
 use super::flags::{LiveTime, Time, number};
 use super::{Failure, SceneArgs, Ui};
-use crate::trials::{flood, restarts};
+use haptic_live::trials::{flood, restarts};
 use haptic_live::{endpoint::Stop, relay};
 use haptic_sim::network::link::Route;
 use haptic_sim::network::rule::{Direction, NetworkTrace};

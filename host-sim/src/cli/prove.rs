@@ -38,7 +38,8 @@ impl Prove {
         if let Some(file) = &self.page {
             let refused = |cause: Failure| format!("--page {}: {cause}", file.display());
             let old = std::fs::read_to_string(file).map_err(|cause| refused(cause.into()))?;
-            let page = page::with(&old, page::PROOFS, &proof::section(&report)).map_err(|cause| refused(cause.into()))?;
+            let page =
+                page::with(&old, page::PROOFS, &proof::section(&report)).map_err(|cause| refused(cause.into()))?;
             write_file(file, "Markdown", page.as_bytes())?;
             ui.wrote(std::slice::from_ref(file));
         }

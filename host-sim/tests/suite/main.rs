@@ -18,7 +18,6 @@ mod precision;
 mod program;
 mod recordings;
 mod reproduce;
-mod restarts;
 mod signals;
 mod squash;
 mod static_scene;

@@ -127,8 +127,8 @@ impl<A: Copy + PartialEq + Display> Hub<A> {
         scene.check("hub").and_then(|()| scene.check_one_axis("hub"))?;
         let mut junction = Junction::new(scene, users)?;
         if scene.law().sends == Sends::Waves && !scene.peer.coordination.ledger {
-            let allowed = "it must be true, for on a network that may lose a packet only waves that are paid for keep a hub \
-                           passive";
+            let allowed = "it must be true, for on a network that may lose a packet only waves that are paid for keep \
+                           a hub passive";
             return Err(haptic_sim::Error::not_allowed("coordination.ledger = false", allowed).into());
         }
         let heralds = [bare(key.clone(), 1, entropy()?)?, bare(key.clone(), 2, entropy()?)?];

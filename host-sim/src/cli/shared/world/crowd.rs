@@ -5,7 +5,7 @@ use serde_json::json;
 
 use crate::cli::flags::{Time, WorldArgs, seconds};
 use crate::cli::{Failure, Ui};
-use crate::trials::{beside, crowd, load::Span};
+use haptic_environments::trials::{beside, crowd, load::Span};
 use haptic_environments::{world, world::PACKET_US, world::host::MOST_LINES};
 use haptic_live::endpoint::Stop;
 

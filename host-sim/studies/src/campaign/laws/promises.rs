@@ -1,4 +1,4 @@
-//! Whether a law kept on the bench what its [`LawInfo`](haptic_core::settings::Kind) promises.
+//! Whether a law kept on the bench what its [`LawInfo`](haptic_core::settings::LawInfo) promises.
 //!
 //! | promise | looked at | kept |
 //! |---|---|---|

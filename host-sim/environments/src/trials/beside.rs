@@ -20,8 +20,8 @@ use serde::Serialize;
 
 use super::load::{self, Clients, Span};
 use crate::Error;
-use haptic_environments::live::serve::Computed;
-use haptic_environments::world::PACKET_US;
+use crate::live::serve::Computed;
+use crate::world::PACKET_US;
 use haptic_live::endpoint::{Endpoint, Live, Stop, Ticker};
 use haptic_live::quantiles::Quantiles;
 
@@ -33,25 +33,30 @@ const CALLS: u64 = 20_000;
 
 /// What a bare echo took.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub(crate) struct Echo {
-    pub(crate) bytes: usize,
+pub struct Echo {
+    /// Length of a datagram, bytes.
+    pub bytes: usize,
     /// Echoed while it was measured.
-    pub(crate) pairs: u64,
+    pub pairs: u64,
     /// Datagrams that came with one system call, mean.
-    pub(crate) per_batch: f64,
-    pub(crate) cpu_share: Option<f64>,
+    pub per_batch: f64,
+    /// Share of one processor that the echo's thread took.
+    pub cpu_share: Option<f64>,
     /// Processor time of the echo's thread for a datagram there and one back, user and system, µs.
-    pub(crate) us_per_pair: Option<f64>,
-    pub(crate) load_late: Quantiles,
+    pub us_per_pair: Option<f64>,
+    /// How late the load was with its packets.
+    pub load_late: Quantiles,
 }
 
 /// Sealing 40 bytes, ns.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub(crate) struct Sealing {
-    pub(crate) here_ns: f64,
-    pub(crate) ring_ns: f64,
+pub struct Sealing {
+    /// As this program seals, ns.
+    pub here_ns: f64,
+    /// With the library `ring` called directly, ns.
+    pub ring_ns: f64,
     /// `None` where there is no such command.
-    pub(crate) openssl_ns: Option<f64>,
+    pub openssl_ns: Option<f64>,
 }
 
 struct Echoing {
@@ -97,7 +102,7 @@ impl Clients for Callers<'_> {
 }
 
 /// Datagrams of so many bytes echoed, one in each packet period for each of `callers`, for so long.
-pub(crate) fn echo(callers: u64, bytes: usize, span: Span, stop: &Stop) -> Result<Echo, Error> {
+pub fn echo(callers: u64, bytes: usize, span: Span, stop: &Stop) -> Result<Echo, Error> {
     let (loopback, start) = (SocketAddr::from(([127, 0, 0, 1], 0)), Instant::now());
     let (server, caller) = (Endpoint::answering(loopback)?.since(start), Endpoint::polled(loopback)?.since(start));
     let mut echoing = Echoing { warm_up_s: span.warm_up_s, since: None, echoed: [0; 2], first: true };
@@ -145,7 +150,7 @@ fn openssl() -> Option<f64> {
 }
 
 /// Measures how long sealing a flow message takes.
-pub(crate) fn sealing() -> Result<Sealing, Error> {
+pub fn sealing() -> Result<Sealing, Error> {
     let key = [7; Key::LEN];
     let (ours, mut message) = (Cipher::new(&Key::new(key)), [0; FLOW]);
     let theirs = UnboundKey::new(&CHACHA20_POLY1305, &key).map_err(|_| "ring takes no key".to_owned())?;

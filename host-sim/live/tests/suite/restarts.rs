@@ -1,8 +1,8 @@
 //! Either peer restarts at any instant, 10,000 times and more: core and protocol together, in virtual time.
 
 use haptic_core::safety::Guard;
+use haptic_live::trials::restarts::{Report, run};
 use haptic_sim::scenes;
-use host_sim::trials::restarts::{Report, run};
 
 /// `count` restarts over the network of `overrides`, with what must hold on any.
 fn restarts(count: u64, overrides: &[&str]) -> Report {

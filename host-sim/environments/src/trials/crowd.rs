@@ -6,7 +6,7 @@
 //! evenly over the packet period ([`super::load`]). They arrive evenly over half of the warm-up: links that began together would
 //! probe together for good, as no independent clients do. Each is answered at once with the places of others.
 //!
-//! **What is measured**: the server's turnaround, from when a client handed its packet to the system ([`haptic_environments::live::serve`]), the
+//! **What is measured**: the server's turnaround, from when a client handed its packet to the system ([`crate::live::serve`]), the
 //! round trip from a client's packet to the answer that names it, how many were answered, and how many packets a second the load
 //! managed.
 
@@ -15,7 +15,7 @@ use std::net::SocketAddr;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
-use haptic_environments::roles::static_scene::Download;
+use crate::roles::static_scene::Download;
 use haptic_protocol::wire::{Message, Presence, Sighting};
 use haptic_protocol::{key::Key, link::Link};
 use haptic_sim::{key_file::entropy, node::Transmit as _};
@@ -24,9 +24,9 @@ use serde::Serialize;
 use super::beside::{self, Echo};
 use super::load::{self, Clients, Span};
 use crate::Error;
-use haptic_environments::live::serve;
-use haptic_environments::world::host::Host;
-use haptic_environments::world::{CLIENT, PACKET_US, World, line_of, look_around, open_link};
+use crate::live::serve;
+use crate::world::host::Host;
+use crate::world::{CLIENT, PACKET_US, World, line_of, look_around, open_link};
 use haptic_live::endpoint::{Endpoint, Stop};
 use haptic_live::quantiles::{Quantiles, Times};
 
@@ -51,40 +51,47 @@ struct Client {
 
 /// What became of a crowd.
 #[derive(Clone, Debug, Default, Serialize)]
-pub(crate) struct Report {
-    pub(crate) clients: u32,
+pub struct Report {
+    /// Number of clients in the crowd.
+    pub clients: u32,
     /// Clients that had their neighbourhood before the measurement ended.
-    pub(crate) complete: u32,
-    pub(crate) measured_s: f64,
-    pub(crate) packets: u64,
+    pub complete: u32,
+    /// Length of the measurement, s.
+    pub measured_s: f64,
+    /// Packets that the clients sent while it was measured.
+    pub packets: u64,
     /// Packets a second of each client; 125 if the load was never late.
-    pub(crate) rate_hz: f64,
-    pub(crate) answered: u64,
+    pub rate_hz: f64,
+    /// Packets of these that the server answered.
+    pub answered: u64,
     /// Objects' places that the answers carried.
-    pub(crate) sightings: u64,
+    pub sightings: u64,
     /// From a client's packet to its answer, at the client.
-    pub(crate) round_trip: Quantiles,
+    pub round_trip: Quantiles,
     /// How late the load was with its packets.
-    pub(crate) load_late: Quantiles,
-    pub(crate) load_cpu_share: Option<f64>,
-    pub(crate) load_realtime_priority: bool,
+    pub load_late: Quantiles,
+    /// Share of one processor that the load's thread took.
+    pub load_cpu_share: Option<f64>,
+    /// Whether the load's thread had real-time priority.
+    pub load_realtime_priority: bool,
     /// Mean length of what the server says, bytes.
-    pub(crate) answer_bytes: f64,
-    pub(crate) server: serve::Report,
+    pub answer_bytes: f64,
+    /// What the server says of itself.
+    pub server: serve::Report,
     /// A bare echo of as many datagrams, if that was asked for.
-    pub(crate) echo: Option<Echo>,
+    pub echo: Option<Echo>,
     /// The server's processor time for a pair of datagrams over the echo's.
-    pub(crate) work_over_echo: Option<f64>,
+    pub work_over_echo: Option<f64>,
 }
 
 impl Report {
     /// Share of the packets that were answered.
-    pub(crate) fn answered_share(&self) -> f64 {
+    pub fn answered_share(&self) -> f64 {
         self.answered as f64 / self.packets.max(1) as f64
     }
 
     /// A bare echo of as many datagrams a second as the server took, for as long.
-    pub(crate) fn beside_echo(self, span: Span, stop: &Stop) -> Result<Self, Error> {
+    pub fn beside_echo(self, span: Span, stop: &Stop) -> Result<Self, Error> {
         let rate_hz = self.server.answer.samples as f64 / self.measured_s.max(1e-9);
         let callers = ((rate_hz * 1e-6 * PACKET_US as f64) as u64).max(1);
         let echo = beside::echo(callers, self.answer_bytes.round() as usize, span, stop)?;
@@ -94,7 +101,7 @@ impl Report {
 }
 
 /// `clients` clients at one server of `world`, for the time of `span`, or until it is stopped.
-pub(crate) fn run(world: &World, clients: u32, span: Span, stop: &Stop) -> Result<Report, Error> {
+pub fn run(world: &World, clients: u32, span: Span, stop: &Stop) -> Result<Report, Error> {
     let (key, start) = (Key::new(entropy()?), Instant::now());
     let loopback = SocketAddr::from(([127, 0, 0, 1], 0));
     let (server, load) = (Endpoint::answering(loopback)?.since(start), Endpoint::polled(loopback)?.since(start));

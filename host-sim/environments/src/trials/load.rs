@@ -8,8 +8,8 @@ use std::net::SocketAddr;
 use std::time::Duration;
 
 use crate::Error;
-use haptic_environments::live::serve::Computed;
-use haptic_environments::world::PACKET_US;
+use crate::live::serve::Computed;
+use crate::world::PACKET_US;
 use haptic_live::batch::{MOST, OutgoingBatch, ReceivedBatch};
 use haptic_live::endpoint::{Endpoint, Stop, realtime};
 use haptic_live::quantiles::{Quantiles, Times};
@@ -34,9 +34,11 @@ pub(super) trait Clients {
 
 /// How long a load is, and from when on it is measured, s.
 #[derive(Clone, Copy)]
-pub(crate) struct Span {
-    pub(crate) warm_up_s: f64,
-    pub(crate) seconds: f64,
+pub struct Span {
+    /// Time before the measurement, s.
+    pub warm_up_s: f64,
+    /// Length of the measurement, s.
+    pub seconds: f64,
 }
 
 /// How a load was kept up.

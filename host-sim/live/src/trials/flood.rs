@@ -13,7 +13,7 @@
 //!
 //! Everything that comes from the third address is forged, so a peer that takes any of it is wrong, and so is one whose
 //! state is another afterwards: link, newest flow and the whole peer, compared as text for one forged datagram in
-//! [`COMPARE_EVERY`] and as far as the other peer could tell for all. The one thing a stranger can do is to make a peer say
+//! 64 and as far as the other peer could tell for all. The one thing a stranger can do is to make a peer say
 //! welcome once more, by an old hello (a limit that `haptic_protocol::handshake` states); those are counted apart.
 //!
 //! The system drops what does not fit into a socket's buffer, valid or forged; how much of the valid flow came through is
@@ -31,7 +31,7 @@ use haptic_sim::{key_file::entropy, node::Node, rng::Rng, scene::Scene};
 use serde::Serialize;
 
 use crate::Error;
-use haptic_live::endpoint::{Endpoint, Live, Punctuality, Stop, Ticker};
+use crate::endpoint::{Endpoint, Live, Punctuality, Stop, Ticker};
 
 /// Of so many forged datagrams that are refused, one has the whole state compared.
 const COMPARE_EVERY: u64 = 64;
@@ -51,41 +51,50 @@ const KINDS: [&str; 5] = ["random", "altered", "replayed", "reflected", "cut"];
 
 /// What one peer went through.
 #[derive(Clone, Debug, Default, Serialize)]
-pub(crate) struct Attacked {
-    pub(crate) forged_arrived: u64,
-    pub(crate) forged_refused: u64,
+pub struct Attacked {
+    /// Forged datagrams that arrived during the flood.
+    pub forged_arrived: u64,
+    /// Forged datagrams that were refused.
+    pub forged_refused: u64,
     /// Old hellos that were answered with a welcome.
-    pub(crate) hellos_answered: u64,
+    pub hellos_answered: u64,
     /// As anything else: must be 0.
-    pub(crate) forged_taken: u64,
+    pub forged_taken: u64,
     /// Comparisons of the whole state before and after a forged datagram.
-    pub(crate) states_compared: u64,
+    pub states_compared: u64,
     /// By a forged datagram: must be 0.
-    pub(crate) states_changed: u64,
+    pub states_changed: u64,
     /// Whether the session lasted from before the flood to the end.
-    pub(crate) session_stayed: bool,
-    pub(crate) engaged: bool,
+    pub session_stayed: bool,
+    /// Whether the coordination acted at the end.
+    pub engaged: bool,
     /// Share of the other peer's flow that came through during the flood.
-    pub(crate) flow_through: f64,
+    pub flow_through: f64,
     /// Longest time without flow during the flood, ms.
-    pub(crate) longest_silence_ms: u64,
+    pub longest_silence_ms: u64,
     /// From the end of the flood until nothing was missing any more, ms.
-    pub(crate) whole_after_ms: u64,
+    pub whole_after_ms: u64,
 }
 
 /// What came of a flood.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct Report {
-    pub(crate) rate_asked_per_s: f64,
-    pub(crate) rate_sent_per_s: f64,
-    pub(crate) sent: Vec<(&'static str, u64)>,
+pub struct Report {
+    /// Forged datagrams a second that were asked for.
+    pub rate_asked_per_s: f64,
+    /// Forged datagrams a second that were sent.
+    pub rate_sent_per_s: f64,
+    /// Number of datagrams of each kind of forgery.
+    pub sent: Vec<(&'static str, u64)>,
     /// Share of them that the system dropped, because a socket's buffer was full.
-    pub(crate) dropped_by_system: f64,
-    pub(crate) flood_s: f64,
+    pub dropped_by_system: f64,
+    /// Length of the flood by the clock, s.
+    pub flood_s: f64,
     /// Length of the flood on the peers' clocks, ms: less, where the machine did not keep up with them.
-    pub(crate) flood_ms_of_peers: u64,
-    pub(crate) peers: Vec<Attacked>,
-    pub(crate) punctuality: Punctuality,
+    pub flood_ms_of_peers: u64,
+    /// What either of the two peers went through.
+    pub peers: Vec<Attacked>,
+    /// How punctual the peers' ticks were.
+    pub punctuality: Punctuality,
 }
 
 /// What the threads share.
@@ -101,7 +110,7 @@ struct Field {
 
 /// Holds the scene's object through a flood of so many datagrams per second on both peers together, which is over early if it is
 /// stopped.
-pub(crate) fn run(scene: &Scene, rate_per_s: f64, seconds: f64, stop: &Stop) -> Result<Report, Error> {
+pub fn run(scene: &Scene, rate_per_s: f64, seconds: f64, stop: &Stop) -> Result<Report, Error> {
     let endpoint = || Endpoint::polled(SocketAddr::from(([127, 0, 0, 1], 0)));
     let (endpoints, stranger) = ([endpoint()?, endpoint()?], endpoint()?);
     let addresses = endpoints.each_ref().map(|endpoint| endpoint.address);
@@ -129,7 +138,7 @@ pub(crate) fn run(scene: &Scene, rate_per_s: f64, seconds: f64, stop: &Stop) -> 
     });
     let ended = "one of its threads ended";
     let (sent, flood_s) = flooded.map_err(|_| ended)?;
-    let held: Vec<_> = held.into_iter().map(|held| Ok(held.map_err(|_| ended)??)).collect::<Result<_, Error>>()?;
+    let held = held.into_iter().map(|held| held.map_err(|_| ended)?).collect::<Result<Vec<_>, Error>>()?;
     let punctuality = held.first().map_or_else(Punctuality::default, |(_, kept)| *kept);
 
     let packet = u64::from(scene.peer.timing.ticks_per_packet);
@@ -204,7 +213,7 @@ impl Actor<SocketAddr> for Held<'_> {
 }
 
 impl Live for Held<'_> {
-    fn end(&mut self) -> Option<Result<(), haptic_live::Error>> {
+    fn end(&mut self) -> Option<Result<(), Error>> {
         self.over.then_some(Ok(()))
     }
 }

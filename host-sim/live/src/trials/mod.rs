@@ -1,0 +1,4 @@
+//! What tries peers: forged datagrams, restarts.
+
+pub mod flood;
+pub mod restarts;
