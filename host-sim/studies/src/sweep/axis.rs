@@ -21,7 +21,7 @@ pub(super) const MOST: usize = 1_000_000;
 /// use haptic_studies::sweep::Axis;
 /// let axis: Axis = "network.loss=0..0.2:3".parse()?;
 /// assert_eq!(axis.values, ["0.0", "0.1", "0.2"]);
-/// # Ok::<(), String>(())
+/// # Ok::<(), haptic_studies::Error>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
