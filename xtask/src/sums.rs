@@ -1,4 +1,4 @@
-//! `cargo xtask sums`: what the project weighs, against the reviewed `xtask/sums.txt`: lines, and how much is compiled.
+//! `cargo xtask sums`: what the project weighs, against the reviewed `xtask/sums.txt`: lines, how much is compiled, and what that takes.
 //!
 //! Nothing is built: cargo says what each call would compile (its unit graph, which it calls unstable). Two compilations are one where package,
 //! target, profile, features and all that they depend on are.
@@ -11,6 +11,8 @@ use crate::run::{self, Failure, cargo, command};
 
 /// The reviewed sums.
 const FILE: &str = "xtask/sums.txt";
+/// What the rows of times begin with.
+const TIMES: &str = "processor time of";
 
 /// Prints the sums and compares them with the reviewed ones, or writes these. `calls` are what `cargo xtask test` has cargo compile.
 pub(crate) fn sums(calls: &[Command], bless: bool) -> Result<(), Failure> {
@@ -30,7 +32,8 @@ pub(crate) fn sums(calls: &[Command], bless: bool) -> Result<(), Failure> {
     let fresh: Vec<String> = now.iter().map(|(name, sum)| format!("{name:<36}{sum:>8}")).collect();
     fresh.iter().for_each(|row| println!("{row}"));
     if bless {
-        let text = format!("{}\n{}\n", remarks.join("\n"), fresh.join("\n"));
+        let times: Vec<&str> = rows.into_iter().filter(|row| row.starts_with(TIMES)).collect();
+        let text = [remarks.join("\n"), fresh.join("\n"), times.join("\n")].join("\n") + "\n";
         return std::fs::write(run::root().join(FILE), text)
             .map_err(|cause| Failure::new(format!("cannot write {FILE}: {cause}")));
     }
@@ -40,6 +43,16 @@ pub(crate) fn sums(calls: &[Command], bless: bool) -> Result<(), Failure> {
             "{FILE} does not say `{row}`: undo what changed it, or accept it with `cargo xtask sums --bless` and say why in the commit"
         ))),
     }
+}
+
+/// Prints what a cold run of `what` took beside what the reviewed one did. Nothing fails: machines differ, and so do their loads.
+pub(crate) fn took(what: &str, seconds: Option<f64>) -> Result<(), Failure> {
+    let text = run::read(&run::root().join(FILE))?;
+    let name = format!("{TIMES} {what}");
+    let reviewed = text.lines().find_map(|row| row.strip_prefix(&name)).map_or("nothing", str::trim);
+    let now = seconds.map_or("is not known here".to_owned(), |seconds| format!("took {seconds:.0} s"));
+    eprintln!("    {name}: {now}; {FILE} says {reviewed}");
+    Ok(())
 }
 
 /// Lines of what git has of the sources, comments and tests inside files included.

@@ -28,6 +28,10 @@ pub(crate) fn test() -> Result<(), Failure> {
     step("recordings", recordings::recordings)?;
     step("golden traces, release", || run(&mut golden()))?;
     step("no panic in the tick", || no_panic::no_panic(&ready))?;
+    // As a newcomer's first command builds it: the pages need it next.
+    let before = run::processor_s();
+    step("first picture", || run(&mut cargo(&["build", "--locked", "--release"])))?;
+    sums::took("the first build, s", run::processor_s().zip(before).map(|(now, then)| now - then))?;
     step("README", || crate::readme::readme(true, None))?;
     step("Python", python::python)?;
     step("instructions of one tick", || match count::obstacle() {
@@ -53,7 +57,7 @@ pub(crate) fn test() -> Result<(), Failure> {
         }
     })?;
     passed(start);
-    Ok(())
+    sums::took("cargo xtask test, s", run::processor_s())
 }
 
 /// What `cargo xtask test` has cargo compile, without the few crates of tests/qemu.

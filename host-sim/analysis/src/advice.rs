@@ -7,6 +7,7 @@
 
 use haptic_core::law::wave::Decode;
 use haptic_core::settings::{Allowed, Key};
+use haptic_sim::scene::Scene;
 use serde::Serialize;
 
 use super::limit::{Effort, Limit, along};
@@ -14,7 +15,6 @@ use super::modes::{Hands, judge};
 use super::sweep::{Range, Sweep};
 use super::verdict::Verdict;
 use crate::error::Error;
-use haptic_sim::scene::Scene;
 
 /// How far inside its region a proposed gain lies, as a fraction of the gain at the edge.
 pub const MARGIN: f64 = 0.1;

@@ -7,6 +7,7 @@
 use haptic_core::law::Packet;
 use haptic_core::num::StateVector;
 use haptic_core::object::IntegratorName;
+use haptic_sim::scene::Scene;
 
 use super::lifted::constructed::{Constructed, Place, State, construct};
 use super::lifted::delay::{delays_packets, delays_ticks};
@@ -18,7 +19,6 @@ use super::verdict::Analyser;
 use crate::error::Error;
 use crate::matrix::{Matrix, column_mut};
 use crate::spectrum::balance;
-use haptic_sim::scene::Scene;
 
 /// Rounding may put one on this side of the limit and the other on that.
 const ALMOST: f64 = 1e-6;

@@ -49,28 +49,34 @@ impl Conclusion {
         Ok(Some(apparent_mass::measure(scene)?).filter(|mass| mass.is_finite()))
     }
 
-    /// What whoever runs this scene should know: that it is unstable, with what to change; that it is where the object is let go of; that
-    /// nobody pushes.
+    /// What whoever runs this scene should know: what [`unstable`] says of it; that nobody pushes.
     ///
     /// # Errors
     /// A scene that cannot be analysed.
     pub fn warnings(&self, scene: &Scene) -> Result<Vec<String>, Error> {
-        let mut warnings = Vec::new();
-        if self.verdict.stable {
-            let judged = judge(scene)?;
-            if !judged.worst.stable {
-                let (hands, radius) = (judged.worst_mode().name(), judged.worst.spectral_radius);
-                warnings.push(format!(
-                    "unstable where the object is let go of (hands on: {hands}, spectral radius {radius:.6}): `stability point` says \
-                     what to change"
-                ));
-            }
-        } else {
-            warnings.push(advice(scene)?);
-        }
+        let mut warnings = Vec::from_iter(unstable(scene, &self.verdict)?);
         if !scene.users.iter().any(User::acts) {
             warnings.push("nobody pushes: set user.1.push_n (or load a scene)".to_owned());
         }
         Ok(warnings)
     }
+}
+
+/// What whoever holds a device of this scene should know before it is armed, if anything: that the scene is unstable, with what to
+/// change, or that it is where the object is let go of. `verdict` is the scene's, with both hands on.
+///
+/// # Errors
+/// A scene that cannot be analysed.
+pub fn unstable(scene: &Scene, verdict: &Verdict) -> Result<Option<String>, Error> {
+    if !verdict.stable {
+        return advice(scene).map(Some);
+    }
+    let judged = judge(scene)?;
+    let (hands, radius) = (judged.worst_mode().name(), judged.worst.spectral_radius);
+    Ok((!judged.worst.stable).then(|| {
+        format!(
+            "unstable where the object is let go of (hands on: {hands}, spectral radius {radius:.6}): `stability point` says \
+             what to change"
+        )
+    }))
 }

@@ -12,8 +12,9 @@
 
 use std::ops::RangeInclusive;
 
-use super::lifted::delay::{delays_ticks, whole_ticks};
 use haptic_sim::scene::{Jitter, Scene};
+
+use super::lifted::delay::{delays_ticks, whole_ticks};
 
 /// Round trips judged at the most, spread evenly with both ends.
 pub(crate) const MOST: usize = 17;

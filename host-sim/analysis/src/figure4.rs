@@ -5,6 +5,8 @@
 //! force one tick late, delayed decode. Axes: the paper's, K_LC 0…2500 N/m, K_T 0…12000 N/m.
 
 use haptic_core::object::IntegratorName;
+use haptic_report::Columns;
+use haptic_sim::scene::Scene;
 use serde::Serialize;
 
 use super::limit::Effort;
@@ -12,8 +14,6 @@ use super::map::{Axis, Map, map};
 use super::modes::Hands;
 use super::sweep::Range;
 use crate::error::Error;
-use haptic_report::Columns;
-use haptic_sim::scene::Scene;
 
 /// The panels, in the paper's order (a), (b), (c).
 pub const COMMS: [&str; 3] = ["power", "wave", "passive-wave"];

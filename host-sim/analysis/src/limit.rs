@@ -10,6 +10,7 @@
 //!
 //! Which mode is looked at, or that it is the worst of all, is said by [`Effort::hands`].
 
+use haptic_sim::scene::Scene;
 use serde::Serialize;
 
 use super::family::Family;
@@ -19,7 +20,6 @@ use super::spectrum::Polar;
 use super::sweep::{Range, Sweep};
 use super::verdict::{Analyser, is_stable};
 use crate::error::Error;
-use haptic_sim::scene::Scene;
 
 /// How hard to look.
 #[derive(Clone, Copy, Debug, PartialEq)]

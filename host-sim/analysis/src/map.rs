@@ -3,14 +3,14 @@
 //! Columns of the map are independent, and are found in parallel. Along y a crossing is as exact as
 //! [`super::limit::Effort`] says; along x the region is known at the values of x only.
 
+use haptic_report::Columns;
+use haptic_sim::scene::Scene;
 use rayon::prelude::*;
 use serde::Serialize;
 
 use super::limit::{Effort, Limit, along};
 use super::sweep::{Range, Sweep};
 use crate::error::Error;
-use haptic_report::Columns;
-use haptic_sim::scene::Scene;
 
 /// A range and how many values of it.
 #[derive(Clone, Debug, PartialEq)]

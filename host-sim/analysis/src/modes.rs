@@ -15,14 +15,14 @@ use haptic_core::device::kinematics::KinematicsName;
 use haptic_core::device::velocity::VelocityName;
 use haptic_core::law::Sends;
 use haptic_core::names::Choice;
+use haptic_sim::scene::{DriveName, Jitter, Scene};
+use haptic_sim::user::User;
 use serde::Serialize;
 
 use super::delays::delays;
 use super::lifted::delay::delays_ticks;
 use super::verdict::{Analyser, Reduced, Verdict};
 use crate::error::Error;
-use haptic_sim::scene::{DriveName, Jitter, Scene};
-use haptic_sim::user::User;
 
 /// Whose hands are on their devices, in contact with the object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

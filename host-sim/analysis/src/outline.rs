@@ -6,8 +6,9 @@
 //! continuation to the left and one to the right, so the outline is a set of paths, and what lies between two columns is strips
 //! with the same edges.
 
-use super::map::Map;
 use haptic_plot::Strip;
+
+use super::map::Map;
 
 /// What a crossing is joined to on one side.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -1,9 +1,10 @@
 //! Stability regions as pictures: tinted where stable, with the crossings as lines.
 
+use haptic_plot::{Dash, Figure, Panel, Series, ShareY};
+
 use super::figure4::{self, Curve};
 use super::map::Map;
 use super::outline::{outline, strips};
-use haptic_plot::{Dash, Figure, Panel, Series, ShareY};
 
 /// Key and unit, for an axis.
 fn label(key: &str, unit: &str) -> String {

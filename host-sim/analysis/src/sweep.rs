@@ -4,11 +4,11 @@
 //! (a gap, a push) is flat rather than wrong.
 
 use haptic_core::settings::{Allowed, Value};
+use haptic_sim::scene::Scene;
 
 use super::modes::{Hands, entered};
 use super::verdict::{Analyser, Verdict};
 use crate::error::Error;
-use haptic_sim::scene::Scene;
 
 /// A key and the values it runs through.
 #[derive(Clone, Debug, PartialEq)]

@@ -18,8 +18,12 @@
 use haptic_core::num::StateVector;
 use haptic_core::settings::Allowed;
 use haptic_sim::of_axes;
+use haptic_sim::pair::Pair;
 use haptic_sim::peers::{Builds, Number};
 use haptic_sim::plant::Plant;
+use haptic_sim::run::{Options, Outcome, Run, run};
+use haptic_sim::scene::Scene;
+use haptic_sim::user::User;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -28,10 +32,6 @@ use super::modes::judge;
 use super::sweep::{Range, Sweep};
 use super::verdict::{Analyser, Verdict, is_stable};
 use crate::error::Error;
-use haptic_sim::pair::Pair;
-use haptic_sim::run::{Options, Outcome, Run, run};
-use haptic_sim::scene::Scene;
-use haptic_sim::user::User;
 
 /// Key of the contact stiffness K_LC, N/m.
 pub const CONTACT: &str = "contact.stiffness_n_per_m";

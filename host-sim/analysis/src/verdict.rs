@@ -3,6 +3,7 @@
 //! [`Analyser`] keeps its memory from one scene to the next, which is what a sweep needs; [`verdict`] is for one scene. Both
 //! look at one mode, both hands in contact; [`super::judge`] looks at every mode.
 
+use haptic_sim::scene::Scene;
 use serde::Serialize;
 
 use super::direction::{self, Direction};
@@ -12,7 +13,6 @@ use super::lifted::driven::Response;
 use super::lifted::pair::{Joined, hands_are_off, same_arms, same_ends, seat};
 use super::lifted::{Lifted, Matrix, prune, rest};
 use super::spectrum::{Polar, Spectrum, radius};
-use haptic_sim::scene::Scene;
 
 /// How far outside the unit circle an eigenvalue may lie by rounding alone: a lossless scene has them on the circle.
 pub const ROUNDING: f64 = 1e-9;

@@ -9,11 +9,12 @@
 
 use std::collections::VecDeque;
 
-use crate::Error;
 use haptic_protocol::link::{Config, Link, Notice, Stage};
 use haptic_protocol::parameters::{Parameters, Table};
 use haptic_protocol::wire::{Datagram, Message, PeerId, Sample};
 use haptic_protocol::{ends::Ends, key::Key, lines::Lines};
+
+use crate::Error;
 
 /// The port on the board.
 pub const PORT: u16 = 7702;

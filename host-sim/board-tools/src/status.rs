@@ -2,10 +2,11 @@
 
 use std::fmt;
 
-use crate::Error;
 use haptic_core::device::probe::{End, Verdict};
 use haptic_core::safety::Mode;
 use haptic_core::settings::Choice;
+
+use crate::Error;
 
 /// A board's answer to `status`.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -11,8 +11,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{SystemTime, UNIX_EPOCH};
 use std::{fs::File, io::Read, io::Write, path::Path};
 
-use crate::Error;
 use haptic_protocol::key::{Key, Role};
+
+use crate::Error;
 
 /// Longest key file, bytes: the digits, what they are for, and some space around them.
 pub const LONGEST: usize = 2 * Key::LEN + 64;

@@ -6,8 +6,9 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::Error;
 use haptic_core::settings::number;
+
+use crate::Error;
 
 haptic_core::settings! {
     /// The settings of a user, apart from a trace.

@@ -3,17 +3,17 @@
 use std::path::Path;
 
 use clap::Args;
-use rayon::prelude::*;
-use serde_json::json;
-
-use super::flags::{Out, Time, choice, number};
-use super::{Failure, SceneArgs, Ui, ui::pictures};
 use haptic_sim::{scene::Scene, scenes};
 use haptic_studies::accuracy;
 use haptic_studies::accuracy::counts::{Processor, SCALARS, cost_columns, costs};
 use haptic_studies::accuracy::{picture, rigid};
 use haptic_studies::precision::{columns, measure};
 use haptic_studies::{force, transparency};
+use rayon::prelude::*;
+use serde_json::json;
+
+use super::flags::{Out, Time, choice, number};
+use super::{Failure, SceneArgs, Ui, ui::pictures};
 
 #[derive(Debug, Args)]
 #[command(args_conflicts_with_subcommands = true)]

@@ -1,13 +1,13 @@
 //! `host-sim architectures`: the same task in every architecture, side by side.
 
 use clap::Args;
-use serde_json::json;
-
-use super::{Failure, Ui, flags::Out};
 use haptic_core::num::Scalar;
 use haptic_report::significant;
 use haptic_studies::architectures::together::unbounded_radius;
 use haptic_studies::architectures::{Architecture, DELAYS_MS, Row, TASK, across, columns, picture, rows};
+use serde_json::json;
+
+use super::{Failure, Ui, flags::Out};
 
 #[derive(Debug, Args)]
 pub(super) struct Architectures {

@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use haptic_core::num::Scalar;
 use haptic_plot::{Error, Figure, write_file};
+use haptic_studies::campaign::laws::page::{PICTURES, page};
+use haptic_studies::campaign::laws::{Row, asked_for, bench, figures, law_scenes, tables};
+use haptic_studies::campaign::{Cell, campaign, columns, cost_columns, costs, of_scene, sending};
 use serde_json::json;
 
 use super::flags::Out;
 use super::{Failure, SceneArgs, Ui};
-use haptic_studies::campaign::laws::page::{PICTURES, page};
-use haptic_studies::campaign::laws::{Row, asked_for, bench, figures, law_scenes, tables};
-use haptic_studies::campaign::{Cell, campaign, columns, cost_columns, costs, of_scene, sending};
 
 /// What the page tells beside the usual packets.
 const EACH_TICK: [&str; 2] = ["timing.ticks_per_packet=1", "network.one_way_delay_packets=8"];
@@ -59,7 +59,7 @@ impl Campaign {
         } else if self.costs {
             cost_columns(&costs(ui.laws)?)
         } else if self.scene.is_given() {
-            columns(&of_scene(ui.laws, &self.scene.name(), &self.scene.load_of_one_axis(ui)?)?)
+            columns(&of_scene(ui.laws, &self.scene.name(), &self.scene.load(ui)?)?)
         } else {
             columns(&campaign(ui.laws)?)
         };

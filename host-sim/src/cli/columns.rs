@@ -4,22 +4,22 @@
 //! it is that of an example: a sweep over `TABLE.KEY`, a hub of two lines.
 
 use haptic_analysis::{Axis, Map, Range, figure4, rendering::maps};
-use haptic_plot::DATA_COLUMNS;
-use haptic_report::{Column, Columns};
-use haptic_sim::network::trace;
-use haptic_sim::{run::Account, scene::Scene};
-use serde_json::{Value, json};
-
-use super::{Failure, Ui};
-use crate::play;
 use haptic_environments::{cooperative::run, world::stroke};
 use haptic_live::recording::file::ROW;
 use haptic_live::recording::mcap::Channel;
 use haptic_live::recording::{merge, ticks};
+use haptic_plot::DATA_COLUMNS;
+use haptic_report::{Column, Columns};
+use haptic_sim::network::trace;
+use haptic_sim::{run::Account, scene::Scene};
 use haptic_studies::compare::Comparison;
 use haptic_studies::sweep;
 use haptic_studies::sweep::{Row, Sweep};
 use haptic_studies::{accuracy, architectures, campaign, force, paper, precision, published, reproduce, transparency};
+use serde_json::{Value, json};
+
+use super::{Failure, Ui};
+use crate::play;
 
 /// The key of an example.
 const KEY: &str = "TABLE.KEY";

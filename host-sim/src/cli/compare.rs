@@ -7,13 +7,13 @@ use haptic_core::num::Scalar;
 use haptic_report::Provenance;
 use haptic_sim::scenes;
 use haptic_sim::user::User;
+use haptic_studies::campaign::laws::law_scene;
+use haptic_studies::compare::{Comparison, Entrant};
+use haptic_studies::sweep::METRICS;
 use serde_json::json;
 
 use super::flags::{Out, Time};
 use super::{Failure, Ui};
-use haptic_studies::campaign::laws::law_scene;
-use haptic_studies::compare::{Comparison, Entrant};
-use haptic_studies::sweep::METRICS;
 
 #[derive(Debug, Args)]
 pub(super) struct Compare {

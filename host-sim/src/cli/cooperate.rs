@@ -5,14 +5,14 @@ use haptic_analysis::{Conclusion, conclude};
 use haptic_core::num::{Fixed, Scalar};
 use haptic_core::safety::Fault;
 use haptic_core::settings::Refused;
-use serde_json::json;
-
-use super::flags::{ScalarName, Simulation};
-use super::{Failure, SceneArgs, Ui};
 use haptic_report::Columns;
 use haptic_sim::run::{self, AXIS_NAMES, EachRow, Options, Outcome, Run, run, run_seen};
 use haptic_sim::scene::Scene;
 use haptic_studies::figures;
+use serde_json::json;
+
+use super::flags::{ScalarName, Simulation};
+use super::{Failure, SceneArgs, Ui};
 
 #[derive(Debug, Args)]
 pub(super) struct Cooperate {

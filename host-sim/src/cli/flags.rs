@@ -8,15 +8,6 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Arg, ArgAction, Args, ValueEnum};
 use haptic_board_tools::calibrate::settings_file;
 use haptic_core::names::Choice;
-use haptic_protocol::key::{Key, Role};
-use haptic_report::Provenance;
-use haptic_sim::run::Account;
-use haptic_sim::scene::Scene;
-use haptic_sim::{key_file, scenes};
-
-pub(super) use super::number::number;
-pub(super) use super::ui::Out;
-use super::ui::{Failure, Ui};
 use haptic_environments::{world, world::World};
 use haptic_live::recording::mcap::Channel;
 use haptic_live::recording::origin::Origin;
@@ -24,6 +15,16 @@ use haptic_live::recording::recorder::Recorder;
 use haptic_live::recording::ticks::name_of;
 use haptic_live::tell::Manner;
 use haptic_live::watch::LiveOptions;
+use haptic_protocol::key::{Key, Role};
+use haptic_report::Provenance;
+use haptic_sim::run::Account;
+use haptic_sim::scene::Scene;
+use haptic_sim::{key_file, scenes};
+
+use super::ui::{Failure, Ui};
+
+pub(super) use super::number::number;
+pub(super) use super::ui::Out;
 
 /// Longest time that may be asked for, s: a day. Beyond it, sums of ticks of 1 ms in f64 begin to round.
 const LONGEST_S: f64 = 86_400.0;

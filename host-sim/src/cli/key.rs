@@ -3,12 +3,12 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use serde_json::json;
-
-use super::{Failure, Ui};
 use haptic_environments::world::host::MOST_LINES;
 use haptic_protocol::key::Role;
 use haptic_sim::key_file;
+use serde_json::json;
+
+use super::{Failure, Ui};
 
 super::commands! {
     Key {

@@ -1,11 +1,11 @@
 //! What can be named: `--keys` of a scene or a world, `--scenes`.
 
 use haptic_environments::records::{Field, Shape};
+use haptic_environments::world;
 use haptic_sim::{scene::Scene, scenes};
 use serde_json::{Value, json};
 
 use super::{Failure, Ui};
-use haptic_environments::world;
 
 fn key(name: String, default: impl Into<Value>, unit: &str, allowed: &str, meaning: &str) -> Value {
     json!({ "key": name, "default": default.into(), "unit": unit, "allowed": allowed, "meaning": meaning })

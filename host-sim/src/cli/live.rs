@@ -3,13 +3,14 @@
 use std::net::SocketAddr;
 
 use clap::Args;
-
-use super::flags::{End, Patience, Watching};
-use super::{Failure, SceneArgs, Ui};
+use haptic_analysis::{unstable, verdict};
 use haptic_environments::cooperative::MOST_USERS;
 use haptic_environments::live::hub;
 use haptic_live::endpoint::{Span, Stop};
 use haptic_live::peer;
+
+use super::flags::{End, Patience, Watching};
+use super::{Failure, SceneArgs, Ui};
 
 #[derive(Debug, Args)]
 pub(super) struct Peer {
@@ -33,6 +34,10 @@ impl Peer {
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let scene = self.scene.load(ui)?;
         let key = self.end.key.read()?;
+        // Said before anything moves: the devices are held by people.
+        if let Some(warning) = unstable(&scene, &verdict(&scene)?)? {
+            ui.warn(warning);
+        }
         let span = span(&self.end, &self.patience);
         let ends = [self.end.listen, self.connect];
         let provenance = ui.provenance().settings(scene.settings()).with("peer", self.number);

@@ -3,14 +3,14 @@
 use std::{net::SocketAddr, path::PathBuf};
 
 use clap::Args;
-use serde_json::json;
-
-use super::flags::{LiveTime, Time, number};
-use super::{Failure, SceneArgs, Ui};
 use haptic_live::trials::{flood, restarts};
 use haptic_live::{endpoint::Stop, relay};
 use haptic_sim::network::link::Route;
 use haptic_sim::network::rule::{Direction, NetworkTrace};
+use serde_json::json;
+
+use super::flags::{LiveTime, Time, number};
+use super::{Failure, SceneArgs, Ui};
 
 super::commands! {
     Network {

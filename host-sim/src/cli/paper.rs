@@ -1,12 +1,12 @@
 //! `host-sim paper`: the cooperation paper's experiments beside its own numbers. The main job of the project.
 
 use clap::Args;
-use serde_json::json;
-
-use super::{Failure, Ui, flags::Out, ui::pictures};
 use haptic_core::num::Scalar;
 use haptic_studies::figures;
 use haptic_studies::paper::{DURATION_S, experiment_columns, experiments, gain_columns, gains};
+use serde_json::json;
+
+use super::{Failure, Ui, flags::Out, ui::pictures};
 
 #[derive(Debug, Default, Args)]
 pub(super) struct Paper {

@@ -1,19 +1,18 @@
 //! `host-sim play`: the live page.
 
-use clap::Args;
-use serde_json::json;
-
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
+use clap::Args;
+use haptic_live::endpoint::Stop;
 use haptic_protocol::key::Role;
 use haptic_sim::key_file;
+use serde_json::json;
 
 use super::board::address;
 use super::flags::{RecordTo, choice, seconds};
 use super::{Failure, SceneArgs, Ui};
 use crate::play::{Boards, End, EnvironmentKind, Model, Page, Place, Shown, measure};
-use haptic_live::endpoint::Stop;
 
 /// How long each run of `--measure` takes where nobody says, s.
 const MEASURED_S: f64 = 10.0;

@@ -4,12 +4,12 @@ use std::path::PathBuf;
 
 use clap::Args;
 use haptic_plot::write_file;
+use haptic_studies::campaign::laws::page;
+use haptic_studies::proof;
 use rayon::prelude::*;
 use serde_json::json;
 
 use super::{Failure, Ui};
-use haptic_studies::campaign::laws::page;
-use haptic_studies::proof;
 
 #[derive(Debug, Args)]
 pub(super) struct Prove {

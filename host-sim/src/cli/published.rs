@@ -1,8 +1,9 @@
 //! `host-sim published`: numbers of the laws' own papers beside what the laws do here, and every law's region by two constructions.
 
-use super::{Failure, Ui};
 use clap::Args;
 use haptic_studies::published::{columns, regions, rows};
+
+use super::{Failure, Ui};
 
 #[derive(Debug, Args)]
 pub(super) struct Published {

@@ -3,14 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use haptic_live::recording::file::{Recording, Rows, read};
+use haptic_live::recording::merge::{both, merge};
+use haptic_live::watch::GOOD_CLOCK_S;
 use haptic_report::files::{write_csv, write_parquet};
 use haptic_report::{Columns, Error};
 use serde_json::json;
 
 use super::{Failure, Ui};
-use haptic_live::recording::file::{Recording, Rows, read};
-use haptic_live::recording::merge::{both, merge};
-use haptic_live::watch::GOOD_CLOCK_S;
 
 /// A table, in the format that the ending of the file's name says; the other endings are refused before anything is read.
 #[derive(Clone, Copy)]

@@ -6,12 +6,12 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use haptic_report::Provenance;
 use haptic_sim::user::User;
+use haptic_studies::sweep;
+use haptic_studies::sweep::{Axis, Design, Journal, Sample, Spread};
 use serde_json::json;
 
 use super::flags::{Out, Time, choice};
 use super::{Failure, SceneArgs, Ui};
-use haptic_studies::sweep;
-use haptic_studies::sweep::{Axis, Design, Journal, Sample, Spread};
 
 /// Most points that are printed for people.
 const MOST_SHOWN: usize = 200;

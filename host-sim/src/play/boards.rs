@@ -22,6 +22,8 @@ use haptic_board_tools::calibrate::simulated::SharedSimulation;
 use haptic_board_tools::recording::{COLUMNS, row};
 use haptic_board_tools::status::Probed;
 use haptic_core::safety::Fault;
+use haptic_live::endpoint::stand_back;
+use haptic_live::operator::Operator;
 use haptic_sim::quantities::place;
 use haptic_sim::scene::Scene;
 use serde::Serialize;
@@ -31,8 +33,6 @@ use super::boards_line::Line;
 use super::environment::{ARMED, Command, Environment, FAULT, MOST, OFF, Sample, Standing, WAITS};
 use super::session::PERIOD_S;
 use crate::Error;
-use haptic_live::endpoint::stand_back;
-use haptic_live::operator::Operator;
 
 /// After so long without a page the motors go off.
 const SILENCE: Duration = Duration::from_millis(1000);

@@ -9,6 +9,9 @@ use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
 use haptic_core::names::Choice as _;
+use haptic_live::endpoint::{Punctuality, Stop, Ticker};
+use haptic_live::recording::mcap::Channel;
+use haptic_live::recording::recorder::Recorder;
 use serde::Serialize;
 
 use super::environment::{Command, Environment, MOST, Opening, Sample};
@@ -17,9 +20,6 @@ use super::mailbox::{Contents, Mailbox, Status};
 use super::partner::Model;
 use super::session::PERIOD_S;
 use crate::Error;
-use haptic_live::endpoint::{Punctuality, Stop, Ticker};
-use haptic_live::recording::mcap::Channel;
-use haptic_live::recording::recorder::Recorder;
 
 /// A tick this late is not caught up.
 const SLEPT: Duration = Duration::from_millis(500);

@@ -1,6 +1,7 @@
 //! Four hands on one object through a hub: two of people, two of partners who play always.
 
 use haptic_core::num::Motion;
+use haptic_environments::cooperative::waves::Waves;
 use haptic_sim::network::link::Route;
 use haptic_sim::scene::Scene;
 
@@ -10,7 +11,6 @@ use super::partner::{Model, Partner};
 use super::session::{PERIOD_S, end_of_travel};
 use super::shared_environment::{Held, Play};
 use crate::Error;
-use haptic_environments::cooperative::waves::Waves;
 
 /// Number of hands on the object.
 const HANDS: usize = 4;

@@ -15,6 +15,7 @@ use haptic_analysis::{delays_ticks, judge, verdict};
 use haptic_core::contact::RenderingName;
 use haptic_core::names::Choice as _;
 use haptic_core::{law::Sends, settings::Value};
+use haptic_live::endpoint::stand_back;
 use haptic_plot::significant;
 use haptic_sim::scene::{Jitter, Scene};
 use serde::Serialize;
@@ -26,7 +27,6 @@ use super::mailbox::Mailbox;
 use super::orders::apply;
 use super::session::same_but_for_network;
 use crate::Error;
-use haptic_live::endpoint::stand_back;
 
 /// Packets in flight that are still judged.
 const MOST_PACKETS: usize = 120;

@@ -11,6 +11,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use haptic_live::endpoint::Stop;
+use haptic_live::quantiles::{Quantiles, Times};
 use haptic_report::Columns;
 use haptic_sim::scene::Scene;
 use tungstenite::protocol::Role;
@@ -21,8 +23,6 @@ use super::kinds::EnvironmentKind;
 use super::page::{Page, Shown};
 use super::partner::Model;
 use crate::Error;
-use haptic_live::endpoint::Stop;
-use haptic_live::quantiles::{Quantiles, Times};
 
 /// From one question of a window to the next.
 const FRAME: Duration = Duration::from_micros(16_667);

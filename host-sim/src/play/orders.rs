@@ -12,10 +12,10 @@
 
 use haptic_core::settings::Settings;
 use haptic_sim::{scene::Scene, scenes};
+use haptic_studies::campaign::laws::SOLVED;
 
 use super::session::PERIOD_S;
 use crate::Error;
-use haptic_studies::campaign::laws::SOLVED;
 
 /// The built-in scenes that are one click, with what the click is called and what it sets besides.
 pub(super) const CLICKS: [(&str, &str, &str); 7] = [

@@ -5,6 +5,9 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use haptic_live::endpoint::Stop;
+use haptic_live::recording::origin::Origin;
+use haptic_live::recording::recorder::Recorder;
 use haptic_report::Provenance;
 use haptic_sim::scene::Scene;
 
@@ -19,9 +22,6 @@ use super::partner::Model;
 use super::remote::{End, Remote};
 use super::web::{Site, hello};
 use crate::Error;
-use haptic_live::endpoint::Stop;
-use haptic_live::recording::origin::Origin;
-use haptic_live::recording::recorder::Recorder;
 
 /// What a page shows.
 pub(crate) enum Shown {

@@ -11,6 +11,9 @@ use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::time::{Duration, Instant};
 
 use haptic_core::safety::{Command as Order, Mode};
+use haptic_environments::path::Path;
+use haptic_live::batch::{OutgoingBatch, ReceivedBatch};
+use haptic_live::endpoint::Endpoint;
 use haptic_protocol::{key::Key, wire::Telemetry};
 use haptic_sim::node::{Node, Transmit as _};
 use haptic_sim::{key_file::entropy, scene::Scene};
@@ -19,9 +22,6 @@ use super::environment::{ARMED, Command, Environment, FAULT, MOST, OFF, Sample, 
 use super::hand::Hand;
 use super::session::{PERIOD_S, Side, end_of_travel};
 use crate::Error;
-use haptic_environments::path::Path;
-use haptic_live::batch::{OutgoingBatch, ReceivedBatch};
-use haptic_live::endpoint::Endpoint;
 
 /// How much of a tick goes to what has come, so that no flood of datagrams holds it up.
 const LISTENS: Duration = Duration::from_micros(300);

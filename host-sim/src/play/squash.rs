@@ -5,6 +5,8 @@
 
 use haptic_environments::roles::squash::{Court, Message, PLAYERS, Phase, RALLIES, Server, ServerConfig};
 use haptic_environments::roles::{Carried as _, Role as _};
+use haptic_environments::said;
+use haptic_environments::squash::bot::{Contestant, Participant, SCALE};
 use haptic_protocol::wire::{self, PeerId};
 use haptic_sim::engine::{Actor, Engine, Out, Seat};
 use haptic_sim::{key_file::entropy, network::link::Route, scene::Scene};
@@ -13,8 +15,6 @@ use super::environment::Column;
 use super::session::PERIOD_S;
 use super::shared_environment::{Held, Play, scene_route};
 use crate::Error;
-use haptic_environments::said;
-use haptic_environments::squash::bot::{Contestant, Participant, SCALE};
 
 /// Number of players in the game.
 const COUNT: usize = 4;

@@ -8,6 +8,7 @@ use haptic_environments::roles::collaborative::ring;
 use haptic_environments::roles::collaborative::ring::{Record, Ring, Roster};
 use haptic_environments::roles::collaborative::{Approach, Lease, Value, Wish};
 use haptic_environments::roles::{Carried as _, Role as _};
+use haptic_environments::said;
 use haptic_environments::{roles::collaborative::lock, roles::collaborative::lock::Phase};
 use haptic_protocol::wire::{Message, PeerId};
 use haptic_sim::engine::{Actor, Engine, Out, Seat};
@@ -17,7 +18,6 @@ use super::environment::Column;
 use super::session::PERIOD_S;
 use super::shared_environment::{Held, Play, scene_route};
 use crate::Error;
-use haptic_environments::said;
 
 /// Number of users at the object.
 const USERS: usize = 3;

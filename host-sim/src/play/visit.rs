@@ -7,6 +7,10 @@ use std::sync::OnceLock;
 
 use haptic_core::num::Motion;
 use haptic_environments::records::Shape;
+use haptic_environments::world::host::Host;
+use haptic_environments::world::stroke::HAND;
+use haptic_environments::world::visitor::{Correspondent, Setup, Visitor};
+use haptic_environments::world::{TICKS_PER_PACKET, World, corners, parse};
 use haptic_protocol::key::Key;
 use haptic_sim::engine::{Actor, Engine, Out, Seat};
 use haptic_sim::{key_file::entropy, network::link::Route, scene::Scene};
@@ -17,10 +21,6 @@ use super::hand::Hand;
 use super::session::PERIOD_S;
 use super::shared_environment::{Held, Play, scene_route};
 use crate::Error;
-use haptic_environments::world::host::Host;
-use haptic_environments::world::stroke::HAND;
-use haptic_environments::world::visitor::{Correspondent, Setup, Visitor};
-use haptic_environments::world::{TICKS_PER_PACKET, World, corners, parse};
 
 /// What there is to be felt, and the number of its server.
 const ROOM: &str = include_str!("../../../scenes/worlds/room.toml");

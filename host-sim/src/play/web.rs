@@ -31,6 +31,7 @@ use std::time::{Duration, Instant};
 use haptic_core::names::Choice as _;
 use haptic_core::safety::Fault;
 use haptic_core::settings::Allowed;
+use haptic_live::endpoint::stand_back;
 use haptic_sim::{key_file::entropy, scene::Scene};
 use serde_json::{Value, json};
 use tungstenite::handshake::derive_accept_key;
@@ -46,7 +47,6 @@ use super::mailbox::{Contents, Mailbox, Pointed};
 use super::orders::CLICKS;
 use super::partner::Model;
 use super::session::{PERIOD_S, REACH_M};
-use haptic_live::endpoint::stand_back;
 
 const FILES: [(&str, &str, &str); 4] = [
     ("/", "text/html; charset=utf-8", include_str!("site/index.html")),

@@ -1,8 +1,9 @@
 //! Pictures of runs: the cooperation paper's Figures 6–9, and one sheet for any scene.
 
-use super::paper::Experiment;
 use haptic_plot::{Dash, Figure, Panel, Series, Shape, ShareY};
 use haptic_sim::run::Outcome;
+
+use super::paper::Experiment;
 
 /// One column of an axis' table over time, scaled; of a run that stopped, until it did: what comes after it is nobody's.
 fn over_time(outcome: &Outcome, axis: usize, column: &str, scale: f64) -> Vec<(f64, f64)> {

@@ -1,13 +1,13 @@
 //! Records what one peer of a scene reads, for [`haptic_cases::replay`] on another processor, and the hash of what it computes.
 
-use haptic_core::device::Reading;
-use haptic_core::settings::{Key, Settings};
-
-use crate::Error;
 use haptic_board_tools::calibrate::settings_file::plain;
 use haptic_cases::replay::{EXACT, EXCHANGE, PACKET, SEED, fold};
+use haptic_core::device::Reading;
+use haptic_core::settings::{Key, Settings};
 use haptic_sim::pair::{Pair, PeerTick};
 use haptic_sim::scene::Scene;
+
+use crate::Error;
 
 /// The recording and what it must come to.
 #[derive(Clone, Debug)]

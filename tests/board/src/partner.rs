@@ -6,9 +6,9 @@
 use haptic_protocol::key::Key;
 use haptic_sim::node::Node;
 use haptic_sim::scene::Scene;
+use host_sim::Error;
 
 use crate::pc::{board_ip, board_mac, peers_key, resolved, udp};
-use host_sim::Error;
 
 /// Port of the flow, at both ends.
 const FLOW: u16 = 7701;

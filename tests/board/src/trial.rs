@@ -11,6 +11,7 @@ use haptic_core::law::Sends;
 use haptic_sim::network::rule::{Direction, of_scene};
 use haptic_sim::run::{Accounts, Options, Outcome, Ticked};
 use haptic_sim::scene::Scene;
+use host_sim::Error;
 
 use crate::bench::{Bench, PERIOD_NS, for_boards};
 use crate::cost;
@@ -18,7 +19,6 @@ use crate::image::Firmware;
 use crate::node::Report;
 use crate::twin::{self, Armed, Equal};
 use crate::wire::Line;
-use host_sim::Error;
 
 /// What a scene on two boards gave.
 #[derive(Debug)]

@@ -22,13 +22,13 @@ use haptic_core::names::FixtureName;
 use haptic_core::num::{Motion, StateVector as _};
 use haptic_core::safety::{Command, Mode};
 use haptic_core::settings::{Refused, Settings};
-
-use super::delay::delays_ticks;
-use crate::matrix::{Matrix, column_mut, reset};
 use haptic_sim::of_axes;
 use haptic_sim::peers::{Builds, DynPeer};
 use haptic_sim::plant::Plant;
 use haptic_sim::scene::Scene;
+
+use super::delay::delays_ticks;
+use crate::matrix::{Matrix, column_mut, reset};
 
 /// 2⁻³⁰⁰: what stands for one unit of a state.
 const UNIT: f64 = f64::from_bits((1023 - 300) << 52);

@@ -8,6 +8,7 @@
 //! While a delay is swept the sampling period is either given or, to show the delay alone, a fortieth of the delay: what
 //! sampling adds is then 2.5 %, on every point alike.
 
+use haptic_report::Columns;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -16,7 +17,6 @@ use super::{Place, Renderer, Rendering};
 use crate::error::Error;
 use crate::limit::Limit;
 use crate::search::crossings;
-use haptic_report::Columns;
 
 /// Samples in a delay, where the sampling shall not matter.
 pub const SAMPLES_PER_DELAY: f64 = 40.0;

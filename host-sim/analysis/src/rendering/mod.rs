@@ -31,13 +31,13 @@ pub mod picture;
 #[path = "../../tests/inside/rendering.rs"]
 mod tests;
 
+use haptic_sim::plant::Linear;
 use serde::Serialize;
 
 use super::lifted::{Lifted, rest};
 use super::matrix::reset;
 use super::spectrum::{Polar, Spectrum, radius};
 use crate::error::Error;
-use haptic_sim::plant::Linear;
 
 /// Where a delay can sit, in the order of the paper's delay1 … delay4.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

@@ -1,9 +1,10 @@
 //! Both maps on the axes of the architectures paper's Fig. 4: stiffness to the right, delay or sampling period upwards.
 
+use haptic_plot::{Dash, Figure, Panel, Series};
+
 use super::closed::longest_object_delay_s;
 use super::maps::{Curve, Sweep};
 use super::{Body, Place, Rendering};
-use haptic_plot::{Dash, Figure, Panel, Series};
 
 /// The paper's axes: N/m and ms.
 const STIFFNESS: (f64, f64) = (0.0, 1000.0);

@@ -9,10 +9,10 @@
 
 mod francis;
 
+use francis::Francis;
 use nalgebra::DVector;
 
 use super::matrix::{Matrix, column_mut};
-use francis::Francis;
 
 /// What the mirrors are made of, one for each further try: irrational, so that no two entries of one are alike.
 const MIRRORS: [f64; 3] = [std::f64::consts::SQRT_2, std::f64::consts::E, std::f64::consts::PI];

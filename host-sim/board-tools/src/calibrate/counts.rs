@@ -3,10 +3,11 @@
 //! Both marks are taken as the mean over a fifth of a second in which the joint must stand still. What is not in the
 //! interval: how well the person meets the marks. For a relative error e of the scale they must be met to e times the distance.
 
+use haptic_core::device::kinematics::KinematicsName;
+
 use super::board::{Board, Joint, Tick, say, settings};
 use super::{Estimate, Found, Person, Task};
 use crate::Error;
-use haptic_core::device::kinematics::KinematicsName;
 
 /// By how much the joint is to be moved.
 #[derive(Clone, Copy, Debug, PartialEq)]

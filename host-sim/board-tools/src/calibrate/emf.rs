@@ -9,12 +9,13 @@
 //!
 //! Limits: as good as the supply's voltage is measured, which is not in the interval.
 
+use haptic_core::{device::current::PWM_PERIOD_S, settings::Settings};
+
 use super::board::{Board, Joint, Run, settings};
 use super::least_squares::solve;
 use super::winding::{MotorReading, pulses};
 use super::{Estimate, motion};
 use crate::Error;
-use haptic_core::{device::current::PWM_PERIOD_S, settings::Settings};
 
 /// Slow, so that the joint gets fast, Hz.
 const FREQUENCIES_HZ: [f64; 2] = [4.0, 6.0];

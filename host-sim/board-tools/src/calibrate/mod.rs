@@ -17,8 +17,9 @@ pub mod settings_file;
 pub mod simulated;
 pub mod winding;
 
-use crate::Error;
 use haptic_sim::student::student_95;
+
+use crate::Error;
 
 /// A number with the half width of its 95 % interval.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]

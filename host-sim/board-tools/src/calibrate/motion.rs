@@ -19,13 +19,14 @@
 
 use std::f64::consts::PI;
 
+use haptic_core::device::probe::End;
+use haptic_core::settings::Settings;
+use haptic_sim::student::student_95;
+
 use super::board::{Board, Joint, Run, run, settings};
 use super::least_squares::solve;
 use super::{Estimate, Found};
 use crate::Error;
-use haptic_core::device::probe::End;
-use haptic_core::settings::Settings;
-use haptic_sim::student::student_95;
 
 const WINDOW_S: f64 = 0.05;
 /// Velocity is judged over so many ticks to either side.

@@ -6,11 +6,11 @@
 
 use haptic_core::device::probe::{End, Verdict};
 use haptic_core::settings::Settings;
+use haptic_sim::student::student_95;
 
 use super::board::{Board, Joint, probed, run, say, settings};
 use super::{Estimate, Found, Person, Task, emf, motion};
 use crate::Error;
-use haptic_sim::student::student_95;
 
 /// Slope of a line through points, with its 95 % interval.
 ///

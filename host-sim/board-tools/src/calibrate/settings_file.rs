@@ -5,11 +5,11 @@
 use std::path::Path;
 
 use haptic_core::settings::{Settings, Value};
+use haptic_sim::scene::Scene;
 
 use super::Found;
 use super::board::{Board, say};
 use crate::Error;
-use haptic_sim::scene::Scene;
 
 /// Adds what was found to the file at `path`, which is made if it is not there.
 ///

@@ -14,13 +14,13 @@ use haptic_core::{
     num::Motion,
     safety::{Command, Mode},
 };
+use haptic_sim::peers::{DynPeer, Laws};
+use haptic_sim::plant::Plant;
+use haptic_sim::scene::{DriveName, Scene};
 
 use super::board::{Board, Tick};
 use super::{Person, Task};
 use crate::Error;
-use haptic_sim::peers::{DynPeer, Laws};
-use haptic_sim::plant::Plant;
-use haptic_sim::scene::{DriveName, Scene};
 
 /// The board and its device.
 #[derive(Debug)]

@@ -2,16 +2,16 @@
 
 use std::{cell::RefCell, rc::Rc};
 
-use crate::roles::collaborative::lock;
-use crate::roles::collaborative::lock::{Message, Notice, Phase, Record};
-use crate::roles::collaborative::{Lease, Value, Wish};
-use crate::roles::{Out, Role as _};
 use haptic_protocol::wire::PeerId;
 use haptic_sim::rng::Rng;
 
 use super::history::History;
 use super::trial::{MOST_USERS, Mistake, Trial};
 use super::user::{LONGEST_EDIT_US, User};
+use crate::roles::collaborative::lock;
+use crate::roles::collaborative::lock::{Message, Notice, Phase, Record};
+use crate::roles::collaborative::{Lease, Value, Wish};
+use crate::roles::{Out, Role as _};
 
 /// Lease of a lock, µs.
 const LEASE_US: u32 = 300_000;

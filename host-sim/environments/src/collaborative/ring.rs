@@ -3,16 +3,16 @@
 
 use std::{cell::RefCell, rc::Rc};
 
-use crate::roles::collaborative::ring;
-use crate::roles::collaborative::ring::{Config, Message, Notice, Record, Ring, Roster};
-use crate::roles::collaborative::{Lease, Value, Wish};
-use crate::roles::{Out, Role as _};
 use haptic_protocol::wire::PeerId;
 use haptic_sim::rng::Rng;
 
 use super::history::History;
 use super::trial::{Mistake, Trial};
 use super::user::{LONGEST_EDIT_US, User};
+use crate::roles::collaborative::ring;
+use crate::roles::collaborative::ring::{Config, Message, Notice, Record, Ring, Roster};
+use crate::roles::collaborative::{Lease, Value, Wish};
+use crate::roles::{Out, Role as _};
 
 /// Lease of the token, µs.
 const LEASE_US: u32 = 300_000;

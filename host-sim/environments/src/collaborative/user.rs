@@ -2,10 +2,10 @@
 
 use std::{cell::RefCell, rc::Rc};
 
-use crate::roles::collaborative::{Approach, Value, Wish};
 use haptic_sim::rng::Rng;
 
 use super::history::History;
+use crate::roles::collaborative::{Approach, Value, Wish};
 
 /// How fast a hand comes and goes, m/s.
 const SPEED_M_PER_S: f64 = 0.5;

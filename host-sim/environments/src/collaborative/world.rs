@@ -6,7 +6,6 @@
 
 use std::{cell::RefCell, rc::Rc};
 
-use crate::{roles::Carried, roles::collaborative::Value};
 use haptic_protocol::wire::{Message, PeerId};
 use haptic_sim::engine::{Actor, Clock, Engine, EngineView, Out, Seat};
 use haptic_sim::network::rule::{Direction, Jitter, SeededRule};
@@ -15,6 +14,7 @@ use haptic_sim::{network::link::Route, rng::Rng, scene::Network};
 use super::trial::{Mistake, Scheme, Trial, Verdict};
 use super::{history::History, lock, ring, user::User};
 use crate::said;
+use crate::{roles::Carried, roles::collaborative::Value};
 
 /// Number of the shared object.
 const OBJECT: u16 = 7;

@@ -25,6 +25,7 @@
 use std::fmt::Display;
 
 use haptic_core::law::Sends;
+use haptic_live::refused::{Refused, is_telling, wrong};
 use haptic_protocol::link::{Config, Error, Link};
 use haptic_protocol::parameters::Parameters;
 use haptic_protocol::peer::{flow_of, packets_of};
@@ -36,7 +37,6 @@ use haptic_sim::scene::Scene;
 use super::MOST_USERS;
 use super::junction::{Junction, Port};
 use crate::path::Path;
-use haptic_live::refused::{Refused, is_telling, wrong};
 
 /// Greetings that are looked at in a control period.
 const GREETINGS: u32 = 8;

@@ -21,6 +21,7 @@
 //!
 //! **Units**: √W, J, N, N·s/m, s. **Limit**: waves carry no positions: what a long silence takes apart stays apart.
 
+use copy::SharedCopy;
 use haptic_core::law::credit::{Account, CAP_J, Credit};
 use haptic_core::law::degradation::{Degradation, Engagement};
 use haptic_core::law::{Packet, Sends};
@@ -30,7 +31,6 @@ use serde::Serialize;
 
 use super::MOST_USERS;
 use crate::Error;
-use copy::SharedCopy;
 
 mod copy;
 

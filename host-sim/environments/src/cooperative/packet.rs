@@ -3,12 +3,12 @@
 //! Each part is a datagram of its own: pushes and motions are flow, a hand-over message is an event that says itself again and
 //! is not acknowledged.
 
-use crate::roles::Carried as _;
-use crate::roles::cooperative::{Body, Message};
 use haptic_core::{contact::bounder::Bound, num::Motion};
 use haptic_protocol::wire::{Event, Moved, PeerId, Push, SEAL_LEN};
 
 use super::MOST_USERS;
+use crate::roles::Carried as _;
+use crate::roles::cooperative::{Body, Message};
 
 /// Bytes of a sealed hand-over message; it says itself again, nobody acknowledges it.
 fn said_bytes(message: &Message) -> usize {

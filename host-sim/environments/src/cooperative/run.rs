@@ -4,15 +4,15 @@
 //! object as any client renders it and the object where it is moved. An environment is stable when no client stopped with a
 //! fault and no force grew from eighth to eighth of the run.
 
+use haptic_report::Columns;
+use haptic_sim::measure::{LastHalf, growth::Forces};
+use haptic_sim::quantities::Named;
 use serde::Serialize;
 
 use super::client::Client;
 use super::world::World;
 use super::{Engine, Setup};
 use crate::Error;
-use haptic_report::Columns;
-use haptic_sim::measure::{LastHalf, growth::Forces};
-use haptic_sim::quantities::Named;
 
 /// What a run gave.
 #[derive(Clone, Debug, Serialize)]

@@ -4,9 +4,6 @@
 //! the server takes in what came, whoever has the engine moves the object. So without delay a force acts in its own tick.
 //! While a client has the engine, the server passes pushes on to it and its states on to the others.
 
-use crate::Error;
-use crate::roles::cooperative::{Lease, Message, Notice};
-use crate::roles::{Role, cooperative as role};
 use haptic_core::contact::bounder::Bounder;
 use haptic_core::{contact::Contact, num::Motion};
 use haptic_protocol::wire::{Moved, PeerId, Push};
@@ -18,6 +15,9 @@ use super::client::Client;
 use super::engine::{DynamicsEngine, Pushed};
 use super::packet::{Down, Packet, Up, body, motion, peer};
 use super::{Collision, MOST_USERS, Setup, bounder};
+use crate::Error;
+use crate::roles::cooperative::{Lease, Message, Notice};
+use crate::roles::{Role, cooperative as role};
 
 /// How long a client may keep the engine without a word, µs: longer than any round trip here.
 const LEASE_US: u32 = 2_000_000;

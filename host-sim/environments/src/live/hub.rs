@@ -1,8 +1,9 @@
 //! A hub ([`Hub`]) in real time, on an endpoint. What was heard in a packet period goes through the junction at its end, the newest
 //! of each line.
 
-pub use std::{net::SocketAddr, time::Duration};
-
+use haptic_live::endpoint::{Endpoint, Live, Punctuality, Span, Stop, Ticker};
+use haptic_live::peer::{RemoteReport, notice_texts};
+use haptic_live::watch::{LiveOptions, LiveSummary};
 use haptic_protocol::key::Key;
 use haptic_sim::engine::{Actor, Out};
 use haptic_sim::{key_file::entropy, scene::Scene};
@@ -12,9 +13,8 @@ use super::hub_watch::HubWatch;
 use crate::Error;
 use crate::cooperative::hub::{End, Hub, line_wrong, number_on};
 use crate::cooperative::junction::{Energy, Port};
-use haptic_live::endpoint::{Endpoint, Live, Punctuality, Span, Stop, Ticker};
-use haptic_live::peer::{RemoteReport, notice_texts};
-use haptic_live::watch::{LiveOptions, LiveSummary};
+
+pub use std::{net::SocketAddr, time::Duration};
 
 /// What the hub saw of one line.
 #[derive(Serialize)]

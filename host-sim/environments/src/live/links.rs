@@ -6,15 +6,16 @@
 
 use std::{fmt, net::SocketAddr};
 
-use crate::Error;
-use crate::roles::squash::{Court, Message, SERVER};
-use crate::roles::{Carried, Outbox};
 use haptic_protocol::link::{Config, Link};
 use haptic_protocol::parameters::{Parameters, Table};
 use haptic_protocol::wire::{self, Goodbye, PeerId};
 use haptic_protocol::{ends::Ends, key::Key};
 use haptic_sim::{engine::Out, key_file::entropy, node::Transmit as _};
 use serde::Serialize;
+
+use crate::Error;
+use crate::roles::squash::{Court, Message, SERVER};
+use crate::roles::{Carried, Outbox};
 
 /// Packet period of the links, µs: a link ends after 12 of them in silence.
 const PACKET_US: u32 = 50_000;

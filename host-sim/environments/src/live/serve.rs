@@ -11,14 +11,14 @@ use std::net::SocketAddr;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
+use haptic_live::endpoint::{Endpoint, Live, Stop, Ticker};
+use haptic_live::quantiles::{Quantiles, Times};
 use haptic_sim::engine::{Actor, Out};
 use serde::Serialize;
 
 use crate::Error;
 use crate::world::PACKET_US;
 use crate::world::host::{Counts, Host};
-use haptic_live::endpoint::{Endpoint, Live, Stop, Ticker};
-use haptic_live::quantiles::{Quantiles, Times};
 
 /// A socket that takes longer than this had nothing, and the datagram came right then, ns.
 const WAITED_NS: u64 = 20_000;

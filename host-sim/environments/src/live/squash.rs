@@ -3,17 +3,17 @@
 
 use std::{net::SocketAddr, time::Duration};
 
-use crate::Error;
-use crate::roles::squash::{Ending, Message, Notice, PLAYERS, RALLIES, SERVER, Server, ServerConfig, Verdict};
-use crate::roles::{Outbox, Role};
+use haptic_live::endpoint::{Endpoint, Live, Punctuality, Stop, Ticker};
 use haptic_protocol::{key::Key, wire::PeerId};
 use haptic_sim::engine::{Actor, Out};
 use haptic_sim::key_file::entropy;
 use serde::Serialize;
 
 use super::links::{Links, PeerContact};
+use crate::Error;
+use crate::roles::squash::{Ending, Message, Notice, PLAYERS, RALLIES, SERVER, Server, ServerConfig, Verdict};
+use crate::roles::{Outbox, Role};
 use crate::squash::bot::{Contestant, Participant, TICK_S};
-use haptic_live::endpoint::{Endpoint, Live, Punctuality, Stop, Ticker};
 
 /// Who this is, and where the others are.
 #[derive(Clone, Debug)]

@@ -5,18 +5,18 @@
 
 use std::{f64::consts::TAU, net::SocketAddr, time::Duration};
 
-use crate::Error;
-use crate::roles::static_scene::Download;
 use haptic_core::num::Motion;
+use haptic_live::endpoint::{Endpoint, Live, Punctuality, Stop, Ticker};
+use haptic_live::refused::wrong;
 use haptic_protocol::key::Key;
 use haptic_sim::engine::{Actor, Out};
 use haptic_sim::key_file::entropy;
 use serde::Serialize;
 
+use crate::Error;
+use crate::roles::static_scene::Download;
 use crate::world::visitor::{Correspondent, Setup, Visitor};
 use crate::world::{CONTROL_PERIOD_S, OBJECTS, TICKS_PER_PACKET, open_link};
-use haptic_live::endpoint::{Endpoint, Live, Punctuality, Stop, Ticker};
-use haptic_live::refused::wrong;
 
 /// Where to, how, and how long.
 pub struct Options {

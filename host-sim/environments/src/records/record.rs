@@ -2,10 +2,11 @@
 //!
 //! A checksum is the first 8 bytes of `D(0³², "record", bytes)` (`FORMAT.md`): it finds accidents, not enemies.
 
-use super::shape::{Bounds, Refused, Shape};
 use haptic_protocol::bytes::{Reader, Writer};
 use haptic_protocol::key::Key;
 use haptic_protocol::wire::{Error, Part};
+
+use super::shape::{Bounds, Refused, Shape};
 
 /// Why bytes are no record.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]

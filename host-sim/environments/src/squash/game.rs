@@ -1,9 +1,9 @@
 //! A game: what is to be played, and what was.
 
-use crate::roles::squash::Ball;
 use haptic_sim::scene::Network;
 
 use super::referee::Report;
+use crate::roles::squash::Ball;
 
 /// Somebody goes or comes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,9 +1,9 @@
 //! A game as figures: the court from above, and where everybody thinks that the ball is.
 
-use crate::roles::squash::Court;
 use haptic_plot::{Dash, Figure, Panel, Series, ShareY};
 
 use super::game::{Game, Moment, Options};
+use crate::roles::squash::Court;
 
 /// Time shown in the second figure, s.
 const SHOWN_S: f64 = 6.0;

@@ -5,8 +5,9 @@
 
 use std::collections::HashMap;
 
-use crate::roles::squash::{Ball, Court, Ending, PLAYERS, Turn, Verdict};
 use serde::Serialize;
+
+use crate::roles::squash::{Ball, Court, Ending, PLAYERS, Turn, Verdict};
 
 /// What a game came to.
 #[derive(Clone, Debug, Default, Serialize)]

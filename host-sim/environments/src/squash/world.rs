@@ -4,10 +4,6 @@
 
 use std::collections::VecDeque;
 
-use crate::roles::squash::{
-    Court, Message, Notice, PLACE_EVERY_US, PLAYERS, Phase, Player, SERVER, Server, ServerConfig, Strike,
-};
-use crate::roles::{Carried as _, Role as _};
 use haptic_protocol::wire::{self, PeerId};
 use haptic_sim::engine::{Actor, Clock, Engine, EngineView, Out, Seat};
 use haptic_sim::network::rule::{Direction, SeededRule};
@@ -16,6 +12,10 @@ use haptic_sim::{network::link::Route, rng::Rng, scene::Network};
 use super::bot::{Contestant, Participant, SCALE, TICK_S};
 use super::game::{Change, Game, Moment, Options};
 use super::referee::Referee;
+use crate::roles::squash::{
+    Court, Message, Notice, PLACE_EVERY_US, PLAYERS, Phase, Player, SERVER, Server, ServerConfig, Strike,
+};
+use crate::roles::{Carried as _, Role as _};
 use crate::{carried::sealed_len, said};
 
 /// Who sits at the engine, and what the referee has not seen of it yet.

@@ -12,6 +12,8 @@ use std::net::SocketAddr;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
+use haptic_live::endpoint::{Endpoint, Live, Stop, Ticker};
+use haptic_live::quantiles::Quantiles;
 use haptic_protocol::cipher::Cipher;
 use haptic_protocol::key::Key;
 use haptic_sim::engine::{Actor, Out};
@@ -22,8 +24,6 @@ use super::load::{self, Clients, Span};
 use crate::Error;
 use crate::live::serve::Computed;
 use crate::world::PACKET_US;
-use haptic_live::endpoint::{Endpoint, Live, Stop, Ticker};
-use haptic_live::quantiles::Quantiles;
 
 /// Length of a flow message, bytes.
 const FLOW: usize = 40;

@@ -15,7 +15,8 @@ use std::net::SocketAddr;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
-use crate::roles::static_scene::Download;
+use haptic_live::endpoint::{Endpoint, Stop};
+use haptic_live::quantiles::{Quantiles, Times};
 use haptic_protocol::wire::{Message, Presence, Sighting};
 use haptic_protocol::{key::Key, link::Link};
 use haptic_sim::{key_file::entropy, node::Transmit as _};
@@ -25,10 +26,9 @@ use super::beside::{self, Echo};
 use super::load::{self, Clients, Span};
 use crate::Error;
 use crate::live::serve;
+use crate::roles::static_scene::Download;
 use crate::world::host::Host;
 use crate::world::{CLIENT, PACKET_US, World, line_of, look_around, open_link};
-use haptic_live::endpoint::{Endpoint, Stop};
-use haptic_live::quantiles::{Quantiles, Times};
 
 /// Number of the server.
 const SERVER: u8 = 1;

@@ -7,12 +7,13 @@
 use std::net::SocketAddr;
 use std::time::Duration;
 
-use crate::Error;
-use crate::live::serve::Computed;
-use crate::world::PACKET_US;
 use haptic_live::batch::{MOST, OutgoingBatch, ReceivedBatch};
 use haptic_live::endpoint::{Endpoint, Stop, realtime};
 use haptic_live::quantiles::{Quantiles, Times};
+
+use crate::Error;
+use crate::live::serve::Computed;
+use crate::world::PACKET_US;
 
 /// How long the load rests, and how often, ns.
 const REST: Duration = Duration::from_micros(20);

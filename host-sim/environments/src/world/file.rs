@@ -2,12 +2,12 @@
 
 use std::{collections::BTreeMap, fmt::Display, path::Path};
 
-use crate::Error;
-use crate::records::{Block, Bounds, Field, Object, Region, Shape, Strip};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::parameters::{CONTROL_PERIOD_S, World};
+use crate::Error;
+use crate::records::{Block, Bounds, Field, Object, Region, Shape, Strip};
 
 /// The world in the file at `path`; what is wrong is said in one line.
 ///

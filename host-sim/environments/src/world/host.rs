@@ -12,7 +12,7 @@
 use std::collections::HashMap;
 use std::fmt::Display;
 
-use crate::roles::static_scene::{Board, Server};
+use haptic_live::refused::{Refused, is_telling, wrong};
 use haptic_protocol::key::Key;
 use haptic_protocol::link::{Error, Link};
 use haptic_protocol::wire::{Goodbye, Greeting, Header, MAX_DATAGRAM, Message};
@@ -20,7 +20,7 @@ use haptic_sim::node::Transmit as _;
 
 use super::{CLIENT, OBJECTS, World, line_of, open_link};
 use crate::path::Path;
-use haptic_live::refused::{Refused, is_telling, wrong};
+use crate::roles::static_scene::{Board, Server};
 
 /// Most clients of one server.
 pub const MOST_LINES: u32 = 4096;

@@ -1,10 +1,11 @@
 //! What every world has: how much it holds, its periods, the links over which it is sent.
 
-use crate::{records::Scope, roles::static_scene::Download};
 use haptic_protocol::link::{Config, Error, Link};
 use haptic_protocol::parameters::{Parameters, Table};
 use haptic_protocol::wire::{Greeting, Header, PeerId};
 use haptic_protocol::{ends::Ends, key::Key};
+
+use crate::{records::Scope, roles::static_scene::Download};
 
 /// Most objects in a world file.
 pub const OBJECTS: usize = 1024;

@@ -1,7 +1,8 @@
 //! A stroke as a figure: the forces around the outline, and their size along the way.
 
-use super::stroke::Stroke;
 use haptic_plot::{Figure, Panel, Series};
+
+use super::stroke::Stroke;
 
 /// Between two arrows, m of way.
 const APART_M: f64 = 0.002;

@@ -14,7 +14,6 @@
 
 use std::collections::BTreeMap;
 
-use crate::records::{Object, Strip};
 use haptic_core::object::{Before, Integrator};
 use haptic_core::{
     contact::Contact, contact::shape::Pressed, model::Model as _, num::Motion, object::euler::SemiImplicit,
@@ -23,6 +22,7 @@ use haptic_core::{
 
 use super::parameters::CONTROL_PERIOD_S;
 use super::solid::{Frame, Solid, Vector, contact, dot, solid};
+use crate::records::{Object, Strip};
 
 /// A chain of masses between two fixed ends.
 #[derive(Clone, Debug)]

@@ -1,9 +1,10 @@
 //! Objects of a world as core's shapes: what a hand presses on, and how stiff it is; vectors in the plane.
 
-use crate::records::{Block, Shape, Strip, Wall};
 use haptic_core::contact::shape::{self, Edge};
 use haptic_core::contact::{Contact, Side};
 use haptic_core::settings::Settings;
+
+use crate::records::{Block, Shape, Strip, Wall};
 
 /// Along x and y.
 pub(super) type Vector = [f64; 2];

@@ -14,8 +14,6 @@
 //! Losses are summed with the velocities in the middle of each tick; what remains is of first order in the period.
 //! Units: SI.
 
-use crate::Error;
-use crate::records::Shape;
 use haptic_core::object::{Before, Integrator};
 use haptic_core::{model::Model as _, num::Motion, object::euler::SemiImplicit, settings::Settings};
 use haptic_report::Columns;
@@ -23,6 +21,8 @@ use haptic_sim::quantities::Named;
 use serde::Serialize;
 
 use super::solid::{Vector, block_corners, contact, dot, gains, minus, solid, wall_corners};
+use crate::Error;
+use crate::records::Shape;
 
 fn add(a: Vector, share: f64, b: Vector) -> Vector {
     [a[0] + share * b[0], a[1] + share * b[1]]

@@ -5,9 +5,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::records::{Manifest, Object, Region};
-use crate::roles::static_scene::{Download, Roam, Taken};
 use haptic_core::num::Motion;
+use haptic_live::refused::is_telling;
 use haptic_protocol::key::Key;
 use haptic_protocol::link::{Error, Link};
 use haptic_protocol::wire::{Goodbye, Message, Presence, Sighting};
@@ -15,7 +14,8 @@ use haptic_sim::node::Transmit as _;
 
 use super::render::Renderer;
 use super::{CLIENT, OBJECTS, PACKET_US, look_around, open_link};
-use haptic_live::refused::is_telling;
+use crate::records::{Manifest, Object, Region};
+use crate::roles::static_scene::{Download, Roam, Taken};
 
 /// An answer is taken to be lost after this many packet periods on top of the round trip.
 const PATIENCE_PACKETS: u64 = 3;

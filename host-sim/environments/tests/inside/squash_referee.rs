@@ -1,7 +1,8 @@
 //! Tests of `src/squash/referee.rs` from inside.
 
-use super::*;
 use haptic_protocol::wire::PeerId;
+
+use super::*;
 
 fn game() -> (Referee, Verdict) {
     let mut referee = Referee::new(Court::SINGLES, 2);

@@ -9,11 +9,11 @@
 use haptic_core::peer::Actuators;
 use haptic_core::safety::{Guard, Mode};
 use haptic_protocol::key::Key;
+use haptic_sim::engine::{Actor, Engine, EngineView, Out, Seat, Turn};
+use haptic_sim::{network::link::Route, network::rule::Direction, node::Node, plant::Plant, rng::Rng, scene::Scene};
 use serde::Serialize;
 
 use crate::Error;
-use haptic_sim::engine::{Actor, Engine, EngineView, Out, Seat, Turn};
-use haptic_sim::{network::link::Route, network::rule::Direction, node::Node, plant::Plant, rng::Rng, scene::Scene};
 
 /// Longest that two peers may take to engage, s.
 pub const PATIENCE_S: f64 = 0.5;

@@ -1,9 +1,10 @@
 //! Whole figures: what must hold of any sheet, whatever the data.
 
+use tempfile::tempdir;
+
 use super::layout;
 use super::sheet::{Anchor, Frame, Mark, Sheet, Text};
 use super::*;
-use tempfile::tempdir;
 
 /// The sheet of a figure.
 fn sheet(figure: &Figure, print: Print) -> Sheet {

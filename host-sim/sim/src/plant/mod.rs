@@ -21,19 +21,20 @@ mod winding;
 
 use std::array::from_fn;
 
+use encoders::Encoders;
 use haptic_core::device::{AXES, Reading, current::periods_per_tick, stage::Measured};
 use haptic_core::num::{Motion, Scalar};
 use haptic_core::peer::{Actuators, Sensors};
 use haptic_core::settings::Scale;
+use joints::{Joints, Pose};
+use principal::Principal;
+use wall::{Moving, Wall};
 
 use crate::scene::{PlantFault, Scene};
 use crate::user::User;
+
 pub use drive::{Converter, Drive};
-use encoders::Encoders;
-use joints::{Joints, Pose};
 pub use linear::Linear;
-use principal::Principal;
-use wall::{Moving, Wall};
 pub use winding::{Flow, Winding};
 
 /// The motors of a device that has windings.

@@ -6,6 +6,7 @@ use haptic_core::num::{Motion, Scalar};
 use haptic_core::peer::Observed;
 use haptic_core::safety::{Fault, Mode};
 use haptic_core::sample::{OfAxis, Quantities, Quantity, Reach, SAMPLE};
+use haptic_report::{Columns, numbered};
 
 use super::outcome::{AxisOutcome, Figures, Options};
 use crate::measure::growth::{Forces, Growth};
@@ -13,7 +14,6 @@ use crate::measure::port::ObjectPort;
 use crate::measure::{Figure, LastHalf, Statistics};
 use crate::peers::DynPeer;
 use crate::quantities::{Named, TRUE_DISCREPANCY};
-use haptic_report::{Columns, numbered};
 
 /// What is recorded of each peer beside its quantities: at the object port, which the run has and the peer has not.
 const OF_PORT: [Named; 2] = [

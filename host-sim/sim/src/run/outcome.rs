@@ -3,12 +3,12 @@
 use haptic_core::contact::Impacts;
 use haptic_core::safety::Fault;
 use haptic_protocol::wire::{Flow, Flows, SEAL_LEN};
+use haptic_report::Columns;
 
 use super::reason::{Reason, Verdict};
 use crate::measure::Statistics;
 use crate::measure::port::{PortEnergy, ratio};
 use crate::scene::Scene;
-use haptic_report::Columns;
 
 /// Headers of UDP (8) and IP version 4 (20), bytes.
 const UDP_IP_LEN: usize = 28;

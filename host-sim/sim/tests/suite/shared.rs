@@ -44,9 +44,8 @@ fn each_axis_is_a_run_of_one_to_the_bit() {
     for axes in ["2", "3"] {
         for law in ["power", "wave", "passive-wave", "passive-mean", "self-timed"] {
             let mut keys = vec!["coordination.stiffness_n_per_m=300", "network.jitter_s=0.004", "network.loss=0.1"];
-            let (count, share, law) =
-                (format!("axis.count={axes}"), format!("axis.shared={axes}"), format!("coordination.comm={law}"));
-            keys.extend([&*count, &*share, &*law]);
+            let set = [format!("axis.count={axes}"), format!("axis.shared={axes}"), format!("coordination.comm={law}")];
+            keys.extend(set.iter().map(String::as_str));
             keys.extend(angles);
             if law == "self-timed" {
                 keys.push("object.integrator=midpoint");

@@ -1,11 +1,11 @@
 //! `host-sim board bringup`: the first hour with a board and its device, step by step.
 
 use clap::Args;
+use haptic_board_tools::bringup::{Plan, bring_up};
+use haptic_board_tools::calibrate::settings_file;
 
 use super::calibrate::{At, By, DataSheet, Reference};
 use crate::cli::{Failure, Ui};
-use haptic_board_tools::bringup::{Plan, bring_up};
-use haptic_board_tools::calibrate::settings_file;
 
 #[derive(Debug, Args)]
 pub(in crate::cli) struct BringUp {

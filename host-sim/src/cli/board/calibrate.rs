@@ -8,10 +8,6 @@ use std::sync::mpsc::{Receiver, TryRecvError};
 use std::{net::SocketAddr, path::PathBuf};
 
 use clap::{Args, Subcommand};
-
-use super::operator;
-use crate::cli::flags::number;
-use crate::cli::{Failure, SceneArgs, Ui};
 use haptic_board_tools::Error;
 use haptic_board_tools::calibrate::{Found, Person, Task, motion, settings_file};
 use haptic_board_tools::{calibrate::board::Board, calibrate::simulated::SharedSimulation};
@@ -19,6 +15,10 @@ use haptic_board_tools::{calibrate::counts, calibrate::counts::Distance};
 use haptic_board_tools::{calibrate::motor, calibrate::motor::Against};
 use haptic_board_tools::{calibrate::winding, calibrate::winding::Sheet};
 use haptic_live::operator::Operator;
+
+use super::operator;
+use crate::cli::flags::number;
+use crate::cli::{Failure, SceneArgs, Ui};
 
 #[derive(Debug, Subcommand)]
 pub(in crate::cli) enum Calibrate {

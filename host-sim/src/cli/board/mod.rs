@@ -4,15 +4,16 @@ mod bringup;
 mod calibrate;
 mod operator;
 
-pub(super) use operator::address;
 use std::path::PathBuf;
 
 use clap::Args;
+use haptic_studies::record::record;
 use serde_json::json;
 
 use crate::cli::flags::{Time, number};
 use crate::cli::{Failure, SceneArgs, Ui};
-use haptic_studies::record::record;
+
+pub(super) use operator::address;
 
 super::commands! {
     Board {

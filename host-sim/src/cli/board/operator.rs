@@ -5,10 +5,6 @@ use std::path::{Path, PathBuf};
 use std::{io::BufRead, sync::mpsc::TryRecvError, time::Duration};
 
 use clap::Args;
-use serde_json::json;
-
-use crate::cli::flags::{KeyFile, Time, number};
-use crate::cli::{Failure, SceneArgs, Ui};
 use haptic_board_tools::{
     calibrate::board::{get, say},
     calibrate::settings_file,
@@ -20,6 +16,10 @@ use haptic_live::recording::recorder::Recorder;
 use haptic_live::recording::ticks::{BoardTicks, board_channels, name_of};
 use haptic_live::{endpoint::Stop, operator::Operator};
 use haptic_report::files::write_csv;
+use serde_json::json;
+
+use crate::cli::flags::{KeyFile, Time, number};
+use crate::cli::{Failure, SceneArgs, Ui};
 
 /// Between two looks at what was typed.
 const LOOK: Duration = Duration::from_millis(20);

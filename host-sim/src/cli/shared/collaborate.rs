@@ -1,12 +1,12 @@
 //! `host-sim shared collaborate`: one at a time edits an object, by a lock or by a token ring, on trial.
 
 use clap::Args;
+use haptic_environments::collaborative;
+use haptic_environments::collaborative::{MOST_USERS, Mistake, Scheme, Trial};
 use serde_json::json;
 
 use crate::cli::{Failure, Ui};
 use crate::{cli::flags::choice, cli::ui::and};
-use haptic_environments::collaborative;
-use haptic_environments::collaborative::{MOST_USERS, Mistake, Scheme, Trial};
 
 #[derive(Debug, Args)]
 pub(in crate::cli) struct Collaborate {

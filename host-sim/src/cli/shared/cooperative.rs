@@ -6,6 +6,12 @@ use std::time::Instant;
 
 use clap::Args;
 use haptic_core::names::Choice;
+use haptic_environments::cooperative::run::{Outcome, run};
+use haptic_environments::cooperative::waves::Waves;
+use haptic_environments::cooperative::{Collision, Engine, Setup};
+use haptic_environments::{cooperative::limits, cooperative::limits::bounded_radius};
+use haptic_report::{Columns, Provenance};
+use haptic_sim::scene::Scene;
 use rayon::prelude::*;
 use serde::Serialize;
 use serde_json::json;
@@ -13,12 +19,6 @@ use serde_json::json;
 use crate::cli::flags::{Out, Time, choice, number, switch};
 use crate::cli::ui::and;
 use crate::cli::{Failure, SceneArgs, Ui};
-use haptic_environments::cooperative::run::{Outcome, run};
-use haptic_environments::cooperative::waves::Waves;
-use haptic_environments::cooperative::{Collision, Engine, Setup};
-use haptic_environments::{cooperative::limits, cooperative::limits::bounded_radius};
-use haptic_report::{Columns, Provenance};
-use haptic_sim::scene::Scene;
 
 const DELAYS_MS: [f64; 10] = [0.0, 1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0];
 

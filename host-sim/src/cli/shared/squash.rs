@@ -3,16 +3,16 @@
 use std::net::SocketAddr;
 
 use clap::{ArgAction, Args, Subcommand};
+use haptic_environments::live::squash as live;
 use haptic_environments::roles::squash::RALLIES;
+use haptic_environments::squash::{Cell, Options, picture, play, sweep};
+use haptic_live::endpoint::Stop;
+use haptic_report::Columns;
 use serde_json::json;
 
 use crate::cli::flags::{KeyFile, Out, Time, number, switch};
 use crate::cli::ui::and;
 use crate::cli::{Failure, SceneArgs, Ui};
-use haptic_environments::live::squash as live;
-use haptic_environments::squash::{Cell, Options, picture, play, sweep};
-use haptic_live::endpoint::Stop;
-use haptic_report::Columns;
 
 /// What a game goes by, simulated or live.
 #[derive(Clone, Copy, Debug, Args)]

@@ -6,11 +6,6 @@ mod tune;
 use std::time::Instant;
 
 use clap::Args;
-use serde_json::json;
-
-use crate::cli::flags::{Out, choice};
-use crate::cli::ui::and;
-use crate::cli::{Failure, SceneArgs, Ui};
 use haptic_analysis::figure4::{self, Curve};
 use haptic_analysis::{
     Agreement, Axis, Column, Effort, Hands, Mode, Range, advice, agreement, judge, map, picture, speed,
@@ -18,6 +13,11 @@ use haptic_analysis::{
 use haptic_core::names::Choice;
 use haptic_core::num::Scalar;
 use haptic_report::{Cell, Columns};
+use serde_json::json;
+
+use crate::cli::flags::{Out, choice};
+use crate::cli::ui::and;
+use crate::cli::{Failure, SceneArgs, Ui};
 
 super::commands! {
     Question {

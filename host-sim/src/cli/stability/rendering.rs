@@ -3,15 +3,15 @@
 use std::time::Instant;
 
 use clap::Args;
-use serde_json::json;
-
-use crate::cli::flags::Out;
-use crate::cli::{Failure, Ui};
 use haptic_analysis::rendering::identify::{STIFFNESS_N_PER_M, identify, needs};
 use haptic_analysis::rendering::maps::{self, Curve, POINTS, Sweep};
 use haptic_analysis::rendering::{Body, Rendering as Setup, picture};
 use haptic_core::num::Scalar;
 use haptic_report::{Cell, Columns, significant};
+use serde_json::json;
+
+use crate::cli::flags::Out;
+use crate::cli::{Failure, Ui};
 
 /// Masses for which the paper's device is found, kg.
 const MASSES_KG: [f64; 5] = [0.02, 0.05, 0.1, 0.3, 1.0];

@@ -1,11 +1,11 @@
 //! `host-sim stability tune`: gains for a scene, proved and tried out.
 
 use clap::Args;
+use haptic_analysis::tune::{self, BEYOND};
 use haptic_core::num::Scalar;
 use serde_json::json;
 
 use crate::cli::{Failure, SceneArgs, Ui};
-use haptic_analysis::tune::{self, BEYOND};
 
 /// Simulated time that a proposal is tried for, s: eight of the paper's pulses.
 const TRIAL_S: f64 = 20.0;

@@ -13,10 +13,11 @@
 use haptic_core::device::velocity::{AnyVelocity, VelocityName};
 use haptic_core::num::{Motion, Scalar};
 use haptic_core::settings::{Choice, Refused, Settings};
+use haptic_report::significant;
 
 use super::{Comparison, Family, counts::Processor, rms};
+
 pub use haptic_cases::reach::{RESOLUTIONS, case, readings, settings};
-use haptic_report::significant;
 
 /// Cutoffs tried for the best one, Hz: whole steps of a tenth of a decade.
 const CUTOFFS_HZ: [f64; 18] =

@@ -14,11 +14,12 @@
 
 use std::f64::consts::TAU;
 
+use haptic_cases::filters::angle;
 use haptic_core::num::Scalar;
 use haptic_core::settings::{Refused, Settings};
 
 use super::{Comparison, Family, counts::Processor, rms};
-use haptic_cases::filters::angle;
+
 pub use haptic_cases::filters::{Bilinear, Exact, Filter, ForwardEuler};
 
 type Complex = (f64, f64);

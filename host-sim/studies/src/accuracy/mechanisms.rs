@@ -11,11 +11,12 @@ use haptic_core::device::kinematics::five_bar::HOME_RAD;
 use haptic_core::device::kinematics::{AnyKinematics, KinematicsName, Maths, Pose};
 use haptic_core::num::{Fixed, Motion, Scalar};
 use haptic_core::settings::{Choice, Refused, Settings};
-
-use super::{Comparison, Family, counts::Processor, largest};
-pub use haptic_cases::workspace::{case, joints, settings};
 use haptic_report::significant;
 use haptic_sim::double_double::DoubleDouble;
+
+use super::{Comparison, Family, counts::Processor, largest};
+
+pub use haptic_cases::workspace::{case, joints, settings};
 
 /// Hand (m) and Jacobian (m/rad) of a pose.
 pub type Truth = ([DoubleDouble; 2], [[DoubleDouble; 2]; 2]);

@@ -7,11 +7,11 @@
 
 use haptic_core::num::{Fixed, Scalar};
 use haptic_core::{law::wave::Decode, object::IntegratorName, settings::Refused};
+use haptic_report::significant;
+use haptic_sim::double_double::DoubleDouble;
 
 use super::pair::{self, Deviation, deviation};
 use super::{Comparison, Family, continuous, counts::Processor};
-use haptic_report::significant;
-use haptic_sim::double_double::DoubleDouble;
 
 /// The case whose ticks are counted: [`super::counts`].
 const CASE: &str = "tick/implicit-semi-implicit";

@@ -6,10 +6,10 @@
 
 use haptic_core::{law::wave::Decode, object::IntegratorName, settings::Refused};
 use haptic_sim::peers::Number;
+use haptic_sim::{pair::Pair, scene::Scene};
 
 use super::continuous::{SAMPLE_S, Sample};
 use super::{largest, rms};
-use haptic_sim::{pair::Pair, scene::Scene};
 
 /// Simulated time of a run, s.
 pub const DURATION_S: f64 = 10.0;

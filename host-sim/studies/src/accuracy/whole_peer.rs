@@ -6,11 +6,11 @@
 
 use haptic_core::settings::{Choice, Refused};
 use haptic_core::{law::wave::Decode, object::IntegratorName};
+use haptic_report::significant;
 use rayon::prelude::*;
 
 use super::pair::{self, Deviation, deviation};
 use super::{Comparison, Family, continuous, counts::Processor};
-use haptic_report::significant;
 
 /// Control rates, ticks each millisecond.
 const RATES: [u32; 4] = [1, 2, 4, 8];

@@ -1,10 +1,10 @@
 //! Account of a run: what is measured, tick by tick, in every architecture.
 
+use haptic_analysis::ROUNDING;
 use haptic_protocol::wire::{Ack, Event, Presence, SEAL_LEN, Sighting};
+use haptic_sim::measure::growth::Forces;
 
 use super::{Architecture, Row, TASK};
-use haptic_analysis::ROUNDING;
-use haptic_sim::measure::growth::Forces;
 
 /// Bytes of a sealed event of this length and of its acknowledgement.
 pub(super) fn event_bytes(event: &Event) -> usize {

@@ -5,9 +5,9 @@
 //! the right comes; who carries reaches its share of the way and releases when it has rested for [`REST_S`].
 
 use haptic_core::{contact::Contact, num::Motion, object::AnyIntegrator};
+use haptic_sim::{plant::Linear, scene::Scene, user::minimum_jerk};
 
 use super::TASK;
-use haptic_sim::{plant::Linear, scene::Scene, user::minimum_jerk};
 
 /// A hand this close to the body grips it, m: at 1000 N/m with two tenths of a newton.
 const GRIP_M: f64 = 2e-4;

@@ -25,11 +25,11 @@ pub mod picture;
 pub mod together;
 pub mod turns;
 
+use haptic_report::Columns;
+use haptic_sim::scene::Scene;
 use rayon::prelude::*;
 
 use super::Error;
-use haptic_report::Columns;
-use haptic_sim::scene::Scene;
 
 /// Delays from user to user, one way, ms.
 pub const DELAYS_MS: [f64; 8] = [0.0, 4.0, 10.0, 20.0, 40.0, 80.0, 120.0, 200.0];

@@ -1,7 +1,8 @@
 //! Every architecture side by side: coherency, force and bandwidth against delay, and where each is stable.
 
-use super::{Architecture, Row};
 use haptic_plot::{Dash, Figure, Panel, Series};
+
+use super::{Architecture, Row};
 
 /// One panel with a line for every architecture, with their names in one of the panels; a line has a gap where it is unstable.
 fn panel(rows: &[Row], named: bool, y_label: &str, log_y: bool, value: fn(&Row) -> f64) -> Panel {

@@ -1,13 +1,13 @@
 //! Both users at the same time: each its own copy, one dynamics engine, or copies that a law holds together.
 
-use haptic_protocol::wire::{Flow, SEAL_LEN};
-
-use super::account::{Account, End, presence_bytes_per_s};
-use super::{Architecture, Error, Row, TASK, scene};
 use haptic_analysis::verdict;
 use haptic_environments::cooperative::world::World;
 use haptic_environments::cooperative::{Engine, Setup, lifted};
+use haptic_protocol::wire::{Flow, SEAL_LEN};
 use haptic_sim::pair::Pair;
+
+use super::account::{Account, End, presence_bytes_per_s};
+use super::{Architecture, Error, Row, TASK, scene};
 
 /// Two peers: static (no coordination law) or distributed.
 pub(super) fn distributed(architecture: Architecture, delay_ms: f64) -> Result<Row, Error> {

@@ -2,9 +2,11 @@
 //!
 //! Who owns the body moves its copy; the other's copy is the last one that was released.
 
+use haptic_analysis::verdict;
 use haptic_environments::roles::collaborative::ring::{Config, Record, Ring, Roster};
 use haptic_environments::roles::collaborative::{Lease, Value, lock, ring};
 use haptic_environments::roles::{Carried as _, Role as _};
+use haptic_environments::said;
 use haptic_protocol::wire::{Message, PeerId};
 use haptic_sim::engine::{Actor, Engine, Out, Seat};
 use haptic_sim::network::link::Route;
@@ -12,8 +14,6 @@ use haptic_sim::network::link::Route;
 use super::account::{Account, End, event_bytes, presence_bytes_per_s};
 use super::hand::{Hand, TaskState};
 use super::{Architecture, Error, Row, TASK, scene};
-use haptic_analysis::verdict;
-use haptic_environments::said;
 
 /// How long a right lasts that nobody renews, µs.
 const LEASE_US: u32 = 1_500_000;

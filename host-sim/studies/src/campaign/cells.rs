@@ -8,9 +8,11 @@ use haptic_core::settings::Refused;
 use haptic_sim::measure::growth::Forces;
 use haptic_sim::measure::swing::{Felt, felt};
 use haptic_sim::pair::Pair;
+use haptic_sim::peers::Builds;
+use haptic_sim::plant::Plant;
 use haptic_sim::run::{Options, Outcome, Verdict, run};
 use haptic_sim::scene::Scene;
-use haptic_sim::user::{Trace, User};
+use haptic_sim::{of_axes, user::Trace, user::User};
 
 use super::networks;
 use crate::{Error, estimate::Estimate};
@@ -123,8 +125,15 @@ impl Cell {
     }
 }
 
-/// Both users push the same way, from rest.
+/// Both users push the same way, from rest, along the first shared axis.
 fn push(scene: &Scene) -> Result<Option<PushOutcome>, Refused<'static>> {
+    of_axes!(scene, pushed(scene))
+}
+
+fn pushed<const SHARED: usize, const N: usize>(scene: &Scene) -> Result<Option<PushOutcome>, Refused<'static>>
+where
+    f64: Builds<SHARED, N>,
+{
     let mut pushed = scene.clone();
     for (user, sign) in pushed.users.iter_mut().zip([1.0, -1.0]) {
         // The arm stays, what the user does with it does not. A push of user 2 toward the other peer is toward negative x.
@@ -135,17 +144,20 @@ fn push(scene: &Scene) -> Result<Option<PushOutcome>, Refused<'static>> {
         own.arm_mass_kg = arm.arm_mass_kg;
         user.trace = Some(Trace::step(REST_S, sign * PUSH_N));
     }
-    let mut pair = Pair::<f64>::new(&pushed)?;
+    let mut pair = Pair::<f64, Plant<N>, SHARED, N>::build(&pushed)?;
     let ticks = |time_s: f64| (time_s / scene.peer.timing.control_period_s).round() as u64;
     (0..ticks(REST_S)).for_each(|_| pair.step());
     let ticks = ticks(PUSH_S);
+    // Along every axis: what mechanisms couple shows along the others.
     let mut forces = Forces::new(ticks);
-    let middle =
-        |pair: &Pair<f64>| pair.sides().map(|side| side.peer.observed()[0].object.position).iter().sum::<f64>() / 2.0;
+    let middle = |pair: &Pair<f64, Plant<N>, SHARED, N>| {
+        pair.sides().map(|side| side.peer.observed()[0].object.position).iter().sum::<f64>() / 2.0
+    };
     let mut start_m = 0.0;
     for tick in 0..ticks {
         pair.step();
-        forces.see(tick, pair.sides().map(|side| side.peer.observed()[0].coordination_force));
+        let along = pair.sides().map(|side| side.peer.observed().map(|seen| seen.coordination_force));
+        forces.see(tick, along.into_iter().flatten());
         if tick == 0 {
             start_m = middle(&pair);
         }

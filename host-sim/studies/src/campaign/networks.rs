@@ -3,9 +3,10 @@
 //! What a table of a scene counts in packets may be given in milliseconds here (`network.loss_burst_packets=40 ms`): it is as many
 //! packets as the scene sends in that time, so that a network is the same for every packet period.
 
-use crate::Error;
 use haptic_sim::network::rule::Jitter;
 use haptic_sim::scene::Scene;
+
+use crate::Error;
 
 /// A law or a network: name and settings.
 pub(super) type Named = (&'static str, &'static [&'static str]);

@@ -4,13 +4,13 @@ use haptic_analysis::rendering::closed::largest_stiffness;
 use haptic_analysis::rendering::identify::{DELAY_S, PERIOD_S, STIFFNESS_N_PER_M, identify, wall};
 use haptic_analysis::rendering::maps::{first, stiffness_limit};
 use haptic_analysis::rendering::{Place, Rendering};
+use haptic_environments::collaborative::{Scheme, Trial, campaign};
+use haptic_environments::cooperative::limits;
 use haptic_report::significant;
 
 use super::claim::{Claim, of};
 use crate::Error;
 use crate::architectures::{Architecture, Row};
-use haptic_environments::collaborative::{Scheme, Trial, campaign};
-use haptic_environments::cooperative::limits;
 
 /// Devices for which the paper's two statements are tried, kg.
 const MASSES_KG: [f64; 3] = [0.02, 0.1, 1.0];

@@ -1,7 +1,8 @@
 //! A claim of a paper, and the verdict on it.
 
-use crate::Error;
 use haptic_report::significant;
+
+use crate::Error;
 
 /// What is to be said of a claim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

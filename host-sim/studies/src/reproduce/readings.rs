@@ -1,10 +1,11 @@
 //! What the cooperation paper leaves open, as scenes: every choice tried.
 
-use crate::Error;
 use haptic_analysis::{Effort, Limit, Range, limit};
 use haptic_core::names::Choice;
 use haptic_core::object::IntegratorName;
 use haptic_sim::scene::Scene;
+
+use crate::Error;
 
 /// A way to read what the paper leaves open.
 #[derive(Clone, Debug)]

@@ -2,9 +2,10 @@
 
 use std::{collections::BTreeSet, str::FromStr};
 
-use crate::Error;
 use haptic_core::settings::Value;
 use haptic_report::Cell;
+
+use crate::Error;
 
 /// Most values of an axis, and points of a sample.
 pub(super) const MOST: usize = 1_000_000;

@@ -124,3 +124,21 @@ fn few_packets_do_where_the_line_has_margin() {
     };
     assert!(added(&rows[0]).abs() < 1e-3 && (added(&rows[2]) - 1.0 / 60.0).abs() < 1e-3, "{told:?}");
 }
+
+/// Along axes that nothing couples a scene is judged as along one; a coupled one is judged, too.
+#[test]
+fn a_scene_of_several_axes_has_its_cells() {
+    let network = *networks::IMPAIRMENTS.iter().find(|(known, _)| *known == "delay 24 ms").expect("a network");
+    let of = |overrides: &[&str]| cells(&base(overrides), &[network]).remove(0);
+    let one = of(&[]);
+    let mean = |cell: &Cell| cell.mobility().expect("nobody stops").mean;
+    for count in ["2", "3"] {
+        let several = of(&[&format!("axis.count={count}"), &format!("axis.shared={count}")]);
+        assert_eq!(several.verdict(), one.verdict(), "{count} axes");
+        assert!((mean(&several) / mean(&one) - 1.0).abs() < 1e-9, "{count} axes: {} for {}", mean(&several), mean(&one));
+        assert!((several.push_peak_n().expect("a peak") / one.push_peak_n().expect("a peak") - 1.0).abs() < 1e-9);
+    }
+    let plane = scenes::load(Laws::built_in(), "plane").expect("a built-in scene");
+    let [plane] = &cells(&plane, &[network])[..] else { panic!("one cell") };
+    assert!(plane.is_stable() && plane.mobility().is_some(), "{plane:?}");
+}

@@ -15,10 +15,10 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStderr, Command};
 use std::time::{Duration, Instant};
 
+use devtools::{Browser, Window};
 use serde_json::json;
 
 use crate::program::host_sim;
-use devtools::{Browser, Window};
 
 /// The program that serves the page, gone when dropped.
 struct Play {

@@ -1,8 +1,9 @@
 //! Peers restart at any instant, 10,000 times, and always find each other again: from zero, within half a second.
 
-use crate::protocol::world::{CLEAN, Impairment, World, config, state};
 use haptic_protocol::link::{Link, Notice, Stage};
 use haptic_protocol::wire::MAX_DATAGRAM;
+
+use crate::protocol::world::{CLEAN, Impairment, World, config, state};
 
 /// Restarts one peer or the other at random instants; the longest time to re-engage and to full engagement, ms.
 fn restarts(count: u32, seed: u64, impairment: Impairment) -> (u64, u64) {

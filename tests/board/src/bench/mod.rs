@@ -13,6 +13,7 @@ mod person;
 use std::ops::Range;
 use std::sync::Arc;
 
+use device::Device;
 use firmware_parts::record::Record;
 use haptic_core::safety::Mode;
 use haptic_sim::scene::Scene;
@@ -20,15 +21,13 @@ use haptic_sim::scene::Scene;
 use crate::cost::{LOOP, Meter, TICK};
 use crate::image::Firmware;
 use crate::node::{Inputs, Node, Report, Stopped};
+use crate::part::motors::has_loop;
 use crate::partner::Partner;
 use crate::pc::{Pc, keys_in_flash, operator_key, peers_key};
 use crate::twin::Armed;
 use crate::wire::{Line, PC, Wire};
 
 pub use device::{CURRENT_LOOP, PWM_STEPS, duties, for_boards};
-
-use crate::part::motors::has_loop;
-use device::Device;
 
 /// A control period, ns.
 pub const PERIOD_NS: u64 = 1_000_000;

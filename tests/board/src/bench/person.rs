@@ -10,11 +10,11 @@ use firmware_parts::record::ENGAGED;
 use haptic_core::num::Motion;
 use haptic_core::settings::{Settings, Value};
 use haptic_sim::scene::{PlantFault, Scene};
+use host_sim::Error;
 
 use super::device::Device;
 use super::{Bench, PERIOD_NS};
 use crate::part::MOTORS;
-use host_sim::Error;
 
 /// The lines that bring a board from whatever it has to `settings`.
 fn lines(settings: &Settings) -> Vec<String> {

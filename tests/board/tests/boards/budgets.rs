@@ -13,9 +13,9 @@ use board_bench::stack::code::Code;
 use board_bench::stack::{EXCEPTION_FRAME, Stack};
 use board_bench::trial;
 use board_bench::wire::Line;
+use haptic_sim::scenes;
 
 use crate::{current_loop, three_axes};
-use haptic_sim::scenes;
 
 /// Of the image's sections.
 fn memory(firmware: &Firmware, measured: &mut Measured) {

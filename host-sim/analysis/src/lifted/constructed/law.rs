@@ -4,12 +4,12 @@
 
 use haptic_core::law::wave::Decode;
 use haptic_core::settings::Value;
+use haptic_sim::scene::Scene;
 
 use super::peer::Input::{Coordination, Decoded, Emitted, Wave};
 use super::peer::State::{CoordinationForce, DesiredPosition, DesiredVelocity, Outgoing, Outstanding};
 use super::peer::{ConstructedPeer, decay};
 use crate::lifted::delay::delays_ticks;
-use haptic_sim::scene::Scene;
 
 impl ConstructedPeer {
     /// F_T = K_T·(x_d − x_o) + B_T·(ẋ_d − ẋ_o) with x_d, ẋ_d as received.

@@ -4,11 +4,12 @@
 //! ago, kept in a shift register. Order of the joint state: peer 1, peer 2, packets on their way to peer 1, to peer 2,
 //! youngest first.
 
+use haptic_sim::scene::Scene;
+
 use super::lift::Period;
 use super::peer::{ConstructedPeer, State};
 use crate::lifted::Lifted;
 use crate::matrix::{Matrix, add_block, column};
-use haptic_sim::scene::Scene;
 
 /// What a state of the pair is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -8,10 +8,10 @@
 use haptic_core::device::velocity::VelocityName;
 use haptic_core::names::FixtureName;
 use haptic_core::object::IntegratorName;
+use haptic_sim::scene::Scene;
 
 use super::hold::{Held, exponential};
 use crate::matrix::{Matrix, rows};
-use haptic_sim::scene::Scene;
 
 /// What a state of one peer is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

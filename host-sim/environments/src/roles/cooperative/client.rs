@@ -1,9 +1,10 @@
 //! A client's part: it has the engine while a lease from the server runs.
 
+use haptic_protocol::{notices::Notices, wire::PeerId};
+
 use super::message::{Body, Message};
 use crate::roles::collaborative::Lease;
 use crate::roles::{Out, Role};
-use haptic_protocol::{notices::Notices, wire::PeerId};
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Place {

@@ -1,7 +1,8 @@
 //! Who has the engine: what server and clients say to each other. A stamp is µs of the client's clock.
 
-use crate::roles::messages::messages;
 use haptic_protocol::bytes::layout;
+
+use crate::roles::messages::messages;
 
 layout! {
     /// Motion of the object along two axes as it is handed over: position (m) and velocity (m/s).

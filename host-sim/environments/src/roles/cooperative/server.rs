@@ -1,9 +1,10 @@
 //! The server's part: it has the engine, or has lent it to one client.
 
+use haptic_protocol::wire::PeerId;
+
 use super::message::{Body, Message};
 use crate::roles::collaborative::Lease;
 use crate::roles::{Out, Role};
-use haptic_protocol::wire::PeerId;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Place {

@@ -1,11 +1,12 @@
 //! A player: hits when it is active, knows where the ball is when it is not.
 
+use haptic_protocol::{clock::Clock, notices::Notices, wire::PeerId};
+
 use super::ball::{Ball, BallBounds, Court, Impact, Racket, RoundTrips};
 use super::rules::{
     Ending, Game, Message, PING_EVERY_US, PLACE_EVERY_US, PLAYERS, Phase, SAY_AGAIN_US, SERVER, Turn, Verdict, place_of,
 };
 use crate::roles::{Out, Role};
-use haptic_protocol::{clock::Clock, notices::Notices, wire::PeerId};
 
 /// Settings of a player.
 #[derive(Clone, Copy, Debug, PartialEq)]

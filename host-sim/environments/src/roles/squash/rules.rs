@@ -1,9 +1,10 @@
 //! Rules of the game: how many play, the state of the game that the server has, and what is said how often.
 
-use super::ball::Ball;
-use crate::roles::messages::messages;
 use haptic_protocol::bytes::{byte_enum, layout};
 use haptic_protocol::wire::PeerId;
+
+use super::ball::Ball;
+use crate::roles::messages::messages;
 
 /// Players that a game can have.
 pub const PLAYERS: usize = 8;

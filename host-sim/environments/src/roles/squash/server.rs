@@ -2,12 +2,13 @@
 
 use core::convert::Infallible;
 
+use haptic_protocol::wire::PeerId;
+
 use super::ball::RoundTrips;
 use super::rules::{
     Ending, Game, HEARTBEAT_LIMIT_US, Message, PLACE_EVERY_US, PLAYERS, Phase, RALLIES, SERVER, Turn, Verdict, place_of,
 };
 use crate::roles::{Out, Role};
-use haptic_protocol::wire::PeerId;
 
 /// Settings of the server.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -15,11 +15,11 @@
 //! **Limits**: objects that were held stay, and are felt, until the download that replaces them is complete. An answer about
 //! the 256th scope before this one looks like one about this; what comes that late a link refuses as a replay.
 
+use haptic_protocol::wire::{Ask, Bits, Page, Part, Payload, Topic};
 use heapless::Vec;
 
 use super::server::BURST;
 use crate::records::{MAX_OBJECTS, MAX_REGIONS, Manifest, Object, Region, Scope, checksum_of, world_checksum};
-use haptic_protocol::wire::{Ask, Bits, Page, Part, Payload, Topic};
 
 /// How often a client that has everything asks whether the world is still the same, µs.
 const REFRESH_US: u64 = 1_000_000;

@@ -1,9 +1,10 @@
 //! Pictures of `cooperative`: one run over time, and a sweep of delays.
 
-use super::Row;
 use haptic_environments::cooperative::run::Outcome;
 use haptic_environments::cooperative::{Collision, Engine};
 use haptic_plot::{Figure, Panel, Series};
+
+use super::Row;
 
 pub(super) fn over_time(row: &Row) -> Figure {
     let column = |name: &str, factor: f64| row.outcome.table.points("time_s", name, factor);

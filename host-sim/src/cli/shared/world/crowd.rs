@@ -1,13 +1,13 @@
 //! `host-sim shared world crowd`: how many clients a server holds.
 
 use clap::Args;
+use haptic_environments::trials::{beside, crowd, load::Span};
+use haptic_environments::{world, world::PACKET_US, world::host::MOST_LINES};
+use haptic_live::endpoint::Stop;
 use serde_json::json;
 
 use crate::cli::flags::{Time, WorldArgs, seconds};
 use crate::cli::{Failure, Ui};
-use haptic_environments::trials::{beside, crowd, load::Span};
-use haptic_environments::{world, world::PACKET_US, world::host::MOST_LINES};
-use haptic_live::endpoint::Stop;
 
 /// The turnaround that a server is held to, at the 99th percentile, µs.
 const LIMIT_US: f64 = 1_000.0;

@@ -5,15 +5,15 @@ mod stroke;
 mod visit;
 
 use clap::Args;
+use haptic_environments::live::serve;
 use haptic_environments::records::{Object, Region};
+use haptic_environments::world::host::{Host, MOST_LINES};
+use haptic_live::endpoint::{Endpoint, Stop};
+use haptic_sim::key_file;
 use serde_json::json;
 
 use crate::cli::flags::{End, WorldArgs};
 use crate::cli::{Failure, Ui, listings};
-use haptic_environments::live::serve;
-use haptic_environments::world::host::{Host, MOST_LINES};
-use haptic_live::endpoint::{Endpoint, Stop};
-use haptic_sim::key_file;
 
 crate::cli::commands! {
     World {

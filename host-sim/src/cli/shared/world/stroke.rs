@@ -2,12 +2,12 @@
 
 use clap::Args;
 use haptic_environments::records::{Block, Shape};
+use haptic_environments::world::picture;
+use haptic_environments::world::stroke::{Options, stroke};
 use serde_json::json;
 
 use crate::cli::flags::{Out, WorldArgs, number};
 use crate::cli::{Failure, Ui};
-use haptic_environments::world::picture;
-use haptic_environments::world::stroke::{Options, stroke};
 
 #[derive(Debug, Args)]
 #[command(mut_arg("world", |arg| {

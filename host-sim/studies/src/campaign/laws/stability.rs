@@ -1,11 +1,12 @@
 //! What the analyser says of a law: the largest K_T in every mode, the largest K_LC, and the verdict on the gains as declared.
 
-use crate::Error;
 use haptic_analysis::tune::{CONTACT, COORDINATION};
 use haptic_analysis::{Effort, Hands, Judgement, Limit, Range, is_linear, judge, limit};
 use haptic_core::names::Choice;
 use haptic_sim::measure::impedance::{RemoteEnd, SPEED_M_PER_S, felt};
 use haptic_sim::scene::Scene;
+
+use crate::Error;
 
 /// Stiffnesses are looked at from 0 up to this, N/m.
 pub const TO_N_PER_M: f64 = 20_000.0;

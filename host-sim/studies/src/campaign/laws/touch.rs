@@ -8,11 +8,12 @@
 //! frequency up to [`PASSIVE_TO_HZ`], with the far hand on or off: −Re Z where that is largest. 0 is passive as it is. Above, contact, sampling and
 //! hold are felt whatever the law: half the packet rate of the campaign's scene is 62.5 Hz.
 
-use crate::Error;
 use haptic_sim::measure::impedance::{Complex, RemoteEnd, SPEED_M_PER_S, felt as impedance, frequencies_hz};
 use haptic_sim::measure::swing;
 use haptic_sim::scene::Scene;
 use rayon::prelude::*;
+
+use crate::Error;
 
 /// Highest frequency of the Z-width, Hz.
 pub const WIDTH_TO_HZ: f64 = 2.0;

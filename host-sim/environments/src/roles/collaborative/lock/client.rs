@@ -1,10 +1,11 @@
 //! A client's end of a lock: asks, knows how long it may edit, releases.
 
+use haptic_protocol::{notices::Notices, wire::PeerId};
+
 use super::message::{Copy, Message};
 use crate::roles::collaborative::lease::Requests;
 use crate::roles::collaborative::{Lease, NotOwner, Value};
 use crate::roles::{Out, Role};
-use haptic_protocol::{notices::Notices, wire::PeerId};
 
 /// Where a client stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,8 +1,9 @@
 //! What clients and server of a lock say to each other.
 
+use haptic_protocol::bytes::layout;
+
 use crate::roles::collaborative::Value;
 use crate::roles::messages::messages;
-use haptic_protocol::bytes::layout;
 
 layout! {
     /// A copy of the object.

@@ -2,12 +2,12 @@
 
 use core::convert::Infallible;
 
+use haptic_protocol::wire::PeerId;
 use heapless::{Deque, Vec};
 
 use super::message::{Copy, Message};
 use crate::roles::collaborative::{Lease, Value};
 use crate::roles::{Out, Role};
-use haptic_protocol::wire::PeerId;
 
 /// What a server must still know after a crash. Store it before sending what came with the change.
 #[derive(Clone, Debug, Default, PartialEq)]

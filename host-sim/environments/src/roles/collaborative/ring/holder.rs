@@ -1,9 +1,10 @@
 //! Holder: keeps the support of a majority, edits, publishes, passes the token on.
 
+use haptic_protocol::wire::PeerId;
+
 use super::message::{Ballot, Held, Holding, Kept, MemberRecord, MemberState, Message, Roster, SEATS, Stage, State};
 use super::{Notice, Ring};
 use crate::{roles::Out, roles::collaborative::Value};
-use haptic_protocol::wire::PeerId;
 
 /// Turns and leases of silence after which a member is left out.
 const ABSENT_AFTER: u8 = 8;

@@ -1,8 +1,9 @@
 //! Who the members of a ring are, what they say to each other, and what each is just now.
 
+use haptic_protocol::bytes::{layout, newtype};
+
 use crate::roles::collaborative::Value;
 use crate::roles::messages::messages;
-use haptic_protocol::bytes::{layout, newtype};
 
 /// Seats there can be: the peers numbered 0 to 15.
 pub const SEATS: u8 = 16;
