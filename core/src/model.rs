@@ -1,8 +1,8 @@
-//! What a model is, and `list!`: one enum for each kind of model, the only place where a mechanism, an estimator, an
-//! integrator or a way of contact is named.
+//! The trait of models that settings choose by name (mechanisms, velocity estimators, contact renderings, integrators),
+//! and `list!`, which makes one enum of all models that serve one purpose: the only place where they are named.
 //!
-//! A list holds a model together with its state, so that a state of another model cannot be written down, and `each!` calls
-//! the one that is there. Coordination laws have a list of their own ([`crate::law::AnyLaw`]): their names are open.
+//! A list holds a model together with its state, so that no model can be given the state of another, and `each!` calls
+//! the chosen one. Coordination laws have a list of their own ([`crate::law::AnyLaw`]): their names are open.
 
 use crate::num::{Configured, StateVector};
 use crate::settings::{Refused, Settings};
@@ -30,7 +30,7 @@ macro_rules! list {
         pub enum $Any<S: $crate::num::Scalar> { $( $Variant($model, <$model as $crate::model::Model<S>>::State) ),+ }
 
         impl<S: $crate::num::Scalar> $Any<S> {
-            /// The one that the settings name, at rest.
+            /// The model that the settings name, in its initial state.
             ///
             /// # Errors
             /// The model's key whose value is out of range or impossible beside the others.

@@ -41,7 +41,7 @@ use axis::{SharedAxis, Tick};
 
 pub use axis::Observed;
 
-/// What the tick reads. Positions, where there are no counts, are of the world ([`crate::device::scale`]).
+/// What a tick reads. Positions that are not encoder counts are in the shared world's units ([`crate::device::scale`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sensors<S, const N: usize = AXES> {
     /// Reading of the device's position.
@@ -50,18 +50,18 @@ pub struct Sensors<S, const N: usize = AXES> {
     pub overrun: bool,
     /// Measurements of the power stage; none where there is no current loop.
     pub stage: Option<Measured<N>>,
-    /// Edges and indices of the encoders beside their counts; none where they are not watched.
+    /// Edges and index pulses of the encoders since the tick before; none where the hardware does not report them.
     pub marks: Option<[Marks; N]>,
 }
 
 impl<S, const N: usize> Sensors<S, N> {
-    /// Sensors of a device that is in time and has no current loop.
+    /// Sensors with this reading only: the tick is in time, and nothing else is measured.
     pub fn of(reading: Reading<S, N>) -> Self {
         Self { reading, overrun: false, stage: None, marks: None }
     }
 }
 
-/// What the tick commands. Forces are of the world ([`crate::device::scale`]), duties of the device.
+/// What a tick commands. Forces are in the shared world's units ([`crate::device::scale`]), duties in the device's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Actuators<S, const N: usize = AXES> {
     /// Force on every axis of the task, N; finite, within the limits, 0 unless armed (a probe knows duties only).
@@ -90,7 +90,7 @@ struct Joint<S: Scalar> {
     velocity: AnyVelocity<S>,
 }
 
-/// A peer: what the settings made of it, and everything about it that changes.
+/// One peer: its configuration, built from the settings, and its whole state.
 ///
 /// Any built-in law is held by `Peer<S, AnyLaw<S>>`. An image that will only ever run one law names it and carries no other:
 ///
@@ -104,10 +104,10 @@ struct Joint<S: Scalar> {
 /// assert!(Peer::<f32, Power<f32>>::new(&settings, [Motion::REST; AXES]).is_ok());
 /// ```
 ///
-/// A device has `N` axes and joints, of a mechanism `K`; along the first `SHARED` of them the object is shared, the others are held. What
-/// is said above and built by [`Peer::new`] shares one axis of a device in the plane; any other is built by [`Peer::build`] and speaks
-/// of all its axes at once ([`Peer::hear`], [`Peer::exchange`]): one law state, one packet and one energy account for each
-/// axis, one degradation level for all, since their packets travel together.
+/// A device has `N` axes and joints, of a mechanism `K`; along the first `SHARED` of them the object is shared, the
+/// others are held on their line. [`Peer::new`] builds a peer that shares one axis of a device in the plane,
+/// [`Peer::build`] any other. There is one law state, one packet and one energy account for each shared axis, and one
+/// degradation level for all, since their packets travel together ([`Peer::hear`], [`Peer::exchange`]).
 ///
 /// ```
 /// use haptic_core::{device::kinematics::AnySpatial, law::wave::PassiveMean, num::Motion, peer::Peer, settings::Settings};
@@ -363,12 +363,12 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         self.mode
     }
 
-    /// Whether the coordination acts: armed, and the other peer neither silent for too long nor parted from.
+    /// Whether the coordination acts: armed, and not disengaged by silence or by [`Peer::part`].
     pub fn is_engaged(&self) -> bool {
         self.mode == Mode::Armed && self.engagement.is_engaged()
     }
 
-    /// What the last tick saw and did along every shared axis.
+    /// Motions and forces of the last tick along every shared axis.
     pub fn observed(&self) -> [&Observed<S>; SHARED] {
         self.shared_axes.each_ref().map(|axis| &axis.observed)
     }
@@ -685,7 +685,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         self.joints.first().is_some_and(|joint| joint.encoder.primed)
     }
 
-    /// Turns the motors off and latches the fault; the first one stays. For whoever knows of a fault that the peer cannot see.
+    /// Turns the motors off and latches the fault; the first one stays. For faults that the peer cannot see.
     pub fn trip(&mut self, fault: Fault) {
         if !matches!(self.mode, Mode::Faulted(_)) {
             self.enter(Mode::Faulted(fault));

@@ -106,7 +106,7 @@ pub enum Command {
     Disarm,
     /// Forget the fault; the motors stay off.
     Clear,
-    /// The joints are at zero where they are now, and an index still has to come. Only from [`Mode::Disarmed`], which stays.
+    /// Sets the joints' zero where they are now; an encoder's index has to be found anew. Only while disarmed.
     Home,
     /// The device comes free of the shared world, which stands where it is ([`crate::device::clutch`]). Only in [`Mode::Armed`], which stays.
     Clutch,
@@ -166,9 +166,9 @@ pub struct Guard<S> {
     pub max_step: S,
     /// Fastest motion while armed, m/s.
     pub max_speed: S,
-    /// Farthest from home, m.
+    /// Largest distance of an axis from where the encoders were first read, m.
     pub workspace: S,
-    /// Ticks at the limit before a fault.
+    /// Ticks that a force may stand at its limit before the peer faults, counted up while it does and down while not.
     pub saturated_ticks: u32,
     /// Packet periods of silence before a fault.
     pub silent_packets: u32,
@@ -203,7 +203,7 @@ impl<S: Scalar> Guard<S> {
     }
 }
 
-/// Counts up while a condition holds and down while it does not; NaN-free memory of "too long".
+/// A counter of ticks that goes up while a condition holds and down while it does not, to judge what lasts too long.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Patience(u32);
 

@@ -1,39 +1,39 @@
-//! What there is to tell of a peer after a tick: every quantity once, with name, unit, meaning, where it is read and how far it goes.
+//! The quantities that can be recorded of a peer after a tick: each declared once, with name, unit and meaning.
 //!
-//! [`SAMPLE`] is the list. A board's record, recordings of every tick, tables of runs and what a step gives to Python are views of it: none
-//! names a quantity again. One more is one line in `quantities!`, below.
+//! [`SAMPLE`] is the list. A board's record, recordings of every tick, tables of runs and what a step gives to Python
+//! are views of it: none names a quantity again. To add one, add one line to `quantities!`, below.
 
 use crate::law::ledger::Ledger;
 use crate::num::Scalar;
 use crate::peer::Observed;
 use crate::safety::Mode;
 
-/// A peer as a whole after a tick.
+/// The quantities of a peer as a whole after a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct OfPeer {
-    /// Control periods since it, or its recording, began.
+    /// Control periods since the peer started, or since its recording began.
     pub tick: u64,
-    /// [`Mode::number`].
+    /// Number of the mode ([`Mode::number`]): 0 disarmed, 1 armed, 2 faulted, 3 probing.
     pub mode: u8,
-    /// [`Mode::fault_number`].
+    /// Number of the latched fault ([`Mode::fault_number`]); 0 if there is none.
     pub fault: u8,
 }
 
 impl OfPeer {
-    /// After this tick, in this mode.
+    /// The quantities of a peer after `tick` control periods, in this mode.
     pub fn new(tick: u64, mode: Mode) -> Self {
         Self { tick, mode: mode.number(), fault: mode.fault_number() }
     }
 }
 
-/// One of its shared axes after a tick.
+/// The quantities of one shared axis of a peer after a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OfAxis<'a, S> {
-    /// What the tick saw and did.
+    /// Motions and forces of the tick.
     pub observed: &'a Observed<S>,
-    /// Energy from the network since arming, J.
+    /// Energy that came in from the network since arming, J.
     pub received_j: S,
-    /// Energy to the network since arming, J.
+    /// Energy that went out to the network since arming, J.
     pub sent_j: S,
 }
 
@@ -45,31 +45,31 @@ impl<'a, S: Scalar> OfAxis<'a, S> {
     }
 }
 
-/// How far a quantity goes; it goes as well wherever those do that are named before.
+/// Where a quantity appears. The levels are nested: a quantity of a later level also appears in all those before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Reach {
-    /// Into records of boards and recordings, which keep every tick of one peer.
+    /// In records of boards and in recordings, which keep every tick of one peer.
     Records,
-    /// Into tables of runs, which have both peers in a row.
+    /// Also in tables of runs, which have both peers in a row.
     Runs,
-    /// Into what a step of two peers gives to Python.
+    /// Also in what a step of two peers gives to Python.
     Steps,
 }
 
-/// One quantity; `G` reads it.
+/// One quantity of a peer or of an axis; `G` is the function that reads it.
 #[derive(Clone, Copy, Debug)]
 pub struct Quantity<G> {
-    /// Its name, which ends in its unit: the column's name wherever there is one.
+    /// Name of the quantity, which ends in its unit; also the name of its column.
     pub name: &'static str,
-    /// Its unit in symbols; empty if it has none.
+    /// Unit in symbols; empty if the quantity has none.
     pub unit: &'static str,
-    /// What it is, as half a sentence.
+    /// What the quantity means, as the description of its column.
     pub meaning: &'static str,
-    /// The word of a board's record that it is, or is in. Records and recordings are in this order.
+    /// Index of the word of a board's record that holds it; mode and fault share one. Records are in this order.
     pub word: usize,
-    /// How far it goes.
+    /// Where the quantity appears.
     pub reach: Reach,
-    /// Reads it.
+    /// The function that reads the quantity, in its unit.
     pub get: G,
 }
 
@@ -89,21 +89,21 @@ impl<G> Quantity<G> {
 /// A list of quantities.
 #[derive(Clone, Copy, Debug)]
 pub struct Quantities {
-    /// Of the peer as a whole.
+    /// Quantities of the peer as a whole.
     pub peer: &'static [PeerQuantity],
-    /// Of each shared axis, in the order of tables of runs.
+    /// Quantities of each shared axis, in the column order of tables of runs.
     pub axis: &'static [AxisQuantity],
-    /// The same in the order of records.
+    /// The same quantities of an axis, in the order of a board's record.
     pub recorded: &'static [AxisQuantity],
 }
 
 impl Quantities {
-    /// Those of an axis that go so far, in the order of tables of runs.
+    /// Quantities of an axis that appear at this level, in the column order of tables of runs.
     pub fn reaching(&self, reach: Reach) -> impl Iterator<Item = &'static AxisQuantity> + Clone + use<> {
         self.axis.iter().filter(move |quantity| quantity.reach >= reach)
     }
 
-    /// How many they are.
+    /// Number of the quantities of an axis that appear at this level.
     pub const fn count(&self, reach: Reach) -> usize {
         let (mut rest, mut count) = (self.axis, 0);
         while let [first, others @ ..] = rest {
@@ -112,7 +112,7 @@ impl Quantities {
         count
     }
 
-    /// The word of the quantity of an axis with this name; a name that is none does not compile where this is constant.
+    /// Word of the axis quantity with this name; panics, in a constant when it is compiled, if there is none.
     pub const fn word(&self, name: &str) -> usize {
         let mut rest = self.axis;
         while let [first, others @ ..] = rest {
@@ -124,18 +124,18 @@ impl Quantities {
         panic!("no quantity has this name")
     }
 
-    /// How many columns a recording of a tick has of them: of the peer, and of one axis.
+    /// Number of columns of a recording of one axis: quantities of the peer, and of that axis.
     pub const fn columns(&self) -> usize {
         self.peer.len() + self.axis.len()
     }
 
-    /// The numbers of the peer as a whole.
+    /// Values of the quantities of the peer as a whole, in their order.
     pub fn of_peer(&self, peer: OfPeer) -> impl Iterator<Item = f64> + use<> {
         self.peer.iter().map(move |quantity| (quantity.get)(&peer))
     }
 }
 
-/// Whether two names are the same, where that is to be constant.
+/// Whether two names are equal; usable in constants, where `==` of text is not.
 pub const fn same(one: &str, other: &str) -> bool {
     let (mut one, mut other) = (one.as_bytes(), other.as_bytes());
     while let ([first, rest @ ..], [second, others @ ..]) = (one, other) {

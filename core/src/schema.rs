@@ -1,4 +1,4 @@
-//! Settings by name: the tables and the keys that coordination laws declare beside themselves, alike.
+//! Settings by name: finds, reads and sets the keys of the tables and those that coordination laws declare, alike.
 //!
 //! The laws are given as a list of [`LawInfo`]s, so that a crate outside can add its own; [`Schema::BUILT_IN`] knows
 //! those of this crate, and is what [`Settings`] itself goes by.
@@ -6,14 +6,14 @@
 use crate::law::{AnyLaw, Law};
 use crate::settings::{Allowed, Key, LawInfo, Refused, SetError, Setting, Settings, Tables, Value};
 
-/// Every key there is with these laws.
+/// All keys that a peer has with a list of laws: those of the tables, and those that the laws declare themselves.
 #[derive(Clone, Copy, Debug)]
 pub struct Schema {
     laws: &'static [LawInfo],
 }
 
 impl Schema {
-    /// With the laws of this crate.
+    /// The schema with the laws of this crate.
     pub const BUILT_IN: Self = Self::new(AnyLaw::<f64>::LAWS);
 
     /// The schema of the tables and of the keys of these laws.

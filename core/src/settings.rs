@@ -56,9 +56,9 @@ pub enum Allowed {
     },
     /// A whole number, both ends included.
     Whole {
-        /// Smallest number allowed.
+        /// Smallest whole number that is accepted, in the key's unit.
         min: u32,
-        /// Largest number allowed.
+        /// Largest whole number that is accepted, in the key's unit.
         max: u32,
     },
     /// A switch: `true` or `false`.
@@ -67,7 +67,7 @@ pub enum Allowed {
     Names(&'static [&'static str]),
     /// The name of one of these laws; empty where the table is declared, because crates may add laws.
     Laws(&'static [LawInfo]),
-    /// Values that depend on other keys, in words.
+    /// Values that depend on other keys, described in words.
     Only(&'static str),
 }
 
@@ -155,15 +155,15 @@ impl Key {
 pub enum Sends {
     /// It sends no packets.
     Nothing,
-    /// The motion of its copy.
+    /// Position and velocity of its copy of the object (power-domain).
     Motion,
     /// Waves, whose energy can be counted: only these can be paid for by a ledger, and meet in a node.
     Waves,
-    /// The number of waves sent and their sum, so that the newest packet says it all.
+    /// The number of wave samples sent and their sum, so that the newest packet makes up for every lost one.
     Counters,
-    /// The sum of its waves, and the number of ticks it is over.
+    /// The integral of its wave, and the number of ticks that it covers.
     Integrals,
-    /// Waves, and the motion of the line's end.
+    /// Waves, and the motion of the line's end x_d, ẋ_d.
     WavesAndMotion,
 }
 
@@ -192,32 +192,32 @@ impl Promise {
 /// A coordination law, as settings and reports know it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LawInfo {
-    /// What `coordination.comm` calls it.
+    /// Name of the law: the value of `coordination.comm` that selects it.
     pub name: &'static str,
     /// The kind of packet it sends.
     pub sends: Sends,
     /// Keys that only this law has.
     pub keys: &'static [Key],
-    /// `key=value` of gains that are worth trying, for campaigns and figures.
+    /// Settings (`key=value`) with which campaigns and figures run the law: gains that are worth trying.
     pub gains: &'static [&'static str],
-    /// Source of the law: authors, year, equation; or the section of THEORY. Empty if there is none.
+    /// Source of the law: authors, year, equation; or the section of docs/theory.md (THEORY). Empty if there is none.
     pub source: &'static str,
     /// Promises of the law, which tests hold it to.
     pub promises: &'static [Promise],
 }
 
-/// Energy that nothing exhausts, J: the largest value of a law's own key that says how much energy it may spend.
+/// Energy that no run exhausts, J: the largest value of a law's own key that limits how much energy it may spend.
 pub const PLENTY_J: f64 = 1e9;
 
 impl LawInfo {
-    /// Its keys that say how much energy it may spend. At [`PLENTY_J`] it spends what it wants, which is how linear analysis sees it.
+    /// Its keys that limit how much energy it may spend. At [`PLENTY_J`] they limit nothing (linear analysis).
     pub fn budgets(&self) -> impl Iterator<Item = &'static Key> {
         let is_budget = |key: &&Key| matches!(key.allowed, Allowed::Number { max, .. } if max == PLENTY_J);
         self.keys.iter().filter(is_budget)
     }
 }
 
-/// Own keys of laws that may be set at once.
+/// Most keys of laws that may differ from their defaults at once.
 pub const MOST_OWN_KEYS: usize = 8;
 
 /// Values of laws' own keys where they are not the default, by name.
@@ -278,7 +278,7 @@ impl core::error::Error for Refused<'_> {}
 pub enum SetError<'a> {
     /// There is no such key.
     Unknown,
-    /// There is, but it does not accept the value.
+    /// The key exists, but it does not accept the value.
     Refused(Refused<'a>),
 }
 
@@ -484,11 +484,11 @@ impl Timing {
 settings! {
     /// Every setting of a peer.
     pub struct Settings [
-        /// What laws' own keys are set to.
+        /// Values of the keys that laws declare themselves, where they differ from the defaults.
         own: OwnValues
     ];
 
-    /// The two rates.
+    /// The control period T_c and the packet period T_n = M·T_c.
     timing: Timing {
         control_period_s: f64 = 0.001, number(1e-5, 0.1), "s", "Control period T_c of the force loop.";
         ticks_per_packet: u32 = 8, whole(1, 1000), "", "Ticks per packet M; the packet period is T_n = M·T_c.";
@@ -581,7 +581,7 @@ settings! {
             "Fastest that the device can move; an encoder that goes further between two readings has jumped.";
     }
 
-    /// From joints to the axes of the task and back.
+    /// The mechanism between the joints (encoders, motors) and the axes of the task, with its lengths.
     kinematics: Kinematics {
         model: KinematicsName = KinematicsName::Direct, Allowed::Names(KinematicsName::NAMES), "", "Kind of mechanism.";
         maths: Maths = Maths::Libm, Allowed::Names(Maths::NAMES), "",
@@ -632,7 +632,7 @@ settings! {
         thermal_s: f64 = 30.0, number(0.1, 1e4), "s", "Time constant with which the winding warms.";
     }
 
-    /// Limits that hold whatever the rest says.
+    /// Limits of force, speed, power and silence that hold whatever the other tables say.
     safety: Safety {
         max_force_n: f64 = 40.0, number(0.01, 200.0), "N", "Largest force on any axis.";
         max_slew_n_per_s: f64 = 20000.0, number(1.0, 1e6), "N/s", "Fastest change of force on any axis.";
@@ -685,7 +685,7 @@ impl Settings {
     /// Tables whose values two coupled peers must share; the rest belongs to each device.
     const SHARED: [&'static str; 3] = ["timing", "object", "coordination"];
 
-    /// What a law's own key is set to, or its default.
+    /// Value of a key that a law declares itself, or its default, in the key's unit; of a flag 1 or 0.
     pub fn own(&self, key: &Key) -> f64 {
         self.own.get(key)
     }

@@ -18,7 +18,7 @@
 
 use crate::num::Scalar;
 
-/// The share of b/θ that is used.
+/// Share m of the stability limit b/θ that the bounder uses.
 pub const MARGIN: f64 = 0.8;
 /// Time constant of falling stiffness, s.
 pub const FALL_S: f64 = 0.1;
@@ -40,7 +40,7 @@ pub struct Bound<S> {
     pub drag: S,
 }
 
-/// Bounds the contact of one user.
+/// Bounds contact stiffness and damping of one user by the measured round trip.
 #[derive(Clone, Copy, Debug)]
 pub struct Bounder<S> {
     stiffness: S,

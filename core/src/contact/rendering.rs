@@ -31,8 +31,8 @@ pub struct Impacts<S> {
     pub count: u32,
     /// Sum of the impulses that the impacts ask for Σ|ΔQ|, N·s.
     pub wanted_n_s: S,
-    /// Impulse of that which both took so far, within the limits of force and slew, N·s. The rest is still to come,
-    /// or was not needed because somebody pulled them apart.
+    /// The part of that impulse that device and object have taken so far, within the limits of force and slew, N·s. The
+    /// rest is still to come, or was not needed because somebody pulled them apart.
     pub delivered_n_s: S,
     /// Energy that restitution below 1 took, J.
     pub lost_j: S,

@@ -131,7 +131,7 @@ impl<S: Scalar> Encoder<S> {
         S::from_i32(state.total).ratio(self.counts_per_unit)
     }
 
-    /// Whether what both showed needs [`Encoder::heed`]: in most ticks it changes nothing.
+    /// Whether [`Encoder::heed`] is needed for any of the encoders; in most ticks it would change nothing.
     #[inline(always)]
     pub fn heeds<const N: usize>(states: [&EncoderState; N], marks: &[Marks; N]) -> bool {
         let calm = Patience::default();
@@ -139,8 +139,8 @@ impl<S: Scalar> Encoder<S> {
         states.into_iter().fold(shown, |heeds, state| heeds | (state.lone != calm))
     }
 
-    /// What it showed beside the reading just taken. The first index is where the joint is said to be there (`encoder.index_at`), if it
-    /// `may_move`: true if that moved it.
+    /// Takes in the marks that came with the reading just taken. The first index sets the joint's position, to be
+    /// `encoder.index_at_m_or_rad` there, if it `may_move`: true if that was done.
     ///
     /// # Errors
     /// [`Fault::EncoderWire`] after [`LONE_TICKS`] ticks with two edges of one channel and none of the other, counted up and down;

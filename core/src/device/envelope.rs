@@ -1,4 +1,4 @@
-//! The body's own envelope: what a device may do to the hand that holds it, whatever the other peer sends, whichever law runs.
+//! Limits of the mean force and power that a device may give to the hand, whatever is received and whichever law runs.
 //!
 //! Measured at the device's port while armed, over all axes together: the force on the hand, and the power P = F·v that the device
 //! gives it (what the hand gives the device is [`super::watch`]'s). Both as leaky root-mean-squares ([`super::leaky`]) over τ =
@@ -12,7 +12,7 @@ use crate::num::{Motion, Scalar};
 use crate::safety::Fault;
 use crate::{device::leaky::Leaky, settings::Settings};
 
-/// Limits of mean force, power and energy at the hand, over time.
+/// Limits of the root-mean-square force (N) and power (W) at the hand over `safety.rms_s`.
 #[derive(Clone, Copy, Debug)]
 pub struct Envelope<S> {
     leaky: Leaky<S>,
@@ -23,7 +23,7 @@ pub struct Envelope<S> {
 
 configured!([S: Scalar] Envelope<S> { leaky, force, power });
 
-/// Mean squares, N² and W².
+/// Leaky means of the squares of force and power at the hand, N² and W².
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Load<S> {
     force: S,
@@ -48,7 +48,7 @@ impl<S: Scalar> Envelope<S> {
         load.power = self.leaky.forget(load.power);
     }
 
-    /// Advances the means by one tick of forces (N) on axes that move: the limit that is exceeded, if any.
+    /// Advances the means by one tick of forces (N) and power (W) given to the hand: the limit exceeded, if any.
     #[inline]
     pub fn exceeded<const N: usize>(&self, load: &mut Load<S>, forces: [S; N], power: S) -> Option<Fault> {
         let given = power.max(S::ZERO);

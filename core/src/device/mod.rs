@@ -8,7 +8,7 @@
 //! | [`scale`] | a device that is larger or smaller than the shared world |
 //! | [`clutch`] | a device that comes free of the world, moves, and takes hold again |
 //! | [`constraint`] | the force that holds an unused axis on its line |
-//! | [`leaky`] | a leaky mean |
+//! | [`leaky`] | a leaky mean, for root-mean-square limits |
 //! | [`motor`] | joint force → duty |
 //! | [`current`] | duty, which is a current, → voltage of the motor: 20 000 times a second |
 //! | [`stage`] | what the power stage of the motors measured |
@@ -17,7 +17,7 @@
 //! | [`envelope`] | force and power on the hand, within their limits over time |
 //! | [`watch`] | encoders that fail: stuck, or counting the wrong way |
 //! | [`probe`] | a motor pushed open loop, within limits: calibration and the check before arming |
-//! | [`winding`] | what voltage and current say of motor, sensor, bridge and encoder, before a loop is closed around them |
+//! | [`winding`] | checks of motor, current sensor, bridge and encoder by voltage and current, before the loop closes |
 //!
 //! A *joint* is what an encoder and a motor share: a slide (m, N) or something that turns (rad, N·m). An *axis* is a
 //! direction of the task: always m, m/s, N. Positions are zero where the encoders were when they were first read.

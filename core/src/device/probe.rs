@@ -114,7 +114,7 @@ pub struct Probe<S> {
 
 /// Factor over the largest duty, plus [`SMALL_CODES`], that a motor's current may not exceed while a loop holds it.
 pub const RUNAWAY: i32 = 2;
-/// A thirty-second of full scale: more than any noise.
+/// Current that is more than any noise of the sensor, codes: 1/32 of full scale.
 pub const SMALL_CODES: i32 = 1024;
 
 /// Ticks after a change of sign that do not count; a force that follows its duty by two is still judged right.
@@ -161,7 +161,7 @@ impl<S: Scalar> Probe<S> {
         })
     }
 
-    /// The check before arming of `joint` (from 1): a weak swing, over a short way.
+    /// The check before arming of `joint` (from 1): a weak swing over a short distance.
     ///
     /// # Errors
     /// A joint that the device does not have, or a key of the check that is out of range.

@@ -1,4 +1,4 @@
-//! What voltage and current say of a motor's winding, of its current's sensor, of the bridge and of the encoder's scale.
+//! Checks a motor's winding, its current sensor, its bridge and the encoder's scale by measured voltage and current.
 //!
 //! Over a tick L·Δi = ∫(u − R·i − k·v) dt, whatever happens within it: mean voltage and current, the change of the current and the
 //! encoder's step, which a tick knows all four ([`super::stage`]), give R, L and k by least squares. On a PC all of it is done from
@@ -187,7 +187,7 @@ impl Sums {
 
 /// Largest deviation of the constant from 100 percent, standard error included, percentage points.
 pub const SCALE_PERCENT: i32 = 30;
-/// Resistance of a winding that is the one of the settings: warm, with the dead time of its bridge, and within what a loop bears.
+/// Least and most resistance of the configured winding, percent: warm, with dead time, and within what the loop bears.
 pub const RESISTANCE_PERCENT: [i32; 2] = [40, 300];
 
 /// What a check measured of a winding and its scale, percent of the configured values.

@@ -1,4 +1,5 @@
-//! Passive on any network: the receiver never emits more wave energy than the sender is known to have absorbed.
+//! The energy ledger of a wave line (`coordination.ledger`), which makes it passive on any network: the receiver never
+//! emits more wave energy than the sender is known to have absorbed.
 //!
 //! Every packet carries the sender's cumulative ½·T_c·Σu_out² up to its last tick. What is new in it is credit; every tick
 //! of u_in spends ½·T_c·u_in² of it, and a tick that would overdraw is scaled down to what is left. So Σ emitted ≤ Σ sent

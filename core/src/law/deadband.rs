@@ -8,7 +8,7 @@
 //!
 //! **Receiver**, between packets, for no longer than that:
 //!
-//! | kind | goes on at | on any network |
+//! | law | goes on at | on any network |
 //! |---|---|---|
 //! | `deadband` | ẋ*: hold the last sample; x_d is its integral from the position that came with it | as `power`, which makes energy |
 //! | `passive-deadband` | ẋ* − Δ·sign(F_T), below | passive |
@@ -45,9 +45,9 @@ const LEAST: Key = Key::number(
     "Deadband coding: the least change of velocity that is worth a packet, for Weber's law ends where a hand feels nothing.",
 );
 
-/// A law of motions whose packets are coded.
+/// A law that sends motions, of which deadband coding chooses the ones worth a packet.
 pub trait Coded<S: Scalar>: Law<S> {
-    /// The kind that settings know the coded law by.
+    /// Name, keys and promises of the coded law.
     const INFO: LawInfo;
     /// Whether the receiver uses the modified hold.
     fn is_modified(settings: &Settings) -> bool;
@@ -118,7 +118,7 @@ pub struct Coding<S, L> {
 
 configured!([S: Scalar, L: Configured] Coding<S, L> { law, modified, weber, least, period, longest });
 
-/// State of one end.
+/// State of one end: the coded law's own, the packet that is held, and the velocity that was sent last.
 #[derive(Clone, Copy, Debug)]
 pub struct CodingState<S: Scalar, T> {
     law: T,

@@ -1,4 +1,4 @@
-//! What stands between the outgoing wave at the control rate and the one sample in M that is sent.
+//! Decimation filters: they make, of the outgoing wave at the control rate, the one sample in M ticks that is sent.
 //!
 //! [`Newest`] sends the last sample as it is: traditional wave communications, which alias.
 //! [`OnePole`] is the paper's anti-aliasing filter, ẋ_f = −Ω_c·x_f + u_out, y = Ω_c·x_f (eq. 1), discretised exactly for
@@ -12,9 +12,9 @@ use crate::settings::Settings;
 
 /// A filter in front of the decimation to one wave sample per packet.
 pub trait Decimator<S: Scalar>: Configured + Copy + core::fmt::Debug + Send + Sync + 'static {
-    /// The kind of law of a line behind this filter.
+    /// Name, keys and promises of the wave law that sends through this filter.
     const INFO: LawInfo;
-    /// Whether what is sent keeps the integral of the wave.
+    /// Whether the samples sent, each held for M ticks, keep the integral of the wave.
     const KEEPS_INTEGRAL: bool = false;
     /// State of the filter.
     type State: StateVector<S> + Copy + core::fmt::Debug + Default + Send + Sync;
@@ -27,7 +27,7 @@ pub trait Decimator<S: Scalar>: Configured + Copy + core::fmt::Debug + Send + Sy
     fn level(&self, state: &Self::State) -> S;
 }
 
-/// No filter: the newest sample.
+/// No filter: the newest sample of the wave is sent.
 #[derive(Clone, Copy, Debug)]
 pub struct Newest;
 
@@ -101,7 +101,7 @@ pub struct Mean<S> {
 
 configured!([S: Scalar] Mean<S> { samples, share });
 
-/// A mean in the making.
+/// State of a mean: sum and number of the samples so far, and the last mean that was complete.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MeanState<S> {
     sum: S,

@@ -1,15 +1,15 @@
-//! What silence does: hold, fade, disengage; and what the end of silence does: the same steps back.
+//! Degradation by silence: without packets the coordination holds, fades, disengages; with packets it steps back up.
 //!
-//! Counted in packet periods in which no packet came: up to `safety.fade_s` the last packet stands; then the coordination
-//! fades, one step a period, until after `safety.disengage_s` it is gone and the peer renders alone. Both are times, rounded
-//! to packet periods, and there is at least one step between them. The first packet after that starts the law anew where the
-//! object is, from no force, and every packet period with a packet takes one step back, or as many as were silent on purpose before it
-//! ([`super::event`]). What a packet is that has faded, the law says
+//! Counted in packet periods in which no packet came: up to `safety.fade_s` the last packet stands; then the
+//! coordination fades, one step a period, until after `safety.disengage_s` it is gone and the peer renders alone. Both
+//! are times, rounded to packet periods, and there is at least one step between them. The first packet after that
+//! starts the law anew where the object is, from no force, and every packet period with a packet takes one step back,
+//! or as many as were silent on purpose before it ([`super::event`]). Each law defines what fading does to its packets
 //! ([`super::Law::fade`]).
 //!
-//! The degradation depends on silence alone. Who does know that the other peer is gone, or another one (a link whose session
-//! ended), takes the last step at once ([`crate::peer::Peer::part`]): what comes next is counted from zero by a peer that
-//! started anew, and must not be measured by the old one's counters.
+//! The degradation depends on silence alone. A link that knows that the other peer is gone, or is another one than
+//! before (its session ended), takes the last step at once ([`crate::peer::Peer::part`]): what comes next is counted
+//! from zero by a peer that started anew, and must not be measured by the old one's counters.
 
 use super::event;
 use crate::num::Scalar;
@@ -60,13 +60,13 @@ impl<S: Scalar> Degradation<S> {
         Ok(Self { hold, steps, step: S::from_f64(1.0 / f64::from(steps)), longest })
     }
 
-    /// Longest time from one packet to the next, in packet periods; 1: nobody keeps silent on purpose.
+    /// Longest time from one packet to the next, in packet periods; 1 where a packet is sent in each.
     #[inline]
     pub fn longest(&self) -> u32 {
         self.longest
     }
 
-    /// Fully engaged, nothing heard yet.
+    /// The state at arming: fully engaged, and no packet has come yet.
     pub fn engaged(&self) -> Engagement {
         Engagement { level: self.steps, silent: 0, heard: false, came: false }
     }
@@ -124,7 +124,7 @@ impl Engagement {
         self.silent > 0 && self.level > 0
     }
 
-    /// Silence so far, packet periods.
+    /// Packet periods without a packet since the last one came.
     pub fn silent(&self) -> u32 {
         self.silent
     }

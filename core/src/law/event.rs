@@ -1,4 +1,4 @@
-//! Silence on purpose: a law that sends only what is worth a packet.
+//! Event-triggered sending: a law that sends only what is worth a packet, and is silent on purpose otherwise.
 //!
 //! Each packet period the law is asked ([`super::Law::speaks`]); where it says no, of every axis, nothing is sent. Whatever it says, a packet goes out
 //! at the latest [`LONGEST`] after the one before, and in every period while the peer is not engaged.
@@ -14,7 +14,7 @@
 
 use crate::settings::{Allowed, Key, Refused, Settings};
 
-/// The longest silence on purpose; 0 is none: a packet each packet period. A key of every law that keeps silent.
+/// Longest silence on purpose, s; 0: a packet in each packet period. A key of every law that sends by events.
 pub const LONGEST: Key = Key::number(
     "event.longest_s",
     0.0,

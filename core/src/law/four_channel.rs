@@ -58,7 +58,7 @@ pub struct FourChannel<S> {
 
 configured!([S: Scalar] FourChannel<S> { spring, remote, local, inertia, damping });
 
-/// What the other peer said, and what is to be said.
+/// The other peer's motion and hand force as last received, and the own hand's force, which is sent.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FourChannelState<S> {
     /// x_d, ẋ_d.

@@ -1,5 +1,6 @@
-//! Input-gated power: the force that packets ask for acts as far as what the copy has given to this end before pays for it, tick by tick
-//! (the one-port passivity observer and controller of Hannaford & Ryu 2002, which sends nothing beside the motion).
+//! Input-gated power-domain coordination: in every tick the force that packets ask for is reduced to what the energy
+//! pays for that this end has absorbed before (one-port passivity observer and controller, Hannaford & Ryu 2002; only
+//! the motion is sent).
 //!
 //! The **observer** keeps what the coordination may still give to its own copy, exact by the midpoint rule (v: the copy's mean velocity):
 //!
@@ -25,7 +26,7 @@ use crate::num::{Motion, Scalar, StateVector};
 use crate::object::{Port, Solve};
 use crate::settings::{Refused, Settings};
 
-/// A virtual coupling behind a gate.
+/// The power-domain spring and damper behind a passivity controller, the gate g.
 #[derive(Clone, Copy, Debug)]
 pub struct InputGated<S> {
     spring: Spring<S>,
@@ -48,7 +49,7 @@ pub struct InputGatedState<S> {
 }
 
 impl<S: Scalar> InputGatedState<S> {
-    /// What the copy has given and not got back, W, J.
+    /// Energy account W that the gate may still spend, J; never negative.
     pub fn account_j(&self) -> S {
         self.account
     }

@@ -1,9 +1,10 @@
-//! Coordination laws: what holds the two copies of the shared object together.
+//! Coordination laws: each couples the local copy of the shared object to the other peer's, over a lossy network.
 //!
-//! A law sees its own copy move ([`Law::couple`], every tick), hands out one [`Packet`] each packet period ([`Law::send`]), unless it
-//! keeps silent ([`Law::speaks`], [`event`]), and takes in the other peer's ([`Law::receive`]). **A law is one file**: its name, what it
-//! sends, its own keys and the gains to try are its [`LawInfo`], beside it. In this crate the file, its `pub mod` and one line in the list
-//! below make it known to simulator, analyser, campaign, board and reports; a crate outside passes it to them. [`free`] is the
+//! Every tick a law observes its copy and gives the coordination force on it ([`Law::couple`]); each packet period it
+//! makes one [`Packet`] ([`Law::send`]), which goes out unless it is not worth sending ([`Law::speaks`], [`event`]); it
+//! takes in the other peer's packets ([`Law::receive`]). **A law is one file** with its [`LawInfo`]: its name, what it
+//! sends, its own keys, the gains to try. In this crate the file, its `pub mod` and one line in the list below make it
+//! known to simulator, analyser, campaign, board and reports; a crate outside passes it to them. [`free`] is the
 //! smallest law.
 //!
 //! Sign: the coordination force F_T acts on the local copy, F_T = K_T·(x_d − x_o) + B_T·(ẋ_d − ẋ_o)
@@ -48,12 +49,12 @@ pub struct Packet<S: Scalar> {
     /// Wave sample, √W (wave-domain), or what a law sends beside the motion, in a unit of its own, such as a force,
     /// N. 0 from a peer that is not engaged.
     pub wave: S,
-    /// Energy that the sender gave to the line since it was armed, up to its last tick, J: of its waves, or from its tank. Filled in by
-    /// the peer.
+    /// Energy that the sender has given to the network since arming, up to its last tick, J: of its waves, or from its
+    /// tank. The peer fills it in from its [`ledger`].
     pub energy_j: S::Counter,
     /// Integral of the sender's outgoing wave over the same time, √W·s.
     pub wave_integral: S::Counter,
-    /// Ticks that the integral is over, of a line with a time of its own, or since a law began that says so; wraps.
+    /// Ticks that the sender's sums cover; of [`self_timed`] its live ticks, else those since the law began; wraps.
     pub live_ticks: u32,
 }
 
@@ -77,7 +78,7 @@ impl<S: Scalar> Packet<S> {
     }
 }
 
-/// What a law sees in one tick.
+/// What a law is given to observe in one tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Observation<S> {
     /// Motion of the local copy as the tick begins, m and m/s.
@@ -136,18 +137,18 @@ impl<S: Scalar> Coupled<S> {
     }
 }
 
-/// A coordination law: what couples the local copy of the object to the remote one, and what it sends for that. What it is built with it
-/// hands over ([`crate::configured!`]), or an empty `impl Configured` says that it does not: then scenes with it are never stepped side
-/// by side.
+/// A coordination law: how the local copy of the object is coupled to the remote one, and what is sent for that. A law
+/// lists the parameters that it was built with ([`crate::configured!`]); with an empty `impl Configured` instead,
+/// scenes with it are simulated one by one, never many side by side.
 pub trait Law<S: Scalar>: Configured + Copy + core::fmt::Debug + Send + Sync + 'static {
-    /// The kinds that this law is asked for by; one, unless the law is a list of laws.
+    /// Name, keys and promises of the law; one entry, unless the type is a list of laws such as [`AnyLaw`].
     const LAWS: &'static [LawInfo];
     /// State of the law.
     type State: StateVector<S> + Copy + core::fmt::Debug + Send + Sync;
-    /// Whether it acts only on a copy that is moved by ports: then [`Law::build`] refuses any other order, and nothing is compiled for them.
+    /// Whether the law needs `object.integrator = "midpoint"`: [`Law::build`] refuses any other.
     const PORTS_ONLY: bool = false;
 
-    /// The kind that the settings name, if it is this law; one of [`Law::LAWS`], unless those are known only when the program runs.
+    /// The entry that the settings name, if it is this law's; one of [`Law::LAWS`], unless they are known late.
     #[must_use]
     fn info(settings: &Settings) -> Option<&'static LawInfo> {
         named(settings, Self::LAWS)
@@ -155,23 +156,24 @@ pub trait Law<S: Scalar>: Configured + Copy + core::fmt::Debug + Send + Sync + '
     /// Takes what it needs from settings that are within their ranges. After this nothing can fail.
     ///
     /// # Errors
-    /// Settings that do not go together.
+    /// The first key whose value is impossible beside the others.
     fn build(settings: &Settings) -> Result<Self, Refused<'static>>;
-    /// Engages at rest with the local copy: no force until something moves.
+    /// State of a law that begins at rest with the local copy: no force until something moves.
     fn start(&self, local: Motion<S>) -> Self::State;
-    /// Engages again after a silence; what was sent stays sent, where that is counted.
+    /// Begins again after a silence that disengaged the peer; counters of what was sent go on, where a law has any.
     fn restart(&self, state: &mut Self::State, local: Motion<S>) {
         *state = self.start(local);
     }
     /// Takes in the other peer's packet, which is held until the next.
     fn receive(&self, state: &mut Self::State, packet: Packet<S>);
-    /// One tick: the force on the local copy from what is seen and what was received. No force where the law does not say.
+    /// One tick: the coordination force on the local copy, N, from what is observed and what was received.
     ///
-    /// The law says what its port is, is given the velocity of the copy through the tick (m/s) by `solve`, and goes on from there; the force
-    /// is `port.at(velocity)`. [`Spring::force`] does so for a law that is a spring and damper. In the staged orders of the papers the
-    /// velocity is the one that the tick begins with; where the copy is moved by ports (`object.integrator = "midpoint"`) it is the mean,
-    /// and comes of all ports. There a law that says [`Port::of_force`], a force that does not depend on how the copy moves, makes energy
-    /// if it is stiff, and one that does not ask `solve` leaves the copy where it is.
+    /// A law gives `solve` its [`Port`], a force affine in the copy's velocity, and gets that velocity (m/s) back; its
+    /// force is then `port.at(velocity)`. [`Spring::force`] does so for a law that is a spring and a damper. With the
+    /// staged integrators of the papers the velocity is the one at the start of the tick; with the midpoint rule it is
+    /// the mean of the tick, solved from all ports (THEORY §7). There a law that gives [`Port::of_force`], a force that
+    /// does not depend on the velocity, makes energy if it is stiff, and one that does not call `solve` leaves the copy
+    /// where it is. By default there is no force.
     #[inline]
     fn couple(&self, _state: &mut Self::State, observed: &Observation<S>, solve: impl Solve<S>) -> Coupled<S> {
         solve.velocity(Port::default());
@@ -179,8 +181,8 @@ pub trait Law<S: Scalar>: Configured + Copy + core::fmt::Debug + Send + Sync + '
     }
     /// What to send now: everything up to and including the last tick.
     fn send(&self, state: &Self::State, local: Motion<S>) -> Packet<S>;
-    /// Whether `packet`, which [`Law::send`] has just made, is worth sending. Asked each packet period where [`event::LONGEST`] allows
-    /// silence, unless it is over.
+    /// Whether `packet`, which [`Law::send`] has just made, is worth sending. Asked in each packet period until the
+    /// silence that [`event::LONGEST`] allows is over.
     fn speaks(&self, _state: &Self::State, _packet: &Packet<S>) -> bool {
         true
     }
@@ -201,7 +203,7 @@ pub trait Law<S: Scalar>: Configured + Copy + core::fmt::Debug + Send + Sync + '
     }
 }
 
-/// The kind that the settings name, of these.
+/// The entry of these that the settings name.
 pub(crate) fn named(settings: &Settings, laws: &'static [LawInfo]) -> Option<&'static LawInfo> {
     laws.iter().find(|info| info.name == settings.coordination.comm)
 }
@@ -213,7 +215,7 @@ pub(crate) fn unknown(settings: &Settings, laws: &'static [LawInfo]) -> Refused<
 
 macro_rules! laws {
     ($( $Variant:ident($law:ty), )+) => {
-        /// Any coordination law of this crate.
+        /// Any coordination law of this crate; each is described on the page of its module.
         #[derive(Clone, Copy, Debug)]
         #[allow(missing_docs, clippy::large_enum_variant)]
         pub enum AnyLaw<S: Scalar> { $( $Variant($law) ),+ }
@@ -305,14 +307,14 @@ laws! {
     Free(free::Free),
 }
 
-/// The spring and damper K_T, B_T between the copy and where it should be.
+/// The spring and damper K_T, B_T between the local copy and the desired motion x_d, ẋ_d.
 #[derive(Clone, Copy, Debug)]
 pub struct Spring<S> {
     /// Coordination stiffness K_T, N/m.
     pub stiffness: S,
     /// Coordination damping B_T, N·s/m.
     pub damping: S,
-    /// Impedance κ = K_T·T_c/2 + B_T, N·s/m: by how much less it pushes on a copy that moves away through a tick.
+    /// Impedance κ = K_T·T_c/2 + B_T, N·s/m: by how much the mean force falls per m/s of the copy (THEORY §7).
     pub impedance: S,
 }
 
@@ -335,8 +337,8 @@ impl<S: Scalar> Spring<S> {
         port::met_midway(coordination.stiffness_n_per_m, coordination.damping_n_s_per_m, settings)
     }
 
-    /// F_T through a tick in which the desired motion is held, N: of the motions as they are where the order is staged, else of the
-    /// [`Spring::port`] and how the copy moves under it.
+    /// F_T through a tick in which the desired motion is held, N: from both motions as they are with staged
+    /// integrators, else from [`Spring::port`] and the copy's mean velocity.
     #[inline]
     pub fn force(&self, desired: Motion<S>, local: Motion<S>, solve: impl Solve<S>) -> S {
         if solve.is_staged() {

@@ -1,8 +1,8 @@
-//! Model-mediated coordination: a model of what the other peer's copy resists with is simulated here, without delay, and learned from what is received
-//! (Mitra & Niemeyer 2008; survey: Passenberg, Peer & Buss 2010).
+//! Model-mediated coordination: a mass-spring-damper model of the other peer's copy and hand is simulated here, without
+//! delay, and its parameters are estimated from what is received (Mitra & Niemeyer 2008; see Passenberg et al. 2010).
 //!
-//! The model is a body with a spring to a place of rest, m̂, b̂, k̂ and x̂₀: the other copy with the hand that holds it. The local copy hangs on it by the
-//! scene's K_T, B_T; what is received only corrects where it is, through K_c, B_c:
+//! The model has mass m̂, damping b̂, stiffness k̂ and a place of rest x̂₀. The local copy hangs on it by the scene's
+//! K_T, B_T; what is received only corrects where it is, through K_c, B_c:
 //!
 //! > m̂·ẍ_p = −b̂·ẋ_p − k̂·(x_p − x̂₀) − F_T + g·F_c,   F_T = K_T·(x_p − x_o) + B_T·(ẋ_p − ẋ_o)
 //! > F_c = K_c·(x_r − x_p) + B_c·(ẋ_r − ẋ_p),   0 ≤ g ≤ 1
@@ -159,7 +159,7 @@ impl<S: Scalar> ModelMediatedState<S> {
         self.model
     }
 
-    /// Energy that may be spent, J.
+    /// Energy that corrections of the model may still spend, J; never negative.
     pub fn account_j(&self) -> S {
         self.account
     }

@@ -13,7 +13,7 @@
 
 use crate::num::Scalar;
 
-/// Where up to `N` lines meet.
+/// The node in which up to `N` lines meet.
 #[derive(Clone, Copy, Debug)]
 pub struct Node<S, const N: usize> {
     /// √(2b_i).

@@ -27,7 +27,7 @@ use crate::num::{Motion, Scalar, StateVector};
 use crate::object::port::{Port, Solve, met_midway};
 use crate::settings::{Refused, Settings};
 
-/// Half of a spring, whose far end is moved by what was heard to be absorbed.
+/// One end: half of the spring K_T, whose far end x_m moves only as far as the energy account W pays for.
 #[derive(Clone, Copy, Debug)]
 pub struct PassivityControl<S: Scalar> {
     tanks: Tanks<S::Counter>,
@@ -43,7 +43,7 @@ pub struct PassivityControl<S: Scalar> {
 
 configured!([S: Scalar] PassivityControl<S> { tanks, stiffness, damping, fastest, impedance });
 
-/// State of one end.
+/// State of one end: the motion received, the place x_m of the network port, and the energy account W.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PassivityControlState<S: Scalar> {
     /// x_d and ẋ_d as received.

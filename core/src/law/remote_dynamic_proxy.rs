@@ -67,7 +67,7 @@ configured!([S: Scalar] RemoteDynamicProxy<S> {
     spring, inertia, stiffness, damping, impedance, inverse_sum, share, seen_impedance, period
 });
 
-/// The proxy, and where it is drawn to.
+/// Motion of the proxy x_p, ẋ_p, and the remote motion x_r, ẋ_r as last received, toward which it is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ProxyState<S> {
     /// x_p, ẋ_p.

@@ -28,7 +28,7 @@ use crate::num::{Motion, Scalar, StateVector};
 use crate::object::{Port, Solve};
 use crate::settings::{Refused, Settings};
 
-/// A spring to a set position that is paid for.
+/// One end: a spring to a set position, which moves only as far as the energy tank pays for.
 #[derive(Clone, Copy, Debug)]
 pub struct SetPosition<S: Scalar> {
     tanks: Tanks<S::Counter>,
@@ -41,7 +41,7 @@ pub struct SetPosition<S: Scalar> {
 
 configured!([S: Scalar] SetPosition<S> { tanks, stiffness, harvest, impedance });
 
-/// State of one end.
+/// State of one end: the position wanted p, the set position p̂, and the tank.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SetPositionState<S: Scalar> {
     /// p, m.

@@ -1,4 +1,4 @@
-//! Energy that a law may spend: what it began with, and what the other peer is known to have sent.
+//! Energy tank: the energy that a law may still spend, of its start value and what the other peer has sent.
 //!
 //! A law with a tank pays for whatever it gives to the copy, to the tick: the work of its force at the copy's mean velocity and
 //! what its spring gains. Energy goes to the other peer as the `energy_j` of the packets, a sum since arming, so that a packet that
@@ -12,7 +12,7 @@ use super::credit::CAP_J;
 use crate::num::Scalar;
 use crate::settings::{Key, PLENTY_J, Refused, Settings};
 
-/// The energy in a tank when its law begins, J; a pair of them gives out at most twice as much that nobody put in.
+/// Energy in a tank when its law begins, J; two peers can give out at most twice this beyond what was put in.
 pub const START: Key = Key::number(
     "coordination.tank_j",
     0.02,
@@ -21,8 +21,8 @@ pub const START: Key = Key::number(
     "Laws with an energy tank: what is in it when they begin.",
 );
 
-/// The start value of the tank of a law that sends waves, whose energy on the line is counted wave by wave: by so
-/// much may more be emitted than was heard.
+/// Energy in the tank of a law that sends waves when it begins, J: by this much the energy that it emits may exceed the
+/// energy of the waves that it has received.
 pub const WAVE_START: Key = Key::number(
     "coordination.wave_tank_j",
     0.0,

@@ -45,7 +45,7 @@ const SHARE: Key = Key::number(
     "Two-layer: share β of the tank that goes to the other peer each tick.",
 );
 
-/// A spring whose force is what the tank pays for.
+/// One end: a spring and a damper whose force is limited to what the energy tank pays for.
 #[derive(Clone, Copy, Debug)]
 pub struct TwoLayer<S: Scalar> {
     tanks: Tanks<S::Counter>,
@@ -61,7 +61,7 @@ pub struct TwoLayer<S: Scalar> {
 
 configured!([S: Scalar] TwoLayer<S> { tanks, spring, level_j, fill, share, rate });
 
-/// State of one end.
+/// State of one end: the motion received, and the energy tank.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TwoLayerState<S: Scalar> {
     /// x_d and ẋ_d as received.

@@ -4,15 +4,15 @@
 //! delay, the line stores energy and makes none (cooperation paper §2; symmetric form, THEORY §2).
 //!
 //! [`Line`] is the one implementation; what it does before the rate drop is its parameter: [`Wave`] sends the newest
-//! sample, [`PassiveWave`] sends it through the paper's one-pole filter, [`PassiveMean`] sends the mean. What comes in may
-//! have to be paid for ([`super::credit`]), which makes the line passive on any network.
+//! sample, [`PassiveWave`] sends it through the paper's one-pole filter, [`PassiveMean`] sends the mean. The
+//! energy of the incoming wave may be limited by a ledger ([`super::credit`]): then the line is passive on any network.
 //!
 //! ẋ_d needs F_T and F_T needs ẋ_d. [`Decode::Delayed`] opens that loop as the paper does, with the force of the tick
 //! before; it generates energy near its gain limit. [`Decode::Implicit`] solves it in closed form (backward Euler on
-//! x_d): with a semi-implicit or exact object no limit on K_T is found up to 1e6 N/m at the paper's impedance; where there
-//! is one, `host-sim/analysis/tests/suite/bounds.rs` says. Where the copy is moved by ports, spring and line in a row are one
-//! of them and the loop closes in the object's own solve (THEORY §7), which makes no energy at any K_T. Square roots are taken
-//! once, in `build()`.
+//! x_d): with a semi-implicit or exact object no limit on K_T is found up to 1e6 N/m at the paper's impedance; where
+//! there is one, `host-sim/analysis/tests/suite/bounds.rs` says. With `object.integrator = "midpoint"` spring and line
+//! in a row are one port and the loop closes in the object's own solve (THEORY §7), which makes no energy at any K_T.
+//! Square roots are taken once, in `build()`.
 
 use super::credit::{Account, Credit};
 use super::decimate::{Decimator, Mean, Newest, OnePole};

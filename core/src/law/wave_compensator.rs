@@ -53,7 +53,7 @@ pub struct WaveCompensator<S: Scalar> {
 
 configured!([S: Scalar] WaveCompensator<S> { tanks, end, mean, period, half, take, velocity_to_wave });
 
-/// State of one end.
+/// State of one end: x_d, ẋ_d, the wave received, its compensation, the mean to be sent, and the energy account.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WaveCompensatorState<S: Scalar> {
     /// x_d, ẋ_d.

@@ -5,12 +5,14 @@
 //!
 //! > U = ∫u_out dt = (b·x_d − p)/√(2b),   E = ½∫u_out² dt,   p = ∫F_T dt
 //!
-//! so that position and momentum feed through, whatever is lost. Of what was heard ε and W are not yet emitted, √W·s and J. The end emits
+//! so that position and momentum feed through, whatever is lost. Let ε (√W·s) and W (J) be what was received of both
+//! and is not yet emitted. The end emits
 //!
 //! > u_in = u + λ·ε₀
 //!
-//! with u the mean of what a packet brought, for as many ticks as a packet stands and no longer, ε₀ the part of ε that is older, and λ = 1/(4·T_n). On a
-//! constant delay ε₀ is 0 and this is the line that sends means. Where W does not leave ½·λ·ε² to pay for what is still owed,
+//! with u the mean of what a packet brought, for M ticks and no longer, ε₀ the part of ε that is older, and λ =
+//! 1/(4·T_n). On a constant delay ε₀ is 0 and this is the line that sends means. Where W does not leave ½·λ·ε² to pay
+//! for what is still owed,
 //!
 //! > u_in = 2W/ε, or ε/T_c if that is less,
 //!
@@ -58,7 +60,7 @@ configured!([S: Scalar] WaveIntegral<S> {
     end, half, start_j, cap_j, period_s, half_period_s, per_s, ticks_per_packet, rate, half_rate, wave_to_position
 });
 
-/// State of one end.
+/// State of one end: x_d, the wave that is held, what is still owed, its energy W, and the sums to be sent.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WaveIntegralState<S: Scalar> {
     /// x_d, m.

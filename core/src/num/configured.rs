@@ -3,9 +3,9 @@
 use super::scalar::Scalar;
 use super::state::Motion;
 
-/// Hands over what it was built with, so that two of a kind can be compared: each number by its bits, each choice and each count.
+/// Lists the parameters that a model was built with, so that two of one type can be compared bit by bit.
 ///
-/// Scenes are stepped side by side only where a law says what it is. One that does not is always right, and run alone:
+/// Many scenes are stepped side by side only where their law does so. With an empty implementation they run one by one:
 ///
 /// ```
 /// # #[derive(Clone, Copy)] struct Quiet;

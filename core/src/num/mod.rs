@@ -1,5 +1,6 @@
-//! Numbers: the number types and the only maths functions, motion, state as a vector, configuration as words, and sums of many small
-//! terms.
+//! Numbers: the types that a peer can compute in and the only maths functions ([`Scalar`]), [`Motion`], state as a
+//! vector ([`StateVector`]), parameters that can be compared ([`Configured`]), and compensated sums ([`Sum`],
+//! [`Carry`]).
 
 #[macro_use]
 mod configured;

@@ -1,6 +1,6 @@
 //! The number types a peer computes in, and the only maths functions it may call.
 //!
-//! [`f32`] flies on the board, [`f64`] is what the analyser drives, [`Fixed`] (I32F32: range ±2³¹, step 2⁻³² ≈ 2.3e-10)
+//! [`f32`] is for the board, [`f64`] for the analyser, [`Fixed`] (I32F32: range ±2³¹, step 2⁻³² ≈ 2.3e-10)
 //! is for processors without an FPU. Results are the same bits on every machine: plain IEEE operations in source order,
 //! no fused multiply-add, no platform maths; square root and trigonometry are pure Rust (`libm`).
 //!

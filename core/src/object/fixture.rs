@@ -52,10 +52,10 @@ impl<S: Scalar> Pushes<S> {
 }
 
 impl<S: Scalar> Fixture<S> {
-    /// From the table `fixture`; nothing where there is none.
+    /// The fixture of the table `fixture`; `None` where `fixture.kind` is "none".
     ///
     /// # Errors
-    /// The copy is not moved by ports.
+    /// A fixture with another `object.integrator` than "midpoint".
     pub fn build(settings: &Settings) -> Result<Option<Self>, Refused<'static>> {
         let fixture = &settings.fixture;
         let beyond = match fixture.kind {
@@ -93,8 +93,9 @@ impl<S: Scalar> Fixture<S> {
     }
 }
 
-/// Finds the mean velocity of a copy that two things push of which either may be one that only pushes: `solve` gives it for the ports
-/// that act, and is last asked for those that do. There is one such choice, for each force falls with the velocity. The force of the first, N.
+/// Finds which of two one-sided forces act on a copy in a tick, and returns the first one, N (0 if it does not act).
+/// `solve` gives the mean velocity under the ports that act; its last call is for the ports that do. The choice is
+/// unique, since each force falls with the velocity.
 pub fn solve_both<S: Scalar>(first: Pushes<S>, second: Pushes<S>, mut solve: impl FnMut(Port<S>) -> S) -> S {
     for (one, two) in [(true, true), (true, false), (false, true)] {
         let [of_first, of_second] =

@@ -184,10 +184,10 @@ pub struct Oblique<S, const N: usize> {
 configured!([S: Scalar, const N: usize] Oblique<S, N> { plane, body, draws });
 
 impl<S: Scalar, const N: usize> Oblique<S, N> {
-    /// From the table `fixture`; nothing where there is none.
+    /// The fixture of the table `fixture`; `None` where `fixture.kind` is "none".
     ///
     /// # Errors
-    /// The copy is not moved by ports.
+    /// A fixture with another `object.integrator` than "midpoint".
     pub fn build(settings: &Settings) -> Result<Option<Self>, Refused<'static>> {
         if Fixture::<S>::build(settings)?.is_none() {
             return Ok(None);

@@ -17,7 +17,7 @@ use crate::settings::Settings;
 pub struct Port<S> {
     /// f: the force on a copy that stands still, N.
     pub force: S,
-    /// z: by how much less it is on one that moves, N·s/m; never negative.
+    /// z: by how much the force falls per m/s of the copy's mean velocity, N·s/m; never negative.
     pub impedance: S,
 }
 
@@ -39,8 +39,8 @@ impl<S: Scalar> Port<S> {
     }
 }
 
-/// How the copy moves in the tick that a law is asked about ([`crate::law::Law::couple`]): in one solve with all that pushes on it, which
-/// any closure from a port to a velocity is, or [`Staged`].
+/// Gives a law the velocity of the copy in a tick ([`crate::law::Law::couple`]): any closure from a port to a velocity,
+/// which solves for everything that pushes on the copy at once, or [`Staged`].
 pub trait Solve<S: Scalar> {
     /// Whether every force is found from the motion as the tick begins, in stages, as the papers have it. Known when the program is compiled:
     /// a branch on it costs nothing.

@@ -25,7 +25,7 @@
 
 use crate::num::{Carry, Scalar, StateVector};
 
-/// Newton steps of a tick at most: they double the digits, from about T_c·ω.
+/// Most Newton steps in a tick; each about doubles the correct digits, from a first relative error of about T_c·ω.
 pub const MOST: u32 = 5;
 
 /// A vector in space: x, y, z.
@@ -36,7 +36,7 @@ pub type Three<S> = [S; 3];
 pub struct TorquePort<S> {
     /// f: the torque on a body that does not turn, N·m.
     pub torque: Three<S>,
-    /// Z: by how much less it is on one that does, N·m·s; x·Z·x is never negative.
+    /// Z: by how much the torque falls per rad/s of the body, N·m·s; x·Z·x is never negative.
     pub impedance: [Three<S>; 3],
 }
 

@@ -21,7 +21,7 @@ use crate::num::{Carry, Motion, Scalar, StateVector};
 pub struct VectorPort<S, const N: usize> {
     /// f: the force on a body that stands still, N.
     pub force: [S; N],
-    /// Z: by how much less it is on one that moves, N·s/m, row by row; symmetric.
+    /// Z: by how much the force falls per m/s of the body, N·s/m, row by row; symmetric.
     pub impedance: [[S; N]; N],
 }
 

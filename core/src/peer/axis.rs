@@ -12,7 +12,7 @@ use crate::object::plane::Oblique;
 use crate::object::vector::VectorPort;
 use crate::object::{AnyIntegrator, Port, Staged};
 
-/// What a tick saw and did along one shared axis, for telemetry, reports and tests.
+/// Motions and forces of one tick along one shared axis, for telemetry, reports and tests.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Observed<S> {
     /// Motion of the device x_h, m and m/s.
@@ -28,7 +28,7 @@ pub struct Observed<S> {
 }
 
 impl<S> Observed<S> {
-    /// With what `of` makes of each number.
+    /// The same with `of` applied to each number.
     #[inline]
     pub fn map<T>(self, of: impl Fn(S) -> T) -> Observed<T> {
         let motion = |seen: Motion<S>| Motion { position: of(seen.position), velocity: of(seen.velocity) };

@@ -23,15 +23,15 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         self.exchange_into(&mut packets).then_some(packets)
     }
 
-    /// [`Peer::exchange`], written where it is to lie; true if it is to be sent.
+    /// [`Peer::exchange`] that writes into `packets` instead of copying; true if they are to be sent.
     pub fn exchange_into(&mut self, packets: &mut [Packet<S>; SHARED]) -> bool {
         let speaks = self.speak_into(packets);
         self.listen();
         speaks
     }
 
-    /// What goes out in this packet period; nothing where the law keeps silent of every axis ([`crate::law::event`]). The first half of
-    /// [`Peer::exchange`]: only a network without delay needs it before the other's packets are heard.
+    /// The first half of [`Peer::exchange`]: the packets to send; none where the law has nothing worth sending on any
+    /// axis ([`crate::law::event`]). Only a network without delay needs it apart, before [`Peer::hear`].
     pub fn speak(&mut self) -> Option<[Packet<S>; SHARED]> {
         let mut packets = [Packet::default(); SHARED];
         self.speak_into(&mut packets).then_some(packets)
@@ -84,8 +84,8 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
 
     /// Takes in the packets of the other peer, one for each shared axis: they act at the next tick, and stand until others come.
     ///
-    /// Before any tick, whether or not [`Peer::exchange`] is due; where both are, first this. Which of several that have come
-    /// are the newest, the caller knows.
+    /// Call it before a tick, whether or not [`Peer::exchange`] is due; if it is, before that. Of several packets that
+    /// have come the caller passes the newest. A packet that is not finite is [`Fault::NonFiniteInput`].
     pub fn hear(&mut self, packets: &[Packet<S>; SHARED]) {
         if !packets.iter().all(|packet| packet.is_finite()) {
             return self.trip(Fault::NonFiniteInput);
@@ -120,15 +120,16 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         }
     }
 
-    /// Packets come, but too old to be taken (`safety.max_delay_s`): silence all the same, which is the link's to say. Until one is taken
-    /// the fault that silence leads to is [`Fault::PeerDelayed`].
+    /// Reports that packets come but are too old to be used (`safety.max_delay_s`), as the link measures it. They count
+    /// as silence; until one is used, the fault that silence leads to is [`Fault::PeerDelayed`], not
+    /// [`Fault::PeerLost`].
     pub fn delayed(&mut self) {
         self.delayed = true;
     }
 
-    /// Lets go of the other peer, which is known not to be there, or no longer the one it was: the peer renders alone until
-    /// a packet comes, which starts the coordination anew from no force, step by step. Without this a peer that is armed
-    /// takes the first packet in full: both were at rest where they met.
+    /// Disengages at once from the other peer, which is known to be gone or to have restarted: this peer renders alone
+    /// until a packet comes, which starts the coordination anew from no force, step by step. A peer that is armed and
+    /// never parted uses its first packet in full, for both copies begin at rest.
     pub fn part(&mut self) {
         self.engagement.part();
     }

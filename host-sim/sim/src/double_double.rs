@@ -1,8 +1,8 @@
 //! Numbers of twice the digits of f64: what f64 itself is measured against.
 //!
-//! A value is the unevaluated sum of two f64, the second below half a step of the first: about 32 digits (relative error
-//! of every operation below 1e-30, of sine and cosine below 1e-29 of the circle for angles up to 1e3 rad). It is a
-//! [`Scalar`], so the very peer that flies can be run in it. Slow (about 20 operations for one), for references only.
+//! A value is the unevaluated sum of two f64, the second below half a step of the first: about 32 digits (relative
+//! error of every operation below 1e-30, of sine and cosine below 1e-29 of the circle for angles up to 1e3 rad). It is
+//! a [`Scalar`], so the peer of the board can be run in it. Slow (about 20 operations for one), for references only.
 //!
 //! Range: that of f64 above 1e-290, where the products' low halves still exist. Not correctly rounded.
 //!

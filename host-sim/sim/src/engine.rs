@@ -12,7 +12,7 @@ use std::borrow::BorrowMut;
 
 use crate::network::link::{Counts, InFlight, Payload, Route};
 
-/// Where an actor's packets go: whom to, and what.
+/// The function by which an actor sends: called with the receiver's address and the packet.
 pub type Out<'a, A, P> = dyn FnMut(A, &P) + 'a;
 
 /// A peer with its device, a sealed node, a hub, a client, a server, a player: whoever takes packets and sends packets.
@@ -29,13 +29,13 @@ pub trait Actor<A> {
     /// The packets that actors exchange: `[u8]`, or a value that crosses as it is.
     type Packet: Payload + ?Sized;
 
-    /// Takes what has come; it may change it in place, as a seal does that is opened.
+    /// Takes a packet that has come; the actor may change it in place, as when a sealed datagram is opened.
     fn hear(&mut self, now_ns: u64, from: A, packet: &mut Self::Packet, out: &mut Out<'_, A, Self::Packet>);
 
-    /// Says what is due, before anybody acts.
+    /// Sends the packets that are due, before any actor acts in this control period.
     fn speak(&mut self, _now_ns: u64, _out: &mut Out<'_, A, Self::Packet>) {}
 
-    /// Does what a control period brings, and says what follows from it.
+    /// Computes one control period, and sends the packets that follow from it.
     fn act(&mut self, _now_ns: u64, _out: &mut Out<'_, A, Self::Packet>) {}
 }
 
@@ -44,7 +44,7 @@ pub trait Actor<A> {
 pub struct Clock {
     /// Time that the clock shows at true time 0, ns.
     pub start_ns: u64,
-    /// How fast it runs; 1 is true.
+    /// Rate of the clock over that of true time; 1 is exact.
     pub rate: f64,
 }
 
@@ -65,9 +65,9 @@ pub struct Seat<A> {
     pub actor: A,
     /// The clock whose time the actor gets.
     pub clock: Clock,
-    /// Its control period over the true one: now and then it has no tick or two.
+    /// Its control period over the true one; unless that is 1, it sometimes has no tick or two in a true one.
     pub period: f64,
-    /// It has crashed or is gone: it hears nothing and does nothing.
+    /// Whether the actor has crashed or is gone: then it hears nothing and does nothing.
     pub off: bool,
 }
 
@@ -84,14 +84,14 @@ impl<A> Seat<A> {
     }
 }
 
-/// The turns of an actor in a tick.
+/// What an actor has done when the observer is called.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Turn {
-    /// It has heard a packet.
+    /// It has heard one packet ([`Actor::hear`]).
     Heard,
-    /// It has sent its packets.
+    /// It has sent the packets that were due ([`Actor::speak`]).
     Spoke,
-    /// It has computed its tick.
+    /// It has computed its control period ([`Actor::act`]).
     Acted,
 }
 
@@ -99,9 +99,9 @@ pub enum Turn {
 pub struct EngineView<'a, A> {
     /// Simulated true time, ns.
     pub now_ns: u64,
-    /// Whose turn it was.
+    /// Index of the seat whose actor has had a turn.
     pub seat: usize,
-    /// The turn that it was.
+    /// What that actor has done.
     pub turn: Turn,
     /// Every seat of the engine.
     pub seats: &'a mut [Seat<A>],
@@ -126,7 +126,7 @@ pub struct Engine<A: Actor<usize>> {
 }
 
 impl<A: Actor<usize>> Engine<A> {
-    /// These actors, at time 0, with what `route` says from one seat to another; a tick is `period_ns`.
+    /// These actors at time 0, with `route(from, to)` from each seat to each; a tick is `period_ns` long, ns.
     pub fn new(period_ns: u64, seats: Vec<Seat<A>>, mut route: impl FnMut(usize, usize) -> Route) -> Self {
         let count = seats.len();
         let routes = (0..count * count).map(|direction| route(direction / count, direction % count)).collect();
@@ -145,12 +145,12 @@ impl<A: Actor<usize>> Engine<A> {
         self.tick * self.period_ns
     }
 
-    /// The way from one seat to another: to be cut, or to be put under another rule.
+    /// The route from one seat to another, to be cut or put under another rule.
     pub fn route(&mut self, from: usize, to: usize) -> &mut Route {
         &mut self.routes[from * self.seats.len() + to]
     }
 
-    /// What became of all that was said; what came to a seat that was off is lost, too.
+    /// What became of all packets that were sent; those that came to a seat that was off count as lost, too.
     pub fn counts(&self) -> Counts {
         let none = Counts { lost: self.missed, ..Counts::default() };
         self.routes.iter().map(Route::counts).fold(none, |sum, direction| Counts {

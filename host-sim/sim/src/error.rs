@@ -16,17 +16,17 @@ pub enum Error {
     /// A key that no scene has.
     #[error("there is no key {key}{hint}")]
     NoKey {
-        /// The key.
+        /// Name of the key, as it was written.
         key: String,
-        /// Which one may be meant; empty where no key is like it.
+        /// The rest of the sentence, which names the key that may be meant; empty where none is similar.
         hint: String,
     },
     /// What a user wrote has a value that is not allowed.
     #[error("{what} is not allowed: {allowed}")]
     NotAllowed {
-        /// What it is, and its value.
+        /// Name and value of what the user wrote.
         what: String,
-        /// What is allowed, as a sentence.
+        /// What is allowed, in words.
         allowed: String,
     },
     /// A setting has a value that it does not accept.
@@ -44,7 +44,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// Whether it is about a key that no other is like: who can list them all may say so.
+    /// Whether it is about an unknown key without a similar one, so that a caller may point to the list of all keys.
     pub fn is_unlike(&self) -> bool {
         match self {
             Self::At(_, cause) => cause.is_unlike(),
@@ -53,7 +53,7 @@ impl Error {
         }
     }
 
-    /// What is wrong at this place.
+    /// This error with the place where it arose, such as a file with its line.
     pub fn at(place: impl Display, cause: impl Into<Self>) -> Self {
         Self::At(place.to_string(), Box::new(cause.into()))
     }
@@ -63,7 +63,7 @@ impl Error {
         Self::NotAllowed { what: what.into(), allowed: allowed.into() }
     }
 
-    /// What a failure becomes of what was to be done (`read`, …) with a file or the like, for `map_err`.
+    /// For `map_err`: makes the failure to do `act` (a verb, such as `read`) with a file or the like an error.
     pub fn cannot<E: Into<Cause>>(act: &str, with: &dyn Display) -> impl Fn(E) -> Self + use<E> {
         let what = format!("{act} {with}");
         move |cause| Self::Io(what.clone(), cause.into())

@@ -1,7 +1,7 @@
-//! A run on a PC: the scene, the software plant, the network, two peers stepped together, and the outcome.
+//! Simulation of two haptic peers on a PC: the scene, devices and users, the network, and the outcome of a run.
 //!
-//! The peers themselves are `haptic_core`, the same lines that fly on the board. What a program needs that runs scenes stands here at
-//! the root; the modules say the rest:
+//! The peers are those of `haptic_core`, the same code that runs on the board; its page also says what THEORY and the
+//! two papers are that comments cite. What a program needs that runs scenes stands here at the root:
 //!
 //! ```
 //! use haptic_sim::{Laws, Options, Pair, Scene, run, scenes};

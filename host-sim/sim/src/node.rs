@@ -1,13 +1,14 @@
-//! One peer on a wire, whoever brings the time and the datagrams: the tick and exchange that fly, a simulated device in a
-//! simulated hand, a sealed link.
+//! One peer behind a sealed (encrypted) link: haptic-core's peer, its simulated device and user, and the link. The
+//! caller brings time and datagrams.
 //!
-//! Each control period: [`Node::receive`] for every datagram that came, then [`Node::tick`]. Real time, a flood and restarts in
-//! virtual time drive the same lines.
+//! Each control period: [`Node::receive`] for every datagram that came, then [`Node::tick`]. Real-time programs and
+//! trials in virtual time (floods of packets, restarts) use the same code.
 //!
-//! **Who fades what.** The link knows *who* is there: it tells when a session begins and ends, and a peer that is notified of an
-//! end lets go at once. The peer's own degradation (`haptic_core::law::degradation`) knows *how much* comes: it fades packets
-//! through silence and steps up again from no force. The link's level ([`Link::engagement`]) is the same degradation in time, for
-//! a caller that has none of its own; here it only goes into the report, for two degradations in a row would fade twice.
+//! **Who fades what.** The link knows *who* is there: it reports when a session begins and ends, and a peer that is
+//! notified of an end disengages at once. The peer's own degradation (`haptic_core::law::degradation`) knows *how much*
+//! comes: it fades packets through silence and steps up again from no force. The link's level ([`Link::engagement`]) is
+//! the same degradation in time, for a caller that has none of its own; here it only goes into the report, for two
+//! degradations in a row would fade twice.
 //!
 //! A node calls until flow is heard, then arms, disengaged, and runs the scene's user from there. Peers compute in f32, as
 //! the board does. Of an object that is shared along several axes one datagram has the packets of all of them.
@@ -27,12 +28,12 @@ use haptic_protocol::{ends::Ends, key::Key};
 use crate::peers::{Builds, DynPeer};
 use crate::{plant::Plant, scene::Scene};
 
-/// A link that hands each datagram to whoever sends it.
+/// A link that passes each datagram to a function that sends it.
 pub trait Transmit {
-    /// Says a message; whether there was a session to say it in.
+    /// Sends a message, sealed, by `send`; false if there is no session to send it in. `now_us` is the time, µs.
     fn say(&mut self, now_us: u64, message: impl Into<Message>, send: impl FnMut(&[u8])) -> bool;
 
-    /// Says what the link itself has to: calls, answers, events, probes.
+    /// Sends what is due of the link's own messages: calls, answers, events, probes. `now_us` is the time, µs.
     fn say_due(&mut self, now_us: u64, send: impl FnMut(&[u8]));
 }
 
@@ -60,7 +61,7 @@ pub struct Node<const SHARED: usize = 1, const N: usize = AXES> {
     halted: bool,
     /// Its clutch is open.
     clutched: bool,
-    /// Its end of the line to the other one.
+    /// Its end of the sealed line to the other node.
     pub line: Line<SHARED>,
     period_s: f64,
     /// Control periods since the start.
@@ -73,10 +74,10 @@ pub struct Node<const SHARED: usize = 1, const N: usize = AXES> {
     until_telemetry: u32,
 }
 
-/// Time from telemetry to telemetry, s, unless [`Node::telling_every`] says another.
+/// Default time between two telemetry messages, s; [`Node::telling_every`] sets another.
 pub const TELEMETRY_S: f64 = 0.5;
 
-/// Notices of a line that are kept.
+/// Most notices of a line that are kept; older ones are dropped.
 pub const MOST_NOTICES: usize = 256;
 
 /// One end of the sealed line between the two peers of a scene, and what has come over it.
@@ -86,13 +87,13 @@ pub struct Line<const SHARED: usize = 1> {
     pub link: Link,
     /// The flow that has come and waits for its exchange.
     pub inbox: Inbox<SHARED>,
-    /// What the other one last said about itself, every half second.
+    /// Newest telemetry of the other peer, which it sends every [`TELEMETRY_S`] by default.
     pub heard: Option<Telemetry>,
     /// What the link has reported, in order, with the time of each in µs: the newest [`MOST_NOTICES`].
     pub notices: VecDeque<(u64, Notice)>,
-    /// How many there were.
+    /// Number of notices so far, dropped ones included.
     pub noticed: u64,
-    /// Lives of the other one that there were.
+    /// Number of starts of the other peer that were noticed: its first, and each restart.
     pub lives: u64,
 }
 
@@ -275,17 +276,17 @@ where
         self.halted
     }
 
-    /// Another force on its device in the next tick, beside the user's, N.
+    /// Lets another force act on its device beside the user's from the next tick on, N toward positive x.
     pub fn pull(&mut self, force_n: f64) {
         self.plant.pull(force_n);
     }
 
-    /// What the wall in the room of its device pushes with, N; 0 without one.
+    /// Force of the wall that its device can meet, N; 0 without one.
     pub fn wall_n(&self) -> f64 {
         self.plant.wall_n()
     }
 
-    /// What the last tick saw and did, along the first shared axis.
+    /// Motions and forces of the last tick along the first shared axis.
     pub fn observed(&self) -> &Observed<f32> {
         self.peer.observed()[0]
     }
@@ -295,7 +296,7 @@ where
         self.plant.motions()[0]
     }
 
-    /// Tells the other one that this one ends.
+    /// Notifies the other peer that this one ends its session.
     pub fn goodbye(&mut self, now_us: u64, send: impl FnMut(&[u8])) {
         self.line.link.say(now_us, Goodbye {}, send);
     }
@@ -333,7 +334,8 @@ where
         plant
     }
 
-    /// How the node stands with the other one: what a datagram that is not the other one's must never change.
+    /// What a datagram of a third party must never change: stage of the link, its engagement as bits, packets taken,
+    /// events under way, tick of the newest flow, and whether the peer is engaged.
     pub fn standing(&self) -> (Stage, u32, u32, usize, Option<u32>, bool) {
         let link = &self.line.link;
         let tick = self.line.inbox.newest().map(|flow| flow.tick);

@@ -15,19 +15,19 @@ use crate::network::link::{Inbox, Numbered, Route};
 use crate::peers::{Builds, DynPeer, Number};
 use crate::{network::rule::Direction, plant::Plant, scene::Scene};
 
-/// What a peer reads and moves: a plant, several side by side, or a device of somebody else's.
+/// A device that a peer reads and drives: a simulated plant, several side by side in lanes, or a caller's own.
 ///
 /// Lengths, speeds and forces are of the shared world ([`haptic_core::device::scale`]): m, m/s, N.
 pub trait Device<S: Scalar, const N: usize = AXES> {
-    /// What the peer's sensors say now.
+    /// Readings of the peer's sensors now.
     fn sensors(&self) -> Sensors<S, N>;
-    /// One control period from `time_s` on, under what the peer commands.
+    /// Moves the device by one control period from `time_s` (s) on, under the forces or duties that the peer commands.
     fn step(&mut self, time_s: f64, actuators: &Actuators<S, N>);
     /// Whether the clutch is held open at `time_s`.
     fn clutches(&self, _time_s: f64) -> bool {
         false
     }
-    /// Where each axis is before the first tick, at rest: where the sensors say, or, of encoders that count from there, at zero.
+    /// Motion of each axis before the first tick, at rest: as the sensors read, or zero with encoders.
     fn start(&self) -> [Motion<S>; N] {
         match self.sensors().reading {
             Reading::Exact(axes) => axes.map(|axis| Motion::at(axis.position)),
@@ -61,7 +61,7 @@ pub struct Side<S: Scalar, D = Plant, const SHARED: usize = 1, const N: usize = 
     /// The peer's device and user.
     pub plant: D,
     inbox: Inbox<[Packet<S>; SHARED]>,
-    /// The seat that its packets are for.
+    /// Index of the seat that its packets are sent to.
     to: usize,
     /// Packet periods so far: the number of the next packet.
     number: u64,
@@ -81,7 +81,7 @@ pub struct Side<S: Scalar, D = Plant, const SHARED: usize = 1, const N: usize = 
 }
 
 impl<S: Builds<SHARED, N>, D: Device<S, N>, const SHARED: usize, const N: usize> Side<S, D, SHARED, N> {
-    /// Peer `index` (0 or 1) of a scene at this device, armed and at rest, which writes to seat `to`.
+    /// Peer `index` (0 or 1) of a scene at this device, armed and at rest, which sends to seat `to`.
     ///
     /// # Errors
     /// What the peer refuses; `axis.shared` that is not `SHARED`.
@@ -166,14 +166,14 @@ impl<S: Scalar, D: Device<S, N>, const SHARED: usize, const N: usize> Actor<usiz
     }
 }
 
-/// What a tick of a peer read and did.
+/// What a peer received, read and commanded in one tick.
 #[derive(Debug)]
 pub struct PeerTick<'a, S: Scalar, const SHARED: usize = 1, const N: usize = AXES> {
     /// Number of the peer, 1 or 2.
     pub number: usize,
     /// Packets that the peer heard before the tick, one for each shared axis.
     pub heard: Option<[Packet<S>; SHARED]>,
-    /// An exchange was due before the tick.
+    /// Whether an exchange of packets was due before the tick.
     pub exchanged: bool,
     /// What the tick read.
     pub sensors: &'a Sensors<S, N>,

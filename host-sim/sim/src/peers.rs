@@ -1,9 +1,10 @@
-//! Peers behind one door, whatever their law and number type: what everything that runs a scene on a PC holds.
+//! [`DynPeer`], one trait for peers of every law and mechanism, which everything that runs scenes on a PC holds; and
+//! the list of laws.
 //!
-//! Behind [`DynPeer`] runs the very peer that flies; one virtual call a tick is little beside what a tick computes. [`Laws`] says which
-//! laws there are: a program with a law of its own adds it once, as a [`Family`], and every scene that is loaded with these laws takes
-//! its name, its keys, and builds its peers. How many axes share the object is a type; [`of_axes!`](crate::of_axes) goes from a
-//! scene's number to it.
+//! Behind [`DynPeer`] is the peer that runs on the board; one virtual call a tick is little beside what a tick
+//! computes. [`Laws`] lists the laws that a scene may name: a program with a law of its own adds it once, as a
+//! [`Family`], and every scene that is loaded with these laws takes its name, its keys, and builds its peers. How many
+//! axes share the object is a type; [`of_axes!`](crate::of_axes) goes from a scene's number to it.
 
 use std::fmt::Debug;
 
@@ -72,9 +73,9 @@ dyn_peer! {
     fn hear(self: &mut Self, packets: &[Packet<S>; SHARED]);
     /// One packet period: gives what to send, if anything.
     fn exchange(self: &mut Self) -> Option<[Packet<S>; SHARED]>;
-    /// The first half of it: what to send.
+    /// The first half of an exchange: gives what to send, if anything.
     fn speak(self: &mut Self) -> Option<[Packet<S>; SHARED]>;
-    /// The second half of it: counts silence.
+    /// The second half of an exchange: counts silence.
     fn listen(self: &mut Self);
     /// The packets that the peer would send now.
     fn outgoing(self: &Self) -> [Packet<S>; SHARED];
@@ -82,9 +83,9 @@ dyn_peer! {
     fn packet_due(self: &Self) -> bool;
     /// Carries out an operator's command.
     fn command(self: &mut Self, command: Command);
-    /// What the other peer sends is too old to be taken.
+    /// Reports that packets of the other peer come but are too old to be used.
     fn delayed(self: &mut Self);
-    /// Lets go of the other peer until a packet comes.
+    /// Disengages from the other peer until a packet comes.
     fn part(self: &mut Self);
     /// Begins a probe, if disarmed.
     fn probe(self: &mut Self, probe: Probe<S>);
@@ -94,7 +95,7 @@ dyn_peer! {
     fn mode(self: &Self) -> Mode;
     /// Whether the coordination acts.
     fn is_engaged(self: &Self) -> bool;
-    /// What the last tick saw and did along each shared axis.
+    /// Motions and forces of the last tick along each shared axis.
     fn observed(self: &Self) -> [&Observed<S>; SHARED];
     /// Energy that crossed the network port of each shared axis since arming.
     fn ledger(self: &Self) -> [&Ledger<S>; SHARED];
@@ -155,7 +156,7 @@ impl<S: Scalar> Makes<S> {
     }
 }
 
-/// What peers a family makes, by number type.
+/// Constructors of the peers of one family of laws, one for each number type.
 #[derive(Clone, Copy, Debug)]
 pub struct Maker {
     laws: &'static [LawInfo],
@@ -181,7 +182,7 @@ impl Maker {
     }
 }
 
-/// A number type in which peers that share `SHARED` axes of a device of `N` can be asked for.
+/// A number type in which peers that share `SHARED` axes of a device of `N` can be built.
 pub trait Builds<const SHARED: usize, const N: usize>: Scalar {
     /// How a family makes them.
     #[doc(hidden)]
@@ -249,10 +250,10 @@ impl Laws {
         Self { schema: Schema::BUILT_IN, makers: &BUILT_IN }
     }
 
-    /// These and one more. What there is to know about laws is kept for the life of the program.
+    /// These laws and those of one more family. The list stays in memory for the life of the program.
     ///
     /// # Panics
-    /// The law, or a key of its own, is called like one that is there.
+    /// A law, or a key of its own, has a name that is taken.
     #[must_use]
     pub fn with<F: Family>(self) -> Self {
         self.with_laws::<F>(<F::Of<f64> as Law<f64>>::LAWS)

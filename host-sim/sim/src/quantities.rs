@@ -5,7 +5,7 @@ use haptic_core::sample::Quantities;
 /// A column: its name, which ends in its unit, and what it means.
 pub type Named = (&'static str, &'static str);
 
-/// Of both.
+/// The column of the true discrepancy between both peers' copies, m.
 pub const TRUE_DISCREPANCY: Named = ("true_discrepancy_m", "distance of the two copies at one instant, |x_o1 - x_o2|");
 
 /// `before`, every quantity that a recording of a tick has, and `behind`: of the peer, then `between`, then of one shared axis.

@@ -31,13 +31,13 @@ use crate::peers::{Builds, Number};
 use crate::plant::Plant;
 use crate::scene::Scene;
 
-/// Tells how far a long run is, in ticks.
+/// Is called every 10,000 ticks with the number of ticks done, to report how far a long run is.
 pub type Progress<'a> = &'a dyn Fn(u64);
 
-/// Tells how far a long run is, in ticks, and answers whether it is to go on.
+/// Is called every 10,000 ticks with the number of ticks done; answers whether the run is to go on.
 pub type GoOn<'a> = &'a dyn Fn(u64) -> bool;
 
-/// Sees rows, each with its axis, from 0.
+/// Is called with every recorded row, as the index of its shared axis (from 0) and the values of its columns.
 pub type EachRow<'a> = &'a dyn Fn(usize, &[f64]);
 
 /// A number type in which scenes are run.

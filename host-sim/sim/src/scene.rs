@@ -41,12 +41,12 @@ impl Choice for Jitter {
     const ALL: &'static [Self] = &[Self::None, Self::Uniform, Self::Gamma, Self::Pareto];
 }
 
-/// What makes a motor's current.
+/// What a motor's duty means to a simulated winding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DriveName {
-    /// The duty is a share of the supply.
+    /// A voltage, as a share of the supply.
     Voltage,
-    /// The duty is the reference of core's current loop.
+    /// A current: the reference of haptic-core's current loop.
     Current,
 }
 
@@ -55,14 +55,14 @@ impl Choice for DriveName {
     const ALL: &'static [Self] = &[Self::Voltage, Self::Current];
 }
 
-/// What goes wrong with the first joint of the first device.
+/// A simulated failure of the first joint of the first device, its motor, power stage or encoder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PlantFault {
-    /// Nothing is wrong with it.
+    /// No failure.
     None,
-    /// The motor's wire is off.
+    /// A wire of the motor is disconnected.
     OpenMotor,
-    /// The motor's wires touch each other.
+    /// The wires of the motor are short-circuited.
     ShortedMotor,
     /// The current's sensor reads zero.
     DeadSense,
@@ -72,27 +72,27 @@ pub enum PlantFault {
     SenseAtEnd,
     /// The bridge gives a fifth of its supply while it is off.
     ConductingBridge,
-    /// The bridge does not obey its enable.
+    /// The bridge drives its motor whether or not it is enabled.
     IgnoredEnable,
-    /// The supply of the bridges falls to 0.6 of itself.
+    /// The supply voltage of the bridges falls to 0.6 of its value.
     LowSupply,
-    /// It rises to 1.4 of itself.
+    /// The supply voltage of the bridges rises to 1.4 of its value.
     HighSupply,
-    /// Something holds the device fast.
+    /// The device is held fast, so that it cannot move.
     Held,
-    /// The encoder stays where it is.
+    /// The encoder does not count any more.
     EncoderStuck,
-    /// Its channel A is dead.
+    /// Channel A of the encoder is dead.
     EncoderWithoutA,
-    /// Its channel B is.
+    /// Channel B of the encoder is dead.
     EncoderWithoutB,
-    /// It goes to and fro by one count, tick by tick.
+    /// The encoder does not follow the joint, but alternates by one count from tick to tick.
     EncoderDithers,
-    /// It counts the other way.
+    /// The encoder counts in the wrong direction.
     EncoderReversed,
-    /// It counts half of the edges.
+    /// The encoder counts only half of the edges.
     EncoderHalved,
-    /// It loses 40 counts, once.
+    /// The encoder loses 40 counts, once.
     EncoderLoses,
 }
 
@@ -140,10 +140,10 @@ impl Choice for PlantFault {
 }
 
 haptic_core::settings! {
-    /// The world around the peers.
+    /// Settings of the world around the peers: devices and their imperfections, and the network.
     pub struct World;
 
-    /// The haptic device that both users hold one of, unless one end has its own.
+    /// The haptic device, of which each user holds one, unless one end has its own.
     device: Device {
         mass_kg: f64 = 0.1, number(1e-4, 1e3), "kg", "Moving mass m_HD.";
         damping_n_s_per_m: f64 = 1.0, number(0.0, 1e4), "N·s/m", "Viscous damping b_HD.";
@@ -212,7 +212,7 @@ haptic_core::settings! {
 }
 
 impl PlantSettings {
-    /// Counts of the timer that are all of the supply, or full duty.
+    /// Timer counts of full duty, at which a bridge gives its whole supply.
     pub fn timer_counts(&self) -> u16 {
         match self.pwm_steps {
             0 => Duty::FULL_SCALE.unsigned_abs(),
@@ -225,11 +225,11 @@ impl PlantSettings {
 /// A scene: peers, devices, users and the network between the peers.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
-    /// The laws that it may name.
+    /// The coordination laws that the scene may name.
     pub laws: Laws,
     /// Settings of both peers, unless one has its own; peer 2 is on the other side of the object.
     pub peer: Settings,
-    /// The world around them.
+    /// Settings of the world around the peers: devices and network.
     pub world: World,
     /// The users at the two devices.
     pub users: [User; 2],
@@ -291,7 +291,7 @@ impl Scene {
         settings
     }
 
-    /// A number that tells these settings from others, whatever the seed.
+    /// A hash (FNV-1a, 32 bits) of all settings but the network's seed, to tell scenes from each other.
     pub fn fingerprint(&self) -> u32 {
         let settings = self.settings();
         let bytes = settings.iter().filter(|(key, _)| key != "network.seed").flat_map(|(key, value)| [key, value]);
@@ -493,7 +493,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Whether a device's mass couples its axes.
+    /// Whether the inertia of a device's joints couples its axes.
     pub fn is_coupled(&self) -> bool {
         self.devices().iter().any(|device| device.joint_inertia > 0.0)
     }

@@ -12,7 +12,7 @@ macro_rules! scenes {
     };
 }
 
-/// Name and text of every scene of the cooperation paper's kind: those that tables go through.
+/// Name and TOML text of the built-in scenes of two peers that tables of scenes list.
 pub const ALL: &[(&str, &str)] = scenes![
     "paper-5.1-power-16ms",
     "paper-5.1-wave-16ms",
@@ -37,7 +37,7 @@ pub fn known() -> impl Iterator<Item = &'static (&'static str, &'static str)> {
     ALL.iter().chain(OTHERS)
 }
 
-/// The text of the built-in scene called `name`, if there is one.
+/// TOML text of the built-in scene called `name`, if there is one.
 pub fn text(name: &str) -> Option<&'static str> {
     known().find(|(known, _)| *known == name).map(|(_, text)| *text)
 }
@@ -50,7 +50,7 @@ pub fn load(laws: Laws, name: &str) -> Result<Scene, Error> {
     Scene::of_text(laws, text(name).ok_or_else(|| unknown(name))?, name, None, &[])
 }
 
-/// The built-in scene that is meant, by its name, where there is no such file; a bare word is nothing else.
+/// Name of the built-in scene that `scene` means; none if it is the path of a file, or not given.
 ///
 /// # Errors
 /// A bare word that names neither a file nor a built-in scene.

@@ -14,7 +14,7 @@ haptic_core::settings! {
     /// The settings of a user, apart from a trace.
     pub struct UserSettings;
 
-    /// One user.
+    /// Profile of one user: forces on the device, a reach through the arm, a wall in the room, and the clutch.
     user: Profile {
         push_n: f64 = 0.0, number(-1000.0, 1000.0), "N", "Steady push.";
         pulse_n: f64 = 0.0, number(-1000.0, 1000.0), "N", "Height of a pulse, repeated from time 0.";
@@ -45,10 +45,10 @@ haptic_core::settings! {
     }
 }
 
-/// A user: profile and trace.
+/// A simulated user: the profile of forces and arm, and a recorded force.
 #[derive(Clone, Debug, Default)]
 pub struct User {
-    /// Profile, amplitude and arm of the user.
+    /// Forces, arm, wall and clutch of the user.
     pub settings: UserSettings,
     /// A recorded force, if any.
     pub trace: Option<Trace>,

@@ -17,7 +17,7 @@ use wide::{f32x16, f64x8};
 
 use crate::measure::Figure;
 
-/// Scenes side by side.
+/// Number of scenes that are stepped side by side, one in each lane.
 pub const LANES: usize = 16;
 const ALL: u32 = (1 << LANES) - 1;
 
@@ -37,7 +37,7 @@ thread_local! {
     static SOURCE: RefCell<ConstantSource> = const { RefCell::new(ConstantSource::Off) };
 }
 
-/// The lanes that have left since [`super::Pairs::new`], as bits.
+/// Lanes that have left since [`super::Pairs::new`], as a bit mask: their numbers mean nothing any more.
 pub fn lanes_left() -> u32 {
     LEFT.get()
 }

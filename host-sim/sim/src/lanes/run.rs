@@ -13,7 +13,7 @@ use crate::scene::Scene;
 /// Fewest scenes that are worth lanes.
 const FEWEST: usize = 3;
 
-/// A number type whose lanes there are.
+/// A number type in which scenes can be run in lanes.
 pub trait InLanes: Run {
     /// The type that holds a number for each lane.
     type Lanes: Lanes<Alone = Self> + Number;

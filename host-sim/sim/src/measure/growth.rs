@@ -29,7 +29,7 @@ impl<F: Figure> Growth<F> {
 }
 
 impl Growth {
-    /// The largest there was.
+    /// The largest value so far.
     pub fn largest(&self) -> f64 {
         self.largest.iter().copied().fold(0.0, f64::max)
     }
@@ -58,7 +58,7 @@ impl<F: Figure> Forces<F> {
         Self { last: Vec::new(), peak: F::ZERO, changes: Growth::new(ticks) }
     }
 
-    /// Takes in the forces of a tick, always as many.
+    /// Takes in the forces of a tick, N; as many in every tick.
     #[inline]
     pub fn see(&mut self, tick: u64, forces: impl IntoIterator<Item = F>) {
         for (at, force) in forces.into_iter().enumerate() {
@@ -79,12 +79,12 @@ impl<F: Figure> Forces<F> {
 }
 
 impl Forces {
-    /// Those of the last tick.
+    /// Forces of the last tick, N.
     pub fn last(&self) -> &[f64] {
         &self.last
     }
 
-    /// The largest there was.
+    /// The largest absolute force so far, N.
     pub fn peak(&self) -> f64 {
         self.peak
     }

@@ -39,34 +39,34 @@ const WINDOW_S: f64 = 1.0;
 /// By how much of itself an answer may differ from one projection to the next.
 const REPEATS: f64 = 0.02;
 
-/// What the other user does.
+/// What the user at the far device does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RemoteEnd {
     /// Holds the device where it is.
     Held,
-    /// Has let go: no contact there.
+    /// Has let go, and there is no contact between that device and the object.
     LetGo,
-    /// Is not there: the device goes where the object takes it.
+    /// Is not there: the object takes the far device along.
     Alone,
 }
 
-/// What both ends answer to a hand, per speed of that hand.
+/// Frequency response of both ends to a hand's motion, per speed of that hand.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Answer {
     /// What the hand feels, N·s/m.
     pub impedance: Complex,
-    /// Position of the far device over that of the hand's.
+    /// Position of the far device over that of the device in the hand, without unit.
     pub motion: Complex,
     /// Force with which the far motor pushes its device on, N·s/m.
     pub pushed: Complex,
 }
 
-/// A number of two parts.
+/// A complex number, the amplitude and phase of a signal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Complex {
-    /// Part in phase with the speed.
+    /// Real part: in phase with the speed.
     pub re: f64,
-    /// Part a quarter of a period before it.
+    /// Imaginary part: a quarter of a period ahead of the speed.
     pub im: f64,
 }
 
@@ -103,7 +103,8 @@ pub fn frequencies_hz(scene: &Scene) -> Vec<f64> {
     found.into_iter().map(|ticks| 1.0 / (f64::from(ticks) * timing.control_period_s)).collect()
 }
 
-/// By what a motor that holds each force for a control period, late as this device's is, answers to a force.
+/// Force of a motor that is commanded `force`, holds it for a control period (s) and is late as this device's:
+/// H·`force`, `omega` in rad/s.
 pub fn held(device: &scene::Device, omega: f64, period_s: f64, force: Complex) -> Complex {
     let half = 0.5 * omega * period_s;
     let late = -omega * period_s * (device.force_delay_ticks + 0.5);
@@ -111,7 +112,7 @@ pub fn held(device: &scene::Device, omega: f64, period_s: f64, force: Complex) -
     Complex { re: share * late.cos(), im: share * late.sin() }.times(force)
 }
 
-/// The impedance of this device in a hand, its motor commanded to resist with so much per speed.
+/// Impedance of this device in a hand, N·s/m, with a motor commanded to resist by `resists` (N·s/m) at `omega` (rad/s).
 pub fn of_device(device: &scene::Device, omega: f64, period_s: f64, resists: Complex) -> Complex {
     let rendered = held(device, omega, period_s, resists);
     Complex { re: device.damping_n_s_per_m + rendered.re, im: device.mass_kg * omega + rendered.im }

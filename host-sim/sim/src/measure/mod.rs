@@ -14,13 +14,13 @@ use serde::Serialize;
 pub trait Figure: Scalar<Counter = Self> {
     /// The number one half.
     const HALF: Self;
-    /// The larger; where one is no number, the other.
+    /// The larger of two numbers; where one is NaN, the other.
     #[must_use]
     fn larger(self, other: Self) -> Self;
-    /// Itself if it is finite, else infinite.
+    /// The number itself if it is finite, else infinity.
     #[must_use]
     fn or_infinite(self) -> Self;
-    /// Square root; no number of what is negative.
+    /// Square root; NaN of a negative number.
     #[must_use]
     fn root(self) -> Self;
 }
@@ -41,7 +41,7 @@ impl Figure for f64 {
     }
 }
 
-/// Mean and standard deviation.
+/// Mean and standard deviation of a quantity, in its unit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Statistics {
     /// Mean of the values.
@@ -87,7 +87,7 @@ impl<const N: usize, F: Figure> LastHalf<N, F> {
 }
 
 impl<const N: usize> LastHalf<N> {
-    /// The means; no number of nothing.
+    /// The means of the `N` quantities; NaN before any value was taken in.
     pub fn means(&self) -> [f64; N] {
         self.sums.map(|sum| sum / self.count as f64)
     }

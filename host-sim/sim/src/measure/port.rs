@@ -81,7 +81,7 @@ impl<F: Figure> ObjectPort<F> {
         Self { period_s, stiffness_n_per_m, before: None, booked: PortEnergy::default() }
     }
 
-    /// What the next tick saw; with it the work of the tick before is known.
+    /// Takes in motions and force of the next tick; with them the work of the tick before is known.
     #[inline]
     pub fn see(&mut self, seen: &Observed<F>) {
         if let Some((force, velocity)) = self.before.replace((seen.coordination_force, seen.object.velocity)) {
@@ -113,7 +113,7 @@ impl<F: Figure> ObjectPort<F> {
 }
 
 impl ObjectPort {
-    /// With what crossed the network port.
+    /// The account of both ports, given the energy that crossed the network port, J.
     pub fn with_network(&self, received_j: f64, sent_j: f64) -> PortEnergy {
         PortEnergy { received_j, sent_j, ..self.booked }
     }

@@ -1,4 +1,4 @@
-//! [`Link`]: one way of a network, from one end to the other; [`Inbox`]: which of what has come the receiver takes.
+//! [`Link`]: one direction of a network, from one end to the other; [`Inbox`]: which packets the receiver takes.
 //!
 //! Time is nanoseconds throughout, of the sender's or any other clock that all calls share. What is due by a time is
 //! delivered in the order in which it was due, and of things due at once in the order in which they were sent.
@@ -13,7 +13,7 @@ use crate::scene::Scene;
 
 /// A packet as the network carries it.
 pub trait Payload: ToOwned<Owned: BorrowMut<Self>> {
-    /// Breaks it as a line does. False where what is broken is not delivered, because it would not pass the seal.
+    /// Corrupts it as a transmission error does. False where it is then lost, for it would not pass the seal.
     fn corrupt(&mut self) -> bool {
         false
     }
@@ -53,7 +53,7 @@ impl<T: Clone> Payload for Numbered<T> {
     }
 }
 
-/// What became of what one way was given.
+/// What became of the packets that were sent in one direction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub struct Counts {
     /// Number of packets that were sent.
@@ -66,25 +66,25 @@ pub struct Counts {
     pub corrupt: u64,
 }
 
-/// What one way of a network does to packets: a constant delay, and what a rule says.
+/// What one direction of a network does to packets: a constant delay, and a rule that decides the fate of each.
 #[derive(Default)]
 pub struct Route {
     /// Delay of every packet, ns.
     pub delay_ns: u64,
     /// Whether every packet is dropped.
     pub cut: bool,
-    /// What becomes of each packet; none, and it passes.
+    /// The rule that decides the fate of each packet; without one every packet passes.
     pub rule: Option<Box<dyn Rule>>,
     counts: Counts,
 }
 
 impl Route {
-    /// A delay and nothing else.
+    /// A route with this delay (ns) that changes, loses and repeats nothing.
     pub fn new(delay_ns: u64) -> Self {
         Self { delay_ns, ..Self::default() }
     }
 
-    /// The direction's network as the scene describes it, on line `line` of several with streams of their own.
+    /// The route in this direction as the scene describes it; each `line` of several has its own random numbers.
     pub fn of_scene(scene: &Scene, direction: Direction, line: u32) -> Self {
         let packets = u64::from(scene.world.network.one_way_delay_packets);
         let rule = of_scene(scene, direction, line);
@@ -160,7 +160,7 @@ impl<T> InFlight<T> {
     }
 }
 
-/// One way of a network, and what is on it.
+/// One direction of a network, and the packets that are under way in it.
 pub struct Link<P: Payload + ?Sized> {
     route: Route,
     in_flight: InFlight<P::Owned>,
@@ -171,7 +171,7 @@ pub struct Link<P: Payload + ?Sized> {
 }
 
 impl<P: Payload + ?Sized> Link<P> {
-    /// Over a route, however much is on it.
+    /// A link over this route that holds any number of packets.
     pub fn new(route: Route) -> Self {
         Self { route, in_flight: InFlight::default(), room: usize::MAX, crowded: 0 }
     }
@@ -205,7 +205,7 @@ impl<P: Payload + ?Sized> Link<P> {
         Some(taken)
     }
 
-    /// What became of the packets so far; what there was no room for is lost.
+    /// What became of the packets so far; those that found no room count as lost.
     pub fn counts(&self) -> Counts {
         let counts = self.route.counts();
         Counts { sent: counts.sent - self.crowded, lost: counts.lost + self.crowded, ..counts }
@@ -256,7 +256,7 @@ impl<T> Buffered<T> {
 }
 
 impl<T> Inbox<T> {
-    /// As the scene asks for; the receiver looks every `every` ticks.
+    /// An empty inbox with the scene's play-out buffer, if any; the receiver takes from it every `every` ticks.
     pub fn new(scene: &Scene, every: u32) -> Self {
         let (depth, timing) = (scene.world.network.playout_packets, &scene.peer.timing);
         let buffered = || Buffered {

@@ -1,4 +1,5 @@
-//! The network between peers: what becomes of each packet, and what is on its way.
+//! The simulated network between peers: the fate of each packet, drawn or from any [`rule`] or a recorded [`trace`],
+//! and the packets that are under way in each direction ([`link`]).
 
 pub mod link;
 pub mod rule;

@@ -1,6 +1,6 @@
 //! [`Rule`]: what becomes of each packet, how late it arrives, how often, broken or not at all.
 //!
-//! Drawn from a seed by the scene's `network` table, read from a trace, or said by any closure.
+//! A rule is drawn from a seed by the scene's `network` table, read from a trace, or any closure.
 
 use std::sync::Arc;
 
@@ -37,7 +37,7 @@ impl Fate {
     }
 }
 
-/// Says of every packet on one way of a network what becomes of it.
+/// Decides what becomes of every packet in one direction of a network.
 ///
 /// The network table of a scene is a rule, a recorded trace is one, and so is any closure: `|number, _| if number % 3 == 0
 /// { Fate::Drop } else { Fate::Pass }` loses every third packet in the [`crate::engine`], in a relay and in a test alike.

@@ -174,7 +174,7 @@ impl Drive {
         })
     }
 
-    /// Something goes wrong with it, now.
+    /// Makes motor, bridge or sensor fail in this way from now on.
     pub fn fail(&mut self, fault: PlantFault) {
         self.fault = fault;
         self.winding.supply_v *= match fault {
@@ -193,7 +193,7 @@ impl Drive {
         }
     }
 
-    /// The bridge lets go, and the loop forgets.
+    /// Turns the bridge off and resets the current loop.
     pub fn off(&mut self) {
         (self.now, self.next, self.voltage) = (OFF, OFF, 0);
         if self.fault != PlantFault::ConductingBridge {

@@ -1,4 +1,4 @@
-//! The software plant: one haptic device in the hand of its user.
+//! The simulated device (plant): one haptic device in the hand of its user.
 //!
 //! m·ẍ + b·ẋ + k·x = F_motor + F_user along every axis, advanced exactly (matrix exponential) for forces that are constant
 //! in pieces: the old motor force for τ of a tick, then the new one; the user's force, sampled at the start of the tick,
@@ -224,12 +224,12 @@ impl<const N: usize> Plant<N> {
         self.user.clutches(time_s)
     }
 
-    /// What the wall in its room pushes with, N; 0 without one.
+    /// Force of the wall that the device can meet (`user.….wall_m`), N; 0 without one.
     pub fn wall_n(&self) -> f64 {
         self.wall.as_ref().map_or(0.0, Wall::force_n)
     }
 
-    /// The hand holds still, and the motors are off.
+    /// Stops the device, as a hand does that holds it still, with the motors off.
     pub fn rest(&mut self) {
         for motion in &mut self.motions {
             motion.velocity = 0.0;
@@ -273,15 +273,16 @@ impl<const N: usize> Plant<N> {
         }
     }
 
-    /// A control period that begins at `time_s`, of a device whose power stage is somebody else's: what stays as it is through it. None without
-    /// windings.
+    /// Begins a control period at `time_s` (s) of a device whose power stage is computed elsewhere, as on a virtual
+    /// board: gives what is constant through it, for [`Plant::period`]. None without windings.
     pub fn begin(&mut self, time_s: f64) -> Option<Held<N>> {
         self.fail_at(time_s);
         let joints = self.joints.as_ref().filter(|_| self.windings.is_some())?;
         Some(Held { pushes: self.pushes(time_s), pose: joints.pose(self.motions) })
     }
 
-    /// One PWM period of it, under these voltages (counts; none of a bridge that is off): what the converters read. Without a beginning, nothing moves.
+    /// One PWM period under these voltages (timer counts; none where a bridge is off): what the current converters
+    /// read. Without [`Held`] from [`Plant::begin`] nothing moves.
     pub fn period(&mut self, held: Option<&Held<N>>, voltages: [Option<i32>; N]) -> [u16; N] {
         let Some(mut windings) = self.windings.take() else { return [0; N] };
         let speeds = held.map_or([0.0; N], |held| held.pose.speeds(self.motions));
@@ -305,7 +306,7 @@ impl<const N: usize> Plant<N> {
         self.windings.as_ref().map(|windings| windings.drives[0].supply_v())
     }
 
-    /// Something goes wrong with the first joint, now.
+    /// Makes the first joint fail in this way from now on.
     pub fn fail(&mut self, fault: PlantFault) {
         self.held |= fault == PlantFault::Held;
         if let Some(encoders) = &mut self.encoders {

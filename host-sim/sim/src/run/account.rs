@@ -1,4 +1,4 @@
-//! Account of a run along one axis: what its [`AxisOutcome`] is formed of, tick by tick, the same for simulated peers and for boards.
+//! Account of a run along one axis, tick by tick, of which its [`AxisOutcome`] is formed.
 
 use std::array::from_fn;
 
@@ -24,11 +24,11 @@ const OF_PORT: [Named; 2] = [
     ),
 ];
 
-/// And of both.
+/// What is recorded of both peers together.
 const OF_BOTH: [Named; 2] =
     [TRUE_DISCREPANCY, ("decoded_discrepancy_2_m", "distance of peer 2's copy from its x_d, |x_o2 - x_d|")];
 
-/// A peer after a tick.
+/// State of one peer along one shared axis after a tick, as an [`Account`] takes it in.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Ticked<F = f64> {
     observed: Observed<F>,
@@ -39,7 +39,8 @@ pub struct Ticked<F = f64> {
 }
 
 impl<F: Figure> Ticked<F> {
-    /// What a tick saw and did, the energy from and to the network so far (J), the mode, and whether the coordination acts.
+    /// From motions and forces of a tick, the energy from and to the network so far (J), the mode, and whether the law
+    /// acts (the peer is engaged).
     #[inline]
     pub fn new<S: Scalar<Counter = F>>(
         observed: &Observed<S>,
@@ -56,7 +57,7 @@ impl<F: Figure> Ticked<F> {
         }
     }
 
-    /// Of a simulated peer, along each shared axis.
+    /// The state of a simulated peer after a tick, along each shared axis.
     #[inline]
     pub fn of<S: Scalar<Counter = F>, const SHARED: usize, const N: usize>(
         peer: &dyn DynPeer<S, SHARED, N>,
@@ -69,7 +70,7 @@ impl<F: Figure> Ticked<F> {
     }
 }
 
-/// What is seen of a run along one shared axis.
+/// Account of a run along one shared axis: discrepancies, forces, energies and the recorded ticks.
 #[derive(Clone, Debug)]
 pub struct Account<F = f64> {
     period_s: f64,
@@ -108,7 +109,7 @@ impl<F: Figure> Account<F> {
         }
     }
 
-    /// A tick of peer `at`, 0 or 1.
+    /// Takes in a tick of peer `at` (0 or 1).
     #[inline]
     pub fn ticked(&mut self, at: usize, ticked: Ticked<F>) {
         self.ports[at].see(&ticked.observed);
@@ -193,7 +194,7 @@ impl Account {
         Self::columns_of(&SAMPLE)
     }
 
-    /// The same of another list of quantities.
+    /// [`Account::columns`] of another list of quantities.
     pub fn columns_of(quantities: &Quantities) -> impl Iterator<Item = (String, String)> + use<> {
         let owned = |(name, meaning): Named| (name.to_owned(), meaning.to_owned());
         let of_axis = quantities.reaching(Reach::Runs);
@@ -205,7 +206,7 @@ impl Account {
         std::iter::once(owned(time)).chain((1..=2).flat_map(of)).chain(OF_BOTH.map(owned))
     }
 
-    /// A control period is over, and recorded, if it is one of those that are.
+    /// Ends a control period: adds it to the figures, and records it if it is one of those to be kept.
     pub fn period(&mut self) {
         self.measure();
         if self.record_every > 0 && (self.tick - 1).is_multiple_of(self.record_every) {
@@ -238,7 +239,7 @@ impl Account {
         self.row_of(&SAMPLE)
     }
 
-    /// The same of another list of quantities.
+    /// [`Account::row`] of another list of quantities.
     pub fn row_of(&self, quantities: &Quantities) -> Vec<f64> {
         let mut row = vec![self.tick.saturating_sub(1) as f64 * self.period_s];
         for (ticked, port) in self.latest.iter().zip(&self.ports) {

@@ -46,7 +46,7 @@ impl<const SHARED: usize, F: Figure> Accounts<SHARED, F> {
         }
     }
 
-    /// A tick of peer `at`, 0 or 1, along each axis.
+    /// Takes in a tick of peer `at` (0 or 1) along each axis.
     #[inline]
     pub fn ticked(&mut self, at: usize, ticked: [Ticked<F>; SHARED]) {
         for (axis, ticked) in self.axes.iter_mut().zip(ticked) {
@@ -108,7 +108,7 @@ impl<const SHARED: usize> Accounts<SHARED> {
         Self::of(period_s, object.mass_kg, scene.peer.coordination.stiffness_n_per_m, ticks, options)
     }
 
-    /// A control period is over, and recorded, if it is one of those that are.
+    /// Ends a control period: adds it to the figures, and records it if it is one of those to be kept.
     pub fn period(&mut self) {
         self.measure();
         self.axes.iter_mut().for_each(Account::record);

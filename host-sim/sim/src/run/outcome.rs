@@ -1,4 +1,4 @@
-//! What a run gave.
+//! Outcome of a run: its options, figures of merit and recorded tables.
 
 use haptic_core::contact::Impacts;
 use haptic_core::safety::Fault;
@@ -18,12 +18,12 @@ const UDP_IP_LEN: usize = 28;
 pub struct Options {
     /// Simulated time of the run, s.
     pub duration_s: f64,
-    /// Keep every how-many-th tick; 0 keeps none.
+    /// Ticks from one recorded tick to the next; 0 records none.
     pub record_every: u64,
 }
 
 impl Options {
-    /// Records at most about 100,000 rows.
+    /// A run of `duration_s` (s) with control period `period_s` (s) that records at most about 100,000 ticks.
     pub fn recorded(duration_s: f64, period_s: f64) -> Self {
         Self { duration_s, record_every: ((duration_s / period_s) as u64).div_ceil(100_000).max(1) }
     }
@@ -54,39 +54,39 @@ pub struct Figures {
     pub peak_coordination_force_n: f64,
     /// Largest change of either F_T from one tick to the next, N.
     pub largest_jump_n: f64,
-    /// Energy through the ports of both peers.
+    /// Energy through the ports of the coordination of each peer, J.
     pub energy: [PortEnergy; 2],
 }
 
-/// What a run gave along one shared axis.
+/// Outcome of a run along one shared axis.
 #[derive(Clone, Debug)]
 pub struct AxisOutcome {
     /// Discrepancies, forces and energies of this axis.
     pub figures: Figures,
-    /// What was recorded; empty if nothing was.
+    /// Recorded ticks, one in a row; empty if none was recorded.
     pub table: Columns,
 }
 
-/// What a run gave.
+/// Outcome of a run: whether it is stable, its figures of merit and what was recorded.
 #[derive(Clone, Debug)]
 pub struct Outcome {
-    /// What keeps the run from being stable.
+    /// Why the run is not stable; none if it is.
     pub reason: Option<Reason>,
     /// Neither peer faulted, and neither force nor energy grew without bound; the copies may have come apart.
     pub bounded: bool,
-    /// Who stopped first, and why.
+    /// The first fault, with the number of the peer that it stopped (1 or 2).
     pub fault: Option<(usize, Fault)>,
     /// Simulated time of that fault, s.
     pub fault_time_s: Option<f64>,
     /// Figures of all shared axes together; of one axis, its own.
     pub whole: Figures,
-    /// Each shared axis, in the order of [`AXIS_NAMES`].
+    /// Outcome along each shared axis, in the order of [`AXIS_NAMES`].
     pub axes: Vec<AxisOutcome>,
     /// Impacts at both peers, where contact is impulsive.
     pub impacts: Option<[Impacts<f64>; 2]>,
     /// Number of ticks that were stepped.
     pub ticks: u64,
-    /// Packets that a peer sent, whatever became of them, mean of both, 1/s; no number where nobody counted.
+    /// Packets that a peer sent, lost ones included, mean of both, 1/s; NaN where they were not counted.
     pub packets_per_s: f64,
     /// Hash of both peers' states over every tick.
     pub hash: u64,
@@ -122,7 +122,7 @@ impl Outcome {
         self.reason.is_none()
     }
 
-    /// A figure of merit; none of a run that is not stable.
+    /// A figure of merit `of` this outcome; none if the run is not stable.
     pub fn metric<T>(&self, of: impl FnOnce(&Self) -> T) -> Option<T> {
         self.is_stable().then(|| of(self))
     }

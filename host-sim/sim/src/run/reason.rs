@@ -5,19 +5,19 @@ use std::fmt;
 use haptic_core::safety::Fault;
 use haptic_plot::significant;
 
-/// Copies further apart than this hold no object together, mm.
+/// Largest true discrepancy of a stable run, mm: copies further apart hold no object together.
 pub const APART_MM: f64 = 10.0;
 
-/// What failed in a run: the first of these, in this order.
+/// What makes a run unstable: the first of these that applies, in this order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Reason {
     /// A peer stopped with a fault: the first that did.
     Stopped {
-        /// 1 or 2.
+        /// Number of the peer that stopped, 1 or 2.
         peer: usize,
-        /// Why.
+        /// The fault that stopped it.
         fault: Fault,
-        /// When, s.
+        /// Simulated time of the fault, s.
         time_s: f64,
     },
     /// The changes of a coordination force grew until the end.
@@ -34,9 +34,9 @@ pub enum Reason {
         /// The larger of both, mm.
         true_discrepancy_mm: f64,
     },
-    /// At the end a peer had let go of the other one, which was silent: that the copies are close is chance.
+    /// At the end a peer had disengaged, for the other was silent: that the copies are close is then chance.
     LetGo {
-        /// 1 or 2.
+        /// Number of the peer that had let go, 1 or 2.
         peer: usize,
     },
 }
