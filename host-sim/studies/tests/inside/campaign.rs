@@ -135,7 +135,12 @@ fn a_scene_of_several_axes_has_its_cells() {
     for count in ["2", "3"] {
         let several = of(&[&format!("axis.count={count}"), &format!("axis.shared={count}")]);
         assert_eq!(several.verdict(), one.verdict(), "{count} axes");
-        assert!((mean(&several) / mean(&one) - 1.0).abs() < 1e-9, "{count} axes: {} for {}", mean(&several), mean(&one));
+        assert!(
+            (mean(&several) / mean(&one) - 1.0).abs() < 1e-9,
+            "{count} axes: {} for {}",
+            mean(&several),
+            mean(&one)
+        );
         assert!((several.push_peak_n().expect("a peak") / one.push_peak_n().expect("a peak") - 1.0).abs() < 1e-9);
     }
     let plane = scenes::load(Laws::built_in(), "plane").expect("a built-in scene");
