@@ -49,7 +49,8 @@ impl Conclusion {
         Ok(Some(apparent_mass::measure(scene)?).filter(|mass| mass.is_finite()))
     }
 
-    /// What whoever runs this scene should know: what [`unstable`] says of it; that nobody pushes.
+    /// What whoever runs this scene should know: that it is unstable, with what to change; that it is where the object is let go of; that
+    /// nobody pushes.
     ///
     /// # Errors
     /// A scene that cannot be analysed.
@@ -62,12 +63,9 @@ impl Conclusion {
     }
 }
 
-/// What whoever holds a device of this scene should know before it is armed, if anything: that the scene is unstable, with what to
-/// change, or that it is where the object is let go of. `verdict` is the scene's, with both hands on.
-///
-/// # Errors
-/// A scene that cannot be analysed.
-pub fn unstable(scene: &Scene, verdict: &Verdict) -> Result<Option<String>, Error> {
+/// That the scene is unstable, with what to change, or that it is where the object is let go of, if so. `verdict` is the scene's, with
+/// both hands on.
+fn unstable(scene: &Scene, verdict: &Verdict) -> Result<Option<String>, Error> {
     if !verdict.stable {
         return advice(scene).map(Some);
     }

@@ -3,7 +3,6 @@
 use std::net::SocketAddr;
 
 use clap::Args;
-use haptic_analysis::{unstable, verdict};
 use haptic_environments::cooperative::MOST_USERS;
 use haptic_environments::live::hub;
 use haptic_live::endpoint::{Span, Stop};
@@ -34,10 +33,6 @@ impl Peer {
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let scene = self.scene.load(ui)?;
         let key = self.end.key.read()?;
-        // Said before anything moves: the devices are held by people.
-        if let Some(warning) = unstable(&scene, &verdict(&scene)?)? {
-            ui.warn(warning);
-        }
         let span = span(&self.end, &self.patience);
         let ends = [self.end.listen, self.connect];
         let provenance = ui.provenance().settings(scene.settings()).with("peer", self.number);

@@ -536,34 +536,3 @@ fn ten_minutes_of_leader_and_follower_in_two_processes() {
         println!("apart {:?} m", range(|phase| phase.distance_m));
     }
 }
-
-/// Whoever arms a scene that is not stable is told so first, with what to change: its devices are held by people.
-#[test]
-fn a_scene_that_is_not_stable_is_called_so_before_anything_moves() {
-    let (folder, [one, other]) = (folder("unstable"), addresses());
-    let said = |stiffness: &str| {
-        let output = host_sim(&[
-            "peer",
-            "--json",
-            "--number",
-            "1",
-            "--listen",
-            &one,
-            "--connect",
-            &other,
-            "--patience-s",
-            "0.2",
-        ])
-        .args(["--set", "coordination.comm=power", "--set", stiffness, "--key-file"])
-        .arg(folder.join("key"))
-        .output()
-        .expect("host-sim runs");
-        assert_eq!(output.status.code(), Some(2), "nobody answers");
-        String::from_utf8(output.stderr).expect("text")
-    };
-    let warned = said("coordination.stiffness_n_per_m=359");
-    let first = warned.lines().next().unwrap_or_default();
-    assert!(first.starts_with("warning: ") && first.contains("outside its stability region"), "{warned}");
-    let quiet = said("coordination.stiffness_n_per_m=250");
-    assert!(!quiet.contains("stability"), "{quiet}");
-}
