@@ -25,14 +25,4 @@ pub enum Error {
     Refused(String),
 }
 
-impl From<String> for Error {
-    fn from(said: String) -> Self {
-        Self::Refused(said)
-    }
-}
-
-impl From<&str> for Error {
-    fn from(said: &str) -> Self {
-        Self::Refused(said.to_owned())
-    }
-}
+haptic_sim::sentences_are_refusals!(Error);

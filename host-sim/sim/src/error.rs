@@ -70,14 +70,23 @@ impl Error {
     }
 }
 
-impl From<String> for Error {
-    fn from(said: String) -> Self {
-        Self::Refused(said)
-    }
+/// Makes a sentence a `Refused(String)` of this error, so that `?` and `into` take one.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! sentences_are_refusals {
+    ($Error:ty) => {
+        impl From<String> for $Error {
+            fn from(said: String) -> Self {
+                Self::Refused(said)
+            }
+        }
+
+        impl From<&str> for $Error {
+            fn from(said: &str) -> Self {
+                Self::Refused(said.to_owned())
+            }
+        }
+    };
 }
 
-impl From<&str> for Error {
-    fn from(said: &str) -> Self {
-        Self::Refused(said.to_owned())
-    }
-}
+sentences_are_refusals!(Error);

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use haptic_core::safety::Fault;
-use haptic_plot::significant;
+use haptic_report::significant;
 
 /// Largest true discrepancy of a stable run, mm: copies further apart hold no object together.
 pub const APART_MM: f64 = 10.0;
