@@ -94,8 +94,8 @@ fn leaning(tree: &str, root: &Path) -> BTreeMap<String, Vec<String>> {
     found
 }
 
-/// Lines of what git has of a package's sources and benches.
-fn lines(package: &str) -> Result<usize, Failure> {
+/// Lines of what git has of a package's sources and benches, comments and tests inside files included; of all packages for `*`.
+pub(crate) fn lines(package: &str) -> Result<usize, Failure> {
     let files = [format!("{package}/src/*.rs"), format!("{package}/benches/*.rs")];
     let files = run::output(command("git", &["ls-files"]).args(files))?;
     files.lines().map(|file| Ok(read(&run::root().join(file))?.lines().count())).sum()

@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::process::Command;
 
-use crate::run::{self, Failure, cargo, command};
+use crate::run::{self, Failure, cargo};
 
 /// The reviewed sums.
 const FILE: &str = "xtask/sums.txt";
@@ -22,7 +22,7 @@ pub(crate) fn sums(calls: &[Command], bless: bool) -> Result<(), Failure> {
         check.extend(Units::of(call)?.compilations);
     }
     let now = [
-        ("lines of Rust in src and benches", lines()?),
+        ("lines of Rust in src and benches", crate::rooms::lines("*")?),
         ("packages of the first build", first.packages.len()),
         ("compilations of the first build", first.compilations.len()),
         ("compilations of cargo xtask test", check.len()),
@@ -32,8 +32,9 @@ pub(crate) fn sums(calls: &[Command], bless: bool) -> Result<(), Failure> {
     let fresh: Vec<String> = now.iter().map(|(name, sum)| format!("{name:<36}{sum:>8}")).collect();
     fresh.iter().for_each(|row| println!("{row}"));
     if bless {
-        let times: Vec<&str> = rows.into_iter().filter(|row| row.starts_with(TIMES)).collect();
-        let text = [remarks.join("\n"), fresh.join("\n"), times.join("\n")].join("\n") + "\n";
+        let times = rows.into_iter().filter(|row| row.starts_with(TIMES));
+        let kept: Vec<&str> = remarks.into_iter().chain(fresh.iter().map(String::as_str)).chain(times).collect();
+        let text = kept.join("\n") + "\n";
         return std::fs::write(run::root().join(FILE), text)
             .map_err(|cause| Failure::new(format!("cannot write {FILE}: {cause}")));
     }
@@ -53,12 +54,6 @@ pub(crate) fn took(what: &str, seconds: Option<f64>) -> Result<(), Failure> {
     let now = seconds.map_or("is not known here".to_owned(), |seconds| format!("took {seconds:.0} s"));
     eprintln!("    {name}: {now}; {FILE} says {reviewed}");
     Ok(())
-}
-
-/// Lines of what git has of the sources, comments and tests inside files included.
-fn lines() -> Result<usize, Failure> {
-    let files = run::output(&mut command("git", &["ls-files", "*/src/*.rs", "*/benches/*.rs"]))?;
-    files.lines().map(|file| Ok(run::read(&run::root().join(file))?.lines().count())).sum()
 }
 
 /// What a call of cargo would do.
