@@ -656,8 +656,9 @@ settings! {
         max_delay_s: f64 = 0.25, number(0.001, 1.0), "s",
             "Longest delay of the other peer's packets, one way, as measured by half of the way there and back; older ones \
              are as silence.";
-        operator_lost_s: f64 = 1.0, number(0.1, 100.0), "s",
-            "Silence of a board's operator after which its motors go off, unless it was armed alone.";
+        operator_lost_s: f64 = 0.2, number(0.1, 100.0), "s",
+            "Lease: how long a board's motors stay on after its operator last let them, at the most, unless it was armed alone; \
+             an operator whose round trip is longer cannot arm.";
         clutch_s: f64 = 0.1, number(0.01, 10.0), "s", "Time over which the clutch opens, and closes.";
         stuck_duty: f64 = 0.25, number(0.01, 0.5), "",
             "Change of a motor's duty, as a fraction of full scale, under which its encoder must count; at most half of max_force_n.";

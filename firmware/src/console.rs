@@ -15,7 +15,7 @@ use firmware_parts::exchange::{Reader, Writer};
 use firmware_parts::image::{JOINTS, Peer};
 use firmware_parts::operator::{self, Misread, Request, Time, Whose};
 use firmware_parts::signals::{Button, Saving, Signals};
-use firmware_parts::{kept::Kept, status};
+use firmware_parts::{hold, kept::Kept, status};
 use haptic_core::contact::{Contact, Side};
 use haptic_core::device::probe::{Outcome, Probe};
 use haptic_core::names::MotorDrive;
@@ -274,7 +274,7 @@ impl Console {
             return Err(No::Because(why));
         }
         // Not before: what refuses to arm changes nothing about motors that are on.
-        self.hold(alone);
+        self.hold(alone)?;
         self.order(Command::Arm, Mode::Armed).await
     }
 
@@ -285,10 +285,14 @@ impl Console {
     }
 
     /// How long motors that are turned on now stay on without an operator.
-    fn hold(&self, alone: bool) {
+    fn hold(&self, alone: bool) -> Result<(), No<'static>> {
+        if !alone && !self.signals.consent.get() {
+            return Err(No::Because("the operator's end does not let the motors run"));
+        }
         let ticks = self.applied.settings.safety.operator_lost_s / pace::PERIOD_S;
-        self.signals.patience.set(if alone { 0 } else { (ticks as u32).max(1) });
+        self.signals.patience.set(if alone { 0 } else { hold::patience(ticks as u32) });
         self.signals.let_go.set(false);
+        Ok(())
     }
 
     /// Has the tick carry the command out; the mode that it led to, if that is the one that was asked for.
@@ -325,7 +329,7 @@ impl Console {
     async fn probe(&mut self, probe: Result<Probe<f32>, Refused<'static>>, to: &mut Line) -> Result<(), No<'static>> {
         self.ready()?;
         let probe = probe.map_err(No::Refused)?;
-        self.hold(false);
+        self.hold(false)?;
         let signals = self.signals;
         let number = signals.begun.get().wrapping_add(1);
         self.probes.write((number, probe));

@@ -12,7 +12,7 @@ use embassy_time::Instant;
 use firmware_parts::exchange::{Reader, Writer};
 use firmware_parts::signals::Signals;
 use haptic_core::settings::Settings;
-use haptic_protocol::link::{Link, Notice};
+use haptic_protocol::link::{ConfigError, Link, Notice};
 use haptic_protocol::peer::{Lives, flow_in, flow_of, open, packets_of};
 use haptic_protocol::wire::{Datagram, MAX_DATAGRAM};
 use haptic_protocol::{ends::Ends, key::Key};
@@ -32,10 +32,13 @@ pub(crate) fn tell(settings: Settings) {
     TOLD.signal(settings);
 }
 
-/// A link to the other peer that begins to call; `None` without randomness.
-pub(crate) fn connect(key: &Key, seed: &Key, number: Number, settings: &Settings) -> Option<Link> {
+/// A link to the other peer that begins to call.
+///
+/// # Errors
+/// [`Link::new`]'s: without randomness, that there is none.
+pub(crate) fn connect(key: &Key, seed: &Key, number: Number, settings: &Settings) -> Result<Link, ConfigError> {
     let ends = Ends { local: number.peer(), remote: number.other().peer() };
-    open(settings, key.clone(), ends, random::draw(seed, number)?).ok()
+    open(settings, key.clone(), ends, random::draw(seed, number).ok_or(ConfigError::ZeroEntropy)?)
 }
 
 pub(crate) struct Flow {
@@ -108,7 +111,7 @@ impl Flow {
     #[inline(never)]
     fn configure(&mut self, settings: &Settings) {
         self.part();
-        if let Some(link) = connect(&self.key, &self.seed, self.number, settings) {
+        if let Ok(link) = connect(&self.key, &self.seed, self.number, settings) {
             *self.link = link;
             self.outdated = false;
         } else {

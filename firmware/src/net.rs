@@ -9,10 +9,13 @@ use firmware_parts::exchange::{Reader, Writer};
 use firmware_parts::kept::Addresses;
 use firmware_parts::keys::Keyless;
 use haptic_core::settings::Settings;
-use haptic_protocol::{key::Key, link::Link};
+use haptic_protocol::{
+    key::Key,
+    link::{ConfigError, Link},
+};
 use static_cell::StaticCell;
 
-use crate::board::{Number, ethernet, flash, random};
+use crate::board::{Number, ethernet, flash};
 use crate::flow::{self, Flow};
 use crate::tick::{Outgoing, Received};
 use crate::{console::Console, port, telemetry::Telemetry};
@@ -56,8 +59,8 @@ struct Links {
 /// Makes the links, or says why this board talks to nobody.
 #[inline(never)]
 fn links(number: Number, settings: &Settings) -> Option<Links> {
-    static OPERATOR: StaticCell<Link> = StaticCell::new();
-    static PEER: StaticCell<Link> = StaticCell::new();
+    static OPERATOR: StaticCell<Made> = StaticCell::new();
+    static PEER: StaticCell<Made> = StaticCell::new();
     let keys = match flash::keys() {
         Ok(keys) => keys,
         Err(why) => {
@@ -76,9 +79,9 @@ fn links(number: Number, settings: &Settings) -> Option<Links> {
         }
     };
     let seed = keys.seed();
-    let operator = place(&OPERATOR, || port::link(&keys.operator, number, random::draw(&seed, number)?));
+    let operator = place(&OPERATOR, || port::link(&keys.operator, &seed, number));
     let peer = place(&PEER, || flow::connect(&keys.peers, &seed, number, settings));
-    let (Some(operator), Some(peer)) = (operator, peer) else {
+    let (Ok(operator), Ok(peer)) = (operator, peer) else {
         defmt::error!("no randomness: this board talks to nobody and cannot be armed; its noise source has failed");
         return None;
     };
@@ -106,10 +109,16 @@ fn stack(
     embassy_net::new(device, config, RESOURCES.init(StackResources::new()), 1 + number as u64)
 }
 
+/// What makes a link, or says why there is none.
+type Made = Result<Link, ConfigError>;
+
 /// Makes a link where it is to stay: it is 4 kB, and this function's stack is gone when it returns.
 #[inline(never)]
-fn place(cell: &'static StaticCell<Link>, make: impl FnOnce() -> Option<Link>) -> Option<&'static mut Link> {
-    make().map(|link| cell.init(link))
+fn place(
+    cell: &'static StaticCell<Made>,
+    make: impl FnOnce() -> Made,
+) -> Result<&'static mut Link, &'static ConfigError> {
+    cell.init_with(make).as_mut().map_err(|why| &*why)
 }
 
 /// Runs the network stack for ever.

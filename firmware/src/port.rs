@@ -5,19 +5,23 @@
 //! nothing here; nor does the other peer, whose key is another. The last operator to prove that he holds the key and is there
 //! now takes the link over; what was half said to the one before is dropped, and records are no longer sent.
 //!
+//! **Run is a lease**: all that the operator's end seals says whether the motors may run ([`firmware_parts::hold`]).
+//!
 //! Lines are taken one at a time, an answer each ([`Console`]); but for `disarm` only what was said within the last half second, so
 //! that whoever holds an order back on its way makes nothing of it. A record that the network does not take now waits.
 
 use embassy_net::{IpEndpoint, Stack};
 use embassy_time::{Duration, Instant, with_timeout};
+use firmware_parts::hold;
 use firmware_parts::operator::is_timeless;
 use haptic_protocol::lines::{Line, Lines};
-use haptic_protocol::link::{Config, Link, Notice};
+use haptic_protocol::link::{Config, ConfigError, Link, Notice};
 use haptic_protocol::parameters::{Parameters, Table};
 use haptic_protocol::wire::{Datagram, MAX_DATAGRAM, PeerId};
 use haptic_protocol::{ends::Ends, key::Key};
 
-use crate::{board::Number, console::Console, sockets, telemetry::Telemetry};
+use crate::board::{Number, random};
+use crate::{console::Console, sockets, telemetry::Telemetry};
 
 const PORT: u16 = 7702;
 const OPERATOR: PeerId = PeerId(0);
@@ -27,13 +31,18 @@ const PERIOD_US: u32 = 20_000;
 const BUSY: Duration = Duration::from_millis(2);
 const IDLE: Duration = Duration::from_millis(10);
 
-/// The board's end of the link; `None` if the key or the randomness is none.
-pub(crate) fn link(key: &Key, number: Number, entropy: [u8; Key::LEN]) -> Option<Link> {
+/// The board's end of the link.
+///
+/// # Errors
+/// [`Link::new`]'s: without randomness, that there is none.
+pub(crate) fn link(key: &Key, seed: &Key, number: Number) -> Result<Link, ConfigError> {
+    let entropy = random::draw(seed, number).ok_or(ConfigError::ZeroEntropy)?;
     let mut parameters = Parameters::new();
     // What the lines mean: an operator who means something else is refused by name.
-    parameters.add(Table::new("operator").number("version", 1.0)).ok()?;
+    // There is room for one.
+    let _ = parameters.add(Table::new("operator").number("version", 1.0));
     let ends = Ends { local: number.peer(), remote: OPERATOR };
-    Link::new(Config { key: key.clone(), ends, packet_period_us: PERIOD_US, parameters, entropy }).ok()
+    Link::new(Config { key: key.clone(), ends, packet_period_us: PERIOD_US, parameters, entropy })
 }
 
 struct Port {
@@ -57,8 +66,6 @@ impl Port {
         if taken != self.taken {
             self.taken = taken;
             self.operator = Some(from);
-            let signals = self.console.signals;
-            signals.heard.set(signals.ticks.get());
         }
         while let Some(notice) = self.link.take_notice() {
             match notice {
@@ -95,8 +102,17 @@ pub(crate) async fn run(stack: Stack<'static>, console: Console, link: &'static 
             Ok(Err(_)) => port.console.signals.refused.count(),
             Err(_) => answers.tend(),
         }
+        let now = Instant::now().as_micros();
+        // Who is gone has not said no: his lease runs out.
+        if port.link.is_up() {
+            let signals = port.console.signals;
+            hold::note(signals, now, port.link.consented_us());
+            if hold::let_go(signals) {
+                defmt::info!("operator: stop");
+            }
+        }
         if !port.lines.is_saying()
-            && let Some(heard) = port.lines.hear(Instant::now().as_micros(), port.link)
+            && let Some(heard) = port.lines.hear(now, port.link)
         {
             let mut answer = Line::new();
             if heard.is_fresh() || is_timeless(&heard.line) {

@@ -12,7 +12,7 @@ use firmware_parts::{button::Watch, hold};
 use haptic_core::safety::Mode;
 
 /// Between two looks, ms; and so the ticks expected in between.
-const EVERY_MS: u32 = 5;
+const EVERY_MS: u32 = hold::LOOK_EVERY;
 /// What the phases of two timers may make of it.
 const SLACK: u32 = 2;
 
@@ -47,7 +47,7 @@ pub(crate) async fn run(
             alive.toggle();
         }
         if hold::let_go(signals) {
-            defmt::warn!("tick {=u32}: the operator is silent: motors off", now);
+            defmt::warn!("tick {=u32}: the operator does not let the motors run: off", now);
         }
         let new = signals.mode.get();
         if new != mode {

@@ -14,6 +14,9 @@
 //! second, flow than [`Link::within`]; measured by this end's clock alone ([`crate::wire::Stamps`]). A session that stays
 //! unconfirmed for a second, or 12 packet periods if that is longer, ends.
 //!
+//! **Consent**: all that an end seals says whether the other may run ([`Link::consent`]), so that who drops or holds back some of it
+//! makes nothing run for longer: a machine runs only while it finds a fresh yes ([`Link::consented_us`]) and nothing newer said no.
+//!
 //! **Units**: µs on the caller's own clock, which may start anywhere and must not go backwards (if it does, time stands
 //! still). **Invariants**: bounded memory, the size of [`Link`] itself; a datagram that is not authentic changes nothing
 //! but [`Counts::refused`]; one counter numbers all that this peer ever seals, so that no key meets a nonce twice.
@@ -22,7 +25,7 @@
 use crate::engagement::{DISENGAGE_AFTER, Engagement};
 use crate::handshake::{Handshake, LIFE_US};
 use crate::reliable::{Receiver, Sender};
-use crate::session::{Counter, Session};
+use crate::session::{Counter, Says, Session};
 use crate::wire::{Challenge, Datagram, Event, Goodbye, Greeting, GreetingKind, Message, Probe, Reply, Telemetry};
 use crate::{clock::Clock, ends::Ends, key::Key, notices::Notices, parameters::Parameters};
 
@@ -182,6 +185,7 @@ pub struct Link {
     sent_us: u64,
     next_hello_us: u64,
     next_probe_us: u64,
+    says: Says,
     told: Stage,
     notices: Notices<Notice, NOTICES>,
     past: Counts,
@@ -235,6 +239,7 @@ impl Link {
             sent_us: 0,
             next_hello_us: 0,
             next_probe_us: 0,
+            says: Says::default(),
             told: Stage::Calling,
             notices: Notices::default(),
             past: Counts::default(),
@@ -269,6 +274,33 @@ impl Link {
     pub fn keeping_silent(mut self, longest_us: u32) -> Self {
         self.pace_us = longest_us.max(self.period_us);
         self
+    }
+
+    /// This link, whose messages of less than `bytes` bytes are all sealed as if they had so many, so that their kinds cannot be told
+    /// apart by their lengths. None gets more than 127 zeros ([`crate::wire::Stamps::MAX_PADDING`]).
+    pub fn of_one_length(mut self, bytes: usize) -> Self {
+        self.says.least = bytes;
+        self
+    }
+
+    /// Says from now on in everything that is sealed here whether the other end may run, and so at the next [`Link::poll`]; at first it
+    /// may not. While it may, something is said each packet period.
+    pub fn consent(&mut self, consents: bool) {
+        if self.says.consents != consents {
+            self.says.consents = consents;
+            self.next_probe_us = 0;
+        }
+    }
+
+    /// When the other end said that this one may run, at the earliest, µs of this end's clock: the newest time that it knew when it said so.
+    /// `None`: it did not in this session, or something newer said that it may not.
+    pub fn consented_us(&self) -> Option<u64> {
+        self.session.as_ref().and_then(Session::consented_us)
+    }
+
+    /// The newest time of this end's clock at which something was sealed that the other end has opened, µs.
+    pub fn echoed_us(&self) -> Option<u64> {
+        self.session.as_ref().and_then(Session::echoed_us)
     }
 
     /// The number in the header of every sealed datagram of the session at hand, both ways.
@@ -310,7 +342,9 @@ impl Link {
                 return Some(Message::Event(event));
             }
         }
-        if now >= self.next_probe_us || now >= self.paced(self.sent_us, KEEP_ALIVE_AFTER) {
+        let due =
+            if self.says.consents { self.after(self.sent_us, 1) } else { self.paced(self.sent_us, KEEP_ALIVE_AFTER) };
+        if now >= self.next_probe_us || now >= due {
             self.next_probe_us = if confirmed { self.paced(now, PROBE_EVERY) } else { self.after(now, 1) };
             return Some(Message::Probe(Probe { sent_us: now }));
         }
@@ -468,7 +502,7 @@ impl Link {
     }
 
     fn seal(&mut self, now: u64, message: &Message, out: &mut Datagram) -> Option<usize> {
-        let len = self.session.as_mut()?.seal(&mut self.counter, now, message, out).ok()?;
+        let len = self.session.as_mut()?.seal(&mut self.counter, now, self.says, message, out).ok()?;
         self.sent_us = now;
         Some(len)
     }

@@ -52,7 +52,20 @@ pub(crate) struct Session {
     pub(crate) began_us: u64,
     /// The other end's clock in its newest datagram, µs: what the next one from here echoes.
     stamp_us: u64,
+    /// The newest time of this end's clock that came back in an echo, µs.
+    echoed_us: Option<u64>,
+    /// The same in datagrams that consent, since the newest one that does not.
+    consented_us: Option<u64>,
     confirmed: bool,
+}
+
+/// What an end says with every message.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Says {
+    /// The other end may run.
+    pub consents: bool,
+    /// Shorter messages are made this long, bytes.
+    pub least: usize,
 }
 
 /// A sealed datagram, opened.
@@ -110,6 +123,8 @@ impl Session {
             taken: 0,
             began_us: now.max(1),
             stamp_us: 0,
+            echoed_us: None,
+            consented_us: None,
             confirmed: false,
         }
     }
@@ -144,18 +159,31 @@ impl Session {
         (self.began_us..=now).contains(&stamp_us).then(|| now - stamp_us)
     }
 
-    /// Seals `message` into the front of `out` at `now` and gives the datagram's length.
+    /// The newest time of this end's clock that the other end has opened, µs: all that was sealed here then or before has come, or is late.
+    pub(crate) fn echoed_us(&self) -> Option<u64> {
+        self.echoed_us
+    }
+
+    /// When the other end consented at the earliest, µs of this end's clock; `None`: it does not.
+    pub(crate) fn consented_us(&self) -> Option<u64> {
+        self.consented_us
+    }
+
+    /// Seals `message` into the front of `out` at `now` and gives the datagram's length; zeros are put behind a message that is
+    /// shorter than `least` bytes.
     pub(crate) fn seal(
         &mut self,
         counter: &mut Counter,
         now: u64,
+        says: Says,
         message: &Message,
         out: &mut [u8],
     ) -> Result<usize, Refusal> {
         let Ends { local: from, remote: to } = self.ends;
         let header = Header { from, to, session: self.number, sequence: counter.draw()? };
-        let stamps = Stamps { sealed_us: now.max(self.began_us), echo_us: self.stamp_us };
-        self.outward.seal(&header, &stamps, message, out)
+        let sealed_us = now.max(self.began_us);
+        let stamps = Stamps { sealed_us, echo_us: self.stamp_us, consents: says.consents, padding: 0 };
+        self.outward.seal(&header, stamps, message, says.least, out)
     }
 
     /// Opens, in place, what [`Header::parse`] took apart.
@@ -180,11 +208,21 @@ impl Session {
         self.taken = self.taken.saturating_add(1);
         let length = wire::Error::Length { message: "stamps", wanted: Stamps::LEN, got: body.len() };
         let (stamps, message) = body.split_at_checked(Stamps::LEN).ok_or(length)?;
-        let Stamps { sealed_us, echo_us } = Stamps::parse(stamps)?;
+        let Stamps { sealed_us, echo_us, consents, padding } = Stamps::parse(stamps)?;
+        let age_us = self.age_us(now, echo_us);
+        let echo_us = age_us.map(|_| echo_us);
+        self.echoed_us = self.echoed_us.max(echo_us);
         if newest.is_none_or(|newest| header.sequence > newest) {
             self.stamp_us = sealed_us;
+            // What takes it back holds from when it comes, however old it is; what gives it counts from when it was said at the earliest.
+            self.consented_us = if consents { self.consented_us.max(echo_us) } else { None };
         }
-        Ok(Opened { message, age_us: self.age_us(now, echo_us), sealed_us })
+        let without = message.len().saturating_sub(padding.into());
+        let (message, zeros) = message.split_at_checked(without).unwrap_or_default();
+        if zeros.len() != usize::from(padding) || zeros.iter().any(|byte| *byte != 0) {
+            return Err(wire::Error::Reserved("padding").into());
+        }
+        Ok(Opened { message, age_us, sealed_us })
     }
 
     /// Sealed datagrams taken so far; 2³² − 1 stands for more.
@@ -258,8 +296,9 @@ impl Direction {
     pub(crate) fn seal(
         &mut self,
         header: &Header,
-        stamps: &Stamps,
+        mut stamps: Stamps,
         message: &Message,
+        least: usize,
         out: &mut [u8],
     ) -> Result<usize, Refusal> {
         let epoch = header.sequence >> EPOCH_BITS;
@@ -270,9 +309,13 @@ impl Direction {
         let too_short = wire::Error::Length { message: "datagram", wanted: wire::SEAL_LEN, got: out.len() };
         let (head, rest) = out.split_first_chunk_mut::<{ Header::LEN }>().ok_or(too_short)?;
         header.emit(head)?;
-        let stamped = stamps.emit(rest)?;
-        let len = stamped + message.emit(rest.get_mut(stamped..).unwrap_or_default())?;
+        let length = message.emit(rest.get_mut(Stamps::LEN..).unwrap_or_default())?;
+        let padding = least.saturating_sub(length).min(Stamps::MAX_PADDING);
+        stamps.padding = padding as u8;
+        stamps.emit(rest)?;
+        let len = Stamps::LEN + length + padding;
         let (body, rest) = rest.split_at_mut_checked(len).ok_or(too_short)?;
+        body.get_mut(len - padding..).unwrap_or_default().fill(0);
         let end = rest.first_chunk_mut::<TAG_LEN>().ok_or(too_short)?;
         *end = self.cipher.seal(Self::nonce(header.sequence), head, body)?;
         Ok(Header::LEN + len + TAG_LEN)

@@ -1,6 +1,6 @@
 //! Motors stay on while an operator is there, and not a tick longer than he may be silent.
 
-use firmware_parts::hold::let_go;
+use firmware_parts::hold::{let_go, note, patience};
 use firmware_parts::signals::Signals;
 use haptic_core::safety::{Fault, Mode};
 
@@ -14,7 +14,8 @@ fn run(mode: Mode, patience: u32, start: u32, gone: u32) -> Option<u32> {
     (0..3000).find(|after| {
         signals.ticks.set(start.wrapping_add(*after));
         if after % 100 == 0 && *after <= gone {
-            signals.heard.set(signals.ticks.get());
+            signals.consented.set(signals.ticks.get());
+            signals.consent.set(true);
         }
         let over = let_go(&signals);
         assert_eq!((signals.disarm.acquire(), signals.let_go.get()), (over, over));
@@ -38,6 +39,32 @@ fn motors_go_off_when_the_operator_has_been_silent() {
     }
 }
 
+/// A yes counts from the newest time of the board's that the operator knew, and a no at once.
+#[test]
+fn what_the_operator_says_counts_from_when_it_was_said() {
+    const LEASE: u32 = 200;
+    let signals = Signals::at_power_on();
+    signals.mode.set(Mode::Armed);
+    signals.patience.set(patience(LEASE));
+    signals.ticks.set(9000);
+    // On a path of 190 ms there and back there is hardly anything left of the lease.
+    note(&signals, 9_000_000, Some(8_810_000));
+    assert!(!let_go(&signals));
+    signals.ticks.set(9000 + 10);
+    assert!(let_go(&signals), "off within the lease, the supervisor's look and the tick that does it included");
+    note(&signals, 9_010_000, Some(9_010_000));
+    assert!(!let_go(&signals));
+    note(&signals, 9_010_000, None);
+    assert!(let_go(&signals) && !signals.let_go.get(), "taken back, which is no silence");
+    // Armed alone, nobody need let it.
+    signals.patience.set(0);
+    assert!(!let_go(&signals));
+    // However old it is, it is not of the future.
+    signals.patience.set(patience(LEASE));
+    note(&signals, u64::MAX, Some(0));
+    assert!(let_go(&signals));
+}
+
 /// The port may note a tick that the supervisor has not seen yet.
 #[test]
 fn who_was_heard_just_now_is_there() {
@@ -45,6 +72,7 @@ fn who_was_heard_just_now_is_there() {
     signals.mode.set(Mode::Armed);
     signals.patience.set(PATIENCE);
     signals.ticks.set(9000);
-    signals.heard.set(9002);
+    signals.consented.set(9002);
+    signals.consent.set(true);
     assert!(!let_go(&signals));
 }

@@ -3,6 +3,7 @@
 
 pub mod bringup;
 pub mod calibrate;
+pub mod consent;
 mod error;
 pub mod operator;
 pub mod recording;

@@ -5,16 +5,20 @@
 //! (haptic-protocol). What a line may say is in firmware/src/operator.rs; the last operator to come is the one the board
 //! listens to.
 //!
+//! **Run is a lease** ([`Consent`]): all that is sealed here, in messages of one length, says whether the motors may run. A line that turns
+//! them on gives consent, `disarm` takes it back before it is said; so does whoever has the handle.
+//!
 //! [`Session`] is sans-IO: whoever has a socket and a clock drives it, tests in virtual time.
 
 use std::collections::VecDeque;
 
 use haptic_protocol::link::{Config, Link, Notice, Stage};
 use haptic_protocol::parameters::{Parameters, Table};
-use haptic_protocol::wire::{Datagram, Message, PeerId, Sample};
+use haptic_protocol::wire::{Datagram, Event, Message, PeerId, Sample};
 use haptic_protocol::{ends::Ends, key::Key, lines::Lines};
 
 use crate::Error;
+use crate::consent::{Consent, Moment, Stopped};
 
 /// The port on the board.
 pub const PORT: u16 = 7702;
@@ -29,6 +33,16 @@ pub struct Session {
     lines: Lines,
     answers: VecDeque<String>,
     samples: Vec<(u64, Sample)>,
+    consent: Consent,
+    /// Consent was given when something was sealed last.
+    consented: bool,
+    /// When it was first known here that it was taken back, µs.
+    withdrawn_us: u64,
+}
+
+/// Whether a line turns motors on.
+fn runs(line: &str) -> bool {
+    matches!(line.split_whitespace().next(), Some("arm" | "check" | "probe"))
 }
 
 impl Session {
@@ -43,7 +57,15 @@ impl Session {
         let ends = Ends { local: OPERATOR, remote: PeerId(number) };
         let link = Link::new(Config { key, ends, packet_period_us: PERIOD_US, parameters, entropy })
             .map_err(haptic_sim::Error::from)?;
-        Ok(Self { link, lines: Lines::default(), answers: VecDeque::new(), samples: Vec::new() })
+        Ok(Self {
+            link: link.of_one_length(Event::MAX_LEN),
+            lines: Lines::default(),
+            answers: VecDeque::new(),
+            samples: Vec::new(),
+            consent: Consent::default(),
+            consented: false,
+            withdrawn_us: 0,
+        })
     }
 
     /// Takes a datagram, which is opened in place; one that is not the board's is not taken.
@@ -64,8 +86,29 @@ impl Session {
 
     /// The next datagram to send, if any; call until there is none, at least every 20 ms.
     pub fn poll(&mut self, now_us: u64, out: &mut Datagram) -> Option<usize> {
+        let consents = self.consent.is_given();
+        if self.consented && !consents {
+            self.withdrawn_us = now_us;
+        }
+        self.consented = consents;
+        self.link.consent(consents);
         self.lines.push(&mut self.link);
         self.link.poll(now_us, out)
+    }
+
+    /// Whether the motors may run, for whoever gives and takes back.
+    pub fn consent(&self) -> Consent {
+        self.consent.clone()
+    }
+
+    /// How it is known that a board that runs on for `lease_us` µs after the last yes has stopped; `None`: it may run.
+    pub fn stopped(&self, now_us: u64, lease_us: u64) -> Option<Stopped> {
+        if self.consented || self.consent.is_given() {
+            return None;
+        }
+        let heard = self.link.echoed_us().is_some_and(|echoed_us| echoed_us >= self.withdrawn_us);
+        let over = now_us >= self.withdrawn_us.saturating_add(lease_us);
+        if heard { Some(Stopped::Heard) } else { over.then_some(Stopped::LeaseOver) }
     }
 
     /// Tells the board that nobody listens any more, as [`Link::goodbye`].
@@ -75,7 +118,20 @@ impl Session {
 
     /// Begins to say a line; false while another one is on its way.
     pub fn say(&mut self, line: &str) -> bool {
-        self.lines.say(line)
+        self.say_since(line, self.consent.moment())
+    }
+
+    /// Begins to say a line that was ordered at this moment: if it turns motors on, they may run unless consent was taken back since.
+    /// False while another one is on its way.
+    pub fn say_since(&mut self, line: &str, moment: Moment) -> bool {
+        if line.split_whitespace().next() == Some("disarm") {
+            self.consent.withdraw();
+        }
+        let said = self.lines.say(line);
+        if said && runs(line) {
+            self.consent.give(moment);
+        }
+        said
     }
 
     /// Withdraws a line that the board may not have heard yet: it is not to be carried out any more.

@@ -4,6 +4,7 @@ use std::time::{Duration, Instant};
 use std::{net::SocketAddr, path::Path};
 
 use haptic_board_tools::calibrate::board::{Board, Tick};
+use haptic_board_tools::consent::{Consent, Moment, Stopped};
 use haptic_board_tools::operator::Session;
 use haptic_protocol::key::Role;
 use haptic_protocol::lines::LONGEST;
@@ -16,6 +17,9 @@ use crate::Error;
 
 /// How long a board may take to answer, at first and then.
 const PATIENCE: Duration = Duration::from_secs(3);
+/// The key that says how long a board runs on after the last yes, and the longest that it may be, s.
+const LEASE: &str = "safety.operator_lost_s";
+const LONGEST_LEASE_S: f64 = 100.0;
 /// Between two looks at what has come.
 const LOOK: Duration = Duration::from_millis(2);
 
@@ -83,6 +87,8 @@ pub struct Operator {
     board: SocketAddr,
     number: u8,
     session: Session,
+    /// The longest lease that the board was heard to have, s.
+    lease_s: f64,
     stop: Stop,
 }
 
@@ -107,7 +113,18 @@ impl Operator {
         let (number, session) = there.ok_or_else(|| {
             format!("nobody answers at {board}, or nobody who holds the key of {}", key_file.display())
         })?;
-        Ok(Self { endpoint, board, number, session, stop: Stop::default() })
+        let mut operator = Self { endpoint, board, number, session, lease_s: 0.0, stop: Stop::default() };
+        operator.learn_lease()?;
+        Ok(operator)
+    }
+
+    /// What the board is set to may be applied later, so the longest that was heard counts.
+    fn learn_lease(&mut self) -> Result<(), Error> {
+        let said = self.ask(&format!("get {LEASE}"))?;
+        let seconds = said.rsplit_once(" = ").and_then(|(_, value)| value.parse::<f64>().ok());
+        self.lease_s =
+            self.lease_s.max(seconds.filter(|s| (0.0..=LONGEST_LEASE_S).contains(s)).unwrap_or(LONGEST_LEASE_S));
+        Ok(())
     }
 
     /// This operator, whose recording and listening end when `stop` is asked for.
@@ -126,16 +143,45 @@ impl Operator {
         wait(&self.endpoint, self.board, session, time, |sessions| sessions.iter_mut().any(&mut done))
     }
 
-    /// Says a line and gives the answer, which begins with `ok` or `error`.
+    /// Whether the motors may run, for whoever gives and takes back: it holds from the next 2 ms on, whatever else this operator does.
+    pub fn consent(&self) -> Consent {
+        self.session.consent()
+    }
+
+    /// Takes consent back, and waits until the board has heard it or its lease is over, whichever is first: which it was.
+    ///
+    /// # Errors
+    /// The socket failed.
+    pub fn stop(&mut self) -> Result<Stopped, Error> {
+        self.session.consent().withdraw();
+        let lease = Duration::from_secs_f64(self.lease_s);
+        let (begun, mut stopped) = (self.endpoint.start(), None);
+        self.wait(lease + PATIENCE, |session| {
+            stopped = session.stopped(begun.elapsed().as_micros() as u64, lease.as_micros() as u64);
+            stopped.is_some()
+        })?;
+        // All that time has passed without a yes.
+        Ok(stopped.unwrap_or(Stopped::LeaseOver))
+    }
+
+    /// Says a line and gives the answer, which begins with `ok` or `error`. A line that turns motors on lets them run.
     ///
     /// # Errors
     /// The board fell silent, or the socket failed.
     pub fn ask(&mut self, line: &str) -> Result<String, Error> {
+        self.ask_since(line, self.session.consent().moment())
+    }
+
+    /// [`Operator::ask`] of a line that was ordered at this moment: if consent was taken back since, it turns no motor on.
+    ///
+    /// # Errors
+    /// As of [`Operator::ask`].
+    pub fn ask_since(&mut self, line: &str, moment: Moment) -> Result<String, Error> {
         if line.len() > LONGEST {
             let allowed = format!("it must be at most {LONGEST}");
             return Err(haptic_sim::Error::not_allowed(format!("a line of {} bytes", line.len()), allowed).into());
         }
-        if !self.session.say(line) {
+        if !self.session.say_since(line, moment) {
             return Err(format!("{} has not taken the line before", self.board).into());
         }
         let mut answer = None;
@@ -145,6 +191,13 @@ impl Operator {
         })?;
         if answer.is_none() {
             self.session.unsay();
+        }
+        if line.contains(LEASE) && line.starts_with("set") || line == "defaults" {
+            self.learn_lease()?;
+        }
+        if answer.is_none() && line == "disarm" {
+            let stopped = self.stop()?.explain();
+            return Err(format!("no answer from {} to {line:?}; {stopped}", self.board).into());
         }
         answer.ok_or_else(|| format!("no answer from {} to {line:?}", self.board).into())
     }

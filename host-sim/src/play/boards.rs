@@ -1,7 +1,8 @@
 //! One or two boards as their operator has them: what their ticks see, and the few lines that a page may say to them.
 //!
 //! A board moves a motor against a person, so a page says no line of its own making: arm, clear a fault, check a joint,
-//! and stop. **Stop** goes before everything else that is to be said, to every board. **Hold to run**: the motors go
+//! and stop. **Stop** takes consent back at once, to every board, whatever its thread waits for: from then on nothing that is sent says that
+//! the motors may run, and they are off when the board hears it or its lease is over. **Hold to run**: the motors go
 //! off when nobody's page has asked for [`SILENCE`], because it was closed, hidden or is stuck; they also go off by
 //! themselves when this process is silent (`safety.operator_lost_s`). The pointer pulls nothing: whoever holds the
 //! device feels the other one's hand.
@@ -19,6 +20,7 @@ use std::time::{Duration, Instant};
 
 use haptic_board_tools::calibrate::board::{Board, FAULTED, Joint, settings};
 use haptic_board_tools::calibrate::simulated::SharedSimulation;
+use haptic_board_tools::consent::{Consent, Moment, Stopped};
 use haptic_board_tools::recording::{COLUMNS, row};
 use haptic_board_tools::status::Probed;
 use haptic_core::safety::Fault;
@@ -89,8 +91,8 @@ struct BoardStatus {
 /// What lies between a board's thread and the control loop.
 #[derive(Debug, Default)]
 struct BoardMailbox {
-    /// To be said, oldest first; a stop comes before all of it.
-    lines: VecDeque<Line>,
+    /// To be said, oldest first, with when it was ordered; a stop comes before all of it.
+    lines: VecDeque<(Line, Moment)>,
     stop: bool,
     rows: VecDeque<[f64; NUMBERS]>,
     reported: BoardStatus,
@@ -101,6 +103,7 @@ struct Seat {
     /// 0 or 1.
     index: usize,
     mailbox: Arc<Mutex<BoardMailbox>>,
+    consent: Consent,
     over: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
     /// Tick that is shown, and what it saw.
@@ -111,14 +114,21 @@ struct Seat {
 
 /// Whoever answers lines and gives ticks.
 trait BoardLink {
-    fn ask(&mut self, line: &str) -> Result<String, Error>;
+    /// Says a line that was ordered at this moment and gives the answer.
+    fn ask(&mut self, line: &str, moment: Moment) -> Result<String, Error>;
+    /// Consent was taken back: waits until the motors are off, and says how that is known.
+    fn stop(&mut self) -> Result<Stopped, Error>;
     /// Lets so much time pass, and gives what came.
     fn rows(&mut self, seconds: f64) -> Result<Vec<[f64; NUMBERS]>, Error>;
 }
 
 impl BoardLink for Operator {
-    fn ask(&mut self, line: &str) -> Result<String, Error> {
-        Ok(Self::ask(self, line)?)
+    fn ask(&mut self, line: &str, moment: Moment) -> Result<String, Error> {
+        Ok(self.ask_since(line, moment)?)
+    }
+
+    fn stop(&mut self) -> Result<Stopped, Error> {
+        Ok(Self::stop(self)?)
     }
 
     fn rows(&mut self, seconds: f64) -> Result<Vec<[f64; NUMBERS]>, Error> {
@@ -132,28 +142,37 @@ fn first_row(payload: &[u8]) -> Option<[f64; NUMBERS]> {
     row(payload, PERIOD_S).filter(|(axis, _)| *axis == 0).map(|(_, row)| row)
 }
 
-/// How a board's thread begins.
-type Open = Box<dyn FnOnce() -> Result<Box<dyn BoardLink>, Error> + Send>;
+/// How a board's thread begins, with the consent of this page.
+type Open = Box<dyn FnOnce(Consent) -> Result<Box<dyn BoardLink>, Error> + Send>;
 
 /// A simulated board, kept in real time.
 struct Practice {
     board: SharedSimulation,
+    consent: Consent,
     m_per_count: f64,
     zero: Option<u16>,
     due: Instant,
 }
 
 impl Practice {
-    fn new(truth: &Scene) -> Result<Self, Error> {
+    fn new(truth: &Scene, consent: Consent) -> Result<Self, Error> {
         let mut board = SharedSimulation::new(truth)?;
         let m_per_count = Joint::of(&settings(&mut board)?, 1)?.m_per_count;
-        Ok(Self { board, m_per_count, zero: None, due: Instant::now() })
+        Ok(Self { board, consent, m_per_count, zero: None, due: Instant::now() })
     }
 }
 
 impl BoardLink for Practice {
-    fn ask(&mut self, line: &str) -> Result<String, Error> {
+    fn ask(&mut self, line: &str, moment: Moment) -> Result<String, Error> {
+        if matches!(line.split(' ').next(), Some("arm" | "check")) && !self.consent.give(moment) {
+            return Ok("error it was stopped meanwhile".to_owned());
+        }
         Ok(Board::ask(&mut self.board, line)?)
+    }
+
+    fn stop(&mut self) -> Result<Stopped, Error> {
+        Board::ask(&mut self.board, "disarm")?;
+        Ok(Stopped::Heard)
     }
 
     fn rows(&mut self, seconds: f64) -> Result<Vec<[f64; NUMBERS]>, Error> {
@@ -174,10 +193,9 @@ impl BoardLink for Practice {
 }
 
 /// Talks to a board until it is over.
-fn attend(link: &mut dyn BoardLink, mailbox: &Mutex<BoardMailbox>, over: &AtomicBool) {
+fn attend(link: &mut dyn BoardLink, mailbox: &Mutex<BoardMailbox>, consent: &Consent, over: &AtomicBool) {
     let lock = || mailbox.lock().unwrap_or_else(PoisonError::into_inner);
-    let say = |link: &mut dyn BoardLink, line: &str| {
-        let answer = link.ask(line);
+    let note = |line: &str, answer: Result<String, Error>| {
         let mut mailbox = lock();
         mailbox.reported.there = answer.is_ok();
         let answer = answer.unwrap_or_else(|why| why.to_string());
@@ -201,15 +219,17 @@ fn attend(link: &mut dyn BoardLink, mailbox: &Mutex<BoardMailbox>, over: &Atomic
             (stop, if stop { None } else { mailbox.lines.pop_front() })
         };
         if stop {
-            say(link, "disarm");
-        } else if let Some(line) = line {
-            let answer = say(link, &line.text());
+            let stopped = link.stop().map(|stopped| stopped.explain().to_owned());
+            note("stop", stopped);
+        } else if let Some((line, moment)) = line {
+            let text = line.text();
+            let answer = note(&text, link.ask(&text, moment));
             probing = matches!(line, Line::Check(_)) && answer.starts_with("ok");
         } else if asked.is_none_or(|asked| asked.elapsed() >= STATUS) {
             asked = Some(Instant::now());
-            say(link, "status");
+            note("status", link.ask("status", consent.moment()));
             if probing {
-                let outcome = link.ask("probed").unwrap_or_else(|why| why.to_string());
+                let outcome = link.ask("probed", consent.moment()).unwrap_or_else(|why| why.to_string());
                 probing =
                     outcome.strip_prefix("ok ").is_some_and(|said| Probed::parse(said).is_ok_and(|it| it.is_running()));
                 if !probing {
@@ -218,7 +238,7 @@ fn attend(link: &mut dyn BoardLink, mailbox: &Mutex<BoardMailbox>, over: &Atomic
             }
             // A board that was away, or has started anew, has forgotten what it was asked for.
             if came.elapsed() >= STATUS && lock().reported.there {
-                let _ = link.ask(&format!("stream {EVERY}"));
+                let _ = link.ask(&format!("stream {EVERY}"), consent.moment());
                 came = Instant::now();
             }
         }
@@ -235,8 +255,9 @@ fn attend(link: &mut dyn BoardLink, mailbox: &Mutex<BoardMailbox>, over: &Atomic
         }
     }
     // Nobody stays who could stop it.
-    let _ = link.ask("disarm");
-    let _ = link.ask("stream off");
+    consent.withdraw();
+    let _ = link.stop();
+    let _ = link.ask("stream off", consent.moment());
 }
 
 impl Seat {
@@ -244,33 +265,34 @@ impl Seat {
     fn open(place: Place, index: usize) -> Result<Self, Error> {
         match place {
             Place::Simulated => {
-                let practice = || Ok(Box::new(Practice::new(&Scene::default())?) as Box<dyn BoardLink>);
-                Self::attend(format!("simulated board {}", index + 1), index, Box::new(practice))
+                let practice = |consent| Ok(Box::new(Practice::new(&Scene::default(), consent)?) as Box<dyn BoardLink>);
+                Self::attend(format!("simulated board {}", index + 1), index, Consent::default(), Box::new(practice))
             }
             Place::At(at, key_file) => {
                 let operator = Operator::connect(at, &key_file)?;
                 let number = operator.number();
-                let board = move || Ok(Box::new(operator) as Box<dyn BoardLink>);
-                Self::attend(format!("board {number} at {at}"), usize::from(number) - 1, Box::new(board))
+                let consent = operator.consent();
+                let board = move |_| Ok(Box::new(operator) as Box<dyn BoardLink>);
+                Self::attend(format!("board {number} at {at}"), usize::from(number) - 1, consent, Box::new(board))
             }
         }
     }
 
     /// The seat of a board that is opened on its thread.
-    fn attend(name: String, index: usize, open: Open) -> Result<Self, Error> {
+    fn attend(name: String, index: usize, consent: Consent, open: Open) -> Result<Self, Error> {
         let reported = BoardStatus { name, ..BoardStatus::default() };
         let (mailbox, over) =
             (Arc::new(Mutex::new(BoardMailbox { reported, ..BoardMailbox::default() })), Arc::default());
-        let (theirs, stop) = (Arc::clone(&mailbox), Arc::clone(&over));
+        let (theirs, own, stop) = (Arc::clone(&mailbox), consent.clone(), Arc::clone(&over));
         let work = move || {
             stand_back(NICENESS);
-            match open() {
-                Ok(mut link) => attend(&mut *link, &theirs, &stop),
+            match open(own.clone()) {
+                Ok(mut link) => attend(&mut *link, &theirs, &own, &stop),
                 Err(why) => theirs.lock().unwrap_or_else(PoisonError::into_inner).reported.status = why.to_string(),
             }
         };
         let thread = std::thread::Builder::new().name("board".into()).spawn(work)?;
-        Ok(Self { index, mailbox, over, thread: Some(thread), at: 0.0, shown: None, rows: VecDeque::new() })
+        Ok(Self { index, mailbox, consent, over, thread: Some(thread), at: 0.0, shown: None, rows: VecDeque::new() })
     }
 
     /// Takes what its thread has laid down, if that does not hold it just now; what is reported is new, if it is.
@@ -311,6 +333,7 @@ impl Seat {
 
 impl Drop for Seat {
     fn drop(&mut self) {
+        self.consent.withdraw();
         self.over.store(true, Ordering::Relaxed);
         let _ = self.thread.take().map(JoinHandle::join);
     }
@@ -355,6 +378,7 @@ impl Boards {
 
     fn stop(&mut self) {
         for seat in &mut self.seats {
+            seat.consent.withdraw();
             // It is held for microseconds. What waits is forgotten.
             let mut mailbox = seat.mailbox.lock().unwrap_or_else(PoisonError::into_inner);
             mailbox.stop = true;
@@ -375,7 +399,7 @@ impl Environment for Boards {
                 if let Some(seat) = self.seats.iter().find(|seat| seat.index + 1 == usize::from(number)) {
                     let mut mailbox = seat.mailbox.lock().unwrap_or_else(PoisonError::into_inner);
                     if mailbox.lines.len() < ANSWERS {
-                        mailbox.lines.push_back(line);
+                        mailbox.lines.push_back((line, seat.consent.moment()));
                     }
                 }
             }

@@ -9,10 +9,16 @@ struct Written {
 }
 
 impl BoardLink for Written {
-    fn ask(&mut self, line: &str) -> Result<String, Error> {
+    fn ask(&mut self, line: &str, _: Moment) -> Result<String, Error> {
         self.said.lock().expect("a list").push(line.to_owned());
-        self.armed = (self.armed || line == "arm") && line != "disarm";
+        self.armed |= line == "arm";
         Ok(format!("ok {line}"))
+    }
+
+    fn stop(&mut self) -> Result<Stopped, Error> {
+        self.said.lock().expect("a list").push("stop".to_owned());
+        self.armed = false;
+        Ok(Stopped::LeaseOver)
     }
 
     fn rows(&mut self, _: f64) -> Result<Vec<[f64; NUMBERS]>, Error> {
@@ -28,8 +34,13 @@ impl BoardLink for Written {
 fn boards() -> (Boards, Arc<Mutex<Vec<String>>>) {
     let link = Written::default();
     let said = Arc::clone(&link.said);
-    let seat = Seat::attend("written".to_owned(), 0, Box::new(move || Ok(Box::new(link) as Box<dyn BoardLink>)))
-        .expect("a thread");
+    let seat = Seat::attend(
+        "written".to_owned(),
+        0,
+        Consent::default(),
+        Box::new(move |_| Ok(Box::new(link) as Box<dyn BoardLink>)),
+    )
+    .expect("a thread");
     (Boards::of_seats(vec![seat]), said)
 }
 
@@ -76,7 +87,7 @@ fn motors_are_on_only_while_a_person_looks() {
     boards.command(Command::Stop).expect("it stops");
     until(&mut boards, true, |boards, _| boards.standing().modes[0] == OFF);
     let lines = || said.lock().expect("a list").iter().filter(|line| *line != "status").cloned().collect::<Vec<_>>();
-    assert_eq!(lines(), ["arm", "disarm"], "what waited behind a stop is forgotten");
+    assert_eq!(lines(), ["arm", "stop"], "what waited behind a stop is forgotten");
 
     boards.command(Command::Board(1, Line::Arm)).expect("it is said");
     until(&mut boards, true, |boards, _| boards.standing().modes[0] == ARMED);
@@ -84,7 +95,7 @@ fn motors_are_on_only_while_a_person_looks() {
     until(&mut boards, false, |boards, _| boards.standing().modes[0] == OFF);
     assert!(left.elapsed() >= SILENCE);
     drop(boards);
-    assert_eq!(lines(), ["arm", "disarm", "arm", "disarm", "disarm", "stream off"]);
+    assert_eq!(lines(), ["arm", "stop", "arm", "stop", "stop", "stream off"]);
 }
 
 #[test]

@@ -21,13 +21,36 @@ layout! {
     }
 }
 
+/// What every sealed message begins with: when it was sealed, what of the receiver's was known by then, and whether the receiver may
+/// run. A receiver that finds a time of its own here knows that the message is no older than that, whatever the sender's clock says.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Stamps {
+    /// The sender's clock when it sealed this, µs; at least 1, below 2⁵⁶ (two thousand years).
+    pub sealed_us: u64,
+    /// Consent: as far as it is for the sender to say, the receiver may run ([`crate::link::Link::consent`]).
+    pub consents: bool,
+    /// How many zeros follow the message, at most 127: they hide what kind it is.
+    pub padding: u8,
+    /// The same of the receiver's newest sealed datagram that the sender has opened in this session, µs; 0: none yet.
+    pub echo_us: u64,
+}
+
 impl Stamps {
+    /// Length of the stamps, bytes.
+    pub const LEN: usize = 16;
+    /// Most zeros that can follow a message.
+    pub const MAX_PADDING: usize = 127;
+    const CLOCK: u64 = (1 << 56) - 1;
+    const CONSENT: u64 = 1 << 63;
+
     /// Reads the stamps at the front of what was sealed.
     ///
     /// # Errors
     /// A wrong length.
     pub fn parse(bytes: &[u8]) -> Result<Self, Error> {
-        Reader::exact(bytes, "stamps", Self::LEN)?.get()
+        let [first, echo_us]: [u64; 2] = Reader::exact(bytes, "stamps", Self::LEN)?.get()?;
+        let padding = (first >> 56) as u8 & 0x7F;
+        Ok(Self { sealed_us: first & Self::CLOCK, consents: first & Self::CONSENT != 0, padding, echo_us })
     }
 
     /// Writes the stamps to the front of `out` and gives their length, bytes.
@@ -35,7 +58,9 @@ impl Stamps {
     /// # Errors
     /// Too little room in `out`.
     pub fn emit(&self, out: &mut [u8]) -> Result<usize, Error> {
-        emit(self, "stamps", out)
+        let consent = if self.consents { Self::CONSENT } else { 0 };
+        let first = self.sealed_us & Self::CLOCK | u64::from(self.padding & 0x7F) << 56 | consent;
+        emit(&[first, self.echo_us], "stamps", out)
     }
 }
 
@@ -60,15 +85,6 @@ impl Header {
     /// Too little room in `out`.
     pub fn emit(&self, out: &mut [u8]) -> Result<usize, Error> {
         emit(self, "header", out)
-    }
-}
-
-layout! {
-    /// What every sealed message begins with: when it was sealed, and what of the receiver's was known by then. A receiver that
-    /// finds a time of its own here knows that the message is no older than that, whatever the sender's clock says.
-    pub struct Stamps(16 bytes) {
-        0 => sealed_us: u64, "The sender's clock when it sealed this, µs; at least 1.";
-        8 => echo_us: u64, "The same of the receiver's newest sealed datagram that the sender has opened in this session; 0: none yet.";
     }
 }
 

@@ -8,58 +8,63 @@ use crate::error::Refusal;
 use crate::handshake::Handshake;
 use crate::key::Key;
 use crate::parameters::{Parameters, Table};
-use crate::session::{Counter, EPOCH_BITS, Offer, Session};
+use crate::session::{Counter, EPOCH_BITS, Offer, Says, Session};
 use crate::wire::{
     Ask, AxisFlow, Bits, Flow, Greeting, GreetingKind, Header, MAX_DATAGRAM, Message, PeerId, Presence, Probe, Scope,
     Sighting, Topic,
 };
 
 const HELLO: &str = concat!(
-    "0201010200000000000102030405060708090a0b0c0d0e0f101112131415161718191a1b1c1d1e1f080706050403020179a6",
+    "0301010200000000000102030405060708090a0b0c0d0e0f101112131415161718191a1b1c1d1e1f080706050403020179a6",
     "31eede1bf9c98f12032cdeadd0e7a079398fc786b88cc846ec89af85a51a02000000000000001194c85d0a61fc00e0989f62",
     "0000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000",
-    "000000000000000000000000000000000000000000000000000000000000000000003a84991c097de4b5214f39744639c466",
+    "00000000000000000000000000000000000000000000000000000000000000000000b4c1d0945452472457bae4e4fc1d911a",
 );
 const FLOW: &str = concat!(
-    "0203010258e90d6500000000000000004e3e4c7c8d2be8263330ad03bfe20e46a4e76d28ca93650e671a28e591b9adc01c22",
-    "ee40c05bb66f901db298666b10f160cb662dbb0831de1e9544252298f4a8f0edb128acdfdd7b",
+    "03030102e17d26710000000000000000b4fa5fe9e88ed7cebed3acf1557641d09b2628564e481d631b5b93f67571eb36e2ce",
+    "4bc5e110a0827ed06c4e6b45309007d5e5e566f3c177e62cac118d7c706ef97fe57f8d8bf49a",
 );
 const LATER_FLOW: &str = concat!(
-    "0203010258e90d6503005000000000002e92a2feba8b57a9569529516be1fc23eb2ae372a77445267d504763382c2a02dbf8",
-    "605b8c90a948fec3df4ece72ceca1708d838c2656b29e47f907ab578f307106e44129f9c81d4",
+    "03030102e17d267103005000000000008d512202b790228885d467c48e0f8cab247da3c4d5bb60944b7b65b81fe5a4c93429",
+    "74b58a120806d0f280fd80fa3529dc450897d7805a4fee41423c6e1d9f3296931bcf4eb3b97f",
 );
 const PROBE_BACK: &str = concat!(
-    "0203020158e90d6509000000000000003a9b6a256d04743f0bfd1d1778b3453b7a14b9bff0d7b3527de7295734a6096a5b75",
-    "02343982fe23444c19bd",
+    "03030201e17d26710900000000000000a61ab71298cb90e0bc444a2e70963f7df078d3c49cddb0e291d568804faf233dafd2",
+    "b9b50a2a4715e428c352",
 );
-const LINE_HELLO_TAG: &str = "db924f5af6e942c8d0eed61132dff7bf";
+const PADDED_PROBE: &str = concat!(
+    "03030201e17d26710900000000000000a61ab71298cb904cbc444a2e70963f7df078d3c49cddb0e291d56880584b78d18fa7",
+    "df9d63643debf25aad183e6f2dbd29022e67840eb59edbc852bc919dba43284d98257ec8bbe9ddcad72d5c57ef1547918e80",
+    "4a533443",
+);
+const LINE_HELLO_TAG: &str = "e9ee4900a4bb55a9eb8d031434d00889";
 /// The parts of a world as messages before they are sealed, a line each, in hexadecimal.
 const WORLD_PARTS: &str = include_str!("../data/world-parts.txt");
 const ASK: &str = concat!(
-    "0203020158e90d650a00000000000000df7fcfdfff78ea0e0d5b9c5cd9f0e4c1c5954505302be9d32d9bdb5b351f8c06a9ee",
-    "c721dc336844a28bd85fafd1a63c8d4ab1beab83e05c872c3b10a2bf50735695d8106ed8a4aace143060987ebfeb53a45edc",
+    "03030201e17d26710a000000000000006cb2e53602056cfc846da2a62558917f9c23947b9f820a48e653f786298604e16277",
+    "0dbd721b462554314b14017d1cec370ecee92521ac6247731c224fdb6711d16728187145aa9b78a448d28cc2625183706e15",
 );
 const PART_MANIFEST: &str = concat!(
-    "0203010258e90d650b00000000000000bb4c7009909836daaafede8eb9911d88a1fad30edabe430ff3a13138542961135759",
-    "b68838264e0f0634054525649157215982ce8f774dd61180b62c",
+    "03030102e17d26710b0000000000000068a7bfafaa98ee026954c83b168ae64f0561495c0b7e3cfd6253bcf7cad53eca3ddb",
+    "45d724ba460faaf9e4f07375a4963b61d7fca451d956e6dfa99d",
 );
 const PART_REGION: &str = concat!(
-    "0203010258e90d650c00000000000000031e33586224d2696ca549bd7192b204702229e855d1c18f93e162955afce6067ccb",
-    "878d9a0e95f3b6668b46bcbf8f1b2ec663138501878f74587ee2acbdd849a57d123cc1a020c33554137fbaee7983",
+    "03030102e17d26710c000000000000003b8842ffb45a8d7592426229ae05755ce55a47dfc62230afcf0f78a79e570e99be8a",
+    "d646c04cf231dcfa015c22aa0e5ebcb3e9c5887a3fe916c6974bf0c2844f7d1a366e30ceabbcde1220832b0b5f3f",
 );
 const PART_PAGE: &str = concat!(
-    "0203010258e90d650d00000000000000fe21e3bbaa7b7b4b6021376ced85d379fe382908e70a12081fac287cace2b7b7c62c",
-    "46da7f109b6d7a7e59cb093943ac4f50c22f157b61e7c23c5c2198d72ae53367b850b4c2ca74febdaec0fa8fff85441ac1b6",
-    "630e10e941e5d9f6aa0edc301d13787b3b9258230901b763b0e89e7f1e473fff",
+    "03030102e17d26710d00000000000000a4980e197d7aa944ca6b391fd170f03fdabb949d61b6ce0afdffc3dcc1a3438e14cf",
+    "3d0303e4835a05b9c9db1c41f20f1874a6d2c31754b3d28cdbdcf21938aafdecd8e206d8efe6df7055539a5a5875417669ef",
+    "753e6327df319a46a700ddce641f255c394244f7f241e14398a8729029f80795",
 );
 const PART_OBJECT: &str = concat!(
-    "0203010258e90d650e000000000000004e70de358ec372d6e0bb3df9b02a1ef18f81d2d723ddb128563fd2653bde909bd320",
-    "5103c516d414b240f3b912ffa489c92d19adb6771c8a7dca8a87bff917d5eb34d0931369ed9ffb0c54101b7008db6f4f14f4",
-    "9ca3a532897ab11211f505cf08969aaa01003138be544f041f662b76",
+    "03030102e17d26710e00000000000000780c7688a0acde7d9c5afa833ec2360229987c38182ab3d6c83c0652dd763415b8b8",
+    "9a9e7e76e69327c5496f7fff1d9ac59479590475ebae176550dbedb3690e220460afd1b55adf6e4b1c97ac088a2877851462",
+    "58a50aad91c220ce1ba6c5b2c0a9a95290c6c9c47211f99cfa7996bf",
 );
 const PRESENCE: &str = concat!(
-    "0203020158e90d650f0000000000000062c62f8eae0dec4a1714019a0a9634211f288ed67d00b5aaeabad3571aa68bf7db5f",
-    "146b9b9e5ff875575851a78d3de30cb50b265e5d8eaab12829c9",
+    "03030201e17d26710f00000000000000ef3723c4bbea13c0ec96aa486b982c141c1590d4539635f4947a4c52aed30b3264e8",
+    "15f2499468fc6fa46d139df3e9f0a64867b83da567db64f69645",
 );
 
 fn bytes(hex: &str) -> Vec<u8> {
@@ -123,7 +128,8 @@ const SEALED_US: u64 = 1_000_000;
 
 fn seal(session: &mut Session, sequence: u64, message: Message) -> Vec<u8> {
     let mut out = [0; MAX_DATAGRAM];
-    let len = session.seal(&mut Counter::starting_at(sequence), SEALED_US, &message, &mut out).unwrap();
+    let len =
+        session.seal(&mut Counter::starting_at(sequence), SEALED_US, Says::default(), &message, &mut out).unwrap();
     out[..len].to_vec()
 }
 
@@ -168,6 +174,26 @@ fn sealed_messages_of_both_directions_and_later_epochs() {
     let back = seal(&mut here, 9, probe);
     assert_eq!(back, bytes(PROBE_BACK));
     assert_eq!(open(&mut there, &back), Ok((probe, Some(7))));
+    assert_eq!((there.echoed_us(), there.consented_us()), (Some(SEALED_US), None));
+}
+
+/// Consent counts from what was known when it was given, and is taken back by whatever is newer and does not give it.
+#[test]
+fn consent_and_padding() {
+    let (mut here, mut there) = (session(2), session(1));
+    open(&mut here, &bytes(FLOW)).unwrap();
+    let probe = Message::Probe(Probe { sent_us: 123_456_789 });
+    let says = Says { consents: true, least: 56 };
+    let mut out = [0; MAX_DATAGRAM];
+    let len = here.seal(&mut Counter::starting_at(9), SEALED_US, says, &probe, &mut out).unwrap();
+    assert_eq!(&out[..len], bytes(PADDED_PROBE));
+    let no = [8, 10].map(|sequence| seal(&mut here, sequence, probe));
+    assert_eq!(open(&mut there, &out[..len]), Ok((probe, Some(7))));
+    assert_eq!(there.consented_us(), Some(SEALED_US));
+    open(&mut there, &no[0]).unwrap();
+    assert_eq!(there.consented_us(), Some(SEALED_US), "said before");
+    open(&mut there, &no[1]).unwrap();
+    assert_eq!(there.consented_us(), None);
 }
 
 #[test]
@@ -177,7 +203,7 @@ fn keys_move_on_and_a_reordered_datagram_of_the_last_epoch_is_still_opened() {
     let mut datagrams = (0..40)
         .map(|_| {
             let mut out = [0; MAX_DATAGRAM];
-            let len = here.seal(&mut counter, SEALED_US, &flow(), &mut out).unwrap();
+            let len = here.seal(&mut counter, SEALED_US, Says::default(), &flow(), &mut out).unwrap();
             out[..len].to_vec()
         })
         .collect::<Vec<_>>();
@@ -194,7 +220,7 @@ fn keys_move_on_and_a_reordered_datagram_of_the_last_epoch_is_still_opened() {
     *forged.last_mut().unwrap() ^= 1;
     assert_eq!(open(&mut there, &forged), Err(Refusal::Forged));
     let mut out = [0; MAX_DATAGRAM];
-    let len = here.seal(&mut counter, SEALED_US, &flow(), &mut out).unwrap();
+    let len = here.seal(&mut counter, SEALED_US, Says::default(), &flow(), &mut out).unwrap();
     assert!(open(&mut there, &out[..len]).is_ok());
 }
 
@@ -206,14 +232,17 @@ fn the_last_sequence_number_is_the_last() {
         assert_eq!(counter.draw(), Err(Refusal::Exhausted));
     }
     let mut out = [0; MAX_DATAGRAM];
-    assert_eq!(session(1).seal(&mut counter, SEALED_US, &flow(), &mut out), Err(Refusal::Exhausted));
+    assert_eq!(session(1).seal(&mut counter, SEALED_US, Says::default(), &flow(), &mut out), Err(Refusal::Exhausted));
 }
 
 #[test]
 fn a_buffer_that_is_too_short_is_an_error() {
     for len in 0..88 {
         let mut out = vec![0; len];
-        assert!(session(1).seal(&mut Counter::default(), SEALED_US, &flow(), &mut out).is_err(), "{len}");
+        assert!(
+            session(1).seal(&mut Counter::default(), SEALED_US, Says::default(), &flow(), &mut out).is_err(),
+            "{len}"
+        );
     }
     for len in 0..200 {
         assert!(handshake(1).greet(0, GreetingKind::Hello, [0; 16], &mut vec![0; len]).is_err(), "{len}");

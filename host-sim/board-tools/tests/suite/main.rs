@@ -3,4 +3,5 @@
 mod bringup;
 mod calibrate;
 mod calibrate_winding;
+mod lease;
 mod recording;

@@ -1,4 +1,4 @@
-//! Datagrams whose tag is right and whose message is none: numbers that are none, lengths, kinds and bits that version 2 does
+//! Datagrams whose tag is right and whose message is none: numbers that are none, lengths, kinds and bits that version 3 does
 //! not know. A `Link` never says such things, so they are sealed here by a second implementation ([`crate::protocol::format`]).
 
 use haptic_protocol::link::{Error, Link, Stage};
@@ -205,7 +205,7 @@ fn a_peer_that_says_nothing_else_is_there_and_coordinates_nothing() {
 }
 
 #[test]
-fn any_bytes_under_a_right_tag_are_a_message_of_version_2_or_nothing() {
+fn any_bytes_under_a_right_tag_are_a_message_of_this_version_or_nothing() {
     let mut ear = Ear::new(4);
     let mut rng = Rng(5);
     let mut taken = 0;

@@ -226,10 +226,10 @@ fn errors_are_sentences() {
         (vec![2; 40], "greeting: 40 bytes where 200 belong"),
         (vec![9, 3, 2, 1], "sealed: 4 bytes where 32 belong"),
         ([&[9, 3, 2, 1], [0; 64].as_slice()].concat(), "version 9 is spoken here, this end speaks 2"),
-        ([&[2, 7, 2, 1], [0; 64].as_slice()].concat(), "kind 7 is no message of version 2"),
-        ([&[2, 3, 5, 1], [0; 64].as_slice()].concat(), "a datagram from a peer that this link does not lead to"),
-        ([&[2, 3, 2, 5], [0; 64].as_slice()].concat(), "a datagram for another peer"),
-        ([&[2, 3, 2, 1], [0; 64].as_slice()].concat(), "this datagram belongs to another session"),
+        ([&[3, 7, 2, 1], [0; 64].as_slice()].concat(), "kind 7 is no message of version 3"),
+        ([&[3, 3, 5, 1], [0; 64].as_slice()].concat(), "a datagram from a peer that this link does not lead to"),
+        ([&[3, 3, 2, 5], [0; 64].as_slice()].concat(), "a datagram for another peer"),
+        ([&[3, 3, 2, 1], [0; 64].as_slice()].concat(), "this datagram belongs to another session"),
     ] {
         let error: Error = world.links[0].receive(now, &mut datagram.clone()).unwrap_err();
         assert_eq!(error.to_string(), sentence);

@@ -1,4 +1,4 @@
-//! Every message as bytes that were written down by hand, and what version 2 refuses.
+//! Every message as bytes that were written down by hand, and what version 3 refuses.
 
 use haptic_protocol::wire::{
     Ack, Ask, AxisFlow, Bits, Error, Event, Flow, Flow2, Flow3, Goodbye, Greeting, GreetingKind, Header, MAX_MESSAGE,
@@ -228,7 +228,7 @@ fn part() {
 
 #[test]
 fn header() {
-    let bytes = [2, 3, 7, 9, 0xdd, 0xcc, 0xbb, 0xaa, 8, 7, 6, 5, 4, 3, 2, 1];
+    let bytes = [3, 3, 7, 9, 0xdd, 0xcc, 0xbb, 0xaa, 8, 7, 6, 5, 4, 3, 2, 1];
     let header = Header { from: PeerId(7), to: PeerId(9), session: 0xaabb_ccdd, sequence: 0x0102_0304_0506_0708 };
     let mut out = [0; Header::LEN];
     assert_eq!(header.emit(&mut out), Ok(Header::LEN));
@@ -249,11 +249,13 @@ fn header() {
 
 #[test]
 fn stamps() {
-    let stamps = Stamps { sealed_us: 0x0102_0304_0506_0708, echo_us: 9 };
     let mut out = [0; Stamps::LEN];
-    assert_eq!(stamps.emit(&mut out), Ok(Stamps::LEN));
-    assert_eq!(out, [8, 7, 6, 5, 4, 3, 2, 1, 9, 0, 0, 0, 0, 0, 0, 0]);
-    assert_eq!(Stamps::parse(&out), Ok(stamps));
+    for (consents, padding, last) in [(false, 0, 0), (false, 44, 44), (true, 0, 0x80), (true, 127, 0xFF)] {
+        let stamps = Stamps { sealed_us: 0x02_0304_0506_0708, consents, padding, echo_us: 9 };
+        assert_eq!(stamps.emit(&mut out), Ok(Stamps::LEN));
+        assert_eq!(out, [8, 7, 6, 5, 4, 3, 2, last, 9, 0, 0, 0, 0, 0, 0, 0]);
+        assert_eq!(Stamps::parse(&out), Ok(stamps));
+    }
     assert!(Stamps::parse(&out[1..]).is_err());
 }
 
