@@ -19,8 +19,9 @@ const TO_TURN_OFF: u32 = 1;
 /// clock, if he does.
 pub fn note(signals: &Signals, now_us: u64, consented_us: Option<u64>) {
     if let Some(consented_us) = consented_us {
-        let ticks = u32::try_from(now_us.saturating_sub(consented_us).div_ceil(1_000)).unwrap_or(u32::MAX / 2);
-        signals.consented.set(signals.ticks.get().wrapping_sub(ticks));
+        // A count of ticks wraps: what is longer ago than three weeks is three weeks ago.
+        let ticks = now_us.saturating_sub(consented_us).div_ceil(1_000).min((u32::MAX / 4).into());
+        signals.consented.set(signals.ticks.get().wrapping_sub(ticks as u32));
     }
     signals.consent.set(consented_us.is_some());
 }

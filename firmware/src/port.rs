@@ -1,8 +1,8 @@
 //! The operator's port: a sealed link to whoever holds the operator's key, lines in, answers and records out.
 //!
-//! A [`Link`] of its own on UDP 7702: the operator has number 0, this board its own. The board never calls: it answers the
-//! address that the last authentic datagram came from, so that an operator may come from anywhere and a stranger finds
-//! nothing here; nor does the other peer, whose key is another. The last operator to prove that he holds the key and is there
+//! A [`Link`] of its own on UDP 7702: the operator has number 0, this board its own. The board never calls: it answers where
+//! an operator's session began, once that address has proved itself ([`Path`]), so that an operator may come from anywhere, a stranger finds
+//! nothing here, and who copies datagrams moves nothing; nor does the other peer find anything, whose key is another. The last operator to prove that he holds the key and is there
 //! now takes the link over; what was half said to the one before is dropped, and records are no longer sent.
 //!
 //! **Run is a lease**: all that the operator's end seals says whether the motors may run ([`firmware_parts::hold`]).
@@ -17,7 +17,8 @@ use firmware_parts::operator::is_timeless;
 use haptic_protocol::lines::{Line, Lines};
 use haptic_protocol::link::{Config, ConfigError, Link, Notice};
 use haptic_protocol::parameters::{Parameters, Table};
-use haptic_protocol::wire::{Datagram, MAX_DATAGRAM, PeerId};
+use haptic_protocol::path::Path;
+use haptic_protocol::wire::{Datagram, Greeting, MAX_DATAGRAM, PeerId};
 use haptic_protocol::{ends::Ends, key::Key};
 
 use crate::board::{Number, random};
@@ -48,25 +49,22 @@ pub(crate) fn link(key: &Key, seed: &Key, number: Number) -> Result<Link, Config
 struct Port {
     link: &'static mut Link,
     lines: Lines,
-    /// Where the operator's last sealed datagram came from.
-    operator: Option<IpEndpoint>,
-    taken: u32,
+    /// Where the operator is answered.
+    path: Path<IpEndpoint>,
     console: Console,
     telemetry: Telemetry,
 }
 
 impl Port {
-    /// Takes a datagram; gives whom to answer, which a stranger with an old greeting may be, once.
+    /// Takes a datagram; gives whom to answer with a welcome, which a stranger with an old greeting may be, once.
     fn receive(&mut self, datagram: &mut [u8], from: IpEndpoint) -> Option<IpEndpoint> {
-        if self.link.receive(Instant::now().as_micros(), datagram).is_err() {
+        let now = Instant::now().as_micros();
+        let greeting = datagram.get(1).is_some_and(|kind| Greeting::is_kind(*kind));
+        if self.link.receive(now, datagram).is_err() {
             self.console.signals.refused.count();
             return None;
         }
-        let taken = self.link.counts().taken;
-        if taken != self.taken {
-            self.taken = taken;
-            self.operator = Some(from);
-        }
+        self.path.heard(now, from, datagram.len(), greeting, self.link);
         while let Some(notice) = self.link.take_notice() {
             match notice {
                 Notice::NewPeer(_) => {
@@ -88,16 +86,16 @@ impl Port {
 #[embassy_executor::task]
 pub(crate) async fn run(stack: Stack<'static>, console: Console, link: &'static mut Link, telemetry: Telemetry) -> ! {
     let (socket, mut answers) = sockets::pair(stack, PORT);
-    let mut port = Port { link, lines: Lines::default(), operator: None, taken: 0, console, telemetry };
+    let mut port = Port { link, lines: Lines::default(), path: Path::default(), console, telemetry };
     let (mut bytes, mut out): (Datagram, Datagram) = ([0; MAX_DATAGRAM], [0; MAX_DATAGRAM]);
     // A record that is sealed and waits.
     let mut waiting: Option<(usize, Datagram)> = None;
     loop {
         let look = if port.telemetry.is_on() { BUSY } else { IDLE };
-        let mut to = port.operator;
+        let mut caller = None;
         match with_timeout(look, socket.recv_from(&mut bytes)).await {
             Ok(Ok((length, from))) => {
-                to = port.receive(bytes.get_mut(..length).unwrap_or_default(), from.endpoint).or(to);
+                caller = port.receive(bytes.get_mut(..length).unwrap_or_default(), from.endpoint);
             }
             Ok(Err(_)) => port.console.signals.refused.count(),
             Err(_) => answers.tend(),
@@ -124,9 +122,11 @@ pub(crate) async fn run(stack: Stack<'static>, console: Console, link: &'static 
             port.lines.say(&answer);
         }
         port.lines.push(port.link);
-        let Some(to) = to else { continue };
         while let Some(length) = port.link.poll(Instant::now().as_micros(), &mut out) {
-            answers.send(out.get(..length).unwrap_or_default(), to).await;
+            let datagram = out.get(..length).unwrap_or_default();
+            if let Some(to) = port.path.of(datagram, caller) {
+                answers.send(datagram, to).await;
+            }
         }
         loop {
             if waiting.is_none()
@@ -137,7 +137,11 @@ pub(crate) async fn run(stack: Stack<'static>, console: Console, link: &'static 
                 waiting = sealed.map(|length| (length, datagram));
             }
             let Some((length, datagram)) = &waiting else { break };
-            if !answers.send(datagram.get(..*length).unwrap_or_default(), to).await {
+            let datagram = datagram.get(..*length).unwrap_or_default();
+            // Where nothing may go yet, a record is lost like any other.
+            if let Some(to) = port.path.of(datagram, None)
+                && !answers.send(datagram, to).await
+            {
                 break;
             }
             waiting = None;

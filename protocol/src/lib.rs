@@ -97,6 +97,7 @@ pub mod lines;
 pub mod link;
 pub mod notices;
 pub mod parameters;
+pub mod path;
 #[cfg(feature = "peer")]
 pub mod peer;
 pub mod playout;

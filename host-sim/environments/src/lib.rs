@@ -16,7 +16,6 @@ mod error;
 #[cfg(feature = "std")]
 pub mod live;
 #[cfg(feature = "std")]
-pub mod path;
 pub mod records;
 pub mod roles;
 #[cfg(feature = "std")]

@@ -11,9 +11,9 @@ use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::time::{Duration, Instant};
 
 use haptic_core::safety::{Command as Order, Mode};
-use haptic_environments::path::Path;
 use haptic_live::batch::{OutgoingBatch, ReceivedBatch};
 use haptic_live::endpoint::Endpoint;
+use haptic_protocol::path::Path;
 use haptic_protocol::{key::Key, wire::Telemetry};
 use haptic_sim::node::{Node, Transmit as _};
 use haptic_sim::{key_file::entropy, scene::Scene};

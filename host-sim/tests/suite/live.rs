@@ -234,7 +234,7 @@ fn an_end_of_another_version_is_named() {
     let said = String::from_utf8_lossy(&said.stderr).into_owned();
     assert!(
         said.contains(&format!(
-            "{} is not understood: version 1 is spoken here, this end speaks 2",
+            "{} is not understood: version 1 is spoken here, this end speaks 3",
             old.local_addr().expect("its address")
         )),
         "{said}"

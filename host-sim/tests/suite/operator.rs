@@ -110,7 +110,8 @@ fn lines_are_answered_and_samples_come_under_the_right_key_only() {
     assert_eq!(operator.ask(long).unwrap(), format!("ok {long}"));
     assert_eq!(operator.ask("arm").unwrap(), "ok arm");
     let samples = operator.samples(Duration::from_millis(20)).unwrap();
-    assert_eq!(samples.iter().map(|sample| sample.payload().to_vec()).collect::<Vec<_>>(), [long.as_bytes(), b"arm"]);
+    let lines: [&[u8]; 3] = [b"get safety.operator_lost_s", long.as_bytes(), b"arm"];
+    assert_eq!(samples.iter().map(|sample| sample.payload().to_vec()).collect::<Vec<_>>(), lines);
     assert!(operator.ask(&"x".repeat(400)).unwrap_err().to_string().contains("at most 384"));
 
     // The next operator takes over; from the command line.

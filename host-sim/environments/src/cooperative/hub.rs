@@ -36,7 +36,7 @@ use haptic_sim::scene::Scene;
 
 use super::MOST_USERS;
 use super::junction::{Junction, Port};
-use crate::path::Path;
+use haptic_protocol::path::Path;
 
 /// Greetings that are looked at in a control period.
 const GREETINGS: u32 = 8;

@@ -19,8 +19,8 @@ use haptic_protocol::wire::{Goodbye, Greeting, Header, MAX_DATAGRAM, Message};
 use haptic_sim::node::Transmit as _;
 
 use super::{CLIENT, OBJECTS, World, line_of, open_link};
-use crate::path::Path;
 use crate::roles::static_scene::{Board, Server};
+use haptic_protocol::path::Path;
 
 /// Most clients of one server.
 pub const MOST_LINES: u32 = 4096;

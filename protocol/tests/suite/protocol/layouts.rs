@@ -236,12 +236,12 @@ fn header() {
     let mut datagram = [0x55; 33];
     datagram[..16].copy_from_slice(&bytes);
     assert_eq!(Header::parse(&mut datagram), Ok((header, &bytes, &mut [0x55; 17][..])));
-    for version in [0, 1, 3, 255] {
+    for version in [0, 1, 2, 255] {
         datagram[0] = version;
         assert_eq!(Header::parse(&mut datagram), Err(Error::UnknownVersion(version)));
     }
-    assert_eq!(Error::UnknownVersion(1).to_string(), "version 1 is spoken here, this end speaks 2");
-    datagram[..2].copy_from_slice(&[2, 4]);
+    assert_eq!(Error::UnknownVersion(1).to_string(), "version 1 is spoken here, this end speaks 3");
+    datagram[..2].copy_from_slice(&[3, 4]);
     assert_eq!(Header::parse(&mut datagram), Err(Error::UnknownKind(4)));
     let error = Error::Length { message: "sealed", wanted: 32, got: 31 };
     assert_eq!(Header::parse(&mut datagram[..31]), Err(error));
@@ -276,7 +276,7 @@ fn greeting() {
         tables,
     };
     let mut bytes = [0; Greeting::TAGGED];
-    bytes[..8].copy_from_slice(&[2, 2, 1, 2, 1, 2, 3, 4]);
+    bytes[..8].copy_from_slice(&[3, 2, 1, 2, 1, 2, 3, 4]);
     bytes[8..24].fill(0xaa);
     bytes[24..40].fill(0xbb);
     bytes[40..48].copy_from_slice(&[0x88, 0x77, 0x66, 0x55, 0x44, 0x33, 0x22, 0x11]);

@@ -6,10 +6,10 @@ use std::sync::Arc;
 use board_bench::bench::Bench;
 use board_bench::image::Firmware;
 use board_bench::node::{Inputs, Node};
-use board_bench::pc::{Pc, board_ip, board_mac, in_key_sector, keys_in_flash, operator_key, peers_key, udp};
+use board_bench::pc::{Pc, board_ip, board_mac, in_key_sector, keys_in_flash, operator_key, peers_key, resolved, udp};
 use board_bench::wire::{Line, PC, Wire};
 use board_bench::{log, reviewed};
-use haptic_board_tools::operator::Session;
+use haptic_board_tools::operator::{PORT, Session};
 use haptic_protocol::key::Key;
 use haptic_protocol::wire::MAX_DATAGRAM;
 
@@ -103,6 +103,40 @@ fn without_key_or_randomness_a_board_says_nothing_at_all() {
 }
 
 /// Why: one key made both links, so that the other peer, or who owns the hub, could arm a board and raise its limits.
+/// Somebody on the path sends a copy of all that the operator says, from his own address, before it arrives: he is sent nothing but what he paid
+/// for, and the operator's records go on coming to the operator.
+#[test]
+fn a_copy_that_comes_first_takes_no_records_away() {
+    const THERE: u16 = 5555;
+    let mut bench = Bench::start(&Arc::new(Firmware::release()), 1, Line::default());
+    assert_eq!(bench.ask(1, "stream 1"), "ok every 1 ticks");
+    bench.run_for_ms(200);
+    let (mut paid, mut got, before) = (0, 0, bench.pc.records[0].len());
+    for _ in 0..500 {
+        let now_ns = bench.now_ns();
+        bench.pc.away = false;
+        for frame in bench.pc.talk(now_ns, 1) {
+            let copy = udp((board_mac(2), board_ip(2), THERE), (board_mac(1), board_ip(1), PORT), &frame[42..]);
+            paid += copy.len();
+            bench.wire.send(1, now_ns, &copy);
+            bench.wire.send(PC, now_ns, &frame);
+        }
+        bench.pc.away = true;
+        bench.step();
+        let now_ns = bench.now_ns();
+        for frame in bench.wire.receive(1, now_ns) {
+            if let Some(answer) = resolved(&frame, board_mac(2), board_ip(2)) {
+                bench.wire.send(1, now_ns, &answer);
+            } else if frame[30..34] == board_ip(2) && frame[36..38] == THERE.to_be_bytes() {
+                got += frame.len();
+            }
+        }
+    }
+    let came = bench.pc.records[0].len() - before;
+    assert!(paid > 1000 && got <= paid, "{got} bytes for {paid}");
+    assert!(came > 400, "{came} records of 500");
+}
+
 #[test]
 fn who_holds_the_peers_key_is_no_operator() {
     let firmware = Arc::new(Firmware::release());

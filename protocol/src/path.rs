@@ -1,4 +1,4 @@
-//! Path: where a line of a hub or a server is answered, and how an address proves itself.
+//! Path: where an end that waits to be called (a hub, a server, a board's operator's port) answers, and how an address proves itself.
 //!
 //! Anybody can write any address on a datagram, and what was copied on its way can come from elsewhere first. So
 //!
@@ -10,8 +10,8 @@
 //! periods and a handshake. Whoever only copies or injects datagrams moves nothing; who can carry both ways, probes and
 //! answers, is the network, and can do what a network can.
 
-use haptic_protocol::link::Link;
-use haptic_protocol::wire::GreetingKind;
+use crate::link::Link;
+use crate::wire::GreetingKind;
 
 /// The addresses of one line.
 #[derive(Clone, Copy, Debug)]
@@ -82,7 +82,7 @@ impl<A: Copy + PartialEq> Path<A> {
     }
 
     /// Where it is answered.
-    pub(crate) fn address(&self) -> Option<A> {
+    pub fn address(&self) -> Option<A> {
         self.end.map(|end| end.address)
     }
 }
