@@ -80,7 +80,7 @@ impl Session {
             self.samples.push((self.link.sealed_us(), sample));
         }
         while let Some(heard) = self.lines.hear(now_us, &mut self.link) {
-            self.answers.push_back(heard.line.as_str().to_owned());
+            self.answers.push_back(haptic_io::escaped(heard.line.as_str()).into_owned());
         }
     }
 

@@ -1,7 +1,6 @@
 //! What a live command says while it runs: a line each second, and what happens in between, on a thread of its own, so that a terminal
 //! that does not take them holds up nobody.
 
-use std::io::Write as _;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 
@@ -169,8 +168,8 @@ fn say(lines: &Receiver<Line>, manner: Manner) {
     for line in lines {
         if manner == Manner::Words {
             match line {
-                Line::Second(second) => eprintln!("{}", second.words()),
-                Line::Notice { words, .. } | Line::Words(words) => eprintln!("{words}"),
+                Line::Second(second) => haptic_io::say(second.words()),
+                Line::Notice { words, .. } | Line::Words(words) => haptic_io::say(words),
             }
             continue;
         }
@@ -182,7 +181,7 @@ fn say(lines: &Receiver<Line>, manner: Manner) {
             Line::Words(words) => json!({ "kind": "words", "words": words }),
         };
         // Whoever does not read on is sent nothing more; the run goes on.
-        if writeln!(std::io::stdout(), "{object}").is_err() {
+        if haptic_io::out(format_args!("{object}\n")).is_err() {
             return;
         }
     }

@@ -32,6 +32,8 @@ mod trace;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
+use haptic_io::Kind;
+
 pub use error::Error;
 pub use scale::significant;
 pub use sheet::{Dash, PALETTE, Print, WIDTH};
@@ -229,21 +231,17 @@ pub fn draw(figure: &Figure, base: &Path) -> Result<Vec<PathBuf>, Error> {
         let mut name = OsString::from(base);
         name.push(format!(".{ending}"));
         let path = PathBuf::from(name);
-        write_file(&path, ending, &bytes).map(|()| path)
+        write_file(&path, ending, &bytes, Kind::Named).map(|()| path)
     };
     painted.into_iter().map(write).collect()
 }
 
-/// Writes a file whole or not at all, its folder made if needed: under a name of its own until it is complete.
+/// Writes a file whole or not at all, its folder made if needed.
 ///
 /// # Errors
-/// The file or its folder cannot be written.
-pub fn write_file(path: &Path, format: &'static str, bytes: &[u8]) -> Result<(), Error> {
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let mut half = OsString::from(path);
-    half.push(".part");
-    let written = std::fs::create_dir_all(folder).and_then(|()| std::fs::write(&half, bytes));
-    written.and_then(|()| std::fs::rename(&half, path)).map_err(Error::write(path, format))
+/// The file or its folder cannot be written, or what is there may not be written over.
+pub fn write_file(path: &Path, format: &'static str, bytes: &[u8], kind: Kind) -> Result<(), Error> {
+    haptic_io::write(path, bytes, kind).map_err(Error::write(path, format))
 }
 
 #[cfg(test)]

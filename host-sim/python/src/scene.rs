@@ -1,6 +1,5 @@
 //! A scene that Python reads, changes, copies and sends to another process.
 
-use std::fs::File;
 use std::path::{Path, PathBuf, absolute};
 
 use haptic_core::settings::{Allowed, Value};
@@ -85,7 +84,7 @@ pub(crate) fn meant(source: &Bound<'_, PyAny>) -> PyResult<haptic_sim::Scene> {
     let is_word = source.is_instance_of::<PyString>() && built_in::meant(Some(&path)).map_err(refused)?.is_some();
     if !is_word {
         // As Python itself says it.
-        File::open(&path).map_err(|cause| {
+        haptic_io::open(&path).map_err(|cause| {
             let said = cause.to_string();
             let said = said.split(" (os error").next().unwrap_or_default().to_owned();
             PyOSError::new_err((cause.raw_os_error(), said, path.display().to_string()))

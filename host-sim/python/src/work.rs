@@ -9,6 +9,7 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use haptic_io::escaped;
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 
@@ -19,7 +20,7 @@ const LOOK: Duration = Duration::from_millis(20);
 
 /// A sentence of the simulator as Python raises it.
 pub(crate) fn refused(said: impl ToString) -> PyErr {
-    PyValueError::new_err(said.to_string())
+    PyValueError::new_err(escaped(&said.to_string()).into_owned())
 }
 
 /// Work on the caller's own thread, detached from the interpreter: what it does, or what Python had to say in between, Ctrl-C or a law

@@ -45,6 +45,7 @@
 
 use std::fmt;
 
+use haptic_io::escaped;
 use haptic_plot::significant;
 use serde::{Serialize, Serializer};
 use serde_json::Value;
@@ -273,7 +274,7 @@ impl Column {
             Cell::Whole(count) => number(count as f64),
             Cell::Number(value) => number(value),
             Cell::List(values) => values.into_iter().map(number).collect::<Vec<_>>().join(", "),
-            Cell::Text(text) => text,
+            Cell::Text(text) => escaped(&text).into_owned(),
         }
     }
 }

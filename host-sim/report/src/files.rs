@@ -17,6 +17,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use std::{collections::BTreeSet, fmt::Write, sync::Arc};
 
 use chrono::{DateTime, SecondsFormat};
+use haptic_io::Kind;
 use haptic_plot::{Error, Figure, Print, paint, write_file};
 use parquet::basic::{Compression, LogicalType, Repetition, Type as PhysicalType};
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType};
@@ -203,44 +204,47 @@ impl Files {
     pub fn write(self) -> Result<Vec<PathBuf>, Error> {
         // Parquet says when it was made, SVG and PDF by which command: whether what they hold is the same, CSV and PNG tell.
         let compared = || self.parts.iter().filter(|part| !matches!(part.ending, "parquet" | "svg" | "pdf"));
-        let there = |part: &FileContent, number| std::fs::read(self.path(&part.name, part.ending, number)).ok();
+        let taken = |part: &FileContent, number| {
+            let path = self.path(&part.name, part.ending, number);
+            path.symlink_metadata().is_ok() && !haptic_io::is(&path, &part.bytes)
+        };
         let mut number = 1;
-        while compared().any(|part| there(part, number).is_some_and(|bytes| bytes != part.bytes)) {
+        while compared().any(|part| taken(part, number)) {
             number += 1;
         }
         let mut paths = Vec::new();
         for part in &self.parts {
             let path = self.path(&part.name, part.ending, number);
             if !path.exists() {
-                write_file(&path, part.ending, &part.bytes)?;
+                write_file(&path, part.ending, &part.bytes, Kind::New)?;
             }
             paths.push(path);
         }
         let path = self.path(&self.name, "toml", number);
         if !path.exists() {
-            write_file(&path, "TOML", self.provenance.toml().as_bytes())?;
+            write_file(&path, "TOML", self.provenance.toml().as_bytes(), Kind::New)?;
         }
         paths.push(path);
         Ok(paths)
     }
 }
 
-/// Writes one table as CSV, in place of what is there: one line with the names of the columns, then one for each row.
+/// Writes one table as CSV: one line with the names of the columns, then one for each row.
 ///
 /// # Errors
-/// The file cannot be written.
-pub fn write_csv(columns: &Columns, path: &Path) -> Result<(), Error> {
+/// The file cannot be written, or what is there may not be written over.
+pub fn write_csv(columns: &Columns, path: &Path, kind: Kind) -> Result<(), Error> {
     let bytes = csv(columns).map_err(Error::write(path, "CSV"))?;
-    write_file(path, "CSV", &bytes)
+    write_file(path, "CSV", &bytes, kind)
 }
 
-/// Writes one table as Parquet, in place of what is there, with what made it.
+/// Writes one table as Parquet, with what made it.
 ///
 /// # Errors
-/// The file cannot be written.
-pub fn write_parquet(columns: &Columns, path: &Path, provenance: &str) -> Result<(), Error> {
+/// The file cannot be written, or what is there may not be written over.
+pub fn write_parquet(columns: &Columns, path: &Path, provenance: &str, kind: Kind) -> Result<(), Error> {
     let bytes = parquet(columns, provenance).map_err(Error::write(path, "Parquet"))?;
-    write_file(path, "Parquet", &bytes)
+    write_file(path, "Parquet", &bytes, kind)
 }
 
 fn distinct(columns: &Columns) -> Result<Vec<&Column>, Cause> {

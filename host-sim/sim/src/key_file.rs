@@ -3,14 +3,14 @@
 //! **Roles**: a file of peers, or of one line to a hub or server, has the digits alone; the operator's of a board says `operator`
 //! before them. Whoever reads one says which it has to be, and the other is refused by name.
 //!
-//! **Reading** takes no more than [`LONGEST`] bytes, whatever the file is, and judges owner and mode of the file that was
-//! read, not of whatever its name means a moment later. **Writing** is all or nothing: the name is there once every byte is
-//! on the disk, an existing file is never touched, and what fails leaves nothing behind.
+//! **Reading** takes no more than [`LONGEST`] bytes of a regular file, and judges owner and mode of the file that was read, not of
+//! whatever its name means a moment later. **Writing** is all or nothing, and an existing file is never touched ([`haptic_io`]).
 
+use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{SystemTime, UNIX_EPOCH};
-use std::{fs::File, io::Read, io::Write, path::Path};
 
+use haptic_io::{Kind, Most};
 use haptic_protocol::key::{Key, Role};
 
 use crate::Error;
@@ -61,15 +61,7 @@ pub fn write(path: &Path, role: Role, key: &Key) -> Result<(), Error> {
 /// # Errors
 /// The file exists or cannot be written.
 pub fn write_secret(path: &Path, bytes: &[u8]) -> Result<(), Error> {
-    let failed = Error::cannot::<std::io::Error>("make the key file", &path.display());
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    // Only its owner may read it from the first byte on; dropped under this name, it is gone.
-    let mut file = tempfile::NamedTempFile::new_in(folder).map_err(&failed)?;
-    file.write_all(bytes).and_then(|()| file.as_file().sync_all()).map_err(&failed)?;
-    file.persist_noclobber(path).map_err(|refused| failed(refused.error))?;
-    // The name is on the disk as well, where a folder can be asked for that.
-    let _ = File::open(folder).and_then(|folder| folder.sync_all());
-    Ok(())
+    haptic_io::write(path, bytes, Kind::Secret).map_err(Error::cannot("make the key file", &path.display()))
 }
 
 /// Reads the key file of a role.
@@ -78,10 +70,8 @@ pub fn write_secret(path: &Path, bytes: &[u8]) -> Result<(), Error> {
 /// The file cannot be read, may be read by others, or holds no key of this role.
 pub fn read(path: &Path, role: Role) -> Result<Key, Error> {
     let place = path.display();
-    let failed = Error::cannot::<std::io::Error>("read the key file", &place);
-    let file = File::open(path).map_err(&failed)?;
-    let mut bytes = Vec::with_capacity(LONGEST + 1);
-    Read::take(&file, LONGEST as u64 + 1).read_to_end(&mut bytes).map_err(&failed)?;
+    let most = Most::new(LONGEST as u64, "a key file");
+    let (bytes, file) = haptic_io::read_with(path, most).map_err(Error::cannot("read the key file", &place))?;
     let (is, key) = parse(&bytes).ok_or_else(|| {
         format!("{place} is no key file: it must hold 64 hexadecimal digits, as `host-sim key generate` writes them")
     })?;
@@ -97,7 +87,7 @@ pub fn read(path: &Path, role: Role) -> Result<Key, Error> {
         return Err(said.into());
     }
     #[cfg(unix)]
-    own(path, &file.metadata().map_err(&failed)?)?;
+    own(path, &file)?;
     Ok(key)
 }
 

@@ -16,6 +16,8 @@ use haptic_core::device::velocity::VelocityName;
 use haptic_core::num::Motion;
 use haptic_core::settings::{Allowed, Choice, Key, LawInfo, Refused, SetError, Settings, Tables, Value, number};
 
+use haptic_io::Most;
+
 use crate::Error;
 use crate::network::trace::NetworkTrace;
 use crate::peers::{Builds, DynPeer, Laws};
@@ -242,6 +244,9 @@ pub struct Scene {
 /// Keys of one end alone, with their values, which were checked.
 type OwnKeys = Vec<(&'static str, Value<'static>)>;
 
+/// The longest scene file.
+pub const MOST: Most = Most::new(1 << 20, "a scene");
+
 /// Tables and keys that may differ between the two ends, written with `peer.1.` or `peer.2.` before them: a leader and a follower whose
 /// devices, scales and limits are unlike. Settings that both must share are common, and in a simulation so
 /// are the models of the devices.
@@ -313,7 +318,7 @@ impl Scene {
     pub fn load(laws: Laws, path: Option<&Path>, overrides: &[String]) -> Result<Self, Error> {
         let Some(path) = path else { return Self::of_text(laws, "", "scene", None, overrides) };
         let place = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(Error::cannot("read", &place))?;
+        let text = haptic_io::text(path, MOST).map_err(Error::cannot("read", &place))?;
         Self::of_text(laws, &text, &place, path.parent(), overrides)
     }
 

@@ -7,6 +7,7 @@
 use std::path::{Path, PathBuf};
 
 use haptic_core::settings::number;
+use haptic_io::Most;
 
 use crate::Error;
 
@@ -44,6 +45,9 @@ haptic_core::settings! {
         clutch_every_s: f64 = 1e6, number(1e-3, 1e6), "s", "Time from one opening to the next.";
     }
 }
+
+/// The longest file of a trace, of a force or of a network.
+pub const TRACE: Most = Most::new(1 << 27, "a trace");
 
 /// A simulated user: the profile of forces and arm, and a recorded force.
 #[derive(Clone, Debug, Default)]
@@ -136,8 +140,8 @@ impl Trace {
     pub fn read(file: &Path) -> Result<Self, Error> {
         let path = file.display();
         let read = Error::cannot::<csv::Error>("read", &path);
-        let mut reader =
-            csv::ReaderBuilder::new().flexible(true).trim(csv::Trim::All).from_path(file).map_err(&read)?;
+        let bytes = haptic_io::read(file, TRACE).map_err(Error::cannot("read", &path))?;
+        let mut reader = csv::ReaderBuilder::new().flexible(true).trim(csv::Trim::All).from_reader(bytes.as_slice());
         let header = reader.headers().map_err(&read)?;
         if *header != ["time_s", "force_n"][..] {
             let found = header.iter().collect::<Vec<_>>().join(",");

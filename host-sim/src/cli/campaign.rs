@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use haptic_core::num::Scalar;
+use haptic_io::Kind;
 use haptic_plot::{Error, Figure, write_file};
-use haptic_studies::campaign::laws::page::{PICTURES, page};
+use haptic_studies::campaign::laws::page::{MOST, PICTURES, page};
 use haptic_studies::campaign::laws::{Row, asked_for, bench, figures, law_scenes, tables};
 use haptic_studies::campaign::{Cell, campaign, columns, cost_columns, costs, of_scene, sending};
 use serde_json::json;
@@ -108,15 +109,15 @@ impl Campaign {
 
 /// Writes the page and its pictures.
 fn written(file: &Path, rows: &[Row], each_tick: &[Row]) -> Result<Vec<PathBuf>, Failure> {
-    let old = std::fs::read_to_string(file).unwrap_or_default();
-    write_file(file, "Markdown", page(rows, each_tick, &old).as_bytes())?;
+    let old = haptic_io::text(file, MOST).unwrap_or_default();
+    write_file(file, "Markdown", page(rows, each_tick, &old).as_bytes(), Kind::Named)?;
     let mut files = vec![file.to_owned()];
     for (name, figure) in PICTURES.into_iter().zip([figures::laws(rows), figures::impedance(rows)]) {
         let path = file.with_file_name(name);
         let painted = haptic_plot::paint(&figure, haptic_plot::Print::default(), "");
         let painted = painted.map_err(Error::write(&path, "a figure"))?;
         for (_, bytes) in painted.into_iter().filter(|(ending, _)| *ending == "png") {
-            write_file(&path, "PNG", &bytes)?;
+            write_file(&path, "PNG", &bytes, Kind::Named)?;
         }
         files.push(path);
     }

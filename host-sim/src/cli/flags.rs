@@ -18,7 +18,7 @@ use haptic_live::watch::LiveOptions;
 use haptic_protocol::key::{Key, Role};
 use haptic_report::Provenance;
 use haptic_sim::run::Account;
-use haptic_sim::scene::Scene;
+use haptic_sim::scene::{MOST, Scene};
 use haptic_sim::{key_file, scenes};
 
 use super::ui::{Failure, Ui};
@@ -87,7 +87,7 @@ impl SceneArgs {
         let text = match (&self.scene, self.built_in()?) {
             (_, Some(name)) => scenes::text(name).unwrap_or_default().to_owned(),
             (Some(path), _) => {
-                std::fs::read_to_string(path).map_err(haptic_sim::Error::cannot("read", &path.display()))?
+                haptic_io::text(path, MOST).map_err(haptic_sim::Error::cannot("read", &path.display()))?
             }
             (None, None) => String::new(),
         };

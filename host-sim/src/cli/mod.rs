@@ -220,7 +220,8 @@ impl Cli {
         let mut words: Vec<OsString> = std::env::args_os().collect();
         let first = words.iter().skip(1).position(|word| word != "--json").map_or(1, |at| at + 1);
         if let Some((old, new)) = words.get(first).and_then(|word| word.to_str()).and_then(moved) {
-            eprintln!("host-sim {old} is now host-sim {new}: the old name goes with the next release");
+            let goes = "the old name goes with the next release";
+            haptic_io::say(format_args!("host-sim {old} is now host-sim {new}: {goes}"));
             words.splice(first..=first, new.split(' ').map(OsString::from));
         }
         let ui = Ui::new(words.iter().any(|word| word == "--json"), self.laws);
@@ -239,7 +240,7 @@ impl Cli {
         match outcome {
             Ok(()) => ExitCode::SUCCESS,
             Err(error) => {
-                eprintln!("host-sim: {error}");
+                haptic_io::say(format_args!("host-sim: {}", haptic_io::escaped(&error.to_string())));
                 ExitCode::from(2)
             }
         }

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use haptic_io::Kind;
 use haptic_plot::write_file;
 use haptic_studies::campaign::laws::page;
 use haptic_studies::proof;
@@ -37,10 +38,10 @@ impl Prove {
         writeln!(ui, "{report}");
         if let Some(file) = &self.page {
             let refused = |cause: Failure| format!("--page {}: {cause}", file.display());
-            let old = std::fs::read_to_string(file).map_err(|cause| refused(cause.into()))?;
+            let old = haptic_io::text(file, page::MOST).map_err(|cause| refused(cause.into()))?;
             let page =
                 page::with(&old, page::PROOFS, &proof::section(&report)).map_err(|cause| refused(cause.into()))?;
-            write_file(file, "Markdown", page.as_bytes())?;
+            write_file(file, "Markdown", page.as_bytes(), Kind::Named)?;
             ui.wrote(std::slice::from_ref(file));
         }
         Ok(())

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use haptic_io::Kind;
 use haptic_live::recording::file::{Recording, Rows, read};
 use haptic_live::recording::merge::{both, merge};
 use haptic_live::watch::GOOD_CLOCK_S;
@@ -28,10 +29,10 @@ impl Format {
         }
     }
 
-    fn write(self, table: &Columns, path: &Path, provenance: &str) -> Result<(), Error> {
+    fn write(self, table: &Columns, path: &Path, provenance: &str, kind: Kind) -> Result<(), Error> {
         match self {
-            Self::Csv => write_csv(table, path),
-            Self::Parquet => write_parquet(table, path, provenance),
+            Self::Csv => write_csv(table, path, kind),
+            Self::Parquet => write_parquet(table, path, provenance, kind),
         }
     }
 }
@@ -56,7 +57,8 @@ pub(super) struct Convert {
     /// A recording (MCAP); one that was cut gives all that is whole.
     #[arg(value_name = "IN")]
     from: PathBuf,
-    /// The table of its ticks, as .csv or .parquet; its other channels are put beside it, as NAME-exchanges and the like.
+    /// The table of its ticks, as .csv or .parquet; its other channels are put beside it, as NAME-exchanges and the like, where no
+    /// other file is.
     #[arg(value_name = "OUT")]
     to: PathBuf,
 }
@@ -66,29 +68,46 @@ impl Convert {
         let format = Format::of(&self.to)?;
         let recording = load(ui, &self.from)?;
         let provenance = &recording.origin.provenance;
-        let mut files = Vec::new();
-        // A page has a channel for each environment that it can show: what was never shown is no file.
-        let come = |(at, rows): &(usize, &Rows)| *at == 0 || !rows.is_empty();
-        for (at, rows) in recording.channels.iter().enumerate().filter(come) {
-            let leaf = rows.topic.rsplit('/').next().unwrap_or_default();
-            let mut path = self.to.clone();
-            if at > 0 {
-                let stem = self.to.file_stem().unwrap_or_default().to_string_lossy();
-                let ending = self.to.extension().unwrap_or_default().to_string_lossy();
-                path.set_file_name(format!("{stem}-{leaf}.{ending}"));
-            }
-            format.write(&rows.table(), &path, provenance)?;
-            files.push(json!({ "channel": rows.topic, "rows": rows.len(), "file": path }));
-        }
         if let Format::Csv = format {
             // Parquet has it inside.
             let path = self.to.with_extension("toml");
-            std::fs::write(&path, provenance).map_err(haptic_sim::Error::cannot("write", &path.display()))?;
+            if let Err(error) = provenance.parse::<toml::Table>() {
+                let why = format!("{}: its settings are no TOML: {}", self.from.display(), error.message());
+                return Err(why.into());
+            }
+            let failed = haptic_sim::Error::cannot("write", &path.display());
+            haptic_io::write(&path, provenance.as_bytes(), Kind::Beside).map_err(failed)?;
+        }
+        let mut files = Vec::new();
+        // A page has a channel for each environment that it can show: what was never shown is no file.
+        let come = |(at, rows): &(usize, &Rows)| *at == 0 || !rows.is_empty();
+        // The file that was named comes last: when it is there, all of them are.
+        for (at, rows) in recording.channels.iter().enumerate().filter(come).rev() {
+            let (path, kind) = match at {
+                0 => (self.to.clone(), Kind::Named),
+                _ => (self.beside(&rows.topic)?, Kind::Beside),
+            };
+            format.write(&rows.table(), &path, provenance, kind)?;
+            files.insert(0, json!({ "channel": rows.topic, "rows": rows.len(), "file": path }));
         }
         let cut = recording
             .cut
             .map(|cut| json!({ "whole_bytes": cut.whole, "bytes_after": cut.rest, "rows_saved": cut.saved }));
         ui.report("", &json!({ "who": recording.origin.who, "cut": cut, "lost": recording.lost, "channels": files }))
+    }
+}
+
+impl Convert {
+    /// The file of a channel beside that of the ticks.
+    fn beside(&self, topic: &str) -> Result<PathBuf, Failure> {
+        let leaf = topic.rsplit('/').next().unwrap_or_default();
+        if leaf.is_empty() || leaf.contains(|letter: char| !letter.is_ascii_alphanumeric() && !"-_".contains(letter)) {
+            let allowed = "after its last / there must be letters, digits, - and _";
+            return Err(format!("{}: channel {topic:?} is not allowed: {allowed}", self.from.display()).into());
+        }
+        let stem = self.to.file_stem().unwrap_or_default().to_string_lossy();
+        let ending = self.to.extension().unwrap_or_default().to_string_lossy();
+        Ok(self.to.with_file_name(format!("{stem}-{leaf}.{ending}")))
     }
 }
 
@@ -114,7 +133,7 @@ impl Merge {
             [_, table, ..] => return Format::of(table).map(drop),
         };
         if let Some(path) = out {
-            Format::of(path)?.write(&merged.table, path, &one.origin.provenance)?;
+            Format::of(path)?.write(&merged.table, path, &one.origin.provenance, Kind::Named)?;
             ui.status(format_args!("wrote {}", path.display()));
         }
         if merged.clock_error_us > 1e6 * GOOD_CLOCK_S {

@@ -4,7 +4,7 @@
 //! A result is given in both forms, and the one that was asked for is printed: [`Ui::document`] under `--json`, what is written
 //! with `writeln!(ui, …)`, [`Ui::table`] and [`Ui::wrote`] without. So no command asks which. [`Ui::report`] needs the document only.
 
-use std::io::{ErrorKind, Write};
+use std::io::ErrorKind;
 use std::{fmt, path::PathBuf, time::Instant};
 
 use clap::Args;
@@ -12,6 +12,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use serde_json::Value;
 
+use haptic_io::escaped;
 use haptic_plot::Print;
 use haptic_report::{Columns, Files, Provenance, word};
 use haptic_sim::Laws;
@@ -196,12 +197,12 @@ impl Ui {
 
     /// What is going on, on standard error.
     pub(super) fn status(&self, text: impl fmt::Display) {
-        eprintln!("{text}");
+        haptic_io::say(text);
     }
 
     /// What the user should know although the work was done, on standard error.
     pub(super) fn warn(&self, text: impl fmt::Display) {
-        eprintln!("warning: {text}");
+        haptic_io::say(format_args!("warning: {}", escaped(&text.to_string())));
     }
 
     /// Says so where this knows core's laws only and there are others.
@@ -250,12 +251,12 @@ pub(super) fn pictures(files: Vec<PathBuf>) -> Vec<PathBuf> {
 
 /// Prints on standard output; ends the program quietly where nobody reads on (`host-sim cooperate | head -3`).
 fn print(text: fmt::Arguments<'_>) {
-    match std::io::stdout().write_fmt(text) {
+    match haptic_io::out(text) {
         Ok(()) => {}
         // What a shell sees of a program that the closed pipe ended.
         Err(cause) if cause.kind() == ErrorKind::BrokenPipe => std::process::exit(141),
         Err(cause) => {
-            eprintln!("host-sim: cannot write to standard output: {cause}");
+            haptic_io::say(format_args!("host-sim: cannot write to standard output: {cause}"));
             std::process::exit(2);
         }
     }

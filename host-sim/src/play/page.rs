@@ -99,7 +99,7 @@ impl Page {
             control_loop?.join().map_err(|_| "the beat failed".to_owned())?
         });
         if let Some(recorder) = recorder {
-            eprintln!("{}", recorder.finish().summary());
+            haptic_io::say(recorder.finish().summary());
         }
         // Windows ask 60 times a second: each sees that it is over, and closes.
         mailbox.lock().over = true;

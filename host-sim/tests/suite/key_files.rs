@@ -41,7 +41,11 @@ const PEER: [&str; 7] = [
 #[test]
 fn an_endless_file_is_refused_after_a_few_bytes() {
     let error = refusal(&limited("-v 262144", &[&PEER[..], &["/dev/zero"]].concat()));
-    assert!(error.contains("/dev/zero is no key file: it must hold 64 hexadecimal digits"), "{error}");
+    assert!(error.contains("/dev/zero: it is a pipe or a device: it must be a regular file"), "{error}");
+    let long = folder("endless").join("long.key");
+    std::fs::write(&long, "0".repeat(1 << 20)).expect("a long file");
+    let error = refusal(&limited("-v 262144", &[&PEER[..], &[&long.display().to_string()]].concat()));
+    assert!(error.contains("a key file has at most 128 bytes, and it has more"), "{error}");
 }
 
 #[test]

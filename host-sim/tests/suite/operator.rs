@@ -27,6 +27,7 @@ fn folder(name: &str) -> PathBuf {
 
 /// Board 2: answers every line with `ok` and the line, `no` with an error, and sends a sample after each. Asked to stream
 /// every tick, it sends ticks, until it is asked not to, or its operator was silent for as long as a board bears it. `away` pulls its cable.
+/// Asked for a key it says what a board says, and shares so many axes as it is told to say.
 struct Board {
     address: SocketAddr,
     stop: Arc<AtomicBool>,
@@ -36,6 +37,10 @@ struct Board {
 
 impl Board {
     fn start(key: Key, version: f64) -> Self {
+        Self::sharing("1", key, version)
+    }
+
+    fn sharing(axes: &'static str, key: Key, version: f64) -> Self {
         let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
         socket.set_read_timeout(Some(Duration::from_millis(2))).unwrap();
         let address = socket.local_addr().unwrap();
@@ -72,7 +77,13 @@ impl Board {
                     Sample::new(7, &record).unwrap()
                 });
                 if let Some(Heard { line, .. }) = lines.hear(now, &mut link) {
-                    lines.say(&if line == "no" { "error never".to_owned() } else { format!("ok {line}") });
+                    lines.say(&match line.as_str() {
+                        "no" => "error never".to_owned(),
+                        "get timing.control_period_s" => "ok timing.control_period_s = 0.001".to_owned(),
+                        "get axis.shared" => format!("ok axis.shared = {axes}"),
+                        "spell" => "ok armed\u{1b}[2J\u{9b}31m\nwarning: none\u{7}".to_owned(),
+                        line => format!("ok {line}"),
+                    });
                     sample = Some(Sample::new(7, line.as_bytes()).unwrap());
                     streams = line == "stream 1";
                 }
@@ -198,6 +209,43 @@ fn a_recording_outlives_the_cable() {
     assert_eq!((status, why.lines().count()), (Some(2), 2), "{why}");
     assert!(why.contains(" ticks written to ") && why.contains("no answer from "), "{why}");
     assert!(file.exists());
+}
+
+/// Why: a board that said it shared 18446744073709551615 axes ended the operator's program for want of memory.
+#[test]
+fn a_board_that_says_what_none_can_is_refused_by_name() {
+    let folder = folder("operator-axes");
+    let key = folder.join("a.key");
+    key_file::generate(&key, Role::Operator).unwrap();
+    for (axes, ending) in [("18446744073709551615", "csv"), ("4", "mcap"), ("0", "csv"), ("many", "mcap")] {
+        let board = Board::sharing(axes, key_file::read(&key, Role::Operator).unwrap(), 1.0);
+        let file = folder.join(format!("ticks.{ending}"));
+        let mut command = Command::new(env!("CARGO_BIN_EXE_host-sim"));
+        command.args(["board", "operator", "--seconds", "0.2", "--board", &board.address.to_string()]);
+        let output = command.arg("--key-file").arg(&key).arg("--record").arg(&file).output().unwrap();
+        let why = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{why}");
+        assert_eq!(why, format!("host-sim: the board has axis.shared = {axes}, which is not allowed\n"));
+        assert!(!file.exists());
+    }
+}
+
+/// Why: what a board answered went to the operator's terminal as it was, which obeyed it.
+#[test]
+fn what_a_board_answers_is_shown_and_not_obeyed() {
+    let key = folder("operator-spell").join("a.key");
+    key_file::generate(&key, Role::Operator).unwrap();
+    let board = Board::start(key_file::read(&key, Role::Operator).unwrap(), 1.0);
+    for more in [&["spell"][..], &["spell", "--json"], &["spell", "no"]] {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_host-sim"));
+        command.args(["board", "operator", "--board", &board.address.to_string(), "--key-file"]).arg(&key);
+        let output = command.args(more).output().unwrap();
+        let said = String::from_utf8([output.stdout, output.stderr].concat()).unwrap();
+        assert!(!said.contains(|letter: char| letter.is_control() && letter != '\n'), "{said:?}");
+        if more == ["spell"] {
+            assert_eq!(said, "ok armed\\u001b[2J\\u009b31m\\u000awarning: none\\u0007\n");
+        }
+    }
 }
 
 #[test]

@@ -91,12 +91,20 @@ pub fn settings(board: &mut dyn Board) -> Result<Settings, Error> {
     const TABLES: [&str; 6] = ["timing.", "axis.", "encoder.", "kinematics.", "motor.", "probe."];
     let mut settings = Settings::default();
     for key in Settings::keys().filter(|key| TABLES.iter().any(|table| key.name.starts_with(table))) {
-        let text = get(board, key.name)?;
-        settings
-            .set(key.name, Value::of_text(&text))
-            .map_err(|_| format!("the board has {} = {text}, which is not allowed", key.name))?;
+        take(board, &mut settings, key.name)?;
     }
     Ok(settings)
+}
+
+/// Takes over the value that a key has on the board.
+///
+/// # Errors
+/// No answer, or a value that the key does not accept.
+pub fn take(board: &mut dyn Board, settings: &mut Settings, key: &str) -> Result<(), Error> {
+    let text = get(board, key)?;
+    settings
+        .set(key, Value::of_text(&text))
+        .map_err(|_| format!("the board has {key} = {text}, which is not allowed").into())
 }
 
 /// How one joint of a device is configured, and what one count of it is worth.

@@ -5,7 +5,8 @@
 use std::path::Path;
 
 use haptic_core::settings::{Settings, Value};
-use haptic_sim::scene::Scene;
+use haptic_io::Kind;
+use haptic_sim::scene::{MOST, Scene};
 
 use super::Found;
 use super::board::{Board, say};
@@ -18,7 +19,7 @@ use crate::Error;
 pub fn add(path: &Path, found: &[Found]) -> Result<(), Error> {
     let place = path.display();
     let before = if path.exists() {
-        std::fs::read_to_string(path).map_err(haptic_sim::Error::cannot("read", &place))?
+        haptic_io::text(path, MOST).map_err(haptic_sim::Error::cannot("read", &place))?
     } else {
         String::new()
     };
@@ -33,7 +34,7 @@ pub fn add(path: &Path, found: &[Found]) -> Result<(), Error> {
     }
     let text = format!("# Found by `host-sim board calibrate`; a scene file, in part.\n\n{document}");
     Scene::default().apply(&text, &place.to_string(), path.parent())?;
-    Ok(std::fs::write(path, text).map_err(haptic_sim::Error::cannot("write", &place))?)
+    Ok(haptic_io::write(path, text.as_bytes(), Kind::Named).map_err(haptic_sim::Error::cannot("write", &place))?)
 }
 
 /// The keys that a scene's text names, as `table.key`; none where it is no TOML.
@@ -60,7 +61,7 @@ pub fn plain(value: Value<'_>) -> String {
 /// The file cannot be read, or the board refuses a key.
 pub fn give(board: &mut dyn Board, path: &Path) -> Result<usize, Error> {
     let scene = Scene::load(haptic_sim::Laws::built_in(), Some(path), &[])?;
-    let text = std::fs::read_to_string(path).map_err(haptic_sim::Error::cannot("read", &path.display()))?;
+    let text = haptic_io::text(path, MOST).map_err(haptic_sim::Error::cannot("read", &path.display()))?;
     give_scene(board, &scene, &named(&text))
 }
 

@@ -133,7 +133,7 @@ impl<F: Fn(u32) -> Option<u64>> Actor<SocketAddr> for Serving<'_, F> {
         self.host.tick_turn(now_ns / 1_000, self.turn, out);
         self.turn = (self.turn + 1) % Host::<SocketAddr>::TURNS;
         if let Some(news) = self.host.news(now_ns / 1_000) {
-            eprintln!("refused: {news}");
+            haptic_io::say(format_args!("refused: {news}"));
         }
         self.clients = self.clients.max(self.host.clients());
         let now_s = 1e-9 * now_ns as f64;

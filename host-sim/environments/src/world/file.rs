@@ -2,6 +2,7 @@
 
 use std::{collections::BTreeMap, fmt::Display, path::Path};
 
+use haptic_io::Most;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -9,13 +10,16 @@ use super::parameters::{CONTROL_PERIOD_S, World};
 use crate::Error;
 use crate::records::{Block, Bounds, Field, Object, Region, Shape, Strip};
 
+/// The longest file of a world.
+const MOST: Most = Most::new(1 << 24, "a world");
+
 /// The world in the file at `path`; what is wrong is said in one line.
 ///
 /// # Errors
 /// The file cannot be read, or the first thing that is wrong in it.
 pub fn load(path: &Path) -> Result<Box<World>, Error> {
     let place = path.display().to_string();
-    let text = std::fs::read_to_string(path).map_err(haptic_sim::Error::cannot("read", &place))?;
+    let text = haptic_io::text(path, MOST).map_err(haptic_sim::Error::cannot("read", &place))?;
     parse(&text, &place)
 }
 

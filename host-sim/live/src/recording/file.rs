@@ -3,9 +3,12 @@
 //! Read from the front, record by record, so that no summary is needed: a file that was cut gives everything up to the last whole
 //! message, and [`Recording::cut`] says where that was. Of other MCAP files it reads what it writes itself: protobuf messages of
 //! doubles, chunks without compression.
+//!
+//! **Bounds**, for a file may be anybody's: what is kept of it is no larger than the file. A row has every number of its channel, a
+//! channel at most [`MOST_COLUMNS`] of them, with short names; and there are at most [`MOST_CHANNELS`], [`MOST_NUMBERS`] in all,
+//! and [`MOST_TEXT`] of anything else.
 
 use std::collections::BTreeMap;
-use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;
 
@@ -14,10 +17,20 @@ use haptic_sim::quantities::Named;
 
 use super::mcap::{MAGIC, op};
 use super::origin::Origin;
+use super::recorder::MOST_COLUMNS;
 use crate::Error;
 
 /// Column that every row of a converted table begins with.
 pub const ROW: Named = ("row", "number of the row, from 0; one that is left out was lost while it was recorded");
+
+/// Most channels of a recording.
+pub const MOST_CHANNELS: usize = 64;
+/// Most numbers in all rows of a recording: of two peers, three hours at 1 kHz.
+pub const MOST_NUMBERS: u64 = 1 << 29;
+/// Longest record of a recording, and most of what is no row, bytes.
+pub const MOST_TEXT: u64 = 1 << 24;
+/// Longest name of a channel or a column, bytes.
+const LONGEST_NAME: usize = 128;
 
 /// A recording read from its file.
 #[derive(Debug)]
@@ -206,12 +219,19 @@ struct Reading {
     channels: BTreeMap<u64, Rows>,
     facts: BTreeMap<String, BTreeMap<String, String>>,
     rows: u64,
+    numbers: u64,
+    /// Bytes of what is no row.
+    text: u64,
     ended: bool,
 }
 
 impl Reading {
     /// Takes in a record; an error is a file that nobody here has written, `None` one that is broken.
     fn take(&mut self, opcode: u8, mut content: Parse<'_>) -> Result<Option<()>, Error> {
+        if matches!(opcode, op::SCHEMA | op::CHANNEL | op::METADATA) {
+            self.text += content.0.len() as u64;
+            bounded("bytes that are no rows", self.text, MOST_TEXT)?;
+        }
         match opcode {
             op::SCHEMA => {
                 let (Some(id), Some(name), Some(encoding)) = (content.number::<2>(), content.text(), content.text())
@@ -224,10 +244,22 @@ impl Reading {
                 let Some(columns) = content.counted().and_then(|set| doubles(Parse(set), &name)) else {
                     return Ok(None);
                 };
+                bounded("columns in a channel", columns.len() as u64, MOST_COLUMNS as u64)?;
+                for (_, column) in &columns {
+                    bounded("bytes in the name of a column", column.len() as u64, LONGEST_NAME as u64)?;
+                }
                 self.schemas.insert(id, columns);
             }
-            op::CHANNEL => return Ok(self.channel(content)),
-            op::MESSAGE => return Ok(self.message(content)),
+            op::CHANNEL => {
+                let taken = self.channel(content);
+                bounded("channels", self.channels.len() as u64, MOST_CHANNELS as u64)?;
+                return Ok(taken);
+            }
+            op::MESSAGE => {
+                let taken = self.message(content);
+                bounded("numbers", self.numbers, MOST_NUMBERS)?;
+                return Ok(taken);
+            }
             op::METADATA => {
                 let (Some(name), Some(facts)) = (content.text(), content.map()) else { return Ok(None) };
                 self.facts.insert(name, facts);
@@ -253,14 +285,16 @@ impl Reading {
         let (id, sequence, time_ns) = (content.number::<2>()?, content.number::<4>()?, content.number::<8>()?);
         content.number::<8>()?;
         let rows = self.channels.get_mut(&id)?;
-        rows.columns.iter_mut().for_each(|column| column.push(f64::NAN));
+        let mut values = [None; MOST_COLUMNS];
         while let Some((number, _, bits)) = content.field() {
-            if let Some(column) = rows.numbers.iter().position(|known| *known == number).map(|at| &mut rows.columns[at])
-                && let Some(last) = column.last_mut()
-            {
-                *last = f64::from_bits(bits);
+            if let Some(at) = rows.numbers.iter().position(|known| *known == number) {
+                values[at] = Some(f64::from_bits(bits));
             }
         }
+        // All of them, or it is none of ours.
+        let values: Vec<f64> = values[..rows.columns.len()].iter().copied().collect::<Option<_>>()?;
+        rows.columns.iter_mut().zip(values).for_each(|(column, value)| column.push(value));
+        self.numbers += rows.columns.len() as u64 + 2;
         rows.sequences.push(sequence as f64);
         rows.times_ns.push(time_ns);
         self.rows += 1;
@@ -285,20 +319,39 @@ impl Reading {
     }
 }
 
+/// There are not more of these than there may be.
+fn bounded(what: &str, there: u64, most: u64) -> Result<(), Error> {
+    if there <= most {
+        return Ok(());
+    }
+    Err(Error::Refused(format!("it has more than {most} {what}, which no recording has")))
+}
+
 /// Reads a recording, whole or cut.
 ///
 /// # Errors
-/// The file cannot be read, or is no recording.
+/// The file cannot be read, is no recording, or holds more than one may.
 pub fn read(path: &Path) -> Result<Recording, Error> {
     let place = path.display();
     let failed = haptic_sim::Error::cannot::<std::io::Error>("read", &place);
-    let file = File::open(path).map_err(&failed)?;
+    let file = haptic_io::open(path).map_err(&failed)?;
     let size = file.metadata().map_err(&failed)?.len();
-    let mut file = BufReader::new(file);
+    read_from(BufReader::new(file), size).map_err(|why| match why {
+        Error::Refused(why) => Error::Refused(format!("{place}: {why}")),
+        why => why,
+    })
+}
+
+/// [`read`] of so many bytes.
+///
+/// # Errors
+/// They cannot be read, are no recording, or hold more than one may.
+pub fn read_from(mut file: impl Read, size: u64) -> Result<Recording, Error> {
+    let failed = haptic_sim::Error::cannot::<std::io::Error>("read", &"a recording");
     let mut magic = [0; MAGIC.len()];
     let begins = file.read_exact(&mut magic).is_ok() && magic == *MAGIC;
     if !begins {
-        return Err(format!("{place} is no recording: it does not begin as an MCAP file does").into());
+        return Err("this is no recording: it does not begin as an MCAP file does".into());
     }
     let (mut reading, mut at, mut saved, mut content) = (Reading::default(), MAGIC.len() as u64, 0, Vec::new());
     while !reading.ended {
@@ -308,7 +361,8 @@ pub fn read(path: &Path) -> Result<Recording, Error> {
         }
         let mut parse = Parse(&head[1..]);
         let length = parse.number::<8>().unwrap_or(0);
-        let there = length.min(size - at - 9);
+        let there = length.min(size.saturating_sub(at + 9));
+        bounded("bytes in a record", there, MOST_TEXT)?;
         content.clear();
         file.by_ref().take(there).read_to_end(&mut content).map_err(&failed)?;
         let before = reading.rows;
@@ -317,14 +371,13 @@ pub fn read(path: &Path) -> Result<Recording, Error> {
             _ if there < length => Ok(None),
             opcode => reading.take(opcode, Parse(&content)),
         };
-        let taken = taken.map_err(|why| format!("{place}: {why}"))?;
-        if taken.is_none() || there < length {
+        if taken?.is_none() || there < length {
             saved = reading.rows - before;
             break;
         }
         at += 9 + length;
     }
-    let cut = (!reading.ended).then_some(Cut { whole: at, rest: size - at, saved });
+    let cut = (!reading.ended).then_some(Cut { whole: at, rest: size.saturating_sub(at), saved });
     let fact = |of: &str, name: &str| reading.facts.get(of).and_then(|facts| facts.get(name)).cloned();
     let origin = Origin::of_facts(|name| fact("recording", name).unwrap_or_default());
     let lost = fact("end", "lost").and_then(|lost| lost.parse().ok());

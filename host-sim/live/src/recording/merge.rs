@@ -12,6 +12,8 @@
 //! **At one instant**: for every tick of the first, the second's copy at that time, on the straight line between two ticks; or the
 //! copy of one tick, where the clock cannot tell that it was another instant.
 
+use std::collections::BTreeSet;
+
 use haptic_report::Columns;
 use haptic_sim::quantities::{self, Named};
 use serde::Serialize;
@@ -188,9 +190,11 @@ fn relate(one: &Side<'_>, two: &Side<'_>) -> Result<(Relation, String, Option<f6
     let same = !one.origin.clock.is_empty() && one.origin.clock == two.origin.clock;
     let same = same.then(|| Relation::same_clock(begin(one) - begin(two)));
     let peers = one.board.is_none() && two.board.is_none();
-    let both = |session: f64| [one, two].iter().all(|side| side.exchanges.iter().any(|(own, _)| *own == session));
+    let sessions = |side: &Side<'_>| side.exchanges.iter().map(|(own, _)| own.to_bits()).collect::<BTreeSet<u64>>();
+    let both: BTreeSet<u64> = sessions(one).intersection(&sessions(two)).copied().collect();
+    let is_of_both = |session: &f64| peers && !session.is_nan() && both.contains(&session.to_bits());
     let of = |side: &Side<'_>| -> Vec<Exchange> {
-        side.exchanges.iter().filter(|(session, _)| peers && both(*session)).map(|(_, exchange)| *exchange).collect()
+        side.exchanges.iter().filter(|(session, _)| is_of_both(session)).map(|(_, exchange)| *exchange).collect()
     };
     let of_both: Vec<_> = of(one).into_iter().chain(of(two).into_iter().map(Exchange::turned)).collect();
     if let Some(relation) = Relation::of(&of_both) {

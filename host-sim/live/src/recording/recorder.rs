@@ -7,7 +7,7 @@
 //!
 //! **A disk that is full** ends the recording, not the run: what is not whole is cut off, and the file says what is missing.
 
-use std::fs::{File, OpenOptions};
+use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -88,7 +88,7 @@ impl Recorder {
             }
             _ => haptic_sim::Error::cannot("write", &path.display())(cause).into(),
         };
-        let file = OpenOptions::new().write(true).create_new(true).open(path).map_err(failed)?;
+        let file = haptic_io::begin(path).map_err(failed)?;
         let sequences = channels.iter().map(|_| AtomicU32::new(0)).collect();
         let mut writer = Writer::begin(file, &format!("host-sim {}", origin.version), channels).map_err(failed)?;
         writer
@@ -170,7 +170,7 @@ fn write(mut writer: Writer<File>, rows: &Receiver<Row>, (file, lost): (PathBuf,
             Err(cause) => {
                 lost.fetch_add(std::mem::take(&mut waiting), Ordering::Relaxed);
                 failed = Some(format!("{} takes no more ({cause}): the recording has ended", file.display()));
-                eprintln!("warning: {}", failed.as_deref().unwrap_or_default());
+                haptic_io::say(format_args!("warning: {}", failed.as_deref().unwrap_or_default()));
                 // Whoever waits for room is told by its being gone; what is on its way is lost.
                 break;
             }

@@ -1,5 +1,6 @@
 //! Columns as text, JSON, CSV and Parquet; files of a run, and what they say of it.
 
+use haptic_io::Kind;
 use haptic_plot::Figure;
 use haptic_report::files::{ROW_GROUP_ROWS, write_csv, write_parquet};
 use haptic_report::{Column, Columns, Error, Files, Provenance};
@@ -140,7 +141,7 @@ fn bits(columns: &Columns) -> Vec<(String, Vec<u64>)> {
 fn csv(columns: &Columns) -> Result<Vec<u8>, Error> {
     let folder = tempdir().unwrap();
     let path = folder.path().join("x.csv");
-    write_csv(columns, &path).map(|()| std::fs::read(path).unwrap())
+    write_csv(columns, &path, Kind::Named).map(|()| std::fs::read(path).unwrap())
 }
 
 fn parquet(columns: &Columns, provenance: &Provenance) -> Result<Vec<u8>, Error> {
@@ -215,7 +216,7 @@ fn parquet_says_unit_and_meaning_of_every_column() {
     let columns = gains();
     let folder = tempdir().unwrap();
     let path = folder.path().join("gains.parquet");
-    write_parquet(&columns, &path, "").unwrap();
+    write_parquet(&columns, &path, "", Kind::Named).unwrap();
     let reader = SerializedFileReader::new(std::fs::File::open(path).unwrap()).unwrap();
     let printed = reader.metadata().file_metadata().key_value_metadata().unwrap();
     let about = |key: String| printed.iter().find(|entry| entry.key == key)?.value.clone();
@@ -239,9 +240,8 @@ fn words_and_nothing_are_written_too() {
 #[test]
 fn two_columns_of_one_name_are_refused() {
     let folder = tempdir().unwrap();
-    let text = write_csv(&Columns::named([("x_m", "a place"), ("x_m", "another")]), &folder.path().join("x.csv"))
-        .unwrap_err()
-        .to_string();
+    let twice = Columns::named([("x_m", "a place"), ("x_m", "another")]);
+    let text = write_csv(&twice, &folder.path().join("x.csv"), Kind::Named).unwrap_err().to_string();
     assert!(text.contains("two columns are named `x_m`: every column needs a name of its own"), "{text}");
 }
 
@@ -274,6 +274,6 @@ fn an_error_names_the_path_and_the_cause() {
     let folder = tempdir().unwrap();
     let file = folder.path().join("a-file");
     std::fs::write(&file, "").unwrap();
-    let text = write_csv(&awkward(), &file.join("x.csv")).unwrap_err().to_string();
+    let text = write_csv(&awkward(), &file.join("x.csv"), Kind::Named).unwrap_err().to_string();
     assert!(text.starts_with("cannot write ") && text.contains(&*folder.path().to_string_lossy()), "{text}");
 }

@@ -81,7 +81,8 @@ impl NetworkTrace {
     /// The file cannot be read, or the first row that is wrong, in one line.
     pub fn read(path: &Path) -> Result<Self, Error> {
         let place = path.display();
-        let mut reader = csv::Reader::from_path(path).map_err(Error::cannot("read", &place))?;
+        let bytes = haptic_io::read(path, crate::user::TRACE).map_err(Error::cannot("read", &place))?;
+        let mut reader = csv::Reader::from_reader(bytes.as_slice());
         let mut packets = [Vec::new(), Vec::new()];
         for (at, row) in reader.deserialize::<(usize, usize, Option<f64>, String)>().enumerate() {
             let wrong = |what: &str| Error::at(&place, Error::at(format_args!("row {}", at + 1), what));
@@ -122,7 +123,7 @@ impl NetworkTrace {
     /// The file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), Error> {
         let failed = Error::cannot::<csv::Error>("write", &path.display());
-        let mut writer = csv::Writer::from_path(path).map_err(&failed)?;
+        let mut writer = csv::Writer::from_writer(Vec::new());
         writer.write_record(COLUMNS.map(|(name, _)| name)).map_err(&failed)?;
         for (direction, half) in (1..).zip(&self.packets) {
             for (packet, copies) in half.iter().enumerate() {
@@ -137,6 +138,7 @@ impl NetworkTrace {
                 }
             }
         }
-        writer.flush().map_err(|cause| failed(cause.into()))
+        let bytes = writer.into_inner().map_err(|cause| failed(cause.into_error().into()))?;
+        haptic_io::write(path, &bytes, haptic_io::Kind::Named).map_err(|cause| failed(cause.into()))
     }
 }

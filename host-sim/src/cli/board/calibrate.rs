@@ -162,12 +162,12 @@ impl Terminal {
 
 impl Person for Terminal {
     fn please(&mut self, task: &Task) -> Result<(), Error> {
-        eprintln!("{task}; then press Enter");
+        haptic_io::say(format_args!("{task}; then press Enter"));
         Self::line().map(|_| ())
     }
 
     fn begin(&mut self, task: &Task) -> Result<(), Error> {
-        eprintln!("{task}; then press Enter");
+        haptic_io::say(format_args!("{task}; then press Enter"));
         let (say, typed) = std::sync::mpsc::channel();
         self.typed = Some(typed);
         std::thread::spawn(move || say.send(Self::line()));
@@ -187,7 +187,7 @@ impl Person for Terminal {
     }
 
     fn reading(&mut self, what: &str) -> Result<f64, Error> {
-        eprintln!("{what}:");
+        haptic_io::say(format_args!("{what}:"));
         let line = Self::line()?;
         let number: Option<f64> = line.parse().ok();
         number.filter(|number| number.is_finite()).ok_or_else(|| format!("{line:?} is no number").into())
@@ -214,7 +214,7 @@ impl At {
             .as_ref()
             .ok_or("--key-file is missing: the operator's, that the board was provisioned with")?;
         if std::io::stdin().is_terminal() {
-            eprintln!("motors will move: keep the emergency stop at hand");
+            haptic_io::say("motors will move: keep the emergency stop at hand");
         }
         Ok((Box::new(Operator::connect(address, key_file)?), Box::<Terminal>::default()))
     }

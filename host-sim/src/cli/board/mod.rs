@@ -50,7 +50,7 @@ impl Record {
         let scene = self.scene.load_of_one_axis(ui)?;
         let ticks = (self.time.seconds / scene.peer.timing.control_period_s).round() as u64;
         let recording = record(&scene, usize::from(self.number), ticks)?;
-        std::fs::write(&self.file, &recording.bytes)
+        haptic_io::write(&self.file, &recording.bytes, haptic_io::Kind::Named)
             .map_err(haptic_sim::Error::cannot("write", &self.file.display()))?;
         writeln!(ui, "{} ticks {:016x}", recording.ticks, recording.hash);
         let hash = format!("{:016x}", recording.hash);

@@ -6,11 +6,13 @@ use std::{io::BufRead, sync::mpsc::TryRecvError, time::Duration};
 
 use clap::Args;
 use haptic_board_tools::{
-    calibrate::board::{get, say},
+    calibrate::board::{say, take},
     calibrate::settings_file,
     operator::PORT,
     recording,
 };
+use haptic_core::settings::Settings;
+use haptic_io::Kind;
 use haptic_live::recording::origin::Origin;
 use haptic_live::recording::recorder::Recorder;
 use haptic_live::recording::ticks::{BoardTicks, board_channels, name_of};
@@ -117,11 +119,20 @@ impl Operate {
 
     /// Has the ticks sent, and writes down those that came, whatever becomes of the board meanwhile.
     fn record(&self, ui: &Ui, operator: &mut Operator, file: &Path) -> Result<Vec<PathBuf>, Failure> {
-        let period_s = get(operator, "timing.control_period_s")?.parse().unwrap_or(0.001);
-        let axes = get(operator, "axis.shared")?.parse().unwrap_or(1);
+        let mut settings = Settings::default();
+        for key in ["timing.control_period_s", "axis.shared"] {
+            take(operator, &mut settings, key)?;
+        }
+        let (period_s, axes) = (settings.timing.control_period_s, settings.axis.shared as usize);
         if file.extension().is_none_or(|ending| ending != "csv") {
             self.record_as_it_goes(ui, operator, file, period_s, axes)?;
             return Ok(vec![file.to_owned()]);
+        }
+        let files: Vec<PathBuf> = (0..axes).map(|axis| of_axis(file, axis)).collect();
+        // Not after an hour of recording.
+        if let Some(there) = files[1..].iter().find(|file| file.symlink_metadata().is_ok()) {
+            let why = "it exists, and is not written over: give the recording another name";
+            return Err(format!("{}: {why}", there.display()).into());
         }
         let (samples, refusal) = operator.record(self.every, Duration::from_secs_f64(self.time.seconds))?;
         let stopped = say(operator, "stream off");
@@ -129,9 +140,8 @@ impl Operate {
         let table = tables.first().filter(|table| !table.is_empty());
         let table =
             table.ok_or_else(|| format!("board {}: no tick came in {} s", operator.number(), self.time.seconds))?;
-        let files: Vec<PathBuf> = (0..tables.len()).map(|axis| of_axis(file, axis)).collect();
-        for (table, file) in tables.iter().zip(&files) {
-            write_csv(table, file)?;
+        for (at, (table, file)) in tables.iter().zip(&files).enumerate() {
+            write_csv(table, file, if at == 0 { Kind::Named } else { Kind::Beside })?;
         }
         if let Some(row) = recording::started_anew(table) {
             ui.status(format_args!(

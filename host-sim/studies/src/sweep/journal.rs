@@ -9,12 +9,13 @@
 //! which a kill may leave, is cut off by the process that goes on, and its run is done again. One process writes a file at a time, which
 //! a lock sees to where the file system has locks. Every file of the folder is read, so that shards know of each other's runs.
 
-use std::fs::{self, File, OpenOptions, TryLockError};
-use std::io::Write;
+use std::fs::{self, File, TryLockError};
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+use haptic_io::{Kind, Most};
 use haptic_report::files::{write_csv, write_parquet};
 use haptic_report::{Columns, Provenance};
 
@@ -23,6 +24,10 @@ use crate::Error;
 
 /// Longest that a row waits for the disk while others come, if the machine itself stops.
 const SYNC: Duration = Duration::from_secs(1);
+
+/// Longest files of a folder.
+const QUESTION: Most = Most::new(1 << 26, "the question of a sweep");
+const ROWS: Most = Most::new(1 << 32, "a file of rows");
 
 /// A file of rows that is being written.
 #[derive(Debug)]
@@ -42,7 +47,7 @@ impl Journal {
         same_question(folder, &question.toml())?;
         let path = folder.join(format!("rows-{}-of-{}.csv", shard.0, shard.1));
         let failed = haptic_sim::Error::cannot::<std::io::Error>("write", &path.display());
-        let mut file = OpenOptions::new().create(true).append(true).open(&path).map_err(&failed)?;
+        let mut file = haptic_io::append(&path).map_err(&failed)?;
         if let Err(TryLockError::WouldBlock) = file.try_lock() {
             return Err(format!("{} is being written by another process: wait for its end", path.display()).into());
         }
@@ -89,25 +94,22 @@ impl Journal {
 /// A file cannot be written.
 pub fn write(folder: &Path, rows: &Columns, question: &Provenance) -> Result<Vec<PathBuf>, Error> {
     let [csv, parquet, toml] = ["sweep.csv", "sweep.parquet", "sweep.toml"].map(|name| folder.join(name));
-    write_csv(rows, &csv)?;
-    write_parquet(rows, &parquet, &question.toml())?;
+    write_csv(rows, &csv, Kind::Named)?;
+    write_parquet(rows, &parquet, &question.toml(), Kind::Named)?;
     Ok(vec![csv, parquet, toml])
 }
 
 /// Sees to it that `sweep.toml` of this folder asks just this.
 fn same_question(folder: &Path, question: &str) -> Result<(), Error> {
     let path = folder.join("sweep.toml");
-    if !path.exists() {
-        // Whole or not at all, and never over another's.
-        let half = folder.join(format!(".sweep-{}.toml", std::process::id()));
-        let linked = fs::write(&half, question).and_then(|()| match fs::hard_link(&half, &path) {
-            Err(_) if path.exists() => Ok(()),
-            done => done,
-        });
-        let removed = fs::remove_file(&half);
-        linked.and(removed).map_err(haptic_sim::Error::cannot("write", &path.display()))?;
+    // Never over another's.
+    match haptic_io::write(&path, question.as_bytes(), Kind::New) {
+        Err(cause) if cause.kind() != ErrorKind::AlreadyExists => {
+            return Err(haptic_sim::Error::cannot("write", &path.display())(cause).into());
+        }
+        _ => {}
     }
-    let there = fs::read_to_string(&path).map_err(haptic_sim::Error::cannot("read", &path.display()))?;
+    let there = haptic_io::text(&path, QUESTION).map_err(haptic_sim::Error::cannot("read", &path.display()))?;
     let (there, here) = (asked(&there), asked(question));
     let line =
         |of: &[String], at: usize| of.get(at).map_or_else(|| "nothing more".to_owned(), |line| format!("`{line}`"));
@@ -129,7 +131,7 @@ pub(super) fn asked(text: &str) -> Vec<String> {
 
 /// The text of a file up to the end of its last whole line.
 fn whole_lines(path: &Path) -> Result<Vec<u8>, Error> {
-    let mut bytes = fs::read(path).map_err(haptic_sim::Error::cannot("read", &path.display()))?;
+    let mut bytes = haptic_io::read(path, ROWS).map_err(haptic_sim::Error::cannot("read", &path.display()))?;
     bytes.truncate(bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1));
     Ok(bytes)
 }

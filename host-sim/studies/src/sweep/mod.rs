@@ -163,7 +163,8 @@ impl Sweep {
         let network = self.scene.network_trace.iter().map(|trace| &trace.file);
         let traces = users.chain(network).cloned().chain(named);
         for (number, trace) in (1..).zip(traces) {
-            let bytes = std::fs::read(&trace).map_err(haptic_sim::Error::cannot("read", &trace.display()))?;
+            let bytes = haptic_io::read(&trace, haptic_sim::user::TRACE)
+                .map_err(haptic_sim::Error::cannot("read", &trace.display()))?;
             provenance = provenance.with(&format!("trace_{number}_sha256"), hex(digest(&SHA256, &bytes).as_ref()));
         }
         Ok(provenance)

@@ -2,6 +2,7 @@
 //! kept as it is found.
 
 use haptic_core::settings::Key;
+use haptic_io::Most;
 use haptic_sim::run::Verdict;
 
 use super::tables::parts;
@@ -23,6 +24,8 @@ const NO_PAPERS: &str =
 
 /// How the page calls its pictures.
 pub const PICTURES: [&str; 2] = ["laws.png", "laws-impedance.png"];
+/// The longest file of such a page.
+pub const MOST: Most = Most::new(1 << 22, "a page");
 
 /// The page, from the bench in the campaign's scene and with a packet a tick; of the `old` page the section of the proofs.
 pub fn page(rows: &[Row], each_tick: &[Row], old: &str) -> String {

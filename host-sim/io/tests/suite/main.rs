@@ -1,0 +1,4 @@
+//! Files and sayings, tried on what is not harmless.
+
+mod files;
+mod said;
