@@ -137,7 +137,7 @@ class Pair:
         """One tick into an array of 12 float64 that the caller keeps: nothing is allocated."""
 
     def steps(self, forces_n: NDArray[np.float64]) -> NDArray[np.float64]:
-        """As many ticks as `forces_n` has rows of two (user 1, user 2): a row of 12 for each."""
+        """As many ticks as `forces_n` has rows of two (user 1, user 2), 20,000,000 at the most: a row of 12 for each."""
 
     def state_hash(self, before: int = ...) -> int:
         """Hash of both peers' states, continued from the one before; after every tick of a run it is the run's `state_hash`."""

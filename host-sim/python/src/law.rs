@@ -86,19 +86,22 @@ fn pair<'py, S: Scalar>(py: Python<'py>, motion: Motion<S>) -> PyResult<Bound<'p
 }
 
 impl AskPython {
-    /// What the method answers, as `read` takes it; none, and what was raised is kept, if it did not.
+    /// What the method answers, as `read` takes it; none, and what was raised is kept, if it did not. Not asked once the call is to end.
     fn ask<T>(
         &self,
         method: fn(&Written) -> &Py<PyAny>,
         read: impl for<'py> FnOnce(Python<'py>, &Bound<'py, PyAny>, Bound<'py, PyTuple>) -> PyResult<T>,
     ) -> Option<T> {
         let answer = Python::attach(|py| {
+            if !Raised::asks(py)? {
+                return Ok(None);
+            }
             // Nobody who waits for the interpreter holds the lock.
             let method = method(&WRITTEN.read().unwrap_or_else(PoisonError::into_inner)[self.at]).clone_ref(py);
             let values = PyTuple::new(py, &self.values[..self.count])?;
-            read(py, method.bind(py), values)
+            read(py, method.bind(py), values).map(Some)
         });
-        answer.map_err(Raised::put).ok()
+        answer.map_err(Raised::put).ok().flatten()
     }
 
     fn packet<'py, S: Scalar>(&self, py: Python<'py>, packet: Packet<S>) -> PyResult<Bound<'py, PyTuple>> {

@@ -1,6 +1,6 @@
 //! Two peers, two devices and a network that Python steps, with forces of its own.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 
 use haptic_core::num::Fixed;
 use haptic_core::safety::Mode;
@@ -9,11 +9,12 @@ use haptic_report::numbered;
 use haptic_sim::pair::HASH_SEED;
 use haptic_sim::{Number, pair};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
+use pyo3::exceptions::{PyMemoryError, PyRuntimeError};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
 use crate::raised::Raised;
-use crate::run::unknown_scalar;
+use crate::run::{MOST_ROWS, unknown_scalar};
 use crate::scene::Scene;
 use crate::work::{here, refused};
 
@@ -74,23 +75,38 @@ fn tick<S: Number>(pair: &mut pair::Pair<S>, [first, second]: [f64; 2]) -> Row {
 /// One thread at a time may step it.
 #[pyclass(module = "haptic_sim", name = "Pair")]
 pub(crate) struct Pair {
-    pair: Mutex<Any>,
+    pair: Arc<Mutex<Any>>,
+}
+
+/// The pair, unless a call that was interrupted still has it.
+fn own(pair: &Mutex<Any>) -> PyResult<MutexGuard<'_, Any>> {
+    match pair.try_lock() {
+        Ok(own) => Ok(own),
+        Err(TryLockError::Poisoned(own)) => Ok(own.into_inner()),
+        Err(TryLockError::WouldBlock) => Err(PyRuntimeError::new_err(
+            "a law that was interrupted in this pair has not come back yet: make another pair",
+        )),
+    }
+}
+
+/// An empty vector with room for so many.
+fn room<T>(count: Option<usize>) -> PyResult<Vec<T>> {
+    let mut room = Vec::new();
+    let made = count.and_then(|count| room.try_reserve_exact(count).ok());
+    made.map(|()| room).ok_or_else(|| PyMemoryError::new_err("there is no room for so many numbers"))
 }
 
 impl Pair {
-    fn own(&mut self) -> &mut Any {
-        self.pair.get_mut().unwrap_or_else(PoisonError::into_inner)
-    }
-
     fn tick(&mut self, forces: [f64; 2]) -> PyResult<Row> {
         check(forces)?;
         let raised = Raised::default();
-        let row = raised.during(|| with!(self.own(), pair => tick(pair, forces)));
+        let mut any = own(&self.pair)?;
+        let row = raised.during(|| with!(&mut *any, pair => tick(pair, forces)));
         raised.take().map_or(Ok(row), Err)
     }
 
-    fn look<T>(&self, at: impl FnOnce(&Any) -> T) -> T {
-        at(&self.pair.lock().unwrap_or_else(PoisonError::into_inner))
+    fn look<T>(&self, at: impl FnOnce(&Any) -> T) -> PyResult<T> {
+        Ok(at(&*own(&self.pair)?))
     }
 }
 
@@ -106,9 +122,10 @@ impl Pair {
     #[new]
     #[pyo3(signature = (scene, scalar = "f64"))]
     fn new(py: Python<'_>, scene: &Scene, scalar: &str) -> PyResult<Self> {
-        let pair = here(py, |_| {
+        let (scene, scalar) = (scene.clone(), scalar.to_owned());
+        let pair = here(py, move |_| {
             let scene = scene.checked()?;
-            match scalar {
+            match scalar.as_str() {
                 "f32" => pair::Pair::new(scene).map(Any::F32),
                 "f64" => pair::Pair::new(scene).map(Any::F64),
                 "i32f32" => pair::Pair::new(scene).map(Any::I32F32),
@@ -116,7 +133,7 @@ impl Pair {
             }
             .map_err(refused)
         })?;
-        Ok(Self { pair: Mutex::new(pair) })
+        Ok(Self { pair: Arc::new(Mutex::new(pair)) })
     }
 
     /// The names of the 12 numbers, six of each peer; the unit is the end of the name.
@@ -145,7 +162,7 @@ impl Pair {
         Ok(())
     }
 
-    /// As many ticks as `forces_n` has rows of two (user 1, user 2): a row of 12 for each.
+    /// As many ticks as `forces_n` has rows of two (user 1, user 2), 20,000,000 at the most: a row of 12 for each.
     fn steps<'py>(
         &mut self,
         py: Python<'py>,
@@ -159,43 +176,51 @@ impl Pair {
                 "forces_n of {got} columns is not allowed: it must have 2, user 1 and user 2"
             )));
         }
-        let forces: Vec<f64> = forces.iter().copied().collect();
-        check(forces.iter().copied())?;
-        let pair = self.own();
-        let flat = here(py, |go_on| {
-            let mut flat = Vec::with_capacity(forces.len() / 2 * WIDTH);
-            for (at, of) in forces.chunks_exact(2).enumerate() {
+        // A view may have many more rows than there is memory.
+        let rows = forces.nrows();
+        if rows > MOST_ROWS {
+            let must = format!("it must have at most {MOST_ROWS}");
+            return Err(refused(format!("forces_n of {rows} rows is not allowed: {must}")));
+        }
+        let mut own_forces: Vec<f64> = room(rows.checked_mul(2))?;
+        own_forces.extend(forces.iter());
+        check(own_forces.iter().copied())?;
+        let pair = self.pair.clone();
+        let flat = here(py, move |go_on| {
+            let mut any = own(&pair)?;
+            let mut flat = room(rows.checked_mul(WIDTH))?;
+            for (at, of) in own_forces.chunks_exact(2).enumerate() {
                 if at % 1000 == 999 && !go_on() {
                     break;
                 }
-                flat.extend(with!(&mut *pair, pair => tick(pair, [of[0], of[1]])));
+                flat.extend(with!(&mut *any, pair => tick(pair, [of[0], of[1]])));
             }
             Ok(flat)
         })?;
-        PyArray1::from_vec(py, flat).reshape([forces.len() / 2, WIDTH])
+        PyArray1::from_vec(py, flat).reshape([rows, WIDTH])
     }
 
     /// Ticks done so far.
     #[getter]
-    fn ticks(&self) -> u64 {
+    fn ticks(&self) -> PyResult<u64> {
         self.look(|any| with!(any, pair => pair.tick()))
     }
 
     /// Time of the next tick, s.
     #[getter]
-    fn time_s(&self) -> f64 {
+    fn time_s(&self) -> PyResult<f64> {
         self.look(|any| with!(any, pair => pair.time_s()))
     }
 
     /// Which peer (1 or 2) stopped, and why.
     #[getter]
-    fn fault(&self) -> Option<(usize, String)> {
+    fn fault(&self) -> PyResult<Option<(usize, String)>> {
         self.look(|any| with!(any, pair => stopped(pair)))
     }
 
     /// Hash of both peers' states, continued from the one before; after every tick of a run it is the run's `state_hash`.
     #[pyo3(signature = (before = HASH_SEED))]
-    fn state_hash(&self, before: u64) -> u64 {
+    fn state_hash(&self, before: u64) -> PyResult<u64> {
         self.look(|any| with!(any, pair => pair.hash(before)))
     }
 }

@@ -11,6 +11,8 @@ use crate::columns::to_python;
 use crate::scene::Scene;
 use crate::work::{here, refused};
 
+/// Most rows of a table: five hours at 1 kHz.
+pub(crate) const MOST_ROWS: usize = 20_000_000;
 /// Longest run, s.
 const LONGEST_S: f64 = 86_400.0;
 
@@ -71,7 +73,8 @@ impl Run {
 #[pyfunction]
 #[pyo3(signature = (scene, seconds = 20.0, scalar = "f64", every = None))]
 pub(crate) fn run(py: Python<'_>, scene: &Scene, seconds: f64, scalar: &str, every: Option<i64>) -> PyResult<Run> {
-    let scene = here(py, |_| scene.checked().cloned())?;
+    let asked = scene.clone();
+    let scene = here(py, move |_| asked.checked().cloned())?;
     check_seconds(seconds, &scene)?;
     let mut options = Options::recorded(seconds, scene.peer.timing.control_period_s);
     if let Some(every) = every {
@@ -79,9 +82,18 @@ pub(crate) fn run(py: Python<'_>, scene: &Scene, seconds: f64, scalar: &str, eve
             refused(format!("every = {every} is not allowed: it must be a whole number of ticks from 0"))
         })?;
     }
-    let conclusion = here(py, |go_on| {
+    if let Some(rows) = options.ticks(&scene).checked_div(options.record_every).filter(|rows| *rows > MOST_ROWS as u64)
+    {
+        let must = format!("a table has at most {MOST_ROWS} rows");
+        return Err(refused(format!(
+            "every = {} is not allowed here: it makes {rows} rows, and {must}",
+            options.record_every
+        )));
+    }
+    let scalar = scalar.to_owned();
+    let conclusion = here(py, move |go_on| {
         let go_on = |_| go_on();
-        let outcome = match scalar {
+        let outcome = match scalar.as_str() {
             "f32" => run_while::<f32>(&scene, options, &go_on),
             "f64" => run_while::<f64>(&scene, options, &go_on),
             "i32f32" => run_while::<Fixed>(&scene, options, &go_on),

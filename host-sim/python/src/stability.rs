@@ -30,7 +30,8 @@ impl Stability {
 /// Is this scene stable, and by how much? Of the linear scene behind it: both hands on, one, none.
 #[pyfunction]
 pub(crate) fn stability(py: Python<'_>, scene: &Scene) -> PyResult<Stability> {
-    let judged = here(py, |_| haptic_analysis::judge(scene.checked()?).map_err(refused))?;
+    let scene = scene.clone();
+    let judged = here(py, move |_| haptic_analysis::judge(scene.checked()?).map_err(refused))?;
     let modes = PyDict::new(py);
     for mode in &judged.modes {
         modes.set_item(mode.name(), mode.verdict.spectral_radius)?;
@@ -46,14 +47,15 @@ pub(crate) fn stability(py: Python<'_>, scene: &Scene) -> PyResult<Stability> {
 /// What to change in a scene that is unstable, in one sentence.
 #[pyfunction]
 pub(crate) fn advice(py: Python<'_>, scene: &Scene) -> PyResult<String> {
-    here(py, |_| haptic_analysis::advice(scene.checked()?).map_err(refused))
+    let scene = scene.clone();
+    here(py, move |_| haptic_analysis::advice(scene.checked()?).map_err(refused))
 }
 
 /// The values of a key between two ends at which the scene becomes stable or unstable, every mode considered.
 #[pyfunction]
 pub(crate) fn limit(py: Python<'_>, scene: &Scene, key: &str, first: f64, last: f64) -> PyResult<Vec<f64>> {
-    let range = Range { key: key.to_owned(), from: first, to: last };
-    here(py, |_| {
+    let (scene, range) = (scene.clone(), Range { key: key.to_owned(), from: first, to: last });
+    here(py, move |_| {
         let effort = Effort { hands: None, ..Effort::default() };
         let found = haptic_analysis::limit(scene.checked()?, range, effort).map_err(refused)?;
         Ok(found.crossings)

@@ -89,19 +89,20 @@ impl Sweep {
         py: Python<'_>,
         runs: Runs,
         threads: usize,
-        journal: Option<&sweep::Journal>,
+        journal: Option<Arc<sweep::Journal>>,
     ) -> PyResult<Vec<Row>> {
-        on_threads(py, threads, |go_on| {
+        let sweep = self.sweep.clone();
+        on_threads(py, threads, move |go_on| {
             let unwritten = AtomicBool::new(false);
             let keep = |rows: &[Row]| match go_on() {
-                true => journal.map_or(Ok(()), |journal| journal.append(rows)).inspect_err(|_| {
+                true => journal.as_ref().map_or(Ok(()), |journal| journal.append(rows)).inspect_err(|_| {
                     unwritten.store(true, Ordering::Relaxed);
                 }),
                 // Who said so tells why.
                 false => Err("stopped".into()),
             };
             let wrong = |cause| if unwritten.load(Ordering::Relaxed) { failed(cause) } else { refused(cause) };
-            self.sweep.run_these(runs, &keep).map_err(wrong)
+            sweep.run_these(runs, &keep).map_err(wrong)
         })
     }
 }
@@ -150,9 +151,10 @@ impl Sweep {
         if axes.is_empty() && drawn.is_none() {
             return Err(refused("a sweep needs keys: over or sample"));
         }
-        let sweep = sweep::Sweep { scene, axes, sample: drawn, seeds, seconds };
-        on_threads(py, 0, |_| sweep.check().map_err(refused))?;
-        Ok(Self { sweep: Arc::new(sweep), over, sample })
+        let sweep = Arc::new(sweep::Sweep { scene, axes, sample: drawn, seeds, seconds });
+        let asked = sweep.clone();
+        on_threads(py, 0, move |_| asked.check().map_err(refused))?;
+        Ok(Self { sweep, over, sample })
     }
 
     /// How many points there are.
@@ -201,7 +203,7 @@ impl Sweep {
             return to_python(py, self.sweep.columns(&rows), TEXTS);
         };
         let mut journal = self.open(folder)?;
-        let new = self.rows_of(py, journal.missing(), threads, journal.file.as_ref())?;
+        let new = self.rows_of(py, journal.missing(), threads, journal.file.clone())?;
         journal.rows.extend(new);
         journal.finish(py)
     }
@@ -210,7 +212,7 @@ impl Sweep {
     fn open(&self, folder: PathBuf) -> PyResult<Journal> {
         let question = self.question()?;
         let (file, rows) = sweep::Journal::open(&folder, &question, (1, 1)).map_err(failed)?;
-        Ok(Journal { sweep: self.sweep.clone(), question, folder, file: Some(file), rows })
+        Ok(Journal { sweep: self.sweep.clone(), question, folder, file: Some(Arc::new(file)), rows })
     }
 
     /// Does these runs, each a point with its seeds, and gives their rows as lines for `Journal.append`.
@@ -260,7 +262,7 @@ pub(crate) struct Journal {
     sweep: Arc<sweep::Sweep>,
     question: Provenance,
     folder: PathBuf,
-    file: Option<sweep::Journal>,
+    file: Option<Arc<sweep::Journal>>,
     rows: Vec<Row>,
 }
 

@@ -1,10 +1,10 @@
-//! Work that takes time: Python's other threads go on meanwhile, and Ctrl-C ends it.
+//! Work that takes time: Python's other threads go on meanwhile, and Ctrl-C ends it, whatever a law in Python is doing.
 //!
-//! Python tells of signals on its main thread only, so it is the caller who looks for them, not the threads that work. Those end with
-//! the call: a process that forks later (multiprocessing on Linux) inherits no pool that hangs.
+//! Python tells of signals on its main thread only, so the caller looks for them, and threads of their own work. Told to stop they ask
+//! no law any more, and a law that they are inside of is interrupted. One that does not let itself be is left behind: its thread owns
+//! all that it works on, and ends when the law lets it. The others end with the call: a process that forks later (multiprocessing on
+//! Linux) inherits no pool that hangs.
 
-use std::cell::{Cell, RefCell};
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -17,64 +17,72 @@ use crate::raised::Raised;
 
 /// How long Ctrl-C may wait.
 const LOOK: Duration = Duration::from_millis(20);
+/// How long it then waits for the threads, which a law may keep.
+const GRACE: Duration = Duration::from_millis(100);
+/// As much as a main thread has, bytes.
+const STACK: usize = 8 << 20;
 
 /// A sentence of the simulator as Python raises it.
 pub(crate) fn refused(said: impl ToString) -> PyErr {
     PyValueError::new_err(escaped(&said.to_string()).into_owned())
 }
 
-/// Work on the caller's own thread, detached from the interpreter: what it does, or what Python had to say in between, Ctrl-C or a law
-/// that raised. The work asks now and then whether it is to go on; what it gives after a no is thrown away.
-pub(crate) fn here<T: Send>(py: Python<'_>, work: impl FnOnce(&dyn Fn() -> bool) -> PyResult<T> + Send) -> PyResult<T> {
+/// Work on a thread of its own: what it does, or what Python had to say in between, Ctrl-C or a law that raised. The work asks now and
+/// then whether it is to go on; what it gives after a no is thrown away.
+pub(crate) fn here<T: Send + 'static>(
+    py: Python<'_>,
+    work: impl FnOnce(&(dyn Fn() -> bool + Sync)) -> PyResult<T> + Send + 'static,
+) -> PyResult<T> {
     py.detach(|| {
         let raised = Raised::default();
-        let (looked, signal) = (Cell::new(Instant::now()), RefCell::new(None));
-        let go_on = || {
-            if looked.get().elapsed() >= LOOK {
-                looked.set(Instant::now());
-                *signal.borrow_mut() = Python::attach(|py| py.check_signals()).err();
+        let (own, (give, given)) = (raised.clone(), channel());
+        let thread = thread::Builder::new().name("work".to_owned()).stack_size(STACK).spawn(move || {
+            let done = own.during(|| work(&|| own.is_none()));
+            // Whoever left it behind does not listen.
+            let _ = give.send(done);
+        });
+        let thread = thread.map_err(|cause| PyRuntimeError::new_err(format!("cannot start a thread: {cause}")))?;
+        let mut asked: Option<Instant> = None;
+        let done = loop {
+            match given.recv_timeout(LOOK) {
+                Ok(done) => break done,
+                Err(RecvTimeoutError::Disconnected) => {
+                    // It panicked.
+                    return thread.join().map_or_else(|panic| std::panic::resume_unwind(panic), |()| unsaid());
+                }
+                Err(RecvTimeoutError::Timeout) => {}
             }
-            signal.borrow().is_none() && raised.is_none()
+            let signal = Python::attach(|py| py.check_signals()).err();
+            asked = asked.or_else(|| signal.is_some().then(Instant::now));
+            if let Some(signal) = signal {
+                raised.stop(signal);
+            }
+            if asked.is_some() {
+                raised.interrupt();
+            }
+            if asked.is_some_and(|asked| asked.elapsed() >= GRACE) {
+                return raised.take().map_or_else(unsaid, Err);
+            }
         };
-        let done = raised.during(|| work(&go_on));
-        match signal.take().or(raised.take()) {
-            Some(error) => Err(error),
-            None => done,
-        }
+        let _ = thread.join();
+        raised.take().map_or(done, Err)
     })
 }
 
+fn unsaid<T>() -> PyResult<T> {
+    Err(PyRuntimeError::new_err("the work ended without a word"))
+}
+
 /// The same on this many threads of its own (0: as many as there are cores); inside, `rayon` works on them.
-pub(crate) fn on_threads<T: Send>(
+pub(crate) fn on_threads<T: Send + 'static>(
     py: Python<'_>,
     threads: usize,
-    work: impl FnOnce(&(dyn Fn() -> bool + Sync)) -> PyResult<T> + Send,
+    work: impl FnOnce(&(dyn Fn() -> bool + Sync)) -> PyResult<T> + Send + 'static,
 ) -> PyResult<T> {
-    py.detach(|| {
-        let (raised, stop) = (Raised::default(), AtomicBool::new(false));
-        let slot = raised.clone();
+    here(py, move |go_on| {
+        let slot = Raised::current();
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).start_handler(move |_| slot.enter()).build();
         let pool = pool.map_err(|cause| PyRuntimeError::new_err(format!("cannot start threads: {cause}")))?;
-        let go_on = || !stop.load(Ordering::Relaxed) && raised.is_none();
-        let mut signal = None;
-        let done = thread::scope(|scope| {
-            let (alive, ended) = channel::<()>();
-            let (pool, go_on) = (&pool, &go_on);
-            let worker = scope.spawn(move || {
-                let _alive = alive;
-                pool.install(|| work(go_on))
-            });
-            while ended.recv_timeout(LOOK) == Err(RecvTimeoutError::Timeout) {
-                if signal.is_none() {
-                    signal = Python::attach(|py| py.check_signals()).err();
-                    stop.store(signal.is_some(), Ordering::Relaxed);
-                }
-            }
-            worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
-        });
-        match signal.or(raised.take()) {
-            Some(error) => Err(error),
-            None => done,
-        }
+        pool.install(|| work(go_on))
     })
 }

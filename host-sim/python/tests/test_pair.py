@@ -79,3 +79,14 @@ def test_a_pair_that_stopped_says_so():
     pair.steps(np.ones((5000, 2)))
     peer, fault = pair.fault
     assert peer in (1, 2) and fault
+
+
+def test_forces_that_there_is_no_room_for_are_refused():
+    """Why: a view of two numbers with a thousand million rows ended the interpreter for want of memory."""
+    pair = haptic_sim.Pair(haptic_sim.Scene())
+    for rows in (20_000_001, 10**9, 2**58):
+        forces = np.broadcast_to(np.zeros(2), (rows, 2))
+        with pytest.raises(ValueError, match=f"forces_n of {rows} rows is not allowed: it must have at most 20000000"):
+            pair.steps(forces)
+    assert pair.ticks == 0
+    assert pair.steps(np.broadcast_to(np.ones(2), (100, 2))).shape == (100, 12)

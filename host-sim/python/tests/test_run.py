@@ -105,6 +105,11 @@ except KeyboardInterrupt:
     assert float(done.stdout) < 1.0
 
 
+def test_a_table_that_there_is_no_room_for_is_refused():
+    with pytest.raises(ValueError, match="every = 1 is not allowed here: it makes 86400000 rows, and a table has at most 20000000"):
+        haptic_sim.run(haptic_sim.Scene(), 86_400.0, every=1)
+
+
 def test_other_threads_go_on_while_rust_works():
     ticks, stop = [0], threading.Event()
 

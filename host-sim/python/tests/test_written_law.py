@@ -1,5 +1,8 @@
 """A law in Python: the built-in law of the same equations, to the last bit; its own keys; what it raises."""
 
+import subprocess
+import sys
+
 import haptic_sim
 import numpy as np
 import pytest
@@ -118,3 +121,111 @@ def test_a_law_that_cannot_be_one_is_refused(wrong, says):
     with pytest.raises(ValueError) as refused:
         haptic_sim.add_law(type("Law", (Power,), wrong)())
     assert says in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    "does",
+    [
+        "time.sleep(0.002)",
+        "time.sleep(30)",
+        "forever()",
+        "stubborn()",
+    ],
+)
+@pytest.mark.parametrize(
+    "work",
+    [
+        "haptic_sim.run(scene, 1000.0)",
+        "haptic_sim.stability(scene)",
+        "haptic_sim.Pair(scene)",
+        "pair.steps(numpy.zeros((1_000_000, 2)))",
+        "haptic_sim.Sweep(scene, {'network.loss': '0..0.5:2000'}).run()",
+    ],
+)
+def test_ctrl_c_ends_whatever_a_law_does(work, does):
+    """Why: a run asked whether to go on every 10,000 ticks, and never inside of a law; and a law could take the signal for itself."""
+    code = f"""
+import os, signal, sys, threading, time, haptic_sim, numpy
+sys.path.insert(0, {__file__.rsplit("/", 1)[0]!r})
+from test_written_law import Power
+
+slow = False
+
+def forever():
+    while True:
+        pass
+
+def stubborn():
+    while True:
+        try:
+            time.sleep(0.001)
+        except BaseException:
+            pass
+
+class Slow(Power):
+    name = "slow"
+    def couple(self, *seen):
+        if slow:
+            {does}
+        return super().couple(*seen)
+
+    def start(self, *seen):
+        if slow:
+            {does}
+        return super().start(*seen)
+
+haptic_sim.add_law(Slow())
+scene = haptic_sim.Scene("paper-5.1-power-16ms", {{"coordination.comm": "slow"}})
+pair = haptic_sim.Pair(scene)
+pressed = []
+def press():
+    time.sleep(0.5)
+    pressed.append(time.perf_counter())
+    os.kill(os.getpid(), signal.SIGINT)
+threading.Thread(target=press).start()
+slow = True
+try:
+    {work}
+    time.sleep(1.0)
+except KeyboardInterrupt:
+    print(time.perf_counter() - pressed[0], flush=True)
+if {"stubborn" in does or "30" in does}:
+    # What is left behind waits for nobody, and nobody for it.
+    os._exit(0)
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0, done.stderr
+    assert float(done.stdout) < 0.2, done.stdout
+
+
+def test_a_pair_whose_law_has_not_come_back_says_so():
+    code = f"""
+import os, signal, sys, threading, time, haptic_sim, numpy
+sys.path.insert(0, {__file__.rsplit("/", 1)[0]!r})
+from test_written_law import Power
+
+class Slow(Power):
+    name = "slow"
+    def couple(self, *seen):
+        time.sleep(2)
+        return super().couple(*seen)
+
+haptic_sim.add_law(Slow())
+pair = haptic_sim.Pair(haptic_sim.Scene("paper-5.1-power-16ms", {{"coordination.comm": "slow"}}))
+threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+try:
+    pair.steps(numpy.zeros((10, 2)))
+except KeyboardInterrupt:
+    pass
+for use in (lambda: pair.ticks, lambda: pair.step(0.0, 0.0), lambda: pair.steps(numpy.zeros((1, 2)))):
+    try:
+        use()
+    except RuntimeError as error:
+        print(error)
+time.sleep(2.5)
+print(pair.ticks)
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True)
+    said = done.stdout.splitlines()
+    assert said[:3] == ["a law that was interrupted in this pair has not come back yet: make another pair"] * 3
+    assert int(said[3]) < 10

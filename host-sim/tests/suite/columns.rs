@@ -191,7 +191,7 @@ fn a_quantity_more_is_one_line() {
 
     // Files say what it is.
     let (parquet, mcap) = (folder.join("run.parquet"), folder.join("ticks.mcap"));
-    write_parquet(&run, &parquet, "").expect("a file");
+    write_parquet(&run, &parquet, "", haptic_io::Kind::Named).expect("a file");
     let reader = SerializedFileReader::new(File::open(parquet).expect("a file")).expect("Parquet");
     let about = reader.metadata().file_metadata().key_value_metadata().expect("metadata");
     let said = |key: &str| about.iter().find(|entry| entry.key == key).and_then(|entry| entry.value.as_deref());

@@ -1,4 +1,5 @@
 //! Peers in real time: the runner of live actors, and restarts in virtual time.
 
 mod endpoint;
+mod fuzz;
 mod restarts;

@@ -29,7 +29,7 @@ impl Options {
     }
 
     /// Control periods of a run of this scene.
-    pub(crate) fn ticks(&self, scene: &Scene) -> u64 {
+    pub fn ticks(&self, scene: &Scene) -> u64 {
         (self.duration_s / scene.peer.timing.control_period_s).round() as u64
     }
 }

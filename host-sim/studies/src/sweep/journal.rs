@@ -81,8 +81,8 @@ impl Journal {
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn finish(self) -> Result<(), Error> {
-        let (file, _) = self.file.into_inner().unwrap_or_else(PoisonError::into_inner);
+    pub fn finish(&self) -> Result<(), Error> {
+        let (file, _) = &*self.file.lock().unwrap_or_else(PoisonError::into_inner);
         Ok(file.sync_all().map_err(haptic_sim::Error::cannot("write", &self.path.display()))?)
     }
 }
