@@ -56,3 +56,54 @@ fn clicks_laws_and_files_are_scenes() {
     let again = apply(&Scene::new(scene.laws), &format!("file {file}")).expect("its own settings");
     assert_eq!(again.settings(), scene.settings());
 }
+
+/// Lines put together from what orders are made of, and from what they are not: nothing fails but in one line that a page can show, no
+/// file is read, and what is taken can be played.
+#[test]
+fn whatever_a_page_says_is_refused_or_can_be_played() {
+    const PIECES: [&str; 28] = [
+        "set",
+        "scene",
+        "law",
+        "file",
+        "show",
+        " ",
+        " ",
+        " ",
+        "\n",
+        "=",
+        ".",
+        "\"",
+        "[",
+        "]",
+        "#",
+        "\u{1b}",
+        "\u{202e}",
+        "default",
+        "any-network",
+        "wave",
+        "user.1.trace=/dev/zero",
+        "network.trace",
+        "trace",
+        "network.loss=0.5",
+        "object.mass_kg=1e308",
+        "axis.shared=3",
+        "[user.2]\ntrace = \"/dev/zero\"",
+        "coordination.comm=",
+    ];
+    let scene = Scene::new(Laws::built_in());
+    let mut random = 29_u64;
+    let mut next = |below: usize| {
+        random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (random >> 33) as usize % below
+    };
+    let mut taken = 0;
+    for _ in 0..20_000 {
+        let line: String = (0..=next(9)).map(|_| PIECES[next(PIECES.len())]).collect();
+        let Ok(scene) = apply(&scene, &line) else { continue };
+        taken += 1;
+        assert!(scene.check("s").is_ok() && check(&scene).is_ok(), "{line:?}");
+        assert!(scene.network_trace.is_none() && scene.users.iter().all(|user| user.trace.is_none()), "{line:?}");
+    }
+    assert!(taken > 20, "{taken}");
+}
