@@ -5,14 +5,14 @@ use std::path::PathBuf;
 
 use clap::Args;
 use haptic_live::endpoint::Stop;
-use haptic_protocol::key::Role;
+use haptic_protocol::key;
 use haptic_sim::key_file;
 use serde_json::json;
 
 use super::board::address;
 use super::flags::{RecordTo, choice, seconds};
 use super::{Failure, SceneArgs, Ui};
-use crate::play::{Boards, End, EnvironmentKind, Model, Page, Place, Shown, measure};
+use crate::play::{Boards, End, EnvironmentKind, Model, Page, Place, Role, Shown, measure};
 
 /// How long each run of `--measure` takes where nobody says, s.
 const MEASURED_S: f64 = 10.0;
@@ -63,19 +63,23 @@ impl Play {
             return ui.result(&measure(&scene, self.seconds.unwrap_or(MEASURED_S), &stop)?);
         }
         let (shown, provenance) = (self.shown()?, ui.provenance().settings(scene.settings()));
-        let people = match &shown {
+        let hands = match &shown {
             Shown::Here(_) => vec![1, 2],
-            Shown::Boards(_) => vec![1],
+            Shown::Boards(_) => vec![],
             Shown::Remote(end) => {
-                ui.status(format_args!("partner:   {end}"));
-                vec![usize::from(end.number)]
+                ui.status(format_args!("partner:              {end}"));
+                vec![end.number]
             }
         };
         let page = Page::serve(scene, shown, self.partner, self.port)?;
-        for person in people {
-            ui.status(format_args!("person {person}:  {}", page.address(person)));
+        let say = |who: String, roles: &[Role]| ui.status(format_args!("{who:<20}  {}", page.address(roles)));
+        if let Some(hand) = hands.first() {
+            say(format!("hand {hand} and operator:"), &[Role::of_hand(*hand), Role::Operator]);
         }
-        ui.status(format_args!("to watch:  {}\nCtrl-C ends it", page.address(0)));
+        hands.iter().for_each(|hand| say(format!("hand {hand}:"), &[Role::of_hand(*hand)]));
+        say("operator:".into(), &[Role::Operator]);
+        say("to watch:".into(), &[Role::Watch]);
+        ui.status("Ctrl-C ends it");
         let record = self.record.record.as_deref().map(|file| (file, &provenance));
         let kept = page.run(self.seconds.unwrap_or(f64::INFINITY), record, &stop)?;
         ui.report("play", &json!(kept))
@@ -86,7 +90,7 @@ impl Play {
             return Ok(Shown::Boards(Boards::open(self.places()?)?));
         }
         let Some(file) = &self.key_file else { return Ok(Shown::Here(self.environment)) };
-        let key = key_file::read(file, Role::Peers)?;
+        let key = key_file::read(file, key::Role::Peers)?;
         Ok(Shown::Remote(match (self.listen, self.join) {
             (Some(at), _) => End::listening(at, key, self.number.unwrap_or(1))?,
             (None, Some(to)) => End::joining(to, key, self.number.unwrap_or(2))?,

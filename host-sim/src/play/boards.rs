@@ -3,7 +3,7 @@
 //! A board moves a motor against a person, so a page says no line of its own making: arm, clear a fault, check a joint,
 //! and stop. **Stop** takes consent back at once, to every board, whatever its thread waits for: from then on nothing that is sent says that
 //! the motors may run, and they are off when the board hears it or its lease is over. **Hold to run**: the motors go
-//! off when nobody's page has asked for [`SILENCE`], because it was closed, hidden or is stuck; they also go off by
+//! off when no page of the operator has asked for [`SILENCE`], because it was closed, hidden or is stuck; they also go off by
 //! themselves when this process is silent (`safety.operator_lost_s`). The pointer pulls nothing: whoever holds the
 //! device feels the other one's hand.
 //!
@@ -36,7 +36,7 @@ use super::environment::{ARMED, Command, Environment, FAULT, MOST, OFF, Sample, 
 use super::session::PERIOD_S;
 use crate::Error;
 
-/// After so long without a page the motors go off.
+/// After so long without a page of the operator the motors go off.
 const SILENCE: Duration = Duration::from_millis(1000);
 /// From one look at a board to the next, s.
 const LOOK_S: f64 = 0.02;
@@ -343,7 +343,7 @@ impl Drop for Seat {
 pub(crate) struct Boards {
     seats: Vec<Seat>,
     reported: Vec<BoardStatus>,
-    /// When a page has last asked.
+    /// When a page of the operator has last asked.
     seen: Instant,
     restarts: u32,
     news: bool,
@@ -412,12 +412,11 @@ impl Environment for Boards {
         Ok(())
     }
 
-    /// A page that asks is a person who looks.
-    fn point(&mut self, _: usize, _: Option<[f64; 2]>, restarts: u32) {
-        if restarts == self.restarts {
-            self.seen = Instant::now();
-        }
+    fn attend(&mut self) {
+        self.seen = Instant::now();
     }
+
+    fn point(&mut self, _: usize, _: Option<[f64; 2]>, _: u32) {}
 
     fn play(&mut self, _: usize) {}
 

@@ -127,6 +127,9 @@ fn exchange(
     if let Some(scene) = contents.scene.take() {
         shown.set(*scene)?;
     }
+    if std::mem::take(&mut contents.operator_asked) {
+        shown.attend();
+    }
     let anybody = contents.holder.iter().any(Option::is_some);
     for index in 0..2 {
         if contents.holder[index].is_some() {

@@ -67,6 +67,9 @@ pub(super) trait Environment {
     /// Does what acts without a question.
     fn command(&mut self, command: Command) -> Result<(), Error>;
 
+    /// A page of the operator has asked: somebody looks who can stop it.
+    fn attend(&mut self) {}
+
     /// Takes another scene, which is what every setting is from now on.
     fn set(&mut self, scene: Scene) -> Result<(), Error>;
 

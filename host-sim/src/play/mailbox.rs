@@ -42,6 +42,8 @@ pub(super) struct Contents {
     pub(super) pointed: [Option<Pointed>; 2],
     /// The window that holds each hand; `None`: nobody, so that the partner does.
     pub(super) holder: [Option<u64>; 2],
+    /// A window of the operator has asked since the control loop last looked.
+    pub(super) operator_asked: bool,
     /// Number of windows that were opened so far.
     pub(super) windows: u64,
     commands: VecDeque<Command>,
@@ -65,6 +67,7 @@ impl Contents {
         Self {
             pointed: [None; 2],
             holder: [None; 2],
+            operator_asked: false,
             windows: 0,
             commands: VecDeque::from([Command::Partner(partner)]),
             scene: None,

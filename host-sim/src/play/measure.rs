@@ -15,13 +15,14 @@ use haptic_live::endpoint::Stop;
 use haptic_live::quantiles::{Quantiles, Times};
 use haptic_report::Columns;
 use haptic_sim::scene::Scene;
-use tungstenite::protocol::Role;
+use tungstenite::protocol::Role as Side;
 use tungstenite::{Message, WebSocket};
 
 use super::control_loop::Kept;
 use super::kinds::EnvironmentKind;
 use super::page::{Page, Shown};
 use super::partner::Model;
+use super::roles::Role;
 use crate::Error;
 
 /// From one question of a window to the next.
@@ -66,11 +67,13 @@ fn run(scene: &Scene, seconds: f64, stop: &Stop, windows: usize, misbehaving: us
     let asking: Vec<_> = (0..windows)
         .map(|window| {
             // Two hold a hand, the others watch.
-            let (address, over) = (page.address(if window < 2 { window + 1 } else { 0 }), Arc::clone(&over));
+            let role = [Role::Hand1, Role::Hand2].get(window).copied().unwrap_or(Role::Watch);
+            let (address, over) = (page.address(&[role]), Arc::clone(&over));
             std::thread::spawn(move || ask(&address, &over))
         })
         .collect();
-    let bad: Vec<_> = (0..misbehaving).map(|which| misbehave(&page.address(0), which)).collect::<Result<_, _>>()?;
+    let bad: Vec<_> =
+        (0..misbehaving).map(|which| misbehave(&page.address(&[Role::Watch]), which)).collect::<Result<_, _>>()?;
     let kept = page.run(seconds, None, stop)?;
     over.store(true, Ordering::Relaxed);
     let mut times = Times::default();
@@ -86,16 +89,14 @@ fn run(scene: &Scene, seconds: f64, stop: &Stop, windows: usize, misbehaving: us
 pub(super) fn connect(address: &str) -> Result<TcpStream, Error> {
     let failed = |cause: &dyn std::fmt::Display| format!("a window cannot open {address}: {cause}");
     let parts = address.strip_prefix("http://").and_then(|rest| rest.split_once("/#"));
-    let (host, (person, token)) = parts
-        .and_then(|(host, of)| Some((host, of.split_once('-')?)))
-        .ok_or_else(|| failed(&"it is not an address of the page"))?;
+    let (host, ring) = parts.ok_or_else(|| failed(&"it is not an address of the page"))?;
     let port = host.rsplit(':').next().and_then(|port| port.parse().ok()).unwrap_or(0);
     let mut stream = TcpStream::connect((Ipv4Addr::LOCALHOST, port)).map_err(|cause| failed(&cause))?;
     stream.set_nodelay(true).map_err(|cause| failed(&cause))?;
     stream.set_read_timeout(Some(Duration::from_secs(5))).map_err(|cause| failed(&cause))?;
     write!(
         stream,
-        "GET /ws/{person}/{token} HTTP/1.1\r\nHost: {host}\r\nOrigin: http://{host}\r\nUpgrade: websocket\r\n\
+        "GET /ws/{ring} HTTP/1.1\r\nHost: {host}\r\nOrigin: http://{host}\r\nUpgrade: websocket\r\n\
          Connection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n"
     )
     .map_err(|cause| failed(&cause))?;
@@ -122,7 +123,7 @@ fn question(next: u32) -> Message {
 
 /// Asks once a frame until it is over; how long each answer took, ns.
 fn ask(address: &str, over: &AtomicBool) -> Result<Vec<u64>, Error> {
-    let mut socket = WebSocket::from_raw_socket(connect(address)?, Role::Client, None);
+    let mut socket = WebSocket::from_raw_socket(connect(address)?, Side::Client, None);
     let (mut next, mut took) = (u32::MAX, Vec::new());
     let mut frame = Instant::now();
     while !over.load(Ordering::Relaxed) {
@@ -157,7 +158,7 @@ fn misbehave(address: &str, which: usize) -> Result<TcpStream, Error> {
     }
     let stream = connect(address)?;
     if which == 0 {
-        let mut asking = WebSocket::from_raw_socket(stream.try_clone()?, Role::Client, None);
+        let mut asking = WebSocket::from_raw_socket(stream.try_clone()?, Side::Client, None);
         stream.set_write_timeout(Some(Duration::from_millis(100)))?;
         std::thread::spawn(move || while asking.send(question(u32::MAX)).is_ok() {});
     }

@@ -16,6 +16,7 @@
 //! | [`judge`] | whether that scene is stable, and what to change if not |
 //! | [`mailbox`] | what lies between the control loop, the judge and the windows |
 //! | [`control_loop`] | 1 kHz by the clock |
+//! | [`roles`], [`connections`] | who may do what, and how many are let in |
 //! | [`web`] | four files and a WebSocket for each window, on 127.0.0.1 |
 //! | [`page`] | all of that together |
 //! | [`measure`] | how well the control loop keeps time with ten pages open |
@@ -26,6 +27,7 @@
 
 mod boards;
 mod boards_line;
+mod connections;
 mod control_loop;
 mod environment;
 mod hand;
@@ -38,6 +40,7 @@ mod orders;
 mod page;
 mod partner;
 mod remote;
+mod roles;
 mod session;
 mod shared_environment;
 mod squash;
@@ -52,3 +55,4 @@ pub(crate) use measure::measure;
 pub(crate) use page::{Page, Shown};
 pub(crate) use partner::Model;
 pub(crate) use remote::End;
+pub(crate) use roles::Role;

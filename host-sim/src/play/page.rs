@@ -20,6 +20,7 @@ use super::mailbox::Mailbox;
 use super::orders;
 use super::partner::Model;
 use super::remote::{End, Remote};
+use super::roles::Role;
 use super::web::{Site, hello};
 use crate::Error;
 
@@ -79,9 +80,9 @@ impl Page {
         Ok(Self { mailbox, site, kind, opening, recorded })
     }
 
-    /// The address for person 1 or 2. What follows its `#` is told to nobody by a browser.
-    pub(crate) fn address(&self, person: usize) -> String {
-        self.site.address(person)
+    /// The address for who has these roles. What follows its `#` is told to nobody by a browser.
+    pub(crate) fn address(&self, roles: &[Role]) -> String {
+        self.site.address(roles)
     }
 
     /// Runs the control loop until it is stopped, or so many seconds are over: on a thread of its own, for what a

@@ -1,9 +1,11 @@
-//! Four files and a WebSocket for each window, on 127.0.0.1; a thread for each connection, and no more than [`MOST`].
+//! Four files and a WebSocket for each window, on 127.0.0.1; a thread for each connection, of which there are
+//! [so many](super::connections).
 //!
 //! **Who may talk to it.** Only this machine can connect. A web page that the person visits elsewhere runs on this machine
 //! too, so: the host must be ours by name (a rebound DNS name is not), the origin of a WebSocket must be this page, and its
-//! path holds a token of this run that only the address has, behind its `#`: browsers send that to nobody. Nothing is fetched from
-//! elsewhere, no script or style stands in the page, and its Content-Security-Policy says so.
+//! path holds [keys](super::roles) of this run that only the address has, behind its `#`: browsers send that to nobody. What a window
+//! says is checked, each time, against what its keys open. Nothing is fetched from elsewhere, no script or style stands in the page, and
+//! its Content-Security-Policy says so.
 //!
 //! **Who asks, gets.** A window asks once a frame: the tick it has come to, and where its hand is wanted. It gets what came
 //! since. One that sleeps asks nothing, is sent nothing, and after [`SILENCE`] its hand has let go. One that does not read is
@@ -32,13 +34,14 @@ use haptic_core::names::Choice as _;
 use haptic_core::safety::Fault;
 use haptic_core::settings::Allowed;
 use haptic_live::endpoint::stand_back;
-use haptic_sim::{key_file::entropy, scene::Scene};
+use haptic_sim::scene::Scene;
 use serde_json::{Value, json};
 use tungstenite::handshake::derive_accept_key;
-use tungstenite::protocol::{Role, WebSocketConfig};
+use tungstenite::protocol::{Role as Side, WebSocketConfig};
 use tungstenite::{Error, Message, WebSocket};
 
 use super::boards_line::Line;
+use super::connections::{Connections, Pass};
 use super::environment::{Command, FAULT, MOST as NUMBERS, WAITS};
 use super::hand;
 use super::judge::Ask;
@@ -46,6 +49,7 @@ use super::kinds::EnvironmentKind;
 use super::mailbox::{Contents, Mailbox, Pointed};
 use super::orders::CLICKS;
 use super::partner::Model;
+use super::roles::{Keys, Rights, Role};
 use super::session::{PERIOD_S, REACH_M};
 
 const FILES: [(&str, &str, &str); 4] = [
@@ -65,8 +69,6 @@ const LONGEST_HEAD: usize = 4096;
 const LONGEST_MESSAGE: usize = 16384;
 /// How far windows stand back behind the control loop where that gets no real-time priority.
 const NICENESS: i32 = 5;
-/// Connections at a time.
-const MOST: usize = 16;
 /// Bytes before the samples.
 const HEADER: usize = 20;
 
@@ -74,7 +76,7 @@ const HEADER: usize = 20;
 #[derive(Clone, Debug)]
 pub(super) struct Site {
     port: u16,
-    token: String,
+    keys: Keys,
     hello: Arc<Value>,
 }
 
@@ -82,22 +84,21 @@ pub(super) struct Site {
 #[derive(Debug, PartialEq)]
 enum Answer {
     File(&'static str, &'static str),
-    /// Whose hand, 0 or 1, or nobody's for one that only watches, and the key that accepts the connection.
-    Window(Option<usize>, String),
+    /// What its keys open, and the text that accepts the connection.
+    Window(Rights, String),
     Refused(&'static str),
 }
 
 impl Site {
-    /// The site of a listener on this machine, with a fresh token of 128 bits.
+    /// The site of a listener on this machine, with fresh keys.
     pub(super) fn new(listener: &TcpListener, hello: Value) -> Result<Self, crate::Error> {
         let port = listener.local_addr()?.port();
-        let token = entropy()?[..16].iter().map(|byte| format!("{byte:02x}")).collect();
-        Ok(Self { port, token, hello: Arc::new(hello) })
+        Ok(Self { port, keys: Keys::new()?, hello: Arc::new(hello) })
     }
 
-    /// The address for person 1 or 2, or for who only watches: 0.
-    pub(super) fn address(&self, person: usize) -> String {
-        format!("http://127.0.0.1:{}/#{person}-{}", self.port, self.token)
+    /// The address for who has these roles.
+    pub(super) fn address(&self, roles: &[Role]) -> String {
+        format!("http://127.0.0.1:{}/#{}", self.port, self.keys.ring(roles))
     }
 
     /// Serves on a thread of its own, as long as the program runs.
@@ -107,26 +108,30 @@ impl Site {
         mailbox: &Arc<Mailbox>,
         asks: SyncSender<Ask>,
     ) -> Result<(), crate::Error> {
-        let (site, mailbox, gate) = (self.clone(), Arc::clone(mailbox), Arc::new(()));
+        let (site, mailbox, connections) = (self.clone(), Arc::clone(mailbox), Arc::new(Connections::default()));
         let accept = move || {
             stand_back(NICENESS);
-            for stream in listener.incoming().flatten() {
-                let (site, mailbox, asks, pass) = (site.clone(), Arc::clone(&mailbox), asks.clone(), Arc::clone(&gate));
-                if Arc::strong_count(&gate) <= MOST + 1 {
-                    let serve = move || {
-                        let _pass = pass;
-                        // A browser that went away is nothing to report.
-                        let _ = site.connection(stream, &mailbox, &asks);
-                    };
-                    let _ = std::thread::Builder::new().name("window".into()).spawn(serve);
-                }
+            for (number, stream) in (0..).zip(listener.incoming().flatten()) {
+                let Ok(pass) = connections.admit(number, &stream) else { continue };
+                let (site, mailbox, asks) = (site.clone(), Arc::clone(&mailbox), asks.clone());
+                let serve = move || {
+                    // A browser that went away is nothing to report.
+                    let _ = site.connection(stream, &pass, &mailbox, &asks);
+                };
+                let _ = std::thread::Builder::new().name("window".into()).spawn(serve);
             }
         };
         let started = std::thread::Builder::new().name("page".into()).spawn(accept);
         Ok(started.map(drop)?)
     }
 
-    fn connection(&self, mut stream: TcpStream, mailbox: &Mailbox, asks: &SyncSender<Ask>) -> std::io::Result<()> {
+    fn connection(
+        &self,
+        mut stream: TcpStream,
+        pass: &Pass,
+        mailbox: &Mailbox,
+        asks: &SyncSender<Ask>,
+    ) -> std::io::Result<()> {
         stream.set_nodelay(true)?;
         stream.set_read_timeout(Some(PATIENCE))?;
         stream.set_write_timeout(Some(PATIENCE))?;
@@ -134,7 +139,8 @@ impl Site {
         match self.answer(&head) {
             Answer::File(kind, text) => respond(&mut stream, "200 OK", kind, text),
             Answer::Refused(status) => respond(&mut stream, status, "text/plain", status),
-            Answer::Window(hand, accept) => {
+            Answer::Window(rights, accept) => {
+                pass.has(rights);
                 write!(
                     stream,
                     "HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n\
@@ -144,8 +150,8 @@ impl Site {
                 let limits = WebSocketConfig::default()
                     .max_message_size(Some(LONGEST_MESSAGE))
                     .max_frame_size(Some(LONGEST_MESSAGE));
-                let socket = WebSocket::from_partially_read(stream, rest, Role::Server, Some(limits));
-                Window { socket, hand, mailbox, asks }.serve(&self.hello);
+                let socket = WebSocket::from_partially_read(stream, rest, Side::Server, Some(limits));
+                Window { socket, rights, pass, mailbox, asks }.serve(&self.hello);
                 Ok(())
             }
         }
@@ -172,19 +178,14 @@ impl Site {
         if let Some((_, kind, text)) = FILES.iter().find(|(name, ..)| *name == path) {
             return Answer::File(kind, text);
         }
-        let Some((person @ ("0" | "1" | "2"), token)) = path.strip_prefix("/ws/").and_then(|rest| rest.split_once('/'))
-        else {
-            return Answer::Refused("404 Not Found");
-        };
-        if header("origin") != Some(&format!("http://{host}")) || !same(token, &self.token) {
+        let Some(ring) = path.strip_prefix("/ws/") else { return Answer::Refused("404 Not Found") };
+        let ours = header("origin") == Some(&format!("http://{host}"));
+        let Some(rights) = self.keys.opened_by(ring).filter(|_| ours) else {
             return Answer::Refused("403 Forbidden");
-        }
+        };
         let upgrade = header("upgrade").is_some_and(|to| to.eq_ignore_ascii_case("websocket"));
         match (upgrade, header("sec-websocket-version"), header("sec-websocket-key")) {
-            (true, Some("13"), Some(key)) => {
-                let hand = ["1", "2"].iter().position(|of| *of == person);
-                Answer::Window(hand, derive_accept_key(key.as_bytes()))
-            }
+            (true, Some("13"), Some(key)) => Answer::Window(rights, derive_accept_key(key.as_bytes())),
             _ => Answer::Refused("426 Upgrade Required"),
         }
     }
@@ -207,11 +208,6 @@ fn head(stream: &mut TcpStream) -> std::io::Result<Option<(Vec<u8>, Vec<u8>)>> {
     }
 }
 
-/// Whether two tokens are the same, in a time that does not tell where they differ.
-fn same(one: &str, other: &str) -> bool {
-    one.len() == other.len() && one.bytes().zip(other.bytes()).fold(0, |sum, (a, b)| sum | (a ^ b)) == 0
-}
-
 fn respond(stream: &mut TcpStream, status: &str, kind: &str, text: &str) -> std::io::Result<()> {
     write!(
         stream,
@@ -227,7 +223,8 @@ fn respond(stream: &mut TcpStream, status: &str, kind: &str, text: &str) -> std:
 /// One window, until it goes, the program ends, or another takes its hand.
 struct Window<'a> {
     socket: WebSocket<TcpStream>,
-    hand: Option<usize>,
+    rights: Rights,
+    pass: &'a Pass,
     mailbox: &'a Mailbox,
     asks: &'a SyncSender<Ask>,
 }
@@ -238,7 +235,7 @@ impl Window<'_> {
             let mut contents = self.mailbox.lock();
             contents.windows += 1;
             let me = contents.windows;
-            if let Some(hand) = self.hand {
+            if let Some(hand) = self.rights.hand {
                 (contents.holder[hand], contents.pointed[hand]) = (Some(me), Some(LET_GO));
             }
             me
@@ -248,7 +245,7 @@ impl Window<'_> {
             self.answer(me);
         }
         let mut contents = self.mailbox.lock();
-        if let Some(hand) = self.hand.filter(|hand| contents.holder[*hand] == Some(me)) {
+        if let Some(hand) = self.rights.hand.filter(|hand| contents.holder[*hand] == Some(me)) {
             (contents.holder[hand], contents.pointed[hand]) = (None, None);
         }
         drop(contents);
@@ -267,8 +264,11 @@ impl Window<'_> {
                 Err(Error::Io(error)) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => None,
                 Err(_) => return,
             };
+            if message.is_some() {
+                self.pass.speaks();
+            }
             let mut contents = self.mailbox.lock();
-            if contents.over || self.hand.is_some_and(|hand| contents.holder[hand] != Some(me)) {
+            if contents.over || self.rights.hand.is_some_and(|hand| contents.holder[hand] != Some(me)) {
                 return;
             }
             let answers = match message {
@@ -284,6 +284,7 @@ impl Window<'_> {
                         let at =
                             at.iter().all(|at| at.is_finite()).then(|| at.map(|at| at.clamp(-FARTHEST_M, FARTHEST_M)));
                         self.point(&mut contents, Pointed { at, restarts: u32::from_le_bytes(restarts) });
+                        contents.operator_asked |= self.rights.operates;
                         picture(&mut contents, me, &mut edition, u32::from_le_bytes(from))
                     }
                     Err(_) => return,
@@ -306,7 +307,7 @@ impl Window<'_> {
     }
 
     fn point(&self, contents: &mut Contents, pointed: Pointed) {
-        if let Some(hand) = self.hand {
+        if let Some(hand) = self.rights.hand {
             contents.pointed[hand] = Some(pointed);
         }
     }
@@ -323,9 +324,10 @@ impl Window<'_> {
             }
         };
         match command {
-            // Whoever only watches stops a board, and does nothing else with it.
-            Some(Command::Board(..)) if self.hand.is_none() => {
-                self.mailbox.lock().answer(me, json!({ "refused": "this window only watches" }).to_string());
+            _ if !self.rights.may(command.as_ref()) => {
+                self.mailbox
+                    .lock()
+                    .answer(me, json!({ "refused": "only the operator's address may order that" }).to_string());
             }
             Some(command) => self.mailbox.lock().ask(command),
             None => {

@@ -50,7 +50,7 @@ fn until(boards: &mut Boards, page: bool, mut done: impl FnMut(&Boards, &Sample)
     let start = Instant::now();
     loop {
         if page {
-            boards.point(0, None, boards.restarts);
+            boards.attend();
         }
         let sample = boards.step().expect("a tick");
         if done(boards, &sample) {

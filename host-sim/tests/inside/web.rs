@@ -1,12 +1,21 @@
+use std::sync::mpsc::Receiver;
+
 use haptic_sim::Laws;
 
+use super::super::connections::MOST_WITHOUT_KEY;
 use super::*;
 
 const UPGRADE: &str =
     "Upgrade: websocket\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n";
 
-fn site() -> Site {
-    Site { port: 7000, token: "00ff".into(), hello: Arc::new(Value::Null) }
+fn site() -> &'static Site {
+    static SITE: std::sync::OnceLock<Site> = std::sync::OnceLock::new();
+    SITE.get_or_init(|| Site { port: 7000, keys: Keys::new().expect("keys"), hello: Arc::new(Value::Null) })
+}
+
+/// Where a window with these roles connects.
+fn at(roles: &[Role]) -> String {
+    format!("/ws/{}", site().keys.ring(roles))
 }
 
 fn ask(path: &str, host: &str, more: &str) -> Answer {
@@ -26,11 +35,12 @@ fn refused(answer: Answer, number: &str) {
 #[test]
 fn this_page_may_talk() {
     let ours = from("http://127.0.0.1:7000");
-    let window = |hand| Answer::Window(hand, "s3pPLMBiTxaQ9kYGzzhZRbK+xOo=".into());
-    assert_eq!(ask("/ws/1/00ff", "127.0.0.1:7000", &ours), window(Some(0)));
-    assert_eq!(ask("/ws/2/00ff", "127.0.0.1:7000", &ours), window(Some(1)));
-    assert_eq!(ask("/ws/0/00ff", "127.0.0.1:7000", &ours), window(None));
-    assert_eq!(ask("/ws/2/00ff", "localhost:7000", &from("http://localhost:7000")), window(Some(1)));
+    let window = |hand, operates| Answer::Window(Rights { hand, operates }, "s3pPLMBiTxaQ9kYGzzhZRbK+xOo=".into());
+    assert_eq!(ask(&at(&[Role::Hand1]), "127.0.0.1:7000", &ours), window(Some(0), false));
+    assert_eq!(ask(&at(&[Role::Operator]), "127.0.0.1:7000", &ours), window(None, true));
+    assert_eq!(ask(&at(&[Role::Watch]), "127.0.0.1:7000", &ours), window(None, false));
+    let elsewhere = from("http://localhost:7000");
+    assert_eq!(ask(&at(&[Role::Hand2, Role::Operator]), "localhost:7000", &elsewhere), window(Some(1), true));
     for name in ["/", "/page.js", "/environments.js", "/page.css"] {
         assert!(matches!(ask(name, "localhost:7000", ""), Answer::File(..)), "{name}");
     }
@@ -45,40 +55,64 @@ fn another_host_is_misdirected() {
 }
 
 #[test]
-fn another_origin_or_token_is_forbidden() {
+fn another_origin_or_key_is_forbidden() {
     for origin in
         ["http://evil.example", "null", "https://127.0.0.1:7000", "http://127.0.0.1:7001", "http://localhost:7000"]
     {
-        refused(ask("/ws/2/00ff", "127.0.0.1:7000", &from(origin)), "403");
+        refused(ask(&at(&[Role::Hand2]), "127.0.0.1:7000", &from(origin)), "403");
     }
-    refused(ask("/ws/2/00ff", "127.0.0.1:7000", UPGRADE), "403");
-    for token in ["", "00fe", "00f", "00ff0", "00FF"] {
-        refused(ask(&format!("/ws/2/{token}"), "127.0.0.1:7000", &from("http://127.0.0.1:7000")), "403");
+    refused(ask(&at(&[Role::Hand2]), "127.0.0.1:7000", UPGRADE), "403");
+    let ours = from("http://127.0.0.1:7000");
+    let watch = at(&[Role::Watch]);
+    for other in ["hand1", "hand2", "operator"] {
+        refused(ask(&watch.replace("watch", other), "127.0.0.1:7000", &ours), "403");
+    }
+    for ring in ["", "watch", "watch-", "operator-00ff", "hand1-00ff+"] {
+        refused(ask(&format!("/ws/{ring}"), "127.0.0.1:7000", &ours), "403");
+    }
+    for changed in [format!("{watch}0"), watch[..watch.len() - 1].to_owned(), format!("{watch}+")] {
+        refused(ask(&changed, "127.0.0.1:7000", &ours), "403");
     }
 }
 
 #[test]
 fn other_names_and_methods_are_refused() {
-    for name in ["/../Cargo.toml", "/index.html", "/ws/3/00ff", "/ws/00ff", "/page.js?x", "//"] {
+    for name in ["/../Cargo.toml", "/index.html", "/ws", "/page.js?x", "//"] {
         refused(ask(name, "127.0.0.1:7000", ""), "404");
     }
     for method in ["POST", "HEAD", "OPTIONS", "CONNECT"] {
         let request = format!("{method} / HTTP/1.1\r\nHost: 127.0.0.1:7000\r\n\r\n");
         refused(site().answer(request.as_bytes()), "405");
     }
-    refused(ask("/ws/1/00ff", "127.0.0.1:7000", "Origin: http://127.0.0.1:7000\r\n"), "426");
+    refused(ask(&at(&[Role::Hand1]), "127.0.0.1:7000", "Origin: http://127.0.0.1:7000\r\n"), "426");
     refused(site().answer(b"\x16\x03\x01\r\n\r\n"), "400");
 }
 
-/// A page as it is served, over a real socket, and what is asked of it.
-fn served() -> (Site, Arc<Mailbox>, u16) {
+/// A page as it is served, over a real socket.
+struct Served {
+    site: Site,
+    mailbox: Arc<Mailbox>,
+    port: u16,
+    /// What is asked of the judge.
+    asked: Receiver<Ask>,
+}
+
+fn served() -> Served {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
     let port = listener.local_addr().expect("an address").port();
     let scene = Scene::new(Laws::built_in());
     let mailbox = Arc::new(Mailbox::new(Model::Absent));
     let site = Site::new(&listener, hello(&scene, None, false)).expect("a site");
-    site.serve(listener, &mailbox, std::sync::mpsc::sync_channel(1).0).expect("a thread");
-    (site, mailbox, port)
+    let (asks, asked) = std::sync::mpsc::sync_channel(16);
+    site.serve(listener, &mailbox, asks).expect("a thread");
+    Served { site, mailbox, port, asked }
+}
+
+impl Served {
+    fn open(&self, roles: &[Role]) -> WebSocket<TcpStream> {
+        let stream = crate::play::measure::connect(&self.site.address(roles)).expect("it is let in");
+        WebSocket::from_raw_socket(stream, Side::Client, None)
+    }
 }
 
 fn get(port: u16, request: &str) -> String {
@@ -93,7 +127,7 @@ fn get(port: u16, request: &str) -> String {
 /// Every answer has the headers that keep other pages out, and the page asks for nothing that they would not let through.
 #[test]
 fn headers_of_every_answer() {
-    let (_, _, port) = served();
+    let Served { port, .. } = served();
     for path in ["/", "/page.js", "/environments.js", "/page.css", "/nothing"] {
         let answer = get(port, &format!("GET {path} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n"));
         for header in [
@@ -115,31 +149,93 @@ fn headers_of_every_answer() {
     }
 }
 
-/// Who says too much before it has said what it wants is cut off, and connections are counted.
+/// Who says too much before it has said what it wants is cut off.
 #[test]
-fn sizes_and_connections_are_limited() {
-    let (_, _, port) = served();
+fn sizes_are_limited() {
+    let Served { port, .. } = served();
     let long = format!("GET / HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nX: {}\r\n\r\n", "x".repeat(2 * LONGEST_HEAD));
     assert!(!get(port, &long).starts_with("HTTP/1.1 200"));
-    let idle: Vec<_> = (0..MOST).map(|_| TcpStream::connect(("127.0.0.1", port)).expect("it listens")).collect();
-    // Once they are all taken, the next one is closed without a word; who takes them stands back behind everything else.
-    let one_more = || get(port, &format!("GET / HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n"));
-    let refused = (0..200).any(|_| {
-        std::thread::sleep(Duration::from_millis(10));
-        one_more().is_empty()
-    });
-    assert!(refused);
-    drop(idle);
+}
+
+/// However many say nothing, whoever asks is answered, and with a key gets a window; those who say nothing are bounded.
+#[test]
+fn silent_connections_lock_nobody_out() {
+    let served = served();
+    let port = served.port;
+    let mut idle = Vec::new();
+    // The operator's window was here before them, and is not turned out.
+    let mut first = served.open(&[Role::Operator]);
+    for _ in 0..5 {
+        idle.extend((0..40).map(|_| TcpStream::connect(("127.0.0.1", port)).expect("it listens")));
+        let page = get(port, &format!("GET / HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n"));
+        assert!(page.starts_with("HTTP/1.1 200"), "{} are silent: {page:?}", idle.len());
+        // Those who have watched longest in silence go for the newest.
+        for _ in 0..10 {
+            idle.push(served.open(&[Role::Watch]).get_ref().try_clone().expect("a socket"));
+        }
+        served.open(&[Role::Hand1]);
+    }
+    first.send(Message::text("stop")).expect("it hears");
+    while served.mailbox.lock().next_command() != Some(Command::Stop) {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    // What is kept of them is bounded: all but the last are closed.
+    idle.truncate(200 - MOST_WITHOUT_KEY);
+    for mut stream in idle {
+        stream.set_read_timeout(Some(Duration::from_secs(20))).expect("a timeout");
+        let mut greeting = Vec::new();
+        stream.read_to_end(&mut greeting).expect("it is closed");
+    }
+}
+
+/// What each role's window says acts only where its key opens that; everything else is refused, and named.
+#[test]
+fn orders_are_checked_by_the_window_that_gives_them() {
+    let served = served();
+    for line in
+        ["start", "cut", "join", "partner carries-on", "board 1 arm", "board 2 check 1", "set a=1", "anyway set a=1"]
+    {
+        for roles in [&[Role::Watch][..], &[Role::Hand1], &[Role::Hand2]] {
+            let mut window = served.open(roles);
+            while served.mailbox.lock().next_command().is_some() {}
+            window.send(Message::text(line)).expect("it hears");
+            window.send(Message::Binary(vec![0xff; 16].into())).expect("it hears");
+            let refused = std::iter::from_fn(|| window.read().ok())
+                .find_map(|said| said.to_text().ok().filter(|text| text.contains("refused")).map(str::to_owned));
+            assert_eq!(
+                refused.as_deref(),
+                Some(r#"{"refused":"only the operator's address may order that"}"#),
+                "{line}"
+            );
+            assert_eq!(served.mailbox.lock().next_command(), None, "{roles:?} {line}");
+            assert!(!served.mailbox.lock().operator_asked, "{roles:?}");
+            assert!(served.asked.try_recv().is_err(), "{roles:?} {line}");
+        }
+    }
+    // Nobody points a hand but who holds it.
+    let mut watching = served.open(&[Role::Watch]);
+    watching.send(Message::Binary(vec![0; 16].into())).expect("it hears");
+    while !matches!(watching.read(), Ok(Message::Binary(_))) {}
+    assert_eq!(served.mailbox.lock().holder, [None; 2]);
+    // The operator's acts.
+    let mut operator = served.open(&[Role::Operator]);
+    operator.send(Message::text("cut")).expect("it hears");
+    while served.mailbox.lock().next_command() != Some(Command::Cut(true)) {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    operator.send(Message::text("set a=1")).expect("it hears");
+    assert_eq!(served.asked.recv_timeout(Duration::from_secs(20)).expect("an order").line, "set a=1");
+    operator.send(Message::Binary(vec![0; 16].into())).expect("it hears");
+    while !served.mailbox.lock().operator_asked {
+        std::thread::sleep(Duration::from_millis(1));
+    }
 }
 
 /// A second window takes the hand of the first, and a window that is closed leaves it to the partner.
 #[test]
 fn a_hand_is_held_by_the_newest_window() {
-    let (site, mailbox, _) = served();
-    let open = || {
-        let stream = crate::play::measure::connect(&site.address(2)).expect("it is let in");
-        WebSocket::from_raw_socket(stream, Role::Client, None)
-    };
+    let served = served();
+    let (mailbox, open) = (&served.mailbox, || served.open(&[Role::Hand2]));
     let holder = |wanted: Option<u64>| {
         while mailbox.lock().holder[1] != wanted {
             std::thread::sleep(Duration::from_millis(5));

@@ -30,20 +30,22 @@ const KEPT = 16384;
 /** No sample yet: everything that the program has. */
 const NOTHING = 0xffffffff;
 
-/** What stands behind the "#" of an address: whose hand and the token of a run, and behind a "/" the scene that a link carries.
+/** What stands behind the "#" of an address: the keys of a run, each with its role, and behind a "/" the scene that a link carries.
  * @param {string} link */
 function carried(link) {
-  const [place = "", ...rest] = link.slice(link.indexOf("#") + 1).split("/");
+  const [ring = "", ...rest] = link.slice(link.indexOf("#") + 1).split("/");
   try {
-    return { place, order: decodeURIComponent(rest.join("/")) };
+    return { ring, order: decodeURIComponent(rest.join("/")) };
   } catch {
-    return { place, order: "" };
+    return { ring, order: "" };
   }
 }
-let { place, order: first } = carried(location.hash);
-const [person = "0", token = ""] = place.split("-");
-const me = person === "2" ? 2 : 1;
-const watches = person !== "1" && person !== "2";
+let { ring, order: first } = carried(location.hash);
+// What a role lets a window do the program checks; here it says what to offer.
+const roles = ring.split("+").map((key) => key.split("-")[0] ?? "");
+const me = roles.includes("hand2") ? 2 : 1;
+const hasHand = roles.includes(`hand${me}`);
+const operates = roles.includes("operator");
 const side = me === 1 ? -38 : 38;
 
 /** @type {Hello | undefined} */
@@ -77,7 +79,7 @@ const value = (name, ago = 0) => samples[((next - 1 - ago) & (KEPT - 1)) * width
 // --- the line to the program ---
 
 function connect() {
-  socket = new WebSocket(`ws://${location.host}/ws/${watches ? 0 : me}/${token}`);
+  socket = new WebSocket(`ws://${location.host}/ws/${ring}`);
   socket.binaryType = "arraybuffer";
   socket.onmessage = ({ data }) => (typeof data === "string" ? told(JSON.parse(data)) : take(data));
   socket.onclose = ({ wasClean }) => {
@@ -119,7 +121,7 @@ function greeted(greeting) {
     part.toggleAttribute("hidden", greeting.other !== null || greeting.boards);
   for (const part of document.querySelectorAll("[data-play], [data-verdict]")) part.toggleAttribute("hidden", greeting.boards);
   element("boards").hidden = !greeting.boards;
-  hand.toggleAttribute("hidden", watches || greeting.boards);
+  hand.toggleAttribute("hidden", !hasHand || greeting.boards);
   element("apart-name").textContent = greeting.other === null ? "copies apart (true)" : "copies apart (as last told)";
   fill(choice("law"), greeting.laws);
   fill(choice("partner"), greeting.partners);
@@ -131,6 +133,8 @@ function greeted(greeting) {
       return button;
     }),
   );
+  for (const control of document.querySelectorAll("[data-operator], [data-operator] :is(button, input, select)"))
+    control.toggleAttribute("disabled", !operates);
   if (first) follow(first);
   first = "";
 }
@@ -212,7 +216,7 @@ function report(modes, people, cut, partner) {
   else if (modes.some((mode) => mode === waits)) say(`waiting for ${other}`, true);
   else if (modes.includes(0)) say("stopped: motors are off. Press Start.", true);
   else if (cut) say("the cable is cut", true);
-  else if (watches) say("you watch", false);
+  else if (!hasHand) say(operates ? "you are the operator" : "you watch", false);
   else if (other !== null) say(`${other} has the other hand`, false);
   else if (there) say("another person has the other hand", false);
   else if (kind === 0) say(`the partner has the other hand: ${partners[partner]}`, false);
@@ -224,7 +228,7 @@ function askForMore() {
   if (!hello || socket?.readyState !== WebSocket.OPEN || (waiting && performance.now() - asked < 1000)) return;
   const bytes = new DataView(new ArrayBuffer(16));
   bytes.setUint32(0, next, true);
-  bytes.setFloat32(4, watches ? NaN : wanted[0], true);
+  bytes.setFloat32(4, hasHand ? wanted[0] : NaN, true);
   bytes.setFloat32(8, wanted[1], true);
   bytes.setUint32(12, restarts, true);
   socket.send(bytes);
@@ -326,9 +330,9 @@ function measureLag(now) {
 
 /** The time within which this share of the last moves was drawn, ms. @param {number} share */
 const lag = (share) => lags.toSorted((a, b) => a - b)[Math.floor(share * (lags.length - 1))] ?? NaN;
-hand.toggleAttribute("hidden", watches);
+hand.toggleAttribute("hidden", !hasHand);
 scene.addEventListener("pointerdown", (event) => {
-  if (!event.isPrimary || event.button !== 0 || watches || hello?.boards) return;
+  if (!event.isPrimary || event.button !== 0 || !hasHand || hello?.boards) return;
   scene.setPointerCapture(event.pointerId);
   hand.focus({ preventScroll: true });
   wanted = shown.own();
@@ -827,7 +831,7 @@ function card(number) {
   ];
   for (const [text, press] of buttons) {
     const button = document.createElement("button");
-    [button.type, button.textContent, button.disabled] = ["button", text, watches];
+    [button.type, button.textContent, button.disabled] = ["button", text, !operates];
     button.addEventListener("click", press);
     parts[3]?.append(button);
   }
@@ -864,7 +868,7 @@ function sayBoards(modes) {
     which((mode) => mode === waits),
   ];
   if (faulted) say(`fault at board ${faulted}: its motors are off`, true);
-  else if (armed) say(`the motors of board ${armed} are on; they go off when this page is hidden or closed`, true);
+  else if (armed) say(`the motors of board ${armed} are on; they go off when the operator's page is hidden or closed`, true);
   else if (away) say(`nothing is heard of board ${away}`, true);
   else say("all motors are off", false);
 }
@@ -887,7 +891,7 @@ input("open").addEventListener("change", async () => {
   if (file) ask(`file ${await file.text()}`, "file");
   input("open").value = "";
 });
-/** A link to this scene, for any run: it has no token. */
+/** A link to this scene, for any run: it has no key. */
 function asLink() {
   const keys = (holds?.changed ?? []).map(([key, text]) => `${key}=${text.replaceAll('"', "")}`).join(" ");
   return `${location.origin}/#/${encodeURIComponent(`scene default ${keys}`.trim())}`;
@@ -910,8 +914,8 @@ element("paste-form").addEventListener("submit", (event) => {
   follow(carried(input("paste").value.trim()).order);
 });
 addEventListener("hashchange", () => {
-  const { place: other, order } = carried(location.hash);
-  if (other && other !== place) location.reload();
+  const { ring: other, order } = carried(location.hash);
+  if (other && other !== ring) location.reload();
   else if (order) follow(order);
 });
 
@@ -952,10 +956,12 @@ function frame(now) {
   }
 }
 
-element("who").textContent = watches ? "– watching" : `– person ${me}`;
-input("paste").value = token ? "" : location.href;
+const own = [...(hasHand ? [`hand ${me}`] : []), ...(operates ? ["operator"] : [])];
+element("who").textContent = `– ${own.join(", ") || "watching"}`;
+element("stop").toggleAttribute("disabled", own.length === 0);
+input("paste").value = ring ? "" : location.href;
 const environment = () => hello?.environments[kind]?.name;
 Object.assign(window, { page: { value, environment, frames: () => frames, asCsv, asSvg, asToml, asLink, lag, command } });
-if (token) connect();
+if (ring) connect();
 else say("this address names no run: paste it under “Open link” in a page that host-sim play has given you", true);
 requestAnimationFrame(frame);

@@ -39,10 +39,24 @@ fn two_boards_are_commanded_from_a_page() {
     // Who only watches sees the same and commands nothing; a window that is gone has let go.
     let watching = browser.open(&play.addresses[1]);
     browser.wait(&watching, "document.querySelectorAll('#boards button').length === 8");
-    assert_eq!(
-        browser.evaluate(&watching, "[...document.querySelectorAll('#boards button')].every((b) => b.disabled)"),
-        true
-    );
+    let buttons = "[...document.querySelectorAll('#boards button, #stop, #start')]";
+    assert_eq!(browser.evaluate(&watching, &format!("{buttons}.every((b) => b.disabled)")), true);
+    browser.evaluate(&watching, "page.command('board 1 arm')");
+    browser.wait(&watching, "document.getElementById('refused').textContent.startsWith('only the operator')");
+    // With another role before its key, its address opens nothing.
+    let changed = browser.open(&play.addresses[1]);
+    let (host, ring) = play.addresses[1].split_once("/#watch-").expect("an address");
+    for role in ["operator", "hand1", "hand2"] {
+        let outcome = browser.evaluate(
+            &changed,
+            &format!(
+                "new Promise((done) => {{ const s = new WebSocket('{}/ws/{role}-{ring}'); s.onopen = () => done('open'); \
+                 s.onerror = () => done('refused'); }})",
+                host.replace("http", "ws")
+            ),
+        );
+        assert_eq!(outcome, "refused", "{role}");
+    }
     press(&mut browser, &one, "Arm board 2");
     click(&mut browser, &one, "anyway");
     browser.wait(&watching, &format!("{status}.startsWith('the motors of board 2 are on')"));

@@ -20,7 +20,7 @@ fn show(browser: &mut Browser, windows: [&Window; 2], name: &str, column: &str) 
 fn shared_environments_are_shown_and_held() {
     let play = Play::start(&["--environment", "hub", "--partner", "follows"]);
     let mut browser = Browser::start(folder().join("environments"));
-    let [one, two] = [0, 1].map(|person| browser.open(&play.addresses[person]));
+    let [one, two] = [1, 2].map(|person| browser.open(&play.person(person)));
     for window in [&one, &two] {
         browser.wait(window, "Number.isFinite(page.value('object_4', 200))");
     }

@@ -60,8 +60,9 @@ fn a_link_carries_a_scene_to_another_run() {
     set(&mut browser, &one, "loss", "20");
     browser.wait(&one, "page.asLink().includes('0.06') && page.asLink().includes('loss%3D0.2')");
     let link = browser.evaluate(&one, "page.asLink()").as_str().expect("a link").to_owned();
-    let (_, token) = here.addresses[0].split_once('-').expect("a token");
-    assert!(!link.contains(token), "a link gives nobody this run's token: {link}");
+    let (_, ring) = here.addresses[0].split_once('#').expect("an address");
+    let mut keys = ring.split('+').filter_map(|key| key.split_once('-'));
+    assert!(keys.all(|(role, key)| !link.contains(key) && !link.contains(role)), "a link gives nobody a key: {link}");
 
     // In a window of the other run everything is as it was here.
     let other = browser.open(&there.addresses[0]);
@@ -75,8 +76,8 @@ fn a_link_carries_a_scene_to_another_run() {
     assert_eq!(browser.evaluate(&other, "page.asLink().split('#')[1]"), tail);
 
     // Behind the address of a run it is opened with it.
-    let watching = browser.open(&format!("{}{tail}", there.addresses[2]));
-    browser.wait(&watching, "document.getElementById('delay').value === '60'");
+    let another = browser.open(&format!("{}{tail}", there.addresses[3]));
+    browser.wait(&another, "document.getElementById('delay').value === '60'");
 
     // What is unstable asks first, wherever it comes from, and no link can say that it need not.
     let unstable = "scene paper-5.2-passive-wave-16ms coordination.comm=power coordination.stiffness_n_per_m=3000";
@@ -94,6 +95,6 @@ fn a_link_carries_a_scene_to_another_run() {
     assert_eq!(browser.evaluate(&other, "document.getElementById('loss').value"), "20");
     let named = browser.open(&link);
     browser.wait(&named, "document.getElementById('status').textContent.startsWith('this address names no run')");
-    let complaints = browser.complaints(&[&one, &other, &watching, &named]);
+    let complaints = browser.complaints(&[&one, &other, &another, &named]);
     assert!(complaints.is_empty(), "{complaints:?}");
 }

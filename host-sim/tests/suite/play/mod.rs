@@ -38,6 +38,13 @@ impl Play {
         Self { child, addresses, _said: said }
     }
 
+    /// The address of a hand, 1 or 2, whose window orders, too. What is printed first is that of the first hand, then come each hand, the
+    /// operator, and who watches.
+    fn person(&self, number: usize) -> String {
+        let (_, operator) = self.addresses[3].split_once('#').expect("an address");
+        format!("{}+{operator}", self.addresses[number])
+    }
+
     /// What it reports when it ends.
     fn report(mut self) -> serde_json::Value {
         assert!(self.child.wait().expect("it ends").success());
@@ -132,7 +139,7 @@ fn how_punctual_and_how_soon() {
 /// Drags the hand of window 1 to and fro while window 2 looks on, until the program ends; lags at 50 and 95 %, ms, and frames a second.
 fn pointer_to_picture(play: &Play) -> [f64; 3] {
     let mut browser = Browser::start(folder().join("measured"));
-    let [one, two] = [0, 1].map(|person| browser.open(&play.addresses[person]));
+    let [one, two] = [1, 2].map(|person| browser.open(&play.person(person)));
     for window in [&one, &two] {
         browser.wait(window, "page.frames() > 20 && page.value('device_1', 500) === 0");
     }
@@ -154,7 +161,7 @@ fn two_windows_hold_one_object() {
     let play = Play::start(&["--partner", "resists"]);
     let folder = folder();
     let mut browser = Browser::start(folder.join("profile"));
-    let [one, two] = [0, 1].map(|person| browser.open(&play.addresses[person]));
+    let [one, two] = [1, 2].map(|person| browser.open(&play.person(person)));
     for window in [&one, &two] {
         browser.wait(window, "page.frames() > 20 && page.value('device_1', 500) === 0");
         browser.wait(window, "document.getElementById('status').textContent.startsWith('another person')");
@@ -277,10 +284,9 @@ fn two_windows_hold_one_object() {
     browser.wait(&two, "document.documentElement.scrollWidth <= 390");
     browser.picture(&two, &folder.join("phone.png"));
 
-    // A page from elsewhere gets nothing, even with the token.
+    // A page from elsewhere gets nothing, even with the keys.
     let elsewhere = browser.open("data:text/html,elsewhere");
-    let (host, token) = play.addresses[0].split_once("/#1-").expect("an address");
-    let line = format!("{}/ws/1/{token}", host.replace("http", "ws"));
+    let line = play.addresses[0].replace("http", "ws").replace("/#", "/ws/");
     let outcome = browser.evaluate(
         &elsewhere,
         &format!(
