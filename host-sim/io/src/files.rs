@@ -140,7 +140,7 @@ pub fn is(path: &Path, bytes: &[u8]) -> bool {
     read(path, Most::new(bytes.len() as u64, "the same")).is_ok_and(|there| there == bytes)
 }
 
-/// Writes a file whole or not at all, its folder made if needed.
+/// Writes a file whole or not at all.
 ///
 /// # Errors
 /// It cannot be written, or what is there may not be written over: a link, a pipe, a device or a folder never.
@@ -152,7 +152,7 @@ pub fn write(path: &Path, bytes: &[u8], kind: Kind) -> io::Result<()> {
         Kind::Beside | Kind::New | Kind::Secret if there.is_some() => {
             return Err(io::Error::new(ErrorKind::AlreadyExists, "it exists, and is not written over"));
         }
-        _ => std::fs::create_dir_all(folder)?,
+        _ => {}
     }
     // Dropped under the name that it has at first, it is gone.
     let mut file = half(kind).tempfile_in(folder)?;

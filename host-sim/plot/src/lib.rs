@@ -241,7 +241,9 @@ pub fn draw(figure: &Figure, base: &Path) -> Result<Vec<PathBuf>, Error> {
 /// # Errors
 /// The file or its folder cannot be written, or what is there may not be written over.
 pub fn write_file(path: &Path, format: &'static str, bytes: &[u8], kind: Kind) -> Result<(), Error> {
-    haptic_io::write(path, bytes, kind).map_err(Error::write(path, format))
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let written = std::fs::create_dir_all(folder).and_then(|()| haptic_io::write(path, bytes, kind));
+    written.map_err(Error::write(path, format))
 }
 
 #[cfg(test)]

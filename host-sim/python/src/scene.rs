@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString, PyTuple};
 
 use crate::law::laws;
-use crate::work::refused;
+use crate::work::{here, refused};
 
 /// What two peers, their users, their devices and the network between them are told before a run.
 ///
@@ -48,8 +48,11 @@ impl Scene {
 
 /// A scene that is found with the built-in laws, or else with those that Python has added: their keys are no part of a scene that
 /// names none of them.
-fn with_laws(find: impl Fn(Laws) -> Result<haptic_sim::Scene, haptic_sim::Error>) -> PyResult<haptic_sim::Scene> {
-    find(Laws::built_in()).or_else(|_| find(laws())).map_err(refused)
+fn with_laws(
+    py: Python<'_>,
+    find: impl Fn(Laws) -> Result<haptic_sim::Scene, haptic_sim::Error> + Send + 'static,
+) -> PyResult<haptic_sim::Scene> {
+    here(py, move |_| find(Laws::built_in()).or_else(|_| find(laws())).map_err(refused))
 }
 
 /// A value that a key may take, or a sweep give it.
@@ -77,8 +80,10 @@ fn to_python(py: Python<'_>, value: Value<'_>) -> PyResult<Py<PyAny>> {
 
 /// The scene that a `Scene`, a name or a path stands for.
 pub(crate) fn meant(source: &Bound<'_, PyAny>) -> PyResult<haptic_sim::Scene> {
+    let py = source.py();
     if let Ok(scene) = source.cast::<Scene>() {
-        return Ok(scene.borrow().checked()?.clone());
+        let scene = scene.borrow().clone();
+        return here(py, move |_| scene.checked().cloned());
     }
     let path: PathBuf = source.extract()?;
     let is_word = source.is_instance_of::<PyString>() && built_in::meant(Some(&path)).map_err(refused)?.is_some();
@@ -89,9 +94,9 @@ pub(crate) fn meant(source: &Bound<'_, PyAny>) -> PyResult<haptic_sim::Scene> {
             let said = said.split(" (os error").next().unwrap_or_default().to_owned();
             PyOSError::new_err((cause.raw_os_error(), said, path.display().to_string()))
         })?;
-        return with_laws(|laws| haptic_sim::Scene::load(laws, Some(&path), &[]));
+        return with_laws(py, move |laws| haptic_sim::Scene::load(laws, Some(&path), &[]));
     }
-    with_laws(|laws| built_in::find(laws, Some(&path), &[]))
+    with_laws(py, move |laws| built_in::find(laws, Some(&path), &[]))
 }
 
 #[pymethods]
@@ -109,10 +114,10 @@ impl Scene {
 
     /// The scene that this TOML text says, as a scene file holds it.
     #[staticmethod]
-    fn from_toml(text: &str) -> PyResult<Self> {
-        let scene = with_laws(|laws| {
+    fn from_toml(py: Python<'_>, text: String) -> PyResult<Self> {
+        let scene = with_laws(py, move |laws| {
             let mut scene = haptic_sim::Scene::new(laws);
-            scene.apply(text, "text", None)?;
+            scene.apply(&text, "text", None)?;
             scene.check("text").map(|()| scene)
         })?;
         Ok(Self { scene })

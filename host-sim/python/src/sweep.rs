@@ -17,7 +17,7 @@ use pyo3::types::{PyBytes, PyDict, PyString, PyTuple};
 use crate::columns::to_python;
 use crate::run::check_seconds;
 use crate::scene::{Scene, meant, to_toml};
-use crate::work::{on_threads, refused};
+use crate::work::{here, on_threads, refused};
 
 /// Columns that are texts, also where there is none.
 const TEXTS: &[&str] = &["reason"];
@@ -126,7 +126,6 @@ impl Sweep {
         seconds: f64,
     ) -> PyResult<Self> {
         let (scene, over, sample) = (meant(scene)?, written(over)?, written(sample)?);
-        scene.check("scene").map_err(refused)?;
         check_seconds(seconds, &scene)?;
         if !(1..=100_000).contains(&seeds) {
             return Err(refused(format!("seeds = {seeds} is not allowed: it must be a whole number from 1 to 100000")));
@@ -182,12 +181,13 @@ impl Sweep {
     }
 
     /// The scene of a point, with the first seed.
-    fn scene_at(&self, point: usize) -> PyResult<Scene> {
+    fn scene_at(&self, py: Python<'_>, point: usize) -> PyResult<Scene> {
         if point >= self.sweep.points() {
             let most = self.sweep.points() - 1;
             return Err(refused(format!("point = {point} is not allowed: it must be a whole number from 0 to {most}")));
         }
-        Ok(Scene { scene: self.sweep.scene_at(point).map_err(refused)? })
+        let sweep = self.sweep.clone();
+        here(py, move |_| Ok(Scene { scene: sweep.scene_at(point).map_err(refused)? }))
     }
 
     /// Runs everything on so many threads (0: as many as there are cores) and gives the table by column, a row a run.

@@ -7,6 +7,7 @@ use haptic_io::Kind;
 use haptic_live::recording::file::{Recording, Rows, read};
 use haptic_live::recording::merge::{both, merge};
 use haptic_live::watch::GOOD_CLOCK_S;
+use haptic_plot::write_file;
 use haptic_report::files::{write_csv, write_parquet};
 use haptic_report::{Columns, Error};
 use serde_json::json;
@@ -75,8 +76,7 @@ impl Convert {
                 let why = format!("{}: its settings are no TOML: {}", self.from.display(), error.message());
                 return Err(why.into());
             }
-            let failed = haptic_sim::Error::cannot("write", &path.display());
-            haptic_io::write(&path, provenance.as_bytes(), Kind::Beside).map_err(failed)?;
+            write_file(&path, "TOML", provenance.as_bytes(), Kind::Beside)?;
         }
         let mut files = Vec::new();
         // A page has a channel for each environment that it can show: what was never shown is no file.

@@ -18,8 +18,8 @@ const OTHERS: [&str; 16] = [
     "println!(",
     "print!(",
     "dbg!(",
-    "stdout()",
-    "stderr()",
+    "io::stdout()",
+    "io::stderr()",
 ];
 
 /// Where a line has one of them all the same, and why.

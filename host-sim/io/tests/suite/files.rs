@@ -20,13 +20,14 @@ fn names(folder: &Path) -> Vec<String> {
 #[test]
 fn a_file_is_replaced_whole_and_keeps_its_mode() {
     let folder = folder("whole");
-    let file = folder.join("new/out.csv");
+    let file = folder.join("out.csv");
     write(&file, b"one", Kind::Named).expect("written");
     #[cfg(unix)]
     fs::set_permissions(&file, std::os::unix::fs::PermissionsExt::from_mode(0o640)).expect("own file");
     write(&file, b"two", Kind::Named).expect("written");
     assert_eq!(fs::read(&file).expect("there"), b"two");
-    assert_eq!(names(&folder.join("new")), ["out.csv"]);
+    assert_eq!(names(&folder), ["out.csv"]);
+    assert!(write(&folder.join("nowhere/out.csv"), b"two", Kind::Named).is_err());
     #[cfg(unix)]
     assert_eq!(
         std::os::unix::fs::PermissionsExt::mode(&fs::metadata(&file).expect("there").permissions()) & 0o777,
