@@ -10,7 +10,9 @@ use embassy_net::{IpEndpoint, Stack};
 use embassy_sync::{blocking_mutex::raw::CriticalSectionRawMutex, signal::Signal};
 use embassy_time::Instant;
 use firmware_parts::exchange::{Reader, Writer};
+use firmware_parts::image::{Law, SHARED};
 use firmware_parts::signals::Signals;
+use haptic_core::law::{Law as _, Sends, bounds::Bounds};
 use haptic_core::settings::Settings;
 use haptic_protocol::link::{ConfigError, Link, Notice};
 use haptic_protocol::peer::{Lives, flow_in, flow_of, open, packets_of};
@@ -41,6 +43,12 @@ pub(crate) fn connect(key: &Key, seed: &Key, number: Number, settings: &Settings
     open(settings, key.clone(), ends, random::draw(seed, number).ok_or(ConfigError::ZeroEntropy)?)
 }
 
+/// What the other peer, or a hub, may say with these settings.
+pub(crate) fn bounds(settings: &Settings) -> Bounds {
+    let sends = Law::info(settings).map_or(Sends::Nothing, |info| info.sends);
+    Bounds::build(settings, sends).beyond_a_junction()
+}
+
 pub(crate) struct Flow {
     /// The peers', and what random bytes are mixed with.
     pub(crate) key: Key,
@@ -52,7 +60,7 @@ pub(crate) struct Flow {
     pub(crate) incoming: Writer<'static, Received>,
     pub(crate) signals: &'static Signals,
     /// Which life of the other peer what comes is of; the tick knows it by [`Signals::life`].
-    pub(crate) lives: Lives,
+    pub(crate) lives: Lives<SHARED>,
     /// The link still has the old settings.
     pub(crate) outdated: bool,
 }
@@ -68,10 +76,18 @@ impl Flow {
                 if self.outdated {
                     return;
                 }
-                if let Some(life) = self.lives.of(&flow) {
-                    // First that what came before is not to be taken.
-                    self.signals.life.release(life);
-                    self.incoming.write(Received { life, packets: packets_of(&flow) });
+                match self.lives.of(&flow) {
+                    Ok(Some(life)) => {
+                        // First that what came before is not to be taken.
+                        self.signals.life.release(life);
+                        self.incoming.write(Received { life, packets: packets_of(&flow) });
+                    }
+                    Ok(None) => {}
+                    Err(_) => {
+                        self.signals.refused.count();
+                        defmt::warn!("peer: let go of, it says more than the limits in [safety] allow");
+                        self.part();
+                    }
                 }
             }
             Ok(_) => {}
@@ -111,6 +127,7 @@ impl Flow {
     #[inline(never)]
     fn configure(&mut self, settings: &Settings) {
         self.part();
+        self.lives.bound(bounds(settings));
         if let Ok(link) = connect(&self.key, &self.seed, self.number, settings) {
             *self.link = link;
             self.outdated = false;

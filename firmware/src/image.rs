@@ -12,8 +12,10 @@ mod made_for {
     pub const JOINTS: usize = AXES;
     /// Axes along which the object is shared.
     pub const SHARED: usize = 1;
-    /// The peer, with any law, chosen by the settings.
-    pub type Peer = haptic_core::peer::Peer<f32, AnyLaw<f32>>;
+    /// Any law, chosen by the settings.
+    pub type Law = AnyLaw<f32>;
+    /// The peer.
+    pub type Peer = haptic_core::peer::Peer<f32, Law>;
 }
 
 #[cfg(feature = "three-axes")]
@@ -24,8 +26,10 @@ mod made_for {
     pub const JOINTS: usize = 3;
     /// Axes along which the object is shared.
     pub const SHARED: usize = 3;
-    /// The peer, with the passive wave on every axis.
-    pub type Peer = haptic_core::peer::Peer<f32, PassiveWave<f32>, SHARED, JOINTS, AnySpatial<f32>>;
+    /// The passive wave on every axis.
+    pub type Law = PassiveWave<f32>;
+    /// The peer.
+    pub type Peer = haptic_core::peer::Peer<f32, Law, SHARED, JOINTS, AnySpatial<f32>>;
 }
 
-pub use made_for::{JOINTS, Peer, SHARED};
+pub use made_for::{JOINTS, Law, Peer, SHARED};

@@ -12,6 +12,7 @@ use haptic_core::settings::Settings;
 use haptic_protocol::{
     key::Key,
     link::{ConfigError, Link},
+    peer::Lives,
 };
 use static_cell::StaticCell;
 
@@ -35,14 +36,15 @@ pub(crate) async fn start(
     console: Console,
 ) {
     let (addresses, signals) = (console.applied.addresses, console.signals);
-    let Some(Links { key, seed, operator, peer: link }) = links(number, &console.applied.settings) else { return };
+    let settings = console.applied.settings;
+    let Some(Links { key, seed, operator, peer: link }) = links(number, &settings) else { return };
     // The stack is not for sharing between executors: its tasks are spawned from the one they run on.
     // SAFETY: this future is polled by the executor of a task, which never ends.
     let spawner = unsafe { Spawner::for_current_executor() }.await;
     let (stack, runner) = stack(ethernet::start(pins, number), number, addresses);
     let peer = IpEndpoint::new(addresses.peer.unwrap_or(address(number.other())).into(), flow::PORT);
-    let flow =
-        Flow { key, seed, number, link, peer, outgoing, incoming, signals, lives: Default::default(), outdated: false };
+    let lives = Lives::new(flow::bounds(&settings));
+    let flow = Flow { key, seed, number, link, peer, outgoing, incoming, signals, lives, outdated: false };
     spawner.spawn(defmt::unwrap!(flow::run(stack, flow)));
     spawner.spawn(defmt::unwrap!(run(runner)));
     spawner.spawn(defmt::unwrap!(port::run(stack, console, operator, telemetry)));

@@ -80,6 +80,9 @@ pub enum Refusal {
     /// It could be this old, µs: the other end had not heard from this one for so long when it sealed it, the way included.
     #[error("this datagram may be {0} µs old")]
     Old(u64),
+    /// What it says of this is more than the limits of this end's scene let anybody do.
+    #[error("its {0} is more than the limits in [safety] allow")]
+    Impossible(&'static str),
     /// Its sequence number has been taken before.
     #[error("this datagram was taken before")]
     Replayed,

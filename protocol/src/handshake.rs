@@ -36,7 +36,7 @@ use x25519_dalek::{X25519_BASEPOINT_BYTES, x25519};
 
 use crate::key::{Derivation, Key};
 use crate::session::{Offer, Session};
-use crate::wire::{self, Challenge, Ephemeral, Greeting, GreetingKind};
+use crate::wire::{self, Challenge, Ephemeral, Greeting, GreetingKind, PeerId};
 use crate::{ends::Ends, error::Refusal, parameters::Parameters};
 
 /// How long a challenge is good for, from when it was first offered, µs.
@@ -48,6 +48,26 @@ const OFFERED_US: u64 = LIFE_US / GOOD as u64;
 
 /// The shortest time between two multiplications that greetings bring about, µs.
 const MULTIPLY_EVERY_US: u64 = 50_000;
+
+/// The key under which the greetings of one end to the other are authentic.
+fn greeting_key(pre_shared: &Key, from: PeerId, to: PeerId) -> Key {
+    pre_shared.derive("greeting").with(&[from.0, to.0]).end()
+}
+
+/// Reads a greeting to this end on a line, if it is authentic under that key.
+fn open(ends: Ends, line: u32, datagram: &[u8], inward: &Key) -> Result<Greeting, Refusal> {
+    let (greeting, body, tag) = Greeting::parse(datagram)?;
+    ends.check(greeting.from, greeting.to)?;
+    if greeting.line != line {
+        return Err(Refusal::OtherLine);
+    }
+    if inward.verifies(body, tag) { Ok(greeting) } else { Err(Refusal::ForgedGreeting) }
+}
+
+/// Whether a datagram is a greeting to this end on a line under the shared key: two hashes, and nothing that has to be made before.
+pub(crate) fn is_called(pre_shared: &Key, ends: Ends, line: u32, datagram: &[u8]) -> Result<(), Refusal> {
+    open(ends, line, datagram, &greeting_key(pre_shared, ends.remote, ends.local)).map(drop)
+}
 
 /// What a peer needs to greet and to judge greetings.
 #[derive(Debug)]
@@ -75,14 +95,12 @@ impl Handshake {
     /// Greets under the shared key. `entropy` must differ at every start of the peer and be unforeseeable.
     pub(crate) fn new(pre_shared: Key, ends: Ends, parameters: Parameters, entropy: &Key) -> Self {
         let Ends { local, remote } = ends;
-        let greeting_key =
-            |from: wire::PeerId, to: wire::PeerId| pre_shared.derive("greeting").with(&[from.0, to.0]).end();
         let incarnation = u64::from_le_bytes(entropy.derive("incarnation").first());
         let mut handshake = Self {
             ends,
             line: 0,
-            outward: greeting_key(local, remote),
-            inward: greeting_key(remote, local),
+            outward: greeting_key(&pre_shared, local, remote),
+            inward: greeting_key(&pre_shared, remote, local),
             pre_shared,
             entropy: entropy.clone(),
             drawn: 0,
@@ -175,12 +193,7 @@ impl Handshake {
 
     /// Reads a greeting if it is for this peer, from the other end and authentic.
     pub(crate) fn open(&self, datagram: &[u8]) -> Result<Greeting, Refusal> {
-        let (greeting, body, tag) = Greeting::parse(datagram)?;
-        self.ends.check(greeting.from, greeting.to)?;
-        if greeting.line != self.line {
-            return Err(Refusal::OtherLine);
-        }
-        if self.inward.verifies(body, tag) { Ok(greeting) } else { Err(Refusal::ForgedGreeting) }
+        open(self.ends, self.line, datagram, &self.inward)
     }
 
     /// Whether an authentic greeting echoes a challenge that is good at `now`.

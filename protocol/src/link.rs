@@ -23,7 +23,7 @@
 //! **Limits**: one link leads to one peer; who is there is known by key and number, not by address.
 
 use crate::engagement::{DISENGAGE_AFTER, Engagement};
-use crate::handshake::{Handshake, LIFE_US};
+use crate::handshake::{self, Handshake, LIFE_US};
 use crate::reliable::{Receiver, Sender};
 use crate::session::{Counter, Says, Session};
 use crate::wire::{Challenge, Datagram, Event, Goodbye, Greeting, GreetingKind, Message, Probe, Reply, Telemetry};
@@ -246,6 +246,15 @@ impl Link {
         })
     }
 
+    /// Whether a datagram is a greeting that a link with this key between these ends, on line `number` ([`Link::on_line`]), would read: a
+    /// server makes a link only for whoever holds the line's key. It costs two hashes and no multiplication.
+    ///
+    /// # Errors
+    /// Why such a link would refuse it.
+    pub fn is_called(key: &Key, ends: Ends, number: u32, datagram: &[u8]) -> Result<(), Error> {
+        handshake::is_called(key, ends, number, datagram)
+    }
+
     /// This link on line `number` of a server that has a line for each of its clients; the key of the configuration
     /// must be that line's ([`Key::line`]). A server tells greetings apart by their line and sealed datagrams by
     /// their session ([`Link::session_number`]), so that neither addresses nor the 256 peer numbers limit it.
@@ -411,6 +420,11 @@ impl Link {
     /// or two of waiting at the other end included.
     pub fn delay_us(&self) -> Option<u32> {
         self.delay_us
+    }
+
+    /// 12 of the longest silences between what the other end says, µs: whoever said nothing for so long is not there.
+    pub fn quiet_us(&self) -> u64 {
+        Engagement::new(self.pace_us, 0).disengage_after_us()
     }
 
     /// Whether flow comes and is too old to be taken.

@@ -3,12 +3,14 @@
 //! Anybody can write any address on a datagram, and what was copied on its way can come from elsewhere first. So
 //!
 //! - a session is answered at the address that its newest datagram came from, until one has proved itself: a probe was sent
-//!   there, and its answer came from there. From then on it stays with that one until it ends;
+//!   there, and its answer came from there. From then on it stays with that one, until nothing has come from there for 12 packet
+//!   periods ([`Link::quiet_us`]) or the session ends;
 //! - before that, an address is sent no more bytes than came from it.
 //!
-//! Who has moved falls silent at its old address, so that its session ends, and begins another at the new one: 12 packet
-//! periods and a handshake. Whoever only copies or injects datagrams moves nothing; who can carry both ways, probes and
-//! answers, is the network, and can do what a network can.
+//! Who has moved, or was given another address on the way, falls silent at the old one and is answered at the new one after 12 packet
+//! periods, in the same session. What comes from an address keeps it though it was taken before: whoever only copies or injects
+//! datagrams moves nothing, however early his copies come; who can carry both ways, probes and answers, and drop, is the network, and can do
+//! what a network can.
 
 use crate::link::Link;
 use crate::wire::GreetingKind;
@@ -25,6 +27,8 @@ struct Place<A> {
     address: A,
     /// From when on whatever the line said in this session went there, µs.
     from_us: u64,
+    /// When something of this session came from there last, µs.
+    seen_us: u64,
     proved: bool,
     /// Bytes that may go there yet.
     room: usize,
@@ -37,6 +41,13 @@ impl<A> Default for Path<A> {
 }
 
 impl<A: Copy + PartialEq> Path<A> {
+    /// Takes note that a sealed datagram that names the line's session came from there, whether or not its link takes it.
+    pub fn seen(&mut self, now_us: u64, from: A) {
+        if let Some(end) = self.end.as_mut().filter(|end| end.address == from) {
+            end.seen_us = now_us;
+        }
+    }
+
     /// Takes note of a datagram of so many bytes that the line's link has taken: a greeting, which only tells where a session
     /// begins, or a sealed one.
     pub fn heard(&mut self, now_us: u64, from: A, bytes: usize, greeting: bool, link: &Link) {
@@ -54,10 +65,10 @@ impl<A: Copy + PartialEq> Path<A> {
                 end.room = end.room.saturating_add(bytes);
                 end.proved |= answered_us.is_some_and(|us| us >= end.from_us);
             }
-            Some(end) if end.proved => {}
+            Some(end) if end.proved && now_us < end.seen_us.saturating_add(link.quiet_us()) => {}
             end => {
                 let from_us = if begins { 0 } else { now_us + 1 };
-                *end = Some(Place { address: from, from_us, proved: false, room: bytes });
+                *end = Some(Place { address: from, from_us, seen_us: now_us, proved: false, room: bytes });
             }
         }
     }

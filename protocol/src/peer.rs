@@ -1,13 +1,15 @@
 //! Between the coordination and the wire (feature `peer`): packets of haptic-core and flow, the settings that two peers must share,
 //! and what waits for the next exchange. The same for a board and a PC.
 
+use haptic_core::law::bounds::{Bounds, Sums};
 use haptic_core::law::{Packet, event::LONGEST};
 use haptic_core::num::{Motion, Scalar};
 use haptic_core::settings::{Settings, Value};
 
 use crate::link::{Config, ConfigError, Link};
 use crate::{
-    ends::Ends, key::Key, parameters::Parameters, playout::Playout, wire::AxisFlow, wire::Flows, wire::Message,
+    ends::Ends, error::Refusal, key::Key, parameters::Parameters, playout::Playout, wire::AxisFlow, wire::Flows,
+    wire::Message,
 };
 
 /// The settings that both peers must share, as a greeting carries them.
@@ -77,41 +79,67 @@ pub fn flow_in<const AXES: usize>(message: &Message) -> Option<Flows<AXES>> {
     }
 }
 
-/// Decides, when a flow comes, which life of the other end it is of. A life is over when the link lets go of the other end
-/// ([`crate::link::Notice::Disengaged`]), and when motors that were off are on again: then the other end counts from zero, from
-/// another place. Nothing of one life goes with anything of the next.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Lives {
+/// Decides, when a flow comes, whether it can be, and which life of the other end it is of. A life is over when the link lets go of
+/// the other end ([`crate::link::Notice::Disengaged`]), when motors that were off are on again, for then the other end counts from zero,
+/// from another place, and with whatever cannot be ([`Bounds`]). Nothing of one life goes with anything of the next.
+#[derive(Clone, Copy, Debug)]
+pub struct Lives<const AXES: usize = 1> {
+    bounds: Bounds,
+    /// Of the newest flow of this life.
+    sums: [Option<Sums>; AXES],
     /// Lives that are over; wraps.
     life: u32,
     /// The other end's motors have gone off since its last flow that counted.
     off: bool,
 }
 
-impl Lives {
+impl<const AXES: usize> Lives<AXES> {
+    /// Of an end that may say so much.
+    pub fn new(bounds: Bounds) -> Self {
+        Self { bounds, sums: [None; AXES], life: 0, off: false }
+    }
+
     /// Number of the life that a flow is of which has just come; 0 is the first. None if the flow does not count, because its
     /// sender's motors are off.
+    ///
+    /// # Errors
+    /// [`Refusal::Impossible`]: a number in it that cannot be. The life is over with it.
     #[inline]
-    pub fn of<const AXES: usize>(&mut self, flow: &Flows<AXES>) -> Option<u32> {
+    pub fn of(&mut self, flow: &Flows<AXES>) -> Result<Option<u32>, Refusal> {
         let was_off = core::mem::replace(&mut self.off, !flow.engaged);
         if !flow.engaged {
-            return None;
+            return Ok(None);
         }
-        Some(if was_off { self.end() } else { self.life })
+        if was_off {
+            self.end();
+        }
+        for (sums, packet) in self.sums.iter_mut().zip(&packets_of::<f64, AXES>(flow)) {
+            if let Err(what) = self.bounds.take(sums, packet) {
+                self.end();
+                return Err(Refusal::Impossible(what));
+            }
+        }
+        Ok(Some(self.life))
     }
 
     /// The other end has gone: what comes next is of another life. Gives that one's number.
     #[inline]
     pub fn end(&mut self) -> u32 {
+        self.sums = [None; AXES];
         self.life = self.life.wrapping_add(1);
         self.life
+    }
+
+    /// From now on the other end may say so much.
+    pub fn bound(&mut self, bounds: Bounds) {
+        self.bounds = bounds;
     }
 }
 
 /// Flow of the other end that no exchange has taken yet: the newest, or, with play-out, what is due.
 #[derive(Clone, Debug)]
 pub struct Inbox<const AXES: usize = 1> {
-    lives: Lives,
+    lives: Lives<AXES>,
     /// What the next exchange takes, and the life that it is of, if it counts.
     newest: Option<(Flows<AXES>, Option<u32>)>,
     /// The life that the next exchange is in.
@@ -122,21 +150,32 @@ pub struct Inbox<const AXES: usize = 1> {
 }
 
 impl<const AXES: usize> Inbox<AXES> {
-    /// Nothing there; flow waits for `playout_packets` packet periods of so many control periods each, 0: for nothing.
-    pub fn new(playout_packets: u32, ticks_per_packet: u32) -> Self {
+    /// Nothing there; flow of an end that may say so much waits for `playout_packets` packet periods of so many control periods each, 0:
+    /// for nothing.
+    pub fn new(bounds: Bounds, playout_packets: u32, ticks_per_packet: u32) -> Self {
         let playout = (playout_packets > 0).then(|| Playout::new(playout_packets, ticks_per_packet));
-        Self { lives: Lives::default(), newest: None, life: 0, taken: 0, playout }
+        Self { lives: Lives::new(bounds), newest: None, life: 0, taken: 0, playout }
+    }
+
+    /// From now on the other end may say so much.
+    pub fn bound(&mut self, bounds: Bounds) {
+        self.lives.bound(bounds);
     }
 
     /// Takes a flow that came in this control period.
-    pub fn put(&mut self, tick: u32, flow: Flows<AXES>) {
-        let came = (flow, self.lives.of(&flow));
+    ///
+    /// # Errors
+    /// [`Refusal::Impossible`]: a number in it that cannot be. The other end is then let go of, as if it had gone.
+    pub fn put(&mut self, tick: u32, flow: Flows<AXES>) -> Result<(), Refusal> {
+        let life = self.lives.of(&flow).inspect_err(|_| self.clear())?;
+        let came = (flow, life);
         match &mut self.playout {
             Some(playout) => {
                 playout.put(tick, flow.tick, came);
             }
             None => self.show(Some(came)),
         }
+        Ok(())
     }
 
     /// Forgets what was there: the other end has gone.

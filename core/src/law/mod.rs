@@ -11,6 +11,7 @@
 //! (cooperation paper §3, eq. 7).
 
 pub mod average_position;
+pub mod bounds;
 pub mod credit;
 pub mod deadband;
 pub mod decimate;

@@ -17,7 +17,7 @@ use serde::Serialize;
 
 use super::endpoint::{Endpoint, Live, Punctuality, Span, Stop, Ticker};
 use super::watch::{LiveOptions, LiveSummary, TELLING_S, Watch};
-use crate::refused::{is_telling, wrong};
+use crate::refused::{Refused, is_telling, wrong};
 
 /// What one peer saw.
 #[derive(Clone, Debug, Serialize)]
@@ -155,6 +155,8 @@ struct LivePeer<const SHARED: usize, const N: usize> {
     ports: [ObjectPort; SHARED],
     /// Who sent the newest datagram that was refused and tells something, and why it was.
     refusal: Option<(SocketAddr, Error)>,
+    /// Who said what cannot be.
+    impossible: Refused<SocketAddr>,
     /// The other peer has other parameters: which table differs, and when that was found, µs.
     differs: Option<(&'static str, u64)>,
     /// For so long now, µs.
@@ -188,6 +190,7 @@ where
                 }
                 self.reported_tick = tick;
             }
+            Err(why @ Error::Impossible(_)) => self.impossible.note(from, why),
             Err(why) if is_telling(&why) => self.refusal = Some((from, why)),
             Err(_) => {}
         }
@@ -213,6 +216,9 @@ where
             self.whole.see(tick, [decoded_m, wall_n, wall_n * wall_n]);
         }
         self.watch.ticked(now_ns, node);
+        if let Some((from, why)) = self.impossible.take(self.now_us) {
+            self.watch.teller.words(wrong(from, &why));
+        }
     }
 }
 
@@ -298,6 +304,7 @@ where
         whole: LastHalf::new(ticks),
         ports: [ObjectPort::new(period_s, scene.peer.coordination.stiffness_n_per_m); SHARED],
         refusal: None,
+        impossible: Refused::default(),
         differs: None,
         now_us: 0,
     };

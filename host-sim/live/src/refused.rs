@@ -62,6 +62,7 @@ pub fn wrong(from: impl Display, why: &Error) -> String {
         Error::Stranger | Error::NotForUs => "has another number than belongs here".to_owned(),
         Error::OtherLine => "is on another line".to_owned(),
         Error::Parameters(table) => format!("was told other parameters: table [{table}] differs"),
+        Error::Impossible(_) => format!("says what cannot be and is let go of: {why}"),
         why => format!("is not understood: {why}"),
     };
     format!("{from} {what}")

@@ -16,6 +16,7 @@
 use std::collections::VecDeque;
 
 use haptic_core::device::AXES;
+use haptic_core::law::bounds::Bounds;
 use haptic_core::law::ledger::Ledger;
 use haptic_core::num::Motion;
 use haptic_core::peer::{Actuators, Observed};
@@ -103,18 +104,19 @@ impl<const SHARED: usize> Line<SHARED> {
     /// # Errors
     /// Settings of which no link can be made.
     pub fn open(scene: &Scene, number: u8, key: Key, entropy: [u8; Key::LEN]) -> Result<Self, crate::Error> {
-        let settings = &scene.peers()[usize::from(number == 2)];
-        let timing = &settings.timing;
+        let peers = scene.peers();
+        let [settings, other] = [number == 2, number != 2].map(|second| &peers[usize::from(second)]);
         let ends = Ends { local: PeerId(number), remote: PeerId(3 - number) };
         let link = open(settings, key, ends, entropy)?;
-        let inbox = Inbox::new(scene.world.network.playout_packets, timing.ticks_per_packet);
+        let bounds = Bounds::build(other, scene.law().sends).beyond_a_junction();
+        let inbox = Inbox::new(bounds, scene.world.network.playout_packets, settings.timing.ticks_per_packet);
         Ok(Self { link, inbox, heard: None, notices: VecDeque::new(), noticed: 0, lives: 0 })
     }
 
     /// Takes a datagram at a tick, opened in place; gives the flow, if it was that.
     ///
     /// # Errors
-    /// The datagram was refused, and why.
+    /// The datagram was refused, and why; where what it says cannot be, the other end is let go of.
     pub fn receive(&mut self, now_us: u64, tick: u32, datagram: &mut [u8]) -> Result<Option<Flows<SHARED>>, Error> {
         let taken = self.link.receive(now_us, datagram);
         // Before the flow is kept: it may be the first of another life of the other peer.
@@ -125,7 +127,7 @@ impl<const SHARED: usize> Line<SHARED> {
         }
         let flow = taken.as_ref().and_then(flow_in);
         if let Some(flow) = flow {
-            self.inbox.put(tick, flow);
+            self.inbox.put(tick, flow)?;
         }
         Ok(flow)
     }

@@ -15,8 +15,8 @@
 //! long as two are there. Then it goes on whoever falls silent; one that comes back, or late, finds the object where its own
 //! device is.
 //!
-//! **A refused line does not stop the others.** A peer that has other parameters, another key or number, or sends what
-//! cannot be, is refused on its line, reported at both ends ([`Hub::news`]), and the others go on. Whoever greets without a
+//! **A refused line does not stop the others.** A peer that has other parameters, another key or number, or says what
+//! cannot be ([`haptic_core::law::bounds`]), is refused on its line, reported at both ends ([`Hub::news`]), and the others go on. Whoever greets without a
 //! line's key is answered once a second at the most, with no more bytes, by a greeting from which its link gathers why.
 //!
 //! **Cost** of a datagram: one opening; of a greeting, a tag for each line at the most, for 8 in a control period;
@@ -24,7 +24,7 @@
 
 use std::fmt::Display;
 
-use haptic_core::law::Sends;
+use haptic_core::law::{Sends, bounds::Bounds};
 use haptic_live::refused::{Refused, is_telling, wrong};
 use haptic_protocol::link::{Config, Error, Link};
 use haptic_protocol::parameters::Parameters;
@@ -135,7 +135,9 @@ impl<A: Copy + PartialEq + Display> Hub<A> {
         let end = |at| {
             let (key, number) = (key.line(at), number_on(at));
             let crossed = bare(key.clone(), number, entropy()?)?;
-            let line = Line::open(scene, 3 - number, key, entropy()?)?;
+            let mut line = Line::open(scene, 3 - number, key, entropy()?)?;
+            // On a line of its own a peer says no more than one may.
+            line.inbox.bound(Bounds::build(&scene.peers()[usize::from(number == 2)], scene.law().sends));
             Ok(End { line, path: Path::default(), refused: Refused::default(), crossed })
         };
         let ends = (1..=users as u32).map(end).collect::<Result<Vec<_>, crate::Error>>()?;
@@ -179,6 +181,9 @@ impl<A: Copy + PartialEq + Display> Hub<A> {
         for End { line, path, refused, .. } in &mut self.ends {
             if !greeting && (session.is_err() || line.link.session_number() != session.ok()) {
                 continue;
+            }
+            if !greeting {
+                path.seen(now_us, from);
             }
             match line.receive(now_us, self.ticks, datagram) {
                 Ok(_) => path.heard(now_us, from, bytes, greeting, &line.link),

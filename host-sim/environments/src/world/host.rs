@@ -13,9 +13,9 @@ use std::collections::HashMap;
 use std::fmt::Display;
 
 use haptic_live::refused::{Refused, is_telling, wrong};
-use haptic_protocol::key::Key;
 use haptic_protocol::link::{Error, Link};
-use haptic_protocol::wire::{Goodbye, Greeting, Header, MAX_DATAGRAM, Message};
+use haptic_protocol::wire::{Goodbye, Greeting, Header, MAX_DATAGRAM, Message, PeerId};
+use haptic_protocol::{ends::Ends, key::Key};
 use haptic_sim::node::Transmit as _;
 
 use super::{CLIENT, OBJECTS, World, line_of, open_link};
@@ -116,13 +116,16 @@ impl<A: Copy + PartialEq> Host<A> {
         Some(open_link(key, [self.number, CLIENT], (self.entropy)()).ok()?.on_line(line))
     }
 
-    /// A line's link takes a datagram; the link of a line that is called for the first time is kept if it does.
+    /// A line's link takes a datagram; for a line that is called for the first time, under its key, one is made.
     fn take(&mut self, now: u64, number: u32, datagram: &mut [u8]) -> Result<Option<Message>, Error> {
         let at = (number as usize).checked_sub(1).filter(|at| *at < self.lines.len()).ok_or(Error::OtherLine)?;
         if let Some(line) = &mut self.lines[at] {
             return line.link.receive(now, datagram);
         }
-        let mut link = self.link(self.key.line(number), number).ok_or(Error::NoSession)?;
+        let key = self.key.line(number);
+        let ends = Ends { local: PeerId(self.number), remote: PeerId(CLIENT) };
+        Link::is_called(&key, ends, number, datagram)?;
+        let mut link = self.link(key, number).ok_or(Error::NoSession)?;
         let taken = link.receive(now, datagram)?;
         self.lines[at] = Some(Box::new(Line { link, path: Path::default(), session: None, seat: None }));
         Ok(taken)
@@ -133,6 +136,12 @@ impl<A: Copy + PartialEq> Host<A> {
         self.counts.received += 1;
         let (bytes, greeting) = (datagram.len(), datagram.get(1) != Some(&Header::KIND));
         let number = line_of(datagram, |session| self.sessions.get(&session).copied());
+        if let Ok(number) = number
+            && let Some(line) = self.lines.get_mut((number as usize).wrapping_sub(1)).and_then(Option::as_mut)
+            && !greeting
+        {
+            line.path.seen(now, from);
+        }
         let taken = number.and_then(|number| Ok((number, self.take(now, number, datagram)?)));
         let (number, incoming) = match taken {
             Ok(taken) => taken,

@@ -20,8 +20,10 @@ fn largest_step(records: &[Record], of: impl Fn(&Record) -> f32) -> f32 {
 #[test]
 fn pulled_and_put_back() {
     let firmware = Arc::new(Firmware::release());
-    let scene =
+    let mut scene =
         for_boards(&scenes::load(haptic_sim::Laws::built_in(), "paper-5.2-passive-wave-16ms").expect("built in"));
+    // The operator is on the same cable: his lease outlasts it.
+    scene.peer.safety.operator_lost_s = 1.0;
     let mut bench = Bench::start(&firmware, 2, Line::default());
     bench.set_up(&scene).expect("the boards take the scene");
     bench.arm();

@@ -225,8 +225,8 @@ fn outputs_go_off_and_stay_off() {
 
     let away = |bench: &mut Bench, _: &Firmware, _: u64| bench.pc.away = true;
     let back = |bench: &mut Bench, _: &Firmware, _: u64| bench.pc.away = false;
-    let let_go = Expected { latched: false, ..faulted(1006, "motors off: the operator was silent") };
-    campaign.inject("operator silent (1 s)", 1, &let_go, &away, &back);
+    let let_go = Expected { latched: false, ..faulted(200, "motors off: the operator was silent") };
+    campaign.inject("operator silent (0.2 s)", 1, &let_go, &away, &back);
 
     let mut bytes = [0; Flow::LEN];
     let flow = Flow { engaged: true, tick: 1 << 20, ..Flow::default() };

@@ -1,0 +1,121 @@
+//! What another end may say: the physics of a packet, checked once, where a receiver takes it in.
+//!
+//! A packet that is sealed rightly may still say anything. What follows from the limits of the scene, it may say. With
+//! V = `safety.max_speed_m_per_s`, F = `safety.max_force_n` and b = `coordination.wave_impedance_n_s_per_m`, an end of a line that
+//! moves no faster than V and pulls no harder than F sends waves of
+//!
+//! > |u_out| = |b·ẋ_d − F_T|/√(2b) ≤ (b·V + F)/√(2b) = U
+//!
+//! and over n ticks changes the integral of it by at most n·T_c·U, whatever was lost in between: a tick that stands adds nothing. So every
+//! mean that a receiver emits of it is at most U, and what that moves goes at √(2/b)·U = V + F/b at the most.
+//!
+//! N lines of b that meet send 2/N·Σu − u_i back into each (see [`super::node`]), at most 3·U: so much a peer takes, since its other end
+//! may be a hub ([`Bounds::beyond_a_junction`]); a hub takes U.
+//!
+//! Sums that are not over a stated number of ticks may be those of [`MOST_TICKS`]: then no difference of two leaves the range of numbers. What a
+//! law of [`Sends::Motion`] sends beside the motion has a unit of its own, and has to be a number.
+
+use super::{Packet, Sends};
+use crate::num::Scalar;
+use crate::settings::Settings;
+
+/// Ticks that a sum may be over before their count begins again: 49 days at 1 kHz.
+pub const MOST_TICKS: f64 = 4_294_967_296.0;
+
+/// Sizes of packets of several lines at a junction over those of one.
+const JUNCTION: f64 = 3.0;
+
+/// The largest numbers that a packet may have.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// Twice the workspace: from its one end to the other, m.
+    place_m: f64,
+    speed_m_per_s: f64,
+    /// U, √W, or any number.
+    wave: f64,
+    /// U·T_c, √W·s.
+    integral_per_tick: f64,
+    /// ½·T_c·U², J.
+    energy_per_tick_j: f64,
+    /// Ticks that the integral is over are in the packet.
+    counts: bool,
+    /// The sums of the first packet count from nothing.
+    brings_past: bool,
+}
+
+/// The sums of the newest packet of a life of the other end.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sums {
+    ticks: u32,
+    integral: f64,
+}
+
+impl Bounds {
+    /// What an end with the limits of these settings may say, whose law sends this.
+    pub fn build(settings: &Settings, sends: Sends) -> Self {
+        let (safety, impedance) = (settings.in_the_world().safety, settings.coordination.wave_impedance_n_s_per_m);
+        let (speed_m_per_s, period_s) = (safety.max_speed_m_per_s, settings.timing.control_period_s);
+        let wave = (impedance * speed_m_per_s + safety.max_force_n) / libm::sqrt(2.0 * impedance);
+        Self {
+            place_m: 2.0 * safety.workspace_m,
+            speed_m_per_s,
+            wave: if sends == Sends::Motion { f64::MAX } else { wave },
+            integral_per_tick: period_s * wave,
+            energy_per_tick_j: 0.5 * period_s * wave * wave,
+            counts: matches!(sends, Sends::Counters | Sends::Integrals),
+            brings_past: sends == Sends::Integrals,
+        }
+    }
+
+    /// The same of an end at which several such lines may meet.
+    pub fn beyond_a_junction(self) -> Self {
+        Self {
+            speed_m_per_s: JUNCTION * self.speed_m_per_s,
+            wave: (JUNCTION * self.wave).min(f64::MAX),
+            integral_per_tick: JUNCTION * self.integral_per_tick,
+            energy_per_tick_j: JUNCTION * JUNCTION * self.energy_per_tick_j,
+            ..self
+        }
+    }
+
+    /// U, √W.
+    pub fn wave(&self) -> f64 {
+        self.wave
+    }
+
+    /// Takes the sums of a packet for the newest ones of its sender's life, if the packet is possible beside those before.
+    ///
+    /// # Errors
+    /// The name of the number that cannot be; nothing is then taken.
+    pub fn take<S: Scalar>(&self, newest: &mut Option<Sums>, packet: &Packet<S>) -> Result<(), &'static str> {
+        let (integral, energy_j) = (packet.wave_integral.to_f64(), packet.energy_j.to_f64());
+        // No number is within no bound.
+        for (name, value, most) in [
+            ("position", packet.motion.position.to_f64(), self.place_m),
+            ("velocity", packet.motion.velocity.to_f64(), self.speed_m_per_s),
+            ("wave", packet.wave.to_f64(), self.wave),
+            ("wave_integral", integral, MOST_TICKS * self.integral_per_tick),
+            ("energy_sent", energy_j, MOST_TICKS * self.energy_per_tick_j),
+        ] {
+            if !(-most..=most).contains(&value) {
+                return Err(name);
+            }
+        }
+        let now = Sums { ticks: packet.live_ticks, integral };
+        // The first sums of a life are over any ticks, unless the law takes them as begun with it.
+        if let Some(before) = newest.or(self.brings_past.then(Sums::default)).filter(|_| self.counts) {
+            let ticks = now.ticks.wrapping_sub(before.ticks).cast_signed();
+            if newest.is_some() && ticks <= 0 {
+                // Old, and nothing to the law.
+                return Ok(());
+            }
+            let rounding = f64::EPSILON * (now.integral.abs() + before.integral.abs());
+            let most = f64::from(ticks) * self.integral_per_tick + rounding;
+            if ticks > 0 && (now.integral - before.integral).abs() > most {
+                return Err("wave_integral");
+            }
+        }
+        *newest = Some(now);
+        Ok(())
+    }
+}
