@@ -422,9 +422,10 @@ impl Link {
         self.delay_us
     }
 
-    /// 12 of the longest silences between what the other end says, µs: whoever said nothing for so long is not there.
+    /// 6 of the longest silences between what the other end says, µs, half of what ends a session at the least: where nothing came from for
+    /// so long, it is not there any more.
     pub fn quiet_us(&self) -> u64 {
-        Engagement::new(self.pace_us, 0).disengage_after_us()
+        Engagement::new(self.pace_us, 0).disengage_after_us() / 2
     }
 
     /// Whether flow comes and is too old to be taken.

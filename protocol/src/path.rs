@@ -3,12 +3,12 @@
 //! Anybody can write any address on a datagram, and what was copied on its way can come from elsewhere first. So
 //!
 //! - a session is answered at the address that its newest datagram came from, until one has proved itself: a probe was sent
-//!   there, and its answer came from there. From then on it stays with that one, until nothing has come from there for 12 packet
-//!   periods ([`Link::quiet_us`]) or the session ends;
+//!   there, and its answer came from there. From then on it stays with that one, until nothing has come from there for 6 packet
+//!   periods of at least 8 ms ([`Link::quiet_us`]) or the session ends;
 //! - before that, an address is sent no more bytes than came from it.
 //!
-//! Who has moved, or was given another address on the way, falls silent at the old one and is answered at the new one after 12 packet
-//! periods, in the same session. What comes from an address keeps it though it was taken before: whoever only copies or injects
+//! Who has moved, or was given another address on the way, falls silent at the old one and is answered at the new one after that, and so within
+//! 12 packet periods, in the same session. What comes from an address keeps it though it was taken before: whoever only copies or injects
 //! datagrams moves nothing, however early his copies come; who can carry both ways, probes and answers, and drop, is the network, and can do
 //! what a network can.
 

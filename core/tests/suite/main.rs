@@ -4,11 +4,13 @@
 //! |---|---|
 //! | [`fixed`] | does arithmetic in fixed point round and saturate as it says? |
 //! | [`total`] | is every tick of every scene defined, and within its limits? |
+//! | [`bounds`] | does what another end may say follow from the limits? |
 //! | [`law`], [`copies`], [`tank`], [`deadband`], [`node`] | does every law keep its promise? |
 //! | [`object`], [`free_body`], [`rigid`], [`plane`], [`contact`] | do bodies move and touch as mechanics says? |
 //! | [`device`], [`probe`], [`winding`] | does a device read, drive, and find out what is wrong with it? |
 //! | [`peer`] | does a peer start, stop, and hold its forces? |
 
+mod bounds;
 mod contact;
 mod copies;
 mod deadband;

@@ -5,11 +5,13 @@
 //! | [`roles`] | what do roles make of their messages? |
 //! | [`records`] | what do records of a world make of any bytes? |
 //! | [`fuzz`] | what do the fuzz targets make of what fuzzers found? |
+//! | [`hostile`] | what can a member with a key do to the others? |
 //! | [`collaborate`], [`cooperative`], [`hub`], [`lifted`], [`squash`], [`static_scene`] | what do the environments do in virtual time? |
 
 mod collaborate;
 mod cooperative;
 mod fuzz;
+mod hostile;
 mod hub;
 mod lifted;
 #[path = "../../../../protocol/tests/suite/protocol/random.rs"]

@@ -183,8 +183,10 @@ fn what_cannot_be_is_not_taken_and_ends_the_life_that_said_it() {
         }
         // As much as can be, forward and back, and what came before once more.
         let mut inbox = inbox(depth);
-        for (tick, (sum, live)) in (1..).zip([(0.0, 0), (8.0, 8), (0.0, 16), (-100.0, 116), (7.0, 116), (-99.0, 1 << 20)]) {
-            let said = AxisFlow { wave: -(most as f32), ..integral(1e-3 * most * sum, live) };
+        for (tick, (sum, live)) in
+            (1..).zip([(0.0, 0), (8.0, 8), (0.0, 16), (-100.0, 116), (7.0, 116), (-99.0, 1 << 20)])
+        {
+            let said = AxisFlow { wave: -0.999_999 * most as f32, ..integral(1e-3 * most * sum, live) };
             inbox.put(tick, flow(tick, said)).expect("it can be");
         }
     }

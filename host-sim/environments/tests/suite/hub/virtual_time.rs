@@ -2,10 +2,11 @@
 
 use std::path::PathBuf;
 
+use haptic_core::num::Motion;
 use haptic_core::safety::Mode;
 use haptic_environments::cooperative::hub::{Hub, number_on};
 use haptic_environments::cooperative::waves::Waves;
-use haptic_protocol::wire::Goodbye;
+use haptic_protocol::wire::{AxisFlow, Flow, Goodbye};
 use haptic_protocol::{key::Key, link::Notice};
 use haptic_sim::engine::{Actor, Engine, Out, Seat};
 use haptic_sim::network::link::Route;
@@ -392,4 +393,88 @@ fn a_copy_that_comes_first_takes_no_line_over() {
     assert!(copied > 200 && stolen == 0, "{stolen} bytes for {copied} copies");
     assert!(nodes.iter().all(|node| node.peer.mode() == Mode::Armed && node.peer.is_engaged()));
     assert!(nodes.iter().all(|node| node.line.lives == 1));
+}
+
+/// From 1 s on one of two peers has another address, as behind a router that forgot its own: what goes to the old one is lost. It hears
+/// the hub again within 12 packet periods of at least 8 ms, and in the same session.
+#[test]
+fn a_peer_with_another_address_is_answered_there_within_12_packet_periods() {
+    for name in ["any-network", "hub"] {
+        let (scene, mut drawn) = (built_in(name, &["user.1.push_n=0.5".to_owned()]), 0);
+        let entropy = || {
+            drawn += 1;
+            Ok([drawn; Key::LEN])
+        };
+        let mut hub = Hub::new(&scene, 2, &key(), entropy).expect("a hub");
+        let node = |number: u8| {
+            Node::new(&scene, number, key().line(number.into()), [100 + number; Key::LEN]).expect("a peer")
+        };
+        let mut nodes = [node(1), node(2)];
+        let (mut heard_us, mut longest_us) = (0, 0);
+        for tick in 0..3_000_u64 {
+            let now = 1_000 * tick;
+            let address = |at: usize| if at == 0 && tick >= 1_000 { 7 } else { at };
+            let (mut came, mut out) = (vec![], vec![]);
+            for (at, node) in nodes.iter_mut().enumerate() {
+                let _ = node.tick(now, |bytes| came.push((address(at), bytes.to_vec())));
+            }
+            for (from, mut bytes) in came {
+                hub.receive(now, from, &mut bytes, |to, said| out.push((to, said.to_vec())));
+            }
+            hub.tick(now, |to, said| out.push((to, said.to_vec())));
+            for (to, mut bytes) in out {
+                let Some(at) = (0..2).find(|at| address(*at) == to) else { continue };
+                if matches!(nodes[at].receive(now, &mut bytes), Ok(Some(_))) && at == 0 {
+                    longest_us = longest_us.max(if tick >= 1_000 { now - heard_us } else { 0 });
+                    heard_us = now;
+                }
+            }
+        }
+        assert!((48_000..96_000).contains(&longest_us), "{name}: {longest_us} µs");
+        assert!(heard_us > 2_980_000, "{name}: {heard_us} µs");
+        let (end, _) = hub.lines().next().expect("a line");
+        assert_eq!((end.line.lives, nodes[0].line.lives), (1, 1), "{name}");
+        let [one, _] = &nodes;
+        assert!(one.line.notices.iter().all(|(_, notice)| *notice != Notice::Lost), "{name}: {:?}", one.line.notices);
+    }
+}
+
+/// The wire as the others of a hub see it: one flow whose sum is finite and cannot be is not taken, its line is named, and the other two
+/// go on holding what they hold; somebody new is taken in on that line.
+#[test]
+fn one_sum_that_cannot_be_harms_nobody() {
+    let keys = ["user.1.push_n=0.5", "user.2.push_n=0.5", "network.one_way_delay_packets=2"].map(str::to_owned);
+    for name in ["any-network", "hub"] {
+        let mut trial = HubTrial::new(built_in(name, &keys), 3);
+        (0..2_000).for_each(|_| trial.step());
+        // The third says it in its own session.
+        let Participant::Peer(node, hub) = &mut trial.engine.seats[2].actor else { panic!("a peer") };
+        let (hub, mut said) = (*hub, vec![]);
+        let now = 2_000_000;
+        let axis = AxisFlow { wave_integral: 1.7e308, live_ticks: 5_000, ..AxisFlow::default() };
+        let flow = Flow { engaged: true, fading: false, tick: 5_000, axes: [axis] };
+        assert!(node.line.link.say(now, flow, |bytes| said.push(bytes.to_vec())));
+        let Participant::Hub(hub) = &mut trial.engine.seats[hub].actor else { panic!("the hub sits last") };
+        said.iter_mut().for_each(|bytes| hub.receive(now, 2, bytes, |_, _| {}));
+        let news = hub.news(now).join("\n");
+        assert!(news.contains("line 3: 2 says what cannot be") && news.contains("wave_integral"), "{news}");
+        trial.engine.seats[2].off = true;
+        let before = trial.peers().map(|peer| peer.observed().object.position).collect::<Vec<_>>();
+        for _ in 0..500 {
+            trial.step();
+            assert!(trial.hub().junction.motion.is_finite());
+        }
+        for (peer, before) in trial.peers().zip(before) {
+            let Motion { position, velocity } = peer.observed().object;
+            assert!(peer.peer.is_engaged() && velocity.abs() < 1.0, "{position} m, {velocity} m/s");
+            assert!((position - before).abs() < 0.5 && position.is_finite(), "{name}: {position} m, not {before}");
+        }
+        let device = Plant::new(&trial.scene, 0);
+        trial.restart(2, device);
+        (0..2_000).for_each(|_| trial.step());
+        assert!(trial.peers().all(|peer| peer.peer.is_engaged()));
+        let places = || trial.peers().take(2).map(|peer| f64::from(peer.observed().object.position));
+        let apart_m = (places().next().unwrap_or(0.0) - places().nth(1).unwrap_or(0.0)).abs();
+        assert!(apart_m < 5e-3, "{name}: {apart_m} m apart");
+    }
 }

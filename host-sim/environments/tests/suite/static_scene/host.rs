@@ -1,5 +1,8 @@
 //! A server and strangers: what is not from its clients gets nothing, changes nothing and takes no memory to speak of.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+
 use haptic_core::num::Motion;
 use haptic_environments::world::host::{Host, MOST_LINES};
 use haptic_environments::world::load;
@@ -230,4 +233,27 @@ fn greetings_without_a_key_take_no_memory() {
     assert_eq!(answers, [(STRANGER, 200); 4]);
     let news: Vec<String> = (0..4_000_000).step_by(8_000).filter_map(|now| pair.host.news(now)).collect();
     assert!(news.len() == 1 && news[0].starts_with("666 holds another key"), "{news:?}");
+}
+
+/// A link is made from fresh randomness, and its first multiplication with it: ten thousand hellos of a second without a line's key bring
+/// about no more than the one from which the answer of that second comes.
+#[test]
+fn greetings_without_a_key_make_no_link() {
+    let drawn = Arc::new(AtomicU32::new(0));
+    let draws = drawn.clone();
+    let entropy = move || {
+        draws.fetch_add(1, Ordering::Relaxed);
+        [9; Key::LEN]
+    };
+    let world = *load(TWO_ROOMS.as_ref()).expect("a good world");
+    let mut host = Host::new(Key::new([7; 32]), 1, 8, world, None, entropy).expect("a good world");
+    for count in 0..10_000_u32 {
+        let mut hello = [0x5a; 200];
+        hello[..8].copy_from_slice(&[VERSION, 1, 0, 1, (count % 8 + 1) as u8, 0, 0, 0]);
+        hello[48..56].fill(0);
+        hello[48] = 1;
+        hello[64..184].fill(0);
+        host.receive(100 * u64::from(count), STRANGER, &mut hello, |_, _| {});
+    }
+    assert_eq!((host.counts.refused, drawn.load(Ordering::Relaxed)), (10_000, 1));
 }

@@ -1,0 +1,144 @@
+//! What another end may say: no law that keeps within the limits of its scene ever says more, whatever it hears and however it is moved.
+
+use haptic_core::law::bounds::Bounds;
+use haptic_core::law::{AnyLaw, Law, Observation, Packet, Sends};
+use haptic_core::num::Motion;
+use haptic_core::object::Port;
+use haptic_core::settings::{Settings, Value};
+use proptest::prelude::*;
+
+/// Laws whose waves or sums are bounded, with the settings that they need.
+const LAWS: [&str; 6] = ["wave", "passive-wave", "passive-mean", "self-timed", "wave-integral", "wave-compensator"];
+
+fn settings(law: &'static str, ticks_per_packet: u32, impedance: f64) -> Settings {
+    let mut settings = Settings::default();
+    for (key, value) in [
+        ("object.integrator", Value::Text("midpoint")),
+        ("object.force_delay_ticks", Value::Number(0.0)),
+        ("coordination.decode", Value::Text("implicit")),
+        ("coordination.wave_impedance_n_s_per_m", Value::Number(impedance)),
+        ("timing.ticks_per_packet", Value::Number(ticks_per_packet.into())),
+    ] {
+        settings.set(key, value).expect("an allowed value");
+    }
+    settings.coordination.comm = law;
+    settings
+}
+
+/// What happens to an end in a tick: how the copy moves, m/s, and what comes, with how many ticks it is over.
+#[derive(Clone, Copy, Debug)]
+struct Tick {
+    velocity: f64,
+    hears: Option<(f64, u8)>,
+    is_lost: bool,
+}
+
+fn ticks() -> impl Strategy<Value = Vec<Tick>> {
+    let heard = prop::option::weighted(0.3, (-20.0..20.0_f64, 0..30_u8));
+    let tick = (-2.0..2.0_f64, heard, prop::bool::weighted(0.3));
+    prop::collection::vec(tick.prop_map(|(velocity, hears, is_lost)| Tick { velocity, hears, is_lost }), 1..400)
+}
+
+proptest! {
+    /// The limits are those that the end itself kept: its fastest motion and its largest force, and no more.
+    #[test]
+    fn no_law_says_more_than_the_limits_that_it_keeps(
+        law in prop::sample::select(&LAWS[..]),
+        ticks in ticks(),
+        ticks_per_packet in 1..10_u32,
+        impedance in 1.0..100.0_f64,
+    ) {
+        let mut settings = settings(law, ticks_per_packet, impedance);
+        let law = AnyLaw::<f64>::build(&settings).expect("good settings");
+        let sends = AnyLaw::<f64>::info(&settings).expect("a law").sends;
+        let mut state = law.start(Motion::REST);
+        let (mut local, mut heard) = (Motion::REST, Packet::<f64>::default());
+        let (mut speed, mut force, mut said) = (0.0_f64, 0.0_f64, Vec::new());
+        for (number, tick) in ticks.iter().enumerate() {
+            if let Some((wave, ticks)) = tick.hears {
+                let ticks = u32::from(ticks);
+                heard.wave = wave;
+                heard.motion.velocity = tick.velocity;
+                heard.live_ticks += ticks;
+                heard.wave_integral += 1e-3 * f64::from(ticks) * wave;
+                heard.energy_j += 0.5e-3 * f64::from(ticks) * wave * wave;
+                law.receive(&mut state, heard);
+            }
+            let seen = Observation { local, contact_force: 0.0, age_ticks: 0 };
+            let coupled = law.couple(&mut state, &seen, |_: Port<f64>| tick.velocity);
+            local = Motion { position: local.position + 1e-3 * tick.velocity, velocity: tick.velocity };
+            speed = speed.max(coupled.desired.velocity.abs());
+            force = force.max(coupled.force.abs());
+            if (number + 1).is_multiple_of(ticks_per_packet as usize) && !tick.is_lost {
+                said.push(law.send(&state, local));
+            }
+        }
+        // Rounding of the law's own constants.
+        let more = 1.0 + 1e-12;
+        (settings.safety.max_speed_m_per_s, settings.safety.max_force_n) = (more * speed, more * force);
+        let bounds = Bounds::build(&settings, sends);
+        let mut newest = None;
+        for packet in &said {
+            prop_assert_eq!(bounds.take(&mut newest, packet), Ok(()), "{:?}", packet);
+        }
+    }
+
+    /// Whatever is let in, no difference of two sums leaves the range of numbers, and every mean of what is new is a wave within the bound.
+    #[test]
+    fn what_is_let_in_is_finite_and_within_the_bound(
+        said in prop::collection::vec((any::<f64>(), any::<f64>(), any::<f64>(), any::<u32>()), 1..40),
+        scale in prop::sample::select(&[1.0, 1e-3, 1e-150, 1e-300][..]),
+    ) {
+        let bounds = Bounds::build(&Settings::default(), Sends::Counters);
+        let (mut newest, mut before) = (None, None::<Packet<f64>>);
+        for (wave, sum, energy, live_ticks) in said {
+            let packet = Packet { wave: scale * wave, wave_integral: scale * sum, energy_j: scale * energy, live_ticks, ..Packet::default() };
+            if bounds.take(&mut newest, &packet).is_err() {
+                continue;
+            }
+            prop_assert!(packet.is_finite() && packet.wave.abs() <= bounds.wave());
+            if let Some(before) = before {
+                let ticks = packet.live_ticks.wrapping_sub(before.live_ticks).cast_signed();
+                if ticks <= 0 {
+                    continue;
+                }
+                let mean = (packet.wave_integral - before.wave_integral) / (1e-3 * f64::from(ticks));
+                prop_assert!(mean.abs() <= bounds.wave() * (1.0 + 1e-6) + 1e-9, "{mean}");
+                prop_assert!((packet.energy_j - before.energy_j).is_finite());
+            }
+            before = Some(packet);
+        }
+    }
+}
+
+/// An end that moves at the limit and pulls at the limit says just the bound: with 10 m/s, 40 N and 10 N·s/m (10·10 + 40)/√20 √W.
+#[test]
+fn the_bound_is_what_the_limits_come_to() {
+    let bounds = Bounds::build(&Settings::default(), Sends::Waves);
+    let most = 140.0 / 20.0_f64.sqrt();
+    assert!((bounds.wave() / most - 1.0).abs() < 1e-15);
+    assert!((bounds.beyond_a_junction().wave() / (3.0 * most) - 1.0).abs() < 1e-15);
+    // A world that is five times as large and twice as strong.
+    let mut scaled = Settings::default();
+    (scaled.scale.position, scaled.scale.force) = (5.0, 2.0);
+    assert!((Bounds::build(&scaled, Sends::Waves).wave() / (580.0 / 20.0_f64.sqrt()) - 1.0).abs() < 1e-15);
+    // What goes back into a line where N meet, all at the bound, is at most thrice the bound.
+    for lines in 2..=16 {
+        let (mean, own) = ((f64::from(lines) - 2.0) / f64::from(lines), -1.0);
+        assert!(2.0 * mean - own <= 3.0);
+    }
+    for number in [f64::NAN, f64::INFINITY, -f64::INFINITY, f64::MAX] {
+        for sends in [Sends::Motion, Sends::Waves, Sends::Counters, Sends::Integrals, Sends::WavesAndMotion] {
+            let bounds = Bounds::build(&Settings::default(), sends);
+            let still = Packet::<f64>::default();
+            for packet in [
+                Packet { motion: Motion { position: number, velocity: 0.0 }, ..still },
+                Packet { motion: Motion { position: 0.0, velocity: number }, ..still },
+                Packet { energy_j: number, ..still },
+                Packet { wave_integral: number, ..still },
+            ] {
+                assert!(bounds.take(&mut None, &packet).is_err(), "{packet:?}");
+            }
+        }
+    }
+}
