@@ -6,6 +6,7 @@
 //! `HOSTILE_PROGRAMS` sets how many programs each of the two large trials makes (10,000 by default), `HOSTILE_SEED` with which they begin.
 
 mod hub;
+mod live;
 mod peer;
 mod program;
 mod server;

@@ -65,7 +65,7 @@ fn a_server_and_its_clients_bear_whatever_a_client_says() {
         host.tick(now, |to, bytes| back.push((to, bytes.to_vec())));
         for (to, mut bytes) in back {
             match to {
-                3 => _ = visitor.receive(now, Correspondent::Server(1), &mut bytes, |_, _| {}),
+                3 => visitor.receive(now, Correspondent::Server(1), &mut bytes, |_, _| {}),
                 _ => {
                     if let Ok(Some(Message::Presence(presence))) = hostile.receive(now, &mut bytes) {
                         seen += presence.seen().len() as u64;
