@@ -422,8 +422,8 @@ impl Link {
         self.delay_us
     }
 
-    /// 6 of the longest silences between what the other end says, µs, half of what ends a session at the least: where nothing came from for
-    /// so long, it is not there any more.
+    /// 6 of the longest silences between what the other end says, µs, half of what ends a session at the least: where nothing came from
+    /// for so long, it is not there any more.
     pub fn quiet_us(&self) -> u64 {
         Engagement::new(self.pace_us, 0).disengage_after_us() / 2
     }

@@ -7,10 +7,10 @@
 //!   periods of at least 8 ms ([`Link::quiet_us`]) or the session ends;
 //! - before that, an address is sent no more bytes than came from it.
 //!
-//! Who has moved, or was given another address on the way, falls silent at the old one and is answered at the new one after that, and so within
-//! 12 packet periods, in the same session. What comes from an address keeps it though it was taken before: whoever only copies or injects
-//! datagrams moves nothing, however early his copies come; who can carry both ways, probes and answers, and drop, is the network, and can do
-//! what a network can.
+//! Who has moved, or was given another address on the way, falls silent at the old one and is answered at the new one after that, and
+//! so within 12 packet periods, in the same session. What comes from an address keeps it though it was taken before: whoever only
+//! copies or injects datagrams moves nothing, however early his copies come; who can carry both ways, probes and answers, and drop, is
+//! the network, and can do what a network can.
 
 use crate::link::Link;
 use crate::wire::GreetingKind;

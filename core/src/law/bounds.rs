@@ -6,14 +6,17 @@
 //!
 //! > |u_out| = |b·ẋ_d − F_T|/√(2b) ≤ (b·V + F)/√(2b) = U
 //!
-//! and over n ticks changes the integral of it by at most n·T_c·U, whatever was lost in between: a tick that stands adds nothing. So every
-//! mean that a receiver emits of it is at most U, and what that moves goes at √(2/b)·U = V + F/b at the most.
+//! and over n ticks changes the integral of it by at most n·T_c·U, whatever was lost in between: a tick that stands adds nothing. So
+//! every mean that a receiver emits of it is at most U, and a free end goes at √(2/b)·U = V + F/b with it.
 //!
 //! N lines of b that meet send 2/N·Σu − u_i back into each (see [`super::node`]), at most 3·U: so much a peer takes, since its other end
 //! may be a hub ([`Bounds::beyond_a_junction`]); a hub takes U.
 //!
-//! Sums that are not over a stated number of ticks may be those of [`MOST_TICKS`]: then no difference of two leaves the range of numbers. What a
-//! law of [`Sends::Motion`] sends beside the motion has a unit of its own, and has to be a number.
+//! Sums that are not over a stated number of ticks may be those of [`MOST_TICKS`]: then no difference of two leaves the range of
+//! numbers. What a law of [`Sends::Motion`] sends beside the motion has a unit of its own, and has to be a number.
+//!
+//! **Limits**: a hand at V or F, or a spring that is let go of, moves a light copy faster for a moment; whoever is at his own limits is about
+//! to be stopped by them ([`crate::safety`]), and is let go of if his copy was faster. Who counts ticks of sums begins anew after 49 days.
 
 use super::{Packet, Sends};
 use crate::num::Scalar;

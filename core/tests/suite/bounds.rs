@@ -83,7 +83,8 @@ proptest! {
         }
     }
 
-    /// Whatever is let in, no difference of two sums leaves the range of numbers, and every mean of what is new is a wave within the bound.
+    /// Whatever is let in, no difference of two sums leaves the range of numbers, and every mean of what is new is a wave within the
+    /// bound.
     #[test]
     fn what_is_let_in_is_finite_and_within_the_bound(
         said in prop::collection::vec((any::<f64>(), any::<f64>(), any::<f64>(), any::<u32>()), 1..40),

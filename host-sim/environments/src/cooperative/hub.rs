@@ -16,8 +16,9 @@
 //! device is.
 //!
 //! **A refused line does not stop the others.** A peer that has other parameters, another key or number, or says what
-//! cannot be ([`haptic_core::law::bounds`]), is refused on its line, reported at both ends ([`Hub::news`]), and the others go on. Whoever greets without a
-//! line's key is answered once a second at the most, with no more bytes, by a greeting from which its link gathers why.
+//! cannot be ([`haptic_core::law::bounds`]), is refused on its line, reported at both ends ([`Hub::news`]), and the others go on.
+//! Whoever greets without a line's key is answered once a second at the most, with no more bytes, by a greeting from which its link
+//! gathers why.
 //!
 //! **Cost** of a datagram: one opening; of a greeting, a tag for each line at the most, for 8 in a control period;
 //! what comes on top of those is dropped unread, so that a flood of greetings takes no time from the lines that are up.

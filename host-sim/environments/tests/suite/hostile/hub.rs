@@ -16,7 +16,8 @@ const ARMS: [&str; 4] = [
 /// Programs from one look at the copies to the next.
 const BETWEEN_LOOKS: u64 = 25;
 
-/// `programs` programs one after the other at a hub of this scene that takes what is within its limits, or these, which goes on through all of them; now and then everybody comes to rest.
+/// `programs` programs one after the other at a hub of this scene that takes what is within its limits, or these, which goes on through
+/// all of them; now and then everybody comes to rest.
 fn programs(name: &str, programs: u64, limits: Option<Safety>) {
     let mut rng = Rng::new(asked("HOSTILE_SEED", 1));
     let mut table = Table::new(scene(name, &ARMS), limits);

@@ -1,4 +1,5 @@
-//! Two hundred programs in real time, as far as the machine keeps up: a hub and two honest peers over UDP on loopback, each in a thread of its own.
+//! Two hundred programs in real time, as far as the machine keeps up: a hub and two honest peers over UDP on loopback, each in a thread
+//! of its own.
 
 use std::net::{SocketAddr, UdpSocket};
 use std::sync::atomic::{AtomicBool, Ordering};

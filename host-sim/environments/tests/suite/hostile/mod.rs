@@ -1,9 +1,10 @@
 //! A member that holds a valid key and says what it likes: searched programs against a hub, a peer and a server. At every honest end all
 //! numbers stay finite and the force on the hand within `safety.max_force_n` and `safety.max_slew_n_per_s`; around a hub
-//! the copy stays below 3·√(2/b)·U = 3·(V + F/b), what a free end makes of the largest wave that it takes ([`haptic_core::law::bounds`]), and the
-//! copies come together again.
+//! the copy stays below 3·√(2/b)·U = 3·(V + F/b), what a free end makes of the largest wave that it takes
+//! ([`haptic_core::law::bounds`]), and the copies come together again.
 //!
-//! `HOSTILE_PROGRAMS` sets how many programs each of the two large trials makes (10,000 by default), `HOSTILE_SEED` with which they begin.
+//! `HOSTILE_PROGRAMS` sets how many programs each of the two large trials makes (10,000 by default), `HOSTILE_SEED` with which they
+//! begin.
 
 mod hub;
 mod live;

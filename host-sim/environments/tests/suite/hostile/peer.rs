@@ -114,8 +114,8 @@ impl Actor<usize> for Honest {
     }
 }
 
-/// Two honest peers of every built-in scene and every law, on the scene's network and on bad ones, one of which begins anew: what they say
-/// can be ([`Honest::hear`]).
+/// Two honest peers of every built-in scene and every law, on the scene's network and on bad ones, one of which begins anew: what they
+/// say can be ([`Honest::hear`]).
 #[test]
 fn nobody_honest_says_what_cannot_be() {
     const BAD: [&str; 5] = [
