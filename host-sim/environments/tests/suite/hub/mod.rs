@@ -1,4 +1,5 @@
 //! The hub: 2 to 16 peers, each behind a sealed link, hold one object.
 
+mod address;
 mod junction;
 mod virtual_time;
