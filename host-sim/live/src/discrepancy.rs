@@ -3,7 +3,7 @@
 //!
 //! Telemetry says where the other copy was after the tick before, and the seal around it when it was sealed, by the other end's
 //! clock. The common clock ([`Watched`]) turns that into a time of one's own, for which one's own positions are kept. What comes out
-//! is wrong by the clock's error times the speed of the copy, which is reported with it. Nothing of this goes back into the control.
+//! is wrong by no more than the copy moves within the clock's error, which is reported with it. Nothing of this goes back into the control.
 //!
 //! A board tells what its newest tick saw, which is up to a period older than it is taken for here: a millisecond times the speed.
 
@@ -61,6 +61,19 @@ impl PositionHistory {
         bent.unwrap_or(0.0)
     }
 
+    /// By how much it is elsewhere within so long before and after this time, m: on, as fast as it was last, after what is kept.
+    pub fn strays_m(&self, at_s: f64, by_s: f64) -> f64 {
+        let (Some((here_m, _)), Some(last)) = (self.was_at(at_s), self.0.back()) else { return 0.0 };
+        let (from_s, to_s) = (at_s - by_s, at_s + by_s);
+        let speed = self.was_at(last.at_s).map_or(0.0, |(_, speed)| speed);
+        let beyond_m = last.position_m + speed * (to_s - last.at_s).max(0.0);
+        let first = self.0.partition_point(|place| place.at_s < from_s);
+        let inside = self.0.iter().skip(first).take_while(|place| place.at_s <= to_s).map(|place| place.position_m);
+        let ends = [from_s, to_s].into_iter().filter_map(|end_s| self.was_at(end_s)).map(|(position_m, _)| position_m);
+        let beyond = (to_s > last.at_s).then_some(beyond_m);
+        inside.chain(ends).chain(beyond).map(|position_m| (position_m - here_m).abs()).fold(0.0, f64::max)
+    }
+
     /// Nothing is known of it any more.
     pub fn forget(&mut self) {
         self.0.clear();
@@ -80,9 +93,9 @@ impl PositionHistory {
         // Both copies move only while both are armed.
         let armed = said.mode == 1;
         let at_s = relation.own_s(sealed_us as f64 * 1e-6 - period_s);
-        let (position_m, speed) = self.was_at(at_s).filter(|_| armed)?;
+        let (position_m, _) = self.was_at(at_s).filter(|_| armed)?;
         let distance_m = (position_m - f64::from(said.object_position)).abs();
-        Some(Discrepancy { distance_m, error_m: speed.abs() * relation.error_s(at_s) })
+        Some(Discrepancy { distance_m, error_m: self.strays_m(at_s, relation.error_s(at_s)) })
     }
 }
 
@@ -90,7 +103,8 @@ impl PositionHistory {
 #[derive(Clone, Debug)]
 pub struct Copies {
     lines: Vec<PositionHistory>,
-    errors_m: Vec<f64>,
+    /// By how much the clock of each may be wrong, s.
+    errors_s: Vec<f64>,
     /// The instant that was looked at last, s.
     looked_s: f64,
 }
@@ -98,7 +112,7 @@ pub struct Copies {
 impl Copies {
     /// For so many lines, on none of which a peer has reported anything yet.
     pub fn new(lines: usize) -> Self {
-        Self { lines: vec![PositionHistory::default(); lines], errors_m: vec![0.0; lines], looked_s: f64::NEG_INFINITY }
+        Self { lines: vec![PositionHistory::default(); lines], errors_s: vec![0.0; lines], looked_s: f64::NEG_INFINITY }
     }
 
     /// What the peer on a line says, in a datagram that was sealed at this time of its clock. Gives how far the copies are apart at
@@ -121,18 +135,18 @@ impl Copies {
         if self.lines[line].newest_s().is_none_or(|newest_s| at_s > newest_s) {
             self.lines[line].is_at(at_s, said.object_position.into());
         }
-        self.errors_m[line] = relation.error_s(at_s);
+        self.errors_s[line] = relation.error_s(at_s);
         let newest = self.lines.iter().filter_map(PositionHistory::newest_s);
         let latest_s = newest.clone().fold(f64::NEG_INFINITY, f64::max);
         let known_s = newest.filter(|newest_s| *newest_s > latest_s - KEPT_S).fold(f64::INFINITY, f64::min);
         if known_s <= self.looked_s {
             return None;
         }
-        let places = self.lines.iter().zip(&self.errors_m);
+        let places = self.lines.iter().zip(&self.errors_s);
         let places: Vec<_> = places
             .filter_map(|(own, error_s)| {
-                let (position_m, speed) = own.was_at(known_s)?;
-                Some((position_m, speed.abs() * error_s + own.bent_m(known_s)))
+                let (position_m, _) = own.was_at(known_s)?;
+                Some((position_m, own.strays_m(known_s, *error_s) + own.bent_m(known_s)))
             })
             .collect();
         if places.len() < 2 {
@@ -141,10 +155,11 @@ impl Copies {
         self.looked_s = known_s;
         let (least, most) =
             places.iter().fold((f64::MAX, f64::MIN), |(least, most), (at, _)| (least.min(*at), most.max(*at)));
-        Some(Discrepancy {
-            distance_m: most - least,
-            error_m: places.iter().map(|(_, error_m)| *error_m).fold(0.0, f64::max),
-        })
+        // Two of them are the farthest apart, each of which may be wrong.
+        let [first_m, second_m] = places.iter().fold([0.0_f64; 2], |[first_m, second_m], (_, error_m)| {
+            [first_m.max(*error_m), second_m.max(error_m.min(first_m))]
+        });
+        Some(Discrepancy { distance_m: most - least, error_m: first_m + second_m })
     }
 }
 

@@ -149,7 +149,7 @@ impl<'a> Side<'a> {
             .map_or((recorded_s, 0.0), |board| (recorded_s + board.offset_s(recorded_s), board.error_s(recorded_s)))
     }
 
-    /// Where the copy was, and its speed; none in a gap.
+    /// Where the copy was, and how fast it was at the most in the time that this may be; none in a gap.
     fn was_at(&self, at_s: f64, error_s: f64) -> Option<(f64, f64)> {
         let after = self.places.partition_point(|place| place.at_s < at_s);
         let before = after.checked_sub(1).and_then(|before| self.places.get(before));
@@ -157,7 +157,7 @@ impl<'a> Side<'a> {
         let away = |place: &&Place| (place.at_s - at_s).abs();
         let near = [before, after].into_iter().flatten().min_by(|one, other| away(one).total_cmp(&away(other)))?;
         if away(&near) <= error_s.max(INSTANT_S) {
-            return Some((near.position_m, near.speed));
+            return Some((near.position_m, self.fastest(at_s, error_s).max(near.speed.abs())));
         }
         let (before, after) = (before?, after?);
         let way_s = after.at_s - before.at_s;
@@ -166,7 +166,15 @@ impl<'a> Side<'a> {
         }
         let share = (at_s - before.at_s) / way_s;
         let between = |of: fn(&Place) -> f64| of(before) + share * (of(after) - of(before));
-        Some((between(|place| place.position_m), between(|place| place.speed)))
+        let fastest = self.fastest(at_s, error_s).max(between(|place| place.speed).abs());
+        Some((between(|place| place.position_m), fastest))
+    }
+
+    /// How fast the copy was at the most within so long before and after a time, m/s.
+    fn fastest(&self, at_s: f64, by_s: f64) -> f64 {
+        let from = self.places.partition_point(|place| place.at_s < at_s - by_s);
+        let inside = self.places.iter().skip(from).take_while(|place| place.at_s <= at_s + by_s);
+        inside.map(|place| place.speed.abs()).fold(0.0, f64::max)
     }
 }
 

@@ -34,3 +34,26 @@ fn the_distance_is_that_of_one_instant() {
     assert_eq!(own.discrepancy(&telemetry(0.0), 20_000_000, 0.001, &clock), None);
     assert_eq!(Sum::default().rms_m(), None);
 }
+
+/// Copies that swing together, and a path that delays one way only: where they turn, too, what is said is within its error.
+#[test]
+fn the_error_is_how_far_a_copy_goes_within_the_clocks_error() {
+    let course = |at_s: f64| 0.05 * (std::f64::consts::TAU * at_s).sin();
+    for [there_us, back_us] in [[60_000, 0], [0, 60_000], [100, 100]] {
+        let (mut clock, mut own) = (Watched::default(), PositionHistory::default());
+        for tick in 0..4000_u64 {
+            let now_us = 1_000_000 + 1000 * tick;
+            let sent_us = now_us - there_us - back_us;
+            clock.see(Some([sent_us, sent_us + there_us + 7_000_000, sent_us + there_us + 7_000_000, now_us]));
+            own.is_at(now_us as f64 * 1e-6, course(now_us as f64 * 1e-6));
+            if tick > 500 && tick % 20 == 19 {
+                clock.look();
+                let sealed_us = now_us - back_us;
+                let at_s = 1e-6 * (sealed_us - 1_000) as f64;
+                let said = Telemetry { mode: 1, object_position: course(at_s) as f32, ..Telemetry::default() };
+                let discrepancy = own.discrepancy(&said, sealed_us + 7_000_000, 0.001, &clock).expect("a distance");
+                assert!(discrepancy.distance_m <= discrepancy.error_m + 1e-6, "{there_us}: {discrepancy:?} at {at_s}");
+            }
+        }
+    }
+}
