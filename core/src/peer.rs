@@ -368,6 +368,11 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         self.mode == Mode::Armed && self.engagement.is_engaged()
     }
 
+    /// Whether the coordination acts in full on what the other peer says: engaged, and no silence has faded that.
+    pub fn is_whole(&self) -> bool {
+        self.mode == Mode::Armed && self.engagement.has_heard() && self.degradation.is_whole(&self.engagement)
+    }
+
     /// Motions and forces of the last tick along every shared axis.
     pub fn observed(&self) -> [&Observed<S>; SHARED] {
         self.shared_axes.each_ref().map(|axis| &axis.observed)

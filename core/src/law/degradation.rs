@@ -113,6 +113,11 @@ impl Engagement {
         self.came = false;
     }
 
+    /// Whether a packet has come since the peer was armed.
+    pub fn has_heard(&self) -> bool {
+        self.heard
+    }
+
     /// Whether the coordination acts at all.
     #[inline]
     pub fn is_engaged(&self) -> bool {

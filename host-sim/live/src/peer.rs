@@ -12,6 +12,7 @@ use haptic_sim::measure::port::{ObjectPort, PortEnergy};
 use haptic_sim::measure::{LastHalf, Statistics};
 use haptic_sim::peers::Builds;
 use haptic_sim::run::AXIS_NAMES;
+use haptic_sim::start::AFTER_US;
 use haptic_sim::{key_file::entropy, node::Node, of_axes, scene::Scene};
 use serde::Serialize;
 
@@ -241,7 +242,10 @@ where
         if let Some((table, _)) = self.differs {
             return Some(self.differs_in(table));
         }
-        (self.node.peer.mode() == Mode::Disarmed).then(|| match self.node.line.link.is_up() {
+        (!self.node.is_moving() && self.node.armed_ticks == 0).then(|| match self.node.line.link.is_up() {
+            true if self.node.peer.mode() == Mode::Armed => format!(
+                "{connect} is there, but not both ends of the line were live within {patience_s} s: a hub waits until all its lines are"
+            ),
             true => format!(
                 "{connect} is there, but sent no flow within {patience_s} s: a hub waits until all its peers are there"
             ),
@@ -288,7 +292,8 @@ where
     Flows<SHARED>: Into<Message>,
     f32: Builds<SHARED, N>,
 {
-    let node = Node::<SHARED, N>::build(scene, number, key, entropy)?.telling_every(TELLING_S);
+    let node =
+        Node::<SHARED, N>::build(scene, number, key, entropy)?.telling_every(TELLING_S).beginning_after(AFTER_US);
     let period_s = scene.peer.timing.control_period_s;
     let ticks = (duration_s / period_s).round() as u64;
     let endpoint = Endpoint::polled(listen)?;

@@ -227,7 +227,10 @@ impl Watch {
         }
     }
 
-    fn second<const SHARED: usize, const N: usize>(&mut self, now_ns: u64, node: &Node<SHARED, N>) {
+    fn second<const SHARED: usize, const N: usize>(&mut self, now_ns: u64, node: &Node<SHARED, N>)
+    where
+        Flows<SHARED>: Into<Message>,
+    {
         self.clock.look();
         let (time_s, link, sum) = (now_ns as f64 * 1e-9, &node.line.link, std::mem::take(&mut self.of_second));
         let [ticks, live] = std::mem::take(&mut self.of_this);
@@ -240,7 +243,7 @@ impl Watch {
         let mm = |metres: Option<f64>| metres.map(|metres| 1e3 * metres);
         let (state, fault) = match node.peer.mode() {
             Mode::Faulted(fault) => ("faulted", Some(format!("fault {}: {}", fault.number(), fault.explain()))),
-            Mode::Armed => ("armed", None),
+            Mode::Armed if node.is_moving() => ("armed", None),
             _ if link.is_up() => ("waiting", None),
             _ => ("calling", None),
         };

@@ -45,6 +45,7 @@ pub mod run;
 pub mod scene;
 pub mod scenes;
 #[doc(hidden)]
+pub mod start;
 pub mod student;
 pub mod user;
 

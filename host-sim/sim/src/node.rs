@@ -10,12 +10,13 @@
 //! the same degradation in time, for a caller that has none of its own; here it only goes into the report, for two
 //! degradations in a row would fade twice.
 //!
-//! A node calls until flow is heard, then arms, disengaged, and runs the scene's user from there. Peers compute in f32, as
-//! the board does. Of an object that is shared along several axes one datagram has the packets of all of them.
+//! A node calls until flow is heard, then arms, disengaged. When both ends are live ([`crate::start`]) it runs the scene's user: before
+//! that its device stands still. Peers compute in f32, as the board does. Of an object that is shared along several axes one datagram has the packets of all of them.
 
 use std::collections::VecDeque;
 
 use haptic_core::device::AXES;
+use haptic_core::law::Sends;
 use haptic_core::law::bounds::Bounds;
 use haptic_core::law::ledger::Ledger;
 use haptic_core::num::Motion;
@@ -27,6 +28,7 @@ use haptic_protocol::wire::{Flows, Goodbye, MAX_DATAGRAM, Message, PeerId, Telem
 use haptic_protocol::{ends::Ends, key::Key};
 
 use crate::peers::{Builds, DynPeer};
+use crate::start::Start;
 use crate::{plant::Plant, scene::Scene};
 
 /// A link that passes each datagram to a function that sends it.
@@ -67,7 +69,13 @@ pub struct Node<const SHARED: usize = 1, const N: usize = AXES> {
     period_s: f64,
     /// Control periods since the start.
     ticks: u32,
-    /// Control periods since it was armed.
+    /// Its law loses what comes while it steps up from silence; a line with a time of its own loses nothing.
+    fades: bool,
+    /// It has begun to move since it was armed last.
+    begun: bool,
+    /// How long after both ends are live it begins, µs.
+    after_us: u64,
+    /// Control periods in which it moved.
     pub armed_ticks: u64,
     /// From telling the other one how this one is doing to the next time, s.
     telemetry_s: f64,
@@ -96,6 +104,8 @@ pub struct Line<const SHARED: usize = 1> {
     pub noticed: u64,
     /// Number of starts of the other peer that were noticed: its first, and each restart.
     pub lives: u64,
+    /// When both ends became live.
+    pub start: Start,
 }
 
 impl<const SHARED: usize> Line<SHARED> {
@@ -110,7 +120,7 @@ impl<const SHARED: usize> Line<SHARED> {
         let link = open(settings, key, ends, entropy)?;
         let bounds = Bounds::build(other, scene.law().sends).beyond_a_junction();
         let inbox = Inbox::new(bounds, scene.world.network.playout_packets, settings.timing.ticks_per_packet);
-        Ok(Self { link, inbox, heard: None, notices: VecDeque::new(), noticed: 0, lives: 0 })
+        Ok(Self { link, inbox, heard: None, notices: VecDeque::new(), noticed: 0, lives: 0, start: Start::default() })
     }
 
     /// Takes a datagram at a tick, opened in place; gives the flow, if it was that.
@@ -128,8 +138,17 @@ impl<const SHARED: usize> Line<SHARED> {
         let flow = taken.as_ref().and_then(flow_in);
         if let Some(flow) = flow {
             self.inbox.put(tick, flow)?;
+            self.start.hear(self.sealed_us(now_us), flow.engaged && !flow.fading);
         }
         Ok(flow)
+    }
+
+    /// When the newest datagram was sealed, µs of this end's clock: by the common clock, or, before that is known, half of its age ago.
+    fn sealed_us(&self, now_us: u64) -> u64 {
+        let offset_us = self.link.clock().offset_us(now_us);
+        let sealed_us = offset_us.and_then(|offset_us| self.link.sealed_us().checked_add_signed(-offset_us));
+        let ago_us = u64::from(self.link.delay_us().unwrap_or_default());
+        sealed_us.unwrap_or(now_us.saturating_sub(ago_us)).min(now_us)
     }
 
     /// Takes in what the link has noticed.
@@ -137,6 +156,7 @@ impl<const SHARED: usize> Line<SHARED> {
         while let Some(notice) = self.link.take_notice() {
             if notice == Notice::Disengaged {
                 self.inbox.clear();
+                self.start.hear(now_us, false);
             }
             self.lives += u64::from(matches!(notice, Notice::NewPeer(_)));
             if self.notices.len() == MOST_NOTICES {
@@ -192,6 +212,9 @@ where
             line,
             period_s,
             ticks: 0,
+            fades: scene.law().sends != Sends::Counters,
+            begun: false,
+            after_us: 0,
             armed_ticks: 0,
             telemetry_s,
             until_telemetry: 0,
@@ -207,6 +230,12 @@ where
     #[must_use]
     pub fn telling_every(self, telemetry_s: f64) -> Self {
         Self { telemetry_s, ..self }
+    }
+
+    /// This node, which begins to move so many µs after both ends are live: [`crate::start::AFTER_US`] where both are to begin at once.
+    #[must_use]
+    pub fn beginning_after(self, after_us: u64) -> Self {
+        Self { after_us, ..self }
     }
 
     /// Takes a datagram, which is opened in place; gives the flow, if it was that and the newest.
@@ -225,6 +254,7 @@ where
         if self.peer.mode() == Mode::Disarmed && !self.halted && self.line.inbox.newest().is_some() {
             self.peer.command(Command::Arm);
             self.peer.part();
+            (self.begun, self.line.start) = (false, Start::default());
         }
         let (flow, parted) = self.line.inbox.take();
         if parted {
@@ -235,11 +265,14 @@ where
         } else if self.line.link.is_old() {
             self.peer.delayed();
         }
-        if self.peer.packet_due()
-            && let Some(packets) = self.peer.exchange()
-        {
-            let flow = flow_of(packets, self.peer.mode() == Mode::Armed, self.ticks);
-            self.line.link.say(now_us, flow, &mut send);
+        if self.peer.packet_due() {
+            if let Some(packets) = self.peer.exchange() {
+                let engaged = self.peer.is_engaged();
+                self.line.start.say(now_us, engaged && (self.peer.is_whole() || !self.fades), engaged);
+                let flow = flow_of(packets, self.peer.mode() == Mode::Armed, self.ticks);
+                self.line.link.say(now_us, Flows { fading: !self.line.start.says(), ..flow }, &mut send);
+            }
+            self.begun |= self.line.start.both_us().is_some_and(|both_us| now_us >= both_us + self.after_us);
         }
         if self.until_telemetry == 0 {
             let telemetry = self.telemetry(now_us);
@@ -251,18 +284,28 @@ where
             self.until_telemetry -= 1;
         }
         self.ticks = self.ticks.wrapping_add(1);
-        let clutched = self.peer.mode() == Mode::Armed && self.plant.clutches(self.armed_ticks as f64 * self.period_s);
+        let clutched = self.begun
+            && self.peer.mode() == Mode::Armed
+            && self.plant.clutches(self.armed_ticks as f64 * self.period_s);
         if clutched != self.clutched {
             self.clutched = clutched;
             self.peer.command(if clutched { Command::Clutch } else { Command::Release });
         }
         let actuators = self.peer.tick(&self.plant.sensors());
         // A hand that waits for the other one holds still.
-        if self.peer.mode() != Mode::Disarmed {
+        if self.is_moving() {
             self.plant.step(self.armed_ticks as f64 * self.period_s, &actuators);
             self.armed_ticks += 1;
         }
         actuators
+    }
+
+    /// Whether its hand moves: both ends were live, and its motors are on, or off for a fault.
+    pub fn is_moving(&self) -> bool {
+        match self.peer.mode() {
+            Mode::Armed => self.begun,
+            mode => mode != Mode::Disarmed,
+        }
     }
 
     /// Turns its motors off and keeps them so, or lets them be armed again by what is heard.

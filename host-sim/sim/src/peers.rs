@@ -95,6 +95,8 @@ dyn_peer! {
     fn mode(self: &Self) -> Mode;
     /// Whether the coordination acts.
     fn is_engaged(self: &Self) -> bool;
+    /// Whether the coordination acts in full on what the other peer says.
+    fn is_whole(self: &Self) -> bool;
     /// Motions and forces of the last tick along each shared axis.
     fn observed(self: &Self) -> [&Observed<S>; SHARED];
     /// Energy that crossed the network port of each shared axis since arming.

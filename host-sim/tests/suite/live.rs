@@ -421,7 +421,13 @@ fn leader_and_follower(folder: &Path, keys: &[String], at: usize, seconds: u32) 
     let relayed = report(relay);
     assert_eq!(relayed["strangers"], 0, "{relayed}");
     println!("{}", relayed["ways"]);
-    said.map(|(said, recording)| End { said, ticks: Tick::read(&recording) })
+    said.map(|(said, recording)| {
+        let mut ticks = Tick::read(&recording);
+        // Armed, it has waited for the other end's line to be live; then both began at one instant.
+        let moved = said["ticks"].as_u64().map_or(0, |ticks| ticks as usize);
+        ticks.drain(..ticks.len().saturating_sub(moved));
+        End { said, ticks }
+    })
 }
 
 /// A phase of contact, from one opening of the clutch to the next, in its last second before the hand is at the clutch again.

@@ -30,7 +30,7 @@ use haptic_live::refused::{Refused, is_telling, wrong};
 use haptic_protocol::link::{Config, Error, Link};
 use haptic_protocol::parameters::Parameters;
 use haptic_protocol::peer::{flow_of, packets_of};
-use haptic_protocol::wire::{Goodbye, Greeting, Header, MAX_DATAGRAM, Message, PeerId, Telemetry};
+use haptic_protocol::wire::{Flows, Goodbye, Greeting, Header, MAX_DATAGRAM, Message, PeerId, Telemetry};
 use haptic_protocol::{ends::Ends, key::Key};
 use haptic_sim::node::{Line, TELEMETRY_S, Transmit as _};
 use haptic_sim::scene::Scene;
@@ -43,6 +43,8 @@ use haptic_protocol::path::Path;
 const GREETINGS: u32 = 8;
 /// Between two answers to those who are on no line, µs.
 const ANSWER_EVERY_US: u64 = 1_000_000;
+/// How long those whose lines are live wait for those who are there and whose are not, µs.
+const MOST_WAITED_US: u64 = 2_000_000;
 
 /// The hub's end of one line.
 #[derive(Debug)]
@@ -107,6 +109,10 @@ pub struct Hub<A> {
     /// Greetings that may be looked at yet in this control period.
     greetings: u32,
     waits: bool,
+    /// Since when two lines are live.
+    live_us: Option<u64>,
+    /// Everybody may move.
+    begun: bool,
 }
 
 impl<A: Copy + PartialEq + Display> Hub<A> {
@@ -157,6 +163,8 @@ impl<A: Copy + PartialEq + Display> Hub<A> {
             next_answer_us: 0,
             greetings: GREETINGS,
             waits: true,
+            live_us: None,
+            begun: false,
         })
     }
 
@@ -314,9 +322,26 @@ impl<A: Copy + PartialEq + Display> Hub<A> {
             return;
         }
         self.packets = self.packets.map(|packets| packets + 1);
+        for ((End { line, .. }, port), at) in self.ends.iter_mut().zip(&self.junction.ports).zip(0..) {
+            line.start.say(now_us, self.junction.is_whole(at), port.is_engaged());
+        }
+        self.begin(now_us);
         for (end, port) in self.ends.iter_mut().zip(&self.junction.ports) {
-            let flow = flow_of([port.back], true, self.ticks);
+            let live = self.begun && end.line.start.says();
+            let flow = Flows { fading: !live, ..flow_of([port.back], true, self.ticks) };
             end.say(now_us, flow, send);
+        }
+    }
+
+    /// Lets everybody begin, at once, when every line of those who are there is live at both ends; who is not
+    /// [`MOST_WAITED_US`] after two others are does not keep them.
+    fn begin(&mut self, now_us: u64) {
+        let lines = || self.ends.iter().map(|end| &end.line);
+        let live = lines().filter(|line| line.start.both_us().is_some()).count();
+        if live >= 2 {
+            let since_us = *self.live_us.get_or_insert(now_us);
+            let there = lines().filter(|line| line.link.is_up()).count();
+            self.begun |= live >= there || now_us >= since_us + MOST_WAITED_US;
         }
     }
 

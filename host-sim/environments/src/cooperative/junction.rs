@@ -194,6 +194,16 @@ impl Junction {
         }
     }
 
+    /// Whether all of what comes on a line reaches the node.
+    pub fn is_whole(&self, line: usize) -> bool {
+        let whole = |port: &Port| match self.copy {
+            // A line with a time of its own fades nothing.
+            Some(_) => port.is_engaged(),
+            None => self.degradation.is_whole(&port.engagement),
+        };
+        self.ports.get(line).is_some_and(|port| port.engagement.has_heard() && whole(port))
+    }
+
     /// Whether [`Junction::exchange`] is due before a tick at which packets are due, or are not.
     pub fn is_due(&self, packets: bool) -> bool {
         packets || self.copy.is_some()
