@@ -36,14 +36,13 @@ pub(crate) async fn start(
     console: Console,
 ) {
     let (addresses, signals) = (console.applied.addresses, console.signals);
-    let settings = console.applied.settings;
-    let Some(Links { key, seed, operator, peer: link }) = links(number, &settings) else { return };
+    let lives = Lives::new(flow::bounds(&console.applied.settings));
+    let Some(Links { key, seed, operator, peer: link }) = links(number, &console.applied.settings) else { return };
     // The stack is not for sharing between executors: its tasks are spawned from the one they run on.
     // SAFETY: this future is polled by the executor of a task, which never ends.
     let spawner = unsafe { Spawner::for_current_executor() }.await;
     let (stack, runner) = stack(ethernet::start(pins, number), number, addresses);
     let peer = IpEndpoint::new(addresses.peer.unwrap_or(address(number.other())).into(), flow::PORT);
-    let lives = Lives::new(flow::bounds(&settings));
     let flow = Flow { key, seed, number, link, peer, outgoing, incoming, signals, lives, outdated: false };
     spawner.spawn(defmt::unwrap!(flow::run(stack, flow)));
     spawner.spawn(defmt::unwrap!(run(runner)));
