@@ -160,7 +160,7 @@ impl Strategy {
         let mut altered = self.clone();
         let rate = 1 << (rng.next_u32() % 6);
         for fate in altered.0.iter_mut().flatten().flatten() {
-            if rng.next_u32() % rate == 0 {
+            if rng.next_u32().is_multiple_of(rate) {
                 *fate = Fate::random(rng);
             }
         }
@@ -305,7 +305,7 @@ fn search(planted: Planted, strategies: usize) -> Result<u64, (usize, String)> {
     let nothing = Strategy([[[PASS; 8]; 2]; 3]);
     let (mut best, mut longest, mut armed) = (nothing.clone(), 0, 0);
     for tried in 0..strategies {
-        let from = if rng.next_u32() % 4 == 0 { &nothing } else { &best };
+        let from = if rng.next_u32().is_multiple_of(4) { &nothing } else { &best };
         let strategy = from.altered(&mut rng);
         let on = world.play(&strategy).map_err(|why| (tried, format!("{why}: {strategy:?}")))?;
         armed += usize::from(world.was_on);

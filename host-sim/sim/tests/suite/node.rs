@@ -159,9 +159,9 @@ fn in_memory(delay_s: f64) -> [f64; 3] {
         run::<f32>(&pushing(3.0, delay_s), Options { duration_s: 3.0 + 1e-3 * MOVED as f64, record_every: 1 }, &|_| ());
     let run = run.expect("a good scene");
     let [one, two] = ["object_1_m", "object_2_m"].map(|name| run.axes[0].table.column(name).expect("recorded"));
-    let apart = one.iter().zip(two).map(|(one, two)| (one - two).abs());
-    let held = apart.clone().nth(3_000 + HELD as usize);
-    [apart.clone().fold(0.0, f64::max), held.expect("rows"), apart.last().expect("rows")]
+    let apart: Vec<f64> = one.iter().zip(two).map(|(one, two)| (one - two).abs()).collect();
+    let [.., last] = apart[..] else { panic!("no rows") };
+    [apart.iter().copied().fold(0.0, f64::max), apart[3_000 + HELD as usize], last]
 }
 
 /// From no delay to the longest that a session bears the copies are as far apart as in the run in memory, at the most and at the end.
