@@ -190,7 +190,7 @@ impl Pair {
             let mut any = own(&pair)?;
             let mut flat = room(rows.checked_mul(WIDTH))?;
             for (at, of) in own_forces.chunks_exact(2).enumerate() {
-                if at % 1000 == 999 && !go_on() {
+                if at % 8 == 7 && !go_on() {
                     break;
                 }
                 flat.extend(with!(&mut *any, pair => tick(pair, [of[0], of[1]])));

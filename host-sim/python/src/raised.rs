@@ -57,6 +57,12 @@ impl Raised {
         self.kept().error.take()
     }
 
+    /// What was raised, which the threads that are left behind go on to see.
+    pub(crate) fn left(&self) -> Option<PyErr> {
+        // Python first: a law's thread that has it may be waiting for what is kept.
+        Python::attach(|py| self.kept().error.as_ref().map(|error| error.clone_ref(py)))
+    }
+
     /// Ends the call with this, whatever was raised before.
     pub(crate) fn stop(&self, signal: PyErr) {
         self.kept().error = Some(signal);

@@ -61,7 +61,7 @@ pub(crate) fn here<T: Send + 'static>(
                 raised.interrupt();
             }
             if asked.is_some_and(|asked| asked.elapsed() >= GRACE) {
-                return raised.take().map_or_else(unsaid, Err);
+                return raised.left().map_or_else(unsaid, Err);
             }
         };
         let _ = thread.join();

@@ -11,7 +11,7 @@
 //! degradations in a row would fade twice.
 //!
 //! A node calls until flow is heard, then arms, disengaged. When both ends are live ([`crate::start`]) it runs the scene's user: before
-//! that its device stands still. Peers compute in f32, as the board does. Of an object that is shared along several axes one datagram has the packets of all of them.
+//! that its hand does nothing. Peers compute in f32, as the board does. Of an object that is shared along several axes one datagram has the packets of all of them.
 
 use std::collections::VecDeque;
 
@@ -293,10 +293,12 @@ where
             self.peer.command(if clutched { Command::Clutch } else { Command::Release });
         }
         let actuators = self.peer.tick(&self.plant.sensors());
-        // A hand that waits for the other one holds still.
         if self.is_moving() {
             self.plant.step(self.armed_ticks as f64 * self.period_s, &actuators);
             self.armed_ticks += 1;
+        } else if self.peer.mode() == Mode::Armed {
+            // A hand that waits for the other one does nothing; a motor that is on moves what it holds.
+            self.plant.wait(&actuators);
         }
         actuators
     }

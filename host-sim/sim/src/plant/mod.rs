@@ -257,7 +257,13 @@ impl<const N: usize> Plant<N> {
     /// One control period from `time_s` on, under what the peer commands.
     pub fn step<S: Scalar>(&mut self, time_s: f64, actuators: &Actuators<S, N>) {
         self.fail_at(time_s);
-        self.drive(time_s, actuators);
+        self.drive(self.pushes(time_s), actuators);
+        self.turn();
+    }
+
+    /// One control period of a hand that does nothing yet: only the motors act on the device.
+    pub fn wait<S: Scalar>(&mut self, actuators: &Actuators<S, N>) {
+        self.drive([0.0; N], actuators);
         self.turn();
     }
 
@@ -334,8 +340,7 @@ impl<const N: usize> Plant<N> {
     }
 
     /// The hand and the motors, for a control period.
-    fn drive<S: Scalar>(&mut self, time_s: f64, actuators: &Actuators<S, N>) {
-        let pushes = self.pushes(time_s);
+    fn drive<S: Scalar>(&mut self, pushes: [f64; N], actuators: &Actuators<S, N>) {
         let (Some(joints), Some(mut windings)) = (&self.joints, self.windings.take()) else {
             let motor = match &self.joints {
                 Some(joints) if self.driven_by_duty => joints.forces(self.motions, actuators.duties),
