@@ -15,7 +15,6 @@ pub mod cooperative;
 mod error;
 #[cfg(feature = "std")]
 pub mod live;
-#[cfg(feature = "std")]
 pub mod records;
 pub mod roles;
 #[cfg(feature = "std")]
