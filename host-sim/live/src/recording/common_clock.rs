@@ -15,6 +15,8 @@
 //! where exchanges say that they did not, they are taken to be anywhere within 200 ppm at any time. What needs more than that
 //! is no clock, and there is no relation.
 
+/// No clock shows more, s: thirty thousand years.
+const LONGEST_S: f64 = 1e12;
 /// Stamps are of whole microseconds, and some go by between reading the clock and sending, s.
 const RESOLUTION_S: f64 = 5e-6;
 /// How far a live end looks back, s.
@@ -164,6 +166,11 @@ impl Relation {
 
     /// From exchanges; none from none, and none of what no two clocks could give.
     pub fn of(exchanges: &[Exchange]) -> Option<Self> {
+        // A file may say anything.
+        let are_times = |exchange: &Exchange| exchange.times_s.iter().all(|time_s| time_s.abs() <= LONGEST_S);
+        if !exchanges.iter().all(are_times) {
+            return None;
+        }
         let mut ordered = exchanges.to_vec();
         ordered.sort_by(|one, other| one.at_s().total_cmp(&other.at_s()));
         let exchanges = ordered;
@@ -184,14 +191,14 @@ impl Relation {
         let known = (12.0 * xx / all).sqrt() >= SHORTEST_S;
         let drift = if known { sum(&|one| x(one) * y(one)) / xx } else { 0.0 };
         let [least, most] = bounds.drifts;
-        let drift = drift.clamp(least, most);
+        let drift = drift.max(least).min(most);
         Some(Self { middle_s: from_s + middle, offset_s: base_s + offset, drift, round_trip_s, bounds })
     }
 
     /// The other clock less one's own, when one's own shows this, s.
     pub fn offset_s(&self, own_s: f64) -> f64 {
         let offset_s = self.offset_s + self.drift * (own_s - self.middle_s);
-        self.bounds.at(own_s).map_or(offset_s, |[low, high]| offset_s.clamp(low.min(high), high))
+        self.bounds.at(own_s).map_or(offset_s, |[low, high]| offset_s.max(low.min(high)).min(high))
     }
 
     /// By how much that may be wrong, s.
