@@ -18,7 +18,7 @@ use haptic_protocol::lines::{Line, Lines};
 use haptic_protocol::link::{Config, ConfigError, Link, Notice};
 use haptic_protocol::parameters::{Parameters, Table};
 use haptic_protocol::path::Path;
-use haptic_protocol::wire::{Datagram, Greeting, MAX_DATAGRAM, PeerId};
+use haptic_protocol::wire::{Datagram, MAX_DATAGRAM, PeerId};
 use haptic_protocol::{ends::Ends, key::Key};
 
 use crate::board::{Number, random};
@@ -59,12 +59,12 @@ impl Port {
     /// Takes a datagram; gives whom to answer with a welcome, which a stranger with an old greeting may be, once.
     fn receive(&mut self, datagram: &mut [u8], from: IpEndpoint) -> Option<IpEndpoint> {
         let now = Instant::now().as_micros();
-        let greeting = datagram.get(1).is_some_and(|kind| Greeting::is_kind(*kind));
-        if self.link.receive(now, datagram).is_err() {
+        let taken = self.link.receive(now, datagram).is_ok();
+        self.path.heard(now, from, datagram, taken, self.link);
+        if !taken {
             self.console.signals.refused.count();
             return None;
         }
-        self.path.heard(now, from, datagram.len(), greeting, self.link);
         while let Some(notice) = self.link.take_notice() {
             match notice {
                 Notice::NewPeer(_) => {

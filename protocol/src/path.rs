@@ -13,7 +13,7 @@
 //! the network, and can do what a network can.
 
 use crate::link::Link;
-use crate::wire::GreetingKind;
+use crate::wire::{Greeting, GreetingKind, Header};
 
 /// The addresses of one line.
 #[derive(Clone, Copy, Debug)]
@@ -41,17 +41,20 @@ impl<A> Default for Path<A> {
 }
 
 impl<A: Copy + PartialEq> Path<A> {
-    /// Takes note that a sealed datagram that names the line's session came from there, whether or not its link takes it.
-    pub fn seen(&mut self, now_us: u64, from: A) {
-        if let Some(end) = self.end.as_mut().filter(|end| end.address == from) {
+    /// Takes note of a datagram that came from there, once the line's link has taken or refused it: a greeting, which only tells where a
+    /// session begins, or a sealed one. Of what was refused it counts that something which names the session came from there.
+    pub fn heard(&mut self, now_us: u64, from: A, datagram: &mut [u8], taken: bool, link: &Link) {
+        let (bytes, session) = (datagram.len(), link.session_number());
+        let greeting = datagram.get(1).is_some_and(|kind| Greeting::is_kind(*kind));
+        let names = |session| Header::parse(datagram).is_ok_and(|(header, ..)| header.session == session);
+        if let Some(end) = self.end.as_mut().filter(|end| end.address == from)
+            && session.is_some_and(names)
+        {
             end.seen_us = now_us;
         }
-    }
-
-    /// Takes note of a datagram of so many bytes that the line's link has taken: a greeting, which only tells where a session
-    /// begins, or a sealed one.
-    pub fn heard(&mut self, now_us: u64, from: A, bytes: usize, greeting: bool, link: &Link) {
-        let session = link.session_number();
+        if !taken {
+            return;
+        }
         let begins = session != self.session;
         if begins {
             (self.session, self.end) = (session, None);

@@ -40,6 +40,11 @@ impl Consent {
     }
 }
 
+/// Whether a line to a board turns motors on, and so needs consent.
+pub fn runs(line: &str) -> bool {
+    matches!(line.split_whitespace().next(), Some("arm" | "check" | "probe"))
+}
+
 /// How an operator knows that a board has stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stopped {

@@ -18,7 +18,7 @@ use haptic_protocol::wire::{Datagram, Event, Message, PeerId, Sample};
 use haptic_protocol::{ends::Ends, key::Key, lines::Lines};
 
 use crate::Error;
-use crate::consent::{Consent, Moment, Stopped};
+use crate::consent::{Consent, Moment, Stopped, runs};
 
 /// The port on the board.
 pub const PORT: u16 = 7702;
@@ -38,11 +38,6 @@ pub struct Session {
     consented: bool,
     /// When it was first known here that it was taken back, µs.
     withdrawn_us: u64,
-}
-
-/// Whether a line turns motors on.
-fn runs(line: &str) -> bool {
-    matches!(line.split_whitespace().next(), Some("arm" | "check" | "probe"))
 }
 
 impl Session {

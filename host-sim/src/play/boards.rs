@@ -20,7 +20,7 @@ use std::time::{Duration, Instant};
 
 use haptic_board_tools::calibrate::board::{Board, FAULTED, Joint, settings};
 use haptic_board_tools::calibrate::simulated::SharedSimulation;
-use haptic_board_tools::consent::{Consent, Moment, Stopped};
+use haptic_board_tools::consent::{Consent, Moment, Stopped, runs};
 use haptic_board_tools::recording::{COLUMNS, row};
 use haptic_board_tools::status::Probed;
 use haptic_core::safety::Fault;
@@ -142,8 +142,8 @@ fn first_row(payload: &[u8]) -> Option<[f64; NUMBERS]> {
     row(payload, PERIOD_S).filter(|(axis, _)| *axis == 0).map(|(_, row)| row)
 }
 
-/// How a board's thread begins, with the consent of this page.
-type Open = Box<dyn FnOnce(Consent) -> Result<Box<dyn BoardLink>, Error> + Send>;
+/// How a board's thread begins.
+type Open = Box<dyn FnOnce() -> Result<Box<dyn BoardLink>, Error> + Send>;
 
 /// A simulated board, kept in real time.
 struct Practice {
@@ -164,7 +164,7 @@ impl Practice {
 
 impl BoardLink for Practice {
     fn ask(&mut self, line: &str, moment: Moment) -> Result<String, Error> {
-        if matches!(line.split(' ').next(), Some("arm" | "check")) && !self.consent.give(moment) {
+        if runs(line) && !self.consent.give(moment) {
             return Ok("error it was stopped meanwhile".to_owned());
         }
         Ok(Board::ask(&mut self.board, line)?)
@@ -265,14 +265,16 @@ impl Seat {
     fn open(place: Place, index: usize) -> Result<Self, Error> {
         match place {
             Place::Simulated => {
-                let practice = |consent| Ok(Box::new(Practice::new(&Scene::default(), consent)?) as Box<dyn BoardLink>);
-                Self::attend(format!("simulated board {}", index + 1), index, Consent::default(), Box::new(practice))
+                let consent = Consent::default();
+                let own = consent.clone();
+                let practice = || Ok(Box::new(Practice::new(&Scene::default(), own)?) as Box<dyn BoardLink>);
+                Self::attend(format!("simulated board {}", index + 1), index, consent, Box::new(practice))
             }
             Place::At(at, key_file) => {
                 let operator = Operator::connect(at, &key_file)?;
                 let number = operator.number();
                 let consent = operator.consent();
-                let board = move |_| Ok(Box::new(operator) as Box<dyn BoardLink>);
+                let board = move || Ok(Box::new(operator) as Box<dyn BoardLink>);
                 Self::attend(format!("board {number} at {at}"), usize::from(number) - 1, consent, Box::new(board))
             }
         }
@@ -286,7 +288,7 @@ impl Seat {
         let (theirs, own, stop) = (Arc::clone(&mailbox), consent.clone(), Arc::clone(&over));
         let work = move || {
             stand_back(NICENESS);
-            match open(own.clone()) {
+            match open() {
                 Ok(mut link) => attend(&mut *link, &theirs, &own, &stop),
                 Err(why) => theirs.lock().unwrap_or_else(PoisonError::into_inner).reported.status = why.to_string(),
             }

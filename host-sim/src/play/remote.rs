@@ -125,12 +125,15 @@ impl Remote {
         while Instant::now() < until && endpoint.take(came)? {
             for (from, datagram) in came.each() {
                 let now_us = endpoint.now_ns() / 1_000;
-                let (bytes, greeting) = (datagram.len(), !is_sealed(datagram));
-                // What is refused is counted by the link.
-                let Ok(flow) = (if *cut { continue } else { node.receive(now_us, datagram) }) else { continue };
-                *heard += u64::from(flow.is_some());
+                if *cut {
+                    continue;
+                }
+                let taken = node.receive(now_us, datagram);
                 let link = &mut node.line.link;
-                path.heard(now_us, from, bytes, greeting, link);
+                path.heard(now_us, from, datagram, taken.is_ok(), link);
+                // What is refused is counted by the link.
+                let Ok(flow) = taken else { continue };
+                *heard += u64::from(flow.is_some());
                 link.say_due(now_us, |out| {
                     if let Some(to) = join.or_else(|| path.of(out, Some(from))) {
                         endpoint.say(going, to, out);
@@ -182,11 +185,6 @@ impl Remote {
         sample.iter_mut().zip(numbers).for_each(|(to, number)| *to = number);
         sample
     }
-}
-
-/// Whether a datagram is a sealed one, and no greeting.
-fn is_sealed(datagram: &[u8]) -> bool {
-    datagram.get(1) == Some(&haptic_protocol::wire::Header::KIND)
 }
 
 impl Environment for Remote {

@@ -38,7 +38,7 @@ fn boards() -> (Boards, Arc<Mutex<Vec<String>>>) {
         "written".to_owned(),
         0,
         Consent::default(),
-        Box::new(move |_| Ok(Box::new(link) as Box<dyn BoardLink>)),
+        Box::new(move || Ok(Box::new(link) as Box<dyn BoardLink>)),
     )
     .expect("a thread");
     (Boards::of_seats(vec![seat]), said)

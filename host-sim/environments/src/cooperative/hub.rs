@@ -180,7 +180,7 @@ impl<A: Copy + PartialEq + Display> Hub<A> {
 
     /// Takes a datagram that came from `from`, opened in place, and sends what the link answers at once.
     pub fn receive(&mut self, now_us: u64, from: A, datagram: &mut [u8], mut send: impl FnMut(A, &[u8])) {
-        let (bytes, greeting) = (datagram.len(), datagram.get(1).is_some_and(|kind| Greeting::is_kind(*kind)));
+        let greeting = datagram.get(1).is_some_and(|kind| Greeting::is_kind(*kind));
         if greeting {
             let Some(left) = self.greetings.checked_sub(1) else { return self.refused += 1 };
             self.greetings = left;
@@ -191,11 +191,10 @@ impl<A: Copy + PartialEq + Display> Hub<A> {
             if !greeting && (session.is_err() || line.link.session_number() != session.ok()) {
                 continue;
             }
-            if !greeting {
-                path.seen(now_us, from);
-            }
-            match line.receive(now_us, self.ticks, datagram) {
-                Ok(_) => path.heard(now_us, from, bytes, greeting, &line.link),
+            let taken = line.receive(now_us, self.ticks, datagram);
+            path.heard(now_us, from, datagram, taken.is_ok(), &line.link);
+            match taken {
+                Ok(_) => {}
                 // What this line's peer itself has sent is for nobody else.
                 Err(refusal) if !greeting || matches!(refusal, Error::Parameters(_)) => {
                     self.refused += 1;

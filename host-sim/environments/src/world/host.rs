@@ -14,7 +14,7 @@ use std::fmt::Display;
 
 use haptic_live::refused::{Refused, is_telling, wrong};
 use haptic_protocol::link::{Error, Link};
-use haptic_protocol::wire::{Goodbye, Greeting, Header, MAX_DATAGRAM, Message, PeerId};
+use haptic_protocol::wire::{Goodbye, Greeting, MAX_DATAGRAM, Message, PeerId};
 use haptic_protocol::{ends::Ends, key::Key};
 use haptic_sim::node::Transmit as _;
 
@@ -134,15 +134,14 @@ impl<A: Copy + PartialEq> Host<A> {
     /// Takes a datagram that came from `from`, opened in place, and sends every answer. Gives the line it was about.
     pub fn receive(&mut self, now: u64, from: A, datagram: &mut [u8], mut send: impl FnMut(A, &[u8])) -> Option<u32> {
         self.counts.received += 1;
-        let (bytes, greeting) = (datagram.len(), datagram.get(1) != Some(&Header::KIND));
         let number = line_of(datagram, |session| self.sessions.get(&session).copied());
-        if let Ok(number) = number
-            && let Some(line) = self.lines.get_mut((number as usize).wrapping_sub(1)).and_then(Option::as_mut)
-            && !greeting
-        {
-            line.path.seen(now, from);
-        }
-        let taken = number.and_then(|number| Ok((number, self.take(now, number, datagram)?)));
+        let taken = number.and_then(|number| {
+            let taken = self.take(now, number, datagram);
+            if let Some(line) = self.lines.get_mut((number as usize).wrapping_sub(1)).and_then(Option::as_mut) {
+                line.path.heard(now, from, datagram, taken.is_ok(), &line.link);
+            }
+            Ok((number, taken?))
+        });
         let (number, incoming) = match taken {
             Ok(taken) => taken,
             Err(why) => {
@@ -151,7 +150,6 @@ impl<A: Copy + PartialEq> Host<A> {
             }
         };
         let line = self.lines[number as usize - 1].as_deref_mut()?;
-        line.path.heard(now, from, bytes, greeting, &line.link);
         let (sent, path) = (&mut self.counts.sent, &mut line.path);
         let mut answer = |bytes: &[u8]| {
             if let Some(to) = path.of(bytes, Some(from)) {

@@ -1,5 +1,7 @@
 //! Tests of `src/world/host.rs` from inside.
 
+use haptic_protocol::wire::Header;
+
 use super::*;
 use crate::world::PACKET_US;
 
