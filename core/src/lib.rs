@@ -16,7 +16,7 @@
 //! | [`schema`] | every setting by name, with the keys that laws declare themselves |
 //! | [`device`] | encoder counts to position and velocity, force to motor duty; encoders that fail; a motor pushed open loop |
 //! | [`contact`] | contact between device and object |
-//! | [`law`] | coordination laws: how the two copies of the shared object hold together |
+//! | [`law`] | coordination laws: how the two copies of the shared object are coupled |
 //! | [`object`] | the shared virtual object's integrators |
 //! | [`mod@model`] | the trait of models that settings choose by name, and their lists |
 //! | [`safety`] | modes, numbered faults, force and slew limits |

@@ -46,7 +46,7 @@ pub use axis::Observed;
 pub struct Sensors<S, const N: usize = AXES> {
     /// Reading of the device's position.
     pub reading: Reading<S, N>,
-    /// The last tick had not ended when this one was due.
+    /// Whether the last tick had not ended when this one was due.
     pub overrun: bool,
     /// Measurements of the power stage; none where there is no current loop.
     pub stage: Option<Measured<N>>,
@@ -68,11 +68,11 @@ pub struct Actuators<S, const N: usize = AXES> {
     pub forces: [S; N],
     /// The forces as motor duties, one for every joint.
     pub duties: [Duty; N],
-    /// The hardware enable line of the motor bridges.
+    /// Whether the hardware enable line of the motor bridges is on.
     pub enable: bool,
-    /// No loop is closed around the currents: duties are voltages, as fractions of the supply. They are written to
-    /// the bridges' inputs even while `enable` is low, when none of them may come out. Only a probe sets this, and
-    /// only where there is a current loop.
+    /// Whether duties are voltages, as fractions of the supply, with no loop closed around the currents. They are
+    /// written to the bridges' inputs even while `enable` is low, when none of them may come out. Only a probe sets
+    /// this, and only where there is a current loop.
     pub open: bool,
 }
 
@@ -368,7 +368,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         self.mode == Mode::Armed && self.engagement.is_engaged()
     }
 
-    /// Whether the coordination acts in full on what the other peer says: engaged, and no silence has faded that.
+    /// Whether the coordination acts in full: engaged, and the other peer's packets are not faded by silence.
     pub fn is_whole(&self) -> bool {
         self.mode == Mode::Armed && self.engagement.has_heard() && self.degradation.is_whole(&self.engagement)
     }

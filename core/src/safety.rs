@@ -63,7 +63,7 @@ numbered! {
 }
 
 impl Fault {
-    /// Whether what encoders say is in doubt: signs are to be checked again ([`crate::device::probe`]).
+    /// Whether the fault casts doubt on the encoders, so that signs are to be checked again ([`crate::device::probe`]).
     pub fn doubts_encoders(self) -> bool {
         matches!(
             self,
@@ -134,7 +134,7 @@ impl Mode {
         }
     }
 
-    /// 0 disarmed, 1 armed, 2 faulted, 3 probing.
+    /// Number of the mode: 0 disarmed, 1 armed, 2 faulted, 3 probing.
     pub fn number(self) -> u8 {
         match self {
             Self::Disarmed => 0,
@@ -144,12 +144,12 @@ impl Mode {
         }
     }
 
-    /// The number of the fault in it; 0: none.
+    /// Number of the latched fault; 0 if there is none.
     pub fn fault_number(self) -> u8 {
         if let Self::Faulted(fault) = self { fault.number() } else { 0 }
     }
 
-    /// The mode of that name with the fault of that number in it.
+    /// The mode called `name`, with the fault numbered `fault` latched (0: none); `None` if there is no such mode.
     pub fn named(name: &str, fault: u8) -> Option<Self> {
         let faulted = Fault::from_number(fault).map(Self::Faulted);
         let modes = [Some(Self::Disarmed), Some(Self::Armed), Some(Self::Probing), faulted];
@@ -190,7 +190,7 @@ impl<S: Scalar> Guard<S> {
         }
     }
 
-    /// The force that may follow `last` when `wanted` is asked for; NaN asks for 0.
+    /// The force (N) that may follow `last` (N) when `wanted` (N) is asked for; NaN asks for 0.
     #[inline]
     pub fn limit(&self, last: S, wanted: S) -> S {
         let target = wanted.limit(self.max_force);

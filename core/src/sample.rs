@@ -147,7 +147,7 @@ pub const fn same(one: &str, other: &str) -> bool {
     one.is_empty() && other.is_empty()
 }
 
-/// In the order of records. For `quantities_of!`, when it is compiled.
+/// The quantities in the order of a board's record; for `quantities_of!`, at compile time.
 #[doc(hidden)]
 pub const fn by_word<const N: usize>(mut list: [AxisQuantity; N]) -> [AxisQuantity; N] {
     let mut at = 1;

@@ -133,7 +133,7 @@ impl Key {
         Self { name, allowed: Allowed::Whole { min, max }, unit, doc, default: default as f64 }
     }
 
-    /// `true` or `false`: 1 or 0 for [`Settings::own`].
+    /// A switch, `true` or `false`; [`Settings::own`] gives 1 or 0.
     pub const fn flag(name: &'static str, default: bool, doc: &'static str) -> Self {
         Self { name, allowed: Allowed::Flag, unit: "", doc, default: if default { 1.0 } else { 0.0 } }
     }
@@ -357,10 +357,10 @@ pub trait Tables: Copy {
     /// The value of the key called `name`.
     fn get(&self, name: &str) -> Option<Value<'static>>;
 
-    /// Sets the key called `name`, if it accepts `value`; otherwise nothing changes.
+    /// Sets the key called `name`, if it accepts `value`; otherwise says why not and changes nothing.
     fn set<'a>(&mut self, name: &str, value: Value<'a>) -> Result<(), SetError<'a>>;
 
-    /// Every value within its range; a name from an open list is for whoever knows the list to refuse.
+    /// Refuses the first value outside its range; names from an open list are left to whoever knows that list.
     fn check_ranges(&self) -> Result<(), Refused<'static>> {
         let mut probe = *self;
         for key in Self::KEYS.iter().filter(|key| !matches!(key.allowed, Allowed::Laws(_))) {
@@ -463,19 +463,19 @@ impl Timing {
         self.control_period_s * f64::from(self.ticks_per_packet)
     }
 
-    /// How many packet periods a time (s) is, to the nearest.
+    /// Number of packet periods in `time_s` (s), to the nearest.
     pub fn packet_periods(&self, time_s: f64) -> u32 {
         // A cast saturates: positive, and at most 1000 s of 10 µs.
         (time_s / self.packet_period_s() + 0.5) as u32
     }
 
-    /// The control period to the nearest nanosecond: what simulated time counts in.
+    /// The control period T_c to the nearest nanosecond, ns; simulated time advances by it.
     pub fn control_period_ns(&self) -> u64 {
         // Positive and at most 0.1 s.
         (1e9 * self.control_period_s + 0.5) as u64
     }
 
-    /// As many control periods as there are in a packet period, ns.
+    /// The packet period T_n, ns: M times [`Timing::control_period_ns`].
     pub fn packet_period_ns(&self) -> u64 {
         self.control_period_ns() * u64::from(self.ticks_per_packet)
     }

@@ -1,9 +1,9 @@
 //! Adaptive dynamic bounder: contact stiffness and damping follow the measured round trip (architectures paper §3.3).
 //!
-//! In a cooperative environment the object answers a push one round trip θ late. Until it does, a contact of stiffness K
-//! has made K·θ·ẋ of force too much, which takes damping away: stable up to about K = b/θ, with b the damping there is
-//! (THEORY §6, row 2.3). The object itself may have none, so the bounder gives it some, at its dynamics engine, where it
-//! acts without delay: for every user β = b, the damping of the device, or what K needs if that is less. Then
+//! In a cooperative environment the object answers a push one round trip θ late. Until it does, a contact of stiffness K has
+//! built up K·θ·ẋ too much force, which acts as negative damping: contact is stable up to about K = b/θ, with b the damping
+//! present (THEORY §6, row 2.3). The object itself may be undamped, so the bounder adds damping to it at its dynamics engine,
+//! where that acts without delay: for every user β = b, the damping of the device, or what K needs if that is less. Then
 //!
 //! > β = min(b, K·θ/m),   K' = min(K, m·β/θ),   B' = B·K'/K,   m = 0.8
 //!
@@ -12,9 +12,9 @@
 //! `host-sim/environments/tests/suite/cooperative.rs` looks at 1 to 16 users, devices of 0.05 to 0.5 kg and 0.2 to 5 N·s/m, objects of 0.05 to
 //! 2 kg and round trips to 200 ms, and simulates round trips to 400 ms.
 //!
-//! **Following**: stiffness falls within [`FALL_S`] and rises within [`RISE_S`], from the stiffness for [`LONGEST_S`] while
-//! nothing is measured. A spring that stiffens while it is pressed makes energy: the force of a pressed one rises by no more
-//! than [`GENTLE_N_PER_S`]. Units: s, N/m, N·s/m. θ that is not a number counts as [`LONGEST_S`].
+//! **Following**: stiffness falls within [`FALL_S`] and rises within [`RISE_S`], from the stiffness for [`LONGEST_S`]
+//! while nothing is measured. A spring that stiffens while compressed generates energy, so the force of a compressed
+//! one rises by no more than [`GENTLE_N_PER_S`]. Units: s, N/m, N·s/m. A θ of NaN counts as [`LONGEST_S`].
 
 use crate::num::Scalar;
 
@@ -29,14 +29,14 @@ pub const GENTLE_N_PER_S: f64 = 5.0;
 /// Round trip that is assumed before one is measured, s.
 pub const LONGEST_S: f64 = 0.5;
 
-/// The contact that the measured round trip allows.
+/// Bounds on a contact for the measured round trip.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bound<S> {
     /// Largest contact stiffness K', N/m.
     pub stiffness: S,
     /// Largest contact damping B', N·s/m.
     pub damping: S,
-    /// β, the damping of the object at its engine for the sake of this user, N·s/m.
+    /// Damping β that the dynamics engine adds to the object for this user, N·s/m.
     pub drag: S,
 }
 
@@ -74,7 +74,7 @@ impl<S: Scalar> Bounder<S> {
         }
     }
 
-    /// The bound for a round trip of `round_trip` seconds that stays.
+    /// The bound for a constant round trip of `round_trip` seconds.
     pub fn bound(&self, round_trip: S) -> Bound<S> {
         let known = round_trip >= S::ZERO && round_trip < self.longest;
         let late = self.period + if known { round_trip } else { self.longest };
@@ -84,8 +84,8 @@ impl<S: Scalar> Bounder<S> {
         Bound { stiffness, damping: self.damping_s * stiffness, drag }
     }
 
-    /// One tick: the bound that holds now, given the one of the last tick, the round trip as measured, if it is, and how far
-    /// the contact is pressed (m).
+    /// Advances the last tick's bound `now` by one tick and returns it, for the measured round trip (s; `None` while
+    /// nothing is measured) and the depth `pressed` to which the contact is compressed (m).
     pub fn follow(&self, now: &mut Bound<S>, measured: Option<S>, pressed: S) -> Bound<S> {
         let target = self.bound(measured.unwrap_or(self.longest));
         if *now == Bound::default() {

@@ -73,7 +73,7 @@ impl<S: Scalar> Contact<S> {
         }
     }
 
-    /// Where an object must be put so that a device at `position` (m) does not touch it before it has crossed the gap.
+    /// Position (m) at which to put an object so that a device at `position` (m) does not touch it before crossing the gap.
     pub fn clear_of(&self, position: S) -> S {
         position + self.clearance
     }
@@ -113,8 +113,8 @@ impl<S: Scalar> Contact<S> {
         }
     }
 
-    /// The contact as a port of the object: the spring is pressed on while the object moves through the tick, the
-    /// device as it was sensed.
+    /// The contact as a port of the object: through the tick the object moves against the spring, while the device is
+    /// held as it was sensed.
     #[inline]
     pub fn port(&self, device: Motion<S>, object: Motion<S>) -> Press<S> {
         let Some(depth) = self.depth(device.position - object.position) else { return Press::default() };

@@ -13,21 +13,21 @@
 //! same instant are taken one after the other, first named first; what is conserved does not depend on the order.
 //!
 //! **Conserved** to rounding, whatever the masses: momentum (walls and bodies without inverse mass take what is missing);
-//! energy for e = 1, and for e < 1 all but what [`Account::lost_j`] says. Roundings walk and do not drift: after n impacts in
-//! a row energy is off by about √n half units in the last place, by less than 2·√n in every run tried: 2.3e-13 after a
-//! million in f64, 1e-5 after 7,000 and 1.2e-4 after a million in f32. **None is missed** at any speed: the path is solved,
-//! not sampled. Bodies that touch or overlap and still approach hit at once.
+//! energy for e = 1, and for e < 1 all but what [`Account::lost_j`] says. Rounding errors accumulate as a random walk,
+//! without drift: after n impacts in a row energy is off by about √n half units in the last place, by less than 2·√n in
+//! every run tried: 2.3e-13 after a million in f64, 1e-5 after 7,000 and 1.2e-4 after a million in f32. **None is
+//! missed** at any speed: the path is solved, not sampled. Bodies that touch or overlap and still approach hit at once.
 //!
-//! **Limits**: no contact that lasts (the paper's own limit): with e < 1 and a steady push, bounces shrink until a step
-//! would hold more than [`MOST`] of them. Then bodies stand for the rest of that step and keep their velocities: no body
-//! passes another, momentum and energy stay right, and [`Account::stood_s`] tells. Squares of speeds must fit the type:
-//! f32 up to 1e18 m/s; radii must be larger than what positions are rounded to, for points on a line have no sides;
-//! [`crate::num::Fixed`] sees a time of impact only above 0.1 mm/s and to about 1e-7 m.
-//! Units: m, m/s, kg, N·s, J. NaN in: no impact.
+//! **Limits**: no resting contact (the paper's own limit): with e < 1 and a steady push, bounces shrink until a step
+//! would hold more than [`MOST`] of them. Bodies are then held still for the rest of that step and keep their
+//! velocities: no body passes another, momentum and energy stay right, and [`Account::stood_s`] says for how long.
+//! Squares of speeds must fit the type: f32 up to 1e18 m/s; radii must be larger than the rounding of positions, for
+//! points on a line have no sides; [`crate::num::Fixed`] resolves a time of impact only above 0.1 mm/s and to about
+//! 1e-7 m. Units: m, m/s, kg, N·s, J. NaN in: no impact.
 
 use crate::num::{Motion, Scalar};
 
-/// Impacts that one step may hold.
+/// Largest number of impacts resolved in one step; beyond it the bodies stand still ([`Account::stood_s`]).
 pub const MOST: u32 = 64;
 
 /// A round body: a disc in the plane, a ball in space.
@@ -90,8 +90,8 @@ fn add<S: Scalar, const D: usize>(mut a: [S; D], factor: S, b: [S; D]) -> [S; D]
     a
 }
 
-/// Time until two bodies at the distance `d` (m), which changes by `v` (m/s), touch, and the line of impact: seconds
-/// from now, 0 if they touch already; `None` if they do not approach each other, or pass.
+/// Time (s from now; 0 if they touch already) until two bodies, whose relative position `d` (m) changes at `v` (m/s), come
+/// within `touch` (m, the sum of their radii), and the line of impact; `None` if they do not approach, or miss each other.
 pub fn time_of_impact<S: Scalar, const D: usize>(d: [S; D], v: [S; D], touch: S) -> Option<(S, [S; D])> {
     let (speed, approach) = (dot(v, v), -dot(d, v));
     // NaN is no approach.
@@ -119,14 +119,14 @@ pub fn time_of_impact<S: Scalar, const D: usize>(d: [S; D], v: [S; D], touch: S)
 pub struct Exchange<S, const D: usize> {
     /// Impulse on the first body, N·s.
     pub impulse: [S; D],
-    /// Change of the velocity of the first, and of that of the second the other way, m/s.
+    /// Velocity change of the first body, which is added, and of the second, which is subtracted, m/s.
     pub changes: [[S; D]; 2],
     /// Kinetic energy that the impact dissipates, J; not negative.
     pub lost_j: S,
 }
 
-/// The impact along `normal` (of any length, toward the first) of two bodies of which the first moves by `v` (m/s) against
-/// the second; `inverse_masses` are 1/m₁ and 1/m₂, 1/kg. `None` if they do not approach, or neither can be moved.
+/// Impact of two bodies along `normal` (of any length, toward the first), at the velocity `v` of the first relative to the second
+/// (m/s), with the inverse masses 1/m₁ and 1/m₂ (1/kg) and `restitution` 0 to 1. `None` if they do not approach, or neither can move.
 pub fn exchange<S: Scalar, const D: usize>(
     v: [S; D],
     normal: [S; D],
@@ -182,7 +182,7 @@ impl<S: Scalar, const D: usize> Body<S, D> {
     }
 }
 
-/// Moves the bodies by `seconds`, through every impact on the way, with this restitution (0…1).
+/// Advances the bodies by `seconds`, resolving every impact on the way with this coefficient of restitution (0 to 1).
 pub fn advance<S: Scalar, const D: usize, const N: usize>(
     bodies: &mut [Body<S, D>; N],
     walls: &[Wall<S, D>],

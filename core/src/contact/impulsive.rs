@@ -1,33 +1,33 @@
-//! Impulsive contact of one device and the object: each impact is a train of pulses, ΔQ in all (architectures paper §2.1).
+//! Impulsive contact of one device and the object: each impact is a train of force pulses of total impulse ΔQ (architectures paper §2.1).
 //!
 //! The object has no spring: until the device reaches it, it moves freely. At tick n both ends of the step from n − 1 to n
 //! are known, of the device as it was sensed; if device and object have changed places on the way, they met where the two
 //! straight lines cross (in closed form; both Euler integrators move the object along exactly that line, the exact one
-//! strays from it by at most F·T_c²/(8·m_O)). There they exchange ΔQ by their velocities now, the device with the mass that
-//! the scene gives it. No crossing is missed at any speed that the guard lets pass.
+//! strays from it by at most F·T_c²/(8·m_O)). There they exchange the impulse ΔQ that their present velocities ask for, the
+//! device with the mass that the scene gives it. No crossing is missed at any speed below `safety.max_speed_m_per_s`.
 //!
-//! **What is felt is what acts**: a pulse lasts a tick, and [`Guard`] says what it can be: F = ΔQ/T_c if force and slew allow
-//! that, and otherwise as much as they allow. The object takes T_c·F in the same tick, not ΔQ, and what is still owed goes
-//! into the ticks that follow. The force must come down again, too: no pulse is higher than what the slew limit leads back to
-//! zero without giving more than is owed (`Impulsive::pulse`). So momentum of object and device together stays, tick by
-//! tick, to rounding; a motor that acts a tick late makes both equal a tick later. Of the energy an impact takes nothing or
-//! what restitution takes; during the pulses it stands below the start, by what is still to come back. ΔQ is decided once,
-//! but pulses end when the two part as fast as restitution has it, whoever pulled them apart.
+//! **What is felt is what acts**: a pulse lasts a tick, and [`Guard`] limits it: F = ΔQ/T_c if the limits of force and slew
+//! allow that, and otherwise as much as they allow. The object takes T_c·F in the same tick, not ΔQ, and the impulse still
+//! owed is given in the ticks that follow. The force must come down again, too: no pulse is higher than what the slew limit
+//! leads back to zero without giving more than is owed (`Impulsive::pulse`). So the momentum of object and device together
+//! is conserved in every tick, to rounding; with a motor that acts a tick late, a tick later. An impact dissipates only
+//! what restitution below 1 takes; during the pulses kinetic energy is lower by what they have yet to return. ΔQ is decided
+//! once, but pulses end early once the two separate as fast as restitution asks for, whoever pulled them apart.
 //!
 //! **Settling**: a motor force may act up to a tick late and the pulse lasts a tick, so velocities say nothing about an
 //! impact before [`SETTLING`] ticks after the last pulse; until then the object moves freely.
 //!
-//! **Resting**: what approaches slower than a count of the encoder in a tick, or comes back within [`CHATTER`] ticks after
-//! settling, is no impact but rests: until they part, contact is the spring and the damper of the same table, one-sided, and a
-//! port where the object is moved by ports: a steady push F sinks in by F/K_LC. How far the device is past the surface by then
-//! presses the spring at once. After a plastic impact within the limits that is at most 2.5 ticks of the approach, v·2.5·T_c,
-//! and the spring gives back less than was lost while 6·K_LC·T_c² is less than the reduced mass, as it is where such a spring is
-//! stable at all; in pulses that stand at the limit, no more than the limit took on the way in. The spring is what
-//! [`super::continuous`] is, with what sampling makes of it; only it never pulls.
+//! **Resting**: an approach slower than one encoder count per tick, or one that comes within [`CHATTER`] ticks after
+//! settling, is no impact but resting contact: until the two part, contact is the spring and damper of the same table,
+//! one-sided, and a port where the object is moved by ports: a steady push F sinks in by F/K_LC. The depth of the device past
+//! the surface by then compresses the spring at once. After a plastic impact within the limits that is at most 2.5 ticks of
+//! the approach, v·2.5·T_c, and the spring gives back less than was lost while 6·K_LC·T_c² is less than the reduced mass, as
+//! it is wherever such a spring is stable at all; where pulses are at their limit, no more than the limit took on the way in.
+//! The spring is that of [`super::continuous`], with the same effects of sampling, except that it never pulls.
 //!
-//! **Mass**: energy is not made while `contact.device_mass_kg` is at most the mass that the hand moves; a peer cannot know
-//! that mass, whoever does refuses others. Limits: one-sided contacts only; the motor's own duty limit is not known here
-//! (`motor.max_duty` below `safety.max_force_n` would take from the device alone). Units N, N·s, m, J.
+//! **Mass**: no energy is generated while `contact.device_mass_kg` is at most the mass that the hand moves; a peer cannot know
+//! that mass, so a simulator, which does, refuses larger values. Limits: one-sided contacts only; the motor's own duty limit is
+//! not known here (`motor.max_duty` below `safety.max_force_n` would take from the device alone). Units N, N·s, m, J.
 
 use super::continuous::Contact;
 use super::impact::{Exchange, exchange};
@@ -42,7 +42,7 @@ use crate::settings::{Allowed, Refused, Settings};
 /// Ticks after a pulse until the device's velocity shows it: one of delay, one of pulse.
 pub const SETTLING: u32 = 2;
 
-/// Ticks after [`SETTLING`] within which another impact is chatter: of a hop that short, more is settled than flown.
+/// Ticks after [`SETTLING`] within which another impact is chatter: in a hop that short, settling takes longer than the flight.
 pub const CHATTER: u32 = 2 * SETTLING;
 
 /// Impacts between device and object.

@@ -35,7 +35,7 @@ impl<S: Scalar> AnyRendering<S> {
         each!(self: Continuous | Impulsive, model => model.clear_of(position))
     }
 
-    /// [`Rendering::touch`], and the object as impacts left it. By value, so that a spring's stays in registers.
+    /// [`Rendering::touch`], and the object's motion after any impacts. By value, so that a spring's stays in registers.
     #[inline]
     pub fn touch(
         &self,
@@ -51,7 +51,7 @@ impl<S: Scalar> AnyRendering<S> {
         })
     }
 
-    /// One tick of the contact as a port ([`Rendering::press`]), and the object as impacts left it.
+    /// One tick of the contact as a port ([`Rendering::press`]), and the object's motion after any impacts.
     #[inline]
     pub fn press(
         &self,

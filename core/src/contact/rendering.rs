@@ -1,4 +1,4 @@
-//! What a way to render contact is, and what contact gives: forces, and the account of impacts.
+//! The trait of contact renderings and what they return: forces, and the account of impacts.
 
 use crate::model::Model;
 use crate::num::{Motion, Scalar, Sum};
@@ -20,7 +20,7 @@ pub struct Press<S> {
     pub port: Port<S>,
     /// Sign of the only force that the port may have on the object; 0: either sign.
     pub toward: S,
-    /// Force on the object whose reaction the device feels beside that of the port, N: a pulse.
+    /// Pulse: force on the object, beside that of the port, whose reaction the device feels, N.
     pub pulse: S,
 }
 
@@ -41,10 +41,10 @@ pub struct Impacts<S> {
 /// A rendering of contact. All renderings share one type of state, so that a scene of springs does not pay for
 /// another.
 pub trait Rendering<S: Scalar>: Model<S> {
-    /// Where an object must be put so that a device at `position` (m) does not touch it before it has crossed the gap.
+    /// Position (m) at which to put an object so that a device at `position` (m) does not touch it before crossing the gap.
     fn clear_of(&self, position: S) -> S;
-    /// One tick: the contact of device and object, given the force (N) that the device was last commanded. Impacts move
-    /// the object on.
+    /// One tick: the forces of contact between device and object, given the force (N) last commanded to the device. An
+    /// impact changes the motion of `object`.
     fn touch(&self, strikes: &mut Strikes<S>, device: Motion<S>, object: &mut Motion<S>, commanded: S) -> Touch<S>;
     /// [`Rendering::touch`] where the copy is moved by ports: the contact is a port of the copy, and the impacts'
     /// force on the device.

@@ -1,15 +1,15 @@
 //! A shape in the plane as springs and dampers normal to its surface (architectures paper §2.2, eq. 5 and 6).
 //!
 //! "In general, objects of complex shape can be modeled as a collection of springs and shock absorbers normal to the
-//! surface." Of the springs of one shape the one acts that is stretched least, the one to the nearest point of the surface:
+//! surface." Of the springs of one shape only the least compressed acts, the one to the nearest point of the surface:
 //!
 //! > F = K·x + B·ẋ if x > 0 else 0,   along the inward normal there, on the object; the device feels the reaction,
 //!
 //! with x the depth of the device below the surface and ẋ its rate: the [`Contact`] of the peer, along that normal. So
-//! ½·K·x² is a potential without a step, and a walk around a closed path costs what the damper takes and nothing else. With
-//! all springs pushing that have the device below them it is not: who comes through one side near a corner finds the spring
-//! of the other stretched already, which is energy from nowhere. Different shapes act independently and their forces add:
-//! two walls that meet in a corner both push.
+//! ½·K·x² is a continuous potential, and a walk around a closed path costs what the damper takes and nothing else. If
+//! all springs pushed that have the device below them, it would not be: a device that comes through one side near a
+//! corner would find the other side's spring compressed already, which is energy from nowhere. Different shapes act
+//! independently and their forces add: two walls that meet in a corner both push.
 //!
 //! **Limits**: where two sides are equally near, behind a corner, the direction turns at once and the size does not. A
 //! device is pushed out of the nearest side, not back to where it came from; and drawn around a sharp corner from inside, it
@@ -30,11 +30,11 @@ pub struct Edge<S> {
     length: S,
 }
 
-/// What a device can press on, about the object's origin.
+/// Outline on which a device can press, in coordinates relative to the object's origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape<S, Edges> {
-    /// What edges enclose: each ends where the next begins, the last where the first begins, and none cross. Which
-    /// way around they go does not matter.
+    /// A polygon: each edge ends where the next begins, the last where the first begins, and none cross. Either
+    /// direction round will do.
     Polygon(Edges),
     /// A disc, in contact inside its circle.
     Disc {
@@ -110,14 +110,14 @@ impl<S: Scalar> Edge<S> {
     }
 }
 
-/// Length and direction of a way; what has no length has no direction, and any will do.
+/// Length and direction of a vector; one without length has no direction, and any will do.
 fn away<S: Scalar>(way: [S; 2]) -> (S, [S; 2]) {
     let length = dot(way, way).sqrt();
     (length, if length > S::ZERO { way.map(|part| part.ratio(length)) } else { [S::ONE, S::ZERO] })
 }
 
 impl<S: Scalar, Edges: AsRef<[Edge<S>]>> Shape<S, Edges> {
-    /// How deep a point is; `None` outside.
+    /// Depth of a point (m, relative to the object's origin) and the normal there; `None` outside.
     pub fn depth(&self, point: [S; 2]) -> Option<Depth<S>> {
         if !point.iter().all(|part| part.is_finite()) {
             return None;
@@ -137,8 +137,8 @@ impl<S: Scalar, Edges: AsRef<[Edge<S>]>> Shape<S, Edges> {
         (depth > S::ZERO).then_some(Depth { depth, normal })
     }
 
-    /// The contact of a device and this shape at these places along the two axes. `contact` is one-sided, with the device
-    /// on the left and no gap.
+    /// The contact of a device and this shape, from the motions of both along the two axes. `contact` must be
+    /// one-sided, with the device on the left and no gap.
     pub fn press(&self, contact: &Contact<S>, device: [Motion<S>; 2], object: [Motion<S>; 2]) -> Pressed<S> {
         let place = minus(device.map(|axis| axis.position), object.map(|axis| axis.position));
         let Some(Depth { depth, normal }) = self.depth(place) else { return Pressed::default() };

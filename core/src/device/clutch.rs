@@ -1,6 +1,6 @@
-//! A clutch between the device and the shared world: opened, the device moves freely while the world stands where it was; closed
-//! again, both go on from where each of them is. For a leader whose room is smaller than the follower's (Hannaford 1989 calls it
-//! indexing).
+//! A clutch between the device and the shared world: opened, the device moves freely while the world stands where it
+//! was; closed again, both go on from where each of them is. For a leader whose workspace is smaller than the
+//! follower's (Hannaford 1989 calls it indexing).
 //!
 //! **Design**: a transformer between device and world whose ratio r goes from 1 to 0 and back over `safety.clutch_s`,
 //!
@@ -45,7 +45,7 @@ impl<S: Scalar> Default for Slip<S> {
 }
 
 impl<S: Scalar> Slip<S> {
-    /// Whether device and world are one, as if there were no clutch.
+    /// Whether the clutch is fully closed and no offset is left, as if there were no clutch.
     pub fn is_none(&self) -> bool {
         !self.open && self.ratio == S::ONE && self.offset == S::ZERO
     }
@@ -55,7 +55,7 @@ impl<S: Scalar> Slip<S> {
         self.ratio
     }
 
-    /// Motion of the device as the world has it (m, m/s) while nothing moves the clutch.
+    /// Motion of the device in the shared world (m, m/s), at the present ratio and offset.
     pub fn of(&self, device: Motion<S>) -> Motion<S> {
         Motion { position: device.position + self.offset, velocity: self.ratio * device.velocity }
     }
@@ -66,7 +66,7 @@ impl<S: Scalar> Slip<S> {
         self.last = device;
     }
 
-    /// Closes the clutch where it is, at once: for a peer that has no force yet.
+    /// Closes the clutch at once and keeps the offset: for a peer that renders no force yet.
     pub fn close(&mut self) {
         *self = Self { offset: self.offset, ..Self::default() };
     }
@@ -78,7 +78,7 @@ impl<S: Scalar> Clutch<S> {
         Self { step: S::from_f64(settings.timing.control_period_s / settings.safety.clutch_s) }
     }
 
-    /// Advances the clutch by one tick: the motion of the device as the world has it, m and m/s.
+    /// Advances the clutch by one tick, and returns the motion of the device in the shared world, m and m/s.
     pub fn carry(&self, slip: &mut Slip<S>, device: Motion<S>) -> Motion<S> {
         slip.offset = slip.offset - (S::ONE - slip.ratio) * (device.position - slip.last);
         slip.last = device.position;

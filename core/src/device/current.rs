@@ -17,8 +17,8 @@
 //! Invariants: |result| ≤ limit whatever comes in; no reference beyond `motor.max_duty`; no overflow: an error has 32 bits and a
 //! gain 31, so their product has 63.
 //!
-//! Limits: R and L are what the settings say, neither saturation of the iron nor ripple is modelled; what to do about a current that
-//! does not follow is for who reads it.
+//! Limits: R and L are what the settings say, neither saturation of the iron nor ripple is modelled; a current that
+//! does not follow its reference is for [`super::stage_watch`] to detect.
 
 use core::f64::consts::TAU;
 use core::ops::RangeInclusive;
@@ -26,13 +26,13 @@ use core::ops::RangeInclusive;
 use super::motor::Duty;
 use crate::settings::{Allowed, Refused, Settings};
 
-/// PWM periods, and steps of the loop, in a second.
+/// PWM frequency, and rate of the current loop, Hz.
 pub const PWM_HZ: u32 = 20_000;
 /// Length of a PWM period, s.
 pub const PWM_PERIOD_S: f64 = 1.0 / PWM_HZ as f64;
 /// Range of supplies that the gains are scaled for, mV; a supply outside counts as the nearest end.
 pub const SUPPLY_MV: RangeInclusive<u32> = 6_000..=60_000;
-/// Share of the supply that the loop uses.
+/// Largest voltage of the loop, as a share of the supply.
 pub const MOST_VOLTAGE: f64 = 0.95;
 
 /// Fractional bits of gains and integral.
@@ -81,15 +81,14 @@ pub fn periods_per_tick(settings: &Settings) -> Result<u32, Refused<'static>> {
     if fits { Ok(whole) } else { Err(settings.refuses("timing.control_period_s", allowed)) }
 }
 
-/// Mean delay of the current behind its reference, s: the area above its response to a step. The sum of what is
-/// missing, sample by sample, is 1/ω_c in any loop of this kind; half a period of the first sample was before the
-/// reference.
+/// Mean delay of the current behind its reference, s: the area between a unit step of the reference and the response to
+/// it. Summed sample by sample that area is 1/ω_c in any such loop; half a PWM period of it lies before the step.
 pub fn lag_s(settings: &Settings) -> f64 {
     1.0 / (TAU * settings.motor.current_loop_hz) - 0.5 * PWM_PERIOD_S
 }
 
 impl CurrentLoop {
-    /// From the table `motor`, for a timer with `counts` of full supply.
+    /// From the table `motor`, for a PWM timer in which `counts` stands for the full supply.
     ///
     /// # Errors
     /// A winding whose gains cannot be written as whole numbers for every supply of [`SUPPLY_MV`]; a sensor that does not reach
@@ -156,8 +155,8 @@ pub struct Controller {
 }
 
 impl Controller {
-    /// The voltage for the next period, counts: toward the reference from what was measured, codes. `forward` is what the back-EMF is
-    /// expected to be, counts.
+    /// The voltage for the next PWM period, counts, that brings the `measured` current (codes) toward the reference.
+    /// `forward` is the expected back-EMF, counts.
     #[inline(always)]
     pub fn step(&mut self, gains: &Gains, Duty(reference): Duty, measured: i32, forward: i32) -> i32 {
         let reference = i32::from(reference).max(-gains.most).min(gains.most);
@@ -172,10 +171,10 @@ impl Controller {
     }
 }
 
-/// Converts a converter's reading to a current; the default gives no current.
+/// Converts a reading of the analogue-to-digital converter to a current; the default gives no current.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sensor {
-    /// Reading of the converter at no current.
+    /// Reading of the converter at zero current, converter steps.
     pub zero: i32,
     /// Codes per step of the converter, 2⁻¹²: a sensor of 1 % of full scale to one of a hundred times it.
     codes_per_step: i32,

@@ -34,7 +34,7 @@ pub struct Encoder<S> {
 
 configured!([S: Scalar] Encoder<S> { counts_per_unit, resolution, max_step_counts, along, revolution, index_at });
 
-/// Edges and index of an encoder since the tick before, beside its count.
+/// What the hardware saw of an encoder since the tick before, beside its count: edges and the index pulse.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Marks {
     /// One channel rose twice or more, and the other not at all.
@@ -44,7 +44,7 @@ pub struct Marks {
 }
 
 impl Marks {
-    /// The marks of an encoder whose channels A and B rose `once` at least, and `again` after that.
+    /// The marks of an encoder, from which of its channels A and B rose (`once`), and rose again after that (`again`).
     #[inline(always)]
     pub fn of(once: [bool; 2], again: [bool; 2], index: Option<Counts>) -> Self {
         Self { lone: again[0] & !once[1] | again[1] & !once[0], index }
@@ -71,10 +71,10 @@ pub struct EncoderState {
 const SPEED_MARGIN: f64 = 1.25;
 /// …and by these counts, one for the rounding of each of the two readings.
 const ROUNDING_COUNTS: f64 = 2.0;
-/// Ticks with edges of one channel only that are a fault: a device that hums on an edge makes no two rising edges a
-/// tick, a cut wire does from 8 counts a tick on.
+/// Ticks with edges on one channel only that make a fault: a device that vibrates on an edge gives no two rising edges
+/// in a tick, a cut wire does from 8 counts a tick on.
 pub const LONE_TICKS: u32 = 4;
-/// Counts that an index may be off by: it is a period wide at most, and comes from either side.
+/// Tolerance of the index position, counts: the pulse is at most one period wide, and may be met from either side.
 pub const INDEX_COUNTS: i32 = 4;
 
 /// Refuses an encoder.max_speed_m_per_s at which the counter could wrap between two readings: a motion that fast would be
@@ -139,8 +139,8 @@ impl<S: Scalar> Encoder<S> {
         states.into_iter().fold(shown, |heeds, state| heeds | (state.lone != calm))
     }
 
-    /// Takes in the marks that came with the reading just taken. The first index sets the joint's position, to be
-    /// `encoder.index_at_m_or_rad` there, if it `may_move`: true if that was done.
+    /// Processes the marks that came with the reading just taken. The first index sets the joint's position there to
+    /// `encoder.index_at_m_or_rad`, if it `may_move`; true if that was done.
     ///
     /// # Errors
     /// [`Fault::EncoderWire`] after [`LONE_TICKS`] ticks with two edges of one channel and none of the other, counted up and down;

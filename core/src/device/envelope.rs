@@ -1,10 +1,10 @@
 //! Limits of the mean force and power that a device may give to the hand, whatever is received and whichever law runs.
 //!
-//! Measured at the device's port while armed, over all axes together: the force on the hand, and the power P = F·v that the device
-//! gives it (what the hand gives the device is [`super::watch`]'s). Both as leaky root-mean-squares ([`super::leaky`]) over τ =
-//! `safety.rms_s`, which may not pass the square of `safety.max_rms_force_n` or `safety.max_rms_power_w`. A peak between pauses counts
-//! with its square, and pauses forgive it no sooner than τ does. A constant force F from rest is too much after
-//! −τ·ln(1 − (limit/F)²).
+//! Measured at the device's port while armed, over all axes together: the force on the hand, and the power P = F·v that
+//! the device gives it (what the hand gives the device is [`super::watch`]'s). Both as leaky root-mean-squares
+//! ([`super::leaky`]) over τ = `safety.rms_s`, which may not pass `safety.max_rms_force_n` or `safety.max_rms_power_w`.
+//! A short peak counts by its square, and is forgotten with the time constant τ. A constant force F from rest is too
+//! much after −τ·ln(1 − (limit/F)²).
 //!
 //! Not forgotten by a fault or by arming: while the motors are off both means fall as under no force.
 

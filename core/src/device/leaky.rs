@@ -7,7 +7,7 @@
 
 use crate::num::Scalar;
 
-/// A leaky mean: the share of a new value in it.
+/// A leaky mean (first-order low-pass filter), with the weight of a new value in it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Leaky<S> {
     /// T/τ, and what is left of 1.
@@ -18,7 +18,7 @@ pub struct Leaky<S> {
 configured!([S: Scalar] Leaky<S> { share, keep });
 
 impl<S: Scalar> Leaky<S> {
-    /// A leaky mean of one value every `period_s` with the time constant `time_s`; `period_s` where that is longer.
+    /// A leaky mean of one value every `period_s` (s) with the time constant `time_s` (s), or `period_s` if that is longer.
     pub fn new(period_s: f64, time_s: f64) -> Self {
         let share = (period_s / time_s).min(1.0);
         Self { share: S::from_f64(share), keep: S::from_f64(1.0 - share) }

@@ -217,9 +217,9 @@ pub struct Outcome {
     pub joint: u32,
     /// How the probe ended.
     pub end: End,
-    /// Most work of the motor so far, counts; never below 0.
+    /// Largest work W of the motor so far, counts (module page); never below 0.
     pub most_counts: i32,
-    /// Least work of the motor so far, counts; never above 0.
+    /// Smallest work W of the motor so far, counts; never above 0.
     pub least_counts: i32,
     /// Work at which a verdict is passed, counts.
     pub verdict_counts: i32,

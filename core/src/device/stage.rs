@@ -1,11 +1,11 @@
 //! What the power stage of the motors measured since the tick before: currents, voltages and the bridges' supply.
 //!
 //! Only a device with a current loop ([`super::current`]) has it. The loop runs once a PWM period and the tick once a control
-//! period, so a stage says means over the PWM periods in between: each of a current sampled as it begins, and of the voltage given in it.
+//! period, so the means are over the PWM periods in between, each with its current as it begins and the voltage applied in it.
 //!
-//! Units: currents in codes, 1/32767 of `motor.full_scale_a`, as a [`super::motor::Duty`]; one beyond is at the end of the numbers.
-//! Voltages in counts of the timer, of which the supply has [`Measured::supply_counts`]. Both along the motor: positive as a positive
-//! duty makes them.
+//! Units: currents in codes, 1/32767 of `motor.full_scale_a`, as a [`super::motor::Duty`]; a larger current saturates.
+//! Voltages in counts of the timer, of which the supply has [`Measured::supply_counts`]. Both along the motor: positive
+//! as a positive duty makes them.
 
 use crate::device::AXES;
 
@@ -21,8 +21,8 @@ pub struct Flow {
 }
 
 impl Flow {
-    /// From sums over so many periods, 1 or more: of the currents sampled at their beginnings (codes), and of the voltages given in them
-    /// (counts). Means are rounded to the nearest: cut toward zero they would seem a motor of less back-EMF.
+    /// From sums over `periods` PWM periods (1 or more) of the currents sampled at their beginnings (codes) and of the voltages
+    /// applied (counts). Means are rounded to nearest: truncated toward zero, they would look like a motor of less back-EMF.
     #[inline]
     pub fn of(currents: i32, voltages: i32, last: i32, periods: i32) -> Self {
         // What does not fit is at the end of the numbers: the casts are exact.

@@ -1,5 +1,5 @@
-//! Watching motors, their power stage and their encoders by what the stage measured ([`super::stage`]): six questions, every second
-//! tick, of both ticks together.
+//! Watches motors, their power stage and their encoders by what the stage measured ([`super::stage`]), every second
+//! tick, over both ticks together.
 //!
 //! **Warm** ([`Fault::MotorTooWarm`]): [`super::thermal`].
 //!
@@ -152,7 +152,7 @@ impl<S: Scalar> StageWatch<S> {
     /// From the tables `motor`, `encoder` and `timing`.
     ///
     /// # Errors
-    /// A least supply above the largest.
+    /// A `motor.min_supply_v` above `motor.max_supply_v`.
     pub fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
         settings.within("motor.min_supply_v", Allowed::Number { min: 0.0, max: settings.motor.max_supply_v })?;
         let motor = &settings.motor;
@@ -207,7 +207,7 @@ impl<S: Scalar> StageWatch<S> {
         }
     }
 
-    /// Forgets what currents were asked for and whether they came; warmth stays.
+    /// Forgets past current references and errors, as the motors go on; the thermal state stays.
     pub fn start<const N: usize>(&self, state: &mut StageState<S, N>) {
         *state = StageState { motors: state.motors, supply_is_wrong: state.supply_is_wrong, ..StageState::default() };
     }

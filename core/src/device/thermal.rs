@@ -1,8 +1,8 @@
 //! How warm a motor's winding is, from the current that flowed through it: I²t.
 //!
-//! One thermal mass: the leaky mean ([`super::leaky`]) of the square of the current over τ = `motor.thermal_s` may not pass the square
-//! of `motor.continuous_a`. A constant current i from cold is too much after −τ·ln(1 − (continuous/i)²), to within 2⁻¹⁰·τ; one that
-//! the motor bears for ever never. Squares are summed up for that long first, so that `f32` does not lose them.
+//! One thermal mass: the leaky mean ([`super::leaky`]) of the square of the current over τ = `motor.thermal_s` may not pass
+//! the square of `motor.continuous_a`. A constant current i from cold is too much after −τ·ln(1 − (continuous/i)²), to within
+//! 2⁻¹⁰·τ; one up to `continuous_a` never is. Squares are first summed for that long, so that `f32` does not lose them.
 //!
 //! Units: A, A². Limits: the surroundings are as warm as where `continuous_a` was measured; a restart begins cold, so who restarts
 //! waits; the copper's own, faster time is within τ; what the current does between two readings is not in its mean.
@@ -12,7 +12,7 @@ use crate::{device::leaky::Leaky, num::Scalar, settings::Settings};
 /// Means that τ is resolved into.
 const STEPS: f64 = 1024.0;
 
-/// The limit of one motor.
+/// The thermal limit of one motor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Thermal<S> {
     leaky: Leaky<S>,
@@ -34,7 +34,7 @@ pub struct Heat<S> {
 }
 
 impl<S: Scalar> Thermal<S> {
-    /// From `motor.continuous_a` and `motor.thermal_s`, for a reading in every `period_s`.
+    /// From `motor.continuous_a` and `motor.thermal_s`, for one reading every `period_s` (s).
     pub fn build(settings: &Settings, period_s: f64) -> Self {
         let motor = &settings.motor;
         // At most 10 s of 10 µs: the cast is exact.
@@ -47,7 +47,7 @@ impl<S: Scalar> Thermal<S> {
         }
     }
 
-    /// Takes one reading of the current, A: whether the winding is warmer than it may be.
+    /// Takes one reading of the current, A; true if the winding is warmer than it may be.
     #[inline]
     pub fn is_too_warm(&self, heat: &mut Heat<S>, current_a: S) -> bool {
         // In each reading its share: a sum of squares would leave the range of fixed point.

@@ -1,21 +1,21 @@
 //! Watching encoders while the motors are on: does the device answer its motors, and not against all physics?
 //!
-//! **Stuck.** A device at rest under a constant force cannot be distinguished from an encoder that is stuck, and does no harm. But
-//! a force that changes must move what it acts on, by more than the one count that an encoder with a cut wire, or at rest on
-//! an edge, goes to and fro. So: since a joint's encoder last counted further than that, the duties of its motor may not
-//! have ranged over more than `safety.stuck_duty`, nor over more than half of what `safety.max_force_n` asks of it, or [`HELD_N`] if that
-//! is more: what is gentle is doubted sooner. What follows: with a stuck encoder the motors go off four to eight ticks after the force has changed by that. Looked at
-//! every fourth tick, counted back from the one before a packet is due: motion that comes back by then is not seen, force that changes
-//! more slowly is; and a force has four ticks to move something.
+//! **Stuck.** A device at rest under a constant force cannot be distinguished from an encoder that is stuck, and does no harm.
+//! But a force that changes must move what it acts on, by more than the one count that an encoder with a cut wire, or at rest on
+//! an edge, goes to and fro. So: since a joint's encoder last moved further than that, the duties of its motor may not have
+//! ranged over more than `safety.stuck_duty`, nor over more than half of what `safety.max_force_n` asks of it, or [`HELD_N`] if
+//! that is more: a device set to small forces is checked at small ones. With a stuck encoder the motors go off four to eight
+//! ticks after the force has changed by that. It is checked every fourth tick, counted back from the one before a packet is due:
+//! motion that comes back by then is not seen, a force that changes more slowly is; and a force has four ticks to move something.
 //!
 //! **Runaway.** With an encoder that counts the wrong way, what the controller brakes gets faster. The hand then seems to
 //! feed the device a power P = −F·v that no hand has: more than `safety.max_hand_power_w` is not believed. Every tick.
 //!
 //! Both only where positions come from encoders: the exact readings of a simulator are not to be doubted.
 //!
-//! What cannot be seen: a stuck encoder while nothing changes the force; one that counts too few or too many; one that counts the wrong way before any force
-//! acts. And a device pressed against a stop harder than that, or held by friction of as much, or struck with more power than
-//! `safety.max_hand_power_w`, looks broken without being so.
+//! What cannot be seen: a stuck encoder while nothing changes the force; one that counts too few or too many; one that
+//! counts the wrong way before any force acts. And a device pressed against a stop harder than that, or held by
+//! friction of as much, or struck with more power than `safety.max_hand_power_w`, looks broken without being so.
 
 use crate::device::kinematics::Joints;
 use crate::{device::motor::Duty, num::Scalar, settings::Settings};
@@ -33,7 +33,7 @@ configured!([S: Scalar] Watch<S> { stuck_codes, least_power });
 /// Counts that an encoder may go to and fro by without having moved.
 const DITHER: u32 = 2;
 
-/// Force on the hand, N, that friction or a firm grip may hold without a count.
+/// Force on the hand that friction or a firm grip may hold without the encoder moving, N.
 pub const HELD_N: f64 = 1.0;
 
 /// Memory of one joint since its encoder last moved beyond dithering.

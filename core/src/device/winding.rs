@@ -27,8 +27,8 @@ use crate::settings::Settings;
 
 /// Ticks without voltage that a winding's probe begins with: what the sensor reads then is its zero.
 pub const REST_TICKS: u32 = 40;
-/// Sign of the probe's voltage in each tick after the rest, over and over. Sum and first moment are zero: a rotor
-/// that is free to move comes back to where it was, at rest (Thue and Morse).
+/// Sign of the probe's voltage in each tick after the rest, repeated. Sum and first moment are zero: a rotor that is
+/// free to move comes back to where it was, at rest (the Thue–Morse sequence).
 pub const WAYS: [i32; 8] = [1, -1, -1, 1, -1, 1, 1, -1];
 
 /// Sign of the voltage of a winding's probe at this tick: −1, 0 or 1.

@@ -1,34 +1,34 @@
-//! What another end may say: the physics of a packet, checked once, where a receiver takes it in.
+//! Bounds on the numbers in a received packet, from the physical limits of its sender; checked once, on reception.
 //!
-//! A packet that is sealed rightly may still say anything. What follows from the limits of the scene, it may say. With
-//! V = `safety.max_speed_m_per_s`, F = `safety.max_force_n` and b = `coordination.wave_impedance_n_s_per_m`, an end of a line that
-//! moves no faster than V and pulls no harder than F sends waves of
+//! An authentic packet may still contain any numbers. Only those are accepted that the scene's limits allow. With V =
+//! `safety.max_speed_m_per_s`, F = `safety.max_force_n` and b = `coordination.wave_impedance_n_s_per_m`, an end of a
+//! line that moves no faster than V and pulls no harder than F sends waves of
 //!
 //! > |u_out| = |b·ẋ_d − F_T|/√(2b) ≤ (b·V + F)/√(2b) = U
 //!
-//! and over n ticks changes the integral of it by at most n·T_c·U, whatever was lost in between: a tick that stands adds nothing. So
-//! every mean that a receiver emits of it is at most U, and a free end goes at √(2/b)·U = V + F/b with it.
+//! and over n ticks changes their integral by at most n·T_c·U, whatever was lost in between: a tick that stands adds nothing.
+//! So every mean that a receiver forms of them is at most U, and moves a free end at no more than √(2/b)·U = V + F/b.
 //!
-//! N lines of b that meet send 2/N·Σu − u_i back into each (see [`super::node`]), at most 3·U: so much a peer takes, since its other end
-//! may be a hub ([`Bounds::beyond_a_junction`]); a hub takes U.
+//! N lines of b that meet send 2/N·Σu − u_i back into each (see [`super::node`]), at most 3·U: a peer accepts that
+//! much, since its other end may be a hub ([`Bounds::beyond_a_junction`]); a hub accepts U.
 //!
-//! Sums that are not over a stated number of ticks may be those of [`MOST_TICKS`]: then no difference of two leaves the range of
-//! numbers. What a law of [`Sends::Motion`] sends beside the motion has a unit of its own, and has to be a number.
+//! Sums without a stated number of ticks are bounded as if over [`MOST_TICKS`], so that the difference of two stays within the
+//! range of numbers. What a law of [`Sends::Motion`] sends beside the motion has a unit of its own, and need only be finite.
 //!
-//! **Limits**: a hand at V or F, or a spring that is let go of, moves a light copy faster for a moment; whoever is at his own limits is about
-//! to be stopped by them ([`crate::safety`]), and is let go of if his copy was faster. Who counts ticks of sums begins anew after 49 days.
+//! **Limits**: a hand at V or F, or a spring that is released, moves a light copy faster for a moment; a peer at its own limits is
+//! about to be stopped by them ([`crate::safety`]), and is disconnected if its copy was faster. Tick counters wrap after 49 days.
 
 use super::{Packet, Sends};
 use crate::num::Scalar;
 use crate::settings::Settings;
 
-/// Ticks that a sum may be over before their count begins again: 49 days at 1 kHz.
+/// Largest number of ticks that a sum may cover, 2³², after which its counter wraps: 49 days at 1 kHz.
 pub const MOST_TICKS: f64 = 4_294_967_296.0;
 
-/// Sizes of packets of several lines at a junction over those of one.
+/// Factor by which several lines that meet may raise the speed and the wave of one.
 const JUNCTION: f64 = 3.0;
 
-/// The largest numbers that a packet may have.
+/// Bounds on the numbers in a packet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
     /// Twice the workspace: from its one end to the other, m.
@@ -46,7 +46,7 @@ pub struct Bounds {
     brings_past: bool,
 }
 
-/// The sums of the newest packet of a life of the other end.
+/// Sums in the newest packet that the other end has sent since it started.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sums {
     ticks: u32,
@@ -54,7 +54,7 @@ pub struct Sums {
 }
 
 impl Bounds {
-    /// What an end with the limits of these settings may say, whose law sends this.
+    /// Bounds on the packets of an end with the limits of these settings, whose law sends `sends`.
     pub fn build(settings: &Settings, sends: Sends) -> Self {
         let (safety, impedance) = (settings.in_the_world().safety, settings.coordination.wave_impedance_n_s_per_m);
         let (speed_m_per_s, period_s) = (safety.max_speed_m_per_s, settings.timing.control_period_s);
@@ -70,7 +70,7 @@ impl Bounds {
         }
     }
 
-    /// The same of an end at which several such lines may meet.
+    /// The same bounds for an end at which several such lines may meet (a hub): three times the speeds and waves.
     pub fn beyond_a_junction(self) -> Self {
         Self {
             speed_m_per_s: JUNCTION * self.speed_m_per_s,
@@ -81,15 +81,15 @@ impl Bounds {
         }
     }
 
-    /// U, √W.
+    /// Largest wave U that is accepted, √W; the largest number where a law sends motion alone.
     pub fn wave(&self) -> f64 {
         self.wave
     }
 
-    /// Takes the sums of a packet for the newest ones of its sender's life, if the packet is possible beside those before.
+    /// Checks a packet against these bounds and the sums in `newest`, which a newer packet then replaces by its own.
     ///
     /// # Errors
-    /// The name of the number that cannot be; nothing is then taken.
+    /// The name of the number that is out of bounds; `newest` is then unchanged.
     pub fn take<S: Scalar>(&self, newest: &mut Option<Sums>, packet: &Packet<S>) -> Result<(), &'static str> {
         let (integral, energy_j) = (packet.wave_integral.to_f64(), packet.energy_j.to_f64());
         // No number is within no bound.

@@ -90,7 +90,7 @@ impl<S: Scalar> Credit<S> {
         })
     }
 
-    /// Adds what the counters of a packet say to the credit.
+    /// Adds the energy that a packet's counters newly announce to the credit.
     pub fn receive(&self, account: &mut Account<S>, packet: &Packet<S>) {
         let (nothing, half) = (S::Counter::ZERO, S::Counter::from_f64(0.5));
         let wave = packet.wave.to_counter();

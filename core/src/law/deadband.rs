@@ -13,11 +13,11 @@
 //! | `deadband` | ẋ*: hold the last sample; x_d is its integral from the position that came with it | as `power`, which makes energy |
 //! | `passive-deadband` | ẋ* − Δ·sign(F_T), below | passive |
 //!
-//! **With passivity** (Hirche et al. 2007, the modified hold): of all velocities that the deadband leaves open the receiver takes the one
-//! by which it is given least, ẋ_d = ẋ* − Δ·sign(F_T), F_T·ẋ_d ≤ F_T·ẋ for every |ẋ − ẋ*| ≤ Δ. That is enough without delay. On any network an
-//! energy account does the rest: the held motion is what [`super::passivity_control`] moves its end of the spring toward, which spends no
-//! more than the other end is known to have absorbed, W ≥ 0, and pays for its damper as well. Where nothing empties the account
-//! ([`PLENTY_J`]) there is nothing to save: the hold is the plain one, and the law is linear.
+//! **With passivity** (Hirche et al. 2007, the modified hold): of all velocities within the deadband the receiver assumes the one
+//! that gives it the least energy, ẋ_d = ẋ* − Δ·sign(F_T), F_T·ẋ_d ≤ F_T·ẋ for every |ẋ − ẋ*| ≤ Δ. That is enough without delay.
+//! On any network an energy account does the rest: the held motion is what [`super::passivity_control`] moves its end of the
+//! spring toward, which spends no more than the other end is known to have absorbed, W ≥ 0, and pays for its damper as well.
+//! Where nothing empties the account ([`PLENTY_J`]) there is nothing to save: the hold is the plain one, and the law is linear.
 //!
 //! With `event.longest_s = 0` a packet goes each packet period, and either is the law it codes for, its motion carried on between packets.
 

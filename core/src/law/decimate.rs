@@ -1,4 +1,4 @@
-//! Decimation filters: they make, of the outgoing wave at the control rate, the one sample in M ticks that is sent.
+//! Decimation filters: from the outgoing wave at the control rate they form the one sample in M ticks that is sent.
 //!
 //! [`Newest`] sends the last sample as it is: traditional wave communications, which alias.
 //! [`OnePole`] is the paper's anti-aliasing filter, ẋ_f = −Ω_c·x_f + u_out, y = Ω_c·x_f (eq. 1), discretised exactly for

@@ -94,7 +94,7 @@ impl<S: Scalar> Degradation<S> {
         }
     }
 
-    /// Whether the coordination is complete: [`Degradation::share`] is 1.
+    /// Whether the coordination acts in full: [`Degradation::share`] is 1.
     #[inline]
     pub fn is_whole(&self, at: &Engagement) -> bool {
         at.level >= self.steps

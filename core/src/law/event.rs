@@ -23,10 +23,10 @@ pub const LONGEST: Key = Key::number(
     "Longest that a law keeps silent that sends only what is worth a packet; 0: a packet each packet period.",
 );
 
-/// The longest silence, s, as far as the times of `safety` allow it.
+/// The longest silence on purpose, s ([`LONGEST`]), checked against the times of `safety`.
 ///
 /// # Errors
-/// More than half of `safety.fade_s` or `safety.max_delay_s`.
+/// A longest silence of more than half of `safety.fade_s` or `safety.max_delay_s`.
 pub fn longest_s(settings: &Settings) -> Result<f64, Refused<'static>> {
     let longest_s = settings.own(&LONGEST);
     let (safety, value) = (&settings.safety, settings.own_value(&LONGEST));

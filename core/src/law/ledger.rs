@@ -14,7 +14,7 @@ pub struct Ledger<S> {
 }
 
 impl<S: Scalar> Ledger<S> {
-    /// Books one tick of `period` seconds.
+    /// Adds the energies of one tick of `period` seconds.
     #[inline]
     pub fn book(&mut self, coupled: &Coupled<S>, period: S) {
         self.received.add(coupled.power_in * period);

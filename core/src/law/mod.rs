@@ -124,7 +124,7 @@ impl<S: Scalar> Coupled<S> {
         Self::of_power(desired, force, force * desired.velocity)
     }
 
-    /// A force (N) with the power that came in from the network, W; one that went out is negative.
+    /// A force (N), with the power that came in from the network, W; negative if it went out.
     #[inline]
     pub fn of_power(desired: Motion<S>, force: S, power: S) -> Self {
         Self { desired, force, power_in: power.max(S::ZERO), power_out: (-power).max(S::ZERO) }
@@ -149,7 +149,7 @@ pub trait Law<S: Scalar>: Configured + Copy + core::fmt::Debug + Send + Sync + '
     /// Whether the law needs `object.integrator = "midpoint"`: [`Law::build`] refuses any other.
     const PORTS_ONLY: bool = false;
 
-    /// The entry that the settings name, if it is this law's; one of [`Law::LAWS`], unless they are known late.
+    /// The entry that the settings name, if it is this law's: one of [`Law::LAWS`], unless the laws are known only at run time.
     #[must_use]
     fn info(settings: &Settings) -> Option<&'static LawInfo> {
         named(settings, Self::LAWS)

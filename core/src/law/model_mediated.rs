@@ -21,10 +21,11 @@
 //! in units in which a parameter is about 1 ([`UNITS`]; R is the square of [`NOISE_N`]). A variance never exceeds what it began with, and a packet that tells
 //! nothing (φᵀPφ < R/1000) changes nothing, so that nothing winds up while nobody moves. A packet after a lost one only gives the next a beginning.
 //!
-//! **What may become of it.** With each packet the model goes toward the estimate, held to m_O/4…4·m_O, b̂ ≥ 0, k̂ ≥ 0, by the share T_n·`rate_per_s`. What that
-//! raises ½·m̂·ẋ_p² + ½·k̂·(x_p − x̂₀)² by, the **account** pays, or the model stays. The account pays for the correction too: T_c·F_c·w is at most
-//! T_c·g·f_c²/(4κ_c) at whatever velocity w (f_c: F_c at w = 0, κ_c = K_c·T_c/2 + B_c), and g is the largest that leaves it at or above 0. What the correction takes
-//! out of the model, and what b̂ does, goes to the other peer (`energy_j`), whose account it fills: so a push is handed on with the energy it takes.
+//! **How the model is updated.** With each packet the model goes toward the estimate, held to m_O/4…4·m_O, b̂ ≥ 0, k̂ ≥ 0, by the share
+//! T_n·`rate_per_s`. If that raises ½·m̂·ẋ_p² + ½·k̂·(x_p − x̂₀)², the **account** pays the difference, or the model stays. The account
+//! pays for the correction too: T_c·F_c·w is at most T_c·g·f_c²/(4κ_c) at whatever velocity w (f_c: F_c at w = 0, κ_c = K_c·T_c/2 + B_c),
+//! and g is the largest that leaves it at or above 0. What the correction takes out of the model, and what b̂ does, goes to the other peer
+//! (`energy_j`), whose account it fills: so a push is handed on with the energy it takes.
 //!
 //! **What holds**: model and copy are moved by one passive solve, and nothing is added that was not in an account. On any network both peers' copies together get
 //! no more than both accounts began with (`coordination.tank_j`) and what was done on them. The channel by itself may give out more than came in, for

@@ -32,7 +32,7 @@ pub struct Scattered<S, const N: usize> {
 }
 
 impl<S: Scalar, const N: usize> Node<S, N> {
-    /// Impedances of the lines, N·s/m, none negative.
+    /// A node of lines with these impedances, N·s/m, none negative; 0 closes the port.
     pub fn new(impedances_n_s_per_m: [f64; N]) -> Self {
         let sum: f64 = impedances_n_s_per_m.iter().sum();
         Self {
@@ -41,7 +41,7 @@ impl<S: Scalar, const N: usize> Node<S, N> {
         }
     }
 
-    /// One packet period: what came out of every line, √W, and what goes back into it.
+    /// One packet period: the velocity of the node and the waves back into the lines, from the wave out of each line, √W.
     pub fn scatter(&self, waves: [S; N]) -> Scattered<S, N> {
         let sum = self.roots.iter().zip(waves).fold(S::ZERO, |sum, (root, wave)| sum + *root * wave);
         let velocity = sum * self.inverse_sum;

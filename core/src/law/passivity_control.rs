@@ -2,16 +2,16 @@
 //! teleoperator with time-varying communication delay", Mechatronics 20; Artigas, Ryu & Preusche 2010 for position against position; drift:
 //! Artigas, Ryu, Preusche & Hirzinger 2011, Chawda, Ott & O'Malley).
 //!
-//! The spring K_T between the copies is two springs of 2K_T in a row, and x_m, where they meet, is the network's port: each end holds its
-//! own half, 2K_T·(x_m − x_o), which is the force K_T·(x_d − x_o) where x_m is the middle of the copies. At rest within a tick, x_m moves
-//! between two of them toward the middle, ½(x_o + x_d), x_d of the newest packet, by Δ. That costs
+//! The spring K_T between the copies is two springs of 2K_T in a row, and x_m, where they meet, is the network's port: each end
+//! holds its own half, 2K_T·(x_m − x_o), which is the force K_T·(x_d − x_o) where x_m is the middle of the copies. Within a
+//! tick x_m is at rest; between two ticks it moves by Δ toward the middle, ½(x_o + x_d), x_d of the newest packet. That costs
 //!
 //! > ΔV = K_T·((s + Δ)² − s²),   s = x_m − x_o
 //!
 //! - **Observer**: a cost below 0 is energy that this end absorbs; it goes into what the packets say was absorbed, E_in. A cost above 0 is
 //!   what the end emits, E_out. W = E_in of the other end, as far as it is known, less E_out of this one, from the tank's start on.
-//! - **Controller**, of the admittance type: x_m moves so far that W stays at or above 0, and no farther. What would be made is not, to the
-//!   tick, for the cost is known before it is spent.
+//! - **Controller**, of the admittance type: x_m moves so far that W stays at or above 0, and no farther. No tick generates
+//!   energy that must be made good, for its cost is known before it is spent.
 //! - **Drift**: what x_m was held back by is not forgotten, for it goes to a position; it moves on as soon as W allows.
 //!
 //! The damper, F_B = B_T·(ẋ_d − v), is held back the same way: ẋ_d is not above what W pays for at any v (T_c·B_T·ẋ_d²/4 ≤ W), and W loses

@@ -5,7 +5,7 @@
 //! is lost, late, repeated or overtaken costs nothing and brings nothing twice: what came out of both tanks is never more than
 //! what was in them when they began and what was put in since, whatever the network does. No clock is needed.
 //!
-//! What is exact needs a force that is solved for with the copy's motion: `object.integrator = "midpoint"`.
+//! That is exact only for a force that is solved for with the copy's motion: `object.integrator = "midpoint"`.
 
 use super::Packet;
 use super::credit::CAP_J;

@@ -3,9 +3,9 @@
 //! u_in = (b·ẋ_d + F_T)/√(2b), u_out = (b·ẋ_d − F_T)/√(2b), so that F_T·ẋ_d = ½·(u_in² − u_out²): whatever the (constant)
 //! delay, the line stores energy and makes none (cooperation paper §2; symmetric form, THEORY §2).
 //!
-//! [`Line`] is the one implementation; what it does before the rate drop is its parameter: [`Wave`] sends the newest
-//! sample, [`PassiveWave`] sends it through the paper's one-pole filter, [`PassiveMean`] sends the mean. The
-//! energy of the incoming wave may be limited by a ledger ([`super::credit`]): then the line is passive on any network.
+//! [`Line`] is the one implementation; the filter before decimation is its parameter: [`Wave`] sends the newest sample,
+//! [`PassiveWave`] sends it through the paper's one-pole filter, [`PassiveMean`] sends the mean. The energy of the
+//! incoming wave may be limited by a ledger ([`super::credit`]): then the line is passive on any network.
 //!
 //! ẋ_d needs F_T and F_T needs ẋ_d. [`Decode::Delayed`] opens that loop as the paper does, with the force of the tick
 //! before; it generates energy near its gain limit. [`Decode::Implicit`] solves it in closed form (backward Euler on

@@ -1,11 +1,11 @@
-//! What a model was built with, as words that can be compared.
+//! The parameters that a model was built with, as 64-bit words that can be compared.
 
 use super::scalar::Scalar;
 use super::state::Motion;
 
 /// Lists the parameters that a model was built with, so that two of one type can be compared bit by bit.
 ///
-/// Many scenes are stepped side by side only where their law does so. With an empty implementation they run one by one:
+/// Scenes are simulated side by side (SIMD) only if their law lists its parameters. With an empty implementation they run one by one:
 ///
 /// ```
 /// # #[derive(Clone, Copy)] struct Quiet;
@@ -18,8 +18,8 @@ pub trait Configured {
     }
 }
 
-/// Implements [`Configured`](crate::num::Configured) for a struct: its generics, its type, and all of its fields; what follows from
-/// the others, as a state does at first, stands behind a semicolon and is left out. A field that is missing does not compile.
+/// Implements [`Configured`](crate::num::Configured) for a struct: its generics, its type, and all of its fields; those that follow
+/// from the others, such as an initial state, are named after a semicolon and left out. A field that is missing does not compile.
 ///
 /// ```
 /// use haptic_core::{configured, law::Spring, num::Scalar};

@@ -24,7 +24,7 @@ pub trait Scalar:
     + Sync
     + 'static
 {
-    /// The type of counters, which must hold more digits than this one: `f64`, or a lane of `f64` for each lane.
+    /// The type in which long sums are kept, which must hold more digits than this one: `f64`, or a lane of `f64` for each lane.
     type Counter: Scalar;
     /// Name for reports: `f32`, `f64`, `i32f32`.
     const NAME: &'static str;
@@ -33,24 +33,24 @@ pub trait Scalar:
     /// One, the multiplicative identity.
     const ONE: Self;
 
-    /// Nearest value; saturates where the type is bounded. For use in `build()`, not in the tick.
+    /// The nearest value; saturates where the type is bounded. For use in `build()`, not in the tick.
     fn from_f64(value: f64) -> Self;
-    /// Exact for `f32` and `f64`; [`Fixed`] rounds to 53 bits.
+    /// The value as `f64`: exact for `f32` and `f64`; [`Fixed`] rounds to 53 bits.
     fn to_f64(self) -> f64;
-    /// Exact for `f64` and [`Fixed`]; `f32` rounds to 24 bits.
+    /// The value of an integer: exact for `f64` and [`Fixed`]; `f32` rounds to 24 bits.
     fn from_i32(value: i32) -> Self;
     /// Nearest integer, saturating; NaN gives 0. Ties, and floats within one rounding of a tie, go away from zero.
     fn round_to_i32(self) -> i32;
-    /// The code of a motor nearest to a number within ±32767.
+    /// The nearest integer of a value within ±32767, as a motor's duty code.
     #[inline]
     fn to_code(self) -> i16 {
         self.round_to_i32() as i16
     }
-    /// The nearest counter value; rounds as [`Scalar::to_f64`] does.
+    /// The nearest value of [`Scalar::Counter`]; rounds as [`Scalar::to_f64`] does.
     fn to_counter(self) -> Self::Counter;
-    /// As [`Scalar::from_f64`] rounds. With it, what a law keeps in counters never leaves the number types, whichever they are.
+    /// The value nearest to `counter`, rounded as [`Scalar::from_f64`] does, in each lane by itself.
     fn of_counter(counter: Self::Counter) -> Self;
-    /// Neither infinite nor NaN.
+    /// Whether the value is neither infinite nor NaN.
     fn is_finite(self) -> bool;
     /// The bits of the value, equal where two values are the same, for state hashes.
     fn bits(self) -> u64;
@@ -58,7 +58,7 @@ pub trait Scalar:
     fn sqrt(self) -> Self;
     /// Sine and cosine of an angle in rad: error < 1 ulp (`libm`); [`Fixed`] < 2⁻³¹ up to 2²¹ rad.
     fn sin_cos(self) -> (Self, Self);
-    /// Sine and cosine, `micromath` where the type has it (`f32`): error ≤ 1.1e-3, a fraction of the cost.
+    /// Sine and cosine of an angle in rad; for `f32` by `micromath`, with an error ≤ 1.1e-3 at a fraction of the cost.
     fn sin_cos_fast(self) -> (Self, Self) {
         self.sin_cos()
     }

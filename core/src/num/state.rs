@@ -1,5 +1,5 @@
-//! What a peer's state is made of: motion, sums of many small terms, and how it is visited as a vector, which is what the analyser
-//! drives on unit states and a state hash runs over.
+//! What a peer's state is made of: motion, sums of many small terms, and how it is visited as a vector, which the
+//! stability analysis sets to unit states and over which a state hash runs.
 //!
 //! Sums are compensated (Kahan 1965): a position is a sum of a thousand steps a second. In f32 each step is rounded to about 3e-8 m
 //! at 0.3 m, and ten hours of that walk away by micrometres; with the part that did not fit carried to the next step, the error stays
@@ -129,7 +129,7 @@ impl<S: Scalar> Sum<S> {
         self.total
     }
 
-    /// A sum that begins with this.
+    /// A sum that starts at `total`.
     pub fn from(total: S) -> Self {
         Self { total, carry: Carry::default() }
     }

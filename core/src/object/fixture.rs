@@ -33,7 +33,7 @@ pub struct Fixture<S> {
 
 configured!([S: Scalar] Fixture<S> { beyond, position, stiffness, impedance, half_stiffness, entering });
 
-/// A port, and the sign of the only force that it may have; 0: either sign.
+/// A port that may be one-sided, as a wall's is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pushes<S> {
     /// What pushes the copy.

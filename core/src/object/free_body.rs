@@ -9,9 +9,9 @@
 //!
 //! whose impedance is the Schur complement, symmetric and as passive as Z is. So the one nonlinear solve stays one of three equations.
 //!
-//! **Kept**: what both keep. Energy changes by exactly T_c·(F·v + τ·ω − b·v²), momentum by T_c·F, angular momentum about the centre by
-//! T_c·τ. The place r at which a port acts is that of the tick's start: a spring tied to a point that turns by T_c·ω in a tick stores its
-//! energy to that order.
+//! **Conserved**: what both parts conserve. Energy changes by exactly T_c·(F·v + τ·ω − b·v²), momentum by T_c·F,
+//! angular momentum about the centre by T_c·τ. The place r at which a port acts is that of the tick's start: a spring
+//! tied to a point that turns by T_c·ω in a tick stores its energy to that order.
 
 use super::rigid::{Rotor, Three, TorquePort, Turned, Turning};
 use super::vector::{Body, Moving, VectorPort, combined, dot, solved, times};
@@ -97,7 +97,7 @@ impl<S: Scalar> FreeBody<S> {
         Self { body: Body::new(mass_kg, damping_n_s_per_m, period_s), rotor: Rotor::new(inertia_kg_m2, period_s) }
     }
 
-    /// One tick under everything that pushes, whose sum is this port.
+    /// Advances the body by one tick under `port`, the sum of all wrenches on it.
     pub fn step(&self, flying: &mut Flying<S>, port: &Wrench<S>) -> Flown<S> {
         let moves = VectorPort { force: three(&port.force, 0), impedance: block(port, 0, 0) };
         let (rows, right) = self.body.equations(&flying.moving, &moves);

@@ -24,7 +24,7 @@ pub use port::{Port, Solve, Staged};
 
 /// Advances a mass by one tick.
 pub trait Integrator<S: Scalar>: Model<S> {
-    /// The motion one control period later, under `force` (N) and what of the force before still acts.
+    /// The motion one control period later, under `force` (N) and the force of the tick before, as far as that still acts.
     fn step(&self, before: &mut Self::State, motion: Motion<S>, force: S) -> Motion<S>;
 }
 

@@ -69,7 +69,7 @@ pub struct WallContact<S, const N: usize> {
 }
 
 impl<S: Scalar, const N: usize> Plane<S, N> {
-    /// A wall toward whose `normal` (of any length but 0) everything beyond `position_m` is forbidden; none of the gains is negative.
+    /// A wall that forbids what lies beyond `position_m` (m) along `normal` (not 0), with gains ≥ 0 and the control period (s).
     pub fn new(normal: [f64; N], position_m: f64, gains: &Gains, period_s: f64) -> Self {
         let length = libm::sqrt(normal.iter().map(|part| part * part).sum());
         let stiffness = gains.stiffness_n_per_m;
@@ -118,7 +118,7 @@ impl<S: Scalar, const N: usize> Plane<S, N> {
         every_way + VectorPort::along(self.normal, Port { force: S::ZERO, impedance: -self.drag })
     }
 
-    /// Solves a tick of a body at this wall under everything else that pushes; the body is not moved yet.
+    /// Solves a tick of a body at this wall under `others`, the sum of all other ports; the body is not moved yet.
     pub fn meet(&self, body: &Body<S, N>, moving: &Moving<S, N>, others: &VectorPort<S, N>) -> WallContact<S, N> {
         let normal = self.port(self.depth(moving));
         let push = |velocity: [S; N]| -normal.at(dot(self.normal, velocity));
@@ -213,7 +213,7 @@ impl<S: Scalar, const N: usize> Oblique<S, N> {
         }))
     }
 
-    /// Mean velocity of a tick of a copy that begins it like this, under everything else that pushes, m/s.
+    /// Mean velocity (m/s) through a tick of a copy that begins it as `object`, under this fixture and all other ports.
     pub fn mean_velocity(&self, object: [Motion<S>; N], others: &VectorPort<S, N>) -> [S; N] {
         let (plane, moving) = (&self.plane, Moving::at(object));
         if !self.draws {

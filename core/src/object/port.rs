@@ -1,4 +1,4 @@
-//! A port: what pushes on the copy through one tick, as far as it depends on how the copy moves.
+//! A port: the mean force on the copy through one tick, with its dependence on the copy's velocity.
 //!
 //! Over a tick the mean force of a spring, a damper, a wall or a wave line is affine in the copy's mean velocity v,
 //!

@@ -116,7 +116,7 @@ fn turning<S: Scalar>([x, y, z]: Three<S>) -> [Three<S>; 3] {
 }
 
 impl<S: Scalar> Turning<S> {
-    /// The rows of R, by which a vector of the body is one in space. Of a quaternion whose norm is 1.
+    /// The rotation matrix R, row by row, which takes body coordinates to space; needs a quaternion of norm 1.
     pub fn rotation(&self) -> [Three<S>; 3] {
         let [w, x, y, z] = self.orientation;
         let twice = |product: S| product + product;
@@ -162,12 +162,12 @@ impl<S: Scalar> Rotor<S> {
         self.one_half * dot(momentum, each(self.inverse, momentum, |inverse, momentum| inverse * momentum))
     }
 
-    /// One tick of a body that nothing turns.
+    /// Advances a body without torque by one tick.
     pub fn coast(&self, state: &mut Turning<S>) -> Turned<S> {
         self.step(state, &TorquePort::default())
     }
 
-    /// One tick under everything that pushes, whose sum is this port.
+    /// Advances the body by one tick under `port`, the sum of all torques on it.
     pub fn step(&self, state: &mut Turning<S>, port: &TorquePort<S>) -> Turned<S> {
         let rotation = state.rotation();
         let back = transposed(rotation);

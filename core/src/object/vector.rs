@@ -32,7 +32,7 @@ impl<S: Scalar, const N: usize> Default for VectorPort<S, N> {
 }
 
 impl<S: Scalar, const N: usize> VectorPort<S, N> {
-    /// A port along each axis, none of which knows of the others.
+    /// Independent ports along each axis: Z is diagonal.
     pub fn of_axes(ports: [Port<S>; N]) -> Self {
         let mut impedance = [[S::ZERO; N]; N];
         for (at, (row, port)) in impedance.iter_mut().zip(&ports).enumerate() {
@@ -43,7 +43,7 @@ impl<S: Scalar, const N: usize> VectorPort<S, N> {
         Self { force: ports.map(|port| port.force), impedance }
     }
 
-    /// A port along this unit vector.
+    /// A port that acts along this unit vector only.
     pub fn along(unit: [S; N], port: Port<S>) -> Self {
         Self {
             force: unit.map(|part| part * port.force),
@@ -108,7 +108,7 @@ pub(super) fn solved<S: Scalar, const N: usize>(mut rows: [[S; N]; N], mut right
     unknown
 }
 
-/// A mass that is moved by such ports.
+/// A mass with damping that is moved by [`VectorPort`]s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body<S, const N: usize> {
     period: S,
@@ -130,7 +130,7 @@ pub struct Moving<S, const N: usize> {
 }
 
 impl<S: Scalar, const N: usize> Moving<S, N> {
-    /// A body that moves like this.
+    /// A body with these positions (m) and velocities (m/s).
     pub fn at(axes: [Motion<S>; N]) -> Self {
         Self { axes, carries: [[Carry::default(); 2]; N] }
     }
@@ -169,7 +169,7 @@ impl<S: Scalar, const N: usize> Body<S, N> {
         (rows, combined(ports.force, moving.velocity(), |force, velocity| force + self.inertia * velocity))
     }
 
-    /// Mean velocity of a tick under everything that pushes, whose sum is this port, m/s.
+    /// Mean velocity (m/s) of the body through a tick under `ports`, the sum of all ports on it.
     pub fn mean_velocity(&self, moving: &Moving<S, N>, ports: &VectorPort<S, N>) -> [S; N] {
         let (rows, right) = self.equations(moving, ports);
         solved(rows, right)

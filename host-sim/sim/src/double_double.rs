@@ -13,7 +13,7 @@ use std::ops::{Add, Mul, Neg, Sub};
 
 use haptic_core::num::Scalar;
 
-/// The sum of two f64.
+/// A number of about 32 decimal digits: the sum of two f64.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 pub struct DoubleDouble {
     high: f64,

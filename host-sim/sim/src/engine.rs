@@ -1,10 +1,10 @@
-//! The engine: actors, each on its own clock, and a network from each to each other, stepped together in virtual time.
+//! The engine: actors, each with its own clock, and a network between every two of them, stepped together in simulated time.
 //!
-//! **One tick**, a control period of true time: what has come is heard, everybody speaks, what comes at once is heard, and
-//! then everybody acts in the order of the seats, each after hearing what has come by then. So a network without delay
-//! delivers within the tick, and who sits last has heard everybody. What is said in answer leaves when the question arrived,
-//! not at the next tick. Nobody else steps anything: who wants to watch gives [`Engine::step`] a closure that sees every
-//! actor after each of its turns; who wants to disturb switches seats off and on, changes actors and cuts routes in between.
+//! **One tick**, a control period of true time: packets that have arrived are delivered, every actor sends, packets without delay are
+//! delivered, and then the actors compute one after the other, in the order of the seats, each after it has received what has arrived
+//! by then. So a network without delay delivers within the tick, and the last seat has heard all others. An answer leaves when the
+//! question arrived, not at the next tick. Nothing else advances time: an observer gives [`Engine::step`] a closure that sees every
+//! actor after each of its turns; to disturb a run, seats are switched off and on, actors changed and routes cut between ticks.
 //!
 //! Time and randomness are arguments, so a run is a function of what it was given. Time is nanoseconds.
 
@@ -15,7 +15,7 @@ use crate::network::link::{Counts, InFlight, Payload, Route};
 /// The function by which an actor sends: called with the receiver's address and the packet.
 pub type Out<'a, A, P> = dyn FnMut(A, &P) + 'a;
 
-/// A peer with its device, a sealed node, a hub, a client, a server, a player: whoever takes packets and sends packets.
+/// A participant that receives and sends packets: a peer with its device, a node behind a sealed link, a hub, a client, a server.
 ///
 /// `A` is how others are addressed: by the number of their seat in an [`Engine`], by a socket address on a real network. An
 /// actor that is to run on both takes any `A: Copy` and `Packet = [u8]`. All times are of one clock, its own, which may start
@@ -59,13 +59,13 @@ impl Clock {
     }
 }
 
-/// An actor and what the engine knows of it.
+/// An actor, its clock, and whether it takes part.
 pub struct Seat<A> {
     /// The actor that sits there.
     pub actor: A,
     /// The clock whose time the actor gets.
     pub clock: Clock,
-    /// Its control period over the true one; unless that is 1, it sometimes has no tick or two in a true one.
+    /// Its control period divided by the engine's; unless 1, the actor now and then has no tick, or two, in one of the engine's.
     pub period: f64,
     /// Whether the actor has crashed or is gone: then it hears nothing and does nothing.
     pub off: bool,
@@ -126,7 +126,7 @@ pub struct Engine<A: Actor<usize>> {
 }
 
 impl<A: Actor<usize>> Engine<A> {
-    /// These actors at time 0, with `route(from, to)` from each seat to each; a tick is `period_ns` long, ns.
+    /// An engine at time 0 with these actors and `route(from, to)` from each seat to each; a tick is `period_ns` long, ns.
     pub fn new(period_ns: u64, seats: Vec<Seat<A>>, mut route: impl FnMut(usize, usize) -> Route) -> Self {
         let count = seats.len();
         let routes = (0..count * count).map(|direction| route(direction / count, direction % count)).collect();
@@ -161,7 +161,7 @@ impl<A: Actor<usize>> Engine<A> {
         })
     }
 
-    /// One tick; `watch` sees every turn.
+    /// Advances all actors by one tick; `watch` is called after every turn of an actor.
     #[inline]
     pub fn step(&mut self, watch: &mut impl FnMut(EngineView<'_, A>)) {
         let most = self.seats.iter().map(|seat| if seat.period == 1.0 { 1 } else { seat.turns(self.tick) }).max();

@@ -1,4 +1,4 @@
-//! Why there is no scene, no run, or no key.
+//! Why a scene, a run or a key file was refused.
 
 use std::fmt::Display;
 
@@ -32,7 +32,7 @@ pub enum Error {
     /// A setting has a value that it does not accept.
     #[error(transparent)]
     Setting(#[from] Refused<'static>),
-    /// Settings of which no link can be made.
+    /// Settings from which no link can be built.
     #[error(transparent)]
     Link(#[from] haptic_protocol::link::ConfigError),
     /// What cannot be done with which file, device or socket, and what the operating system or a parser said.
@@ -63,7 +63,7 @@ impl Error {
         Self::NotAllowed { what: what.into(), allowed: allowed.into() }
     }
 
-    /// For `map_err`: makes the failure to do `act` (a verb, such as `read`) with a file or the like an error.
+    /// For `map_err`: turns a failure to `act` (a verb, such as `read`) on `with` (a file or the like) into an error.
     pub fn cannot<E: Into<Cause>>(act: &str, with: &dyn Display) -> impl Fn(E) -> Self + use<E> {
         let what = format!("{act} {with}");
         move |cause| Self::Io(what.clone(), cause.into())

@@ -1,7 +1,7 @@
 //! Simulation of two haptic peers on a PC: the scene, devices and users, the network, and the outcome of a run.
 //!
-//! The peers are those of `haptic_core`, the same code that runs on the board; its page also says what THEORY and the
-//! two papers are that comments cite. What a program needs that runs scenes stands here at the root:
+//! The peers are those of `haptic_core`, the same code that runs on the board; its page also explains the two papers
+//! and THEORY, which comments cite. Everything that a program needs to run scenes is at the root:
 //!
 //! ```
 //! use haptic_sim::{Laws, Options, Pair, Scene, run, scenes};

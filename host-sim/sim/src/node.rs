@@ -10,8 +10,9 @@
 //! the same degradation in time, for a caller that has none of its own; here it only goes into the report, for two
 //! degradations in a row would fade twice.
 //!
-//! A node calls until flow is heard, then arms, disengaged. When both ends are live ([`crate::start`]) it runs the scene's user: before
-//! that its hand does nothing. Peers compute in f32, as the board does. Of an object that is shared along several axes one datagram has the packets of all of them.
+//! A node calls until it hears a flow message, then arms, disengaged. When both ends are live ([`crate::start`]) it runs the scene's user,
+//! whose hand does nothing before that. Peers compute in f32, as the board does. Of an object that is shared along several axes one
+//! datagram has the packets of all of them.
 
 use std::collections::VecDeque;
 
@@ -94,7 +95,7 @@ pub const MOST_NOTICES: usize = 256;
 pub struct Line<const SHARED: usize = 1> {
     /// The sealed link to the other peer.
     pub link: Link,
-    /// The flow that has come and waits for its exchange.
+    /// Received flow (the packets of the control loop) that waits for the next exchange.
     pub inbox: Inbox<SHARED>,
     /// Newest telemetry of the other peer, which it sends every [`TELEMETRY_S`] by default.
     pub heard: Option<Telemetry>,
@@ -112,7 +113,7 @@ impl<const SHARED: usize> Line<SHARED> {
     /// The end of peer `number` (1 or 2), calling. `entropy` must never be the same at two starts.
     ///
     /// # Errors
-    /// Settings of which no link can be made.
+    /// Settings from which no link can be built.
     pub fn open(scene: &Scene, number: u8, key: Key, entropy: [u8; Key::LEN]) -> Result<Self, crate::Error> {
         let peers = scene.peers();
         let [settings, other] = [number == 2, number != 2].map(|second| &peers[usize::from(second)]);
@@ -152,7 +153,7 @@ impl<const SHARED: usize> Line<SHARED> {
         sealed_us.unwrap_or(now_us.saturating_sub(ago_us)).min(now_us)
     }
 
-    /// Takes in what the link has noticed.
+    /// Processes what the link has reported; `now_us` is the time, µs.
     pub fn heed(&mut self, now_us: u64) {
         while let Some(notice) = self.link.take_notice() {
             if notice == Notice::Disengaged {
@@ -174,7 +175,7 @@ impl Node {
     /// Peer `number` (1 or 2) of a scene, disarmed and calling. `entropy` must never be the same at two starts.
     ///
     /// # Errors
-    /// A scene that cannot be built, or settings of which no link can be made.
+    /// A scene that cannot be built, or settings from which no link can be built.
     pub fn new(scene: &Scene, number: u8, key: Key, entropy: [u8; Key::LEN]) -> Result<Self, crate::Error> {
         Self::build(scene, number, key, entropy)
     }
@@ -189,12 +190,12 @@ where
     /// same at two starts.
     ///
     /// # Errors
-    /// A scene that cannot be built, another number of shared axes, or settings of which no link can be made.
+    /// A scene that cannot be built, another number of shared axes, or settings from which no link can be built.
     pub fn build(scene: &Scene, number: u8, key: Key, entropy: [u8; Key::LEN]) -> Result<Self, crate::Error> {
         Self::with_device(scene, number, key, entropy, Plant::build(scene, usize::from(number == 2)))
     }
 
-    /// [`Node::build`] with a device that exists already: what a reset leaves of a peer.
+    /// [`Node::build`], with the same errors, for a device that exists already: what a reset leaves of a peer.
     pub fn with_device(
         scene: &Scene,
         number: u8,
@@ -233,7 +234,7 @@ where
         Self { telemetry_s, ..self }
     }
 
-    /// This node, which begins to move so many µs after both ends are live: [`crate::start::AFTER_US`] where both are to begin at once.
+    /// This node, which begins to move `after_us` µs after both ends are live: [`crate::start::AFTER_US`] where both are to begin at once.
     #[must_use]
     pub fn beginning_after(self, after_us: u64) -> Self {
         Self { after_us, ..self }
@@ -247,7 +248,7 @@ where
         self.line.receive(now_us, self.ticks, datagram)
     }
 
-    /// One control period: exchanges if that is due, says what is to be said, ticks, moves the device.
+    /// Advances by one control period: exchanges packets if due, sends what is due by `send`, ticks the peer and moves the device.
     pub fn tick(&mut self, now_us: u64, mut send: impl FnMut(&[u8])) -> Actuators<f32, N> {
         self.line.link.say_due(now_us, &mut send);
         self.line.heed(now_us);

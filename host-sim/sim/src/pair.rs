@@ -84,7 +84,7 @@ impl<S: Builds<SHARED, N>, D: Device<S, N>, const SHARED: usize, const N: usize>
     /// Peer `index` (0 or 1) of a scene at this device, armed and at rest, which sends to seat `to`.
     ///
     /// # Errors
-    /// What the peer refuses; `axis.shared` that is not `SHARED`.
+    /// The first key that the peer refuses, or an `axis.shared` that is not `SHARED`.
     pub fn new(scene: &Scene, index: usize, to: usize, device: D) -> Result<Self, Refused<'static>> {
         let peer = scene.laws.peer(&scene.peers()[index], device.start())?;
         Ok(Self::of(scene, peer, device, to))
@@ -194,7 +194,7 @@ impl<S: Number> Pair<S> {
     /// Both peers armed and at rest, at the scene's simulated devices.
     ///
     /// # Errors
-    /// What a peer refuses; an object that is shared along several axes, which [`Pair::build`] takes.
+    /// The first key that a peer refuses, or an object shared along several axes, which [`Pair::build`] takes.
     pub fn new(scene: &Scene) -> Result<Self, Refused<'static>> {
         Self::build(scene)
     }
@@ -204,7 +204,7 @@ impl<S: Builds<SHARED, N>, const SHARED: usize, const N: usize> Pair<S, Plant<N>
     /// Both peers armed and at rest, at the scene's simulated devices.
     ///
     /// # Errors
-    /// What a peer refuses; `axis.shared` that is not `SHARED`.
+    /// The first key that a peer refuses, or an `axis.shared` that is not `SHARED`.
     pub fn build(scene: &Scene) -> Result<Self, Refused<'static>> {
         Self::starting_at(scene, [0.0; N])
     }
@@ -222,7 +222,7 @@ impl<S: Builds<SHARED, N>, D: Device<S, N>, const SHARED: usize, const N: usize>
     /// Both peers of a scene armed and at rest, at these devices, peer 1's first.
     ///
     /// # Errors
-    /// What a peer refuses; `axis.shared` that is not `SHARED`.
+    /// The first key that a peer refuses, or an `axis.shared` that is not `SHARED`.
     pub fn with_devices(scene: &Scene, devices: [D; 2]) -> Result<Self, Refused<'static>> {
         let [first, second] = devices;
         Ok(Self::of(scene, [Side::new(scene, 0, 1, first)?, Side::new(scene, 1, 0, second)?]))

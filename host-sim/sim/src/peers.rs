@@ -186,7 +186,7 @@ impl Maker {
 
 /// A number type in which peers that share `SHARED` axes of a device of `N` can be built.
 pub trait Builds<const SHARED: usize, const N: usize>: Scalar {
-    /// How a family makes them.
+    /// The constructor of such peers in a family of laws.
     #[doc(hidden)]
     fn make(maker: &Maker) -> Make<Self, SHARED, N>;
 }

@@ -8,10 +8,10 @@ pub type Named = (&'static str, &'static str);
 /// The column of the true discrepancy between both peers' copies, m.
 pub const TRUE_DISCREPANCY: Named = ("true_discrepancy_m", "distance of the two copies at one instant, |x_o1 - x_o2|");
 
-/// `before`, every quantity that a recording of a tick has, and `behind`: of the peer, then `between`, then of one shared axis.
+/// Columns of a recording: `before`, the quantities of the peer, `between`, those of one shared axis, `behind`, in this order.
 ///
 /// # Panics
-/// They are not `N`; where this is constant, it does not compile.
+/// If these are not `N` columns; in a constant, that is a compile error.
 pub const fn around<const N: usize>(of: &Quantities, [before, between, behind]: [&[Named]; 3]) -> [Named; N] {
     let mut columns = [("", ""); N];
     let mut at = 0;
@@ -33,10 +33,10 @@ pub const fn around<const N: usize>(of: &Quantities, [before, between, behind]: 
     columns
 }
 
-/// Where the column of this name stands.
+/// Index, from 0, of the column with this name.
 ///
 /// # Panics
-/// There is none; where this is constant, it does not compile.
+/// If there is no such column; in a constant, that is a compile error.
 pub const fn place(columns: &[Named], name: &str) -> usize {
     let mut at = 0;
     while !haptic_core::sample::same(columns[at].0, name) {

@@ -40,7 +40,7 @@ pub type GoOn<'a> = &'a dyn Fn(u64) -> bool;
 /// Is called with every recorded row, as the index of its shared axis (from 0) and the values of its columns.
 pub type EachRow<'a> = &'a dyn Fn(usize, &[f64]);
 
-/// A number type in which scenes are run.
+/// A number type in which scenes can be run.
 pub trait Run: Number + Scalar<Counter = f64> {
     /// [`run`] in this type. Compiled here, once and optimised, and not wherever it is called.
     #[doc(hidden)]

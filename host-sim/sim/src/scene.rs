@@ -244,7 +244,7 @@ pub struct Scene {
 /// Keys of one end alone, with their values, which were checked.
 type OwnKeys = Vec<(&'static str, Value<'static>)>;
 
-/// The longest scene file.
+/// Largest scene file that is read: 1 MiB.
 pub const MOST: Most = Most::new(1 << 20, "a scene");
 
 /// Tables and keys that may differ between the two ends, written with `peer.1.` or `peer.2.` before them: a leader and a follower whose
@@ -393,7 +393,7 @@ impl Scene {
         self.set(key, &toml::Value::Float(number), "sweep", None)
     }
 
-    /// Sets one key; `place` is where a complaint says that the value stood, names of files are relative to `folder`.
+    /// Sets one key; an error names `place` as where the value stood, and names of files are relative to `folder`.
     ///
     /// # Errors
     /// There is no such key, or it does not accept the value.
@@ -564,7 +564,7 @@ impl Scene {
     /// Checks every range and combination, for scenes put together in code.
     ///
     /// # Errors
-    /// The first that is not allowed, which stood at `place`.
+    /// The first value or combination that is not allowed; the error names `place` as where it stood.
     pub fn check(&self, place: &str) -> Result<(), Error> {
         let refused = |refused: Refused<'static>| Error::at(place, refused);
         let own = self.peers().into_iter().filter(|_| self.own.iter().any(|own| !own.is_empty()));

@@ -8,10 +8,10 @@
 //! **Limits**: the ends agree as exactly as the clock knows the offset, if the flow that first said so was not lost; otherwise one begins
 //! some packet periods later, on a line that is live.
 
-/// How long after both are live two live ends begin, µs: as old as flow may be that is taken, so that both know in time.
+/// Delay from when both ends are live to when they begin to move, µs: no flow that is accepted is older, so both know in time.
 pub const AFTER_US: u64 = 500_000;
 
-/// What one end of a line knows of when both became live, µs of its own clock.
+/// When each end of a line became live, as one end knows it, µs of its own clock.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Start {
     own_us: Option<u64>,
@@ -19,13 +19,13 @@ pub struct Start {
 }
 
 impl Start {
-    /// This end's coordination is complete in what it says now, or is not engaged. Once it was complete, the end stays live until it is
-    /// not engaged any more.
+    /// Takes note of what this end announces at `now_us` (µs): `whole` if its coordination is complete, `engaged` if it
+    /// acts at all. Once whole, the end stays live until it is no longer engaged.
     pub fn say(&mut self, now_us: u64, whole: bool, engaged: bool) {
         self.own_us = self.own_us.filter(|_| engaged).or(whole.then_some(now_us));
     }
 
-    /// The other end has said, at this time, that it is live, or that it is not.
+    /// Takes note that the other end announced at `said_us` (µs) that it is live, or not.
     pub fn hear(&mut self, said_us: u64, live: bool) {
         self.other_us = live.then_some(self.other_us.unwrap_or(said_us));
     }
@@ -35,7 +35,7 @@ impl Start {
         self.own_us.is_some()
     }
 
-    /// Since when both ends are live.
+    /// Time since which both ends are live, µs of this end's clock; `None` if they are not.
     pub fn both_us(&self) -> Option<u64> {
         self.own_us.zip(self.other_us).map(|(own, other)| own.max(other))
     }

@@ -46,7 +46,7 @@ haptic_core::settings! {
     }
 }
 
-/// The longest file of a trace, of a force or of a network.
+/// Largest file of a force or network trace that is read: 128 MiB.
 pub const TRACE: Most = Most::new(1 << 27, "a trace");
 
 /// A simulated user: the profile of forces and arm, and a recorded force.
@@ -133,7 +133,7 @@ pub struct Trace {
 }
 
 impl Trace {
-    /// Reads a CSV file with the header `time_s,force_n` and times that grow.
+    /// Reads a CSV file with the header `time_s,force_n` and increasing times.
     ///
     /// # Errors
     /// The file cannot be read, or the first row that is wrong.

@@ -22,7 +22,7 @@ use crate::{device::AXES, model::Model};
 
 pub use crate::names::{KinematicsName, Maths};
 
-/// Positions of the axes, and how the joints move them.
+/// Pose of a device: position and velocity of its axes, and the Jacobian of the joints.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose<S, const N: usize = AXES> {
     /// Position (m) and velocity (m/s) of every axis.
@@ -71,7 +71,7 @@ impl<S: Scalar, const N: usize> Pose<S, N> {
         joints
     }
 
-    /// Whether the joints cannot move the hand at all, which is how a mechanism says that its pose is singular.
+    /// Whether the Jacobian is zero, by which a mechanism reports that its pose is singular.
     #[inline]
     pub fn is_singular(&self) -> bool {
         self.jacobian.as_flattened().iter().all(|share| *share == S::ZERO)
@@ -113,10 +113,10 @@ macro_rules! mechanisms {
         pub enum $Any<S: Scalar> { $( $Variant($model) ),+ }
 
         impl<S: Scalar> $Any<S> {
-            /// The one that the settings name.
+            /// The mechanism that the settings name.
             ///
             /// # Errors
-            /// A mechanism of another number of axes, or lengths that do not go together.
+            /// A mechanism of another number of axes, or link lengths with which it cannot be assembled.
             pub fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
                 Ok(match settings.kinematics.model {
                     $( KinematicsName::$Variant => Self::$Variant(<$model as Model<S>>::build(settings)?), )+

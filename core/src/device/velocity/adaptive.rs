@@ -32,14 +32,14 @@ pub const MAX_WINDOW: usize = 16;
 /// others at most 16 apart, so the middle of that gap is as far from any rounding as can be.
 pub const SLACK: f64 = 1.0 / 32.0;
 
-/// Control period, rate, and what each position of the past says about the slope.
+/// Velocity estimator with an adaptive window (FOAW).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Adaptive<S> {
     rate_hz: S,
     period_s: S,
     /// δ.
     band: S,
-    /// 1/i and δ/i for i = 2…window, and for longer ones a band that no slope is in.
+    /// 1/i and δ/i for i = 2…window; beyond the window, a band that no slope lies in.
     longer: [(S, S); MAX_WINDOW - 1],
 }
 

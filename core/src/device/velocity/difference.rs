@@ -13,7 +13,7 @@ use crate::num::{Motion, Scalar};
 use crate::settings::{Allowed, Refused, Settings};
 use crate::{device::velocity::VelocityEstimator, model::Model};
 
-/// The control period and one over it.
+/// Velocity estimator that takes the backward difference of positions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Difference<S> {
     period_s: S,
@@ -43,7 +43,7 @@ impl<S: Scalar> VelocityEstimator<S> for Difference<S> {
     }
 }
 
-/// The difference, and the share of it that a tick takes over.
+/// Velocity estimator that takes the backward difference through a one-pole low-pass filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Filtered<S> {
     difference: Difference<S>,

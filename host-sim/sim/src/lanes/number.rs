@@ -318,9 +318,9 @@ macro_rules! lanes {
     };
 }
 
-/// A number for each lane.
+/// A number type that holds one number for each lane.
 pub trait Lanes: Scalar<Counter = F64s> {
-    /// The type of one of them.
+    /// The number type of a single lane.
     type Alone: Scalar;
     /// [`Scalar::bits`] of each lane's number.
     fn each_bits(self) -> [u64; LANES];

@@ -15,7 +15,7 @@ use crate::pair::{HASH_SEED, Pair, Side};
 use crate::peers::{Builds, DynPeer, mixed};
 use crate::{plant::Plant, scene::Scene};
 
-/// Pairs of peers, one a lane, on one network.
+/// Pairs of peers side by side, one pair in each lane, on one network.
 pub struct Pairs<S: Lanes, const SHARED: usize = 1, const N: usize = AXES> {
     pair: Pair<S, Plants<N>, SHARED, N>,
     hashes: [u64; LANES],
@@ -24,11 +24,11 @@ pub struct Pairs<S: Lanes, const SHARED: usize = 1, const N: usize = AXES> {
 }
 
 impl<S: Lanes + Builds<SHARED, N>, const SHARED: usize, const N: usize> Pairs<S, SHARED, N> {
-    /// These scenes, which are of one kind, at most [`LANES`]; all peers armed and at rest. Which lanes have left, or do from
-    /// now on, [`super::number::lanes_left`] says: one group of lanes a thread at a time. Lanes without a scene do what the last one does.
+    /// Pairs for these scenes of one kind, at most [`LANES`], all peers armed and at rest. [`super::number::lanes_left`] says
+    /// which lanes have left, for one group of lanes a thread at a time. Lanes without a scene do what the last one does.
     ///
     /// # Errors
-    /// What a peer refuses.
+    /// The first key whose value is out of range or impossible beside the others.
     ///
     /// # Panics
     /// There is no scene.
@@ -60,13 +60,13 @@ impl<S: Lanes, const SHARED: usize, const N: usize> Pairs<S, SHARED, N> {
         self.pair.packets_per_s()
     }
 
-    /// A control period of all lanes; `each` sees every peer after its tick.
+    /// Advances all lanes by one control period; `each` gets every peer's index (0 or 1) and the peer after its tick.
     #[inline]
     pub fn step(&mut self, each: &mut impl FnMut(usize, &dyn DynPeer<S, SHARED, N>)) {
         self.pair.step_watched(&mut |seen| each(seen.number - 1, seen.peer));
     }
 
-    /// Goes on with the hash of each lane's states ([`Pair::hash`]).
+    /// Continues the hash of each lane's states ([`Pair::hash`]).
     #[inline]
     pub fn hash(&mut self) {
         let words = &mut self.words;

@@ -26,10 +26,10 @@ impl InLanes for f64 {
     type Lanes = F64s;
 }
 
-/// What [`crate::run::run`] gives for each of the scenes, to the last bit; nothing is recorded.
+/// Runs all scenes for `duration_s` (s); gives, to the last bit, what [`crate::run::run`] does for each; nothing is recorded.
 ///
 /// # Errors
-/// What a peer of the first of them refuses.
+/// The first key of the first refused scene that is out of range or impossible beside the others.
 pub fn run<S: InLanes>(scenes: &[Scene], duration_s: f64) -> Result<Vec<Outcome>, Refused<'static>> {
     let options = Options { duration_s, record_every: 0 };
     let (groups, mut alone) = kinds(scenes);

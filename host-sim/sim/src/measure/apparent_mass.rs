@@ -17,7 +17,7 @@ const RAMP_N_PER_S: f64 = 1e-3;
 /// Of an object that is shared along several axes, along the first.
 ///
 /// # Errors
-/// What a peer refuses.
+/// The first key whose value is out of range or impossible beside the others.
 pub fn measure(scene: &Scene) -> Result<f64, Refused<'static>> {
     of_axes!(scene, measured(scene))
 }

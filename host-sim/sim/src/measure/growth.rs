@@ -34,8 +34,8 @@ impl Growth {
         self.largest.iter().copied().fold(0.0, f64::max)
     }
 
-    /// Whether it grows without bound: fourfold over the last four eighths, and as an exponential does, by at least half of an even
-    /// share (in the logarithm) in each of them, which the chances of a bad network hardly ever do; or it was infinite.
+    /// Whether it grows without bound: at least fourfold over the last four eighths, and in each of them by at least half of
+    /// an even logarithmic share, as an exponential does and random packet losses hardly ever do; or whether it was infinite.
     pub fn grew(&self) -> bool {
         let tail = &self.largest[3..];
         let all = tail[4] / tail[0];
@@ -53,7 +53,7 @@ pub struct Forces<F = f64> {
 }
 
 impl<F: Figure> Forces<F> {
-    /// For a run of `ticks` ticks, from no force on.
+    /// For a run of `ticks` ticks that starts from zero force.
     pub fn new(ticks: u64) -> Self {
         Self { last: Vec::new(), peak: F::ZERO, changes: Growth::new(ticks) }
     }
@@ -89,7 +89,7 @@ impl Forces {
         self.peak
     }
 
-    /// The largest change of any from one tick to the next.
+    /// The largest change of any force from one tick to the next, N.
     pub fn largest_change(&self) -> f64 {
         self.changes.largest()
     }

@@ -8,9 +8,10 @@
 //! Z(jω) = m·jω + b + H(jω)·F/v,   H = e^(−jωT_c·(τ + ½))·sin(ωT_c/2)/(ωT_c/2).
 //! ```
 //!
-//! The far hand holds its device still, or has let go of it, or nobody holds that device and the object takes it along: between these two lies what the object and whatever is done
-//! to it can be felt as (the Z-width of Colgate & Brown 1994, of a link instead of a wall). The network is the scene's at constant delay
-//! ([`Scene::linear`]), either end may be the one that is led ([`answer`]), but laws are as they are: of one that is not linear this is the describing function at that speed.
+//! The far hand holds its device still, or has let go of it, or nobody holds that device and the object takes it along: between the
+//! extremes lies the range of impedances that can be felt (the Z-width of Colgate & Brown 1994, of a link instead of a wall). The network
+//! is the scene's at constant delay ([`Scene::linear`]), either end may be the one that is led ([`answer`]), but laws are as they are: of
+//! one that is not linear this is the describing function at that speed.
 //!
 //! **Passive** at a frequency is an impedance whose real part is not negative: there the hand can take out no energy that it did not put
 //! in. Units: Hz, N·s/m. Left out: what the answer holds at other frequencies than the hand's.
@@ -50,14 +51,14 @@ pub enum RemoteEnd {
     Alone,
 }
 
-/// Frequency response of both ends to a hand's motion, per speed of that hand.
+/// Frequency response of both ends to the motion of a hand, per speed of that hand.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Answer {
     /// What the hand feels, N·s/m.
     pub impedance: Complex,
     /// Position of the far device over that of the device in the hand, without unit.
     pub motion: Complex,
-    /// Force with which the far motor pushes its device on, N·s/m.
+    /// Force of the far motor on its device, along the hand's motion, per speed of the hand, N·s/m.
     pub pushed: Complex,
 }
 
@@ -103,8 +104,8 @@ pub fn frequencies_hz(scene: &Scene) -> Vec<f64> {
     found.into_iter().map(|ticks| 1.0 / (f64::from(ticks) * timing.control_period_s)).collect()
 }
 
-/// Force of a motor that is commanded `force`, holds it for a control period (s) and is late as this device's:
-/// H·`force`, `omega` in rad/s.
+/// Motor force for a commanded phasor `force` at `omega` (rad/s), held for a control period `period_s` (s) and delayed
+/// as this device's: H·`force`.
 pub fn held(device: &scene::Device, omega: f64, period_s: f64, force: Complex) -> Complex {
     let half = 0.5 * omega * period_s;
     let late = -omega * period_s * (device.force_delay_ticks + 0.5);
@@ -161,11 +162,11 @@ impl Device<f64> for Hand {
     }
 }
 
-/// What a hand at peer 1 that moves at `frequency_hz` with up to `speed_m_per_s` feels; none where a peer stopped or the answer does not
-/// repeat.
+/// Impedance (N·s/m) that a hand at peer 1 feels which moves at `frequency_hz` with up to `speed_m_per_s`; none where a
+/// peer stopped or the answer does not repeat.
 ///
 /// # Errors
-/// Settings that no peer accepts.
+/// The first key whose value is out of range or impossible beside the others.
 pub fn felt(
     scene: &Scene,
     far: RemoteEnd,
@@ -175,10 +176,10 @@ pub fn felt(
     Ok(answer(scene, 0, far, frequency_hz, speed_m_per_s)?.map(|answer| answer.impedance))
 }
 
-/// What both ends answer to a hand at end `near` (0 or 1) that moves so; none as of [`felt`].
+/// Response of both ends to a hand at end `near` (0 or 1) that moves as in [`felt`]; none where [`felt`] gives none.
 ///
 /// # Errors
-/// Settings that no peer accepts.
+/// The first key whose value is out of range or impossible beside the others.
 pub fn answer(
     scene: &Scene,
     near: usize,

@@ -10,7 +10,7 @@ pub mod swing;
 use haptic_core::num::Scalar;
 use serde::Serialize;
 
-/// What runs are measured in: `f64`, or one in each lane ([`crate::lanes`]).
+/// A number type in which runs are measured: `f64`, or one `f64` in each lane ([`crate::lanes`]).
 pub trait Figure: Scalar<Counter = Self> {
     /// The number one half.
     const HALF: Self;
@@ -66,7 +66,7 @@ pub struct LastHalf<const N: usize, F = f64> {
 }
 
 impl<const N: usize, F: Figure> LastHalf<N, F> {
-    /// A measurement over a run of so many ticks.
+    /// A measurement over a run of `ticks` ticks.
     pub fn new(ticks: u64) -> Self {
         Self { from_tick: ticks / 2, count: 0, sums: [F::ZERO; N] }
     }

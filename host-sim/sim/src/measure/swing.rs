@@ -17,14 +17,14 @@ const PUSH_N: f64 = 0.5;
 /// Time for what the start of the swing leaves to die away, s.
 const SETTLE_S: u32 = 10;
 
-/// What a swing shows.
+/// What the hands feel of the shared object in a slow swing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Felt {
     /// Apparent mass of the whole shared object, kg.
     pub mass_kg: f64,
     /// Drag that the hands feel, N·s/m.
     pub drag_n_s_per_m: f64,
-    /// From one peer's tick to the other's that acts on it, mean of both ways, s.
+    /// Delay from a tick of one peer to the tick of the other that acts on it, mean of both ways, s.
     pub delay_s: f64,
 }
 
@@ -50,7 +50,7 @@ impl Phasor {
     }
 }
 
-/// Swings a scene whose contact is permanent for `periods` after it has settled.
+/// Swings a scene with permanent contact for `periods` periods of 1 s, after it has settled.
 ///
 /// # Errors
 /// The first key of the scene that is out of range or impossible beside the others.

@@ -13,12 +13,12 @@ use crate::scene::Scene;
 
 /// A packet as the network carries it.
 pub trait Payload: ToOwned<Owned: BorrowMut<Self>> {
-    /// Corrupts it as a transmission error does. False where it is then lost, for it would not pass the seal.
+    /// Corrupts the packet as a transmission error does; false if it is then lost, because it would fail authentication.
     fn corrupt(&mut self) -> bool {
         false
     }
 
-    /// The packet period that it was sent in, counted from 0, where it says so; else packets are counted as they are sent.
+    /// Number, from 0, of the packet period in which it was sent; `None` if it does not carry that: packets are then counted as sent.
     fn number(&self) -> Option<u64> {
         None
     }
@@ -58,11 +58,11 @@ impl<T: Clone> Payload for Numbered<T> {
 pub struct Counts {
     /// Number of packets that were sent.
     pub taken: u64,
-    /// Packets that came out or are on their way, copies included.
+    /// Number of copies that have come out or are under way.
     pub sent: u64,
     /// Number of packets that were lost.
     pub lost: u64,
-    /// Packets broken on purpose.
+    /// Number of packets that were corrupted.
     pub corrupt: u64,
 }
 
@@ -96,7 +96,7 @@ impl Route {
         Self { rule: Some(Box::new(rule)), ..self }
     }
 
-    /// Takes a packet that is sent at `now_ns`; `each` gets every copy and when it is due.
+    /// Takes a packet that is sent at `now_ns` (ns); `each` gets every copy and when it is due (ns).
     #[inline]
     pub fn send<P: Payload + ?Sized>(&mut self, now_ns: u64, packet: &P, mut each: impl FnMut(u64, P::Owned)) {
         let number = packet.number().unwrap_or(self.counts.taken);
@@ -212,8 +212,8 @@ impl<P: Payload + ?Sized> Link<P> {
     }
 }
 
-/// A receiver that looks every so many control periods: it takes the newest that has come, and drops what is older, overtaken or a
-/// second copy. With `network.playout_packets` what has come goes through the peers' own play-out buffer.
+/// A receiver's buffer, read every so many control periods: it gives the newest packet that has come, and drops what is
+/// older, overtaken or a duplicate. With `network.playout_packets` packets go through the peers' own play-out buffer.
 #[derive(Clone, Debug)]
 pub struct Inbox<T> {
     waiting: Option<Numbered<T>>,
@@ -221,7 +221,7 @@ pub struct Inbox<T> {
     playout: Option<Buffered<T>>,
     /// Packets taken by the receiver.
     pub delivered: u64,
-    /// Packets that came after a newer one was taken, together with one, or twice.
+    /// Number of packets dropped because they came after a newer one was taken, together with one, or twice.
     pub dropped: u64,
 }
 
@@ -284,7 +284,7 @@ impl<T> Inbox<T> {
         }
     }
 
-    /// What the receiver takes at `now_ns`.
+    /// The packet that the receiver takes at `now_ns` (ns), if any.
     #[inline]
     pub fn take(&mut self, now_ns: u64) -> Option<T> {
         let taken = match &mut self.playout {

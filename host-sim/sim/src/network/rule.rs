@@ -22,7 +22,7 @@ pub enum Fate {
 }
 
 impl Fate {
-    /// Whole, once, and this much later than the constant delay.
+    /// One intact copy that arrives this much later than the constant delay, ns.
     pub fn late(delay_ns: u64) -> Self {
         Self::Copies(vec![Arrival { delay_ns, corrupt: false }])
     }
@@ -88,7 +88,7 @@ impl Rule for RecordedRule {
     }
 }
 
-/// What a network table says, drawn from its seed.
+/// A rule that draws the impairments of a `network` table from its seed.
 #[derive(Clone, Debug)]
 pub struct SeededRule {
     network: Network,
@@ -189,7 +189,7 @@ impl Rule for SeededRule {
 }
 
 impl NetworkTrace {
-    /// What becomes of the first `packets` packets of a scene, sent each packet period.
+    /// Records the fates of the first `packets` packets of a scene, one sent in each packet period.
     pub fn record(scene: &Scene, packets: u64) -> Self {
         let packet_ns = scene.peer.timing.packet_period_ns();
         let half = |direction| {

@@ -24,12 +24,12 @@ pub const COLUMNS: [Named; 4] = [
     ("fate", "arrives, corrupt or lost"),
 ];
 
-/// A time in seconds.
+/// Converts a time in ns to s.
 pub fn seconds(ns: u64) -> f64 {
     ns as f64 / 1e9
 }
 
-/// A time in nanoseconds, rounded to the nearest.
+/// Converts a time in s to ns, rounded to the nearest.
 pub fn nanoseconds(s: f64) -> u64 {
     (1e9 * s).round() as u64
 }
@@ -48,7 +48,7 @@ pub enum Direction {
 pub struct Arrival {
     /// Time on top of the constant delay, ns.
     pub delay_ns: u64,
-    /// Its bits are no longer what was sent.
+    /// Whether its bits differ from those sent.
     pub corrupt: bool,
 }
 
@@ -78,7 +78,7 @@ impl NetworkTrace {
     /// Reads a trace from a CSV file.
     ///
     /// # Errors
-    /// The file cannot be read, or the first row that is wrong, in one line.
+    /// The file cannot be read, or a row of it is wrong; the error names the first such row.
     pub fn read(path: &Path) -> Result<Self, Error> {
         let place = path.display();
         let bytes = haptic_io::read(path, crate::user::TRACE).map_err(Error::cannot("read", &place))?;

@@ -21,7 +21,7 @@ use crate::scene::{DriveName, PlantFault, PlantSettings};
 /// Share of the supply that a bridge gives which conducts although it is off.
 const LEAKS: f64 = 0.2;
 
-/// The converter that a current is read by, with its noise.
+/// The analogue-to-digital converter that reads a motor's current, with its noise.
 #[derive(Clone, Debug)]
 pub struct Converter {
     /// Steps of either half.
@@ -206,7 +206,7 @@ impl Drive {
         }
     }
 
-    /// What a tick has computed: a duty, and the speed of the joint as the peer knows it (m/s or rad/s).
+    /// Takes the duty that a tick has computed, and the speed of the joint as the peer knows it (m/s or rad/s).
     pub fn command(&mut self, duty: Duty, joint_speed: f64) {
         let forward = |closed: &Closed| closed.design.forward(joint_speed as f32, closed.supply_mv);
         self.take(Order::Current(duty, self.closed.as_ref().map_or(0, forward)), true);

@@ -10,9 +10,9 @@ use haptic_core::num::{Motion, Scalar};
 pub struct Linear<S = f64> {
     /// Φ(T), row by row: position, velocity.
     pub transition: [[S; 2]; 2],
-    /// What the force before adds to position and velocity.
+    /// Position (m) and velocity (m/s) that each newton of the previous force adds.
     pub gain_before: [S; 2],
-    /// What the force now adds to position and velocity.
+    /// Position (m) and velocity (m/s) that each newton of the present force adds.
     pub gain_now: [S; 2],
 }
 
@@ -50,7 +50,7 @@ fn exponential(a: &Matrix, time: f64) -> Matrix {
 }
 
 impl Linear {
-    /// Mass kg, damping N·s/m, stiffness N/m, delay of the motor force in ticks 0…1, period s.
+    /// A plant of this mass (kg), damping (N·s/m), stiffness (N/m), delay of the motor force (0 to 1 ticks) and period (s).
     pub fn new(mass: f64, damping: f64, stiffness: f64, delay_ticks: f64, period: f64) -> Self {
         let a: Matrix = [[0.0, 1.0, 0.0], [-stiffness / mass, -damping / mass, 1.0 / mass], [0.0, 0.0, 0.0]];
         let whole = exponential(&a, period);
@@ -64,7 +64,7 @@ impl Linear {
 }
 
 impl<S: Scalar> Linear<S> {
-    /// The motion one period later.
+    /// The motion one period later, under the previous and the present force, N.
     #[inline]
     pub fn advance(&self, motion: Motion<S>, before: S, now: S) -> Motion<S> {
         let line = |row: usize| {

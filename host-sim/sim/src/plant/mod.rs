@@ -240,7 +240,7 @@ impl<const N: usize> Plant<N> {
         }
     }
 
-    /// What the peer's sensors say now.
+    /// Readings of the peer's sensors now.
     pub fn sensors<S: Scalar>(&self) -> Sensors<S, N> {
         let reading = match &self.encoders {
             Some(encoders) => Reading::Counts(encoders.counts()),
@@ -254,7 +254,7 @@ impl<const N: usize> Plant<N> {
         Sensors { stage, marks, ..Sensors::of(reading) }
     }
 
-    /// One control period from `time_s` on, under what the peer commands.
+    /// Advances the device by one control period from `time_s` (s) on, under what the peer commands.
     pub fn step<S: Scalar>(&mut self, time_s: f64, actuators: &Actuators<S, N>) {
         self.fail_at(time_s);
         self.drive(self.pushes(time_s), actuators);

@@ -26,11 +26,11 @@ pub struct Winding {
 /// The current of one PWM period.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Flow {
-    /// When it was sampled, A.
+    /// Current at the instant of sampling, A.
     pub sampled_a: f64,
-    /// Its mean, which is what makes force, A.
+    /// Mean current, which is what makes force, A.
     pub mean_a: f64,
-    /// At the end, A.
+    /// Current at the end of the period, A.
     pub end_a: f64,
 }
 

@@ -127,12 +127,12 @@ impl Outcome {
         self.is_stable().then(|| of(self))
     }
 
-    /// A figure that counts in a run in which the copies came apart, too; none of one in which anything else failed.
+    /// A figure `of` this outcome that also counts where the copies came apart; none if anything else failed.
     pub fn whole<T>(&self, of: impl FnOnce(&Self) -> T) -> Option<T> {
         (self.verdict() != Verdict::Unstable).then(|| of(self))
     }
 
-    /// This outcome, where something besides the run says that it is not stable; what failed in the run comes first.
+    /// This outcome with a reason, found outside the run, to call it unstable; what failed in the run takes precedence.
     #[must_use]
     pub fn doubted(mut self, reason: Option<Reason>) -> Self {
         // Apart is the least that can be said.

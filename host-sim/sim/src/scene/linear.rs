@@ -1,4 +1,4 @@
-//! Scenes that the analyser proves things about, made of one that is run: what each leaves out stands with it.
+//! Linear scenes for the stability analysis, derived from a scene that is run; each says what it leaves out.
 
 use haptic_core::contact::RenderingName;
 use haptic_core::device::kinematics::KinematicsName;
@@ -10,8 +10,8 @@ use super::{DriveName, Network, PlantSettings, Scene};
 use crate::user::User;
 
 impl Scene {
-    /// The linear scene behind this one: device and object in ideal, permanent contact, exact sensors and motors, and
-    /// nobody pushing. What the analyser proves things about.
+    /// The linear scene that the stability analysis examines for this one: device and object in ideal, permanent
+    /// contact, exact sensors and motors, and nobody pushing.
     pub fn linear(&self) -> Self {
         let mut linear = self.clone();
         linear.peer.contact.rendering = RenderingName::Continuous;
