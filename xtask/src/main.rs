@@ -7,6 +7,7 @@ mod board;
 mod count;
 mod fuzz;
 mod kept;
+mod licences;
 mod no_panic;
 mod options;
 mod page;
@@ -38,7 +39,7 @@ struct Chore {
     run: fn(&Options<'_>) -> Result<(), Failure>,
 }
 
-const CHORES: [Chore; 21] = [
+const CHORES: [Chore; 22] = [
     Chore {
         name: "setup",
         options: "",
@@ -200,6 +201,14 @@ environment below target/ when they have changed; it needs Python 3 with venv an
         more: "Fails on a package that leans on another that xtask/rooms.txt does not name beside it, and on one that has outgrown its lines
 there. Packages in a circle are refused by cargo itself.",
         run: |_| rooms::rooms(),
+    },
+    Chore {
+        name: "licences",
+        options: "",
+        does: "Looks at the packages of others that anything here is built with: licence, origin, versions",
+        more: "Fails on a licence that xtask/licences.txt does not name, and on what does not come from the registry. Known
+vulnerabilities are not looked for.",
+        run: |_| licences::licences(),
     },
     Chore {
         name: "readme",

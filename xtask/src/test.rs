@@ -19,6 +19,7 @@ pub(crate) fn test() -> Result<(), Failure> {
     step("format", format)?;
     step("lints", || run(&mut lints()))?;
     step("rooms", crate::rooms::rooms)?;
+    step("licences", crate::licences::licences)?;
     step("sums", || sums::sums(&calls(&ready), false))?;
     step("page", || page::browser().and_then(|()| page::page(false)))?;
     step("rooms of the microcontroller", || run(&mut rooms_on_chip(&ready)))?;
