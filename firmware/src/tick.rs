@@ -17,7 +17,7 @@ use firmware_parts::image::{JOINTS, Peer, SHARED};
 use firmware_parts::record::{self, Record, digest, joints};
 use firmware_parts::signals::Signals;
 use haptic_core::device::probe::{Outcome, Probe};
-use haptic_core::device::{Reading, encoder::Counts};
+use haptic_core::device::{Reading, encoder::Counts, motor::Duty};
 use haptic_core::law::Packet;
 use haptic_core::peer::{Actuators, Sensors};
 use haptic_core::safety::{Command, Fault, Mode};
@@ -86,7 +86,7 @@ struct Loop {
     until_record: u32,
     /// The bridges are driven, or waking.
     driving: bool,
-    /// Ticks since they were enabled, until they are awake: [`bridges::WAKE_TICKS`] and one.
+    /// Ticks since they were to be enabled, until they are awake: [`bridges::WAKE_TICKS`] and one.
     awake: u32,
     /// Their outputs were turned on.
     outputs: bool,
@@ -224,24 +224,26 @@ impl Loop {
         pace::end(began, self.tick, flags);
     }
 
-    /// What the peer wants, onto the bridges. Outputs are on when those have been enabled for long enough to be awake, and while a probe
-    /// looks whether what is not enabled stays off.
+    /// What the peer wants, onto the bridges. The outputs of those are on when they have been enabled for long enough to be awake, and while
+    /// a probe looks whether what is not enabled stays off. Of amplifiers it is the other way round: outputs are on, at no current, for as long
+    /// before they are enabled.
     #[inline(always)]
     fn drive(&mut self, actuators: &Actuators<f32, JOINTS>, counts: [Counts; JOINTS]) {
         if !self.driving {
             self.driving = true;
             bridges::forget();
         }
-        match &self.power {
-            Some(power) => self.side.stage.act(power, actuators, counts),
-            None => bridges::drive(actuators.duties),
-        }
-        bridges::enable(actuators.enable);
-        if actuators.enable && self.outputs && self.awake > bridges::WAKE_TICKS {
-            return;
-        }
         self.awake = if actuators.enable { (self.awake + 1).min(bridges::WAKE_TICKS + 1) } else { 0 };
-        let outputs = !actuators.enable || self.awake > bridges::WAKE_TICKS;
+        let awake = self.awake > bridges::WAKE_TICKS;
+        let outputs = if let Some(power) = &self.power {
+            self.side.stage.act(power, actuators, counts);
+            bridges::enable(actuators.enable);
+            !actuators.enable || awake
+        } else {
+            bridges::amplify(if awake { actuators.duties } else { [Duty::OFF; JOINTS] });
+            bridges::enable(awake);
+            true
+        };
         if outputs != self.outputs {
             self.outputs = outputs;
             if outputs {

@@ -4,8 +4,8 @@
 //! voltage is both legs alike, and no ripple. 20 kHz, centre-aligned: 240 MHz / (2 · 6000); [`COUNTS`] = 6000 are all of the supply. The dead time is
 //! the drivers' own. What is written acts from the next period on, which begins where both legs are high: there the timer updates.
 //!
-//! Three bridges have a channel each, and its complement for the second leg: no voltage is both legs half of the time, in turns, with the
-//! ripple that this has, and the steps are twice as large. Timer, breaks and all that keeps them off are the same.
+//! Three motors have amplifiers, and a channel each with its complement; the fourth channel is their gate. Timer, breaks and all that keeps
+//! them off are the same.
 //!
 //! Off is the default three times over: the enable line is low (and pulled down on the wiring while the chip is in reset),
 //! the timer's outputs are off (MOE) and then held at their inactive level (OSSI), and a break clears MOE in hardware with no
@@ -17,15 +17,18 @@
 //! Both inputs take a level that 8 samples agree on, 0.27 µs: the bridges' edges are shorter than that, and a press is not. The filter
 //! needs the timer's clock; when that stops, the clock security system breaks by itself (RM0433 §38.3.16).
 //!
+//! **Amplifiers** in current mode (`motor.drive = "amplifier"`) take the first leg of each bridge alone: half is no current, and what is low
+//! all the time is all of the current backwards. So they must not be enabled while the outputs are off, whatever took these away: a gate on the
+//! wiring lets the enable through only while PE14 is high, which is the timer's fourth channel, high all the time while its outputs are on, and
+//! low with them, in hardware. They are enabled when their inputs have stood at no current for [`WAKE_TICKS`].
+//!
 //! [`OFF`] is the same in two stores, for handlers that cannot trust their stack.
 
 use core::sync::atomic::{AtomicBool, Ordering, compiler_fence};
 
 use embassy_stm32::gpio::{AfType, Flex, Level, Output, OutputType, Pull, Speed};
 use embassy_stm32::pac::timer::vals::{Cms, OcmGp};
-#[cfg(not(feature = "three-axes"))]
-use embassy_stm32::peripherals::PE14;
-use embassy_stm32::peripherals::{PE6, PE9, PE11, PE13, PE15, PF3, TIM1};
+use embassy_stm32::peripherals::{PE6, PE9, PE11, PE13, PE14, PE15, PF3, TIM1};
 use embassy_stm32::{Peri, pac, pac::timer::regs::BdtrAdv, timer::low_level::Timer, timer::simple_pwm::PwmPin};
 #[cfg(feature = "three-axes")]
 use embassy_stm32::{
@@ -40,13 +43,14 @@ use super::clocks::TIMERS_HZ;
 /// Counts from the bottom of the period to its top: a leg that is high all the time, and a voltage that is all of the supply.
 #[cfg(not(feature = "three-axes"))]
 pub(crate) const COUNTS: u16 = TOP;
-/// Of three bridges a channel is both legs: what one is longer, the other is shorter, so that half as many steps are all of the supply.
-#[cfg(feature = "three-axes")]
-pub(crate) const COUNTS: u16 = MIDDLE;
 const TOP: u16 = (TIMERS_HZ / PWM_HZ / 2) as u16;
+/// Half of the time: no voltage, and all of an amplifier's current beyond it.
 const MIDDLE: u16 = TOP / 2;
-/// The channels of the timer that are in use.
+/// The channels of the timer that are legs.
 const CHANNELS: usize = if cfg!(feature = "three-axes") { JOINTS } else { 2 * JOINTS };
+/// The channel that lets amplifiers be enabled, and what it is compared with then: more than the counter ever is.
+const GATE: usize = 3;
+const GATE_OPEN: u16 = TOP + 1;
 
 /// 8 samples at an eighth of the timer's clock: BKF and BK2F.
 const FILTER: u32 = 0b1001;
@@ -109,6 +113,7 @@ pub(crate) struct Legs {
     pub(crate) bridge_1: (Peri<'static, PE9>, Peri<'static, PE8>),
     pub(crate) bridge_2: (Peri<'static, PE11>, Peri<'static, PE10>),
     pub(crate) bridge_3: (Peri<'static, PE13>, Peri<'static, PE12>),
+    pub(crate) gate: Peri<'static, PE14>,
 }
 
 #[cfg(feature = "three-axes")]
@@ -121,6 +126,7 @@ impl Legs {
         core::mem::forget(ComplementaryPwmPin::new(one_b, OutputType::PushPull));
         core::mem::forget(ComplementaryPwmPin::new(two_b, OutputType::PushPull));
         core::mem::forget(ComplementaryPwmPin::new(three_b, OutputType::PushPull));
+        core::mem::forget(PwmPin::new(self.gate, OutputType::PushPull));
     }
 }
 
@@ -154,15 +160,18 @@ pub(crate) fn init(timer: Peri<'static, TIM1>, pins: Pins) {
     tim.arr().write(|w| w.set_arr(TOP));
     // Every second turn is an update; written before the counter starts, the lower one (RM0433 §38.3.3).
     tim.rcr().write(|w| w.set_rep(1));
-    for channel in 0..CHANNELS {
+    // All four: the one that is no leg is the gate, which is shut until an amplifier is driven.
+    for channel in 0..=GATE {
         tim.ccmr_output(channel / 2).modify(|w| {
             w.set_ocm(channel % 2, OcmGp::PWM_MODE1);
             w.set_ocpe(channel % 2, true);
         });
-        tim.ccr(channel).write(|w| w.set_ccr(MIDDLE));
+        let leg = channel < CHANNELS;
+        tim.ccr(channel).write(|w| w.set_ccr(if leg { MIDDLE } else { 0 }));
         tim.ccer().modify(|w| {
             w.set_cce(channel, true);
-            if cfg!(feature = "three-axes") {
+            // The fourth channel has no complement.
+            if cfg!(feature = "three-axes") && leg {
                 w.set_ccne(channel, true);
             }
         });
@@ -182,19 +191,14 @@ pub(crate) fn init(timer: Peri<'static, TIM1>, pins: Pins) {
     core::mem::forget(fault);
 }
 
-/// Duties as shares of the supply onto the bridges, for amplifiers behind them.
+/// Duties as shares of their full current to amplifiers, by the first legs, and the gate open.
 #[inline(always)]
-pub(crate) fn drive(duties: [Duty; JOINTS]) {
+pub(crate) fn amplify(duties: [Duty; JOINTS]) {
     for (bridge, duty) in duties.into_iter().enumerate() {
-        voltage(bridge, counts(duty));
+        let leg = bridge * CHANNELS / JOINTS;
+        pac::TIM1.ccr(leg).write(|w| w.set_ccr((i32::from(MIDDLE) + counts(duty, MIDDLE)) as u16));
     }
-}
-
-/// The voltage of a bridge, at most [`COUNTS`] either way.
-#[cfg(feature = "three-axes")]
-#[inline(always)]
-fn voltage(bridge: usize, counts: i32) {
-    pac::TIM1.ccr(bridge).write(|w| w.set_ccr((i32::from(MIDDLE) + counts) as u16));
+    pac::TIM1.ccr(GATE).write(|w| w.set_ccr(GATE_OPEN));
 }
 
 /// The voltage of a bridge, at most [`COUNTS`] either way: the difference of its legs. Of an odd count the first leg has the half more.
@@ -215,7 +219,7 @@ pub(crate) fn forget() {
     pac::TIM1.sr().write(|w| w.0 = !(STOP | BRIDGE | CHIP));
 }
 
-/// Enables the bridges, whose outputs stay off for [`WAKE_TICKS`], or disables them.
+/// Enables bridges or amplifiers, or disables them.
 #[inline(always)]
 pub(crate) fn enable(enable: bool) {
     pac::GPIOF.bsrr().write(|w| w.0 = if enable { ENABLE_SET } else { ENABLE_RESET });
@@ -283,11 +287,11 @@ pub(crate) fn stop_released() -> bool {
     pac::GPIOE.idr().read().idr(15) == pac::gpio::vals::Idr::HIGH
 }
 
-/// A duty in [`COUNTS`], rounded to the nearest (a tie cannot be).
+/// A duty in counts of which these are full scale, at most [`TOP`], rounded to the nearest (a tie cannot be).
 #[inline(always)]
-pub(crate) fn counts(duty: Duty) -> i32 {
+pub(crate) fn counts(duty: Duty, full_scale: u16) -> i32 {
     const FULL: i32 = Duty::FULL_SCALE as i32;
-    let twice = 2 * i32::from(duty.0) * i32::from(COUNTS);
+    let twice = 2 * i32::from(duty.0) * i32::from(full_scale);
     // |twice| ≤ 2·32768·6000 < 2³¹, and the quotient lies within ±6000: no overflow, and no leg beyond its ends.
     (twice + if twice < 0 { -FULL } else { FULL }) / (2 * FULL)
 }

@@ -136,10 +136,14 @@ pub(crate) fn init() {
     let adc = pac::ADC1;
     adc.cr().modify(|w| w.set_deeppwd(false));
     adc.cr().modify(|w| w.set_advregen(true));
-    // 10 µs for its regulator.
-    cortex_m::asm::delay(4_800);
+    // Its regulator is ready when it says so (RM0433 §25.4.6).
+    soon(|| adc.isr().read().ldordy());
     adc.cr().modify(|w| w.set_boost(Boost::LT50));
-    adc.cr().modify(|w| w.set_adcal(true));
+    // Offset and linearity: without the latter codes are missing at multiples of 2¹², and no current is one of them (RM0433 §25.4.8).
+    adc.cr().modify(|w| {
+        w.set_adcallin(true);
+        w.set_adcal(true);
+    });
     soon(|| !adc.cr().read().adcal());
     for channel in CHANNELS.map(usize::from) {
         adc.pcsel().modify(|w| w.set_pcsel(channel, Pcsel::PRESELECTED));
@@ -372,7 +376,7 @@ impl Stage {
         for (joint, wanted) in wanted.iter_mut().enumerate() {
             let duty = actuators.duties[joint];
             *wanted = if actuators.open {
-                MotorRequest::Voltage(bridges::counts(duty))
+                MotorRequest::Voltage(bridges::counts(duty, bridges::COUNTS))
             } else {
                 let moved = counts[joint].0.wrapping_sub(self.counts[joint].0).cast_signed();
                 MotorRequest::Current(

@@ -3,6 +3,9 @@
 //! The input filter takes an edge only when 8 samples at the timer's clock agree (33 ns at 240 MHz): a glitch of the wiring
 //! is shorter, and no encoder that a hand moves is faster than a few MHz.
 //!
+//! No pull inside the chip is on: with one, a pin that bears 5 V does not bear them (its data sheet, "I/O structure"). What open
+//! collectors and cut wires need is on the wiring (docs/hardware.md).
+//!
 //! Beside counting, channels 1 and 2 capture at rising edges of A and B, which leaves a flag at the first and another one at the next:
 //! a wire that is cut shows none. Channel 3 captures the counter at a rising edge of the index, in hardware: this timer has no index
 //! of its own in encoder mode (RM0433 §39.3.22).
@@ -22,8 +25,7 @@ pub(crate) fn init(
     two: Peri<'static, TIM4>,
     (a2, b2, index2): (Peri<'static, PD12>, Peri<'static, PD13>, Peri<'static, PD14>),
 ) {
-    // Open-collector encoders need the pull-ups, others do not mind.
-    let config = Config { ch1_pull: Pull::Up, ch2_pull: Pull::Up, ..Config::default() };
+    let config = Config { ch1_pull: Pull::None, ch2_pull: Pull::None, ..Config::default() };
     // Dropping a counter would stop its clock: they run until the power goes.
     core::mem::forget(Qei::new(one, a1, b1, config));
     core::mem::forget(Qei::new(two, a2, b2, config));
@@ -42,7 +44,7 @@ pub(crate) fn init_third(
         Peri<'static, embassy_stm32::peripherals::PB10>,
     ),
 ) {
-    let config = Config { ch1_pull: Pull::Up, ch2_pull: Pull::Up, ..Config::default() };
+    let config = Config { ch1_pull: Pull::None, ch2_pull: Pull::None, ..Config::default() };
     core::mem::forget(Qei::new(timer, a, b, config));
     let [.., third] = timers();
     look(third, Flex::new(index), 1);
@@ -51,7 +53,7 @@ pub(crate) fn init_third(
 /// Filters of an encoder that counts already, and its index, to which this alternate function of the pin leads.
 fn look(timer: TimGp16, mut index: Flex<'static>, function: u8) {
     // Without an index there is never an edge.
-    index.set_as_af_unchecked(function, AfType::input(Pull::Down));
+    index.set_as_af_unchecked(function, AfType::input(Pull::None));
     core::mem::forget(index);
     timer.ccmr_input(0).modify(|w| {
         w.set_icf(0, vals::FilterValue::FCK_INT_N8);

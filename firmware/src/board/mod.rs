@@ -84,7 +84,12 @@ pub(crate) fn init() -> Board {
             #[cfg(not(feature = "three-axes"))]
             legs: bridges::Legs { bridge_1: (p.PE9, p.PE11), bridge_2: (p.PE13, p.PE14) },
             #[cfg(feature = "three-axes")]
-            legs: bridges::Legs { bridge_1: (p.PE9, p.PE8), bridge_2: (p.PE11, p.PE10), bridge_3: (p.PE13, p.PE12) },
+            legs: bridges::Legs {
+                bridge_1: (p.PE9, p.PE8),
+                bridge_2: (p.PE11, p.PE10),
+                bridge_3: (p.PE13, p.PE12),
+                gate: p.PE14,
+            },
             enable: p.PF3,
             stop: p.PE15,
             fault: p.PE6,

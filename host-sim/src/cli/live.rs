@@ -12,6 +12,7 @@ use super::flags::{End, Patience, Watching};
 use super::{Failure, SceneArgs, Ui};
 
 #[derive(Debug, Args)]
+#[command(mut_arg("scene", |scene| scene.default_value("any-network")))]
 pub(super) struct Peer {
     #[command(flatten)]
     scene: SceneArgs,

@@ -41,11 +41,12 @@ fn addresses<const N: usize>() -> [String; N] {
     sockets.map(|socket| socket.local_addr().expect("its address").to_string())
 }
 
-/// A folder of the test's own, with a key in it.
+/// A folder of the test's own, with a key in it, and a scene that has every key as it is by default.
 fn folder(name: &str) -> PathBuf {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
     let _ = std::fs::remove_dir_all(&folder);
     std::fs::create_dir_all(&folder).expect("a folder");
+    std::fs::write(folder.join("scene.toml"), "").expect("a scene");
     assert!(
         host_sim(&["key", "generate"]).arg(folder.join("key")).stdout(Stdio::null()).status().expect("runs").success()
     );
@@ -56,6 +57,8 @@ fn peer(folder: &Path, number: &str, listen: &str, connect: &str) -> Child {
     host_sim(&["peer", "--json", "--number", number, "--listen", listen, "--connect", connect])
         .args(["--seconds", SECONDS, "--key-file"])
         .arg(folder.join("key"))
+        .arg("--scene")
+        .arg(folder.join("scene.toml"))
         .args(scene())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
@@ -122,6 +125,61 @@ fn two_processes_hold_what_the_run_in_memory_holds() {
         let number = |key: &str| live[key].as_f64().unwrap_or(f64::NAN);
         assert_eq!(number("datagrams_refused"), 0.0, "{live}");
         assert!(number("datagrams_taken") > 400.0 && number("datagrams_missing") <= 8.0, "{live}");
+    }
+}
+
+/// The two commands of README.md, on loopback and over relays of 2, 4 and 6 ms, one of them with 3 ms of jitter, all at once: ten processes
+/// beside the other tests are the load. A scene that holds at one delay alone tears itself apart here.
+#[test]
+fn the_readmes_pair_holds_wherever_it_is() {
+    let folder = folder("readme");
+    let readme = include_str!("../../../README.md");
+    let commands: Vec<&str> = readme.lines().filter_map(|line| line.trim().strip_prefix("host-sim peer ")).collect();
+    let [first, second] = commands[..] else { panic!("README.md has two commands of a pair: {commands:?}") };
+    let start = |command: &str, addresses: [&str; 2]| {
+        let [own, other] = if command.contains("--number 1") { [0, 1] } else { [1, 0] }.map(|at| addresses[at]);
+        let mut words: Vec<&str> = command.split_whitespace().collect();
+        for (option, value) in [("--listen", own), ("--connect", other), ("--key-file", "key")] {
+            let at = words.iter().position(|word| *word == option).expect("README.md names it");
+            words[at + 1] = value;
+        }
+        host_sim(&["peer", "--json", "--seconds", SECONDS])
+            .args(words)
+            .current_dir(&folder)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("host-sim runs")
+    };
+    let delays = [None, Some((2, 0.0)), Some((4, 0.0)), Some((6, 0.0)), Some((4, 0.003))];
+    let pairs = delays.map(|delay| {
+        let [one, two, for_one, for_two] = addresses();
+        let relay = delay.map(|(ms, jitter_s)| {
+            let network = [
+                format!("network.one_way_delay_packets={ms}"),
+                "network.jitter=uniform".to_owned(),
+                format!("network.jitter_s={jitter_s}"),
+            ];
+            host_sim(&["network", "relay", "--json", "--seconds", "12", "--scene", "any-network"])
+                .args(network.iter().flat_map(|setting| ["--set", setting]))
+                .args(["--listen-1", &for_one, "--listen-2", &for_two, "--peer-1", &one, "--peer-2", &two])
+                .stdout(Stdio::piped())
+                .spawn()
+                .expect("host-sim runs")
+        });
+        let at = if relay.is_some() { [[&one, &for_one], [&for_two, &two]] } else { [[&one, &two], [&one, &two]] };
+        (delay, relay, [start(first, at[0].map(String::as_str)), start(second, at[1].map(String::as_str))])
+    });
+    for (delay, relay, peers) in pairs {
+        for live in peers.map(report) {
+            let most = live["largest_true_discrepancy_mm"].as_f64().expect("both ends were heard");
+            println!("{delay:?}: {most:.3} mm, round trip {} µs", live["round_trip_us"]);
+            assert!(live["fault"] == Value::Null && most < 5.0, "{delay:?}: {live}");
+        }
+        if let Some(relay) = relay {
+            let taken = |way: &Value| way["taken"].as_f64().is_some_and(|taken| taken > 3000.0);
+            assert!(report(relay)["ways"].as_array().is_some_and(|ways| ways.iter().all(taken)));
+        }
     }
 }
 

@@ -10,8 +10,10 @@ use haptic_sim::scene::Scene;
 use crate::part::motors::{Motors, has_loop};
 use crate::part::{Bridges, MOTORS};
 
-/// PWM steps from zero to full duty on the board (firmware/src/board/bridges.rs).
+/// PWM steps from no voltage to all of it on the board (firmware/src/board/bridges.rs).
 pub const PWM_STEPS: u32 = 6000;
+/// The same from no current of an amplifier to all of it: one leg alone.
+pub const AMPLIFIER_STEPS: u32 = PWM_STEPS / 2;
 
 /// What a scene is configured with for devices with windings, their motors in current loops.
 pub const CURRENT_LOOP: [&str; 4] =
@@ -22,8 +24,7 @@ pub fn for_boards(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
     scene.world.plant.encoder = true;
     scene.world.plant.motor = true;
-    // Three bridges have half as many.
-    scene.world.plant.pwm_steps = if scene.peer.axis.count > 2 { PWM_STEPS / 2 } else { PWM_STEPS };
+    scene.world.plant.pwm_steps = if has_loop(&scene) { PWM_STEPS } else { AMPLIFIER_STEPS };
     scene.world.plant.current_bits = 16;
     scene.peer.motor.drive = if has_loop(&scene) { MotorDrive::CurrentLoop } else { MotorDrive::Amplifier };
     if scene.peer.axis.velocity == VelocityName::Measured {
@@ -69,15 +70,12 @@ impl Device {
             motors.moves(begins_ns, time_s);
             return None;
         }
-        Some(motors.step(time_s, duties(bridges), bridges.on()))
+        Some(motors.step(time_s, duties(bridges), bridges.currents().is_some()))
     }
 }
 
-/// The duties that give what the bridges are commanded, to half a step.
+/// The duties that give what amplifiers are commanded, to half a step.
 pub fn duties(bridges: &Bridges) -> [Duty; MOTORS] {
-    bridges.voltages().map(|steps| {
-        let full = f64::from(Duty::FULL_SCALE);
-        let duty = (f64::from(steps) * full / f64::from(bridges.steps())).round();
-        if bridges.on() { Duty(duty as i16) } else { Duty::OFF }
-    })
+    let duty = |share: f64| Duty((share * f64::from(Duty::FULL_SCALE)).round() as i16);
+    bridges.currents().map_or([Duty::OFF; MOTORS], |currents| currents.map(duty))
 }

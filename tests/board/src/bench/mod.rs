@@ -27,7 +27,7 @@ use crate::pc::{Pc, keys_in_flash, operator_key, peers_key};
 use crate::twin::Armed;
 use crate::wire::{Line, PC, Wire};
 
-pub use device::{CURRENT_LOOP, PWM_STEPS, duties, for_boards};
+pub use device::{AMPLIFIER_STEPS, CURRENT_LOOP, PWM_STEPS, duties, for_boards};
 
 /// A control period, ns.
 pub const PERIOD_NS: u64 = 1_000_000;
@@ -242,8 +242,8 @@ impl Bench {
         }
         self.stops += 1;
         for (on, stopped) in self.on.iter_mut().zip(&self.stopped) {
-            // From the tick that armed; outputs follow when the bridges are awake.
-            if on.is_none() && stopped.bridges.enable {
+            // From the tick that armed; outputs of bridges follow when these are awake, and amplifiers are enabled as much later.
+            if on.is_none() && (stopped.bridges.enable || stopped.bridges.outputs) {
                 *on = Some(self.stops);
             }
         }

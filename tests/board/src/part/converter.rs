@@ -3,7 +3,9 @@
 //! What its inputs read comes from outside ([`Converter::sample`], at the trigger). The emulator's own converter knows no injected group and
 //! takes no trigger. With its interrupt off, what was sampled is there at once: nobody can see when.
 //!
-//! Left out: the other group, the queue of contexts, watchdogs, calibration (it is over at once), and its clock: 32 MHz are taken for granted.
+//! Its regulator takes some time; what was calibrated before that, or without linearity, misses codes at multiples of 2¹².
+//!
+//! Left out: the other group, the queue of contexts, watchdogs, how long a calibration takes, and its clock: 32 MHz are taken for granted.
 
 use rigless::device::{Device, DeviceContext, Level, RegisterFile};
 use rigless::emulator::InterruptLine;
@@ -19,10 +21,15 @@ const LDORDY: u64 = 1 << 12;
 /// Controls: enable, start of the group, regulator, calibration.
 const ADEN: u64 = 1;
 const JADSTART: u64 = 1 << 3;
+const ADCALLIN: u64 = 1 << 16;
 const ADVREGEN: u64 = 1 << 28;
 const ADCAL: u64 = 1 << 31;
 /// External trigger 8 on its rising edge, three ranks.
 const TRIGGERED: u64 = 1 << 7 | 8 << 2 | 2;
+/// How long the regulator takes, ns: more than anybody waits who does not ask for it.
+const REGULATED_NS: u64 = 30_000;
+/// Codes that are missing around each multiple of 2¹² where linearity was not calibrated.
+const MISSING: u16 = 8;
 /// Three times 17 clocks of 32 MHz, ns.
 const LASTS_NS: u64 = 1594;
 
@@ -32,6 +39,10 @@ pub struct Converter {
     flags: u64,
     enables: u64,
     started: bool,
+    /// When the regulator was turned on, ns.
+    regulator_ns: Option<u64>,
+    /// Calibrated with linearity, and with its regulator ready.
+    linear: bool,
     /// JSQR.
     sequence: u64,
     sampled: [u16; 3],
@@ -49,6 +60,8 @@ impl Default for Converter {
             flags: 0,
             enables: 0,
             started: false,
+            regulator_ns: None,
+            linear: false,
             sequence: 0,
             sampled: [0; 3],
             data: [0; 3],
@@ -80,21 +93,31 @@ impl Converter {
     /// The channel of each rank has the read of that input.
     fn ranks(&self, reads: [u16; 3]) -> [u16; 3] {
         [9, 15, 21].map(|at| match self.sequence >> at & 31 {
-            15 => reads[0],
-            10 => reads[1],
-            5 => reads[2],
+            15 => self.code(reads[0]),
+            10 => self.code(reads[1]),
+            5 => self.code(reads[2]),
             _ => 0,
         })
+    }
+
+    /// The code that comes of what it should be.
+    fn code(&self, read: u16) -> u16 {
+        let multiple = read.saturating_add(MISSING) & 0xF000;
+        if self.linear || read.abs_diff(multiple) > MISSING { read } else { multiple.saturating_add(MISSING) }
+    }
+
+    fn is_regulated(&self, c: &DeviceContext<'_>) -> bool {
+        self.regulator_ns.is_some_and(|began| c.now().0 >= began + REGULATED_NS)
     }
 }
 
 impl Device for Converter {
     type Register = Register;
 
-    fn read(&mut self, r: Register, _: &mut RegisterFile, _: &mut DeviceContext<'_>) -> Option<u64> {
+    fn read(&mut self, r: Register, _: &mut RegisterFile, c: &mut DeviceContext<'_>) -> Option<u64> {
         let [one, two, three] = self.data.map(u64::from);
         match r {
-            Register::Isr => Some(self.flags),
+            Register::Isr => Some(self.flags | if self.is_regulated(c) { LDORDY } else { 0 }),
             Register::Jdr1 => Some(one),
             Register::Jdr2 => Some(two),
             Register::Jdr3 => Some(three),
@@ -109,8 +132,13 @@ impl Device for Converter {
             Register::Cr => {
                 let now = f.get(Register::Cr) & !ADCAL;
                 let ready = if value & ADEN != 0 { ADRDY } else { 0 };
-                let regulated = if now & ADVREGEN != 0 { LDORDY } else { 0 };
-                self.flags = self.flags & !LDORDY | ready | regulated;
+                self.flags |= ready;
+                if now & ADVREGEN != 0 {
+                    self.regulator_ns.get_or_insert(c.now().0);
+                }
+                if value & ADCAL != 0 {
+                    self.linear = value & ADCALLIN != 0 && self.is_regulated(c);
+                }
                 self.started = now & JADSTART != 0;
                 if self.started {
                     self.data = self.ranks(self.idle);

@@ -56,10 +56,10 @@ const PERIOD_SPREAD_NS: u64 = 45_000;
 /// Most motors that a board has.
 pub const MOTORS: usize = 3;
 
-/// What the bridges and their enable line are at an instant.
+/// What stands at the inputs of bridges or amplifiers, and at their enable line, at an instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Bridges {
-    /// Compare values of the timer's channels: the legs of bridge 1, and those of bridge 2; or the first legs of three.
+    /// Compare values of the timer's channels: the legs of bridge 1, and those of bridge 2; or the first legs of three, and the gate.
     pub compare: [u16; 4],
     /// The channels' complements are there, too: the second legs of three bridges.
     pub three: bool,
@@ -69,19 +69,32 @@ pub struct Bridges {
     pub outputs: bool,
     /// The enable line is high.
     pub enable: bool,
+    /// The timer's fourth channel is on its pin, PE14.
+    pub fourth: bool,
 }
 
 impl Bridges {
-    /// Voltage of each bridge in steps of which [`Bridges::steps`] are all of the supply.
-    pub fn voltages(&self) -> [i32; MOTORS] {
+    /// Voltage of each of two bridges in steps of which [`Bridges::top`] are all of the supply.
+    pub fn voltages(&self) -> [i32; 2] {
         let [one, two, three, four] = self.compare.map(i32::from);
-        let middle = i32::from(self.top / 2);
-        if self.three { [one, two, three].map(|leg| leg - middle) } else { [one - two, three - four, 0] }
+        [one - two, three - four]
     }
 
-    /// Steps that are all of the supply.
-    pub fn steps(&self) -> u16 {
-        if self.three { self.top / 2 } else { self.top }
+    /// What amplifiers are commanded, as shares of their full current; nothing while they are not enabled, which takes the enable line and
+    /// the gate on PE14.
+    pub fn currents(&self) -> Option<[f64; MOTORS]> {
+        let gate = self.fourth && self.outputs && self.compare[3] > self.top;
+        self.currents_without_gate().filter(|_| gate)
+    }
+
+    /// The same of amplifiers that the enable line alone enables: while the timer's outputs are off, their inputs are low, which is all of
+    /// the current backwards.
+    pub fn currents_without_gate(&self) -> Option<[f64; MOTORS]> {
+        let [one, two, three, _] = self.compare;
+        let legs = if self.three { [one, two, three] } else { [one, three, self.top / 2] };
+        let middle = f64::from(self.top / 2);
+        let current = |leg: u16| if self.outputs { (f64::from(leg) - middle) / middle } else { -1.0 };
+        self.enable.then(|| legs.map(current))
     }
 
     /// Whether current can flow at all.
@@ -314,14 +327,19 @@ impl Part {
     pub fn bridges(&mut self, at: VirtualNanos) -> Bridges {
         let mut peek = |address| self.peek(at, address, Width::W32).unwrap_or(0);
         let (mode, output) = (peek(0x5802_1400), peek(0x5802_1414));
-        // CC1NE, CC2NE, CC3NE.
+        // Port E: mode and alternate function of pin 14.
+        let (pins, function) = (peek(0x5802_1000), peek(0x5802_1024));
+        // CC1NE, CC2NE, CC3NE, and CC4E.
         const COMPLEMENTS: u64 = 1 << 2 | 1 << 6 | 1 << 10;
+        const FOURTH: u64 = 1 << 12;
+        let channels = peek(0x4001_0020);
         Bridges {
             compare: [0x34, 0x38, 0x3C, 0x40].map(|register| peek(0x4001_0000 + register) as u16),
-            three: peek(0x4001_0020) & COMPLEMENTS == COMPLEMENTS,
+            three: channels & COMPLEMENTS == COMPLEMENTS,
             top: peek(0x4001_002C) as u16,
             outputs: peek(0x4001_0000) & 1 != 0 && peek(0x4001_0044) & 1 << 15 != 0,
             enable: mode >> 6 & 3 == 1 && output & 1 << 3 != 0,
+            fourth: pins >> 28 & 3 == 2 && function >> 24 & 15 == 1 && channels & FOURTH != 0,
         }
     }
 }

@@ -126,7 +126,7 @@ impl Motors {
         }
         let supply = plant.supply_v().unwrap_or(0.0) / SUPPLY_SPAN_V * 65536.0;
         let on = bridges.on() || bridges.outputs && plant.ignores_enable();
-        let [first, second, _] = bridges.voltages().map(|voltage| on.then_some(voltage));
+        let [first, second] = bridges.voltages().map(|voltage| on.then_some(voltage));
         let [one, two] = plant.period(self.held.as_ref(), [first, second]);
         let marks: [_; AXES] = plant.sensors::<f32>().marks.unwrap_or_default();
         let [first, second] = marks.map(|marks| marks.index.map(|Counts(index)| index));

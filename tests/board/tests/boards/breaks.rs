@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use board_bench::bench::{Bench, for_boards};
+use board_bench::bench::{Bench, CURRENT_LOOP, for_boards};
 use board_bench::image::Firmware;
 use board_bench::node::Inputs;
 use board_bench::pc::{board_ip, board_mac, udp};
@@ -21,9 +21,12 @@ const LOCKED: u32 = 1 << 24 | 0x99 << 16 | 1 << 12 | 1 << 11 | 1 << 10 | 3 << 8;
 /// PWR_CR1 (voltage detector, level 6) and RCC_CR (clock security).
 const PWR_CR1: u64 = 0x5802_4800;
 const RCC_CR: u64 = 0x5802_4400;
+/// DBGMCU_APB3FZ1 (bit 6: the window watchdog) and DBGMCU_APB2FZ1 (bit 0: TIM1, whose outputs are off while it stands still).
+const FROZEN: [u64; 2] = [0x5C00_1034, 0x5C00_104C];
 
-fn armed(firmware: &Arc<Firmware>) -> Bench {
-    let scene = scenes::load(haptic_sim::Laws::built_in(), "paper-5.2-passive-wave-16ms").expect("built in");
+fn armed(firmware: &Arc<Firmware>, set: &[&str]) -> Bench {
+    let mut scene = scenes::load(haptic_sim::Laws::built_in(), "paper-5.2-passive-wave-16ms").expect("built in");
+    set.iter().for_each(|text| scene.apply_override(text).expect("a good override"));
     let mut bench = Bench::start(firmware, 1, Line::default());
     bench.set_up(&for_boards(&scene)).expect("the board takes it");
     bench.arm();
@@ -33,7 +36,13 @@ fn armed(firmware: &Arc<Firmware>) -> Bench {
 
 #[test]
 fn what_guards_the_outputs_is_set_and_locked() {
-    let mut bench = armed(&Arc::new(Firmware::release()));
+    let mut bench = armed(&Arc::new(Firmware::release()), &[]);
+    let frozen = bench.peek(1, FROZEN);
+    assert_eq!(
+        (frozen[0] >> 6 & 1, frozen[1] & 1),
+        (1, 1),
+        "a debugger's halt stops the watchdog, and the outputs with it"
+    );
     let set = bench.peek(1, [BDTR, PWR_CR1, RCC_CR]);
     assert_eq!(set[0] & !MAIN_OUTPUT, LOCKED, "{:#010x}", set[0]);
     assert_eq!((set[1] >> 4 & 1, set[1] >> 5 & 7, set[2] >> 19 & 1), (1, 6, 1));
@@ -57,7 +66,7 @@ fn outputs_are_off_a_microsecond_later_and_the_cause_is_told() {
         ),
     ];
     for (what, breaks, mends, told) in causes {
-        let mut bench = armed(&firmware);
+        let mut bench = armed(&firmware, &[]);
         assert!(bench.stopped[0].bridges.outputs);
         breaks(bench.input(1));
         bench.run_for_us(1);
@@ -77,7 +86,7 @@ fn outputs_are_off_a_microsecond_later_and_the_cause_is_told() {
 fn a_bridge_may_report_a_fault_while_it_wakes_and_no_longer() {
     let firmware = Arc::new(Firmware::release());
     for (ms, fault) in [(1, "fault 0"), (2, "fault 0"), (5, "fault 14")] {
-        let mut bench = armed(&firmware);
+        let mut bench = armed(&firmware, &CURRENT_LOOP);
         assert_eq!(bench.ask(1, "disarm"), "ok disarmed");
         bench.input(1).bridge_fails = Some(true);
         bench.run_for_ms(1);
@@ -119,7 +128,7 @@ pub(crate) fn mend_clock(bench: &mut Bench, firmware: &Firmware) {
 #[test]
 fn a_board_whose_external_clock_stops_starts_anew_and_says_so() {
     let firmware = Arc::new(Firmware::release());
-    let mut bench = armed(&firmware);
+    let mut bench = armed(&firmware, &[]);
     stop_clock(&mut bench, &firmware);
     bench.run_for_us(1);
     assert!(!bench.stopped[0].bridges.outputs);

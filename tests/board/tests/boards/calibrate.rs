@@ -5,7 +5,7 @@ use std::path::Path;
 use std::rc::Rc;
 use std::sync::Arc;
 
-use board_bench::bench::{Bench, PWM_STEPS};
+use board_bench::bench::{AMPLIFIER_STEPS, Bench, PWM_STEPS};
 use board_bench::image::Firmware;
 use board_bench::wire::Line;
 use haptic_board_tools::Error;
@@ -96,7 +96,7 @@ fn table(set: &[&str]) -> Table {
     {
         truth.apply_override(text).expect("a good override");
     }
-    truth.world.plant.pwm_steps = PWM_STEPS;
+    truth.world.plant.pwm_steps = if truth.world.plant.winding { PWM_STEPS } else { AMPLIFIER_STEPS };
     truth.world.plant.current_bits = 16;
     let firmware = Arc::new(Firmware::release());
     let mut bench = Bench::start(&firmware, 1, Line::default());

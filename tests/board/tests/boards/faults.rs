@@ -296,6 +296,14 @@ fn outputs_go_off_and_stay_off() {
         "UART4",
         &[NO_INSTRUCTION],
     );
+    // movs r0, #0x60; lsls r0, r0, #24; ldr r0, [r0]; b.
+    let outside = [0x0600_2060, FOR_EVER & 0xFFFF_0000 | 0x6800];
+    campaign.break_code(
+        "access where external memory would be",
+        &restarted(6, "refused an instruction"),
+        "UART4",
+        &outside,
+    );
     campaign.break_code("stack overflow in a task", &restarted(6, "refused an instruction"), "UART4", &[OVERFLOW]);
     campaign.break_code("supervisor hangs", &restarted(32, "no progress"), "UART4", &[FOR_EVER]);
     campaign.break_code("tick hangs", &restarted(2, "no tick came"), "TIM6_DAC", &[FOR_EVER]);

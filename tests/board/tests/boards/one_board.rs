@@ -9,6 +9,8 @@ use board_bench::wire::Line;
 
 /// SYSCFG_PWRCR: bit 0 lets the regulator give voltage scale 0, which 480 MHz need and the emulator does not check.
 const OVERDRIVE: u64 = 0x5800_042C;
+/// Pulls of ports C and D: two bits a pin. Pins 6 to 8 and 12 to 14 are the encoders', which may be at 5 V.
+const PULLS: [u64; 2] = [0x5802_080C, 0x5802_0C0C];
 
 #[test]
 fn it_starts_disarmed_and_answers() {
@@ -16,6 +18,8 @@ fn it_starts_disarmed_and_answers() {
     let mut bench = Bench::start(&firmware, 1, Line::default());
     assert!(!bench.stopped[0].bridges.on());
     assert_eq!(bench.peek(1, [OVERDRIVE])[0] & 1, 1);
+    let pulls = bench.peek(1, PULLS);
+    assert_eq!((pulls[0] >> 12 & 0x3F, pulls[1] >> 24 & 0x3F), (0, 0), "encoders' pins have no pull");
     let answer = bench.ask(1, "status");
     assert!(answer.starts_with("ok board 1 disarmed fault 0 "), "{answer}");
     let refusal = bench.ask(1, "arm");

@@ -15,7 +15,7 @@ use haptic_sim::scene::Scene;
 use haptic_sim::{Laws, scenes};
 
 /// The paper's passive wave on every axis of a serial arm, whose users push against each other in a direction of space.
-fn scene() -> Scene {
+pub(crate) fn scene() -> Scene {
     let mut scene = scenes::load(Laws::built_in(), "paper-5.2-passive-wave-16ms").expect("built in");
     for set in [
         "axis.count=3",
