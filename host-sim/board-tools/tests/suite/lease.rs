@@ -17,8 +17,8 @@ use haptic_protocol::lines::{Line, Lines};
 use haptic_protocol::link::{Config, Link, Notice};
 use haptic_protocol::parameters::{Parameters, Table};
 use haptic_protocol::wire::{MAX_DATAGRAM, PeerId};
-use rand_xoshiro::Xoshiro256PlusPlus;
-use rand_xoshiro::rand_core::{Rng, SeedableRng};
+
+use super::on_path::{self, Fate, PASS, Path, Strategy};
 
 /// `safety.operator_lost_s`, ms.
 const LEASE_MS: u64 = 200;
@@ -131,64 +131,14 @@ fn key() -> Key {
     Key::new([7; Key::LEN])
 }
 
-/// What becomes of a datagram: each of these many ms later it comes.
-#[derive(Clone, Copy, Debug)]
-struct Fate([Option<u16>; 2]);
-
-/// Fates by phase (before the stop, in the first 100 ms after, later), direction and length.
-#[derive(Clone, Debug)]
-struct Strategy([[[Fate; 8]; 2]; 3]);
-
-const PASS: Fate = Fate([Some(1), None]);
-
-impl Fate {
-    fn random(rng: &mut Xoshiro256PlusPlus) -> Self {
-        let held = |rng: &mut Xoshiro256PlusPlus| (rng.next_u32() % 1000) as u16 + 1;
-        match rng.next_u32() % 8 {
-            0..3 => PASS,
-            3..5 => Self([None; 2]),
-            5 => Self([Some(held(rng)), None]),
-            6 => Self([Some(1), Some(held(rng))]),
-            _ => Self([Some(held(rng) % 200 + 1), None]),
-        }
-    }
-}
-
-impl Strategy {
-    /// Another one, as different as chance has it.
-    fn altered(&self, rng: &mut Xoshiro256PlusPlus) -> Self {
-        let mut altered = self.clone();
-        let rate = 1 << (rng.next_u32() % 6);
-        for fate in altered.0.iter_mut().flatten().flatten() {
-            if rng.next_u32().is_multiple_of(rate) {
-                *fate = Fate::random(rng);
-            }
-        }
-        altered
-    }
-}
-
-/// Lengths that both ends send, each its own place; further ones share the last.
-#[derive(Default)]
-struct Lengths(Vec<usize>);
-
-impl Lengths {
-    fn place(&mut self, length: usize) -> usize {
-        let place = self.0.iter().position(|known| *known == length).unwrap_or_else(|| {
-            self.0.push(length);
-            self.0.len() - 1
-        });
-        place.min(7)
-    }
-}
+/// Fates before the stop, in the first 100 ms after, and later; to the board and to the operator.
+type Lease = Strategy<3, 2>;
 
 /// A board, its operator and what lies between them.
 struct World {
     board: Board,
     operator: Session,
-    /// By direction: when it comes, ms.
-    under_way: [Vec<(u64, Vec<u8>)>; 2],
-    lengths: Lengths,
+    path: Path<2>,
     now_ms: u64,
     /// When the operator let the motors run last.
     yes_ms: u64,
@@ -201,8 +151,7 @@ impl World {
         Self {
             board: Board::new(planted),
             operator: Session::new(key(), 1, [8; 32]).expect("a session"),
-            under_way: Default::default(),
-            lengths: Lengths::default(),
+            path: Path::default(),
             now_ms: 1000,
             yes_ms: 0,
             was_on: false,
@@ -211,19 +160,10 @@ impl World {
     }
 
     /// A millisecond, datagrams meeting the fate that this says by direction (0: to the board) and length; what was broken, if anything.
-    fn step(&mut self, fate: impl Fn(usize, usize) -> Fate) -> Result<(), String> {
+    fn step(&mut self, fate: impl Fn(usize, usize) -> Fate + Copy) -> Result<(), String> {
         self.now_ms += 1;
         let now = self.now_ms;
-        let mut came = [Vec::new(), Vec::new()];
-        for (under_way, came) in self.under_way.iter_mut().zip(&mut came) {
-            // The order of what comes in one millisecond is the adversary's, too: last in, first out.
-            for at in (0..under_way.len()).rev() {
-                if under_way[at].0 <= now {
-                    came.push(under_way.swap_remove(at).1);
-                }
-            }
-        }
-        let [to_board, mut to_operator] = came;
+        let [to_board, mut to_operator] = [0, 1].map(|direction| self.path.come(now, direction));
         let mut said = Vec::new();
         self.board.tick();
         if now.is_multiple_of(2) || !to_board.is_empty() {
@@ -240,10 +180,7 @@ impl World {
             }
         }
         for (direction, datagram) in said {
-            let place = self.lengths.place(datagram.len());
-            for after in fate(direction, place).0.into_iter().flatten() {
-                self.under_way[direction].push((now + u64::from(after), datagram.clone()));
-            }
+            self.path.say(now, direction, &datagram, fate);
         }
         if self.operator.consent().is_given() {
             self.yes_ms = now;
@@ -260,7 +197,7 @@ impl World {
 
     /// Nobody is on the path, until both are there and nothing is left of what was.
     fn meet(&mut self) {
-        self.under_way = Default::default();
+        self.path.clear();
         self.was_on = false;
         for _ in 0..5_000 {
             self.step(|_, _| PASS).expect("nobody disturbs");
@@ -278,7 +215,7 @@ impl World {
     }
 
     /// Arms, then stops, under a strategy; how long the motors were on after the stop, ms.
-    fn play(&mut self, strategy: &Strategy) -> Result<u64, String> {
+    fn play(&mut self, strategy: &Lease) -> Result<u64, String> {
         self.meet();
         self.was_on = false;
         self.operator.say("arm");
@@ -298,21 +235,16 @@ impl World {
     }
 }
 
-/// Random strategies, and alterations of the one that kept motors on for longest; what breaks a promise, or the longest.
+/// What breaks a promise, or for how long motors were on at the most after the stop, ms.
 fn search(planted: Planted, strategies: usize) -> Result<u64, (usize, String)> {
-    let mut rng = Xoshiro256PlusPlus::seed_from_u64(29);
     let mut world = World::new(planted);
-    let nothing = Strategy([[[PASS; 8]; 2]; 3]);
-    let (mut best, mut longest, mut armed) = (nothing.clone(), 0, 0);
-    for tried in 0..strategies {
-        let from = if rng.next_u32().is_multiple_of(4) { &nothing } else { &best };
-        let strategy = from.altered(&mut rng);
-        let on = world.play(&strategy).map_err(|why| (tried, format!("{why}: {strategy:?}")))?;
+    let mut armed = 0;
+    let longest = on_path::search(29, strategies, |strategy: &Lease| {
+        let on = world.play(strategy)?;
         armed += usize::from(world.was_on);
-        if on > longest {
-            (best, longest) = (strategy, on);
-        }
-    }
+        Ok([on])
+    });
+    let [longest] = longest?;
     assert!(armed > strategies / 4, "only {armed} of {strategies} strategies let it be armed at all");
     Ok(longest)
 }
@@ -345,7 +277,7 @@ fn what_the_operator_says_has_one_length() {
             world.operator.say("disarm");
         }
         world.step(|_, _| PASS).expect("nobody disturbs");
-        lengths.extend(world.under_way[0].iter().map(|(_, datagram)| datagram.len()));
+        lengths.extend(world.path.under_way[0].iter().map(|(_, datagram)| datagram.len()));
     }
     lengths.sort_unstable();
     lengths.dedup();

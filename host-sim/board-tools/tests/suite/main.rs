@@ -4,4 +4,5 @@ mod bringup;
 mod calibrate;
 mod calibrate_winding;
 mod lease;
+mod on_path;
 mod recording;

@@ -6,6 +6,7 @@
 //! | [`records`] | what do records of a world make of any bytes? |
 //! | [`fuzz`] | what do the fuzz targets make of what fuzzers found? |
 //! | [`hostile`] | what can a member with a key do to the others? |
+//! | [`path`] | what can somebody without a key do on the path of agreed starts, clocks and consent? |
 //! | [`collaborate`], [`cooperative`], [`hub`], [`lifted`], [`squash`], [`static_scene`] | what do the environments do in virtual time? |
 
 mod collaborate;
@@ -14,6 +15,9 @@ mod fuzz;
 mod hostile;
 mod hub;
 mod lifted;
+#[path = "../../../board-tools/tests/suite/on_path.rs"]
+mod on_path;
+mod path;
 #[path = "../../../../protocol/tests/suite/protocol/random.rs"]
 mod random;
 mod records;

@@ -17,11 +17,11 @@ use haptic_sim::scene::Scene;
 use haptic_sim::scenes;
 
 /// A number from the environment, or this one.
-fn asked(name: &str, otherwise: u64) -> u64 {
+pub(crate) fn asked(name: &str, otherwise: u64) -> u64 {
     std::env::var(name).map_or(otherwise, |text| text.parse().unwrap_or_else(|_| panic!("{name}={text} is no number")))
 }
 
-fn scene(name: &str, keys: &[&str]) -> Scene {
+pub(crate) fn scene(name: &str, keys: &[&str]) -> Scene {
     let mut scene = scenes::load(haptic_sim::Laws::built_in(), name).expect("a built-in scene");
     keys.iter().for_each(|key| scene.apply_override(key).expect("a good override"));
     scene.check("the test").expect("a good scene");
