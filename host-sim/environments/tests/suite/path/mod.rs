@@ -4,7 +4,8 @@
 //! 1. what an end says of the other one's clock is true within the error that it states, wherever the clocks began and though each
 //!    runs 100 ppm fast or slow;
 //! 2. nobody's hand moves before all ends were live, and when the path is clean again the copies are as far apart as after a start
-//!    that nobody disturbed, within 1 mm;
+//!    that nobody disturbed, within 1 mm; where an end's coordination was not complete after hands began they may be further apart, and
+//!    then a notice at an end says that the other one fell silent or went, or motors are off;
 //! 3. an end engages only by what the other one said within the age of flow that is taken, and when the other one's motors go off
 //!    it lets go within that age and the time for which its law bears silence.
 //!
