@@ -382,6 +382,9 @@ impl Scene {
         let (key, value) = text.split_once('=').ok_or_else(|| Error::at(text, "write it as table.key=value"))?;
         let (key, value) = (key.trim(), value.trim());
         let parsed = format!("v = {value}").parse::<toml::Table>().ok().and_then(|mut table| table.remove("v"));
+        // TOML has no `.25`, and people do.
+        let number = || value.parse().ok().filter(|number: &f64| number.is_finite()).map(toml::Value::Float);
+        let parsed = parsed.or_else(number);
         self.set(key, &parsed.unwrap_or_else(|| toml::Value::String(value.to_owned())), "override", None)
     }
 

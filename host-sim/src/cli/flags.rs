@@ -228,8 +228,8 @@ impl Watching {
 /// A recording.
 #[derive(Clone, Debug, Args)]
 pub(super) struct RecordTo {
-    /// Record every tick in this file (MCAP) while it runs; it must not be there yet. `host-sim convert` makes Parquet or CSV of it.
-    #[arg(long, value_name = "FILE")]
+    /// Record every tick in this file, NAME.mcap, while it runs; it must not be there yet. `host-sim convert` makes Parquet or CSV of it.
+    #[arg(long, value_name = "FILE", value_parser = recording)]
     pub(super) record: Option<PathBuf>,
 }
 
@@ -291,6 +291,15 @@ fn live_seconds(text: &str) -> Result<f64, Failure> {
 fn up_to(longest_s: f64, text: &str) -> Result<f64, Failure> {
     let seconds = text.parse().ok().filter(|seconds| *seconds > 0.0 && *seconds <= longest_s);
     seconds.ok_or_else(|| format!("it must be above 0 and up to {longest_s} s").into())
+}
+
+/// The name of a recording that is to be made: what its ending says is what it is.
+fn recording(text: &str) -> Result<PathBuf, Failure> {
+    let file = PathBuf::from(text);
+    let is_mcap = file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("mcap"));
+    is_mcap
+        .then_some(file)
+        .ok_or_else(|| "a recording ends in .mcap; `host-sim convert` makes CSV or Parquet of it".into())
 }
 
 /// One of the names of a closed list, on the command line.

@@ -79,6 +79,8 @@ fn values_of_the_wrong_kind() {
     refused_set("coordination.decode=5", &["coordination.decode = 5", "\"implicit\""]);
     refused_set("object.integrator=rk4", &["object.integrator = \"rk4\"", "\"semi-implicit\""]);
     refused_set("object.mass_kg=[1,2]", &["object.mass_kg"]);
+    refused_set("object.mass_kg=.25.5", &["object.mass_kg = \".25.5\"", "a number"]);
+    refused_set("object.mass_kg=infinity", &["object.mass_kg = \"infinity\"", "a number"]);
 }
 
 #[test]
@@ -151,6 +153,7 @@ fn live_peers_floods_and_restarts() {
     );
     refused(&["network", "restarts", "--set", "network.one_way_delay_packets=100"], &["do not meet within 0.5 s"]);
     refused(&["network", "relay", "--listen-1", "nowhere", "--listen-2", "127.0.0.1:1"], &["nowhere"]);
+    refused(&["cooperate", "--record", "run.csv"], &["--record", "run.csv", ".mcap", "host-sim convert"]);
     let key = file("open.key", &"5a".repeat(32));
     let peer = ["peer", "--number", "1", "--listen", "127.0.0.1:0", "--connect", "127.0.0.1:9", "--key-file"];
     refused(&[&peer[..], &["/no/such.key"]].concat(), &["/no/such.key"]);

@@ -273,3 +273,10 @@ fn a_run_that_is_broken_on_purpose_says_why() {
     let outcome = run::<f64>(&torn, OPTIONS, &|_| {}).expect("a good scene");
     assert!(!outcome.is_stable() && outcome.metric(|o| o.whole.true_discrepancy_mm).is_none(), "{:?}", outcome.reason);
 }
+
+#[test]
+fn a_number_may_begin_or_end_with_its_point() {
+    for (text, mass_kg) in [("object.mass_kg=.25", 0.25), ("object.mass_kg=2.", 2.0), ("object.mass_kg=+.5", 0.5)] {
+        assert_eq!(scene(&[text]).peer.object.mass_kg, mass_kg, "{text}");
+    }
+}
