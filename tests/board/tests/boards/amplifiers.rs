@@ -4,29 +4,21 @@
 
 use std::sync::Arc;
 
-use board_bench::bench::{Bench, for_boards};
+use board_bench::bench::Bench;
 use board_bench::image::Firmware;
 use board_bench::node::Inputs;
-use board_bench::wire::Line;
-use haptic_sim::{Laws, scenes};
 
-use crate::three_axes;
+use crate::{breaks, three_axes};
 
 /// Full scale that a hand which holds still may be given in the first 10 ms, as a share.
 const SMALL: f64 = 0.1;
 
 fn armed(three: bool) -> Bench {
-    let (firmware, scene) = if three {
-        (Firmware::three_axes(), three_axes::scene())
+    if three {
+        breaks::armed(&Arc::new(Firmware::three_axes()), &three_axes::scene())
     } else {
-        let scene = scenes::load(Laws::built_in(), "paper-5.2-passive-wave-16ms").expect("built in");
-        (Firmware::release(), for_boards(&scene))
-    };
-    let mut bench = Bench::start(&Arc::new(firmware), 1, Line::default());
-    bench.set_up(&scene).expect("the board takes it");
-    bench.arm();
-    bench.run_for_ms(20);
-    bench
+        breaks::armed(&Arc::new(Firmware::release()), &breaks::scene(&[]))
+    }
 }
 
 /// So many ms, looked at every 20 µs: the largest share that amplifiers were commanded while enabled, with the gate and without one, and the

@@ -12,6 +12,7 @@ use board_bench::node::Inputs;
 use board_bench::pc::{board_ip, board_mac, udp};
 use board_bench::reviewed;
 use board_bench::wire::Line;
+use haptic_sim::scene::Scene;
 use haptic_sim::scenes;
 
 /// TIM1_BDTR without its main output enable, and what it is to be: break 2, both filters (8 samples at an eighth), break 1, idle levels, lock 3.
@@ -24,11 +25,17 @@ const RCC_CR: u64 = 0x5802_4400;
 /// DBGMCU_APB3FZ1 (bit 6: the window watchdog) and DBGMCU_APB2FZ1 (bit 0: TIM1, whose outputs are off while it stands still).
 const FROZEN: [u64; 2] = [0x5C00_1034, 0x5C00_104C];
 
-fn armed(firmware: &Arc<Firmware>, set: &[&str]) -> Bench {
+/// The paper's passive wave for a board, and what else is set.
+pub(crate) fn scene(set: &[&str]) -> Scene {
     let mut scene = scenes::load(haptic_sim::Laws::built_in(), "paper-5.2-passive-wave-16ms").expect("built in");
     set.iter().for_each(|text| scene.apply_override(text).expect("a good override"));
+    for_boards(&scene)
+}
+
+/// A board alone that has been armed for 20 ms.
+pub(crate) fn armed(firmware: &Arc<Firmware>, scene: &Scene) -> Bench {
     let mut bench = Bench::start(firmware, 1, Line::default());
-    bench.set_up(&for_boards(&scene)).expect("the board takes it");
+    bench.set_up(scene).expect("the board takes it");
     bench.arm();
     bench.run_for_ms(20);
     bench
@@ -36,7 +43,7 @@ fn armed(firmware: &Arc<Firmware>, set: &[&str]) -> Bench {
 
 #[test]
 fn what_guards_the_outputs_is_set_and_locked() {
-    let mut bench = armed(&Arc::new(Firmware::release()), &[]);
+    let mut bench = armed(&Arc::new(Firmware::release()), &scene(&[]));
     let frozen = bench.peek(1, FROZEN);
     assert_eq!(
         (frozen[0] >> 6 & 1, frozen[1] & 1),
@@ -66,7 +73,7 @@ fn outputs_are_off_a_microsecond_later_and_the_cause_is_told() {
         ),
     ];
     for (what, breaks, mends, told) in causes {
-        let mut bench = armed(&firmware, &[]);
+        let mut bench = armed(&firmware, &scene(&[]));
         assert!(bench.stopped[0].bridges.outputs);
         breaks(bench.input(1));
         bench.run_for_us(1);
@@ -86,7 +93,7 @@ fn outputs_are_off_a_microsecond_later_and_the_cause_is_told() {
 fn a_bridge_may_report_a_fault_while_it_wakes_and_no_longer() {
     let firmware = Arc::new(Firmware::release());
     for (ms, fault) in [(1, "fault 0"), (2, "fault 0"), (5, "fault 14")] {
-        let mut bench = armed(&firmware, &CURRENT_LOOP);
+        let mut bench = armed(&firmware, &scene(&CURRENT_LOOP));
         assert_eq!(bench.ask(1, "disarm"), "ok disarmed");
         bench.input(1).bridge_fails = Some(true);
         bench.run_for_ms(1);
@@ -128,7 +135,7 @@ pub(crate) fn mend_clock(bench: &mut Bench, firmware: &Firmware) {
 #[test]
 fn a_board_whose_external_clock_stops_starts_anew_and_says_so() {
     let firmware = Arc::new(Firmware::release());
-    let mut bench = armed(&firmware, &[]);
+    let mut bench = armed(&firmware, &scene(&[]));
     stop_clock(&mut bench, &firmware);
     bench.run_for_us(1);
     assert!(!bench.stopped[0].bridges.outputs);
