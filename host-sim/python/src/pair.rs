@@ -54,7 +54,7 @@ macro_rules! with {
 fn tick<S: Number>(pair: &mut pair::Pair<S>, [first, second]: [f64; 2]) -> Row {
     // Peer 2's hand pushes toward negative x.
     for (side, force) in pair.sides_mut().zip([first, -second]) {
-        side.plant.pull(force);
+        side.plant.pull([force, 0.0]);
     }
     pair.step();
     let mut row = [0.0; WIDTH];

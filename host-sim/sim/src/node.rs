@@ -325,8 +325,8 @@ where
         self.halted
     }
 
-    /// Lets another force act on its device beside the user's from the next tick on, N toward positive x.
-    pub fn pull(&mut self, force_n: f64) {
+    /// Lets another force act on its device beside the user's from the next tick on, N along each axis.
+    pub fn pull(&mut self, force_n: [f64; N]) {
         self.plant.pull(force_n);
     }
 
@@ -340,9 +340,9 @@ where
         self.peer.observed()[0]
     }
 
-    /// Motion of the node's device along the free axis, m and m/s.
-    pub fn motion(&self) -> Motion<f64> {
-        self.plant.motions()[0]
+    /// Motion of the node's device along each of its axes, m and m/s.
+    pub fn motions(&self) -> [Motion<f64>; N] {
+        self.plant.motions()
     }
 
     /// Notifies the other peer that this one ends its session.

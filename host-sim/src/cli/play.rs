@@ -22,9 +22,10 @@ const MEASURED_S: f64 = 10.0;
 pub(super) struct Play {
     #[command(flatten)]
     scene: SceneArgs,
-    /// What is shown first; the page can show the others, too.
-    #[arg(long, value_parser = choice::<EnvironmentKind>(), default_value = "pair", value_name = "NAME")]
-    environment: EnvironmentKind,
+    /// What is shown first; the page can show the others, too. Without it, two peers with as many axes as the scene says; pair, plane and
+    /// space are two peers along 1, 2 and 3.
+    #[arg(long, value_parser = choice::<EnvironmentKind>(), value_name = "NAME")]
+    environment: Option<EnvironmentKind>,
     /// Who holds the other hand while only one window is open.
     #[arg(long, value_parser = choice::<Model>(), default_value = "follows", value_name = "NAME")]
     partner: Model,
@@ -58,7 +59,8 @@ pub(super) struct Play {
 
 impl Play {
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        let (scene, stop) = (self.scene.load_of_one_axis(ui)?, Stop::on_signals()?);
+        let (scene, stop) = (self.scene.load(ui)?, Stop::on_signals()?);
+        let scene = self.environment.map_or_else(|| Ok(scene.clone()), |kind| kind.fitting(scene.clone()))?;
         if self.measure {
             return ui.result(&measure(&scene, self.seconds.unwrap_or(MEASURED_S), &stop)?);
         }
@@ -89,7 +91,7 @@ impl Play {
         if !self.board.is_empty() {
             return Ok(Shown::Boards(Boards::open(self.places()?)?));
         }
-        let Some(file) = &self.key_file else { return Ok(Shown::Here(self.environment)) };
+        let Some(file) = &self.key_file else { return Ok(Shown::Here(self.environment.unwrap_or_default())) };
         let key = key_file::read(file, key::Role::Peers)?;
         Ok(Shown::Remote(match (self.listen, self.join) {
             (Some(at), _) => End::listening(at, key, self.number.unwrap_or(1))?,

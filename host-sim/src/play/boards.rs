@@ -32,7 +32,8 @@ use serde::Serialize;
 use serde_json::json;
 
 use super::boards_line::Line;
-use super::environment::{ARMED, Command, Environment, FAULT, MOST, OFF, Sample, Standing, WAITS};
+use super::environment::{ARMED, Command, Environment, FAULT, OFF, Sample, Standing, WAITS};
+use super::pair_columns::{OF_BOTH, sample};
 use super::session::PERIOD_S;
 use crate::Error;
 
@@ -418,7 +419,7 @@ impl Environment for Boards {
         self.seen = Instant::now();
     }
 
-    fn point(&mut self, _: usize, _: Option<[f64; 2]>, _: u32) {}
+    fn point(&mut self, _: usize, _: Option<[f64; 3]>, _: u32) {}
 
     fn play(&mut self, _: usize) {}
 
@@ -441,10 +442,9 @@ impl Environment for Boards {
         let (nothing, [device, object, decoded, contact, coordination]) = ([f32::NAN; 2], SHOWN.map(both));
         let in_line: f32 = both(SENT).into_iter().sum::<f32>() - both(RECEIVED).into_iter().sum::<f32>();
         let pairs = [nothing, device, object, decoded, contact, coordination, nothing];
-        let tail = [in_line, f32::NAN, f32::NAN, f32::NAN, f32::NAN, f32::NAN, f32::NAN, self.restarts as f32];
-        let mut sample = [f32::NAN; MOST];
-        sample.iter_mut().zip(pairs.into_iter().flatten().chain(tail)).for_each(|(to, number)| *to = number);
-        Ok(sample)
+        let mut rest = [f32::NAN; OF_BOTH];
+        rest[0] = in_line;
+        Ok(sample([pairs], rest, self.restarts))
     }
 
     fn standing(&self) -> Standing {

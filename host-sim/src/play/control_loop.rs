@@ -111,6 +111,10 @@ fn exchange(
     waiting: &mut VecDeque<Sample>,
     kept: &Punctuality,
 ) -> Result<(), Error> {
+    // An object that is shared along other axes is another one.
+    if let Some(scene) = contents.scene.take_if(|scene| shown.kind.in_scene(scene) != shown.kind) {
+        contents.show = Some((shown.kind.in_scene(&scene), scene));
+    }
     if let Some((kind, scene)) = contents.show.take() {
         let partner = shown.environment.standing().partner;
         *shown = Shown { environment: kind.open(&scene)?, kind };
@@ -151,7 +155,7 @@ fn exchange(
         late: u32::try_from(kept.missed).unwrap_or(u32::MAX),
         worst_us: u32::try_from(kept.worst_us).unwrap_or(u32::MAX),
         standing: shown.standing(),
-        kind: kind.number(),
+        kind: *kind,
     };
     Ok(())
 }

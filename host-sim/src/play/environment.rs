@@ -12,8 +12,8 @@ use super::boards_line::Line;
 use super::partner::Model;
 use crate::Error;
 
-/// Numbers in a sample, at the most; what a column is missing for is no number.
-pub(super) const MOST: usize = 22;
+/// Numbers in a sample, at the most; what a column is missing for is no number. The last one of all says how often it has started anew.
+pub(super) const MOST: usize = 51;
 
 /// The numbers of one tick.
 pub(super) type Sample = [f32; MOST];
@@ -73,9 +73,9 @@ pub(super) trait Environment {
     /// Takes another scene, which is what every setting is from now on.
     fn set(&mut self, scene: Scene) -> Result<(), Error>;
 
-    /// What a person's pointer says before the next tick: where it is, m, along and across, or that it lets go. Where it says so of a
-    /// world that was before the last start, it has let go.
-    fn point(&mut self, hand: usize, at: Option<[f64; 2]>, restarts: u32);
+    /// What a person's pointer says before the next tick: where it is, m, along, across and up, or that it lets go. Where it says so of
+    /// a world that was before the last start, it has let go.
+    fn point(&mut self, hand: usize, at: Option<[f64; 3]>, restarts: u32);
 
     /// Who plays when nobody holds this hand holds it in the next tick.
     fn play(&mut self, hand: usize);

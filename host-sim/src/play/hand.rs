@@ -5,9 +5,13 @@
 //! they rattle by 0.1 N. So they are played out [`DELAY`] late, straight from one to the next, as packets are on a line that jitters;
 //! then a drag at constant speed has no ripple at all.
 //!
-//! The force is formed once a tick and held through it. SI units; positive is to the right.
+//! The force is formed once a tick and held through it. SI units; positive is to the right, away from the person, and up. Of several axes
+//! a hand's strength and its speed are limited as the lengths of their vectors.
 
+use std::array::from_fn;
 use std::collections::VecDeque;
+
+use haptic_core::num::Motion;
 
 /// Stiffness, N/m: 5 mm is 1 N.
 pub(crate) const STIFFNESS: f64 = 200.0;
@@ -22,23 +26,35 @@ const FASTEST: f64 = 0.5;
 /// Share of its speed that a hand takes on in a tick: a jump of a few ticks is no blow through the damper.
 const AGILITY: f64 = 0.1;
 
-/// A hand that follows a pointer.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Hand {
+/// A hand that follows a pointer along `N` axes.
+#[derive(Clone, Debug)]
+pub(super) struct Hand<const N: usize = 1> {
     /// Where the pointer was, m, and when it said so, in ticks.
-    path: VecDeque<(u64, f64)>,
-    at: f64,
-    speed: f64,
+    path: VecDeque<(u64, [f64; N])>,
+    at: [f64; N],
+    speed: [f64; N],
 }
 
-impl Hand {
+impl<const N: usize> Default for Hand<N> {
+    fn default() -> Self {
+        Self { path: VecDeque::new(), at: [0.0; N], speed: [0.0; N] }
+    }
+}
+
+/// A vector in the same direction, no longer than `most`.
+fn within<const N: usize>(vector: [f64; N], most: f64) -> [f64; N] {
+    let length = vector.iter().map(|part| part * part).sum::<f64>().sqrt();
+    if length <= most { vector } else { vector.map(|part| part / length * most) }
+}
+
+impl<const N: usize> Hand<N> {
     /// The pointer says where it is (m), or that it has let go. A hand takes the device where that is.
-    pub(super) fn point(&mut self, tick: u64, pointer: Option<f64>, device: f64) {
+    pub(super) fn point(&mut self, tick: u64, pointer: Option<[f64; N]>, device: [f64; N]) {
         match pointer {
             None => self.path.clear(),
             Some(at) => {
                 if self.path.is_empty() {
-                    (self.at, self.speed) = (device, 0.0);
+                    (self.at, self.speed) = (device, [0.0; N]);
                 }
                 self.path.push_back((tick, at));
             }
@@ -46,27 +62,33 @@ impl Hand {
     }
 
     /// Where the hand is, m, if it holds.
-    pub(super) fn holds(&self) -> Option<f64> {
+    pub(super) fn holds(&self) -> Option<[f64; N]> {
         (!self.path.is_empty()).then_some(self.at)
     }
 
-    /// Force (N) on a device at `position` (m) that moves at `velocity` (m/s), in a tick of `period` (s).
-    pub(super) fn pull(&mut self, tick: u64, position: f64, velocity: f64, period: f64) -> f64 {
+    /// Force (N) on a device where it is (m) and as fast as it moves (m/s), in a tick of `period` (s).
+    pub(super) fn pull(&mut self, tick: u64, device: [Motion<f64>; N], period: f64) -> [f64; N] {
         let then = tick.saturating_sub(DELAY);
         while self.path.get(1).is_some_and(|next| next.0 <= then) {
             self.path.pop_front();
         }
         let to = match (self.path.front(), self.path.get(1)) {
             (Some(&(from, a)), Some(&(until, b))) if from < then => {
-                a + (b - a) * (then - from) as f64 / (until - from) as f64
+                from_fn(|axis| a[axis] + (b[axis] - a[axis]) * (then - from) as f64 / (until - from) as f64)
             }
             (Some(&(_, a)), _) => a,
-            (None, _) => return 0.0,
+            (None, _) => return [0.0; N],
         };
-        let step = (to - self.at).clamp(-FASTEST * period, FASTEST * period);
-        self.at += step;
-        self.speed += AGILITY * (step / period - self.speed);
-        (STIFFNESS * (self.at - position) + DAMPING * (self.speed - velocity)).clamp(-STRENGTH, STRENGTH)
+        let step = within::<N>(from_fn(|axis| to[axis] - self.at[axis]), FASTEST * period);
+        for (axis, step) in step.into_iter().enumerate() {
+            self.at[axis] += step;
+            self.speed[axis] += AGILITY * (step / period - self.speed[axis]);
+        }
+        let force = |axis: usize| {
+            let Motion { position, velocity } = device[axis];
+            STIFFNESS * (self.at[axis] - position) + DAMPING * (self.speed[axis] - velocity)
+        };
+        within(from_fn(force), STRENGTH)
     }
 }
 

@@ -1,6 +1,5 @@
 //! Four hands on one object through a hub: two of people, two of partners who play always.
 
-use haptic_core::num::Motion;
 use haptic_environments::cooperative::waves::Waves;
 use haptic_sim::network::link::Route;
 use haptic_sim::scene::Scene;
@@ -49,6 +48,7 @@ pub(super) struct Hub {
 
 impl Play for Hub {
     fn open(scene: &Scene) -> Result<Self, Error> {
+        scene.check_one_axis("a hub in the page")?;
         let waves = Waves::new(scene, HANDS)?;
         let [three, four] = THERE.map(Partner::new);
         let partners = [Partner::new(Model::default()), Partner::new(Model::default()), three, four];
@@ -67,18 +67,19 @@ impl Play for Hub {
     fn step(&mut self) {
         let Self { waves, hands, partners, held, pulls, tick } = self;
         for (at, side) in waves.sides_mut().enumerate() {
-            let motion @ Motion { position, velocity } = side.plant.motions()[0];
+            let motion = side.plant.motions()[0];
+            let position = [motion.position];
             let wanted = match held.get(at) {
                 None | Some(Held::ByNobody) => partners[at].wants(position, PERIOD_S),
                 Some(Held::Free) => None,
-                Some(Held::At([along, _])) => Some(*along),
+                Some(Held::At([along, ..])) => Some([*along]),
             };
             if matches!(held.get(at), Some(Held::Free | Held::At(_))) {
                 partners[at].rest();
             }
             hands[at].point(*tick, wanted, position);
-            pulls[at] = hands[at].pull(*tick, position, velocity, PERIOD_S);
-            side.plant.pull(pulls[at] - end_of_travel(motion));
+            [pulls[at]] = hands[at].pull(*tick, [motion], PERIOD_S);
+            side.plant.pull([pulls[at] - end_of_travel(motion), 0.0]);
         }
         waves.step();
         *tick += 1;
@@ -88,7 +89,7 @@ impl Play for Hub {
         self.waves.sides().for_each(|side| number(side.plant.motions()[0].position));
         self.waves.copies().for_each(|copy| number(copy.position));
         self.pulls.iter().for_each(|pull| number(*pull));
-        self.hands.iter().for_each(|hand| number(hand.holds().unwrap_or(f64::NAN)));
+        self.hands.iter().for_each(|hand| number(hand.holds().map_or(f64::NAN, |[at]| at)));
         let places = || self.waves.copies().map(|copy| copy.position);
         number(places().fold(f64::NEG_INFINITY, f64::max) - places().fold(f64::INFINITY, f64::min));
     }

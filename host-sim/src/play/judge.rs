@@ -86,9 +86,13 @@ fn run(mailbox: &Mailbox, mut scene: Scene, mut kind: EnvironmentKind, orders: &
         let (anyway, line) = line.strip_prefix("anyway ").map_or((false, line.as_str()), |line| (true, line));
         let wanted = match wanted(&scene, kind, line, fixed) {
             Ok(Request::Scene(wanted)) => *wanted,
-            Ok(Request::Show(other)) => {
-                kind = other;
-                mailbox.lock().show = Some((kind, Box::new(scene.clone())));
+            Ok(Request::Show(other, fitting)) => {
+                mailbox.lock().show = Some((other, fitting.clone()));
+                if fitting.settings() != scene.settings() {
+                    tell(mailbox, &fitting, None);
+                    finding = find(&fitting);
+                }
+                (kind, scene) = (other, *fitting);
                 tell(mailbox, &scene, Some(&finding));
                 continue;
             }
@@ -115,14 +119,14 @@ fn run(mailbox: &Mailbox, mut scene: Scene, mut kind: EnvironmentKind, orders: &
             mailbox.lock().scene = Some(Box::new(wanted.clone()));
         }
         tell(mailbox, &wanted, Some(&found));
-        (scene, finding) = (wanted, found);
+        (kind, scene, finding) = (kind.in_scene(&wanted), wanted, found);
     }
 }
 
 /// What an order asks for.
 enum Request {
     Scene(Box<Scene>),
-    Show(EnvironmentKind),
+    Show(EnvironmentKind, Box<Scene>),
 }
 
 /// What a line asks for, where that can be shown; else why not.
@@ -132,15 +136,16 @@ fn wanted(scene: &Scene, kind: EnvironmentKind, line: &str, fixed: Option<&str>)
     }
     let Some(name) = line.strip_prefix("show ") else {
         let wanted = apply(scene, line)?;
-        if kind != EnvironmentKind::Pair {
+        if kind.axes().is_none() {
             kind.open(&wanted)?;
         }
         return Ok(Request::Scene(Box::new(wanted)));
     };
     let other = EnvironmentKind::from_name(name)
         .ok_or_else(|| format!("{name}: there are {}", EnvironmentKind::NAMES.join(", ")))?;
-    other.open(scene)?;
-    Ok(Request::Show(other))
+    let fitting = other.fitting(scene.clone())?;
+    other.open(&fitting)?;
+    Ok(Request::Show(other, Box::new(fitting)))
 }
 
 /// Tells every window what holds: all settings, those that are not the usual ones, and what is known of them.

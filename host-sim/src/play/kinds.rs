@@ -1,13 +1,16 @@
 //! The environments that a page can show by itself: what each is called, what is in its samples, and how it is opened.
 
 use haptic_core::names::Choice;
-use haptic_sim::scene::Scene;
+use haptic_core::settings::Refused;
+use haptic_sim::peers::Builds;
+use haptic_sim::{of_axes, scene::Scene};
 use serde_json::{Value, json};
 
 use super::environment::{Column, Environment};
 use super::hub::{self, Hub};
+use super::pair_columns;
 use super::partner::Model;
-use super::session::{self, Session};
+use super::session::Session;
 use super::shared_environment::SharedEnvironment;
 use super::squash::{self, Squash};
 use super::turns::{self, Turns};
@@ -17,9 +20,13 @@ use crate::Error;
 /// An environment that needs nothing but a scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum EnvironmentKind {
-    /// Two peers hold one object.
+    /// Two peers hold one object along one axis.
     #[default]
     Pair,
+    /// Two peers hold one object in the plane.
+    Plane,
+    /// Two peers hold one object in space.
+    Space,
     /// Four peers hold one object through a hub.
     Hub,
     /// Squash, the paper's game.
@@ -33,8 +40,9 @@ pub(crate) enum EnvironmentKind {
 }
 
 impl Choice for EnvironmentKind {
-    const NAMES: &'static [&'static str] = &["pair", "hub", "squash", "world", "lock", "ring"];
-    const ALL: &'static [Self] = &[Self::Pair, Self::Hub, Self::Squash, Self::World, Self::Lock, Self::Ring];
+    const NAMES: &'static [&'static str] = &["pair", "hub", "squash", "world", "lock", "ring", "plane", "space"];
+    const ALL: &'static [Self] =
+        &[Self::Pair, Self::Hub, Self::Squash, Self::World, Self::Lock, Self::Ring, Self::Plane, Self::Space];
 }
 
 impl EnvironmentKind {
@@ -43,10 +51,44 @@ impl EnvironmentKind {
         Self::ALL.iter().position(|kind| *kind == self).unwrap_or_default() as u8
     }
 
+    /// Along how many axes the two peers of this kind share their object; of others none.
+    pub(super) fn axes(self) -> Option<u32> {
+        match self {
+            Self::Pair => Some(1),
+            Self::Plane => Some(2),
+            Self::Space => Some(3),
+            _ => None,
+        }
+    }
+
+    /// What shows this scene where this kind was shown: two peers share their object along as many axes as it says.
+    pub(crate) fn in_scene(self, scene: &Scene) -> Self {
+        match (self.axes(), scene.peer.axis.shared) {
+            (None, _) => self,
+            (_, 1) => Self::Pair,
+            (_, 2) => Self::Plane,
+            (_, _) => Self::Space,
+        }
+    }
+
+    /// The scene as this kind shows it.
+    ///
+    /// # Errors
+    /// The scene cannot be shared along so many axes.
+    pub(crate) fn fitting(self, mut scene: Scene) -> Result<Scene, Error> {
+        // Four hands at a hub hold one axis, as a pair does that nobody says more of.
+        let axes = self.axes().or((self == Self::Hub).then_some(1));
+        if let Some(axes) = axes.filter(|axes| *axes != scene.peer.axis.shared) {
+            (scene.peer.axis.count, scene.peer.axis.shared) = (axes, axes);
+            scene.check("this environment")?;
+        }
+        Ok(scene)
+    }
+
     /// Its environment in this scene.
     pub(super) fn open(self, scene: &Scene) -> Result<Box<dyn Environment>, Error> {
         Ok(match self {
-            Self::Pair => Box::new(Session::new(scene.clone(), Model::default())?),
+            Self::Pair | Self::Plane | Self::Space => of_axes!(scene, pair(scene))?,
             Self::Hub => Box::new(SharedEnvironment::<Hub>::new(scene)?),
             Self::Squash => Box::new(SharedEnvironment::<Squash>::new(scene)?),
             Self::World => Box::new(SharedEnvironment::<Visit>::new(scene)?),
@@ -58,7 +100,9 @@ impl EnvironmentKind {
     /// What is in its samples.
     pub(super) fn columns(self) -> &'static [Column] {
         match self {
-            Self::Pair => &session::COLUMNS,
+            Self::Pair => pair_columns::columns(1),
+            Self::Plane => pair_columns::columns(2),
+            Self::Space => pair_columns::columns(3),
             Self::Hub => &hub::COLUMNS,
             Self::Squash => &squash::COLUMNS,
             Self::World => &visit::COLUMNS,
@@ -80,6 +124,14 @@ impl EnvironmentKind {
         };
         Self::ALL.iter().zip(Self::NAMES).map(kind).collect()
     }
+}
+
+/// Two peers, along as many axes as the scene says.
+fn pair<const SHARED: usize, const N: usize>(scene: &Scene) -> Result<Box<dyn Environment>, Refused<'static>>
+where
+    f32: Builds<SHARED, N>,
+{
+    Ok(Box::new(Session::<SHARED, N>::new(scene.clone(), Model::default())?))
 }
 
 #[cfg(test)]

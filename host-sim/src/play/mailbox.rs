@@ -18,8 +18,8 @@ const MOST: usize = 64;
 /// What a pointer said last.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Pointed {
-    /// Where it is, m, along and across; none, and it has let go.
-    pub(super) at: Option<[f32; 2]>,
+    /// Where it is, m, along, across and up; none, and it has let go.
+    pub(super) at: Option<[f32; 3]>,
     /// The start that its window has seen last.
     pub(super) restarts: u32,
 }
@@ -31,8 +31,8 @@ pub(super) struct Status {
     pub(super) late: u32,
     pub(super) worst_us: u32,
     pub(super) standing: Standing,
-    /// Index of the environment shown, in [`EnvironmentKind`]'s list.
-    pub(super) kind: u8,
+    /// The environment shown.
+    pub(super) kind: EnvironmentKind,
 }
 
 /// Everything in the mailbox.

@@ -116,7 +116,7 @@ pub(super) fn connect(address: &str) -> Result<TcpStream, Error> {
 /// A question: everything from this tick on, and no hand.
 fn question(next: u32) -> Message {
     let mut bytes = next.to_le_bytes().to_vec();
-    bytes.extend([f32::NAN; 2].into_iter().flat_map(f32::to_le_bytes));
+    bytes.extend([f32::NAN; 3].into_iter().flat_map(f32::to_le_bytes));
     bytes.extend(0_u32.to_le_bytes());
     Message::Binary(bytes.into())
 }

@@ -7,6 +7,7 @@
 //! | [`partner`] | who holds the other hand while nobody else does |
 //! | [`environment`] | what is stepped and drawn, whatever it is |
 //! | [`kinds`] | which there are |
+//! | [`pair_columns`] | what is in a sample of two peers, along one axis or several |
 //! | [`session`] | the two peers, their devices and hands, and the network, tick by tick |
 //! | [`remote`] | one peer, whose partner is on another machine |
 //! | [`shared_environment`] | what shared environments have in common |
@@ -17,7 +18,7 @@
 //! | [`mailbox`] | what lies between the control loop, the judge and the windows |
 //! | [`control_loop`] | 1 kHz by the clock |
 //! | [`roles`], [`connections`] | who may do what, and how many are let in |
-//! | [`web`] | four files and a WebSocket for each window, on 127.0.0.1 |
+//! | [`web`] | five files and a WebSocket for each window, on 127.0.0.1 |
 //! | [`page`] | all of that together |
 //! | [`measure`] | how well the control loop keeps time with ten pages open |
 //!
@@ -38,6 +39,7 @@ mod mailbox;
 mod measure;
 mod orders;
 mod page;
+mod pair_columns;
 mod partner;
 mod remote;
 mod roles;

@@ -76,8 +76,7 @@ fn set(mut scene: Scene, keys: &[String]) -> Result<Scene, Error> {
         }
         scene.apply_override(text)?;
     }
-    let place = "the scene";
-    scene.check(place).and_then(|()| scene.check_one_axis(place))?;
+    scene.check("the scene")?;
     check(&scene)?;
     Ok(scene)
 }

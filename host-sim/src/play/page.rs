@@ -8,12 +8,14 @@ use std::time::{Duration, Instant};
 use haptic_live::endpoint::Stop;
 use haptic_live::recording::origin::Origin;
 use haptic_live::recording::recorder::Recorder;
+use haptic_protocol::wire::{Flows, Message};
 use haptic_report::Provenance;
-use haptic_sim::scene::Scene;
+use haptic_sim::peers::Builds;
+use haptic_sim::{of_axes, scene::Scene};
 
 use super::boards::Boards;
 use super::control_loop::{self, Kept};
-use super::environment::Opening;
+use super::environment::{Environment, Opening};
 use super::judge;
 use super::kinds::EnvironmentKind;
 use super::mailbox::Mailbox;
@@ -32,6 +34,15 @@ pub(crate) enum Shown {
     Remote(End),
     /// Boards, which are there.
     Boards(Boards),
+}
+
+/// One peer, along as many axes as the scene says.
+fn remote<const SHARED: usize, const N: usize>(scene: Scene, end: End) -> Result<Box<dyn Environment>, Error>
+where
+    Flows<SHARED>: Into<Message>,
+    f32: Builds<SHARED, N>,
+{
+    Ok(Box::new(Remote::<SHARED, N>::new(scene, end)?))
 }
 
 /// A page that is served.
@@ -61,6 +72,7 @@ impl Page {
         };
         let site = Site::new(&listener, hello(&scene, other, matches!(shown, Shown::Boards(_))))?;
         let kind = if let Shown::Here(kind) = &shown { *kind } else { EnvironmentKind::default() };
+        let kind = kind.in_scene(&scene);
         // What cannot be shown is an error before anybody looks.
         if fixed.is_none() {
             kind.open(&scene)?;
@@ -73,8 +85,8 @@ impl Page {
             Shown::Boards(_) => ("/boards/ticks", "a page of boards"),
         };
         let opening: Opening = match shown {
-            Shown::Here(kind) => Box::new(move || kind.open(&scene)),
-            Shown::Remote(end) => Box::new(move || Ok(Box::new(Remote::new(scene, end)?))),
+            Shown::Here(_) => Box::new(move || kind.open(&scene)),
+            Shown::Remote(end) => Box::new(move || of_axes!(scene, remote(scene, end))),
             Shown::Boards(boards) => Box::new(move || Ok(Box::new(boards))),
         };
         Ok(Self { mailbox, site, kind, opening, recorded })

@@ -38,15 +38,15 @@ const FAR_M: f64 = 0.04;
 const REACH_S: f64 = 1.5;
 const EVERY_S: f64 = 2.5;
 
-/// A partner at work.
+/// A partner at work, whose hand goes along `N` axes.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Partner {
+pub(super) struct Partner<const N: usize = 1> {
     pub(super) model: Model,
     /// Where it took the device, m, and how long ago, s.
-    took: Option<(f64, f64)>,
+    took: Option<([f64; N], f64)>,
 }
 
-impl Partner {
+impl<const N: usize> Partner<N> {
     pub(super) fn new(model: Model) -> Self {
         Self { model, took: None }
     }
@@ -57,20 +57,24 @@ impl Partner {
     }
 
     /// Where it wants its hand in a tick of `period` (s), m, if it holds, with its device at `device` (m).
-    pub(super) fn wants(&mut self, device: f64, period: f64) -> Option<f64> {
+    pub(super) fn wants(&mut self, device: [f64; N], period: f64) -> Option<[f64; N]> {
         let (from, since) = self.took.get_or_insert((device, 0.0));
         *since += period;
         match self.model {
             Model::Absent => None,
             Model::Resists => Some(*from),
             Model::Follows => {
-                *from += (device - *from) * period / GIVES_WAY_S;
+                for (from, device) in from.iter_mut().zip(device) {
+                    *from += (device - *from) * period / GIVES_WAY_S;
+                }
                 Some(*from)
             }
             Model::CarriesOn => {
                 let (turn, within) = ((*since / EVERY_S) as u64, *since % EVERY_S);
                 let (gone, _) = minimum_jerk(FAR_M, REACH_S, within);
-                Some(*from + if turn.is_multiple_of(2) { gone } else { FAR_M - gone })
+                let mut wanted = *from;
+                wanted[0] += if turn.is_multiple_of(2) { gone } else { FAR_M - gone };
+                Some(wanted)
             }
         }
     }

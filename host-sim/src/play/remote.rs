@@ -3,24 +3,30 @@
 //! The other end is another `play`, a `peer` or a board's partner: whoever holds the key and has the same scene. Of the other
 //! peer this one knows what its telemetry says, a few times a second. So **how far the copies are truly apart** is known when
 //! telemetry comes: what it says of the other copy, less where this one was half a round trip before. In between the other copy is
-//! drawn as far from this one as it was then; that is wrong by what the distance has changed since.
+//! drawn as far from this one as it was then; that is wrong by what the distance has changed since. Telemetry speaks of the first
+//! shared axis; along the others the other copy is where this peer believes it to be, and so not in the sample.
 
+use std::array::from_fn;
 use std::collections::VecDeque;
 use std::fmt;
 use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::time::{Duration, Instant};
 
+use haptic_core::num::Motion;
 use haptic_core::safety::{Command as Order, Mode};
 use haptic_live::batch::{OutgoingBatch, ReceivedBatch};
 use haptic_live::endpoint::Endpoint;
+use haptic_protocol::key::Key;
 use haptic_protocol::path::Path;
-use haptic_protocol::{key::Key, wire::Telemetry};
+use haptic_protocol::wire::{Flows, Message, Telemetry};
 use haptic_sim::node::{Node, Transmit as _};
+use haptic_sim::peers::Builds;
 use haptic_sim::{key_file::entropy, scene::Scene};
 
-use super::environment::{ARMED, Command, Environment, FAULT, MOST, OFF, Sample, Standing, WAITS, number_of};
+use super::environment::{ARMED, Command, Environment, FAULT, OFF, Sample, Standing, WAITS, number_of};
 use super::hand::Hand;
-use super::session::{PERIOD_S, Side, end_of_travel};
+use super::pair_columns::sample;
+use super::session::{PERIOD_S, Side, end_of_travel, shared};
 use crate::Error;
 
 /// How much of a tick goes to what has come, so that no flood of datagrams holds it up.
@@ -70,10 +76,13 @@ struct PartnerState {
     offset_m: f64,
 }
 
-/// One peer and its line.
-pub(super) struct Remote {
+/// One peer that shares the object along `SHARED` axes of its device of `N`, and its line.
+pub(super) struct Remote<const SHARED: usize, const N: usize>
+where
+    Flows<SHARED>: Into<Message>,
+{
     scene: Scene,
-    node: Node,
+    node: Node<SHARED, N>,
     /// 0 or 1.
     own: usize,
     endpoint: Endpoint,
@@ -81,9 +90,9 @@ pub(super) struct Remote {
     path: Path<SocketAddr>,
     came: ReceivedBatch,
     going: OutgoingBatch,
-    hand: Hand,
-    pull_n: f64,
-    side: Side,
+    hand: Hand<SHARED>,
+    pull_n: [f64; SHARED],
+    side: Side<SHARED>,
     heard: u64,
     partner_state: Option<PartnerState>,
     /// Where this copy was in the last ticks, newest first, m.
@@ -93,12 +102,16 @@ pub(super) struct Remote {
     cut: bool,
 }
 
-impl Remote {
+impl<const SHARED: usize, const N: usize> Remote<SHARED, N>
+where
+    Flows<SHARED>: Into<Message>,
+    f32: Builds<SHARED, N>,
+{
     /// Calls, and arms when the other one is there.
     pub(super) fn new(scene: Scene, end: End) -> Result<Self, Error> {
         let End { key, number, endpoint, join } = end;
         Ok(Self {
-            node: Node::new(&scene, number, key, entropy()?)?,
+            node: Node::build(&scene, number, key, entropy()?)?,
             own: usize::from(number) - 1,
             endpoint,
             join,
@@ -106,7 +119,7 @@ impl Remote {
             came: ReceivedBatch::default(),
             going: OutgoingBatch::default(),
             hand: Hand::default(),
-            pull_n: 0.0,
+            pull_n: [0.0; SHARED],
             side: Side::new(&scene),
             heard: 0,
             partner_state: None,
@@ -151,43 +164,49 @@ impl Remote {
         Ok(())
     }
 
+    fn device(&self) -> [Motion<f64>; SHARED] {
+        let motions = self.node.motions();
+        from_fn(|axis| motions[axis])
+    }
+
     fn sample(&mut self) -> Sample {
-        let seen = *self.node.observed();
         let booked = self.side.see(&*self.node.peer, self.heard);
         let link = &self.node.line.link;
         let one_way_s = link.clock().round_trip_us().map_or(f32::NAN, |us| 0.5e-6 * us as f32);
-        let object = f64::from(seen.object.position);
         let partner_state = self.partner_state.filter(|_| link.is_up());
-        let other = partner_state.map(|partner_state| partner_state.telemetry).unwrap_or_default();
-        let there = |number: f32| if partner_state.is_some() { number } else { f32::NAN };
-        let wanted = self.hand.holds().map_or(f32::NAN, |at| at as f32);
-        let device = self.node.motion().position as f32;
-        let drawn = partner_state.map_or(f32::NAN, |partner_state| (object + partner_state.offset_m) as f32);
+        let up = f32::from(u8::from(link.is_up()));
+        let (seen, device, holds) = (self.node.peer.observed(), self.device(), self.hand.holds());
         let both = |own: f32, other: f32| if self.own == 0 { [own, other] } else { [other, own] };
-        let pairs = [
-            both(wanted, f32::NAN),
-            both(device, drawn + (other.device_position - other.object_position)),
-            both(object as f32, drawn),
-            both(seen.desired.position, there(other.desired_position)),
-            both(seen.contact_force, there(other.contact_force)),
-            both(seen.coordination_force, there(other.coordination_force)),
-            both(self.pull_n as f32, f32::NAN),
-        ];
-        let rest = [
-            [f32::NAN; 1].as_slice(),
-            &both(booked.kept_j as f32, f32::NAN),
-            &[one_way_s; 2],
-            &both(booked.live, f32::from(u8::from(link.is_up()))),
-            &[self.restarts as f32],
-        ];
-        let mut sample = [f32::NAN; MOST];
-        let numbers = pairs.into_iter().flatten().chain(rest.into_iter().flatten().copied());
-        sample.iter_mut().zip(numbers).for_each(|(to, number)| *to = number);
-        sample
+        let axis = |axis: usize| {
+            // What the other one says of itself, it says of the first axis.
+            let other = partner_state.filter(|_| axis == 0);
+            let (seen, object) = (seen[axis], f64::from(seen[axis].object.position));
+            let there = |of: fn(&Telemetry) -> f32| other.as_ref().map_or(f32::NAN, |other| of(&other.telemetry));
+            let drawn = other.map_or(f32::NAN, |other| (object + other.offset_m) as f32);
+            [
+                both(holds.map_or(f32::NAN, |at| at[axis] as f32), f32::NAN),
+                both(
+                    device[axis].position as f32,
+                    drawn + there(|other| other.device_position - other.object_position),
+                ),
+                both(object as f32, drawn),
+                both(seen.desired.position, there(|other| other.desired_position)),
+                both(seen.contact_force, there(|other| other.contact_force)),
+                both(seen.coordination_force, there(|other| other.coordination_force)),
+                both(self.pull_n[axis] as f32, f32::NAN),
+            ]
+        };
+        let ([kept_1, kept_2], [live_1, live_2]) = (both(booked.kept_j as f32, f32::NAN), both(booked.live, up));
+        let rest = [f32::NAN, kept_1, kept_2, one_way_s, one_way_s, live_1, live_2];
+        sample(from_fn::<_, SHARED, _>(axis), rest, self.restarts)
     }
 }
 
-impl Environment for Remote {
+impl<const SHARED: usize, const N: usize> Environment for Remote<SHARED, N>
+where
+    Flows<SHARED>: Into<Message>,
+    f32: Builds<SHARED, N>,
+{
     fn command(&mut self, command: Command) -> Result<(), Error> {
         match command {
             Command::Stop => self.node.halt(true),
@@ -211,10 +230,10 @@ impl Environment for Remote {
         Ok(())
     }
 
-    fn point(&mut self, hand: usize, at: Option<[f64; 2]>, restarts: u32) {
+    fn point(&mut self, hand: usize, at: Option<[f64; 3]>, restarts: u32) {
         if hand == self.own {
-            let at = at.filter(|_| restarts == self.restarts).map(|[along, _]| along);
-            self.hand.point(self.tick, at, self.node.motion().position);
+            let at = at.filter(|_| restarts == self.restarts).map(shared);
+            self.hand.point(self.tick, at, self.device().map(|axis| axis.position));
         }
     }
 
@@ -224,9 +243,10 @@ impl Environment for Remote {
 
     fn step(&mut self) -> Result<Sample, Error> {
         self.listen()?;
-        let motion = self.node.motion();
-        self.pull_n = self.hand.pull(self.tick, motion.position, motion.velocity, PERIOD_S);
-        self.node.pull(self.pull_n - end_of_travel(motion));
+        let device = self.device();
+        self.pull_n = self.hand.pull(self.tick, device, PERIOD_S);
+        let pull = |axis: usize| Some(self.pull_n.get(axis)? - end_of_travel(device[axis]));
+        self.node.pull(from_fn(|axis| pull(axis).unwrap_or_default()));
         let Self { node, endpoint, join, path, going, cut, .. } = self;
         node.tick(endpoint.now_ns() / 1_000, |bytes| {
             if let Some(to) = join.or_else(|| path.of(bytes, None)).filter(|_| !*cut) {
@@ -257,7 +277,10 @@ impl Environment for Remote {
     }
 }
 
-impl Drop for Remote {
+impl<const SHARED: usize, const N: usize> Drop for Remote<SHARED, N>
+where
+    Flows<SHARED>: Into<Message>,
+{
     fn drop(&mut self) {
         let Self { node, endpoint, join, path, .. } = self;
         node.goodbye(endpoint.now_ns() / 1_000, |bytes| {

@@ -7,16 +7,20 @@
 //!
 //! **Ends of travel.** A device can go [`REACH_M`] to either side; there a spring of [`END_STIFFNESS`] and a damper push back.
 
-use haptic_core::device::AXES;
+use std::array::from_fn;
+
 use haptic_core::num::Motion;
 use haptic_core::safety::Command as Order;
 use haptic_core::{law::Sends, settings::Refused};
 use haptic_sim::measure::port::ObjectPort;
 use haptic_sim::network::{link::Route, rule::Direction};
-use haptic_sim::{DynPeer, pair::Pair, scene::Scene};
+use haptic_sim::pair::Pair;
+use haptic_sim::plant::Plant;
+use haptic_sim::{DynPeer, peers::Builds, scene::Scene};
 
-use super::environment::{ARMED, Column, Command, Environment, MOST, Sample, Standing, number_of};
+use super::environment::{ARMED, Command, Environment, Sample, Standing, number_of};
 use super::hand::Hand;
+use super::pair_columns::sample;
 use super::partner::{Model, Partner};
 use crate::Error;
 
@@ -28,40 +32,10 @@ const END_DAMPING: f64 = 5.0;
 /// Real time means this control period, s.
 pub(super) const PERIOD_S: f64 = 0.001;
 
-/// What is in a sample, with unit and meaning; of peer 1 first where there are two. Every window gets this list.
-pub(super) const COLUMNS: [Column; MOST] = [
-    ("wanted_1", "m", "hand of person 1, no number while it holds nothing"),
-    ("wanted_2", "m", "hand of person 2"),
-    ("device_1", "m", "device 1"),
-    ("device_2", "m", "device 2"),
-    ("object_1", "m", "copy of the object at peer 1"),
-    ("object_2", "m", "copy of the object at peer 2"),
-    ("decoded_1", "m", "where peer 1 believes the other copy to be"),
-    ("decoded_2", "m", "where peer 2 believes the other copy to be"),
-    ("contact_1", "N", "force of device 1 on its copy"),
-    ("contact_2", "N", "force of device 2 on its copy"),
-    ("coordination_1", "N", "coordination force F_T on copy 1"),
-    ("coordination_2", "N", "coordination force F_T on copy 2"),
-    ("hand_1", "N", "force of hand 1 on its device"),
-    ("hand_2", "N", "force of hand 2 on its device"),
-    ("line", "J", "energy in the line: sent by both and not yet received"),
-    (
-        "kept_1",
-        "J",
-        "energy that the coordination of peer 1 took in and neither gave out nor stores; below 0 it makes energy",
-    ),
-    ("kept_2", "J", "the same of peer 2"),
-    ("delay_1", "s", "how long the newest packet was on its way to peer 1"),
-    ("delay_2", "s", "how long the newest packet was on its way to peer 2"),
-    ("live_1", "", "1 while what peer 1 hears is fresh, or its line lives; 0 while it stands"),
-    ("live_2", "", "the same of peer 2"),
-    ("restarts", "", "how often both have started anew"),
-];
-
 /// What one peer's part of a sample needs to know of the tick before.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Side {
-    port: ObjectPort,
+pub(super) struct Side<const SHARED: usize> {
+    ports: [ObjectPort; SHARED],
     /// Packets heard, and ticks that the line has lived.
     heard: u64,
     live_ticks: u32,
@@ -81,52 +55,58 @@ pub(super) struct TickOutcome {
     pub(super) live: f32,
 }
 
-impl Side {
+impl<const SHARED: usize> Side<SHARED> {
     pub(super) fn new(scene: &Scene) -> Self {
         let port = ObjectPort::new(PERIOD_S, scene.peer.coordination.stiffness_n_per_m);
         let (counts, patience) = (scene.law().sends == Sends::Counters, scene.peer.timing.ticks_per_packet);
-        Self { port, heard: 0, live_ticks: 0, silent: 0, counts, patience }
+        Self { ports: [port; SHARED], heard: 0, live_ticks: 0, silent: 0, counts, patience }
     }
 
     /// After a tick of this peer, which has heard so many packets.
-    pub(super) fn see(&mut self, peer: &dyn DynPeer<f32>, heard: u64) -> TickOutcome {
-        let [ledger] = peer.ledger();
-        let [received, sent] = [ledger.received_j(), ledger.sent_j()].map(f64::from);
-        self.port.see(&peer.observed()[0].map(f64::from));
-        let energy = self.port.with_network(received, sent);
-        let kept_j = received + energy.from_object_j - sent - energy.to_object_j - energy.stored_j;
+    pub(super) fn see<const N: usize>(&mut self, peer: &dyn DynPeer<f32, SHARED, N>, heard: u64) -> TickOutcome {
+        let (mut sent_j, mut kept_j) = (0.0, 0.0);
+        for ((port, seen), ledger) in self.ports.iter_mut().zip(peer.observed()).zip(peer.ledger()) {
+            let [received, sent] = [ledger.received_j(), ledger.sent_j()].map(f64::from);
+            port.see(&seen.map(f64::from));
+            let energy = port.with_network(received, sent);
+            sent_j += sent - received;
+            kept_j += received + energy.from_object_j - sent - energy.to_object_j - energy.stored_j;
+        }
         let live_ticks = peer.outgoing()[0].live_ticks;
         self.silent = if heard == self.heard { self.silent.saturating_add(1) } else { 0 };
         let live = if self.counts { live_ticks != self.live_ticks } else { self.silent < self.patience };
         (self.heard, self.live_ticks) = (heard, live_ticks);
-        TickOutcome { sent_j: sent - received, kept_j, live: f32::from(u8::from(live)) }
+        TickOutcome { sent_j, kept_j, live: f32::from(u8::from(live)) }
     }
 }
 
-/// Everything that is stepped.
-pub(super) struct Session {
+/// Everything that is stepped, of an object that is shared along `SHARED` axes of devices of `N`.
+pub(super) struct Session<const SHARED: usize, const N: usize> {
     scene: Scene,
-    pair: Pair<f32>,
-    hands: [Hand; 2],
-    partners: [Partner; 2],
-    sides: [Side; 2],
+    pair: Pair<f32, Plant<N>, SHARED, N>,
+    hands: [Hand<SHARED>; 2],
+    partners: [Partner<SHARED>; 2],
+    sides: [Side<SHARED>; 2],
     /// Forces of the hands in this tick, N.
-    pulls: [f64; 2],
+    pulls: [[f64; SHARED]; 2],
     tick: u64,
     restarts: u32,
     cut: bool,
 }
 
-impl Session {
+impl<const SHARED: usize, const N: usize> Session<SHARED, N>
+where
+    f32: Builds<SHARED, N>,
+{
     /// Both peers armed and at rest.
     pub(super) fn new(scene: Scene, partner: Model) -> Result<Self, Refused<'static>> {
-        let pair = Pair::new(&scene)?;
+        let pair = Pair::build(&scene)?;
         Ok(Self {
             pair,
             hands: Default::default(),
             partners: [Partner::new(partner); 2],
             sides: sides(&scene),
-            pulls: [0.0; 2],
+            pulls: [[0.0; SHARED]; 2],
             tick: 0,
             restarts: 0,
             cut: false,
@@ -156,11 +136,13 @@ impl Session {
 
     /// Both peers start anew, armed, in the middle of where their devices are; hands let go.
     pub(super) fn start(&mut self) -> Result<(), Refused<'static>> {
-        let [one, two] = [0, 1].map(|index| self.device(index).position);
-        let middle = (0.5 * (one + two)).clamp(-REACH_M, REACH_M);
-        // What has left the range of numbers starts from the middle of the table.
-        let mut by_m = [0.0; AXES];
-        by_m[0] = if middle.is_finite() { middle } else { 0.0 };
+        let [one, two] = [0, 1].map(|index| self.device(index));
+        let middle = |axis: usize| (0.5 * (one[axis].position + two[axis].position)).clamp(-REACH_M, REACH_M);
+        let mut by_m = [0.0; N];
+        for (axis, by_m) in by_m.iter_mut().enumerate().take(SHARED) {
+            // What has left the range of numbers starts from the middle of the table.
+            *by_m = Some(middle(axis)).filter(|at| at.is_finite()).unwrap_or_default();
+        }
         self.pair = Pair::starting_at(&self.scene, by_m)?;
         self.sides = sides(&self.scene);
         self.hands = Default::default();
@@ -188,17 +170,19 @@ impl Session {
         self.pair.sides().map(|side| number_of(side.peer.mode()))
     }
 
-    fn device(&self, index: usize) -> Motion<f64> {
-        self.pair.sides()[index].plant.motions()[0]
+    /// The shared axes of a device.
+    fn device(&self, index: usize) -> [Motion<f64>; SHARED] {
+        let motions = self.pair.sides()[index].plant.motions();
+        from_fn(|axis| motions[axis])
     }
 
     fn advance(&mut self) -> Sample {
         for index in 0..2 {
-            let Motion { position, velocity } = self.device(index);
-            self.pulls[index] = self.hands[index].pull(self.tick, position, velocity, PERIOD_S);
+            self.pulls[index] = self.hands[index].pull(self.tick, self.device(index), PERIOD_S);
         }
         for (side, pull) in self.pair.sides_mut().zip(self.pulls) {
-            side.plant.pull(pull - end_of_travel(side.plant.motions()[0]));
+            let motions = side.plant.motions();
+            side.plant.pull(from_fn(|axis| pull.get(axis).map_or(0.0, |pull| pull - end_of_travel(motions[axis]))));
         }
         self.pair.step();
         self.tick += 1;
@@ -208,38 +192,33 @@ impl Session {
     fn sample(&mut self) -> Sample {
         let [one, two] = [0, 1].map(|at| {
             let side = self.pair.sides()[at];
-            (*side.peer.observed()[0], self.sides[at].see(&*side.peer, side.delivered()), side.delay_ns as f64 * 1e-9)
+            (self.sides[at].see(&*side.peer, side.delivered()), side.delay_ns as f32 * 1e-9)
         });
-        let ((a, seen_a, delay_a), (b, seen_b, delay_b)) = (one, two);
-        let wanted = |at: usize| self.hands[at].holds().map_or(f32::NAN, |at| at as f32);
-        [
-            wanted(0),
-            wanted(1),
-            self.device(0).position as f32,
-            self.device(1).position as f32,
-            a.object.position,
-            b.object.position,
-            a.desired.position,
-            b.desired.position,
-            a.contact_force,
-            b.contact_force,
-            a.coordination_force,
-            b.coordination_force,
-            self.pulls[0] as f32,
-            self.pulls[1] as f32,
-            (seen_a.sent_j + seen_b.sent_j) as f32,
-            seen_a.kept_j as f32,
-            seen_b.kept_j as f32,
-            delay_a as f32,
-            delay_b as f32,
-            seen_a.live,
-            seen_b.live,
-            self.restarts as f32,
-        ]
+        let seen = [0, 1].map(|at| self.pair.sides()[at].peer.observed().map(|seen| *seen));
+        let devices = [0, 1].map(|at| self.device(at));
+        let holds = [0, 1].map(|at| self.hands[at].holds());
+        let axis = |axis: usize| {
+            [
+                holds.map(|holds| holds.map_or(f32::NAN, |at| at[axis] as f32)),
+                devices.map(|device| device[axis].position as f32),
+                seen.map(|seen| seen[axis].object.position),
+                seen.map(|seen| seen[axis].desired.position),
+                seen.map(|seen| seen[axis].contact_force),
+                seen.map(|seen| seen[axis].coordination_force),
+                self.pulls.map(|pull| pull[axis] as f32),
+            ]
+        };
+        let ((one, delay_1), (two, delay_2)) = (one, two);
+        let line = (one.sent_j + two.sent_j) as f32;
+        let rest = [line, one.kept_j as f32, two.kept_j as f32, delay_1, delay_2, one.live, two.live];
+        sample(from_fn::<_, SHARED, _>(axis), rest, self.restarts)
     }
 }
 
-impl Environment for Session {
+impl<const SHARED: usize, const N: usize> Environment for Session<SHARED, N>
+where
+    f32: Builds<SHARED, N>,
+{
     fn command(&mut self, command: Command) -> Result<(), Error> {
         match command {
             Command::Stop => self.stop(),
@@ -255,14 +234,14 @@ impl Environment for Session {
         Ok(self.change(scene)?)
     }
 
-    fn point(&mut self, index: usize, pointer: Option<[f64; 2]>, restarts: u32) {
+    fn point(&mut self, index: usize, pointer: Option<[f64; 3]>, restarts: u32) {
         self.partners[index].rest();
-        let pointer = pointer.filter(|_| restarts == self.restarts).map(|[along, _]| along);
-        self.hands[index].point(self.tick, pointer, self.device(index).position);
+        let pointer = pointer.filter(|_| restarts == self.restarts).map(shared);
+        self.hands[index].point(self.tick, pointer, self.device(index).map(|axis| axis.position));
     }
 
     fn play(&mut self, index: usize) {
-        let device = self.device(index).position;
+        let device = self.device(index).map(|axis| axis.position);
         let wanted = self.partners[index].wants(device, PERIOD_S);
         self.hands[index].point(self.tick, wanted, device);
     }
@@ -274,6 +253,11 @@ impl Environment for Session {
     fn standing(&self) -> Standing {
         Standing { modes: self.modes(), cut: self.cut, partner: self.partners[0].model.number() }
     }
+}
+
+/// What a pointer says along the shared axes.
+pub(super) fn shared<const SHARED: usize>(pointer: [f64; 3]) -> [f64; SHARED] {
+    from_fn(|axis| pointer.get(axis).copied().unwrap_or_default())
 }
 
 /// Force of the end of its travel on a device, N, to be taken from what pulls it.
@@ -288,7 +272,7 @@ pub(super) fn same_but_for_network(one: &Scene, other: &Scene) -> bool {
     settings_of(one).eq(settings_of(other))
 }
 
-fn sides(scene: &Scene) -> [Side; 2] {
+fn sides<const SHARED: usize>(scene: &Scene) -> [Side<SHARED>; 2] {
     [Side::new(scene); 2]
 }
 

@@ -133,9 +133,9 @@ impl<P: Play> Environment for SharedEnvironment<P> {
         Ok(())
     }
 
-    fn point(&mut self, hand: usize, at: Option<[f64; 2]>, restarts: u32) {
+    fn point(&mut self, hand: usize, at: Option<[f64; 3]>, restarts: u32) {
         let at = at.filter(|_| restarts == self.restarts);
-        self.play.hold(hand, at.map_or(Held::Free, Held::At));
+        self.play.hold(hand, at.map_or(Held::Free, |[along, across, _]| Held::At([along, across])));
     }
 
     fn play(&mut self, hand: usize) {

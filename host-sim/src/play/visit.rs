@@ -70,7 +70,7 @@ pub(super) fn outlines() -> Value {
 struct Device {
     visitor: Visitor,
     motion: [Motion<f64>; 2],
-    hands: [Hand; 2],
+    hand: Hand<2>,
     held: Held,
     force: [f64; 2],
     tick: u64,
@@ -115,10 +115,10 @@ impl Device {
     fn step(&mut self) {
         let (mass, damping) = HAND;
         self.force = self.visitor.step(self.motion);
-        for (axis, (hand, motion)) in self.hands.iter_mut().zip(&mut self.motion).enumerate() {
-            let wanted = if let Held::At(at) = self.held { Some(at[axis]) } else { None };
-            hand.point(self.tick, wanted, motion.position);
-            let pull = hand.pull(self.tick, motion.position, motion.velocity, PERIOD_S);
+        let wanted = if let Held::At(at) = self.held { Some(at) } else { None };
+        self.hand.point(self.tick, wanted, self.motion.map(|axis| axis.position));
+        let pulls = self.hand.pull(self.tick, self.motion, PERIOD_S);
+        for (axis, (pull, motion)) in pulls.into_iter().zip(&mut self.motion).enumerate() {
             let force = pull + self.force[axis] - damping * motion.velocity;
             motion.velocity += PERIOD_S * force / mass;
             motion.position += PERIOD_S * motion.velocity;
@@ -151,8 +151,8 @@ impl Play for Visit {
             let visitor = Visitor::new(setup, || entropy().unwrap_or_default());
             // Beside each other, in the free middle of the room.
             let motion = [Motion::at(0.03 * (f64::from(line) - 1.5)), Motion::at(-0.03)];
-            let (hands, held, force) = (Default::default(), Held::ByNobody, [0.0; 2]);
-            Around::Visitor(Box::new(Device { visitor, motion, hands, held, force, tick: 0 }))
+            let (hand, held, force) = (Hand::default(), Held::ByNobody, [0.0; 2]);
+            Around::Visitor(Box::new(Device { visitor, motion, hand, held, force, tick: 0 }))
         };
         let server = std::iter::once(Around::Server(Box::new(host)));
         let seats = server.chain((1..=COUNT as u32).map(device)).map(Seat::new).collect();
@@ -171,7 +171,7 @@ impl Play for Visit {
 
     fn numbers(&self, number: &mut dyn FnMut(f64)) {
         self.devices().flat_map(|device| device.motion.map(|axis| axis.position)).for_each(&mut *number);
-        let wanted = |device: &Device| [0, 1].map(|axis| device.hands[axis].holds().unwrap_or(f64::NAN));
+        let wanted = |device: &Device| device.hand.holds().unwrap_or([f64::NAN; 2]);
         self.devices().flat_map(wanted).for_each(&mut *number);
         self.devices().flat_map(|device| device.force).for_each(&mut *number);
         let seen = |device: &Device| {

@@ -1,4 +1,4 @@
-//! Four files and a WebSocket for each window, on 127.0.0.1; a thread for each connection, of which there are
+//! Five files and a WebSocket for each window, on 127.0.0.1; a thread for each connection, of which there are
 //! [so many](super::connections).
 //!
 //! **Who may talk to it.** Only this machine can connect. A web page that the person visits elsewhere runs on this machine
@@ -13,13 +13,13 @@
 //!
 //! | from a window | |
 //! |---|---|
-//! | 16 bytes | tick wanted next, u32; hand along and across, 2 × f32, m, NaN for none; start that it has seen last, u32; little-endian |
+//! | 20 bytes | tick wanted next, u32; hand along, across and up, 3 × f32, m, NaN for none; start that it has seen last, u32; little-endian |
 //! | `stop`, `start`, `cut`, `join`, `partner NAME`, `board NUMBER LINE` | acts at the next tick |
 //! | any other text | an order of [`super::orders`], judged first |
 //!
 //! | to a window | |
 //! |---|---|
-//! | bytes | [`HEADER`] bytes as [`header`] makes them, then samples of [`NUMBERS`] each, f32, little-endian |
+//! | bytes | [`HEADER`] bytes as [`header`] makes them, then samples: the columns of what is shown, and the count of starts; f32, little-endian |
 //! | `{"hello"}` | first of all: names, units, ranges |
 //! | `{"holds"}` | settings and the verdict on them, whenever they change |
 //! | `{"refused"}`, `{"ask"}` | what became of its order |
@@ -42,7 +42,7 @@ use tungstenite::{Error, Message, WebSocket};
 
 use super::boards_line::Line;
 use super::connections::{Connections, Pass};
-use super::environment::{Command, FAULT, MOST as NUMBERS, WAITS};
+use super::environment::{Command, FAULT, WAITS};
 use super::hand;
 use super::judge::Ask;
 use super::kinds::EnvironmentKind;
@@ -52,11 +52,12 @@ use super::partner::Model;
 use super::roles::{Keys, Rights, Role};
 use super::session::{PERIOD_S, REACH_M};
 
-const FILES: [(&str, &str, &str); 4] = [
+const FILES: [(&str, &str, &str); 5] = [
     ("/", "text/html; charset=utf-8", include_str!("site/index.html")),
     ("/page.css", "text/css; charset=utf-8", include_str!("site/page.css")),
     ("/page.js", "text/javascript; charset=utf-8", include_str!("site/page.js")),
     ("/environments.js", "text/javascript; charset=utf-8", include_str!("site/environments.js")),
+    ("/pair.js", "text/javascript; charset=utf-8", include_str!("site/pair.js")),
 ];
 /// After so long without a word from its window a hand lets go.
 const SILENCE: Duration = Duration::from_millis(250);
@@ -71,6 +72,8 @@ const LONGEST_MESSAGE: usize = 16384;
 const NICENESS: i32 = 5;
 /// Bytes before the samples.
 const HEADER: usize = 20;
+/// Where in them it says what is shown.
+const KIND: usize = 18;
 
 /// Where the page is.
 #[derive(Clone, Debug)]
@@ -276,11 +279,11 @@ impl Window<'_> {
                     self.point(&mut contents, LET_GO);
                     continue;
                 }
-                Some(Message::Binary(bytes)) => match <[u8; 16]>::try_from(&bytes[..]) {
+                Some(Message::Binary(bytes)) => match <[u8; 20]>::try_from(&bytes[..]) {
                     Ok(bytes) => {
-                        let [from, along, across, restarts] =
-                            [0, 4, 8, 12].map(|at| [bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]]);
-                        let at = [along, across].map(f32::from_le_bytes);
+                        let [from, along, across, up, restarts] =
+                            [0, 4, 8, 12, 16].map(|at| [bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]]);
+                        let at = [along, across, up].map(f32::from_le_bytes);
                         let at =
                             at.iter().all(|at| at.is_finite()).then(|| at.map(|at| at.clamp(-FARTHEST_M, FARTHEST_M)));
                         self.point(&mut contents, Pointed { at, restarts: u32::from_le_bytes(restarts) });
@@ -352,10 +355,12 @@ const FARTHEST_M: f32 = 0.2;
 
 /// What a window that has come to tick `from` gets.
 fn picture(contents: &mut Contents, window: u64, edition: &mut u64, from: u32) -> Vec<Message> {
-    let mut bytes = Vec::with_capacity(HEADER + 4 * NUMBERS * 20);
+    let columns = contents.status.kind.columns().len();
+    let mut bytes = Vec::with_capacity(HEADER + 4 * (columns + 1) * 20);
     let (first, samples) = contents.since(from);
     bytes.extend(header(first, contents));
-    bytes.extend(samples.flatten().flat_map(|number| number.to_le_bytes()));
+    let numbers = samples.flat_map(|sample| sample[..columns].iter().chain(sample.last()));
+    bytes.extend(numbers.flat_map(|number| number.to_le_bytes()));
     let mut answers = vec![Message::Binary(bytes.into())];
     answers.extend(contents.announced_since(edition).map(Message::text));
     answers.extend(std::iter::from_fn(|| contents.answer_for(window)).map(Message::text));
@@ -372,7 +377,7 @@ fn header(first: u32, contents: &Contents) -> [u8; HEADER] {
     let people = contents.holder.map(|holder| u8::from(holder.is_some()));
     let standing = status.standing;
     let [one, two] = standing.modes;
-    let rest = [one, two, people[0], people[1], u8::from(standing.cut), standing.partner, status.kind, 0];
+    let rest = [one, two, people[0], people[1], u8::from(standing.cut), standing.partner, status.kind.number(), 0];
     bytes[12..].copy_from_slice(&rest);
     bytes
 }
@@ -380,7 +385,8 @@ fn header(first: u32, contents: &Contents) -> [u8; HEADER] {
 /// The tick that a window which was sent this asks for next.
 pub(super) fn next(sent: &[u8]) -> Option<u32> {
     let first = u32::from_le_bytes(sent.get(..4)?.try_into().ok()?);
-    let samples = (sent.len().checked_sub(HEADER)? / (4 * NUMBERS)) as u32;
+    let kind = EnvironmentKind::ALL.get(usize::from(*sent.get(KIND)?))?;
+    let samples = (sent.len().checked_sub(HEADER)? / (4 * (kind.columns().len() + 1))) as u32;
     Some(first.wrapping_add(samples))
 }
 
@@ -407,7 +413,6 @@ pub(super) fn hello(scene: &Scene, other: Option<String>, boards: bool) -> Value
         .collect();
     json!({
         "environments": EnvironmentKind::hello(),
-        "numbers": NUMBERS,
         "header_bytes": HEADER,
         "faults": faults,
         "fault_base": FAULT,

@@ -9,7 +9,7 @@ fn open(kind: EnvironmentKind) -> Box<dyn Environment> {
     for text in ["network.loss=0.1", "network.jitter=\"uniform\"", "network.jitter_s=0.01"] {
         scene.apply_override(text).expect("a key");
     }
-    kind.open(&scene).expect("an environment")
+    kind.open(&kind.fitting(scene).expect("a scene")).expect("an environment")
 }
 
 fn column(kind: EnvironmentKind, sample: &Sample, name: &str) -> f64 {
@@ -17,7 +17,7 @@ fn column(kind: EnvironmentKind, sample: &Sample, name: &str) -> f64 {
 }
 
 /// So many seconds with person 1 where it is wanted and nobody at the other hand; what `each` tick comes to.
-fn run(shown: &mut dyn Environment, seconds: f64, wanted: Option<[f64; 2]>, mut each: impl FnMut(&Sample)) {
+fn run(shown: &mut dyn Environment, seconds: f64, wanted: Option<[f64; 3]>, mut each: impl FnMut(&Sample)) {
     for _ in 0..(1000.0 * seconds) as u64 {
         shown.point(0, wanted, 0);
         shown.play(1);
@@ -30,13 +30,16 @@ fn run(shown: &mut dyn Environment, seconds: f64, wanted: Option<[f64; 2]>, mut 
 fn every_kind_fits_a_sample() {
     for kind in EnvironmentKind::ALL {
         let names: Vec<_> = kind.columns().iter().map(|(name, ..)| name).collect();
-        let room = crate::play::environment::MOST - usize::from(*kind != EnvironmentKind::Pair);
-        assert!(names.len() <= room && (1..names.len()).all(|at| !names[at..].contains(&names[at - 1])), "{names:?}");
+        assert!(
+            names.len() < crate::play::environment::MOST
+                && (1..names.len()).all(|at| !names[at..].contains(&names[at - 1])),
+            "{names:?}"
+        );
         let mut shown = open(*kind);
         run(&mut *shown, 0.5, None, |sample| assert_eq!(sample[crate::play::environment::MOST - 1], 0.0));
         assert_eq!(shown.standing().modes, [ARMED; 2], "{kind:?}");
         shown.command(Command::Stop).expect("it stops");
-        run(&mut *shown, 0.1, Some([0.05, 0.0]), |_| {});
+        run(&mut *shown, 0.1, Some([0.05, 0.0, 0.0]), |_| {});
         assert_eq!(shown.standing().modes, [OFF; 2], "{kind:?}");
         shown.command(Command::Start).expect("it starts");
         let sample = shown.step().expect("a tick");
@@ -50,7 +53,7 @@ fn four_hands_hold_one_object() {
     let mut shown = open(EnvironmentKind::Hub);
     shown.command(Command::Partner(Model::Follows)).expect("a partner");
     let (mut apart, mut last) = (0.0_f64, [0.0; crate::play::environment::MOST]);
-    run(&mut *shown, 4.0, Some([0.06, 0.0]), |sample| {
+    run(&mut *shown, 4.0, Some([0.06, 0.0, 0.0]), |sample| {
         apart = apart.max(column(EnvironmentKind::Hub, sample, "apart"));
         last = *sample;
     });
@@ -75,7 +78,8 @@ fn squash_is_played() {
     for tick in 0..60_000 {
         let ball = ["ball_x", "ball_y"].map(|name| column(kind, &sample, name));
         let to = if ball[0].is_finite() { ball } else { [if tick % 2000 < 1000 { 2.0 } else { 6.0 }, 3.2] };
-        shown.point(0, Some(to.map(|metres| squash::POINTER * metres)), 0);
+        let [along, across] = to.map(|metres| squash::POINTER * metres);
+        shown.point(0, Some([along, across, 0.0]), 0);
         shown.play(1);
         let (before, stroke) = (column(kind, &sample, "next"), column(kind, &sample, "stroke"));
         sample = shown.step().expect("a tick");
@@ -92,7 +96,7 @@ fn a_static_world_is_felt() {
     let mut shown = open(kind);
     let mut last = [0.0; crate::play::environment::MOST];
     run(&mut *shown, 2.0, None, |_| {});
-    run(&mut *shown, 3.0, Some([-0.015, -0.075]), |sample| last = *sample);
+    run(&mut *shown, 3.0, Some([-0.015, -0.075, 0.0]), |sample| last = *sample);
     let [at, force, felt] = ["device_1_y", "force_1_y", "felt_1"].map(|name| column(kind, &last, name));
     // The hand's 200 N/m against the wall's, whose face is at -0.06 m.
     let wall = 1000.0;
@@ -115,8 +119,8 @@ fn turns_are_taken() {
             let object = ["object_1_x", "object_1_y"].map(|name| column(kind, &sample, name));
             // Takes it, carries it to the left, lets go for two seconds.
             let mine = states(&sample)[0] == 2.0;
-            let wanted = if mine { [-0.07, 0.0] } else { object };
-            shown.point(0, (tick % 8000 < 6000).then_some(wanted), 0);
+            let [along, across] = if mine { [-0.07, 0.0] } else { object };
+            shown.point(0, (tick % 8000 < 6000).then_some([along, across, 0.0]), 0);
             shown.play(1);
             sample = shown.step().expect("a tick");
             let now = states(&sample);
@@ -125,5 +129,23 @@ fn turns_are_taken() {
         }
         let versions = [1, 2, 3].map(|n| column(kind, &sample, &format!("version_{n}")));
         assert!(got >= 2 && versions.iter().all(|version| *version >= 2.0), "{kind:?} {got} {versions:?}");
+    }
+}
+
+/// A scene is shown along as many axes as it says, and a kind that says otherwise sets them.
+#[test]
+fn the_scene_says_along_how_many_axes() {
+    let scene = |axes: u32| {
+        let scene = scenes::load(Laws::built_in(), "any-network").expect("a scene");
+        let kind = [EnvironmentKind::Pair, EnvironmentKind::Plane, EnvironmentKind::Space][axes as usize - 1];
+        (kind, kind.fitting(scene).expect("it fits"))
+    };
+    for axes in 1..=3 {
+        let (kind, scene) = scene(axes);
+        assert_eq!((scene.peer.axis.shared, EnvironmentKind::Pair.in_scene(&scene)), (axes, kind));
+        assert_eq!(EnvironmentKind::Ring.in_scene(&scene), EnvironmentKind::Ring);
+        // Of four hands along several axes nobody has said how they are drawn: refused by name, and shown along one.
+        assert_eq!(EnvironmentKind::Hub.open(&scene).is_ok(), axes == 1);
+        assert!(EnvironmentKind::Hub.fitting(scene).is_ok_and(|scene| scene.peer.axis.shared == 1));
     }
 }

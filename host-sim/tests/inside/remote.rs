@@ -2,8 +2,17 @@ use haptic_sim::{Laws, scenes};
 
 use super::*;
 
-fn pair(scene: &str, to: &str) -> [Remote; 2] {
-    let [here, there] = [scene, to].map(|name| scenes::load(Laws::built_in(), name).expect("a scene"));
+type One = Remote<1, { haptic_sim::AXES }>;
+
+fn pair(scene: &str, to: &str) -> [One; 2] {
+    ends([scene, to].map(|name| scenes::load(Laws::built_in(), name).expect("a scene")))
+}
+
+fn ends<const SHARED: usize, const N: usize>([here, there]: [Scene; 2]) -> [Remote<SHARED, N>; 2]
+where
+    Flows<SHARED>: Into<Message>,
+    f32: Builds<SHARED, N>,
+{
     let key = || Key::new([7; Key::LEN]);
     let listening = End::listening("127.0.0.1:0".parse().expect("an address"), key(), 1).expect("a socket");
     let joining = End::joining(listening.endpoint.address, key(), 2).expect("a socket");
@@ -12,12 +21,20 @@ fn pair(scene: &str, to: &str) -> [Remote; 2] {
 
 /// Both ends tick by the clock, each hand where it is wanted, until `done`, and no longer than half a minute.
 #[track_caller]
-fn until(ends: &mut [Remote; 2], wanted: [Option<f64>; 2], done: impl Fn(&[Sample; 2]) -> bool) -> [Sample; 2] {
+fn until<const SHARED: usize, const N: usize>(
+    ends: &mut [Remote<SHARED, N>; 2],
+    wanted: [Option<f64>; 2],
+    done: impl Fn(&[Sample; 2]) -> bool,
+) -> [Sample; 2]
+where
+    Flows<SHARED>: Into<Message>,
+    f32: Builds<SHARED, N>,
+{
     let start = Instant::now();
     loop {
         let samples = [0, 1].map(|at| {
             let end = &mut ends[at];
-            end.point(at, wanted[at].map(|along| [along, 0.0]), end.restarts);
+            end.point(at, wanted[at].map(|at| [at; 3]), end.restarts);
             end.step().expect("a tick")
         });
         if done(&samples) {
@@ -87,4 +104,26 @@ fn other_settings_are_refused() {
     }
     assert_eq!(ends[0].standing().modes, [WAITS; 2]);
     assert!(ends.iter().any(|end| end.node.line.link.refused().is_some()));
+}
+
+/// In the plane hands hold one object along both axes; of the second each end knows what it believes of the other, and says no more.
+#[test]
+fn two_ends_hold_one_object_in_the_plane() {
+    let plane = || {
+        let mut scene = scenes::load(Laws::built_in(), "any-network").expect("a scene");
+        (scene.peer.axis.count, scene.peer.axis.shared) = (2, 2);
+        scene
+    };
+    let mut ends: [Remote<2, 2>; 2] = ends([plane(), plane()]);
+    // Behind the columns of one axis.
+    const ACROSS: usize = 22;
+    until(&mut ends, [None; 2], |samples| samples.iter().all(|sample| sample[OBJECT + 1].is_finite()));
+    let stiffness = 1.0 / (2.0 / 200.0 + 2.0 / 1000.0 + 2.0 / 10000.0);
+    let near = |pull: f32| (f64::from(pull) - 0.02 * stiffness).abs() < 0.1;
+    let [one, two] = until(&mut ends, [Some(0.02), Some(0.0)], |[one, two]| {
+        [0, ACROSS].iter().all(|axis| near(one[axis + HAND]) && near(-two[axis + HAND + 1]))
+    });
+    assert!(one[ACROSS + OBJECT].is_finite() && one[ACROSS + OBJECT + 1].is_nan(), "{one:?}");
+    // Peer 2 decodes where copy 1 is.
+    assert!((two[ACROSS + 7] - one[ACROSS + OBJECT]).abs() < 1e-3, "{one:?} {two:?}");
 }

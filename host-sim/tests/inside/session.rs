@@ -1,21 +1,29 @@
 use haptic_sim::{Laws, scenes};
 
 use super::*;
-use crate::play::environment::OFF;
+use crate::play::environment::{MOST, OFF};
+use crate::play::pair_columns::columns;
 
-fn session(name: &str, partner: Model) -> Session {
+fn session(name: &str, partner: Model) -> Session<1, { haptic_sim::AXES }> {
     Session::new(scenes::load(Laws::built_in(), name).expect("a scene"), partner).expect("a session")
 }
 
 fn column(sample: &Sample, name: &str) -> f64 {
-    f64::from(sample[COLUMNS.iter().position(|(known, ..)| *known == name).expect("a column")])
+    f64::from(sample[columns(3).iter().position(|(known, ..)| *known == name).expect("a column")])
 }
 
 /// So many ticks with hand 1 where it is wanted and the partner at hand 2.
-fn carry(session: &mut Session, ticks: usize, wanted: Option<f64>) -> Sample {
-    let mut sample = Sample::default();
+fn carry<const SHARED: usize, const N: usize>(
+    session: &mut Session<SHARED, N>,
+    ticks: usize,
+    wanted: Option<f64>,
+) -> Sample
+where
+    f32: Builds<SHARED, N>,
+{
+    let mut sample = [f32::NAN; MOST];
     for _ in 0..ticks {
-        session.point(0, wanted.map(|along| [along, 0.0]), session.restarts);
+        session.point(0, wanted.map(|along| [along, 0.0, 0.0]), session.restarts);
         session.play(1);
         sample = session.step().expect("a tick");
     }
@@ -76,7 +84,7 @@ fn a_gain_starts_both_anew_where_they_are() {
     let mut softer = session.scene.clone();
     softer.peer.coordination.stiffness_n_per_m = 5000.0;
     session.set(softer).expect("a good scene");
-    session.point(0, Some([0.04, 0.0]), 0);
+    session.point(0, Some([0.04, 0.0, 0.0]), 0);
     let after = session.step().expect("a tick");
     assert!((column(&after, "object_1") - column(&before, "object_1")).abs() < 2e-3, "{before:?} {after:?}");
     assert_eq!((column(&after, "restarts"), column(&after, "hand_1")), (1.0, 0.0));
@@ -123,4 +131,46 @@ fn a_device_stays_within_its_travel() {
     // Both ends push back: the devices hold one object.
     let most = REACH_M + crate::play::hand::STRENGTH / END_STIFFNESS;
     assert!((REACH_M..most).contains(&column(&sample, "device_1")), "{sample:?}");
+}
+
+/// In the plane, what a hand does along both axes each of them shows to the bit as one axis alone does; and what it does across only,
+/// the other copy follows across only.
+#[test]
+fn each_axis_of_the_plane_is_one_axis() {
+    let fitting = |axes: u32| {
+        let mut scene = scenes::load(Laws::built_in(), "any-network").expect("a scene");
+        (scene.peer.axis.count, scene.peer.axis.shared) = (axes, axes);
+        scene
+    };
+    let mut one = session("any-network", Model::Resists);
+    let mut plane = Session::<2, 2>::new(fitting(2), Model::Resists).expect("a session");
+    let mut space = Session::<3, 3>::new(fitting(3), Model::Resists).expect("a session");
+    for tick in 0..3000 {
+        // Slow enough to be within a hand's speed and strength along all axes together.
+        let at = 0.02 * (f64::from(tick) / 1000.0).min(1.0);
+        let sessions: [&mut dyn Environment; 3] = [&mut one, &mut plane, &mut space];
+        let [alone, both, all] = sessions.map(|session| {
+            session.point(0, Some([at; 3]), 0);
+            session.play(1);
+            session.step().expect("a tick")
+        });
+        for name in ["object_1", "object_2", "hand_1", "coordination_2", "decoded_1", "wanted_1"] {
+            let bits = |sample: &Sample, suffix: &str| column(sample, &format!("{name}{suffix}")).to_bits();
+            let wanted = bits(&alone, "");
+            assert_eq!([bits(&both, ""), bits(&both, "_y")], [wanted; 2], "{name} at tick {tick}");
+            assert_eq!([bits(&all, ""), bits(&all, "_y"), bits(&all, "_z")], [wanted; 3], "{name} at tick {tick}");
+        }
+        if tick == 2999 {
+            assert!(column(&both, "object_2_y") > 0.004 && column(&both, "object_2_z").is_nan(), "{both:?}");
+            assert_eq!(both[MOST - 1], 0.0);
+        }
+    }
+    let mut plane = Session::<2, 2>::new(fitting(2), Model::Follows).expect("a session");
+    let mut last = [0.0; MOST];
+    for _ in 0..4000 {
+        plane.point(0, Some([0.0, 0.03, 0.0]), 0);
+        plane.play(1);
+        last = plane.step().expect("a tick");
+    }
+    assert!(column(&last, "object_2_y") > 0.02 && column(&last, "object_2") == 0.0, "{last:?}");
 }

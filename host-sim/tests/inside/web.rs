@@ -199,7 +199,7 @@ fn orders_are_checked_by_the_window_that_gives_them() {
             let mut window = served.open(roles);
             while served.mailbox.lock().next_command().is_some() {}
             window.send(Message::text(line)).expect("it hears");
-            window.send(Message::Binary(vec![0xff; 16].into())).expect("it hears");
+            window.send(Message::Binary(vec![0xff; 20].into())).expect("it hears");
             let refused = std::iter::from_fn(|| window.read().ok())
                 .find_map(|said| said.to_text().ok().filter(|text| text.contains("refused")).map(str::to_owned));
             assert_eq!(
@@ -214,7 +214,7 @@ fn orders_are_checked_by_the_window_that_gives_them() {
     }
     // Nobody points a hand but who holds it.
     let mut watching = served.open(&[Role::Watch]);
-    watching.send(Message::Binary(vec![0; 16].into())).expect("it hears");
+    watching.send(Message::Binary(vec![0; 20].into())).expect("it hears");
     while !matches!(watching.read(), Ok(Message::Binary(_))) {}
     assert_eq!(served.mailbox.lock().holder, [None; 2]);
     // The operator's acts.
@@ -225,7 +225,7 @@ fn orders_are_checked_by_the_window_that_gives_them() {
     }
     operator.send(Message::text("set a=1")).expect("it hears");
     assert_eq!(served.asked.recv_timeout(Duration::from_secs(20)).expect("an order").line, "set a=1");
-    operator.send(Message::Binary(vec![0; 16].into())).expect("it hears");
+    operator.send(Message::Binary(vec![0; 20].into())).expect("it hears");
     while !served.mailbox.lock().operator_asked {
         std::thread::sleep(Duration::from_millis(1));
     }
@@ -245,15 +245,18 @@ fn a_hand_is_held_by_the_newest_window() {
     holder(Some(1));
     let mut second = open();
     holder(Some(2));
-    let _ = first.send(Message::Binary(vec![0; 16].into()));
+    let _ = first.send(Message::Binary(vec![0; 20].into()));
     let closed =
         std::iter::from_fn(|| Some(first.read())).take(10).any(|read| matches!(read, Ok(Message::Close(_)) | Err(_)));
     assert!(closed);
     // Where it wants its hand, and what is no place.
-    let point = |at: f32| [&[0; 4], &at.to_le_bytes()[..], &0.01_f32.to_le_bytes(), &7_u32.to_le_bytes()].concat();
+    let point = |at: f32| {
+        [&[0; 4], &at.to_le_bytes()[..], &0.01_f32.to_le_bytes(), &0.02_f32.to_le_bytes(), &7_u32.to_le_bytes()]
+            .concat()
+    };
     for (said, heard) in [(0.05, Some(0.05)), (9.0, Some(FARTHEST_M)), (f32::NAN, None), (f32::INFINITY, None)] {
         second.send(Message::Binary(point(said).into())).expect("it hears");
-        let wanted = Some(Pointed { at: heard.map(|along| [along, 0.01]), restarts: 7 });
+        let wanted = Some(Pointed { at: heard.map(|along| [along, 0.01, 0.02]), restarts: 7 });
         while mailbox.lock().pointed[1] != wanted {
             std::thread::sleep(Duration::from_millis(1));
         }

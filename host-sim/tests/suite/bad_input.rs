@@ -63,7 +63,6 @@ fn several_axes_where_there_is_one() {
     for command in [&["accuracy", "precision", "--json"][..], &["shared", "cooperative", "--json"]] {
         refused(&with(command), &names);
     }
-    refused(&["play", "--scene", "plane"], &["plane: axis.shared = 2 is not allowed here", "cooperate"]);
     refused(&with(&["cooperate", "--set", "contact.one_sided=true"]), &["contact.one_sided = true", "axis.shared"]);
     let weighs = "device.joint_inertia=0.1";
     refused_set(weighs, &["device.joint_inertia = 0.1", "axis.shared = 1"]);

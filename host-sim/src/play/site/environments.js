@@ -5,15 +5,19 @@
 /** @typedef {(name: string, ago?: number) => number} Value */
 /** @typedef {{ id: string, title: string, unit: string, series: { name: string, of: (ago: number) => number }[] }} Strip */
 /** @typedef {[number, number]} Point */
-/** What a page needs of an environment: the part of the drawing that is seen, where a pointer (m) is in it and back, the column that
- * shows the own hand first, where the own device is (m), what to draw each frame, and what to show beside it.
- * @typedef {{ box: string, flat: boolean, toScene: (at: Point) => Point, fromScene: (at: Point) => Point, hand: string, own: () => Point,
- *   draw: () => void, numbers: [string, () => string][], strips: Strip[], help: string }} View */
+/** Along, across and up, m. @typedef {[number, number, number]} Place */
+/** What a page needs of an environment: the part of the drawing that is seen, where a hand (m) is in one of its pictures, where it is
+ * when a pointer takes it from there to another place of that picture, which picture a place belongs to, the column that shows the own
+ * hand first, where the own device is (m), what to draw each frame (of a line that is cut or not), and what to show beside it.
+ * @typedef {{ box: string, flat: boolean, toScene: (at: Place, picture: number) => Point,
+ *   fromScene: (to: Point, at: Place, picture: number) => Place, picture?: (at: Point) => number, hand: string, own: () => Place,
+ *   draw: (cut: boolean) => void, numbers: [string, () => string][], help: string }} Picture */
+/** @typedef {Picture & { strips: Strip[] }} View */
 
 const SVG = "http://www.w3.org/2000/svg";
 
 /** @param {SVGElement} parent @param {string} name @param {Record<string, string | number>} attributes @returns {SVGElement} */
-function make(parent, name, attributes) {
+export function make(parent, name, attributes) {
   const made = document.createElementNS(SVG, name);
   put(made, attributes);
   parent.append(made);
@@ -21,12 +25,12 @@ function make(parent, name, attributes) {
 }
 
 /** @param {SVGElement} to @param {Record<string, string | number>} attributes */
-function put(to, attributes) {
+export function put(to, attributes) {
   for (const [name, value] of Object.entries(attributes)) to.setAttribute(name, `${value}`);
 }
 
 /** Puts something where it is, or hides what is nowhere. @param {SVGElement} what @param {Point} at */
-function move(what, [x, y]) {
+export function move(what, [x, y]) {
   const there = Number.isFinite(x) && Number.isFinite(y);
   what.toggleAttribute("hidden", !there);
   if (there) what.setAttribute("transform", `translate(${x.toFixed(2)} ${y.toFixed(2)})`);
@@ -57,9 +61,9 @@ function hub(to, value, me) {
     box: "-160 -50 320 96",
     flat: true,
     toScene: ([x]) => [1e3 * x + place(me)[0], place(me)[1]],
-    fromScene: ([x]) => [(x - place(me)[0]) / 1e3, 0],
+    fromScene: ([x]) => [(x - place(me)[0]) / 1e3, 0, 0],
     hand: `wanted_${me}`,
-    own: () => [value(`device_${me}`), 0],
+    own: () => [value(`device_${me}`), 0, 0],
     draw: () => {
       for (const n of users) {
         const [x, y] = place(n);
@@ -110,9 +114,9 @@ function squash(to, value, me, { size_m: [long, wide], pointer }) {
     box: `-12 -12 ${scale * long + 24} ${scale * wide + 24}`,
     flat: false,
     toScene: ([x, y]) => [(scale * x) / pointer, (scale * y) / pointer],
-    fromScene: ([x, y]) => [(x * pointer) / scale, (y * pointer) / scale],
+    fromScene: ([x, y]) => [(x * pointer) / scale, (y * pointer) / scale, 0],
     hand: `hand_${me}_x`,
-    own: () => [pointer * value(`hand_${me}_x`), pointer * value(`hand_${me}_y`)],
+    own: () => [pointer * value(`hand_${me}_x`), pointer * value(`hand_${me}_y`), 0],
     draw: () => {
       hands.forEach((hand, index) => {
         move(hand, at(`hand_${index + 1}`));
@@ -139,7 +143,7 @@ function squash(to, value, me, { size_m: [long, wide], pointer }) {
 /** A static world: what is solid, two devices, and where each was told that the other is. @param {SVGElement} to @param {Value} value
  * @param {number} me @param {{ corners?: Point[], round?: [number, number, number], strip?: [Point, Point] }[]} more @returns {View} */
 function world(to, value, me, more) {
-  const scene = (/** @type {Point} */ [x, y]) => /** @type {Point} */ ([1e3 * x, -1e3 * y]);
+  const scene = (/** @type {Point | Place} */ [x, y]) => /** @type {Point} */ ([1e3 * x, -1e3 * y]);
   for (const { corners, round, strip: band } of more) {
     if (corners?.length)
       make(to, "polygon", { class: "solid", points: corners.map((corner) => scene(corner).join(",")).join(" ") });
@@ -158,9 +162,9 @@ function world(to, value, me, more) {
     box: "-140 -85 280 170",
     flat: false,
     toScene: scene,
-    fromScene: ([x, y]) => [x / 1e3, -y / 1e3],
+    fromScene: ([x, y]) => [x / 1e3, -y / 1e3, 0],
     hand: `wanted_${me}_x`,
-    own: () => at(`device_${me}`),
+    own: () => [...at(`device_${me}`), 0],
     draw: () => {
       for (const n of [1, 2]) {
         const [[x, y], [fx, fy]] = [scene(at(`device_${n}`)), at(`force_${n}`)];
@@ -200,9 +204,9 @@ function turns(to, value, me, name) {
     box: "-140 -75 280 150",
     flat: false,
     toScene: ([x, y]) => [1e3 * x, -1e3 * y],
-    fromScene: ([x, y]) => [x / 1e3, -y / 1e3],
+    fromScene: ([x, y]) => [x / 1e3, -y / 1e3, 0],
     hand: `hand_${me}_x`,
-    own: () => [value(`hand_${me}_x`), value(`hand_${me}_y`)],
+    own: () => [value(`hand_${me}_x`), value(`hand_${me}_y`), 0],
     draw: () => {
       for (const n of users) {
         const [[x, y], [ox, oy]] = [at(`hand_${n}`), at(`object_${n}`)];
@@ -230,7 +234,7 @@ function turns(to, value, me, name) {
   };
 }
 
-/** The view of an environment, drawn into a group; none of the pair, which the page draws itself.
+/** The view of an environment, drawn into a group; none of two peers.
  * @param {string} name @param {SVGElement} to @param {Value} value @param {number} me @param {any} more @returns {View | undefined} */
 export function view(name, to, value, me, more) {
   to.replaceChildren();

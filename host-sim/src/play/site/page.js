@@ -3,12 +3,14 @@
 // in comments. What columns, keys, scenes and faults there are, the program says first of all ("hello").
 
 import { view as viewOf } from "./environments.js";
+import { axesOf, peers, SUFFIXES, WAYS } from "./pair.js";
 
+/** @typedef {import("./environments.js").Place} Place */
 /** @typedef {import("./environments.js").Point} Point */
 /** @typedef {import("./environments.js").Strip} Strip */
 /** @typedef {import("./environments.js").View} View */
 /** @typedef {{ name: string, unit: string, means: string }} Column */
-/** @typedef {{ environments: { name: string, columns: Column[], more: any }[], numbers: number, header_bytes: number, faults: Record<string, string>, fault_base: number, waits: number,
+/** @typedef {{ environments: { name: string, columns: Column[], more: any }[], header_bytes: number, faults: Record<string, string>, fault_base: number, waits: number,
  *   other: string | null, boards: boolean, clicks: { name: string, order: string }[], laws: string[], partners: string[], reach_m: number, period_s: number }} Hello */
 /** @typedef {{ stable: boolean | null, text: string, not_judged: string[] }} Finding */
 /** @typedef {{ settings: Record<string, string>, changed: [string, string][], one_way_s: number, finding: Finding | null }} Holds */
@@ -58,12 +60,16 @@ let width = 1;
 let samples = new Float32Array(0);
 /** Tick after the newest sample. */
 let next = NOTHING;
-/** Where the hand is wanted, m, along and across; NaN: let go. @type {Point} */
-let wanted = [NaN, NaN];
-/** Pointer less device when it was taken, m. */
-let offset = /** @type {Point} */ ([0, 0]);
-/** Which environment is shown, and what it draws; the pair is drawn here. */
+/** Where the hand is wanted, m, along, across and up; NaN: let go. @type {Place} */
+let wanted = [NaN, NaN, NaN];
+/** Pointer less hand when it was taken, in the drawing, and in which picture of it. @type {Point} */
+let offset = [0, 0];
+let picture = 0;
+/** Which environment is shown, and what it draws; two peers along one axis are drawn here. */
 let kind = -1;
+/** Axes along which two peers share what is shown; 0: something else is shown. */
+let axes = 1;
+let cut = false;
 /** @type {View} */
 let shown;
 let restarts = 0;
@@ -109,8 +115,6 @@ function told(message) {
 /** @param {Hello} greeting */
 function greeted(greeting) {
   hello = greeting;
-  width = greeting.numbers;
-  samples = new Float32Array(KEPT * width).fill(NaN);
   fill(
     choice("environment"),
     greeting.environments.map(({ name }) => name),
@@ -146,15 +150,22 @@ function showKind(number) {
   kind = number;
   columns.clear();
   for (const [at, { name }] of environment.columns.entries()) columns.set(name, at);
-  columns.set("restarts", width - 1);
-  samples.fill(NaN);
+  // A sample is what the columns say, and behind them the count of starts.
+  columns.set("restarts", environment.columns.length);
+  width = environment.columns.length + 1;
+  samples = new Float32Array(KEPT * width).fill(NaN);
+  paused = undefined;
+  element("pause").setAttribute("aria-pressed", "false");
+  picture = 0;
   letGo();
   lags.length = 0;
   const group = /** @type {SVGElement} */ (/** @type {unknown} */ (element("other")));
+  axes = axesOf(environment.name);
   const other = viewOf(environment.name, group, value, me, environment.more);
-  shown = other ?? (hello?.boards ? { ...pair, strips: BOARD_STRIPS } : pair);
-  element("pair").toggleAttribute("hidden", Boolean(other));
-  element("pair-numbers").hidden = Boolean(other);
+  const several = axes > 1 ? { ...peers(group, value, me, axes), strips: pairStrips(axes) } : undefined;
+  shown = other ?? several ?? (hello?.boards ? { ...pair, strips: BOARD_STRIPS } : pair);
+  element("pair").toggleAttribute("hidden", axes !== 1);
+  element("pair-numbers").hidden = axes === 0;
   element("help").textContent = `${shown.help} ${KEYS}`;
   scene.setAttribute("viewBox", shown.box);
   element("more-numbers").replaceChildren(
@@ -165,7 +176,8 @@ function showKind(number) {
       return part;
     }),
   );
-  for (const part of document.querySelectorAll("[data-verdict]")) part.toggleAttribute("hidden", Boolean(other || hello?.boards));
+  for (const part of document.querySelectorAll("[data-verdict]"))
+    part.toggleAttribute("hidden", Boolean(axes === 0 || hello?.boards));
   if (document.activeElement !== choice("environment")) choice("environment").selectedIndex = number;
   buildStrips(shown.strips);
 }
@@ -201,8 +213,9 @@ function take(bytes) {
   );
 }
 
-/** @param {number[]} modes @param {number[]} people @param {boolean} cut @param {number} partner */
-function report(modes, people, cut, partner) {
+/** @param {number[]} modes @param {number[]} people @param {boolean} isCut @param {number} partner */
+function report(modes, people, isCut, partner) {
+  cut = isCut;
   const { faults = {}, fault_base = 100, partners = [], waits, other = null, boards = false } = hello ?? {};
   const fault = modes.findIndex((mode) => mode > fault_base);
   const there = people[2 - me];
@@ -219,18 +232,17 @@ function report(modes, people, cut, partner) {
   else if (!hasHand) say(operates ? "you are the operator" : "you watch", false);
   else if (other !== null) say(`${other} has the other hand`, false);
   else if (there) say("another person has the other hand", false);
-  else if (kind === 0) say(`the partner has the other hand: ${partners[partner]}`, false);
+  else if (axes > 0) say(`the partner has the other hand: ${partners[partner]}`, false);
   else say("the program has the other hands", false);
 }
 
 function askForMore() {
   // One question at a time: a slow line makes fewer pictures, not a queue of them.
   if (!hello || socket?.readyState !== WebSocket.OPEN || (waiting && performance.now() - asked < 1000)) return;
-  const bytes = new DataView(new ArrayBuffer(16));
+  const bytes = new DataView(new ArrayBuffer(20));
   bytes.setUint32(0, next, true);
-  bytes.setFloat32(4, hasHand ? wanted[0] : NaN, true);
-  bytes.setFloat32(8, wanted[1], true);
-  bytes.setUint32(12, restarts, true);
+  for (const [axis, at] of wanted.entries()) bytes.setFloat32(4 + 4 * axis, hasHand ? at : NaN, true);
+  bytes.setUint32(16, restarts, true);
   socket.send(bytes);
   [waiting, asked] = [true, performance.now()];
 }
@@ -297,7 +309,7 @@ function drawScene() {
 
 /** The ring of the own hand: where it is wanted, or where the device is. */
 function drawHand() {
-  const [x, y] = shown.toScene(holding() ? wanted : shown.own());
+  const [x, y] = shown.toScene(holding() ? wanted : shown.own(), picture);
   if (!Number.isFinite(x + y)) return;
   hand.setAttribute("cx", `${x}`);
   hand.setAttribute("cy", `${y}`);
@@ -305,13 +317,13 @@ function drawHand() {
 
 const holding = () => Number.isFinite(wanted[0]);
 
-/** Where a pointer is, m. @param {PointerEvent} event @returns {Point} */
+/** Where a pointer is in the drawing. @param {PointerEvent} event @returns {Point} */
 const pointed = (event) => {
   const matrix = scene.getScreenCTM();
-  return matrix ? shown.fromScene([(event.clientX - matrix.e) / matrix.a, (event.clientY - matrix.f) / matrix.d]) : [NaN, NaN];
+  return matrix ? [(event.clientX - matrix.e) / matrix.a, (event.clientY - matrix.f) / matrix.d] : [NaN, NaN];
 };
 function letGo() {
-  wanted = [NaN, NaN];
+  wanted = [NaN, NaN, NaN];
   moved = undefined;
 }
 
@@ -337,13 +349,15 @@ scene.addEventListener("pointerdown", (event) => {
   hand.focus({ preventScroll: true });
   wanted = shown.own();
   const [x, y] = pointed(event);
-  offset = [x - wanted[0], y - wanted[1]];
+  picture = shown.picture?.([x, y]) ?? 0;
+  const at = shown.toScene(wanted, picture);
+  offset = [x - at[0], y - at[1]];
   event.preventDefault();
 });
 scene.addEventListener("pointermove", (event) => {
   if (!scene.hasPointerCapture(event.pointerId) || !holding()) return;
   const [x, y] = pointed(event);
-  wanted = [x - offset[0], y - offset[1]];
+  wanted = shown.fromScene([x - offset[0], y - offset[1]], wanted, picture);
   const was = value(shown.hand);
   if (Number.isFinite(was)) moved ??= [event.timeStamp, was];
 });
@@ -356,15 +370,23 @@ document.addEventListener("visibilitychange", () => {
 hand.addEventListener("keydown", (event) => {
   const reach = shown.flat ? (hello?.reach_m ?? 0) : 0.2;
   // Where there is only along, up is forward.
-  const up = shown.flat ? [0.002, 0] : shown.fromScene([0, -1]).map((part) => 0.002 * Math.sign(part));
-  const steps = { ArrowLeft: [-0.002, 0], ArrowRight: [0.002, 0], ArrowUp: up, ArrowDown: up.map((part) => -part) };
+  const forward = shown.fromScene([0, -1], [0, 0, 0], 0)[1];
+  const up = shown.flat ? [0.002, 0, 0] : [0, 0.002 * Math.sign(forward), 0];
+  const lift = [0, 0, axes === 3 ? 0.002 : 0];
+  const steps = {
+    ArrowLeft: [-0.002, 0, 0],
+    ArrowRight: [0.002, 0, 0],
+    ArrowUp: up,
+    ArrowDown: up.map((part) => -part),
+    ...(axes === 3 ? { PageUp: lift, PageDown: lift.map((part) => -part) } : {}),
+  };
   const step = steps[/** @type {keyof typeof steps} */ (event.key)];
   const inside = (/** @type {number} */ at) => Math.max(-reach, Math.min(reach, at));
   if (step) {
-    const [x, y] = holding() ? wanted : shown.own();
+    const [x, y, z] = holding() ? wanted : shown.own();
     const far = event.shiftKey ? 5 : 1;
-    wanted = [inside(x + far * (step[0] ?? 0)), inside(y + far * (step[1] ?? 0))];
-  } else if (event.key === "Home") wanted = [0, 0];
+    wanted = [inside(x + far * (step[0] ?? 0)), inside(y + far * (step[1] ?? 0)), inside(z + far * (step[2] ?? 0))];
+  } else if (event.key === "Home") wanted = [0, 0, 0];
   else if (event.key === "Escape") letGo();
   else return;
   event.preventDefault();
@@ -378,8 +400,17 @@ function mean(of, ticks = 200) {
   for (let ago = 0; ago < ticks; ago++) sum += of(ago);
   return sum / ticks;
 }
-const apart = (/** @type {number} */ ago) => 1e3 * Math.abs(value("object_1", ago) - value("object_2", ago));
-const decoded = (/** @type {number} */ ago) => 1e3 * Math.abs(value(`object_${me}`, ago) - value(`decoded_${me}`, ago));
+/** Distance of two places, mm. @param {string} one @param {string} other @param {number} ago */
+const distance = (one, other, ago) => {
+  // Plots ask for thousands a frame.
+  if (axes === 1) return 1e3 * Math.abs(value(one, ago) - value(other, ago));
+  return 1e3 * Math.hypot(...SUFFIXES.slice(0, axes).map((suffix) => value(one + suffix, ago) - value(other + suffix, ago)));
+};
+const apart = (/** @type {number} */ ago) => distance("object_1", "object_2", ago);
+const decoded = (/** @type {number} */ ago) => distance(`object_${me}`, `decoded_${me}`, ago);
+/** A force: along one axis with its sign, else its size. @param {string} name @param {number} ago */
+const force = (name, ago) =>
+  axes === 1 ? value(name, ago) : Math.hypot(...SUFFIXES.slice(0, axes).map((suffix) => value(name + suffix, ago)));
 
 function writeNumbers() {
   const text = (/** @type {number} */ number, /** @type {number} */ digits) =>
@@ -389,8 +420,9 @@ function writeNumbers() {
     element(id).textContent = numbers.map((number) => text(number, digits)).join(", ");
   };
   const both = (/** @type {string} */ name, ticks = 200) => [1, 2].map((n) => mean((ago) => value(`${name}_${n}`, ago), ticks));
+  const forces = (/** @type {string} */ name) => [1, 2].map((n) => mean((ago) => force(`${name}_${n}`, ago)));
   write("lag", 0, lag(0.5), lag(0.95));
-  if (kind !== 0) {
+  if (axes === 0) {
     shown.numbers.forEach(([, of], at) => {
       const number = element("more-numbers").children[at]?.lastElementChild;
       if (number) number.textContent = of();
@@ -399,6 +431,7 @@ function writeNumbers() {
       "aria-valuetext",
       shown
         .own()
+        .slice(0, shown.flat ? 1 : 2)
         .map((at) => `${(1e3 * at).toFixed(0)} millimetres`)
         .join(", "),
     );
@@ -406,8 +439,8 @@ function writeNumbers() {
   }
   write("true", 3, mean(apart));
   write("decoded", 3, mean(decoded));
-  write("forces", 2, ...both("hand"));
-  write("coordination", 2, ...both("coordination"));
+  write("forces", 2, ...forces("hand"));
+  write("coordination", 2, ...forces("coordination"));
   write("line", 2, 1e3 * value("line"));
   write("kept", 2, 1e3 * value("kept_1"), 1e3 * value("kept_2"));
   write("trip", 1, 1e3 * (value("delay_1") + value("delay_2")));
@@ -415,27 +448,32 @@ function writeNumbers() {
   const at = 1e3 * value(`device_${me}`);
   if (Number.isFinite(at)) {
     hand.setAttribute("aria-valuenow", at.toFixed(0));
-    hand.setAttribute("aria-valuetext", `${at.toFixed(0)} millimetres, ${value(`hand_${me}`).toFixed(1)} newtons`);
+    const places = SUFFIXES.slice(0, axes).map((suffix) => `${(1e3 * value(`device_${me}${suffix}`)).toFixed(0)} millimetres`);
+    hand.setAttribute("aria-valuetext", `${places.join(", ")}, ${force(`hand_${me}`, 0).toFixed(1)} newtons`);
   }
 }
 
 // --- plots ---
 
-/** @type {Strip[]} */
-const PAIR_STRIPS = [
-  {
-    id: "position",
-    title: "Position",
+/** What is plotted of two peers: places along each axis, of forces their size where there are several.
+ * @param {number} axes @returns {Strip[]} */
+const pairStrips = (axes) => [
+  ...WAYS.slice(0, axes).map((way, axis) => ({
+    id: axis === 0 ? "position" : `position-${way}`,
+    title: axes === 1 ? "Position" : `Position, ${way}`,
     unit: "mm",
-    series: [1, 2].map((n) => ({ name: `copy ${n}`, of: (ago) => 1e3 * value(`object_${n}`, ago) })),
-  },
+    series: [1, 2].map((n) => ({
+      name: `copy ${n}`,
+      of: (/** @type {number} */ ago) => 1e3 * value(`object_${n}${SUFFIXES[axis]}`, ago),
+    })),
+  })),
   {
     id: "force",
     title: "Force",
     unit: "N",
     series: [
-      ...[1, 2].map((n) => ({ name: `hand ${n}`, of: (/** @type {number} */ ago) => value(`hand_${n}`, ago) })),
-      { name: `coordination ${me}`, of: (ago) => value(`coordination_${me}`, ago) },
+      ...[1, 2].map((n) => ({ name: `hand ${n}`, of: (/** @type {number} */ ago) => force(`hand_${n}`, ago) })),
+      { name: `coordination ${me}`, of: (ago) => force(`coordination_${me}`, ago) },
     ],
   },
   {
@@ -458,7 +496,7 @@ const PAIR_STRIPS = [
   },
 ];
 /** Of boards the devices are what is always known. @type {Strip[]} */
-const BOARD_STRIPS = PAIR_STRIPS.map((strip) =>
+const BOARD_STRIPS = pairStrips(1).map((strip) =>
   strip.id === "position"
     ? {
         ...strip,
@@ -619,7 +657,8 @@ function download(name, blob) {
 /** Every column of what is shown, a row a tick. */
 function asCsv() {
   const own = hello?.environments[kind]?.columns ?? [];
-  const names = [...own, ...(kind === 0 ? [] : [{ name: "restarts", unit: "" }])].map(({ name, unit }) =>
+  const counted = own.some(({ name }) => name === "restarts");
+  const names = [...own, ...(counted ? [] : [{ name: "restarts", unit: "" }])].map(({ name, unit }) =>
     unit ? `${name}_${unit.toLowerCase()}` : name,
   );
   const rows = [["time_s", ...names].join(",")];
@@ -924,12 +963,12 @@ const pair = {
   box: "-160 -50 320 96",
   flat: true,
   toScene: ([x]) => [1e3 * x + side, 9],
-  fromScene: ([x]) => [(x - side) / 1e3, 0],
+  fromScene: ([x]) => [(x - side) / 1e3, 0, 0],
   hand: `wanted_${me}`,
-  own: () => [value(`device_${me}`), 0],
+  own: () => [value(`device_${me}`), 0, 0],
   draw: drawScene,
   numbers: [],
-  strips: PAIR_STRIPS,
+  strips: pairStrips(1),
   help: "Drag your hand with mouse, finger or pen. How far it is from its ring is your force: 5 mm are 1 N. Arrows: force of a hand (filled) and of the coordination (hollow), 10 mm are 1 N.",
 };
 const KEYS = "Keys: arrows move it by 2 mm, with Shift by 10; Home takes it to the middle, Escape lets go.";
@@ -944,7 +983,7 @@ function frame(now) {
   if (!hello || !shown) return;
   frames += 1;
   measureLag(now);
-  shown.draw();
+  shown.draw(cut);
   drawHand();
   slow += 1;
   if (slow % 12 === 0) writeNumbers();

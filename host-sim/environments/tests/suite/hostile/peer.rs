@@ -83,7 +83,7 @@ fn every_law_holds_its_hand_whatever_a_member_says() {
             let (wanted_n, seen) = (f64::from(actuators.forces[0]), honest.observed());
             assert!(wanted_n.abs() <= safety.max_force_n * (1.0 + 1e-6), "{name}: {wanted_n} N");
             assert!(!actuators.enable || (wanted_n - force_n).abs() <= slew_n, "{name}: {force_n} to {wanted_n} N");
-            assert!(seen.object.is_finite() && honest.motion().is_finite(), "{name}: {seen:?}");
+            assert!(seen.object.is_finite() && honest.motions()[0].is_finite(), "{name}: {seen:?}");
             assert!(actuators.enable || wanted_n == 0.0);
             force_n = wanted_n;
             if matches!(honest.peer.mode(), Mode::Faulted(_)) {

@@ -1,0 +1,90 @@
+//! What is in a sample of two peers, with unit and meaning: of peer 1 first where there are two. Every window gets these lists.
+//!
+//! Of an object that is shared along several axes the columns of the first one, and of both peers, are those of one axis; those of the
+//! second follow with `_y` behind their names, and those of the third with `_z`.
+
+use super::environment::{Column, MOST, Sample};
+
+/// Numbers of both peers along an axis, in pairs.
+pub(super) const OF_AXIS: usize = 7;
+/// Numbers beside those, but for the count of starts.
+pub(super) const OF_BOTH: usize = 7;
+/// One axis: these, and how often both have started anew.
+const ONE: usize = 2 * OF_AXIS + OF_BOTH + 1;
+
+macro_rules! along {
+    ($suffix:literal, $way:literal) => {
+        [
+            (
+                concat!("wanted_1", $suffix),
+                "m",
+                concat!("hand of person 1", $way, ", no number while it holds nothing"),
+            ),
+            (concat!("wanted_2", $suffix), "m", concat!("hand of person 2", $way)),
+            (concat!("device_1", $suffix), "m", concat!("device 1", $way)),
+            (concat!("device_2", $suffix), "m", concat!("device 2", $way)),
+            (concat!("object_1", $suffix), "m", concat!("copy of the object at peer 1", $way)),
+            (concat!("object_2", $suffix), "m", concat!("copy of the object at peer 2", $way)),
+            (concat!("decoded_1", $suffix), "m", concat!("where peer 1 believes the other copy to be", $way)),
+            (concat!("decoded_2", $suffix), "m", concat!("where peer 2 believes the other copy to be", $way)),
+            (concat!("contact_1", $suffix), "N", concat!("force of device 1 on its copy", $way)),
+            (concat!("contact_2", $suffix), "N", concat!("force of device 2 on its copy", $way)),
+            (concat!("coordination_1", $suffix), "N", concat!("coordination force F_T on copy 1", $way)),
+            (concat!("coordination_2", $suffix), "N", concat!("coordination force F_T on copy 2", $way)),
+            (concat!("hand_1", $suffix), "N", concat!("force of hand 1 on its device", $way)),
+            (concat!("hand_2", $suffix), "N", concat!("force of hand 2 on its device", $way)),
+        ]
+    };
+}
+
+const BOTH: [Column; OF_BOTH + 1] = [
+    ("line", "J", "energy in the line: sent by both and not yet received"),
+    (
+        "kept_1",
+        "J",
+        "energy that the coordination of peer 1 took in and neither gave out nor stores; below 0 it makes energy",
+    ),
+    ("kept_2", "J", "the same of peer 2"),
+    ("delay_1", "s", "how long the newest packet was on its way to peer 1"),
+    ("delay_2", "s", "how long the newest packet was on its way to peer 2"),
+    ("live_1", "", "1 while what peer 1 hears is fresh, or its line lives; 0 while it stands"),
+    ("live_2", "", "the same of peer 2"),
+    ("restarts", "", "how often both have started anew"),
+];
+
+/// An object in space, which has all of them.
+const SPACE: [Column; MOST - 1] = {
+    let parts: [&[Column]; 4] = [&along!("", ""), &BOTH, &along!("_y", ", across"), &along!("_z", ", up")];
+    let mut all = [("", "", ""); MOST - 1];
+    let (mut part, mut at) = (0, 0);
+    while part < parts.len() {
+        let mut column = 0;
+        while column < parts[part].len() {
+            all[at] = parts[part][column];
+            (column, at) = (column + 1, at + 1);
+        }
+        part += 1;
+    }
+    all
+};
+
+/// The columns of an object that is shared along so many axes.
+pub(super) fn columns(axes: usize) -> &'static [Column] {
+    &SPACE[..ONE + 2 * OF_AXIS * (axes.clamp(1, 3) - 1)]
+}
+
+/// A sample of what both have along each axis, of the numbers beside those, and of how often they have started anew.
+pub(super) fn sample<const SHARED: usize>(
+    axes: [[[f32; 2]; OF_AXIS]; SHARED],
+    rest: [f32; OF_BOTH],
+    restarts: u32,
+) -> Sample {
+    let mut sample = [f32::NAN; MOST];
+    let restarts = restarts as f32;
+    let (first, others) = axes.split_at(1);
+    let numbers = first.iter().flatten().flatten().chain(&rest).chain([&restarts]);
+    let numbers = numbers.chain(others.iter().flatten().flatten());
+    sample.iter_mut().zip(numbers).for_each(|(to, number)| *to = *number);
+    sample[MOST - 1] = restarts;
+    sample
+}
