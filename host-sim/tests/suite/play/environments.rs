@@ -108,3 +108,80 @@ fn shared_environments_are_shown_and_held() {
     let complaints = browser.complaints(&[&one, &two]);
     assert!(complaints.is_empty(), "{complaints:?}");
 }
+
+/// Moves a mouse that holds a hand by so many millimetres of the drawing to the right and up, in steps of half a millimetre.
+fn carry(browser: &mut Browser, window: &Window, [x, y]: [f64; 2], [right, up]: [f64; 2]) {
+    let [per_mm] = browser.numbers(window, "[scene.getScreenCTM().a]");
+    let steps = (2.0 * right.hypot(up)).ceil() as u32;
+    for share in (1..=steps).map(|step| f64::from(step) / f64::from(steps)) {
+        browser.mouse(window, "mouseMoved", [x + per_mm * share * right, y - per_mm * share * up]);
+        std::thread::sleep(std::time::Duration::from_millis(16));
+    }
+}
+
+/// Two hands hold one object in the plane and in space; as many axes are shown as the scene says, and choosing them sets them.
+#[test]
+fn two_hands_hold_one_object_in_plane_and_space() {
+    let play = Play::start(&["--scene", "plane", "--partner", "follows"]);
+    let mut browser = Browser::start(folder().join("axes"));
+    let [one, two] = [1, 2].map(|person| browser.open(&play.person(person)));
+    browser.wait(&two, "page.environment() === 'plane' && Number.isFinite(page.value('object_2_y', 200))");
+    // Of the paper's wave line what is recommended for any network, in the plane of simulated devices.
+    browser.evaluate(&one, "page.command('anyway scene any-network axis.count=2 axis.shared=2')");
+    browser.wait(
+        &one,
+        "page.value('restarts', 200) >= 1 && document.getElementById('verdict').textContent.startsWith('stable')",
+    );
+
+    // Above: what the hand does along and across, both copies follow along and across. Devices start anew where they are.
+    let [x, y] = browser.numbers(&one, "[page.value('object_2'), page.value('object_2_y')]");
+    let hand = middle(&mut browser, &one, "hand");
+    browser.mouse(&one, "mousePressed", hand);
+    carry(&mut browser, &one, hand, [30.0, 40.0]);
+    let followed = format!("page.value(`object_${{n}}`) > {x} + 0.01 && page.value(`object_${{n}}_y`) > {y} + 0.015");
+    browser.wait(&two, &format!("[1, 2].every((n) => {followed})"));
+    browser.picture(&one, &folder().join("plane.png"));
+    let [apart, said] = browser.numbers(
+        &one,
+        "[1e3 * Math.hypot(page.value('object_1') - page.value('object_2'), page.value('object_1_y') - page.value('object_2_y')), \
+         Number(document.getElementById('true').textContent)]",
+    );
+    assert!((apart - said).abs() < 0.2 + 0.2 * apart, "{apart} {said}");
+    browser.mouse(&one, "mouseReleased", hand);
+
+    // In space the second picture has the third axis; Page Up lifts as well.
+    set(&mut browser, &one, "environment", "space");
+    for window in [&one, &two] {
+        browser.wait(window, "page.environment() === 'space' && Math.abs(page.value('object_2_z', 200)) < 1e-3");
+    }
+    let [x, y] = browser.numbers(
+        &one,
+        "[scene.getScreenCTM().e + scene.getScreenCTM().a * (352 - 38 + 1e3 * page.value('device_1')), \
+         scene.getScreenCTM().f - scene.getScreenCTM().d * 1e3 * page.value('device_1_z')]",
+    );
+    browser.mouse(&one, "mousePressed", [x, y]);
+    carry(&mut browser, &one, [x, y], [0.0, 40.0]);
+    browser.wait(&two, "page.value('object_2_z') > 0.015 && Math.abs(page.value('object_2_y')) < 2e-3");
+    browser.picture(&one, &folder().join("space.png"));
+    browser.mouse(&one, "mouseReleased", [x, y]);
+    browser.evaluate(&one, "document.getElementById('hand').focus()");
+    for _ in 0..20 {
+        browser.evaluate(
+            &one,
+            "document.getElementById('hand').dispatchEvent(new KeyboardEvent('keydown', { key: 'PageDown', shiftKey: true }))",
+        );
+    }
+    browser.wait(&two, "page.value('object_2_z') < -0.02");
+    let csv = browser.evaluate(&one, "page.asCsv().split('\\n')[0]");
+    let head = csv.as_str().unwrap_or_default();
+    assert!(head.ends_with(",hand_1_z_n,hand_2_z_n") && head.matches("restarts").count() == 1, "{csv}");
+
+    // Settings decide, too, whoever gives them.
+    browser.evaluate(&one, "page.command('anyway set axis.count=1 axis.shared=1')");
+    browser.wait(
+        &two,
+        "page.environment() === 'pair' && getComputedStyle(document.getElementById('pair')).display !== 'none'",
+    );
+    let complaints = browser.complaints(&[&one, &two]);
+    assert!(complaints.is_empty(), "{complaints:?}");
+}
