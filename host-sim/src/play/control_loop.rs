@@ -79,6 +79,7 @@ pub(crate) fn channels(topic: &str) -> Vec<Channel> {
         let name = if unit.is_empty() { (*name).to_owned() } else { format!("{name}_{}", unit.to_lowercase()) };
         (name, (*meaning).to_owned())
     };
+    let (place, _) = topic.rsplit_once('/').unwrap_or_default();
     let channel = |kind: &EnvironmentKind| {
         let time = ("time_s".to_owned(), "since the beat began".to_owned());
         let fields = std::iter::once(time).chain(kind.columns().iter().map(named));
@@ -87,7 +88,7 @@ pub(crate) fn channels(topic: &str) -> Vec<Channel> {
             EnvironmentKind::Pair => Channel::new(topic, "Tick", fields),
             kind => {
                 let name = EnvironmentKind::NAMES[usize::from(kind.number())];
-                Channel::new(format!("/both/{name}"), &format!("Tick_{name}"), fields)
+                Channel::new(format!("{place}/{name}"), &format!("Tick_{name}"), fields)
             }
         }
     };

@@ -66,7 +66,7 @@ impl Squash {
             return live.run(ui);
         }
         let Rules { bounder, motion_bounder, time: Time { seconds } } = self.rules;
-        let scene = self.scene.load_of_one_axis(ui)?;
+        let scene = self.scene.load(ui)?;
         let network = scene.world.network;
         // A line between two of many has no recording, no longer way back and no play-out; peers have clocks of their own.
         for (key, given) in [

@@ -41,7 +41,7 @@ export function peers(to, value, me, axes) {
     );
   const parts = pictures.map((axis, picture) => {
     make(to, "rect", { class: "court", x: NEXT * picture - HALF_X, y: -HALF_Y, width: 2 * HALF_X, height: 2 * HALF_Y });
-    make(to, "text", { x: NEXT * picture, y: HALF_Y - 4 }).textContent =
+    make(to, "text", { class: "large", x: NEXT * picture, y: HALF_Y - 6 }).textContent =
       axes === 2 ? "from above" : axis === 1 ? "from above: along and across" : "from the front: along and up";
     return [1, 2].map((n) => ({
       copy: make(to, "rect", { class: `p${n}`, x: -EDGE, y: -EDGE, width: 2 * EDGE, height: 2 * EDGE, rx: 2 }),
@@ -52,8 +52,8 @@ export function peers(to, value, me, axes) {
       coordination: make(to, "line", { class: `p${n} force told` }),
     }));
   });
-  const gap = make(to, "text", { x: 0, y: -HALF_Y + 12 });
-  const cut = make(to, "text", { x: 0, y: -HALF_Y + 20, class: "bad" });
+  const gap = make(to, "text", { class: "large", x: 0, y: -HALF_Y + 16 });
+  const cut = make(to, "text", { class: "large bad", x: 0, y: -HALF_Y + 32 });
   cut.textContent = "✂ line cut: each copy stands alone";
   /** @param {SVGElement} line @param {Point} from @param {Point} to */
   const draw = (line, [x1, y1], [x2, y2]) => {
