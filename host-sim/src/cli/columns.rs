@@ -13,9 +13,10 @@ use haptic_report::{Column, Columns};
 use haptic_sim::network::trace;
 use haptic_sim::{run::Account, scene::Scene};
 use haptic_studies::compare::Comparison;
+use haptic_studies::reproduce::{paper, published};
 use haptic_studies::sweep;
 use haptic_studies::sweep::{Row, Sweep};
-use haptic_studies::{accuracy, architectures, campaign, force, paper, precision, published, reproduce, transparency};
+use haptic_studies::{accuracy, architectures, campaign, force, precision, reproduce, transparency};
 use serde_json::{Value, json};
 
 use super::{Failure, Ui};

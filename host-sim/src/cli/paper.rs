@@ -3,7 +3,7 @@
 use clap::Args;
 use haptic_core::num::Scalar;
 use haptic_studies::figures;
-use haptic_studies::paper::{DURATION_S, experiment_columns, experiments, gain_columns, gains};
+use haptic_studies::reproduce::paper::{DURATION_S, experiment_columns, experiments, gain_columns, gains};
 use serde_json::json;
 
 use super::{Failure, Ui, flags::Out, ui::pictures};

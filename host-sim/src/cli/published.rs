@@ -1,7 +1,7 @@
 //! `host-sim published`: numbers of the laws' own papers beside what the laws do here, and every law's region by two constructions.
 
 use clap::Args;
-use haptic_studies::published::{columns, regions, rows};
+use haptic_studies::reproduce::published::{columns, regions, rows};
 
 use super::{Failure, Ui};
 

@@ -4,7 +4,7 @@ use clap::Args;
 use haptic_analysis::rendering::{identify, maps, picture as rendering};
 use haptic_analysis::{figure4, picture};
 use haptic_core::num::Scalar;
-use haptic_studies::paper::{DURATION_S, experiment_columns, experiments, gain_columns, gains};
+use haptic_studies::reproduce::paper::{DURATION_S, experiment_columns, experiments, gain_columns, gains};
 use haptic_studies::reproduce::{Computed, architectures, columns, cooperation, counts, page};
 use haptic_studies::{architectures as choice, figures};
 use serde_json::json;

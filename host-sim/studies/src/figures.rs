@@ -3,7 +3,7 @@
 use haptic_plot::{Dash, Figure, Panel, Series, Shape, ShareY};
 use haptic_sim::run::Outcome;
 
-use super::paper::Experiment;
+use super::reproduce::paper::Experiment;
 
 /// One column of an axis' table over time, scaled; of a run that stopped, until it did: what comes after it is nobody's.
 fn over_time(outcome: &Outcome, axis: usize, column: &str, scale: f64) -> Vec<(f64, f64)> {

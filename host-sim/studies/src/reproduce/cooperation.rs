@@ -6,8 +6,9 @@ use haptic_report::significant;
 use haptic_sim::{Laws, scenes};
 
 use super::claim::{Claim, of, orders};
+use super::paper::Experiment;
 use super::readings::{crossings, nearest, stable_up_to};
-use crate::{Error, paper::Experiment};
+use crate::Error;
 
 /// What the claims are judged from.
 pub struct Computed<'a> {

@@ -1,4 +1,12 @@
-//! Every claim of both papers, judged from numbers that are computed here and now.
+//! What papers print, beside what comes out here and now, in three views:
+//!
+//! | view | shows |
+//! |---|---|
+//! | this module | every claim of both papers, with a verdict |
+//! | [`paper`] | the experiments and the largest stable gains of the cooperation paper, as its tables have them |
+//! | [`published`] | numbers of the laws' own papers, and every law's region by two constructions |
+//!
+//! A claim of both papers has one of these verdicts:
 //!
 //! | verdict | when |
 //! |---|---|
@@ -12,6 +20,8 @@
 mod architectures;
 mod claim;
 mod cooperation;
+pub mod paper;
+pub mod published;
 mod readings;
 
 use haptic_report::Columns;

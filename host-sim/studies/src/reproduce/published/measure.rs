@@ -19,7 +19,7 @@ use haptic_sim::{Laws, scenes};
 
 use crate::Error;
 use crate::campaign::laws::{asked_for, law_scene};
-use crate::paper::{DURATION_S, gains};
+use crate::reproduce::paper::{DURATION_S, gains};
 
 /// m_O of the bench, kg.
 pub const MASS_KG: f64 = 0.3;

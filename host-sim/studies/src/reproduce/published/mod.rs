@@ -15,7 +15,7 @@ use haptic_report::Columns;
 use rayon::prelude::*;
 
 use self::measure as of;
-use super::Error;
+use crate::Error;
 
 /// How near is near enough, relative.
 pub const WITHIN: f64 = 0.05;
@@ -166,5 +166,5 @@ pub fn columns(rows: &[Row]) -> Columns {
 }
 
 #[cfg(test)]
-#[path = "../../tests/inside/published.rs"]
+#[path = "../../../tests/inside/published.rs"]
 mod tests;

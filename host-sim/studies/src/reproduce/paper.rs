@@ -11,7 +11,7 @@ use haptic_report::Columns;
 use haptic_sim::run::{Options, Outcome, run};
 use haptic_sim::scenes;
 
-use super::Error;
+use crate::Error;
 
 /// Simulated time of every experiment, s.
 pub const DURATION_S: f64 = 20.0;
@@ -38,18 +38,18 @@ pub struct Experiment {
     /// Scene, without the folder.
     scene: &'static str,
     /// Section of the paper, or "matched-line".
-    pub(super) section: &'static str,
+    pub(crate) section: &'static str,
     /// The law of the experiment.
-    pub(super) law: &'static str,
-    pub(super) round_trip_ms: f64,
+    pub(crate) law: &'static str,
+    pub(crate) round_trip_ms: f64,
     /// Coordination stiffness K_T, N/m.
-    pub(super) coordination_stiffness_n_per_m: f64,
+    pub(crate) coordination_stiffness_n_per_m: f64,
     verdict: Verdict,
     /// What Fig. 9 prints for the decoded discrepancy.
-    pub(super) paper_discrepancy_mm: Option<f64>,
+    pub(crate) paper_discrepancy_mm: Option<f64>,
     /// Where the scene is stable.
     apparent_object_mass_kg: Option<f64>,
-    pub(super) outcome: Outcome,
+    pub(crate) outcome: Outcome,
 }
 
 /// Largest coordination gain of one kind of communications at 16 ms round trip.
@@ -57,12 +57,12 @@ pub struct Experiment {
 pub struct Gain {
     printed: Printed,
     /// Where this model crosses its stability boundary up to 12,000 N/m, pockets included, N/m.
-    pub(super) crossings_n_per_m: Vec<f64>,
+    pub(crate) crossings_n_per_m: Vec<f64>,
 }
 
 impl Gain {
     /// The law of the experiment.
-    pub(super) fn law(&self) -> &'static str {
+    pub(crate) fn law(&self) -> &'static str {
         self.printed.law
     }
 }
