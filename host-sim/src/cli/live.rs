@@ -61,7 +61,7 @@ pub(super) struct Hub {
 
 impl Hub {
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        let scene = self.scene.load_of_one_axis(ui)?;
+        let scene = self.scene.load(ui)?;
         let key = self.end.key.read()?;
         let (users, listen, span) = (self.users, self.end.listen, span(&self.end, &self.patience));
         ui.status(format_args!("hub for {users} peers listens on {listen}"));

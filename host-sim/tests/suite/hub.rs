@@ -67,6 +67,60 @@ fn three_processes_hold_one_object_and_one_of_them_restarts() {
     assert!(engaged >= 2 && told.contains(&"Disengaged"), "{told:?}");
 }
 
+/// Two axes: one pushes along the first, one along the second, and both copies stand between both arms, ΣF/(2·k) along each; who shares one
+/// axis is refused, and told why at both ends.
+#[test]
+fn processes_around_a_hub_share_a_plane() {
+    let keys = Keys::new("plane", 3);
+    let address = free();
+    let recording = keys.0.join("hub.mcap");
+    let plane = ["axis.count=2", "axis.shared=2"];
+    let hub = host_sim(&["hub", "--json", "--users", "3", "--listen", &address, "--seconds", "3", "--key-file"])
+        .args([&keys.file(0), "--record", &recording.display().to_string(), "--patience-s", "20"])
+        .args(plane.iter().flat_map(|setting| ["--set", setting]))
+        .spawn()
+        .expect("host-sim runs");
+    let (status, error) = ended(peer(&keys, 3, &address, &[], "1"));
+    // A peer of one axis has no such table: the hub has its name.
+    assert!(
+        status == Some(2) && error.contains("told other parameters: table [a table that this peer does not"),
+        "{error}"
+    );
+    let push = |line: u32, direction_rad: &str| {
+        let of_user = ["push_n=1", "arm_stiffness_n_per_m=200", "arm_damping_n_s_per_m=8", direction_rad];
+        let own = of_user.map(|setting| format!("user.{line}.{setting}"));
+        let settings: Vec<&str> = plane.into_iter().chain(own.iter().map(String::as_str)).collect();
+        peer(&keys, line, &address, &settings, "3")
+    };
+    let peers = [push(1, "direction_rad=0"), push(2, "direction_rad=1.570796")].map(report);
+    let output = hub.wait_with_output().expect("it ends");
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{error}");
+    assert!(error.lines().any(|line| line.contains("line 3: ") && line.contains("table [axis] differs")), "{error}");
+    let hub: Value = serde_json::from_slice(&output.stdout).expect("one JSON document and nothing else");
+    assert!(hub["lines"][2]["refused"].as_str().is_some_and(|why| why.contains("[axis]")), "{hub}");
+    for live in &peers {
+        assert!(live["fault"] == Value::Null && number(live, "decoded_discrepancy_mm") < 1.0, "{live}");
+    }
+    let table = recording.with_extension("csv");
+    let converted = host_sim(&["convert", &recording.display().to_string()]).arg(&table).output();
+    assert!(converted.expect("host-sim runs").status.success());
+    let axes = hub["axes"].as_array().expect("axes");
+    assert_eq!(axes.iter().map(|axis| &axis["axis"]).collect::<Vec<_>>(), ["x", "y"], "{hub}");
+    // User 2 sits at the other end, and pushes the other way.
+    for (axis, (ending, wanted_mm)) in axes.iter().zip([("", 2.5), ("-ticks-y", -2.5)]) {
+        let (object_mm, out_over_in) = (number(axis, "object_mm"), number(axis, "energy_out_over_in"));
+        assert!((object_mm - wanted_mm).abs() < 0.5 && (0.1..=1.0).contains(&out_over_in), "{hub}");
+        let name = format!("{}{ending}.csv", table.file_stem().expect("a name").display());
+        let text = std::fs::read_to_string(table.with_file_name(name)).expect("a table");
+        let (names, last) = (text.lines().next().expect("names"), text.lines().last().expect("rows"));
+        let at = names.split(',').position(|name| name == "object_m").expect("a column");
+        let recorded_m: f64 = last.split(',').nth(at).and_then(|text| text.parse().ok()).expect("a number");
+        assert!((1e3 * recorded_m - object_mm).abs() < 1e-6, "{recorded_m} m: {axis}");
+    }
+    assert_eq!(axes[0]["object_mm"], hub["object_mm"], "{hub}");
+}
+
 #[test]
 fn what_is_wrong_is_said_in_one_line() {
     let keys = Keys::new("wrong", 1);

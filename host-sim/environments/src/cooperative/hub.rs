@@ -1,8 +1,8 @@
 //! A hub: where 2 to 16 peers hold one object over a real network, whoever brings the time and the datagrams.
 //!
-//! To each of its peers the hub looks like the other one: a sealed link, and flow each packet period. Behind the links the
-//! wave lines meet ([`Junction`]). So peers, boards too, need nothing new for it. Each control period: [`Hub::receive`] for
-//! every datagram that came, then [`Hub::tick`].
+//! To each of its peers the hub looks like the other one: a sealed link, and flow each packet period, with the packets of all shared
+//! axes in it. Behind the links the wave lines meet along each axis ([`Junction`]). So peers, boards too, need nothing new for it. Each
+//! control period: [`Hub::receive`] for every datagram that came, then [`Hub::tick`].
 //!
 //! **Lines.** Line n has its own key, made from the hub's (`host-sim key generate --line n --of`): a peer that is opened gives up
 //! its own line and no other. The peer on an odd line is number 1 of the scene, on an even one number 2. Peers know nothing
@@ -48,9 +48,9 @@ const MOST_WAITED_US: u64 = 2_000_000;
 
 /// The hub's end of one line.
 #[derive(Debug)]
-pub struct End<A> {
+pub struct End<A, const SHARED: usize = 1> {
     /// The sealed line to its peer.
-    pub line: Line,
+    pub line: Line<SHARED>,
     /// Where its peer is answered.
     path: Path<A>,
     /// Who was refused on it, and why.
@@ -59,7 +59,7 @@ pub struct End<A> {
     crossed: Link,
 }
 
-impl<A: Copy + PartialEq> End<A> {
+impl<A: Copy + PartialEq, const SHARED: usize> End<A, SHARED> {
     /// Where its peer is answered.
     pub(crate) fn address(&self) -> Option<A> {
         self.path.address()
@@ -87,12 +87,12 @@ pub fn number_on(line: u32) -> u8 {
     if line % 2 == 1 { 1 } else { 2 }
 }
 
-/// A hub at which sealed lines meet.
+/// A hub at which sealed lines of an object meet that is shared along `SHARED` axes.
 #[derive(Debug)]
-pub struct Hub<A> {
-    ends: Vec<End<A>>,
+pub struct Hub<A, const SHARED: usize = 1> {
+    ends: Vec<End<A, SHARED>>,
     /// Where the lines meet.
-    pub junction: Junction,
+    pub junction: Junction<SHARED>,
     ticks_per_packet: u32,
     telemetry_ticks: u32,
     /// Control periods since the start.
@@ -115,11 +115,14 @@ pub struct Hub<A> {
     begun: bool,
 }
 
-impl<A: Copy + PartialEq + Display> Hub<A> {
+impl<A: Copy + PartialEq + Display, const SHARED: usize> Hub<A, SHARED>
+where
+    Flows<SHARED>: Into<Message>,
+{
     /// A hub for `users` peers of a scene, on lines 1 to `users`; `entropy` must never give the same twice.
     ///
     /// # Errors
-    /// A scene that cannot be built, or no random bytes.
+    /// A scene that cannot be built, or of another number of shared axes; or no random bytes.
     pub fn new(
         scene: &Scene,
         users: usize,
@@ -131,7 +134,7 @@ impl<A: Copy + PartialEq + Display> Hub<A> {
                 format!("{users} users are not allowed: it must be a whole number from 2 to {MOST_USERS}").into()
             );
         }
-        scene.check("hub").and_then(|()| scene.check_one_axis("hub"))?;
+        scene.check("hub")?;
         let mut junction = Junction::new(scene, users)?;
         if scene.law().sends == Sends::Waves && !scene.peer.coordination.ledger {
             let allowed = "it must be true, for on a network that may lose a packet only waves that are paid for keep \
@@ -143,7 +146,7 @@ impl<A: Copy + PartialEq + Display> Hub<A> {
             let (key, number) = (key.line(at), number_on(at));
             let crossed = bare(key.clone(), number, entropy()?)?;
             let mut line = Line::open(scene, 3 - number, key, entropy()?)?;
-            // On a line of its own a peer says no more than one may.
+            // On a line of its own a peer says no more than one may, along any axis.
             line.inbox.bound(Bounds::build(&scene.peers()[usize::from(number == 2)], scene.law().sends));
             Ok(End { line, path: Path::default(), refused: Refused::default(), crossed })
         };
@@ -174,7 +177,7 @@ impl<A: Copy + PartialEq + Display> Hub<A> {
     }
 
     /// The lines, each with its port.
-    pub fn lines(&self) -> impl Iterator<Item = (&End<A>, &Port)> {
+    pub fn lines(&self) -> impl Iterator<Item = (&End<A, SHARED>, &Port<SHARED>)> {
         self.ends.iter().zip(&self.junction.ports)
     }
 
@@ -311,10 +314,7 @@ impl<A: Copy + PartialEq + Display> Hub<A> {
             if parted {
                 self.junction.part(at);
             }
-            *came = flow.as_ref().map(|flow| {
-                let [packet] = packets_of(flow);
-                packet
-            });
+            *came = flow.as_ref().map(packets_of);
         }
         self.junction.exchange(came, packets_due);
         if !packets_due {
@@ -327,7 +327,7 @@ impl<A: Copy + PartialEq + Display> Hub<A> {
         self.begin(now_us);
         for (end, port) in self.ends.iter_mut().zip(&self.junction.ports) {
             let live = self.begun && end.line.start.says();
-            let flow = Flows { fading: !live, ..flow_of([port.back], true, self.ticks) };
+            let flow = Flows { fading: !live, ..flow_of(port.back(), true, self.ticks) };
             end.say(now_us, flow, send);
         }
     }
@@ -344,19 +344,21 @@ impl<A: Copy + PartialEq + Display> Hub<A> {
         }
     }
 
-    /// How the hub is doing, for the peers' people and logs: its own end of each line.
+    /// How the hub is doing, for the peers' people and logs: its own end of each line, along the first shared axis, with the energies of
+    /// all.
     fn tell(&mut self, now_us: u64, send: &mut impl FnMut(A, &[u8])) {
-        let at = self.junction.motion.position as f32;
+        let at = self.junction.motion[0].position as f32;
         for (end, port) in self.ends.iter_mut().zip(&self.junction.ports) {
+            let energy = port.energy();
             let mut telemetry = Telemetry {
                 mode: u8::from(self.packets.is_some()),
                 tick: self.ticks,
                 device_position: at,
                 object_position: at,
                 desired_position: at,
-                coordination_force: port.force_n as f32,
-                energy_received: port.energy.taken_j,
-                energy_sent: port.energy.sent_j,
+                coordination_force: port.axes[0].force_n as f32,
+                energy_received: energy.taken_j,
+                energy_sent: energy.sent_j,
                 ..Telemetry::default()
             };
             end.line.link.describe(now_us, &mut telemetry);

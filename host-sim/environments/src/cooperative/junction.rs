@@ -7,7 +7,8 @@
 //! into the line ([`haptic_core::law::credit`], a packet period for a tick), and counts what it sends, so that the peer
 //! can do the same: then the junction is passive on any network. Without, waves are held as they are, and only a constant
 //! delay without loss is passive. A counter is only what a peer says: of it the junction books what it would ever give out,
-//! no more than [`CAP_J`] in hand at a time, so that whatever one peer claims, the figures of all are off by that at the most.
+//! no more than [`haptic_core::law::credit::CAP_J`] in hand at a time along each axis, so that whatever one peer claims, the figures of
+//! an axis are off by that at the most.
 //!
 //! **Silence.** A port fades with silence as a peer does ([`haptic_core::law::degradation`]). At share s it is matched to its
 //! line of impedance b and is a line of impedance s·b to the node: of the wave u that comes √s·u goes in, of what the node
@@ -19,140 +20,62 @@
 //! **Lines with a time of their own** (self-timed) meet in a copy of the object instead (`copy.rs`). They lose nothing and let go
 //! at once: a silence is stood through, not faded, and another life begins where the copy is.
 //!
+//! **Several shared axes.** Each axis has a node of its own, or a copy, with accounts of its own, so that each is passive by itself. A
+//! line is one all the same: its peer is there, fades, leaves and begins anew along all axes at once (`port.rs`).
+//!
 //! **Units**: √W, J, N, N·s/m, s. **Limit**: waves carry no positions: what a long silence takes apart stays apart.
 
 use copy::SharedCopy;
-use haptic_core::law::credit::{Account, CAP_J, Credit};
-use haptic_core::law::degradation::{Degradation, Engagement};
+use haptic_core::law::credit::Credit;
+use haptic_core::law::degradation::Degradation;
 use haptic_core::law::{Packet, Sends};
+use haptic_core::settings::{Allowed, Refused, Value};
 use haptic_core::{law::node::Node, num::Motion};
 use haptic_sim::Scene;
-use serde::Serialize;
 
 use super::MOST_USERS;
 use crate::Error;
 
 mod copy;
+mod port;
 
-/// Wave energy at one port, J.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Energy {
-    /// Put into the line by its peer: by the counters in its packets, as far as there was room for it (what was in hand stays
-    /// within [`CAP_J`] where waves are paid for); of a line with a time of its own, what of it has come out.
-    pub put_in_j: f64,
-    /// Taken out of the line into the node.
-    pub taken_j: f64,
-    /// Sent back into the line.
-    pub sent_j: f64,
-}
+pub use port::{AxisPort, Energy, Port};
 
-/// The end of one line.
-#[derive(Clone, Copy, Debug)]
-pub struct Port {
-    engagement: Engagement,
-    /// The peer is gone: nothing is heard until the line is quiet.
-    leaving: bool,
-    /// The packet that stands.
-    standing: Packet<f64>,
-    account: Account<f64>,
-    /// The peer's energy counter in the newest packet, J.
-    counted_j: Option<f64>,
-    /// What of that is booked and not taken out, J.
-    in_hand_j: f64,
-    /// Force at the end of the line, N. While a wave line fades, a part of it ends in the port.
-    pub force_n: f64,
-    /// What goes back, with this end's own counters.
-    pub back: Packet<f64>,
-    /// Energy that went through the port, J.
-    pub energy: Energy,
-}
-
-impl Port {
-    /// Whether anything of the line reaches the node.
-    pub fn is_engaged(&self) -> bool {
-        self.engagement.is_engaged()
-    }
-
-    /// One packet period: the wave that comes out of the line, √W.
-    fn take(
-        &mut self,
-        degradation: &Degradation<f64>,
-        credit: Option<&Credit<f64>>,
-        packet_s: f64,
-        came: Option<Packet<f64>>,
-    ) -> f64 {
-        self.leaving &= self.is_engaged();
-        let came = came.filter(|_| !self.leaving);
-        if came.is_some() && degradation.hear(&mut self.engagement) {
-            (self.account, self.counted_j) = (Account::default(), None);
-            self.energy.put_in_j -= std::mem::take(&mut self.in_hand_j);
-        }
-        degradation.pass(&mut self.engagement);
-        if let Some(packet) = came {
-            // The first packet of a life pays for itself and brings no past.
-            let own_j = 0.5 * packet_s * packet.wave * packet.wave;
-            let before_j = self.counted_j.unwrap_or((packet.energy_j - own_j).max(0.0));
-            let mut new_j = (packet.energy_j - before_j).max(0.0);
-            if credit.is_some() {
-                new_j = new_j.min(CAP_J - self.in_hand_j).max(0.0);
-                self.in_hand_j += new_j;
-            }
-            self.energy.put_in_j += new_j;
-            self.counted_j = Some(packet.energy_j.max(before_j));
-            self.standing = packet;
-        }
-        if !self.is_engaged() {
-            return 0.0;
-        }
-        let Some(credit) = credit else { return self.standing.wave };
-        if came.is_some() || self.engagement.is_fading() {
-            credit.receive(&mut self.account, &self.standing);
-        }
-        let wave = credit.spend(&mut self.account, self.standing.wave);
-        self.in_hand_j = (self.in_hand_j - 0.5 * packet_s * wave * wave).max(0.0);
-        wave
-    }
-
-    /// Sends a wave back, √W.
-    fn send(&mut self, wave: f64, packet_s: f64) {
-        self.energy.sent_j += 0.5 * packet_s * wave * wave;
-        self.back = Packet {
-            wave,
-            energy_j: self.energy.sent_j,
-            wave_integral: self.back.wave_integral + packet_s * wave,
-            ..Packet::default()
-        };
-    }
-}
-
-/// Where up to `MOST_USERS` lines meet.
+/// Where up to `MOST_USERS` lines meet, along each of `AXES` shared axes.
 #[derive(Clone, Debug)]
-pub struct Junction {
+pub struct Junction<const AXES: usize = 1> {
     /// In the order of the lines.
-    pub ports: Vec<Port>,
+    pub ports: Vec<Port<AXES>>,
     degradation: Degradation<f64>,
     credit: Option<Credit<f64>>,
     impedance: f64,
     packet_s: f64,
     period_s: f64,
-    /// Where self-timed lines meet.
-    copy: Option<SharedCopy>,
-    /// Where the lines meet; as far as their common velocity has carried it, from 0.
-    pub motion: Motion<f64>,
+    /// Where self-timed lines meet along each axis.
+    copies: Option<[SharedCopy; AXES]>,
+    /// Where the lines meet along each axis; as far as their common velocity has carried it, from 0.
+    pub motion: [Motion<f64>; AXES],
 }
 
-impl Junction {
+impl<const AXES: usize> Junction<AXES> {
     /// The lines of `users` peers of this scene, engaged as the peers are that are armed together.
     ///
     /// # Errors
-    /// A scene or a number of users that the junction cannot serve.
+    /// A scene or a number of users that the junction cannot serve: another number of shared axes, too.
     pub fn new(scene: &Scene, users: usize) -> Result<Self, Error> {
         let settings = &scene.peer;
-        let coordination = &settings.coordination;
+        let (coordination, shared) = (&settings.coordination, settings.axis.shared);
+        if shared as usize != AXES {
+            let allowed = Allowed::Whole { min: AXES as u32, max: AXES as u32 };
+            return Err(Refused { key: "axis.shared", value: Value::Number(shared.into()), allowed, unit: "" }.into());
+        }
         let users = users.min(MOST_USERS);
-        let copy = match scene.law().sends {
+        let copies = match scene.law().sends {
             Sends::Waves => None,
-            Sends::Counters => Some(SharedCopy::build(settings, users).map_err(|_| Error::NoWaves(coordination.comm))?),
+            Sends::Counters => {
+                let copy = SharedCopy::build(settings, users).map_err(|_| Error::NoWaves(coordination.comm))?;
+                Some(std::array::from_fn(|_| copy.clone()))
+            }
             _ => return Err(Error::NoWaves(coordination.comm)),
         };
         let packet_s = settings.timing.packet_period_s();
@@ -160,26 +83,15 @@ impl Junction {
         let mut own = *settings;
         (own.timing.control_period_s, own.timing.ticks_per_packet) = (packet_s, 1);
         let degradation = Degradation::build(settings).expect("settings that peers accept");
-        let port = Port {
-            engagement: degradation.engaged(),
-            leaving: false,
-            standing: Packet::default(),
-            account: Account::default(),
-            counted_j: None,
-            in_hand_j: 0.0,
-            force_n: 0.0,
-            back: Packet::default(),
-            energy: Energy::default(),
-        };
         Ok(Self {
-            ports: vec![port; users],
+            ports: vec![Port::new(degradation.engaged()); users],
             degradation,
             credit: Credit::build(&own),
             impedance: coordination.wave_impedance_n_s_per_m,
             packet_s,
             period_s: settings.timing.control_period_s,
-            copy,
-            motion: Motion::REST,
+            copies,
+            motion: [Motion::REST; AXES],
         })
     }
 
@@ -187,16 +99,13 @@ impl Junction {
     pub fn part(&mut self, line: usize) {
         if let Some(port) = self.ports.get_mut(line) {
             // Before anything was said there is nothing to fade, and a line with a time of its own fades nothing.
-            if port.counted_j.is_none() || self.copy.is_some() {
-                port.engagement.part();
-            }
-            port.leaving = port.is_engaged();
+            port.part(!port.engagement.has_heard() || self.copies.is_some());
         }
     }
 
     /// Whether all of what comes on a line reaches the node.
     pub fn is_whole(&self, line: usize) -> bool {
-        let whole = |port: &Port| match self.copy {
+        let whole = |port: &Port<AXES>| match self.copies {
             // A line with a time of its own fades nothing.
             Some(_) => port.is_engaged(),
             None => self.degradation.is_whole(&port.engagement),
@@ -206,73 +115,75 @@ impl Junction {
 
     /// Whether [`Junction::exchange`] is due before a tick at which packets are due, or are not.
     pub fn is_due(&self, packets: bool) -> bool {
-        packets || self.copy.is_some()
+        packets || self.copies.is_some()
     }
 
-    /// Before a tick at which `packets` are due or are not: what came of every line, in order; what goes back is then in the ports.
-    pub fn exchange(&mut self, came: impl IntoIterator<Item = Option<Packet<f64>>>, packets: bool) {
-        if self.copy.is_some() { self.pull(came, packets) } else { self.scatter(came) }
+    /// Before a tick at which `packets` are due or are not: what came of every line, in order, a packet for each axis; what goes back
+    /// is then in the ports.
+    pub fn exchange(&mut self, came: impl IntoIterator<Item = Option<[Packet<f64>; AXES]>>, packets: bool) {
+        if self.copies.is_some() { self.pull(came, packets) } else { self.scatter(came) }
     }
 
-    /// A tick of the copy in which lines with a time of their own meet.
-    fn pull(&mut self, came: impl IntoIterator<Item = Option<Packet<f64>>>, packets: bool) {
-        let Some(copy) = &mut self.copy else { return };
-        for (line, (port, came)) in self.ports.iter_mut().zip(came).enumerate() {
-            if let Some(packet) = came {
-                if self.degradation.hear(&mut port.engagement) {
-                    copy.restart(line, self.motion);
+    /// A tick of the copies in which lines with a time of their own meet.
+    fn pull(&mut self, came: impl IntoIterator<Item = Option<[Packet<f64>; AXES]>>, packets: bool) {
+        let Self { ports, degradation, copies: Some(copies), motion, period_s, .. } = self else { return };
+        for (line, (port, came)) in ports.iter_mut().zip(came).enumerate() {
+            let Some(came) = came else { continue };
+            let anew = degradation.hear(&mut port.engagement);
+            for ((copy, packet), at) in copies.iter_mut().zip(came).zip(&*motion) {
+                if anew {
+                    copy.restart(line, *at);
                 }
                 copy.hear(line, packet);
             }
         }
         if packets {
-            for (line, port) in self.ports.iter_mut().enumerate() {
-                self.degradation.pass(&mut port.engagement);
-                port.back = Packet { energy_j: port.energy.sent_j, ..copy.back(line, self.motion) };
-            }
+            ports.iter_mut().for_each(|port| degradation.pass(&mut port.engagement));
         }
-        self.motion = copy.tick(|line| self.ports[line].is_engaged(), self.motion);
-        for (line, port) in self.ports.iter_mut().enumerate() {
-            let coupled = copy.coupled(line);
-            port.force_n = coupled.force;
-            port.energy.taken_j += self.period_s * coupled.power_in;
-            // What has come out here was put in there: by the hub's own reckoning, whatever a peer claims.
-            port.energy.put_in_j = port.energy.taken_j;
-            port.energy.sent_j += self.period_s * coupled.power_out;
+        for (axis, (copy, motion)) in copies.iter_mut().zip(motion).enumerate() {
+            if packets {
+                for (line, port) in ports.iter_mut().enumerate() {
+                    let port = &mut port.axes[axis];
+                    port.back = Packet { energy_j: port.energy.sent_j, ..copy.back(line, *motion) };
+                }
+            }
+            *motion = copy.tick(|line| ports[line].is_engaged(), *motion);
+            for (line, port) in ports.iter_mut().enumerate() {
+                port.axes[axis].pull(copy.coupled(line), *period_s);
+            }
         }
     }
 
     /// One packet period of waves.
-    fn scatter(&mut self, came: impl IntoIterator<Item = Option<Packet<f64>>>) {
-        let (mut shares, mut waves) = ([0.0; MOST_USERS], [0.0; MOST_USERS]);
-        let places = shares.iter_mut().zip(&mut waves);
-        let mut taken = [0.0; MOST_USERS];
-        for (((port, came), (share, wave)), taken) in self.ports.iter_mut().zip(came).zip(places).zip(&mut taken) {
-            *taken = port.take(&self.degradation, self.credit.as_ref(), self.packet_s, came);
+    fn scatter(&mut self, came: impl IntoIterator<Item = Option<[Packet<f64>; AXES]>>) {
+        let mut shares = [0.0; MOST_USERS];
+        for ((port, came), share) in self.ports.iter_mut().zip(came).zip(&mut shares) {
+            port.take(&self.degradation, self.credit.as_ref(), self.packet_s, came);
             *share = self.degradation.share(&port.engagement);
-            *wave = share.sqrt() * *taken;
-            port.energy.taken_j += 0.5 * self.packet_s * *wave * *wave;
         }
-        let scattered = Node::new(shares.map(|share| share * self.impedance)).scatter(waves);
+        let node = Node::new(shares.map(|share| share * self.impedance));
         let root = (0.5 * self.impedance).sqrt();
-        for ((port, taken), (wave, share)) in
-            self.ports.iter_mut().zip(taken).zip(scattered.back.into_iter().zip(shares))
-        {
-            port.send(share.sqrt() * wave, self.packet_s);
-            port.force_n = root * (taken - port.back.wave);
+        for (axis, motion) in self.motion.iter_mut().enumerate() {
+            let mut waves = [0.0; MOST_USERS];
+            for ((port, wave), share) in self.ports.iter_mut().zip(&mut waves).zip(shares) {
+                *wave = port.axes[axis].give(share, self.packet_s);
+            }
+            let scattered = node.scatter(waves);
+            for ((port, wave), share) in self.ports.iter_mut().zip(scattered.back).zip(shares) {
+                port.axes[axis].send(share.sqrt() * wave, self.packet_s, root);
+            }
+            *motion =
+                Motion { position: motion.position + self.packet_s * scattered.velocity, velocity: scattered.velocity };
         }
-        self.motion = Motion {
-            position: self.motion.position + self.packet_s * scattered.velocity,
-            velocity: scattered.velocity,
-        };
     }
 
-    /// Wave energy of all lines, J.
+    /// Wave energy of all lines along each axis, J.
+    pub fn energies(&self) -> [Energy; AXES] {
+        std::array::from_fn(|axis| self.ports.iter().map(|port| port.axes[axis].energy).sum())
+    }
+
+    /// Wave energy of all lines along all axes, J.
     pub fn energy(&self) -> Energy {
-        self.ports.iter().fold(Energy::default(), |sum, port| Energy {
-            put_in_j: sum.put_in_j + port.energy.put_in_j,
-            taken_j: sum.taken_j + port.energy.taken_j,
-            sent_j: sum.sent_j + port.energy.sent_j,
-        })
+        self.energies().into_iter().sum()
     }
 }

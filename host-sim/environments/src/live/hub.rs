@@ -1,12 +1,15 @@
 //! A hub ([`Hub`]) in real time, on an endpoint. What was heard in a packet period goes through the junction at its end, the newest
 //! of each line.
 
+use haptic_core::num::Motion;
 use haptic_live::endpoint::{Endpoint, Live, Punctuality, Span, Stop, Ticker};
 use haptic_live::peer::{RemoteReport, notice_texts};
 use haptic_live::watch::{LiveOptions, LiveSummary};
 use haptic_protocol::key::Key;
+use haptic_protocol::wire::{Flows, Message};
 use haptic_sim::engine::{Actor, Out};
-use haptic_sim::{key_file::entropy, scene::Scene};
+use haptic_sim::run::AXIS_NAMES;
+use haptic_sim::{key_file::entropy, of_axes, scene::Scene};
 use serde::Serialize;
 
 use super::hub_watch::HubWatch;
@@ -29,10 +32,10 @@ pub struct LineReport {
     pub lives: u64,
     /// Who was refused on this line last, and why.
     pub refused: Option<String>,
-    /// Wave energy at the hub's end of the line, J.
+    /// Wave energy at the hub's end of the line, J, summed over all shared axes.
     #[serde(flatten)]
     pub energy: Energy,
-    /// Where the peer last said that its copy is, mm.
+    /// Where the peer last said that its copy is, mm; of several shared axes along the first.
     pub copy_mm: Option<f64>,
     /// What the peer's newest telemetry says; none before any came.
     pub said: Option<RemoteReport>,
@@ -47,7 +50,7 @@ pub struct LineReport {
 }
 
 impl LineReport {
-    fn new((line, (end, port)): (u32, (&End<SocketAddr>, &Port))) -> Self {
+    fn new<const SHARED: usize>((line, (end, port)): (u32, (&End<SocketAddr, SHARED>, &Port<SHARED>))) -> Self {
         let (address, refused) = (end.address(), end.refused.newest());
         let (end, counts) = (&end.line, end.line.link.counts());
         Self {
@@ -56,7 +59,7 @@ impl LineReport {
             address: address.map(|address| address.to_string()),
             lives: end.lives,
             refused: refused.map(|(from, why)| line_wrong(line, from, &why)),
-            energy: port.energy,
+            energy: port.energy(),
             copy_mm: end.heard.map(|said| 1e3 * f64::from(said.object_position)),
             said: end.heard.as_ref().map(RemoteReport::new),
             round_trip_us: end.link.clock().round_trip_us(),
@@ -67,20 +70,35 @@ impl LineReport {
     }
 }
 
+/// What the hub saw along one of several shared axes.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct AxisReport {
+    /// What the axis is called.
+    pub axis: &'static str,
+    /// Where the lines meet along it, mm from where they met first.
+    pub object_mm: f64,
+    /// Wave energy sent along it over what the peers put in along it; never above 1.
+    pub energy_out_over_in: f64,
+}
+
 /// What the hub saw.
 #[derive(Serialize)]
 pub struct Report {
     /// Packet periods since all were there.
     pub packets: u64,
-    /// Wave energy sent over wave energy that the peers put in; never above 1.
+    /// Wave energy sent over wave energy that the peers put in, along all shared axes; never above 1.
     pub energy_out_over_in: f64,
-    /// Where the lines meet, mm from where they met first.
+    /// Where the lines meet, mm from where they met first; of several shared axes along the first.
     pub object_mm: f64,
-    /// Largest distance between two copies as the peers last reported them, mm; they report every half second, not at one instant.
+    /// Largest distance between two copies as the peers last reported them, mm; they report every half second, not at one instant. Of
+    /// several shared axes along the first.
     pub apart_mm: f64,
-    /// How far apart all copies truly were, by the peers' telemetry, and where it was recorded.
+    /// How far apart all copies truly were, by the peers' telemetry, and where it was recorded; of several shared axes along the first.
     #[serde(flatten)]
     pub seen: LiveSummary,
+    /// Each of several shared axes.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub axes: Vec<AxisReport>,
     /// Datagrams that no line took: forged, replayed, broken, or of a peer without its line's key.
     pub datagrams_refused: u64,
     /// Who sent the last of them that tells something, and why it was refused.
@@ -91,8 +109,8 @@ pub struct Report {
     pub punctuality: Punctuality,
 }
 
-struct HubActor {
-    hub: Hub<SocketAddr>,
+struct HubActor<const SHARED: usize> {
+    hub: Hub<SocketAddr, SHARED>,
     listen: SocketAddr,
     patience_s: f64,
     /// Packet periods until it is over.
@@ -100,7 +118,10 @@ struct HubActor {
     watch: HubWatch,
 }
 
-impl Actor<SocketAddr> for HubActor {
+impl<const SHARED: usize> Actor<SocketAddr> for HubActor<SHARED>
+where
+    Flows<SHARED>: Into<Message>,
+{
     type Packet = [u8];
 
     fn hear(&mut self, now_ns: u64, from: SocketAddr, datagram: &mut [u8], out: &mut Out<'_, SocketAddr, [u8]>) {
@@ -129,11 +150,14 @@ impl Actor<SocketAddr> for HubActor {
     }
 }
 
-impl HubActor {
+impl<const SHARED: usize> HubActor<SHARED>
+where
+    Flows<SHARED>: Into<Message>,
+{
     /// The lines that nobody is on, and whether somebody was refused there.
     fn absent(&self) -> Vec<String> {
         let absent = (1_u32..).zip(self.hub.lines()).filter(|(_, (end, _))| !end.line.link.is_up());
-        let name = |(line, (end, _)): (u32, (&End<SocketAddr>, &Port))| {
+        let name = |(line, (end, _)): (u32, (&End<SocketAddr, SHARED>, &Port<SHARED>))| {
             let refused = end.refused.newest().map(|(from, why)| format!(": {}", line_wrong(line, from, &why)));
             format!("{line} (peer number {}{})", number_on(line), refused.unwrap_or_default())
         };
@@ -141,7 +165,10 @@ impl HubActor {
     }
 }
 
-impl Live for HubActor {
+impl<const SHARED: usize> Live for HubActor<SHARED>
+where
+    Flows<SHARED>: Into<Message>,
+{
     fn waited(&mut self, waited: Duration) {
         self.hub.waited(waited.as_micros() as u64);
     }
@@ -175,27 +202,51 @@ pub fn run(
     key: &Key,
     users: usize,
     listen: SocketAddr,
-    Span { duration_s, patience_s }: Span,
+    span: Span,
     wanted: &LiveOptions,
     stop: &Stop,
 ) -> Result<Report, Error> {
+    of_axes!(scene, live(scene, key, users, listen, span, wanted, stop))
+}
+
+/// The devices, of `N` axes, are the peers'.
+fn live<const SHARED: usize, const N: usize>(
+    scene: &Scene,
+    key: &Key,
+    users: usize,
+    listen: SocketAddr,
+    Span { duration_s, patience_s }: Span,
+    wanted: &LiveOptions,
+    stop: &Stop,
+) -> Result<Report, Error>
+where
+    Flows<SHARED>: Into<Message>,
+{
     let timing = &scene.peer.timing;
     let packets = (duration_s / timing.packet_period_s()).round() as u64;
     let endpoint = Endpoint::polled(listen)?;
     let watch = HubWatch::new(wanted, scene, users, endpoint.start(), packets)?;
-    let mut actor = HubActor { hub: Hub::new(scene, users, key, entropy)?, listen, patience_s, packets, watch };
+    let hub = Hub::<_, SHARED>::new(scene, users, key, entropy)?;
+    let mut actor = HubActor { hub, listen, patience_s, packets, watch };
     let ticker = Ticker::realtime(Duration::from_secs_f64(timing.control_period_s));
     let punctuality = endpoint.run(ticker, patience_s, stop, &mut actor)?;
     let HubActor { hub, watch, .. } = actor;
-    let energy = hub.junction.energy();
     let lines: Vec<LineReport> = (1..).zip(hub.lines()).map(LineReport::new).collect();
     let copies = || lines.iter().filter_map(|line| line.copy_mm);
+    let along = |((axis, energy), motion): ((&'static str, Energy), &Motion<f64>)| AxisReport {
+        axis,
+        object_mm: 1e3 * motion.position,
+        energy_out_over_in: energy.out_over_in(),
+    };
+    let axes: Vec<_> =
+        AXIS_NAMES.into_iter().zip(hub.junction.energies()).zip(&hub.junction.motion).map(along).collect();
     Ok(Report {
         packets: hub.packets.unwrap_or(0),
-        energy_out_over_in: if energy.put_in_j > 0.0 { energy.sent_j / energy.put_in_j } else { 1.0 },
-        object_mm: 1e3 * hub.junction.motion.position,
+        energy_out_over_in: hub.junction.energy().out_over_in(),
+        object_mm: axes[0].object_mm,
         apart_mm: copies().reduce(f64::max).unwrap_or(0.0) - copies().reduce(f64::min).unwrap_or(0.0),
         seen: watch.end(),
+        axes: if SHARED > 1 { axes } else { Vec::new() },
         datagrams_refused: hub.refused,
         refused: hub.stranger(),
         lines,

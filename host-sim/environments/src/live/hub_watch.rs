@@ -1,4 +1,5 @@
-//! Who watches a hub: a recording of it, a line each second, and the true discrepancy of its users, all beside the control loop.
+//! Who watches a hub: a recording of it along every shared axis, a line each second, and the true discrepancy of its users along the first,
+//! which is the one that telemetry tells of; all beside the control loop.
 
 use std::net::SocketAddr;
 use std::time::Instant;
@@ -10,6 +11,7 @@ use haptic_live::recording::ticks;
 use haptic_live::tell::{Second, Teller};
 use haptic_live::watch::{LiveOptions, LiveSummary};
 use haptic_protocol::link::Notice;
+use haptic_protocol::wire::{Flows, Message};
 use haptic_sim::scene::Scene;
 
 use crate::Error;
@@ -44,7 +46,7 @@ impl HubWatch {
     ) -> Result<Self, Error> {
         let timing = &scene.peer.timing;
         Ok(Self {
-            recorder: wanted.recorder("hub", start, ticks::hub_channels(lines))?,
+            recorder: wanted.recorder("hub", start, ticks::hub_channels(lines, scene.peer.axis.shared as usize))?,
             teller: Teller::new(wanted.manner),
             period_s: timing.control_period_s,
             packet_s: timing.packet_period_s(),
@@ -68,7 +70,10 @@ impl HubWatch {
     }
 
     /// A datagram was taken.
-    pub(crate) fn heard(&mut self, now_ns: u64, hub: &Hub<SocketAddr>) {
+    pub(crate) fn heard<const SHARED: usize>(&mut self, now_ns: u64, hub: &Hub<SocketAddr, SHARED>)
+    where
+        Flows<SHARED>: Into<Message>,
+    {
         for (at, (end, _)) in hub.lines().enumerate() {
             let line = &end.line;
             if let Some(exchange) = self.clocks[at].see(line.link.clock().newest()) {
@@ -94,14 +99,19 @@ impl HubWatch {
     }
 
     /// A tick is over.
-    pub(crate) fn ticked(&mut self, now_ns: u64, hub: &Hub<SocketAddr>) {
+    pub(crate) fn ticked<const SHARED: usize>(&mut self, now_ns: u64, hub: &Hub<SocketAddr, SHARED>)
+    where
+        Flows<SHARED>: Into<Message>,
+    {
         let time_s = now_ns as f64 * 1e-9;
-        self.row.clear();
-        self.row.extend([time_s, self.ticks as f64, hub.junction.motion.position]);
-        for (_, port) in hub.lines() {
-            self.row.extend([port.force_n, port.energy.taken_j, port.energy.sent_j]);
+        for (axis, motion) in hub.junction.motion.iter().enumerate() {
+            self.row.clear();
+            self.row.extend([time_s, self.ticks as f64, motion.position]);
+            for port in hub.junction.ports.iter().map(|port| &port.axes[axis]) {
+                self.row.extend([port.force_n, port.energy.taken_j, port.energy.sent_j]);
+            }
+            self.record(ticks::of_axis(axis, ticks::SECONDS), now_ns, &self.row);
         }
-        self.record(ticks::TICKS, now_ns, &self.row);
         self.ticks += 1;
         for ((end, _), (at, reported)) in hub.lines().zip(self.noticed.iter_mut().enumerate()) {
             let line = &end.line;
@@ -122,7 +132,10 @@ impl HubWatch {
         }
     }
 
-    fn second(&mut self, now_ns: u64, time_s: f64, hub: &Hub<SocketAddr>) {
+    fn second<const SHARED: usize>(&mut self, now_ns: u64, time_s: f64, hub: &Hub<SocketAddr, SHARED>)
+    where
+        Flows<SHARED>: Into<Message>,
+    {
         self.clocks.iter_mut().for_each(Watched::look);
         let sum = std::mem::take(&mut self.of_second);
         let up = hub.lines().filter(|(end, _)| end.line.link.is_up()).count();

@@ -107,8 +107,8 @@ pub fn board_channels(number: u8, axes: usize) -> Vec<Channel> {
     channels
 }
 
-/// The channels of a hub with so many lines, in the order of [`channels`].
-pub fn hub_channels(lines: usize) -> Vec<Channel> {
+/// The channels of a hub with so many lines of an object that is shared along so many axes, in the order of [`channels`].
+pub fn hub_channels(lines: usize, axes: usize) -> Vec<Channel> {
     let own = [TIME, TICK[quantities::place(&TICK, "tick")], ("object_m", "where the lines meet")];
     let own = own.map(|(name, meaning)| (name.to_owned(), meaning.to_owned()));
     let of_line = |line: usize| {
@@ -116,12 +116,15 @@ pub fn hub_channels(lines: usize) -> Vec<Channel> {
             [("force_n", "force at the hub's end"), ("taken_j", "energy taken out"), ("sent_j", "energy sent into it")];
         described.map(|(name, meaning)| (format!("line_{line}_{name}"), format!("line {line}: {meaning}")))
     };
+    let ticks = |axis: usize| {
+        let columns = own.iter().cloned().chain((1..=lines).flat_map(of_line));
+        Channel::new(format!("/hub/{}", name_of(axis)), "Tick", columns)
+    };
     let line = ("line", "which line, from 1");
-    vec![
-        Channel::new("/hub/ticks", "Tick", own.into_iter().chain((1..=lines).flat_map(of_line))),
-        Channel::new("/hub/exchanges", "Exchange", EXCHANGE.into_iter().chain([line])),
-        Channel::new("/hub/seconds", "Second", HUB_SECOND),
-    ]
+    let exchanges = Channel::new("/hub/exchanges", "Exchange", EXCHANGE.into_iter().chain([line]));
+    let mut channels = vec![ticks(0), exchanges, Channel::new("/hub/seconds", "Second", HUB_SECOND)];
+    channels.extend((1..axes).map(ticks));
+    channels
 }
 
 /// A board while it is recorded: what has come over its operator's link becomes rows.

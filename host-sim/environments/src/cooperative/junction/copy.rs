@@ -4,7 +4,7 @@
 //! (THEORY §7): each law gives its port, and gets the mean velocity that all ports together lead to. So a line that stands holds
 //! the copy by its spring, as it holds a peer's, and lets go as it does there; what the copy does to one line, the others take.
 //! Energy: each end of a line emits no more than it was given (THEORY §8), the copy and the springs start at rest, so that what goes
-//! back into all lines never is more than what came out of them.
+//! back into all lines never is more than what came out of them. Of several shared axes each has a copy of its own.
 
 use haptic_core::law::{AnyLaw, AnyLawState, Coupled, Law, Observation, Packet};
 use haptic_core::model::Model as _;

@@ -8,8 +8,8 @@ use haptic_core::safety::{Command, Mode};
 use haptic_core::settings::{Safety, Settings};
 use haptic_environments::cooperative::junction::{Junction, Port};
 use haptic_protocol::peer::{Inbox, flow_of, packets_of};
-use haptic_protocol::wire::Flow;
-use haptic_sim::peers::DynPeer;
+use haptic_protocol::wire::{Flows, Message};
+use haptic_sim::peers::{Builds, DynPeer};
 use haptic_sim::plant::Plant;
 use haptic_sim::scene::Scene;
 
@@ -22,12 +22,12 @@ const DELAY: usize = 4;
 const OFF: u32 = 50;
 
 /// An honest peer with its device, and the hub's flow to it.
-pub(super) struct Honest {
-    pub(super) peer: Box<dyn DynPeer<f32>>,
-    plant: Plant,
-    inbox: Inbox,
-    force_n: f32,
-    /// Largest force on the hand, N; fastest copy, m/s.
+pub(super) struct Honest<const SHARED: usize, const N: usize> {
+    pub(super) peer: Box<dyn DynPeer<f32, SHARED, N>>,
+    plant: Plant<N>,
+    inbox: Inbox<SHARED>,
+    forces_n: [f32; N],
+    /// Largest force on the hand along an axis, N; fastest copy along one, m/s.
     pub(super) force_most_n: f64,
     pub(super) speed_most: f64,
     /// Ticks that its motors have been off, and times that they went off.
@@ -36,13 +36,13 @@ pub(super) struct Honest {
 }
 
 /// Everybody at one hub.
-pub(super) struct Table {
+pub(super) struct Table<const SHARED: usize, const N: usize> {
     scene: Scene,
-    junction: Junction,
-    inboxes: Vec<Inbox>,
-    pub(super) honest: Vec<Honest>,
-    up: [VecDeque<Option<Flow>>; 3],
-    down: [VecDeque<Option<Flow>>; 2],
+    junction: Junction<SHARED>,
+    inboxes: Vec<Inbox<SHARED>>,
+    pub(super) honest: Vec<Honest<SHARED, N>>,
+    up: [VecDeque<Option<Flows<SHARED>>>; 3],
+    down: [VecDeque<Option<Flows<SHARED>>>; 2],
     pub(super) tick: u32,
     /// Flows of the hostile one that were let in, and that were not.
     pub(super) taken: [u64; 2],
@@ -51,7 +51,11 @@ pub(super) struct Table {
     pub(super) bound: f64,
 }
 
-impl Table {
+impl<const SHARED: usize, const N: usize> Table<SHARED, N>
+where
+    Flows<SHARED>: Into<Message>,
+    f32: Builds<SHARED, N>,
+{
     /// A table whose hub takes what is within the limits of the scene, or of `limits` instead.
     pub(super) fn new(scene: Scene, limits: Option<Safety>) -> Self {
         let peers = scene.peers().map(|peer| Settings { safety: limits.unwrap_or(peer.safety), ..peer });
@@ -62,12 +66,12 @@ impl Table {
         let bounds = [0, 1, 0].map(|index| Bounds::build(&peers[index], sends));
         let bound = Bounds::build(&scene.peer, sends).wave();
         let honest = (0..2).map(|index| {
-            let plant = Plant::new(&scene, index);
-            let mut peer: Box<dyn DynPeer<f32>> = scene.peer_from(index, plant.motions()).expect("a peer");
+            let plant = Plant::build(&scene, index);
+            let mut peer: Box<dyn DynPeer<f32, SHARED, N>> = scene.peer_from(index, plant.motions()).expect("a peer");
             peer.command(Command::Arm);
             peer.part();
             let inbox = Inbox::new(bounds[index].beyond_a_junction(), 0, ticks_per_packet);
-            Honest { peer, plant, inbox, force_n: 0.0, force_most_n: 0.0, speed_most: 0.0, off: 0, faults: 0 }
+            Honest { peer, plant, inbox, forces_n: [0.0; N], force_most_n: 0.0, speed_most: 0.0, off: 0, faults: 0 }
         });
         Self {
             junction,
@@ -99,7 +103,7 @@ impl Table {
     }
 
     /// One control period, in which the hostile one says this.
-    pub(super) fn step(&mut self, hostile: Option<Flow>) {
+    pub(super) fn step(&mut self, hostile: Option<Flows<SHARED>>) {
         let safety = self.scene.peer.safety;
         let period_s = self.scene.peer.timing.control_period_s;
         for (honest, (up, down)) in self.honest.iter_mut().zip(self.up.iter_mut().zip(&mut self.down)) {
@@ -117,21 +121,24 @@ impl Table {
             up.push_back(said.map(|packets| flow_of(packets, honest.peer.mode() == Mode::Armed, self.tick)));
             let actuators = honest.peer.tick(&honest.plant.sensors());
             honest.plant.step(f64::from(self.tick) * period_s, &actuators);
-            let (force_n, seen) = (actuators.forces[0], *honest.peer.observed()[0]);
-            assert!(f64::from(force_n.abs()) <= safety.max_force_n * (1.0 + 1e-6), "{force_n} N");
             let armed = honest.peer.mode() == Mode::Armed;
-            let step_n = f64::from((force_n - honest.force_n).abs());
-            let slew_n = safety.max_slew_n_per_s * period_s * (1.0 + 1e-5);
-            assert!(!armed || step_n <= slew_n, "a step of {step_n} N");
-            let numbers = [seen.object, seen.desired, seen.device];
-            assert!(numbers.iter().all(|motion| motion.is_finite()), "{seen:?}");
-            assert!(seen.contact_force.is_finite() && seen.coordination_force.is_finite(), "{seen:?}");
-            honest.force_n = force_n;
-            honest.force_most_n = honest.force_most_n.max(f64::from(force_n.abs()));
-            honest.speed_most = honest.speed_most.max(f64::from(seen.object.velocity.abs()));
-            assert!(honest.speed_most <= self.speed_bound, "{seen:?}");
-            let device = f64::from(seen.device.velocity.abs());
-            assert!(!armed || device <= safety.max_speed_m_per_s * (1.0 + 1e-6), "{seen:?}");
+            for (force_n, before_n) in actuators.forces.iter().zip(&mut honest.forces_n) {
+                assert!(f64::from(force_n.abs()) <= safety.max_force_n * (1.0 + 1e-6), "{force_n} N");
+                let step_n = f64::from((force_n - *before_n).abs());
+                let slew_n = safety.max_slew_n_per_s * period_s * (1.0 + 1e-5);
+                assert!(!armed || step_n <= slew_n, "a step of {step_n} N");
+                *before_n = *force_n;
+                honest.force_most_n = honest.force_most_n.max(f64::from(force_n.abs()));
+            }
+            for seen in honest.peer.observed() {
+                let numbers = [seen.object, seen.desired, seen.device];
+                assert!(numbers.iter().all(|motion| motion.is_finite()), "{seen:?}");
+                assert!(seen.contact_force.is_finite() && seen.coordination_force.is_finite(), "{seen:?}");
+                honest.speed_most = honest.speed_most.max(f64::from(seen.object.velocity.abs()));
+                assert!(honest.speed_most <= self.speed_bound, "{seen:?}");
+                let device = f64::from(seen.device.velocity.abs());
+                assert!(!armed || device <= safety.max_speed_m_per_s * (1.0 + 1e-6), "{seen:?}");
+            }
             honest.faults += u32::from(!armed && honest.off == 0);
             honest.off = if armed { 0 } else { honest.off + 1 };
             if honest.off == OFF {
@@ -158,25 +165,22 @@ impl Table {
                 if parted {
                     self.junction.part(line);
                 }
-                *came = flow.map(|flow| {
-                    let [packet] = packets_of(&flow);
-                    packet
-                });
+                *came = flow.as_ref().map(packets_of);
             }
             self.junction.exchange(came, due);
         }
-        assert!(self.junction.motion.is_finite(), "{:?}", self.junction.motion);
+        assert!(self.junction.motion.iter().all(|motion| motion.is_finite()), "{:?}", self.junction.motion);
         for (down, port) in self.down.iter_mut().zip(&self.junction.ports) {
-            assert!(port.back.is_finite(), "{port:?}");
-            down.push_back(due.then(|| flow_of([port.back], true, self.tick)));
+            assert!(port.back().iter().all(|back| back.is_finite()), "{port:?}");
+            down.push_back(due.then(|| flow_of(port.back(), true, self.tick)));
         }
         self.tick += 1;
     }
 
-    /// How far the honest copies are apart, m.
+    /// How far the honest copies are apart along the axis on which they are farthest, m.
     pub(super) fn apart_m(&self) -> f64 {
-        let place = |at: usize| f64::from(self.honest[at].peer.observed()[0].object.position);
-        (place(0) - place(1)).abs()
+        let place = |at: usize, axis: usize| f64::from(self.honest[at].peer.observed()[axis].object.position);
+        (0..SHARED).map(|axis| (place(0, axis) - place(1, axis)).abs()).fold(0.0, f64::max)
     }
 
     /// Whether both honest ones hold what the hub holds.

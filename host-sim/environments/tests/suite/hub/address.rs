@@ -5,7 +5,7 @@ use haptic_environments::cooperative::hub::Hub;
 use haptic_protocol::{key::Key, link::Notice};
 use haptic_sim::node::Node;
 
-use super::virtual_time::{built_in, key};
+use super::trial::{built_in, key};
 
 /// From 0.3 s on, whatever the first of two peers says comes from somebody else first, who has copied it: he is told nothing, and
 /// both hold on.
@@ -17,7 +17,7 @@ fn a_copy_that_comes_first_takes_no_line_over() {
         drawn += 1;
         Ok([drawn; Key::LEN])
     };
-    let mut hub = Hub::new(&scene, 2, &key(), entropy).expect("a hub");
+    let mut hub: Hub<usize> = Hub::new(&scene, 2, &key(), entropy).expect("a hub");
     let node = |number: u8| {
         let line = key().line(number.into());
         Node::new(&scene, number, line, [100 + number; Key::LEN]).expect("a peer")
@@ -59,7 +59,7 @@ fn a_peer_with_another_address_is_answered_there_within_12_packet_periods() {
             drawn += 1;
             Ok([drawn; Key::LEN])
         };
-        let mut hub = Hub::new(&scene, 2, &key(), entropy).expect("a hub");
+        let mut hub: Hub<usize> = Hub::new(&scene, 2, &key(), entropy).expect("a hub");
         let node = |number: u8| {
             Node::new(&scene, number, key().line(number.into()), [100 + number; Key::LEN]).expect("a peer")
         };

@@ -2,4 +2,6 @@
 
 mod address;
 mod junction;
+mod several;
+mod trial;
 mod virtual_time;

@@ -1,130 +1,23 @@
-//! Peers around a hub in virtual time, over a network in memory, every byte of it sealed.
+//! Peers around a hub in virtual time: what they hold, whoever comes and goes.
 
 use std::path::PathBuf;
 
 use haptic_core::num::Motion;
 use haptic_core::safety::Mode;
-use haptic_environments::cooperative::hub::{Hub, number_on};
+use haptic_environments::cooperative::hub::Hub;
 use haptic_environments::cooperative::waves::Waves;
+use haptic_protocol::key::Key;
+use haptic_protocol::link::Notice;
 use haptic_protocol::wire::{AxisFlow, Flow, Goodbye};
-use haptic_protocol::{key::Key, link::Notice};
-use haptic_sim::engine::{Actor, Engine, Out, Seat};
-use haptic_sim::network::link::Route;
-use haptic_sim::network::rule::{Direction, Fate};
-use haptic_sim::node::{Line, MOST_NOTICES, Node, Transmit as _};
+use haptic_sim::network::rule::Fate;
+use haptic_sim::node::{Line, MOST_NOTICES, Transmit as _};
 use haptic_sim::plant::Plant;
 use haptic_sim::scene::Scene;
-use haptic_sim::scenes;
+
+use super::trial::{HubTrial, Participant, built_in, key};
 
 fn scene(keys: &[String]) -> Scene {
     built_in("hub", keys)
-}
-
-pub(super) fn built_in(name: &str, keys: &[String]) -> Scene {
-    let mut scene = scenes::load(haptic_sim::Laws::built_in(), name).expect("a built-in scene");
-    keys.iter().for_each(|key| scene.apply_override(key).expect("a good override"));
-    scene.check("the test").expect("a good scene");
-    scene
-}
-
-pub(super) fn key() -> Key {
-    Key::new([0x5a; Key::LEN])
-}
-
-/// Who sits at the engine: the peers, and last the hub.
-enum Participant {
-    Hub(Box<Hub<usize>>),
-    Peer(Box<Node>, usize),
-}
-
-impl Actor<usize> for Participant {
-    type Packet = [u8];
-
-    fn hear(&mut self, now_ns: u64, from: usize, datagram: &mut [u8], out: &mut Out<'_, usize, [u8]>) {
-        match self {
-            Self::Hub(hub) => hub.receive(now_ns / 1_000, from, datagram, out),
-            Self::Peer(node, _) => drop(node.receive(now_ns / 1_000, datagram)),
-        }
-    }
-
-    fn speak(&mut self, now_ns: u64, out: &mut Out<'_, usize, [u8]>) {
-        if let Self::Peer(node, hub) = self {
-            let _ = node.tick(now_ns / 1_000, |bytes| out(*hub, bytes));
-        }
-    }
-
-    fn act(&mut self, now_ns: u64, out: &mut Out<'_, usize, [u8]>) {
-        if let Self::Hub(hub) = self {
-            hub.tick(now_ns / 1_000, out);
-        }
-    }
-}
-
-/// A hub, its peers and their lines; a peer may be gone.
-struct HubTrial {
-    scene: Scene,
-    engine: Engine<Participant>,
-    lives: u8,
-}
-
-impl HubTrial {
-    fn new(scene: Scene, users: usize) -> Self {
-        let mut drawn = 0;
-        let entropy = || {
-            drawn += 1;
-            Ok([drawn; Key::LEN])
-        };
-        let hub = Participant::Hub(Box::new(Hub::new(&scene, users, &key(), entropy).expect("a hub")));
-        let peers =
-            (0..users).map(|index| life(&scene, index, users, 101 + index as u8, Plant::new(&scene, index % 2)));
-        let seats = peers.chain([hub]).map(Seat::new).collect();
-        let route = |from: usize, to: usize| match from == users {
-            true => Route::of_scene(&scene, Direction::TwoToOne, to as u32),
-            false => Route::of_scene(&scene, Direction::OneToTwo, from as u32),
-        };
-        Self { engine: Engine::new(1_000_000, seats, route), lives: 100 + users as u8, scene }
-    }
-
-    /// Another life of the peer on line `index` + 1.
-    fn restart(&mut self, index: usize, device: Plant) {
-        self.lives += 1;
-        let hub = self.engine.seats.len() - 1;
-        let seat = &mut self.engine.seats[index];
-        (seat.actor, seat.off) = (life(&self.scene, index, hub, self.lives, device), false);
-    }
-
-    fn step(&mut self) {
-        self.engine.step(&mut |_| ());
-        let energy = self.hub().junction.energy();
-        assert!(energy.sent_j <= energy.put_in_j * (1.0 + 1e-9) + 1e-15, "tick {}: {energy:?}", self.engine.tick());
-    }
-
-    fn hub(&self) -> &Hub<usize> {
-        match &self.engine.seats.last().expect("a hub").actor {
-            Participant::Hub(hub) => hub,
-            Participant::Peer(..) => panic!("the hub sits last"),
-        }
-    }
-
-    /// Those who are there.
-    fn peers(&self) -> impl Iterator<Item = &Node> {
-        self.engine.seats.iter().filter(|seat| !seat.off).filter_map(|seat| match &seat.actor {
-            Participant::Peer(node, _) => Some(node.as_ref()),
-            Participant::Hub(_) => None,
-        })
-    }
-
-    fn lives_on(&self, index: usize) -> u64 {
-        let (end, _) = self.hub().lines().nth(index).expect("a line");
-        end.line.lives
-    }
-}
-
-/// A life of the peer on line `index` + 1 of a hub at seat `hub`.
-fn life(scene: &Scene, index: usize, hub: usize, entropy: u8, device: Plant) -> Participant {
-    let line = index as u32 + 1;
-    let node = Node::with_device(scene, number_on(line), key().line(line), [entropy; Key::LEN], device);
-    Participant::Peer(Box::new(node.expect("a peer")), hub)
 }
 
 /// What the two users do, from 0.2 s on: what is armed by then step by step is engaged.
@@ -147,7 +40,7 @@ fn peers_around_a_hub_are_the_waves_in_memory() {
     for users in [2, 3, 16] {
         let scene = scene(&[trace(1), trace(2)]);
         let mut memory = Waves::new(&scene, users).expect("peers around a node");
-        let mut trial = HubTrial::new(scene, users);
+        let mut trial: HubTrial = HubTrial::new(scene, users);
         let mut farthest_m = 0.0_f64;
         for _ in 0..3_000 {
             trial.step();
@@ -175,7 +68,7 @@ fn self_timed_lines_meet_in_a_copy() {
         let keys = ["user.1.push_n=1", "user.2.push_n=1", "network.one_way_delay_packets=2"].map(str::to_owned);
         let credit = format!("coordination.credit_ticks={credit_ticks}");
         let scene = built_in("any-network", &[&keys[..], &[credit]].concat());
-        let mut trial = HubTrial::new(scene, 2);
+        let mut trial: HubTrial = HubTrial::new(scene, 2);
         (0..20_000).for_each(|_| trial.step());
         let copies: Vec<f32> = trial.peers().map(|peer| peer.observed().object.position).collect();
         let coordination = &trial.scene.peer.coordination;
@@ -214,7 +107,7 @@ fn self_timed_lines_around_a_hub_stand_through_bursts() {
     ];
     for (users, network) in [(2, &[][..]), (3, &BAD), (8, &BAD)] {
         let keys: Vec<String> = PEOPLE.iter().chain(network).map(|key| (*key).to_owned()).collect();
-        let mut trial = HubTrial::new(built_in("any-network", &keys), users);
+        let mut trial: HubTrial = HubTrial::new(built_in("any-network", &keys), users);
         let mut farthest_m = 0.0_f64;
         for tick in 0..12_000 {
             if tick == 6_000 {
@@ -252,7 +145,7 @@ fn a_peer_that_restarts_is_let_go_and_taken_in_again() {
     const BAD: [&str; 3] = ["network.loss=0.1", "network.jitter=uniform", "network.jitter_s=0.006"];
     for network in [&[][..], &BAD] {
         let keys: Vec<String> = PEOPLE.iter().chain(network).map(|key| (*key).to_owned()).collect();
-        let mut trial = HubTrial::new(scene(&keys), 4);
+        let mut trial: HubTrial = HubTrial::new(scene(&keys), 4);
         let mut forces = [0.0_f64; 4];
         // The largest change of a force from tick to tick: while all are there, and from the silence on.
         let mut jumps_n = [0.0_f64; 2];
@@ -296,7 +189,7 @@ fn a_peer_that_restarts_is_let_go_and_taken_in_again() {
 /// Any closure is a rule, here as in the relay: every third datagram on the way of one peer is lost, and all hold on.
 #[test]
 fn a_planted_rule_loses_what_it_says() {
-    let mut trial = HubTrial::new(scene(&[]), 2);
+    let mut trial: HubTrial = HubTrial::new(scene(&[]), 2);
     let every_third = |number: u64, _: u64| if number.is_multiple_of(3) { Fate::Drop } else { Fate::Pass };
     trial.engine.route(0, 2).rule = Some(Box::new(every_third));
     (0..3_000).for_each(|_| trial.step());
@@ -312,7 +205,7 @@ fn a_planted_rule_loses_what_it_says() {
 fn what_a_hub_cannot_be_made_for() {
     let refused = |users: usize, key_set: &str| {
         let scene = scene(&[key_set.to_owned()]);
-        Hub::<usize>::new(&scene, users, &key(), || Ok([1; Key::LEN])).expect_err("no hub").to_string()
+        Hub::<usize, 1>::new(&scene, users, &key(), || Ok([1; Key::LEN])).expect_err("no hub").to_string()
     };
     for users in [0, 1, 17] {
         assert!(refused(users, "user.1.push_n=1").contains("from 2 to 16"));
@@ -320,7 +213,7 @@ fn what_a_hub_cannot_be_made_for() {
     let no_ledger = "coordination.drift_correction=false";
     let mut plain = scene(&[no_ledger.to_owned()]);
     plain.apply_override("coordination.ledger=false").expect("a good override");
-    let said = Hub::<usize>::new(&plain, 2, &key(), || Ok([1; Key::LEN])).expect_err("no hub").to_string();
+    let said = Hub::<usize, 1>::new(&plain, 2, &key(), || Ok([1; Key::LEN])).expect_err("no hub").to_string();
     assert!(said.contains("coordination.ledger = false") && said.contains("true"), "{said}");
 }
 
@@ -359,7 +252,7 @@ fn notices_of_a_line_take_bounded_memory() {
 fn one_sum_that_cannot_be_harms_nobody() {
     let keys = ["user.1.push_n=0.5", "user.2.push_n=0.5", "network.one_way_delay_packets=2"].map(str::to_owned);
     for name in ["any-network", "hub"] {
-        let mut trial = HubTrial::new(built_in(name, &keys), 3);
+        let mut trial: HubTrial = HubTrial::new(built_in(name, &keys), 3);
         (0..2_000).for_each(|_| trial.step());
         // The third says it in its own session.
         let Participant::Peer(node, hub) = &mut trial.engine.seats[2].actor else { panic!("a peer") };
@@ -376,7 +269,7 @@ fn one_sum_that_cannot_be_harms_nobody() {
         let before = trial.peers().map(|peer| peer.observed().object.position).collect::<Vec<_>>();
         for _ in 0..500 {
             trial.step();
-            assert!(trial.hub().junction.motion.is_finite());
+            assert!(trial.hub().junction.motion[0].is_finite());
         }
         for (peer, before) in trial.peers().zip(before) {
             let Motion { position, velocity } = peer.observed().object;
