@@ -78,7 +78,7 @@ impl Play for Hub {
             }
             hands[at].point(*tick, wanted, position);
             pulls[at] = hands[at].pull(*tick, position, velocity, PERIOD_S);
-            side.plant.pull(pulls[at] - end_of_travel(motion));
+            side.plant.pull([pulls[at] - end_of_travel(motion), 0.0]);
         }
         waves.step();
         *tick += 1;

@@ -226,7 +226,7 @@ impl Environment for Remote {
         self.listen()?;
         let motion = self.node.motion();
         self.pull_n = self.hand.pull(self.tick, motion.position, motion.velocity, PERIOD_S);
-        self.node.pull(self.pull_n - end_of_travel(motion));
+        self.node.pull([self.pull_n - end_of_travel(motion), 0.0]);
         let Self { node, endpoint, join, path, going, cut, .. } = self;
         node.tick(endpoint.now_ns() / 1_000, |bytes| {
             if let Some(to) = join.or_else(|| path.of(bytes, None)).filter(|_| !*cut) {

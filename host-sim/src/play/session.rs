@@ -198,7 +198,7 @@ impl Session {
             self.pulls[index] = self.hands[index].pull(self.tick, position, velocity, PERIOD_S);
         }
         for (side, pull) in self.pair.sides_mut().zip(self.pulls) {
-            side.plant.pull(pull - end_of_travel(side.plant.motions()[0]));
+            side.plant.pull([pull - end_of_travel(side.plant.motions()[0]), 0.0]);
         }
         self.pair.step();
         self.tick += 1;
