@@ -3,6 +3,7 @@
 use haptic_report::Columns;
 use haptic_sim::Laws;
 use haptic_sim::pair::{HASH_SEED, Pair};
+use haptic_sim::peers::Builds;
 use haptic_sim::run::{self, AxisOutcome, Options, Outcome};
 use haptic_sim::scene::Scene;
 use haptic_sim::{Plant, scenes};
@@ -67,7 +68,10 @@ fn each_axis_is_a_run_of_one_to_the_bit() {
 /// What a caller pulls with along each axis is what a user would push with there, to the bit, where joints couple the axes as well.
 #[test]
 fn pulls_along_every_axis_are_a_users_pushes() {
-    fn same<const AXES: usize>(name: &str) {
+    fn same<const AXES: usize>(name: &str)
+    where
+        f32: Builds<AXES, AXES>,
+    {
         let mut pushed = scenes::load(Laws::built_in(), name).expect("built in");
         pushed.users[0].settings.user.push_n = 0.75;
         let mut nobody = pushed.clone();
