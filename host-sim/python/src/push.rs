@@ -1,7 +1,7 @@
 //! What the users of a pair push with, as Python gives it: of each user a number in a tick, or as many as there are shared axes.
 
 use haptic_sim::run::AXIS_NAMES;
-use numpy::ndarray::Axis;
+use numpy::ndarray::{Axis, Ix3};
 use numpy::{PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
@@ -114,9 +114,15 @@ pub(crate) fn of_ticks(py: Python<'_>, forces_n: &PyReadonlyArrayDyn<'_, f64>, a
         return Err(refused(format!("forces_n of {rows} rows is not allowed: {must}")));
     }
     let mut own = room(rows.checked_mul(2 * axes))?;
-    for part in forces_n.as_array().axis_chunks_iter(Axis(0), PART) {
-        // Element by element: however it lies in memory.
-        own.extend(part.iter());
+    let forces = forces_n.as_array();
+    let forces = if axes == 1 { forces.insert_axis(Axis(2)) } else { forces };
+    let forces = forces.into_dimensionality::<Ix3>().map_err(refused)?;
+    for part in forces.axis_chunks_iter(Axis(0), PART) {
+        // However it lies in memory.
+        match part.as_slice() {
+            Some(numbers) => own.extend_from_slice(numbers),
+            None => own.extend(part.iter()),
+        }
         check(&own[own.len() - part.len()..])?;
         py.check_signals()?;
     }
