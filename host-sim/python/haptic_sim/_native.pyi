@@ -1,6 +1,6 @@
 import os
 from collections.abc import Mapping, Sequence
-from typing import Any, Literal, Protocol, final
+from typing import Any, Literal, Protocol, final, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +9,7 @@ _Scalar = Literal["f32", "f64", "i32f32"]
 _Value = bool | int | float | str
 _Path = str | os.PathLike[str]
 _Runs = list[tuple[int, list[int]]]
+_Forces = Sequence[float] | NDArray[np.float64]
 
 __all__ = [
     "Journal",
@@ -124,20 +125,28 @@ class Stability:
 class Pair:
     """Two peers in a scene, stepped by the tick; what the scene's users do, they do as well.
 
-    Forces are N toward the other peer, from -1000 to 1000. What a step gives is the 12 numbers that `COLUMNS` names, after the tick.
-    One thread at a time may step it.
+    Forces are N toward the other peer, from -1000 to 1000: of each user a number, or, along several shared axes, as many (user 2's point
+    the opposite way along every axis). What a step gives is the 12 numbers that `COLUMNS` names, after the tick; along several axes a row
+    of them for each. One thread at a time may step it.
     """
 
     COLUMNS: list[str]
     def __new__(cls, scene: Scene, scalar: _Scalar = "f64") -> Pair: ...
+    @overload
     def step(self, force_1_n: float, force_2_n: float) -> tuple[float, ...]:
-        """One tick: 12 numbers as a tuple."""
+        """One tick: 12 numbers as a tuple; along several axes a tuple of one for each."""
 
-    def step_into(self, force_1_n: float, force_2_n: float, out: NDArray[np.float64]) -> None:
-        """One tick into an array of 12 float64 that the caller keeps: nothing is allocated."""
+    @overload
+    def step(self, force_1_n: _Forces, force_2_n: _Forces) -> tuple[tuple[float, ...], ...]:
+        """One tick: 12 numbers as a tuple; along several axes a tuple of one for each."""
+
+    def step_into(self, force_1_n: float | _Forces, force_2_n: float | _Forces, out: NDArray[np.float64]) -> None:
+        """One tick into an array of 12 float64 that the caller keeps, or of 12 for each of several axes: nothing is allocated."""
 
     def steps(self, forces_n: NDArray[np.float64]) -> NDArray[np.float64]:
-        """As many ticks as `forces_n` has rows of two (user 1, user 2), 20,000,000 at the most: a row of 12 for each."""
+        """As many ticks as `forces_n` has rows of two (user 1, user 2), 20,000,000 at the most: a row of 12 for each. Along several axes
+        both have one dimension more: forces are (ticks, 2, axes), and what is given (ticks, axes, 12).
+        """
 
     def state_hash(self, before: int = ...) -> int:
         """Hash of both peers' states, continued from the one before; after every tick of a run it is the run's `state_hash`."""

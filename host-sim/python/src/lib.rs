@@ -7,6 +7,7 @@
 mod columns;
 mod law;
 mod pair;
+mod push;
 mod raised;
 mod run;
 mod scene;

@@ -68,10 +68,6 @@ def test_a_force_that_is_none_is_refused_and_nothing_moves():
             with pytest.raises(ValueError, match="it must be a number from -1000 to 1000 N"):
                 step()
     assert pair.ticks == 0
-    with pytest.raises(ValueError, match="it must have 2, user 1 and user 2"):
-        pair.steps(np.zeros((3, 3)))
-    with pytest.raises(ValueError, match="it must have 12"):
-        pair.step_into(0.0, 0.0, np.zeros(11))
 
 
 def test_a_pair_that_stopped_says_so():

@@ -83,13 +83,14 @@ def test_what_cannot_be_run_is_refused(wrong, says):
     assert says in str(refused.value)
 
 
-@pytest.mark.parametrize("work", ["haptic_sim.run(scene, 86_400.0, every=0)", "many.run()", "haptic_sim.Pair(scene).steps(forces)"])
+@pytest.mark.parametrize("work", ["haptic_sim.run(scene, 86_400.0, every=0)", "many.run()", "haptic_sim.Pair(scene).steps(forces)", "haptic_sim.Pair(plane).steps(along)"])
 def test_ctrl_c_ends_whatever_takes_long(work):
     code = f"""
 import os, signal, threading, time, haptic_sim, numpy
 scene = haptic_sim.Scene("paper-5.2-passive-wave-16ms")
 many = haptic_sim.Sweep(scene, {{"network.loss": "0..0.5:20000"}})
 forces = numpy.zeros((20_000_000, 2))
+plane, along = haptic_sim.Scene("plane"), numpy.broadcast_to(0.0, (20_000_000, 2, 2))
 pressed = []
 def press():
     time.sleep(0.5)

@@ -325,9 +325,9 @@ where
         self.halted
     }
 
-    /// Lets another force act on its device beside the user's from the next tick on, N along each axis.
-    pub fn pull(&mut self, force_n: [f64; N]) {
-        self.plant.pull(force_n);
+    /// Lets other forces act on its device beside the user's from the next tick on: along each axis, N toward positive x, y, z.
+    pub fn pull(&mut self, forces_n: [f64; N]) {
+        self.plant.pull(forces_n);
     }
 
     /// Force of the wall that its device can meet, N; 0 without one.

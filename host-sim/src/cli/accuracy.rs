@@ -100,7 +100,7 @@ const PUSHES: [&str; 4] = ["user.1.push_n=1", "user.2.push_n=1", "user.2.sine_n=
 impl Precision {
     fn scenes(&self, ui: &Ui) -> Result<Vec<(String, Scene)>, Failure> {
         if !(self.all || self.coupled) {
-            return Ok(vec![(self.scene.name(), self.scene.load_of_one_axis(ui)?)]);
+            return Ok(vec![(self.scene.name(), self.scene.load(ui)?)]);
         }
         let named = scenes::ALL.iter().map(|(name, _)| *name).filter(|name| self.all || COUPLED.contains(name));
         let pushed = scenes::find(ui.laws, Some(Path::new(PUSHED)), &PUSHES.map(str::to_owned))?;
@@ -156,7 +156,7 @@ fn newtons(text: &str) -> Result<f64, Failure> {
 
 impl Force {
     fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        let scene = self.scene.load_of_one_axis(ui)?;
+        let scene = self.scene.load(ui)?;
         let found = force::measure(&scene, self.command)?;
         let (response, moving) = (force::response_columns(&found.response), force::moving_columns(&found.moving));
         let (within, in_time_hz) = (found.within(), found.in_time_hz());
@@ -215,7 +215,7 @@ pub(in crate::cli) struct Transparency {
 
 impl Transparency {
     fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        let scene = self.scene.load_of_one_axis(ui)?;
+        let scene = self.scene.load(ui)?;
         let delays = &self.round_trips_ms;
         let (curves, wall_s) =
             ui.work(2 * delays.len(), "curves", |step| transparency::study(&scene, delays, &|| step()))?;

@@ -16,11 +16,22 @@
 //! no arms, so that forces that are rounded move it at random; and the **relative** one, x_1 − x_2, which the coordination holds. In a
 //! line that decodes its waves into a velocity (`wave`) the relative mode is at rest anywhere, too (THEORY §2), and walks; a
 //! self-timed line sums the waves themselves, and it does not.
+//!
+//! Along several shared axes each has distances, a growth rate and verdicts of its own, and the shadow starts 1 nm further along every one.
+//! A row is of the **worst axis** until then and names it: of the number type and the axis where error comes before chaos and chaos before
+//! rounding, and of those where it is most of its own steps off.
+
+use std::array::from_fn;
 
 use haptic_core::{num::Fixed, settings::Refused};
 
 use haptic_report::Columns;
-use haptic_sim::{pair::Pair, peers::Number, scene::Scene};
+use haptic_sim::peers::Builds;
+use haptic_sim::run::AXIS_NAMES;
+use haptic_sim::{Plant, of_axes, pair, scene::Scene};
+
+/// Two peers at their own simulated devices, as in a run.
+type Pair<S, const SHARED: usize, const N: usize> = pair::Pair<S, Plant<N>, SHARED, N>;
 
 /// How much further the first device of the shadow starts, m.
 const DISPLACED_M: f64 = 1e-9;
@@ -47,12 +58,12 @@ pub struct Differences {
 }
 
 /// Where a difference from f64 comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Verdict {
-    /// The scene makes as much of one rounding step.
-    Chaos,
     /// It is one rounding step.
     Rounding,
+    /// The scene makes as much of one rounding step.
+    Chaos,
     /// Rounding steps add up.
     Error,
 }
@@ -73,6 +84,8 @@ pub struct Rounded {
 pub struct Precision {
     /// Name of the scene that was run.
     pub scene: String,
+    /// The worst of several shared axes, whose figures these are; none where there is one.
+    pub axis: Option<&'static str>,
     /// Simulated time until here, s.
     pub time_s: f64,
     /// Largest position of either copy in f64, m.
@@ -94,46 +107,94 @@ pub struct Precision {
 }
 
 /// Runs the scene for `duration_s`: a row at each of [`ROWS_S`] within it, and at the end.
+///
+/// # Errors
+/// The first key of the scene that is out of range or impossible beside the others.
 pub fn measure(name: &str, scene: &Scene, duration_s: f64) -> Result<Vec<Precision>, Refused<'static>> {
-    let (mut double, mut shadow) = (Pair::<f64>::new(scene)?, Pair::<f64>::new(scene)?);
-    let (mut single, mut fixed) = (Pair::<f32>::new(scene)?, Pair::<Fixed>::new(scene)?);
+    of_axes!(scene, measure_along(name, scene, duration_s))
+}
+
+fn measure_along<const SHARED: usize, const N: usize>(
+    name: &str,
+    scene: &Scene,
+    duration_s: f64,
+) -> Result<Vec<Precision>, Refused<'static>>
+where
+    f64: Builds<SHARED, N>,
+    f32: Builds<SHARED, N>,
+    Fixed: Builds<SHARED, N>,
+{
+    let [mut double, mut shadow] = [Pair::<f64, SHARED, N>::build(scene)?, Pair::build(scene)?];
+    let (mut single, mut fixed) = (Pair::<f32, SHARED, N>::build(scene)?, Pair::<Fixed, SHARED, N>::build(scene)?);
     if let Some(first) = shadow.sides_mut().next() {
-        first.plant.free_axis().0.position += DISPLACED_M;
+        first.plant.each_axis().take(SHARED).for_each(|(motion, _)| motion.position += DISPLACED_M);
     }
     let ticks_in = |time_s: f64| (time_s / scene.peer.timing.control_period_s).round().max(1.0) as u64;
     let (ticks, window) = (ticks_in(duration_s), ticks_in(WINDOW_S));
     let rows_at = ROWS_S.map(ticks_in);
-    let mut seen = Divergence::default();
+    let mut axes: [Divergence; SHARED] = from_fn(Divergence::of);
     let mut rows = Vec::new();
     for tick in 1..=ticks {
         double.step();
         if double.fault().is_some() {
-            rows.push(seen.row(name, scene, double.time_s(), true));
+            rows.extend(worst(&axes, name, scene, double.time_s(), true));
             break;
         }
         shadow.step();
         single.step();
         fixed.step();
-        for side in double.sides() {
-            seen.largest_m = seen.largest_m.max(side.peer.observed()[0].object.position.abs());
-        }
-        let distance_m = seen.shadow.see(&double, &shadow);
-        seen.f32.see(&double, &single);
-        seen.i32f32.see(&double, &fixed);
-        seen.window_m = seen.window_m.max(distance_m);
-        if tick % window == 0 {
-            seen.distances.push((double.time_s(), std::mem::take(&mut seen.window_m)));
+        for seen in &mut axes {
+            let exact = copies(&double, seen.axis);
+            for copy in exact {
+                seen.largest_m = seen.largest_m.max(copy.position_m.abs());
+            }
+            let distance_m = seen.shadow.see(exact, copies(&shadow, seen.axis));
+            seen.f32.see(exact, copies(&single, seen.axis));
+            seen.i32f32.see(exact, copies(&fixed, seen.axis));
+            seen.window_m = seen.window_m.max(distance_m);
+            if tick % window == 0 {
+                seen.distances.push((double.time_s(), std::mem::take(&mut seen.window_m)));
+            }
         }
         if tick == ticks || rows_at.contains(&tick) {
-            rows.push(seen.row(name, scene, double.time_s(), false));
+            rows.extend(worst(&axes, name, scene, double.time_s(), false));
         }
     }
     Ok(rows)
 }
 
-/// What was seen until now.
+/// A copy of the object along an axis: where it is, m, and the coordination force on it, N.
+#[derive(Clone, Copy)]
+struct Copied {
+    position_m: f64,
+    force_n: f64,
+}
+
+/// Both copies of a pair along an axis.
+fn copies<S: Builds<SHARED, N>, const SHARED: usize, const N: usize>(
+    pair: &Pair<S, SHARED, N>,
+    axis: usize,
+) -> [Copied; 2] {
+    pair.sides().map(|side| {
+        let observed = side.peer.observed()[axis];
+        Copied { position_m: observed.object.position.to_f64(), force_n: observed.coordination_force.to_f64() }
+    })
+}
+
+/// The row of the worst axis, the first of those that are as bad.
+fn worst(axes: &[Divergence], name: &str, scene: &Scene, time_s: f64, faulted: bool) -> Option<Precision> {
+    let rows = axes.iter().map(|seen| {
+        let axis = (axes.len() > 1).then(|| AXIS_NAMES[seen.axis]);
+        Precision { axis, ..seen.row(name, scene, time_s, faulted) }
+    });
+    rows.reduce(|worst, row| if row.strays() > worst.strays() { row } else { worst })
+}
+
+/// What was seen along an axis until now.
 #[derive(Default)]
 struct Divergence {
+    /// Which, from 0.
+    axis: usize,
     largest_m: f64,
     shadow: Differences,
     f32: Differences,
@@ -145,6 +206,10 @@ struct Divergence {
 }
 
 impl Divergence {
+    fn of(axis: usize) -> Self {
+        Self { axis, ..Self::default() }
+    }
+
     fn row(&self, name: &str, scene: &Scene, time_s: f64, faulted: bool) -> Precision {
         let shadow = self.shadow;
         let grown = shadow.position_m >= GROWN * DISPLACED_M;
@@ -179,6 +244,7 @@ impl Divergence {
         };
         Precision {
             scene: name.to_owned(),
+            axis: None,
             time_s,
             largest_position_m: self.largest_m,
             shadow,
@@ -194,13 +260,10 @@ impl Divergence {
 
 impl Differences {
     /// Takes in how far the copies are apart now; how far that is, m.
-    fn see<S: Number>(&mut self, reference: &Pair<f64>, other: &Pair<S>) -> f64 {
-        let (exact, rounded) = (reference.sides().map(|side| side.peer.observed()[0]), other.sides());
+    fn see(&mut self, exact: [Copied; 2], rounded: [Copied; 2]) -> f64 {
         let [first, second] = [0, 1].map(|at| {
-            let (exact, rounded) = (exact[at], rounded[at].peer.observed()[0]);
-            let force = (exact.coordination_force - rounded.coordination_force.to_f64()).abs();
-            self.force_n = self.force_n.max(force);
-            rounded.object.position.to_f64() - exact.object.position
+            self.force_n = self.force_n.max((exact[at].force_n - rounded[at].force_n).abs());
+            rounded[at].position_m - exact[at].position_m
         });
         let distance_m = first.abs().max(second.abs());
         self.common_m = self.common_m.max((0.5 * (first + second)).abs());
@@ -221,9 +284,21 @@ impl Verdict {
 }
 
 impl Rounded {
+    /// Its own rounding steps from f64, at the most.
+    fn steps(&self) -> f64 {
+        if self.position_step_m > 0.0 { self.from_f64.position_m / self.position_step_m } else { 0.0 }
+    }
+
     fn judged(&self) -> String {
-        let steps = if self.position_step_m > 0.0 { self.from_f64.position_m / self.position_step_m } else { 0.0 };
-        format!("{}, {steps:.0} steps", self.verdict.label())
+        format!("{}, {:.0} steps", self.verdict.label(), self.steps())
+    }
+}
+
+impl Precision {
+    /// How the number type that strays worse does so, and by how many of its own steps.
+    fn strays(&self) -> (Verdict, f64) {
+        let [one, other] = [&self.f32, &self.i32f32].map(|rounded| (rounded.verdict, rounded.steps()));
+        if one > other { one } else { other }
     }
 }
 
@@ -240,11 +315,16 @@ fn growth_per_s(distances: &[(f64, f64)]) -> Option<f64> {
     (count >= 3.0).then(|| over / under)
 }
 
-/// A row for each scene and time: what each column means, its unit, and which are for the data only.
+/// A row for each scene and time: what each column means, its unit, and which are for the data only. Where there are rows and none is of
+/// several axes there is no column that names one.
 pub fn columns(rows: &[Precision]) -> Columns {
-    let mut columns = Columns::of(rows)
-        .value("scene", |row| row.scene.as_str())
-        .means("name of the scene")
+    let mut columns = Columns::of(rows).value("scene", |row| row.scene.as_str()).means("name of the scene");
+    if rows.is_empty() || rows.iter().any(|row| row.axis.is_some()) {
+        columns = columns
+            .value("axis", |row| row.axis)
+            .means("of several shared axes the one that strays most, whose figures these are; not of one alone");
+    }
+    columns = columns
         .number("time_s", 0, |row| row.time_s)
         .means("simulated time until here")
         .value("largest_position_m", |row| row.largest_position_m)

@@ -140,8 +140,14 @@ fn delayed(scene: &Scene, round_trip_ms: f64) -> Result<Scene, Error> {
 /// Both ends at each of these delays; `done` is called once for each of the curves.
 ///
 /// # Errors
-/// Delays that are no whole packets; packets that do not go every tick; settings that no peer accepts.
+/// An object that is shared along several axes; delays that are no whole packets; packets that do not go every tick; settings that no peer
+/// accepts.
 pub fn study(scene: &Scene, round_trips_ms: &[f64], done: &(dyn Fn() + Sync)) -> Result<Vec<Curve>, Error> {
+    if scene.is_shared_along_several() {
+        let shared = scene.peer.axis.shared;
+        let allowed = "it must be 1: along several an impedance is a matrix, and this study tells of a number";
+        return Err(haptic_sim::Error::not_allowed(format!("axis.shared = {shared}"), allowed).into());
+    }
     let cases = round_trips_ms.iter().flat_map(|round_trip_ms| [1, 2].map(|end| (*round_trip_ms, end)));
     let curve = |(round_trip_ms, end): (f64, usize)| {
         let scene = delayed(scene, round_trip_ms)?;

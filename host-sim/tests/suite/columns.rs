@@ -285,7 +285,7 @@ fn rows_in_json_have_what_is_declared() {
     let folder = folder("json");
     let sweep = run(&folder, "sweep --scene paper-5.2-wave-16ms --over network.loss=0 --seconds 0.1 --out DIR");
     let force = run(&folder, "accuracy force");
-    let precision = run(&folder, "accuracy precision --seconds 0.1");
+    let precision = run(&folder, "accuracy precision --seconds 0.1 --set axis.count=2 --set axis.shared=2");
     let rigid = run(&folder, "accuracy rigid --seconds 1");
     let rows = [
         ("sweep-points", &sweep["points"][0]),

@@ -53,6 +53,16 @@ fn chaos_is_told_from_error() {
     }
 }
 
+/// A row of several shared axes is the worst one's, which it names; where there is one axis there is nothing to name.
+#[test]
+fn the_worst_of_several_axes_is_named() {
+    let several = rows(&["--scene", "space", "--seconds", "1"]);
+    assert_eq!(several.len(), 1);
+    assert!(["x", "y", "z"].contains(&several[0]["axis"].as_str().expect("a name")), "{several:?}");
+    let one = rows(&["--seconds", "1"]);
+    assert!(one[0].get("axis").is_none(), "{one:?}");
+}
+
 /// A row a minute in, and one at the end, no smaller; of every scene in its place.
 #[test]
 fn rows_go_on_in_time() {

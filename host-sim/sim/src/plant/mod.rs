@@ -84,8 +84,8 @@ pub struct Plant<const N: usize = AXES> {
     held: bool,
     driven_by_duty: bool,
     arm: bool,
-    /// What else pulls along each axis, N.
-    pull_n: [f64; N],
+    /// What else pulls on each axis, N.
+    pulls_n: [f64; N],
     motions: [Motion<f64>; N],
     motor_before: [f64; N],
     /// How much larger than the device the world is in which a peer reads and drives it exactly.
@@ -157,7 +157,7 @@ impl<const N: usize> Plant<N> {
             held: false,
             driven_by_duty: world.plant.motor,
             arm: profile.arm_stiffness_n_per_m > 0.0 || profile.arm_damping_n_s_per_m > 0.0,
-            pull_n: [0.0; N],
+            pulls_n: [0.0; N],
             motions: scene.start(index),
             motor_before: [0.0; N],
             scale: settings.scale,
@@ -213,10 +213,10 @@ impl<const N: usize> Plant<N> {
         self
     }
 
-    /// From the next tick on this force along each axis (N, toward its positive end) acts beside the user's: a hand that the scene
-    /// knows nothing of.
-    pub fn pull(&mut self, force_n: [f64; N]) {
-        self.pull_n = force_n;
+    /// From the next tick on these forces along the axes (N, toward positive x, y, z) act beside the user's: a hand that the scene knows
+    /// nothing of.
+    pub fn pull(&mut self, forces_n: [f64; N]) {
+        self.pulls_n = forces_n;
     }
 
     /// Whether its user holds the clutch open at this time.
@@ -334,9 +334,8 @@ impl<const N: usize> Plant<N> {
                 self.toward * (profile.arm_stiffness_n_per_m * wanted + profile.arm_damping_n_s_per_m * wanted_speed);
         }
         from_fn(|axis| {
-            let along = self.direction[axis] * push;
-            let own = if axis == 0 { along } else { along + profile.side_push_n };
-            own + self.pull_n[axis]
+            let pull = self.pulls_n[axis];
+            self.direction[axis] * push + if axis == 0 { pull } else { profile.side_push_n + pull }
         })
     }
 

@@ -2,9 +2,11 @@
 
 use haptic_report::Columns;
 use haptic_sim::Laws;
+use haptic_sim::pair::{HASH_SEED, Pair};
+use haptic_sim::peers::Builds;
 use haptic_sim::run::{self, AxisOutcome, Options, Outcome};
 use haptic_sim::scene::Scene;
-use haptic_sim::scenes;
+use haptic_sim::{Plant, scenes};
 
 const RECORDED: Options = Options { duration_s: 1.5, record_every: 1 };
 
@@ -61,6 +63,34 @@ fn each_axis_is_a_run_of_one_to_the_bit() {
             }
         }
     }
+}
+
+/// What a caller pulls with along each axis is what a user would push with there, to the bit, where joints couple the axes as well.
+#[test]
+fn pulls_along_every_axis_are_a_users_pushes() {
+    fn same<const AXES: usize>(name: &str)
+    where
+        f32: Builds<AXES, AXES>,
+    {
+        let mut pushed = scenes::load(Laws::built_in(), name).expect("built in");
+        pushed.users[0].settings.user.push_n = 0.75;
+        let mut nobody = pushed.clone();
+        nobody.users.iter_mut().for_each(|user| user.settings.user.push_n = 0.0);
+        let run =
+            run::run::<f32>(&pushed, Options { duration_s: 0.5, record_every: 0 }, &|_| ()).expect("a good scene");
+        let mut pair = Pair::<f32, Plant<AXES>, AXES, AXES>::build(&nobody).expect("a good scene");
+        for ((side, user), toward) in pair.sides_mut().zip(&pushed.users).zip([1.0, -1.0]) {
+            let (direction, push_n) = (user.direction(), toward * user.settings.user.push_n);
+            side.plant.pull(std::array::from_fn(|axis| direction[axis] * push_n));
+        }
+        let hash = (0..run.ticks).fold(HASH_SEED, |hash, _| {
+            pair.step();
+            pair.hash(hash)
+        });
+        assert_eq!(hash, run.hash, "{name}");
+    }
+    same::<2>("plane");
+    same::<3>("space");
 }
 
 /// A leader and a follower that are scaled unlike, pressed on along every axis at once. At rest the chain from hand to hand is springs: the
@@ -160,7 +190,7 @@ fn what_cannot_be_shared_is_refused_by_name() {
     assert!(refused(&["axis.count=2", "axis.shared=2", "contact.one_sided=true"]).contains("contact.one_sided = true"));
     assert!(refused(&["axis.count=3"]).contains("axis.count = 3 is not allowed"));
     let several = scene(&["axis.count=2", "axis.shared=2"]);
-    assert!(haptic_sim::pair::Pair::<f32>::new(&several).is_err());
+    assert!(Pair::<f32>::new(&several).is_err());
 }
 
 /// At rest what user 2 pushes with is all that crosses the line, and user 1's arm alone holds it, so that along each axis

@@ -99,6 +99,23 @@ fn a_loop_lets_a_contact_be_stiffer_than_a_control_period_does() {
     assert!((2500.0..2600.0).contains(&limits[3]), "{limits:?}");
 }
 
+/// Every slide has the same motor, and a contact of its own.
+#[test]
+fn several_shared_axes_have_the_motor_and_the_limits_of_one() {
+    let one = scene(&["contact.damping_n_s_per_m=2"]);
+    let figures = |scene: &Scene| format!("{:?}", measure(scene, 3.0).expect("a good motor"));
+    let limits = |scene: &Scene| stiffest(scene).expect("limits").into_iter().map(|way| way.contact_n_per_m);
+    for axes in ["2", "3"] {
+        let several =
+            scene(&[&format!("axis.count={axes}"), &format!("axis.shared={axes}"), "contact.damping_n_s_per_m=2"]);
+        assert_eq!(figures(&several), figures(&one));
+        for (several, one) in limits(&several).zip(limits(&one)) {
+            let (several, one) = several.zip(one).expect("a limit");
+            assert!((several / one - 1.0).abs() < 1e-3, "{axes} axes: {several} N/m, not {one}");
+        }
+    }
+}
+
 #[test]
 fn a_mechanism_that_turns_is_refused() {
     let refused = measure(&scene(&["kinematics.model=capstan"]), 3.0).expect_err("a paddle").to_string();

@@ -4,4 +4,5 @@ mod architectures;
 mod campaign;
 mod costs;
 mod force;
+mod precision;
 mod record;
