@@ -2,9 +2,9 @@
 //! not. A page and a live peer ask this, and wait: so a gain is halved until it holds and then closed in on, in some thirty verdicts, where
 //! [`super::advice`] scans its whole range.
 //!
-//! **What is judged**: the linear scene at each delay of [`super::delays`], the walls that it can meet met as well. Where contact is two-sided
-//! and has no gap, device and object never part, and the mode with both hands on is all there is; elsewhere every mode of [`super::judge`]
-//! counts. A hand that may take either device beside its user is tried on both, on one and on none.
+//! **What is judged**: the linear scene at each delay of [`super::delays`], the walls that it can meet met as well, in every mode of
+//! [`super::judge`], or, where whoever asks wants no more, in those that it can enter by itself: where contact is two-sided and has no gap, device
+//! and object never part. A hand that may take either device beside its user is tried on both, on one and on none.
 //!
 //! **What is not**: a law that is not linear, and more packets in flight than the caller has time for: an eigenvalue costs the cube of them.
 
@@ -35,6 +35,17 @@ pub struct Hand {
     pub damping_n_s_per_m: f64,
 }
 
+/// What is asked of a scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Question {
+    /// A hand that may take either device.
+    pub hand: Option<Hand>,
+    /// Also the modes in which the object is let go of where contact cannot part.
+    pub every_mode: bool,
+    /// Packets in flight one way that are still judged; of an object shared along several axes fewer, by the square of their number.
+    pub most_packets: usize,
+}
+
 /// What is known of a scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Finding {
@@ -50,20 +61,19 @@ pub struct Finding {
     pub not_judged: Vec<&'static str>,
 }
 
-/// Judges whether a scene is stable, with no other hand than its users' or with this one as well, if no more than `most_packets` are in
-/// flight one way; of an object shared along several axes fewer, by the square of their number.
-pub fn find(scene: &Scene, hand: Option<Hand>, most_packets: usize) -> Finding {
+/// Judges whether a scene is stable.
+pub fn find(scene: &Scene, question: Question) -> Finding {
     let (text, not_judged) = (String::new(), not_judged(scene));
     let finding = Finding { text, not_judged, ..Finding::default() };
     let unknown = |why: &str| Finding { text: format!("not judged: {why}"), ..finding.clone() };
-    let most = most_packets / (scene.peer.axis.shared as usize).pow(2);
+    let most = question.most_packets / (scene.peer.axis.shared as usize).pow(2);
     let longest = delays(scene, &scene.linear()).0.into_iter().flatten().max().unwrap_or_default();
     if longest / scene.peer.timing.ticks_per_packet as usize > most {
         return unknown(&format!(
             "with more than {most} packets in flight that takes too long here; host-sim stability point does it"
         ));
     }
-    match is_linear(scene).and_then(|linear| linear.then(|| radius(scene, hand)).transpose()) {
+    match is_linear(scene).and_then(|linear| linear.then(|| radius(scene, question)).transpose()) {
         Err(why) => unknown(&why.to_string()),
         Ok(None) => unknown("the law is not linear"),
         Ok(Some(Verdict { spectral_radius, stable: true, .. })) => Finding {
@@ -73,7 +83,7 @@ pub fn find(scene: &Scene, hand: Option<Hand>, most_packets: usize) -> Finding {
             ..finding
         },
         Ok(Some(Verdict { spectral_radius, .. })) => {
-            let (text, instead) = lower(scene, hand, spectral_radius);
+            let (text, instead) = lower(scene, question, spectral_radius);
             let spectral_radius = Some(spectral_radius.min(f64::MAX));
             Finding { stable: Some(false), spectral_radius, text, instead, ..finding }
         }
@@ -103,10 +113,10 @@ pub fn measured(scene: &Scene, [least_s, most_s]: [f64; 2]) -> Scene {
 }
 
 /// The verdict with the largest spectral radius, over hands, walls, modes and delays.
-fn radius(scene: &Scene, hand: Option<Hand>) -> Result<Verdict, Error> {
+fn radius(scene: &Scene, Question { hand, every_mode, .. }: Question) -> Result<Verdict, Error> {
     let contact = &scene.peer.contact;
     let parts = contact.one_sided || contact.gap_m > 0.0 || contact.rendering == RenderingName::Impulsive;
-    let modes = (!parts).then_some(Hands::Both);
+    let modes = (!parts && !every_mode).then_some(Hands::Both);
     let mut found = Vec::new();
     for held in 0..=hand.map_or(0, |_| scene.users.len()) {
         let mut scene = scene.clone();
@@ -120,11 +130,11 @@ fn radius(scene: &Scene, hand: Option<Hand>) -> Result<Verdict, Error> {
 }
 
 /// What is wrong with an unstable scene and what to change, in words and as `key=value`.
-fn lower(scene: &Scene, hand: Option<Hand>, radius: f64) -> (String, Option<String>) {
+fn lower(scene: &Scene, question: Question, radius: f64) -> (String, Option<String>) {
     let size = if radius < 1e3 { format!("spectral radius {radius:.6}") } else { "far outside".to_owned() };
     let holds = |key: &str, value: f64| {
         let mut scene = scene.clone();
-        scene.set_number(key, value).is_ok() && self::radius(&scene, hand).is_ok_and(|verdict| verdict.stable)
+        scene.set_number(key, value).is_ok() && self::radius(&scene, question).is_ok_and(|verdict| verdict.stable)
     };
     for key in GAINS {
         let Some(Value::Number(now)) = scene.get(key) else { continue };

@@ -55,7 +55,7 @@ pub use answers::answers;
 pub use conclusion::{Conclusion, conclude};
 pub use direction::Direction;
 pub use error::Error;
-pub use finding::{Finding, Hand, find, measured};
+pub use finding::{Finding, Hand, Question, find, measured};
 pub use lifted::constructed::hold::exponential;
 pub use lifted::delay::delays_ticks;
 pub use lifted::driven::Response;

@@ -1,5 +1,5 @@
 //! One peer in real time: a [`Node`] on an endpoint. What was heard in a packet period goes into the exchange at its end, newest
-//! flow only.
+//! flow only. It arms when the other one is there and, where somebody judges its scene ([`super::verdict`]), when the verdict lets it.
 
 use std::{net::SocketAddr, time::Duration};
 

@@ -4,7 +4,7 @@ use std::net::SocketAddr;
 use std::sync::Arc;
 
 use clap::Args;
-use haptic_analysis::{Finding, find, measured};
+use haptic_analysis::{Finding, Question, find, measured};
 use haptic_environments::cooperative::MOST_USERS;
 use haptic_environments::live::hub;
 use haptic_live::endpoint::{Span, Stop};
@@ -84,13 +84,13 @@ impl Hub {
     }
 }
 
-/// Packets in flight that are still judged: a verdict on more takes seconds, and arming waits for it.
-const MOST_PACKETS: usize = 60;
+/// What is asked of a peer's scene, as `stability point` does: a verdict on more packets takes seconds, and arming waits for it.
+const QUESTION: Question = Question { hand: None, every_mode: true, most_packets: 40 };
 
 /// Who judges this scene at measured delays, and lets it arm anyway or not.
 fn judge(scene: Scene, anyway: bool) -> Judge {
     let find = move |one_way_s: [f64; 2]| {
-        let found = find(&measured(&scene, one_way_s), None, MOST_PACKETS);
+        let found = find(&measured(&scene, one_way_s), QUESTION);
         let Finding { stable, spectral_radius, text, instead, not_judged } = found;
         Verdict { one_way_ms: one_way_s.map(|s| 1e3 * s), stable, spectral_radius, text, instead, not_judged }
     };

@@ -1,6 +1,6 @@
 //! Whether what is asked for is stable, on a thread of its own, one order after the other.
 //!
-//! **What is judged**: [`haptic_analysis::find`], with the hands of [`super::hand`] on both devices, on one, and on none. A delay of more
+//! **What is judged**: [`haptic_analysis::find`] in the modes that the scene can enter, with the hands of [`super::hand`] on both devices, on one, and on none. A delay of more
 //! than [`MOST_PACKETS`] in flight takes seconds to judge, and is not.
 //!
 //! **What is asked first**: an order that takes a stable scene to one that is not known to be stable, unless it touches nothing
@@ -9,7 +9,7 @@
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
-use haptic_analysis::{Finding, Hand, delays_ticks};
+use haptic_analysis::{Finding, Hand, Question, delays_ticks};
 use haptic_core::law::Sends;
 use haptic_core::names::Choice as _;
 use haptic_live::endpoint::stand_back;
@@ -25,8 +25,12 @@ use crate::Error;
 
 /// Packets in flight that are still judged.
 const MOST_PACKETS: usize = 120;
-/// A hand of the page's on a device.
-const HAND: Hand = Hand { stiffness_n_per_m: STIFFNESS, damping_n_s_per_m: DAMPING };
+/// What is asked of a scene: the hand is one of the page's on a device.
+const QUESTION: Question = Question {
+    hand: Some(Hand { stiffness_n_per_m: STIFFNESS, damping_n_s_per_m: DAMPING }),
+    every_mode: false,
+    most_packets: MOST_PACKETS,
+};
 
 /// How far the judge stands back behind what has to be in time.
 const NICENESS: i32 = 10;
@@ -137,7 +141,7 @@ pub(super) fn find(scene: &Scene) -> Finding {
     not_judged.extend((scene.law().sends == Sends::Counters).then_some("ticks in which the line stands"));
     not_judged.extend((network.loss > 0.0).then_some("packets that are lost"));
     not_judged.extend((network.jitter != Jitter::None && network.jitter_s > 0.0).then_some("a delay that changes"));
-    Finding { not_judged, ..haptic_analysis::find(scene, Some(HAND), MOST_PACKETS) }
+    Finding { not_judged, ..haptic_analysis::find(scene, QUESTION) }
 }
 
 #[cfg(test)]
