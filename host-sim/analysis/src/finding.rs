@@ -2,11 +2,12 @@
 //! not. A page and a live peer ask this, and wait: so a gain is halved until it holds and then closed in on, in some thirty verdicts, where
 //! [`super::advice`] scans its whole range.
 //!
-//! **What is judged**: the linear scene at each delay of [`super::delays`], the walls that it can meet met as well, in every mode of
-//! [`super::judge`], or, where whoever asks wants no more, in those that it can enter by itself: where contact is two-sided and has no gap, device
-//! and object never part. A hand that may take either device beside its user is tried on both, on one and on none.
+//! **What is judged**: the linear scene at each delay of [`super::delays`], the walls that it can meet met as well. Where contact is two-sided
+//! and has no gap, device and object never part, and the mode with both hands on is all there is; elsewhere every mode of [`super::judge`]
+//! counts. A hand that may take either device beside its user is tried on both, on one and on none. What is proposed may be asked to hold in
+//! every mode, as what [`super::advice`] proposes does.
 //!
-//! **What is not**: a law that is not linear, and more packets in flight than the caller has time for: an eigenvalue costs the cube of them.
+//! **What is not**: a law that is not linear, one whose energy tank may hold back what its matrix makes grow, and more packets in flight than the caller has time for: an eigenvalue costs the cube of them.
 
 use haptic_core::contact::RenderingName;
 use haptic_core::settings::Value;
@@ -40,8 +41,8 @@ pub struct Hand {
 pub struct Question {
     /// A hand that may take either device.
     pub hand: Option<Hand>,
-    /// Also the modes in which the object is let go of where contact cannot part.
-    pub every_mode: bool,
+    /// What is proposed holds in every mode, also where contact cannot part.
+    pub for_every_mode: bool,
     /// Packets in flight one way that are still judged; of an object shared along several axes fewer, by the square of their number.
     pub most_packets: usize,
 }
@@ -73,7 +74,7 @@ pub fn find(scene: &Scene, question: Question) -> Finding {
             "with more than {most} packets in flight that takes too long here; host-sim stability point does it"
         ));
     }
-    match is_linear(scene).and_then(|linear| linear.then(|| radius(scene, question)).transpose()) {
+    match is_linear(scene).and_then(|linear| linear.then(|| radius(scene, question.hand, false)).transpose()) {
         Err(why) => unknown(&why.to_string()),
         Ok(None) => unknown("the law is not linear"),
         Ok(Some(Verdict { spectral_radius, stable: true, .. })) => Finding {
@@ -82,6 +83,9 @@ pub fn find(scene: &Scene, question: Question) -> Finding {
             text: format!("stable: spectral radius {spectral_radius:.6}, not above 1"),
             ..finding
         },
+        Ok(Some(_)) if scene.law().budgets().next().is_some() => {
+            unknown("the law's energy tank may hold back what grows here")
+        }
         Ok(Some(Verdict { spectral_radius, .. })) => {
             let (text, instead) = lower(scene, question, spectral_radius);
             let spectral_radius = Some(spectral_radius.min(f64::MAX));
@@ -113,7 +117,7 @@ pub fn measured(scene: &Scene, [least_s, most_s]: [f64; 2]) -> Scene {
 }
 
 /// The verdict with the largest spectral radius, over hands, walls, modes and delays.
-fn radius(scene: &Scene, Question { hand, every_mode, .. }: Question) -> Result<Verdict, Error> {
+fn radius(scene: &Scene, hand: Option<Hand>, every_mode: bool) -> Result<Verdict, Error> {
     let contact = &scene.peer.contact;
     let parts = contact.one_sided || contact.gap_m > 0.0 || contact.rendering == RenderingName::Impulsive;
     let modes = (!parts && !every_mode).then_some(Hands::Both);
@@ -134,7 +138,8 @@ fn lower(scene: &Scene, question: Question, radius: f64) -> (String, Option<Stri
     let size = if radius < 1e3 { format!("spectral radius {radius:.6}") } else { "far outside".to_owned() };
     let holds = |key: &str, value: f64| {
         let mut scene = scene.clone();
-        scene.set_number(key, value).is_ok() && self::radius(&scene, question).is_ok_and(|verdict| verdict.stable)
+        scene.set_number(key, value).is_ok()
+            && self::radius(&scene, question.hand, question.for_every_mode).is_ok_and(|verdict| verdict.stable)
     };
     for key in GAINS {
         let Some(Value::Number(now)) = scene.get(key) else { continue };

@@ -7,7 +7,8 @@
 //! **Before it is armed** a peer waits for the first verdict, and as long as that is that the scene is unstable, unless it is to arm anyway;
 //! what is not judged is not refused. **Afterwards** a verdict stops nothing: that is for the guards of the peer.
 //!
-//! Judging takes milliseconds to seconds: it has a thread of its own, which stands back behind what has to be in time.
+//! Judging takes milliseconds to seconds: it has a thread of its own, which stands back behind what has to be in time from the first verdict on;
+//! before that nothing is held.
 //!
 //! **Limits**: only the line to the other end is measured, also where that is a hub; how a round trip falls to its two ways nobody can measure.
 
@@ -87,8 +88,9 @@ impl Judging {
         let ((asks, asked), (answer, answers)) = (sync_channel(1), sync_channel(1));
         let find = Arc::clone(&judge.find);
         let work = move || {
+            let first = asked.recv().into_iter().try_for_each(|delays| answer.send(find(delays)));
             stand_back(NICENESS);
-            asked.into_iter().map(|delays| find(delays)).try_for_each(|verdict| answer.send(verdict))
+            first.and_then(|()| asked.into_iter().try_for_each(|delays| answer.send(find(delays))))
         };
         std::thread::Builder::new()
             .name("judge".into())

@@ -84,8 +84,8 @@ impl Hub {
     }
 }
 
-/// What is asked of a peer's scene, as `stability point` does: a verdict on more packets takes seconds, and arming waits for it.
-const QUESTION: Question = Question { hand: None, every_mode: true, most_packets: 40 };
+/// What is asked of a peer's scene; a verdict on more packets takes seconds, and arming waits for it.
+const QUESTION: Question = Question { hand: None, for_every_mode: true, most_packets: 40 };
 
 /// Who judges this scene at measured delays, and lets it arm anyway or not.
 fn judge(scene: Scene, anyway: bool) -> Judge {

@@ -1,6 +1,6 @@
 //! Whether what is asked for is stable, on a thread of its own, one order after the other.
 //!
-//! **What is judged**: [`haptic_analysis::find`] in the modes that the scene can enter, with the hands of [`super::hand`] on both devices, on one, and on none. A delay of more
+//! **What is judged**: [`haptic_analysis::find`], with the hands of [`super::hand`] on both devices, on one, and on none. A delay of more
 //! than [`MOST_PACKETS`] in flight takes seconds to judge, and is not.
 //!
 //! **What is asked first**: an order that takes a stable scene to one that is not known to be stable, unless it touches nothing
@@ -28,7 +28,7 @@ const MOST_PACKETS: usize = 120;
 /// What is asked of a scene: the hand is one of the page's on a device.
 const QUESTION: Question = Question {
     hand: Some(Hand { stiffness_n_per_m: STIFFNESS, damping_n_s_per_m: DAMPING }),
-    every_mode: false,
+    for_every_mode: false,
     most_packets: MOST_PACKETS,
 };
 
