@@ -20,7 +20,7 @@ use crate::error::Error;
 pub const MARGIN: f64 = 0.1;
 
 /// The gains, in the order in which they are tried.
-const GAINS: [&str; 2] = ["coordination.stiffness_n_per_m", "contact.stiffness_n_per_m"];
+pub(crate) const GAINS: [&str; 2] = ["coordination.stiffness_n_per_m", "contact.stiffness_n_per_m"];
 
 /// A change of one gain.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -123,7 +123,7 @@ fn nearest(sweep: &Sweep, limit: &Limit, now: f64, key: &Key) -> Result<Option<C
 }
 
 /// Three significant digits: a gain is not known better.
-fn short(value: f64) -> f64 {
+pub(crate) fn short(value: f64) -> f64 {
     format!("{value:.2e}").parse().unwrap_or(value)
 }
 

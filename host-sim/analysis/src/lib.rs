@@ -9,6 +9,7 @@
 //! | [`map`] | and of two keys? |
 //! | [`conclude`] | what is to be said of a run, together with all this? |
 //! | [`advice`] | what to change in a scene that is unstable |
+//! | [`find`] | both, quickly, while somebody waits, also at delays that were [`measured`] |
 //! | [`mod@tune`] | the stiffest contact and coordination that leave a margin |
 //! | [`agreement`] | how far the driven matrix is from the one that the paper's equations give |
 //! | [`figure4`] | the cooperation paper's Figure 4; [`picture`] draws it, and any map |
@@ -31,6 +32,7 @@ mod direction;
 mod error;
 mod family;
 pub mod figure4;
+mod finding;
 mod lifted;
 mod limit;
 mod linear;
@@ -53,6 +55,7 @@ pub use answers::answers;
 pub use conclusion::{Conclusion, conclude};
 pub use direction::Direction;
 pub use error::Error;
+pub use finding::{Finding, Hand, Question, find, measured};
 pub use lifted::constructed::hold::exponential;
 pub use lifted::delay::delays_ticks;
 pub use lifted::driven::Response;

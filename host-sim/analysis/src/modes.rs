@@ -92,16 +92,22 @@ impl Judgement {
 /// # Errors
 /// A scene that the analyser cannot judge in one of its modes.
 pub fn judge(scene: &Scene) -> Result<Judgement, Error> {
-    let mut analyser = Analyser::default();
-    let mut modes = analyser.modes(scene, None)?;
-    if let Some(met) = scene.at_walls() {
-        modes.extend(analyser.modes(&met, None)?.into_iter().map(|mode| Mode { at_walls: true, ..mode }));
-    }
+    let modes = entered_by(scene, None)?;
     Ok(Judgement { worst: worst(&modes), modes, not_judged: not_judged(scene) })
 }
 
+/// Every mode of a scene, or the one that is asked for, away from walls and at them.
+pub(crate) fn entered_by(scene: &Scene, only: Option<Hands>) -> Result<Vec<Mode>, Error> {
+    let mut analyser = Analyser::default();
+    let mut modes = analyser.modes(scene, only)?;
+    if let Some(met) = scene.at_walls() {
+        modes.extend(analyser.modes(&met, only)?.into_iter().map(|mode| Mode { at_walls: true, ..mode }));
+    }
+    Ok(modes)
+}
+
 /// The verdict with the largest spectral radius, the first of equals.
-fn worst(modes: &[Mode]) -> Verdict {
+pub(crate) fn worst(modes: &[Mode]) -> Verdict {
     modes.iter().map(|mode| mode.verdict).fold(Verdict::LEAST, Verdict::or_worse)
 }
 
@@ -153,7 +159,7 @@ impl Analyser {
 }
 
 /// What linear analysis at constant delays leaves out of this scene.
-fn not_judged(scene: &Scene) -> Vec<&'static str> {
+pub(crate) fn not_judged(scene: &Scene) -> Vec<&'static str> {
     let (peer, plant, network) = (&scene.peer, &scene.world.plant, &scene.world.network);
     let (contact, law) = (&peer.contact, &peer.coordination);
     let recorded = scene.network_trace.is_some();

@@ -41,7 +41,7 @@ const PASSING: [ErrorKind; 6] = [
 pub struct Stop(Arc<AtomicBool>);
 
 impl Stop {
-    /// Asked by Ctrl-C and SIGTERM: what runs ends with its report and exit status 0. The second of them ends the process at
+    /// Asked by Ctrl-C and SIGTERM: what runs ends with its report, and exit status 0 where all was well. The second of them ends the process at
     /// once, with status 2.
     ///
     /// # Errors

@@ -13,6 +13,7 @@ pub mod refused;
 pub mod relay;
 pub mod tell;
 pub mod trials;
+pub mod verdict;
 pub mod watch;
 
 pub use error::Error;

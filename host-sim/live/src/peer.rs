@@ -1,11 +1,11 @@
 //! One peer in real time: a [`Node`] on an endpoint. What was heard in a packet period goes into the exchange at its end, newest
-//! flow only.
+//! flow only. It arms when the other one is there and, where somebody judges its scene ([`super::verdict`]), when the verdict lets it.
 
 use std::{net::SocketAddr, time::Duration};
 
 use haptic_core::safety::Mode;
 use haptic_protocol::key::Key;
-use haptic_protocol::link::{Error, Notice};
+use haptic_protocol::link::Error;
 use haptic_protocol::wire::{Flows, Message, Telemetry};
 use haptic_sim::engine::{Actor, Out};
 use haptic_sim::measure::port::{ObjectPort, PortEnergy};
@@ -14,131 +14,14 @@ use haptic_sim::peers::Builds;
 use haptic_sim::run::AXIS_NAMES;
 use haptic_sim::start::AFTER_US;
 use haptic_sim::{key_file::entropy, node::Node, of_axes, scene::Scene};
-use serde::Serialize;
 
-use super::endpoint::{Endpoint, Live, Punctuality, Span, Stop, Ticker};
-use super::watch::{LiveOptions, LiveSummary, TELLING_S, Watch};
+mod report;
+
+use super::endpoint::{Endpoint, Live, Span, Stop, Ticker};
+use super::verdict::Judging;
+use super::watch::{LiveOptions, TELLING_S, Watch};
 use crate::refused::{Refused, is_telling, wrong};
-
-/// What one peer saw.
-#[derive(Clone, Debug, Serialize)]
-pub struct Report {
-    /// Number of this peer: 1 is the left one, 2 the right one.
-    pub peer: u8,
-    /// Number of ticks while armed.
-    pub ticks: u64,
-    /// Mean |x_o − x_d| over the last half, mm; of several shared axes the distance in the plane or in space.
-    pub decoded_discrepancy_mm: f64,
-    /// Of several shared axes, along the first.
-    #[serde(flatten)]
-    pub seen: LiveSummary,
-    /// Of one shared axis, or the first.
-    #[serde(flatten)]
-    pub forces: Forces,
-    /// Each of several shared axes.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub axes: Vec<AxisReport>,
-    /// What the wall in the room of its device pushed with over the last half, N of the device; absent without one.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub wall_force_n: Option<Statistics>,
-    /// Energy through the ports of its coordination while armed, J, summed over all shared axes.
-    pub port_energy: Ports,
-    /// Why it stopped, if it did.
-    pub fault: Option<String>,
-    /// What the link reported, in order, with the time in s since the start.
-    pub notices: Vec<(f64, String)>,
-    /// Smoothed round trip of the link, µs; none if none was measured.
-    pub round_trip_us: Option<u32>,
-    /// Mean deviation of the round trip, µs.
-    pub jitter_us: u32,
-    /// The other peer's clock less this one's, µs.
-    pub clock_offset_us: Option<i64>,
-    /// How much faster the other peer's clock runs, ppm.
-    pub clock_drift_ppm: f32,
-    /// What the other peer's newest telemetry says; none before any came.
-    pub other: Option<RemoteReport>,
-    /// Sealed datagrams of the other peer that were opened and accepted.
-    pub datagrams_taken: u32,
-    /// Sealed datagrams of the other peer that never came.
-    pub datagrams_missing: u32,
-    /// Datagrams refused: forged, replayed or broken.
-    pub datagrams_refused: u32,
-    /// How well the control loop kept its ticks.
-    pub punctuality: Punctuality,
-}
-
-/// Forces along one axis, over the last half.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct Forces {
-    /// Mean coordination force F_T, N.
-    pub coordination_force_n: f64,
-    /// Contact force F_LC, N of the world.
-    pub contact_force_n: Statistics,
-}
-
-/// What one peer saw along one of several shared axes.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct AxisReport {
-    axis: &'static str,
-    decoded_discrepancy_mm: f64,
-    #[serde(flatten)]
-    forces: Forces,
-}
-
-/// Energy through the ports of its coordination while armed, J, of all shared axes, and what came out over what went in: above 1 it made
-/// energy.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct Ports {
-    received_j: f64,
-    sent_j: f64,
-    to_object_j: f64,
-    from_object_j: f64,
-    stored_j: f64,
-    out_over_in: f64,
-}
-
-impl From<PortEnergy> for Ports {
-    fn from(energy: PortEnergy) -> Self {
-        let PortEnergy { received_j, sent_j, to_object_j, from_object_j, stored_j } = energy;
-        Self { received_j, sent_j, to_object_j, from_object_j, stored_j, out_over_in: energy.out_over_in() }
-    }
-}
-
-/// What the other peer's telemetry says.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct RemoteReport {
-    ticks: u32,
-    /// 0 disarmed, 1 armed, 2 faulted.
-    mode: u8,
-    fault: u8,
-    /// Its coordination force F_T on the object, N; of several shared axes along the first.
-    pub coordination_force_n: f32,
-    /// The round trip as it measures it, µs.
-    round_trip_us: u32,
-    /// From and to the network.
-    energy_received_j: f64,
-    energy_sent_j: f64,
-}
-
-impl RemoteReport {
-    /// From telemetry of the other peer, as it came.
-    pub fn new(said: &Telemetry) -> Self {
-        Self {
-            ticks: said.tick,
-            mode: said.mode,
-            fault: said.fault,
-            coordination_force_n: said.coordination_force,
-            round_trip_us: said.round_trip_us,
-            energy_received_j: said.energy_received,
-            energy_sent_j: said.energy_sent,
-        }
-    }
-}
-
-/// Notices and when they were given, µs, as a report has them.
-pub fn notice_texts<'a>(notices: impl IntoIterator<Item = &'a (u64, Notice)>) -> Vec<(f64, String)> {
-    notices.into_iter().map(|(at_us, notice)| (*at_us as f64 * 1e-6, format!("{notice:?}"))).collect()
-}
+pub use report::{AxisReport, Forces, Ports, RemoteReport, Report, notice_texts};
 
 /// How long a peer that refuses the other one goes on calling, so that the other learns of it as well, µs.
 const LINGER_US: u64 = 500_000;
@@ -163,11 +46,33 @@ struct LivePeer<const SHARED: usize, const N: usize> {
     /// For so long now, µs.
     now_us: u64,
     watch: Watch,
+    /// Whether it may arm.
+    judging: Option<Judging>,
+    /// Since when it may not, if it has never been armed, µs.
+    refused_us: Option<u64>,
+    /// How long it waits then, s.
+    duration_s: f64,
     /// Tick of the newest telemetry.
     reported_tick: Option<u32>,
 }
 
-impl<const SHARED: usize, const N: usize> LivePeer<SHARED, N> {
+impl<const SHARED: usize, const N: usize> LivePeer<SHARED, N>
+where
+    Flows<SHARED>: Into<Message>,
+{
+    /// Keeps the motors off until the verdict lets them be armed. Once they are, they stay so.
+    fn heed_verdict(&mut self) {
+        let (Some(judging), mode) = (&mut self.judging, self.node.peer.mode()) else { return };
+        if let Some(words) = judging.look(self.now_us, mode == Mode::Armed) {
+            self.watch.teller.words(words);
+        }
+        if mode == Mode::Disarmed && self.node.is_halted() == judging.lets_arm() {
+            self.node.halt(!judging.lets_arm());
+        }
+        let refused = mode == Mode::Disarmed && self.node.armed_ticks == 0 && judging.refuses().is_some();
+        self.refused_us = refused.then(|| self.refused_us.unwrap_or(self.now_us));
+    }
+
     fn differs_in(&self, table: &str) -> String {
         format!("{} was told other parameters: table [{table}] of the scene differs", self.connect)
     }
@@ -185,6 +90,9 @@ where
             Ok(flow) => {
                 let line = &self.node.line;
                 self.watch.heard(now_ns, line, flow.is_some());
+                if let Some(judging) = &mut self.judging {
+                    judging.see(line.link.clock().newest());
+                }
                 let tick = line.heard.as_ref().map(|said| said.tick);
                 if let Some(said) = line.heard.as_ref().filter(|_| tick != self.reported_tick) {
                     self.watch.said(said, line.link.sealed_us(), self.node.armed_ticks);
@@ -198,9 +106,10 @@ where
     }
 
     fn act(&mut self, now_ns: u64, out: &mut Out<'_, SocketAddr, [u8]>) {
-        let node = &mut self.node;
-        node.tick(now_ns / 1_000, |bytes| out(self.connect, bytes));
         self.now_us = now_ns / 1_000;
+        self.heed_verdict();
+        let node = &mut self.node;
+        node.tick(self.now_us, |bytes| out(self.connect, bytes));
         let since_us = self.differs.map_or(self.now_us, |(_, since_us)| since_us);
         self.differs = node.line.link.refused().map(|table| (table, since_us));
         if let Some(tick) = node.armed_ticks.checked_sub(1) {
@@ -216,7 +125,7 @@ where
             let wall_n = node.wall_n();
             self.whole.see(tick, [decoded_m, wall_n, wall_n * wall_n]);
         }
-        self.watch.ticked(now_ns, node);
+        self.watch.ticked(now_ns, node, self.judging.as_ref());
         if let Some((from, why)) = self.impossible.take(self.now_us) {
             self.watch.teller.words(wrong(from, &why));
         }
@@ -232,7 +141,9 @@ where
     }
 
     fn end(&mut self) -> Option<Result<(), crate::Error>> {
-        let over = (self.node.armed_ticks >= self.ticks).then_some(Ok(()));
+        let waited_s = self.refused_us.map(|since_us| 1e-6 * (self.now_us - since_us) as f64);
+        let waited = waited_s.is_some_and(|waited_s| waited_s >= self.duration_s);
+        let over = (waited || self.node.armed_ticks >= self.ticks).then_some(Ok(()));
         let overdue = self.differs.filter(|(_, since_us)| self.now_us >= since_us + LINGER_US);
         overdue.map(|(table, _)| Err(self.differs_in(table).into())).or(over)
     }
@@ -242,7 +153,17 @@ where
         if let Some((table, _)) = self.differs {
             return Some(self.differs_in(table));
         }
+        if self.refused_us.is_some() {
+            return None;
+        }
+        let off = |said: &Telemetry| said.mode == 0;
         (!self.node.is_moving() && self.node.armed_ticks == 0).then(|| match self.node.line.link.is_up() {
+            true if self.node.is_halted() => format!(
+                "{connect} is there, but what this scene is over so long a line was not known within {patience_s} s"
+            ),
+            true if self.node.peer.mode() == Mode::Armed && self.node.line.heard.as_ref().is_some_and(off) => {
+                format!("{connect} is there, but did not arm within {patience_s} s: that end says why")
+            }
             true if self.node.peer.mode() == Mode::Armed => format!(
                 "{connect} is there, but not both ends of the line were live within {patience_s} s: a hub waits until all its lines are"
             ),
@@ -299,6 +220,9 @@ where
     let endpoint = Endpoint::polled(listen)?;
     endpoint.reaches(connect)?;
     let mut peer = LivePeer {
+        judging: wanted.judge.as_ref().map(|judge| Judging::start(judge, period_s)).transpose()?,
+        refused_us: None,
+        duration_s,
         watch: Watch::new(wanted, scene, number, endpoint.start(), connect.to_string(), ticks)?,
         reported_tick: None,
         node,
@@ -315,7 +239,8 @@ where
     };
     let ticker = Ticker::realtime(Duration::from_secs_f64(period_s));
     let punctuality = endpoint.run(ticker, patience_s, stop, &mut peer)?;
-    let LivePeer { node, halves, whole, ports, watch, .. } = peer;
+    let LivePeer { node, halves, whole, ports, watch, judging, refused_us, .. } = peer;
+    let (verdict, verdicts) = judging.map_or_else(Default::default, |judging| (judging.verdict, judging.said));
     let [decoded_m, wall, wall_squared] = whole.means();
     let along = |(axis, half): (&'static str, &LastHalf<4>)| {
         let [discrepancy_m, coordination_force_n, contact, contact_squared] = half.means();
@@ -342,6 +267,9 @@ where
             Mode::Faulted(fault) => Some(format!("fault {}: {}", fault.number(), fault.explain())),
             _ => None,
         },
+        verdict,
+        verdicts,
+        refused: refused_us.is_some(),
         notices: notice_texts(&line.notices),
         round_trip_us: link.clock().round_trip_us(),
         jitter_us: link.clock().jitter_us(),

@@ -32,7 +32,7 @@ pub struct Second {
     pub done_s: f64,
     /// Length of the whole experiment, s.
     pub of_s: f64,
-    /// `calling`, `waiting`, `armed`, `faulted`.
+    /// `calling`, `waiting`, `refused`, `armed`, `faulted`.
     pub state: &'static str,
     /// Who is at the other end.
     pub partner: String,
@@ -48,6 +48,9 @@ pub struct Second {
     pub clock_error_us: Option<f64>,
     /// Share of the second in which the line lived.
     pub live_share: Option<f64>,
+    /// Whether the scene is stable at the delays that are measured, as far as that is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stable: Option<bool>,
     /// What stopped this end, if anything did.
     pub fault: Option<String>,
 }
@@ -68,6 +71,9 @@ impl Second {
         }
         if let Some(share) = self.live_share {
             words += &format!("  live {:.0} %", 1e2 * share);
+        }
+        if self.stable == Some(false) {
+            words += "  unstable";
         }
         match &self.fault {
             Some(fault) => words + "  " + fault,

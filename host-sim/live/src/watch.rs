@@ -13,6 +13,7 @@ use serde::Serialize;
 
 use super::discrepancy::{PositionHistory, Sum};
 use super::tell::{Manner, Second, Teller};
+use super::verdict::{Judge, Judging};
 use crate::Error;
 use crate::recording::common_clock::{Relation, Watched};
 use crate::recording::mcap::Channel;
@@ -32,6 +33,8 @@ pub struct LiveOptions {
     pub record: Option<(PathBuf, Provenance)>,
     /// How lines are said while it runs.
     pub manner: Manner,
+    /// Judges a peer's scene at the delays that it measures; without it a peer arms as soon as it hears the other one.
+    pub judge: Option<Judge>,
 }
 
 impl LiveOptions {
@@ -194,8 +197,12 @@ impl Watch {
     }
 
     /// A tick is over.
-    pub(crate) fn ticked<const SHARED: usize, const N: usize>(&mut self, now_ns: u64, node: &Node<SHARED, N>)
-    where
+    pub(crate) fn ticked<const SHARED: usize, const N: usize>(
+        &mut self,
+        now_ns: u64,
+        node: &Node<SHARED, N>,
+        judging: Option<&Judging>,
+    ) where
         Flows<SHARED>: Into<Message>,
     {
         // All axes count the same.
@@ -223,12 +230,16 @@ impl Watch {
         }
         self.reported = line.noticed;
         if f64::from(self.of_this[0]) * self.period_s >= 1.0 {
-            self.second(now_ns, node);
+            self.second(now_ns, node, judging);
         }
     }
 
-    fn second<const SHARED: usize, const N: usize>(&mut self, now_ns: u64, node: &Node<SHARED, N>)
-    where
+    fn second<const SHARED: usize, const N: usize>(
+        &mut self,
+        now_ns: u64,
+        node: &Node<SHARED, N>,
+        judging: Option<&Judging>,
+    ) where
         Flows<SHARED>: Into<Message>,
     {
         self.clock.look();
@@ -239,11 +250,14 @@ impl Watch {
         let of_clock = ticks::relation(time_s, relation);
         let values = [number(sum.rms_m()), number(sum.largest_m()), number(sum.error_m()), live_share];
         let missing = f64::from(link.counts().missing);
-        self.record(ticks::SECONDS, now_ns, &[&of_clock[..], &values, &[missing]].concat());
+        let stable = judging.and_then(|judging| judging.verdict.as_ref()?.stable);
+        let stands = [missing, number(stable.map(|stable| f64::from(u8::from(stable))))];
+        self.record(ticks::SECONDS, now_ns, &[&of_clock[..], &values, &stands].concat());
         let mm = |metres: Option<f64>| metres.map(|metres| 1e3 * metres);
         let (state, fault) = match node.peer.mode() {
             Mode::Faulted(fault) => ("faulted", Some(format!("fault {}: {}", fault.number(), fault.explain()))),
             Mode::Armed if node.is_moving() => ("armed", None),
+            Mode::Disarmed if judging.is_some_and(|judging| judging.refuses().is_some()) => ("refused", None),
             _ if link.is_up() => ("waiting", None),
             _ => ("calling", None),
         };
@@ -259,6 +273,7 @@ impl Watch {
             true_discrepancy_error_mm: mm(sum.error_m()),
             clock_error_us: relation.map(|relation| 1e6 * relation.error_s(time_s)),
             live_share: link.is_up().then_some(live_share),
+            stable,
             fault,
         });
     }

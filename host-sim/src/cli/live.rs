@@ -1,15 +1,20 @@
 //! `host-sim peer` and `host-sim hub`: live peers, two of them or 2 to 16 around a hub.
 
 use std::net::SocketAddr;
+use std::sync::Arc;
 
 use clap::Args;
+use haptic_analysis::{Finding, Question, find, measured};
 use haptic_environments::cooperative::MOST_USERS;
 use haptic_environments::live::hub;
 use haptic_live::endpoint::{Span, Stop};
 use haptic_live::peer;
+use haptic_live::verdict::{Judge, Verdict};
+use haptic_live::watch::LiveOptions;
+use haptic_sim::scene::Scene;
 
 use super::flags::{End, Patience, Watching};
-use super::{Failure, SceneArgs, Ui};
+use super::{Failure, SceneArgs, Ui, ui::Unsuccessful};
 
 #[derive(Debug, Args)]
 #[command(mut_arg("scene", |scene| scene.default_value("any-network")))]
@@ -26,6 +31,10 @@ pub(super) struct Peer {
     end: End,
     #[command(flatten)]
     patience: Patience,
+    /// Arm also where the scene is unstable at the delays that are measured; without it, such a peer waits for a better network, and ends
+    /// with exit status 1 if none comes within --seconds.
+    #[arg(long)]
+    anyway: bool,
     #[command(flatten)]
     watching: Watching,
 }
@@ -37,9 +46,13 @@ impl Peer {
         let span = span(&self.end, &self.patience);
         let ends = [self.end.listen, self.connect];
         let provenance = ui.provenance().settings(scene.settings()).with("peer", self.number);
-        let wanted = self.watching.wanted(provenance);
+        let judge = Some(judge(scene.clone(), self.anyway));
+        let wanted = LiveOptions { judge, ..self.watching.wanted(provenance) };
         let report = peer::run(&scene, key, self.number, ends, span, &wanted, &Stop::on_signals()?)?;
-        ui.live_report(self.watching.json_lines, &format!("peer {}", self.number), &report)
+        ui.live_report(self.watching.json_lines, &format!("peer {}", self.number), &report)?;
+        let unstable =
+            report.verdict.filter(|_| report.refused).map(|verdict| format!("never armed: {}", verdict.text));
+        report.fault.or(unstable).map_or(Ok(()), |why| Err(Unsuccessful(why).into()))
     }
 }
 
@@ -69,6 +82,19 @@ impl Hub {
         let report = hub::run(&scene, &key, users.into(), listen, span, &wanted, &Stop::on_signals()?)?;
         ui.live_report(self.watching.json_lines, "hub", &report)
     }
+}
+
+/// What is asked of a peer's scene; a verdict on more packets takes seconds, and arming waits for it.
+const QUESTION: Question = Question { hand: None, for_every_mode: true, most_packets: 40 };
+
+/// Who judges this scene at measured delays, and lets it arm anyway or not.
+fn judge(scene: Scene, anyway: bool) -> Judge {
+    let find = move |one_way_s: [f64; 2]| {
+        let found = find(&measured(&scene, one_way_s), QUESTION);
+        let Finding { stable, spectral_radius, text, instead, not_judged } = found;
+        Verdict { one_way_ms: one_way_s.map(|s| 1e3 * s), stable, spectral_radius, text, instead, not_judged }
+    };
+    Judge { find: Arc::new(find), unless: (!anyway).then_some("with --anyway it does") }
 }
 
 fn span(end: &End, patience: &Patience) -> Span {

@@ -2,8 +2,8 @@
 //!
 //! A command is `args.run(ui)`: results go to standard output (`--json`: one JSON document and nothing else), progress and
 //! warnings to standard error, all of it through `ui::Ui`; flags that several commands take are declared in `flags`.
-//! Exit status: 0 when the work was done (an unstable scene is a result), 2 for bad input, with one line that says what to
-//! change, 141 when whoever read the results went away.
+//! Exit status: 0 when the work was done (an unstable scene is a result), 1 when a live peer ended with a fault or was never let arm, 2 for
+//! bad input, with one line that says what to change, 141 when whoever read the results went away.
 
 mod accuracy;
 mod architectures;
@@ -39,7 +39,7 @@ use flags::SceneArgs;
 use haptic_report::Columns;
 use haptic_sim::{Laws, scene::nearest};
 pub use ui::provenance;
-use ui::{Failure, Ui};
+use ui::{Failure, Ui, Unsuccessful};
 
 /// Declares a command, or a group of them, and runs whichever was asked for.
 macro_rules! commands {
@@ -241,7 +241,7 @@ impl Cli {
             Ok(()) => ExitCode::SUCCESS,
             Err(error) => {
                 haptic_io::say(format_args!("host-sim: {}", haptic_io::escaped(&error.to_string())));
-                ExitCode::from(2)
+                ExitCode::from(if error.is::<Unsuccessful>() { 1 } else { 2 })
             }
         }
     }

@@ -21,6 +21,18 @@ use super::number::number;
 
 pub(super) use crate::Error as Failure;
 
+/// The work was done and its results are out, but it did not go well: why, for exit status 1.
+#[derive(Debug)]
+pub(super) struct Unsuccessful(pub(super) String);
+
+impl fmt::Display for Unsuccessful {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for Unsuccessful {}
+
 /// Where a command's output goes.
 #[derive(Clone, Debug)]
 pub(super) struct Ui {

@@ -1,9 +1,7 @@
 //! Whether what is asked for is stable, on a thread of its own, one order after the other.
 //!
-//! **What is judged**: the linear scene at its shortest and at its longest constant delay, with the hands of [`super::hand`] on both
-//! devices, on one, and on none. Where contact is two-sided and has no gap, device and object never part, and the mode with both
-//! in contact is all there is; elsewhere every mode of [`haptic_analysis::judge`] counts. A delay of more than [`MOST_PACKETS`] in
-//! flight takes seconds to judge, and is not.
+//! **What is judged**: [`haptic_analysis::find`], with the hands of [`super::hand`] on both devices, on one, and on none. A delay of more
+//! than [`MOST_PACKETS`] in flight takes seconds to judge, and is not.
 //!
 //! **What is asked first**: an order that takes a stable scene to one that is not known to be stable, unless it touches nothing
 //! but the network, which nobody asks. Such a window learns why, and what to change; who says `anyway` gets it.
@@ -11,14 +9,11 @@
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
-use haptic_analysis::{delays_ticks, judge, verdict};
-use haptic_core::contact::RenderingName;
+use haptic_analysis::{Finding, Hand, Question, delays_ticks};
+use haptic_core::law::Sends;
 use haptic_core::names::Choice as _;
-use haptic_core::{law::Sends, settings::Value};
 use haptic_live::endpoint::stand_back;
-use haptic_plot::significant;
 use haptic_sim::scene::{Jitter, Scene};
-use serde::Serialize;
 use serde_json::json;
 
 use super::hand::{DAMPING, STIFFNESS};
@@ -30,12 +25,12 @@ use crate::Error;
 
 /// Packets in flight that are still judged.
 const MOST_PACKETS: usize = 120;
-/// Gains that are proposed to be lowered, in the order in which they are tried: K_T costs coherency, K_LC feel.
-const GAINS: [&str; 2] = ["coordination.stiffness_n_per_m", "contact.stiffness_n_per_m"];
-/// Halvings of a gain, then of the interval that holds the edge; how far inside it a proposal lies.
-const HALVINGS: i32 = 16;
-const CLOSER: usize = 10;
-const MARGIN: f64 = 0.1;
+/// What is asked of a scene: the hand is one of the page's on a device.
+const QUESTION: Question = Question {
+    hand: Some(Hand { stiffness_n_per_m: STIFFNESS, damping_n_s_per_m: DAMPING }),
+    for_every_mode: false,
+    most_packets: MOST_PACKETS,
+};
 
 /// How far the judge stands back behind what has to be in time.
 const NICENESS: i32 = 10;
@@ -44,21 +39,6 @@ const NICENESS: i32 = 10;
 pub(super) struct Ask {
     pub(super) window: u64,
     pub(super) line: String,
-}
-
-/// What is known of a scene.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub(super) struct Finding {
-    /// None where it was not judged.
-    pub(super) stable: Option<bool>,
-    /// Largest spectral radius of a packet period.
-    pub(super) spectral_radius: Option<f64>,
-    /// In words, with what to change.
-    pub(super) text: String,
-    /// `key=value` that would make it stable, if one gain does.
-    pub(super) instead: Option<String>,
-    /// What the verdict leaves out.
-    pub(super) not_judged: Vec<&'static str>,
 }
 
 /// Starts the thread; gives where orders go. What is `fixed` is not changed, for this reason.
@@ -159,93 +139,14 @@ fn tell(mailbox: &Mailbox, scene: &Scene, finding: Option<&Finding>) {
     mailbox.lock().tell(json!({ "holds": holds }).to_string());
 }
 
-/// Judges whether a scene is stable.
+/// What is found of a scene whose devices the page's hands may hold.
 pub(super) fn find(scene: &Scene) -> Finding {
     let network = &scene.world.network;
-    let in_flight = |scene: &Scene| {
-        let longest = delays_ticks(&scene.linear()).into_iter().max().unwrap_or_default();
-        longest / scene.peer.timing.ticks_per_packet as usize
-    };
-    let mut longest = scene.clone();
-    if network.jitter == Jitter::Uniform {
-        longest.world.network.extra_delay_s += network.jitter_s;
-    }
     let mut not_judged = vec!["limits of force and speed", "the ends of travel"];
     not_judged.extend((scene.law().sends == Sends::Counters).then_some("ticks in which the line stands"));
     not_judged.extend((network.loss > 0.0).then_some("packets that are lost"));
     not_judged.extend((network.jitter != Jitter::None && network.jitter_s > 0.0).then_some("a delay that changes"));
-    if in_flight(&longest) > MOST_PACKETS {
-        let text = format!(
-            "not judged: with more than {MOST_PACKETS} packets in flight that takes too long here; host-sim stability point does it"
-        );
-        return Finding { text, not_judged, ..Finding::default() };
-    }
-    match radius(scene, &longest) {
-        Err(why) => Finding { text: format!("not judged: {why}"), not_judged, ..Finding::default() },
-        Ok((radius, true)) => {
-            let text = format!("stable: spectral radius {radius:.6}, not above 1");
-            Finding { stable: Some(true), spectral_radius: Some(radius), text, instead: None, not_judged }
-        }
-        Ok((radius, false)) => {
-            let (text, instead) = advice(scene, &longest, radius);
-            Finding { stable: Some(false), spectral_radius: Some(radius.min(f64::MAX)), text, instead, not_judged }
-        }
-    }
-}
-
-/// The largest spectral radius of a scene whose delay is between that of the first and that of the second, and whether all are
-/// stable.
-fn radius(shortest: &Scene, longest: &Scene) -> Result<(f64, bool), haptic_analysis::Error> {
-    let contact = &shortest.peer.contact;
-    let parts = contact.one_sided || contact.gap_m > 0.0 || contact.rendering == RenderingName::Impulsive;
-    let delays = if shortest.world.network == longest.world.network { &[shortest][..] } else { &[shortest, longest] };
-    let mut worst = (f64::NEG_INFINITY, true);
-    for scene in delays {
-        for hands in [&[][..], &[0], &[0, 1]] {
-            let mut held = (*scene).clone();
-            for user in hands {
-                let user = &mut held.users[*user].settings.user;
-                user.arm_stiffness_n_per_m += STIFFNESS;
-                user.arm_damping_n_s_per_m += DAMPING;
-            }
-            // Each delay is judged by itself.
-            held.world.network.jitter = Jitter::None;
-            let found = if parts { judge(&held)?.worst } else { verdict(&held)? };
-            worst = (worst.0.max(found.spectral_radius), worst.1 && found.stable);
-        }
-    }
-    Ok(worst)
-}
-
-/// What is wrong with an unstable scene and what to change, in words and as `key=value`.
-fn advice(scene: &Scene, longest: &Scene, radius: f64) -> (String, Option<String>) {
-    let size = if radius < 1e3 { format!("spectral radius {radius:.6}") } else { "far outside".to_owned() };
-    let at = |key: &str, value: f64| -> Option<bool> {
-        let [mut shortest, mut longest] = [scene, longest].map(Clone::clone);
-        shortest.set_number(key, value).ok()?;
-        longest.set_number(key, value).ok()?;
-        self::radius(&shortest, &longest).ok().map(|(_, stable)| stable)
-    };
-    for key in GAINS {
-        let Some(Value::Number(now)) = scene.get(key) else { continue };
-        let lower = (1..=HALVINGS).map(|halvings| now * f64::powi(0.5, halvings));
-        let Some(mut inside) = lower.into_iter().find(|value| at(key, *value) == Some(true)) else { continue };
-        let mut outside = 2.0 * inside;
-        for _ in 0..CLOSER {
-            let middle = 0.5 * (inside + outside);
-            *(if at(key, middle) == Some(true) { &mut inside } else { &mut outside }) = middle;
-        }
-        // Three significant digits: a gain is not known better.
-        let to: f64 = format!("{:.2e}", (1.0 - MARGIN) * inside).parse().unwrap_or(inside);
-        if at(key, to) == Some(true) {
-            let text = format!(
-                "unstable: {size}, above 1. Lower {key} from {now} to {to} N/m: its limit here is {} N/m",
-                significant(inside, 4)
-            );
-            return (text, Some(format!("{key}={to}")));
-        }
-    }
-    (format!("unstable: {size}, above 1. No single stiffness mends it: try less delay, or more damping"), None)
+    Finding { not_judged, ..haptic_analysis::find(scene, QUESTION) }
 }
 
 #[cfg(test)]

@@ -1,3 +1,4 @@
+use haptic_analysis::MARGIN;
 use haptic_sim::{Laws, scenes};
 
 use super::*;

@@ -14,7 +14,7 @@ fn python(key: &str, [from, to]: [u8; 2], line: u32, [listen, connect]: [&str; 2
     let program = Path::new(env!("CARGO_MANIFEST_DIR")).join("../protocol/tests/inside/peer.py");
     let port = |address: &str| address.rsplit(':').next().and_then(|port| port.parse::<u16>().ok()).expect("a port");
     let told = json!({
-        "key": key, "from": from, "to": to, "line": line, "listen": port(listen), "connect": port(connect), "seconds": 1.5, "ask": asks,
+        "key": key, "from": from, "to": to, "line": line, "listen": port(listen), "connect": port(connect), "seconds": 2.5, "ask": asks,
     });
     let mut command = Command::new("python3");
     command.arg(&program).arg(told.to_string()).env("PYTHONDONTWRITEBYTECODE", "1");
@@ -31,7 +31,7 @@ fn notices(of: &Value) -> Vec<&str> {
     of["notices"].as_array().expect("a list").iter().filter_map(|one| one[1].as_str()).collect()
 }
 
-/// Flow both ways for a second and a half, and a goodbye.
+/// Flow both ways for a while, and a goodbye.
 fn was_there(of: &Value, python: &Value) {
     assert_eq!(python["confirmed"], true, "{python}");
     assert!(number(python, "flows") > 50.0 && number(python, "replies") > 10.0, "{python}");

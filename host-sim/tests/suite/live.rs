@@ -175,6 +175,7 @@ fn the_readmes_pair_holds_wherever_it_is() {
             let most = live["largest_true_discrepancy_mm"].as_f64().expect("both ends were heard");
             println!("{delay:?}: {most:.3} mm, round trip {} µs", live["round_trip_us"]);
             assert!(live["fault"] == Value::Null && most < 5.0, "{delay:?}: {live}");
+            assert_eq!(live["verdict"]["stable"], true, "{delay:?}: {live}");
         }
         if let Some(relay) = relay {
             let taken = |way: &Value| way["taken"].as_f64().is_some_and(|taken| taken > 3000.0);
@@ -463,7 +464,7 @@ fn leader_and_follower(folder: &Path, keys: &[String], at: usize, seconds: u32) 
         command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("host-sim runs")
     };
     let [one, two, for_one, for_two] = addresses();
-    let (relayed, seconds) = ((seconds + 2).to_string(), seconds.to_string());
+    let (relayed, seconds) = ((seconds + 4).to_string(), seconds.to_string());
     let listen = ["network", "relay", "--seconds", &relayed, "--listen-1", &for_one, "--listen-2", &for_two];
     let relay = spawn(&listen, &mut |relay| _ = relay.args(["--peer-1", &one, "--peer-2", &two]));
     let peers = [("1", &one, &for_one), ("2", &two, &for_two)].map(|(number, listen, connect)| {

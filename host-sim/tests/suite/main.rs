@@ -12,6 +12,7 @@ mod flood;
 mod hub;
 mod key_files;
 mod live;
+mod live_verdict;
 mod one_way;
 mod operator;
 mod outside;

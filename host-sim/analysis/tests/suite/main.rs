@@ -6,6 +6,7 @@ mod agreement;
 mod answers;
 mod bounds;
 mod envelope;
+mod finding;
 mod hard_cases;
 mod midpoint;
 mod modes;

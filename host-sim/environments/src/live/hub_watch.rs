@@ -165,6 +165,7 @@ impl HubWatch {
             true_discrepancy_error_mm: mm(sum.error_m()),
             clock_error_us: error_s.map(|error_s| 1e6 * error_s),
             live_share: hub.packets.is_some().then_some(live as f64 / self.clocks.len() as f64),
+            stable: None,
             fault,
         });
     }

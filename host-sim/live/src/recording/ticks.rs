@@ -34,7 +34,7 @@ pub const EXCHANGE: [Named; 5] = [
 ];
 
 /// Columns of a second.
-pub const SECOND: [Named; 11] = [
+pub const SECOND: [Named; 12] = [
     TIME,
     ("clock_offset_s", "the other end's clock less this one"),
     (
@@ -49,6 +49,10 @@ pub const SECOND: [Named; 11] = [
     ("true_discrepancy_error_m", "the largest that the clock's error makes of it: speed of the copy times that"),
     ("live_share", "share of the second in which the line lived"),
     ("missing", "datagrams of the other end that never came, since the start"),
+    (
+        "stable",
+        "1 where the scene is stable at the delays that are measured, 0 where not; empty where that is not known",
+    ),
 ];
 
 /// Columns of a hub's second.
