@@ -1,8 +1,8 @@
 //! Whether a peer may arm: what its scene is at the delays that its link measures, asked of whoever can say, before and while it is armed.
 //!
-//! **Measured**: half of the last [`KEPT`] round trips, without an eighth of them at either end, which a busy machine makes. **Asked**: after
-//! [`LEAST`] round trips, and again, [`AGAIN_US`] after the last time at the earliest, when they fill other ticks than those that were
-//! judged. **Said**: every change from stable to unstable and back.
+//! **Measured**: half of the last [`KEPT`] round trips, without an eighth of them at either end, which a busy machine makes; nothing counts of
+//! what was before a step. **Asked**: after [`LEAST`] round trips, and again, [`AGAIN_US`] after the last time at the earliest, when they
+//! fill other ticks than those that were judged. **Said**: every change from stable to unstable and back.
 //!
 //! **Before it is armed** a peer waits for the first verdict, and as long as that is that the scene is unstable, unless it is to arm anyway;
 //! what is not judged is not refused. **Afterwards** a verdict stops nothing: that is for the guards of the peer.
@@ -26,6 +26,8 @@ use crate::endpoint::stand_back;
 const KEPT: usize = 16;
 /// Round trips before the first verdict: a quarter of a second with a packet every 8 ms.
 const LEAST: usize = 4;
+/// Newest round trips that tell a step, more than a tick away from all before them: as soon as an eighth does not hide them.
+const STEP: usize = 3;
 /// Between two verdicts, µs.
 const AGAIN_US: u64 = 1_000_000;
 /// How far the judge stands back behind what has to be in time.
@@ -119,6 +121,15 @@ impl Judging {
         }
         let away_us = back.saturating_sub(sent);
         self.round_trips_s.push_back(1e-6 * away_us.saturating_sub(answered.saturating_sub(there)) as f64);
+        let before = self.round_trips_s.len().saturating_sub(STEP);
+        let range = |from: usize, to: usize| {
+            let some = self.round_trips_s.range(from..to);
+            some.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], s| [least.min(*s), most.max(*s)])
+        };
+        let ([least, most], [newest_least, newest_most]) = (range(0, before), range(before, self.round_trips_s.len()));
+        if newest_least > most + self.period_s || newest_most < least - self.period_s {
+            self.round_trips_s.drain(..before);
+        }
     }
 
     /// Least and largest round trip, s, as far as they count; none before there are enough.
