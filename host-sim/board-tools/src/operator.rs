@@ -41,7 +41,7 @@ pub struct Session {
     consent: Consent,
     /// Consent was given when something was sealed last.
     consented: bool,
-    /// From when on what is sealed here says that it was taken back, µs; after every yes, and after all that the board can have echoed before.
+    /// From when on what is sealed here says that it was taken back, µs: after every yes, and after all that the board echoed before.
     withdrawn_us: u64,
 }
 
