@@ -8,7 +8,8 @@
 //! **Run is a lease** ([`Consent`]): all that is sealed here, in messages of one length, says whether the motors may run. A line that turns
 //! them on gives consent, `disarm` takes it back before it is said; so does whoever has the handle.
 //!
-//! [`Session`] is sans-IO: whoever has a socket and a clock drives it, tests in virtual time.
+//! [`Session`] is sans-IO: whoever has a socket and a clock drives it, tests in virtual time. What a board says takes no more memory than
+//! [`MOST_ANSWERS`] and [`MOST_SAMPLES`], whether somebody takes it or not.
 
 use std::collections::VecDeque;
 
@@ -23,6 +24,10 @@ use crate::consent::{Consent, Moment, Stopped, runs};
 /// The port on the board.
 pub const PORT: u16 = 7702;
 const OPERATOR: PeerId = PeerId(0);
+/// Most answers that wait to be taken: of more, the oldest are gone.
+pub const MOST_ANSWERS: usize = 64;
+/// Most samples that wait to be taken, 5 s of three axes at 1 kHz: what comes beyond them is lost.
+pub const MOST_SAMPLES: usize = 1 << 14;
 /// Both ends poll this often, µs; after twelve times as long in silence they call anew.
 const PERIOD_US: u32 = 20_000;
 
@@ -36,7 +41,7 @@ pub struct Session {
     consent: Consent,
     /// Consent was given when something was sealed last.
     consented: bool,
-    /// When it was first known here that it was taken back, µs.
+    /// From when on what is sealed here says that it was taken back, µs: after every yes, and after all that the board echoed before.
     withdrawn_us: u64,
 }
 
@@ -71,10 +76,15 @@ impl Session {
                 self.lines.forget();
             }
         }
-        if let Ok(Some(Message::Sample(sample))) = taken {
+        if let Ok(Some(Message::Sample(sample))) = taken
+            && self.samples.len() < MOST_SAMPLES
+        {
             self.samples.push((self.link.sealed_us(), sample));
         }
         while let Some(heard) = self.lines.hear(now_us, &mut self.link) {
+            if self.answers.len() == MOST_ANSWERS {
+                self.answers.pop_front();
+            }
             self.answers.push_back(haptic_io::escaped(heard.line.as_str()).into_owned());
         }
     }
@@ -82,8 +92,12 @@ impl Session {
     /// The next datagram to send, if any; call until there is none, at least every 20 ms.
     pub fn poll(&mut self, now_us: u64, out: &mut Datagram) -> Option<usize> {
         let consents = self.consent.is_given();
-        if self.consented && !consents {
-            self.withdrawn_us = now_us;
+        if consents {
+            self.withdrawn_us = now_us.saturating_add(1);
+        } else if self.consented {
+            // A board may echo a time before it has heard anything of that time.
+            let guessed_us = self.link.echoed_us().map_or(0, |us| us.saturating_add(1));
+            self.withdrawn_us = self.withdrawn_us.max(now_us).max(guessed_us);
         }
         self.consented = consents;
         self.link.consent(consents);

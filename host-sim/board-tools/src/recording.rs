@@ -58,10 +58,11 @@ pub fn columns(axis: usize, axes: usize) -> impl Iterator<Item = (String, &'stat
 }
 
 /// A row from a record, its time counted in ticks since boot (s), and the shared axis (from 0) that it is of; `None` when the bytes are
-/// no record.
+/// no record, or a number in it is not finite.
 pub fn row(record: &[u8], period_s: f64) -> Option<(usize, [f64; COLUMNS.len()])> {
     let record = Record::from_bytes(record)?;
-    Some((record.axis().into(), row_of(&SAMPLE, &record, period_s)))
+    let row = row_of(&SAMPLE, &record, period_s);
+    row.iter().all(|number| number.is_finite()).then_some((record.axis().into(), row))
 }
 
 /// A row of [`columns_of`].

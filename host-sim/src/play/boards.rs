@@ -52,6 +52,8 @@ const FARTHEST: f64 = 250.0;
 const NICENESS: i32 = 5;
 /// Answers that are shown.
 const ANSWERS: usize = 6;
+/// Rows of a board that wait to be shown, several times what lies between the newest and what is shown.
+const ROWS: usize = 1024;
 /// Numbers of a tick: how it went, as [`COLUMNS`] has them.
 const NUMBERS: usize = COLUMNS.len();
 const TICK: usize = place(&COLUMNS, "tick");
@@ -87,6 +89,22 @@ struct BoardStatus {
     status: String,
     /// The newest lines and answers, oldest first.
     said: VecDeque<(String, String)>,
+}
+
+impl BoardStatus {
+    /// One more line and its answer; of more than [`ANSWERS`] the oldest is gone.
+    fn say(&mut self, line: &str, answer: String) {
+        if self.said.len() == ANSWERS {
+            self.said.pop_front();
+        }
+        self.said.push_back((line.to_owned(), answer));
+    }
+}
+
+/// More rows that wait to be shown; of more than [`ROWS`] the oldest are gone, whatever ticks a board says that they are of.
+fn wait_for(waiting: &mut VecDeque<[f64; NUMBERS]>, rows: impl IntoIterator<Item = [f64; NUMBERS]>) {
+    waiting.extend(rows);
+    waiting.drain(..waiting.len().saturating_sub(ROWS));
 }
 
 /// What lies between a board's thread and the control loop.
@@ -205,10 +223,7 @@ fn attend(link: &mut dyn BoardLink, mailbox: &Mutex<BoardMailbox>, consent: &Con
             let own = answer.strip_prefix("ok board ").and_then(|rest| rest.split_once(' '));
             mailbox.reported.status = own.map_or(answer.as_str(), |(_, own)| own).to_owned();
         } else {
-            if mailbox.reported.said.len() == ANSWERS {
-                mailbox.reported.said.pop_front();
-            }
-            mailbox.reported.said.push_back((line.to_owned(), answer.clone()));
+            mailbox.reported.say(line, answer.clone());
         }
         answer
     };
@@ -234,7 +249,7 @@ fn attend(link: &mut dyn BoardLink, mailbox: &Mutex<BoardMailbox>, consent: &Con
                 probing =
                     outcome.strip_prefix("ok ").is_some_and(|said| Probed::parse(said).is_ok_and(|it| it.is_running()));
                 if !probing {
-                    lock().reported.said.push_back(("what the check found".to_owned(), outcome));
+                    lock().reported.say("what the check found", outcome);
                 }
             }
             // A board that was away, or has started anew, has forgotten what it was asked for.
@@ -247,7 +262,7 @@ fn attend(link: &mut dyn BoardLink, mailbox: &Mutex<BoardMailbox>, consent: &Con
             Ok(rows) if rows.is_empty() => {}
             Ok(rows) => {
                 came = Instant::now();
-                lock().rows.extend(rows);
+                wait_for(&mut lock().rows, rows);
             }
             Err(why) => {
                 let mut mailbox = lock();
@@ -301,7 +316,7 @@ impl Seat {
     /// Takes what its thread has laid down, if that does not hold it just now; what is reported is new, if it is.
     fn look(&mut self, reported: &mut BoardStatus) -> bool {
         let Ok(mut mailbox) = self.mailbox.try_lock() else { return false };
-        self.rows.append(&mut mailbox.rows);
+        wait_for(&mut self.rows, mailbox.rows.drain(..));
         let news = mailbox.reported != *reported;
         if news {
             reported.clone_from(&mailbox.reported);

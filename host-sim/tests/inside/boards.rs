@@ -98,6 +98,27 @@ fn motors_are_on_only_while_a_person_looks() {
     assert_eq!(lines(), ["arm", "stop", "arm", "stop", "stop", "stream off"]);
 }
 
+/// Ticks that never come to their turn, and more answers than are shown.
+#[test]
+fn what_a_board_says_takes_bounded_memory() {
+    let (mut boards, _) = boards();
+    let seat = &mut boards.seats[0];
+    let row = |tick: f64| {
+        let mut row = [0.0; NUMBERS];
+        row[TICK] = tick;
+        row
+    };
+    for at in 0..100_000 {
+        wait_for(&mut seat.rows, [row(if at % 2 == 0 { 1000.0 } else { 1340.0 })]);
+        seat.play();
+    }
+    assert!(seat.rows.len() <= ROWS, "{} rows wait", seat.rows.len());
+    let mut status = BoardStatus::default();
+    (0..10 * ANSWERS).for_each(|at| status.say("status", at.to_string()));
+    let said: Vec<_> = status.said.into_iter().map(|(_, answer)| answer).collect();
+    assert_eq!(said, (9 * ANSWERS..10 * ANSWERS).map(|at| at.to_string()).collect::<Vec<_>>());
+}
+
 #[test]
 fn a_page_says_few_lines() {
     for text in ["arm", "clear", "check 1", "check 2"] {
