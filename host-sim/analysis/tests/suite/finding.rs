@@ -98,14 +98,7 @@ fn what_is_not_judged_says_why() {
     not_judged(&measured(&scene("plane", &[]), [0.02, 0.021]), "more than 10 packets in flight");
     not_judged(&scene("any-network", &["coordination.comm=two-layer"]), "the law's energy tank may hold back");
     for law in Laws::built_in().all() {
-        let scene = scene(
-            "hub",
-            &[
-                "coordination.ledger=false",
-                "coordination.drift_correction=false",
-                &format!("coordination.comm={}", law.name),
-            ],
-        );
+        let scene = scene("hub", &[&format!("coordination.comm={}", law.name)]);
         let found = find(&scene, QUESTION);
         assert_eq!(
             found.text.contains("the law is not linear"),
