@@ -46,8 +46,9 @@ fn was_there(of: &Value, python: &Value) {
 fn a_peer_meets_it() {
     let (keys, own, other) = (Keys::new("python-peer", 0), free(), free());
     let key = keys.file(0);
+    // A packet every 8 ms, which Python keeps up with.
     let peer = host_sim(&["peer", "--json", "--number", "1", "--listen", &own, "--connect", &other, "--seconds", "8"])
-        .args(["--key-file", &key])
+        .args(["--scene", "hub", "--key-file", &key])
         .spawn()
         .expect("host-sim runs");
     let python = report(python(&key, [2, 1], 0, [&other, &own], false));
