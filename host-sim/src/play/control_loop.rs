@@ -100,13 +100,13 @@ fn recorded(time_s: f64, sample: &Sample) -> [f64; 1 + MOST] {
 }
 
 /// The environment that is stepped, and its kind.
-struct Shown {
-    environment: Box<dyn Environment>,
-    kind: EnvironmentKind,
+pub(super) struct Shown {
+    pub(super) environment: Box<dyn Environment>,
+    pub(super) kind: EnvironmentKind,
 }
 
 /// Takes what lies in the mailbox, and puts in what is waited for.
-fn exchange(
+pub(super) fn exchange(
     shown: &mut Shown,
     contents: &mut Contents,
     waiting: &mut VecDeque<Sample>,

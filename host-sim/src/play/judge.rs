@@ -37,6 +37,9 @@ const HALVINGS: i32 = 16;
 const CLOSER: usize = 10;
 const MARGIN: f64 = 0.1;
 
+/// Longest refusal, characters.
+pub(super) const LONGEST_REFUSAL: usize = 1000;
+
 /// How far the judge stands back behind what has to be in time.
 const NICENESS: i32 = 10;
 
@@ -97,7 +100,7 @@ fn run(mailbox: &Mailbox, mut scene: Scene, mut kind: EnvironmentKind, orders: &
                 continue;
             }
             Err(why) => {
-                mailbox.lock().answer(window, json!({ "refused": why.to_string() }).to_string());
+                mailbox.lock().answer(window, json!({ "refused": refusal(&why) }).to_string());
                 tell(mailbox, &scene, Some(&finding));
                 continue;
             }
@@ -123,14 +126,26 @@ fn run(mailbox: &Mailbox, mut scene: Scene, mut kind: EnvironmentKind, orders: &
     }
 }
 
+/// Why an order is refused, as a window gets it: one line, of which a long quotation is left out in the middle.
+pub(super) fn refusal(why: &Error) -> String {
+    let why = why.to_string();
+    let why = haptic_io::escaped(&why);
+    let length = why.chars().count();
+    if length <= LONGEST_REFUSAL {
+        return why.into_owned();
+    }
+    let part = LONGEST_REFUSAL / 2 - 1;
+    why.chars().take(part).chain(['…']).chain(why.chars().skip(length - part)).collect()
+}
+
 /// What an order asks for.
-enum Request {
+pub(super) enum Request {
     Scene(Box<Scene>),
     Show(EnvironmentKind, Box<Scene>),
 }
 
 /// What a line asks for, where that can be shown; else why not.
-fn wanted(scene: &Scene, kind: EnvironmentKind, line: &str, fixed: Option<&str>) -> Result<Request, Error> {
+pub(super) fn wanted(scene: &Scene, kind: EnvironmentKind, line: &str, fixed: Option<&str>) -> Result<Request, Error> {
     if let Some(why) = fixed {
         return Err(why.into());
     }
