@@ -20,9 +20,9 @@ use tungstenite::Message;
 
 use super::control_loop::{Shown, exchange};
 use super::environment::Sample;
-use super::judge::{LONGEST_REFUSAL, Request, refusal, wanted};
+use super::judge::{LONGEST_REFUSAL, refusal, wanted};
 use super::kinds::EnvironmentKind;
-use super::mailbox::Mailbox;
+use super::mailbox::{Mailbox, Request};
 use super::messages::{FARTHEST_M, command, question};
 use super::orders;
 use super::partner::Model;
@@ -48,7 +48,7 @@ pub fn run(bytes: &[u8]) {
     for message in bytes.split(|byte| *byte == 0).take(MOST).filter(|message| message.len() <= LONGEST_MESSAGE) {
         match std::str::from_utf8(message) {
             Ok("") => page.tick(),
-            Ok(line) => page.order(line),
+            Ok(line) => _ = page.order(line),
             // No text: a WebSocket is closed.
             Err(_) => {}
         }
@@ -56,8 +56,8 @@ pub fn run(bytes: &[u8]) {
     page.tick();
 }
 
-/// The bytes as a request, without any key of this run and with keys.
-fn heads(bytes: &[u8]) {
+/// The bytes as a request, without any key of this run and with keys: whether these open a window.
+fn heads(bytes: &[u8]) -> bool {
     static SITE: OnceLock<(Site, [String; 4])> = OnceLock::new();
     let (site, rings) = SITE.get_or_init(|| {
         let site = Site::new(PORT, Value::Null).expect("randomness");
@@ -74,7 +74,7 @@ fn heads(bytes: &[u8]) {
             known.splice(at..at + 4, key.bytes());
         }
     }
-    opens(site, &known, rings);
+    opens(site, &known, rings)
 }
 
 /// Whether this opens a window; what opens one or gets a file is ours by what stands in its lines.
@@ -140,28 +140,30 @@ impl Open {
         Self { mailbox, shown, waiting: VecDeque::new(), scene, kind, questions: VecDeque::new() }
     }
 
-    fn order(&mut self, line: &str) {
+    /// A message of the operator's: whether it is taken.
+    fn order(&mut self, line: &str) -> bool {
         if let Some(command) = command(line) {
             self.mailbox.lock().ask(command);
-            return;
+            return true;
         }
         match wanted(&self.scene, self.kind, line.strip_prefix("anyway ").unwrap_or(line), None) {
             Ok(Request::Scene(scene)) => {
-                self.mailbox.lock().scene = Some(scene.clone());
+                self.mailbox.lock().want(Request::Scene(scene.clone()));
                 (self.kind, self.scene) = (self.kind.in_scene(&scene), *scene);
             }
             Ok(Request::Show(kind, scene)) => {
-                self.mailbox.lock().show = Some((kind, scene.clone()));
+                self.mailbox.lock().want(Request::Show(kind, scene.clone()));
                 (self.kind, self.scene) = (kind, *scene);
             }
             Err(why) => {
                 let why = refusal(&why);
                 assert!(why.chars().count() <= LONGEST_REFUSAL && !why.is_empty(), "{why}");
                 assert!(!why.chars().any(|character| character.is_control() && character != '\t'), "{why:?}");
-                return;
+                return false;
             }
         }
         self.check(line);
+        true
     }
 
     /// The scene can be shown and said again, and reads no file.

@@ -23,7 +23,7 @@ use serde_json::json;
 
 use super::hand::{DAMPING, STIFFNESS};
 use super::kinds::EnvironmentKind;
-use super::mailbox::Mailbox;
+use super::mailbox::{Mailbox, Request};
 use super::orders::apply;
 use super::session::same_but_for_network;
 use crate::Error;
@@ -90,7 +90,7 @@ fn run(mailbox: &Mailbox, mut scene: Scene, mut kind: EnvironmentKind, orders: &
         let wanted = match wanted(&scene, kind, line, fixed) {
             Ok(Request::Scene(wanted)) => *wanted,
             Ok(Request::Show(other, fitting)) => {
-                mailbox.lock().show = Some((other, fitting.clone()));
+                mailbox.lock().want(Request::Show(other, fitting.clone()));
                 if fitting.settings() != scene.settings() {
                     tell(mailbox, &fitting, None);
                     finding = find(&fitting);
@@ -108,7 +108,7 @@ fn run(mailbox: &Mailbox, mut scene: Scene, mut kind: EnvironmentKind, orders: &
         let free = anyway || finding.stable != Some(true) || same_but_for_network(&wanted, &scene);
         if free {
             // It acts now; what is to be said of it comes after.
-            mailbox.lock().scene = Some(Box::new(wanted.clone()));
+            mailbox.lock().want(Request::Scene(Box::new(wanted.clone())));
             tell(mailbox, &wanted, None);
         }
         let found = find(&wanted);
@@ -119,7 +119,7 @@ fn run(mailbox: &Mailbox, mut scene: Scene, mut kind: EnvironmentKind, orders: &
             continue;
         }
         if !free {
-            mailbox.lock().scene = Some(Box::new(wanted.clone()));
+            mailbox.lock().want(Request::Scene(Box::new(wanted.clone())));
         }
         tell(mailbox, &wanted, Some(&found));
         (kind, scene, finding) = (kind.in_scene(&wanted), wanted, found);
@@ -136,12 +136,6 @@ pub(super) fn refusal(why: &Error) -> String {
     }
     let part = LONGEST_REFUSAL / 2 - 1;
     why.chars().take(part).chain(['…']).chain(why.chars().skip(length - part)).collect()
-}
-
-/// What an order asks for.
-pub(super) enum Request {
-    Scene(Box<Scene>),
-    Show(EnvironmentKind, Box<Scene>),
 }
 
 /// What a line asks for, where that can be shown; else why not.

@@ -63,6 +63,7 @@ pub(crate) use roles::Role;
 
 #[cfg(any(test, fuzzing))]
 #[path = "../../fuzz/src/page.rs"]
+#[allow(unreachable_pub)] // The fuzzer reaches it.
 mod fuzz;
 #[cfg(fuzzing)]
 pub use fuzz::run as page_hears;
