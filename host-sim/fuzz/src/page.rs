@@ -1,6 +1,6 @@
 //! Any bytes as what a stranger or a page's window sends to the live page's web server: the head of a request, questions of 20 bytes, and
-//! messages of text, which end at bytes of zero. Behind an empty message, and at the end, a tick passes, with the control loop's own
-//! exchange.
+//! messages of text, which end at bytes of zero. Behind an empty message, and at the end, ticks pass, with the control loop's own
+//! exchange. Two bytes of which the first is none of UTF-8's are one of the [`words`] that there are, so that the fuzzer need not spell.
 //!
 //! - A window opens only for `GET /ws/RING`, every key of which is that of its role, from a page of ours at a host of ours. The fuzzer
 //!   knows no key: where it writes `KEY`, the key of role number 0 to 3 is put in for the digit behind.
@@ -13,8 +13,9 @@
 use std::collections::VecDeque;
 use std::sync::OnceLock;
 
-use haptic_sim::Laws;
-use haptic_sim::scene::Scene;
+use haptic_core::names::Choice as _;
+use haptic_core::settings::{Allowed, Key};
+use haptic_sim::{Laws, scene::Scene, scenes};
 use serde_json::Value;
 use tungstenite::Message;
 
@@ -33,6 +34,8 @@ use super::web::{Answer, LONGEST_MESSAGE, Site, head, next, picture};
 const PORT: u16 = 7000;
 /// Messages and questions of an input that count: more take time, and reach nothing else.
 const MOST: usize = 16;
+/// The bytes from here on are none of UTF-8's.
+const FIRST_OF_A_WORD: u8 = 0xf8;
 /// Ticks that pass at a time: enough for a pointer to be played out.
 const TICKS: usize = 3;
 
@@ -45,15 +48,53 @@ pub fn run(bytes: &[u8]) {
         bytes[..chunk.len()].copy_from_slice(chunk);
         bytes
     }));
-    for message in bytes.split(|byte| *byte == 0).take(MOST).filter(|message| message.len() <= LONGEST_MESSAGE) {
-        match std::str::from_utf8(message) {
-            Ok("") => page.tick(),
-            Ok(line) => _ = page.order(line),
-            // No text: a WebSocket is closed.
-            Err(_) => {}
+    for line in text(bytes).split('\0').take(MOST).filter(|line| line.len() <= LONGEST_MESSAGE) {
+        if line.is_empty() {
+            page.tick();
+        } else {
+            page.order(line);
         }
     }
     page.tick();
+}
+
+/// The bytes as text, with the words that they stand for.
+fn text(bytes: &[u8]) -> String {
+    let mut spelled = Vec::new();
+    let mut bytes = bytes.iter().copied();
+    while let Some(byte) = bytes.next() {
+        if byte < FIRST_OF_A_WORD {
+            spelled.push(byte);
+            continue;
+        }
+        let number = usize::from(byte - FIRST_OF_A_WORD) << 8 | usize::from(bytes.next().unwrap_or_default());
+        spelled.extend_from_slice(words()[number % words().len()].as_bytes());
+    }
+    String::from_utf8_lossy(&spelled).into_owned()
+}
+
+/// Every key with the ends of its range or with its names, and every order with what it names.
+fn words() -> &'static [String] {
+    static WORDS: OnceLock<Vec<String>> = OnceLock::new();
+    WORDS.get_or_init(|| {
+        let scene = Scene::new(Laws::built_in());
+        let laws = || scene.laws.all().iter().map(|law| law.name);
+        let key = |(name, key): (String, Key)| {
+            let values: Vec<String> = match key.allowed {
+                Allowed::Number { min, max } => vec![min.to_string(), max.to_string()],
+                Allowed::Whole { min, max } => vec![min.to_string(), max.to_string()],
+                Allowed::Names(names) => names.iter().map(|name| (*name).to_owned()).collect(),
+                Allowed::Laws(_) => laws().map(str::to_owned).collect(),
+                _ => vec!["true".to_owned(), "false".to_owned()],
+            };
+            values.into_iter().map(move |value| format!(" {name}={value}")).collect::<Vec<_>>()
+        };
+        let shows = EnvironmentKind::NAMES.iter().map(|name| format!("\0show {name}\0"));
+        let scenes = scenes::known().map(|(name, _)| format!("\0scene {name}"));
+        let orders = laws().map(|name| format!("\0law {name}")).chain(scenes).chain(shows);
+        let others = ["\0set", " peer.1.", " peer.2."].map(str::to_owned);
+        scene.keys().into_iter().flat_map(key).chain(orders).chain(others).collect()
+    })
 }
 
 /// The bytes as a request, without any key of this run and with keys: whether these open a window.
