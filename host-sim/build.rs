@@ -1,4 +1,5 @@
-//! Tells the program which commit it is built from, for the files that it writes; `unknown` where there is no git.
+//! Tells the program which commit it is built from, for the files that it writes; `unknown` where there is no git. Tells the compiler
+//! that the fuzz targets' build has a word of its own.
 
 use std::process::Command;
 
@@ -8,6 +9,7 @@ fn git(arguments: &[&str]) -> Option<String> {
 }
 
 fn main() {
+    println!("cargo::rustc-check-cfg=cfg(fuzzing)");
     // Whatever changes these makes this package be built again anyway.
     for sources in
         ["../core/src", "../protocol/src", "analysis/src", "cases/src", "plot/src", "sim/src", "src", "../Cargo.lock"]

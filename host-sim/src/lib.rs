@@ -7,3 +7,5 @@ mod play;
 
 pub use cli::{Cli, provenance};
 pub use error::Error;
+#[cfg(fuzzing)]
+pub use play::page_hears;

@@ -16,15 +16,18 @@ use crate::options::Options;
 use crate::run::{self, Failure, cargo, command, step};
 
 /// Folders of targets, and the manifests that name these.
-const FOLDERS: [(&str, &str); 3] = [
+const FOLDERS: [(&str, &str); 4] = [
     ("protocol/fuzz", include_str!("../../protocol/fuzz/Cargo.toml")),
     ("host-sim/environments/fuzz", include_str!("../../host-sim/environments/fuzz/Cargo.toml")),
     ("host-sim/live/fuzz", include_str!("../../host-sim/live/fuzz/Cargo.toml")),
+    ("host-sim/fuzz", include_str!("../../host-sim/fuzz/Cargo.toml")),
 ];
 /// Time for each target by default, s.
 const SECONDS: u32 = 60;
 /// Longest time for each target, s.
 const MOST_SECONDS: u32 = 86_400;
+/// An input that takes longer is a crash, s: nothing that others send may keep anybody busy.
+const LONGEST: &str = "-timeout=10";
 /// Coverage counters and comparisons that libFuzzer steers by, and checks that a release build leaves out.
 const FLAGS: &str = "-Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4 \
                      -Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table \
@@ -115,7 +118,7 @@ fn run_one(binaries: &Path, folder: &str, target: &str, seconds: u32) -> Result<
     let before = count(&corpus);
     let start = Instant::now();
     let mut libfuzzer = Command::new(&binary);
-    libfuzzer.args([&found, &corpus]).arg(format!("-max_total_time={seconds}")).arg("-print_final_stats=1");
+    libfuzzer.args([&found, &corpus]).arg(format!("-max_total_time={seconds}")).args([LONGEST, "-print_final_stats=1"]);
     let said = quietly(libfuzzer.arg(format!("-artifact_prefix={}/", artifacts.display())), || {
         format!(
             "{target} crashed (see above): `{} {}/FILE` runs the input again; mend the cause and keep the input in {}",

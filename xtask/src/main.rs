@@ -120,9 +120,9 @@ wire (protocol): instructions-cortex-m7.txt in each. Each count may differ by 2 
     Chore {
         name: "fuzz",
         options: " [--seconds N] [--target NAME]",
-        does: "Runs every fuzz target of wire, roles and files for a minute, keeps what it finds",
+        does: "Runs every fuzz target of wire, roles, files and page for a minute, keeps what it finds",
         more: "Built with the project's own toolchain, one after the other. Inputs that reach something new are merged into
-corpus/ of protocol/fuzz, host-sim/environments/fuzz or host-sim/live/fuzz; a crash leaves its input in artifacts/ beside it and fails.
+corpus/ of protocol/fuzz or host-sim/{environments/,live/,}fuzz; a crash leaves its input in artifacts/ beside it and fails.
   --seconds  time for each target, 1 to 86400 s [default: 60]
   --target   one of them, as Cargo.toml in either folder names it [default: all]",
         run: fuzz::fuzz,

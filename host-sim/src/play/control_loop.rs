@@ -16,7 +16,7 @@ use serde::Serialize;
 
 use super::environment::{Command, Environment, MOST, Opening, Sample};
 use super::kinds::EnvironmentKind;
-use super::mailbox::{Contents, Mailbox, Status};
+use super::mailbox::{Contents, Mailbox, Request, Status};
 use super::partner::Model;
 use super::session::PERIOD_S;
 use crate::Error;
@@ -100,23 +100,28 @@ fn recorded(time_s: f64, sample: &Sample) -> [f64; 1 + MOST] {
 }
 
 /// The environment that is stepped, and its kind.
-struct Shown {
-    environment: Box<dyn Environment>,
-    kind: EnvironmentKind,
+pub(super) struct Shown {
+    pub(super) environment: Box<dyn Environment>,
+    pub(super) kind: EnvironmentKind,
 }
 
 /// Takes what lies in the mailbox, and puts in what is waited for.
-fn exchange(
+pub(super) fn exchange(
     shown: &mut Shown,
     contents: &mut Contents,
     waiting: &mut VecDeque<Sample>,
     kept: &Punctuality,
 ) -> Result<(), Error> {
-    // An object that is shared along other axes is another one.
-    if let Some(scene) = contents.scene.take_if(|scene| shown.kind.in_scene(scene) != shown.kind) {
-        contents.show = Some((shown.kind.in_scene(&scene), scene));
-    }
-    if let Some((kind, scene)) = contents.show.take() {
+    let (show, set) = match contents.take_wanted() {
+        // An object that is shared along other axes is another one.
+        Some(Request::Scene(scene)) if shown.kind.in_scene(&scene) != shown.kind => {
+            (Some((shown.kind.in_scene(&scene), scene)), None)
+        }
+        Some(Request::Scene(scene)) => (None, Some(scene)),
+        Some(Request::Show(kind, scene)) => (Some((kind, scene)), None),
+        None => (None, None),
+    };
+    if let Some((kind, scene)) = show {
         let partner = shown.environment.standing().partner;
         *shown = Shown { environment: kind.open(&scene)?, kind };
         if let Some(model) = Model::ALL.get(usize::from(partner)) {
@@ -129,7 +134,7 @@ fn exchange(
     while let Some(command) = contents.next_command() {
         shown.command(command)?;
     }
-    if let Some(scene) = contents.scene.take() {
+    if let Some(scene) = set {
         shown.set(*scene)?;
     }
     if std::mem::take(&mut contents.operator_asked) {

@@ -18,7 +18,7 @@ use serde_json::json;
 
 use super::hand::{DAMPING, STIFFNESS};
 use super::kinds::EnvironmentKind;
-use super::mailbox::Mailbox;
+use super::mailbox::{Mailbox, Request};
 use super::orders::apply;
 use super::session::same_but_for_network;
 use crate::Error;
@@ -31,6 +31,9 @@ const QUESTION: Question = Question {
     for_every_mode: false,
     most_packets: MOST_PACKETS,
 };
+
+/// Longest refusal, characters.
+pub(super) const LONGEST_REFUSAL: usize = 1000;
 
 /// How far the judge stands back behind what has to be in time.
 const NICENESS: i32 = 10;
@@ -67,7 +70,7 @@ fn run(mailbox: &Mailbox, mut scene: Scene, mut kind: EnvironmentKind, orders: &
         let wanted = match wanted(&scene, kind, line, fixed) {
             Ok(Request::Scene(wanted)) => *wanted,
             Ok(Request::Show(other, fitting)) => {
-                mailbox.lock().show = Some((other, fitting.clone()));
+                mailbox.lock().want(Request::Show(other, fitting.clone()));
                 if fitting.settings() != scene.settings() {
                     tell(mailbox, &fitting, None);
                     finding = find(&fitting);
@@ -77,7 +80,7 @@ fn run(mailbox: &Mailbox, mut scene: Scene, mut kind: EnvironmentKind, orders: &
                 continue;
             }
             Err(why) => {
-                mailbox.lock().answer(window, json!({ "refused": why.to_string() }).to_string());
+                mailbox.lock().answer(window, json!({ "refused": refusal(&why) }).to_string());
                 tell(mailbox, &scene, Some(&finding));
                 continue;
             }
@@ -85,7 +88,7 @@ fn run(mailbox: &Mailbox, mut scene: Scene, mut kind: EnvironmentKind, orders: &
         let free = anyway || finding.stable != Some(true) || same_but_for_network(&wanted, &scene);
         if free {
             // It acts now; what is to be said of it comes after.
-            mailbox.lock().scene = Some(Box::new(wanted.clone()));
+            mailbox.lock().want(Request::Scene(Box::new(wanted.clone())));
             tell(mailbox, &wanted, None);
         }
         let found = find(&wanted);
@@ -96,21 +99,27 @@ fn run(mailbox: &Mailbox, mut scene: Scene, mut kind: EnvironmentKind, orders: &
             continue;
         }
         if !free {
-            mailbox.lock().scene = Some(Box::new(wanted.clone()));
+            mailbox.lock().want(Request::Scene(Box::new(wanted.clone())));
         }
         tell(mailbox, &wanted, Some(&found));
         (kind, scene, finding) = (kind.in_scene(&wanted), wanted, found);
     }
 }
 
-/// What an order asks for.
-enum Request {
-    Scene(Box<Scene>),
-    Show(EnvironmentKind, Box<Scene>),
+/// Why an order is refused, as a window gets it: one line, of which a long quotation is left out in the middle.
+pub(super) fn refusal(why: &Error) -> String {
+    let why = why.to_string();
+    let why = haptic_io::escaped(&why);
+    let length = why.chars().count();
+    if length <= LONGEST_REFUSAL {
+        return why.into_owned();
+    }
+    let part = LONGEST_REFUSAL / 2 - 1;
+    why.chars().take(part).chain(['…']).chain(why.chars().skip(length - part)).collect()
 }
 
 /// What a line asks for, where that can be shown; else why not.
-fn wanted(scene: &Scene, kind: EnvironmentKind, line: &str, fixed: Option<&str>) -> Result<Request, Error> {
+pub(super) fn wanted(scene: &Scene, kind: EnvironmentKind, line: &str, fixed: Option<&str>) -> Result<Request, Error> {
     if let Some(why) = fixed {
         return Err(why.into());
     }

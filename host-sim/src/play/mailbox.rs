@@ -24,6 +24,15 @@ pub(super) struct Pointed {
     pub(super) restarts: u32,
 }
 
+/// What an order asks for.
+#[derive(Debug)]
+pub(super) enum Request {
+    /// These settings, of what is shown.
+    Scene(Box<Scene>),
+    /// Another environment, in this scene.
+    Show(EnvironmentKind, Box<Scene>),
+}
+
 /// How it goes, in a few bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Status {
@@ -47,10 +56,7 @@ pub(super) struct Contents {
     /// Number of windows that were opened so far.
     pub(super) windows: u64,
     commands: VecDeque<Command>,
-    /// What every setting is from the next tick on.
-    pub(super) scene: Option<Box<Scene>>,
-    /// Another environment, in that scene, from the next tick on.
-    pub(super) show: Option<(EnvironmentKind, Box<Scene>)>,
+    wanted: Option<Request>,
     answers: VecDeque<(u64, String)>,
     /// What holds, for every window, and how often that has changed.
     announced: (String, u64),
@@ -70,8 +76,7 @@ impl Contents {
             operator_asked: false,
             windows: 0,
             commands: VecDeque::from([Command::Partner(partner)]),
-            scene: None,
-            show: None,
+            wanted: None,
             answers: VecDeque::new(),
             announced: (String::new(), 0),
             samples: VecDeque::new(),
@@ -93,6 +98,20 @@ impl Contents {
 
     pub(super) fn next_command(&mut self) -> Option<Command> {
         self.commands.pop_front()
+    }
+
+    /// Asks for a scene or an environment from the next tick on, which comes of what was asked for before: that no tick has taken, and none
+    /// will.
+    pub(super) fn want(&mut self, request: Request) {
+        self.wanted = Some(match (self.wanted.take(), request) {
+            (Some(Request::Show(kind, _)), Request::Scene(scene)) => Request::Show(kind.in_scene(&scene), scene),
+            (_, request) => request,
+        });
+    }
+
+    /// What was asked for last.
+    pub(super) fn take_wanted(&mut self) -> Option<Request> {
+        self.wanted.take()
     }
 
     /// Says something to one window; what nobody fetches is forgotten.

@@ -18,6 +18,7 @@
 //! | [`mailbox`] | what lies between the control loop, the judge and the windows |
 //! | [`control_loop`] | 1 kHz by the clock |
 //! | [`roles`], [`connections`] | who may do what, and how many are let in |
+//! | [`messages`] | what a window says, read |
 //! | [`web`] | five files and a WebSocket for each window, on 127.0.0.1 |
 //! | [`page`] | all of that together |
 //! | [`measure`] | how well the control loop keeps time with ten pages open |
@@ -37,6 +38,7 @@ mod judge;
 mod kinds;
 mod mailbox;
 mod measure;
+mod messages;
 mod orders;
 mod page;
 mod pair_columns;
@@ -58,3 +60,10 @@ pub(crate) use page::{Page, Shown};
 pub(crate) use partner::Model;
 pub(crate) use remote::End;
 pub(crate) use roles::Role;
+
+#[cfg(any(test, fuzzing))]
+#[path = "../../fuzz/src/page.rs"]
+#[allow(unreachable_pub)] // The fuzzer reaches it.
+mod fuzz;
+#[cfg(fuzzing)]
+pub use fuzz::run as page_hears;

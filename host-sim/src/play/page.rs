@@ -70,7 +70,7 @@ impl Page {
             }
             Shown::Boards(_) => (None, Some("boards are told their settings by `host-sim board operator`")),
         };
-        let site = Site::new(&listener, hello(&scene, other, matches!(shown, Shown::Boards(_))))?;
+        let site = Site::new(listener.local_addr()?.port(), hello(&scene, other, matches!(shown, Shown::Boards(_))))?;
         let kind = if let Shown::Here(kind) = &shown { *kind } else { EnvironmentKind::default() };
         let kind = kind.in_scene(&scene);
         // What cannot be shown is an error before anybody looks.

@@ -40,13 +40,13 @@ use tungstenite::handshake::derive_accept_key;
 use tungstenite::protocol::{Role as Side, WebSocketConfig};
 use tungstenite::{Error, Message, WebSocket};
 
-use super::boards_line::Line;
 use super::connections::{Connections, Pass};
-use super::environment::{Command, FAULT, WAITS};
+use super::environment::{FAULT, WAITS};
 use super::hand;
 use super::judge::Ask;
 use super::kinds::EnvironmentKind;
 use super::mailbox::{Contents, Mailbox, Pointed};
+use super::messages::{LET_GO, command, question};
 use super::orders::CLICKS;
 use super::partner::Model;
 use super::roles::{Keys, Rights, Role};
@@ -67,7 +67,7 @@ const PATIENCE: Duration = Duration::from_secs(2);
 const SOONEST: Duration = Duration::from_millis(4);
 /// Longest head of a request, and longest message of a window, bytes: a scene file of every key has 5,000.
 const LONGEST_HEAD: usize = 4096;
-const LONGEST_MESSAGE: usize = 16384;
+pub(super) const LONGEST_MESSAGE: usize = 16384;
 /// How far windows stand back behind the control loop where that gets no real-time priority.
 const NICENESS: i32 = 5;
 /// Bytes before the samples.
@@ -85,7 +85,7 @@ pub(super) struct Site {
 
 /// What a request gets.
 #[derive(Debug, PartialEq)]
-enum Answer {
+pub(super) enum Answer {
     File(&'static str, &'static str),
     /// What its keys open, and the text that accepts the connection.
     Window(Rights, String),
@@ -93,9 +93,8 @@ enum Answer {
 }
 
 impl Site {
-    /// The site of a listener on this machine, with fresh keys.
-    pub(super) fn new(listener: &TcpListener, hello: Value) -> Result<Self, crate::Error> {
-        let port = listener.local_addr()?.port();
+    /// The site at a port of this machine, with fresh keys.
+    pub(super) fn new(port: u16, hello: Value) -> Result<Self, crate::Error> {
         Ok(Self { port, keys: Keys::new()?, hello: Arc::new(hello) })
     }
 
@@ -160,7 +159,8 @@ impl Site {
         }
     }
 
-    fn answer(&self, head: &[u8]) -> Answer {
+    /// What a request's head gets.
+    pub(super) fn answer(&self, head: &[u8]) -> Answer {
         let mut headers = [httparse::EMPTY_HEADER; 48];
         let mut request = httparse::Request::new(&mut headers);
         let (Ok(_), Some(method), Some(path)) = (request.parse(head), request.method, request.path) else {
@@ -195,7 +195,7 @@ impl Site {
 }
 
 /// A request's head and what came behind it, unless it is too long or takes too long.
-fn head(stream: &mut TcpStream) -> std::io::Result<Option<(Vec<u8>, Vec<u8>)>> {
+pub(super) fn head(stream: &mut impl Read) -> std::io::Result<Option<(Vec<u8>, Vec<u8>)>> {
     let start = Instant::now();
     let (mut head, mut chunk) = (Vec::new(), [0; 1024]);
     loop {
@@ -281,14 +281,10 @@ impl Window<'_> {
                 }
                 Some(Message::Binary(bytes)) => match <[u8; 20]>::try_from(&bytes[..]) {
                     Ok(bytes) => {
-                        let [from, along, across, up, restarts] =
-                            [0, 4, 8, 12, 16].map(|at| [bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]]);
-                        let at = [along, across, up].map(f32::from_le_bytes);
-                        let at =
-                            at.iter().all(|at| at.is_finite()).then(|| at.map(|at| at.clamp(-FARTHEST_M, FARTHEST_M)));
-                        self.point(&mut contents, Pointed { at, restarts: u32::from_le_bytes(restarts) });
+                        let (from, pointed) = question(bytes);
+                        self.point(&mut contents, pointed);
                         contents.operator_asked |= self.rights.operates;
-                        picture(&mut contents, me, &mut edition, u32::from_le_bytes(from))
+                        picture(&mut contents, me, &mut edition, from)
                     }
                     Err(_) => return,
                 },
@@ -316,16 +312,7 @@ impl Window<'_> {
     }
 
     fn order(&self, me: u64, line: &str) {
-        let command = match line {
-            "stop" => Some(Command::Stop),
-            "start" => Some(Command::Start),
-            "cut" => Some(Command::Cut(true)),
-            "join" => Some(Command::Cut(false)),
-            _ => {
-                let partner = line.strip_prefix("partner ").and_then(Model::from_name).map(Command::Partner);
-                partner.or_else(|| board(line))
-            }
-        };
+        let command = command(line);
         match command {
             _ if !self.rights.may(command.as_ref()) => {
                 self.mailbox
@@ -343,18 +330,8 @@ impl Window<'_> {
     }
 }
 
-/// A line to a board: `board NUMBER LINE`.
-fn board(line: &str) -> Option<Command> {
-    let (number, line) = line.strip_prefix("board ")?.split_once(' ')?;
-    Some(Command::Board(number.parse().ok()?, Line::from_text(line)?))
-}
-
-const LET_GO: Pointed = Pointed { at: None, restarts: 0 };
-/// Farthest that a pointer is believed, m.
-const FARTHEST_M: f32 = 0.2;
-
 /// What a window that has come to tick `from` gets.
-fn picture(contents: &mut Contents, window: u64, edition: &mut u64, from: u32) -> Vec<Message> {
+pub(super) fn picture(contents: &mut Contents, window: u64, edition: &mut u64, from: u32) -> Vec<Message> {
     let columns = contents.status.kind.columns().len();
     let mut bytes = Vec::with_capacity(HEADER + 4 * (columns + 1) * 20);
     let (first, samples) = contents.since(from);

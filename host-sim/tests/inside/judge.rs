@@ -67,7 +67,9 @@ fn a_gain_outside_its_region_asks_first() {
         loop {
             let mut contents = mailbox.lock();
             let told = contents.announced_since(&mut edition).unwrap_or_default();
-            scene = contents.scene.take().or(scene);
+            if let Some(Request::Scene(wanted)) = contents.take_wanted() {
+                scene = Some(wanted);
+            }
             let answer = contents.answer_for(1);
             drop(contents);
             let judged = told.contains("spectral_radius") && !told.contains("\"finding\":null");
@@ -83,4 +85,16 @@ fn a_gain_outside_its_region_asks_first() {
     assert_eq!(order("anyway set coordination.stiffness_n_per_m=3000").0, Some(3000.0));
     let (set, answer) = order("set coordination.stiffness_n_per_m=-1");
     assert!(set.is_none() && answer.contains("refused"), "{answer}");
+}
+
+/// A word of 16 kB that a terminal would obey is quoted in a line that a page can show, and the reason still stands in it.
+#[test]
+fn a_refusal_is_one_line_of_bounded_length() {
+    let word = "\u{1b}[2J\u{202e}\n".repeat(2_000);
+    let why = apply(&scene("any-network", &[]), &word).expect_err("no order");
+    let said = refusal(&why);
+    assert_eq!(said.chars().count(), LONGEST_REFUSAL - 1);
+    assert!(said.starts_with("\\u001b[2J\\u202e\\u000a"), "{said}");
+    assert!(said.ends_with("there is no such order; a page knows set, scene, law, file and show"), "{said}");
+    assert_eq!(refusal(&"as it is".into()), "as it is");
 }

@@ -54,3 +54,34 @@ fn answers_go_to_who_asked_and_news_to_everybody_once() {
     (0..3 * MOST).for_each(|_| contents.answer(9, "unread".into()));
     assert!(contents.answers.len() <= MOST);
 }
+
+/// Of two orders between two ticks the second is what becomes of both: before, a scene of two axes was set in a pair of one, which ended
+/// the control loop, and one that came before another environment was shown instead of that.
+#[test]
+fn the_last_order_before_a_tick_holds() {
+    let scene = |axes: u32| {
+        let mut scene = Scene::default();
+        (scene.peer.axis.count, scene.peer.axis.shared) = (axes, axes);
+        Box::new(scene)
+    };
+    let wanted = |requests: [Request; 2]| {
+        let mut contents = Contents::new(Model::Follows);
+        requests.into_iter().for_each(|request| contents.want(request));
+        let last = contents.take_wanted();
+        assert!(contents.take_wanted().is_none());
+        match last.expect("an order") {
+            Request::Scene(scene) => (None, scene.peer.axis.shared),
+            Request::Show(kind, scene) => (Some(kind), scene.peer.axis.shared),
+        }
+    };
+    let (pair, hub) = (EnvironmentKind::Pair, EnvironmentKind::Hub);
+    let cases = [
+        ([Request::Show(pair, scene(1)), Request::Scene(scene(2))], (Some(EnvironmentKind::Plane), 2)),
+        ([Request::Scene(scene(2)), Request::Show(hub, scene(1))], (Some(hub), 1)),
+        ([Request::Show(pair, scene(1)), Request::Show(hub, scene(1))], (Some(hub), 1)),
+        ([Request::Scene(scene(1)), Request::Scene(scene(3))], (None, 3)),
+    ];
+    for (requests, last) in cases {
+        assert_eq!(wanted(requests), last);
+    }
+}

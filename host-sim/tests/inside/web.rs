@@ -3,6 +3,8 @@ use std::sync::mpsc::Receiver;
 use haptic_sim::Laws;
 
 use super::super::connections::MOST_WITHOUT_KEY;
+use super::super::environment::Command;
+use super::super::messages::FARTHEST_M;
 use super::*;
 
 const UPGRADE: &str =
@@ -10,7 +12,7 @@ const UPGRADE: &str =
 
 fn site() -> &'static Site {
     static SITE: std::sync::OnceLock<Site> = std::sync::OnceLock::new();
-    SITE.get_or_init(|| Site { port: 7000, keys: Keys::new().expect("keys"), hello: Arc::new(Value::Null) })
+    SITE.get_or_init(|| Site::new(7000, Value::Null).expect("keys"))
 }
 
 /// Where a window with these roles connects.
@@ -102,7 +104,7 @@ fn served() -> Served {
     let port = listener.local_addr().expect("an address").port();
     let scene = Scene::new(Laws::built_in());
     let mailbox = Arc::new(Mailbox::new(Model::Absent));
-    let site = Site::new(&listener, hello(&scene, None, false)).expect("a site");
+    let site = Site::new(port, hello(&scene, None, false)).expect("a site");
     let (asks, asked) = std::sync::mpsc::sync_channel(16);
     site.serve(listener, &mailbox, asks).expect("a thread");
     Served { site, mailbox, port, asked }
