@@ -36,7 +36,7 @@ const PORT: u16 = 7000;
 const MOST: usize = 16;
 /// The bytes from here on are none of UTF-8's.
 const FIRST_OF_A_WORD: u8 = 0xf8;
-/// Ticks that pass at a time: enough for a pointer to be played out.
+/// Ticks that pass at a time: what was asked for is taken in the first.
 const TICKS: usize = 3;
 
 /// Runs one fuzz input.
