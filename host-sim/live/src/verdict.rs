@@ -1,7 +1,7 @@
 //! Whether a peer may arm: what its scene is at the delays that its link measures, asked of whoever can say, before and while it is armed.
 //!
-//! **Measured**: half of the last [`KEPT`] round trips, without an eighth of them at either end, which a busy machine makes; nothing counts of
-//! what was before a step. **Asked**: after [`LEAST`] round trips, and again, [`AGAIN_US`] after the last time at the earliest, when they
+//! **Measured**: half of the last 16 round trips, without an eighth of them at either end, which a busy machine makes; nothing counts of
+//! what was before a step. **Asked**: after 4 round trips, and again, a second after the last time at the earliest, when they
 //! fill other ticks than those that were judged. **Said**: every change from stable to unstable and back.
 //!
 //! **Before it is armed** a peer waits for the first verdict, and as long as that is that the scene is unstable, unless it is to arm anyway;
