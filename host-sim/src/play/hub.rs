@@ -7,7 +7,7 @@ use haptic_sim::scene::Scene;
 use super::environment::{ARMED, Column, number_of};
 use super::hand::Hand;
 use super::partner::{Model, Partner};
-use super::session::{PERIOD_S, end_of_travel};
+use super::session::{PERIOD_S, first, on_device};
 use super::shared_environment::{Held, Play};
 use crate::Error;
 
@@ -67,8 +67,8 @@ impl Play for Hub {
     fn step(&mut self) {
         let Self { waves, hands, partners, held, pulls, tick } = self;
         for (at, side) in waves.sides_mut().enumerate() {
-            let motion = side.plant.motions()[0];
-            let position = [motion.position];
+            let motions = side.plant.motions();
+            let position = [motions[0].position];
             let wanted = match held.get(at) {
                 None | Some(Held::ByNobody) => partners[at].wants(position, PERIOD_S),
                 Some(Held::Free) => None,
@@ -78,8 +78,9 @@ impl Play for Hub {
                 partners[at].rest();
             }
             hands[at].point(*tick, wanted, position);
-            [pulls[at]] = hands[at].pull(*tick, [motion], PERIOD_S);
-            side.plant.pull([pulls[at] - end_of_travel(motion), 0.0]);
+            let pull = hands[at].pull(*tick, first(motions), PERIOD_S);
+            side.plant.pull(on_device(pull, motions));
+            [pulls[at]] = pull;
         }
         waves.step();
         *tick += 1;

@@ -26,7 +26,7 @@ use haptic_sim::{key_file::entropy, scene::Scene};
 use super::environment::{ARMED, Command, Environment, FAULT, OFF, Sample, Standing, WAITS, number_of};
 use super::hand::Hand;
 use super::pair_columns::sample;
-use super::session::{PERIOD_S, Side, end_of_travel, shared};
+use super::session::{PERIOD_S, Side, first, on_device};
 use crate::Error;
 
 /// How much of a tick goes to what has come, so that no flood of datagrams holds it up.
@@ -165,8 +165,7 @@ where
     }
 
     fn device(&self) -> [Motion<f64>; SHARED] {
-        let motions = self.node.motions();
-        from_fn(|axis| motions[axis])
+        first(self.node.motions())
     }
 
     fn sample(&mut self) -> Sample {
@@ -232,7 +231,7 @@ where
 
     fn point(&mut self, hand: usize, at: Option<[f64; 3]>, restarts: u32) {
         if hand == self.own {
-            let at = at.filter(|_| restarts == self.restarts).map(shared);
+            let at = at.filter(|_| restarts == self.restarts).map(first);
             self.hand.point(self.tick, at, self.device().map(|axis| axis.position));
         }
     }
@@ -243,10 +242,8 @@ where
 
     fn step(&mut self) -> Result<Sample, Error> {
         self.listen()?;
-        let device = self.device();
-        self.pull_n = self.hand.pull(self.tick, device, PERIOD_S);
-        let pull = |axis: usize| Some(self.pull_n.get(axis)? - end_of_travel(device[axis]));
-        self.node.pull(from_fn(|axis| pull(axis).unwrap_or_default()));
+        self.pull_n = self.hand.pull(self.tick, self.device(), PERIOD_S);
+        self.node.pull(on_device(self.pull_n, self.node.motions()));
         let Self { node, endpoint, join, path, going, cut, .. } = self;
         node.tick(endpoint.now_ns() / 1_000, |bytes| {
             if let Some(to) = join.or_else(|| path.of(bytes, None)).filter(|_| !*cut) {

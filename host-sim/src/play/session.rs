@@ -172,8 +172,7 @@ where
 
     /// The shared axes of a device.
     fn device(&self, index: usize) -> [Motion<f64>; SHARED] {
-        let motions = self.pair.sides()[index].plant.motions();
-        from_fn(|axis| motions[axis])
+        first(self.pair.sides()[index].plant.motions())
     }
 
     fn advance(&mut self) -> Sample {
@@ -181,8 +180,7 @@ where
             self.pulls[index] = self.hands[index].pull(self.tick, self.device(index), PERIOD_S);
         }
         for (side, pull) in self.pair.sides_mut().zip(self.pulls) {
-            let motions = side.plant.motions();
-            side.plant.pull(from_fn(|axis| pull.get(axis).map_or(0.0, |pull| pull - end_of_travel(motions[axis]))));
+            side.plant.pull(on_device(pull, side.plant.motions()));
         }
         self.pair.step();
         self.tick += 1;
@@ -236,7 +234,7 @@ where
 
     fn point(&mut self, index: usize, pointer: Option<[f64; 3]>, restarts: u32) {
         self.partners[index].rest();
-        let pointer = pointer.filter(|_| restarts == self.restarts).map(shared);
+        let pointer = pointer.filter(|_| restarts == self.restarts).map(first);
         self.hands[index].point(self.tick, pointer, self.device(index).map(|axis| axis.position));
     }
 
@@ -255,13 +253,22 @@ where
     }
 }
 
-/// What a pointer says along the shared axes.
-pub(super) fn shared<const SHARED: usize>(pointer: [f64; 3]) -> [f64; SHARED] {
-    from_fn(|axis| pointer.get(axis).copied().unwrap_or_default())
+/// The first ones of these; where there are too few, nothing.
+pub(super) fn first<T: Copy + Default, const OF: usize, const N: usize>(all: [T; OF]) -> [T; N] {
+    from_fn(|axis| all.get(axis).copied().unwrap_or_default())
+}
+
+/// What a hand that pulls along the shared axes, N, and the ends of travel along them do to a device.
+pub(super) fn on_device<const SHARED: usize, const N: usize>(
+    pull: [f64; SHARED],
+    motions: [Motion<f64>; N],
+) -> [f64; N] {
+    let motions: [_; SHARED] = first(motions);
+    first(from_fn::<_, SHARED, _>(|axis| pull[axis] - end_of_travel(motions[axis])))
 }
 
 /// Force of the end of its travel on a device, N, to be taken from what pulls it.
-pub(super) fn end_of_travel(Motion { position, velocity }: Motion<f64>) -> f64 {
+fn end_of_travel(Motion { position, velocity }: Motion<f64>) -> f64 {
     let beyond = position - position.clamp(-REACH_M, REACH_M);
     if beyond == 0.0 { 0.0 } else { END_STIFFNESS * beyond + END_DAMPING * velocity }
 }

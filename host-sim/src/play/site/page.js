@@ -3,7 +3,7 @@
 // in comments. What columns, keys, scenes and faults there are, the program says first of all ("hello").
 
 import { view as viewOf } from "./environments.js";
-import { axesOf, peers, SUFFIXES, WAYS } from "./pair.js";
+import { along, axesOf, peers, SUFFIXES, WAYS } from "./pair.js";
 
 /** @typedef {import("./environments.js").Place} Place */
 /** @typedef {import("./environments.js").Point} Point */
@@ -404,13 +404,13 @@ function mean(of, ticks = 200) {
 const distance = (one, other, ago) => {
   // Plots ask for thousands a frame.
   if (axes === 1) return 1e3 * Math.abs(value(one, ago) - value(other, ago));
-  return 1e3 * Math.hypot(...SUFFIXES.slice(0, axes).map((suffix) => value(one + suffix, ago) - value(other + suffix, ago)));
+  const to = along(value, axes, other, ago);
+  return 1e3 * Math.hypot(...along(value, axes, one, ago).map((at, axis) => at - (to[axis] ?? NaN)));
 };
 const apart = (/** @type {number} */ ago) => distance("object_1", "object_2", ago);
 const decoded = (/** @type {number} */ ago) => distance(`object_${me}`, `decoded_${me}`, ago);
 /** A force: along one axis with its sign, else its size. @param {string} name @param {number} ago */
-const force = (name, ago) =>
-  axes === 1 ? value(name, ago) : Math.hypot(...SUFFIXES.slice(0, axes).map((suffix) => value(name + suffix, ago)));
+const force = (name, ago) => (axes === 1 ? value(name, ago) : Math.hypot(...along(value, axes, name, ago)));
 
 function writeNumbers() {
   const text = (/** @type {number} */ number, /** @type {number} */ digits) =>
@@ -448,7 +448,7 @@ function writeNumbers() {
   const at = 1e3 * value(`device_${me}`);
   if (Number.isFinite(at)) {
     hand.setAttribute("aria-valuenow", at.toFixed(0));
-    const places = SUFFIXES.slice(0, axes).map((suffix) => `${(1e3 * value(`device_${me}${suffix}`)).toFixed(0)} millimetres`);
+    const places = along(value, axes, `device_${me}`).map((at) => `${(1e3 * at).toFixed(0)} millimetres`);
     hand.setAttribute("aria-valuetext", `${places.join(", ")}, ${force(`hand_${me}`, 0).toFixed(1)} newtons`);
   }
 }

@@ -16,8 +16,8 @@ export const WAYS = ["along", "across", "up"];
 /** Axes that are shared in this environment. @param {string} name */
 export const axesOf = (name) => ({ pair: 1, plane: 2, space: 3 })[name] ?? 0;
 
-/** A quantity of a peer along each shared axis. @param {Value} value @param {number} axes @param {string} name */
-const along = (value, axes, name) => SUFFIXES.slice(0, axes).map((suffix) => value(`${name}${suffix}`));
+/** A quantity of a peer along each shared axis. @param {Value} value @param {number} axes @param {string} name @param {number} [ago] */
+export const along = (value, axes, name, ago = 0) => SUFFIXES.slice(0, axes).map((suffix) => value(`${name}${suffix}`, ago));
 
 /** Half of a picture's width and height, and from the middle of one to that of the next, mm. */
 const [HALF_X, HALF_Y, NEXT] = [170, 130, 352];
