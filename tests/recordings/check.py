@@ -12,7 +12,7 @@ from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
 
 UNITS = ("_s", "_m", "_n", "_j", "_m_per_s", "_ppm")
-NO_UNIT = {"tick", "mode", "fault", "live", "session", "live_share", "missing"}
+NO_UNIT = {"tick", "mode", "fault", "live", "session", "live_share", "missing", "stable"}
 
 
 def check(recording: str, table: str) -> None:
