@@ -197,6 +197,12 @@ fn kinds(ui: &Ui) -> Vec<TableKind> {
         ),
         TableKind::new("merge", "the OUT of `merge`", "an instant", Columns::named(merge::COLUMNS)),
         TableKind::new(
+            "merge-axes",
+            "the OUT of `merge` of several shared axes, behind the columns of one",
+            "an instant",
+            Columns::named(merge::columns(3).skip(merge::COLUMNS.len())),
+        ),
+        TableKind::new(
             "board",
             "the FILE.csv of `board operator --record`",
             "a tick that came",

@@ -6,6 +6,7 @@ use clap::Args;
 use haptic_io::Kind;
 use haptic_live::recording::file::{Recording, Rows, read};
 use haptic_live::recording::merge::{both, merge};
+use haptic_live::recording::together;
 use haptic_live::watch::GOOD_CLOCK_S;
 use haptic_plot::write_file;
 use haptic_report::files::{write_csv, write_parquet};
@@ -48,6 +49,13 @@ fn load(ui: &Ui, path: &Path) -> Result<Recording, Failure> {
         ui.warn(format_args!(
             "{}: {lost} rows came quicker than they could be written, and are missing",
             path.display()
+        ));
+    }
+    if recording.damaged > 0 {
+        ui.warn(format_args!(
+            "{}: {} of its chunks are damaged (their checksums are others): their rows are left out",
+            path.display(),
+            recording.damaged
         ));
     }
     Ok(recording)
@@ -93,7 +101,7 @@ impl Convert {
         let cut = recording
             .cut
             .map(|cut| json!({ "whole_bytes": cut.whole, "bytes_after": cut.rest, "rows_saved": cut.saved }));
-        ui.report("", &json!({ "who": recording.origin.who, "cut": cut, "lost": recording.lost, "channels": files }))
+        ui.report("", &json!({ "who": recording.origin.who, "cut": cut, "lost": recording.lost, "damaged_chunks": recording.damaged, "channels": files }))
     }
 }
 
@@ -116,25 +124,53 @@ pub(super) struct Merge {
     /// The recording of one end, or of both.
     #[arg(value_name = "A")]
     one: PathBuf,
-    /// The recording of the other end; and a table of every instant (.csv or .parquet).
+    /// The recording of the other end; and a table of every instant (.csv or .parquet), or both recordings on one clock (.mcap).
     #[arg(value_name = "B|OUT", num_args = 0..=2)]
     rest: Vec<PathBuf>,
+    /// The recording of the hub that both were at.
+    #[arg(long, value_name = "FILE")]
+    hub: Option<PathBuf>,
 }
 
 impl Merge {
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        let is_table = |path: &&PathBuf| Format::of(path).is_ok();
-        let out = self.rest.last().filter(is_table);
-        let recordings = &self.rest[..self.rest.len() - usize::from(out.is_some())];
-        let one = load(ui, &self.one)?;
-        let merged = match recordings {
-            [] => both(&one)?,
-            [two] => merge(&one, &load(ui, two)?)?,
-            [_, table, ..] => return Format::of(table).map(drop),
+        let is_table = |path: &PathBuf| Format::of(path).is_ok();
+        let is_recording = |path: &PathBuf| path.extension().is_some_and(|ending| ending == "mcap");
+        let (two, out) = match &self.rest[..] {
+            [] => (None, None),
+            [one] if is_table(one) => (None, Some(one)),
+            [two] => (Some(two), None),
+            [two, out] if is_table(out) || is_recording(out) => (Some(two), Some(out)),
+            [_, out, ..] => {
+                let place = out.display();
+                return Err(format!("{place} is not allowed: its name must end in .csv, .parquet or .mcap").into());
+            }
         };
-        if let Some(path) = out {
-            Format::of(path)?.write(&merged.table, path, &one.origin.provenance, Kind::Named)?;
-            ui.status(format_args!("wrote {}", path.display()));
+        let one = load(ui, &self.one)?;
+        let hub = self.hub.as_ref().map(|hub| load(ui, hub)).transpose()?;
+        let two = two.map(|two| load(ui, two)).transpose()?;
+        let merged = match &two {
+            None => both(&one)?,
+            Some(two) => merge(&one, two, hub.as_ref())?,
+        };
+        match (out, &two) {
+            (Some(out), Some(two)) if is_recording(out) => {
+                let ended = together::write(out, [&one, two], hub.as_ref(), &merged)?;
+                ui.status(ended.summary());
+                if let Some(why) = ended.failed {
+                    return Err(why.into());
+                }
+            }
+            (Some(out), _) => {
+                Format::of(out)?.write(&merged.table, out, &one.origin.provenance, Kind::Named)?;
+                ui.status(format_args!("wrote {}", out.display()));
+            }
+            (None, _) => {}
+        }
+        for (end, left_out) in merged.ends.iter().zip(merged.left_out).filter(|(_, left_out)| *left_out > 0) {
+            ui.warn(format_args!(
+                "{end}: {left_out} rows are no motion of a copy (not finite, or a leap that its speed does not make): left out"
+            ));
         }
         if merged.clock_error_us > 1e6 * GOOD_CLOCK_S {
             ui.warn(format_args!(

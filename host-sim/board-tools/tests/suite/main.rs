@@ -3,6 +3,10 @@
 mod bringup;
 mod calibrate;
 mod calibrate_winding;
+#[path = "../../../../protocol/tests/suite/protocol/format.rs"]
+#[allow(dead_code, unreachable_pub)] // What the board of another test says.
+mod format;
+mod hostile;
 mod lease;
 mod on_path;
 mod recording;

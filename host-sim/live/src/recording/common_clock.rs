@@ -6,7 +6,9 @@
 //!
 //! **Estimator.** Offset and drift are those of a straight line through all exchanges by least squares with the weights
 //! (q/(q + e/2))⁴, where e is how much longer the exchange took than the quickest one and q = 5 µs: an exchange that was
-//! held up counts for next to nothing, as in a filter by the smallest round trip, and no window has to be chosen for it.
+//! held up counts for next to nothing, as in a filter by the smallest round trip, and no window has to be chosen for it. Where those
+//! that count lie within a second, as where one early exchange was quicker than all that follow, they tell no drift: it is in the
+//! middle of what all exchanges leave.
 //!
 //! **Error.** Nothing arrives before it was sent. So an exchange leaves the offset between t3 − t4 and t2 − t1, whoever delays what, and
 //! however unlike the two ways are; at another time, between these and what the drift may have made of them since. The offset is
@@ -189,8 +191,8 @@ impl Relation {
         let xx = sum(&|one| x(one) * x(one));
         // The time that those which count lie apart.
         let known = (12.0 * xx / all).sqrt() >= SHORTEST_S;
-        let drift = if known { sum(&|one| x(one) * y(one)) / xx } else { 0.0 };
         let [least, most] = bounds.drifts;
+        let drift = if known { sum(&|one| x(one) * y(one)) / xx } else { 0.5 * (least + most) };
         let drift = drift.max(least).min(most);
         Some(Self { middle_s: from_s + middle, offset_s: base_s + offset, drift, round_trip_s, bounds })
     }

@@ -1,8 +1,9 @@
 //! Reads a recording, whole or cut.
 //!
 //! Read from the front, record by record, so that no summary is needed: a file that was cut gives everything up to the last whole
-//! message, and [`Recording::cut`] says where that was. Of other MCAP files it reads what it writes itself: protobuf messages of
-//! doubles, chunks without compression.
+//! message, and [`Recording::cut`] says where that was. What a chunk holds whose checksum is another is not taken:
+//! [`Recording::damaged`] counts these. Of other MCAP files it reads what it writes itself: protobuf messages of doubles, chunks
+//! without compression.
 //!
 //! **Bounds**, for a file may be anybody's: what is kept of it is no larger than the file. A row has every number of its channel, a
 //! channel at most [`MOST_COLUMNS`] of them, with short names; and there are at most [`MOST_CHANNELS`], [`MOST_NUMBERS`] in all,
@@ -15,7 +16,7 @@ use std::path::Path;
 use haptic_report::{Column, Columns};
 use haptic_sim::quantities::Named;
 
-use super::mcap::{MAGIC, op};
+use super::mcap::{Channel, MAGIC, op};
 use super::origin::Origin;
 use super::recorder::MOST_COLUMNS;
 use crate::Error;
@@ -33,7 +34,7 @@ pub const MOST_TEXT: u64 = 1 << 24;
 const LONGEST_NAME: usize = 128;
 
 /// A recording read from its file.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Recording {
     /// Program, settings and clock that made the recording.
     pub origin: Origin,
@@ -41,6 +42,8 @@ pub struct Recording {
     pub channels: Vec<Rows>,
     /// Rows that were lost while it was recorded, by the recorder's own account; `None` where that is missing.
     pub lost: Option<u64>,
+    /// Chunks that were left out, for their rows are not those that were written: their checksum is another.
+    pub damaged: u64,
     /// The damage at its end; none in a whole file.
     pub cut: Option<Cut>,
 }
@@ -70,6 +73,8 @@ impl Cut {
 pub struct Rows {
     /// Name of the channel.
     pub topic: String,
+    /// What a row is: `Tick`.
+    pub row: String,
     /// Names of the columns, which end in their units.
     pub names: Vec<String>,
     meanings: BTreeMap<String, String>,
@@ -90,6 +95,17 @@ impl Rows {
     /// What a column means; empty where nobody said.
     pub fn meaning(&self, name: &str) -> &str {
         self.meanings.get(name).map_or("", String::as_str)
+    }
+
+    /// As a channel that another recording may have.
+    pub fn channel(&self) -> Channel {
+        let fields = self.names.iter().map(|name| (name.as_str(), self.meaning(name)));
+        Channel::new(self.topic.as_str(), &self.row, fields)
+    }
+
+    /// The numbers of a row.
+    pub fn values(&self, row: usize) -> impl Iterator<Item = f64> {
+        self.columns.iter().map(move |column| column[row])
     }
 
     /// How many there are.
@@ -214,14 +230,15 @@ fn doubles(set: Parse<'_>, name: &str) -> Option<Vec<(u64, String)>> {
 /// What was read so far.
 #[derive(Default)]
 struct Reading {
-    /// Name and columns of each schema.
-    schemas: BTreeMap<u64, Vec<(u64, String)>>,
+    /// What a row of each schema is, and its columns.
+    schemas: BTreeMap<u64, (String, Vec<(u64, String)>)>,
     channels: BTreeMap<u64, Rows>,
     facts: BTreeMap<String, BTreeMap<String, String>>,
     rows: u64,
     numbers: u64,
     /// Bytes of what is no row.
     text: u64,
+    damaged: u64,
     ended: bool,
 }
 
@@ -248,7 +265,8 @@ impl Reading {
                 for (_, column) in &columns {
                     bounded("bytes in the name of a column", column.len() as u64, LONGEST_NAME as u64)?;
                 }
-                self.schemas.insert(id, columns);
+                let row = name.rsplit('.').next().unwrap_or_default().to_owned();
+                self.schemas.insert(id, (row, columns));
             }
             op::CHANNEL => {
                 let taken = self.channel(content);
@@ -273,10 +291,11 @@ impl Reading {
     fn channel(&mut self, mut content: Parse<'_>) -> Option<()> {
         let (id, schema) = (content.number::<2>()?, content.number::<2>()?);
         let (topic, _, meanings) = (content.text()?, content.text()?, content.map()?);
-        let (numbers, names): (Vec<_>, Vec<_>) = self.schemas.get(&schema)?.iter().cloned().unzip();
+        let (row, columns) = self.schemas.get(&schema)?;
+        let (row, (numbers, names)): (_, (Vec<_>, Vec<_>)) = (row.clone(), columns.iter().cloned().unzip());
         let columns = vec![Vec::new(); names.len()];
         // It stands in the summary once more.
-        let new = Rows { topic, names, meanings, numbers, columns, ..Rows::default() };
+        let new = Rows { topic, row, names, meanings, numbers, columns, ..Rows::default() };
         self.channels.entry(id).or_insert(new);
         Some(())
     }
@@ -301,14 +320,23 @@ impl Reading {
         Some(())
     }
 
-    /// The records in a chunk, as far as they are there.
-    fn chunk(&mut self, mut content: Parse<'_>) -> Result<Option<()>, Error> {
-        let head = (|| Some((content.take(8 + 8 + 8 + 4)?, content.text()?, content.number::<8>()?)))();
-        let Some((_, compression, _)) = head else { return Ok(None) };
+    /// The records in a chunk: as far as they are there, if it is not whole.
+    fn chunk(&mut self, mut content: Parse<'_>, whole: bool) -> Result<Option<()>, Error> {
+        let head = (|| {
+            content.take(8 + 8 + 8)?;
+            Some((content.number::<4>()?, content.text()?, content.number::<8>()?))
+        })();
+        let Some((checksum, compression, size)) = head else { return Ok(None) };
         if !compression.is_empty() {
             return Err(Error::Refused(format!(
                 "its chunks are compressed ({compression}): they are read here as they are written here, as they are"
             )));
+        }
+        // A checksum of 0 is none.
+        let is_other = || checksum != 0 && u64::from(crc32fast::hash(content.0)) != checksum;
+        if whole && (size != content.0.len() as u64 || is_other()) {
+            self.damaged += 1;
+            return Ok(Some(()));
         }
         while let Some((opcode, record)) = content.record() {
             if self.take(opcode, record)?.is_none() {
@@ -367,7 +395,7 @@ pub fn read_from(mut file: impl Read, size: u64) -> Result<Recording, Error> {
         file.by_ref().take(there).read_to_end(&mut content).map_err(&failed)?;
         let before = reading.rows;
         let taken = match head[0] {
-            op::CHUNK => reading.chunk(Parse(&content)),
+            op::CHUNK => reading.chunk(Parse(&content), there == length),
             _ if there < length => Ok(None),
             opcode => reading.take(opcode, Parse(&content)),
         };
@@ -381,7 +409,7 @@ pub fn read_from(mut file: impl Read, size: u64) -> Result<Recording, Error> {
     let fact = |of: &str, name: &str| reading.facts.get(of).and_then(|facts| facts.get(name)).cloned();
     let origin = Origin::of_facts(|name| fact("recording", name).unwrap_or_default());
     let lost = fact("end", "lost").and_then(|lost| lost.parse().ok());
-    Ok(Recording { origin, channels: reading.channels.into_values().collect(), lost, cut })
+    Ok(Recording { origin, channels: reading.channels.into_values().collect(), lost, damaged: reading.damaged, cut })
 }
 
 #[cfg(test)]

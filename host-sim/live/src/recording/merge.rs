@@ -6,31 +6,30 @@
 //! of its records tell, of which the quickest was sealed right after its tick. How the board's clock goes beside the operator's, the
 //! exchanges between the two tell ([`Relation`]).
 //!
-//! **From one recording to the other** lead the exchanges of a session that both were ends of; without one, the steady clock of a
-//! machine on which both were recorded, whose error is 0. A chain of clocks is as wrong as its links together.
+//! **From one recording to the other** lead the exchanges of a session that both were ends of; or those of both with a hub, if its
+//! recording is there; of two boards, the steady clock of a machine on which both were recorded, whose error is 0. A chain of
+//! clocks is as wrong as its links together. Peers that were in no session with each other are not compared.
 //!
 //! **At one instant**: for every tick of the first, the second's copy at that time, on the straight line between two ticks; or the
-//! copy of one tick, where the clock cannot tell that it was another instant.
+//! copy of one tick, where the clock cannot tell that it was another instant. Along several shared axes the discrepancy is the distance
+//! in the plane or in space, at instants at which both copies are known along all of them.
+//!
+//! **Physics.** A row whose numbers are not finite, or whose copy is further from where it was a tick before than its speed could take
+//! it, is no motion: it is left out, and counted.
 
 use std::collections::BTreeSet;
 
 use haptic_report::Columns;
 use haptic_sim::quantities::{self, Named};
+use haptic_sim::run::AXIS_NAMES;
 use serde::Serialize;
 
 use super::common_clock::{Exchange, Relation};
-use super::file::Recording;
+use super::course::{Course, starts_of};
+use super::file::{Recording, Rows};
 use super::origin::Origin;
+use super::ticks::name_of;
 use crate::Error;
-
-/// A way from tick to tick that is so many times longer than usual is a gap: nothing is laid into it.
-const GAP: f64 = 3.5;
-/// More ticks back than a record can come late: the board has started anew.
-const LATE_TICKS: f64 = 1000.0;
-/// Two that are closer than this are one instant, s: what is left of a time that was added up.
-const INSTANT_S: f64 = 1e-9;
-/// What is armed, in a column of modes.
-const ARMED: f64 = 1.0;
 
 /// Columns of the table of every instant.
 pub const COLUMNS: [Named; 5] = [
@@ -41,22 +40,23 @@ pub const COLUMNS: [Named; 5] = [
     ("clock_error_m", "what the clock's error may have made of it: speed of the copies times that"),
 ];
 
-/// A copy at a tick.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Place {
-    at_s: f64,
-    position_m: f64,
-    speed: f64,
+/// [`COLUMNS`] of copies that are shared along so many axes: positions along the further ones follow.
+pub fn columns(axes: usize) -> impl Iterator<Item = (String, &'static str)> {
+    let further = AXIS_NAMES.into_iter().take(axes).skip(1).flat_map(|axis| {
+        let meanings = ["the first copy along this further axis", "the second copy along it, at this instant"];
+        [1, 2].map(|end| (format!("object_{end}_{axis}_m"), meanings[end - 1]))
+    });
+    COLUMNS.into_iter().map(|(name, meaning)| (name.to_owned(), meaning)).chain(further)
 }
 
 /// One end as it was recorded.
 #[derive(Debug)]
 struct Side<'a> {
     origin: &'a Origin,
-    /// The copy while it was armed, in order of time.
-    places: Vec<Place>,
-    /// The longest way between two of them that is no gap, s.
-    longest_s: f64,
+    /// What the topics of its channels begin with: `/peer_1`.
+    end: &'a str,
+    /// The copy along each shared axis.
+    axes: Vec<Course>,
     /// How the clock that timed them goes beside the recording's; none where it is that one.
     board: Option<Relation>,
     /// Exchanges with the other end, and in which session each was.
@@ -68,6 +68,10 @@ struct Side<'a> {
 pub struct Merged {
     /// Names of the two ends that recorded.
     pub ends: [String; 2],
+    /// Number of shared axes.
+    pub axes: usize,
+    /// Rows of either end that are no motion, and were left out.
+    pub left_out: [usize; 2],
     /// Instants at which both copies are known and both peers were armed.
     pub instants: usize,
     /// From the first of them to the last, s.
@@ -98,150 +102,201 @@ pub struct Merged {
     pub table: Columns,
 }
 
-fn wrong(origin: &Origin, what: &str) -> String {
+pub(super) fn wrong(origin: &Origin, what: &str) -> String {
     format!("the recording of {} {what}", if origin.who.is_empty() { "nobody" } else { &origin.who })
+}
+
+/// The exchanges of a recording, and in which session each was.
+fn exchanges_of(recording: &Recording) -> Vec<(f64, Exchange)> {
+    let Some(rows) = recording.channels.iter().find(|rows| rows.topic.ends_with("/exchanges")) else {
+        return Vec::new();
+    };
+    let get = |name: &str, at: usize| rows.column(name).map_or(f64::NAN, |values| values[at]);
+    let one = |at: usize| {
+        let times_s = ["sent_s", "there_s", "answered_s", "back_s"].map(|name| get(name, at));
+        (get("session", at), Exchange { times_s })
+    };
+    (0..rows.len()).map(one).collect()
 }
 
 impl<'a> Side<'a> {
     fn of(recording: &'a Recording) -> Result<Self, Error> {
         let origin = &recording.origin;
-        let channel = |leaf: &str| recording.channels.iter().find(|rows| rows.topic.ends_with(leaf));
-        let rows = channel("/ticks").ok_or_else(|| wrong(origin, "has no ticks of a peer or a board"))?;
-        let column = |name: &str| rows.column(name).ok_or_else(|| wrong(origin, &format!("has no column {name}")));
-        let (times, modes) = (column("time_s")?, column("mode")?);
-        let (positions, speeds) = (column("object_m")?, column("object_m_per_s")?);
-        let mut exchanges = Vec::new();
-        if let Some(rows) = channel("/exchanges") {
-            let get = |name: &str, at: usize| rows.column(name).map_or(f64::NAN, |values| values[at]);
-            let one = |at: usize| {
-                let times_s = ["sent_s", "there_s", "answered_s", "back_s"].map(|name| get(name, at));
-                (get("session", at), Exchange { times_s })
-            };
-            exchanges = (0..rows.len()).map(one).collect();
+        let ends = recording.channels.iter().filter_map(|rows| rows.topic.strip_suffix("/ticks"));
+        let end = ends.min().ok_or_else(|| wrong(origin, "has no ticks of a peer or a board"))?;
+        let axis = |axis: usize| {
+            let topic = format!("{end}/{}", name_of(axis));
+            recording.channels.iter().find(|rows| rows.topic == topic)
+        };
+        let exchanges = exchanges_of(recording);
+        let (mut axes, mut board) = (Vec::new(), None);
+        for rows in (0..AXIS_NAMES.len()).map_while(axis) {
+            let column = |name: &str| rows.column(name).ok_or_else(|| wrong(origin, &format!("has no column {name}")));
+            let mut starts = vec![0.0; rows.len()];
+            if let Some(sealed) = rows.column("sealed_s") {
+                starts = starts_of(column("time_s")?, sealed, column("tick")?);
+                let all: Vec<_> = exchanges.iter().map(|(_, exchange)| *exchange).collect();
+                let known = Relation::of(&all).ok_or_else(|| wrong(origin, "has no exchange with the board's clock"));
+                board = Some(known?);
+            }
+            axes.push(Course::of(rows, &starts, origin)?);
         }
-        let (mut starts, mut board) = (vec![0.0; times.len()], None);
-        if let Some(sealed) = rows.column("sealed_s") {
-            starts = starts_of(times, sealed, column("tick")?);
-            let all: Vec<_> = exchanges.iter().map(|(_, exchange)| *exchange).collect();
-            board = Some(Relation::of(&all).ok_or_else(|| wrong(origin, "has no exchange with the board's clock"))?);
-        }
-        let place = |at: usize| Place { at_s: starts[at] + times[at], position_m: positions[at], speed: speeds[at] };
-        let mut places: Vec<_> = (0..times.len()).filter(|at| modes[*at] == ARMED).map(place).collect();
-        places.sort_by(|one, other| one.at_s.total_cmp(&other.at_s));
-        let mut intervals_s: Vec<f64> = places.windows(2).map(|two| two[1].at_s - two[0].at_s).collect();
-        intervals_s.sort_by(f64::total_cmp);
-        let longest_s = GAP * intervals_s.get(intervals_s.len() / 2).copied().unwrap_or(0.0);
-        Ok(Self { origin, places, longest_s, board, exchanges })
+        Ok(Self { origin, end, axes, board, exchanges })
     }
 
-    /// What the recording's clock showed when the one that timed its ticks showed this, and by how much that may be wrong, s.
-    fn recorded(&self, at_s: f64) -> (f64, f64) {
-        self.board.as_ref().map_or((at_s, 0.0), |board| {
-            let own_s = board.own_s(at_s);
-            (own_s, board.error_s(own_s))
-        })
+    fn left_out(&self) -> usize {
+        self.axes.iter().map(|course| course.left_out).sum()
     }
 
-    /// The other way round.
-    fn timed(&self, recorded_s: f64) -> (f64, f64) {
-        self.board
-            .as_ref()
-            .map_or((recorded_s, 0.0), |board| (recorded_s + board.offset_s(recorded_s), board.error_s(recorded_s)))
-    }
-
-    /// Where the copy was, and how fast it was at the most in the time that this may be; none in a gap.
-    fn was_at(&self, at_s: f64, error_s: f64) -> Option<(f64, f64)> {
-        let after = self.places.partition_point(|place| place.at_s < at_s);
-        let before = after.checked_sub(1).and_then(|before| self.places.get(before));
-        let after = self.places.get(after);
-        let away = |place: &&Place| (place.at_s - at_s).abs();
-        let near = [before, after].into_iter().flatten().min_by(|one, other| away(one).total_cmp(&away(other)))?;
-        if away(&near) <= error_s.max(INSTANT_S) {
-            return Some((near.position_m, self.fastest(at_s, error_s).max(near.speed.abs())));
-        }
-        let (before, after) = (before?, after?);
-        let way_s = after.at_s - before.at_s;
-        if way_s > self.longest_s {
-            return None;
-        }
-        let share = (at_s - before.at_s) / way_s;
-        let between = |of: fn(&Place) -> f64| of(before) + share * (of(after) - of(before));
-        let fastest = self.fastest(at_s, error_s).max(between(|place| place.speed).abs());
-        Some((between(|place| place.position_m), fastest))
-    }
-
-    /// How fast the copy was at the most within so long before and after a time, m/s.
-    fn fastest(&self, at_s: f64, by_s: f64) -> f64 {
-        let from = self.places.partition_point(|place| place.at_s < at_s - by_s);
-        let inside = self.places.iter().skip(from).take_while(|place| place.at_s <= at_s + by_s);
-        inside.map(|place| place.speed.abs()).fold(0.0, f64::max)
+    /// A time in the middle of what was armed, s.
+    fn middle_s(&self) -> f64 {
+        let places = self.axes.first().map_or(&[][..], |course| &course.places);
+        places.get(places.len() / 2).map_or(0.0, |place| place.at_s)
     }
 }
 
-/// When, by the board's clock, its tick 0 was, for every record: the least time from a tick to its seal is taken for none.
-fn starts_of(times: &[f64], sealed: &[f64], ticks: &[f64]) -> Vec<f64> {
-    let mut starts = vec![0.0; times.len()];
-    let mut from = 0;
-    while from < times.len() {
-        let anew = ticks[from..].windows(2).position(|two| two[0] - two[1] > LATE_TICKS);
-        let to = anew.map_or(times.len(), |at| from + at + 1);
-        let least = (from..to).map(|at| sealed[at] - times[at]).fold(f64::INFINITY, f64::min);
-        starts[from..to].fill(least);
-        from = to;
-    }
-    starts
+/// How one leads from a time of the first end to the same instant at the second.
+#[derive(Clone, Debug)]
+struct Clocks {
+    /// Clock of what timed the first end's ticks, if it is not its recording's.
+    first: Option<Relation>,
+    /// From the first recording to the second, over a hub's if need be.
+    between: Vec<Relation>,
+    second: Option<Relation>,
+    /// How that is known, in words.
+    by: String,
+    /// The offset by the clock of the machine that both ran on, less this one, µs.
+    same_machine_less_this_us: Option<f64>,
 }
 
-/// How the second recording's clock goes beside the first's, and how that is known.
-fn relate(one: &Side<'_>, two: &Side<'_>) -> Result<(Relation, String, Option<f64>), Error> {
-    let begin = |side: &Side<'_>| side.origin.start_clock_ns as f64 * 1e-9;
-    let same = !one.origin.clock.is_empty() && one.origin.clock == two.origin.clock;
-    let same = same.then(|| Relation::same_clock(begin(one) - begin(two)));
-    let peers = one.board.is_none() && two.board.is_none();
-    let sessions = |side: &Side<'_>| side.exchanges.iter().map(|(own, _)| own.to_bits()).collect::<BTreeSet<u64>>();
+impl Clocks {
+    fn of(one: &Side<'_>, two: &Side<'_>, hub: Option<&Recording>) -> Result<Self, Error> {
+        let begin = |side: &Side<'_>| side.origin.start_clock_ns as f64 * 1e-9;
+        let same = !one.origin.clock.is_empty() && one.origin.clock == two.origin.clock;
+        let same = same.then(|| Relation::same_clock(begin(one) - begin(two)));
+        let found = |between: Vec<Relation>, by: String, same_machine_less_this_us| {
+            Ok(Self { first: one.board.clone(), between, second: two.board.clone(), by, same_machine_less_this_us })
+        };
+        if one.board.is_some() || two.board.is_some() {
+            let why = "the two have no clock in common: they were recorded on two machines";
+            return found(vec![same.ok_or(why)?], "each board's exchanges with one machine".to_owned(), None);
+        }
+        let (between, count) = match hub.map(exchanges_of) {
+            None => related(&one.exchanges, &two.exchanges).map(|(relation, count)| (vec![relation], count)).ok_or(
+                "the two were in no session with each other; of two peers of a hub, name its recording with --hub",
+            )?,
+            Some(hub) => {
+                let with = |side: &Side<'_>, found: Option<(Relation, usize)>| {
+                    found.ok_or_else(|| wrong(side.origin, "is of no session with that hub"))
+                };
+                let (there, first) = with(one, related(&one.exchanges, &hub))?;
+                let (back, second) = with(two, related(&hub, &two.exchanges))?;
+                (vec![there, back], first + second)
+            }
+        };
+        let at_s = one.middle_s();
+        let by = format!("{count} exchanges between the two{}", if hub.is_some() { " and their hub" } else { "" });
+        let over = between.iter().fold(at_s, |at_s, relation| at_s + relation.offset_s(at_s)) - at_s;
+        found(between, by, same.map(|same| 1e6 * (same.offset_s(at_s) - over)))
+    }
+
+    /// The same instant at the second end, and by how much that may be wrong, s.
+    fn across(&self, at_s: f64) -> (f64, f64) {
+        // What the recording's clock showed when the one that timed the ticks showed this.
+        let own = self.first.as_ref().map(|board| board.own_s(at_s));
+        let begin =
+            own.map_or((at_s, 0.0), |own_s| (own_s, self.first.as_ref().map_or(0.0, |board| board.error_s(own_s))));
+        let step = |(at_s, error_s): (f64, f64), relation: &Relation| {
+            (at_s + relation.offset_s(at_s), error_s + relation.error_s(at_s))
+        };
+        self.between.iter().chain(&self.second).fold(begin, step)
+    }
+
+    /// What the second recording's clock showed, when the first's shows this.
+    fn second_recording_s(&self, at_s: f64) -> f64 {
+        self.between.iter().rev().fold(at_s, |at_s, relation| relation.own_s(at_s))
+    }
+}
+
+/// How the second clock goes beside the first, by the exchanges of sessions that both were ends of; and how many these are.
+fn related(one: &[(f64, Exchange)], two: &[(f64, Exchange)]) -> Option<(Relation, usize)> {
+    let sessions = |of: &[(f64, Exchange)]| of.iter().map(|(own, _)| own.to_bits()).collect::<BTreeSet<u64>>();
     let both: BTreeSet<u64> = sessions(one).intersection(&sessions(two)).copied().collect();
-    let is_of_both = |session: &f64| peers && !session.is_nan() && both.contains(&session.to_bits());
-    let of = |side: &Side<'_>| -> Vec<Exchange> {
-        side.exchanges.iter().filter(|(session, _)| is_of_both(session)).map(|(_, exchange)| *exchange).collect()
+    let of_both = |of: &[(f64, Exchange)]| -> Vec<Exchange> {
+        let is_of_both = |session: f64| !session.is_nan() && both.contains(&session.to_bits());
+        of.iter().filter(|(session, _)| is_of_both(*session)).map(|(_, exchange)| *exchange).collect()
     };
-    let of_both: Vec<_> = of(one).into_iter().chain(of(two).into_iter().map(Exchange::turned)).collect();
-    if let Some(relation) = Relation::of(&of_both) {
-        let at_s = one.places.get(one.places.len() / 2).map_or(0.0, |place| place.at_s);
-        let beside = same.map(|same| 1e6 * (same.offset_s(at_s) - relation.offset_s(at_s)));
-        return Ok((relation, format!("{} exchanges between the two", of_both.len()), beside));
+    let all: Vec<_> = of_both(one).into_iter().chain(of_both(two).into_iter().map(Exchange::turned)).collect();
+    Relation::of(&all).map(|relation| (relation, all.len()))
+}
+
+/// Both ends, which are two, and of one kind of object.
+fn ends<'a>(one: &'a Recording, two: &'a Recording) -> Result<[Side<'a>; 2], Error> {
+    let [one, two] = [Side::of(one)?, Side::of(two)?];
+    if one.end == two.end {
+        let end = one.end.trim_start_matches('/').replace('_', " ");
+        return Err(format!("both are recordings of {end}: one of each end is needed").into());
     }
-    let by =
-        if peers { "the clock of the machine that both ran on" } else { "each board's exchanges with one machine" };
-    same.map(|same| (same, by.to_owned(), None)).ok_or_else(|| {
-        "the two have no clock in common: they were in no session with each other, and were recorded on two machines".into()
+    let [first, second] = [&one, &two].map(|side| side.axes.len());
+    if first != second {
+        let [one, two] = [&one, &two].map(|side| wrong(side.origin, ""));
+        return Err(format!("{one}shares {first} axes, and {two}{second}: both must share the same").into());
+    }
+    Ok([one, two])
+}
+
+/// True discrepancy of two recordings; of two peers of a hub, with the hub's.
+///
+/// # Errors
+/// They are of one end, or lack what is needed to bring their clocks together, or do not overlap.
+pub fn merge(one: &Recording, two: &Recording, hub: Option<&Recording>) -> Result<Merged, Error> {
+    let names = [one, two].map(|side| side.origin.who.clone());
+    let [one, two] = ends(one, two)?;
+    let clocks = Clocks::of(&one, &two, hub)?;
+    let mut sum = Sum::new(one.axes.len());
+    for place in one.axes.first().map_or(&[][..], |course| &course.places) {
+        let (other_s, error_s) = clocks.across(place.at_s);
+        let along = |(here, there): (&Course, &Course)| {
+            let [(one_m, own), (two_m, other)] = [here.was_at(place.at_s, 0.0)?, there.was_at(other_s, error_s)?];
+            Some(([one_m, two_m], own.max(other)))
+        };
+        let all: Option<Vec<_>> = one.axes.iter().zip(&two.axes).map(along).collect();
+        let Some((copies, speeds)): Option<(Vec<_>, Vec<_>)> = all.map(|all| all.into_iter().unzip()) else { continue };
+        let own_s = clocks.first.as_ref().map_or(place.at_s, |board| board.own_s(place.at_s));
+        sum.see(own_s, &copies, error_s, distance(&speeds));
+    }
+    let middle = one.middle_s();
+    let [before, after] = [middle, middle + 1.0].map(|at_s| clocks.across(at_s).0);
+    let merged = sum.merged(names, clocks.by)?;
+    Ok(Merged {
+        left_out: [one.left_out(), two.left_out()],
+        clock_offset_us: 1e6 * (before - middle),
+        clock_drift_ppm: 1e6 * (after - before - 1.0),
+        same_machine_less_this_us: clocks.same_machine_less_this_us,
+        ..merged
     })
 }
 
-/// True discrepancy of two recordings.
+/// From a time of the second recording's clock to the first's, s.
 ///
 /// # Errors
-/// The recordings lack what is needed to bring their clocks together, or do not overlap.
-pub fn merge(one: &Recording, two: &Recording) -> Result<Merged, Error> {
-    let ([one, two], names) = ([Side::of(one)?, Side::of(two)?], [one, two].map(|side| side.origin.who.clone()));
-    let (relation, clock_by, same_machine_less_this_us) = relate(&one, &two)?;
-    let mut sum = Sum::default();
-    for place in &one.places {
-        let (own_s, first) = one.recorded(place.at_s);
-        let (other_s, last) = two.timed(own_s + relation.offset_s(own_s));
-        let error_s = first + relation.error_s(own_s) + last;
-        if let Some((position_m, speed)) = two.was_at(other_s, error_s) {
-            sum.see(own_s, [place.position_m, position_m], error_s, speed.abs().max(place.speed.abs()));
-        }
+/// As [`merge`].
+pub fn on_the_first_clock(
+    one: &Recording,
+    two: &Recording,
+    hub: Option<&Recording>,
+) -> Result<impl Fn(f64) -> f64 + use<>, Error> {
+    let [one, two] = ends(one, two)?;
+    let clocks = Clocks::of(&one, &two, hub)?;
+    Ok(move |at_s: f64| clocks.second_recording_s(at_s))
+}
+
+/// Length of a vector.
+fn distance(along: &[f64]) -> f64 {
+    match along {
+        [one] => one.abs(),
+        several => several.iter().map(|one| one * one).sum::<f64>().sqrt(),
     }
-    let middle = one.places.get(one.places.len() / 2).map_or(0.0, |place| place.at_s);
-    let other_s = |at_s: f64| {
-        let own_s = one.recorded(at_s).0;
-        two.timed(own_s + relation.offset_s(own_s)).0
-    };
-    let drift = other_s(middle + 1.0) - other_s(middle) - 1.0;
-    let merged = sum.merged(names, clock_by)?;
-    let clock_offset_us = 1e6 * (other_s(middle) - middle);
-    Ok(Merged { clock_offset_us, clock_drift_ppm: 1e6 * drift, same_machine_less_this_us, ..merged })
 }
 
 /// True discrepancy of a recording that holds both ends, on one clock.
@@ -250,28 +305,52 @@ pub fn merge(one: &Recording, two: &Recording) -> Result<Merged, Error> {
 /// The recording lacks one of the two ends.
 pub fn both(recording: &Recording) -> Result<Merged, Error> {
     let origin = &recording.origin;
-    let rows = recording.channels.iter().find(|rows| rows.topic == "/both/ticks");
+    let called = |topic: &str| recording.channels.iter().find(|rows| rows.topic == topic);
+    // A page has a channel for an object on a line, in a plane and in space.
+    let shown = ["/both/ticks", "/both/plane", "/both/space"].into_iter().filter_map(called);
+    let rows = shown.max_by_key(|rows| rows.len());
     let rows = rows.ok_or_else(|| wrong(origin, "holds one end only: name the other end's recording as well"))?;
-    let column = |name: &str| rows.column(name);
-    let (Some(times), Some(first), Some(second)) = (column("time_s"), column("object_1_m"), column("object_2_m"))
-    else {
-        return Err(wrong(origin, "has no two copies of an object").into());
+    let copies = |rows: &Rows, suffix: &str| {
+        let [one, two] = [1, 2].map(|end| rows.column(&format!("object_{end}{suffix}_m")).map(<[f64]>::to_vec));
+        Some((rows.column("time_s")?.to_vec(), [one?, two?]))
     };
-    let mut sum = Sum::default();
-    times.iter().zip(first).zip(second).for_each(|((at_s, one), two)| sum.see(*at_s, [*one, *two], 0.0, 0.0));
+    let first = copies(rows, "").ok_or_else(|| wrong(origin, "has no two copies of an object"))?;
+    let further = AXIS_NAMES.iter().enumerate().skip(1).map_while(|(axis, name)| {
+        copies(rows, &format!("_{name}")).or_else(|| copies(called(&format!("/both/{}", name_of(axis)))?, ""))
+    });
+    let axes: Vec<_> = std::iter::once(first).chain(further).collect();
+    let mut sum = Sum::new(axes.len());
+    for at_s in &axes[0].0 {
+        // An instant whose row was lost along an axis is none.
+        let along = |(times, [one, two]): &(Vec<f64>, [Vec<f64>; 2])| {
+            let at = times.binary_search_by(|time_s| time_s.total_cmp(at_s)).ok()?;
+            Some([one[at], two[at]]).filter(|copies| copies.iter().all(|copy| copy.is_finite()))
+        };
+        if let Some(copies) = axes.iter().map(along).collect::<Option<Vec<_>>>() {
+            sum.see(*at_s, &copies, 0.0, 0.0);
+        }
+    }
     sum.merged([origin.who.clone(), origin.who.clone()], "one clock".to_owned())
 }
 
 /// Instants, one after the other.
-#[derive(Default)]
 struct Sum {
-    rows: Vec<[f64; COLUMNS.len()]>,
+    rows: Vec<Vec<f64>>,
+    axes: usize,
     clock_error_s: f64,
 }
 
 impl Sum {
-    fn see(&mut self, at_s: f64, [one, two]: [f64; 2], error_s: f64, speed: f64) {
-        self.rows.push([at_s, one, two, (one - two).abs(), error_s * speed]);
+    fn new(axes: usize) -> Self {
+        Self { rows: Vec::new(), axes, clock_error_s: 0.0 }
+    }
+
+    /// Takes where both copies are along each axis.
+    fn see(&mut self, at_s: f64, copies: &[[f64; 2]], error_s: f64, speed: f64) {
+        let apart: Vec<f64> = copies.iter().map(|[one, two]| one - two).collect();
+        let mut row = vec![at_s, copies[0][0], copies[0][1], distance(&apart), error_s * speed];
+        row.extend(copies[1..].as_flattened());
+        self.rows.push(row);
         self.clock_error_s = self.clock_error_s.max(error_s);
     }
 
@@ -286,10 +365,12 @@ impl Sum {
             |column: usize| (self.rows.iter().map(|row| row[column] * row[column]).sum::<f64>() / count as f64).sqrt();
         let largest = |column: usize| self.rows.iter().map(|row| row[column]).fold(0.0, f64::max);
         let half = &self.rows[count / 2..];
-        let mut table = Columns::named(COLUMNS);
+        let mut table = Columns::named(columns(self.axes));
         self.rows.iter().for_each(|row| table.push_row(row));
         Ok(Merged {
             ends,
+            axes: self.axes,
+            left_out: [0; 2],
             instants: count,
             seconds: last[0] - first[0],
             true_discrepancy_mm: 1e3 * half.iter().map(|row| row[3]).sum::<f64>() / half.len() as f64,

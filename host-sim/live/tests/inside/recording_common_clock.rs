@@ -120,6 +120,20 @@ fn a_clock_that_changes_its_rate_is_followed() {
     assert!((relation.drift - fast.drift).abs() < 2e-6, "{relation:?}");
 }
 
+/// One early exchange that is quicker than all that follow tells the offset then; the drift is told by those that follow.
+#[test]
+fn one_quick_exchange_does_not_decide_the_drift() {
+    let quick = Truth { seconds: 0.07, jitter_s: 1e-6, ..LAN };
+    let slow = Truth { seconds: 300.0, least_s: [0.02; 2], jitter_s: 0.001, ..LAN };
+    for seed in 0..50 {
+        let exchanges: Vec<_> = quick.exchanges(seed).into_iter().chain(slow.exchanges(seed).split_off(2)).collect();
+        let relation = Relation::of(&exchanges).expect("exchanges");
+        for (off_s, error_s) in off(&slow, &relation) {
+            assert!(off_s < 1e-3 && off_s < error_s, "{seed}: off by {off_s} s, said {error_s} s");
+        }
+    }
+}
+
 #[test]
 fn nothing_is_known_of_nothing() {
     assert_eq!(Relation::of(&[]), None);

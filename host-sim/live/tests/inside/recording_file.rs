@@ -106,6 +106,23 @@ fn a_whole_file_and_one_that_is_cut_anywhere() {
     std::fs::remove_file(&path).expect("it is there");
 }
 
+/// A bit that turned on a disk is no row: the chunk that it is in is left out, and said; the others are there.
+#[test]
+fn a_chunk_that_is_not_what_was_written_is_left_out() {
+    let path = place("damaged");
+    assert_eq!(write(&path, 600).rows, 660);
+    let mut bytes = std::fs::read(&path).expect("it is there");
+    let value = values(300)[7].to_le_bytes();
+    let at = bytes.windows(8).position(|eight| eight == value).expect("row 300");
+    bytes[at] ^= 1;
+    std::fs::write(&path, &bytes).expect("it is there");
+    let damaged = read(&path).expect("a recording");
+    std::fs::remove_file(&path).expect("it is there");
+    let numbers = damaged.channels[0].table().column("row").expect("its number").to_vec();
+    assert!((1..=2).contains(&damaged.damaged) && damaged.cut.is_none(), "{:?}", damaged.damaged);
+    assert!(!numbers.contains(&300.0) && numbers.contains(&0.0) && numbers.contains(&599.0), "{}", numbers.len());
+}
+
 /// Who puts in quicker than can be written does not wait: what did not fit is counted, and its numbers are left out.
 #[test]
 fn the_beat_never_waits() {
