@@ -85,8 +85,13 @@ pub(crate) fn run(command: &mut Command) -> Result<(), Failure> {
 
 /// What a command prints on standard output; anything but success is a failure.
 pub(crate) fn output(command: &mut Command) -> Result<String, Failure> {
+    output_up_to(command, 0)
+}
+
+/// The same of a command whose exit status may be up to this.
+pub(crate) fn output_up_to(command: &mut Command, most: i32) -> Result<String, Failure> {
     let output = command.stderr(Stdio::inherit()).output().map_err(|cause| cannot_run(command, &cause))?;
-    if output.status.success() {
+    if output.status.code().is_some_and(|code| (0..=most).contains(&code)) {
         Ok(String::from_utf8_lossy(&output.stdout).into_owned())
     } else {
         Err(Failure::new(format!("`{}` failed ({})", spelled(command), output.status)))

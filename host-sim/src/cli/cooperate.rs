@@ -12,7 +12,7 @@ use haptic_studies::figures;
 use serde_json::json;
 
 use super::flags::{ScalarName, Simulation};
-use super::{Failure, SceneArgs, Ui};
+use super::{Failure, SceneArgs, Ui, ui::Unsuccessful};
 
 #[derive(Debug, Args)]
 pub(super) struct Cooperate {
@@ -87,7 +87,7 @@ impl Cooperate {
             writeln!(ui, "along each axis:\n\n{axes}");
         }
         ui.wrote(&files);
-        Ok(())
+        outcome.reason.map_or(Ok(()), |reason| Err(Unsuccessful(reason.to_string()).into()))
     }
 }
 

@@ -60,6 +60,9 @@ use commands;
 /// Two people, two haptic devices, one shared virtual object, over a network: simulated, measured, proved.
 ///
 /// Without a command: the cooperation paper's experiments (`paper`).
+///
+/// Exit status: 0 what was asked for is done, and good; 1 it is done and is not (`cooperate` unstable or apart, `stability point`
+/// unstable, a peer with a fault or never armed); 2 it cannot be done, and one line says why.
 #[derive(Debug, Parser)]
 #[command(name = "host-sim", version, disable_help_subcommand = true, mut_subcommands = negative_numbers)]
 struct CommandLine {

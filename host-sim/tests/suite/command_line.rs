@@ -6,14 +6,36 @@ use serde_json::Value;
 
 fn json(arguments: &[&str]) -> Value {
     let output = Command::new(env!("CARGO_BIN_EXE_host-sim")).args(arguments).output().expect("host-sim runs");
-    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).expect("one JSON document and nothing else")
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert!(matches!(output.status.code(), Some(0 | 1)), "{arguments:?}: {error}");
+    let document: Value = serde_json::from_slice(&output.stdout).expect("one JSON document and nothing else");
+    // 1: it is done, and not good.
+    let is_bad = ["cooperate", "point"].iter().any(|word| arguments.contains(word)) && document["stable"] == false;
+    assert_eq!(output.status.code(), Some(i32::from(is_bad)), "{arguments:?}: {error}");
+    document
 }
 
 #[track_caller]
 fn close(got: &Value, want: f64, relative: f64) {
     let number = got.as_f64().unwrap_or_else(|| panic!("{got} is no number"));
     assert!((number / want - 1.0).abs() <= relative, "{number} is not {want} within {relative}");
+}
+
+/// Exit status 1 and a sentence for what is done and is not good, as a script and a person need it; the document is the same.
+#[test]
+fn what_is_not_stable_ends_with_status_1_and_says_why() {
+    let stiff = ["--json", "--set=coordination.comm=power", "--set=coordination.stiffness_n_per_m=2000"];
+    for (command, says) in [
+        (&["cooperate", "--seconds=2", "--set=user.1.push_n=1"][..], "host-sim: peer 1 stopped at"),
+        (&["cooperate", "--seconds=0.1"], "host-sim: the scene is unstable: spectral radius 1.07"),
+        (&["stability", "point"], "host-sim: scene is unstable: spectral radius 1.232393"),
+    ] {
+        let output = Command::new(env!("CARGO_BIN_EXE_host-sim")).args(command).args(stiff).output().expect("it runs");
+        let error = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(1) && error.contains(says), "{command:?}: {error}");
+        let document: Value = serde_json::from_slice(&output.stdout).expect("one JSON document and nothing else");
+        assert_eq!(document["stable"], false);
+    }
 }
 
 /// THEORY §4, marked checked: the decoded discrepancies beside the paper's 3.5, 0.644 and 0.099 mm, the true ones beside.

@@ -8,7 +8,9 @@ use serde_json::Value;
 fn json(arguments: &[&str]) -> Value {
     let output =
         Command::new(env!("CARGO_BIN_EXE_host-sim")).args(arguments).arg("--json").output().expect("host-sim runs");
-    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+    // 1: `stability point` of an unstable scene.
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert!(matches!(output.status.code(), Some(0 | 1)), "{arguments:?}: {error}");
     serde_json::from_slice(&output.stdout).expect("JSON")
 }
 

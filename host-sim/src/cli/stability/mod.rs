@@ -16,7 +16,7 @@ use haptic_report::{Cell, Columns};
 use serde_json::json;
 
 use crate::cli::flags::{Out, choice};
-use crate::cli::ui::and;
+use crate::cli::ui::{Unsuccessful, and};
 use crate::cli::{Failure, SceneArgs, Ui};
 
 super::commands! {
@@ -85,7 +85,11 @@ impl Point {
             table.power("second_construction_differs_by", 1, apart).head("second construction differs by").done();
         writeln!(ui, "{}: {}stable\n", self.scene.name(), if judgement.worst.stable { "" } else { "un" });
         writeln!(ui, "{table}\n{advice}\nNot judged: {}.", judgement.not_judged.join("; "));
-        Ok(())
+        if judgement.worst.stable {
+            return Ok(());
+        }
+        let why = format!("{} is unstable: spectral radius {:.6}", self.scene.name(), judgement.worst.spectral_radius);
+        Err(Unsuccessful(why).into())
     }
 }
 
