@@ -5,8 +5,8 @@
 //! | light | the board answers, nothing stands against it, and its ticks come one after the other |
 //! | emergency stop | pressed, it is seen, before anything may move |
 //! | encoder | it counts over a known distance, and stands still where the joint does |
+//! | winding | by voltages without a loop: resistance and inductance within what the data sheet says, which the loop is set by before anything drives; the sensor's zero, and its sign |
 //! | sign | a weak push moves the encoder the way the motor pushes |
-//! | current | resistance and inductance of the winding, within what the data sheet says; the sensor's zero, and its sign |
 //! | motor | newtons per ampere against a gauge or a known mass, and what moves: mass and friction; the voltage that it makes by moving says the same |
 //! | lowest force | armed with [`LOWEST_N`] and nobody at it, the joint stays where it is |
 //! | first contact | pushed against, the object pushes back, within that force |
@@ -15,7 +15,7 @@
 //! | time | in all of that no tick began more than [`LATE_US`] late or off its period, or took more than [`LONG_US`] |
 //!
 //! What is found goes to the settings file and to the board; the limit of force is put back to what it was. A step that does not pass
-//! ends it, with what to look at. A board without a current loop passes "current" with nothing measured.
+//! ends it, with what to look at. A board without a current loop passes "winding" with nothing measured.
 
 use std::path::Path;
 
@@ -88,8 +88,8 @@ fn steps<'a>() -> [Step<'a>; 11] {
             "the stop's first contact: PE15 to 3.3 V through it, normally closed",
         ),
         ("encoder", BringUp::encoder, "the encoder's supply and its wires A and B"),
+        ("winding", BringUp::winding, "the motor's wires, the current's sensor, and the data sheet"),
         ("sign", BringUp::sign, "the bridge's supply and enable, the motor's wires, and that nothing holds the joint"),
-        ("current", BringUp::current, "the motor's wires, the current's sensor, and the data sheet"),
         ("motor", BringUp::motor, "that nothing but the motor moves the joint, and that it moves freely"),
         ("lowest force", BringUp::lowest_force, "what pulls the joint: its weight, a cable, a spring"),
         ("first contact", BringUp::first_contact, "scale and signs of encoder and motor in the settings file"),
@@ -233,10 +233,19 @@ impl BringUp<'_> {
         Ok(listed(&found))
     }
 
-    fn current(&mut self) -> Result<String, Error> {
-        let Some(found) = winding::winding(self.board, self.plan.joint, self.plan.sheet)? else {
-            return Ok("this board has no current loop: nothing was measured".to_owned());
-        };
+    /// No loop is closed around a winding that nobody knows.
+    fn winding(&mut self) -> Result<String, Error> {
+        let nothing = || Ok("this board has no current loop: nothing was measured".to_owned());
+        if winding::supply_v(self.board)?.is_none() {
+            return nothing();
+        }
+        let of_sheet = self.plan.sheet.found().ok_or(
+            "this board closes a loop around the current, which is set by the winding: give --resistance-ohm and --inductance-h, of the motor's \
+             data sheet",
+        )?;
+        self.keep(&of_sheet)?;
+        self.person.please(&Task::LetGo { joint: self.plan.joint })?;
+        let Some(found) = winding::winding(self.board, self.plan.joint, self.plan.sheet)? else { return nothing() };
         self.keep(&found)?;
         Ok(listed(&found))
     }

@@ -1,11 +1,12 @@
 //! A board with a software device and a person at it: to practise calibration on, and to test it against a known truth.
 //!
 //! The device is what a scene says: its mass, friction, encoder and motor are the truth. The board starts with the defaults, as
-//! a new one does, and runs the peer's own tick (its current loop, of `plant.drive = "current"`, knows the winding); of the operator's lines it knows those that calibration and bring-up need. The person does
-//! what is asked, exactly.
+//! a new one does, and runs the peer's own tick; its current loop, of `plant.drive = "current"`, has the gains that the board's settings say, whatever
+//! the winding is. Of the operator's lines it knows those that calibration and bring-up need. The person does what is asked, exactly.
 
 use std::{cell::RefCell, rc::Rc};
 
+use haptic_core::device::motor::Duty;
 use haptic_core::device::probe::{Probe, Request, Shape};
 use haptic_core::device::{AXES, Reading};
 use haptic_core::settings::{Choice, Settings, Value};
@@ -45,6 +46,18 @@ pub struct Simulated {
     silent_s: Option<f64>,
     /// The motors went off because of that.
     let_go: bool,
+    /// What was commanded in the last ticks, A, newest first; and what flowed beside the largest of them.
+    commanded_a: [f64; 4],
+    currents: Currents,
+}
+
+/// What flowed through the first motor's winding.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Currents {
+    /// With the loop closed, largest |current| over the largest that was commanded in the tick before it and the three before that, or 0.1 A if that is more.
+    pub closed: f64,
+    /// With the loop open, by a voltage, A.
+    pub open_a: f64,
 }
 
 /// A [`Simulated`] that board and person share.
@@ -71,7 +84,7 @@ impl SharedSimulation {
         settings.kinematics = truth.peer.kinematics;
         let peer = Laws::built_in().peer(&settings, [Motion::REST; AXES])?;
         let simulated = Simulated {
-            plant: Plant::new(&truth, 0),
+            plant: plant(&truth, &truth, &settings)?,
             peer,
             truth,
             settings,
@@ -85,6 +98,8 @@ impl SharedSimulation {
             stopped: false,
             silent_s: None,
             let_go: false,
+            commanded_a: [0.0; 4],
+            currents: Currents::default(),
         };
         Ok(Self(Rc::new(RefCell::new(simulated))))
     }
@@ -93,6 +108,18 @@ impl SharedSimulation {
     pub fn settings(&self) -> Settings {
         self.0.borrow().settings
     }
+
+    /// What has flowed so far.
+    pub fn currents(&self) -> Currents {
+        self.0.borrow().currents
+    }
+}
+
+/// A device, whose current loops know of the true one what the board was told.
+fn plant(device: &Scene, truth: &Scene, told: &Settings) -> Result<Plant, Error> {
+    let mut plant = Plant::new(device, 0);
+    plant.tune(told, &truth.world.plant)?;
+    Ok(plant)
 }
 
 impl Simulated {
@@ -131,11 +158,25 @@ impl Simulated {
         }
         let before = *self.plant.free_axis().0;
         self.plant.step(f64::from(self.tick) * self.truth.peer.timing.control_period_s, &actuators);
+        self.see_current(actuators.open, f64::from(actuators.duties[0].0) / f64::from(Duty::FULL_SCALE));
         if let Some(gauge_n) = &mut self.gauge_n {
             let (motion, force) = self.plant.free_axis();
             *motion = before;
             // The last force that there was stays on the dial.
             *gauge_n = if *force == 0.0 { *gauge_n } else { *force };
+        }
+    }
+
+    fn see_current(&mut self, open: bool, duty: f64) {
+        const SMALL_A: f64 = 0.1;
+        let peak_a = self.plant.take_peaks_a()[0];
+        self.commanded_a.rotate_right(1);
+        self.commanded_a[0] = if open { 0.0 } else { (duty * self.applied.motor.full_scale_a).abs() };
+        if open {
+            self.currents.open_a = self.currents.open_a.max(peak_a);
+        } else {
+            let largest_a = self.commanded_a.iter().fold(SMALL_A, |most: f64, one| most.max(*one));
+            self.currents.closed = self.currents.closed.max(peak_a / largest_a);
         }
     }
 
@@ -157,7 +198,7 @@ impl Simulated {
 
     /// Another device at the board.
     fn replace(&mut self, device: &Scene) -> Result<(), Error> {
-        self.plant = Plant::new(device, 0);
+        self.plant = plant(device, &self.truth, &self.applied)?;
         self.peer = Laws::built_in().peer(&self.settings, [Motion::REST; AXES])?;
         Ok(())
     }
@@ -182,7 +223,7 @@ impl Simulated {
                 Err(error) => format!("error {error:?}"),
             },
             ["apply"] => match Laws::built_in().peer(&self.settings, [Motion::REST; AXES]) {
-                Ok(peer) => {
+                Ok(peer) if self.plant.tune(&self.settings, &self.truth.world.plant).is_ok() => {
                     let device = |settings: &Settings| (settings.encoder, settings.kinematics, settings.motor);
                     if device(&self.settings) != device(&self.applied) {
                         self.passed = [false; AXES];
@@ -191,6 +232,7 @@ impl Simulated {
                     self.peer = peer;
                     "ok applied".to_owned()
                 }
+                Ok(_) => "error motor: no current loop has these settings".to_owned(),
                 Err(refused) => format!("error {refused}"),
             },
             ["stream", every] => {

@@ -26,7 +26,7 @@ use haptic_core::device::winding::{LEAST_CODES, REST_TICKS, WAYS};
 use haptic_core::device::{current::PWM_PERIOD_S, motor::Duty};
 use haptic_core::settings::Settings;
 
-use super::board::{Board, Run, run, settings};
+use super::board::{Board, Run, run, say, settings};
 use super::least_squares::solve;
 use super::{Estimate, Found};
 use crate::Error;
@@ -40,10 +40,20 @@ const TICKS: usize = 8 * WAYS.len();
 const LATE_PERIODS: f64 = 3.0;
 /// Of what a rotor's motion adds to R and L, how much is not believed: friction holds it in part.
 const UNSURE: f64 = 0.1;
+/// How far voltage and change of the current may point against each other by chance, of all that they can.
+const AGAINST: f64 = 0.3;
 /// Most of the voltage that the fit may leave unexplained, root mean square.
 const MISFIT: f64 = 0.05;
 /// Most that the sensor may read at rest, of its range.
 const ZERO: f64 = 0.02;
+
+/// Of the probes' largest current, what is aimed at: the rest is for pulses, and for what a data sheet says too much.
+const SHARE: f64 = 0.75;
+/// Least time constant L/R of a winding that a current loop can be closed around, s: four fifths of a PWM period.
+const LEAST_CONSTANT_S: f64 = 0.8 * PWM_PERIOD_S;
+/// How much more current than that of the settings' winding may flow, and what of the sensor's range is noise.
+const MORE: f64 = 1.3;
+const NOISE: f64 = 0.005;
 
 /// Winding data of a motor's data sheet, with their tolerance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -54,6 +64,17 @@ pub struct Sheet {
     pub inductance_h: Option<f64>,
     /// Tolerance of both, as a fraction.
     pub tolerance: f64,
+}
+
+impl Sheet {
+    /// What a board's current loop is set by until the winding is measured; none where the sheet does not say both.
+    pub fn found(self) -> Option<[Found; 2]> {
+        let of_sheet = |key, value: Option<f64>, unit| {
+            value.map(|value| Found::number(key, Estimate { value, within: 0.0 }, unit))
+        };
+        let resistance = of_sheet("motor.resistance_ohm", self.resistance_ohm, "Ω")?;
+        Some([resistance, of_sheet("motor.inductance_h", self.inductance_h, "H")?])
+    }
 }
 
 /// What current and voltage say.
@@ -111,6 +132,14 @@ fn rows(run: &Run, settings: &Settings, number: u32, periods: f64) -> (Vec<Row>,
         }
     });
     (rows.collect(), seen[8..=rest].iter().map(|seen| seen.mean_a).collect())
+}
+
+/// Variance of what the current changes by in a tick at rest, A²: noise of the sensor.
+fn noise(run: &Run, settings: &Settings, number: u32) -> f64 {
+    let rest = &run.stage[8..REST_TICKS as usize];
+    let read: Vec<f64> = rest.iter().map(|stage| MotorReading::of(stage, settings, number).last_a).collect();
+    let squares = read.windows(2).map(|two| (two[1] - two[0]).powi(2));
+    squares.sum::<f64>() / (read.len() - 1) as f64
 }
 
 /// What two pulses a period, a quarter of it from its ends, do to the samples between them, of what an even voltage does: a winding that forgets
@@ -179,14 +208,17 @@ pub fn identify(runs: [&Run; 2], settings: &Settings, number: u32) -> Result<Win
     }
     let power = |of: fn(&Row) -> f64| split_rows.iter().map(of).sum::<f64>() / split_rows.len() as f64;
     let least = f64::from(LEAST_CODES) / f64::from(Duty::FULL_SCALE) * settings.motor.full_scale_a;
-    let (along, square) = (power(|row| row.volts * row.before), power(|row| row.before.powi(2)));
+    // What a voltage changes shows its sign in any winding, also in one whose current follows slowly.
+    let along = power(|row| row.volts * row.change);
+    let together = (power(|row| row.volts.powi(2)) * power(|row| row.change.powi(2))).sqrt();
+    let square = power(|row| row.before.powi(2));
     if square < (0.5 * least).powi(2) {
         return Err(Error::Refused(format!(
             "no current flows ({:.1} mA): an open motor, a bridge without supply, or a sensor that is not connected",
             1e3 * square.sqrt()
         )));
     }
-    if along < 0.0 {
+    if along < -AGAINST * together {
         return Err("the current flows against the voltage: swap the two wires at the current's sensor".into());
     }
     let mut found = [const { Vec::new() }; 4];
@@ -197,7 +229,17 @@ pub fn identify(runs: [&Run; 2], settings: &Settings, number: u32) -> Result<Win
         left += squares[0];
         given += squares[1];
     }
-    let misfit = (left / given).sqrt();
+    let [mut resistance_ohm, mut inductance_h, moved_ohm, moved_h] = found.map(|values| Estimate::of(&values));
+    if resistance_ohm.value.is_nan() {
+        return Err("current and voltage are not those of a winding: its current is gone before it is measured (L/R far below a PWM period), or \
+                    a wire is loose"
+            .into());
+    }
+    // What the sensor's noise makes of a voltage, in both probes.
+    let noise: f64 = runs.iter().map(|run| noise(run, settings, number)).sum();
+    let ticks = (ticks * STRETCHES.min(split_rows.len() / ticks)) as f64;
+    let of_noise = ticks * noise * (inductance_h.value / (periods * PWM_PERIOD_S)).powi(2);
+    let misfit = ((left - of_noise).max(0.0) / given).sqrt();
     if misfit > MISFIT {
         return Err(format!(
             "current and voltage are not those of a winding: {:.0} % of the voltage is left unexplained, may be {:.0} %; look for a loose \
@@ -206,7 +248,6 @@ pub fn identify(runs: [&Run; 2], settings: &Settings, number: u32) -> Result<Win
             100.0 * MISFIT
         ).into());
     }
-    let [mut resistance_ohm, mut inductance_h, moved_ohm, moved_h] = found.map(|values| Estimate::of(&values));
     resistance_ohm.within += UNSURE * moved_ohm.value.abs();
     inductance_h.within += UNSURE * moved_h.value.abs();
     for (name, estimate) in [("resistance", resistance_ohm), ("inductance", inductance_h)] {
@@ -231,26 +272,82 @@ fn fits(what: &str, found: Estimate, sheet: Option<f64>, tolerance: f64, unit: &
     ).into())
 }
 
-/// Drives joint `number`'s motor to and fro, and gives R, L and the sensor's zero; an error where a winding as the data sheet says cannot be what
-/// is behind the bridge. Nothing of a board without a current loop.
+/// Supply of the bridges, V; none of a board that measures nothing.
+pub fn supply_v(board: &mut dyn Board) -> Result<Option<f64>, Error> {
+    board.ticks(0.0)?;
+    say(board, "stream 1")?;
+    let ticks = board.ticks(0.05)?;
+    say(board, "stream off")?;
+    let last = ticks.last().ok_or("no tick came from the board")?;
+    Ok(last.stage.map(|stage| f64::from(stage.supply_mv) / 1e3))
+}
+
+/// Largest voltage of a probe as a share of the supply, such that a winding as the settings say takes [`SHARE`] of the current of the largest
+/// duty of probes in the two ticks that it stands one way; and that current, A.
+fn largest(settings: &Settings, supply_v: f64) -> (f64, f64) {
+    let (limits, motor) = (&settings.probe, &settings.motor);
+    let most = limits.max_duty.min(motor.max_duty);
+    let stands_s = 2.0 * settings.timing.control_period_s;
+    let reached = -(-stands_s * motor.resistance_ohm / motor.inductance_h).exp_m1();
+    let per_share_a = supply_v / motor.resistance_ohm * reached;
+    let voltage = (SHARE * most * motor.full_scale_a / per_share_a).min(most);
+    (voltage, voltage * per_share_a)
+}
+
+/// That the current of a probe was no larger than that of a winding as the settings say.
+fn bounded(run: &Run, settings: &Settings, number: u32, most_a: f64) -> Result<(), Error> {
+    let read: Vec<_> = run.stage.iter().map(|stage| MotorReading::of(stage, settings, number)).collect();
+    let rest = &read[8.min(read.len())..read.len().min(REST_TICKS as usize)];
+    let zero_a = rest.iter().map(|read| read.mean_a).sum::<f64>() / rest.len().max(1) as f64;
+    let from_zero = read.iter().flat_map(|read| [read.last_a, read.mean_a]).map(|read_a| (read_a - zero_a).abs());
+    let peak_a = from_zero.fold(0.0, f64::max);
+    if peak_a <= MORE * most_a + NOISE * settings.motor.sense_a {
+        return Ok(());
+    }
+    Err(Error::Refused(format!(
+        "{peak_a:.3} A flowed where a winding of {} Ω and {} H takes {most_a:.3} A at the most: another motor than the data sheet's, or a \
+         winding that is shorted in part",
+        settings.motor.resistance_ohm, settings.motor.inductance_h
+    )))
+}
+
+/// Drives joint `number`'s motor to and fro, with a quarter of the voltage first, and gives R, L and the sensor's zero; an error where a winding as
+/// the data sheet says cannot be what is behind the bridge. No voltage is larger than takes the probes' current through a winding as
+/// the board's settings say. Nothing of a board without a current loop.
 pub fn winding(board: &mut dyn Board, number: u32, sheet: Sheet) -> Result<Option<Vec<Found>>, Error> {
     let settings = settings(board)?;
     let (limits, motor) = (&settings.probe, &settings.motor);
     let period_s = settings.timing.control_period_s;
     let wanted_s = period_s * f64::from(REST_TICKS + (STRETCHES * TICKS) as u32);
-    let most = limits.max_duty.min(motor.max_duty);
+    let Some(supply_v) = supply_v(board)? else { return Ok(None) };
+    let constant_s = motor.inductance_h / motor.resistance_ohm;
+    if constant_s < LEAST_CONSTANT_S {
+        return Err(Error::Refused(format!(
+            "a winding of {} H and {} Ω has a time constant of {:.0} µs, must have {:.0} at the least: between two pulses of the bridge its \
+             current is gone before it is measured; put an inductor in series",
+            motor.inductance_h,
+            motor.resistance_ohm,
+            1e6 * constant_s,
+            1e6 * LEAST_CONSTANT_S
+        )));
+    }
+    let (most, most_a) = largest(&settings, supply_v);
     let mut runs = Vec::new();
-    for duty in [most, 0.5 * most] {
-        let line = format!("probe {number} winding {duty:.4} {:.4}", wanted_s.min(limits.max_s));
+    for share in [0.25, 1.0, 0.5] {
+        // No less than a probe may be asked for, in digits.
+        let line = format!("probe {number} winding {:.5} {:.4}", share * most, wanted_s.min(limits.max_s));
         let run = run(board, number, &line)?;
         match run.end {
-            End::Done if run.stage.len() == run.counts.len() => runs.push(run),
+            End::Done if run.stage.len() == run.counts.len() => {
+                bounded(&run, &settings, number, share * most_a)?;
+                runs.push(run);
+            }
             End::Unmeasured => return Ok(None),
             End::Done => return Err("the board's records do not have the current".into()),
             end => return Err(format!("{}; if all is well, lower probe.max_duty", end.explain()).into()),
         }
     }
-    let Winding { resistance_ohm, inductance_h, zero_a } = identify([&runs[0], &runs[1]], &settings, number)?;
+    let Winding { resistance_ohm, inductance_h, zero_a } = identify([&runs[1], &runs[2]], &settings, number)?;
     fits("resistance", resistance_ohm, sheet.resistance_ohm, sheet.tolerance, "Ω")?;
     fits("inductance", inductance_h, sheet.inductance_h, sheet.tolerance, "H")?;
     if zero_a.value.abs() > ZERO * motor.sense_a {

@@ -41,6 +41,18 @@ fn run<B: Board>(
     leaves_out: fn(&Task) -> bool,
     wrap: fn(SharedSimulation) -> B,
 ) -> (Option<Scene>, B, Result<Vec<Passed>, Error>) {
+    let (found, board, outcome, _) = run_by(name, device, sheet(device), leaves_out, wrap);
+    (found, board, outcome)
+}
+
+/// The same by a data sheet that may be another motor's; and the current that flowed by voltages until the winding was known, A.
+fn run_by<B: Board>(
+    name: &str,
+    device: &str,
+    sheet: Sheet,
+    leaves_out: fn(&Task) -> bool,
+    wrap: fn(SharedSimulation) -> B,
+) -> (Option<Scene>, B, Result<Vec<Passed>, Error>, f64) {
     let overrides: Vec<String> = device.split_whitespace().map(str::to_owned).collect();
     let truth = Scene::load(haptic_sim::Laws::built_in(), None, &overrides).unwrap_or_else(|error| panic!("{error}"));
     let careful = SharedSimulation::new(&truth).expect("a board");
@@ -49,14 +61,96 @@ fn run<B: Board>(
     let _ = std::fs::remove_file(&file);
     let turns = device.contains("capstan");
     let distance = if turns { Distance::Revolutions(2.0) } else { Distance::Metres(0.05) };
-    let plan = Plan { joint: 1, distance, sheet: Sheet::default(), against: Against::Mass(0.2), file: &file };
-    let outcome = bring_up(&mut board, &mut person, plan, |_| ());
+    let plan = Plan { joint: 1, distance, sheet, against: Against::Mass(0.2), file: &file };
+    let mut before_the_loop_a = None;
+    let outcome = bring_up(&mut board, &mut person, plan, |passed| {
+        if passed.step == "winding" {
+            before_the_loop_a = Some(careful.currents().open_a);
+        }
+    });
+    let before_the_loop_a = before_the_loop_a.unwrap_or(careful.currents().open_a);
     let found = outcome.is_ok().then(|| {
         let before = haptic_core::settings::Settings::default().safety.max_force_n;
         assert_eq!(careful.settings().safety.max_force_n, before, "the limit is put back");
         Scene::load(haptic_sim::Laws::built_in(), Some(&file), &[]).expect("the simulator takes the file")
     });
-    (found, board, outcome)
+    (found, board, outcome, before_the_loop_a)
+}
+
+/// The data sheet that fits a device.
+fn sheet(device: &str) -> Sheet {
+    let number = |key: &str| {
+        let word = device.split_whitespace().find_map(|word| word.strip_prefix(key)?.strip_prefix('='));
+        word.map(|text| text.parse().expect("a number"))
+    };
+    let [resistance_ohm, inductance_h] = ["motor.resistance_ohm", "motor.inductance_h"].map(number);
+    Sheet { resistance_ohm, inductance_h, tolerance: 0.3 }
+}
+
+/// A device with this winding, in a loop.
+fn wound(ohm: f64, henry: f64) -> String {
+    format!(
+        "device.mass_kg=0.17 plant.drive=current plant.pwm_steps=3000 motor.resistance_ohm={ohm} motor.inductance_h={henry} \
+         encoder.counts_per_m=157000 motor.newton_or_newton_metre_per_a=6.3 plant.coulomb_n=0.1"
+    )
+}
+
+/// What a probe commands at the most, A: `probe.max_duty` of `motor.full_scale_a`.
+const ASKED_A: f64 = 0.5;
+
+/// Motors of 0.3 to 20 Ω and 0.05 to 5 mH, on boards that know no more of them than the data sheet: those that a loop can be closed around pass, and
+/// until the winding is known no more flows than is asked for. `BRINGUP_WINDINGS` says how many.
+#[test]
+fn windings_of_any_kind_pass_and_take_no_more_than_was_asked_for() {
+    let mut rng = haptic_sim::rng::Rng::new(1);
+    let mut between = |low: f64, high: f64| low * (high / low).powf(rng.unit());
+    let windings = std::env::var("BRINGUP_WINDINGS").map_or(12, |text| text.parse().expect("a number"));
+    let (mut counts, mut most_a): ([u32; 3], f64) = Default::default();
+    for _ in 0..windings {
+        let [ohm, henry] = [between(0.3, 20.0), between(0.05e-3, 5e-3)];
+        let device = wound(ohm, henry);
+        let (_, _, passed, before_a) = run_by("windings", &device, sheet(&device), |_| false, |board| board);
+        let what = format!("{ohm:.3} ohm, {:.4} mH: {before_a:.3} A", 1e3 * henry);
+        assert!(before_a < 1.2 * ASKED_A, "{what}");
+        most_a = most_a.max(before_a);
+        match passed {
+            Ok(passed) => counts[0] += u32::from(passed.len() == 11),
+            Err(why) => {
+                let (why, constant_s) = (why.to_string(), henry / ohm);
+                let quick = why.starts_with("winding: ") && why.contains("put an inductor in series");
+                assert_eq!(quick, constant_s < 40e-6, "{what}: {why}");
+                // The check's trial, and the fit, know no winding whose current hardly changes in a tick.
+                assert!(quick || constant_s > 1.4e-3, "{what}: {why}");
+                counts[if quick { 1 } else { 2 }] += 1;
+            }
+        }
+    }
+    println!(
+        "{windings} windings: {counts:?} passed, too quick, too slow; at most {most_a:.3} A before the loop was closed"
+    );
+    assert!(counts[0] > windings / 2);
+}
+
+/// A data sheet of another motor is refused before a loop is closed, and before more flows than is asked for; so is none.
+#[test]
+fn another_motors_data_sheet_is_refused() {
+    for (ohm, henry) in [(0.5, 0.0002), (2.0, 0.001), (8.0, 0.0015)] {
+        let device = wound(ohm, henry);
+        let of = |ohm: f64, henry: f64| Sheet { resistance_ohm: Some(ohm), inductance_h: Some(henry), tolerance: 0.3 };
+        for wrong in
+            [of(3.0 * ohm, henry), of(ohm / 3.0, henry), of(ohm, 3.0 * henry), of(ohm, henry / 3.0), of(henry, ohm)]
+        {
+            let (_, board, outcome, before_a) = run_by("another", &device, wrong, |_| false, |board| board);
+            let why = outcome.expect_err("another motor").to_string();
+            assert!(why.starts_with("winding: "), "{ohm} ohm, {henry} H by {wrong:?}: {why}");
+            assert!(before_a < 1.2 * ASKED_A, "{ohm} ohm, {henry} H by {wrong:?}: {before_a} A");
+            assert_eq!(board.currents().closed, 0.0, "no loop was closed");
+        }
+        let (_, board, outcome, before_a) = run_by("another", &device, Sheet::default(), |_| false, |board| board);
+        let why = outcome.expect_err("no data sheet").to_string();
+        assert!(why.contains("give --resistance-ohm and --inductance-h"), "{why}");
+        assert_eq!((before_a, board.currents().closed), (0.0, 0.0));
+    }
 }
 
 #[test]
@@ -76,7 +170,7 @@ fn a_new_board_passes_every_step_whichever_signs_are_wrong() {
             let found = found.expect("what it found");
             assert_eq!((found.peer.motor.reversed, found.peer.encoder.reversed), (motor, encoder), "{kind}");
             assert!((found.world.device.mass_kg / 0.17 - 1.0).abs() < 0.03, "{kind}: {}", found.world.device.mass_kg);
-            let seen = &passed.iter().find(|passed| passed.step == "current").expect("the step").seen;
+            let seen = &passed.iter().find(|passed| passed.step == "winding").expect("the step").seen;
             if kind == "loop" {
                 assert!((found.peer.motor.resistance_ohm / 3.0 - 1.0).abs() < 0.02, "{seen}");
                 assert!((found.peer.motor.inductance_h / 0.0007 - 1.0).abs() < 0.05, "{seen}");

@@ -151,11 +151,15 @@ fn a_motor_that_cannot_be_explained_is_refused() {
     let sheet = |resistance_ohm, inductance_h| Sheet { resistance_ohm, inductance_h, tolerance: 0.3 };
     let good = sheet(Some(4.0), Some(4e-4));
     assert!(winding(&mut board(""), 1, good).is_ok());
-    refused(winding(&mut board("motor.resistance_ohm=3"), 1, sheet(Some(4.8), None)), "the resistance is 3.0");
+    refused(
+        winding(&mut board("motor.resistance_ohm=3"), 1, sheet(Some(4.8), None)),
+        "A flowed where a winding of 4.8 Ω",
+    );
+    refused(winding(&mut board("motor.resistance_ohm=4"), 1, sheet(Some(6.4), None)), "the resistance is 4.0");
     refused(winding(&mut board("motor.inductance_h=0.001"), 1, sheet(None, Some(5e-4))), "the inductance is 0.00");
     let found = winding(&mut board("plant.current_zero_a=0.05"), 1, good).expect("a winding").expect("it is measured");
     assert!((found[2].value.as_float().expect("a number") - 0.05).abs() < 0.001, "{found:?}");
-    refused(winding(&mut board("plant.current_zero_a=0.2"), 1, good), "reads 0.2");
+    refused(winding(&mut board("plant.current_zero_a=0.2"), 1, good), "A while none flows");
     // So little inductance that the current is gone before it is sampled.
     refused(winding(&mut board("motor.inductance_h=0.00001"), 1, Sheet::default()), "not those of a winding");
     let mut held = board("");

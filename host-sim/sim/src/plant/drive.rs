@@ -124,6 +124,8 @@ pub struct Drive {
     /// Voltage of this period, counts.
     voltage: i32,
     current_a: f64,
+    /// Largest |current| since it was asked for.
+    peak_a: f64,
     fault: PlantFault,
 }
 
@@ -170,8 +172,28 @@ impl Drive {
             next: OFF,
             voltage: 0,
             current_a: 0.0,
+            peak_a: 0.0,
             fault: PlantFault::None,
         })
+    }
+
+    /// Gives the current loop the gains and the sensor's scale that these settings say, whatever winding there is; without a loop nothing
+    /// changes.
+    ///
+    /// # Errors
+    /// What [`CurrentLoop::build`] refuses.
+    pub fn tune(&mut self, settings: &Settings, plant: &PlantSettings) -> Result<(), Refused<'static>> {
+        if let Some(closed) = &mut self.closed {
+            closed.design = CurrentLoop::build(settings, plant.timer_counts())?;
+            closed.gains = closed.design.gains(closed.supply_mv);
+            closed.sensor = Sensor::build(settings, plant.current_bits);
+        }
+        Ok(())
+    }
+
+    /// Largest |current| through the winding since it was last asked for, A.
+    pub fn take_peak_a(&mut self) -> f64 {
+        std::mem::take(&mut self.peak_a)
     }
 
     /// Makes motor, bridge or sensor fail in this way from now on.
@@ -244,6 +266,7 @@ impl Drive {
             Flow::default()
         };
         self.current_a = end_a;
+        self.peak_a = self.peak_a.max(end_a.abs()).max(sampled_a.abs());
         match self.fault {
             PlantFault::DeadSense => sampled_a = 0.0,
             PlantFault::ReversedSense => sampled_a = -sampled_a,

@@ -25,12 +25,12 @@ use encoders::Encoders;
 use haptic_core::device::{AXES, Reading, current::periods_per_tick, stage::Measured};
 use haptic_core::num::{Motion, Scalar};
 use haptic_core::peer::{Actuators, Sensors};
-use haptic_core::settings::Scale;
+use haptic_core::settings::{Refused, Scale, Settings};
 use joints::{Joints, Pose};
 use principal::Principal;
 use wall::{Moving, Wall};
 
-use crate::scene::{PlantFault, Scene};
+use crate::scene::{PlantFault, PlantSettings, Scene};
 use crate::user::User;
 
 pub use drive::{Converter, Drive};
@@ -305,6 +305,21 @@ impl<const N: usize> Plant<N> {
     /// Whether its first bridge gives what its inputs say even while it is not enabled.
     pub fn ignores_enable(&self) -> bool {
         self.windings.as_ref().is_some_and(|windings| windings.drives[0].ignores_enable())
+    }
+
+    /// Gives every current loop the gains that these settings say, which need not be those of the windings: a board knows what it was told.
+    ///
+    /// # Errors
+    /// Settings that no loop can have.
+    pub fn tune(&mut self, settings: &Settings, plant: &PlantSettings) -> Result<(), Refused<'static>> {
+        let drives = self.windings.iter_mut().flat_map(|windings| &mut windings.drives);
+        drives.map(|drive| drive.tune(settings, plant)).collect()
+    }
+
+    /// Largest |current| through each winding since it was last asked for, A; 0 without windings.
+    pub fn take_peaks_a(&mut self) -> [f64; N] {
+        let windings = self.windings.as_mut();
+        windings.map_or([0.0; N], |windings| windings.drives.each_mut().map(Drive::take_peak_a))
     }
 
     /// Supply of the bridges, V; none without windings.

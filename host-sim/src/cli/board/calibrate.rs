@@ -1,6 +1,6 @@
 //! `host-sim board calibrate`: a person, a board and its device find each other's numbers; one command a quantity.
 //!
-//! In this order, each into the same settings file: counts, sign, winding, motor, friction, inertia. What is found is given to the board at
+//! In this order, each into the same settings file: counts, winding, sign, motor, friction, inertia. What is found is given to the board at
 //! once, until power goes off; `host-sim board operator … save` keeps it.
 
 use std::io::{BufRead, IsTerminal};
@@ -29,18 +29,18 @@ pub(in crate::cli) enum Calibrate {
         #[command(flatten)]
         by: By,
     },
-    /// Sign of a motor: a weak push both ways. After `counts`.
-    Sign(At),
     /// Resistance and inductance of a motor's winding and the zero of its current's sensor, by small voltages to and fro: boards with a
-    /// current loop. After `sign`.
+    /// current loop. Before `sign`, which closes it; what the data sheet says is given to the board first.
     Winding {
         #[command(flatten)]
         at: At,
         #[command(flatten)]
         sheet: DataSheet,
     },
+    /// Sign of a motor: a weak push both ways. After `counts`, and `winding`.
+    Sign(At),
     /// Motor constant, against a force gauge that you read, with a known mass that you fasten, or by the voltage that the motor makes by
-    /// moving, which is held against the other two as well. After `sign`, and `winding`.
+    /// moving, which is held against the other two as well. After `sign`.
     Motor {
         #[command(flatten)]
         at: At,
@@ -105,10 +105,10 @@ impl Reference {
 /// What a motor's data sheet says.
 #[derive(Clone, Copy, Debug, Args)]
 pub(in crate::cli) struct DataSheet {
-    /// The data sheet's resistance: another one is refused.
+    /// The data sheet's resistance: the board's current loop is set by it until the winding is measured, and another one is refused.
     #[arg(long, value_name = "OHM", value_parser = number(0.001..=1e4, "Ω"))]
     resistance_ohm: Option<f64>,
-    /// The data sheet's inductance: another one is refused.
+    /// The data sheet's inductance, likewise.
     #[arg(long, value_name = "H", value_parser = number(1e-6..=10.0, "H"))]
     inductance_h: Option<f64>,
     /// How far off either may be, as a share of it.
@@ -245,7 +245,13 @@ impl Calibrate {
                 at.run(ui, |board, person| counts::calibrate(board, person, at.joint, distance))
             }
             Self::Sign(at) => at.run(ui, |board, _| motor::sign(board, at.joint)),
-            Self::Winding { at, sheet } => at.run(ui, |board, _| {
+            Self::Winding { at, sheet } => at.run(ui, |board, person| {
+                if let Some(found) = sheet.sheet().found() {
+                    settings_file::add(&at.settings, &found)?;
+                    person.please(&Task::HoldButton)?;
+                    settings_file::give(board, &at.settings)?;
+                    person.please(&Task::LetGoOfButton)?;
+                }
                 winding::winding(board, at.joint, sheet.sheet())?
                     .ok_or_else(|| "this board has no current loop: nothing measures the current".into())
             }),
