@@ -125,7 +125,10 @@ fn brings_up(name: &str, board: &mut Table) -> Scene {
     let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("brought-up-{name}.toml"));
     let _ = std::fs::remove_file(&file);
     let (distance, against) = (Distance::Metres(0.05), Against::Mass(0.2));
-    let plan = Plan { joint: 1, distance, sheet: Sheet::default(), against, file: &file };
+    let motor = &board.truth.peer.motor;
+    let [resistance_ohm, inductance_h] = [motor.resistance_ohm, motor.inductance_h].map(Some);
+    let sheet = Sheet { resistance_ohm, inductance_h, tolerance: 0.3 };
+    let plan = Plan { joint: 1, distance, sheet, against, file: &file };
     let mut person = board.clone();
     let passed = bring_up(board, &mut person, plan, |passed| println!("{}: {}", passed.step, passed.seen));
     assert_eq!(passed.unwrap_or_else(|why| panic!("{why}")).len(), 11);

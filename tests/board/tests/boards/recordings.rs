@@ -29,7 +29,7 @@ fn two_recorded_boards_merge_to_the_simulators_true_discrepancy() {
     bench.pc.end_recordings();
     let [one, two] = files.each_ref().map(|file| read(file).expect("a recording"));
     files.iter().for_each(|file| std::fs::remove_file(file).expect("it is there"));
-    let merged = merge(&one, &two).expect("one PC recorded both");
+    let merged = merge(&one, &two, None).expect("one PC recorded both");
     println!(
         "{} instants, clocks ±{:.0} µs, {:.4} mm",
         merged.instants, merged.clock_error_us, merged.true_discrepancy_mm
