@@ -312,8 +312,8 @@ impl<const N: usize> Plant<N> {
     /// # Errors
     /// Settings that no loop can have.
     pub fn tune(&mut self, settings: &Settings, plant: &PlantSettings) -> Result<(), Refused<'static>> {
-        let drives = self.windings.iter_mut().flat_map(|windings| &mut windings.drives);
-        drives.map(|drive| drive.tune(settings, plant)).collect()
+        let mut drives = self.windings.iter_mut().flat_map(|windings| &mut windings.drives);
+        drives.try_for_each(|drive| drive.tune(settings, plant))
     }
 
     /// Largest |current| through each winding since it was last asked for, A; 0 without windings.
