@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 pub mod batch;
+pub mod devices;
 pub mod discrepancy;
 pub mod endpoint;
 mod error;

@@ -7,6 +7,7 @@ use haptic_core::safety::Mode;
 use haptic_protocol::key::Key;
 use haptic_protocol::link::Error;
 use haptic_protocol::wire::{Flows, Message, Telemetry};
+use haptic_sim::device::Device;
 use haptic_sim::engine::{Actor, Out};
 use haptic_sim::measure::port::{ObjectPort, PortEnergy};
 use haptic_sim::measure::{LastHalf, Statistics};
@@ -23,11 +24,11 @@ use super::watch::{LiveOptions, TELLING_S, Watch};
 use crate::refused::{Refused, is_telling, wrong};
 pub use report::{AxisReport, Forces, Ports, RemoteReport, Report, notice_texts};
 
-/// How long a peer that refuses the other one goes on calling, so that the other learns of it as well, µs.
+/// How long a peer that refuses the other one, or whose device is gone, goes on, so that the other learns of it as well, µs.
 const LINGER_US: u64 = 500_000;
 
 struct LivePeer<const SHARED: usize, const N: usize> {
-    node: Node<SHARED, N>,
+    node: Node<SHARED, N, Box<dyn Device<f32, N>>>,
     connect: SocketAddr,
     patience_s: f64,
     /// Ticks of the experiment.
@@ -43,6 +44,8 @@ struct LivePeer<const SHARED: usize, const N: usize> {
     impossible: Refused<SocketAddr>,
     /// The other peer has other parameters: which table differs, and when that was found, µs.
     differs: Option<(&'static str, u64)>,
+    /// When its device was gone, µs.
+    gone_us: Option<u64>,
     /// For so long now, µs.
     now_us: u64,
     watch: Watch,
@@ -110,6 +113,10 @@ where
         self.heed_verdict();
         let node = &mut self.node;
         node.tick(self.now_us, |bytes| out(self.connect, bytes));
+        if let (None, Some(gone)) = (self.gone_us, node.gone()) {
+            self.gone_us = Some(self.now_us);
+            self.watch.teller.words(format!("the motors are off: {gone}"));
+        }
         let since_us = self.differs.map_or(self.now_us, |(_, since_us)| since_us);
         self.differs = node.line.link.refused().map(|table| (table, since_us));
         if let Some(tick) = node.armed_ticks.checked_sub(1) {
@@ -143,7 +150,8 @@ where
     fn end(&mut self) -> Option<Result<(), crate::Error>> {
         let waited_s = self.refused_us.map(|since_us| 1e-6 * (self.now_us - since_us) as f64);
         let waited = waited_s.is_some_and(|waited_s| waited_s >= self.duration_s);
-        let over = (waited || self.node.armed_ticks >= self.ticks).then_some(Ok(()));
+        let gone = self.gone_us.is_some_and(|gone_us| self.now_us >= gone_us + LINGER_US);
+        let over = (waited || gone || self.node.armed_ticks >= self.ticks).then_some(Ok(()));
         let overdue = self.differs.filter(|(_, since_us)| self.now_us >= since_us + LINGER_US);
         overdue.map(|(table, _)| Err(self.differs_in(table).into())).or(over)
     }
@@ -153,7 +161,7 @@ where
         if let Some((table, _)) = self.differs {
             return Some(self.differs_in(table));
         }
-        if self.refused_us.is_some() {
+        if self.refused_us.is_some() || self.gone_us.is_some() {
             return None;
         }
         let off = |said: &Telemetry| said.mode == 0;
@@ -213,17 +221,21 @@ where
     Flows<SHARED>: Into<Message>,
     f32: Builds<SHARED, N>,
 {
-    let node =
-        Node::<SHARED, N>::build(scene, number, key, entropy)?.telling_every(TELLING_S).beginning_after(AFTER_US);
     let period_s = scene.peer.timing.control_period_s;
     let ticks = (duration_s / period_s).round() as u64;
     let endpoint = Endpoint::polled(listen)?;
     endpoint.reaches(connect)?;
+    // Last of what may take time: from here on the device is read at every tick.
+    let judging = wanted.judge.as_ref().map(|judge| Judging::start(judge, period_s)).transpose()?;
+    let watch = Watch::new(wanted, scene, number, endpoint.start(), connect.to_string(), ticks)?;
+    let device = wanted.device.open(scene, number)?;
+    let node =
+        Node::with_device(scene, number, key, entropy, device)?.telling_every(TELLING_S).beginning_after(AFTER_US);
     let mut peer = LivePeer {
-        judging: wanted.judge.as_ref().map(|judge| Judging::start(judge, period_s)).transpose()?,
+        judging,
         refused_us: None,
         duration_s,
-        watch: Watch::new(wanted, scene, number, endpoint.start(), connect.to_string(), ticks)?,
+        watch,
         reported_tick: None,
         node,
         connect,
@@ -235,6 +247,7 @@ where
         refusal: None,
         impossible: Refused::default(),
         differs: None,
+        gone_us: None,
         now_us: 0,
     };
     let ticker = Ticker::realtime(Duration::from_secs_f64(period_s));
@@ -265,7 +278,7 @@ where
         port_energy: energies.sum::<PortEnergy>().into(),
         fault: match node.peer.mode() {
             Mode::Faulted(fault) => Some(format!("fault {}: {}", fault.number(), fault.explain())),
-            _ => None,
+            _ => node.gone().map(ToString::to_string),
         },
         verdict,
         verdicts,

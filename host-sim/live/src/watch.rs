@@ -7,10 +7,12 @@ use haptic_core::law::Sends;
 use haptic_core::safety::Mode;
 use haptic_protocol::wire::{Flows, Message, Telemetry};
 use haptic_report::Provenance;
+use haptic_sim::device::Device;
 use haptic_sim::node::{Line, Node};
 use haptic_sim::scene::Scene;
 use serde::Serialize;
 
+use super::devices::DeviceOptions;
 use super::discrepancy::{PositionHistory, Sum};
 use super::tell::{Manner, Second, Teller};
 use super::verdict::{Judge, Judging};
@@ -35,6 +37,8 @@ pub struct LiveOptions {
     pub manner: Manner,
     /// Judges a peer's scene at the delays that it measures; without it a peer arms as soon as it hears the other one.
     pub judge: Option<Judge>,
+    /// The device that a peer has.
+    pub device: DeviceOptions,
 }
 
 impl LiveOptions {
@@ -197,10 +201,10 @@ impl Watch {
     }
 
     /// A tick is over.
-    pub(crate) fn ticked<const SHARED: usize, const N: usize>(
+    pub(crate) fn ticked<const SHARED: usize, const N: usize, D: Device<f32, N>>(
         &mut self,
         now_ns: u64,
-        node: &Node<SHARED, N>,
+        node: &Node<SHARED, N, D>,
         judging: Option<&Judging>,
     ) where
         Flows<SHARED>: Into<Message>,
@@ -234,10 +238,10 @@ impl Watch {
         }
     }
 
-    fn second<const SHARED: usize, const N: usize>(
+    fn second<const SHARED: usize, const N: usize, D: Device<f32, N>>(
         &mut self,
         now_ns: u64,
-        node: &Node<SHARED, N>,
+        node: &Node<SHARED, N, D>,
         judging: Option<&Judging>,
     ) where
         Flows<SHARED>: Into<Message>,
@@ -256,6 +260,7 @@ impl Watch {
         let mm = |metres: Option<f64>| metres.map(|metres| 1e3 * metres);
         let (state, fault) = match node.peer.mode() {
             Mode::Faulted(fault) => ("faulted", Some(format!("fault {}: {}", fault.number(), fault.explain()))),
+            _ if let Some(gone) = node.gone() => ("faulted", Some(gone.to_string())),
             Mode::Armed if node.is_moving() => ("armed", None),
             Mode::Disarmed if judging.is_some_and(|judging| judging.refuses().is_some()) => ("refused", None),
             _ if link.is_up() => ("waiting", None),

@@ -21,11 +21,12 @@
 //! | a scene and its built-in ones | [`Scene`], [`scenes`], [`Laws`], [`Family`], [`Error`] |
 //! | a run, and what came of it | [`run()`], [`run_while`], [`Options`], [`Outcome`], [`AxisOutcome`], [`Figures`], [`Verdict`], [`Reason`] |
 //! | two peers tick by tick | [`Pair`], [`Side`], [`PeerTick`], [`DynPeer`], [`Number`], [`of_axes!`], [`AXES`] |
-//! | devices and people | [`Device`], [`Plant`], [`User`], [`Trace`] |
+//! | devices and people | [`Device`], [`device`], [`Plant`], [`User`], [`Trace`] |
 //! | a network of one's own | [`Rule`], [`Fate`], [`NetworkTrace`] |
 //! | many runs at once | [`lanes`] |
 #![forbid(unsafe_code)]
 
+pub mod device;
 pub mod double_double;
 pub mod engine;
 mod error;
@@ -49,11 +50,12 @@ pub mod start;
 pub mod student;
 pub mod user;
 
+pub use device::Device;
 pub use error::Error;
 pub use haptic_core::device::AXES;
 pub use network::rule::{Fate, Rule};
 pub use network::trace::NetworkTrace;
-pub use pair::{Device, Pair, PeerTick, Side};
+pub use pair::{Pair, PeerTick, Side};
 pub use peers::{DynPeer, Family, Laws, Number};
 pub use plant::Plant;
 pub use run::{AxisOutcome, Figures, Options, Outcome, Reason, Verdict, run, run_while};

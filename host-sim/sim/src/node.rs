@@ -1,5 +1,5 @@
-//! One peer behind a sealed (encrypted) link: haptic-core's peer, its simulated device and user, and the link. The
-//! caller brings time and datagrams.
+//! One peer behind a sealed (encrypted) link: haptic-core's peer, its device and user, simulated or really there ([`Device`]), and the
+//! link. The caller brings time and datagrams.
 //!
 //! Each control period: [`Node::receive`] for every datagram that came, then [`Node::tick`]. Real-time programs and
 //! trials in virtual time (floods of packets, restarts) use the same code.
@@ -13,6 +13,8 @@
 //! A node calls until it hears a flow message, then arms, disengaged. When both ends are live ([`crate::start`]) it runs the scene's user,
 //! whose hand does nothing before that. Peers compute in f32, as the board does. Of an object that is shared along several axes one
 //! datagram has the packets of all of them.
+//!
+//! A device that is [`Gone`] turns the motors off in the tick that notices, and they stay off ([`Node::gone`]).
 
 use std::collections::VecDeque;
 
@@ -28,6 +30,7 @@ use haptic_protocol::peer::{Inbox, flow_in, flow_of, open, packets_of};
 use haptic_protocol::wire::{Flows, Goodbye, MAX_DATAGRAM, Message, PeerId, Telemetry};
 use haptic_protocol::{ends::Ends, key::Key};
 
+use crate::device::{Device, Gone};
 use crate::peers::{Builds, DynPeer};
 use crate::start::Start;
 use crate::{plant::Plant, scene::Scene};
@@ -57,10 +60,12 @@ impl Transmit for Link {
 
 /// One peer that shares the object along `SHARED` axes of its device of `N`, that device and its link.
 #[derive(Debug)]
-pub struct Node<const SHARED: usize = 1, const N: usize = AXES> {
+pub struct Node<const SHARED: usize = 1, const N: usize = AXES, D = Plant<N>> {
     /// The peer; only the node gives it a tick.
     pub peer: Box<dyn DynPeer<f32, SHARED, N>>,
-    plant: Plant<N>,
+    device: D,
+    /// Why the device is driven no more.
+    gone: Option<Gone>,
     /// Its motors are off until somebody says otherwise.
     halted: bool,
     /// Its clutch is open.
@@ -194,21 +199,29 @@ where
     pub fn build(scene: &Scene, number: u8, key: Key, entropy: [u8; Key::LEN]) -> Result<Self, crate::Error> {
         Self::with_device(scene, number, key, entropy, Plant::build(scene, usize::from(number == 2)))
     }
+}
 
-    /// [`Node::build`], with the same errors, for a device that exists already: what a reset leaves of a peer.
+impl<const SHARED: usize, const N: usize, D: Device<f32, N>> Node<SHARED, N, D>
+where
+    Flows<SHARED>: Into<Message>,
+    f32: Builds<SHARED, N>,
+{
+    /// [`Node::build`], with the same errors, for a device that exists already: what a reset leaves of a peer, or one that is really
+    /// there. The peer's home is where it is now.
     pub fn with_device(
         scene: &Scene,
         number: u8,
         key: Key,
         entropy: [u8; Key::LEN],
-        plant: Plant<N>,
+        device: D,
     ) -> Result<Self, crate::Error> {
-        let peer = scene.peer_from(usize::from(number == 2), plant.motions())?;
+        let peer = scene.laws.peer(&scene.peers()[usize::from(number == 2)], device.start())?;
         let (line, period_s) = (Line::open(scene, number, key, entropy)?, scene.peer.timing.control_period_s);
         let telemetry_s = TELEMETRY_S;
         Ok(Self {
             peer,
-            plant,
+            device,
+            gone: None,
             halted: false,
             clutched: false,
             line,
@@ -224,7 +237,7 @@ where
     }
 }
 
-impl<const SHARED: usize, const N: usize> Node<SHARED, N>
+impl<const SHARED: usize, const N: usize, D: Device<f32, N>> Node<SHARED, N, D>
 where
     Flows<SHARED>: Into<Message>,
 {
@@ -253,7 +266,12 @@ where
         self.line.link.say_due(now_us, &mut send);
         self.line.heed(now_us);
         self.line.inbox.play(self.ticks);
-        if self.peer.mode() == Mode::Disarmed && !self.halted && self.line.inbox.newest().is_some() {
+        if let (None, Err(gone)) = (&self.gone, self.device.look()) {
+            self.gone = Some(gone);
+            self.peer.command(Command::Disarm);
+        }
+        let may_arm = !self.halted && self.gone.is_none();
+        if self.peer.mode() == Mode::Disarmed && may_arm && self.line.inbox.newest().is_some() {
             self.peer.command(Command::Arm);
             self.peer.part();
             (self.begun, self.line.start) = (false, Start::default());
@@ -288,18 +306,20 @@ where
         self.ticks = self.ticks.wrapping_add(1);
         let clutched = self.begun
             && self.peer.mode() == Mode::Armed
-            && self.plant.clutches(self.armed_ticks as f64 * self.period_s);
+            && self.device.clutches(self.armed_ticks as f64 * self.period_s);
         if clutched != self.clutched {
             self.clutched = clutched;
             self.peer.command(if clutched { Command::Clutch } else { Command::Release });
         }
-        let actuators = self.peer.tick(&self.plant.sensors());
+        let actuators = self.peer.tick(&self.device.sensors());
         if self.is_moving() {
-            self.plant.step(self.armed_ticks as f64 * self.period_s, &actuators);
+            self.device.step(self.armed_ticks as f64 * self.period_s, &actuators);
             self.armed_ticks += 1;
         } else if self.peer.mode() == Mode::Armed {
             // A hand that waits for the other one does nothing; a motor that is on moves what it holds.
-            self.plant.wait(&actuators);
+            self.device.wait(&actuators);
+        } else {
+            self.device.idle();
         }
         actuators
     }
@@ -320,29 +340,24 @@ where
         }
     }
 
+    /// Why its device is driven no more, if so: its motors stay off.
+    pub fn gone(&self) -> Option<&Gone> {
+        self.gone.as_ref()
+    }
+
     /// Whether its motors are kept off.
     pub fn is_halted(&self) -> bool {
         self.halted
     }
 
-    /// Lets other forces act on its device beside the user's from the next tick on: along each axis, N toward positive x, y, z.
-    pub fn pull(&mut self, forces_n: [f64; N]) {
-        self.plant.pull(forces_n);
-    }
-
     /// Force of the wall that its device can meet, N; 0 without one.
     pub fn wall_n(&self) -> f64 {
-        self.plant.wall_n()
+        self.device.wall_n()
     }
 
     /// Motions and forces of the last tick along the first shared axis.
     pub fn observed(&self) -> &Observed<f32> {
         self.peer.observed()[0]
-    }
-
-    /// Motion of the node's device along each of its axes, m and m/s.
-    pub fn motions(&self) -> [Motion<f64>; N] {
-        self.plant.motions()
     }
 
     /// Notifies the other peer that this one ends its session.
@@ -357,7 +372,7 @@ where
         let (mode, fault) = match self.peer.mode() {
             Mode::Armed => (1, 0),
             Mode::Faulted(fault) => (2, fault.number()),
-            _ => (0, 0),
+            _ => self.gone.as_ref().map_or((0, 0), |gone| (2, gone.fault as u8)),
         };
         let mut telemetry = Telemetry {
             mode,
@@ -376,13 +391,6 @@ where
         telemetry
     }
 
-    /// What a reset leaves: the device, in a hand that holds it still.
-    pub fn device(&self) -> Plant<N> {
-        let mut plant = self.plant.clone();
-        plant.rest();
-        plant
-    }
-
     /// What a datagram of a third party must never change: stage of the link, its engagement as bits, packets taken,
     /// events under way, tick of the newest flow, and whether the peer is engaged.
     pub fn standing(&self) -> (Stage, u32, u32, usize, Option<u32>, bool) {
@@ -398,5 +406,25 @@ where
         // The last field of all.
         let link = link.rfind("refused: ").map_or(link.as_str(), |end| &link[..end]);
         format!("{link} {:?} {:?} {:?}", self.line.inbox, self.line.heard, self.peer)
+    }
+}
+
+/// What is known of a device that is simulated.
+impl<const SHARED: usize, const N: usize> Node<SHARED, N> {
+    /// Lets other forces act on its device beside the user's from the next tick on: along each axis, N toward positive x, y, z.
+    pub fn pull(&mut self, forces_n: [f64; N]) {
+        self.device.pull(forces_n);
+    }
+
+    /// Motion of the node's device along each of its axes, m and m/s.
+    pub fn motions(&self) -> [Motion<f64>; N] {
+        self.device.motions()
+    }
+
+    /// What a reset leaves: the device, in a hand that holds it still.
+    pub fn device(&self) -> Plant<N> {
+        let mut plant = self.device.clone();
+        plant.rest();
+        plant
     }
 }

@@ -4,55 +4,17 @@
 //! packet every M ticks. Time and randomness are arguments, so a run is a function of its scene: the same bits on every
 //! machine and any number of threads ([`Pair::hash`]).
 
-use haptic_core::device::{AXES, Reading};
-use haptic_core::num::{Motion, Scalar};
+use haptic_core::device::AXES;
+use haptic_core::num::Scalar;
 use haptic_core::peer::{Actuators, Sensors};
 use haptic_core::safety::{Command, Fault, Mode};
 use haptic_core::{law::Packet, settings::Refused};
 
+use crate::device::Device;
 use crate::engine::{Actor, Engine, Out, Seat, Turn};
 use crate::network::link::{Inbox, Numbered, Route};
 use crate::peers::{Builds, DynPeer, Number};
 use crate::{network::rule::Direction, plant::Plant, scene::Scene};
-
-/// A device that a peer reads and drives: a simulated plant, several side by side in lanes, or a caller's own.
-///
-/// Lengths, speeds and forces are of the shared world ([`haptic_core::device::scale`]): m, m/s, N.
-pub trait Device<S: Scalar, const N: usize = AXES> {
-    /// Readings of the peer's sensors now.
-    fn sensors(&self) -> Sensors<S, N>;
-    /// Moves the device by one control period from `time_s` (s) on, under the forces or duties that the peer commands.
-    fn step(&mut self, time_s: f64, actuators: &Actuators<S, N>);
-    /// Whether the clutch is held open at `time_s`.
-    fn clutches(&self, _time_s: f64) -> bool {
-        false
-    }
-    /// Motion of each axis before the first tick, at rest: as the sensors read, or zero with encoders.
-    fn start(&self) -> [Motion<S>; N] {
-        match self.sensors().reading {
-            Reading::Exact(axes) => axes.map(|axis| Motion::at(axis.position)),
-            Reading::Counts(_) => [Motion::REST; N],
-        }
-    }
-}
-
-impl<S: Scalar, const N: usize> Device<S, N> for Plant<N> {
-    #[inline]
-    fn sensors(&self) -> Sensors<S, N> {
-        self.sensors()
-    }
-    #[inline]
-    fn step(&mut self, time_s: f64, actuators: &Actuators<S, N>) {
-        self.step(time_s, actuators);
-    }
-    #[inline]
-    fn clutches(&self, time_s: f64) -> bool {
-        self.clutches(time_s)
-    }
-    fn start(&self) -> [Motion<S>; N] {
-        self.in_the_world()
-    }
-}
 
 /// One peer with its device, for an engine: it shares the object along `SHARED` axes of a device of `N`.
 pub struct Side<S: Scalar, D = Plant, const SHARED: usize = 1, const N: usize = AXES> {

@@ -221,7 +221,11 @@ impl Watching {
             (_, true) => Manner::Quiet,
             _ => Manner::Words,
         };
-        LiveOptions { record: self.record.record.clone().map(|file| (file, provenance)), manner, judge: None }
+        LiveOptions {
+            record: self.record.record.clone().map(|file| (file, provenance)),
+            manner,
+            ..LiveOptions::default()
+        }
     }
 }
 

@@ -13,6 +13,7 @@ use haptic_live::verdict::{Judge, Verdict};
 use haptic_live::watch::LiveOptions;
 use haptic_sim::scene::Scene;
 
+use super::device::DeviceArgs;
 use super::flags::{End, Patience, Watching};
 use super::{Failure, SceneArgs, Ui, ui::Unsuccessful};
 
@@ -36,6 +37,8 @@ pub(super) struct Peer {
     #[arg(long)]
     anyway: bool,
     #[command(flatten)]
+    device: DeviceArgs,
+    #[command(flatten)]
     watching: Watching,
 }
 
@@ -47,7 +50,7 @@ impl Peer {
         let ends = [self.end.listen, self.connect];
         let provenance = ui.provenance().settings(scene.settings()).with("peer", self.number);
         let judge = Some(judge(scene.clone(), self.anyway));
-        let wanted = LiveOptions { judge, ..self.watching.wanted(provenance) };
+        let wanted = LiveOptions { judge, device: self.device.wanted(), ..self.watching.wanted(provenance) };
         let report = peer::run(&scene, key, self.number, ends, span, &wanted, &Stop::on_signals()?)?;
         ui.live_report(self.watching.json_lines, &format!("peer {}", self.number), &report)?;
         let unstable =

@@ -12,6 +12,7 @@ mod campaign;
 mod columns;
 mod compare;
 mod cooperate;
+mod device;
 mod flags;
 mod key;
 mod listings;

@@ -7,6 +7,7 @@ mod columns;
 mod command_line;
 mod compare;
 mod cooperative;
+mod devices;
 mod examples;
 mod flood;
 mod hub;

@@ -8,7 +8,7 @@ use serde_json::Value;
 use crate::program::{Keys, free, host_sim, report};
 
 /// Asks a process to end, as the system does.
-fn signal(child: &Child, name: &str) {
+pub(crate) fn signal(child: &Child, name: &str) {
     let sent = Command::new("kill").args(["-s", name, &child.id().to_string()]).status();
     assert!(sent.expect("kill runs").success());
 }

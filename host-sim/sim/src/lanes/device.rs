@@ -7,7 +7,7 @@ use haptic_core::num::{Motion, Scalar as _};
 use haptic_core::peer::{Actuators, Sensors};
 
 use super::number::{F64s, LANES, Lanes};
-use crate::pair::Device;
+use crate::device::Device;
 use crate::plant::{Linear, Plant};
 
 /// Plants of which each lane has one.

@@ -21,7 +21,8 @@ use haptic_core::num::Motion;
 use haptic_core::peer::{Actuators, Sensors};
 use haptic_core::settings::Refused;
 
-use crate::pair::{Device, Pair, Side};
+use crate::device::Device;
+use crate::pair::{Pair, Side};
 use crate::plant::Plant;
 use crate::scene::{self, Scene};
 

@@ -1,0 +1,194 @@
+//! A device behind a [`Port`] as a peer reads and drives it.
+//!
+//! **Frames.** x of the scene's axis = start + ±(x_device − origin), then the scene's `scale`; a force goes the same way back. With the
+//! origin where the device is first read, it begins where the scene's simulated one does, clear of the object.
+//!
+//! **Age.** A reading is as old as the moment it was asked for. From half of the silence that is allowed on the force fades, in proportion,
+//! to nothing at its end; then the device is [`Gone`], and the motors are off. It does not come back by itself.
+//!
+//! **A jump** further than `safety.max_speed_m_per_s` allows in the time between two readings, and 2 mm, is no motion of a hand.
+//!
+//! **Not armed at all** is a device that is not homed, whose own time to let go is not known, that has fewer axes than the scene uses, or
+//! that gives less force than the scene may ask for.
+
+use std::array::from_fn;
+use std::time::{Duration, Instant};
+
+use haptic_core::device::Reading;
+use haptic_core::num::Motion;
+use haptic_core::peer::{Actuators, Sensors};
+use haptic_core::settings::Scale;
+use haptic_sim::device::{Device, DeviceFault, Gone};
+use haptic_sim::scene::Scene;
+
+use super::{AXES, Abilities, DeviceOptions, Port, Sensed};
+use crate::Error;
+
+/// How long a device may take to be read for the first time.
+const FIRST: Duration = Duration::from_secs(2);
+/// What a place may be off by between two readings beside what the device moves, m.
+const SLACK_M: f64 = 2e-3;
+
+/// A device that a peer reads and drives.
+pub struct Attached<P, const N: usize> {
+    port: P,
+    axes: [(usize, f64); N],
+    /// Where the origin of the device is on the scene's axes, m.
+    start_m: [f64; N],
+    origin_m: [f64; AXES],
+    scale: Scale,
+    silent: Duration,
+    max_speed_m_per_s: f64,
+    clutch: u8,
+    newest: Sensed,
+    /// Share of the force that is left of it, from the age of the newest reading.
+    share: f64,
+}
+
+/// Why this device must not be armed in this scene, if so.
+fn refusal(can: &Abilities, options: &DeviceOptions, scene: &Scene, index: usize) -> Option<String> {
+    let settings = &scene.peers()[index];
+    let (name, used) = (&can.name, settings.axis.count as usize);
+    let safety = &settings.safety;
+    if !can.is_homed {
+        return Some(format!("{name} is not calibrated: it must be before it may be armed"));
+    }
+    if can.lets_go_s.is_none() {
+        return Some(format!(
+            "nobody knows how long {name} holds a force after the last command: measure it (docs/devices.md) and say so, or it is not armed"
+        ));
+    }
+    if options.axes[..used.min(AXES)].iter().any(|(axis, _)| *axis >= can.axes) {
+        return Some(format!(
+            "{name} has {} axes; the scene uses {used} (axis.count), and they are mapped to others",
+            can.axes
+        ));
+    }
+    if let Some(most_n) = can.max_force_n.filter(|most_n| *most_n < safety.max_force_n) {
+        let (number, asked_n) = (index + 1, safety.max_force_n);
+        return Some(format!(
+            "{name} gives {most_n} N at most, and the scene may ask for {asked_n} N: set peer.{number}.safety.max_force_n={most_n}"
+        ));
+    }
+    let mapped = options.axes.iter().take(used);
+    let narrow = can.workspace_m.and_then(|reach_m| mapped.map(|(axis, _)| reach_m[*axis]).reduce(f64::min));
+    narrow
+        .filter(|reach_m| *reach_m < safety.workspace_m)
+        .map(|reach_m| format!("{name} reaches {reach_m} m: set peer.{}.safety.workspace_m to that or less", index + 1))
+}
+
+impl<P: Port, const N: usize> Attached<P, N> {
+    /// This device as peer `index` (0 or 1) of a scene has it, once it has been read.
+    ///
+    /// # Errors
+    /// It must not be armed, or was not read in time.
+    pub fn new(mut port: P, options: &DeviceOptions, scene: &Scene, index: usize) -> Result<Self, Error> {
+        if let Some(why) = refusal(port.abilities(), options, scene, index) {
+            return Err(why.into());
+        }
+        let by = Instant::now() + FIRST;
+        let newest = loop {
+            port.write(None);
+            match port.read() {
+                Ok(Some(newest)) => break newest,
+                Ok(None) if Instant::now() < by => std::thread::sleep(Duration::from_millis(1)),
+                Ok(None) => return Err(format!("{} has told no place", port.abilities().name).into()),
+                Err(gone) => return Err(gone.to_string().into()),
+            }
+        };
+        let settings = &scene.peers()[index];
+        let clutch = options.clutch.map_or(0, |button| 1 << button);
+        Ok(Self {
+            port,
+            axes: from_fn(|axis| options.axes[axis]),
+            start_m: scene.start::<N>(index).map(|motion| motion.position),
+            origin_m: options.origin_m.unwrap_or(newest.position_m),
+            scale: settings.scale,
+            silent: Duration::from_secs_f64(options.silent_s),
+            max_speed_m_per_s: settings.safety.max_speed_m_per_s,
+            clutch,
+            newest,
+            share: 0.0,
+        })
+    }
+
+    /// Takes in a reading.
+    fn take(&mut self, sensed: Sensed) -> Result<(), Gone> {
+        let implausible = |cause: String| Err(Gone::new(DeviceFault::Implausible, cause));
+        let used = || self.axes.iter().map(|(axis, _)| *axis);
+        if used().any(|axis| !(sensed.position_m[axis].is_finite() && sensed.velocity_m_per_s[axis].is_finite())) {
+            return implausible("a place or a speed is not a number".to_owned());
+        }
+        let took = sensed.between[1].saturating_duration_since(self.newest.between[0]);
+        let allowed_m = SLACK_M + self.max_speed_m_per_s * took.as_secs_f64();
+        let moved_m = used().map(|axis| (sensed.position_m[axis] - self.newest.position_m[axis]).abs());
+        let moved_m = moved_m.fold(0.0, f64::max);
+        if moved_m > allowed_m {
+            let (moved_mm, ms) = (1e3 * moved_m, 1e3 * took.as_secs_f64());
+            return implausible(format!("it moved by {moved_mm:.1} mm in {ms:.1} ms"));
+        }
+        self.newest = sensed;
+        Ok(())
+    }
+
+    fn write(&mut self, actuators: &Actuators<f32, N>) {
+        let share = self.share / self.scale.force;
+        let force_n = actuators.enable.then(|| {
+            let mut force_n = [0.0; AXES];
+            for ((axis, sign), force) in self.axes.iter().zip(actuators.forces) {
+                force_n[*axis] += sign * share * f64::from(force);
+            }
+            force_n
+        });
+        self.port.write(force_n);
+    }
+}
+
+/// What is left of a force at this age of the reading that it is from.
+fn share(age: Duration, silent: Duration) -> f64 {
+    (2.0 * (1.0 - age.as_secs_f64() / silent.as_secs_f64())).clamp(0.0, 1.0)
+}
+
+impl<P: Port, const N: usize> Device<f32, N> for Attached<P, N> {
+    fn look(&mut self) -> Result<(), Gone> {
+        if let Some(sensed) = self.port.read()? {
+            self.take(sensed)?;
+        }
+        let age = self.newest.between[0].elapsed();
+        self.share = share(age, self.silent);
+        if age <= self.silent {
+            return Ok(());
+        }
+        let [age, allowed] = [age, self.silent].map(|time| 1e3 * time.as_secs_f64());
+        let cause =
+            format!("the newest reading of {} is {age:.0} ms old, of {allowed:.0} allowed", self.port.abilities().name);
+        Err(Gone::new(DeviceFault::Silent, cause))
+    }
+
+    fn sensors(&self) -> Sensors<f32, N> {
+        Sensors::of(Reading::Exact(from_fn(|at| {
+            let (axis, sign) = self.axes[at];
+            let along_m = self.start_m[at] + sign * (self.newest.position_m[axis] - self.origin_m[axis]);
+            Motion {
+                position: (self.scale.position * along_m) as f32,
+                velocity: (self.scale.position * sign * self.newest.velocity_m_per_s[axis]) as f32,
+            }
+        })))
+    }
+
+    fn step(&mut self, _: f64, actuators: &Actuators<f32, N>) {
+        self.write(actuators);
+    }
+
+    fn idle(&mut self) {
+        self.port.write(None);
+    }
+
+    fn clutches(&self, _: f64) -> bool {
+        self.newest.buttons & self.clutch != 0
+    }
+}
+
+#[cfg(test)]
+#[path = "../../tests/inside/attached.rs"]
+mod tests;

@@ -1,0 +1,153 @@
+//! What comes between a port and a peer, with a port whose readings a test writes.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use haptic_core::safety::Fault;
+use haptic_sim::Laws;
+
+use super::*;
+
+/// What a test tells, and hears of forces.
+#[derive(Default)]
+struct Told {
+    sensed: Option<Sensed>,
+    gone: Option<Gone>,
+    forces: Vec<Option<[f64; AXES]>>,
+}
+
+struct Written {
+    abilities: Abilities,
+    told: Rc<RefCell<Told>>,
+}
+
+impl Port for Written {
+    fn abilities(&self) -> &Abilities {
+        &self.abilities
+    }
+    fn read(&mut self) -> Result<Option<Sensed>, Gone> {
+        let told = self.told.borrow();
+        told.gone.clone().map_or(Ok(told.sensed), Err)
+    }
+    fn write(&mut self, force_n: Option<[f64; AXES]>) {
+        self.told.borrow_mut().forces.push(force_n);
+    }
+}
+
+fn able() -> Abilities {
+    Abilities {
+        name: "a handle".to_owned(),
+        axes: AXES,
+        workspace_m: None,
+        max_force_n: None,
+        is_homed: true,
+        buttons: 1,
+        lets_go_s: Some(0.02),
+    }
+}
+
+fn at(position_m: [f64; AXES], ago: Duration) -> Sensed {
+    let when = Instant::now() - ago;
+    Sensed { position_m, velocity_m_per_s: [0.1, 0.2, 0.3], between: [when; 2], buttons: 0 }
+}
+
+fn scene(settings: &[&str]) -> Scene {
+    let settings: Vec<String> = settings.iter().map(|setting| (*setting).to_owned()).collect();
+    Scene::load(Laws::built_in(), None, &settings).expect("a scene")
+}
+
+fn attach(
+    abilities: Abilities,
+    options: &DeviceOptions,
+    settings: &[&str],
+) -> Result<(Attached<Written, 3>, Rc<RefCell<Told>>), Error> {
+    let told = Rc::new(RefCell::new(Told { sensed: Some(at([0.1, 0.2, 0.3], Duration::ZERO)), ..Told::default() }));
+    let port = Written { abilities, told: told.clone() };
+    Ok((Attached::new(port, options, &scene(settings), 0)?, told))
+}
+
+fn pushing(forces: [f32; 3]) -> Actuators<f32, 3> {
+    Actuators { forces, enable: true, ..Actuators::default() }
+}
+
+#[test]
+fn who_may_not_be_armed_is_refused_by_name() {
+    let with = |change: &dyn Fn(&mut Abilities)| {
+        let mut abilities = able();
+        change(&mut abilities);
+        attach(abilities, &DeviceOptions::default(), &["axis.count=2"]).err().map(|why| why.to_string())
+    };
+    assert_eq!(with(&|_| ()), None);
+    type Case<'a> = (&'a dyn Fn(&mut Abilities), &'a str);
+    let cases: [Case<'_>; 5] = [
+        (&|of| of.is_homed = false, "not calibrated"),
+        (&|of| of.lets_go_s = None, "how long a handle holds a force"),
+        (&|of| of.axes = 1, "has 1 axes"),
+        (&|of| of.max_force_n = Some(8.0), "peer.1.safety.max_force_n=8"),
+        (&|of| of.workspace_m = Some([0.2; AXES]), "peer.1.safety.workspace_m"),
+    ];
+    for (change, words) in cases {
+        let why = with(change).expect("refused");
+        assert!(why.contains("a handle") && why.contains(words), "{why}");
+    }
+}
+
+/// Axis 1 is the device's −z, and a metre of it is two of the world; forces go back the same way.
+#[test]
+fn axes_origin_and_scale_go_there_and_back() {
+    let options = DeviceOptions { axes: [(2, -1.0), (0, 1.0), (1, 1.0)], ..DeviceOptions::default() };
+    let (mut device, told) = attach(able(), &options, &["scale.position=2", "scale.force=4"]).expect("fit");
+    told.borrow_mut().sensed = Some(at([0.101, 0.202, 0.297], Duration::ZERO));
+    device.look().expect("there");
+    let Reading::Exact(axes) = device.sensors().reading else { panic!("positions") };
+    let near = |value: f32, wanted: f64| assert!((f64::from(value) - wanted).abs() < 1e-6, "{value}, not {wanted}");
+    for (axis, (position_m, speed)) in axes.into_iter().zip([(0.006, -0.6), (0.002, 0.2), (0.004, 0.4)]) {
+        near(axis.position, position_m);
+        near(axis.velocity, speed);
+    }
+    device.step(0.0, &pushing([4.0, 8.0, 0.0]));
+    assert_eq!(told.borrow().forces.last(), Some(&Some([2.0, 0.0, -1.0])));
+    device.step(0.0, &Actuators::default());
+    assert_eq!(told.borrow().forces.last(), Some(&None), "motors that are off let go");
+    device.idle();
+    assert_eq!(told.borrow().forces.last(), Some(&None));
+}
+
+#[test]
+fn a_force_fades_with_the_age_of_its_reading() {
+    let silent = Duration::from_millis(50);
+    for (age_ms, wanted) in [(0, 1.0), (25, 1.0), (30, 0.8), (45, 0.2), (50, 0.0), (70, 0.0)] {
+        let left = share(Duration::from_millis(age_ms), silent);
+        assert!((left - wanted).abs() < 1e-12, "{age_ms} ms: {left}");
+    }
+    let (mut device, told) = attach(able(), &DeviceOptions::default(), &[]).expect("fit");
+    told.borrow_mut().sensed = Some(at([0.1, 0.2, 0.3], Duration::from_millis(60)));
+    let gone = device.look().expect_err("too old");
+    assert!(gone.fault == DeviceFault::Silent && gone.cause.contains("of 50 allowed"), "{gone}");
+    device.step(0.0, &pushing([1.0; 3]));
+    assert_eq!(told.borrow().forces.last(), Some(&Some([0.0; AXES])));
+}
+
+#[test]
+fn what_no_hand_can_do_is_no_reading() {
+    let jumps = [[0.15, 0.2, 0.3], [f64::NAN, 0.2, 0.3]];
+    for place in jumps {
+        let (mut device, told) =
+            attach(able(), &DeviceOptions::default(), &["safety.max_speed_m_per_s=2"]).expect("fit");
+        told.borrow_mut().sensed = Some(at([0.1005, 0.2, 0.3], Duration::ZERO));
+        device.look().expect("half a millimetre is nothing");
+        told.borrow_mut().sensed = Some(at(place, Duration::ZERO));
+        assert_eq!(device.look().expect_err("no hand").fault, DeviceFault::Implausible);
+    }
+    let (mut device, told) = attach(able(), &DeviceOptions::default(), &[]).expect("fit");
+    told.borrow_mut().gone = Some(Gone::new(DeviceFault::Stopped, "closed"));
+    assert_eq!(device.look().expect_err("stopped").to_string().split(':').next(), Some("fault 24"));
+}
+
+/// Numbers go on where those of a peer end, and none stands for two things.
+#[test]
+fn no_number_of_a_fault_is_used_twice() {
+    for fault in DeviceFault::ALL {
+        assert_eq!(Fault::from_number(fault as u8), None, "{}", fault.explain());
+    }
+}

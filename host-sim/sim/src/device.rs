@@ -1,0 +1,128 @@
+//! What stands at a peer where a board has its encoders and bridges: a simulated plant, or what somebody attaches.
+//!
+//! Whoever steps a peer ([`crate::Pair`], [`crate::node::Node`]) does so by [`Device`] alone. In memory a device is stepped in virtual
+//! time and never fails. One that is really there goes on by itself: it is asked once a tick for what it has told by now
+//! ([`Device::look`]), and may be [`Gone`]. No method blocks; who has to wait, for a socket or a bus, does so in a thread of its own.
+
+use haptic_core::device::{AXES, Reading};
+use haptic_core::num::{Motion, Scalar};
+use haptic_core::numbered;
+use haptic_core::peer::{Actuators, Sensors};
+
+use crate::plant::Plant;
+
+numbered! {
+    /// Why a device that is really there must not be driven. The numbers go on where those of a peer's own faults
+    /// ([`haptic_core::safety::Fault`]) end, and are never reused either.
+    pub enum DeviceFault {
+        23 Silent: "the device said nothing new for too long",
+        24 Stopped: "the device stopped, or its socket or bus is closed",
+        25 Implausible: "the device told a place that it cannot have come to, or that is not a number",
+    }
+}
+
+/// Why a device is driven no more, until the program is started again.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("fault {}: {}: {cause}", *fault as u8, fault.explain())]
+pub struct Gone {
+    /// What is wrong.
+    pub fault: DeviceFault,
+    /// What was seen of it.
+    pub cause: String,
+}
+
+impl Gone {
+    /// For this reason, with what was seen of it.
+    pub fn new(fault: DeviceFault, cause: impl ToString) -> Self {
+        Self { fault, cause: cause.to_string() }
+    }
+}
+
+/// A device that a peer reads and drives: a simulated plant, several side by side in lanes, or a caller's own.
+///
+/// Lengths, speeds and forces are of the shared world ([`haptic_core::device::scale`]): m, m/s, N.
+pub trait Device<S: Scalar, const N: usize = AXES> {
+    /// Takes what the device has told by now; a node asks at every tick, armed or not, before it reads. Never blocks.
+    ///
+    /// # Errors
+    /// It must not be driven any more, and why: the motors go off in this tick.
+    fn look(&mut self) -> Result<(), Gone> {
+        Ok(())
+    }
+    /// Readings of the peer's sensors now.
+    fn sensors(&self) -> Sensors<S, N>;
+    /// Moves the device by one control period from `time_s` (s) on, under the forces or duties that the peer commands.
+    fn step(&mut self, time_s: f64, actuators: &Actuators<S, N>);
+    /// [`Device::step`] of an armed peer that waits for the other one to begin: a simulated hand does nothing yet.
+    fn wait(&mut self, actuators: &Actuators<S, N>) {
+        self.step(0.0, actuators);
+    }
+    /// A control period of a peer that is not armed: a simulated device stands still, one that is really there lets go.
+    fn idle(&mut self) {}
+    /// Whether the clutch is held open at `time_s`.
+    fn clutches(&self, _time_s: f64) -> bool {
+        false
+    }
+    /// Motion of each axis before the first tick, at rest: as the sensors read, or zero with encoders.
+    fn start(&self) -> [Motion<S>; N] {
+        match self.sensors().reading {
+            Reading::Exact(axes) => axes.map(|axis| Motion::at(axis.position)),
+            Reading::Counts(_) => [Motion::REST; N],
+        }
+    }
+    /// Force of a wall in the device's own room that is known to push it, N; 0 without one.
+    fn wall_n(&self) -> f64 {
+        0.0
+    }
+}
+
+impl<S: Scalar, const N: usize> Device<S, N> for Plant<N> {
+    #[inline]
+    fn sensors(&self) -> Sensors<S, N> {
+        self.sensors()
+    }
+    #[inline]
+    fn step(&mut self, time_s: f64, actuators: &Actuators<S, N>) {
+        self.step(time_s, actuators);
+    }
+    fn wait(&mut self, actuators: &Actuators<S, N>) {
+        self.wait(actuators);
+    }
+    #[inline]
+    fn clutches(&self, time_s: f64) -> bool {
+        self.clutches(time_s)
+    }
+    fn start(&self) -> [Motion<S>; N] {
+        self.in_the_world()
+    }
+    fn wall_n(&self) -> f64 {
+        self.wall_n()
+    }
+}
+
+impl<S: Scalar, const N: usize, D: Device<S, N> + ?Sized> Device<S, N> for Box<D> {
+    fn look(&mut self) -> Result<(), Gone> {
+        (**self).look()
+    }
+    fn sensors(&self) -> Sensors<S, N> {
+        (**self).sensors()
+    }
+    fn step(&mut self, time_s: f64, actuators: &Actuators<S, N>) {
+        (**self).step(time_s, actuators);
+    }
+    fn wait(&mut self, actuators: &Actuators<S, N>) {
+        (**self).wait(actuators);
+    }
+    fn idle(&mut self) {
+        (**self).idle();
+    }
+    fn clutches(&self, time_s: f64) -> bool {
+        (**self).clutches(time_s)
+    }
+    fn start(&self) -> [Motion<S>; N] {
+        (**self).start()
+    }
+    fn wall_n(&self) -> f64 {
+        (**self).wall_n()
+    }
+}
