@@ -154,7 +154,10 @@ fn opens(site: &Site, sent: &[u8], rings: &[String; 4]) -> bool {
             true
         }
         Answer::File(..) => {
-            assert!(["/", "/page.css", "/page.js", "/environments.js", "/pair.js"].contains(&path), "{path}");
+            assert!(
+                ["/", "/page.css", "/page.js", "/environments.js", "/laws.js", "/pair.js"].contains(&path),
+                "{path}"
+            );
             false
         }
         Answer::Refused(_) => false,

@@ -88,7 +88,8 @@ pub(crate) fn channels(topic: &str) -> Vec<Channel> {
             EnvironmentKind::Pair => Channel::new(topic, "Tick", fields),
             kind => {
                 let name = EnvironmentKind::NAMES[usize::from(kind.number())];
-                Channel::new(format!("{place}/{name}"), &format!("Tick_{name}"), fields)
+                // A dash is in no name of a schema.
+                Channel::new(format!("{place}/{name}"), &format!("Tick_{}", name.replace('-', "_")), fields)
             }
         }
     };

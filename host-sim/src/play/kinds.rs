@@ -13,6 +13,7 @@ use super::partner::Model;
 use super::session::Session;
 use super::shared_environment::SharedEnvironment;
 use super::squash::{self, Squash};
+use super::three_laws::{self, ThreeLaws};
 use super::turns::{self, Turns};
 use super::visit::{self, Visit};
 use crate::Error;
@@ -37,12 +38,24 @@ pub(crate) enum EnvironmentKind {
     Lock,
     /// One object, taken in turns by a token that goes round.
     Ring,
+    /// Three laws side by side, on one bad network.
+    BadNetwork,
 }
 
 impl Choice for EnvironmentKind {
-    const NAMES: &'static [&'static str] = &["pair", "hub", "squash", "world", "lock", "ring", "plane", "space"];
-    const ALL: &'static [Self] =
-        &[Self::Pair, Self::Hub, Self::Squash, Self::World, Self::Lock, Self::Ring, Self::Plane, Self::Space];
+    const NAMES: &'static [&'static str] =
+        &["pair", "hub", "squash", "world", "lock", "ring", "plane", "space", "bad-network"];
+    const ALL: &'static [Self] = &[
+        Self::Pair,
+        Self::Hub,
+        Self::Squash,
+        Self::World,
+        Self::Lock,
+        Self::Ring,
+        Self::Plane,
+        Self::Space,
+        Self::BadNetwork,
+    ];
 }
 
 impl EnvironmentKind {
@@ -75,9 +88,10 @@ impl EnvironmentKind {
     ///
     /// # Errors
     /// The scene cannot be shared along so many axes.
-    pub(crate) fn fitting(self, mut scene: Scene) -> Result<Scene, Error> {
-        // Four hands at a hub hold one axis, as a pair does that nobody says more of.
-        let axes = self.axes().or((self == Self::Hub).then_some(1));
+    pub(crate) fn fitting(self, scene: Scene) -> Result<Scene, Error> {
+        let mut scene = if self == Self::BadNetwork { three_laws::lossy(scene) } else { scene };
+        // Four hands at a hub and three laws hold one axis, as a pair does that nobody says more of.
+        let axes = self.axes().or(matches!(self, Self::Hub | Self::BadNetwork).then_some(1));
         if let Some(axes) = axes.filter(|axes| *axes != scene.peer.axis.shared) {
             (scene.peer.axis.count, scene.peer.axis.shared) = (axes, axes);
             scene.check("this environment")?;
@@ -94,6 +108,7 @@ impl EnvironmentKind {
             Self::World => Box::new(SharedEnvironment::<Visit>::new(scene)?),
             Self::Lock => Box::new(SharedEnvironment::<Turns<true>>::new(scene)?),
             Self::Ring => Box::new(SharedEnvironment::<Turns<false>>::new(scene)?),
+            Self::BadNetwork => Box::new(ThreeLaws::new(scene)?),
         })
     }
 
@@ -107,6 +122,7 @@ impl EnvironmentKind {
             Self::Squash => &squash::COLUMNS,
             Self::World => &visit::COLUMNS,
             Self::Lock | Self::Ring => &turns::COLUMNS,
+            Self::BadNetwork => &three_laws::COLUMNS,
         }
     }
 

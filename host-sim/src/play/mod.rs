@@ -12,6 +12,7 @@
 //! | [`remote`] | one peer, whose partner is on another machine |
 //! | [`shared_environment`] | what shared environments have in common |
 //! | [`hub`], [`squash`], [`visit`], [`turns`] | N hands on one object, the game, a static world, lock and token ring |
+//! | [`three_laws`] | three laws under the same pushes and packets, on a bad network |
 //! | [`boards`], [`boards_line`] | boards as their operator has them, and what a page may say to them |
 //! | [`orders`] | what a page may ask to be set, and what scene that gives |
 //! | [`judge`] | whether that scene is stable, and what to change if not |
@@ -19,7 +20,7 @@
 //! | [`control_loop`] | 1 kHz by the clock |
 //! | [`roles`], [`connections`] | who may do what, and how many are let in |
 //! | [`messages`] | what a window says, read |
-//! | [`web`] | five files and a WebSocket for each window, on 127.0.0.1 |
+//! | [`web`] | six files and a WebSocket for each window, on 127.0.0.1 |
 //! | [`page`] | all of that together |
 //! | [`measure`] | how well the control loop keeps time with ten pages open |
 //!
@@ -48,6 +49,7 @@ mod roles;
 mod session;
 mod shared_environment;
 mod squash;
+mod three_laws;
 mod turns;
 mod visit;
 mod web;

@@ -10,10 +10,10 @@
 use std::array::from_fn;
 
 use haptic_core::num::Motion;
-use haptic_core::safety::Command as Order;
+use haptic_core::safety::{Command as Order, Fault};
 use haptic_core::{law::Sends, settings::Refused};
 use haptic_sim::measure::port::ObjectPort;
-use haptic_sim::network::{link::Route, rule::Direction};
+use haptic_sim::network::{link::Counts, link::Route, rule::Direction};
 use haptic_sim::pair::Pair;
 use haptic_sim::plant::Plant;
 use haptic_sim::{DynPeer, peers::Builds, scene::Scene};
@@ -90,7 +90,7 @@ pub(super) struct Session<const SHARED: usize, const N: usize> {
     /// Forces of the hands in this tick, N.
     pulls: [[f64; SHARED]; 2],
     tick: u64,
-    restarts: u32,
+    pub(super) restarts: u32,
     cut: bool,
 }
 
@@ -170,6 +170,26 @@ where
         self.pair.sides().map(|side| number_of(side.peer.mode()))
     }
 
+    /// The fault that stopped a peer, and its number, 1 or 2.
+    pub(super) fn fault(&self) -> Option<(usize, Fault)> {
+        self.pair.fault()
+    }
+
+    /// What became of the packets from peer 1 to 2, and from 2 to 1.
+    pub(super) fn packets(&mut self) -> [Counts; 2] {
+        [Direction::OneToTwo, Direction::TwoToOne].map(|direction| self.pair.route(direction).counts())
+    }
+
+    /// Force of each simulated user in the next tick, N toward the other peer.
+    pub(super) fn pushes(&self) -> [f64; 2] {
+        self.scene.users.each_ref().map(|user| user.force_n(self.pair.time_s()))
+    }
+
+    /// Where each hand of a person is, m, if it holds.
+    pub(super) fn holds(&self) -> [Option<[f64; SHARED]>; 2] {
+        self.hands.each_ref().map(Hand::holds)
+    }
+
     /// The shared axes of a device.
     fn device(&self, index: usize) -> [Motion<f64>; SHARED] {
         first(self.pair.sides()[index].plant.motions())
@@ -194,7 +214,7 @@ where
         });
         let seen = [0, 1].map(|at| self.pair.sides()[at].peer.observed().map(|seen| *seen));
         let devices = [0, 1].map(|at| self.device(at));
-        let holds = [0, 1].map(|at| self.hands[at].holds());
+        let holds = self.holds();
         let axis = |axis: usize| {
             [
                 holds.map(|holds| holds.map_or(f32::NAN, |at| at[axis] as f32)),

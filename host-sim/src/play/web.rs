@@ -1,4 +1,4 @@
-//! Five files and a WebSocket for each window, on 127.0.0.1; a thread for each connection, of which there are
+//! Six files and a WebSocket for each window, on 127.0.0.1; a thread for each connection, of which there are
 //! [so many](super::connections).
 //!
 //! **Who may talk to it.** Only this machine can connect. A web page that the person visits elsewhere runs on this machine
@@ -52,11 +52,12 @@ use super::partner::Model;
 use super::roles::{Keys, Rights, Role};
 use super::session::{PERIOD_S, REACH_M};
 
-const FILES: [(&str, &str, &str); 5] = [
+const FILES: [(&str, &str, &str); 6] = [
     ("/", "text/html; charset=utf-8", include_str!("site/index.html")),
     ("/page.css", "text/css; charset=utf-8", include_str!("site/page.css")),
     ("/page.js", "text/javascript; charset=utf-8", include_str!("site/page.js")),
     ("/environments.js", "text/javascript; charset=utf-8", include_str!("site/environments.js")),
+    ("/laws.js", "text/javascript; charset=utf-8", include_str!("site/laws.js")),
     ("/pair.js", "text/javascript; charset=utf-8", include_str!("site/pair.js")),
 ];
 /// After so long without a word from its window a hand lets go.

@@ -3,6 +3,7 @@
 // in comments. What columns, keys, scenes and faults there are, the program says first of all ("hello").
 
 import { view as viewOf } from "./environments.js";
+import { laws } from "./laws.js";
 import { along, axesOf, peers, SUFFIXES, WAYS } from "./pair.js";
 
 /** @typedef {import("./environments.js").Place} Place */
@@ -27,6 +28,8 @@ const input = (/** @type {string} */ id) => /** @type {HTMLInputElement} */ (ele
 const choice = (/** @type {string} */ id) => /** @type {HTMLSelectElement} */ (element(id));
 const still = matchMedia("(prefers-reduced-motion: reduce)");
 
+/** The environment that shows three laws side by side. */
+const STORY = "bad-network";
 /** Samples that are kept: 16 s. */
 const KEPT = 16384;
 /** No sample yet: everything that the program has. */
@@ -148,6 +151,7 @@ function showKind(number) {
   const environment = hello?.environments[number];
   if (!environment) return;
   kind = number;
+  scene.append(hand);
   columns.clear();
   for (const [at, { name }] of environment.columns.entries()) columns.set(name, at);
   // A sample is what the columns say, and behind them the count of starts.
@@ -163,11 +167,17 @@ function showKind(number) {
   axes = axesOf(environment.name);
   const other = viewOf(environment.name, group, value, me, environment.more);
   const several = axes > 1 ? { ...peers(group, value, me, axes), strips: pairStrips(axes) } : undefined;
-  shown = other ?? several ?? (hello?.boards ? { ...pair, strips: BOARD_STRIPS } : pair);
+  const story = environment.name === STORY ? laws(element("lanes"), value, me, hello?.faults ?? {}) : undefined;
+  document.body.classList.toggle("story", Boolean(story));
+  element("story").textContent = story ? "Back to one object" : "Three laws, one bad network";
+  shown = other ?? several ?? story ?? (hello?.boards ? { ...pair, strips: BOARD_STRIPS } : pair);
   element("pair").toggleAttribute("hidden", axes !== 1);
   element("pair-numbers").hidden = axes === 0;
   element("help").textContent = `${shown.help} ${KEYS}`;
   scene.setAttribute("viewBox", shown.box);
+  shown.stages?.forEach(takePointers);
+  if (shown.stages) [picture] = [shown.stages.length - 1];
+  (shown.stages?.at(-1) ?? scene).append(hand);
   element("more-numbers").replaceChildren(
     ...shown.numbers.map(([name]) => {
       const part = document.createElement("div");
@@ -229,6 +239,7 @@ function report(modes, people, isCut, partner) {
   else if (modes.some((mode) => mode === waits)) say(`waiting for ${other}`, true);
   else if (modes.includes(0)) say("stopped: motors are off. Press Start.", true);
   else if (cut) say("the cable is cut", true);
+  else if (shown.status) say(...shown.status());
   else if (!hasHand) say(operates ? "you are the operator" : "you watch", false);
   else if (other !== null) say(`${other} has the other hand`, false);
   else if (there) say("another person has the other hand", false);
@@ -309,7 +320,7 @@ function drawScene() {
 
 /** The ring of the own hand: where it is wanted, or where the device is. */
 function drawHand() {
-  const [x, y] = shown.toScene(holding() ? wanted : shown.own(), picture);
+  const [x, y] = shown.toScene(holding() ? wanted : shown.own(picture), picture);
   if (!Number.isFinite(x + y)) return;
   hand.setAttribute("cx", `${x}`);
   hand.setAttribute("cy", `${y}`);
@@ -317,9 +328,9 @@ function drawHand() {
 
 const holding = () => Number.isFinite(wanted[0]);
 
-/** Where a pointer is in the drawing. @param {PointerEvent} event @returns {Point} */
-const pointed = (event) => {
-  const matrix = scene.getScreenCTM();
+/** Where a pointer is in a drawing. @param {SVGSVGElement} stage @param {PointerEvent} event @returns {Point} */
+const pointed = (stage, event) => {
+  const matrix = stage.getScreenCTM();
   return matrix ? [(event.clientX - matrix.e) / matrix.a, (event.clientY - matrix.f) / matrix.d] : [NaN, NaN];
 };
 function letGo() {
@@ -343,25 +354,31 @@ function measureLag(now) {
 /** The time within which this share of the last moves was drawn, ms. @param {number} share */
 const lag = (share) => lags.toSorted((a, b) => a - b)[Math.floor(share * (lags.length - 1))] ?? NaN;
 hand.toggleAttribute("hidden", !hasHand);
-scene.addEventListener("pointerdown", (event) => {
-  if (!event.isPrimary || event.button !== 0 || !hasHand || hello?.boards) return;
-  scene.setPointerCapture(event.pointerId);
-  hand.focus({ preventScroll: true });
-  wanted = shown.own();
-  const [x, y] = pointed(event);
-  picture = shown.picture?.([x, y]) ?? 0;
-  const at = shown.toScene(wanted, picture);
-  offset = [x - at[0], y - at[1]];
-  event.preventDefault();
-});
-scene.addEventListener("pointermove", (event) => {
-  if (!scene.hasPointerCapture(event.pointerId) || !holding()) return;
-  const [x, y] = pointed(event);
-  wanted = shown.fromScene([x - offset[0], y - offset[1]], wanted, picture);
-  const was = value(shown.hand);
-  if (Number.isFinite(was)) moved ??= [event.timeStamp, was];
-});
-for (const kind of ["pointerup", "pointercancel", "lostpointercapture"]) scene.addEventListener(kind, letGo);
+/** Takes the hand by what points into this drawing. @param {SVGSVGElement} stage */
+function takePointers(stage) {
+  stage.addEventListener("pointerdown", (event) => {
+    if (!event.isPrimary || event.button !== 0 || !hasHand || hello?.boards) return;
+    // A hand that is put elsewhere loses its focus, and lets go.
+    if (hand.parentNode !== stage) stage.append(hand);
+    stage.setPointerCapture(event.pointerId);
+    hand.focus({ preventScroll: true });
+    const [x, y] = pointed(stage, event);
+    picture = shown.stages?.indexOf(stage) ?? shown.picture?.([x, y]) ?? 0;
+    wanted = shown.own(picture);
+    const at = shown.toScene(wanted, picture);
+    offset = [x - at[0], y - at[1]];
+    event.preventDefault();
+  });
+  stage.addEventListener("pointermove", (event) => {
+    if (!stage.hasPointerCapture(event.pointerId) || !holding()) return;
+    const [x, y] = pointed(stage, event);
+    wanted = shown.fromScene([x - offset[0], y - offset[1]], wanted, picture);
+    const was = value(shown.hand);
+    if (Number.isFinite(was)) moved ??= [event.timeStamp, was];
+  });
+  for (const kind of ["pointerup", "pointercancel", "lostpointercapture"]) stage.addEventListener(kind, letGo);
+}
+takePointers(scene);
 hand.addEventListener("blur", letGo);
 document.addEventListener("visibilitychange", () => {
   letGo();
@@ -383,7 +400,7 @@ hand.addEventListener("keydown", (event) => {
   const step = steps[/** @type {keyof typeof steps} */ (event.key)];
   const inside = (/** @type {number} */ at) => Math.max(-reach, Math.min(reach, at));
   if (step) {
-    const [x, y, z] = holding() ? wanted : shown.own();
+    const [x, y, z] = holding() ? wanted : shown.own(picture);
     const far = event.shiftKey ? 5 : 1;
     wanted = [inside(x + far * (step[0] ?? 0)), inside(y + far * (step[1] ?? 0)), inside(z + far * (step[2] ?? 0))];
   } else if (event.key === "Home") wanted = [0, 0, 0];
@@ -422,6 +439,7 @@ function writeNumbers() {
   const both = (/** @type {string} */ name, ticks = 200) => [1, 2].map((n) => mean((ago) => value(`${name}_${n}`, ago), ticks));
   const forces = (/** @type {string} */ name) => [1, 2].map((n) => mean((ago) => force(`${name}_${n}`, ago)));
   write("lag", 0, lag(0.5), lag(0.95));
+  shown.slowly?.();
   if (axes === 0) {
     shown.numbers.forEach(([, of], at) => {
       const number = element("more-numbers").children[at]?.lastElementChild;
@@ -430,7 +448,7 @@ function writeNumbers() {
     hand.setAttribute(
       "aria-valuetext",
       shown
-        .own()
+        .own(picture)
         .slice(0, shown.flat ? 1 : 2)
         .map((at) => `${(1e3 * at).toFixed(0)} millimetres`)
         .join(", "),
@@ -608,7 +626,7 @@ function draw({ id, series }) {
     });
   });
   context.fillStyle = getComputedStyle(canvas).color;
-  context.font = `${11 * ratio}px system-ui`;
+  context.font = `${12 * ratio}px system-ui`;
   context.fillText(most.toPrecision(3), 4 * ratio, 12 * ratio);
   if (least < 0) context.fillText(least.toPrecision(3), 4 * ratio, high - 4 * ratio);
   if (Number.isFinite(cursor)) context.fillRect(cursor * wide, 0, ratio, high);
@@ -758,6 +776,8 @@ const CONTROLS = {
   jitter: { key: "network.jitter_s", unit: "ms", ...plain(1e3), digits: 0 },
   loss: { key: "network.loss", unit: "%", ...plain(100), digits: 0 },
   burst: { key: "network.loss_burst_packets", unit: "packets", ...plain(1), digits: 0 },
+  "lanes-loss": { key: "network.loss", unit: "%", ...plain(100), digits: 0 },
+  "lanes-burst": { key: "network.loss_burst_packets", unit: "packets", ...plain(1), digits: 0 },
   stiffness: { key: "coordination.stiffness_n_per_m", unit: "N/m", ...decades, digits: 0 },
   impedance: { key: "coordination.wave_impedance_n_s_per_m", unit: "N·s/m", ...decades, digits: 1 },
   mass: { key: "object.mass_kg", unit: "kg", ...decades, digits: 3 },
@@ -794,6 +814,8 @@ element("controls").addEventListener("submit", (event) => event.preventDefault()
 choice("partner").addEventListener("change", () => command(`partner ${choice("partner").value}`));
 element("stop").addEventListener("click", () => command("stop"));
 element("start").addEventListener("click", () => command("start"));
+element("again").addEventListener("click", () => command("start"));
+element("story").addEventListener("click", () => ask(`show ${shown.stages ? "pair" : STORY}`, "environment"));
 element("let-go").addEventListener("click", letGo);
 element("cut").addEventListener("click", () => command(element("cut").getAttribute("aria-pressed") === "true" ? "join" : "cut"));
 

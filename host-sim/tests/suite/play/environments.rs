@@ -1,5 +1,7 @@
 //! Shared environments on the page: chosen there, seen in both windows, held by a mouse; and what cannot be shown says why.
 
+use serde_json::json;
+
 use super::{Browser, Play, Window, click, drag, folder, middle, set};
 
 /// Shows an environment in both windows, from the first.
@@ -183,5 +185,85 @@ fn two_hands_hold_one_object_in_plane_and_space() {
         "page.environment() === 'pair' && getComputedStyle(document.getElementById('pair')).display !== 'none'",
     );
     let complaints = browser.complaints(&[&one, &two]);
+    assert!(complaints.is_empty(), "{complaints:?}");
+}
+
+/// One button shows three laws on one bad network: the self-timed one holds where power tears, and says so; a hand takes all of them, and
+/// all begin again. Controls can be pressed with a thumb, and nothing is wider than a phone.
+#[test]
+fn three_laws_on_a_bad_network() {
+    let play = Play::start(&[]);
+    let mut browser = Browser::start(folder().join("laws"));
+    let one = browser.open(&play.person(1));
+    browser.wait(&one, "page.environment() === 'pair' && page.value('device_1', 200) === 0");
+    let size = |width: u32, height: u32| json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 500 });
+    browser.call(&one, "Emulation.setDeviceMetricsOverride", size(1440, 900));
+    click(&mut browser, &one, "story");
+    browser.wait(&one, "page.environment() === 'bad-network' && document.getElementById('lanes-loss').value === '30'");
+    browser.wait(&one, "document.querySelector('#lane-power.holds') && document.querySelector('#lane-timed.holds')");
+    browser.picture(&one, &folder().join("laws-begin.png"));
+    let [torn, holds] =
+        ["#lane-power.torn .state", "#lane-timed.holds .state"].map(|of| format!("document.querySelector('{of}')"));
+    browser
+        .wait(&one, &format!("{torn}?.textContent.startsWith('✗') && {holds}?.textContent.startsWith('✓ together')"));
+    browser.wait(&one, "document.getElementById('status').textContent.endsWith('self-timed holds')");
+    // What is said of a lane is said in its colour, and of no lane in that of another state.
+    let colours =
+        browser.evaluate(&one, &format!("getComputedStyle({torn}).color !== getComputedStyle({holds}).color"));
+    assert_eq!(colours, true);
+    let [sent, power, timed] = browser.numbers(
+        &one,
+        "[page.value('sent_timed'), page.value('fault_power') ? NaN : page.value('lost_power'), page.value('lost_timed')].map((n) => n || 0)",
+    );
+    assert!(sent > 0.0 && (power == 0.0 || power == timed), "{sent} {power} {timed}");
+    browser.wait(&one, "document.querySelector('#lane-power.torn') && page.value('lasted_timed') > 8");
+    browser.picture(&one, &folder().join("laws.png"));
+
+    // A finger's hand in any lane is one in all of them.
+    click(&mut browser, &one, "again");
+    browser.wait(&one, "page.value('restarts') === 1 && page.value('lasted_timed') < 5");
+    let at = browser.numbers(
+        &one,
+        "(() => { const r = document.querySelector('#lane-wave svg').getBoundingClientRect(); return [r.x + r.width / 2, r.y + r.height / 2, \
+         document.querySelector('#lane-wave svg').getScreenCTM().a]; })()",
+    );
+    let [x, y, per_mm]: [f64; 3] = at;
+    browser.mouse(&one, "mousePressed", [x, y]);
+    for step in 0..=40 {
+        browser.mouse(&one, "mouseMoved", [x + per_mm * f64::from(step), y]);
+        std::thread::sleep(std::time::Duration::from_millis(16));
+    }
+    browser.wait(
+        &one,
+        "page.value('wanted_1') > 0.03 && page.value('device_1_timed') > 0.02 && page.value('device_2_timed') > 0.02",
+    );
+    browser.mouse(&one, "mouseReleased", [x, y]);
+    browser.wait(&one, "Number.isNaN(page.value('wanted_1'))");
+
+    // Without losses all three hold.
+    set(&mut browser, &one, "lanes-loss", "0");
+    browser.wait(&one, "page.value('lost_timed') === page.value('lost_timed', 500)");
+    click(&mut browser, &one, "again");
+    browser.wait(&one, "page.value('lasted_timed', 1000) > 3 && document.querySelectorAll('.lane.holds').length === 3");
+    browser.wait(&one, "!document.getElementById('status').classList.contains('bad')");
+
+    // On a phone.
+    browser.call(&one, "Emulation.setDeviceMetricsOverride", size(390, 844));
+    set(&mut browser, &one, "lanes-loss", "30");
+    browser.wait(&one, "document.querySelector('#lane-power.torn')");
+    let [wide, low, small] = browser.numbers(
+        &one,
+        "[document.documentElement.scrollWidth, \
+         Math.min(...[...document.querySelectorAll('button, select, input')].map((e) => e.getBoundingClientRect().height).filter((h) => h > 0)), \
+         Math.min(...[...document.querySelectorAll('p, h1, h2, dt, dd, label, figcaption, span')].map((e) => parseFloat(getComputedStyle(e).fontSize)))]",
+    );
+    assert!(wide <= 390.0 && low >= 43.9 && small >= 12.0, "{wide} {low} {small}");
+    browser.picture(&one, &folder().join("laws-phone.png"));
+    click(&mut browser, &one, "story");
+    browser.wait(
+        &one,
+        "page.environment() === 'pair' && getComputedStyle(document.getElementById('scene')).display !== 'none'",
+    );
+    let complaints = browser.complaints(&[&one]);
     assert!(complaints.is_empty(), "{complaints:?}");
 }
