@@ -12,8 +12,12 @@ pub(crate) fn recordings() -> Result<(), Failure> {
     let python = environment(&folder, "tests/recordings/requirements.txt")?;
     run(&mut cargo(&["build", "--locked", "--package", "host-sim"]))?;
     let file = |name: &str| folder.join(name);
-    for name in ["key", "memory.mcap", "peer-1.mcap", "peer-2.mcap"] {
-        let _ = std::fs::remove_file(file(name));
+    // What an earlier run left: nothing is written over it.
+    for old in std::fs::read_dir(&folder).into_iter().flatten().flatten() {
+        let is_ours = ["mcap", "csv", "toml"].iter().any(|ending| old.path().extension() == Some(ending.as_ref()));
+        if is_ours || old.file_name() == "key" {
+            let _ = std::fs::remove_file(old.path());
+        }
     }
     let host_sim =
         |words: &[&str]| cargo(&[&["run", "--locked", "--quiet", "--package", "host-sim", "--"], words].concat());
