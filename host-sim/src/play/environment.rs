@@ -21,6 +21,22 @@ pub(super) type Sample = [f32; MOST];
 /// Name, unit and meaning of a number in a sample.
 pub(super) type Column = (&'static str, &'static str, &'static str);
 
+/// These lists one after the other, which have `N` columns in all; in a constant, others are a compile error.
+pub(super) const fn joined<const N: usize>(parts: &[&[Column]]) -> [Column; N] {
+    let mut all = [("", "", ""); N];
+    let (mut part, mut at) = (0, 0);
+    while part < parts.len() {
+        let mut column = 0;
+        while column < parts[part].len() {
+            all[at] = parts[part][column];
+            (column, at) = (column + 1, at + 1);
+        }
+        part += 1;
+    }
+    assert!(at == N);
+    all
+}
+
 /// A peer's mode as one number, as windows get it.
 pub(super) const OFF: u8 = 0;
 pub(super) const ARMED: u8 = 1;

@@ -3,7 +3,7 @@
 //! Of an object that is shared along several axes the columns of the first one, and of both peers, are those of one axis; those of the
 //! second follow with `_y` behind their names, and those of the third with `_z`.
 
-use super::environment::{Column, MOST, Sample};
+use super::environment::{Column, MOST, Sample, joined};
 
 /// Numbers of both peers along an axis, in pairs.
 pub(super) const OF_AXIS: usize = 7;
@@ -53,20 +53,7 @@ const BOTH: [Column; OF_BOTH + 1] = [
 ];
 
 /// An object in space, which has all of them.
-const SPACE: [Column; MOST - 1] = {
-    let parts: [&[Column]; 4] = [&along!("", ""), &BOTH, &along!("_y", ", across"), &along!("_z", ", up")];
-    let mut all = [("", "", ""); MOST - 1];
-    let (mut part, mut at) = (0, 0);
-    while part < parts.len() {
-        let mut column = 0;
-        while column < parts[part].len() {
-            all[at] = parts[part][column];
-            (column, at) = (column + 1, at + 1);
-        }
-        part += 1;
-    }
-    all
-};
+const SPACE: [Column; MOST - 1] = joined(&[&along!("", ""), &BOTH, &along!("_y", ", across"), &along!("_z", ", up")]);
 
 /// The columns of an object that is shared along so many axes.
 pub(super) fn columns(axes: usize) -> &'static [Column] {

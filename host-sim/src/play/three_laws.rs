@@ -10,7 +10,7 @@
 use haptic_core::safety::Fault;
 use haptic_sim::{AXES, scene::Scene};
 
-use super::environment::{ARMED, Column, Command, Environment, MOST, OFF, Sample, Standing};
+use super::environment::{ARMED, Column, Command, Environment, MOST, OFF, Sample, Standing, joined};
 use super::orders::apply;
 use super::pair_columns;
 use super::partner::Model;
@@ -67,18 +67,7 @@ pub(super) const COLUMNS: [Column; OF_ALL + LANES * OF_LANE] = {
         ("wanted_1", "m", "hand of person 1 in every lane, no number while it holds nothing"),
         ("wanted_2", "m", "hand of person 2 in every lane"),
     ];
-    let parts: [&[Column]; 1 + LANES] = [&all, &lane!("power"), &lane!("wave"), &lane!("timed")];
-    let mut columns = [("", "", ""); OF_ALL + LANES * OF_LANE];
-    let (mut part, mut at) = (0, 0);
-    while part < parts.len() {
-        let mut column = 0;
-        while column < parts[part].len() {
-            columns[at] = parts[part][column];
-            (column, at) = (column + 1, at + 1);
-        }
-        part += 1;
-    }
-    columns
+    joined(&[&all, &lane!("power"), &lane!("wave"), &lane!("timed")])
 };
 
 /// The scene with a network that loses, where it has none.

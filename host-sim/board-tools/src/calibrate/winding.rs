@@ -36,6 +36,8 @@ const STRETCHES: usize = 10;
 /// Ticks of one, at the least and unless the table `probe` allows less: whole patterns.
 const FEWEST: usize = 2 * WAYS.len();
 const TICKS: usize = 8 * WAYS.len();
+/// Ticks of a probe's rest after which what is read is its own.
+const SETTLED: usize = 8;
 /// From the sample that ends a tick's mean to the voltage of the next tick: the period of the sample, the tick's own and the step's.
 const LATE_PERIODS: f64 = 3.0;
 /// Of what a rotor's motion adds to R and L, how much is not believed: friction holds it in part.
@@ -131,12 +133,12 @@ fn rows(run: &Run, settings: &Settings, number: u32, periods: f64) -> (Vec<Row>,
             change,
         }
     });
-    (rows.collect(), seen[8..=rest].iter().map(|seen| seen.mean_a).collect())
+    (rows.collect(), seen[SETTLED..=rest].iter().map(|seen| seen.mean_a).collect())
 }
 
 /// Variance of what the current changes by in a tick at rest, A²: noise of the sensor.
 fn noise(run: &Run, settings: &Settings, number: u32) -> f64 {
-    let rest = &run.stage[8..REST_TICKS as usize];
+    let rest = &run.stage[SETTLED..REST_TICKS as usize];
     let read: Vec<f64> = rest.iter().map(|stage| MotorReading::of(stage, settings, number).last_a).collect();
     let squares = read.windows(2).map(|two| (two[1] - two[0]).powi(2));
     squares.sum::<f64>() / (read.len() - 1) as f64
@@ -194,6 +196,10 @@ fn fit(rows: &[Row], periods: f64) -> Option<([f64; 4], [f64; 2])> {
 /// The probes do not determine resistance and inductance, or the currents leave the sensor's range.
 pub fn identify(runs: [&Run; 2], settings: &Settings, number: u32) -> Result<Winding, Error> {
     let periods = f64::from(periods_per_tick(settings)?);
+    let ticks = |run: &Run| run.stage.len().saturating_sub(REST_TICKS as usize + 1);
+    if let Some(few) = runs.map(ticks).into_iter().find(|ticks| *ticks < FEWEST) {
+        return Err(format!("{few} ticks of voltage are too few: raise probe.max_s").into());
+    }
     let [(full, rest), (half, _)] = runs.map(|run| rows(run, settings, number, periods));
     let split_rows: Vec<Row> = (full.iter().zip(&half))
         .map(|(one, other)| Row {
@@ -297,7 +303,7 @@ fn largest(settings: &Settings, supply_v: f64) -> (f64, f64) {
 /// That the current of a probe was no larger than that of a winding as the settings say.
 fn bounded(run: &Run, settings: &Settings, number: u32, most_a: f64) -> Result<(), Error> {
     let read: Vec<_> = run.stage.iter().map(|stage| MotorReading::of(stage, settings, number)).collect();
-    let rest = &read[8.min(read.len())..read.len().min(REST_TICKS as usize)];
+    let rest = &read[SETTLED.min(read.len())..read.len().min(REST_TICKS as usize)];
     let zero_a = rest.iter().map(|read| read.mean_a).sum::<f64>() / rest.len().max(1) as f64;
     let from_zero = read.iter().flat_map(|read| [read.last_a, read.mean_a]).map(|read_a| (read_a - zero_a).abs());
     let peak_a = from_zero.fold(0.0, f64::max);

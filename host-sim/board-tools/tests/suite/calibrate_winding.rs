@@ -162,9 +162,12 @@ fn a_motor_that_cannot_be_explained_is_refused() {
     refused(winding(&mut board("plant.current_zero_a=0.2"), 1, good), "A while none flows");
     // So little inductance that the current is gone before it is sampled.
     refused(winding(&mut board("motor.inductance_h=0.00001"), 1, Sheet::default()), "not those of a winding");
-    let mut held = board("");
-    ask(&mut held, &["set probe.max_s 0.1", "apply"]);
-    refused(winding(&mut held, 1, good), "raise probe.max_s");
+    // Also where the probe ends within its rest.
+    for short in ["set probe.max_s 0.1", "set probe.max_s 0.02"] {
+        let mut held = board("");
+        ask(&mut held, &[short, "apply"]);
+        refused(winding(&mut held, 1, good), "raise probe.max_s");
+    }
     // Without a loop there is nothing to see.
     let plain = Scene::load(haptic_sim::Laws::built_in(), None, &[]).expect("defaults");
     assert!(matches!(winding(&mut SharedSimulation::new(&plain).expect("a board"), 1, good), Ok(None)));
