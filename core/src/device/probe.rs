@@ -107,6 +107,8 @@ pub struct Probe<S> {
     /// Work at which a verdict is passed, counts.
     verdict_counts: i32,
     check: bool,
+    /// Voltage of the trial before a check, mV.
+    trial_mv: f64,
     /// Most current, codes: with the loop around it closed, and without.
     most_codes: [i32; 2],
     expected: Expected,
@@ -157,6 +159,11 @@ impl<S: Scalar> Probe<S> {
             verdict_counts: limits.check_counts as i32,
             check: false,
             most_codes: [RUNAWAY * code.saturating_abs() + SMALL_CODES, (settings.motor.max_duty * full_scale) as i32],
+            trial_mv: {
+                let motor = &settings.motor;
+                let amperes = winding::TRIAL_SHARE * code.unsigned_abs() as f64 / full_scale * motor.full_scale_a;
+                1e3 * amperes * (motor.resistance_ohm + motor.inductance_h / period_s)
+            },
             expected: Expected::build(settings),
         })
     }
@@ -184,6 +191,14 @@ impl<S: Scalar> Probe<S> {
     /// How long it takes if nothing ends it, ticks.
     pub fn ticks(&self) -> u32 {
         self.ticks
+    }
+
+    /// The trial's voltage at this supply as a share of it, a code: no larger than the duty.
+    fn trial_code(&self, supply_mv: u16) -> i32 {
+        let code = self.code.round_to_i32();
+        // A cast saturates: without a supply it is the duty.
+        let wanted = (self.trial_mv / f64::from(supply_mv) * f64::from(Duty::FULL_SCALE)) as i32;
+        wanted.min(code.saturating_abs()).saturating_mul(code.signum())
     }
 
     /// The duty at a tick.
@@ -372,11 +387,11 @@ impl<S: Scalar> Probing<S> {
         self.late = self.late.saturating_sub(1);
         let mut duty = Duty::OFF;
         let mut enable = true;
-        if let (Some(trial), Some((_, flow))) = (&mut self.trial, flow) {
-            match trial.step(self.probe.along * i32::from(flow.mean), moved) {
+        if let (Some(trial), Some((stage, flow))) = (&mut self.trial, flow) {
+            match trial.step([flow.mean, flow.last].map(|code| self.probe.along * i32::from(code)), moved) {
                 winding::Next::Way(way, enabled) => {
                     // At most ±32767, and a sign.
-                    duty = Duty((self.probe.code * S::from_i32(way)).round_to_i32() as i16);
+                    duty = Duty(self.probe.trial_code(stage.supply_mv).saturating_mul(way) as i16);
                     enable = enabled;
                 }
                 winding::Next::Passed => self.trial = None,

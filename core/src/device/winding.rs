@@ -5,8 +5,10 @@
 //! records (host-sim's `calibrate`), out of a probe that goes as [`way`] says. Here is what has to stand before arming, on the board itself:
 //!
 //! **Before the loop is closed**, a trial: with the enable low and a voltage at the bridge's inputs, neither current nor motion
-//! may come; with it high, current must come, and along the voltage. Otherwise a loop around the current would run away, or
-//! push with all its voltage.
+//! may come; with it high, the current must change, and along the voltage. Otherwise a loop around the current would run away, or
+//! push with all its voltage. Its voltage is what drives half (`TRIAL_SHARE`) of the check's current through the configured winding in a
+//! tick, I·(R + L/T_c): no more than 1.1 I flows with that, whatever R and L are, while the free device takes a millisecond or more to come to
+//! speed (R·m/k²).
 //!
 //! **After the check's swing**, [`Electric`]: R and k by u = R·i + k·Δcounts, in percent of what the settings say. The current of a swing
 //! is even in time about its middle where the speed is odd, so an error in one (dead time looks like resistance) is none in the other.
@@ -47,13 +49,20 @@ pub const LEAST_CODES: i32 = 16;
 /// Counts that an encoder may go to and fro by at rest.
 const REST_COUNTS: i32 = 2;
 
+/// Share of the check's current that a trial's voltage is for. Two ticks the same way after one the other way drive 1.7 times that through a
+/// winding whose time constant is a tick, and 2.2 times where back-EMF that has just turned helps.
+pub(crate) const TRIAL_SHARE: f64 = 0.5;
+
 /// What comes before the loop is closed: so many ticks without voltage, with one at the inputs of a bridge that is not enabled (one way,
 /// then the other), enabled without voltage until it is awake, and with [`WAYS`] twice.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Trial {
     tick: u32,
-    /// Sum of the currents along the voltage, codes.
+    /// Sum along the voltage, codes: of the currents, and once the bridge is enabled of their changes, too. The mean of a slow winding's current
+    /// follows the voltage of the tick before; how it changed follows its own.
     along: i32,
+    /// The last current of the tick before, codes.
+    last: i32,
 }
 
 /// What a trial does next.
@@ -94,14 +103,17 @@ impl Trial {
         }
     }
 
-    /// A tick: what flowed along the joint since the last one, codes, and how far the joint is from where it began, counts.
-    pub(crate) fn step(&mut self, mean: i32, moved_counts: i32) -> Next {
+    /// A tick: what flowed along the joint since the last one, its mean and its end, codes, and how far the joint is from where it began, counts.
+    pub(crate) fn step(&mut self, [mean, last]: [i32; 2], moved_counts: i32) -> Next {
         let tick = self.tick;
         // What was measured is of the tick before; in the first after a change of a voltage that stands it may be that of the other.
         let (before, earlier) = (Self::way(tick.wrapping_sub(1)), Self::way(tick.wrapping_sub(2)));
-        if before == earlier || tick > DRIVEN {
+        if tick > DRIVEN {
+            self.along += before * (mean + last - self.last);
+        } else if before == earlier {
             self.along += before * mean;
         }
+        self.last = last;
         if tick <= AWAKE && moved_counts > REST_COUNTS {
             return Next::Failed(Why::Enable);
         }

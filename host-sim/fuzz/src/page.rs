@@ -2,7 +2,8 @@
 //! messages of text, which end at bytes of zero. Behind an empty message, and at the end, ticks pass, with the control loop's own
 //! exchange. Two bytes of which the first is none of UTF-8's are one of the [`words`] that there are, so that the fuzzer need not spell.
 //!
-//! - A window opens only for `GET /ws/RING`, every key of which is that of its role, from a page of ours at a host of ours. The fuzzer
+//! - A window opens only for `GET /ws/RING`, every key of which is that of its role, from a page of ours at the host of its way in, and by
+//!   the local network for nobody who operates. The fuzzer
 //!   knows no key: where it writes `KEY`, the key of role number 0 to 3 is put in for the digit behind.
 //! - A question gives a finite place within reach, or lets go.
 //! - An order gives a scene that can be written down, written back and shown, and that reads no file; or one line of bounded length
@@ -11,6 +12,7 @@
 //! What the judge computes of a scene is left out: it takes as long as it takes.
 
 use std::collections::VecDeque;
+use std::net::{Ipv4Addr, SocketAddrV4};
 use std::sync::OnceLock;
 
 use haptic_core::names::Choice as _;
@@ -20,6 +22,7 @@ use serde_json::Value;
 use tungstenite::Message;
 
 use super::control_loop::{Shown, exchange};
+use super::doors::{Doors, Way};
 use super::environment::Sample;
 use super::judge::{LONGEST_REFUSAL, refusal, wanted};
 use super::kinds::EnvironmentKind;
@@ -28,10 +31,11 @@ use super::messages::{FARTHEST_M, command, question};
 use super::orders;
 use super::partner::Model;
 use super::roles::Role;
-use super::web::{Answer, LONGEST_MESSAGE, Site, head, next, picture};
+use super::web::{Answer, FILES, LONGEST_MESSAGE, Site, head, next, picture};
 
-/// Port of the site.
+/// Port of the site on this machine, and where it is on the local network.
 const PORT: u16 = 7000;
+const LAN: SocketAddrV4 = SocketAddrV4::new(Ipv4Addr::new(192, 168, 7, 1), 7001);
 /// Messages and questions of an input that count: more take time, and reach nothing else.
 const MOST: usize = 16;
 /// The bytes from here on are none of UTF-8's.
@@ -101,13 +105,14 @@ fn words() -> &'static [String] {
 fn heads(bytes: &[u8]) -> bool {
     static SITE: OnceLock<(Site, [String; 4])> = OnceLock::new();
     let (site, rings) = SITE.get_or_init(|| {
-        let site = Site::new(PORT, Value::Null).expect("randomness");
+        let site = Site::new(Doors { here: PORT, lan: Some(LAN) }, Value::Null).expect("randomness");
         let roles = [Role::Hand1, Role::Hand2, Role::Operator, Role::Watch];
         let ring = |role| site.address(&[role]).split_once('#').expect("an address").1.to_owned();
         let rings = roles.map(ring);
         (site, rings)
     });
-    assert!(!opens(site, bytes, rings), "a window without a key");
+    let opens = |bytes: &[u8]| [Way::Here, Way::Lan].map(|way| opens(site, way, bytes, rings)).contains(&true);
+    assert!(!opens(bytes), "a window without a key");
     let mut known = bytes.to_vec();
     for (digit, ring) in (b'0'..).zip(rings) {
         let key = ring.split_once('-').expect("a role and its key").1;
@@ -115,14 +120,14 @@ fn heads(bytes: &[u8]) -> bool {
             known.splice(at..at + 4, key.bytes());
         }
     }
-    opens(site, &known, rings)
+    opens(&known)
 }
 
 /// Whether this opens a window; what opens one or gets a file is ours by what stands in its lines.
-fn opens(site: &Site, sent: &[u8], rings: &[String; 4]) -> bool {
+fn opens(site: &Site, way: Way, sent: &[u8], rings: &[String; 4]) -> bool {
     let Ok(Some((head, rest))) = head(&mut &*sent) else { return false };
     assert!(head.ends_with(b"\r\n\r\n") && sent.starts_with(&[&head[..], &rest].concat()));
-    let answer = site.answer(&head);
+    let answer = site.answer(way, &head);
     if let Answer::Refused(status) = &answer {
         assert!(status.starts_with('4'), "{status}");
         return false;
@@ -139,7 +144,8 @@ fn opens(site: &Site, sent: &[u8], rings: &[String; 4]) -> bool {
         if let [value] = values[..] { value } else { panic!("{name} is {values:?} in {text}") }
     };
     let host = value("host");
-    assert!(["127.0.0.1:7000", "localhost:7000"].contains(&host), "{text}");
+    let hosts: &[&str] = if way == Way::Here { &["127.0.0.1:7000", "localhost:7000"] } else { &["192.168.7.1:7001"] };
+    assert!(hosts.contains(&host), "{text}");
     let [method, path, _] = asked[..] else { panic!("{asked:?}") };
     assert_eq!(method, "GET");
     match answer {
@@ -150,14 +156,12 @@ fn opens(site: &Site, sent: &[u8], rings: &[String; 4]) -> bool {
             assert!(keys.iter().all(|key| rings.iter().any(|ring| ring == key)), "{path}");
             assert_eq!(rights.hand, opened[..2].iter().position(|hand| *hand));
             assert!(!(opened[0] && opened[1]) && rights.operates == opened[2]);
+            assert!(way == Way::Here || !rights.operates, "{text}");
             assert_eq!(accept.len(), 28);
             true
         }
         Answer::File(..) => {
-            assert!(
-                ["/", "/page.css", "/page.js", "/environments.js", "/laws.js", "/pair.js"].contains(&path),
-                "{path}"
-            );
+            assert!(FILES.iter().any(|(name, ..)| *name == path), "{path}");
             false
         }
         Answer::Refused(_) => false,

@@ -8,4 +8,4 @@ mod files;
 mod said;
 
 pub use files::{Kind, Most, append, begin, is, open, read, read_with, text, write};
-pub use said::{escaped, out, say};
+pub use said::{draw, escaped, out, say};

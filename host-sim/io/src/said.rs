@@ -7,7 +7,7 @@
 
 use std::borrow::Cow;
 use std::fmt::{self, Display, Write as _};
-use std::io;
+use std::io::{self, IsTerminal as _};
 
 /// Whether a terminal does more with it than to show it.
 fn is_order(character: char) -> bool {
@@ -49,6 +49,18 @@ pub fn out(text: fmt::Arguments<'_>) -> io::Result<()> {
 /// Prints on standard error, with the end of a line; ends of lines in it are kept. Nobody is told where nobody can be.
 pub fn say(text: impl Display) {
     let _ = print(io::stderr(), &format!("{text}\n"));
+}
+
+/// Black, and white paper under it, of the 256 colours that are the same in every terminal; and the end of both.
+const INK_ON_PAPER: [&str; 2] = ["\u{1b}[38;5;16;48;5;231m", "\u{1b}[0m"];
+
+/// Prints a picture of block characters on standard error, line by line: black on white where that is a terminal, whether its own colours are
+/// dark or light.
+pub fn draw(lines: impl IntoIterator<Item = String>) {
+    let coloured = io::stderr().is_terminal() && std::env::var_os("TERM").is_none_or(|name| name != "dumb");
+    let [ink, end] = if coloured { INK_ON_PAPER } else { [""; 2] };
+    let lines = lines.into_iter().map(|line| format!("{ink}{}{end}\n", escaped(&line)));
+    let _ = io::Write::write_all(&mut io::stderr(), lines.collect::<String>().as_bytes());
 }
 
 fn print(mut to: impl io::Write, text: &str) -> io::Result<()> {

@@ -1,6 +1,7 @@
 //! Peers in real time, over real sockets: each an actor on the one loop of [`endpoint`], with its recordings.
 #![forbid(unsafe_code)]
 
+pub mod addresses;
 pub mod batch;
 pub mod devices;
 pub mod discrepancy;

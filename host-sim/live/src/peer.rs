@@ -132,7 +132,7 @@ where
             let wall_n = node.wall_n();
             self.whole.see(tick, [decoded_m, wall_n, wall_n * wall_n]);
         }
-        self.watch.ticked(now_ns, node, self.judging.as_ref());
+        self.watch.ticked_under(now_ns, node, self.judging.as_ref());
         if let Some((from, why)) = self.impossible.take(self.now_us) {
             self.watch.teller.words(wrong(from, &why));
         }

@@ -1,6 +1,7 @@
 //! Who watches a live end: a recording of it, a line each second, and its true discrepancy, all beside the beat.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Instant;
 
 use haptic_core::law::Sends;
@@ -108,10 +109,21 @@ impl LiveSummary {
     }
 }
 
+/// Who records as peer `number`.
+pub fn who(number: u8) -> String {
+    format!("peer {number}")
+}
+
+/// The channels that a recording of peer `number` of this scene has.
+pub fn channels(scene: &Scene, number: u8) -> Vec<Channel> {
+    ticks::channels(&format!("peer_{number}"), scene.peer.axis.shared as usize)
+}
+
 /// Records and reports what a peer does.
-pub(crate) struct Watch {
-    recorder: Option<Recorder>,
-    pub teller: Teller,
+#[derive(Debug)]
+pub struct Watch {
+    recorder: Option<Arc<Recorder>>,
+    pub(crate) teller: Teller,
     partner: String,
     period_s: f64,
     /// Ticks of the experiment.
@@ -143,14 +155,23 @@ impl Watch {
         partner: String,
         ticks: u64,
     ) -> Result<Self, Error> {
-        let channels = ticks::channels(&format!("peer_{number}"), scene.peer.axis.shared as usize);
+        let recorder = wanted.recorder(&who(number), start, channels(scene, number))?.map(Arc::new);
+        Ok(Self { partner, ticks, ..Self::of(recorder, scene, wanted.manner) })
+    }
+
+    /// Of a peer whose rows go into a recording whose first channels are [`channels`], on the clock of its endpoint; nothing is said.
+    pub fn recording(recorder: Arc<Recorder>, scene: &Scene) -> Self {
+        Self::of(Some(recorder), scene, Manner::Quiet)
+    }
+
+    fn of(recorder: Option<Arc<Recorder>>, scene: &Scene, manner: Manner) -> Self {
         let timing = &scene.peer.timing;
-        Ok(Self {
-            recorder: wanted.recorder(&format!("peer {number}"), start, channels)?,
-            teller: Teller::new(wanted.manner),
-            partner,
+        Self {
+            recorder,
+            teller: Teller::new(manner),
+            partner: String::new(),
             period_s: timing.control_period_s,
-            ticks,
+            ticks: 0,
             counts_ticks: scene.law().sends == Sends::Counters,
             patience: timing.ticks_per_packet,
             clock: Watched::default(),
@@ -164,11 +185,11 @@ impl Watch {
             of_this: [0; 2],
             all_ticks: 0,
             reported: 0,
-        })
+        }
     }
 
     /// A datagram was taken; whether it brought flow.
-    pub(crate) fn heard<const SHARED: usize>(&mut self, now_ns: u64, line: &Line<SHARED>, flow: bool) {
+    pub fn heard<const SHARED: usize>(&mut self, now_ns: u64, line: &Line<SHARED>, flow: bool) {
         if flow {
             self.silent = 0;
         }
@@ -185,7 +206,7 @@ impl Watch {
     }
 
     /// The other end has sent its telemetry.
-    pub(crate) fn said(&mut self, said: &Telemetry, sealed_us: u64, armed_ticks: u64) {
+    pub fn said(&mut self, said: &Telemetry, sealed_us: u64, armed_ticks: u64) {
         let Some(discrepancy) = self.own.discrepancy(said, sealed_us, self.period_s, &self.clock) else { return };
         self.of_second.add(discrepancy);
         self.of_all.add(discrepancy);
@@ -200,8 +221,19 @@ impl Watch {
         }
     }
 
+    /// A tick is over, of a peer whose scene nobody judges.
+    pub fn ticked<const SHARED: usize, const N: usize, D: Device<f32, N>>(
+        &mut self,
+        now_ns: u64,
+        node: &Node<SHARED, N, D>,
+    ) where
+        Flows<SHARED>: Into<Message>,
+    {
+        self.ticked_under(now_ns, node, None);
+    }
+
     /// A tick is over.
-    pub(crate) fn ticked<const SHARED: usize, const N: usize, D: Device<f32, N>>(
+    pub(crate) fn ticked_under<const SHARED: usize, const N: usize, D: Device<f32, N>>(
         &mut self,
         now_ns: u64,
         node: &Node<SHARED, N, D>,
@@ -296,7 +328,7 @@ impl Watch {
                 1e-3 * smallest_round_trip_us
             ));
         }
-        let recorded = self.recorder.take().map(Recorder::finish);
+        let recorded = self.recorder.take().and_then(Arc::into_inner).map(Recorder::finish);
         if let Some(ended) = &recorded {
             self.teller.words(ended.summary());
         }

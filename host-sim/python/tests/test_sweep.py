@@ -36,7 +36,9 @@ def test_rows_are_the_command_lines(tmp_path, host_sim):
     assert len(table["seed"]) == 36 and 0 < table["stable"].sum() < 36
     failed = ~table["stable"]
     assert all(table["reason"][failed]) and not any(table["reason"][~failed])
-    assert np.isnan(table["coordination_force_mean_n"][failed]).all()
+    # Copies that came apart are said to be, and keep their figures.
+    apart = np.array(["apart" in (reason or "") for reason in table["reason"]])
+    assert (np.isnan(table["coordination_force_mean_n"]) == (failed & ~apart)).all()
     one, many = asked().run(threads=1), asked().run(threads=3)
     for name in table:
         assert np.array_equal(one[name], many[name], equal_nan=one[name].dtype == float), name

@@ -4,15 +4,16 @@
 //! peer 2, which is what the cooperation paper plots as the distance to the "remote copy". Means run over the last half.
 //!
 //! A run is **stable** (THEORY §9) if no peer faulted, neither the coordination force nor the energy of the copies grew, the copies
-//! are within [`APART_MM`] of each other, and both peers were engaged in the end; else [`Outcome::reason`] is the first of these that
-//! failed. What a run that failed computed is no figure of merit: [`Outcome::metric`] gives none. Of one in which
-//! only the copies came apart the figures that describe that are kept ([`Outcome::whole`]): distance, forces, energy made.
+//! are within [`APART_MM`] of each other, or as near as springs and line let them be ([`compliance_m_per_n`]), and both peers were engaged
+//! in the end; else [`Outcome::reason`] is the first of these that failed. What a run computed that stopped, grew or let go is no figure
+//! of merit: [`Outcome::metric`] gives none. That copies came apart is said, and takes no figure away.
 //! Peaks and ratios stand for the whole run.
 
 mod account;
 mod accounts;
 mod outcome;
 mod reason;
+mod statics;
 
 use haptic_core::contact::{Impacts, RenderingName};
 use haptic_core::num::{Fixed, Scalar};
@@ -21,7 +22,8 @@ use haptic_core::settings::Refused;
 pub use self::account::{Account, Ticked};
 pub use self::accounts::Accounts;
 pub use self::outcome::{AXIS_NAMES, AxisOutcome, Figures, Options, Outcome};
-pub use self::reason::{APART_MM, Reason, Verdict};
+pub use self::reason::{Reason, Verdict};
+pub use self::statics::{APART_FACTOR, APART_MM, END_FACTOR, compliance_m_per_n};
 pub use crate::measure::port::PortEnergy;
 
 use crate::double_double::DoubleDouble;

@@ -110,11 +110,11 @@ impl Precision {
 
     fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let scenes = self.scenes(ui)?;
-        let rows = scenes
-            .par_iter()
-            .map(|(name, scene)| measure(name, scene, self.time.seconds))
-            .collect::<Result<Vec<_>, _>>()?
-            .concat();
+        let (rows, _) = ui.work(scenes.len(), "scenes", |step| {
+            let of = |(name, scene): &(String, Scene)| measure(name, scene, self.time.seconds).inspect(|_| step());
+            scenes.par_iter().map(of).collect::<Result<Vec<_>, _>>()
+        })?;
+        let rows = rows.concat();
         writeln!(ui, "Largest difference from f64 so far; steps are of the number type at the largest position\n");
         ui.result(&columns(&rows))
     }
@@ -157,10 +157,12 @@ fn newtons(text: &str) -> Result<f64, Failure> {
 impl Force {
     fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let scene = self.scene.load(ui)?;
-        let found = force::measure(&scene, self.command)?;
+        let ((found, stiffest), _) = ui.work(1, "forces", |_| {
+            Ok::<_, Failure>((force::measure(&scene, self.command)?, force::stiffest(&scene)?))
+        })?;
         let (response, moving) = (force::response_columns(&found.response), force::moving_columns(&found.moving));
         let (within, in_time_hz) = (found.within(), found.in_time_hz());
-        let stiffest = force::stiffest_columns(&force::stiffest(&scene)?);
+        let stiffest = force::stiffest_columns(&stiffest);
         ui.document(&json!({
             "response": response, "moving": moving, "delay_ticks": found.delay_ticks, "within": within, "in_time_hz": in_time_hz,
             "stiffest": stiffest,

@@ -6,6 +6,7 @@ use clap::Args;
 use haptic_core::num::Scalar;
 use haptic_io::Kind;
 use haptic_plot::{Error, Figure, write_file};
+use haptic_report::Columns;
 use haptic_studies::campaign::laws::page::{MOST, PICTURES, page};
 use haptic_studies::campaign::laws::{Row, asked_for, bench, figures, law_scenes, tables};
 use haptic_studies::campaign::{Cell, campaign, columns, cost_columns, costs, of_scene, sending};
@@ -52,19 +53,19 @@ impl Campaign {
         if self.out.out.is_some() {
             return Err("--out goes with --laws: the other tables are printed, or a document with --json".into());
         }
-        let table = if let Some(which) = self.sending {
-            match which {
-                Sending::All => sending::columns(&sending::over_all(ui.laws)?),
-                Sending::Curve => sending::curve_columns(&sending::curve(ui.laws)?),
-            }
-        } else if self.costs {
-            cost_columns(&costs(ui.laws)?)
-        } else if self.scene.is_given() {
-            columns(&of_scene(ui.laws, &self.scene.name(), &self.scene.load(ui)?)?)
-        } else {
-            columns(&campaign(ui.laws)?)
-        };
+        let (table, _) = ui.work(1, "runs over every network", |_| self.table(ui))?;
         ui.result(&table)
+    }
+
+    /// The one table of a campaign without laws.
+    fn table(&self, ui: &Ui) -> Result<Columns, Failure> {
+        Ok(match self.sending {
+            Some(Sending::All) => sending::columns(&sending::over_all(ui.laws)?),
+            Some(Sending::Curve) => sending::curve_columns(&sending::curve(ui.laws)?),
+            None if self.costs => cost_columns(&costs(ui.laws)?),
+            None if self.scene.is_given() => columns(&of_scene(ui.laws, &self.scene.name(), &self.scene.load(ui)?)?),
+            None => columns(&campaign(ui.laws)?),
+        })
     }
 
     /// Laws on the bench.

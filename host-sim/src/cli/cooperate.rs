@@ -127,13 +127,15 @@ fn whole(name: &str, scene: &Scene, conclusion: &Conclusion, wall_s: f64) -> Res
         .value("scene", |()| name)
         .data_only()
         .value("stable", |()| outcome.is_stable())
+        .head("this run is stable")
         .value("verdict", |()| outcome.verdict().name())
         .data_only()
         .value("reason", |()| outcome.reason.map(|reason| reason.to_string()))
         .value("fault", |()| outcome.fault.map(stop))
         .data_only()
         .number("spectral_radius", 6, |()| verdict.spectral_radius)
-        .number("true_discrepancy_mm", 4, |()| outcome.whole(|o| o.whole.true_discrepancy_mm))
+        .head("spectral radius of the scene, both hands on")
+        .number("true_discrepancy_mm", 4, |()| outcome.metric(|o| o.whole.true_discrepancy_mm))
         .head("true discrepancy |x_o1 - x_o2|")
         .number("true_discrepancy_mm_per_n", 4, |()| outcome.metric(per_n).flatten())
         .head("true discrepancy per newton of contact")
@@ -143,12 +145,12 @@ fn whole(name: &str, scene: &Scene, conclusion: &Conclusion, wall_s: f64) -> Res
         .head("coordination force, peer 2: mean")
         .number("coordination_force_n.sd", 4, |()| outcome.metric(|o| o.whole.coordination_force_n.sd))
         .head("coordination force, peer 2: standard deviation")
-        .number("peak_coordination_force_n", 4, |()| outcome.whole(|o| o.whole.peak_coordination_force_n))
+        .number("peak_coordination_force_n", 4, |()| outcome.metric(|o| o.whole.peak_coordination_force_n))
         .number("apparent_object_mass_kg", 3, |()| mass)
         .head("apparent mass of the shared object")
-        .number("energy_out_over_in", 4, |()| outcome.whole(Outcome::energy_out_over_in))
+        .number("energy_out_over_in", 4, |()| outcome.metric(Outcome::energy_out_over_in))
         .head("energy out/in, channel")
-        .number("peer_energy_out_over_in", 4, |()| outcome.whole(Outcome::peer_energy_out_over_in).flatten())
+        .number("peer_energy_out_over_in", 4, |()| outcome.metric(Outcome::peer_energy_out_over_in).flatten())
         .head("energy out/in, peer");
     for (at, energy) in outcome.whole.energy.iter().enumerate() {
         let peer = at + 1;
@@ -184,19 +186,18 @@ fn whole(name: &str, scene: &Scene, conclusion: &Conclusion, wall_s: f64) -> Res
 /// What a run gave along each axis, a row for each.
 fn each_axis(outcome: &Outcome) -> Columns {
     let rows: Vec<_> = AXIS_NAMES.into_iter().zip(&outcome.axes).map(|(name, along)| (name, along.figures)).collect();
-    let whole = outcome.verdict() != run::Verdict::Unstable;
-    let stable = outcome.is_stable();
+    let known = outcome.verdict() != run::Verdict::Unstable;
     Columns::of(&rows)
         .value("axis", |(axis, _)| *axis)
-        .number("true_discrepancy_mm", 4, |(_, of)| whole.then_some(of.true_discrepancy_mm))
+        .number("true_discrepancy_mm", 4, |(_, of)| known.then_some(of.true_discrepancy_mm))
         .head("true")
-        .number("decoded_discrepancy_mm", 4, |(_, of)| stable.then_some(of.decoded_discrepancy_mm))
+        .number("decoded_discrepancy_mm", 4, |(_, of)| known.then_some(of.decoded_discrepancy_mm))
         .head("decoded")
-        .number("coordination_force_n.mean", 4, |(_, of)| stable.then_some(of.coordination_force_n.mean))
+        .number("coordination_force_n.mean", 4, |(_, of)| known.then_some(of.coordination_force_n.mean))
         .head("F_T, peer 2: mean")
-        .number("coordination_force_n.sd", 4, |(_, of)| stable.then_some(of.coordination_force_n.sd))
+        .number("coordination_force_n.sd", 4, |(_, of)| known.then_some(of.coordination_force_n.sd))
         .head("standard deviation")
-        .number("peak_coordination_force_n", 4, |(_, of)| whole.then_some(of.peak_coordination_force_n))
+        .number("peak_coordination_force_n", 4, |(_, of)| known.then_some(of.peak_coordination_force_n))
         .head("peak F_T")
         .done()
 }

@@ -48,6 +48,17 @@ pub(super) struct SceneArgs {
 }
 
 impl SceneArgs {
+    /// Whether nothing is said of the scene.
+    pub(super) fn is_plain(&self) -> bool {
+        self.scene.is_none() && self.set.is_empty() && self.seed.is_none()
+    }
+
+    /// As [`Self::load`]; where no scene is named, the built-in one of this name.
+    pub(super) fn load_or(&self, ui: &Ui, name: &str) -> Result<Scene, Failure> {
+        let scene = self.scene.clone().or_else(|| Some(name.into()));
+        Self { scene, ..self.clone() }.load(ui)
+    }
+
     pub(super) fn load(&self, ui: &Ui) -> Result<Scene, Failure> {
         self.load_with(ui, &[], None)
     }

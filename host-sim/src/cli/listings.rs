@@ -5,6 +5,7 @@ use haptic_environments::world;
 use haptic_sim::{scene::Scene, scenes};
 use serde_json::{Value, json};
 
+use super::listing::{Item, list};
 use super::{Failure, Ui};
 
 fn key(name: String, default: impl Into<Value>, unit: &str, allowed: &str, meaning: &str) -> Value {
@@ -26,7 +27,7 @@ pub(super) fn scene_keys(ui: &Ui) -> Result<(), Failure> {
     let meaning = "Recorded network, instead of what its table would draw.";
     let network = file("network.trace", "direction,packet,delay_s,fate", meaning);
     let keys: Vec<Value> = defaults.keys().into_iter().map(number).chain(force).chain([network]).collect();
-    ui.report("", &keys)
+    say_keys(ui, &keys)
 }
 
 pub(super) fn world_keys(ui: &Ui) -> Result<(), Failure> {
@@ -39,7 +40,20 @@ pub(super) fn world_keys(ui: &Ui) -> Result<(), Failure> {
         let kind = if field.whole { "whole," } else { "number," };
         key(name, default, field.unit, &format!("{kind} {} to {}", field.min, field.max), field.doc)
     };
-    ui.report("", &own.chain(shapes).map(row).collect::<Vec<_>>())
+    say_keys(ui, &own.chain(shapes).map(row).collect::<Vec<_>>())
+}
+
+/// Keys as one document, or for people: name, default and unit in a line, and what is allowed and meant below.
+fn say_keys(ui: &Ui, keys: &[Value]) -> Result<(), Failure> {
+    ui.document(&keys)?;
+    let text = |key: &Value, field: &str| key[field].as_str().map_or_else(|| key[field].to_string(), str::to_owned);
+    let item = |key: &Value| {
+        let [name, default, unit] = ["key", "default", "unit"].map(|field| text(key, field));
+        let head = format!("{name} = {} {unit}", if default.is_empty() { "\"\"" } else { &default });
+        Item { head: head.trim_end().to_owned(), body: vec![text(key, "meaning"), text(key, "allowed")] }
+    };
+    list(ui, &keys.iter().map(item).collect::<Vec<_>>());
+    Ok(())
 }
 
 /// The built-in scenes, each by the first sentence of its file.
@@ -49,5 +63,10 @@ pub(super) fn scenes(ui: &Ui) -> Result<(), Failure> {
         let about = lines.split_once(". ").map_or(lines.clone(), |(first, _)| format!("{first}."));
         json!({ "name": name, "about": about })
     };
-    ui.report("", &scenes::known().map(scene).collect::<Vec<_>>())
+    let scenes: Vec<Value> = scenes::known().map(scene).collect();
+    ui.document(&scenes)?;
+    let text = |scene: &Value, field: &str| scene[field].as_str().unwrap_or_default().to_owned();
+    let item = |scene: &Value| Item { head: text(scene, "name"), body: vec![text(scene, "about")] };
+    list(ui, &scenes.iter().map(item).collect::<Vec<_>>());
+    Ok(())
 }

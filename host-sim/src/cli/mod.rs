@@ -15,6 +15,7 @@ mod cooperate;
 mod device;
 mod flags;
 mod key;
+mod listing;
 mod listings;
 mod live;
 mod network;

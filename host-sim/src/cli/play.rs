@@ -1,7 +1,7 @@
 //! `host-sim play`: the live page.
 
-use std::net::SocketAddr;
-use std::path::PathBuf;
+use std::net::{Ipv4Addr, SocketAddr};
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use haptic_live::endpoint::Stop;
@@ -11,24 +11,27 @@ use serde_json::json;
 
 use super::board::address;
 use super::flags::{RecordTo, choice, seconds};
+use super::recordings::load;
 use super::{Failure, SceneArgs, Ui};
-use crate::play::{Boards, End, EnvironmentKind, Model, Page, Place, Role, Shown, measure};
+use crate::play::{
+    At, Boards, End, EnvironmentKind, Model, Opened, OpenedPage, Page, Place, Role, Shown, measure, moving_picture,
+};
 
 /// How long each run of `--measure` takes where nobody says, s.
 const MEASURED_S: f64 = 10.0;
 
 #[derive(Debug, Args)]
-#[command(mut_arg("scene", |scene| scene.default_value("any-network")))]
+#[command(mut_arg("scene", |scene| scene.help("Scene file (TOML) or the name of a built-in scene; without it, any-network")))]
 pub(super) struct Play {
     #[command(flatten)]
     scene: SceneArgs,
-    /// What is shown first; the page can show the others, too. Without it, two peers with as many axes as the scene says; pair, plane and
-    /// space are two peers along 1, 2 and 3.
+    /// What is shown first; the page can show the others, too. Without it and without a scene, settings, a partner or a recording, the
+    /// picture `delay`; else two peers with as many axes as the scene says: pair, plane and space are two peers along 1, 2 and 3.
     #[arg(long, value_parser = choice::<EnvironmentKind>(), value_name = "NAME")]
     environment: Option<EnvironmentKind>,
     /// Who holds the other hand while only one window is open.
-    #[arg(long, value_parser = choice::<Model>(), default_value = "follows", value_name = "NAME")]
-    partner: Model,
+    #[arg(long, value_parser = choice::<Model>(), value_name = "NAME")]
+    partner: Option<Model>,
     /// One peer only, whose partner joins here by `play --join` or `peer` on another machine.
     #[arg(long, value_name = "ADDRESS:PORT", requires = "key_file", conflicts_with = "join")]
     listen: Option<SocketAddr>,
@@ -41,17 +44,28 @@ pub(super) struct Play {
     /// Key file, the same at both ends (`host-sim key generate`); of boards their operator's (`key generate --operator`).
     #[arg(long, value_name = "FILE")]
     key_file: Option<PathBuf>,
+    /// A recording (MCAP) of `play`, `peer`, `cooperate` or `merge A B OUT.mcap`, looked at on the same page.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["listen", "join", "board", "record", "measure", "scene", "set", "seed", "key_file", "number"])]
+    open: Option<PathBuf>,
     /// Which peer this is, 1 or 2; without it, who listens is 1 and who joins is 2.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=2))]
     number: Option<u8>,
-    /// Port on 127.0.0.1; 0 is any.
+    /// Port on 127.0.0.1, and of `--lan`; 0 is any.
     #[arg(long, default_value_t = 0)]
     port: u16,
+    /// Serve hands and onlookers on the local network as well, at this address of the machine (without one, at its only private address):
+    /// a phone scans the code and is the second hand. Not encrypted.
+    #[arg(long, value_name = "ADDRESS", num_args = 0..=1, conflicts_with_all = ["board", "measure"])]
+    #[expect(clippy::option_option, reason = "not at all, without an address, at an address")]
+    lan: Option<Option<Ipv4Addr>>,
     /// End after so long, s; without it at Ctrl-C.
     #[arg(long, value_name = "S", value_parser = seconds)]
     seconds: Option<f64>,
     #[command(flatten)]
     record: RecordTo,
+    /// Write three laws on a bad network as a moving picture to FILE.svg, and nothing else.
+    #[arg(long, value_name = "FILE.svg")]
+    picture: Option<PathBuf>,
     /// Print how many ticks are late without windows, with two, and with ten and three that misbehave, and nothing else.
     #[arg(long)]
     measure: bool,
@@ -59,12 +73,25 @@ pub(super) struct Play {
 
 impl Play {
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        let (scene, stop) = (self.scene.load(ui)?, Stop::on_signals()?);
-        let scene = self.environment.map_or_else(|| Ok(scene.clone()), |kind| kind.fitting(scene.clone()))?;
+        if let Some(file) = &self.open {
+            return self.look_at(file, ui);
+        }
+        let (scene, stop) = (self.scene.load_or(ui, "any-network")?, Stop::on_signals()?);
+        let fitting = self.environment().map_or_else(|| Ok(scene.clone()), |kind| kind.fitting(scene.clone()))?;
+        let provenance = ui.provenance().settings(fitting.settings());
+        // Behind a picture, which has a scene of its own, stands the one that was given.
+        let scene = if self.environment().is_some_and(EnvironmentKind::is_story) { scene } else { fitting };
         if self.measure {
             return ui.result(&measure(&scene, self.seconds.unwrap_or(MEASURED_S), &stop)?);
         }
-        let (shown, provenance) = (self.shown()?, ui.provenance().settings(scene.settings()));
+        if let Some(file) = &self.picture {
+            if file.extension().is_none_or(|ending| ending != "svg") {
+                return Err(format!("--picture {}: its name must end in .svg", file.display()).into());
+            }
+            let picture = moving_picture(&EnvironmentKind::BadNetwork.fitting(scene)?)?;
+            return Ok(haptic_plot::write_file(file, "SVG", picture.as_bytes(), haptic_io::Kind::Named)?);
+        }
+        let shown = self.shown()?;
         let hands = match &shown {
             Shown::Here(_) => vec![1, 2],
             Shown::Boards(_) => vec![],
@@ -73,7 +100,8 @@ impl Play {
                 vec![end.number]
             }
         };
-        let page = Page::serve(scene, shown, self.partner, self.port)?;
+        let at = At { port: self.port, lan: self.lan };
+        let page = Page::serve(scene, shown, self.partner.unwrap_or_default(), at)?;
         let say = |who: String, roles: &[Role]| ui.status(format_args!("{who:<20}  {}", page.address(roles)));
         if let Some(hand) = hands.first() {
             say(format!("hand {hand} and operator:"), &[Role::of_hand(*hand), Role::Operator]);
@@ -81,17 +109,43 @@ impl Play {
         hands.iter().for_each(|hand| say(format!("hand {hand}:"), &[Role::of_hand(*hand)]));
         say("operator:".into(), &[Role::Operator]);
         say("to watch:".into(), &[Role::Watch]);
+        if let Some(hand) = hands.last() {
+            say_lan(ui, &page, *hand);
+        }
         ui.status("Ctrl-C ends it");
         let record = self.record.record.as_deref().map(|file| (file, &provenance));
         let kept = page.run(self.seconds.unwrap_or(f64::INFINITY), record, &stop)?;
         ui.report("play", &json!(kept))
     }
 
+    /// The page of a recording.
+    fn look_at(&self, file: &Path, ui: &Ui) -> Result<(), Failure> {
+        let stop = Stop::on_signals()?;
+        let opened = Opened::new(file, &load(ui, file)?, self.environment)?;
+        ui.status(format_args!("recording of:         {}, {:.3} s", opened.who(), opened.seconds()));
+        if let Some(left_out) = &opened.left_out {
+            ui.warn(left_out);
+        }
+        let of = json!({ "recording": file, "who": opened.who(), "recorded_s": opened.seconds() });
+        let page = OpenedPage::serve(opened, ui.laws, self.port)?;
+        ui.status(format_args!("to watch:             {}", page.address()));
+        ui.status("Ctrl-C ends it");
+        page.run(self.seconds.unwrap_or(f64::INFINITY), &stop);
+        ui.report("", &of)
+    }
+
+    /// What is shown first: what is asked for; a picture where nothing is said of what to hold; else what the scene says.
+    fn environment(&self) -> Option<EnvironmentKind> {
+        let said = !self.scene.is_plain() || self.partner.is_some() || self.record.record.is_some() || self.measure;
+        let elsewhere = self.key_file.is_some() || !self.board.is_empty();
+        self.environment.or_else(|| (!said && !elsewhere).then_some(EnvironmentKind::Delay))
+    }
+
     fn shown(&self) -> Result<Shown, Failure> {
         if !self.board.is_empty() {
             return Ok(Shown::Boards(Boards::open(self.places()?)?));
         }
-        let Some(file) = &self.key_file else { return Ok(Shown::Here(self.environment.unwrap_or_default())) };
+        let Some(file) = &self.key_file else { return Ok(Shown::Here(self.environment().unwrap_or_default())) };
         let key = key_file::read(file, key::Role::Peers)?;
         Ok(Shown::Remote(match (self.listen, self.join) {
             (Some(at), _) => End::listening(at, key, self.number.unwrap_or(1))?,
@@ -108,5 +162,23 @@ impl Play {
             (_, None) => Err("--board needs --key-file, the operator's, unless it is simulated".into()),
             (boards, Some(file)) => boards.iter().map(|board| Ok(Place::At(address(board)?, file.clone()))).collect(),
         }
+    }
+}
+
+/// The addresses on the local network, if it is served there, and the code of that of its hand.
+fn say_lan(ui: &Ui, page: &Page, hand: u8) {
+    for (who, role) in
+        [(format!("hand {hand}, network:"), Role::of_hand(hand)), ("to watch, network:".into(), Role::Watch)]
+    {
+        if let Some(address) = page.lan_address(&[role]) {
+            ui.status(format_args!("{who:<20}  {address}"));
+        }
+    }
+    if let Some(code) = page.code() {
+        ui.status(format_args!("a phone that scans this is hand {hand}:"));
+        haptic_io::draw(code);
+        ui.status(
+            "the local network is not encrypted: who listens on it (the Wi-Fi) reads these two addresses, and can hold that hand and stop",
+        );
     }
 }

@@ -31,7 +31,14 @@ impl Prove {
             Some(name) => return Err(format!("--law {name} is not allowed: one of {}", names.join(", ")).into()),
             None => names,
         };
-        let rows: Vec<_> = asked.par_iter().filter_map(|name| proof::row(name)).collect();
+        let (rows, _) = ui.work(asked.len(), "laws", |step| {
+            let of = |name: &&str| {
+                let row = proof::row(name);
+                step();
+                row
+            };
+            Ok::<Vec<_>, Failure>(asked.par_iter().filter_map(of).collect())
+        })?;
         let table = proof::columns(&rows);
         ui.document(&json!({ "laws": table }))?;
         let report = proof::report(&table);

@@ -19,6 +19,7 @@ impl Published {
             return ui.result(&regions::columns(&found));
         }
         ui.only_built_in("published compares");
-        ui.result(&columns(&rows()?))
+        let (found, _) = ui.work(1, "papers", |_| rows())?;
+        ui.result(&columns(&found))
     }
 }

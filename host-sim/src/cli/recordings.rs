@@ -40,7 +40,7 @@ impl Format {
 }
 
 /// Reads a recording, and says what is missing in it.
-fn load(ui: &Ui, path: &Path) -> Result<Recording, Failure> {
+pub(super) fn load(ui: &Ui, path: &Path) -> Result<Recording, Failure> {
     let recording = read(path)?;
     if let Some(cut) = recording.cut {
         ui.warn(format_args!("{}: {}", path.display(), cut.summary()));

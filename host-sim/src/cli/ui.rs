@@ -5,7 +5,8 @@
 //! with `writeln!(ui, …)`, [`Ui::table`] and [`Ui::wrote`] without. So no command asks which. [`Ui::report`] needs the document only.
 
 use std::io::ErrorKind;
-use std::{fmt, path::PathBuf, time::Instant};
+use std::time::{Duration, Instant};
+use std::{fmt, path::PathBuf};
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -225,7 +226,8 @@ impl Ui {
         }
     }
 
-    /// Works with a progress bar on standard error, which is invisible where that is no terminal, and says how long it took, s.
+    /// Works with a progress bar on standard error, or where there are no steps the time so far; invisible where that is no terminal.
+    /// Says how long it took, s.
     pub(super) fn work<T, E>(
         &self,
         steps: usize,
@@ -233,9 +235,11 @@ impl Ui {
         work: impl FnOnce(&(dyn Fn() + Sync)) -> Result<T, E>,
     ) -> Result<(T, f64), E> {
         let start = Instant::now();
-        let style = ProgressStyle::with_template("{msg} {bar:40} {percent:>3} % {eta} left")
-            .unwrap_or_else(|_| ProgressStyle::default_bar());
+        let template =
+            if steps > 1 { "{msg} {bar:40} {percent:>3} % {elapsed}, {eta} left" } else { "{spinner} {msg} {elapsed}" };
+        let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
         let bar = ProgressBar::new(steps as u64).with_style(style).with_message(what.to_owned());
+        bar.enable_steady_tick(Duration::from_millis(200));
         let done = work(&|| bar.inc(1));
         bar.finish_and_clear();
         Ok((done?, start.elapsed().as_secs_f64()))

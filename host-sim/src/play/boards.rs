@@ -456,7 +456,7 @@ impl Environment for Boards {
         };
         let (nothing, [device, object, decoded, contact, coordination]) = ([f32::NAN; 2], SHOWN.map(both));
         let in_line: f32 = both(SENT).into_iter().sum::<f32>() - both(RECEIVED).into_iter().sum::<f32>();
-        let pairs = [nothing, device, object, decoded, contact, coordination, nothing];
+        let pairs = [nothing, device, object, decoded, contact, coordination, nothing, nothing];
         let mut rest = [f32::NAN; OF_BOTH];
         rest[0] = in_line;
         Ok(sample([pairs], rest, self.restarts))

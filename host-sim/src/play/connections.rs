@@ -1,12 +1,15 @@
 //! Who is connected: a bounded number of each kind, of which the newest is always let in.
 //!
-//! Connections that have shown no key are one kind, windows with the same rights another. Where a kind is full, the one that has
-//! been silent longest is closed: whoever says nothing keeps nobody out, and whoever has no key takes no place from one who has.
+//! Connections that have shown no key are one kind, windows with the same rights another, each of this machine and of the local network
+//! apart. Where a kind is full, one of the address that has most of it is closed, the one that has been silent longest: whoever says
+//! nothing keeps nobody out, whoever has no key takes no place from one who has, and one address none from the others.
 
-use std::net::{Shutdown, TcpStream};
+use std::collections::BTreeMap;
+use std::net::{IpAddr, Shutdown, TcpStream};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
+use super::doors::Way;
 use super::roles::Rights;
 
 /// Connections at a time that have shown no key.
@@ -14,15 +17,18 @@ pub(super) const MOST_WITHOUT_KEY: usize = 64;
 /// Windows at a time with the same rights.
 pub(super) const MOST_ALIKE: usize = 16;
 
-/// Everybody who is connected.
+/// Everybody who is connected, and how many were so far.
 #[derive(Debug, Default)]
-pub(super) struct Connections(Mutex<Vec<Connection>>);
+pub(super) struct Connections(Mutex<(Vec<Connection>, u64)>);
+
+/// The way in, and what was shown there; none before a key was.
+type Kind = (Way, Option<Rights>);
 
 #[derive(Debug)]
 struct Connection {
     number: u64,
-    /// None before it has shown a key.
-    rights: Option<Rights>,
+    kind: Kind,
+    from: IpAddr,
     heard: Instant,
     stream: TcpStream,
 }
@@ -35,15 +41,22 @@ pub(super) struct Pass {
 }
 
 impl Connections {
-    fn lock(&self) -> MutexGuard<'_, Vec<Connection>> {
+    fn lock(&self) -> MutexGuard<'_, (Vec<Connection>, u64)> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Lets a connection in that has shown no key, whose number is greater than any before; an error where it is gone already.
-    pub(super) fn admit(self: &Arc<Self>, number: u64, stream: &TcpStream) -> std::io::Result<Pass> {
-        let mut all = self.lock();
-        all.push(Connection { number, rights: None, heard: Instant::now(), stream: stream.try_clone()? });
-        make_room(&mut all, None, MOST_WITHOUT_KEY);
+    /// Lets a connection in that has shown no key; an error where it is gone already.
+    pub(super) fn admit(self: &Arc<Self>, way: Way, stream: &TcpStream) -> std::io::Result<Pass> {
+        self.admit_from(way, stream.peer_addr()?.ip(), stream.try_clone()?)
+    }
+
+    fn admit_from(self: &Arc<Self>, way: Way, from: IpAddr, stream: TcpStream) -> std::io::Result<Pass> {
+        let mut locked = self.lock();
+        let (all, count) = &mut *locked;
+        let (number, kind) = (*count, (way, None));
+        *count += 1;
+        all.push(Connection { number, kind, from, heard: Instant::now(), stream });
+        make_room(all, kind, MOST_WITHOUT_KEY);
         Ok(Pass { connections: Arc::clone(self), number })
     }
 }
@@ -51,16 +64,17 @@ impl Connections {
 impl Pass {
     /// It has shown keys with these rights.
     pub(super) fn has(&self, rights: Rights) {
-        let mut all = self.connections.lock();
-        if let Some(own) = all.iter_mut().find(|connection| connection.number == self.number) {
-            (own.rights, own.heard) = (Some(rights), Instant::now());
-        }
-        make_room(&mut all, Some(rights), MOST_ALIKE);
+        let all = &mut self.connections.lock().0;
+        let Some(own) = all.iter_mut().find(|connection| connection.number == self.number) else { return };
+        (own.kind.1, own.heard) = (Some(rights), Instant::now());
+        let kind = own.kind;
+        make_room(all, kind, MOST_ALIKE);
     }
 
     /// It has said something.
     pub(super) fn speaks(&self) {
-        if let Some(own) = self.connections.lock().iter_mut().find(|connection| connection.number == self.number) {
+        let all = &mut self.connections.lock().0;
+        if let Some(own) = all.iter_mut().find(|connection| connection.number == self.number) {
             own.heard = Instant::now();
         }
     }
@@ -68,19 +82,27 @@ impl Pass {
 
 impl Drop for Pass {
     fn drop(&mut self) {
-        self.connections.lock().retain(|connection| connection.number != self.number);
+        self.connections.lock().0.retain(|connection| connection.number != self.number);
     }
 }
 
-/// Closes the one that has been silent longest of a kind of which there are more than `most`.
-fn make_room(all: &mut Vec<Connection>, rights: Option<Rights>, most: usize) {
-    let alike = || all.iter().enumerate().filter(|(_, connection)| connection.rights == rights);
+/// Closes one of a kind of which there are more than `most`: of the address that has most of them the one that has been silent longest.
+fn make_room(all: &mut Vec<Connection>, kind: Kind, most: usize) {
+    let alike = || all.iter().enumerate().filter(|(_, connection)| connection.kind == kind);
     if alike().count() <= most {
         return;
     }
-    let silent = alike().min_by_key(|(_, connection)| (connection.heard, connection.number)).map(|(at, _)| at);
+    let mut of_address = BTreeMap::<IpAddr, usize>::new();
+    alike().for_each(|(_, connection)| *of_address.entry(connection.from).or_default() += 1);
+    let largest = of_address.values().max().copied();
+    let crowded = alike().filter(|(_, connection)| of_address.get(&connection.from).copied() == largest);
+    let silent = crowded.min_by_key(|(_, connection)| (connection.heard, connection.number)).map(|(at, _)| at);
     if let Some(at) = silent {
         // Its thread reads the end, and goes.
         let _ = all.swap_remove(at).stream.shutdown(Shutdown::Both);
     }
 }
+
+#[cfg(test)]
+#[path = "../../tests/inside/connections.rs"]
+mod tests;

@@ -6,6 +6,7 @@
 //! (`Sensors::overrun`), for a desktop would disarm them every minute.
 
 use std::collections::VecDeque;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use haptic_core::names::Choice as _;
@@ -39,18 +40,30 @@ pub(crate) struct Kept {
     pub(crate) realtime_priority: bool,
 }
 
+/// Where what is shown is recorded.
+pub(super) struct Recording {
+    pub(super) recorder: Arc<Recorder>,
+    /// When its clock began.
+    pub(super) start: Instant,
+    /// Channels of it that come before those of the samples.
+    pub(super) others: u16,
+}
+
 /// Runs the control loop until it is stopped, or so many seconds are over.
 pub(super) fn run(
     mailbox: &Mailbox,
     kind: EnvironmentKind,
     open: Opening,
     seconds: f64,
-    recorder: Option<&Recorder>,
+    record: Option<&Recording>,
     stop: &Stop,
 ) -> Result<Kept, Error> {
     let mut shown = Shown { environment: open()?, kind };
+    if let Some(record) = record {
+        shown.environment.record(Arc::clone(&record.recorder));
+    }
     let mut ticker = Ticker::realtime(Duration::from_secs_f64(PERIOD_S)).lasting(seconds);
-    let (mut slept, mut waiting, begun) = (0, VecDeque::new(), Instant::now());
+    let (mut slept, mut waiting) = (0, VecDeque::new());
     while !stop.is_asked() && !ticker.is_over() {
         let late = ticker.wait();
         if late > SLEPT {
@@ -60,12 +73,15 @@ pub(super) fn run(
         if let Some(mut contents) = mailbox.try_lock() {
             exchange(&mut shown, &mut contents, &mut waiting, &ticker.kept)?;
         }
+        if shown.environment.stands() {
+            continue;
+        }
         let sample = shown.environment.step()?;
-        if let Some(recorder) = recorder {
-            let at = begun.elapsed();
+        if let Some(Recording { recorder, start, others }) = record {
+            let at = start.elapsed();
             let row = recorded(at.as_secs_f64(), &sample);
             let columns = shown.kind.columns().len();
-            recorder.put(shown.kind.number().into(), at.as_nanos() as u64, &row[..=columns]);
+            recorder.put(others + u16::from(shown.kind.number()), at.as_nanos() as u64, &row[..=columns]);
         }
         waiting.push_back(sample);
     }
@@ -81,7 +97,7 @@ pub(crate) fn channels(topic: &str) -> Vec<Channel> {
     };
     let (place, _) = topic.rsplit_once('/').unwrap_or_default();
     let channel = |kind: &EnvironmentKind| {
-        let time = ("time_s".to_owned(), "since the beat began".to_owned());
+        let time = ("time_s".to_owned(), "since the recording's clock began".to_owned());
         let fields = std::iter::once(time).chain(kind.columns().iter().map(named));
         match kind {
             // What a page shows where nobody says has the recording's own topic.

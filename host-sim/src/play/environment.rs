@@ -5,7 +5,10 @@
 //! columns says; the last column of all is how often it has started anew, so that a window lets go of a world that is
 //! no more.
 
+use std::sync::Arc;
+
 use haptic_core::safety::Mode;
+use haptic_live::recording::recorder::Recorder;
 use haptic_sim::scene::Scene;
 
 use super::boards_line::Line;
@@ -13,7 +16,7 @@ use super::partner::Model;
 use crate::Error;
 
 /// Numbers in a sample, at the most; what a column is missing for is no number. The last one of all says how often it has started anew.
-pub(super) const MOST: usize = 51;
+pub(super) const MOST: usize = 57;
 
 /// The numbers of one tick.
 pub(super) type Sample = [f32; MOST];
@@ -101,6 +104,13 @@ pub(super) trait Environment {
 
     /// Modes of the peers, line and partner as they are now.
     fn standing(&self) -> Standing;
+
+    /// It is recorded from now on: what a recording of it has beside its samples it puts there itself, into channels that come first.
+    fn record(&mut self, _recorder: Arc<Recorder>) {}
+    /// Nothing changes before it is started anew: it is not stepped, and what was seen last stays.
+    fn stands(&self) -> bool {
+        false
+    }
 
     /// Other news for every window, if there are any.
     fn news(&mut self) -> Option<String> {

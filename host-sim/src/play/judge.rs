@@ -9,7 +9,7 @@
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
-use haptic_analysis::{Finding, Hand, Question, delays_ticks};
+use haptic_analysis::{Effort, Finding, Hand, Question, Range, delays_ticks, limit};
 use haptic_core::law::Sends;
 use haptic_core::names::Choice as _;
 use haptic_live::endpoint::stand_back;
@@ -35,6 +35,11 @@ const QUESTION: Question = Question {
 /// Longest refusal, characters.
 pub(super) const LONGEST_REFUSAL: usize = 1000;
 
+/// The gain whose edge a picture tells of, where that is looked for, N/m, and at how many points first.
+const EDGE_OF: &str = "coordination.stiffness_n_per_m";
+const EDGE_WITHIN: [f64; 2] = [50.0, 5000.0];
+const EDGE_STEPS: usize = 40;
+
 /// How far the judge stands back behind what has to be in time.
 const NICENESS: i32 = 10;
 
@@ -44,10 +49,12 @@ pub(super) struct Ask {
     pub(super) line: String,
 }
 
-/// Starts the thread; gives where orders go. What is `fixed` is not changed, for this reason.
+/// Starts the thread; gives where orders go. A picture with a scene of its own is left to the scene of the workshop. What is `fixed` is not
+/// changed, for this reason.
 pub(super) fn start(
     mailbox: &Arc<Mailbox>,
     scene: Scene,
+    workshop: Scene,
     kind: EnvironmentKind,
     fixed: Option<&'static str>,
 ) -> Result<SyncSender<Ask>, Error> {
@@ -55,33 +62,46 @@ pub(super) fn start(
     let mailbox = Arc::clone(mailbox);
     let work = move || {
         stand_back(NICENESS);
-        run(&mailbox, scene, kind, &orders, fixed);
+        run(&mailbox, scene, workshop, kind, &orders, fixed);
     };
     std::thread::Builder::new().name("judge".into()).spawn(work)?;
     Ok(asks)
 }
 
-fn run(mailbox: &Mailbox, mut scene: Scene, mut kind: EnvironmentKind, orders: &Receiver<Ask>, fixed: Option<&str>) {
-    tell(mailbox, &scene, None);
+fn run(
+    mailbox: &Mailbox,
+    mut scene: Scene,
+    mut workshop: Scene,
+    mut kind: EnvironmentKind,
+    orders: &Receiver<Ask>,
+    fixed: Option<&str>,
+) {
+    let mut edge = Edge::default();
+    tell(mailbox, &scene, None, None);
     let mut finding = find(&scene);
-    tell(mailbox, &scene, Some(&finding));
+    tell(mailbox, &scene, Some(&finding), edge.of(&scene, kind));
     for Ask { window, line } in orders {
         let (anyway, line) = line.strip_prefix("anyway ").map_or((false, line.as_str()), |line| (true, line));
-        let wanted = match wanted(&scene, kind, line, fixed) {
+        // What follows a picture is the workshop as it was left.
+        let from = if kind.is_story() && line.starts_with("show ") { &workshop } else { &scene };
+        let wanted = match wanted(from, kind, line, fixed) {
             Ok(Request::Scene(wanted)) => *wanted,
             Ok(Request::Show(other, fitting)) => {
+                if !kind.is_story() {
+                    workshop = scene.clone();
+                }
                 mailbox.lock().want(Request::Show(other, fitting.clone()));
                 if fitting.settings() != scene.settings() {
-                    tell(mailbox, &fitting, None);
+                    tell(mailbox, &fitting, None, None);
                     finding = find(&fitting);
                 }
                 (kind, scene) = (other, *fitting);
-                tell(mailbox, &scene, Some(&finding));
+                tell(mailbox, &scene, Some(&finding), edge.of(&scene, kind));
                 continue;
             }
             Err(why) => {
                 mailbox.lock().answer(window, json!({ "refused": refusal(&why) }).to_string());
-                tell(mailbox, &scene, Some(&finding));
+                tell(mailbox, &scene, Some(&finding), edge.of(&scene, kind));
                 continue;
             }
         };
@@ -89,21 +109,50 @@ fn run(mailbox: &Mailbox, mut scene: Scene, mut kind: EnvironmentKind, orders: &
         if free {
             // It acts now; what is to be said of it comes after.
             mailbox.lock().want(Request::Scene(Box::new(wanted.clone())));
-            tell(mailbox, &wanted, None);
+            tell(mailbox, &wanted, None, None);
         }
         let found = find(&wanted);
         if !free && found.stable != Some(true) {
             let ask = json!({ "ask": { "line": line, "text": found.text, "instead": found.instead } });
             mailbox.lock().answer(window, ask.to_string());
-            tell(mailbox, &scene, Some(&finding));
+            tell(mailbox, &scene, Some(&finding), edge.of(&scene, kind));
             continue;
         }
         if !free {
             mailbox.lock().want(Request::Scene(Box::new(wanted.clone())));
         }
-        tell(mailbox, &wanted, Some(&found));
         (kind, scene, finding) = (kind.in_scene(&wanted), wanted, found);
+        tell(mailbox, &scene, Some(&finding), edge.of(&scene, kind));
     }
+}
+
+/// Where a scene becomes unstable along [`EDGE_OF`], which is looked for anew when anything else of it is another.
+#[derive(Default)]
+struct Edge {
+    others: Vec<(String, String)>,
+    at: Option<f64>,
+}
+
+impl Edge {
+    /// The least gain that is unstable, N/m, where the picture tells of it.
+    fn of(&mut self, scene: &Scene, kind: EnvironmentKind) -> Option<f64> {
+        if kind != EnvironmentKind::TooStiff {
+            return None;
+        }
+        let others: Vec<_> = scene.settings().into_iter().filter(|(key, _)| key != EDGE_OF).collect();
+        if others != self.others {
+            (self.others, self.at) = (others, edge(scene));
+        }
+        self.at
+    }
+}
+
+/// The least gain that is unstable with both simulated hands on, N/m, if there is one.
+pub(super) fn edge(scene: &Scene) -> Option<f64> {
+    let [from, to] = EDGE_WITHIN;
+    let effort = Effort { steps: EDGE_STEPS, tolerance: 1e-3, ..Effort::default() };
+    let found = limit(scene, Range { key: EDGE_OF.into(), from, to }, effort).ok()?;
+    found.crossings.first().copied().filter(|_| found.stable_at_start)
 }
 
 /// Why an order is refused, as a window gets it: one line, of which a long quotation is left out in the middle.
@@ -137,15 +186,21 @@ pub(super) fn wanted(scene: &Scene, kind: EnvironmentKind, line: &str, fixed: Op
     Ok(Request::Show(other, Box::new(fitting)))
 }
 
-/// Tells every window what holds: all settings, those that are not the usual ones, and what is known of them.
-fn tell(mailbox: &Mailbox, scene: &Scene, finding: Option<&Finding>) {
+/// Tells every window what holds.
+fn tell(mailbox: &Mailbox, scene: &Scene, finding: Option<&Finding>, edge: Option<f64>) {
+    mailbox.lock().tell(holds(scene, finding, edge));
+}
+
+/// What holds: all settings, those that are not the usual ones, what is known of them, and where the edge is that a picture tells of.
+pub(super) fn holds(scene: &Scene, finding: Option<&Finding>, edge: Option<f64>) -> String {
     let usual = Scene::new(scene.laws).settings();
     let settings = scene.settings();
     let changed: Vec<_> = settings.iter().filter(|pair| !usual.contains(pair)).collect();
     let all: serde_json::Map<_, _> = settings.iter().map(|(key, value)| (key.clone(), json!(value))).collect();
     let one_way_s = delays_ticks(&scene.linear()).map(|ticks| ticks as f64 * scene.peer.timing.control_period_s);
-    let holds = json!({ "settings": all, "changed": changed, "one_way_s": one_way_s[1], "finding": finding });
-    mailbox.lock().tell(json!({ "holds": holds }).to_string());
+    let holds =
+        json!({ "settings": all, "changed": changed, "one_way_s": one_way_s[1], "finding": finding, "edge": edge });
+    json!({ "holds": holds }).to_string()
 }
 
 /// What is found of a scene whose devices the page's hands may hold.

@@ -13,6 +13,7 @@ use super::partner::Model;
 use super::session::Session;
 use super::shared_environment::SharedEnvironment;
 use super::squash::{self, Squash};
+use super::story::{self, Story};
 use super::three_laws::{self, ThreeLaws};
 use super::turns::{self, Turns};
 use super::visit::{self, Visit};
@@ -40,11 +41,15 @@ pub(crate) enum EnvironmentKind {
     Ring,
     /// Three laws side by side, on one bad network.
     BadNetwork,
+    /// Two hands pull an object apart, later and later.
+    Delay,
+    /// Two hands on an object whose coupling is too stiff.
+    TooStiff,
 }
 
 impl Choice for EnvironmentKind {
     const NAMES: &'static [&'static str] =
-        &["pair", "hub", "squash", "world", "lock", "ring", "plane", "space", "bad-network"];
+        &["pair", "hub", "squash", "world", "lock", "ring", "plane", "space", "bad-network", "delay", "too-stiff"];
     const ALL: &'static [Self] = &[
         Self::Pair,
         Self::Hub,
@@ -55,6 +60,8 @@ impl Choice for EnvironmentKind {
         Self::Plane,
         Self::Space,
         Self::BadNetwork,
+        Self::Delay,
+        Self::TooStiff,
     ];
 }
 
@@ -62,6 +69,11 @@ impl EnvironmentKind {
     /// Index of this kind in the list.
     pub(super) fn number(self) -> u8 {
         Self::ALL.iter().position(|kind| *kind == self).unwrap_or_default() as u8
+    }
+
+    /// Whether this is a picture with a scene of its own, which leaves that of the workshop as it was.
+    pub(crate) fn is_story(self) -> bool {
+        matches!(self, Self::BadNetwork | Self::Delay | Self::TooStiff)
     }
 
     /// Along how many axes the two peers of this kind share their object; of others none.
@@ -89,9 +101,15 @@ impl EnvironmentKind {
     /// # Errors
     /// The scene cannot be shared along so many axes.
     pub(crate) fn fitting(self, scene: Scene) -> Result<Scene, Error> {
-        let mut scene = if self == Self::BadNetwork { three_laws::lossy(scene) } else { scene };
+        let mut scene = match self {
+            Self::BadNetwork => three_laws::lossy(scene),
+            Self::Delay => story::scene(scene.laws, &story::DELAY)?,
+            Self::TooStiff => story::scene(scene.laws, &story::TOO_STIFF)?,
+            _ => scene,
+        };
         // Four hands at a hub and three laws hold one axis, as a pair does that nobody says more of.
-        let axes = self.axes().or(matches!(self, Self::Hub | Self::BadNetwork).then_some(1));
+        let axes =
+            self.axes().or(matches!(self, Self::Hub | Self::BadNetwork | Self::Delay | Self::TooStiff).then_some(1));
         if let Some(axes) = axes.filter(|axes| *axes != scene.peer.axis.shared) {
             (scene.peer.axis.count, scene.peer.axis.shared) = (axes, axes);
             scene.check("this environment")?;
@@ -109,13 +127,14 @@ impl EnvironmentKind {
             Self::Lock => Box::new(SharedEnvironment::<Turns<true>>::new(scene)?),
             Self::Ring => Box::new(SharedEnvironment::<Turns<false>>::new(scene)?),
             Self::BadNetwork => Box::new(ThreeLaws::new(scene)?),
+            Self::Delay | Self::TooStiff => Box::new(Story::new(scene)?),
         })
     }
 
     /// What is in its samples.
     pub(super) fn columns(self) -> &'static [Column] {
         match self {
-            Self::Pair => pair_columns::columns(1),
+            Self::Pair | Self::Delay | Self::TooStiff => pair_columns::columns(1),
             Self::Plane => pair_columns::columns(2),
             Self::Space => pair_columns::columns(3),
             Self::Hub => &hub::COLUMNS,
@@ -136,7 +155,7 @@ impl EnvironmentKind {
                 Self::World => visit::outlines(),
                 _ => Value::Null,
             };
-            json!({ "name": name, "columns": columns, "more": more })
+            json!({ "name": name, "story": kind.is_story(), "columns": columns, "more": more })
         };
         Self::ALL.iter().zip(Self::NAMES).map(kind).collect()
     }

@@ -114,10 +114,12 @@ impl Contents {
         self.wanted.take()
     }
 
-    /// Says something to one window; what nobody fetches is forgotten.
+    /// Says something to one window; what nobody fetches is forgotten, of the window first that has most.
     pub(super) fn answer(&mut self, window: u64, text: String) {
         if self.answers.len() == MOST {
-            self.answers.pop_front();
+            let waiting = |of: u64| self.answers.iter().filter(|(to, _)| *to == of).count();
+            let most = (0..MOST).rev().max_by_key(|at| waiting(self.answers[*at].0)).unwrap_or_default();
+            self.answers.remove(most);
         }
         self.answers.push_back((window, text));
     }

@@ -20,7 +20,7 @@ use tungstenite::{Message, WebSocket};
 
 use super::control_loop::Kept;
 use super::kinds::EnvironmentKind;
-use super::page::{Page, Shown};
+use super::page::{At, Page, Shown};
 use super::partner::Model;
 use super::roles::Role;
 use crate::Error;
@@ -62,7 +62,7 @@ pub(crate) fn measure(scene: &Scene, seconds: f64, stop: &Stop) -> Result<Column
 }
 
 fn run(scene: &Scene, seconds: f64, stop: &Stop, windows: usize, misbehaving: usize) -> Result<Run, Error> {
-    let page = Page::serve(scene.clone(), Shown::Here(EnvironmentKind::Pair), Model::CarriesOn, 0)?;
+    let page = Page::serve(scene.clone(), Shown::Here(EnvironmentKind::Pair), Model::CarriesOn, At::default())?;
     let over = Arc::new(AtomicBool::new(false));
     let asking: Vec<_> = (0..windows)
         .map(|window| {

@@ -13,14 +13,18 @@
 //! | [`shared_environment`] | what shared environments have in common |
 //! | [`hub`], [`squash`], [`visit`], [`turns`] | N hands on one object, the game, a static world, lock and token ring |
 //! | [`three_laws`] | three laws under the same pushes and packets, on a bad network |
+//! | [`story`] | two simulated hands on one object, in a scene that tells something |
+//! | [`moving_picture`] | that story as a file that moves by itself |
 //! | [`boards`], [`boards_line`] | boards as their operator has them, and what a page may say to them |
 //! | [`orders`] | what a page may ask to be set, and what scene that gives |
+//! | [`opened`], [`opened_page`] | a recording as a page shows it, and its page |
 //! | [`judge`] | whether that scene is stable, and what to change if not |
 //! | [`mailbox`] | what lies between the control loop, the judge and the windows |
 //! | [`control_loop`] | 1 kHz by the clock |
 //! | [`roles`], [`connections`] | who may do what, and how many are let in |
 //! | [`messages`] | what a window says, read |
-//! | [`web`] | six files and a WebSocket for each window, on 127.0.0.1 |
+//! | [`doors`], [`qr`] | this machine, and a local network where that is asked for, with a code to scan |
+//! | [`web`] | the page's files, and a WebSocket for each window |
 //! | [`page`] | all of that together |
 //! | [`measure`] | how well the control loop keeps time with ten pages open |
 //!
@@ -32,6 +36,7 @@ mod boards;
 mod boards_line;
 mod connections;
 mod control_loop;
+mod doors;
 mod environment;
 mod hand;
 mod hub;
@@ -40,15 +45,20 @@ mod kinds;
 mod mailbox;
 mod measure;
 mod messages;
+mod moving_picture;
+mod opened;
+mod opened_page;
 mod orders;
 mod page;
 mod pair_columns;
 mod partner;
+mod qr;
 mod remote;
 mod roles;
 mod session;
 mod shared_environment;
 mod squash;
+mod story;
 mod three_laws;
 mod turns;
 mod visit;
@@ -58,7 +68,10 @@ pub(crate) use boards::{Boards, Place};
 pub(crate) use control_loop::channels;
 pub(crate) use kinds::EnvironmentKind;
 pub(crate) use measure::measure;
-pub(crate) use page::{Page, Shown};
+pub(crate) use moving_picture::moving_picture;
+pub(crate) use opened::Opened;
+pub(crate) use opened_page::OpenedPage;
+pub(crate) use page::{At, Page, Shown};
 pub(crate) use partner::Model;
 pub(crate) use remote::End;
 pub(crate) use roles::Role;

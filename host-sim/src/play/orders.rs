@@ -11,6 +11,7 @@
 //! Values go through the checks of a scene file. A key that names a file is refused: a page reads nothing of this machine.
 
 use haptic_core::settings::Settings;
+use haptic_sim::Laws;
 use haptic_sim::{scene::Scene, scenes};
 use haptic_studies::campaign::laws::SOLVED;
 
@@ -19,9 +20,9 @@ use crate::Error;
 
 /// The built-in scenes that are one click, with what the click is called and what it sets besides.
 pub(super) const CLICKS: [(&str, &str, &str); 7] = [
-    ("§5.1, 16 ms", "paper-5.1-passive-wave-16ms", ""),
-    ("§5.1, 32 ms", "paper-5.1-passive-wave-32ms", ""),
-    ("§5.2, 16 ms", "paper-5.2-passive-wave-16ms", ""),
+    ("paper, taps, 16 ms", "paper-5.1-passive-wave-16ms", ""),
+    ("paper, taps, 32 ms", "paper-5.1-passive-wave-32ms", ""),
+    ("paper, both push, 16 ms", "paper-5.2-passive-wave-16ms", ""),
     ("matched line", "matched-line", ""),
     ("any network", "any-network", ""),
     ("50 % lost", "any-network", "network.loss=0.5"),
@@ -60,6 +61,13 @@ pub(super) fn apply(scene: &Scene, line: &str) -> Result<Scene, Error> {
         _ => return Err(format!("{word}: there is no such order; a page knows set, scene, law, file and show").into()),
     };
     set(scene, &keys)
+}
+
+/// The scene of a file's text, whatever its control period.
+pub(super) fn of_file(laws: Laws, text: &str) -> Result<Scene, Error> {
+    let mut scene = Scene::new(laws);
+    keys_of(text)?.iter().try_for_each(|key| scene.apply_override(key))?;
+    Ok(scene)
 }
 
 fn split(keys: &str) -> Vec<String> {
@@ -104,7 +112,8 @@ fn flatten(prefix: &str, table: &toml::Table, keys: &mut Vec<String>) {
 }
 
 /// This scene under another law, and the keys that make it that: with the peers' settings of the scene that
-/// recommends it, or with the paper's settings and the law's own gains; users, device, contact and network stay.
+/// recommends it, or with the paper's settings and the law's own gains. Users, device and contact stay, and so does the network: where a
+/// packet period is another one, its delay is kept in seconds. Keys that another law has declared are as if nobody had set them.
 fn with_law(scene: &Scene, name: &str) -> Result<(Scene, Vec<String>), Error> {
     let recommended = match name {
         "self-timed" => Some("any-network"),
@@ -118,6 +127,16 @@ fn with_law(scene: &Scene, name: &str) -> Result<(Scene, Vec<String>), Error> {
     let mut changed = scene.clone();
     (changed.peer.timing, changed.peer.object) = (base.timing, base.object);
     (changed.peer.coordination, changed.peer.safety) = (base.coordination, base.safety);
+    changed.peer.own = base.own;
+    let network = &mut changed.world.network;
+    let delay_s = f64::from(network.one_way_delay_packets) * scene.peer.timing.packet_period_s();
+    if base.timing != scene.peer.timing && delay_s > 0.0 {
+        let packets = base.timing.packet_periods(delay_s);
+        let left_s = delay_s - f64::from(packets) * base.timing.packet_period_s();
+        let whole = left_s.abs() < 1e-9;
+        network.one_way_delay_packets = if whole { packets } else { 0 };
+        network.extra_delay_s += if whole { 0.0 } else { delay_s };
+    }
     let info = scene.laws.all().iter().find(|law| law.name == name);
     let gains = info.filter(|_| recommended.is_none()).map_or(&[][..], |law| law.gains);
     // What moves and decodes in one solve takes neither from the tick before.

@@ -6,7 +6,7 @@
 use super::environment::{Column, MOST, Sample, joined};
 
 /// Numbers of both peers along an axis, in pairs.
-pub(super) const OF_AXIS: usize = 7;
+pub(super) const OF_AXIS: usize = 8;
 /// Numbers beside those, but for the count of starts.
 pub(super) const OF_BOTH: usize = 7;
 /// One axis: these, and how often both have started anew.
@@ -33,12 +33,22 @@ macro_rules! along {
             (concat!("coordination_2", $suffix), "N", concat!("coordination force F_T on copy 2", $way)),
             (concat!("hand_1", $suffix), "N", concat!("force of hand 1 on its device", $way)),
             (concat!("hand_2", $suffix), "N", concat!("force of hand 2 on its device", $way)),
+            (
+                concat!("push_1", $suffix),
+                "N",
+                concat!("force of the scene's user 1 on device 1, its arm's included", $way),
+            ),
+            (
+                concat!("push_2", $suffix),
+                "N",
+                concat!("force of the scene's user 2 on device 2, its arm's included", $way),
+            ),
         ]
     };
 }
 
 const BOTH: [Column; OF_BOTH + 1] = [
-    ("line", "J", "energy in the line: sent by both and not yet received"),
+    ("line", "J", "energy that both have sent and neither has received: on its way, or lost with its packet"),
     (
         "kept_1",
         "J",

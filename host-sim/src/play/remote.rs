@@ -10,12 +10,15 @@ use std::array::from_fn;
 use std::collections::VecDeque;
 use std::fmt;
 use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use haptic_core::num::Motion;
 use haptic_core::safety::{Command as Order, Mode};
-use haptic_live::batch::{OutgoingBatch, ReceivedBatch};
+use haptic_live::batch::{MOST, OutgoingBatch, ReceivedBatch};
 use haptic_live::endpoint::Endpoint;
+use haptic_live::recording::recorder::Recorder;
+use haptic_live::watch::{TELLING_S, Watch};
 use haptic_protocol::key::Key;
 use haptic_protocol::path::Path;
 use haptic_protocol::wire::{Flows, Message, Telemetry};
@@ -54,6 +57,11 @@ impl fmt::Display for End {
 }
 
 impl End {
+    /// When its clock began.
+    pub(super) fn start(&self) -> Instant {
+        self.endpoint.start()
+    }
+
     /// The end that the other one joins.
     pub(crate) fn listening(at: SocketAddr, key: Key, number: u8) -> Result<Self, Error> {
         Ok(Self { key, number, endpoint: Endpoint::polled(at)?, join: None })
@@ -100,6 +108,8 @@ where
     tick: u64,
     restarts: u32,
     cut: bool,
+    /// Records it as a peer without a page is recorded.
+    watch: Option<Watch>,
 }
 
 impl<const SHARED: usize, const N: usize> Remote<SHARED, N>
@@ -111,7 +121,7 @@ where
     pub(super) fn new(scene: Scene, end: End) -> Result<Self, Error> {
         let End { key, number, endpoint, join } = end;
         Ok(Self {
-            node: Node::build(&scene, number, key, entropy()?)?,
+            node: Node::build(&scene, number, key, entropy()?)?.telling_every(TELLING_S),
             own: usize::from(number) - 1,
             endpoint,
             join,
@@ -127,6 +137,7 @@ where
             tick: 0,
             restarts: 0,
             cut: false,
+            watch: None,
             scene,
         })
     }
@@ -134,27 +145,39 @@ where
     /// Takes what has come.
     fn listen(&mut self) -> Result<(), Error> {
         let until = Instant::now() + LISTENS;
-        let Self { node, endpoint, join, path, came, going, cut, heard, .. } = self;
+        let Self { node, endpoint, join, path, came, going, cut, heard, watch, .. } = self;
+        let mut said = None;
         while Instant::now() < until && endpoint.take(came)? {
-            for (from, datagram) in came.each() {
-                let now_us = endpoint.now_ns() / 1_000;
+            let waited: [Duration; MOST] = from_fn(|at| came.waited().get(at).copied().unwrap_or_default());
+            for ((from, datagram), waited) in came.each().zip(waited) {
+                let now_ns = endpoint.now_ns();
+                let now_us = now_ns / 1_000;
                 if *cut {
                     continue;
                 }
+                node.line.link.waited(waited.as_micros() as u64);
                 let taken = node.receive(now_us, datagram);
-                let link = &mut node.line.link;
-                path.heard(now_us, from, datagram, taken.is_ok(), link);
+                path.heard(now_us, from, datagram, taken.is_ok(), &node.line.link);
                 // What is refused is counted by the link.
                 let Ok(flow) = taken else { continue };
                 *heard += u64::from(flow.is_some());
-                link.say_due(now_us, |out| {
+                if let Some(watch) = watch {
+                    watch.heard(now_ns, &node.line, flow.is_some());
+                }
+                if let Some(telemetry) = node.line.heard.take() {
+                    if let Some(watch) = watch {
+                        watch.said(&telemetry, node.line.link.sealed_us(), node.armed_ticks);
+                    }
+                    said = Some(telemetry);
+                }
+                node.line.link.say_due(now_us, |out| {
                     if let Some(to) = join.or_else(|| path.of(out, Some(from))) {
                         endpoint.say(going, to, out);
                     }
                 });
             }
         }
-        if let Some(telemetry) = self.node.line.heard.take() {
+        if let Some(telemetry) = said {
             let round_trip_us = self.node.line.link.clock().round_trip_us().unwrap_or_default();
             let ago = (0.5e-6 * f64::from(round_trip_us) / PERIOD_S).round() as usize;
             let here = self.was.get(ago).or(self.was.back()).copied().unwrap_or_default();
@@ -193,6 +216,8 @@ where
                 both(seen.contact_force, there(|other| other.contact_force)),
                 both(seen.coordination_force, there(|other| other.coordination_force)),
                 both(self.pull_n[axis] as f32, f32::NAN),
+                // What the scene's users do, its peers do not tell.
+                [f32::NAN; 2],
             ]
         };
         let ([kept_1, kept_2], [live_1, live_2]) = (both(booked.kept_j as f32, f32::NAN), both(booked.live, up));
@@ -244,17 +269,25 @@ where
         self.listen()?;
         self.pull_n = self.hand.pull(self.tick, self.device(), PERIOD_S);
         self.node.pull(on_device(self.pull_n, self.node.motions()));
-        let Self { node, endpoint, join, path, going, cut, .. } = self;
-        node.tick(endpoint.now_ns() / 1_000, |bytes| {
+        let Self { node, endpoint, join, path, going, cut, watch, .. } = self;
+        let now_ns = endpoint.now_ns();
+        node.tick(now_ns / 1_000, |bytes| {
             if let Some(to) = join.or_else(|| path.of(bytes, None)).filter(|_| !*cut) {
                 endpoint.say(going, to, bytes);
             }
         });
         endpoint.flush(going);
+        if let Some(watch) = watch {
+            watch.ticked(now_ns, node);
+        }
         self.was.truncate(KEPT - 1);
         self.was.push_front(f64::from(node.observed().object.position));
         self.tick += 1;
         Ok(self.sample())
+    }
+
+    fn record(&mut self, recorder: Arc<Recorder>) {
+        self.watch = Some(Watch::recording(recorder, &self.scene));
     }
 
     fn standing(&self) -> Standing {

@@ -5,6 +5,9 @@
 //! before it is armed: both start anew, at rest, where the middle of their devices is, and hands let go. Peers whose motors are off,
 //! because they were stopped or because of a fault, stay so until they are asked to start.
 //!
+//! **A fault ends it.** The tick in which a peer faults is the last one: a copy that runs away tells nothing more. It stands as it was until
+//! it is started anew.
+//!
 //! **Ends of travel.** A device can go [`REACH_M`] to either side; there a spring of [`END_STIFFNESS`] and a damper push back.
 
 use std::array::from_fn;
@@ -185,6 +188,19 @@ where
         self.scene.users.each_ref().map(|user| user.force_n(self.pair.time_s()))
     }
 
+    /// Force of the scene's user on a device that moves like this in the tick that is over, along an axis, N: its push, and its arm's pull.
+    fn user_force(&self, index: usize, axis: usize, device: Motion<f64>) -> f32 {
+        let (user, time_s) = (&self.scene.users[index], (self.pair.time_s() - PERIOD_S).max(0.0));
+        let profile = &user.settings.user;
+        // Its own direction is toward the other peer.
+        let toward = user.direction()[axis] * if index == 0 { 1.0 } else { -1.0 };
+        let (wanted, wanted_speed) = user.wanted(time_s);
+        let arm = profile.arm_stiffness_n_per_m * (toward * wanted - device.position)
+            + profile.arm_damping_n_s_per_m * (toward * wanted_speed - device.velocity);
+        let side = if axis == 0 { 0.0 } else { profile.side_push_n };
+        (toward * user.force_n(time_s) + arm + side) as f32
+    }
+
     /// Where each hand of a person is, m, if it holds.
     pub(super) fn holds(&self) -> [Option<[f64; SHARED]>; 2] {
         self.hands.each_ref().map(Hand::holds)
@@ -224,6 +240,7 @@ where
                 seen.map(|seen| seen[axis].contact_force),
                 seen.map(|seen| seen[axis].coordination_force),
                 self.pulls.map(|pull| pull[axis] as f32),
+                from_fn(|index| self.user_force(index, axis, devices[index][axis])),
             ]
         };
         let ((one, delay_1), (two, delay_2)) = (one, two);
@@ -266,6 +283,10 @@ where
 
     fn step(&mut self) -> Result<Sample, Error> {
         Ok(self.advance())
+    }
+
+    fn stands(&self) -> bool {
+        self.fault().is_some()
     }
 
     fn standing(&self) -> Standing {

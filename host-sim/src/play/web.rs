@@ -1,15 +1,16 @@
-//! Six files and a WebSocket for each window, on 127.0.0.1; a thread for each connection, of which there are
+//! Some files and a WebSocket for each window, at the [doors](super::doors) that are open; a thread for each connection, of which there are
 //! [so many](super::connections).
 //!
-//! **Who may talk to it.** Only this machine can connect. A web page that the person visits elsewhere runs on this machine
+//! **Who may talk to it.** Only this machine can connect, unless a door to a local network was asked for, where no key of the operator
+//! opens. A web page that the person visits elsewhere runs on this machine
 //! too, so: the host must be ours by name (a rebound DNS name is not), the origin of a WebSocket must be this page, and its
 //! path holds [keys](super::roles) of this run that only the address has, behind its `#`: browsers send that to nobody. What a window
 //! says is checked, each time, against what its keys open. Nothing is fetched from elsewhere, no script or style stands in the page, and
 //! its Content-Security-Policy says so.
 //!
 //! **Who asks, gets.** A window asks once a frame: the tick it has come to, and where its hand is wanted. It gets what came
-//! since. One that sleeps asks nothing, is sent nothing, and after [`SILENCE`] its hand has let go. One that does not read is
-//! closed after [`PATIENCE`]; one that asks without end is answered every [`SOONEST`].
+//! since, each sample once, whatever it asks for. One that sleeps asks nothing, is sent nothing, and after [`SILENCE`] its hand has let go. One that does not read is
+//! closed after [`PATIENCE`]; one that asks or orders without end is heard every [`SOONEST`].
 //!
 //! | from a window | |
 //! |---|---|
@@ -23,6 +24,8 @@
 //! | `{"hello"}` | first of all: names, units, ranges |
 //! | `{"holds"}` | settings and the verdict on them, whenever they change |
 //! | `{"refused"}`, `{"ask"}` | what became of its order |
+//! | `{"join"}` | to the operator, where there is a door to a local network: the address of a hand there, and its QR code |
+//! | close 4000, 4001 | the run has ended; another window has taken its hand |
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};
@@ -37,34 +40,57 @@ use haptic_live::endpoint::stand_back;
 use haptic_sim::scene::Scene;
 use serde_json::{Value, json};
 use tungstenite::handshake::derive_accept_key;
+use tungstenite::protocol::frame::{CloseFrame, coding::CloseCode};
 use tungstenite::protocol::{Role as Side, WebSocketConfig};
 use tungstenite::{Error, Message, WebSocket};
 
 use super::connections::{Connections, Pass};
+use super::doors::{Doors, Way};
 use super::environment::{FAULT, WAITS};
 use super::hand;
 use super::judge::Ask;
 use super::kinds::EnvironmentKind;
 use super::mailbox::{Contents, Mailbox, Pointed};
 use super::messages::{LET_GO, command, question};
+use super::opened::Opened;
+use super::opened_page;
 use super::orders::CLICKS;
 use super::partner::Model;
+use super::qr::Code;
 use super::roles::{Keys, Rights, Role};
 use super::session::{PERIOD_S, REACH_M};
 
-const FILES: [(&str, &str, &str); 6] = [
+pub(super) const FILES: &[(&str, &str, &str)] = &[
     ("/", "text/html; charset=utf-8", include_str!("site/index.html")),
     ("/page.css", "text/css; charset=utf-8", include_str!("site/page.css")),
+    ("/phone.css", "text/css; charset=utf-8", include_str!("site/phone.css")),
     ("/page.js", "text/javascript; charset=utf-8", include_str!("site/page.js")),
     ("/environments.js", "text/javascript; charset=utf-8", include_str!("site/environments.js")),
+    ("/join.js", "text/javascript; charset=utf-8", include_str!("site/join.js")),
+    ("/phone.js", "text/javascript; charset=utf-8", include_str!("site/phone.js")),
     ("/laws.js", "text/javascript; charset=utf-8", include_str!("site/laws.js")),
+    ("/timeline.css", "text/css; charset=utf-8", include_str!("site/timeline.css")),
+    ("/timeline.js", "text/javascript; charset=utf-8", include_str!("site/timeline.js")),
+    ("/samples.js", "text/javascript; charset=utf-8", include_str!("site/samples.js")),
+    ("/plots.js", "text/javascript; charset=utf-8", include_str!("site/plots.js")),
+    ("/figure.js", "text/javascript; charset=utf-8", include_str!("site/figure.js")),
     ("/pair.js", "text/javascript; charset=utf-8", include_str!("site/pair.js")),
+    ("/parts.js", "text/javascript; charset=utf-8", include_str!("site/parts.js")),
+    ("/delay.js", "text/javascript; charset=utf-8", include_str!("site/delay.js")),
+    ("/lens.js", "text/javascript; charset=utf-8", include_str!("site/lens.js")),
+    ("/numbers.js", "text/javascript; charset=utf-8", include_str!("site/numbers.js")),
+    ("/scene.js", "text/javascript; charset=utf-8", include_str!("site/scene.js")),
+    ("/settings.js", "text/javascript; charset=utf-8", include_str!("site/settings.js")),
+    ("/status.js", "text/javascript; charset=utf-8", include_str!("site/status.js")),
+    ("/stiff.js", "text/javascript; charset=utf-8", include_str!("site/stiff.js")),
+    ("/stories.js", "text/javascript; charset=utf-8", include_str!("site/stories.js")),
+    ("/stories.css", "text/css; charset=utf-8", include_str!("site/stories.css")),
 ];
 /// After so long without a word from its window a hand lets go.
 const SILENCE: Duration = Duration::from_millis(250);
 /// How long a request's head, and what is sent, may take.
 const PATIENCE: Duration = Duration::from_secs(2);
-/// From one answer to a window to the next at the least.
+/// From one message of a window to the next at the least.
 const SOONEST: Duration = Duration::from_millis(4);
 /// Longest head of a request, and longest message of a window, bytes: a scene file of every key has 5,000.
 const LONGEST_HEAD: usize = 4096;
@@ -75,13 +101,20 @@ const NICENESS: i32 = 5;
 const HEADER: usize = 20;
 /// Where in them it says what is shown.
 const KIND: usize = 18;
+/// Why a window is closed: the run has ended, or another window has taken its hand.
+pub(super) const OVER: u16 = 4000;
+const TAKEN: u16 = 4001;
 
 /// Where the page is.
 #[derive(Clone, Debug)]
 pub(super) struct Site {
-    port: u16,
+    doors: Doors,
     keys: Keys,
     hello: Arc<Value>,
+    /// What the operator's windows are told of the door to the local network.
+    join: Option<Arc<Value>>,
+    /// The recording that the page shows, and the scene that made it, told as what holds.
+    recording: Option<Arc<(Opened, Option<String>)>>,
 }
 
 /// What a request gets.
@@ -94,42 +127,66 @@ pub(super) enum Answer {
 }
 
 impl Site {
-    /// The site at a port of this machine, with fresh keys.
-    pub(super) fn new(port: u16, hello: Value) -> Result<Self, crate::Error> {
-        Ok(Self { port, keys: Keys::new()?, hello: Arc::new(hello) })
+    /// The site at these doors, with fresh keys.
+    pub(super) fn new(doors: Doors, hello: Value) -> Result<Self, crate::Error> {
+        Ok(Self { doors, keys: Keys::new()?, hello: Arc::new(hello), join: None, recording: None })
     }
 
-    /// The address for who has these roles.
+    /// The same for a recording.
+    pub(super) fn of_recording(self, opened: Opened, holds: Option<String>) -> Self {
+        Self { recording: Some(Arc::new((opened, holds))), ..self }
+    }
+
+    /// The address for who has these roles, on this machine.
     pub(super) fn address(&self, roles: &[Role]) -> String {
-        format!("http://127.0.0.1:{}/#{}", self.port, self.keys.ring(roles))
+        self.address_by(Way::Here, roles).unwrap_or_default()
     }
 
-    /// Serves on a thread of its own, as long as the program runs.
+    /// The same by either way, if there is that way.
+    pub(super) fn address_by(&self, way: Way, roles: &[Role]) -> Option<String> {
+        Some(format!("http://{}/#{}", self.doors.host(way)?, self.keys.ring(roles)))
+    }
+
+    /// Tells the operator's windows how a hand is taken on the local network; the code of that address.
+    pub(super) fn offer(&mut self, hand: Role) -> Result<Option<Code>, crate::Error> {
+        let Some(address) = self.address_by(Way::Lan, &[hand]) else { return Ok(None) };
+        let code = Code::of(&address)?;
+        let join = json!({ "address": address, "hand": hand as usize + 1, "side": code.side, "path": code.path() });
+        self.join = Some(Arc::new(json!({ "join": join })));
+        Ok(Some(code))
+    }
+
+    /// Serves on threads of its own, as long as the program runs.
     pub(super) fn serve(
         &self,
-        listener: TcpListener,
+        listeners: Vec<(Way, TcpListener)>,
         mailbox: &Arc<Mailbox>,
         asks: SyncSender<Ask>,
     ) -> Result<(), crate::Error> {
-        let (site, mailbox, connections) = (self.clone(), Arc::clone(mailbox), Arc::new(Connections::default()));
-        let accept = move || {
-            stand_back(NICENESS);
-            for (number, stream) in (0..).zip(listener.incoming().flatten()) {
-                let Ok(pass) = connections.admit(number, &stream) else { continue };
-                let (site, mailbox, asks) = (site.clone(), Arc::clone(&mailbox), asks.clone());
-                let serve = move || {
-                    // A browser that went away is nothing to report.
-                    let _ = site.connection(stream, &pass, &mailbox, &asks);
-                };
-                let _ = std::thread::Builder::new().name("window".into()).spawn(serve);
-            }
-        };
-        let started = std::thread::Builder::new().name("page".into()).spawn(accept);
-        Ok(started.map(drop)?)
+        let connections = Arc::new(Connections::default());
+        for (way, listener) in listeners {
+            let (site, mailbox) = (self.clone(), Arc::clone(mailbox));
+            let (connections, asks) = (Arc::clone(&connections), asks.clone());
+            let accept = move || {
+                stand_back(NICENESS);
+                for stream in listener.incoming().flatten() {
+                    let Ok(pass) = connections.admit(way, &stream) else { continue };
+                    let (site, mailbox, asks) = (site.clone(), Arc::clone(&mailbox), asks.clone());
+                    let serve = move || {
+                        // A browser that went away is nothing to report.
+                        let _ = site.connection(way, stream, &pass, &mailbox, &asks);
+                    };
+                    let _ = std::thread::Builder::new().name("window".into()).spawn(serve);
+                }
+            };
+            std::thread::Builder::new().name("page".into()).spawn(accept)?;
+        }
+        Ok(())
     }
 
     fn connection(
         &self,
+        way: Way,
         mut stream: TcpStream,
         pass: &Pass,
         mailbox: &Mailbox,
@@ -139,7 +196,7 @@ impl Site {
         stream.set_read_timeout(Some(PATIENCE))?;
         stream.set_write_timeout(Some(PATIENCE))?;
         let Some((head, rest)) = head(&mut stream)? else { return Ok(()) };
-        match self.answer(&head) {
+        match self.answer(way, &head) {
             Answer::File(kind, text) => respond(&mut stream, "200 OK", kind, text),
             Answer::Refused(status) => respond(&mut stream, status, "text/plain", status),
             Answer::Window(rights, accept) => {
@@ -154,14 +211,19 @@ impl Site {
                     .max_message_size(Some(LONGEST_MESSAGE))
                     .max_frame_size(Some(LONGEST_MESSAGE));
                 let socket = WebSocket::from_partially_read(stream, rest, Side::Server, Some(limits));
-                Window { socket, rights, pass, mailbox, asks }.serve(&self.hello);
+                let join = self.join.as_ref().filter(|_| rights.operates);
+                let greeting = [Some(json!({ "hello": *self.hello })), join.map(|join| (**join).clone())];
+                match &self.recording {
+                    Some(recording) => opened_page::window(socket, &self.hello, recording, mailbox),
+                    None => Window { socket, rights, pass, mailbox, asks }.serve(greeting.into_iter().flatten()),
+                }
                 Ok(())
             }
         }
     }
 
-    /// What a request's head gets.
-    pub(super) fn answer(&self, head: &[u8]) -> Answer {
+    /// What a request's head gets that came in this way.
+    pub(super) fn answer(&self, way: Way, head: &[u8]) -> Answer {
         let mut headers = [httparse::EMPTY_HEADER; 48];
         let mut request = httparse::Request::new(&mut headers);
         let (Ok(_), Some(method), Some(path)) = (request.parse(head), request.method, request.path) else {
@@ -172,8 +234,7 @@ impl Site {
             // One that comes twice is none.
             all.next().filter(|_| all.next().is_none()).and_then(|header| std::str::from_utf8(header.value).ok())
         };
-        let ours = ["127.0.0.1", "localhost"].map(|name| format!("{name}:{}", self.port));
-        let Some(host) = header("host").filter(|host| ours.iter().any(|ours| ours == host)) else {
+        let Some(host) = header("host").filter(|host| self.doors.is_host(way, host)) else {
             return Answer::Refused("421 Misdirected Request");
         };
         if method != "GET" {
@@ -184,7 +245,7 @@ impl Site {
         }
         let Some(ring) = path.strip_prefix("/ws/") else { return Answer::Refused("404 Not Found") };
         let ours = header("origin") == Some(&format!("http://{host}"));
-        let Some(rights) = self.keys.opened_by(ring).filter(|_| ours) else {
+        let Some(rights) = self.keys.opened_by(ring).filter(|rights| ours && way.admits(*rights)) else {
             return Answer::Refused("403 Forbidden");
         };
         let upgrade = header("upgrade").is_some_and(|to| to.eq_ignore_ascii_case("websocket"));
@@ -233,8 +294,14 @@ struct Window<'a> {
     asks: &'a SyncSender<Ask>,
 }
 
+/// Closes the line of a window, and says why.
+pub(super) fn hang_up(socket: &mut WebSocket<TcpStream>, why: Option<u16>) {
+    let _ = socket.close(why.map(|why| CloseFrame { code: CloseCode::from(why), reason: "".into() }));
+    let _ = socket.flush();
+}
+
 impl Window<'_> {
-    fn serve(mut self, hello: &Value) {
+    fn serve(mut self, mut greeting: impl Iterator<Item = Value>) {
         let me = {
             let mut contents = self.mailbox.lock();
             contents.windows += 1;
@@ -244,36 +311,38 @@ impl Window<'_> {
             }
             me
         };
-        let greeting = json!({ "hello": hello }).to_string();
-        if self.socket.send(Message::text(greeting)).is_ok() {
-            self.answer(me);
-        }
+        let greeted = greeting.all(|text| self.socket.send(Message::text(text.to_string())).is_ok());
+        let why = if greeted { self.answer(me) } else { None };
         let mut contents = self.mailbox.lock();
         if let Some(hand) = self.rights.hand.filter(|hand| contents.holder[*hand] == Some(me)) {
             (contents.holder[hand], contents.pointed[hand]) = (None, None);
         }
         drop(contents);
-        let _ = self.socket.close(None);
-        let _ = self.socket.flush();
+        hang_up(&mut self.socket, why);
     }
 
-    /// Answers what it asks, until it goes.
-    fn answer(&mut self, me: u64) {
+    /// Answers what it asks, until it goes, or is closed for a reason.
+    fn answer(&mut self, me: u64) -> Option<u16> {
         let mut edition = 0;
         let mut last = Instant::now();
+        // The tick after the last that it was sent: it is sent none twice, so that a question brings about no more than its time did.
+        let mut sent = None;
         loop {
             let message = match self.socket.read() {
                 Ok(message) => Some(message),
                 // Nothing came for a while: the hand lets go. Systems call that by different names.
                 Err(Error::Io(error)) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => None,
-                Err(_) => return,
+                Err(_) => return None,
             };
             if message.is_some() {
                 self.pass.speaks();
             }
             let mut contents = self.mailbox.lock();
-            if contents.over || self.rights.hand.is_some_and(|hand| contents.holder[hand] != Some(me)) {
-                return;
+            if contents.over {
+                return Some(OVER);
+            }
+            if self.rights.hand.is_some_and(|hand| contents.holder[hand] != Some(me)) {
+                return Some(TAKEN);
             }
             let answers = match message {
                 None => {
@@ -285,23 +354,27 @@ impl Window<'_> {
                         let (from, pointed) = question(bytes);
                         self.point(&mut contents, pointed);
                         contents.operator_asked |= self.rights.operates;
-                        picture(&mut contents, me, &mut edition, from)
+                        let answers = picture(&mut contents, me, &mut edition, sent.unwrap_or(from));
+                        if let Some(Message::Binary(bytes)) = answers.first() {
+                            sent = next(bytes);
+                        }
+                        answers
                     }
-                    Err(_) => return,
+                    Err(_) => return None,
                 },
                 Some(Message::Text(line)) => {
-                    drop(contents);
-                    self.order(me, line.as_str());
-                    continue;
+                    self.order(&mut contents, me, line.as_str());
+                    Vec::new()
                 }
-                Some(Message::Close(_)) => return,
-                Some(_) => continue,
+                Some(Message::Close(_)) => return None,
+                Some(_) => Vec::new(),
             };
             drop(contents);
+            // Whatever it says: no onlooker keeps the control loop from the mailbox.
             std::thread::sleep((last + SOONEST).saturating_duration_since(Instant::now()));
             last = Instant::now();
             if answers.into_iter().any(|answer| self.socket.send(answer).is_err()) {
-                return;
+                return None;
             }
         }
     }
@@ -312,22 +385,15 @@ impl Window<'_> {
         }
     }
 
-    fn order(&self, me: u64, line: &str) {
+    fn order(&self, contents: &mut Contents, me: u64, line: &str) {
         let command = command(line);
-        match command {
-            _ if !self.rights.may(command.as_ref()) => {
-                self.mailbox
-                    .lock()
-                    .answer(me, json!({ "refused": "only the operator's address may order that" }).to_string());
-            }
-            Some(command) => self.mailbox.lock().ask(command),
-            None => {
-                if self.asks.try_send(Ask { window: me, line: line.to_owned() }).is_err() {
-                    let busy = "the last orders are still being judged: try again";
-                    self.mailbox.lock().answer(me, json!({ "refused": busy }).to_string());
-                }
-            }
-        }
+        let refused = match command {
+            _ if !self.rights.may(command.as_ref()) => "only the operator's address may order that",
+            Some(command) => return contents.ask(command),
+            None if self.asks.try_send(Ask { window: me, line: line.to_owned() }).is_ok() => return,
+            None => "the last orders are still being judged: try again",
+        };
+        contents.answer(me, json!({ "refused": refused }).to_string());
     }
 }
 
@@ -357,6 +423,14 @@ fn header(first: u32, contents: &Contents) -> [u8; HEADER] {
     let [one, two] = standing.modes;
     let rest = [one, two, people[0], people[1], u8::from(standing.cut), standing.partner, status.kind.number(), 0];
     bytes[12..].copy_from_slice(&rest);
+    bytes
+}
+
+/// The header of what is no live picture: the tick of its first sample, and which environment.
+pub(super) fn header_of(first: u32, kind: EnvironmentKind) -> [u8; HEADER] {
+    let mut bytes = [0; HEADER];
+    bytes[..4].copy_from_slice(&first.to_le_bytes());
+    bytes[KIND] = kind.number();
     bytes
 }
 

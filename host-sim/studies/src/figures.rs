@@ -238,7 +238,7 @@ fn discrepancies(runs: &[&Experiment]) -> Figure {
                     one.outcome.metric(|o| o.whole.decoded_discrepancy_mm).unwrap_or(f64::NAN)
                 }),
                 bars("true |x_o1 - x_o2|", 2, &|one| {
-                    one.outcome.whole(|o| o.whole.true_discrepancy_mm).unwrap_or(f64::NAN)
+                    one.outcome.metric(|o| o.whole.true_discrepancy_mm).unwrap_or(f64::NAN)
                 }),
             ],
             ..Panel::default()

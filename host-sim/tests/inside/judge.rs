@@ -24,6 +24,47 @@ fn the_papers_verdicts() {
     }
 }
 
+/// At the delay of the recommended scene one law comes up unstable at the gains that it declares: the menu asks before it is set, and names
+/// the gain that holds.
+#[test]
+fn one_law_comes_up_unstable_and_is_asked_about() {
+    let begun = scene("any-network", &[]);
+    let with = |law: &str| apply(&begun, &format!("law {law}")).expect(law);
+    let laws = begun.laws.all().iter().map(|law| (law.name, find(&with(law.name))));
+    let unstable: Vec<_> = laws.filter(|(_, found)| found.stable == Some(false)).collect();
+    let [("four-channel", found)] = &unstable[..] else { panic!("{unstable:#?}") };
+    let instead = found.instead.as_deref().expect("a gain that does");
+    let better = apply(&begun, &format!("law four-channel {instead}")).expect("it can be set");
+    assert_eq!(find(&better).stable, Some(true), "{instead}");
+}
+
+/// A picture has a scene of its own, and behind it the workshop's stays as it was.
+#[test]
+fn a_picture_leaves_the_workshop_as_it_was() {
+    let mailbox = Arc::new(Mailbox::new(crate::play::Model::Absent));
+    let workshop = scene("any-network", &["network.extra_delay_s=0.02"]);
+    let opened = EnvironmentKind::TooStiff.fitting(workshop.clone()).expect("a scene");
+    let orders = start(&mailbox, opened, workshop, EnvironmentKind::TooStiff, None).expect("a thread");
+    let show = |name: &str| {
+        orders.send(Ask { window: 1, line: format!("show {name}") }).expect("it listens");
+        loop {
+            if let Some(Request::Show(kind, scene)) = mailbox.lock().take_wanted() {
+                return (kind, *scene);
+            }
+            std::thread::sleep(std::time::Duration::from_millis(5));
+        }
+    };
+    let (kind, behind) = show("pair");
+    assert_eq!(
+        (kind, behind.law().name, behind.world.network.extra_delay_s),
+        (EnvironmentKind::Pair, "self-timed", 0.02)
+    );
+    let (_, story) = show("delay");
+    assert_eq!((story.world.network.extra_delay_s, story.users[0].settings.user.push_n), (0.06, -1.5));
+    let (_, again) = show("pair");
+    assert_eq!(again.settings(), behind.settings());
+}
+
 /// What is proposed is stable, and a fifth more than its stated limit is not.
 #[test]
 fn what_is_proposed_has_been_checked() {
@@ -59,7 +100,8 @@ fn jitter_and_long_delays() {
 #[test]
 fn a_gain_outside_its_region_asks_first() {
     let mailbox = Arc::new(Mailbox::new(crate::play::Model::Absent));
-    let orders = start(&mailbox, scene("paper-5.2-power-16ms", &[]), EnvironmentKind::Pair, None).expect("a thread");
+    let begun = scene("paper-5.2-power-16ms", &[]);
+    let orders = start(&mailbox, begun.clone(), begun, EnvironmentKind::Pair, None).expect("a thread");
     let order = |line: &str| {
         orders.send(Ask { window: 1, line: line.to_owned() }).expect("it listens");
         // A question or a refusal is an answer; what is set is reported with the verdict on it.

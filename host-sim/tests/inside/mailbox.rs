@@ -53,6 +53,10 @@ fn answers_go_to_who_asked_and_news_to_everybody_once() {
     assert_eq!(contents.announced_since(&mut edition), None);
     (0..3 * MOST).for_each(|_| contents.answer(9, "unread".into()));
     assert!(contents.answers.len() <= MOST);
+    // Whoever fetches nothing pushes out no other's answers, several of them neither.
+    contents.answer(3, "mine".into());
+    (0..3 * MOST as u64).for_each(|at| contents.answer(9 + at % 3, "unread".into()));
+    assert_eq!((contents.answer_for(3).as_deref(), contents.answers.len()), (Some("mine"), MOST - 1));
 }
 
 /// Of two orders between two ticks the second is what becomes of both: before, a scene of two axes was set in a pair of one, which ended

@@ -116,7 +116,7 @@ fn two_ends_hold_one_object_in_the_plane() {
     };
     let mut ends: [Remote<2, 2>; 2] = ends([plane(), plane()]);
     // Behind the columns of one axis.
-    const ACROSS: usize = 22;
+    const ACROSS: usize = 24;
     until(&mut ends, [None; 2], |samples| samples.iter().all(|sample| sample[OBJECT + 1].is_finite()));
     let stiffness = 1.0 / (2.0 / 200.0 + 2.0 / 1000.0 + 2.0 / 10000.0);
     let near = |pull: f32| (f64::from(pull) - 0.02 * stiffness).abs() < 0.1;

@@ -61,6 +61,42 @@ fn two_hands_pull_on_one_chain() {
     assert!(column(&sample, "line") >= 0.0 && column(&sample, "kept_1") > -1e-4, "{sample:?}");
 }
 
+/// What the scene's users do is told beside what hands do: at rest a push, less what its arm takes back, is what its device hands on.
+#[test]
+fn the_scenes_users_are_told() {
+    let mut session = session("paper-5.2-power-16ms", Model::Absent);
+    session.scene.apply_override("user.2.sine_n=0").expect("a key");
+    session.scene.apply_override("user.1.arm_stiffness_n_per_m=50").expect("a key");
+    session.scene.apply_override("user.1.arm_damping_n_s_per_m=5").expect("a key");
+    session.start().expect("it starts");
+    let sample = carry(&mut session, 8000, None);
+    let of = |name: &str| column(&sample, name);
+    assert_eq!((of("hand_1"), of("hand_2"), of("push_2")), (0.0, 0.0, -1.0));
+    assert!((of("push_1") - (1.0 - 50.0 * of("device_1"))).abs() < 0.02, "{sample:?}");
+    // At rest what pushes a copy is what pulls it.
+    assert!((of("push_1") - of("contact_1")).abs() < 0.02 && of("push_1") > 0.5, "{sample:?}");
+    assert!((of("contact_1") + of("coordination_1")).abs() < 0.02, "{sample:?}");
+}
+
+/// The tick of a fault is the last one: no copy runs away behind it, and what is started anew goes on.
+#[test]
+fn a_fault_ends_it() {
+    let mut session = session("paper-5.2-power-16ms", Model::Absent);
+    session.scene.apply_override("coordination.stiffness_n_per_m=3000").expect("a key");
+    session.start().expect("it starts");
+    let mut last = [f32::NAN; MOST];
+    for _ in 0..20_000 {
+        if session.stands() {
+            break;
+        }
+        last = carry(&mut session, 1, None);
+    }
+    assert!(session.stands() && session.fault().is_some());
+    assert!((column(&last, "object_1") - column(&last, "object_2")).abs() < 1.0, "{last:?}");
+    session.start().expect("it starts");
+    assert!(!session.stands());
+}
+
 /// A delay that is set in flight is that of the packets sent from then on; nothing starts anew.
 #[test]
 fn the_network_changes_in_flight() {

@@ -126,13 +126,14 @@ fn a_point_is_the_mean_of_its_runs_and_never_of_some_of_them() {
         reader.deserialize().map(|row| row.expect("a row")).collect();
     let points = done["points"].as_array().expect("points");
     assert_eq!(points.len(), 24);
-    let (mut random, mut sure, mut none, mut some) = (0, 0, 0, 0);
+    let (mut random, mut sure, mut none) = (0, 0, 0);
     for (point, runs) in points.iter().zip(rows.chunks(3)) {
         let got = &point["coordination_force_mean_n"];
         let values: Vec<f64> = runs.iter().filter_map(|run| run["coordination_force_mean_n"].parse().ok()).collect();
-        if runs.iter().any(|run| run["stable"] != "1") {
+        assert_eq!(point["reason"].is_string(), runs.iter().any(|run| run["stable"] != "1"), "{point}");
+        if values.len() < runs.len() {
             assert!(got.is_null() && point["reason"].is_string(), "{point}");
-            *(if values.is_empty() { &mut none } else { &mut some }) += 1;
+            none += 1;
             continue;
         }
         let mean = values.iter().sum::<f64>() / 3.0;
@@ -148,8 +149,8 @@ fn a_point_is_the_mean_of_its_runs_and_never_of_some_of_them() {
             random += 1;
         }
     }
-    let all = [random, sure, none, some];
-    assert!(all.iter().all(|count| *count > 0), "{all:?}: random, sure, failed, failed with some seeds");
+    let all = [random, sure, none];
+    assert!(all.iter().all(|count| *count > 0), "{all:?}: random, sure, failed");
 }
 
 /// Shards, threads and order change no byte; who asks for all of it after the shards runs nothing again.

@@ -108,6 +108,11 @@ impl Rows {
         self.columns.iter().map(move |column| column[row])
     }
 
+    /// The number of each row, from 0: one that is left out was lost while it was recorded.
+    pub fn sequences(&self) -> &[f64] {
+        &self.sequences
+    }
+
     /// How many there are.
     pub fn len(&self) -> usize {
         self.times_ns.len()

@@ -122,7 +122,13 @@ fn exchanges_of(recording: &Recording) -> Vec<(f64, Exchange)> {
 impl<'a> Side<'a> {
     fn of(recording: &'a Recording) -> Result<Self, Error> {
         let origin = &recording.origin;
-        let ends = recording.channels.iter().filter_map(|rows| rows.topic.strip_suffix("/ticks"));
+        let topics = || recording.channels.iter().map(|rows| rows.topic.as_str());
+        if topics().any(|topic| topic.starts_with("/both/")) {
+            let why = "holds both ends already, on one clock: `host-sim merge` takes it alone";
+            return Err(wrong(origin, why).into());
+        }
+        // What a page shows beside its peer is drawn, not measured.
+        let ends = topics().filter(|topic| *topic != "/page/ticks").filter_map(|topic| topic.strip_suffix("/ticks"));
         let end = ends.min().ok_or_else(|| wrong(origin, "has no ticks of a peer or a board"))?;
         let axis = |axis: usize| {
             let topic = format!("{end}/{}", name_of(axis));

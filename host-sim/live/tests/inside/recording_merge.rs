@@ -276,7 +276,7 @@ fn what_cannot_be_merged_is_said() {
     );
     let merged = both(&pair).expect("both ends");
     assert_eq!((merged.instants, merged.rms_true_discrepancy_mm, merged.clock_error_us), (4, 2.0, 0.0));
-    assert!(merge(&one, &pair, None).expect_err("no copy").to_string().contains("has no column mode"));
+    assert!(merge(&one, &pair, None).expect_err("no copy").to_string().contains("holds both ends already"));
     // In one session, but never both armed at once.
     let at = |name: &str, at_s: f64| {
         recorded(name, &origin(name, "here", 0), ticks::channels(name, 1), |row| {

@@ -62,10 +62,7 @@ fn run_group<S: Lanes + Builds<SHARED, N>, const SHARED: usize, const N: usize>(
     let ticks = options.ticks(scenes[0]);
     let mut pairs = Pairs::<S, SHARED, N>::new(scenes)?;
     let of = |number: fn(&Scene) -> f64| F64s::of(|lane| number(scenes[lane.min(scenes.len() - 1)]));
-    let (mass_kg, stiffness) =
-        (of(|scene| scene.peer.object.mass_kg), of(|scene| scene.peer.coordination.stiffness_n_per_m));
-    let period_s = scenes[0].peer.timing.control_period_s;
-    let mut account = Accounts::<SHARED, F64s>::of(period_s, mass_kg, stiffness, ticks, options);
+    let mut account = Accounts::<SHARED, F64s>::of_each(scenes[0], ticks, options, of);
     let some = (1_u32 << scenes.len()) - 1;
     for _ in 0..ticks {
         pairs.step(&mut |at, peer| account.ticked(at, Ticked::of(peer)));

@@ -6,7 +6,8 @@ use std::array::from_fn;
 
 use super::account::{Account, Ticked};
 use super::outcome::{AxisOutcome, Figures, Options, Outcome};
-use super::reason::{APART_MM, Reason};
+use super::reason::Reason;
+use super::statics::{are_apart, compliance_m_per_n};
 use crate::measure::growth::Forces;
 use crate::measure::{Figure, LastHalf, Statistics};
 use crate::scene::Scene;
@@ -16,6 +17,8 @@ use crate::scene::Scene;
 pub struct Accounts<const SHARED: usize = 1, F = f64> {
     axes: [Account<F>; SHARED],
     tick: u64,
+    /// What a newton between the copies leaves at rest, m/N.
+    compliance_m_per_n: F,
     /// Of all axes together: |x_o1 − x_o2|, |x_o2 − x_d2|, mean |F_LC| of both peers. Nothing where there is one.
     halves: LastHalf<3, F>,
     true_m: F,
@@ -32,11 +35,15 @@ fn length<F: Figure>(parts: impl Iterator<Item = F>) -> F {
 }
 
 impl<const SHARED: usize, F: Figure> Accounts<SHARED, F> {
-    /// Of a run of so many ticks of this period (s), of copies of this mass (kg) and stiffness K_T (N/m).
-    pub(crate) fn of(period_s: f64, mass_kg: F, stiffness_n_per_m: F, ticks: u64, options: Options) -> Self {
+    /// Of a run of so many ticks of these scenes: `of` gives a number of theirs.
+    pub(crate) fn of_each(like: &Scene, ticks: u64, options: Options, of: impl Fn(fn(&Scene) -> f64) -> F) -> Self {
+        let period_s = like.peer.timing.control_period_s;
+        let mass_kg = of(|scene| scene.peer.object.mass_kg);
+        let stiffness_n_per_m = of(|scene| scene.peer.coordination.stiffness_n_per_m);
         Self {
             axes: from_fn(|_| Account::of(period_s, mass_kg, stiffness_n_per_m, ticks, options)),
             tick: 0,
+            compliance_m_per_n: of(compliance_m_per_n),
             halves: LastHalf::new(ticks),
             true_m: F::ZERO,
             largest_true_m: F::ZERO,
@@ -91,6 +98,7 @@ impl<const SHARED: usize, F: Figure> Accounts<SHARED, F> {
         Accounts {
             axes: self.axes.each_ref().map(|axis| axis.map(of)),
             tick: self.tick,
+            compliance_m_per_n: of(self.compliance_m_per_n),
             halves: self.halves.map(of),
             true_m: of(self.true_m),
             largest_true_m: of(self.largest_true_m),
@@ -104,8 +112,7 @@ impl<const SHARED: usize, F: Figure> Accounts<SHARED, F> {
 impl<const SHARED: usize> Accounts<SHARED> {
     /// An account of a run of so many ticks.
     pub fn new(scene: &Scene, ticks: u64, options: Options) -> Self {
-        let (period_s, object) = (scene.peer.timing.control_period_s, &scene.peer.object);
-        Self::of(period_s, object.mass_kg, scene.peer.coordination.stiffness_n_per_m, ticks, options)
+        Self::of_each(scene, ticks, options, |number| number(scene))
     }
 
     /// Ends a control period: adds it to the figures, and records it if it is one of those to be kept.
@@ -153,15 +160,15 @@ impl<const SHARED: usize> Accounts<SHARED> {
                 energy: [0, 1].map(|at| axes.iter().map(|axis| axis.figures.energy[at]).sum()),
             }
         };
-        let discrepancy_mm = whole.true_discrepancy_mm.max(1e3 * last_true_m);
+        let distances_mm = [whole.true_discrepancy_mm, 1e3 * last_true_m];
         let reason = if let Some((peer, fault, time_s)) = stopped {
             Some(Reason::Stopped { peer, fault, time_s })
         } else if force_grew {
             Some(Reason::ForceGrew)
         } else if energy_grew {
             Some(Reason::EnergyGrew)
-        } else if discrepancy_mm > APART_MM {
-            Some(Reason::Apart { true_discrepancy_mm: discrepancy_mm })
+        } else if are_apart(distances_mm, self.compliance_m_per_n, whole.coordination_force_n.mean) {
+            Some(Reason::Apart { true_discrepancy_mm: distances_mm[0].max(distances_mm[1]) })
         } else {
             let_go.map(|peer| Reason::LetGo { peer })
         };

@@ -122,13 +122,8 @@ impl Outcome {
         self.reason.is_none()
     }
 
-    /// A figure of merit `of` this outcome; none if the run is not stable.
+    /// A figure of merit `of` this outcome; none if anything failed but that the copies came apart.
     pub fn metric<T>(&self, of: impl FnOnce(&Self) -> T) -> Option<T> {
-        self.is_stable().then(|| of(self))
-    }
-
-    /// A figure `of` this outcome that also counts where the copies came apart; none if anything else failed.
-    pub fn whole<T>(&self, of: impl FnOnce(&Self) -> T) -> Option<T> {
         (self.verdict() != Verdict::Unstable).then(|| of(self))
     }
 

@@ -5,9 +5,6 @@ use std::fmt;
 use haptic_core::safety::Fault;
 use haptic_report::significant;
 
-/// Largest true discrepancy of a stable run, mm: copies further apart hold no object together.
-pub const APART_MM: f64 = 10.0;
-
 /// What makes a run unstable: the first of these that applies, in this order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Reason {
@@ -29,7 +26,8 @@ pub enum Reason {
         /// Largest |eigenvalue| of a packet period.
         spectral_radius: f64,
     },
-    /// The copies were further apart than [`APART_MM`], on average over the last half or in the end.
+    /// The copies were further apart than [`super::APART_MM`] and than [`super::APART_FACTOR`] times what statics say
+    /// ([`super::compliance_m_per_n`]) on average over the last half, or than [`super::END_FACTOR`] times that in the end.
     Apart {
         /// The larger of both, mm.
         true_discrepancy_mm: f64,

@@ -3,7 +3,7 @@
 use haptic_core::num::Motion;
 use haptic_core::peer::Observed;
 use haptic_core::safety::{Fault, Mode};
-use haptic_sim::run::{APART_MM, Accounts, Options, Outcome, Reason, Ticked, Verdict, run};
+use haptic_sim::run::{APART_MM, Accounts, Options, Outcome, Reason, Ticked, Verdict, compliance_m_per_n, run};
 use haptic_sim::{Laws, Scene};
 
 const TICKS: u64 = 8000;
@@ -26,7 +26,12 @@ fn peer_tick(observed: Observed<f64>, mode: Mode, engaged: bool) -> Ticked {
 
 /// What comes of a run whose peer 1 does nothing and whose peer 2 is as said at each time, s.
 fn outcome(second: impl Fn(f64) -> Ticked) -> Outcome {
-    let mut account = Accounts::<1>::new(&scene(&[]), TICKS, OPTIONS);
+    outcome_in(&scene(&[]), second)
+}
+
+/// The same in this scene.
+fn outcome_in(scene: &Scene, second: impl Fn(f64) -> Ticked) -> Outcome {
+    let mut account = Accounts::<1>::new(scene, TICKS, OPTIONS);
     for tick in 0..TICKS {
         account.ticked(0, [peer_tick(at(0.0, 0.0, 0.0), Mode::Armed, true)]);
         account.ticked(1, [second(1e-3 * tick as f64)]);
@@ -64,7 +69,7 @@ fn a_fault_takes_every_figure_and_names_itself() {
     assert_eq!(reason.to_string(), wanted);
     assert_eq!((outcome.verdict(), outcome.verdict().name(), outcome.bounded), (Verdict::Unstable, "NO", false));
     assert_eq!(outcome.metric(|o| o.whole.true_discrepancy_mm), None);
-    assert_eq!(outcome.whole(|o| o.whole.true_discrepancy_mm), None);
+    assert_eq!(outcome.metric(|o| o.whole.true_discrepancy_mm), None);
     // What is behind it was averaged until the fault.
     close(outcome.whole.true_discrepancy_mm, 5.0, 1e-12);
 }
@@ -110,12 +115,12 @@ fn who_had_let_go_in_the_end_did_not_hold_an_object() {
     assert_eq!(let_go(5.0, 7.0), None);
     // Nothing is reported of copies that are close by chance; of those that are not, that they came apart.
     let close_by = outcome(|time| peer_tick(at(0.0, 0.0, 0.0), Mode::Armed, time < 7.0));
-    assert_eq!((close_by.verdict(), close_by.whole(|o| o.whole.true_discrepancy_mm)), (Verdict::Unstable, None));
+    assert_eq!((close_by.verdict(), close_by.metric(|o| o.whole.true_discrepancy_mm)), (Verdict::Unstable, None));
     let gone = outcome(|time| peer_tick(at(0.5, 0.0, 0.0), Mode::Armed, time < 7.0));
     assert_eq!(gone.verdict(), Verdict::Apart);
 }
 
-/// Of copies that came apart, how far is reported, and nothing that would make them look good.
+/// Of copies that came apart that is said, and every figure with it.
 #[test]
 fn copies_that_come_apart_are_no_object() {
     let standing = |mm: f64| outcome(move |_| armed(at(1e-3 * mm, 0.0, 1.0)));
@@ -124,8 +129,8 @@ fn copies_that_come_apart_are_no_object() {
     assert_eq!((apart.verdict().name(), apart.is_stable(), apart.bounded), ("apart", false, true));
     assert_eq!(apart.reason.expect("a reason").to_string(), "the copies are 2.40 m apart");
     assert_eq!(standing(12.3).reason.expect("a reason").to_string(), "the copies are 12.3 mm apart");
-    close(apart.whole(|o| o.whole.true_discrepancy_mm).expect("how far"), 2400.0, 1e-9);
-    assert_eq!(apart.metric(|o| o.whole.decoded_discrepancy_mm), None);
+    close(apart.metric(|o| o.whole.true_discrepancy_mm).expect("how far"), 2400.0, 1e-9);
+    close(apart.metric(|o| o.whole.coordination_force_n.mean).expect("what holds them"), 1.0, 1e-12);
     // Not yet on average, but in the end.
     let leaving = outcome(|time| armed(at(1e-3 * (time - 5.0).max(0.0) * 6.0, 0.0, 1.0)));
     assert!(leaving.whole.true_discrepancy_mm < APART_MM);
@@ -135,6 +140,59 @@ fn copies_that_come_apart_are_no_object() {
     assert_eq!(leaving.doubted(doubt).reason, doubt);
     let stopped = outcome(|_| peer_tick(at(0.0, 0.0, 0.0), Mode::Faulted(Fault::Diverged), false));
     assert!(matches!(stopped.doubted(doubt).reason, Some(Reason::Stopped { .. })));
+}
+
+/// How far apart is too far is what springs and line leave at rest, and not a length: F·(2/K_T + T/b) (docs/theory.md, section 4).
+#[test]
+fn soft_springs_are_not_copies_that_came_apart() {
+    let verdict = |scene: &Scene, mm: f64, force: &dyn Fn(f64) -> f64| {
+        outcome_in(scene, |time| armed(at(1e-3 * mm, 0.0, force(time)))).verdict()
+    };
+    let soft = scene(&["coordination.comm=power", "coordination.stiffness_n_per_m=80"]);
+    // 2/80 N/m is 25 mm a newton, and 37.5 mm half as much again.
+    assert_eq!(verdict(&soft, 37.4, &|_| 1.0), Verdict::Stable);
+    assert_eq!(verdict(&soft, 37.6, &|_| 1.0), Verdict::Apart);
+    assert_eq!(verdict(&soft, 74.9, &|_| -2.0), Verdict::Stable);
+    // A swing has no mean force, and two copies that nothing holds have none: ten millimetres are too far.
+    assert_eq!(verdict(&soft, 12.0, &|time| (40.0 * time).sin()), Verdict::Apart);
+    assert_eq!(verdict(&soft, 12.0, &|_| 0.0), Verdict::Apart);
+    // At one instant a swing may be twice as far, and no farther.
+    let leaving = |mm: f64| {
+        outcome_in(&soft, move |time| armed(at(if time > 7.9 { 1e-3 * mm } else { 0.0 }, 0.0, 1.0))).verdict()
+    };
+    assert_eq!((leaving(74.9), leaving(75.1)), (Verdict::Stable, Verdict::Apart));
+    // A line of waves of 808 ms, b = 10: 80.8 mm a newton, and springs of 0.2.
+    let long = scene(&["network.one_way_delay_packets=100"]);
+    assert_eq!(verdict(&long, 121.0, &|_| 1.0), Verdict::Stable);
+    assert_eq!(verdict(&long, 122.0, &|_| 1.0), Verdict::Apart);
+}
+
+/// Two users press copies together, for a minute over three kinds of line: statics are what they come to rest at, to a percent, or more. Springs of 80 N/m are
+/// 12.5 mm a newton each, of which positions sent at once need one; a line of 32 ms and a packet, b = 10 N·s/m, is 3.2 to 4 mm, and a tick in store 0.1 mm more.
+#[test]
+fn a_run_rests_where_statics_say() {
+    let midpoint = &["object.integrator=midpoint", "coordination.decode=implicit", "object.force_delay_ticks=0"][..];
+    for (comm, solved, expected_mm) in [
+        ("power", &[][..], 12.49..=12.51),
+        ("passive-wave", &[][..], 28.2..=29.0),
+        ("self-timed", midpoint, 28.2..=29.2),
+    ] {
+        let comm = format!("coordination.comm={comm}");
+        let pressed = ["user.1.push_n=1", "user.2.push_n=1", "network.one_way_delay_packets=4"];
+        let scene = scene(&[&pressed[..], solved, &["coordination.stiffness_n_per_m=80", &comm]].concat());
+        let outcome = run::<f64>(&scene, Options { duration_s: 60.0, record_every: 0 }, &|_| {}).expect("a good scene");
+        let (found_mm, force_n) = (outcome.whole.true_discrepancy_mm, outcome.whole.coordination_force_n.mean.abs());
+        let statics_mm = 1e3 * compliance_m_per_n(&scene) * force_n;
+        assert_eq!(outcome.verdict(), Verdict::Stable, "{comm}: {found_mm} mm, {:?}", outcome.reason);
+        assert!(
+            (0.99 * found_mm..=2.01 * found_mm).contains(&statics_mm),
+            "{comm}: {found_mm} mm, statics {statics_mm} mm"
+        );
+        assert!(
+            (0.999..=1.001).contains(&force_n) && expected_mm.contains(&found_mm),
+            "{comm}: {found_mm} mm, {force_n} N"
+        );
+    }
 }
 
 /// A constant force on a copy that moves to and fro does F·v·t, either way; a spring holds ½·K·s².

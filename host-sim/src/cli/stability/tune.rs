@@ -32,9 +32,9 @@ impl Tune {
                 "scalar": f32::NAME, "duration_s": TRIAL_S, "bounded": outcome.bounded,
                 "reason": outcome.reason.map(|reason| reason.to_string()),
                 "fault": outcome.fault.map(|(peer, fault)| format!("peer {peer}: {}", fault.explain())),
-                "true_discrepancy_mm": outcome.whole(|o| o.whole.true_discrepancy_mm),
+                "true_discrepancy_mm": outcome.metric(|o| o.whole.true_discrepancy_mm),
                 "decoded_discrepancy_mm": outcome.metric(|o| o.whole.decoded_discrepancy_mm),
-                "peak_coordination_force_n": outcome.whole(|o| o.whole.peak_coordination_force_n),
+                "peak_coordination_force_n": outcome.metric(|o| o.whole.peak_coordination_force_n),
                 "released": released,
             })
         });

@@ -9,11 +9,13 @@
 /** What a page needs of an environment: the part of the drawing that is seen, where a hand (m) is in one of its pictures, where it is
  * when a pointer takes it from there to another place of that picture, which picture a place belongs to, the column that shows the own
  * hand first, where the own device is (m), what to draw each frame (of a line that is cut or not), and what to show beside it. Pictures may
- * have drawings of their own instead of the scene's (stages), and a sentence of their own on how it stands, and whether that is bad.
+ * have drawings of their own instead of the scene's (stages), and a sentence of their own on how it stands, and whether that is bad; some are told
+ * the peers' modes, and above which number a mode is a fault, and some replay what was.
  * @typedef {{ box: string, flat: boolean, toScene: (at: Place, picture: number) => Point,
  *   fromScene: (to: Point, at: Place, picture: number) => Place, picture?: (at: Point) => number, hand: string, own: (picture: number) => Place,
  *   draw: (cut: boolean) => void, numbers: [string, () => string][], help: string,
- *   stages?: SVGSVGElement[], slowly?: () => void, status?: () => [string, boolean] }} Picture */
+ *   stages?: SVGSVGElement[], slowly?: () => void, status?: () => [string, boolean],
+ *   told?: (modes: number[], base: number) => void, replayed?: () => number }} Picture */
 /** @typedef {Picture & { strips: Strip[] }} View */
 
 const SVG = "http://www.w3.org/2000/svg";

@@ -3,6 +3,7 @@
 // pointer takes the hand of all of them, and a sentence on how it stands.
 
 import { make, move, put, strip } from "./environments.js";
+import { TOGETHER_MM } from "./status.js";
 
 /** @typedef {import("./environments.js").Value} Value */
 /** @typedef {import("./environments.js").View} View */
@@ -24,8 +25,6 @@ const LAWS = [
     why: "Each packet carries the sum of everything sent so far. While none comes the line stands still; the next one brings all that was lost.",
   },
 ];
-/** Copies that are farther apart than this, mm, are no longer one object. */
-const TOGETHER_MM = 10;
 /** From the middle of the object to a hand, mm. */
 const HANDLE = 38;
 

@@ -3,35 +3,34 @@
 // in comments. What columns, keys, scenes and faults there are, the program says first of all ("hello").
 
 import { view as viewOf } from "./environments.js";
-import { laws } from "./laws.js";
-import { along, axesOf, peers, SUFFIXES, WAYS } from "./pair.js";
+import { join, showJoin, showPeople } from "./join.js";
+import { quantities, text } from "./numbers.js";
+import { along, axesOf, boardStrips, pairStrips, peers } from "./pair.js";
+import { choice, drawing, element, input, write } from "./parts.js";
+import { fitStages, may, touched as byTouch } from "./phone.js";
+import { download, Plots } from "./plots.js";
+import { Samples } from "./samples.js";
+import { pairScene } from "./scene.js";
+import { settings } from "./settings.js";
+import { sentence } from "./status.js";
+import { pictures, story } from "./stories.js";
+import { Timeline } from "./timeline.js";
 
 /** @typedef {import("./environments.js").Place} Place */
 /** @typedef {import("./environments.js").Point} Point */
 /** @typedef {import("./environments.js").Strip} Strip */
 /** @typedef {import("./environments.js").View} View */
 /** @typedef {{ name: string, unit: string, means: string }} Column */
-/** @typedef {{ environments: { name: string, columns: Column[], more: any }[], header_bytes: number, faults: Record<string, string>, fault_base: number, waits: number,
- *   other: string | null, boards: boolean, clicks: { name: string, order: string }[], laws: string[], partners: string[], reach_m: number, period_s: number }} Hello */
-/** @typedef {{ stable: boolean | null, text: string, not_judged: string[] }} Finding */
-/** @typedef {{ settings: Record<string, string>, changed: [string, string][], one_way_s: number, finding: Finding | null }} Holds */
-/** @typedef {{ line: string, text: string, instead: string | null }} Question */
+/** @typedef {{ environments: { name: string, story: boolean, columns: Column[], more: any }[], header_bytes: number, faults: Record<string, string>, fault_base: number, waits: number,
+ *   other: string | null, boards: boolean, clicks: { name: string, order: string }[], laws: string[], partners: string[], reach_m: number, period_s: number, recording?: Recorded }} Hello */
+/** A recording: of how many ticks, from which time on, s, when that was, and how far the copies were apart in each part of it.
+ * @typedef {{ file: string, who: string, kind: number, ticks: number, start_s: number, unix_s: number, told: boolean, overview_mm: number[], left_out: string | null }} Recorded */
+/** @typedef {import("./settings.js").Holds} Holds */
+/** @typedef {import("./settings.js").Question} Question */
 /** @typedef {{ number: number, fault: string | null, told: { name: string, there: boolean, status: string, said: [string, string][] } }} Board */
 
-/** @param {string} id @returns {HTMLElement} */
-const element = (id) => {
-  const found = document.getElementById(id);
-  if (!found) throw new Error(`no #${id}`);
-  return found;
-};
-const input = (/** @type {string} */ id) => /** @type {HTMLInputElement} */ (element(id));
-const choice = (/** @type {string} */ id) => /** @type {HTMLSelectElement} */ (element(id));
 const still = matchMedia("(prefers-reduced-motion: reduce)");
 
-/** The environment that shows three laws side by side. */
-const STORY = "bad-network";
-/** Samples that are kept: 16 s. */
-const KEPT = 16384;
 /** No sample yet: everything that the program has. */
 const NOTHING = 0xffffffff;
 
@@ -45,24 +44,26 @@ function carried(link) {
     return { ring, order: "" };
   }
 }
+/** Whether this program has all that is shown, so that it can be set. */
+const here = () => hello?.other === null && !hello.boards;
 let { ring, order: first } = carried(location.hash);
 // What a role lets a window do the program checks; here it says what to offer.
 const roles = ring.split("+").map((key) => key.split("-")[0] ?? "");
 const me = roles.includes("hand2") ? 2 : 1;
 const hasHand = roles.includes(`hand${me}`);
 const operates = roles.includes("operator");
-const side = me === 1 ? -38 : 38;
 
 /** @type {Hello | undefined} */
 let hello;
-/** @type {Holds | undefined} */
-let holds;
-/** @type {Map<string, number>} */
-const columns = new Map();
-let width = 1;
-let samples = new Float32Array(0);
-/** Tick after the newest sample. */
+const samples = new Samples();
+/** Tick that is asked for next. */
 let next = NOTHING;
+/** What is drawn in the scene has changed though no sample has. */
+let stale = true;
+/** The newest of what was said of peers and people; another one is said. */
+let standing = "";
+/** Ticks that were late, and the worst of them. */
+let late = "–";
 /** Where the hand is wanted, m, along, across and up; NaN: let go. @type {Place} */
 let wanted = [NaN, NaN, NaN];
 /** Pointer less hand when it was taken, in the drawing, and in which picture of it. @type {Point} */
@@ -82,32 +83,55 @@ let waiting = false;
 /** @type {WebSocket | undefined} */
 let socket;
 
-/** A column's value. @param {string} name @param {number} [ago] ticks */
-const value = (name, ago = 0) => samples[((next - 1 - ago) & (KEPT - 1)) * width + (columns.get(name) ?? NaN)] ?? NaN;
+/** A column's value, so many ticks before the moment that is shown. @param {string} name @param {number} [ago] */
+const value = samples.value;
+const period = () => hello?.period_s ?? 1e-3;
+const timeline = new Timeline({
+  samples,
+  period,
+  packet: () => Number(holds()?.settings["timing.ticks_per_packet"] ?? 1),
+  span: () => plots.span,
+  wake,
+});
+const plots = new Plots({
+  samples,
+  period,
+  start: () => hello?.recording?.start_s ?? 0,
+  whole: () => timeline.whole(),
+  title: headings,
+  file: () => hello?.recording?.file.replace(/\.mcap$/, "") || "play",
+  seek: (tick) => timeline.seek(tick),
+  key: timeline.key,
+});
 
 // --- the line to the program ---
 
-function connect() {
-  socket = new WebSocket(`ws://${location.host}/ws/${ring}`);
-  socket.binaryType = "arraybuffer";
-  socket.onmessage = ({ data }) => (typeof data === "string" ? told(JSON.parse(data)) : take(data));
-  socket.onclose = ({ wasClean }) => {
-    letGo();
-    hello = undefined;
-    const why = wasClean
-      ? "closed: another window took this hand, or the program has ended; reload to try again"
-      : "no connection";
-    say(`${why}${wasClean ? "" : ": is the program running?"}`, true);
-    if (!wasClean) setTimeout(connect, 1000);
-  };
-}
+/** @type {ReturnType<typeof join> | undefined} */
+let line;
+const connect = () =>
+  join(ring, {
+    opened: (now) => {
+      socket = now;
+    },
+    hear: (data) => (typeof data === "string" ? told(JSON.parse(data)) : take(data)),
+    lost: (why) => {
+      letGo();
+      hello = undefined;
+      say(why, true);
+    },
+  });
 
-/** @param {{ hello?: Hello, holds?: Holds, refused?: string, ask?: Question, boards?: Board[] }} message */
+/** @param {{ hello?: Hello, holds?: Holds, refused?: string, ask?: Question, boards?: Board[], join?: Parameters<typeof showJoin>[0] }} message */
 function told(message) {
   if (message.boards) {
     message.boards.forEach(showBoard);
     return;
   }
+  if (message.join) {
+    showJoin(message.join);
+    return;
+  }
+  stale = true;
   if (message.hello) greeted(message.hello);
   if (message.holds) show(message.holds);
   if (message.refused !== undefined) element("refused").textContent = message.refused;
@@ -120,22 +144,25 @@ function greeted(greeting) {
   hello = greeting;
   fill(
     choice("environment"),
-    greeting.environments.map(({ name }) => name),
+    greeting.environments.filter(({ story }) => !story).map(({ name }) => name),
   );
-  showKind(0);
+  showKind(greeting.recording?.kind ?? 0);
   [next, waiting] = [NOTHING, false];
   for (const part of document.querySelectorAll("[data-here]"))
     part.toggleAttribute("hidden", greeting.other !== null || greeting.boards);
   for (const part of document.querySelectorAll("[data-play], [data-verdict]")) part.toggleAttribute("hidden", greeting.boards);
   element("boards").hidden = !greeting.boards;
+  document.body.classList.toggle("recording", Boolean(greeting.recording));
+  if (greeting.recording) opened(greeting.recording);
   hand.toggleAttribute("hidden", !hasHand || greeting.boards);
-  element("apart-name").textContent = greeting.other === null ? "copies apart (true)" : "copies apart (as last told)";
+  element("apart-name").textContent =
+    greeting.other === null && !greeting.recording?.told ? "copies apart" : "copies apart (as last told)";
   fill(choice("law"), greeting.laws);
   fill(choice("partner"), greeting.partners);
   element("clicks").replaceChildren(
     ...greeting.clicks.map(({ name, order }) => {
       const button = document.createElement("button");
-      [button.type, button.textContent] = ["button", name];
+      [button.type, button.textContent, button.title] = ["button", name, order];
       button.addEventListener("click", () => ask(order));
       return button;
     }),
@@ -146,38 +173,53 @@ function greeted(greeting) {
   first = "";
 }
 
+/** Shows a recording, whose ticks are asked for as they are looked at. @param {Recorded} recording */
+function opened(recording) {
+  const { file, who, ticks, start_s, overview_mm, left_out } = recording;
+  element("who").textContent = "– recorded";
+  say(`${file}, of ${who}, ${dateOf(recording)}${left_out ? `; ${left_out}` : ""}`, false);
+  const ask = (/** @type {number} */ from, /** @type {number} */ count) => {
+    const bytes = new DataView(new ArrayBuffer(8));
+    bytes.setUint32(0, from, true);
+    bytes.setUint32(4, count, true);
+    socket?.send(bytes);
+  };
+  timeline.open({ ticks, start_s, overview_mm, ask });
+}
+
+/** When a recording was begun. @param {Recorded} recording */
+const dateOf = ({ unix_s }) => `${new Date(1e3 * unix_s).toISOString().slice(0, 16).replace("T", " ")} UTC`;
+
 /** Shows another environment: nothing of the one before is kept. @param {number} number */
 function showKind(number) {
   const environment = hello?.environments[number];
   if (!environment) return;
   kind = number;
   scene.append(hand);
-  columns.clear();
-  for (const [at, { name }] of environment.columns.entries()) columns.set(name, at);
-  // A sample is what the columns say, and behind them the count of starts.
-  columns.set("restarts", environment.columns.length);
-  width = environment.columns.length + 1;
-  samples = new Float32Array(KEPT * width).fill(NaN);
-  paused = undefined;
-  element("pause").setAttribute("aria-pressed", "false");
+  timeline.now();
+  samples.begin(environment.columns);
+  stale = true;
   picture = 0;
   letGo();
   lags.length = 0;
-  const group = /** @type {SVGElement} */ (/** @type {unknown} */ (element("other")));
+  const group = drawing("other");
   axes = axesOf(environment.name);
   const other = viewOf(environment.name, group, value, me, environment.more);
-  const several = axes > 1 ? { ...peers(group, value, me, axes), strips: pairStrips(axes) } : undefined;
-  const story = environment.name === STORY ? laws(element("lanes"), value, me, hello?.faults ?? {}) : undefined;
-  document.body.classList.toggle("story", Boolean(story));
-  element("story").textContent = story ? "Back to one object" : "Three laws, one bad network";
-  shown = other ?? several ?? story ?? (hello?.boards ? { ...pair, strips: BOARD_STRIPS } : pair);
+  const several = axes > 1 ? { ...peers(group, value, me, axes), strips: stripsOf(axes) } : undefined;
+  const told = story(environment.name, value, { me, faults: hello?.faults ?? {}, holds, past: () => timeline.past });
+  if (!told) atWork = environment.name;
+  shown = other ?? several ?? told ?? (hello?.boards ? { ...pair, strips: boardStrips(value, stripsOf(1)) } : pair);
   element("pair").toggleAttribute("hidden", axes !== 1);
   element("pair-numbers").hidden = axes === 0;
-  element("help").textContent = `${shown.help} ${KEYS}`;
+  // What only peers with a law have is there while they are.
+  for (const part of document.querySelectorAll("[data-peers]"))
+    part.toggleAttribute("hidden", (axes === 0 && environment.name !== "hub") || !here());
+  element("help").textContent = byTouch.matches ? shown.help : `${shown.help} ${KEYS}`;
   scene.setAttribute("viewBox", shown.box);
   shown.stages?.forEach(takePointers);
   if (shown.stages) [picture] = [shown.stages.length - 1];
   (shown.stages?.at(-1) ?? scene).append(hand);
+  fitStages(shown.stages ?? [scene], shown.flat && !shown.stages);
   element("more-numbers").replaceChildren(
     ...shown.numbers.map(([name]) => {
       const part = document.createElement("div");
@@ -188,8 +230,8 @@ function showKind(number) {
   );
   for (const part of document.querySelectorAll("[data-verdict]"))
     part.toggleAttribute("hidden", Boolean(axes === 0 || hello?.boards));
-  if (document.activeElement !== choice("environment")) choice("environment").selectedIndex = number;
-  buildStrips(shown.strips);
+  if (document.activeElement !== choice("environment")) choice("environment").value = environment.name;
+  plots.show(shown.strips);
 }
 
 /** @param {HTMLSelectElement} select @param {string[]} names */
@@ -202,19 +244,29 @@ function take(bytes) {
   const view = new DataView(bytes);
   const first = view.getUint32(0, true);
   const rows = new Float32Array(bytes, hello.header_bytes);
-  const count = rows.length / width;
-  if (view.getUint8(18) !== kind) showKind(view.getUint8(18));
-  else if (first !== next) samples.fill(NaN);
-  for (let row = 0; row < count; row++) {
-    samples.set(rows.subarray(row * width, (row + 1) * width), ((first + row) & (KEPT - 1)) * width);
+  if (hello.recording) {
+    // What does not go on from what is there is of another time.
+    if (first !== samples.next) samples.forget();
+    samples.take(first, rows, 0, true);
+    stale = true;
+    timeline.came();
+    wake();
+    return;
   }
-  next = first + count;
-  if (value("restarts") !== restarts) {
-    restarts = value("restarts");
+  if (view.getUint8(18) !== kind) showKind(view.getUint8(18));
+  samples.take(first, rows, performance.now());
+  next = samples.next;
+  if (samples.moved >= first) wake();
+  if (samples.newest("restarts") !== restarts) {
+    restarts = samples.newest("restarts");
     letGo();
   }
-  const late = [view.getUint32(4, true), view.getUint32(8, true) / 1000];
-  element("late").textContent = `${late[0]}, ${late[1]?.toFixed(1)} ms`;
+  late = `${view.getUint32(4, true)}, ${(view.getUint32(8, true) / 1000).toFixed(1)} ms`;
+  const now = new Uint8Array(bytes, 12, 8).join();
+  if (now !== standing) stale = true;
+  // How it stands is read from what is shown, which is not what is, while that is the past.
+  else if (timeline.past) return;
+  standing = now;
   report(
     [view.getUint8(12), view.getUint8(13)],
     [view.getUint8(14), view.getUint8(15)],
@@ -227,100 +279,86 @@ function take(bytes) {
 function report(modes, people, isCut, partner) {
   cut = isCut;
   const { faults = {}, fault_base = 100, partners = [], waits, other = null, boards = false } = hello ?? {};
-  const fault = modes.findIndex((mode) => mode > fault_base);
-  const there = people[2 - me];
-  element("cut").setAttribute("aria-pressed", `${cut}`);
-  element("cut").textContent = cut ? "Join the cable" : "Cut the cable";
-  element("cut-mark").toggleAttribute("hidden", !cut);
+  showPeople(people, hasHand ? me : 0, Number(other?.match(/^peer ([12])/)?.[1] ?? 0));
+  if (element("cut").getAttribute("aria-pressed") !== `${cut}`) {
+    element("cut").setAttribute("aria-pressed", `${cut}`);
+    element("cut").textContent = cut ? "Join the cable" : "Cut the cable";
+  }
   const select = choice("partner");
   if (document.activeElement !== select) select.selectedIndex = partner;
-  if (boards) sayBoards(modes);
-  else if (fault >= 0) say(`peer ${fault + 1} stopped: ${faults[(modes[fault] ?? 0) - fault_base]}. Press Start.`, true);
-  else if (modes.some((mode) => mode === waits)) say(`waiting for ${other}`, true);
-  else if (modes.includes(0)) say("stopped: motors are off. Press Start.", true);
-  else if (cut) say("the cable is cut", true);
-  else if (shown.status) say(...shown.status());
-  else if (!hasHand) say(operates ? "you are the operator" : "you watch", false);
-  else if (other !== null) say(`${other} has the other hand`, false);
-  else if (there) say("another person has the other hand", false);
-  else if (axes > 0) say(`the partner has the other hand: ${partners[partner]}`, false);
-  else say("the program has the other hands", false);
+  if (boards) {
+    sayBoards(modes);
+    return;
+  }
+  shown.told?.(modes, fault_base);
+  const fault = modes.findIndex((mode) => mode > fault_base);
+  const hands = !hasHand
+    ? operates
+      ? "you are the operator"
+      : "you watch"
+    : other !== null
+      ? `${other} has the other hand`
+      : people[2 - me]
+        ? "another person has the other hand"
+        : axes > 0
+          ? `the partner has the other hand: ${partners[partner]}`
+          : "the program has the other hands";
+  const [now, bad] = sentence({
+    fault: fault < 0 ? undefined : { peer: fault + 1, why: faults[(modes[fault] ?? 0) - fault_base] ?? "a fault" },
+    waits: modes.some((mode) => mode === waits) ? `${other}` : undefined,
+    off: modes.includes(0),
+    cut,
+    told: timeline.past ? undefined : shown.status?.(),
+    apart: axes > 0 && !timeline.past ? apart(0) : NaN,
+    live: axes > 0 && !timeline.past ? measured.live() : [NaN, NaN],
+    hands,
+  });
+  say(now, bad);
+  const seen =
+    bad && axes > 0 && element("verdict").textContent?.startsWith("stable") && fault < 0
+      ? `Seen now: ${now}. The verdict is about the settings, and leaves out what was not judged.`
+      : "";
+  write(element("seen"), seen);
 }
 
-function askForMore() {
-  // One question at a time: a slow line makes fewer pictures, not a queue of them.
-  if (!hello || socket?.readyState !== WebSocket.OPEN || (waiting && performance.now() - asked < 1000)) return;
+/** Asks for what came since, and says where the hand is wanted. @param {boolean} [hidden] even of a page that is not seen */
+function askForMore(hidden = false) {
+  // One question at a time: a slow line makes fewer pictures, not a queue of them. Who does not look does not ask: motors of boards go off by that.
+  if (
+    (document.hidden && !hidden) ||
+    !hello ||
+    hello.recording ||
+    socket?.readyState !== WebSocket.OPEN ||
+    (waiting && performance.now() - asked < 1000)
+  )
+    return;
   const bytes = new DataView(new ArrayBuffer(20));
   bytes.setUint32(0, next, true);
   for (const [axis, at] of wanted.entries()) bytes.setFloat32(4 + 4 * axis, hasHand ? at : NaN, true);
   bytes.setUint32(16, restarts, true);
   socket.send(bytes);
   [waiting, asked] = [true, performance.now()];
+  line?.asks();
 }
 
 /** @param {string} text @param {boolean} bad */
 function say(text, bad) {
   const status = element("status");
-  if (status.textContent !== text) status.textContent = text;
+  write(status, text);
   status.classList.toggle("bad", bad);
 }
 
 // --- the scene ---
 
-const scene = /** @type {SVGSVGElement} */ (/** @type {unknown} */ (element("scene")));
+const scene = drawing("scene");
 const hand = element("hand");
-for (let mm = -120; mm <= 120; mm += 20) {
-  const tick = document.createElementNS("http://www.w3.org/2000/svg", "path");
-  tick.setAttribute("d", `M${mm} 32v${mm % 60 === 0 ? 4 : 2}`);
-  element("ticks").append(tick);
-}
-
-/** @param {string} id @param {number} metres */
-const move = (id, metres) => {
-  if (Number.isFinite(metres)) element(id).setAttribute("transform", `translate(${(1e3 * metres).toFixed(3)} 0)`);
-};
-
-/** An arrow of 10 mm a newton. @param {number} x @param {number} y @param {number} newton */
-const arrow = (x, y, newton) => {
-  const length = 10 * Math.max(-12, Math.min(12, newton));
-  if (!(Math.abs(length) > 0.3)) return "";
-  const head = Math.sign(length) * Math.min(4, Math.abs(length));
-  return `M${x} ${y - 1}h${length - head}v-2l${head} 3l${-head} 3v-2h${head - length}z`;
-};
-
-function drawScene() {
-  for (const n of [1, 2]) {
-    const x = n === 1 ? -38 : 38;
-    for (const [part, name] of [
-      ["copy", "object"],
-      ["device", "device"],
-    ]) {
-      element(`${part}${n}`).toggleAttribute("hidden", !Number.isFinite(value(`${name}_${n}`)));
-    }
-    const device = 1e3 * value(`device_${n}`);
-    const to = 1e3 * value(`wanted_${n}`) + x;
-    move(`copy${n}`, value(`object_${n}`));
-    move(`device${n}`, value(`device_${n}`));
-    const [line, end] = element(`pull${n}`).children;
-    element(`pull${n}`).toggleAttribute("hidden", !Number.isFinite(to));
-    if (Number.isFinite(to) && Number.isFinite(device)) {
-      line?.setAttribute("x1", `${device + x}`);
-      line?.setAttribute("x2", `${to}`);
-      end?.setAttribute("cx", `${to}`);
-    }
-    element(`arrow${n}`).setAttribute("d", arrow(device + x, n === 1 ? -20 : -12, value(`hand_${n}`)));
-    element(`spring${n}`).setAttribute("d", arrow(1e3 * value(`object_${n}`), n === 1 ? 20 : 27, value(`coordination_${n}`)));
-  }
-  const [one, two] = [1e3 * value("object_1"), 1e3 * value("object_2")];
-  if (Number.isFinite(one - two)) {
-    element("gap").lastElementChild?.setAttribute("d", `M${one} -16v-14M${two} -16v-14M${one} -28H${two}`);
-    element("gap-mm").textContent = Math.abs(one - two).toFixed(2);
-  }
-}
+/** Where the lens of the workshop stands. */
+const GLASS = { x: -75, y: -66, width: 150, height: 38, most: 200 };
+const both = pairScene(drawing("pair"), value, GLASS);
 
 /** The ring of the own hand: where it is wanted, or where the device is. */
 function drawHand() {
-  const [x, y] = shown.toScene(holding() ? wanted : shown.own(picture), picture);
+  const [x, y] = shown.toScene(holding() && !timeline.past ? wanted : shown.own(picture), picture);
   if (!Number.isFinite(x + y)) return;
   hand.setAttribute("cx", `${x}`);
   hand.setAttribute("cy", `${y}`);
@@ -345,7 +383,7 @@ let moved;
 
 /** @param {number} now ms */
 function measureLag(now) {
-  if (!moved || !(Math.abs(value(shown.hand) - moved[1]) > 0)) return;
+  if (!moved || !(Math.abs(samples.newest(shown.hand) - moved[1]) > 0)) return;
   lags.push(now - moved[0]);
   if (lags.length > 1000) lags.shift();
   moved = undefined;
@@ -358,6 +396,8 @@ hand.toggleAttribute("hidden", !hasHand);
 function takePointers(stage) {
   stage.addEventListener("pointerdown", (event) => {
     if (!event.isPrimary || event.button !== 0 || !hasHand || hello?.boards) return;
+    // What is taken is taken now.
+    timeline.now();
     // A hand that is put elsewhere loses its focus, and lets go.
     if (hand.parentNode !== stage) stage.append(hand);
     stage.setPointerCapture(event.pointerId);
@@ -373,7 +413,7 @@ function takePointers(stage) {
     if (!stage.hasPointerCapture(event.pointerId) || !holding()) return;
     const [x, y] = pointed(stage, event);
     wanted = shown.fromScene([x - offset[0], y - offset[1]], wanted, picture);
-    const was = value(shown.hand);
+    const was = samples.newest(shown.hand);
     if (Number.isFinite(was)) moved ??= [event.timeStamp, was];
   });
   for (const kind of ["pointerup", "pointercancel", "lostpointercapture"]) stage.addEventListener(kind, letGo);
@@ -382,9 +422,11 @@ takePointers(scene);
 hand.addEventListener("blur", letGo);
 document.addEventListener("visibilitychange", () => {
   letGo();
-  askForMore();
+  askForMore(true);
+  wake();
 });
 hand.addEventListener("keydown", (event) => {
+  if (event.key !== "Tab") timeline.now();
   const reach = shown.flat ? (hello?.reach_m ?? 0) : 0.2;
   // Where there is only along, up is forward.
   const forward = shown.fromScene([0, -1], [0, 0, 0], 0)[1];
@@ -411,41 +453,31 @@ hand.addEventListener("keydown", (event) => {
 
 // --- numbers ---
 
-/** Mean over the last ticks. @param {(ago: number) => number} of @param {number} [ticks] */
-function mean(of, ticks = 200) {
-  let sum = 0;
-  for (let ago = 0; ago < ticks; ago++) sum += of(ago);
-  return sum / ticks;
-}
-/** Distance of two places, mm. @param {string} one @param {string} other @param {number} ago */
-const distance = (one, other, ago) => {
-  // Plots ask for thousands a frame.
-  if (axes === 1) return 1e3 * Math.abs(value(one, ago) - value(other, ago));
-  const to = along(value, axes, other, ago);
-  return 1e3 * Math.hypot(...along(value, axes, one, ago).map((at, axis) => at - (to[axis] ?? NaN)));
-};
-const apart = (/** @type {number} */ ago) => distance("object_1", "object_2", ago);
-const decoded = (/** @type {number} */ ago) => distance(`object_${me}`, `decoded_${me}`, ago);
-/** A force: along one axis with its sign, else its size. @param {string} name @param {number} ago */
-const force = (name, ago) => (axes === 1 ? value(name, ago) : Math.hypot(...along(value, axes, name, ago)));
+const measured = quantities(
+  value,
+  me,
+  () => axes,
+  () => timeline.past,
+);
+const { apart, decoded, force } = measured;
+element("pair-numbers").replaceChildren(...measured.parts);
+
+const stripsOf = (/** @type {number} */ axes) => pairStrips(value, me, { apart, decoded, force }, axes);
 
 function writeNumbers() {
-  const text = (/** @type {number} */ number, /** @type {number} */ digits) =>
-    Number.isFinite(number) ? number.toFixed(digits) : "–";
-  /** @param {string} id @param {number} digits @param {...number} numbers */
-  const write = (id, digits, ...numbers) => {
-    element(id).textContent = numbers.map((number) => text(number, digits)).join(", ");
+  const tell = (/** @type {string} */ name, /** @type {string} */ text) => {
+    if (hand.getAttribute(name) !== text) hand.setAttribute(name, text);
   };
-  const both = (/** @type {string} */ name, ticks = 200) => [1, 2].map((n) => mean((ago) => value(`${name}_${n}`, ago), ticks));
-  const forces = (/** @type {string} */ name) => [1, 2].map((n) => mean((ago) => force(`${name}_${n}`, ago)));
-  write("lag", 0, lag(0.5), lag(0.95));
+  const lags = [0.5, 0.95].map((share) => text(lag(share), 0)).join(", ");
+  write(element("lag"), lags);
+  write(element("late"), late);
   shown.slowly?.();
   if (axes === 0) {
     shown.numbers.forEach(([, of], at) => {
       const number = element("more-numbers").children[at]?.lastElementChild;
-      if (number) number.textContent = of();
+      if (number) write(number, of());
     });
-    hand.setAttribute(
+    tell(
       "aria-valuetext",
       shown
         .own(picture)
@@ -455,405 +487,37 @@ function writeNumbers() {
     );
     return;
   }
-  write("true", 3, mean(apart));
-  write("decoded", 3, mean(decoded));
-  write("forces", 2, ...forces("hand"));
-  write("coordination", 2, ...forces("coordination"));
-  write("line", 2, 1e3 * value("line"));
-  write("kept", 2, 1e3 * value("kept_1"), 1e3 * value("kept_2"));
-  write("trip", 1, 1e3 * (value("delay_1") + value("delay_2")));
-  write("live", 0, ...both("live", 1000).map((share) => 100 * share));
+  measured.write();
   const at = 1e3 * value(`device_${me}`);
   if (Number.isFinite(at)) {
-    hand.setAttribute("aria-valuenow", at.toFixed(0));
+    tell("aria-valuenow", at.toFixed(0));
     const places = along(value, axes, `device_${me}`).map((at) => `${(1e3 * at).toFixed(0)} millimetres`);
-    hand.setAttribute("aria-valuetext", `${places.join(", ")}, ${force(`hand_${me}`, 0).toFixed(1)} newtons`);
+    tell("aria-valuetext", `${places.join(", ")}, ${force(`hand_${me}`, 0).toFixed(1)} newtons`);
   }
 }
-
-// --- plots ---
-
-/** What is plotted of two peers: places along each axis, of forces their size where there are several.
- * @param {number} axes @returns {Strip[]} */
-const pairStrips = (axes) => [
-  ...WAYS.slice(0, axes).map((way, axis) => ({
-    id: axis === 0 ? "position" : `position-${way}`,
-    title: axes === 1 ? "Position" : `Position, ${way}`,
-    unit: "mm",
-    series: [1, 2].map((n) => ({
-      name: `copy ${n}`,
-      of: (/** @type {number} */ ago) => 1e3 * value(`object_${n}${SUFFIXES[axis]}`, ago),
-    })),
-  })),
-  {
-    id: "force",
-    title: "Force",
-    unit: "N",
-    series: [
-      ...[1, 2].map((n) => ({ name: `hand ${n}`, of: (/** @type {number} */ ago) => force(`hand_${n}`, ago) })),
-      { name: `coordination ${me}`, of: (ago) => force(`coordination_${me}`, ago) },
-    ],
-  },
-  {
-    id: "apart",
-    title: "Copies apart",
-    unit: "mm",
-    series: [
-      { name: "true", of: apart },
-      { name: `as peer ${me} believes`, of: decoded },
-    ],
-  },
-  {
-    id: "energy",
-    title: "Energy",
-    unit: "mJ",
-    series: [
-      { name: "in the line", of: (ago) => 1e3 * value("line", ago) },
-      ...[1, 2].map((n) => ({ name: `kept by peer ${n}`, of: (/** @type {number} */ ago) => 1e3 * value(`kept_${n}`, ago) })),
-    ],
-  },
-];
-/** Of boards the devices are what is always known. @type {Strip[]} */
-const BOARD_STRIPS = pairStrips(1).map((strip) =>
-  strip.id === "position"
-    ? {
-        ...strip,
-        series: ["device", "object"].flatMap((what) =>
-          [1, 2].map((n) => ({
-            name: `${what === "object" ? "copy" : what} ${n}`,
-            of: (/** @type {number} */ ago) => 1e3 * value(`${what}_${n}`, ago),
-          })),
-        ),
-      }
-    : strip,
-);
-/** Ticks that a strip shows. */
-let span = 4000;
-/** The samples as they were when the plots were paused, and the tick after them. @type {{ samples: Float32Array<ArrayBuffer>, next: number } | undefined} */
-let paused;
-/** Where the cursor is, as a share of the width. */
-let cursor = NaN;
-/** @type {Map<string, [number, number]>} what each strip shows, which shrinks slowly */
-const ranges = new Map();
-
-/** Draws or exports from what was there at the pause. @template T @param {() => T} work @returns {T} */
-function withShown(work) {
-  if (!paused) return work();
-  const now = { samples, next };
-  ({ samples, next } = paused);
-  try {
-    return work();
-  } finally {
-    ({ samples, next } = now);
-  }
-}
-
-/** @param {Strip[]} strips */
-function buildStrips(strips) {
-  element("strips").replaceChildren();
-  ranges.clear();
-  strips.forEach(buildStrip);
-}
-
-/** @param {Strip} strip */
-function buildStrip({ id, title, unit, series }) {
-  const [figure, caption, canvas] = ["figure", "figcaption", "canvas"].map((kind) => document.createElement(kind));
-  if (!figure || !caption || !canvas) return;
-  caption.append(`${title}, ${unit}: `);
-  series.forEach(({ name }, at) => {
-    const legend = document.createElement("b");
-    [legend.className, legend.textContent] = [`c${at + 1}`, `${["━", "┅", "•", "╌"][at]} ${name} `];
-    caption.append(legend);
-  });
-  canvas.id = id;
-  canvas.tabIndex = 0;
-  canvas.setAttribute("role", "img");
-  canvas.setAttribute("aria-label", `${title} over the last seconds; arrow keys move a cursor`);
-  const at = (/** @type {PointerEvent} */ event) => (cursor = event.offsetX / canvas.clientWidth);
-  canvas.addEventListener("pointermove", at);
-  canvas.addEventListener("pointerdown", at);
-  canvas.addEventListener("pointerleave", () => (cursor = NaN));
-  canvas.addEventListener("blur", () => (cursor = NaN));
-  canvas.addEventListener("keydown", ({ key }) => {
-    const step = { ArrowLeft: -0.01, ArrowRight: 0.01 }[key];
-    if (step) cursor = Math.max(0, Math.min(1, (Number.isFinite(cursor) ? cursor : 1) + step));
-  });
-  figure.append(caption, canvas);
-  element("strips").append(figure);
-}
-
-/** Lowest and highest of a series in each of so many columns, the last sample of the column before included: nothing of 1 ms is lost.
- * @param {(ago: number) => number} of @param {number} pixels @returns {[number, number][]} */
-function extremes(of, pixels) {
-  let last = NaN;
-  return Array.from({ length: pixels }, (_, x) => {
-    let [low, high] = [last, last];
-    const end = Math.floor(((pixels - x - 1) * span) / pixels);
-    for (let ago = Math.floor(((pixels - x) * span) / pixels); ago > end; ago--) {
-      last = of(ago - 1);
-      if (!(low <= last)) low = last;
-      if (!(high >= last)) high = last;
-    }
-    return [low, high];
-  });
-}
-
-/** A custom property is no colour yet (`light-dark(…)` stays as it is written); what an element has of it is. @param {number} at */
-const colour = (at) => getComputedStyle(element("strips").querySelector(`.c${at + 1}`) ?? element("strips")).color;
-
-/** @param {Strip} strip */
-function draw({ id, series }) {
-  const canvas = /** @type {HTMLCanvasElement} */ (element(id));
-  const context = canvas.getContext("2d");
-  if (!context) return;
-  const ratio = devicePixelRatio || 1;
-  const [wide, high] = [Math.round(canvas.clientWidth * ratio), Math.round(canvas.clientHeight * ratio)];
-  if (canvas.width !== wide || canvas.height !== high) [canvas.width, canvas.height] = [wide, high];
-  const lines = series.map(({ of }) => extremes(of, wide));
-  const all = lines.flat(2).filter(Number.isFinite);
-  const before = ranges.get(id) ?? [0, 0];
-  const least = Math.min(0, 0.95 * before[0], ...minmax(all));
-  const most = Math.max(1e-3, 0.95 * before[1], ...minmax(all));
-  ranges.set(id, [least, most]);
-  const y = (/** @type {number} */ number) => high - 2 * ratio - ((number - least) / (most - least)) * (high - 4 * ratio);
-  context.clearRect(0, 0, wide, high);
-  context.fillStyle = getComputedStyle(canvas).borderTopColor;
-  context.fillRect(0, y(0), wide, ratio);
-  lines.forEach((line, at) => {
-    context.fillStyle = colour(at);
-    line.forEach(([low, top], x) => {
-      if (low <= top) context.fillRect(x, y(top), ratio, Math.max(1.5 * ratio, y(low) - y(top)));
-    });
-  });
-  context.fillStyle = getComputedStyle(canvas).color;
-  context.font = `${12 * ratio}px system-ui`;
-  context.fillText(most.toPrecision(3), 4 * ratio, 12 * ratio);
-  if (least < 0) context.fillText(least.toPrecision(3), 4 * ratio, high - 4 * ratio);
-  if (Number.isFinite(cursor)) context.fillRect(cursor * wide, 0, ratio, high);
-}
-
-/** @param {number[]} numbers @returns {number[]} */
-function minmax(numbers) {
-  if (numbers.length === 0) return [];
-  let [least, most] = [Infinity, -Infinity];
-  for (const number of numbers) {
-    least = Math.min(least, number);
-    most = Math.max(most, number);
-  }
-  return [least, most];
-}
-
-function writeCursor() {
-  const ago = Math.round((1 - cursor) * span);
-  element("cursor").textContent = Number.isFinite(cursor)
-    ? `${(-1e-3 * ago).toFixed(3)} s: ${shown.strips
-        .map(({ unit, series }) => series.map(({ name, of }) => `${name} ${of(ago).toFixed(2)} ${unit}`).join(", "))
-        .join("; ")}`
-    : "";
-}
-
-/** @param {number} factor */
-const zoom = (factor) => {
-  span = Math.max(250, Math.min(16000, span * factor));
-  element("span").textContent = `${span / 1000} s`;
-};
-element("closer").addEventListener("click", () => zoom(0.5));
-element("farther").addEventListener("click", () => zoom(2));
-element("pause").addEventListener("click", () => {
-  paused = paused ? undefined : { samples: samples.slice(), next };
-  element("pause").setAttribute("aria-pressed", `${Boolean(paused)}`);
-});
-
-/** Hands a file to the person. @param {string} name @param {Blob} blob */
-function download(name, blob) {
-  const link = document.createElement("a");
-  [link.href, link.download] = [URL.createObjectURL(blob), name];
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
-}
-
-/** Every column of what is shown, a row a tick. */
-function asCsv() {
-  const own = hello?.environments[kind]?.columns ?? [];
-  const counted = own.some(({ name }) => name === "restarts");
-  const names = [...own, ...(counted ? [] : [{ name: "restarts", unit: "" }])].map(({ name, unit }) =>
-    unit ? `${name}_${unit.toLowerCase()}` : name,
-  );
-  const rows = [["time_s", ...names].join(",")];
-  for (let ago = span; ago > 0; ago--) {
-    const numbers = [...columns.keys()].map((name) => value(name, ago - 1));
-    // What was not there yet is no row; what is no number is empty.
-    if (Number.isFinite(value("restarts", ago - 1))) {
-      const time = ((next - ago) * (hello?.period_s ?? 0)).toFixed(3);
-      rows.push([time, ...numbers.map((number) => (Number.isFinite(number) ? `${number}` : ""))].join(","));
-    }
-  }
-  return `${rows.join("\n")}\n`;
-}
-
-/** The strips, one below the other. */
-function asSvg() {
-  const [wide, high, pixels] = [900, 150, 900];
-  const strips = shown.strips.map(({ title, unit, series, id }, row) => {
-    const [least, most] = ranges.get(id) ?? [0, 1];
-    const y = (/** @type {number} */ number) =>
-      (row * (high + 30) + 24 + high - ((number - least) / (most - least)) * high).toFixed(2);
-    const paths = series.map(({ of }, at) => {
-      const points = extremes(of, pixels).map(([low, top], x) => (low <= top ? `M${x} ${y(low)}V${y(top)}` : ""));
-      return `<path d="${points.join("")}" stroke="${colour(at)}" stroke-width="1.5" stroke-linecap="round"/>`;
-    });
-    const names = series.map(({ name }, at) => `<tspan fill="${colour(at)}"> ${name} </tspan>`).join("");
-    const top = row * (high + 30) + 16;
-    return `<text x="0" y="${top}">${title}, ${unit} (${least.toPrecision(3)} to ${most.toPrecision(3)}), ${span / 1000} s:${names}</text>${paths.join("")}`;
-  });
-  const size = `width="${wide}" height="${shown.strips.length * (high + 30)}"`;
-  return `<svg xmlns="http://www.w3.org/2000/svg" ${size} font-family="sans-serif" font-size="12">${strips.join("")}</svg>\n`;
-}
-
-element("csv").addEventListener("click", () => download("play.csv", new Blob([withShown(asCsv)], { type: "text/csv" })));
-element("svg").addEventListener("click", () => download("play.svg", new Blob([withShown(asSvg)], { type: "image/svg+xml" })));
-element("png").addEventListener("click", () => {
-  const canvases = shown.strips.map(({ id }) => /** @type {HTMLCanvasElement} */ (element(id)));
-  const whole = document.createElement("canvas");
-  [whole.width, whole.height] = [canvases[0]?.width ?? 1, canvases.reduce((sum, { height }) => sum + height + 4, 0)];
-  const context = whole.getContext("2d");
-  if (!context) return;
-  context.fillStyle = getComputedStyle(document.body).backgroundColor;
-  context.fillRect(0, 0, whole.width, whole.height);
-  let top = 0;
-  for (const canvas of canvases) {
-    context.drawImage(canvas, 0, top);
-    top += canvas.height + 4;
-  }
-  whole.toBlob((blob) => blob && download("play.png", blob));
-});
 
 // --- settings ---
 
-/** Orders that wait for the answer to the one before, by the control that gives them: of one control the newest counts.
- * @type {Map<string, string>} */
-const pending = new Map();
-let judging = false;
-
-/** @param {string} order @param {string} [from] */
-function ask(order, from = order) {
-  element("refused").textContent = "";
-  element("question").hidden = true;
-  pending.set(from, order);
-  sendNext();
+/** Says something, if anybody listens. @param {string} text */
+function speak(text) {
+  if (socket?.readyState !== WebSocket.OPEN) return false;
+  socket.send(text);
+  return true;
 }
-
-function sendNext() {
-  const first = pending.entries().next().value;
-  if (judging || !first || socket?.readyState !== WebSocket.OPEN) return;
-  pending.delete(first[0]);
-  judging = true;
-  socket.send(first[1]);
-}
-
-/** The answer to an order is what holds with a verdict, a question, or a refusal. @param {{ holds?: Holds }} message */
-function answered({ holds: now }) {
-  if (now && !now.finding) return;
-  judging = false;
-  sendNext();
-}
-
+const { ask, answered, show, question, holds } = settings(speak);
 /** @param {string} command */
-const command = (command) => {
-  if (socket?.readyState === WebSocket.OPEN) socket.send(command);
-};
-
-/** A control: the key it stands for, how its number becomes the range's, and how it is read.
- * @typedef {{ key: string, unit: string, to: (value: number) => number, from: (value: number) => number, digits: number }} Control */
-const plain = (/** @type {number} */ scale) => ({
-  to: (/** @type {number} */ x) => x * scale,
-  from: (/** @type {number} */ x) => x / scale,
-});
-const decades = { to: Math.log10, from: (/** @type {number} */ x) => Number((10 ** x).toPrecision(3)) };
-/** @type {Record<string, Control>} */
-const CONTROLS = {
-  delay: { key: "one way", unit: "ms", ...plain(1e3), digits: 0 },
-  jitter: { key: "network.jitter_s", unit: "ms", ...plain(1e3), digits: 0 },
-  loss: { key: "network.loss", unit: "%", ...plain(100), digits: 0 },
-  burst: { key: "network.loss_burst_packets", unit: "packets", ...plain(1), digits: 0 },
-  "lanes-loss": { key: "network.loss", unit: "%", ...plain(100), digits: 0 },
-  "lanes-burst": { key: "network.loss_burst_packets", unit: "packets", ...plain(1), digits: 0 },
-  stiffness: { key: "coordination.stiffness_n_per_m", unit: "N/m", ...decades, digits: 0 },
-  impedance: { key: "coordination.wave_impedance_n_s_per_m", unit: "N·s/m", ...decades, digits: 1 },
-  mass: { key: "object.mass_kg", unit: "kg", ...decades, digits: 3 },
-};
-
-/** What a range orders. @param {string} id @param {number} number in the key's unit */
-function order(id, number) {
-  const { key } = /** @type {Control} */ (CONTROLS[id]);
-  if (id === "delay") return `set network.one_way_delay_packets=0 network.extra_delay_s=${number}`;
-  if (id === "jitter") return `set network.jitter=${number > 0 ? "uniform" : "none"} ${key}=${number}`;
-  return `set ${key}=${number}`;
-}
-
-/** @param {string} id @param {number} number */
-function read(id, number) {
-  const { to, unit, digits } = /** @type {Control} */ (CONTROLS[id]);
-  const shown = unit === "ms" || unit === "%" ? to(number) : number;
-  const text = element(id).nextElementSibling;
-  if (text) text.textContent = `${shown.toFixed(digits)} ${unit}`;
-  input(id).setAttribute("aria-valuetext", `${shown.toFixed(digits)} ${unit}`);
-}
-
-for (const [id, { from }] of Object.entries(CONTROLS)) {
-  input(id).addEventListener("input", () => {
-    const number = from(Number(input(id).value));
-    read(id, number);
-    ask(order(id, number), id);
-  });
-}
-choice("environment").addEventListener("change", () => ask(`show ${choice("environment").value}`, "environment"));
-choice("law").addEventListener("change", () => ask(`law ${choice("law").value}`, "law"));
-input("one-sided").addEventListener("change", () => ask(`set contact.one_sided=${input("one-sided").checked}`, "one-sided"));
-element("controls").addEventListener("submit", (event) => event.preventDefault());
+const command = (command) => void speak(command);
 choice("partner").addEventListener("change", () => command(`partner ${choice("partner").value}`));
 element("stop").addEventListener("click", () => command("stop"));
-element("start").addEventListener("click", () => command("start"));
-element("again").addEventListener("click", () => command("start"));
-element("story").addEventListener("click", () => ask(`show ${shown.stages ? "pair" : STORY}`, "environment"));
+for (const id of ["start", "again", "stiff-again"]) element(id).addEventListener("click", () => command("start"));
 element("let-go").addEventListener("click", letGo);
 element("cut").addEventListener("click", () => command(element("cut").getAttribute("aria-pressed") === "true" ? "join" : "cut"));
-
-/** @param {Holds} now */
-function show(now) {
-  holds = now;
-  for (const [id, { key, to }] of Object.entries(CONTROLS)) {
-    const number = id === "delay" ? now.one_way_s : Number(now.settings[key]);
-    if (pending.has(id) || !Number.isFinite(number)) continue;
-    input(id).value = `${to(number)}`;
-    read(id, number);
-  }
-  choice("law").value = (now.settings["coordination.comm"] ?? "").replaceAll('"', "");
-  input("one-sided").checked = now.settings["contact.one_sided"] === "true";
-  const verdict = element("verdict");
-  const text = now.finding?.text ?? "judging";
-  if (verdict.textContent !== text) verdict.textContent = text;
-  verdict.classList.toggle("bad", now.finding?.stable === false);
-  if (now.finding) element("not-judged").textContent = `Not judged: ${now.finding.not_judged.join("; ")}.`;
-}
-
-/** @param {Question} question */
-function question({ line, text, instead }) {
-  element("question-text").textContent = `This was not set: ${text}.`;
-  element("question").hidden = false;
-  const better = element("instead");
-  better.hidden = instead === null || line.startsWith("file");
-  better.textContent = `Set ${instead} as well`;
-  const answer = (/** @type {string | undefined} */ order) => () => {
-    element("question").hidden = true;
-    if (order) ask(order);
-  };
-  better.onclick = answer(`${line} ${instead}`);
-  element("anyway").textContent = "Set it anyway";
-  element("anyway").onclick = answer(`anyway ${line}`);
-  element("leave").onclick = answer(undefined);
-  element("leave").focus({ preventScroll: true });
-}
+/** The environment of the workshop that was shown last. */
+let atWork = "pair";
+pictures(
+  (name) => ask(`show ${name}`, "environment"),
+  () => atWork,
+);
 
 // --- boards ---
 
@@ -903,13 +567,13 @@ function card(number) {
 /** @param {Board} board */
 function showBoard({ number, fault, told: { name, there, status, said } }) {
   const of = card(number);
-  const write = (/** @type {string} */ part, /** @type {string} */ text) => {
+  const tell = (/** @type {string} */ part, /** @type {string} */ text) => {
     const place = of.querySelector(`.${part}`);
-    if (place && place.textContent !== text) place.textContent = text;
+    if (place) write(place, text);
   };
-  write("name", name);
-  write("status", there ? status : `not there: ${status}`);
-  write("fault", fault ? `Stopped: ${fault}. When the cause is gone, clear the fault, then arm.` : "");
+  tell("name", name);
+  tell("status", there ? status : `not there: ${status}`);
+  tell("fault", fault ? `Stopped: ${fault}. When the cause is gone, clear the fault, then arm.` : "");
   const lines = said.map(([line, answer]) => {
     const item = document.createElement("li");
     item.textContent = `${line}: ${answer}`;
@@ -938,7 +602,7 @@ function sayBoards(modes) {
 function asToml() {
   /** @type {Map<string, string[]>} */
   const tables = new Map();
-  for (const [key, text] of holds?.changed ?? []) {
+  for (const [key, text] of holds()?.changed ?? []) {
     const dot = key.lastIndexOf(".");
     const table = key.slice(0, dot);
     tables.set(table, [...(tables.get(table) ?? []), `${key.slice(dot + 1)} = ${text}`]);
@@ -954,7 +618,7 @@ input("open").addEventListener("change", async () => {
 });
 /** A link to this scene, for any run: it has no key. */
 function asLink() {
-  const keys = (holds?.changed ?? []).map(([key, text]) => `${key}=${text.replaceAll('"', "")}`).join(" ");
+  const keys = (holds()?.changed ?? []).map(([key, text]) => `${key}=${text.replaceAll('"', "")}`).join(" ");
   return `${location.origin}/#/${encodeURIComponent(`scene default ${keys}`.trim())}`;
 }
 
@@ -982,47 +646,118 @@ addEventListener("hashchange", () => {
 
 /** The pair, which everything above is about. @type {View} */
 const pair = {
-  box: "-160 -50 320 96",
+  box: "-160 -68 320 114",
   flat: true,
-  toScene: ([x]) => [1e3 * x + side, 9],
-  fromScene: ([x]) => [(x - side) / 1e3, 0, 0],
+  toScene: ([x]) => both.toScene(x, me),
+  fromScene: ([x]) => [both.fromScene(x, me), 0, 0],
   hand: `wanted_${me}`,
   own: () => [value(`device_${me}`), 0, 0],
-  draw: drawScene,
+  draw: (isCut) => both.draw(isCut),
   numbers: [],
-  strips: pairStrips(1),
-  help: "Drag your hand with mouse, finger or pen. How far it is from its ring is your force: 5 mm are 1 N. Arrows: force of a hand (filled) and of the coordination (hollow), 10 mm are 1 N.",
+  strips: stripsOf(1),
+  help: "Drag your hand (the ring) with mouse, finger or pen: its spring is your force, 5 mm are 1 N. Every arrow is a force, with whose it is; the bar on the right is as long as it says.",
 };
 const KEYS = "Keys: arrows move it by 2 mm, with Shift by 10; Home takes it to the middle, Escape lets go.";
 
+/** What stands above what is exported: what is shown, then when, and in which scene. */
+function headings() {
+  const set = holds();
+  const law = (set?.settings["coordination.comm"] ?? "").replaceAll('"', "");
+  const delay = set && Number.isFinite(set.one_way_s) ? `, ${Number((1e3 * set.one_way_s).toPrecision(3))} ms one way` : "";
+  const scene = (set?.changed ?? []).map(([key, text]) => `${key} = ${text.replaceAll('"', "")}`).join(", ");
+  const when = hello?.recording ? dateOf(hello.recording) : `${new Date().toISOString().slice(0, 16).replace("T", " ")} UTC`;
+  const of = hello?.boards || !law ? "" : `, law ${law}${delay}`;
+  const whose = hello?.recording ? `${hello.recording.file}, of ${hello.recording.who}: ` : "";
+  return [`${whose}${environment() ?? ""}${of}`, when, scene.length > 140 ? `${scene.slice(0, 139)}…` : scene || "scene default"];
+}
+
 // --- once a frame ---
 
-let slow = 0;
+/** From one question to the next while nothing moves, ms: at first, and when that has lasted; how long after the last move and the last touch either begins. */
+const [AT_REST, LATER, SETTLES, LASTS] = [200, 400, 400, 5000];
+/** From one writing of numbers to the next, and from one drawing of plots to the next, ms: while something moves, and at rest or where motion is to be reduced. */
+const NUMBERS = { moving: 200, rest: 1000 };
+const PLOTS = { moving: 30, rest: 250 };
+/** @type {ReturnType<typeof setTimeout> | undefined} */
+let timer;
+let [touched, written, plotted] = [0, 0, 0];
+/** What the scene shows: which moment, or up to where something moved. */
+let drawn = NaN;
+
 /** @param {number} now ms */
 function frame(now) {
-  requestAnimationFrame(frame);
+  timer = undefined;
+  timeline.frame(now);
   askForMore();
-  if (!hello || !shown) return;
-  frames += 1;
-  measureLag(now);
-  shown.draw(cut);
-  drawHand();
-  slow += 1;
-  if (slow % 12 === 0) writeNumbers();
-  if (slow % (still.matches ? 30 : 2) === 0) {
-    withShown(() => {
-      shown.strips.forEach(draw);
-      writeCursor();
-    });
+  const busy = moves(now);
+  if (hello && shown) {
+    frames += 1;
+    measureLag(now);
+    const moment = timeline.past ? samples.shown() : -samples.moved;
+    const fresh = stale || moment !== drawn || replays();
+    if (fresh) shown.draw(cut);
+    if (fresh || holding()) drawHand();
+    [stale, drawn] = [false, moment];
+    if (now - written >= (busy ? NUMBERS.moving : NUMBERS.rest) || (fresh && timeline.past)) {
+      written = now;
+      writeNumbers();
+    }
+    if (now - plotted >= (busy && !still.matches ? PLOTS.moving : PLOTS.rest)) {
+      plotted = now;
+      plots.draw();
+    }
+    timeline.write(now);
   }
+  if (busy) requestAnimationFrame(frame);
+  else timer = setTimeout(() => frame(performance.now()), now - Math.max(touched, samples.movedAt) < LASTS ? AT_REST : LATER);
 }
+
+/** Whether pictures are wanted once a frame: something moves, or somebody does something. @param {number} now ms */
+const moves = (now) =>
+  holding() || timeline.playing || replays() || now - touched < SETTLES || (!timeline.past && now - samples.movedAt < SETTLES);
+
+/** Whether a picture replays what was. */
+const replays = () => !still.matches && Number.isFinite(replayed());
+
+/** Looks again at once. */
+function wake() {
+  if (timer === undefined) return;
+  clearTimeout(timer);
+  timer = undefined;
+  requestAnimationFrame(frame);
+}
+for (const kind of ["pointerdown", "pointermove", "keydown", "input", "change", "click"])
+  addEventListener(kind, () => {
+    touched = performance.now();
+    wake();
+  });
 
 const own = [...(hasHand ? [`hand ${me}`] : []), ...(operates ? ["operator"] : [])];
 element("who").textContent = `– ${own.join(", ") || "watching"}`;
 element("stop").toggleAttribute("disabled", own.length === 0);
 input("paste").value = ring ? "" : location.href;
 const environment = () => hello?.environments[kind]?.name;
-Object.assign(window, { page: { value, environment, frames: () => frames, asCsv, asSvg, asToml, asLink, lag, command } });
-if (ring) connect();
+/** Ticks before the end that a picture shows by itself, of a replay; no number of a picture that shows now. */
+const replayed = () => shown?.replayed?.() ?? NaN;
+Object.assign(window, {
+  page: {
+    value,
+    environment,
+    frames: () => frames,
+    asCsv: () => plots.asCsv(),
+    asSvg: () => plots.asSvg(),
+    asToml,
+    asLink,
+    lag,
+    command,
+    replayed,
+    time: () => plots.at(samples.shown()),
+    moment: samples.shown,
+    seek: (/** @type {number} */ second) => timeline.seek(Math.round((second - (hello?.recording?.start_s ?? 0)) / period())),
+    replay: (/** @type {number} */ seconds, /** @type {number} */ speed) => timeline.replay(seconds, speed),
+  },
+});
+may(operates, hasHand);
+if (ring) line = connect();
 else say("this address names no run: paste it under “Open link” in a page that host-sim play has given you", true);
 requestAnimationFrame(frame);

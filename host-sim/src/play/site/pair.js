@@ -8,6 +8,7 @@ import { make, move, put } from "./environments.js";
 /** @typedef {import("./environments.js").Place} Place */
 /** @typedef {import("./environments.js").Value} Value */
 /** @typedef {import("./environments.js").Picture} Picture */
+/** @typedef {import("./environments.js").Strip} Strip */
 
 /** What stands behind a column's name for each axis, and what the axis is called. */
 export const SUFFIXES = ["", "_y", "_z"];
@@ -114,3 +115,61 @@ export function peers(to, value, me, axes) {
     }`,
   };
 }
+
+/** What is plotted of two peers: places along each axis, of forces their size where there are several. How far apart the copies are, truly and as this peer
+ * believes, and how large a force is, mm and N, the page knows.
+ * @param {Value} value @param {number} me @param {{ apart: (ago: number) => number, decoded: (ago: number) => number, force: (name: string, ago: number) => number }} page
+ * @param {number} axes @returns {Strip[]} */
+export const pairStrips = (value, me, { apart, decoded, force }, axes) => [
+  ...WAYS.slice(0, axes).map((way, axis) => ({
+    id: axis === 0 ? "position" : `position-${way}`,
+    title: axes === 1 ? "Position" : `Position, ${way}`,
+    unit: "mm",
+    series: [1, 2].map((n) => ({
+      name: `copy ${n}`,
+      of: (/** @type {number} */ ago) => 1e3 * value(`object_${n}${SUFFIXES[axis]}`, ago),
+    })),
+  })),
+  {
+    id: "force",
+    title: "Force",
+    unit: "N",
+    series: [
+      ...[1, 2].map((n) => ({ name: `hand ${n}`, of: (/** @type {number} */ ago) => force(`hand_${n}`, ago) })),
+      { name: `coordination ${me}`, of: (ago) => force(`coordination_${me}`, ago) },
+    ],
+  },
+  {
+    id: "apart",
+    title: "Copies apart",
+    unit: "mm",
+    series: [
+      { name: "true", of: apart },
+      { name: `as peer ${me} believes`, of: decoded },
+    ],
+  },
+  {
+    id: "energy",
+    title: "Energy",
+    unit: "mJ",
+    series: [
+      { name: "sent, not received", of: (ago) => 1e3 * value("line", ago) },
+      ...[1, 2].map((n) => ({ name: `used up by ${n}`, of: (/** @type {number} */ ago) => 1e3 * value(`kept_${n}`, ago) })),
+    ],
+  },
+];
+/** The same of boards, of which the devices are what is always known. @param {Value} value @param {Strip[]} strips @returns {Strip[]} */
+export const boardStrips = (value, strips) =>
+  strips.map((strip) =>
+    strip.id === "position"
+      ? {
+          ...strip,
+          series: ["device", "object"].flatMap((what) =>
+            [1, 2].map((n) => ({
+              name: `${what === "object" ? "copy" : what} ${n}`,
+              of: (/** @type {number} */ ago) => 1e3 * value(`${what}_${n}`, ago),
+            })),
+          ),
+        }
+      : strip,
+  );

@@ -79,24 +79,24 @@ impl Cell {
     }
 
     /// What it is of every run, if all were whole.
-    fn whole(&self, of: impl Fn(&Outcome) -> f64) -> Option<Vec<f64>> {
-        self.outcomes.iter().map(|outcome| outcome.whole(&of)).collect()
+    fn metric(&self, of: impl Fn(&Outcome) -> f64) -> Option<Vec<f64>> {
+        self.outcomes.iter().map(|outcome| outcome.metric(&of)).collect()
     }
 
     /// The largest of all runs, if all were whole.
     pub fn worst(&self, of: impl Fn(&Outcome) -> f64) -> Option<f64> {
         // What is no number of one run is none of all: they are of one scene.
-        self.whole(of)?.into_iter().reduce(f64::max).filter(|worst| !worst.is_nan())
+        self.metric(of)?.into_iter().reduce(f64::max).filter(|worst| !worst.is_nan())
     }
 
     /// The true discrepancy over the seeds, if all runs were whole.
     pub fn true_discrepancy_mm(&self) -> Option<Estimate> {
-        self.whole(|outcome| outcome.whole.true_discrepancy_mm).map(|values| Estimate::of(&values))
+        self.metric(|outcome| outcome.whole.true_discrepancy_mm).map(|values| Estimate::of(&values))
     }
 
     /// The decoded discrepancy at peer 2 over the seeds, if all runs were whole.
     pub fn decoded_discrepancy_mm(&self) -> Option<Estimate> {
-        self.whole(|outcome| outcome.whole.decoded_discrepancy_mm).map(|values| Estimate::of(&values))
+        self.metric(|outcome| outcome.whole.decoded_discrepancy_mm).map(|values| Estimate::of(&values))
     }
 
     /// The mobility: how far a common push moves the copies, over that on the scene's own network, if no peer stopped

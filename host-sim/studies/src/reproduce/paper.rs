@@ -145,7 +145,7 @@ pub fn experiment_columns(experiments: &[Experiment]) -> Columns {
         .value("paper_discrepancy_mm", |one| one.paper_discrepancy_mm)
         .means("what the paper prints for the decoded discrepancy (Fig. 9)")
         .head("paper")
-        .number("true_discrepancy_mm", 4, |one| one.outcome.whole(|o| o.whole.true_discrepancy_mm))
+        .number("true_discrepancy_mm", 4, |one| one.outcome.metric(|o| o.whole.true_discrepancy_mm))
         .head("true")
         .means("|x_o1 - x_o2| at one instant")
         .number("true_discrepancy_mm_per_n", 3, metric(|o| o.whole.true_discrepancy_mm / o.whole.contact_force_n))

@@ -48,20 +48,20 @@ macro_rules! metrics {
 
 /// All figures of merit. Those marked `whole` count in runs in which the copies came apart, too; the others only in stable runs.
 pub const METRICS: [Metric; 12] = metrics! {
-    "true_discrepancy" "mm" true "mean of |x_o1 - x_o2| over the last half" |o| o.whole(|o| o.whole.true_discrepancy_mm);
-    "largest_true_discrepancy" "mm" false "largest |x_o1 - x_o2| over the whole run" |o| o.whole(|o| o.whole.largest_true_discrepancy_mm);
+    "true_discrepancy" "mm" true "mean of |x_o1 - x_o2| over the last half" |o| o.metric(|o| o.whole.true_discrepancy_mm);
+    "largest_true_discrepancy" "mm" false "largest |x_o1 - x_o2| over the whole run" |o| o.metric(|o| o.whole.largest_true_discrepancy_mm);
     "true_discrepancy" "mm_per_n" false "mean of |x_o1 - x_o2| over that of the contact force, over the last half" |o| {
         o.metric(|o| (o.whole.contact_force_n > 0.0).then(|| o.whole.true_discrepancy_mm / o.whole.contact_force_n)).flatten()
     };
     "decoded_discrepancy" "mm" false "mean of |x_o - x_d| at peer 2 over the last half" |o| o.metric(|o| o.whole.decoded_discrepancy_mm);
     "coordination_force_mean" "n" true "mean of F_T at peer 2 over the last half" |o| o.metric(|o| o.whole.coordination_force_n.mean);
     "coordination_force_sd" "n" false "standard deviation of F_T at peer 2 over the last half" |o| o.metric(|o| o.whole.coordination_force_n.sd);
-    "peak_coordination_force" "n" true "largest |F_T| of either peer over the whole run" |o| o.whole(|o| o.whole.peak_coordination_force_n);
-    "largest_jump" "n" false "largest change of either F_T from tick to tick" |o| o.whole(|o| o.whole.largest_jump_n);
-    "energy_out_over_in" "" true "energy that the network gave over what it was given" |o| o.whole(Outcome::energy_out_over_in);
+    "peak_coordination_force" "n" true "largest |F_T| of either peer over the whole run" |o| o.metric(|o| o.whole.peak_coordination_force_n);
+    "largest_jump" "n" false "largest change of either F_T from tick to tick" |o| o.metric(|o| o.whole.largest_jump_n);
+    "energy_out_over_in" "" true "energy that the network gave over what it was given" |o| o.metric(Outcome::energy_out_over_in);
     "peer_energy_out_over_in" "" false "energy that the worse peer's coordination gave over what it took" |o| {
-        o.whole(Outcome::peer_energy_out_over_in).flatten()
+        o.metric(Outcome::peer_energy_out_over_in).flatten()
     };
-    "packets" "per_s" true "packets that a peer sent, mean of both" |o| o.whole(|o| o.packets_per_s);
-    "wire" "bytes_per_s" false "the same in bytes, sealed, with UDP and IP version 4" |o| o.whole(Outcome::bytes_per_s);
+    "packets" "per_s" true "packets that a peer sent, mean of both" |o| o.metric(|o| o.packets_per_s);
+    "wire" "bytes_per_s" false "the same in bytes, sealed, with UDP and IP version 4" |o| o.metric(Outcome::bytes_per_s);
 };

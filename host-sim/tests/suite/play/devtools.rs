@@ -147,6 +147,26 @@ impl Browser {
         self.call(window, "Input.dispatchKeyEvent", json!({ "type": "keyDown", "key": key, "code": key }));
     }
 
+    /// A key as a keyboard sends it, which moves the focus and presses buttons as well; with Shift, or without.
+    pub(super) fn press(&mut self, window: &Window, key: &str, shift: bool) {
+        let (code, text) = match key {
+            "Tab" => (9, ""),
+            "Enter" => (13, "\r"),
+            "End" => (35, ""),
+            "Home" => (36, ""),
+            "ArrowRight" => (39, ""),
+            _ => panic!("{key}: its number is not known"),
+        };
+        for kind in ["keyDown", "keyUp"] {
+            let mut event = json!({ "type": kind, "key": key, "code": key, "windowsVirtualKeyCode": code });
+            event["modifiers"] = json!(if shift { 8 } else { 0 });
+            if kind == "keyDown" && !text.is_empty() {
+                event["text"] = text.into();
+            }
+            self.call(window, "Input.dispatchKeyEvent", event);
+        }
+    }
+
     /// Where what pages save goes.
     pub(super) fn downloads(&mut self, folder: &Path) {
         let allow = json!({ "behavior": "allow", "downloadPath": folder.display().to_string() });
@@ -157,6 +177,30 @@ impl Browser {
     pub(super) fn picture(&mut self, window: &Window, file: &Path) {
         let picture = self.call(window, "Page.captureScreenshot", json!({ "format": "png" }));
         std::fs::write(file, from_base64(picture["data"].as_str().expect("a picture"))).expect("a file");
+    }
+
+    /// Processor time of the browser's processes so far, s, as the system counts it.
+    pub(super) fn processor_s(&self) -> f64 {
+        /// Clock ticks in a second, as Linux counts the time of processes.
+        const PER_S: f64 = 100.0;
+        let processes = std::fs::read_dir("/proc").expect("a system that has it").flatten();
+        // Its number, its parent's, and what it took: the words behind the name, which may hold anything.
+        let read = |process: std::fs::DirEntry| {
+            let stat = std::fs::read_to_string(process.path().join("stat")).ok()?;
+            let (number, rest) = stat.split_once(' ')?;
+            let words: Vec<&str> = rest.rsplit_once(')')?.1.split_whitespace().collect();
+            let of = |at: usize| words.get(at)?.parse::<u64>().ok();
+            Some((number.parse::<u64>().ok()?, of(1)?, of(11)? + of(12)?))
+        };
+        let all: Vec<_> = processes.filter_map(read).collect();
+        let (mut ours, mut sum) = (vec![u64::from(self.child.id())], 0);
+        let mut at = 0;
+        while let Some(process) = ours.get(at).copied() {
+            ours.extend(all.iter().filter(|(_, parent, _)| *parent == process).map(|(number, ..)| *number));
+            sum += all.iter().find(|(number, ..)| *number == process).map_or(0, |(.., took)| *took);
+            at += 1;
+        }
+        sum as f64 / PER_S
     }
 
     /// What these windows complained about: exceptions, refused policies, errors.

@@ -176,7 +176,7 @@ fn two_hands_hold_one_object_in_plane_and_space() {
     browser.wait(&two, "page.value('object_2_z') < -0.02");
     let csv = browser.evaluate(&one, "page.asCsv().split('\\n')[0]");
     let head = csv.as_str().unwrap_or_default();
-    assert!(head.ends_with(",hand_1_z_n,hand_2_z_n") && head.matches("restarts").count() == 1, "{csv}");
+    assert!(head.ends_with(",push_1_z_n,push_2_z_n") && head.matches("restarts").count() == 1, "{csv}");
 
     // Settings decide, too, whoever gives them.
     browser.evaluate(&one, "page.command('anyway set axis.count=1 axis.shared=1')");
@@ -198,7 +198,7 @@ fn three_laws_on_a_bad_network() {
     browser.wait(&one, "page.environment() === 'pair' && page.value('device_1', 200) === 0");
     let size = |width: u32, height: u32| json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 500 });
     browser.call(&one, "Emulation.setDeviceMetricsOverride", size(1440, 900));
-    click(&mut browser, &one, "story");
+    click(&mut browser, &one, "to-bad-network");
     browser.wait(&one, "page.environment() === 'bad-network' && document.getElementById('lanes-loss').value === '30'");
     browser.wait(&one, "document.querySelector('#lane-power.holds') && document.querySelector('#lane-timed.holds')");
     browser.picture(&one, &folder().join("laws-begin.png"));
@@ -259,7 +259,7 @@ fn three_laws_on_a_bad_network() {
     );
     assert!(wide <= 390.0 && low >= 43.9 && small >= 12.0, "{wide} {low} {small}");
     browser.picture(&one, &folder().join("laws-phone.png"));
-    click(&mut browser, &one, "story");
+    click(&mut browser, &one, "to-workshop");
     browser.wait(
         &one,
         "page.environment() === 'pair' && getComputedStyle(document.getElementById('scene')).display !== 'none'",

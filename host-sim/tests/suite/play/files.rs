@@ -31,18 +31,35 @@ fn what_is_seen_is_saved() {
     // Every column, every tick of what is shown, the time in even steps.
     let csv = String::from_utf8(saved(&mut browser, &one, &downloads, "csv", "play.csv")).expect("text");
     let rows: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
-    assert_eq!(rows[0].len(), 23, "{:?}", rows[0]);
+    assert_eq!(rows[0].len(), 25, "{:?}", rows[0]);
     assert!(rows.iter().all(|row| row.len() == rows[0].len()) && rows.len() > 2500, "{} rows", rows.len());
     let time = |row: &[&str]| row[0].parse::<f64>().expect("a time");
     assert!(rows[1..].windows(2).all(|pair| (time(&pair[1]) - time(&pair[0]) - 0.001).abs() < 1e-6));
 
     let svg = String::from_utf8(saved(&mut browser, &one, &downloads, "svg", "play.svg")).expect("text");
-    assert!(svg.starts_with("<svg xmlns") && svg.matches("<path").count() == 10, "{}", svg.len());
+    // Ten series, each in a plot and in its legend; what is shown, under which law, when; titles with units, numbers at both axes.
+    assert!(svg.starts_with("<svg xmlns") && svg.matches("<path").count() == 20, "{}", svg.len());
     assert!(!svg.contains("NaN") && !svg.contains("undefined"));
-    // A signature, then width and height of the picture: the four plots below each other.
+    for words in [
+        "pair, law self-timed, 8 ms one way",
+        " UTC · ",
+        "Position, mm",
+        "Force, N",
+        "Energy, mJ",
+        "time since the beginning, s",
+    ] {
+        assert!(svg.contains(words), "{words}");
+    }
+    for words in ["copy 1", "copy 2", "as peer 1 believes", "used up by 2"] {
+        assert!(svg.contains(&format!(">{words}</text>")), "{words}");
+    }
+    let labels = |ending: &str| svg.matches(&format!("{ending}</text>")).count();
+    // Of each plot the title and the highest number have the unit.
+    assert!(labels(" s") >= 4 * 3 && labels(" mm") == 4 && labels(" N") == 2, "{} {}", labels(" mm"), labels(" N"));
+    // A signature, then width and height of the picture: the four plots below each other with what stands above them.
     let png = saved(&mut browser, &one, &downloads, "png", "play.png");
     let [wide, high] = [16, 20].map(|at| u32::from_be_bytes(png[at..at + 4].try_into().expect("four bytes")));
-    assert!(png.starts_with(b"\x89PNG\r\n\x1a\n") && wide > 200 && high > 300, "{wide} {high}");
+    assert!(png.starts_with(b"\x89PNG\r\n\x1a\n") && wide == 1840 && high > 1000, "{wide} {high}");
     let toml = String::from_utf8(saved(&mut browser, &one, &downloads, "save", "scene.toml")).expect("text");
     assert!(toml.contains("[coordination]") && toml.parse::<toml::Table>().is_ok(), "{toml}");
     let complaints = browser.complaints(&[&one]);

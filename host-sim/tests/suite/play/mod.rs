@@ -8,7 +8,13 @@ mod devtools;
 mod environments;
 mod files;
 mod inputs;
+mod lan;
+mod merged;
+mod phone;
 mod remote;
+mod socket;
+mod stories;
+mod timeline;
 
 use std::io::{BufRead as _, BufReader, Read as _};
 use std::path::{Path, PathBuf};
@@ -29,7 +35,16 @@ struct Play {
 }
 
 impl Play {
+    /// Two peers, where nothing else is asked for.
     fn start(arguments: &[&str]) -> Self {
+        let asked = ["--environment", "--scene", "--listen", "--join", "--board", "--open"];
+        let says = arguments.iter().any(|argument| asked.contains(argument));
+        let first: &[&str] = if says { &[] } else { &["--environment", "pair"] };
+        Self::plainly(&[first, arguments].concat())
+    }
+
+    /// As somebody who says just this.
+    fn plainly(arguments: &[&str]) -> Self {
         let mut child = host_sim(&[&["play"], arguments].concat()).spawn().expect("host-sim runs");
         let mut said = BufReader::new(child.stderr.take().expect("its errors are kept"));
         let address = |line: String| line.split_once("http://").map(|(_, rest)| format!("http://{rest}"));
@@ -223,7 +238,7 @@ fn two_windows_hold_one_object() {
     // A gain outside its region asks first, and says what to change.
     browser.evaluate(
         &one,
-        "[...document.querySelectorAll('#clicks button')].find((b) => b.textContent === '§5.2, 16 ms').click()",
+        "[...document.querySelectorAll('#clicks button')].find((b) => b.textContent === 'paper, both push, 16 ms').click()",
     );
     browser.wait(&one, "document.getElementById('law').value === 'passive-wave'");
     browser.evaluate(

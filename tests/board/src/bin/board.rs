@@ -97,16 +97,16 @@ fn document(name: &str, trial: &Trial, written: &[PathBuf]) -> serde_json::Value
         "verdict": boards.verdict().name(),
         "reason": boards.reason.map(|reason| reason.to_string()),
         "decoded_discrepancy_mm": boards.metric(|o| o.whole.decoded_discrepancy_mm),
-        "true_discrepancy_mm": boards.whole(|o| o.whole.true_discrepancy_mm),
+        "true_discrepancy_mm": boards.metric(|o| o.whole.true_discrepancy_mm),
         "coordination_force_n": boards.metric(|o| o.whole.coordination_force_n),
-        "peak_coordination_force_n": boards.whole(|o| o.whole.peak_coordination_force_n),
-        "energy_out_over_in": boards.whole(Outcome::energy_out_over_in),
-        "peer_energy_out_over_in": boards.whole(Outcome::peer_energy_out_over_in).flatten(),
+        "peak_coordination_force_n": boards.metric(|o| o.whole.peak_coordination_force_n),
+        "energy_out_over_in": boards.metric(Outcome::energy_out_over_in),
+        "peer_energy_out_over_in": boards.metric(Outcome::peer_energy_out_over_in).flatten(),
         "fault": fault(boards),
         "host_sim": {
             "reason": host_sim.reason.map(|reason| reason.to_string()),
             "decoded_discrepancy_mm": host_sim.metric(|o| o.whole.decoded_discrepancy_mm),
-            "true_discrepancy_mm": host_sim.whole(|o| o.whole.true_discrepancy_mm),
+            "true_discrepancy_mm": host_sim.metric(|o| o.whole.true_discrepancy_mm),
             "coordination_force_n": host_sim.metric(|o| o.whole.coordination_force_n),
             "fault": fault(host_sim),
         },
@@ -131,7 +131,7 @@ fn print(name: &str, trial: &Trial) {
     let of_both = Columns::of(&outcomes)
         .value("stable", |o| o.is_stable())
         .value("reason", |o| o.reason.map(|reason| reason.to_string()))
-        .number("true_discrepancy_mm", 4, |o| o.whole(|o| o.whole.true_discrepancy_mm))
+        .number("true_discrepancy_mm", 4, |o| o.metric(|o| o.whole.true_discrepancy_mm))
         .head("true discrepancy |x_o1 - x_o2|")
         .number("decoded_discrepancy_mm", 4, |o| o.metric(|o| o.whole.decoded_discrepancy_mm))
         .head("decoded discrepancy |x_o - x_d|, peer 2")
@@ -139,7 +139,7 @@ fn print(name: &str, trial: &Trial) {
         .head("coordination force, peer 2: mean")
         .number("sd_n", 4, |o| o.metric(|o| o.whole.coordination_force_n.sd))
         .head("coordination force, peer 2: standard deviation")
-        .number("peak_coordination_force_n", 4, |o| o.whole(|o| o.whole.peak_coordination_force_n))
+        .number("peak_coordination_force_n", 4, |o| o.metric(|o| o.whole.peak_coordination_force_n))
         .value("fault", |o| fault(o).unwrap_or_else(|| "none".to_owned()));
     let of_both = [1, 2].into_iter().fold(of_both, |table, peer| {
         table

@@ -51,7 +51,7 @@ pub fn scene(law: &str, set: &[&str]) -> Result<Scene, Error> {
 pub fn discrepancy_mm(law: &str) -> Result<f64, Error> {
     let scene = scenes::load(Laws::built_in(), &format!("paper-5.2-{law}-16ms"))?;
     let outcome = run::<f64>(&scene, Options { duration_s: DURATION_S, record_every: 0 }, &|_| {})?;
-    Ok(outcome.whole(|outcome| outcome.whole.decoded_discrepancy_mm).unwrap_or(f64::NAN))
+    Ok(outcome.metric(|outcome| outcome.whole.decoded_discrepancy_mm).unwrap_or(f64::NAN))
 }
 
 /// Where this model turns unstable, nearest to the gain of the paper's §5.1, N/m.
@@ -80,7 +80,7 @@ pub fn distance_by_its_mass_mm(law: &str) -> Result<f64, Error> {
 pub fn distance_mm(law: &str) -> Result<f64, Error> {
     let scene = scene(law, &["user.2.sine_n=0"])?;
     let outcome = run::<f64>(&scene, Options { duration_s: DURATION_S, record_every: 0 }, &|_| {})?;
-    Ok(outcome.whole(|outcome| outcome.whole.true_discrepancy_mm).unwrap_or(f64::NAN))
+    Ok(outcome.metric(|outcome| outcome.whole.true_discrepancy_mm).unwrap_or(f64::NAN))
 }
 
 /// Static stiffness that a slow hand feels while the far one holds its device, without delay, N/m.

@@ -1,0 +1,18 @@
+// @ts-check
+// Parts of the page by their names, and texts that are written only where they change: what is written though nothing changed is work for a
+// browser whose page is at rest.
+
+/** @param {string} id @returns {HTMLElement} */
+export const element = (id) => {
+  const found = document.getElementById(id);
+  if (!found) throw new Error(`no #${id}`);
+  return found;
+};
+export const input = (/** @type {string} */ id) => /** @type {HTMLInputElement} */ (element(id));
+export const choice = (/** @type {string} */ id) => /** @type {HTMLSelectElement} */ (element(id));
+export const drawing = (/** @type {string} */ id) => /** @type {SVGSVGElement} */ (/** @type {unknown} */ (element(id)));
+
+/** @param {Element} to @param {string} text */
+export const write = (to, text) => {
+  if (to.textContent !== text) to.textContent = text;
+};

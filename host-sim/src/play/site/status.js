@@ -1,0 +1,23 @@
+// @ts-check
+// How it stands, in one sentence whose colour is true: red when a peer has stopped itself, motors are off, nothing gets through, or the copies
+// are no longer one object.
+
+/** Copies that are farther apart than this, mm, are no longer one object. */
+export const TOGETHER_MM = 10;
+
+/** What is known of it: who has stopped itself and why, whom it waits for, what a picture says of itself, how far the copies are apart (mm),
+ * which share of the last moments was fresh at either peer, and who has the hands.
+ * @typedef {{ fault: { peer: number, why: string } | undefined, waits: string | undefined, off: boolean, cut: boolean,
+ *   told: [string, boolean] | undefined, apart: number, live: number[], hands: string }} Known */
+
+/** The sentence, and whether it is bad. @param {Known} known @returns {[string, boolean]} */
+export function sentence({ fault, waits, off, cut, told, apart, live, hands }) {
+  if (fault && !told?.[1]) return [`peer ${fault.peer} stopped: ${fault.why}. Press Start.`, true];
+  if (waits !== undefined) return [`waiting for ${waits}`, true];
+  if (off && !fault) return ["stopped: motors are off. Press Start.", true];
+  if (cut) return ["the cable is cut", true];
+  if (told) return told;
+  if (apart > TOGETHER_MM) return [`the copies are ${apart.toFixed(0)} mm apart: they are no longer one object`, true];
+  if (live.length > 0 && live.every((share) => share === 0)) return ["nothing gets through: each copy stands alone", true];
+  return [hands, false];
+}
