@@ -23,6 +23,7 @@ use std::time::{Duration, Instant};
 
 use devtools::{Browser, Window};
 use serde_json::json;
+use socket::Socket;
 
 use crate::program::host_sim;
 
@@ -133,30 +134,42 @@ fn it_ends_when_it_is_asked_to() {
     assert!(report["ticks"].as_u64() > Some(100), "{report}");
 }
 
-/// How punctual the control loop is without and with two windows, and how soon a moved pointer is a picture: a table
-/// for `cargo xtask page --measure`, which says for how long.
+/// How punctual the control loop is without windows, with two, and with two of which one scrubs while ten others watch, and how soon a
+/// moved pointer is a picture: a table for `cargo xtask page --measure`, which says for how long.
 #[test]
 #[ignore = "takes minutes, and tells of the machine"]
 fn how_punctual_and_how_soon() {
     let seconds = std::env::var("HAPTIC_MEASURE_S").unwrap_or_else(|_| "60".into());
-    println!("| windows | ticks | late | worst, ms | pointer to picture, ms at 50 and 95 % | frames a second |");
-    println!("|---|---|---|---|---|---|");
-    for windows in [0, 2] {
+    println!(
+        "| pages | watchers | ticks | late | worst, ms | pointer to picture, ms at 50 and 95 % | frames a second |"
+    );
+    println!("|---|---|---|---|---|---|---|");
+    for (pages, watchers) in [(0, 0), (2, 0), (2, 10)] {
         let play = Play::start(&["--json", "--partner", "follows", "--seconds", &seconds]);
-        let seen = (windows > 0).then(|| pointer_to_picture(&play));
+        let watching: Vec<_> = (0..watchers)
+            .map(|_| Socket::open(&play.addresses[4]).expect("it is let in"))
+            .map(|socket| std::thread::spawn(|| socket.looks_on()))
+            .collect();
+        let seen = (pages > 0).then(|| pointer_to_picture(&play, watchers > 0));
         let kept = play.report();
+        watching.into_iter().for_each(|thread| thread.join().expect("it ends with the program"));
         let late = format!("{} | {} | {:.2}", kept["ticks"], kept["late"], kept["worst_us"].as_f64().unwrap() * 1e-3);
         let soon = seen.map_or(" | ".to_owned(), |[half, most, frames]| format!("{half:.0}, {most:.0} | {frames:.0}"));
-        println!("| {windows} | {late} | {soon} |");
+        println!("| {pages} | {watchers} | {late} | {soon} |");
     }
 }
 
-/// Drags the hand of window 1 to and fro while window 2 looks on, until the program ends; lags at 50 and 95 %, ms, and frames a second.
-fn pointer_to_picture(play: &Play) -> [f64; 3] {
+/// Drags the hand of window 1 to and fro while window 2 looks on, or is scrubbed, until the program ends; lags at 50 and 95 %, ms, and
+/// frames a second.
+fn pointer_to_picture(play: &Play, scrubs: bool) -> [f64; 3] {
     let mut browser = Browser::start(folder().join("measured"));
     let [one, two] = [1, 2].map(|person| browser.open(&play.person(person)));
     for window in [&one, &two] {
         browser.wait(window, "page.frames() > 20 && page.value('device_1', 500) === 0");
+    }
+    if scrubs {
+        browser.evaluate(&two, "setInterval(() => page.seek((Date.now() % 7000) * 1e-3), 50)");
+        browser.wait(&two, "!document.getElementById('now').hidden");
     }
     let hand = middle(&mut browser, &one, "hand");
     browser.mouse(&one, "mousePressed", hand);

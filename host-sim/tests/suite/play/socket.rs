@@ -1,7 +1,7 @@
 //! A window without a browser: what a page says over its socket.
 
 use std::net::TcpStream;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use tungstenite::client::IntoClientRequest as _;
 use tungstenite::{Message, WebSocket};
@@ -38,9 +38,30 @@ impl Socket {
 
     /// Says where the hand is wanted, m along the first axis, and waits for the answer.
     pub(super) fn points(&mut self, along: f32) {
-        let place = [along, 0.0, 0.0].map(f32::to_le_bytes).concat();
-        let question = [&u32::MAX.to_le_bytes()[..], &place, &0_u32.to_le_bytes()].concat();
-        self.0.send(Message::Binary(question.into())).expect("it hears");
-        while !self.0.read().expect("it answers").is_binary() {}
+        self.asks(u32::MAX, [along, 0.0, 0.0]).expect("it answers");
+    }
+
+    /// Asks for what came since, 60 times a second as a window that looks on does, until the program ends.
+    pub(super) fn looks_on(mut self) {
+        let (mut next, mut seen) = (u32::MAX, 0);
+        while let Ok(answer) = self.asks(next, [f32::NAN; 3]) {
+            let asked = Instant::now();
+            let first = u32::from_le_bytes(answer[..4].try_into().expect("four bytes"));
+            seen += 1;
+            std::thread::sleep(Duration::from_micros(16_667));
+            // A tick is a millisecond.
+            next = first.wrapping_add(asked.elapsed().as_millis() as u32);
+        }
+        assert!(seen > 100, "it looked on {seen} times");
+    }
+
+    fn asks(&mut self, next: u32, hand: [f32; 3]) -> Result<Vec<u8>, tungstenite::Error> {
+        let question = [&next.to_le_bytes()[..], &hand.map(f32::to_le_bytes).concat(), &0_u32.to_le_bytes()].concat();
+        self.0.send(Message::Binary(question.into()))?;
+        loop {
+            if let Message::Binary(answer) = self.0.read()? {
+                return Ok(answer.to_vec());
+            }
+        }
     }
 }
