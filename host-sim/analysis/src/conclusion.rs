@@ -8,9 +8,44 @@ use haptic_sim::scene::Scene;
 use haptic_sim::user::User;
 
 use super::advice::advice;
-use super::modes::judge;
+use super::modes::{Judgement, judge};
 use super::verdict::{Verdict, verdict};
 use crate::error::Error;
+
+/// What the analyser says of a scene.
+#[derive(Clone, Debug)]
+pub struct Analysis {
+    /// With both hands on, at the delay of its network: of a run in which nobody lets go.
+    pub verdict: Verdict,
+    /// Of every mode that it can enter, at every delay that its network can have. A scene that a run shows to be stable may be unstable
+    /// where a hand lets go.
+    pub judged: Judgement,
+}
+
+impl Analysis {
+    /// Of this scene.
+    ///
+    /// # Errors
+    /// A scene that cannot be analysed.
+    pub fn of(scene: &Scene) -> Result<Self, Error> {
+        Ok(Self { verdict: verdict(scene)?, judged: judge(scene)? })
+    }
+
+    /// That the scene is unstable, with what to change, or that it is where the object is let go of, if so.
+    fn unstable(&self, scene: &Scene) -> Result<Option<String>, Error> {
+        if !self.verdict.stable {
+            return advice(scene).map(Some);
+        }
+        let Judgement { worst, .. } = &self.judged;
+        let (hands, radius) = (self.judged.worst_mode().name(), worst.spectral_radius);
+        Ok((!worst.stable).then(|| {
+            format!(
+                "unstable where the object is let go of (hands on: {hands}, spectral radius {radius:.6}): `stability point` says \
+                 what to change"
+            )
+        }))
+    }
+}
 
 /// A run of a scene, with what the analyser says of the scene.
 #[derive(Clone, Debug)]
@@ -18,8 +53,8 @@ pub struct Conclusion {
     /// What the run gave. Where nothing failed in it, its [`Outcome::reason`] is what the analyser has against it: an oscillation may be
     /// too slow, or a push too small, to show.
     pub outcome: Outcome,
-    /// The verdict with both hands on.
-    pub verdict: Verdict,
+    /// What the analyser says of the scene, whatever the run showed.
+    pub analysis: Analysis,
 }
 
 /// The conclusion of a run of this scene.
@@ -27,15 +62,16 @@ pub struct Conclusion {
 /// # Errors
 /// A scene that cannot be analysed.
 pub fn conclude(scene: &Scene, outcome: Outcome) -> Result<Conclusion, Error> {
-    Ok(Conclusion::new(scene, outcome, verdict(scene)?))
+    Ok(Conclusion::new(scene, outcome, Analysis::of(scene)?))
 }
 
 impl Conclusion {
-    /// The conclusion where the verdict with both hands on is known already.
-    pub fn new(scene: &Scene, outcome: Outcome, verdict: Verdict) -> Self {
+    /// The conclusion where the scene is analysed already.
+    pub fn new(scene: &Scene, outcome: Outcome, analysis: Analysis) -> Self {
+        let verdict = analysis.verdict;
         let doubted = scene.is_linear() && !verdict.stable;
         let reason = doubted.then_some(Reason::Unstable { spectral_radius: verdict.spectral_radius });
-        Self { outcome: outcome.doubted(reason), verdict }
+        Self { outcome: outcome.doubted(reason), analysis }
     }
 
     /// Apparent mass of the shared object, kg, along the first axis; none of a scene that is not stable, or where nothing moves.
@@ -43,7 +79,7 @@ impl Conclusion {
     /// # Errors
     /// A scene whose peers cannot be built.
     pub fn apparent_mass_kg(&self, scene: &Scene) -> Result<Option<f64>, Error> {
-        if !(self.outcome.is_stable() && self.verdict.stable) {
+        if !(self.outcome.is_stable() && self.analysis.verdict.stable) {
             return Ok(None);
         }
         Ok(Some(apparent_mass::measure(scene)?).filter(|mass| mass.is_finite()))
@@ -55,26 +91,10 @@ impl Conclusion {
     /// # Errors
     /// A scene that cannot be analysed.
     pub fn warnings(&self, scene: &Scene) -> Result<Vec<String>, Error> {
-        let mut warnings = Vec::from_iter(unstable(scene, &self.verdict)?);
+        let mut warnings = Vec::from_iter(self.analysis.unstable(scene)?);
         if !scene.users.iter().any(User::acts) {
             warnings.push("nobody pushes: set user.1.push_n (or load a scene)".to_owned());
         }
         Ok(warnings)
     }
-}
-
-/// That the scene is unstable, with what to change, or that it is where the object is let go of, if so. `verdict` is the scene's, with
-/// both hands on.
-fn unstable(scene: &Scene, verdict: &Verdict) -> Result<Option<String>, Error> {
-    if !verdict.stable {
-        return advice(scene).map(Some);
-    }
-    let judged = judge(scene)?;
-    let (hands, radius) = (judged.worst_mode().name(), judged.worst.spectral_radius);
-    Ok((!judged.worst.stable).then(|| {
-        format!(
-            "unstable where the object is let go of (hands on: {hands}, spectral radius {radius:.6}): `stability point` says \
-             what to change"
-        )
-    }))
 }

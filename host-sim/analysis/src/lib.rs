@@ -52,7 +52,7 @@ mod verdict;
 pub use advice::{Change, MARGIN, advice, change};
 pub use agreement::{Agreement, agreement};
 pub use answers::answers;
-pub use conclusion::{Conclusion, conclude};
+pub use conclusion::{Analysis, Conclusion, conclude};
 pub use direction::Direction;
 pub use error::Error;
 pub use finding::{Finding, Hand, Question, find, measured};

@@ -85,6 +85,11 @@ impl Judgement {
     pub fn worst_mode(&self) -> Hands {
         self.modes.iter().find(|mode| mode.verdict == self.worst).map_or(Hands::Both, |mode| mode.mode)
     }
+
+    /// The modes that are not stable, by name.
+    pub fn unstable_modes(&self) -> Vec<String> {
+        self.modes.iter().filter(|mode| !mode.verdict.stable).map(Mode::name).collect()
+    }
 }
 
 /// Judges every mode that a scene can enter.

@@ -94,6 +94,10 @@ class Run:
         """Largest absolute eigenvalue of the scene over a packet period, both hands on."""
 
     @property
+    def unstable_modes(self) -> list[str]:
+        """The modes of the scene that are not stable, whatever the run showed: whose hands are on (both, one, none)."""
+
+    @property
     def ticks(self) -> int:
         """Ticks done."""
 

@@ -52,6 +52,8 @@ pub(crate) struct Run {
     fault_time_s: Option<f64>,
     /// Largest absolute eigenvalue of the scene over a packet period, both hands on.
     spectral_radius: f64,
+    /// The modes of the scene that are not stable, whatever the run showed: whose hands are on (both, one, none).
+    unstable_modes: Vec<String>,
     /// Ticks done.
     ticks: u64,
     /// Hash of both peers' states over every tick, the same bits wherever it is computed.
@@ -62,7 +64,11 @@ pub(crate) struct Run {
 impl Run {
     fn __repr__(&self) -> String {
         let reason = self.reason.as_ref().map_or_else(String::new, |reason| format!(": {reason}"));
-        format!("<Run of {} ticks, {}{reason}, state_hash {}>", self.ticks, self.verdict, self.state_hash)
+        let modes = match self.unstable_modes.as_slice() {
+            [] => String::new(),
+            modes => format!(", unstable with hands on: {}", modes.join("; ")),
+        };
+        format!("<Run of {} ticks, {}{reason}{modes}, state_hash {}>", self.ticks, self.verdict, self.state_hash)
     }
 }
 
@@ -101,7 +107,7 @@ pub(crate) fn run(py: Python<'_>, scene: &Scene, seconds: f64, scalar: &str, eve
         };
         conclude(&scene, outcome.map_err(refused)?).map_err(refused)
     })?;
-    let Conclusion { outcome, verdict } = conclusion;
+    let Conclusion { outcome, analysis } = conclusion;
     let merits = PyDict::new(py);
     for merit in METRICS {
         merits.set_item(merit.name(), (merit.of)(&outcome))?;
@@ -117,7 +123,8 @@ pub(crate) fn run(py: Python<'_>, scene: &Scene, seconds: f64, scalar: &str, eve
         reason: reason.map(|reason| reason.to_string()),
         fault: fault.map(|(peer, fault)| (peer, fault.explain().to_string())),
         fault_time_s,
-        spectral_radius: verdict.spectral_radius,
+        spectral_radius: analysis.verdict.spectral_radius,
+        unstable_modes: analysis.judged.unstable_modes(),
         ticks,
         state_hash: format!("{hash:016x}"),
         columns: axes[0].clone_ref(py),

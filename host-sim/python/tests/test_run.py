@@ -25,6 +25,7 @@ def test_every_built_in_scene_gives_the_command_lines_bits(name, host_sim):
         assert run.state_hash == told["state_hash"], scalar
         assert (run.stable, run.verdict, run.reason) == (told["stable"], told["verdict"], told["reason"])
         assert run.spectral_radius == told["spectral_radius"]
+        assert "; ".join(run.unstable_modes) == (told["unstable_modes"] or "")
         assert run.ticks == told["ticks"]
         for merit in ["true_discrepancy_mm", "true_discrepancy_mm_per_n", "decoded_discrepancy_mm", "energy_out_over_in"]:
             assert run.merits[merit] == told[merit], (scalar, merit)
@@ -34,6 +35,7 @@ def test_every_built_in_scene_gives_the_command_lines_bits(name, host_sim):
     assert (judged.stable, judged.spectral_radius) == (told["stable"], told["spectral_radius"])
     walls = {True: ", at the walls", None: ""}
     assert judged.modes == {mode["mode"] + walls[mode.get("at_walls")]: mode["spectral_radius"] for mode in told["modes"]}
+    assert run.unstable_modes == [mode for mode, radius in judged.modes.items() if radius > 1 + 1e-9]
     assert judged.not_judged == told["not_judged"]
     assert haptic_sim.advice(scene) == told["advice"]
 

@@ -70,15 +70,23 @@ impl Compare {
             files.parquet(&runs)
         })?);
         let failed = rows.iter().filter(|row| !row.reason.is_empty()).count();
+        let scenes = rows.chunk_by(|one, other| one.point == other.point);
+        let grows = scenes.filter(|runs| !runs[0].every_mode_stable());
+        let grow: Vec<&str> = grows.map(|runs| comparison.entrants[runs[0].point].name.as_str()).collect();
         ui.document_of(
             &provenance,
             &json!({
-                "differences": all, "runs": rows.len(), "not_stable_runs": failed, "wall_s": wall_s, "files": files,
+                "differences": all, "runs": rows.len(), "not_stable_runs": failed, "not_stable_in_every_mode": grow,
+                "wall_s": wall_s, "files": files,
             }),
         )?;
         writeln!(ui, "Differences from {}\n", comparison.entrants[0].name);
         ui.table(&comparison.columns(&differences, &shown));
         writeln!(ui, "{} runs, {failed} of them not stable, in {wall_s:.1} s", rows.len());
+        if !grow.is_empty() {
+            let grow = grow.join(", ");
+            writeln!(ui, "not stable in every mode, where a hand lets go, at another delay or a wall: {grow}");
+        }
         ui.wrote(&files);
         Ok(())
     }

@@ -117,7 +117,7 @@ fn stop((peer, fault): (usize, Fault)) -> String {
 
 /// What a run gave of all axes together, with what the analyser says of the scene.
 fn whole(name: &str, scene: &Scene, conclusion: &Conclusion, wall_s: f64) -> Result<Columns, Failure> {
-    let Conclusion { outcome, verdict } = conclusion;
+    let Conclusion { outcome, analysis } = conclusion;
     let mass = conclusion.apparent_mass_kg(scene)?;
     let per_n = |o: &Outcome| {
         let whole = &o.whole;
@@ -133,8 +133,14 @@ fn whole(name: &str, scene: &Scene, conclusion: &Conclusion, wall_s: f64) -> Res
         .value("reason", |()| outcome.reason.map(|reason| reason.to_string()))
         .value("fault", |()| outcome.fault.map(stop))
         .data_only()
-        .number("spectral_radius", 6, |()| verdict.spectral_radius)
+        .number("spectral_radius", 6, |()| analysis.verdict.spectral_radius)
         .head("spectral radius of the scene, both hands on")
+        .value("every_mode_stable", |()| analysis.judged.worst.stable)
+        .head("stable in every mode, hands let go too")
+        .value("unstable_modes", |()| {
+            Some(analysis.judged.unstable_modes().join("; ")).filter(|modes| !modes.is_empty())
+        })
+        .data_only()
         .number("true_discrepancy_mm", 4, |()| outcome.metric(|o| o.whole.true_discrepancy_mm))
         .head("true discrepancy |x_o1 - x_o2|")
         .number("true_discrepancy_mm_per_n", 4, |()| outcome.metric(per_n).flatten())

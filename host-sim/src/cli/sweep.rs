@@ -104,6 +104,15 @@ impl Sweep {
             rows.len(),
             sweep.runs()
         );
+        let let_go = rows.chunk_by(|one, other| one.point == other.point).filter(|runs| !runs[0].every_mode_stable());
+        let (let_go, points) = (let_go.count(), summary.len());
+        if let_go > 0 {
+            writeln!(
+                ui,
+                "{let_go} of {points} points are not stable in every mode (let go): runs tell of both hands on, and these \
+                 grow where a hand lets go, or at another delay or a wall; `stability point` says what to change"
+            );
+        }
         ui.wrote(&files);
         Ok(())
     }

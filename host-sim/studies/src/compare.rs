@@ -65,13 +65,13 @@ impl Comparison {
     /// # Errors
     /// A scene that cannot be built or run.
     pub fn run(&self, done: &(dyn Fn() + Sync)) -> Result<Vec<Row>, Error> {
-        let verdicts = self.entrants.par_iter().map(|entrant| haptic_analysis::verdict(&entrant.scene));
-        let verdicts = verdicts.collect::<Result<Vec<_>, _>>()?;
+        let analyses = self.entrants.par_iter().map(|entrant| haptic_analysis::Analysis::of(&entrant.scene));
+        let analyses = analyses.collect::<Result<Vec<_>, _>>()?;
         let first = self.entrants.first().map_or(0, |entrant| entrant.scene.world.network.seed);
         let jobs = (0..self.entrants.len()).flat_map(|at| (0..self.seeds).map(move |later| (at, later)));
         let job = |(at, later): (usize, u32)| {
             let scene = &self.entrants[at].scene;
-            let row = Row::of_run(at, first.wrapping_add(later), scene, &verdicts[at], self.seconds);
+            let row = Row::of_run(at, first.wrapping_add(later), scene, &analyses[at], self.seconds);
             done();
             row
         };

@@ -19,6 +19,15 @@ fn when(notices: &Value, wanted: &str) -> Option<f64> {
     notices.iter().find(|notice| notice[1] == wanted).and_then(|notice| notice[0].as_f64())
 }
 
+/// Whether the other end said that it goes: who falls silent fades first, and is lost later. Before that a busy machine may have made a line
+/// fade, which came back.
+fn said_goodbye(notices: &Value) -> bool {
+    let names: Vec<&str> = notices.as_array().expect("a list").iter().filter_map(|notice| notice[1].as_str()).collect();
+    let Some(lost) = names.iter().position(|name| *name == "Lost") else { return false };
+    let line = names[..lost].iter().rfind(|name| ["Engaged", "Fading", "Resumed"].contains(name));
+    line != Some(&"Fading") && when(notices, "Disengaged") == when(notices, "Lost")
+}
+
 /// What a process that was asked to end reports, and how long that took.
 fn ended(child: Child, name: &str) -> (Value, Duration) {
     let start = Instant::now();
@@ -47,9 +56,7 @@ fn a_peer_that_is_ended_reports_and_tells_the_other() {
         assert!(when(&seen["notices"], "Engaged").is_some() && when(&seen["notices"], "Lost").is_none(), "{seen}");
         std::thread::sleep(Duration::from_millis(300));
         let (seen, _) = ended(second, name);
-        let notices = &seen["notices"];
-        assert!(when(notices, "Lost").is_some() && when(notices, "Disengaged") == when(notices, "Lost"), "{seen}");
-        assert_eq!(when(notices, "Fading"), None, "silence came first: {seen}");
+        assert!(said_goodbye(&seen["notices"]), "silence came first: {seen}");
     }
 }
 
@@ -152,10 +159,9 @@ fn servers_and_hubs_say_goodbye() {
     let (seen, _) = ended(hub, "TERM");
     assert!(seen["packets"].as_u64().is_some_and(|packets| (50..3_000).contains(&packets)), "{seen}");
     let notices = |line: usize| seen["lines"][line]["notices"].clone();
-    assert!(when(&notices(0), "Lost").is_some() && when(&notices(0), "Fading").is_none(), "{seen}");
+    assert!(said_goodbye(&notices(0)), "{seen}");
     assert!(when(&notices(1), "Engaged").is_some() && when(&notices(1), "Lost").is_none(), "{seen}");
     std::thread::sleep(Duration::from_millis(300));
     let (seen, _) = ended(second, "TERM");
-    let notices = &seen["notices"];
-    assert!(when(notices, "Lost").is_some() && when(notices, "Fading").is_none(), "{seen}");
+    assert!(said_goodbye(&seen["notices"]), "{seen}");
 }

@@ -72,6 +72,33 @@ fn undisturbed(name: &str) -> (PathBuf, String) {
     (folder, csv)
 }
 
+/// A run tells of both hands on; beside it stands what the analyser says of every mode, in a sweep, in `cooperate` and in `stability` alike.
+#[test]
+fn what_grows_when_let_go_is_said_beside_every_run() {
+    let laws = ["power", "wave", "passive-wave"];
+    let of = |section: &'static str, ms: u32| laws.map(|law| format!("paper-{section}-{law}-{ms}ms"));
+    let scenes = [of("5.1", 16), of("5.1", 32), of("5.2", 16)].concat();
+    let mut let_go = 0;
+    for scene in &scenes {
+        let said = |arguments: &[&str]| {
+            let output = host_sim(arguments).args(["--json", "--scene", scene]).output().expect("host-sim runs");
+            serde_json::from_slice::<Value>(&output.stdout).expect("one JSON document")
+        };
+        let judged = said(&["stability", "point"]);
+        let modes = judged["modes"].as_array().expect("modes");
+        let unstable = modes.iter().filter(|mode| mode["stable"] == false).filter_map(|mode| mode["mode"].as_str());
+        let unstable = Some(unstable.collect::<Vec<_>>().join("; ")).filter(|modes| !modes.is_empty());
+        let swept = said(&["sweep", "--over", "network.loss=0", "--seconds", "1"])["points"][0].take();
+        for row in [&swept, &said(&["cooperate", "--seconds", "1"])] {
+            assert_eq!(row["every_mode_stable"], judged["stable"], "{scene}");
+            assert_eq!(row["unstable_modes"].as_str(), unstable.as_deref(), "{scene}");
+        }
+        let_go += usize::from(swept["unstable_runs"] == 0 && swept["every_mode_stable"] == false);
+    }
+    // Runs of five hold, of scenes that grow where a hand lets go.
+    assert_eq!(let_go, 5, "of {scenes:?}");
+}
+
 /// A row is what `cooperate` says of the same settings and seed; one that failed says why, and has no figures.
 #[test]
 fn a_row_is_a_run_of_cooperate() {

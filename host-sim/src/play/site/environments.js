@@ -1,6 +1,7 @@
 // @ts-check
 // Shared environments beside the pair: what each draws, which numbers and plots it shows, and where a pointer is in it. What is in a
 // sample, and what does not move, the program says ("hello").
+import { text } from "./parts.js";
 
 /** @typedef {(name: string, ago?: number) => number} Value */
 /** @typedef {{ id: string, title: string, unit: string, series: { name: string, of: (ago: number) => number }[] }} Strip */
@@ -48,8 +49,6 @@ function ring(parent, n) {
   return group;
 }
 
-/** @param {number} number @param {number} digits */
-const text = (number, digits) => (Number.isFinite(number) ? number.toFixed(digits) : "–");
 /** @param {number} count */
 const all = (count) => Array.from({ length: count }, (_, at) => at + 1);
 

@@ -3,6 +3,7 @@
 // pointer takes the hand of all of them, and a sentence on how it stands.
 
 import { make, move, put, strip } from "./environments.js";
+import { text } from "./parts.js";
 import { TOGETHER_MM } from "./status.js";
 
 /** @typedef {import("./environments.js").Value} Value */
@@ -91,8 +92,6 @@ export function laws(to, value, me, faults) {
       lane.classList.toggle("holds", now?.bad === false);
     }
   }
-  const text = (/** @type {number} */ number, /** @type {number} */ digits) =>
-    Number.isFinite(number) ? number.toFixed(digits) : "–";
   return {
     box: "-166 -28 332 50",
     flat: true,

@@ -2,7 +2,7 @@
 // What is measured of two peers, in words and numbers. What exactly a number is stands in its title.
 
 import { along } from "./pair.js";
-import { write } from "./parts.js";
+import { text, write } from "./parts.js";
 
 /** @typedef {import("./environments.js").Value} Value */
 
@@ -12,9 +12,6 @@ export const mean = (of, ticks) => {
   for (let ago = 0; ago < ticks; ago++) sum += of(ago);
   return sum / ticks;
 };
-
-/** @param {number} number @param {number} digits */
-export const text = (number, digits) => (Number.isFinite(number) ? number.toFixed(digits) : "–");
 
 /** Quantities of two peers, and the parts of the page that show them.
  * @param {Value} value @param {number} me @param {() => number} axesNow along how many axes they share an object

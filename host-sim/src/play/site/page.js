@@ -4,9 +4,9 @@
 
 import { view as viewOf } from "./environments.js";
 import { join, showJoin, showPeople } from "./join.js";
-import { quantities, text } from "./numbers.js";
+import { quantities } from "./numbers.js";
 import { along, axesOf, boardStrips, pairStrips, peers } from "./pair.js";
-import { choice, drawing, element, input, write } from "./parts.js";
+import { choice, drawing, element, input, text, write } from "./parts.js";
 import { fitStages, may, touched as byTouch } from "./phone.js";
 import { download, Plots } from "./plots.js";
 import { Samples } from "./samples.js";

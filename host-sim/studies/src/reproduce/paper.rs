@@ -6,12 +6,13 @@
 
 use rayon::prelude::*;
 
-use haptic_analysis::{Conclusion, Effort, Range, Verdict, conclude};
+use haptic_analysis::{Analysis, Conclusion, Effort, Range, conclude};
 use haptic_report::Columns;
 use haptic_sim::run::{Options, Outcome, run};
 use haptic_sim::scenes;
 
 use crate::Error;
+use crate::sweep::EVERY_MODE;
 
 /// Simulated time of every experiment, s.
 pub const DURATION_S: f64 = 20.0;
@@ -44,7 +45,7 @@ pub struct Experiment {
     pub(crate) round_trip_ms: f64,
     /// Coordination stiffness K_T, N/m.
     pub(crate) coordination_stiffness_n_per_m: f64,
-    verdict: Verdict,
+    analysis: Analysis,
     /// What Fig. 9 prints for the decoded discrepancy.
     pub(crate) paper_discrepancy_mm: Option<f64>,
     /// Where the scene is stable.
@@ -84,7 +85,7 @@ fn experiment((name, section): (&'static str, &'static str)) -> Result<Experimen
     let outcome = run::<f64>(&scene, Options::recorded(DURATION_S, timing.control_period_s), &|_| {})?;
     let conclusion = conclude(&scene, outcome)?;
     let apparent_object_mass_kg = conclusion.apparent_mass_kg(&scene)?;
-    let Conclusion { outcome, verdict } = conclusion;
+    let Conclusion { outcome, analysis } = conclusion;
     let law = scene.peer.coordination.comm;
     let printed = PRINTED.iter().find(|printed| printed.law == law && section == "5.2");
     Ok(Experiment {
@@ -95,7 +96,7 @@ fn experiment((name, section): (&'static str, &'static str)) -> Result<Experimen
         coordination_stiffness_n_per_m: scene.peer.coordination.stiffness_n_per_m,
         paper_discrepancy_mm: printed.map(|printed| printed.discrepancy_mm),
         apparent_object_mass_kg,
-        verdict,
+        analysis,
         outcome,
     })
 }
@@ -136,8 +137,11 @@ pub fn experiment_columns(experiments: &[Experiment]) -> Columns {
         .value("reason", |one| one.outcome.reason.map(|reason| reason.to_string()))
         .means("why it is not stable")
         .data_only()
-        .value("spectral_radius", |one| one.verdict.spectral_radius)
-        .means("largest |eigenvalue| over a packet period")
+        .value("spectral_radius", |one| one.analysis.verdict.spectral_radius)
+        .means("largest |eigenvalue| over a packet period, both hands on")
+        .data_only()
+        .value("every_mode_stable", |one| one.analysis.judged.worst.stable)
+        .means(EVERY_MODE)
         .data_only()
         .number("decoded_discrepancy_mm", 4, metric(|o| o.whole.decoded_discrepancy_mm))
         .head("decoded")

@@ -23,21 +23,21 @@ use std::collections::BTreeSet;
 use rayon::prelude::*;
 use ring::digest::{SHA256, digest};
 
-use haptic_analysis::Conclusion;
+use haptic_analysis::{Analysis, Conclusion};
 use haptic_core::names::Choice;
 use haptic_report::{Columns, Provenance, Rows};
 use haptic_sim::lanes::{self, number::LANES};
 use haptic_sim::run::{Options, Outcome, Verdict, run};
 use haptic_sim::scene::Scene;
 
-use self::row::POINT;
+use self::row::{POINT, UNSTABLE_MODES};
 use super::{Error, estimate::Estimate};
 
 pub use self::axis::Axis;
 pub use self::journal::{Journal, write};
 pub use self::metrics::{METRICS, Metric};
 pub use self::row::Row;
-pub(crate) use self::row::of_runs;
+pub(crate) use self::row::{EVERY_MODE, of_runs};
 pub use self::sample::{Design, MOST_KEYS, Sample, Spread};
 
 /// Most runs of a sweep: their rows are held in memory, some 300 bytes each.
@@ -224,8 +224,8 @@ impl Sweep {
     ) -> Result<Vec<Row>, Error> {
         let of = |(point, seeds): &(usize, Vec<u32>)| {
             let scene = self.scene_at(*point)?;
-            let verdict = haptic_analysis::verdict(&scene)?;
-            Ok::<_, Error>((*point, seeds.iter().copied().collect::<BTreeSet<u32>>(), scene, verdict))
+            let analysis = Analysis::of(&scene)?;
+            Ok::<_, Error>((*point, seeds.iter().copied().collect::<BTreeSet<u32>>(), scene, analysis))
         };
         let points = todo.iter().map(of).collect::<Result<Vec<_>, _>>()?;
         let seeds: BTreeSet<u32> = todo.iter().flat_map(|(_, seeds)| seeds).copied().collect();
@@ -236,7 +236,7 @@ impl Sweep {
             let outcomes = lanes::run::<f64>(&scenes, self.seconds)?;
             let finished = lacking().zip(&scenes).zip(outcomes);
             let finished =
-                finished.map(|(((point, .., verdict), scene), outcome)| Row::of(*point, scene, verdict, outcome));
+                finished.map(|(((point, .., analysis), scene), outcome)| Row::of(*point, scene, analysis, outcome));
             let new: Vec<Row> = finished.collect();
             keep(&new)?;
             rows.extend(new);
@@ -296,7 +296,13 @@ impl Sweep {
             .head("unstable")
             .value("apart_runs", |runs| count(runs, Verdict::Apart))
             .means("in how many of them the copies came apart")
-            .head("apart");
+            .head("apart")
+            .value("every_mode_stable", |runs| runs[0].every_mode_stable())
+            .means(EVERY_MODE)
+            .head("let go")
+            .value("unstable_modes", |runs| runs[0].unstable_modes())
+            .means(UNSTABLE_MODES)
+            .data_only();
         for (at, metric) in METRICS.iter().enumerate() {
             let of = |runs: &&[Row]| estimate(runs, at);
             columns = columns.significant(metric.name(), 4, move |runs| of(runs).map(|found| found.mean));
@@ -318,23 +324,24 @@ impl Row {
         point: usize,
         seed: u32,
         scene: &Scene,
-        verdict: &haptic_analysis::Verdict,
+        analysis: &Analysis,
         seconds: f64,
     ) -> Result<Self, Error> {
         let scene = with_seed(scene, seed);
         let outcome = run::<f64>(&scene, Options { duration_s: seconds, record_every: 0 }, &|_| {})?;
-        Ok(Self::of(point, &scene, verdict, outcome))
+        Ok(Self::of(point, &scene, analysis, outcome))
     }
 
     /// What came of the run of a scene.
-    fn of(point: usize, scene: &Scene, verdict: &haptic_analysis::Verdict, outcome: Outcome) -> Self {
-        let Conclusion { outcome, .. } = Conclusion::new(scene, outcome, *verdict);
+    fn of(point: usize, scene: &Scene, analysis: &Analysis, outcome: Outcome) -> Self {
+        let Conclusion { outcome, analysis } = Conclusion::new(scene, outcome, analysis.clone());
         Self {
             point,
             seed: scene.world.network.seed,
             verdict: outcome.verdict().name().to_owned(),
             reason: outcome.reason.map_or_else(String::new, |reason| reason.to_string()),
-            spectral_radius: verdict.spectral_radius,
+            spectral_radius: analysis.verdict.spectral_radius,
+            unstable_modes: analysis.judged.unstable_modes().join("; "),
             metrics: METRICS.map(|metric| (metric.of)(&outcome).unwrap_or(f64::NAN)),
             state_hash: format!("{:016x}", outcome.hash),
         }

@@ -21,8 +21,10 @@ pub struct Row {
     pub verdict: String,
     /// Why it is not stable; empty where it is.
     pub reason: String,
-    /// Largest |eigenvalue| of a packet period.
+    /// Largest |eigenvalue| of a packet period, both hands on.
     pub spectral_radius: f64,
+    /// Which modes that the scene can enter are not stable; empty where all are.
+    pub unstable_modes: String,
     /// Figures of merit; NaN where there is none.
     #[serde(rename = "merits")]
     pub metrics: [f64; METRICS.len()],
@@ -30,10 +32,28 @@ pub struct Row {
     pub state_hash: String,
 }
 
+/// What `every_mode_stable` means.
+pub(crate) const EVERY_MODE: &str = "whether the scene is stable with both hands on, one and none, at every delay that its network can have, \
+                                     and at the walls that it can meet; of the run alone speaks stable";
+/// What `unstable_modes` means.
+pub(super) const UNSTABLE_MODES: &str = "which of these are not: whose hands are on (both, one, none)";
+
 impl Row {
+    /// Whether the scene is stable in every mode that it can enter.
+    pub fn every_mode_stable(&self) -> bool {
+        self.unstable_modes.is_empty()
+    }
+
+    /// Those in which it is not, if any.
+    pub(super) fn unstable_modes(&self) -> Option<&str> {
+        Some(self.unstable_modes.as_str()).filter(|modes| !modes.is_empty())
+    }
+
     /// Columns of a file of rows: those of a run without the keys, which the question holds, and without what the verdict says.
     pub fn columns() -> Columns {
-        of_runs(Columns::of(&[]).value("point", |row: &Self| row.point).means(POINT)).without("stable")
+        of_runs(Columns::of(&[]).value("point", |row: &Self| row.point).means(POINT))
+            .without("stable")
+            .without("every_mode_stable")
     }
 
     /// Heading of a file of rows.
@@ -69,7 +89,11 @@ pub(crate) fn of_runs(columns: Rows<'_, Row>) -> Columns {
         .value("reason", |row| Some(row.reason.as_str()).filter(|reason| !reason.is_empty()))
         .means("why it is not stable")
         .number("spectral_radius", 6, |row| row.spectral_radius)
-        .means("largest |eigenvalue| over a packet period; its last bits depend on the processor");
+        .means("largest |eigenvalue| over a packet period, both hands on; its last bits depend on the processor")
+        .value("every_mode_stable", Row::every_mode_stable)
+        .means(EVERY_MODE)
+        .value("unstable_modes", Row::unstable_modes)
+        .means(UNSTABLE_MODES);
     for (at, metric) in METRICS.iter().enumerate() {
         let figure = move |row: &Row| Some(row.metrics[at]).filter(|figure| !figure.is_nan());
         columns = columns.significant(metric.name(), 4, figure).means(metric.meaning);

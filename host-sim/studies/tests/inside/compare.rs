@@ -9,7 +9,16 @@ fn runs(point: usize, values: &[f64]) -> Vec<Row> {
         metrics[0] = *value;
         let reason = if value.is_nan() { format!("seed {seed} failed") } else { String::new() };
         let verdict = if value.is_nan() { "NO" } else { "stable" }.to_owned();
-        Row { point, seed, verdict, reason, spectral_radius: 0.9, metrics, state_hash: format!("{value}") }
+        Row {
+            point,
+            seed,
+            verdict,
+            reason,
+            spectral_radius: 0.9,
+            unstable_modes: String::new(),
+            metrics,
+            state_hash: format!("{value}"),
+        }
     };
     (1..).zip(values).map(row).collect()
 }

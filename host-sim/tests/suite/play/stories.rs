@@ -188,6 +188,9 @@ fn the_workshop_says_what_acts() {
     browser.press(&one, "ArrowRight", false);
     browser.wait(&one, "document.querySelector('#pair .peer1 .arrow.hand').getBoundingClientRect().width > 20");
     browser.wait(&one, "parseFloat(document.querySelector('#pair .lens .gap').textContent) > 0");
+    let plots = "[...document.querySelectorAll('#strips canvas')].slice(0, 2)";
+    browser
+        .wait(&one, &format!("{plots}.every((plot) => plot.getBoundingClientRect().bottom + scrollY <= innerHeight)"));
     pictures(&mut browser, &one, "workshop");
 
     // The scene's users push with nobody's hand on: drawn, and listed.
