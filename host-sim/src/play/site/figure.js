@@ -17,7 +17,7 @@ export const DASHES = [
   [9, 3, 2, 3],
 ];
 /** Room for numbers beside and below a plot, and for a letter's half above it, pixels. */
-const [BESIDE, BELOW, ABOVE] = [54, 18, 7];
+const [BESIDE, BELOW, ABOVE] = [64, 18, 7];
 /** Size of letters, pixels. */
 const LETTER = 11;
 /** Least that a plot shows from bottom to top, of a unit; of others 1. */

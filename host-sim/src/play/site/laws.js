@@ -4,7 +4,7 @@
 
 import { make, move, put, strip } from "./environments.js";
 import { text } from "./parts.js";
-import { TOGETHER_MM } from "./status.js";
+import { plainly, TOGETHER_MM } from "./status.js";
 
 /** @typedef {import("./environments.js").Value} Value */
 /** @typedef {import("./environments.js").View} View */
@@ -70,7 +70,7 @@ export function laws(to, value, me, faults) {
     const fault = value(`fault_${id}`);
     if (fault > 0) {
       const [peer, after] = [value(`faulted_${id}`), value(`lasted_${id}`).toFixed(1)];
-      const text = `✗ stopped after ${after} s at peer ${peer}: ${faults[`${fault}`]}`;
+      const text = `✗ stopped after ${after} s at peer ${peer}: ${plainly(fault, faults)}`;
       return { text, short: `${name} has stopped`, bad: true };
     }
     const seen = Array.from({ length: 1000 }, (_, ago) => apart(id, ago)).filter(Number.isFinite);

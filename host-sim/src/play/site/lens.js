@@ -4,6 +4,7 @@
 
 import { write } from "./parts.js";
 import { make, put } from "./environments.js";
+import { phone } from "./phone.js";
 
 /** Where a lens stands in a drawing, and the most that it enlarges.
  * @typedef {{ x: number, y: number, width: number, height: number, most: number }} Place */
@@ -11,9 +12,15 @@ import { make, put } from "./environments.js";
 const POWERS = [1, 2, 5, 10, 20, 50, 100, 200, 500];
 /** Distances of a ruler's ticks, mm, and how far apart in the drawing ticks and numbers are at least. */
 const STEPS = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100];
-const [TICK_APART, NUMBER_APART] = [4, 15];
+const TICK_APART = 4;
+const NUMBER_APART = { usual: 15, phone: 30 };
+/** From a copy's line to the middle of its name. */
+const NAME_APART = { usual: 12, phone: 22 };
 /** Share of its width that the gap may fill. */
 const FILLS = 0.7;
+
+/** On a phone the same letters take more of the drawing. @param {{ usual: number, phone: number }} sizes */
+const of = (sizes) => (phone.matches ? sizes.phone : sizes.usual);
 
 /** A number of a ruler without needless zeros. @param {number} mm */
 const plain = (mm) => `${Number(mm.toFixed(2))}`.replace("-", "−");
@@ -23,7 +30,8 @@ const plain = (mm) => `${Number(mm.toFixed(2))}`.replace("-", "−");
  * @returns {{ ticks: [number, boolean][], numbers: [number, string][] }} */
 export function rule(from, to, zero, perMm) {
   const step = STEPS.find((mm) => mm * perMm >= TICK_APART) ?? 100;
-  const numbered = STEPS.find((mm) => mm * perMm >= NUMBER_APART && Math.abs(mm / step - Math.round(mm / step)) < 1e-9) ?? 100;
+  const numbered =
+    STEPS.find((mm) => mm * perMm >= of(NUMBER_APART) && Math.abs(mm / step - Math.round(mm / step)) < 1e-9) ?? 100;
   const each = Math.round(numbered / step);
   const ticks = /** @type {[number, boolean][]} */ ([]);
   const numbers = /** @type {[number, string][]} */ ([]);
@@ -49,7 +57,7 @@ export function writeRule(group, numbers, y) {
 export function lens(to, { x, y, width, height, most }) {
   const group = make(to, "g", { class: "lens" });
   const leads = make(group, "path", { class: "lead" });
-  make(group, "rect", { class: "glass", x, y, width, height, rx: 3 });
+  const pane = make(group, "rect", { class: "glass", x, y, width, height, rx: 3 });
   const ticks = make(group, "path", { class: "ticks" });
   const numbers = make(group, "g", {});
   const [one, two] = [1, 2].map((n) => make(group, "path", { class: `middle${n}` }));
@@ -85,11 +93,12 @@ export function lens(to, { x, y, width, height, most }) {
     const [top, low] = [y + 11, ground];
     if (one) put(one, { d: `M${x1.toFixed(2)} ${top}V${low}` });
     if (two) put(two, { d: `M${x2.toFixed(2)} ${top}V${low}` });
-    const aside = Math.max(12, Math.abs(x2 - x1) / 2 + 12);
+    const aside = Math.abs(x2 - x1) / 2 + of(NAME_APART);
     const side = x1 <= x2 ? 1 : -1;
     const names1 = 0.5 * (x1 + x2) - side * aside;
     const names2 = 0.5 * (x1 + x2) + side * aside;
-    const within = (/** @type {number} */ at) => Math.max(x + 12, Math.min(x + width - 12, at)).toFixed(2);
+    const edge = of(NAME_APART);
+    const within = (/** @type {number} */ at) => Math.max(x + edge, Math.min(x + width - edge, at)).toFixed(2);
     if (names[0]) put(names[0], { x: within(names1), y: y + 20 });
     if (names[1]) put(names[1], { x: within(names2), y: y + 20 });
     put(span, { d: Math.abs(x2 - x1) > 1 ? `M${x1.toFixed(2)} ${ground - 4}H${x2.toFixed(2)}` : "" });
@@ -100,8 +109,8 @@ export function lens(to, { x, y, width, height, most }) {
     write(gap, text);
     // What does not fit needs no lens.
     const fitting = apart * power <= width - 8;
-    for (const part of [ticks, numbers, one, two, span, ...names]) part?.toggleAttribute("hidden", !fitting);
-    const now = fitting ? `lens ×${power}` : "";
+    for (const part of [pane, ticks, numbers, one, two, span, ...names]) part?.toggleAttribute("hidden", !fitting);
+    const now = !fitting ? "" : phone.matches ? `×${power}` : `lens ×${power}`;
     if (now !== said) [said, label.textContent] = [now, now];
   }
   return { draw, power: () => power };

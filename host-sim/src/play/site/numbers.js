@@ -15,9 +15,9 @@ export const mean = (of, ticks) => {
 
 /** Quantities of two peers, and the parts of the page that show them.
  * @param {Value} value @param {number} me @param {() => number} axesNow along how many axes they share an object
- * @param {() => boolean} past whether what is shown is a moment of the past: numbers are then those of its tick */
-export function quantities(value, me, axesNow, past) {
-  const lately = (/** @type {(ago: number) => number} */ of) => mean(of, past() ? 1 : 200);
+ * @param {() => boolean} moment whether what is shown is one moment, of the past or the last: numbers are then those of its tick */
+export function quantities(value, me, axesNow, moment) {
+  const lately = (/** @type {(ago: number) => number} */ of) => mean(of, moment() ? 1 : 200);
   /** Distance of two places, mm. @param {string} one @param {string} other @param {number} ago */
   const distance = (one, other, ago) => {
     const axes = axesNow();
@@ -123,12 +123,16 @@ export function quantities(value, me, axesNow, past) {
     if (term && id === "true") term.id = "apart-name";
     datum?.append(number, ` ${unit}`);
     written.set(id, number);
+    part.hidden = true;
     return part;
   });
   function writeAll() {
-    for (const { id, digits, of } of rows) {
-      const now = of().map((number) => text(number, digits));
-      write(written.get(id), now.join(", "));
+    for (const [at, { id, digits, of }] of rows.entries()) {
+      const now = of();
+      const part = parts[at];
+      // What was never known, as of a recording that lacks it, is not there.
+      if (part?.hidden && now.some(Number.isFinite)) part.hidden = false;
+      write(written.get(id), now.map((number) => text(number, digits)).join(", "));
     }
   }
   /** Share of the last quarter of a second in which each has heard something fresh. */

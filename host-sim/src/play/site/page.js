@@ -12,7 +12,7 @@ import { download, Plots } from "./plots.js";
 import { Samples } from "./samples.js";
 import { pairScene } from "./scene.js";
 import { settings } from "./settings.js";
-import { sentence } from "./status.js";
+import { plainly, sentence } from "./status.js";
 import { pictures, story } from "./stories.js";
 import { Timeline } from "./timeline.js";
 
@@ -275,6 +275,9 @@ function take(bytes) {
   );
 }
 
+/** A peer has stopped itself: what is shown is its last moment. */
+let stopped = false;
+
 /** @param {number[]} modes @param {number[]} people @param {boolean} isCut @param {number} partner */
 function report(modes, people, isCut, partner) {
   cut = isCut;
@@ -292,6 +295,7 @@ function report(modes, people, isCut, partner) {
   }
   shown.told?.(modes, fault_base);
   const fault = modes.findIndex((mode) => mode > fault_base);
+  stopped = fault >= 0;
   const hands = !hasHand
     ? operates
       ? "you are the operator"
@@ -304,7 +308,7 @@ function report(modes, people, isCut, partner) {
           ? `the partner has the other hand: ${partners[partner]}`
           : "the program has the other hands";
   const [now, bad] = sentence({
-    fault: fault < 0 ? undefined : { peer: fault + 1, why: faults[(modes[fault] ?? 0) - fault_base] ?? "a fault" },
+    fault: fault < 0 ? undefined : { peer: fault + 1, why: plainly((modes[fault] ?? 0) - fault_base, faults) },
     waits: modes.some((mode) => mode === waits) ? `${other}` : undefined,
     off: modes.includes(0),
     cut,
@@ -314,10 +318,13 @@ function report(modes, people, isCut, partner) {
     hands,
   });
   say(now, bad);
+  // What stopped a peer, with the names of its keys; and a state that the verdict does not show.
   const seen =
-    bad && axes > 0 && element("verdict").textContent?.startsWith("stable") && fault < 0
-      ? `Seen now: ${now}. The verdict is about the settings, and leaves out what was not judged.`
-      : "";
+    fault >= 0
+      ? `Peer ${fault + 1} stopped: ${faults[(modes[fault] ?? 0) - fault_base] ?? "a fault"}.`
+      : bad && axes > 0 && element("verdict").textContent?.startsWith("stable")
+        ? `Seen now: ${now}. The verdict is about the settings, and leaves out what was not judged.`
+        : "";
   write(element("seen"), seen);
 }
 
@@ -457,7 +464,7 @@ const measured = quantities(
   value,
   me,
   () => axes,
-  () => timeline.past,
+  () => timeline.past || stopped,
 );
 const { apart, decoded, force } = measured;
 element("pair-numbers").replaceChildren(...measured.parts);

@@ -12,8 +12,10 @@ export const input = (/** @type {string} */ id) => /** @type {HTMLInputElement} 
 export const choice = (/** @type {string} */ id) => /** @type {HTMLSelectElement} */ (element(id));
 export const drawing = (/** @type {string} */ id) => /** @type {SVGSVGElement} */ (/** @type {unknown} */ (element(id)));
 
-/** A number as it is read: what rounds to nothing has no sign, which would come and go at rest. @param {number} number @param {number} digits */
-export const text = (number, digits) => (Number.isFinite(number) ? number.toFixed(digits).replace(/^-(?=[0.]*$)/, "") : "–");
+/** A number as it is read: what rounds to nothing has no sign, which would come and go at rest, and what is huge no decimals.
+ * @param {number} number @param {number} digits */
+export const text = (number, digits) =>
+  Number.isFinite(number) ? number.toFixed(Math.abs(number) < 1e4 ? digits : 0).replace(/^-(?=[0.]*$)/, "") : "–";
 
 /** @param {Element} to @param {string} text */
 export const write = (to, text) => {

@@ -1,7 +1,8 @@
 // @ts-check
 // The page on a phone: drawings fill its width, their texts are as large as the others, and who holds a hand sees that and little else.
 
-const phone = matchMedia("(max-width: 40rem)");
+/** Whether there is little room. */
+export const phone = matchMedia("(max-width: 40rem)");
 /** So much of an axis is shown where there is little room, and what is drawn is one object: what is beyond is seldom come to. */
 const LESS = 0.72;
 

@@ -162,7 +162,7 @@ export function pairScene(to, value, glass) {
         const within = left ? Math.max(56 - HALF, beside) : Math.min(HALF - 56, beside);
         // Where there is no room beside it, it stands above.
         put(text, { x: within.toFixed(2), y: within === beside ? y + 1.8 : y - 4.5 });
-        const label = `${name} ${Math.abs(force).toFixed(2)} N`;
+        const label = `${name} ${Math.abs(force).toFixed(Math.abs(force) < 100 ? 2 : 0)} N`;
         write(text, label);
       }
     }

@@ -5,6 +5,22 @@
 /** Copies that are farther apart than this, mm, are no longer one object. */
 export const TOGETHER_MM = 10;
 
+/** The faults that a peer of the page comes to, without names of keys. @type {Record<number, string>} */
+const PLAINLY = {
+  3: "its device moved faster than it may",
+  4: "its motor pushed as hard as it can, for too long",
+  5: "it heard nothing of the other peer for too long",
+  7: "its object left the range of numbers",
+  9: "its device ran away against its motor, or was struck",
+  10: "what it heard of the other peer was too old",
+  11: "it pushed the hand harder than it may, for too long",
+  12: "it gave the hand more power than it may, for too long",
+  13: "its device left its workspace",
+};
+
+/** Why a peer stopped itself, in plain words; of other faults what the program says. @param {number} fault @param {Record<string, string>} faults */
+export const plainly = (fault, faults) => PLAINLY[fault] ?? faults[`${fault}`] ?? "a fault";
+
 /** What is known of it: who has stopped itself and why, whom it waits for, what a picture says of itself, how far the copies are apart (mm),
  * which share of the last moments was fresh at either peer, and who has the hands.
  * @typedef {{ fault: { peer: number, why: string } | undefined, waits: string | undefined, off: boolean, cut: boolean,

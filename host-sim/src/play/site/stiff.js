@@ -6,7 +6,7 @@ import { apart, inLens } from "./delay.js";
 import { make, put } from "./environments.js";
 import { mean } from "./numbers.js";
 import { write } from "./parts.js";
-import { TOGETHER_MM } from "./status.js";
+import { plainly, TOGETHER_MM } from "./status.js";
 
 /** @typedef {import("./environments.js").Value} Value */
 /** @typedef {import("./environments.js").View} View */
@@ -15,14 +15,6 @@ import { TOGETHER_MM } from "./status.js";
 const [BEFORE, SLOWER, STANDS] = [2000, 10, 1500];
 const KT = "coordination.stiffness_n_per_m";
 const still = matchMedia("(prefers-reduced-motion: reduce)");
-
-/** The faults that a coupling which is too stiff comes to, without names of keys; others as the program says them. */
-const PLAINLY = /** @type {Record<number, string>} */ ({
-  3: "its device moved faster than it may",
-  4: "its motor pushed as hard as it can, for too long",
-});
-/** @param {number} fault @param {Record<string, string>} faults */
-const plainly = (fault, faults) => PLAINLY[fault] ?? faults[`${fault}`] ?? "a fault";
 
 /** @param {SVGSVGElement} svg @param {HTMLElement} says @param {Value} value @param {import("./stories.js").About} about @returns {View} */
 export function tooStiff(svg, says, value, { me, faults, holds, past }) {
