@@ -18,6 +18,7 @@ __all__ = [
     "Scene",
     "Stability",
     "Sweep",
+    "__version__",
     "add_law",
     "advice",
     "keys",
@@ -26,6 +27,8 @@ __all__ = [
     "scenes",
     "stability",
 ]
+
+__version__: str
 
 @final
 class Scene:
@@ -57,6 +60,7 @@ class Scene:
 class Run:
     """What a run gave, as `host-sim cooperate` tells it."""
 
+    def __reduce__(self) -> tuple[Any, ...]: ...
     @property
     def columns(self) -> dict[str, NDArray[np.float64]]:
         """Every recorded column by name (the unit is its end), a row a recorded tick: what stands in the command's CSV."""
@@ -109,6 +113,7 @@ class Run:
 class Stability:
     """The verdict on a scene in every mode that it can enter."""
 
+    def __reduce__(self) -> tuple[Any, ...]: ...
     @property
     def stable(self) -> bool:
         """Every mode is stable."""
@@ -246,16 +251,23 @@ class Journal:
     def __enter__(self) -> Journal: ...
     def __exit__(self, *_error: object) -> None: ...
 
-class _Law(Protocol):
-    """A coordination law in Python: everything it is told and answers is a tuple of floats (docs/python.md)."""
+_Numbers = Sequence[float] | NDArray[Any]
 
-    name: str
-    sends: Literal["motion", "waves"]
-    keys: Mapping[str, tuple[float, float, float, str, str]]
-    reads: Sequence[str]
-    gains: Sequence[str]
-    def start(self, values: tuple[float, ...], local: tuple[float, float], /) -> tuple[float, ...]: ...
-    def receive(self, values: tuple[float, ...], state: tuple[float, ...], packet: tuple[float, ...], /) -> tuple[float, ...]: ...
+class _Law(Protocol):
+    """A coordination law in Python: what it is told are tuples of floats, and what it answers are numbers (docs/python.md)."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def sends(self) -> str: ...
+    @property
+    def keys(self) -> Mapping[str, tuple[float, float, float, str, str]]: ...
+    @property
+    def reads(self) -> Sequence[str]: ...
+    @property
+    def gains(self) -> Sequence[str]: ...
+    def start(self, values: tuple[float, ...], local: tuple[float, float], /) -> _Numbers: ...
+    def receive(self, values: tuple[float, ...], state: tuple[float, ...], packet: tuple[float, ...], /) -> _Numbers: ...
     def couple(
         self,
         values: tuple[float, ...],
@@ -264,8 +276,8 @@ class _Law(Protocol):
         contact_force_n: float,
         age_ticks: int,
         /,
-    ) -> tuple[Any, ...]: ...
-    def send(self, values: tuple[float, ...], state: tuple[float, ...], local: tuple[float, float], /) -> tuple[float, ...]: ...
+    ) -> Sequence[Any]: ...
+    def send(self, values: tuple[float, ...], state: tuple[float, ...], local: tuple[float, float], /) -> _Numbers: ...
 
 def add_law(law: _Law) -> None:
     """Makes a law that is written in Python known: every scene can name it from then on, for the life of the process.

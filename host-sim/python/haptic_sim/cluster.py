@@ -6,10 +6,11 @@ die or come at any time, and the runs that a dead one had are done by others.
 
 import math
 import os
+import pickle
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
-from ._native import Sweep
+from ._native import Sweep, keys
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -37,10 +38,29 @@ def run(
         missing = journal.missing()
         total = sum(len(seeds) for _, seeds in missing)
         if total:
+            _check_laws(client, sweep)
             workers = max(1, sum(client.nthreads().values()))
             size = runs_per_task or _size(sweep, total, workers)
             _keep(client, sweep, list(_tasks(missing, size)), journal.append, progress, total)
         return journal.finish()
+
+
+def _check_laws(client: "Client", sweep: Sweep) -> None:
+    """Each process knows the laws that were written in it: a worker that lacks one is named before anything is run."""
+    points = range(sweep.points) if "coordination.comm" in sweep.keys else range(1)
+    laws = sorted({str(sweep.scene_at(point)["coordination.comm"]) for point in points})
+    for worker, unknown in client.run(_unknown, laws).items():
+        if unknown:
+            raise ValueError(
+                f"worker {worker} does not know the law {unknown[0]}: add it there as well, with client.run for workers that are "
+                "there, with a preload (`dask worker --preload`) for those that come"
+            )
+
+
+def _unknown(laws: list[str]) -> list[str]:
+    """On a worker: which of these laws nobody has told it."""
+    known = keys()["coordination.comm"]["allowed"]
+    return [law for law in laws if law not in known]
 
 
 def _size(sweep: Sweep, runs: int, workers: int) -> int:
@@ -74,7 +94,8 @@ def _keep(
 ) -> None:
     from distributed import as_completed
 
-    futures = client.map(_rows, tasks, sweep=sweep, made=sweep.made, pure=False)
+    # As bytes, which the task itself reads: what a worker cannot read is then an error of the task.
+    futures = client.map(_rows, tasks, asked=pickle.dumps(sweep), made=sweep.made, pure=False)
     sizes = {future.key: sum(len(seeds) for _, seeds in task) for future, task in zip(futures, tasks)}
     done, error = 0, None
     try:
@@ -97,8 +118,9 @@ def _keep(
         raise error
 
 
-def _rows(runs: "Runs", sweep: Sweep, made: list[str]) -> bytes:
-    """On a worker: the rows of these runs, if it is the same program with the same traces that was asked."""
+def _rows(runs: "Runs", asked: bytes, made: list[str]) -> bytes:
+    """On a worker: the rows of these runs of a pickled sweep, if it is the same program with the same traces that was asked."""
+    sweep: Sweep = pickle.loads(asked)
     if sweep.made != made:
         raise RuntimeError(f"this worker would give other rows: it has {sweep.made}, the sweep was asked by {made}")
     return sweep.rows(runs)

@@ -112,9 +112,26 @@ impl AskPython {
     }
 }
 
+/// What anything that can be gone through holds: a tuple, a list, an array.
+fn items<'py>(given: &Bound<'py, PyAny>) -> PyResult<Vec<Bound<'py, PyAny>>> {
+    given.try_iter()?.collect()
+}
+
+/// Numbers of Python or of NumPy.
+fn numbers(given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+    items(given)?.iter().map(|number| number.extract()).collect()
+}
+
+/// So many of them.
+fn exactly<const N: usize>(given: &Bound<'_, PyAny>, what: &str) -> PyResult<[f64; N]> {
+    let numbers = numbers(given)?;
+    let count = numbers.len();
+    numbers.try_into().map_err(|_| refused(format!("{what} of {count} numbers is not allowed: it must be {N}")))
+}
+
 /// Numbers of a state, of which there may be so many.
 fn state(given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
-    let numbers: Vec<f64> = given.extract()?;
+    let numbers = numbers(given)?;
     match numbers.len() {
         0..=MOST_NUMBERS => Ok(numbers),
         many => Err(refused(format!("a state of {many} numbers is not allowed: it must be 0 to {MOST_NUMBERS}"))),
@@ -175,19 +192,26 @@ impl<S: Scalar> Law<S> for AskPython {
             |py, couple, values| {
                 let contact_n = seen.contact_force.to_f64();
                 let arguments = (values, numbers.tuple(py)?, pair(py, seen.local)?, contact_n, seen.age_ticks);
-                let answer = couple.call1(arguments)?;
-                let answer = answer.cast::<PyTuple>()?;
-                let number = |at: usize| answer.get_item(at)?.extract::<f64>();
-                let desired: (f64, f64) = answer.get_item(2)?.extract()?;
-                let (force, power) = (number(1)?, number(1)? * desired.1);
-                let powers = match answer.len() {
-                    3 => [power.max(0.0), (-power).max(0.0)],
-                    _ => [number(3)?, number(4)?],
+                let answer = items(&couple.call1(arguments)?)?;
+                let (numbers, force, desired, powers) = match answer.as_slice() {
+                    [numbers, force, desired] => (numbers, force, desired, None),
+                    [numbers, force, desired, into, out] => (numbers, force, desired, Some([into, out])),
+                    other => {
+                        let count = other.len();
+                        let must = "state, force and desired, and of waves power in and out";
+                        return Err(refused(format!("couple gave {count} things: they must be {must}")));
+                    }
                 };
-                Ok((state(&answer.get_item(0)?)?, force, desired, powers))
+                let (force, desired) = (force.extract::<f64>()?, exactly::<2>(desired, "a desired motion")?);
+                let power = force * desired[1];
+                let powers = match powers {
+                    None => [power.max(0.0), (-power).max(0.0)],
+                    Some([into, out]) => [into.extract()?, out.extract()?],
+                };
+                Ok((state(numbers)?, force, desired, powers))
             },
         );
-        let Some((answer, force, (position, velocity), [power_in, power_out])) = answer else {
+        let Some((answer, force, [position, velocity], [power_in, power_out])) = answer else {
             // No number: the peer stops with a fault, as it does with any law that has none.
             return Coupled { force: S::from_f64(f64::NAN), ..Coupled::default() };
         };
@@ -205,12 +229,18 @@ impl<S: Scalar> Law<S> for AskPython {
     fn send(&self, numbers: &Numbers<S>, local: Motion<S>) -> Packet<S> {
         let answer = self.ask(
             |law| &law.send,
-            |py, send, values| send.call1((values, numbers.tuple(py)?, pair(py, local)?))?.extract::<Vec<f64>>(),
+            |py, send, values| {
+                let answer = send.call1((values, numbers.tuple(py)?, pair(py, local)?))?;
+                match self.sends {
+                    Sends::Waves => exactly::<1>(&answer, "a packet of waves").map(|[wave]| [wave, 0.0]),
+                    _ => exactly::<2>(&answer, "a packet of motion"),
+                }
+            },
         );
-        let number = |at: usize| S::from_f64(answer.as_ref().and_then(|all| all.get(at)).copied().unwrap_or(0.0));
+        let [first, second] = answer.unwrap_or_default().map(S::from_f64);
         match self.sends {
-            Sends::Waves => Packet { wave: number(0), ..Packet::default() },
-            _ => Packet { motion: Motion { position: number(0), velocity: number(1) }, ..Packet::default() },
+            Sends::Waves => Packet { wave: first, ..Packet::default() },
+            _ => Packet { motion: Motion { position: first, velocity: second }, ..Packet::default() },
         }
     }
 }

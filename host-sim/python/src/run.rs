@@ -2,10 +2,10 @@
 
 use haptic_analysis::{Conclusion, conclude};
 use haptic_core::num::Fixed;
-use haptic_sim::run::{Options, Outcome, run_while};
+use haptic_sim::run::{Options, Outcome, Verdict, run_while};
 use haptic_studies::sweep::METRICS;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyTuple};
 
 use crate::columns::to_python;
 use crate::scene::Scene;
@@ -60,8 +60,68 @@ pub(crate) struct Run {
     state_hash: String,
 }
 
+/// What a run holds, in the order of `HELD`.
+type Held = (
+    Vec<Py<PyDict>>,
+    Py<PyDict>,
+    bool,
+    String,
+    Option<String>,
+    Option<(usize, String)>,
+    Option<f64>,
+    f64,
+    Vec<String>,
+    u64,
+    String,
+);
+const HELD: [&str; 11] = [
+    "axes",
+    "merits",
+    "stable",
+    "verdict",
+    "reason",
+    "fault",
+    "fault_time_s",
+    "spectral_radius",
+    "unstable_modes",
+    "ticks",
+    "state_hash",
+];
+
 #[pymethods]
 impl Run {
+    /// From what it holds.
+    #[staticmethod]
+    fn _of(py: Python<'_>, held: Held) -> PyResult<Self> {
+        let (axes, merits, stable, verdict, reason, fault, fault_time_s, spectral_radius, unstable_modes, ticks, hash) =
+            held;
+        let columns = axes.first().ok_or_else(|| refused("a run has an axis".to_owned()))?.clone_ref(py);
+        let names = [Verdict::Stable, Verdict::Apart, Verdict::Unstable].map(Verdict::name);
+        let verdict = names.into_iter().find(|name| *name == verdict);
+        let verdict = verdict.ok_or_else(|| refused("a run has a verdict".to_owned()))?;
+        let state_hash = hash;
+        Ok(Self {
+            columns,
+            axes,
+            merits,
+            stable,
+            verdict,
+            reason,
+            fault,
+            fault_time_s,
+            spectral_radius,
+            unstable_modes,
+            ticks,
+            state_hash,
+        })
+    }
+
+    /// Pickled as what it holds.
+    fn __reduce__<'py>(slf: &Bound<'py, Self>, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        let held = HELD.iter().map(|name| slf.getattr(*name)).collect::<PyResult<Vec<_>>>()?;
+        (slf.get_type().getattr("_of")?, (PyTuple::new(py, held)?,)).into_pyobject(py)
+    }
+
     fn __repr__(&self) -> String {
         let reason = self.reason.as_ref().map_or_else(String::new, |reason| format!(": {reason}"));
         let modes = match self.unstable_modes.as_slice() {

@@ -2,7 +2,7 @@
 
 use haptic_analysis::{Effort, Range};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyTuple};
 
 use crate::scene::Scene;
 use crate::work::{here, refused};
@@ -17,11 +17,24 @@ pub(crate) struct Stability {
     /// The spectral radius by who has hands on: both, one, none.
     modes: Py<PyDict>,
     /// What the scene has and the verdict leaves out, in words.
-    not_judged: Vec<&'static str>,
+    not_judged: Vec<String>,
 }
 
 #[pymethods]
 impl Stability {
+    /// From what it holds.
+    #[staticmethod]
+    fn _of(stable: bool, spectral_radius: f64, modes: Py<PyDict>, not_judged: Vec<String>) -> Self {
+        Self { stable, spectral_radius, modes, not_judged }
+    }
+
+    /// Pickled as what it holds.
+    fn __reduce__<'py>(slf: &Bound<'py, Self>, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        let held = ["stable", "spectral_radius", "modes", "not_judged"].map(|name| slf.getattr(name));
+        let held = held.into_iter().collect::<PyResult<Vec<_>>>()?;
+        (slf.get_type().getattr("_of")?, PyTuple::new(py, held)?).into_pyobject(py)
+    }
+
     fn __repr__(&self) -> String {
         format!("<Stability: {}stable, spectral radius {}>", if self.stable { "" } else { "un" }, self.spectral_radius)
     }
@@ -40,7 +53,7 @@ pub(crate) fn stability(py: Python<'_>, scene: &Scene) -> PyResult<Stability> {
         stable: judged.worst.stable,
         spectral_radius: judged.worst.spectral_radius,
         modes: modes.unbind(),
-        not_judged: judged.not_judged,
+        not_judged: judged.not_judged.into_iter().map(str::to_owned).collect(),
     })
 }
 

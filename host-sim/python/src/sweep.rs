@@ -20,7 +20,7 @@ use crate::scene::{Scene, meant, to_toml};
 use crate::work::{here, on_threads, refused};
 
 /// Columns that are texts, also where there is none.
-const TEXTS: &[&str] = &["reason"];
+const TEXTS: &[&str] = &["reason", "unstable_modes"];
 
 /// Runs of a point: which, and its seeds.
 type Runs = Vec<(usize, Vec<u32>)>;

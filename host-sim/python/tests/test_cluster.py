@@ -1,6 +1,7 @@
 """A sweep on Dask: worker processes on loopback, one of them killed in the middle; nothing is missing, and every bit is one process's."""
 
 import os
+import pickle
 import signal
 
 import distributed
@@ -76,7 +77,7 @@ def test_tasks_are_all_the_runs_in_their_order():
 
 def test_a_worker_with_another_program_is_refused():
     with pytest.raises(RuntimeError, match="this worker would give other rows"):
-        haptic_sim.cluster._rows([(0, [1])], SWEEP, ['version = "0.0.0"'])
+        haptic_sim.cluster._rows([(0, [1])], pickle.dumps(SWEEP), ['version = "0.0.0"'])
 
 
 def test_a_task_that_fails_raises_after_the_others(client, tmp_path, monkeypatch):
@@ -121,6 +122,9 @@ def test_a_result_that_died_with_its_worker_is_waited_for(monkeypatch, tmp_path)
     class Workers:
         def nthreads(self):
             return {"one": 1}
+
+        def run(self, asked, laws):
+            return {"one": asked(laws)}
 
         def map(self, _, tasks, **__):
             return [Lost(key, task) for key, task in enumerate(tasks)]

@@ -1,5 +1,7 @@
 """Runs and verdicts: the command line's bits."""
 
+import importlib.metadata
+import pickle
 import subprocess
 import sys
 import threading
@@ -48,6 +50,20 @@ def test_limits_are_the_command_lines(host_sim):
     above, below = ({key: factor * found[0]} for factor in (1.001, 0.999))
     assert not haptic_sim.stability(haptic_sim.Scene("paper-5.1-power-16ms", above)).stable
     assert haptic_sim.stability(haptic_sim.Scene("paper-5.1-power-16ms", below)).stable
+
+
+def test_what_was_computed_is_pickled():
+    scene = haptic_sim.Scene("plane")
+    run, judged = haptic_sim.run(scene, 0.5), haptic_sim.stability(scene)
+    other, again = pickle.loads(pickle.dumps((run, judged)))
+    assert repr((other, again)) == repr((run, judged))
+    for name in ("stable", "verdict", "reason", "fault", "fault_time_s", "spectral_radius", "unstable_modes", "ticks", "merits"):
+        assert getattr(other, name) == getattr(run, name), name
+    assert len(other.axes) == 2 and other.columns.keys() == run.columns.keys()
+    for one, told in zip(other.axes, run.axes):
+        assert all(np.array_equal(one[name], told[name]) for name in told)
+    assert (again.stable, again.modes, again.not_judged) == (judged.stable, judged.modes, judged.not_judged)
+    assert haptic_sim.__version__ == importlib.metadata.version("haptic-sim")
 
 
 def test_a_faulted_run_has_a_reason_and_no_merits():

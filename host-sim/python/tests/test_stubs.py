@@ -16,6 +16,16 @@ def test_stubs_are_the_modules_own():
     assert done.returncode == 0, done.stdout + done.stderr
 
 
+def test_the_pages_law_passes_mypy(tmp_path):
+    """What a reader copies from docs/python.md, each method given its types or none."""
+    page = (pathlib.Path(__file__).parents[3] / "docs/python.md").read_text()
+    (law,) = [block for block in page.split("```python\n") if "haptic_sim.add_law(" in block.split("```")[0]]
+    file = tmp_path / "law.py"
+    file.write_text("import haptic_sim\n\n" + law.split("```")[0])
+    done = subprocess.run([sys.executable, "-m", "mypy", str(file)], capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
 def test_docstrings_of_the_stubs_are_the_modules():
     stub = ast.parse((pathlib.Path(haptic_sim.__file__).parent / "_native.pyi").read_text())
     told = 0

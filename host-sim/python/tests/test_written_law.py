@@ -1,9 +1,12 @@
 """A law in Python: the built-in law of the same equations, to the last bit; its own keys; what it raises."""
 
+import pickle
 import subprocess
 import sys
 
+import distributed
 import haptic_sim
+import haptic_sim.cluster
 import numpy as np
 import pytest
 
@@ -65,6 +68,43 @@ def test_the_same_equations_give_the_same_bits():
     assert list(one["verdict"]) == list(other["verdict"])
     pair = haptic_sim.Pair(written)
     assert np.array_equal(pair.steps(np.ones((50, 2))), haptic_sim.Pair(built_in).steps(np.ones((50, 2))))
+
+
+def test_a_law_may_answer_in_numpys_numbers():
+    class Arrays(Power):
+        name = "arrays"
+
+        def start(self, values, local):
+            return np.array(local)
+
+        def receive(self, values, state, packet):
+            return list(packet)
+
+        def couple(self, values, state, local, contact_force_n, age_ticks):
+            state, force, desired = super().couple(values, state, local, contact_force_n, age_ticks)
+            return [np.array(state), np.float64(force), np.array(desired)]
+
+        def send(self, values, state, local):
+            return np.array(local)
+
+    haptic_sim.add_law(Arrays())
+    one, other = (haptic_sim.Scene("paper-5.2-power-16ms", {"coordination.comm": name}) for name in ("power", "arrays"))
+    assert haptic_sim.run(one, 1.0).state_hash == haptic_sim.run(other, 1.0).state_hash
+
+
+@pytest.mark.parametrize(
+    "method, answer, says",
+    [
+        ("couple", (0.0, 1.0), "couple gave 2 things: they must be state, force and desired"),
+        ("couple", ((0.0,), 1.0, (0.0,)), "a desired motion of 1 numbers is not allowed: it must be 2"),
+        ("send", (0.0, 0.0, 0.0), "a packet of motion of 3 numbers is not allowed: it must be 2"),
+        ("start", range(17), "a state of 17 numbers is not allowed: it must be 0 to 16"),
+    ],
+)
+def test_what_a_law_must_not_answer_is_said(method, answer, says):
+    haptic_sim.add_law(type("Law", (Power,), {"name": "answers", method: lambda *_: answer})())
+    with pytest.raises(ValueError, match=says):
+        haptic_sim.run(haptic_sim.Scene(None, {"coordination.comm": "answers"}), 0.1)
 
 
 def test_a_law_has_keys_of_its_own():
@@ -229,3 +269,37 @@ print(pair.ticks)
     said = done.stdout.splitlines()
     assert said[:3] == ["a law that was interrupted in this pair has not come back yet: make another pair"] * 3
     assert int(said[3]) < 10
+
+
+LAW = """
+import haptic_sim
+
+class Soft:
+    name, sends, keys, reads, gains = "soft", "motion", {}, ("coordination.stiffness_n_per_m",), ()
+    def start(self, values, local): return local
+    def receive(self, values, state, packet): return packet
+    def couple(self, values, state, local, contact_force_n, age_ticks): return state, values[0] * (state[0] - local[0]), state
+    def send(self, values, state, local): return local
+
+haptic_sim.add_law(Soft())
+"""
+
+
+@pytest.fixture
+def client():
+    options = {"n_workers": 1, "threads_per_worker": 1, "host": "127.0.0.1", "dashboard_address": None}
+    with distributed.LocalCluster(processes=True, **options) as cluster, distributed.Client(cluster) as client:
+        yield client
+
+
+def test_a_worker_that_does_not_know_a_law_is_named_and_can_learn_it(client, tmp_path):
+    exec(LAW, {})
+    sweep = haptic_sim.Sweep(haptic_sim.Scene(None, {"coordination.comm": "soft"}), {"network.loss": [0, 0.1]}, seconds=0.5)
+    with pytest.raises(ValueError, match="worker tcp://127.0.0.1:[0-9]+ does not know the law soft"):
+        haptic_sim.cluster.run(client, sweep, tmp_path)
+    # A worker that comes later is not asked before: its task says so.
+    with pytest.raises(ValueError, match='coordination.comm = "?soft"? is not allowed'):
+        client.submit(haptic_sim.cluster._rows, [(0, [1])], pickle.dumps(sweep), sweep.made, pure=False).result(timeout=30)
+    client.run(exec, LAW, {})
+    far, near = haptic_sim.cluster.run(client, sweep, tmp_path), sweep.run()
+    assert list(far["state_hash"]) == list(near["state_hash"])
