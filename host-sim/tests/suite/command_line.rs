@@ -396,3 +396,21 @@ fn an_unstable_scene_is_called_so_along_several_axes_too() {
     }
     assert_eq!(two_axes["axes"].as_array().map(Vec::len), Some(2));
 }
+
+/// The two commands that docs/leader-follower.md begins with say one thing: copies 34 mm apart through a line of 160 ms are an object, as statics
+/// have it, and the scene is stable.
+#[test]
+fn a_run_and_the_analyser_agree_on_leader_and_follower() {
+    let page = include_str!("../../../docs/leader-follower.md");
+    let commands: Vec<&str> = page.lines().filter_map(|line| line.strip_prefix("    host-sim ")).take(2).collect();
+    let said = |command: &str| {
+        let words: Vec<&str> = command.split_whitespace().collect();
+        let output = crate::program::host_sim(&words).arg("--json").output().expect("host-sim runs");
+        assert_eq!(output.status.code(), Some(0), "{command}: {}", String::from_utf8_lossy(&output.stderr));
+        serde_json::from_slice::<Value>(&output.stdout).expect("one JSON document")
+    };
+    let [run, judged] = commands[..] else { panic!("the page has two commands: {commands:?}") };
+    let [run, judged] = [run, judged].map(said);
+    assert_eq!((&run["verdict"], &run["stable"], &judged["stable"]), (&"stable".into(), &true.into(), &true.into()));
+    assert!(run["true_discrepancy_mm"].as_f64().is_some_and(|mm| (20.0..50.0).contains(&mm)), "{run}");
+}
