@@ -5,7 +5,7 @@ use haptic_analysis::rendering::{identify, maps, picture as rendering};
 use haptic_analysis::{figure4, picture};
 use haptic_core::num::Scalar;
 use haptic_studies::reproduce::paper::{DURATION_S, experiment_columns, experiments, gain_columns, gains};
-use haptic_studies::reproduce::{Computed, architectures, columns, cooperation, counts, page};
+use haptic_studies::reproduce::{Computed, architectures, columns, cooperation, counted, counts, page};
 use haptic_studies::{architectures as choice, figures};
 use serde_json::json;
 
@@ -62,16 +62,15 @@ impl Reproduce {
         for (name, table) in &tables {
             files.extend(ui.files(&self.out, "reproduce", name, &provenance, |files| files.csv(table))?);
         }
-        let [matched, not_matched, not_testable] = counts(&claims);
-        ui.document_of(
-            &provenance,
-            &json!({
-                "claims": table, "matched": matched, "not_matched": not_matched, "not_testable": not_testable,
-                "experiments": tables[0].1, "gains": tables[1].1, "wall_s": wall_s, "files": files,
-            }),
-        )?;
+        let mut document = json!({
+            "claims": table, "experiments": tables[0].1, "gains": tables[1].1, "wall_s": wall_s, "files": files,
+        });
+        for (name, count) in counts(&claims) {
+            document[name.replace(' ', "_")] = count.into();
+        }
+        ui.document_of(&provenance, &document)?;
         writeln!(ui, "{}", page(&claims, &[], &tables[0].1));
-        writeln!(ui, "{matched} matched, {not_matched} not matched, {not_testable} not testable, in {wall_s:.1} s");
+        writeln!(ui, "{}, in {wall_s:.1} s", counted(&claims));
         ui.wrote(&files);
         Ok(())
     }

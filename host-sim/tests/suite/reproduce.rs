@@ -14,15 +14,16 @@ fn every_claim_has_a_verdict_and_a_reason() {
     let done = report(host_sim(&["reproduce", "--json", "--out", &out]).spawn().expect("host-sim runs"));
     let claims = done["claims"].as_array().expect("claims");
     let text = |at: usize, field: &str| claims[at][field].as_str().unwrap_or_default().to_owned();
-    let mut counts = [0, 0, 0];
+    let verdicts = ["matched", "holds in part", "not matched", "circular", "not testable"];
+    let mut counts = [0; 5];
     for (at, claim) in claims.iter().enumerate() {
         let [verdict, found, why] = ["verdict", "found", "why"].map(|field| text(at, field));
-        let which = ["matched", "not matched", "not testable"].iter().position(|name| *name == verdict);
+        let which = verdicts.iter().position(|name| *name == verdict);
         counts[which.expect("a verdict")] += 1;
         assert!(!found.is_empty() && (verdict == "matched" || !why.is_empty()), "{claim}");
         assert!(!found.contains("NaN"), "{claim}");
     }
-    assert_eq!(counts.map(Some), ["matched", "not_matched", "not_testable"].map(|field| done[field].as_u64()));
+    assert_eq!(counts.map(Some), verdicts.map(|name| done[name.replace(' ', "_").as_str()].as_u64()));
     let claim = |words: &str| {
         let at = (0..claims.len()).find(|at| text(*at, "claim").contains(words));
         let at = at.unwrap_or_else(|| panic!("no claim {words:?}"));
@@ -30,11 +31,36 @@ fn every_claim_has_a_verdict_and_a_reason() {
     };
     // THEORY §3: 357, 1597 and 10850 N/m beside 310, 1590 and 10620; a pocket from 4401 to 6061 N/m.
     for (law, off, verdict) in
-        [("power", 15.2, "not matched"), ("wave", 0.4, "matched"), ("passive-wave", 2.2, "matched")]
+        [("power", 15.2, "not matched"), ("wave", 0.4, "holds in part"), ("passive-wave", 2.2, "matched")]
     {
-        let (said, _, _, got) = claim(&format!("The largest gain of {law} communications"));
+        let (said, _, why, got) = claim(&format!("The largest gain of {law} communications"));
         assert!(said == verdict && (got.expect("a part") - off).abs() < 0.3, "{law}: {said}, {got:?} %");
+        assert!(verdict == "matched" || why.contains("neither mass nor damping"), "{law}: {why}");
     }
+    // With 0.3 kg and 1 N·s/m it is 321 N/m; wave's 1590 rests on the device as well: 846 N/m with 0.3 N·s/m, 2801 with 2.
+    assert!(
+        claim("The largest gain of power").2.contains("0.3 kg and 1 N·s/m: 321"),
+        "{:?}",
+        claim("The largest gain of power")
+    );
+    // Not at the one K_LC alone that is printed, no delay left out, no order rounded; not by the start of the run.
+    let (verdict, found, ..) = claim("The largest stiffness of passive waves is unaffected");
+    assert!(verdict == "holds in part" && found.contains("10698") && found.contains("34 of 73"), "{verdict}: {found}");
+    for (words, wanted) in [
+        ("Waves raise the largest", "holds in part"),
+        ("Waves decrease the position discrepancy by one order of magnitude (decoded)", "not matched"),
+        ("Passive waves decrease the position discrepancy by two orders of magnitude (decoded)", "not matched"),
+        ("Passive waves apply lower coordination forces", "holds in part"),
+        ("5 ms are short enough for stiff objects", "circular"),
+    ] {
+        assert_eq!(claim(words).0, wanted, "{words}");
+    }
+    assert!(
+        claim("Passive waves apply lower").1.contains("1.25, 1.95, 1.15 N"),
+        "{:?}",
+        claim("Passive waves apply lower")
+    );
+    assert!(claim("An adaptive dynamic bounder").2.contains("N/m at 20 ms"));
     let (verdict, found, why, _) = claim("With passive-wave communications every gain");
     assert!(verdict == "not matched" && found.contains("440") && found.contains("606"), "{verdict}: {found}");
     assert!(why.contains("depends on what the paper leaves open"), "{why}");

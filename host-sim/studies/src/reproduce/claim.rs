@@ -8,15 +8,21 @@ use crate::Error;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     Matched,
+    InPart,
     NotMatched,
+    Circular,
     NotTestable,
 }
 
 impl Verdict {
+    pub const ALL: [Self; 5] = [Self::Matched, Self::InPart, Self::NotMatched, Self::Circular, Self::NotTestable];
+
     pub fn name(self) -> &'static str {
         match self {
             Self::Matched => "matched",
+            Self::InPart => "holds in part",
             Self::NotMatched => "not matched",
+            Self::Circular => "circular",
             Self::NotTestable => "not testable",
         }
     }
@@ -52,15 +58,37 @@ impl Claim {
         Self { paper: "", place, claim: claim.to_owned(), found, off: None, verdict, why: String::new() }
     }
 
+    /// A sentence that is true in so many of the places that were looked at; `found` says of how many.
+    pub fn in_places(place: &'static str, claim: &str, holding: usize, of: usize, found: String) -> Self {
+        let whole = Self::holds(place, claim, holding == of, found);
+        if holding > 0 && holding < of { Self { verdict: Verdict::InPart, ..whole } } else { whole }
+    }
+
     /// What no computation can decide.
     pub fn not_testable(place: &'static str, claim: &str, found: String, why: &str) -> Self {
         let open = Self::holds(place, claim, false, found);
         Self { verdict: Verdict::NotTestable, why: why.to_owned(), ..open }
     }
 
-    /// Why, where it is not matched.
+    /// Matched by what was found from the same numbers, it shows nothing.
+    pub fn circular(self, why: &str) -> Self {
+        if self.verdict != Verdict::Matched {
+            return self;
+        }
+        Self { verdict: Verdict::Circular, why: why.to_owned(), ..self }
+    }
+
+    /// Matched only for what was assumed where the paper says nothing.
+    pub fn assumed(self, why: String) -> Self {
+        if self.verdict != Verdict::Matched {
+            return self;
+        }
+        Self { verdict: Verdict::InPart, why, ..self }
+    }
+
+    /// Why, where it is not matched, or not everywhere.
     pub fn unless(mut self, why: impl FnOnce() -> Result<String, Error>) -> Result<Self, Error> {
-        if self.verdict == Verdict::NotMatched {
+        if matches!(self.verdict, Verdict::NotMatched | Verdict::InPart) && self.why.is_empty() {
             self.why = why()?;
         }
         Ok(self)
@@ -73,11 +101,6 @@ impl Claim {
         }
         self
     }
-}
-
-/// So many orders of magnitude, rounded.
-pub(super) fn orders(ratio: f64) -> f64 {
-    ratio.log10().round()
 }
 
 /// The claims of one paper.

@@ -10,11 +10,13 @@
 //!
 //! | verdict | when |
 //! |---|---|
-//! | matched | what comes out is the paper's number within a stated part of it, or does what its sentence says |
+//! | matched | what comes out is the paper's number within a stated part of it, or does what its sentence says, wherever it was looked at |
+//! | holds in part | it does in some of the places that were looked at (`found` says in how many), or for the device that is assumed here alone |
 //! | not matched | it does not; where another reading of what the paper leaves open would, that reading is named, computed like the rest |
+//! | circular | it comes out because what is assumed was found from the paper's own numbers |
 //! | not testable | the paper gives no number, or leaves open as many values as it states |
 //!
-//! **An order of magnitude** is a ratio that rounds to it on a logarithmic scale: from √10 to 10·√10 for one. **Readings** are the choices that
+//! **An order of magnitude** is ten times or more, two are a hundred: nothing is rounded. **Readings** are the choices that
 //! the cooperation paper leaves open: how the copy of the object is integrated, how late its forces are, how late the device's (`readings.rs`).
 
 mod architectures;
@@ -41,7 +43,7 @@ pub fn columns(claims: &[Claim]) -> Columns {
         .value("claim", |claim| claim.claim.as_str())
         .means("what the paper says")
         .value("verdict", |claim| claim.verdict.name())
-        .means("matched, not matched, not testable")
+        .means("matched, holds in part, not matched, circular, not testable")
         .value("found", |claim| claim.found.as_str())
         .means("what was computed, in words")
         .number("off_percent", 1, |claim| claim.off.map(|off| 100.0 * off))
@@ -53,18 +55,19 @@ pub fn columns(claims: &[Claim]) -> Columns {
         .done()
 }
 
-/// How many are matched, not matched, not testable.
-pub fn counts(claims: &[Claim]) -> [usize; 3] {
-    [Verdict::Matched, Verdict::NotMatched, Verdict::NotTestable]
-        .map(|verdict| claims.iter().filter(|claim| claim.verdict == verdict).count())
+/// How many there are of each verdict.
+pub fn counts(claims: &[Claim]) -> [(&'static str, usize); 5] {
+    Verdict::ALL.map(|verdict| (verdict.name(), claims.iter().filter(|claim| claim.verdict == verdict).count()))
+}
+
+/// The same as a sentence.
+pub fn counted(claims: &[Claim]) -> String {
+    counts(claims).map(|(name, count)| format!("{count} {name}")).join(", ")
 }
 
 /// One page: the claims of each paper as a table, and the figures behind it.
 pub fn page(claims: &[Claim], pictures: &[(&str, String)], experiments: &Columns) -> String {
-    let [matched, not, open] = counts(claims);
-    let mut page = format!(
-        "# Both papers, claim by claim\n\nComputed by `host-sim reproduce`: {matched} matched, {not} not matched, {open} not testable.\n"
-    );
+    let mut page = format!("# Both papers, claim by claim\n\nComputed by `host-sim reproduce`: {}.\n", counted(claims));
     for paper in ["cooperation", "architectures"] {
         page +=
             &format!("\n## The {paper} paper\n\n| place | claim | verdict | found | why |\n|---|---|---|---|---|\n");

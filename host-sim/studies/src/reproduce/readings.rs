@@ -1,5 +1,7 @@
 //! What the cooperation paper leaves open, as scenes: every choice tried.
 
+use rayon::prelude::*;
+
 use haptic_analysis::{Effort, Limit, Range, limit};
 use haptic_core::names::Choice;
 use haptic_core::object::IntegratorName;
@@ -61,6 +63,46 @@ pub(super) fn nearest(scene: &Scene, gain_n_per_m: f64) -> Result<Option<(String
         }
     }
     Ok(best)
+}
+
+/// Devices that a paper which names none may have had, kg and N·s/m.
+const DEVICES: [[f64; 2]; 12] = [
+    [0.05, 0.3],
+    [0.05, 1.0],
+    [0.05, 2.0],
+    [0.1, 0.3],
+    [0.1, 1.0],
+    [0.1, 2.0],
+    [0.2, 0.3],
+    [0.2, 1.0],
+    [0.2, 2.0],
+    [0.3, 0.3],
+    [0.3, 1.0],
+    [0.3, 2.0],
+];
+
+/// The boundary behind which a scene is unstable that is nearest to a gain, N/m.
+pub(super) fn boundary(found: &Limit, gain_n_per_m: f64) -> f64 {
+    let ends = found.crossings.iter().enumerate().filter(|(at, _)| found.stable_at_start == (at % 2 == 0));
+    let off = |crossing: f64| (crossing - gain_n_per_m).abs();
+    ends.map(|(_, crossing)| *crossing).min_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap_or(f64::NAN)
+}
+
+/// How that boundary moves with the device, of which the paper gives neither mass nor damping: the least and the largest, and the device with which it
+/// is nearest to the gain, with it, N/m.
+pub(super) fn over_devices(scene: &Scene, gain_n_per_m: f64) -> Result<([f64; 2], [f64; 2], f64), Error> {
+    let of = |device: &[f64; 2]| -> Result<f64, Error> {
+        let mut scene = scene.clone();
+        scene.apply_override(&format!("device.mass_kg={}", device[0]))?;
+        scene.apply_override(&format!("device.damping_n_s_per_m={}", device[1]))?;
+        Ok(boundary(&crossings(&scene, 2.0 * gain_n_per_m)?, gain_n_per_m))
+    };
+    let all: Vec<f64> = DEVICES.par_iter().map(of).collect::<Result<_, _>>()?;
+    let [least, most] = [f64::min, f64::max].map(|pick| all.iter().copied().fold(f64::NAN, pick));
+    let off = |at: &usize| (all[*at] / gain_n_per_m - 1.0).abs();
+    let nearest =
+        (0..all.len()).filter(|at| all[*at].is_finite()).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0);
+    Ok(([least, most], DEVICES[nearest], all[nearest]))
 }
 
 /// The readings under which every gain up to this one is stable, N/m.

@@ -14,10 +14,17 @@ fn a_number_is_matched_within_what_is_said() {
     assert_eq!(claim.found, "10.40 N, the paper's 10 ± 5 %");
 }
 
-/// From √10 to 10·√10 is one order.
+/// Everywhere, somewhere, nowhere; and a match that shows nothing, or rests on what is assumed.
 #[test]
-fn orders_of_magnitude_are_rounded() {
-    assert_eq!([3.1, 3.2, 10.0, 31.0, 32.0].map(orders), [0.0, 1.0, 1.0, 1.0, 2.0]);
+fn a_match_is_as_wide_as_what_was_looked_at() {
+    let verdict = |holding| Claim::in_places("§1", "it does", holding, 3, String::new()).verdict.name();
+    assert_eq!([3, 2, 0].map(verdict), ["matched", "holds in part", "not matched"]);
+    let [yes, no] = [true, false].map(|holds| Claim::holds("§1", "it does", holds, String::new()));
+    let verdicts = |claim: &Claim| {
+        [claim.clone().circular("so"), claim.clone().assumed("so".to_owned())].map(|it| it.verdict.name())
+    };
+    assert_eq!(verdicts(&yes), ["circular", "holds in part"]);
+    assert_eq!(verdicts(&no), ["not matched", "not matched"]);
 }
 
 /// Only what is not matched is asked why, and only what is matched has a remark.
