@@ -93,13 +93,23 @@ impl Run {
     /// From what it holds.
     #[staticmethod]
     fn _of(py: Python<'_>, held: Held) -> PyResult<Self> {
-        let (axes, merits, stable, verdict, reason, fault, fault_time_s, spectral_radius, unstable_modes, ticks, hash) =
-            held;
+        let (
+            axes,
+            merits,
+            stable,
+            verdict,
+            reason,
+            fault,
+            fault_time_s,
+            spectral_radius,
+            unstable_modes,
+            ticks,
+            state_hash,
+        ) = held;
         let columns = axes.first().ok_or_else(|| refused("a run has an axis".to_owned()))?.clone_ref(py);
         let names = [Verdict::Stable, Verdict::Apart, Verdict::Unstable].map(Verdict::name);
         let verdict = names.into_iter().find(|name| *name == verdict);
         let verdict = verdict.ok_or_else(|| refused("a run has a verdict".to_owned()))?;
-        let state_hash = hash;
         Ok(Self {
             columns,
             axes,

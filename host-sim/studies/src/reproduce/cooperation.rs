@@ -8,7 +8,7 @@ use haptic_sim::{Laws, scenes};
 
 use super::claim::{Claim, of};
 use super::paper::Experiment;
-use super::readings::{boundary, crossings, nearest, over_devices, stable_up_to};
+use super::readings::{DAMPINGS_N_S_PER_M, MASSES_KG, boundary, crossings, nearest, over_devices, stable_up_to};
 use crate::Error;
 
 /// What the claims are judged from.
@@ -77,14 +77,12 @@ fn figure_4(computed: &Computed<'_>) -> Result<Vec<Claim>, Error> {
     let at = format!("at K_LC {CONTACT_N_PER_M} N/m, n_t 0, 1, 2, 3");
     // At every K_LC and delay at which both curves end.
     let an_order = |claim: &str, over: &[(f64, Vec<f64>)], under: &[(f64, Vec<f64>)], why: &str| {
-        let ratios: Vec<Vec<f64>> = (0..figure4::DELAYS.len())
-            .map(|delay| {
-                let ratios = over.iter().zip(under).map(|(over, under)| over.1[delay] / under.1[delay]);
-                ratios.filter(|ratio| ratio.is_finite()).collect()
-            })
-            .collect();
-        let counts = ratios.iter().map(|ratios| [ratios.iter().filter(|ratio| **ratio >= 10.0).count(), ratios.len()]);
-        let counts: Vec<[usize; 2]> = counts.collect();
+        let count = |delay: usize| {
+            let ratios = over.iter().zip(under).map(|(over, under)| over.1[delay] / under.1[delay]);
+            let ratios: Vec<f64> = ratios.filter(|ratio| ratio.is_finite()).collect();
+            [ratios.iter().filter(|ratio| **ratio >= 10.0).count(), ratios.len()]
+        };
+        let counts: Vec<[usize; 2]> = (0..figure4::DELAYS.len()).map(count).collect();
         let [holding, of] = [0, 1].map(|which| counts.iter().map(|count| count[which]).sum::<usize>());
         let words: Vec<String> = counts.iter().map(|[holding, of]| format!("{holding} of {of}")).collect();
         let usual: Vec<f64> = at_usual(over).iter().zip(at_usual(under)).map(|(over, under)| over / under).collect();
@@ -155,7 +153,11 @@ fn gains(computed: &Computed<'_>) -> Result<Vec<Claim>, Error> {
         let largest = format!("The largest gain of {law} communications is {gain} N/m (16 ms)");
         let ([least, most], [mass_kg, damping], there) = over_devices(&scene, gain)?;
         let device = format!(
-            "of the device the paper gives neither mass nor damping: with 0.05 to 0.3 kg and 0.3 to 2 N·s/m the boundary is at {} to {} N/m, nearest with {mass_kg} kg and {damping} N·s/m: {}",
+            "of the device the paper gives neither mass nor damping: with {} to {} kg and {} to {} N·s/m the boundary is at {} to {} N/m, nearest with {mass_kg} kg and {damping} N·s/m: {}",
+            MASSES_KG[0],
+            MASSES_KG[MASSES_KG.len() - 1],
+            DAMPINGS_N_S_PER_M[0],
+            DAMPINGS_N_S_PER_M[DAMPINGS_N_S_PER_M.len() - 1],
             significant(least, 3),
             significant(most, 3),
             significant(there, 4)
@@ -239,9 +241,8 @@ fn coherency(computed: &Computed<'_>) -> Result<Vec<Claim>, Error> {
     let peak = outcomes.map(|outcome| outcome.whole.peak_coordination_force_n);
     let lowest = |of: [f64; 3]| of[2] <= of[0].min(of[1]);
     let numbers = |of: [f64; 3]| list(&of);
-    let late = ["power", "wave", "passive-wave"].map(largest_late);
-    let [Ok(power), Ok(wave), Ok(passive)] = late else { return Err("an experiment of Figure 8 cannot be run".into()) };
-    let late = [power, wave, passive];
+    let [from, to] = FIGURE_8_S;
+    let late = [largest_late("power")?, largest_late("wave")?, largest_late("passive-wave")?];
     let holding = [late, peak].into_iter().filter(|of| lowest(*of)).count();
     claims.push(
         Claim::in_places(
@@ -250,7 +251,7 @@ fn coherency(computed: &Computed<'_>) -> Result<Vec<Claim>, Error> {
             holding,
             2,
             format!(
-                "largest |F_T| {} N for power, wave, passive wave from 50 to 58 s, as Figure 8 shows it; {} N with the start of the run; mean {} N",
+                "largest |F_T| {} N for power, wave, passive wave from {from} to {to} s, as Figure 8 shows it; {} N with the start of the run; mean {} N",
                 numbers(late),
                 numbers(peak),
                 numbers(mean)

@@ -65,21 +65,9 @@ pub(super) fn nearest(scene: &Scene, gain_n_per_m: f64) -> Result<Option<(String
     Ok(best)
 }
 
-/// Devices that a paper which names none may have had, kg and N·s/m.
-const DEVICES: [[f64; 2]; 12] = [
-    [0.05, 0.3],
-    [0.05, 1.0],
-    [0.05, 2.0],
-    [0.1, 0.3],
-    [0.1, 1.0],
-    [0.1, 2.0],
-    [0.2, 0.3],
-    [0.2, 1.0],
-    [0.2, 2.0],
-    [0.3, 0.3],
-    [0.3, 1.0],
-    [0.3, 2.0],
-];
+/// Masses and dampings of devices that a paper which names neither may have had, from the least to the most.
+pub(super) const MASSES_KG: [f64; 4] = [0.05, 0.1, 0.2, 0.3];
+pub(super) const DAMPINGS_N_S_PER_M: [f64; 3] = [0.3, 1.0, 2.0];
 
 /// The boundary behind which a scene is unstable that is nearest to a gain, N/m.
 pub(super) fn boundary(found: &Limit, gain_n_per_m: f64) -> f64 {
@@ -97,12 +85,14 @@ pub(super) fn over_devices(scene: &Scene, gain_n_per_m: f64) -> Result<([f64; 2]
         scene.apply_override(&format!("device.damping_n_s_per_m={}", device[1]))?;
         Ok(boundary(&crossings(&scene, 2.0 * gain_n_per_m)?, gain_n_per_m))
     };
-    let all: Vec<f64> = DEVICES.par_iter().map(of).collect::<Result<_, _>>()?;
+    let devices = MASSES_KG.map(|mass| DAMPINGS_N_S_PER_M.map(|damping| [mass, damping]));
+    let devices = devices.as_flattened();
+    let all: Vec<f64> = devices.par_iter().map(of).collect::<Result<_, _>>()?;
     let [least, most] = [f64::min, f64::max].map(|pick| all.iter().copied().fold(f64::NAN, pick));
     let off = |at: &usize| (all[*at] / gain_n_per_m - 1.0).abs();
     let nearest =
         (0..all.len()).filter(|at| all[*at].is_finite()).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0);
-    Ok(([least, most], DEVICES[nearest], all[nearest]))
+    Ok(([least, most], devices[nearest], all[nearest]))
 }
 
 /// The readings under which every gain up to this one is stable, N/m.
