@@ -189,6 +189,11 @@ pub trait Law<S: Scalar>: Configured + Copy + core::fmt::Debug + Send + Sync + '
     }
     /// Takes note that `packet` goes out, where [`event::LONGEST`] allows silence.
     fn spoke(&self, _state: &mut Self::State, _packet: &Packet<S>) {}
+    /// What goes out instead of `packet` from a peer that is not engaged, and whose copy is `local`: at rest where that stands, so that a
+    /// wave line ends in its own impedance and takes everything in. Counters stay.
+    fn idle(&self, packet: Packet<S>, local: Motion<S>) -> Packet<S> {
+        Packet { motion: Motion::at(local.position), wave: S::ZERO, ..packet }
+    }
     /// A packet during silence, of which this share (below 1) still counts: a motion moved toward the local one, and
     /// a wave made smaller, which takes energy out of the line and never puts any in.
     fn fade(&self, share: S, packet: Packet<S>, local: Motion<S>) -> Packet<S> {
@@ -279,6 +284,9 @@ macro_rules! laws {
             }
             fn spoke(&self, state: &mut Self::State, packet: &Packet<S>) {
                 match state { $( AnyLawState::$Variant(law, state) => law.spoke(state, packet) ),+ }
+            }
+            fn idle(&self, packet: Packet<S>, local: Motion<S>) -> Packet<S> {
+                match self { $( Self::$Variant(law) => Law::<S>::idle(law, packet, local) ),+ }
             }
             fn fade(&self, share: S, packet: Packet<S>, local: Motion<S>) -> Packet<S> {
                 match self { $( Self::$Variant(law) => Law::<S>::fade(law, share, packet, local) ),+ }
