@@ -45,7 +45,8 @@ pub use crate::settings::{LawInfo, Promise, Sends};
 /// What crosses the network once each packet period. A law fills the fields it uses; the others stay 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Packet<S: Scalar> {
-    /// Motion of the sender's copy of the object, m and m/s (power-domain).
+    /// Motion of the sender's copy of the object, m and m/s (power-domain); of [`self_timed`] its slip and how fast the point goes to which
+    /// the copy is tied.
     pub motion: Motion<S>,
     /// Wave sample, √W (wave-domain), or what a law sends beside the motion, in a unit of its own, such as a force,
     /// N. 0 from a peer that is not engaged.

@@ -140,13 +140,11 @@ pub(super) struct Carry<S: Scalar> {
     /// The fastest that a packet may say, m/s.
     within_m_per_s: S,
     modulus_m: S::Counter,
-    per_modulus: S::Counter,
     half_m: S::Counter,
 }
 
 configured!([S: Scalar] Carry<S> {
-    period_s, spring_damping, alone, blind, hears, live, elastic_m_per_n, left, new, back, most_m_per_s, capital_j, most_j, within_m_per_s, modulus_m,
-    per_modulus, half_m
+    period_s, spring_damping, alone, blind, hears, live, elastic_m_per_n, left, new, back, most_m_per_s, capital_j, most_j, within_m_per_s, modulus_m, half_m
 });
 
 /// What an end knows of the other one's slip.
@@ -223,7 +221,6 @@ impl<S: Scalar> Carry<S> {
             most_j: number(capital_j.max(CAP_J)),
             within_m_per_s: number(WITHIN * fastest),
             modulus_m: S::Counter::from_f64(MODULUS_M),
-            per_modulus: S::Counter::from_f64(1.0 / MODULUS_M),
             half_m: S::Counter::from_f64(0.5 * MODULUS_M),
         }
     }
@@ -248,12 +245,25 @@ impl<S: Scalar> Carry<S> {
         Slip { tank_j: slip.tank_j, heard: Slips::Anew, ..Slip::default() }
     }
 
-    /// The nearest number to this one that says the same modulo [`MODULUS_M`].
+    /// A slip within what may be told, and by how much it was more, m: [`MODULUS_M`], or nothing.
     #[inline]
-    fn told(&self, slip: S::Counter) -> S {
-        let turns = S::Counter::from_i32((slip * self.per_modulus).round_to_i32());
-        // Beyond what turns can be counted it is the largest that may be told.
-        S::of_counter((slip - turns * self.modulus_m).limit(self.half_m))
+    fn within(&self, slip_m: S::Counter) -> (S::Counter, S::Counter) {
+        let nothing = S::Counter::ZERO;
+        if slip_m.abs() <= self.half_m {
+            (slip_m, nothing)
+        } else {
+            let turn_m = if slip_m > nothing { self.modulus_m } else { -self.modulus_m };
+            // However far it jumped.
+            ((slip_m - turn_m).limit(self.half_m), turn_m)
+        }
+    }
+
+    /// A slip that cannot be told is the line's own: gives by how much x_d is more then, m.
+    #[inline]
+    pub(super) fn turn(&self, slip: &mut Slip<S>) -> Option<S::Counter> {
+        let (own_m, turn_m) = self.within(slip.own_m);
+        slip.own_m = own_m;
+        (turn_m != S::Counter::ZERO).then_some(turn_m)
     }
 
     /// Where the point is that the spring is tied to, for an x_d, m.
@@ -264,7 +274,7 @@ impl<S: Scalar> Carry<S> {
 
     /// What a packet says of this end.
     pub(super) fn says(&self, slip: &Slip<S>) -> Motion<S> {
-        Motion { position: self.told(slip.own_m), velocity: slip.goes_m_per_s.limit(self.within_m_per_s) }
+        Motion { position: S::of_counter(slip.own_m), velocity: slip.goes_m_per_s.limit(self.within_m_per_s) }
     }
 
     /// The other end is not engaged: it will begin anew as well, from this end's slip.
@@ -278,10 +288,12 @@ impl<S: Scalar> Carry<S> {
     /// gives by how much x_d is less then, m.
     pub(super) fn hear(&self, slip: &mut Slip<S>, told: Motion<S>) -> S::Counter {
         slip.far_m_per_s = told.velocity;
-        let ahead_m = self.told(told.position.to_counter() - slip.own_m);
+        let ahead_m = S::of_counter(self.within(told.position.to_counter() - slip.own_m).0);
         if core::mem::replace(&mut slip.heard, Slips::Known) == Slips::Anew {
-            (slip.own_m, slip.ahead_m) = (slip.own_m + ahead_m.to_counter(), S::ZERO);
-            return ahead_m.to_counter();
+            let less_m = ahead_m.to_counter();
+            slip.own_m = slip.own_m + less_m;
+            slip.ahead_m = S::ZERO;
+            return less_m;
         }
         slip.ahead_m = ahead_m;
         S::Counter::ZERO

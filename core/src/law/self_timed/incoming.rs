@@ -8,8 +8,8 @@
 //! of constant delay, whatever the network does.
 //!
 //! **Following the network** (`coordination.credit_ticks = 0`, beginning with [`FIRST_S`]). A zero sample more costs nothing. An
-//! end that stands for more than a tenth of the time ([`Outstanding::impatience`]; a rare outage is better stood through than
-//! lengthened for) adds half as many samples as it stood, for the other end stands as long and adds its half, and [`SPARE`]
+//! end that stands for more than a tenth of the time although packets come, there and at the other end ([`Outstanding::impatience`]; what is
+//! lost in bursts is stood through: a line that bridged it would be slow where nothing is lost) adds half as many samples as it stood, for the other end stands as long and adds its half, and [`SPARE`]
 //! more; at first no more than [`LEAST_AT_ONCE`], then twice as many each time: 200 ms of delay are learned in six round
 //! trips. A sample less costs energy: where for a [`WINDOW_S`] nothing stood and more than [`KEPT`] samples were always left, half
 //! of what is left over goes, two samples in a tick, if averaging has saved what that costs and the line is nearly at rest.

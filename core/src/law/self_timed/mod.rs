@@ -2,8 +2,8 @@
 //! (THEORY §8).
 //!
 //! Every tick of a line's end is **live** or **stands**. Live: it has a sample, emits it and sends one. Standing: it has
-//! none; x_d stays where it is and the copy hangs on the spring K_T there, as on a wall, which makes no energy and moves no
-//! position; nothing is emitted, sent or counted. What crosses the network are two counters, the live ticks and the integral of
+//! none; x_d stays where it is, nothing is emitted, sent or counted, and the copy hangs on the spring K_T there, as on a wall, or on what
+//! carries on from there (`carry` says how). What crosses the network are two counters, the live ticks and the integral of
 //! u_out over them: whatever is lost, late, repeated or overtaken, the next packet brings all of it. `incoming` says how
 //! much of it a tick emits.
 //!
@@ -34,8 +34,8 @@ use crate::num::{Motion, Scalar, StateVector, Sum, visit_counter, visit_sum};
 use crate::object::Solve;
 use crate::settings::{Refused, Settings};
 
-/// The largest slip that a packet tells, m.
-pub(super) const MOST_TOLD_M: f64 = 0.5 * MODULUS_M;
+/// No packet tells a larger slip, m; ends tell half of it, and a step.
+pub(super) const MOST_TOLD_M: f64 = MODULUS_M;
 
 /// One end of a self-timed line.
 #[derive(Clone, Copy, Debug)]
@@ -147,6 +147,9 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
             state.fresh = S::Counter::ZERO;
         }
         state.phase = if state.phase + 1 >= self.ticks_per_packet { 0 } else { state.phase + 1 };
+        if let Some(more) = self.carry.turn(&mut state.slip) {
+            state.desired.add(more);
+        }
         let anchor = self.carry.anchor(&state.slip, state.desired.total());
         let pull = self.end.pull(S::of_counter(anchor - observed.local.position.to_counter()));
         let position = S::of_counter(anchor);

@@ -395,6 +395,36 @@ fn a_slip_is_agreed_where_a_line_begins_anew() {
     }
 }
 
+/// Both ends are led 10 m through an outage, farther than a slip is told: nobody feels it, and what is told stays within its bounds.
+#[test]
+fn a_slip_may_go_as_far_as_it_likes() {
+    let mut settings = settings(12.0);
+    (settings.safety.workspace_m, settings.safety.max_speed_m_per_s) = (50.0, 2.0);
+    let mut couple = Couple::<f64>::new(&settings, 3);
+    for direction in &mut couple.directions {
+        *direction = Direction { delay: 5, jitter: 0.0, loss: 0.0, twice: 0.0, ..Direction::new(3) };
+    }
+    let led = |tick: u32| [Motion { position: 1e-3 * f64::from(tick), velocity: 1.0 }; 2];
+    (0..100).for_each(|_| couple.step([Motion::REST; 2]));
+    let (mut turned, mut last) = (0, 0.0);
+    for tick in 0..10_000 {
+        // Something comes now and then, so that neither is let go of.
+        if tick % 1_000 == 100 {
+            couple.directions.iter_mut().for_each(|direction| direction.burst = 950);
+        }
+        couple.step(led(tick));
+        let told = couple.benches[0].peer.outgoing()[0].motion.position;
+        assert!(told.abs() <= 8.01, "{told} m");
+        turned += u32::from((told - last).abs() > 8.0);
+        last = told;
+        let force = couple.benches[0].peer.observed()[0].coordination_force;
+        assert!(tick < 200 || force.abs() < 8.0, "tick {tick}: {force} N");
+    }
+    assert!(turned > 0, "it went beyond what is told: {last} m");
+    (0..4_000).for_each(|_| couple.step([Motion::at(10.0); 2]));
+    assert!(couple.distance().abs() < 1e-4, "{} m", couple.distance());
+}
+
 /// A line of d₀ samples each way that the network does not starve has a constant delay of d₀: a pulse of the one arrives at
 /// the other d₀ ticks later, spread over as many ticks as there are outstanding.
 #[test]

@@ -1,5 +1,6 @@
 //! Runs against an independent oracle, and the parts that runs are made of.
 
+mod carrying_on;
 mod double_double;
 mod engine;
 mod faults;
