@@ -87,33 +87,25 @@ pub(super) enum Doing {
     Alone,
 }
 
-/// Spring and slip in a row, with a damping of its own: F_T = stiff·K_T·s + drives·A + z·(w − v).
+/// Spring and slip in a row, with a damping of its own: F_T = σ·K_T·s + (1 − σ)·A + z·(w − v), z = σ·κ.
 #[derive(Clone, Copy, Debug)]
 struct Series<S> {
     /// D, N·s/m, and 1/D.
     damping: S,
     inverse: S,
-    /// D/(D + κ) and κ/(D + κ).
+    /// σ = D/(D + κ).
     stiff: S,
-    drives: S,
-    /// z = κ·D/(D + κ), N·s/m.
-    impedance: S,
-    /// 4·D/T_c: A² that a joule allows, N²/J.
-    allows: S,
 }
 
-configured!([S: Scalar] Series<S> { damping, inverse, stiff, drives, impedance, allows });
+configured!([S: Scalar] Series<S> { damping, inverse, stiff });
 
 impl<S: Scalar> Series<S> {
-    /// Of a damping D, N·s/m; 0 for a wall.
-    fn build(damping: f64, settings: &Settings) -> Self {
-        let kappa = Spring::<S>::impedance(settings);
-        let stiff = if damping > 0.0 { damping / (damping + kappa) } else { 1.0 };
-        let inverse = if damping > 0.0 { 1.0 / damping } else { 0.0 };
-        let numbers =
-            [damping, inverse, stiff, 1.0 - stiff, kappa * stiff, 4.0 * damping / settings.timing.control_period_s];
-        let [damping, inverse, stiff, drives, impedance, allows] = numbers.map(S::from_f64);
-        Self { damping, inverse, stiff, drives, impedance, allows }
+    /// Of a damping D, N·s/m, and κ; D = 0 for a wall.
+    fn build(damping: f64, kappa: f64) -> Self {
+        let wall = damping == 0.0;
+        let numbers = if wall { [0.0, 0.0, 1.0] } else { [damping, 1.0 / damping, damping / (damping + kappa)] };
+        let [damping, inverse, stiff] = numbers.map(S::from_f64);
+        Self { damping, inverse, stiff }
     }
 }
 
@@ -121,9 +113,11 @@ impl<S: Scalar> Series<S> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Carry<S: Scalar> {
     period_s: S,
-    /// B_T, N·s/m.
+    /// 4/T_c, 1/s: A² that a joule allows for each N·s/m of D.
+    allows: S,
+    /// κ and B_T, N·s/m.
+    kappa: S,
     spring_damping: S,
-    alone: Series<S>,
     blind: Series<S>,
     hears: Series<S>,
     live: Series<S>,
@@ -139,12 +133,12 @@ pub(super) struct Carry<S: Scalar> {
     most_j: S,
     /// The fastest that a packet may say, m/s.
     within_m_per_s: S,
-    modulus_m: S::Counter,
     half_m: S::Counter,
 }
 
 configured!([S: Scalar] Carry<S> {
-    period_s, spring_damping, alone, blind, hears, live, elastic_m_per_n, left, new, back, most_m_per_s, capital_j, most_j, within_m_per_s, modulus_m, half_m
+    period_s, allows, kappa, spring_damping, blind, hears, live, elastic_m_per_n, left, new, back, most_m_per_s, capital_j, most_j,
+    within_m_per_s, half_m
 });
 
 /// What an end knows of the other one's slip.
@@ -202,16 +196,17 @@ pub(super) struct Tied<S> {
 impl<S: Scalar> Carry<S> {
     pub(super) fn build(settings: &Settings) -> Self {
         let (period_s, damping) = (settings.timing.control_period_s, settings.own(&DAMPING));
-        let live = Self::live(settings);
+        let (live, kappa) = (Self::live(settings), Spring::<S>::impedance(settings));
         let (capital_j, fastest) = (settings.own(&ENERGY), settings.in_the_world().safety.max_speed_m_per_s);
         let number = S::from_f64;
         Self {
             period_s: number(period_s),
             spring_damping: number(settings.coordination.damping_n_s_per_m),
-            alone: Series::build(0.0, settings),
-            blind: Series::build(damping, settings),
-            hears: Series::build(HEARD * damping, settings),
-            live: Series::build(live, settings),
+            allows: number(4.0 / period_s),
+            kappa: number(kappa),
+            blind: Series::build(damping, kappa),
+            hears: Series::build(HEARD * damping, kappa),
+            live: Series::build(live, kappa),
             elastic_m_per_n: number(if damping > 0.0 { period_s / live } else { 0.0 }),
             left: number(libm::exp(-period_s / settings.own(&FADE))),
             new: number(1.0 - libm::exp(-period_s / LATELY_S)),
@@ -220,14 +215,14 @@ impl<S: Scalar> Carry<S> {
             capital_j: number(capital_j),
             most_j: number(capital_j.max(CAP_J)),
             within_m_per_s: number(WITHIN * fastest),
-            modulus_m: S::Counter::from_f64(MODULUS_M),
             half_m: S::Counter::from_f64(0.5 * MODULUS_M),
         }
     }
 
     /// Impedance of a live end's spring, z, N·s/m.
     pub(super) fn impedance(settings: &Settings) -> f64 {
-        Series::<f64>::build(Self::live(settings), settings).impedance
+        let kappa = Spring::<S>::impedance(settings);
+        kappa * Series::<f64>::build(Self::live(settings), kappa).stiff
     }
 
     /// D of a live end, N·s/m; 0 for a wall.
@@ -252,7 +247,8 @@ impl<S: Scalar> Carry<S> {
         if slip_m.abs() <= self.half_m {
             (slip_m, nothing)
         } else {
-            let turn_m = if slip_m > nothing { self.modulus_m } else { -self.modulus_m };
+            let turn_m = self.half_m + self.half_m;
+            let turn_m = if slip_m > nothing { turn_m } else { -turn_m };
             // However far it jumped.
             ((slip_m - turn_m).limit(self.half_m), turn_m)
         }
@@ -316,12 +312,13 @@ impl<S: Scalar> Carry<S> {
         let (series, base) = match doing {
             Doing::Live => (&self.live, slip.force + self.live.damping * back),
             Doing::Hears => (&self.hears, slip.lately_force + self.hears.damping * (slip.far_m_per_s + back)),
-            Doing::Alone => (&self.alone, S::ZERO),
             Doing::Blind => (&self.blind, slip.lately_force + self.blind.damping * (slip.lately_m_per_s + back)),
+            Doing::Alone => return Tied { drive: S::ZERO, inverse: S::ZERO, pull, impedance: self.kappa },
         };
-        let drive = base.limit((series.allows * slip.tank_j).sqrt());
-        let Series { inverse, stiff, drives, impedance, .. } = *series;
-        Tied { drive, inverse, pull: stiff * pull + drives * drive, impedance }
+        let Series { damping, inverse, stiff } = *series;
+        let drive = base.limit((self.allows * damping * slip.tank_j).sqrt());
+        let pull = stiff * pull + (S::ONE - stiff) * drive;
+        Tied { drive, inverse, pull, impedance: stiff * self.kappa }
     }
 
     /// Books what came of a tick; gives how fast the point went, w + ė, m/s.
