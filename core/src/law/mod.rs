@@ -45,8 +45,7 @@ pub use crate::settings::{LawInfo, Promise, Sends};
 /// What crosses the network once each packet period. A law fills the fields it uses; the others stay 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Packet<S: Scalar> {
-    /// Motion of the sender's copy of the object, m and m/s (power-domain); of [`self_timed`] its slip and how fast the point goes to which
-    /// the copy is tied.
+    /// Motion of the sender's copy of the object, m and m/s (power-domain).
     pub motion: Motion<S>,
     /// Wave sample, √W (wave-domain), or what a law sends beside the motion, in a unit of its own, such as a force,
     /// N. 0 from a peer that is not engaged.
@@ -190,11 +189,6 @@ pub trait Law<S: Scalar>: Configured + Copy + core::fmt::Debug + Send + Sync + '
     }
     /// Takes note that `packet` goes out, where [`event::LONGEST`] allows silence.
     fn spoke(&self, _state: &mut Self::State, _packet: &Packet<S>) {}
-    /// What goes out instead of `packet` from a peer that is not engaged, and whose copy is `local`: at rest where that stands, so that a
-    /// wave line ends in its own impedance and takes everything in. Counters stay.
-    fn idle(&self, packet: Packet<S>, local: Motion<S>) -> Packet<S> {
-        Packet { motion: Motion::at(local.position), wave: S::ZERO, ..packet }
-    }
     /// A packet during silence, of which this share (below 1) still counts: a motion moved toward the local one, and
     /// a wave made smaller, which takes energy out of the line and never puts any in.
     fn fade(&self, share: S, packet: Packet<S>, local: Motion<S>) -> Packet<S> {
@@ -285,9 +279,6 @@ macro_rules! laws {
             }
             fn spoke(&self, state: &mut Self::State, packet: &Packet<S>) {
                 match state { $( AnyLawState::$Variant(law, state) => law.spoke(state, packet) ),+ }
-            }
-            fn idle(&self, packet: Packet<S>, local: Motion<S>) -> Packet<S> {
-                match self { $( Self::$Variant(law) => Law::<S>::idle(law, packet, local) ),+ }
             }
             fn fade(&self, share: S, packet: Packet<S>, local: Motion<S>) -> Packet<S> {
                 match self { $( Self::$Variant(law) => Law::<S>::fade(law, share, packet, local) ),+ }

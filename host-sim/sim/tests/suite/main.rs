@@ -1,6 +1,5 @@
 //! Runs against an independent oracle, and the parts that runs are made of.
 
-mod carrying_on;
 mod double_double;
 mod engine;
 mod faults;

@@ -11,7 +11,6 @@
 use haptic_core::settings::Promise;
 use haptic_sim::network::rule::Direction;
 use haptic_sim::pair::Pair;
-use haptic_sim::run::Outcome;
 use haptic_sim::scene::Scene;
 use haptic_sim::user::{Trace, User};
 
@@ -20,7 +19,7 @@ use super::super::networks::{self, Named};
 use crate::Error;
 
 /// Above this a channel makes energy; sums of some 10⁴ products round by less.
-const ROUNDING_MJ: f64 = 1e-6;
+const NONE_MADE: f64 = 1.0 + 1e-9;
 
 /// Time of pushing and losing, and of neither, s.
 const DRIFTING_S: [f64; 2] = [8.0, 12.0];
@@ -64,14 +63,15 @@ pub(super) fn kept(scene: &Scene, cells: &[Cell], networks: &[Named]) -> Result<
     scene.law().promises.iter().map(of).collect()
 }
 
-/// Whether none of these channels gave out more than came in and `start_j`, J, which the law held at first; and the most that was made.
+/// Whether none of these channels gave out more than came in beyond what it held at first, J, and the largest share.
 fn channel<'a>(start_j: f64, cells: impl Iterator<Item = &'a Cell>) -> (bool, String) {
     let largest = |(most, place): (f64, &'a str), cell: &'a Cell| {
-        let made_mj = cell.outcomes.iter().map(Outcome::energy_made_mj).fold(0.0, f64::max);
-        if made_mj > most { (made_mj, cell.network.as_str()) } else { (most, place) }
+        let out_over_in =
+            cell.outcomes.iter().map(|outcome| outcome.energy_out_over_in_beyond(start_j)).fold(0.0, f64::max);
+        if out_over_in > most { (out_over_in, cell.network.as_str()) } else { (most, place) }
     };
-    let (most_mj, place) = cells.fold((0.0, "no network"), largest);
-    (most_mj <= 1e3 * start_j + ROUNDING_MJ, format!("{most_mj:.3} mJ over {place}"))
+    let (most, place) = cells.fold((0.0, "no network"), largest);
+    (most <= NONE_MADE, format!("{most:.4} over {place}"))
 }
 
 /// How far apart the copies are once the network has recovered and nobody pushes, mm; none where a peer stopped.
