@@ -123,6 +123,7 @@ struct Joint<S: Scalar> {
 #[repr(C)]
 pub struct Peer<S: Scalar, L: Law<S>, const SHARED: usize = 1, const N: usize = AXES, K = AnyKinematics<S>> {
     shared_axes: [SharedAxis<S, L>; SHARED],
+    law: L,
     device: [Motion<S>; N],
     forces: [S; N],
     load: Load<S>,
@@ -154,7 +155,6 @@ pub struct Peer<S: Scalar, L: Law<S>, const SHARED: usize = 1, const N: usize = 
     /// What the last tick asked of the motors.
     asked: [Duty; N],
     still: [Still; N],
-    law: L,
     degradation: Degradation<S>,
     stage_watch: StageWatch<S>,
     stage: StageState<S, N>,

@@ -12,12 +12,15 @@
 //! N lines of b that meet send 2/N·Σu − u_i back into each (see [`super::node`]), at most 3·U: a peer accepts that
 //! much, since its other end may be a hub ([`Bounds::beyond_a_junction`]); a hub accepts U.
 //!
+//! A line of [`Sends::Counters`] sends its slip and how fast it goes on beside them ([`super::self_timed`]), and a flag for a wave.
+//!
 //! Sums without a stated number of ticks are bounded as if over [`MOST_TICKS`], so that the difference of two stays within the
 //! range of numbers. What a law of [`Sends::Motion`] sends beside the motion has a unit of its own, and need only be finite.
 //!
 //! **Limits**: a hand at V or F, or a spring that is released, moves a light copy faster for a moment; a peer at its own limits is
 //! about to be stopped by them ([`crate::safety`]), and is disconnected if its copy was faster. Tick counters wrap after 49 days.
 
+use super::self_timed::MOST_TOLD_M;
 use super::{Packet, Sends};
 use crate::num::Scalar;
 use crate::settings::Settings;
@@ -31,7 +34,7 @@ const JUNCTION: f64 = 3.0;
 /// Bounds on the numbers in a packet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
-    /// Twice the workspace: from its one end to the other, m.
+    /// Twice the workspace: from its one end to the other, m; or the largest slip that a line with a time of its own tells.
     place_m: f64,
     speed_m_per_s: f64,
     /// U, √W, or any number.
@@ -60,9 +63,14 @@ impl Bounds {
         let (speed_m_per_s, period_s) = (safety.max_speed_m_per_s, settings.timing.control_period_s);
         let wave = (impedance * speed_m_per_s + safety.max_force_n) / libm::sqrt(2.0 * impedance);
         Self {
-            place_m: 2.0 * safety.workspace_m,
+            place_m: if sends == Sends::Counters { MOST_TOLD_M } else { 2.0 * safety.workspace_m },
             speed_m_per_s,
-            wave: if sends == Sends::Motion { f64::MAX } else { wave },
+            wave: match sends {
+                Sends::Motion => f64::MAX,
+                // A flag.
+                Sends::Counters => wave.max(1.0),
+                _ => wave,
+            },
             integral_per_tick: period_s * wave,
             energy_per_tick_j: 0.5 * period_s * wave * wave,
             counts: matches!(sends, Sends::Counters | Sends::Integrals),

@@ -23,6 +23,7 @@ pub mod input_gated;
 pub mod ledger;
 pub mod model_mediated;
 pub mod node;
+pub mod p_plus_d;
 pub mod passivity_control;
 pub mod power;
 pub mod remote_dynamic_proxy;
@@ -45,7 +46,8 @@ pub use crate::settings::{LawInfo, Promise, Sends};
 /// What crosses the network once each packet period. A law fills the fields it uses; the others stay 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Packet<S: Scalar> {
-    /// Motion of the sender's copy of the object, m and m/s (power-domain).
+    /// Motion of the sender's copy of the object, m and m/s (power-domain); of [`self_timed`] its slip and how fast the point goes to which
+    /// the copy is tied.
     pub motion: Motion<S>,
     /// Wave sample, √W (wave-domain), or what a law sends beside the motion, in a unit of its own, such as a force,
     /// N. 0 from a peer that is not engaged.
@@ -189,6 +191,11 @@ pub trait Law<S: Scalar>: Configured + Copy + core::fmt::Debug + Send + Sync + '
     }
     /// Takes note that `packet` goes out, where [`event::LONGEST`] allows silence.
     fn spoke(&self, _state: &mut Self::State, _packet: &Packet<S>) {}
+    /// What goes out instead of `packet` from a peer that is not engaged, and whose copy is `local`: at rest where that stands, so that a
+    /// wave line ends in its own impedance and takes everything in. Counters stay.
+    fn idle(&self, packet: Packet<S>, local: Motion<S>) -> Packet<S> {
+        Packet { motion: Motion::at(local.position), wave: S::ZERO, ..packet }
+    }
     /// A packet during silence, of which this share (below 1) still counts: a motion moved toward the local one, and
     /// a wave made smaller, which takes energy out of the line and never puts any in.
     fn fade(&self, share: S, packet: Packet<S>, local: Motion<S>) -> Packet<S> {
@@ -219,17 +226,20 @@ macro_rules! laws {
         /// Any coordination law of this crate; each is described on the page of its module.
         #[derive(Clone, Copy, Debug)]
         #[allow(missing_docs, clippy::large_enum_variant)]
+        // A tag of its own in both: one among the unused values of a field takes six instructions to read.
+        #[repr(u32)]
         pub enum AnyLaw<S: Scalar> { $( $Variant($law) ),+ }
 
-        /// A law with its state: the state of another law cannot be handed to it.
+        /// The state of any of them. What a law is handed that is not its own it leaves alone, and it couples nothing.
         #[derive(Clone, Copy, Debug)]
         #[allow(missing_docs, clippy::large_enum_variant)]
-        pub enum AnyLawState<S: Scalar> { $( $Variant($law, <$law as Law<S>>::State) ),+ }
+        #[repr(u32)]
+        pub enum AnyLawState<S: Scalar> { $( $Variant(<$law as Law<S>>::State) ),+ }
 
         impl<S: Scalar> StateVector<S> for AnyLawState<S> {
             #[inline]
             fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
-                match self { $( Self::$Variant(_, state) => state.visit(each) ),+ }
+                match self { $( Self::$Variant(state) => state.visit(each) ),+ }
             }
         }
 
@@ -255,30 +265,33 @@ macro_rules! laws {
                 Err(unknown(settings, Self::LAWS))
             }
             fn start(&self, local: Motion<S>) -> Self::State {
-                match self { $( Self::$Variant(law) => AnyLawState::$Variant(*law, law.start(local)) ),+ }
+                match self { $( Self::$Variant(law) => AnyLawState::$Variant(law.start(local)) ),+ }
             }
             fn restart(&self, state: &mut Self::State, local: Motion<S>) {
-                match state { $( AnyLawState::$Variant(law, state) => law.restart(state, local) ),+ }
+                match (self, state) { $( (Self::$Variant(law), AnyLawState::$Variant(state)) => law.restart(state, local), )+ _ => {} }
             }
             fn receive(&self, state: &mut Self::State, packet: Packet<S>) {
-                match state { $( AnyLawState::$Variant(law, state) => law.receive(state, packet) ),+ }
+                match (self, state) { $( (Self::$Variant(law), AnyLawState::$Variant(state)) => law.receive(state, packet), )+ _ => {} }
             }
             #[inline]
             fn couple(&self, state: &mut Self::State, observed: &Observation<S>, solve: impl Solve<S>) -> Coupled<S> {
-                match state { $(
-                    AnyLawState::$Variant(..) if <$law as Law<S>>::PORTS_ONLY && solve.is_staged() => Coupled::none(observed.local),
+                match (self, state) { $(
+                    (Self::$Variant(_), AnyLawState::$Variant(_)) if <$law as Law<S>>::PORTS_ONLY && solve.is_staged() => Coupled::none(observed.local),
                     // A copy for each: what one law takes by reference would be in memory for all.
-                    AnyLawState::$Variant(law, state) => law.couple(state, &{ *observed }, solve),
-                )+ }
+                    (Self::$Variant(law), AnyLawState::$Variant(state)) => law.couple(state, &{ *observed }, solve),
+                )+ _ => Coupled::none(observed.local) }
             }
             fn send(&self, state: &Self::State, local: Motion<S>) -> Packet<S> {
-                match state { $( AnyLawState::$Variant(law, state) => law.send(state, local) ),+ }
+                match (self, state) { $( (Self::$Variant(law), AnyLawState::$Variant(state)) => law.send(state, local), )+ _ => Packet::default() }
             }
             fn speaks(&self, state: &Self::State, packet: &Packet<S>) -> bool {
-                match state { $( AnyLawState::$Variant(law, state) => law.speaks(state, packet) ),+ }
+                match (self, state) { $( (Self::$Variant(law), AnyLawState::$Variant(state)) => law.speaks(state, packet), )+ _ => true }
             }
             fn spoke(&self, state: &mut Self::State, packet: &Packet<S>) {
-                match state { $( AnyLawState::$Variant(law, state) => law.spoke(state, packet) ),+ }
+                match (self, state) { $( (Self::$Variant(law), AnyLawState::$Variant(state)) => law.spoke(state, packet), )+ _ => {} }
+            }
+            fn idle(&self, packet: Packet<S>, local: Motion<S>) -> Packet<S> {
+                match self { $( Self::$Variant(law) => Law::<S>::idle(law, packet, local) ),+ }
             }
             fn fade(&self, share: S, packet: Packet<S>, local: Motion<S>) -> Packet<S> {
                 match self { $( Self::$Variant(law) => Law::<S>::fade(law, share, packet, local) ),+ }
@@ -289,6 +302,7 @@ macro_rules! laws {
 
 laws! {
     Power(power::Power<S>),
+    PPlusD(p_plus_d::PPlusD<S>),
     Wave(wave::Wave<S>),
     PassiveWave(wave::PassiveWave<S>),
     PassiveMean(wave::PassiveMean<S>),

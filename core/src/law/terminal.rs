@@ -16,6 +16,8 @@ use crate::settings::Settings;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Terminal<S> {
     pub(super) spring: Spring<S>,
+    /// κ, N·s/m.
+    kappa: S,
     /// Wave scale √(2b), √(N·s/m).
     pub(super) root: S,
     /// 1/(b + κ).
@@ -30,24 +32,31 @@ pub(super) struct Terminal<S> {
     force_to_wave: S,
 }
 
-configured!([S: Scalar] Terminal<S> { spring, root, inverse_sum, share, impedance, velocity_to_wave, force_to_wave });
+configured!([S: Scalar] Terminal<S> { spring, kappa, root, inverse_sum, share, impedance, velocity_to_wave, force_to_wave });
 
 /// What came of a tick at the end of a line.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ended<S> {
-    /// Mean velocity w of the desired copy, m/s.
+    /// Mean velocity w of the line's end, m/s.
     pub(super) velocity: S,
+    /// Mean velocity v of the copy, m/s.
+    pub(super) copy: S,
     /// F_T on the copy, N.
     pub(super) force: S,
 }
 
 impl<S: Scalar> Terminal<S> {
     pub(super) fn build(settings: &Settings) -> Self {
+        Self::with(settings, Spring::<S>::impedance(settings))
+    }
+
+    /// A line whose spring has the impedance `kappa`, N·s/m, with what else is in a row with it.
+    pub(super) fn with(settings: &Settings, kappa: f64) -> Self {
         let impedance = settings.coordination.wave_impedance_n_s_per_m;
-        let kappa = Spring::<S>::impedance(settings);
         let root = libm::sqrt(2.0 * impedance);
         Self {
             spring: Spring::build(settings),
+            kappa: S::from_f64(kappa),
             root: S::from_f64(root),
             inverse_sum: S::from_f64(1.0 / (impedance + kappa)),
             share: S::from_f64(kappa / (impedance + kappa)),
@@ -57,23 +66,29 @@ impl<S: Scalar> Terminal<S> {
         }
     }
 
-    /// A tick with a wave coming in, √W, from this stretch of the spring, m.
+    /// What the spring pulls with from this stretch (m) while nothing moves, N.
     #[inline]
-    pub(super) fn meet(&self, stretch: S, wave_in: S, solve: impl Solve<S>) -> Ended<S> {
-        let spring = self.spring.stiffness * stretch;
-        // b·w = drive − κ·(w − v): what is left of the wave's push once the spring has taken its part.
-        let drive = self.root * wave_in - spring;
-        let port = Port { force: spring + self.share * drive, impedance: self.impedance };
-        let mean = solve.velocity(port);
-        let velocity = (drive + self.spring.impedance * mean) * self.inverse_sum;
-        Ended { velocity, force: port.at(mean) }
+    pub(super) fn pull(&self, stretch: S) -> S {
+        self.spring.stiffness * stretch
     }
 
-    /// A tick in which the line's end stands.
+    /// A tick with a wave coming in, √W, in which the spring begins with this pull, N.
     #[inline]
-    pub(super) fn stand(&self, stretch: S, solve: impl Solve<S>) -> Ended<S> {
-        let port = Port { force: self.spring.stiffness * stretch, impedance: self.spring.impedance };
-        Ended { velocity: S::ZERO, force: port.at(solve.velocity(port)) }
+    pub(super) fn meet(&self, pull: S, wave_in: S, solve: impl Solve<S>) -> Ended<S> {
+        // b·w = drive − κ·(w − v): what is left of the wave's push once the spring has taken its part.
+        let drive = self.root * wave_in - pull;
+        let port = Port { force: pull + self.share * drive, impedance: self.impedance };
+        let mean = solve.velocity(port);
+        let velocity = (drive + self.kappa * mean) * self.inverse_sum;
+        Ended { velocity, copy: mean, force: port.at(mean) }
+    }
+
+    /// A tick in which the line's end stands, behind a spring of this pull (N) and impedance (N·s/m).
+    #[inline]
+    pub(super) fn stand(pull: S, impedance: S, solve: impl Solve<S>) -> Ended<S> {
+        let port = Port { force: pull, impedance };
+        let mean = solve.velocity(port);
+        Ended { velocity: S::ZERO, copy: mean, force: port.at(mean) }
     }
 
     /// Outgoing wave u_out, √W.

@@ -187,7 +187,8 @@ impl<S: Scalar, D: Decimator<S>> Law<S> for Line<S, D> {
             return self.emit(state, desired, wave_in);
         }
         let before = state.desired.position;
-        let Ended { velocity, force } = self.end.meet(before - observed.local.position, wave_in, solve);
+        let Ended { velocity, force, .. } =
+            self.end.meet(self.end.pull(before - observed.local.position), wave_in, solve);
         state.desired = Motion { position: state.carry.add(before, self.period * velocity), velocity };
         state.force = force;
         self.emit(state, Motion { position: before, velocity }, wave_in)

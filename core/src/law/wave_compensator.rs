@@ -136,7 +136,8 @@ impl<S: Scalar> Law<S> for WaveCompensator<S> {
         let wave_in = self.tanks.emit(&mut state.tank, state.wave - state.compensation);
 
         let before = state.desired.position;
-        let Ended { velocity, force } = self.end.meet(before - observed.local.position, wave_in, solve);
+        let Ended { velocity, force, .. } =
+            self.end.meet(self.end.pull(before - observed.local.position), wave_in, solve);
         let wave_out = self.end.wave_out(velocity, force);
         state.desired = Motion { position: state.carry.add(before, self.period * velocity), velocity };
         self.mean.push(&mut state.outgoing, wave_out);

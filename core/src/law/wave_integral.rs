@@ -226,7 +226,7 @@ impl<S: Scalar> Law<S> for WaveIntegral<S> {
         (state.age, state.ticks) = (state.age.saturating_add(1), state.ticks.wrapping_add(1));
         let stretch = S::of_counter(desired - observed.local.position.to_counter());
         let wave_in = self.emit(state);
-        let Ended { velocity, force } = self.end.meet(stretch, wave_in, solve);
+        let Ended { velocity, force, .. } = self.end.meet(self.end.pull(stretch), wave_in, solve);
         let wave_out = self.end.wave_out(velocity, force);
         let (taken, given) = (wave_in.to_counter(), wave_out.to_counter());
         state.desired.add(self.period_s * self.wave_to_position * (taken + given));

@@ -105,17 +105,12 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
 
     /// What would be sent now.
     pub(super) fn outgoing(&self, law: &L, engaged: bool) -> Packet<S> {
-        let mut packet =
+        let packet =
             Packet { energy_j: self.ledger.sent_j().to_counter(), ..law.send(&self.coordination, self.object) };
-        let finite = packet.is_finite();
-        if !(engaged && finite) {
-            // At rest where it stands: a wave line ends in its own impedance and takes everything in. Counters stay, if they are numbers.
-            (packet.motion, packet.wave) = (Motion::at(self.object.position), S::ZERO);
-            if !finite {
-                (packet.energy_j, packet.wave_integral, packet.live_ticks) = (S::Counter::ZERO, S::Counter::ZERO, 0);
-            }
+        if !packet.is_finite() {
+            return Packet { motion: Motion::at(self.object.position), ..Packet::default() };
         }
-        packet
+        if engaged { packet } else { law.idle(packet, self.object) }
     }
 
     /// Gives the law the packet that stands, of which this share still counts.

@@ -127,7 +127,7 @@ fn a_peer_refuses_a_law_that_it_does_not_hold() {
     let names: Vec<String> = AnyLaw::<f32>::LAWS.iter().map(|law| format!("{:?}", law.name)).collect();
     let names = names.join(", ");
     assert_eq!(refused, format!("coordination.comm = \"predict\" is not allowed: it must be one of {names}"));
-    assert!(names.starts_with("\"power\", \"wave\"") && names.ends_with("\"none\""), "{names}");
+    assert!(names.starts_with("\"power\", \"p-plus-d\"") && names.ends_with("\"none\""), "{names}");
     let refused = Peer::<f32, Power<f32>>::new(&Settings::default(), here).expect_err("another law");
     assert_eq!(refused.allowed, Allowed::Laws(Power::<f32>::LAWS));
 }

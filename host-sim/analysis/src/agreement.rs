@@ -124,7 +124,7 @@ fn driven_order(linear: &Scene) -> Vec<Option<State>> {
         "passive-mean" => {
             &[Some(DesiredPosition), Some(DesiredVelocity), Some(CoordinationForce), None, None, Some(Outgoing)]
         }
-        "self-timed" => &[Some(DesiredPosition), Some(Outstanding), Some(Outgoing)],
+        "self-timed" => &[Some(DesiredPosition), Some(Outstanding), Some(Outgoing), Some(CoordinationForce)],
         "power" => &[None, None],
         _ => &[],
     };

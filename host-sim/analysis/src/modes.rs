@@ -133,19 +133,23 @@ impl Analyser {
 
     /// The worst verdict on a mode of what was measured.
     fn mode(&mut self, mode: Hands, own: [usize; 2], delays: &[[usize; 2]]) -> Result<Mode, Error> {
-        let let_go: &[[bool; 2]] = match mode {
-            Hands::Both => &[[false; 2]],
-            Hands::One if self.sides_differ() => &[[false, true], [true, false]],
-            Hands::One => &[[false, true]],
-            Hands::None => &[[true; 2]],
+        let sides_differ = self.sides_differ();
+        let let_go = |[to_one, to_two]: [usize; 2]| -> &[[bool; 2]] {
+            match mode {
+                Hands::Both => &[[false; 2]],
+                // Where in its period each end hears matters to which of them has a hand.
+                Hands::One if sides_differ || to_one != to_two => &[[false, true], [true, false]],
+                Hands::One => &[[false, true]],
+                Hands::None => &[[true; 2]],
+            }
         };
         let mut worst = Mode { mode, at_walls: false, verdict: Verdict::LEAST, at_delay_ticks: None };
         for delays in delays {
-            for released in let_go {
+            for released in let_go(*delays) {
                 let verdict = self.joined(*released, *delays)?;
                 if verdict.spectral_radius > worst.verdict.spectral_radius {
-                    worst =
-                        Mode { mode, at_walls: false, verdict, at_delay_ticks: (*delays != own).then_some(*delays) };
+                    let at_delay_ticks = (*delays != own).then_some(*delays);
+                    worst = Mode { mode, at_walls: false, verdict, at_delay_ticks };
                 }
             }
         }

@@ -122,11 +122,13 @@ where
         if let Some(tick) = node.armed_ticks.checked_sub(1) {
             let mut decoded_m: f64 = 0.0;
             let axes = node.peer.observed().into_iter().map(|seen| seen.map(f64::from));
-            for (seen, (half, port)) in axes.zip(self.halves.iter_mut().zip(&mut self.ports)) {
+            let booked =
+                node.peer.ledger().into_iter().map(|booked| [booked.received_j(), booked.sent_j()].map(f64::from));
+            for ((seen, booked), (half, port)) in axes.zip(booked).zip(self.halves.iter_mut().zip(&mut self.ports)) {
                 let discrepancy_m = (seen.object.position - seen.desired.position).abs();
                 let contact_n = seen.contact_force;
                 half.see(tick, [discrepancy_m, seen.coordination_force, contact_n, contact_n * contact_n]);
-                port.see(&seen);
+                port.see(&seen, booked);
                 decoded_m = decoded_m.hypot(discrepancy_m);
             }
             let wall_n = node.wall_n();

@@ -29,7 +29,7 @@ def test_every_built_in_scene_gives_the_command_lines_bits(name, host_sim):
         assert run.spectral_radius == told["spectral_radius"]
         assert "; ".join(run.unstable_modes) == (told["unstable_modes"] or "")
         assert run.ticks == told["ticks"]
-        for merit in ["true_discrepancy_mm", "true_discrepancy_mm_per_n", "decoded_discrepancy_mm", "energy_out_over_in"]:
+        for merit in ["true_discrepancy_mm", "true_discrepancy_mm_per_n", "decoded_discrepancy_mm", "energy_made_mj"]:
             assert run.merits[merit] == told[merit], (scalar, merit)
         force = told["coordination_force_n"]
         assert (run.merits["coordination_force_mean_n"], run.merits["coordination_force_sd_n"]) == (force["mean"], force["sd"])

@@ -415,7 +415,7 @@ impl Scene {
         let file = || match plain {
             Value::Text(file) => Ok(folder.map_or_else(|| PathBuf::from(file), |folder| folder.join(file))),
             _ => {
-                let refused = Error::not_allowed(format!("{key} = {plain}"), "it must be the name of a CSV file");
+                let refused = Error::not_allowed(format!("{key} = {plain}"), "it must be the name of a file");
                 Err(Error::at(place, refused))
             }
         };

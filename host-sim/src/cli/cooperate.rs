@@ -154,10 +154,10 @@ fn whole(name: &str, scene: &Scene, conclusion: &Conclusion, wall_s: f64) -> Res
         .number("peak_coordination_force_n", 4, |()| outcome.metric(|o| o.whole.peak_coordination_force_n))
         .number("apparent_object_mass_kg", 3, |()| mass)
         .head("apparent mass of the shared object")
-        .number("energy_out_over_in", 4, |()| outcome.metric(Outcome::energy_out_over_in))
-        .head("energy out/in, channel")
-        .number("peer_energy_out_over_in", 4, |()| outcome.metric(Outcome::peer_energy_out_over_in).flatten())
-        .head("energy out/in, peer");
+        .number("energy_made_mj", 3, |()| outcome.metric(Outcome::energy_made_mj))
+        .head("energy made, channel")
+        .number("peer_energy_made_mj", 3, |()| outcome.metric(Outcome::peer_energy_made_mj).flatten())
+        .head("energy made, peer");
     for (at, energy) in outcome.whole.energy.iter().enumerate() {
         let peer = at + 1;
         columns = columns

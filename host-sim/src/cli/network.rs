@@ -79,7 +79,13 @@ impl Trace {
         let scene = self.scene.load(ui)?;
         let packet_s = scene.peer.timing.packet_period_s();
         NetworkTrace::record(&scene, (self.time.seconds / packet_s).ceil() as u64).write(&self.file)?;
-        ui.report("", &json!({ "files": [&self.file] }))
+        let constant_s =
+            scene.network_trace.as_ref().map(|trace| trace.constant_s()).filter(|constant| *constant > 0.0);
+        let Some(constant_s) = constant_s else { return ui.report("", &json!({ "files": [&self.file] })) };
+        // What is constant is in no trace: it is the scene's.
+        let packets = (constant_s / packet_s).round();
+        let constant = json!({ "one_way_delay_s": constant_s, "network.one_way_delay_packets": packets });
+        ui.report("measured, and to be set", &json!({ "constant": constant, "files": [&self.file] }))
     }
 }
 

@@ -70,10 +70,9 @@ impl<const SHARED: usize> Side<SHARED> {
         let (mut sent_j, mut kept_j) = (0.0, 0.0);
         for ((port, seen), ledger) in self.ports.iter_mut().zip(peer.observed()).zip(peer.ledger()) {
             let [received, sent] = [ledger.received_j(), ledger.sent_j()].map(f64::from);
-            port.see(&seen.map(f64::from));
-            let energy = port.with_network(received, sent);
+            port.see(&seen.map(f64::from), [received, sent]);
             sent_j += sent - received;
-            kept_j += received + energy.from_object_j - sent - energy.to_object_j - energy.stored_j;
+            kept_j += port.balance_j() - port.with_network(received, sent).stored_j;
         }
         let live_ticks = peer.outgoing()[0].live_ticks;
         self.silent = if heard == self.heard { self.silent.saturating_add(1) } else { 0 };

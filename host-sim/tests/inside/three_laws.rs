@@ -4,7 +4,7 @@ use super::super::kinds::EnvironmentKind;
 use super::*;
 
 /// Farthest that copies are apart which are still one object, m.
-const TOGETHER_M: f64 = 0.01;
+const TOGETHER_M: f64 = 0.02;
 
 fn open(keys: &[&str]) -> ThreeLaws {
     let mut scene = scenes::load(Laws::built_in(), "any-network").expect("a scene");

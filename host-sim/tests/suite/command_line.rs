@@ -391,7 +391,7 @@ fn an_unstable_scene_is_called_so_along_several_axes_too() {
     let warned = |report: &Value| report["warnings"].to_string().contains("unstable where the object is let go of");
     assert!(warned(&one_axis) && one_axis["warnings"] == two_axes["warnings"], "{two_axes}");
     // What user 1 does along the first axis is all that happens.
-    for figure in ["true_discrepancy_mm", "decoded_discrepancy_mm", "peak_coordination_force_n", "energy_out_over_in"] {
+    for figure in ["true_discrepancy_mm", "decoded_discrepancy_mm", "peak_coordination_force_n", "energy_made_mj"] {
         close(&two_axes[figure], one_axis[figure].as_f64().expect("a figure"), 1e-9);
     }
     assert_eq!(two_axes["axes"].as_array().map(Vec::len), Some(2));

@@ -92,7 +92,7 @@ fn bad_ones_are_refused() {
         says.iter().for_each(|says| assert!(error.contains(says), "{arguments:?}: {says:?} is missing in: {error}"));
     };
     refused(&["wave"], &["2 values required"]);
-    refused(&["wave", "wafe"], &["wafe is neither a file nor a built-in scene", "the laws are power, wave,"]);
+    refused(&["wave", "wafe"], &["wafe is neither a file nor a built-in scene", "the laws are power, p-plus-d, wave,"]);
     refused(&["wave", "wave,object.mas_kg=1"], &["there is no key object.mas_kg", "did you mean object.mass_kg?"]);
     refused(&["wave", "power", "--merit", "true"], &["they are true_discrepancy_mm,"]);
     refused(&["wave", "power", "--seeds", "0"], &["--seeds 0 is not allowed"]);

@@ -162,7 +162,7 @@ fn a_row_is_a_run_of_cooperate() {
             ("true_discrepancy_mm", &alone["true_discrepancy_mm"]),
             ("coordination_force_mean_n", &alone["coordination_force_n"]["mean"]),
             ("peak_coordination_force_n", &alone["peak_coordination_force_n"]),
-            ("energy_out_over_in", &alone["energy_out_over_in"]),
+            ("energy_made_mj", &alone["energy_made_mj"]),
         ];
         for (name, figure) in figures {
             // serde_json reads to the last bit but one.

@@ -12,10 +12,6 @@
 //!   over N ticks.
 //!
 //! At rest nothing is worth a packet until [`event::LONGEST`] is over; the ends stand where they are.
-//!
-//! Repeating the last sample through silence instead (`coordination.run_ahead_ticks`) needs a starting energy: paid from what averaging
-//! has saved alone it runs dry, and what came out ahead can then not be taken back (the copies of two hands that push 1 N drift apart by
-//! 90 mm in 20 s).
 
 use crate::law::event;
 use crate::num::Scalar;

@@ -8,19 +8,15 @@
 //! of constant delay, whatever the network does.
 //!
 //! **Following the network** (`coordination.credit_ticks = 0`, beginning with [`FIRST_S`]). A zero sample more costs nothing. An
-//! end that stands for more than a tenth of the time ([`Outstanding::impatience`]; a rare outage is better stood through than
-//! lengthened for) adds half as many samples as it stood, for the other end stands as long and adds its half, and [`SPARE`]
+//! end that stands for more than a tenth of the time although packets come, there and at the other end ([`Outstanding::impatience`]; what is
+//! lost in bursts is stood through: a line that bridged it would be slow where nothing is lost) adds half as many samples as it stood, for the other end stands as long and adds its half, and [`SPARE`]
 //! more; at first no more than [`LEAST_AT_ONCE`], then twice as many each time: 200 ms of delay are learned in six round
 //! trips. A sample less costs energy: where for a [`WINDOW_S`] nothing stood and more than [`KEPT`] samples were always left, half
 //! of what is left over goes, two samples in a tick, if averaging has saved what that costs and the line is nearly at rest.
-//!
-//! **Running ahead** (`coordination.run_ahead_ticks`, none by default). Before it stands, the end emits the last sample again,
-//! on credit: k and R go below zero, and an account of E₀ plus all that was heard less all that was emitted must stay above
-//! it. What came out ahead is taken back when samples come, no faster than the account pays for and than [`SLEW`]. It gives
-//! mobility, and takes it from the account: what that costs stands in docs/theory.md, section 8.
 
 use super::events::Events;
 use crate::law::Packet;
+use crate::law::event::LONGEST;
 use crate::num::Scalar;
 use crate::settings::{Key, Settings};
 
@@ -31,21 +27,6 @@ pub(super) const CREDIT: Key = Key::whole(
     "ticks",
     "Self-timed line: its delay each way in its own time, as samples of zero that an end begins with; 0 follows the network.",
 );
-pub(super) const CAPITAL: Key = Key::number(
-    "coordination.starting_energy_j",
-    0.02,
-    [0.0, 1.0],
-    "J",
-    "Self-timed line: what running ahead may borrow at most.",
-);
-pub(super) const AHEAD: Key = Key::whole(
-    "coordination.run_ahead_ticks",
-    0,
-    [0, 100],
-    "ticks",
-    "Self-timed line: ticks for which the last sample comes again before the line stands.",
-);
-
 /// Samples that are added beside what was missing.
 const SPARE: i32 = 2;
 /// Samples that may always be left before the line is made shorter: 20 % of single losses are bridged without standing.
@@ -63,8 +44,6 @@ const LEAST_AT_ONCE: i32 = 4;
 const MOST_AT_ONCE: i32 = 128;
 /// The largest wave at which two samples may come out in one tick, √W.
 const NEARLY_AT_REST: f64 = 0.25;
-/// Most that the wave may change in a tick while something that came out ahead is taken back, √W.
-const SLEW: f64 = 0.5;
 /// By how much the counter of a peer that begins anew jumps: more than a line can ever hold.
 pub(super) const ANEW: u32 = 1 << 20;
 
@@ -76,20 +55,19 @@ pub(super) struct Incoming<C> {
     /// d₀, or what following begins with.
     credit: i32,
     follows: bool,
-    capital_j: C,
-    most_ahead: u32,
     /// What may always be left: [`KEPT`], less what silence uses up.
     kept: i32,
     /// [`WINDOW_S`] in ticks.
     window: u32,
-    /// [`SLEW`] and [`NEARLY_AT_REST`].
-    slew: C,
+    /// [`NEARLY_AT_REST`].
     nearly_at_rest: C,
     half: C,
+    /// Ticks without a packet after which nothing comes any more.
+    gap: u32,
 }
 
 configured!([C: Scalar] Incoming<C> {
-    period_s, credit, follows, capital_j, most_ahead, kept, window, slew, nearly_at_rest, half
+    period_s, credit, follows, kept, window, nearly_at_rest, half, gap
 });
 
 /// The other end's counters, as they came.
@@ -107,16 +85,15 @@ pub(super) struct Outstanding<C> {
     heard: Option<Counters<C>>,
     /// Wave integral outstanding R, √W·s.
     pub(super) integral: C,
-    /// k; below 0 while running ahead.
+    /// k.
     samples: i32,
-    /// E₀ and what was heard, less what was emitted, J.
+    /// What was heard less what was emitted, J: what averaging has saved, and what is outstanding.
     account_j: C,
     /// The sample that came out last, √W.
     pub(super) last: C,
-    /// Ticks that the last sample came again.
-    ahead: u32,
-    /// What came out ahead may not have been paid back.
-    owes: bool,
+    /// The other end stands because nothing reaches it; this one does.
+    far_is_cut_off: bool,
+    pub(super) is_cut_off: bool,
     /// Ticks that the line has stood since something came.
     stood: u32,
     /// How much more than a tenth of the time it has stood lately.
@@ -137,35 +114,42 @@ impl<C: Scalar> Incoming<C> {
         // A cast saturates; a tick is at least 10 µs and a packet at most 1000 of them.
         // Where packets come by events, silence uses up what may always be left.
         let events = Events::<C>::build(settings);
+        let silence = (settings.own(&LONGEST) / timing.control_period_s) as u32;
+        let longest = silence.max(timing.ticks_per_packet);
         let together = events.map_or(timing.ticks_per_packet - 1, |events| events.beyond(KEPT.cast_unsigned()));
         let first = together.cast_signed() + (FIRST_S / timing.control_period_s) as i32;
         Self {
             period_s: C::from_f64(timing.control_period_s),
             credit: if credit > 0 { credit } else { first },
             follows: credit == 0,
-            capital_j: C::from_f64(settings.own(&CAPITAL)),
-            most_ahead: settings.own(&AHEAD) as u32,
             kept: events.map_or(KEPT, |events| events.left_of(KEPT.cast_unsigned()).cast_signed()),
             window: (WINDOW_S / timing.control_period_s) as u32,
-            slew: C::from_f64(SLEW),
             nearly_at_rest: C::from_f64(NEARLY_AT_REST),
             half: C::from_f64(0.5),
+            gap: longest.saturating_add(KEPT.cast_unsigned()),
         }
     }
 
-    /// Takes in the counters of a packet. Older than the newest: nothing. The first, or a jump: both ends begin anew.
+    /// Takes in the counters of a packet. The first, or a jump: both ends begin anew. False if it
+    /// is older than the newest.
     #[inline]
-    pub(super) fn receive<S: Scalar<Counter = C>>(&self, state: &mut Outstanding<C>, packet: &Packet<S>) {
+    pub(super) fn receive<S: Scalar<Counter = C>>(&self, state: &mut Outstanding<C>, packet: &Packet<S>) -> bool {
         let Packet { wave_integral: integral, energy_j, live_ticks: live, .. } = *packet;
         let heard = Counters { live, integral, energy_j };
         let Some(before) = state.heard else {
             *state = self.begin(heard);
-            return;
+            return true;
         };
         let new = heard.live.wrapping_sub(before.live).cast_signed();
         if new > (ANEW / 2).cast_signed() {
             *state = self.begin(heard);
-        } else if new > 0 {
+            return true;
+        }
+        if new < 0 {
+            return false;
+        }
+        state.far_is_cut_off = packet.wave.to_counter() > self.half;
+        if new > 0 {
             state.heard = Some(heard);
             state.samples = state.samples.saturating_add(new);
             state.integral = state.integral + (heard.integral - before.integral);
@@ -179,13 +163,13 @@ impl<C: Scalar> Incoming<C> {
             }
             state.stood = 0;
         }
+        true
     }
 
     fn begin(&self, heard: Counters<C>) -> Outstanding<C> {
         Outstanding {
             heard: Some(heard),
             samples: self.credit,
-            account_j: self.capital_j,
             reach: LEAST_AT_ONCE,
             fewest: i32::MAX,
             ..Outstanding::default()
@@ -194,31 +178,21 @@ impl<C: Scalar> Incoming<C> {
 
     /// u_in of this tick, √W; none: the line stands.
     #[inline]
-    pub(super) fn emit<S: Scalar<Counter = C>>(&self, state: &mut Outstanding<C>) -> Option<S> {
+    pub(super) fn emit<S: Scalar<Counter = C>>(&self, state: &mut Outstanding<C>, age_ticks: u32) -> Option<S> {
         state.heard?;
-        let mut taken = 1;
-        let wave = if state.samples > 0 {
-            state.ahead = 0;
-            let mean = state.integral.over(C::from_i32(state.samples) * self.period_s);
-            if state.owes {
-                self.within_means(state, state.last + (mean - state.last).limit(self.slew))
-            } else if self.follows {
-                taken = self.follow(state, mean);
-                C::from_i32(taken) * mean
-            } else {
-                mean
+        state.is_cut_off = state.samples <= 0 && age_ticks > self.gap;
+        if state.samples <= 0 {
+            if !state.is_cut_off && !state.far_is_cut_off {
+                state.stood = state.stood.saturating_add(1);
+                state.impatience = (state.impatience + STANDING).min(2 * IMPATIENT);
             }
-        } else if state.ahead < self.most_ahead && self.price_j(state.last) <= state.account_j {
-            state.ahead += 1;
-            state.owes = true;
-            state.last
-        } else {
-            state.stood = state.stood.saturating_add(1);
-            state.impatience = (state.impatience + STANDING).min(2 * IMPATIENT);
             state.fewest = 0;
             state.last = C::ZERO;
             return None;
-        };
+        }
+        let mean = state.integral.over(C::from_i32(state.samples) * self.period_s);
+        let taken = if self.follows { self.follow(state, mean) } else { 1 };
+        let wave = C::from_i32(taken) * mean;
         state.impatience = state.impatience.saturating_sub(1);
         // What comes out is what is booked, to the bit.
         let wave = S::of_counter(wave);
@@ -226,11 +200,6 @@ impl<C: Scalar> Incoming<C> {
         state.integral = state.integral - self.period_s * state.last;
         state.samples -= taken;
         state.account_j = state.account_j - self.price_j(state.last);
-        if state.owes && state.samples > 0 {
-            let samples = C::from_i32(2) * C::from_i32(state.samples);
-            let needed = (state.integral * state.integral).over(samples * self.period_s);
-            state.owes = needed > state.account_j;
-        }
         Some(wave)
     }
 
@@ -238,19 +207,6 @@ impl<C: Scalar> Incoming<C> {
     #[inline]
     fn price_j(&self, wave: C) -> C {
         self.half * self.period_s * wave * wave
-    }
-
-    /// The wave, as far as the account pays for it.
-    #[inline]
-    fn within_means(&self, state: &Outstanding<C>, wave: C) -> C {
-        if self.price_j(wave) <= state.account_j {
-            wave
-        } else if state.account_j > C::ZERO {
-            let most = (C::from_i32(2) * state.account_j).over(self.period_s).sqrt();
-            wave.limit(most)
-        } else {
-            C::ZERO
-        }
     }
 
     /// Samples that come out in this tick: two where the line is longer than it need be and can afford to be shorter.
@@ -267,7 +223,7 @@ impl<C: Scalar> Incoming<C> {
             return 1;
         }
         let left = C::from_i32(state.samples - 2) * self.price_j(mean);
-        if state.account_j - self.capital_j - self.price_j(C::from_i32(2) * mean) < left {
+        if state.account_j - self.price_j(C::from_i32(2) * mean) < left {
             return 1;
         }
         state.surplus -= 1;

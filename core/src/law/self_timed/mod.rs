@@ -2,8 +2,8 @@
 //! (THEORY §8).
 //!
 //! Every tick of a line's end is **live** or **stands**. Live: it has a sample, emits it and sends one. Standing: it has
-//! none; x_d stays where it is and the copy hangs on the spring K_T there, as on a wall, which makes no energy and moves no
-//! position; nothing is emitted, sent or counted. What crosses the network are two counters, the live ticks and the integral of
+//! none; x_d stays where it is, nothing is emitted, sent or counted, and the copy hangs on the spring K_T there, as on a wall, or on what
+//! carries on from there (`carry` says how). What crosses the network are two counters, the live ticks and the integral of
 //! u_out over them: whatever is lost, late, repeated or overtaken, the next packet brings all of it. `incoming` says how
 //! much of it a tick emits.
 //!
@@ -19,24 +19,30 @@
 //! A peer that begins anew (a restart, a silence after which it was let go of) goes on with its counters, which jump by more
 //! than a line can hold: the other end sees that and begins anew with it. Needs `object.integrator = "midpoint"`.
 
+mod carry;
 mod events;
 mod incoming;
 
+use carry::{Carry, DAMPING, Doing, ENERGY, FADE, MODULUS_M, RETURN, Slip};
 use events::{Announced, Events, THRESHOLD, TOGETHER};
-use incoming::{AHEAD, ANEW, CAPITAL, CREDIT, Incoming, Outstanding};
+use incoming::{ANEW, CREDIT, Incoming, Outstanding};
 
 use super::event::LONGEST;
-use super::terminal::{Ended, Terminal};
+use super::terminal::Terminal;
 use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Sends, needs_midpoint};
 use crate::num::{Motion, Scalar, StateVector, Sum, visit_counter, visit_sum};
 use crate::object::Solve;
 use crate::settings::{Refused, Settings};
+
+/// No packet tells a larger slip, m; ends tell half of it, and a step.
+pub(super) const MOST_TOLD_M: f64 = MODULUS_M;
 
 /// One end of a self-timed line.
 #[derive(Clone, Copy, Debug)]
 pub struct SelfTimed<S: Scalar> {
     end: Terminal<S>,
     incoming: Incoming<S::Counter>,
+    carry: Carry<S>,
     events: Option<Events<S::Counter>>,
     ticks_per_packet: u32,
     half: S,
@@ -46,31 +52,33 @@ pub struct SelfTimed<S: Scalar> {
     wave_to_position: S::Counter,
 }
 
-configured!([S: Scalar] SelfTimed<S> { end, incoming, events, ticks_per_packet, half, period_s, wave_to_position });
+configured!([S: Scalar] SelfTimed<S> { end, incoming, carry, events, ticks_per_packet, half, period_s, wave_to_position });
 
 /// State of one end of a self-timed line.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct SelfTimedState<C> {
+pub struct SelfTimedState<S: Scalar> {
     /// x_d, m.
-    desired: Sum<C>,
-    outstanding: Outstanding<C>,
+    desired: Sum<S::Counter>,
+    outstanding: Outstanding<S::Counter>,
+    slip: Slip<S>,
     /// ∫u_out up to the packet before, and since, √W·s.
-    sent: Sum<C>,
-    fresh: C,
+    sent: Sum<S::Counter>,
+    fresh: S::Counter,
     /// Ticks that it is over.
     live: u32,
     /// Ticks since a packet was due.
     phase: u32,
-    announced: Announced<C>,
+    announced: Announced<S::Counter>,
 }
 
 /// x_d, what is outstanding, and what the next packet adds: all that a linear line remembers.
-impl<S: Scalar> StateVector<S> for SelfTimedState<S::Counter> {
+impl<S: Scalar> StateVector<S> for SelfTimedState<S> {
     #[inline]
     fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
         visit_sum::<S>(&mut self.desired, each);
         visit_counter::<S>(&mut self.outstanding.integral, each);
         visit_counter::<S>(&mut self.fresh, each);
+        self.slip.visit(each);
     }
 }
 
@@ -78,7 +86,7 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
     const LAWS: &'static [LawInfo] = &[LawInfo {
         name: "self-timed",
         sends: Sends::Counters,
-        keys: &[CREDIT, CAPITAL, AHEAD, LONGEST, THRESHOLD, TOGETHER],
+        keys: &[CREDIT, DAMPING, FADE, RETURN, ENERGY, LONGEST, THRESHOLD, TOGETHER],
         // A line that stands loses nothing by a silence: it is let go of late.
         gains: &[
             "coordination.stiffness_n_per_m=10000",
@@ -89,15 +97,16 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
         source: "THEORY §8",
         promises: &[Promise::Passive, Promise::NoDrift],
     }];
-    type State = SelfTimedState<S::Counter>;
+    type State = SelfTimedState<S>;
     const PORTS_ONLY: bool = true;
 
     fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
         let coordination = &settings.coordination;
         needs_midpoint(settings, "\"midpoint\" where coordination.comm is \"self-timed\"")?;
         Ok(Self {
-            end: Terminal::build(settings),
+            end: Terminal::with(settings, Carry::<S>::impedance(settings)),
             incoming: Incoming::build(settings),
+            carry: Carry::build(settings),
             events: Events::build(settings),
             ticks_per_packet: settings.timing.ticks_per_packet,
             half: S::from_f64(0.5),
@@ -107,16 +116,28 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
     }
 
     fn start(&self, local: Motion<S>) -> Self::State {
-        SelfTimedState { desired: Sum::from(local.position.to_counter()), ..SelfTimedState::default() }
+        let desired = Sum::from(local.position.to_counter());
+        SelfTimedState { desired, slip: self.carry.start(), ..SelfTimedState::default() }
     }
 
     fn restart(&self, state: &mut Self::State, local: Motion<S>) {
         let SelfTimedState { sent, fresh, live, .. } = *state;
-        *state = SelfTimedState { sent, fresh, live: live.wrapping_add(ANEW), ..self.start(local) };
+        let slip = self.carry.restart(&state.slip);
+        *state = SelfTimedState { sent, fresh, live: live.wrapping_add(ANEW), slip, ..self.start(local) };
     }
 
     fn receive(&self, state: &mut Self::State, packet: Packet<S>) {
-        self.incoming.receive(&mut state.outstanding, &packet);
+        if !self.incoming.receive(&mut state.outstanding, &packet) {
+            return;
+        }
+        if packet.wave < -self.half {
+            self.carry.hear_idle(&mut state.slip);
+        } else {
+            let less = self.carry.hear(&mut state.slip, packet.motion);
+            if less != S::Counter::ZERO {
+                state.desired.add(-less);
+            }
+        }
     }
 
     #[inline]
@@ -126,24 +147,32 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
             state.fresh = S::Counter::ZERO;
         }
         state.phase = if state.phase + 1 >= self.ticks_per_packet { 0 } else { state.phase + 1 };
-        let desired = state.desired.total();
-        let stretch = S::of_counter(desired - observed.local.position.to_counter());
-        let position = S::of_counter(desired);
-        let Some(wave_in) = self.incoming.emit(&mut state.outstanding) else {
+        if let Some(more) = self.carry.turn(&mut state.slip) {
+            state.desired.add(more);
+        }
+        let anchor = self.carry.anchor(&state.slip, state.desired.total());
+        let pull = self.end.pull(S::of_counter(anchor - observed.local.position.to_counter()));
+        let position = S::of_counter(anchor);
+        let Some(wave_in) = self.incoming.emit(&mut state.outstanding, observed.age_ticks) else {
             state.announced.stood = state.announced.stood.saturating_add(1);
-            let Ended { velocity, force } = self.end.stand(stretch, solve);
-            return Coupled { desired: Motion { position, velocity }, force, ..Coupled::default() };
+            let doing = self.carry.stands(&state.slip, state.outstanding.is_cut_off);
+            let tied = self.carry.tie(&mut state.slip, doing, pull);
+            let ended = Terminal::stand(tied.pull, tied.impedance, solve);
+            let velocity = self.carry.went(&mut state.slip, doing, &tied, &ended);
+            return Coupled { desired: Motion { position, velocity }, force: ended.force, ..Coupled::default() };
         };
-        let Ended { velocity, force } = self.end.meet(stretch, wave_in, solve);
-        let wave_out = self.end.wave_out(velocity, force);
+        let tied = self.carry.tie(&mut state.slip, Doing::Live, pull);
+        let ended = self.end.meet(tied.pull, wave_in, solve);
+        let wave_out = self.end.wave_out(ended.velocity, ended.force);
         let (taken, given) = (wave_in.to_counter(), wave_out.to_counter());
         state.desired.add(self.period_s * self.wave_to_position * (taken + given));
         state.fresh = state.fresh + self.period_s * given;
         state.live = state.live.wrapping_add(1);
         state.announced.newest = given;
+        let velocity = self.carry.went(&mut state.slip, Doing::Live, &tied, &ended);
         Coupled {
             desired: Motion { position, velocity },
-            force,
+            force: ended.force,
             power_in: self.half * wave_in * wave_in,
             power_out: self.half * wave_out * wave_out,
         }
@@ -151,7 +180,14 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
 
     fn send(&self, state: &Self::State, _: Motion<S>) -> Packet<S> {
         let wave_integral = state.sent.total() + state.fresh;
-        Packet { wave_integral, live_ticks: state.live, ..Packet::default() }
+        let wave = if state.outstanding.is_cut_off { S::ONE } else { S::ZERO };
+        Packet {
+            motion: self.carry.says(&state.slip),
+            wave,
+            wave_integral,
+            live_ticks: state.live,
+            ..Packet::default()
+        }
     }
 
     fn speaks(&self, state: &Self::State, packet: &Packet<S>) -> bool {
@@ -164,6 +200,11 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
         if let Some(events) = &self.events {
             events.announced(&mut state.announced, packet.wave_integral, packet.live_ticks);
         }
+    }
+
+    /// Its slip is of no meaning any more.
+    fn idle(&self, packet: Packet<S>, _: Motion<S>) -> Packet<S> {
+        Packet { motion: Motion::REST, wave: -S::ONE, ..packet }
     }
 
     /// Counters that came before stay what they are.

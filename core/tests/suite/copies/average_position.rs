@@ -1,20 +1,10 @@
 //! Copies of mass m at their mean: the frequency and the places of Rakhsha and Constantinescu's comparison, beside the power-domain law.
 
-use haptic_core::num::Motion;
-
 use haptic_core::settings::Settings;
 
-use super::{Copies, period, settings};
+use super::{Copies, SOFT, period, settings};
 
 const K: f64 = 500.0;
-
-/// Contact so soft, N/m, that a hand far away is a constant push.
-const SOFT: f64 = 0.1;
-
-/// A tick in which the hands push with these forces, N.
-fn pushed(copies: &mut Copies<f64>, one: f64, two: f64) -> [Motion<f64>; 2] {
-    copies.tick([one, two].map(|push| Motion::at(push / SOFT))).map(|seen| seen.object)
-}
 
 fn scene(law: &'static str, ticks_per_packet: f64, damping: f64) -> Settings {
     settings(
@@ -37,7 +27,7 @@ fn copies_swing_against_each_other_as_one_copy_at_a_wall() {
         let distance_m: Vec<f64> = (0..20_000)
             .map(|tick| {
                 let push = if tick < 100 { 1e-3 } else { 0.0 };
-                let [one, two] = pushed(&mut copies, push, -push);
+                let [one, two] = copies.pushed([push, -push]).map(|seen| seen.object);
                 one.position - two.position
             })
             .collect();
@@ -61,7 +51,7 @@ fn the_swing_about_the_mean_is_stable_at_every_gain_without_delay() {
             let distance_m: Vec<f64> = (0..8000)
                 .map(|tick| {
                     let push = if tick < 10 { 1e-3 } else { 0.0 };
-                    let [one, two] = pushed(&mut copies, push, -push);
+                    let [one, two] = copies.pushed([push, -push]).map(|seen| seen.object);
                     (one.position - two.position).abs()
                 })
                 .collect();
@@ -79,7 +69,8 @@ fn the_swing_about_the_mean_is_stable_at_every_gain_without_delay() {
 #[test]
 fn copies_stand_about_their_mean() {
     let mut copies = Copies::<f64>::new(&scene("average-position", 8.0, 20.0), 2);
-    let [one, two] = (0..20_000).map(|_| pushed(&mut copies, 1.0, -1.0)).last().expect("ticks");
+    let pushed = (0..20_000).map(|_| copies.pushed([1.0, -1.0])).last().expect("ticks");
+    let [one, two] = pushed.map(|seen| seen.object);
     let distance_m = one.position - two.position;
     assert!((distance_m / (2.0 / (K + SOFT)) - 1.0).abs() < 1e-4, "{distance_m} m apart");
     assert!((one.position + two.position).abs() < 1e-9);

@@ -4,6 +4,7 @@ mod average_position;
 mod four_channel;
 mod input_gated;
 mod model_mediated;
+mod p_plus_d;
 mod remote_dynamic_proxy;
 
 use std::collections::VecDeque;
@@ -20,6 +21,9 @@ use haptic_core::settings::{Settings, Value};
 
 /// T_c, s.
 const PERIOD: f64 = 0.001;
+
+/// Contact so soft, N/m, that a hand far away is a constant push.
+const SOFT: f64 = 0.1;
 
 /// A packet each tick and the copy moved by ports, with these keys.
 fn settings(law: &'static str, keys: &[(&str, f64)]) -> Settings {
@@ -82,6 +86,11 @@ impl<S: Scalar> Copies<S> {
 
     fn tick(&mut self, devices: [Motion<f64>; 2]) -> [Observed<S>; 2] {
         self.tick_over(devices, || true)
+    }
+
+    /// A tick in which the hands push with these forces, N, through a contact that is [`SOFT`].
+    fn pushed(&mut self, forces: [f64; 2]) -> [Observed<S>; 2] {
+        self.tick(forces.map(|push| Motion::at(push / SOFT)))
     }
 }
 

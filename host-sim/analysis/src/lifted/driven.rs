@@ -208,7 +208,7 @@ where
 const LEARNING: usize = 64;
 
 /// Leaves a peer that counts at rest on the scene's network, hearing itself, until every tick of some round trips was live; the
-/// packet that is due next. A peer that counts nothing stays as it is; `None` where the line
+/// packet that is due next. A peer that counts nothing only begins a period later, when it knows how old its packet is; `None` where the line
 /// goes on standing now and then.
 fn settle<const SHARED: usize, const N: usize>(
     peer: &mut Box<dyn DynPeer<f64, SHARED, N>>,
@@ -216,14 +216,21 @@ fn settle<const SHARED: usize, const N: usize>(
     plant: &Plant<N>,
     at_tick: usize,
 ) -> Option<[Packet<f64>; SHARED]> {
+    let (timing, sensors) = (&linear.peer.timing, plant.sensors());
+    let at_rest_for_a_packet = |peer: &mut dyn DynPeer<f64, SHARED, N>, due: Option<[Packet<f64>; SHARED]>| {
+        for tick in 0..timing.ticks_per_packet as usize {
+            before_tick(peer, tick, due.filter(|_| tick == at_tick));
+            peer.tick(&sensors);
+        }
+    };
     if !matches!(linear.law().sends, Sends::Counters | Sends::Integrals) {
-        return Some([Packet::default(); SHARED]);
+        let nothing = [Packet::default(); SHARED];
+        at_rest_for_a_packet(&mut **peer, Some(nothing));
+        return Some(nothing);
     }
-    let timing = &linear.peer.timing;
     // The mean of both ways, as far as a packet that is heard then allows.
     let (packet, mean) = (timing.ticks_per_packet as usize, delays_ticks(linear).iter().sum::<usize>().div_ceil(2));
     let delay = (mean + packet - 1 - at_tick) / packet;
-    let sensors = plant.sensors();
     let (mut at_rest, mut flying) = (peer.clone(), VecDeque::new());
     let mut live = 0;
     // Learning a delay takes round trips by the logarithm of it.
@@ -240,10 +247,7 @@ fn settle<const SHARED: usize, const N: usize>(
         if due.is_some() {
             flying.pop_front();
         }
-        for tick in 0..packet {
-            before_tick(&mut *at_rest, tick, due.filter(|_| tick == at_tick));
-            at_rest.tick(&sensors);
-        }
+        at_rest_for_a_packet(&mut *at_rest, due);
         let ticks = at_rest.outgoing()[0].live_ticks.wrapping_sub(before);
         live = if ticks == timing.ticks_per_packet { live + 1 } else { 0 };
     }

@@ -143,6 +143,21 @@ fn four_channel(remote: f64, local: f64) -> Paper {
     }
 }
 
+/// F_T = K·(x_r − x_o) − B·v̄.
+fn p_plus_d() -> Paper {
+    Paper {
+        own: 0,
+        tick: Box::new(|body, y, packet, _| {
+            let [k, b] = body.spring;
+            let (mut a, mut right) = body.shared(y, 3, 2);
+            (a[2][0], a[2][2], right[2]) = (k * body.period / 2.0 + b, 1.0, k * (packet[0] - y[2]));
+            let tick = solve(a, right);
+            body.moved(y, tick[0], tick[1])
+        }),
+        sent: |y| [y[2], 0.0, 0.0],
+    }
+}
+
 /// F_T = C·(x̄ − x_o), x̄ of the first tick after a packet; x̄ is remembered.
 fn average_position() -> Paper {
     Paper {
@@ -256,6 +271,11 @@ fn four_channel_is_the_paper_s() {
         let own = vec![("four_channel.remote_force", remote), ("four_channel.local_force", local)];
         (own, four_channel(remote, local))
     });
+}
+
+#[test]
+fn p_plus_d_is_the_paper_s() {
+    agree("p-plus-d", |_| (Vec::new(), p_plus_d()));
 }
 
 #[test]

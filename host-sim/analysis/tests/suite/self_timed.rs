@@ -16,8 +16,11 @@ fn self_timed(ticks_per_packet: u32, delay_packets: u32, credit_ticks: u32) -> S
 /// A packet each tick: the samples that are outstanding are known, and the line is written down without core.
 #[test]
 fn both_constructions_say_the_same() {
-    for (delay, credit) in [(0, 1), (0, 4), (1, 2), (8, 9), (8, 12), (20, 40)] {
+    for ((delay, credit), carries) in
+        [(0, 1), (0, 4), (1, 2), (8, 9), (8, 12), (20, 40)].into_iter().flat_map(|at| [(at, 0.0), (at, 5.0)])
+    {
         let mut scene = self_timed(1, delay, credit);
+        scene.set_number("coordination.carry_damping_n_s_per_m", carries).expect("it is allowed");
         scene.peer.object.damping_n_s_per_m = 0.3;
         for stiffness in [400.0, 1e5] {
             scene.peer.coordination.stiffness_n_per_m = stiffness;
@@ -26,7 +29,7 @@ fn both_constructions_say_the_same() {
                 let difference = difference.matrix.max(difference.spectral_radius);
                 assert!(
                     difference < 1e-9,
-                    "delay {delay}, credit {credit}, K_T {stiffness}, {hands:?}: {difference:.1e}"
+                    "delay {delay}, credit {credit}, carries {carries}, K_T {stiffness}, {hands:?}: {difference:.1e}"
                 );
             }
         }

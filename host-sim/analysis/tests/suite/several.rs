@@ -216,7 +216,8 @@ fn random_scenes_of_several_axes_are_judged_as_they_run() {
             // Over half a run, from quarter to quarter.
             let wanted = 0.5 * packets * mode.verdict.spectral_radius.ln();
             if mode.verdict.stable {
-                assert!(grown < 2.0, "{seed}, {:?}: grown by {grown}, radius {:?}", mode.mode, mode.verdict);
+                let law = scene.law().name;
+                assert!(grown < 2.0, "{seed}, {law}, {:?}: grown by {grown}, radius {:?}", mode.mode, mode.verdict);
             } else if wanted > 2.0 {
                 assert!(grown.ln() > 0.5 * wanted, "{seed}, {:?}: grown by {grown}, {:?}", mode.mode, mode.verdict);
                 unstable[at] += 1;

@@ -53,6 +53,8 @@ pub struct Junction<const AXES: usize = 1> {
     period_s: f64,
     /// Where self-timed lines meet along each axis.
     copies: Option<[SharedCopy; AXES]>,
+    /// The most, at the end of any exchange, that had gone back into all lines beyond what their peers had put in, along each axis, J.
+    pub made_j: [f64; AXES],
     /// Where the lines meet along each axis; as far as their common velocity has carried it, from 0.
     pub motion: [Motion<f64>; AXES],
 }
@@ -91,6 +93,7 @@ impl<const AXES: usize> Junction<AXES> {
             packet_s,
             period_s: settings.timing.control_period_s,
             copies,
+            made_j: [0.0; AXES],
             motion: [Motion::REST; AXES],
         })
     }
@@ -121,7 +124,15 @@ impl<const AXES: usize> Junction<AXES> {
     /// Before a tick at which `packets` are due or are not: what came of every line, in order, a packet for each axis; what goes back
     /// is then in the ports.
     pub fn exchange(&mut self, came: impl IntoIterator<Item = Option<[Packet<f64>; AXES]>>, packets: bool) {
-        if self.copies.is_some() { self.pull(came, packets) } else { self.scatter(came) }
+        if self.copies.is_some() {
+            self.pull(came, packets)
+        } else {
+            self.scatter(came)
+        }
+        let energies = self.energies();
+        for (most_j, energy) in self.made_j.iter_mut().zip(energies) {
+            *most_j = most_j.max(energy.sent_j - energy.put_in_j);
+        }
     }
 
     /// A tick of the copies in which lines with a time of their own meet.

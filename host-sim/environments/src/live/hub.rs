@@ -77,8 +77,8 @@ pub struct AxisReport {
     pub axis: &'static str,
     /// Where the lines meet along it, mm from where they met first.
     pub object_mm: f64,
-    /// Wave energy sent along it over what the peers put in along it; never above 1.
-    pub energy_out_over_in: f64,
+    /// The most, at the end of any exchange, that had gone back into the lines along it beyond what the peers had put in, mJ.
+    pub energy_made_mj: f64,
 }
 
 /// What the hub saw.
@@ -86,8 +86,8 @@ pub struct AxisReport {
 pub struct Report {
     /// Packet periods since all were there.
     pub packets: u64,
-    /// Wave energy sent over wave energy that the peers put in, along all shared axes; never above 1.
-    pub energy_out_over_in: f64,
+    /// The same of all shared axes together, mJ.
+    pub energy_made_mj: f64,
     /// Where the lines meet, mm from where they met first; of several shared axes along the first.
     pub object_mm: f64,
     /// Largest distance between two copies as the peers last reported them, mm; they report every half second, not at one instant. Of
@@ -233,16 +233,15 @@ where
     let HubActor { hub, watch, .. } = actor;
     let lines: Vec<LineReport> = (1..).zip(hub.lines()).map(LineReport::new).collect();
     let copies = || lines.iter().filter_map(|line| line.copy_mm);
-    let along = |((axis, energy), motion): ((&'static str, Energy), &Motion<f64>)| AxisReport {
+    let along = |((axis, made_j), motion): ((&'static str, f64), &Motion<f64>)| AxisReport {
         axis,
         object_mm: 1e3 * motion.position,
-        energy_out_over_in: energy.out_over_in(),
+        energy_made_mj: 1e3 * made_j,
     };
-    let axes: Vec<_> =
-        AXIS_NAMES.into_iter().zip(hub.junction.energies()).zip(&hub.junction.motion).map(along).collect();
+    let axes: Vec<_> = AXIS_NAMES.into_iter().zip(hub.junction.made_j).zip(&hub.junction.motion).map(along).collect();
     Ok(Report {
         packets: hub.packets.unwrap_or(0),
-        energy_out_over_in: hub.junction.energy().out_over_in(),
+        energy_made_mj: 1e3 * hub.junction.made_j.iter().sum::<f64>(),
         object_mm: axes[0].object_mm,
         apart_mm: copies().reduce(f64::max).unwrap_or(0.0) - copies().reduce(f64::min).unwrap_or(0.0),
         seen: watch.end(),

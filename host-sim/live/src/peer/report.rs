@@ -81,8 +81,8 @@ pub struct AxisReport {
     pub(super) forces: Forces,
 }
 
-/// Energy through the ports of its coordination while armed, J, of all shared axes, and what came out over what went in: above 1 it made
-/// energy.
+/// Energy through the ports of its coordination while armed, J, of all shared axes, and the most by which what came out exceeded what went
+/// in at the end of any tick.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Ports {
     received_j: f64,
@@ -90,13 +90,13 @@ pub struct Ports {
     to_object_j: f64,
     from_object_j: f64,
     stored_j: f64,
-    out_over_in: f64,
+    made_j: f64,
 }
 
 impl From<PortEnergy> for Ports {
     fn from(energy: PortEnergy) -> Self {
-        let PortEnergy { received_j, sent_j, to_object_j, from_object_j, stored_j } = energy;
-        Self { received_j, sent_j, to_object_j, from_object_j, stored_j, out_over_in: energy.out_over_in() }
+        let PortEnergy { received_j, sent_j, to_object_j, from_object_j, stored_j, made_j } = energy;
+        Self { received_j, sent_j, to_object_j, from_object_j, stored_j, made_j }
     }
 }
 

@@ -9,12 +9,14 @@
 //! ```
 //!
 //! With this mean velocity m_O·(ẋ_o\[n+1\] − ẋ_o\[n\])·v̄\[n\] is the change of the copy's kinetic energy, exactly: whatever the integrator
-//! makes by moving the copy further or less far than v̄·T_c is the peer's, and counts against it. What waits in the spring,
-//! ½·K_T·(x_d − x_o)², has neither come out nor been lost. So a peer makes no energy if
+//! makes by moving the copy further or less far than v̄·T_c is the peer's, and counts against it. What a peer has **made** is the most,
+//! of the ends of all ticks, by which what came out exceeded what went in,
 //!
 //! ```text
-//! (sent + Σ max(W, 0) + stored) / (received + Σ max(−W, 0)) ≤ 1.
+//! max over n of  sent[n] + Σ W − received[n]
 //! ```
+//!
+//! with both ports at the end of the same tick: nothing, of a passive peer, or what its law began with (E₀).
 //!
 //! Left out: an impact changes ẋ_o between two ticks, so that v̄ is not known; nothing is said of impulsive contact. A force
 //! that acts late (`object.force_delay_ticks`) is booked in the tick that computed it.
@@ -38,14 +40,8 @@ pub struct PortEnergy<F = f64> {
     pub from_object_j: F,
     /// Energy stored in the coordination's spring, J.
     pub stored_j: F,
-}
-
-impl PortEnergy {
-    /// What came out and what waits inside over what went in; above 1 the peer makes energy. 0 if nothing went in.
-    pub fn out_over_in(&self) -> f64 {
-        let out = self.sent_j + self.to_object_j + self.stored_j;
-        ratio(out, self.received_j + self.from_object_j)
-    }
+    /// The most, at the end of any tick, by which what came out exceeded what went in, J.
+    pub made_j: F,
 }
 
 impl Sum for PortEnergy {
@@ -56,13 +52,9 @@ impl Sum for PortEnergy {
             to_object_j: sum.to_object_j + one.to_object_j,
             from_object_j: sum.from_object_j + one.from_object_j,
             stored_j: sum.stored_j + one.stored_j,
+            made_j: sum.made_j + one.made_j,
         })
     }
-}
-
-/// Out over in; 0 if nothing went in.
-pub(crate) fn ratio(out: f64, into: f64) -> f64 {
-    if into > 0.0 { out / into } else { 0.0 }
 }
 
 /// Books the object port of one peer, tick by tick.
@@ -70,23 +62,42 @@ pub(crate) fn ratio(out: f64, into: f64) -> f64 {
 pub struct ObjectPort<F = f64> {
     period_s: F,
     stiffness_n_per_m: F,
-    /// Coordination force and velocity of the copy in the tick before.
-    before: Option<(F, F)>,
+    /// Coordination force and velocity of the copy in the tick before, and what had come from the network and gone to it by its end.
+    before: Option<[F; 4]>,
+    /// Work on the object so far, J.
+    net_j: F,
+    /// What went in less what came out by the end of the tick before, J.
+    balance_j: F,
     booked: PortEnergy<F>,
 }
 
 impl<F: Figure> ObjectPort<F> {
     /// An account without entries, at this control period (s) and K_T (N/m).
     pub fn new(period_s: F, stiffness_n_per_m: F) -> Self {
-        Self { period_s, stiffness_n_per_m, before: None, booked: PortEnergy::default() }
+        Self {
+            period_s,
+            stiffness_n_per_m,
+            before: None,
+            net_j: F::ZERO,
+            balance_j: F::ZERO,
+            booked: PortEnergy::default(),
+        }
     }
 
-    /// Takes in motions and force of the next tick; with them the work of the tick before is known.
+    /// Takes in motions and force of the next tick, and what has come from the network and gone to it by its end, J; with them the work of the
+    /// tick before is known. Where less has come or gone than before, the peer was armed anew, and so is what it has made.
     #[inline]
-    pub fn see(&mut self, seen: &Observed<F>) {
-        if let Some((force, velocity)) = self.before.replace((seen.coordination_force, seen.object.velocity)) {
+    pub fn see(&mut self, seen: &Observed<F>, [received_j, sent_j]: [F; 2]) {
+        let now = [seen.coordination_force, seen.object.velocity, received_j, sent_j];
+        let before = self.before.replace(now);
+        if before.is_some_and(|[.., received, sent]| received_j < received || sent_j < sent) {
+            self.net_j = F::ZERO;
+        } else if let Some([force, velocity, received_j, sent_j]) = before {
             let mean_velocity = F::HALF * (velocity + seen.object.velocity);
             let work_j = force * mean_velocity * self.period_s;
+            self.net_j = self.net_j + work_j;
+            self.balance_j = received_j - sent_j - self.net_j;
+            self.booked.made_j = self.booked.made_j.larger(sent_j + self.net_j - received_j);
             self.booked.to_object_j = self.booked.to_object_j + work_j.larger(F::ZERO);
             self.booked.from_object_j = self.booked.from_object_j + (-work_j).larger(F::ZERO);
         }
@@ -96,23 +107,31 @@ impl<F: Figure> ObjectPort<F> {
 
     /// With what `of` makes of each number.
     pub(crate) fn map<G>(&self, of: impl Fn(F) -> G) -> ObjectPort<G> {
-        let PortEnergy { received_j, sent_j, to_object_j, from_object_j, stored_j } = self.booked;
+        let PortEnergy { received_j, sent_j, to_object_j, from_object_j, stored_j, made_j } = self.booked;
         ObjectPort {
             period_s: of(self.period_s),
             stiffness_n_per_m: of(self.stiffness_n_per_m),
-            before: self.before.map(|(force, velocity)| (of(force), of(velocity))),
+            before: self.before.map(|before| before.map(&of)),
+            net_j: of(self.net_j),
+            balance_j: of(self.balance_j),
             booked: PortEnergy {
                 received_j: of(received_j),
                 sent_j: of(sent_j),
                 to_object_j: of(to_object_j),
                 from_object_j: of(from_object_j),
                 stored_j: of(stored_j),
+                made_j: of(made_j),
             },
         }
     }
 }
 
 impl ObjectPort {
+    /// What went in at both ports less what came out, by the end of the tick before, J.
+    pub fn balance_j(&self) -> f64 {
+        self.balance_j
+    }
+
     /// The account of both ports, given the energy that crossed the network port, J.
     pub fn with_network(&self, received_j: f64, sent_j: f64) -> PortEnergy {
         PortEnergy { received_j, sent_j, ..self.booked }

@@ -83,8 +83,8 @@ struct RecordedRule {
 }
 
 impl Rule for RecordedRule {
-    fn decide(&mut self, number: u64, _: u64) -> Fate {
-        Fate::Copies(self.trace.of(self.direction, number).to_vec())
+    fn decide(&mut self, number: u64, sent_ns: u64) -> Fate {
+        Fate::Copies(self.trace.of(self.direction, number, sent_ns).to_vec())
     }
 }
 

@@ -9,10 +9,11 @@
 //! ```
 //!
 //! `direction` is the sender (1 or 2), `delay_s` what is added to the constant delay; a packet with two rows arrives twice.
-//! After its end a trace begins anew.
+//! After its end a trace begins anew. A file that ends in `.json` is one of irtt: the `irtt` module says what is taken of it.
 
 use std::path::{Path, PathBuf};
 
+use super::irtt::{self, Measured};
 use crate::Error;
 use crate::quantities::Named;
 
@@ -58,30 +59,46 @@ pub struct NetworkTrace {
     /// The file it was read from; empty for none.
     pub file: PathBuf,
     packets: [Vec<Vec<Arrival>>; 2],
+    /// For how long an entry counts, ns; 0 where each is one packet's.
+    every_ns: u64,
+    /// What a measurement has found constant each way, and left out, ns.
+    constant_ns: u64,
 }
 
 impl NetworkTrace {
     /// A recording that no file holds yet.
     pub(super) fn of_packets(packets: [Vec<Vec<Arrival>>; 2]) -> Self {
-        Self { file: PathBuf::default(), packets }
+        Self { packets, ..Self::default() }
     }
 
-    /// What became of that packet; after its end a trace begins anew.
-    pub(super) fn of(&self, direction: Direction, packet: u64) -> &[Arrival] {
+    /// The constant delay each way that a measurement found, s, which a scene's `network.one_way_delay_packets` must bring; 0 of a CSV file.
+    pub fn constant_s(&self) -> f64 {
+        seconds(self.constant_ns)
+    }
+
+    /// What became of that packet, or of what was sent then; after its end a trace begins anew.
+    pub(super) fn of(&self, direction: Direction, packet: u64, sent_ns: u64) -> &[Arrival] {
         let half = match direction {
             Direction::OneToTwo => &self.packets[0],
             Direction::TwoToOne => &self.packets[1],
         };
-        half.get((packet % half.len().max(1) as u64) as usize).map_or(&[], Vec::as_slice)
+        let entry = sent_ns.checked_div(self.every_ns).unwrap_or(packet);
+        half.get((entry % half.len().max(1) as u64) as usize).map_or(&[], Vec::as_slice)
     }
 
-    /// Reads a trace from a CSV file.
+    /// Reads a trace from a CSV file, or from a `.json` file that irtt wrote.
     ///
     /// # Errors
     /// The file cannot be read, or a row of it is wrong; the error names the first such row.
     pub fn read(path: &Path) -> Result<Self, Error> {
         let place = path.display();
         let bytes = haptic_io::read(path, crate::user::TRACE).map_err(Error::cannot("read", &place))?;
+        let file = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        if path.extension().is_some_and(|extension| extension == "json") {
+            let Measured { packets, every_ns, constant_ns } =
+                irtt::read(&bytes).map_err(|cause| Error::at(&place, cause))?;
+            return Ok(Self { file, packets, every_ns, constant_ns });
+        }
         let mut reader = csv::Reader::from_reader(bytes.as_slice());
         let mut packets = [Vec::new(), Vec::new()];
         for (at, row) in reader.deserialize::<(usize, usize, Option<f64>, String)>().enumerate() {
@@ -114,7 +131,7 @@ impl NetworkTrace {
         if packets.iter().any(Vec::is_empty) {
             return Err(Error::at(&place, "both directions need at least one packet"));
         }
-        Ok(Self { file: std::path::absolute(path).unwrap_or_else(|_| path.to_owned()), packets })
+        Ok(Self { file, packets, ..Self::default() })
     }
 
     /// Writes the trace as a CSV file.

@@ -79,6 +79,8 @@ pub struct Account<F = f64> {
     tick: u64,
     latest: [Ticked<F>; 2],
     ports: [ObjectPort<F>; 2],
+    /// The most that either end has taken from the network beyond what the other had given to it, J.
+    made_j: F,
     halves: LastHalf<5, F>,
     forces: Forces<F>,
     /// Of the square root of the copies' kinetic energy, an amplitude as a force is.
@@ -99,6 +101,7 @@ impl<F: Figure> Account<F> {
             tick: 0,
             latest: Default::default(),
             ports: [ObjectPort::new(F::from_f64(period_s), stiffness_n_per_m); 2],
+            made_j: F::ZERO,
             halves: LastHalf::new(ticks),
             forces: Forces::new(ticks),
             energy: Growth::new(ticks),
@@ -112,7 +115,7 @@ impl<F: Figure> Account<F> {
     /// Takes in a tick of peer `at` (0 or 1).
     #[inline]
     pub fn ticked(&mut self, at: usize, ticked: Ticked<F>) {
-        self.ports[at].see(&ticked.observed);
+        self.ports[at].see(&ticked.observed, [ticked.received_j, ticked.sent_j]);
         self.latest[at] = ticked;
     }
 
@@ -125,6 +128,9 @@ impl<F: Figure> Account<F> {
         let decoded_m = (second.object.position - second.desired.position).abs();
         let forces = [first.coordination_force, second.coordination_force];
         self.forces.see(self.tick, forces);
+        let [one, other] = &self.latest;
+        let made_j = (other.received_j - one.sent_j).larger(one.received_j - other.sent_j);
+        self.made_j = self.made_j.larger(made_j);
         let speeds = [first.object.velocity, second.object.velocity];
         let energy_j = F::HALF * self.mass_kg * (speeds[0] * speeds[0] + speeds[1] * speeds[1]);
         self.energy.see(self.tick, energy_j.root());
@@ -177,6 +183,7 @@ impl<F: Figure> Account<F> {
                 engaged: ticked.engaged,
             }),
             ports: self.ports.each_ref().map(|port| port.map(of)),
+            made_j: of(self.made_j),
             halves: self.halves.map(of),
             forces: self.forces.map(of),
             energy: self.energy.map(of),
@@ -270,6 +277,7 @@ impl Account {
             peak_coordination_force_n: self.forces.peak(),
             largest_jump_n: self.forces.largest_change(),
             energy,
+            made_j: self.made_j,
         };
         AxisOutcome { figures, table: self.table }
     }

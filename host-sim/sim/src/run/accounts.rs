@@ -158,6 +158,7 @@ impl<const SHARED: usize> Accounts<SHARED> {
                 peak_coordination_force_n: self.forces.peak(),
                 largest_jump_n: self.largest_jump,
                 energy: [0, 1].map(|at| axes.iter().map(|axis| axis.figures.energy[at]).sum()),
+                made_j: axes.iter().map(|axis| axis.figures.made_j).sum(),
             }
         };
         let distances_mm = [whole.true_discrepancy_mm, 1e3 * last_true_m];

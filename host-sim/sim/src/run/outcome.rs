@@ -7,7 +7,7 @@ use haptic_report::Columns;
 
 use super::reason::{Reason, Verdict};
 use crate::measure::Statistics;
-use crate::measure::port::{PortEnergy, ratio};
+use crate::measure::port::PortEnergy;
 use crate::scene::Scene;
 
 /// Headers of UDP (8) and IP version 4 (20), bytes.
@@ -56,6 +56,9 @@ pub struct Figures {
     pub largest_jump_n: f64,
     /// Energy through the ports of the coordination of each peer, J.
     pub energy: [PortEnergy; 2],
+    /// The most, at the end of any tick, that a peer had taken from the network beyond what the other one had given to it, J; along several
+    /// axes the sum of theirs.
+    pub made_j: f64,
 }
 
 /// Outcome of a run along one shared axis.
@@ -137,24 +140,16 @@ impl Outcome {
         self
     }
 
-    /// **Channel**: energy that a peer took from the network over what the other one gave to it, in the worse direction; above 1
-    /// the network makes energy.
-    pub fn energy_out_over_in(&self) -> f64 {
-        self.energy_out_over_in_beyond(0.0)
+    /// **Channel**: the most, at the end of any tick, that a peer had taken from the network beyond what the other one had given to it, mJ;
+    /// above what the law began with the network makes energy.
+    pub fn energy_made_mj(&self) -> f64 {
+        1e3 * self.whole.made_j
     }
 
-    /// [`Outcome::energy_out_over_in`] of what a peer took beyond `start_j` (J), the energy that its law held when it
-    /// began.
-    pub fn energy_out_over_in_beyond(&self, start_j: f64) -> f64 {
-        let [first, second] = self.whole.energy;
-        let beyond = |received_j: f64| (received_j - start_j).max(0.0);
-        ratio(beyond(second.received_j), first.sent_j).max(ratio(beyond(first.received_j), second.sent_j))
-    }
-
-    /// **Peer**: energy that left the ports of a peer's coordination or waits in its spring over what entered them, of the worse peer;
-    /// above 1 it makes energy ([`crate::measure::port`]). None where contact is impulsive.
-    pub fn peer_energy_out_over_in(&self) -> Option<f64> {
-        let [first, second] = self.whole.energy.map(|energy| energy.out_over_in());
+    /// **Peer**: the most, at the end of any tick, that had left the ports of a peer's coordination beyond what had entered them, mJ, of the
+    /// worse peer ([`crate::measure::port`]). None where contact is impulsive.
+    pub fn peer_energy_made_mj(&self) -> Option<f64> {
+        let [first, second] = self.whole.energy.map(|energy| 1e3 * energy.made_j);
         self.impacts.is_none().then(|| first.max(second))
     }
 }

@@ -18,9 +18,11 @@ fn scene(name: &str, keys: &[&str], seed: u32) -> Scene {
 
 fn passive_and_bounded(scene: &Scene, duration_s: f64) -> Outcome {
     let outcome = run::<f64>(scene, Options { duration_s, record_every: 0 }, &|_| ()).unwrap();
-    let peer = outcome.peer_energy_out_over_in().unwrap();
+    let made_mj = outcome.peer_energy_made_mj().unwrap();
     assert!(outcome.bounded && outcome.fault.is_none(), "{:?}", outcome.reason);
-    assert!(peer <= 1.0 + 1e-9, "a peer made energy: {peer}");
+    // No more than its law begins with.
+    assert!(made_mj <= 5.0 + 1e-6, "a peer made energy: {made_mj} mJ");
+    assert!(outcome.energy_made_mj() <= 1e-6, "the line made energy: {} mJ", outcome.energy_made_mj());
     outcome
 }
 

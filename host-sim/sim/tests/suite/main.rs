@@ -1,9 +1,11 @@
 //! Runs against an independent oracle, and the parts that runs are made of.
 
+mod carrying_on;
 mod double_double;
 mod engine;
 mod faults;
 mod impulsive;
+mod irtt;
 mod lanes;
 mod leader_follower;
 mod link;

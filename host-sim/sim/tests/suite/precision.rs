@@ -43,7 +43,7 @@ fn differences<S: Number>() -> [(f64, f64); MINUTES] {
 fn stays<S: Number>(step_m: f64) {
     let minutes = differences::<S>();
     for (relative, _) in minutes {
-        assert!(relative < 4.0 * step_m, "{} steps of {}: {minutes:?}", relative / step_m, S::NAME);
+        assert!(relative < 16.0 * step_m, "{} steps of {}: {minutes:?}", relative / step_m, S::NAME);
     }
     let walks: Vec<f64> = minutes.windows(2).map(|pair| pair[1].1 - pair[0].1).collect();
     let rms = (walks.iter().map(|walk| walk * walk).sum::<f64>() / walks.len() as f64).sqrt();

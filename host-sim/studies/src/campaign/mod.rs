@@ -215,12 +215,12 @@ fn runs<'a>(rows: Rows<'a, Cell>) -> Rows<'a, Cell> {
         .number("worst_true_discrepancy_mm", 2, |cell| cell.worst(|o| o.whole.largest_true_discrepancy_mm))
         .means("the largest |x_o1 - x_o2| at any instant of any seed")
         .head("worst")
-        .number("energy_out_over_in", 4, |cell| cell.worst(Outcome::energy_out_over_in))
-        .means("energy that a peer took from the network over what the other one gave to it, worst direction and seed")
-        .head("channel out/in")
-        .number("peer_energy_out_over_in", 4, |cell| cell.worst(|o| o.peer_energy_out_over_in().unwrap_or(f64::NAN)))
-        .means("energy that left the ports of a peer's coordination over what entered them, worst peer and seed")
-        .head("peer out/in")
+        .number("energy_made_mj", 3, |cell| cell.worst(Outcome::energy_made_mj))
+        .means("the most, at the end of any tick, that a peer had taken from the network beyond what the other one had given to it, worst direction and seed")
+        .head("channel made")
+        .number("peer_energy_made_mj", 3, |cell| cell.worst(|o| o.peer_energy_made_mj().unwrap_or(f64::NAN)))
+        .means("the most, at the end of any tick, that had left the ports of a peer's coordination beyond what had entered them, worst peer and seed")
+        .head("peer made")
 }
 
 /// The campaign as a table.

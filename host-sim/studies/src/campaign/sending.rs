@@ -4,6 +4,7 @@
 //! second while user 2 presses 2 N against it. Asked is whether [`MOST_PACKETS`] a second do: [`Row::meets`]. A run is [`super::DURATION_S`] long, with
 //! [`super::SEEDS`] seeds wherever the network draws random numbers.
 
+use haptic_core::settings::Value;
 use haptic_report::{Columns, Rows};
 use haptic_sim::peers::Laws;
 use haptic_sim::run::Outcome;
@@ -19,11 +20,8 @@ pub const MOST_PACKETS: f64 = 120.0;
 /// Share of the true discrepancy that they may cost.
 pub const MOST_COST: f64 = 0.1;
 
-/// Above this a channel makes energy; sums round by less.
-const NONE_MADE: f64 = 1.0 + 1e-9;
-
-/// And a peer, whose energies are given to four digits here as everywhere.
-const NONE_MADE_BY_PEER: f64 = 1.0 + 0.5e-4;
+/// Above this a channel makes energy, mJ; sums round by less.
+const ROUNDING_MJ: f64 = 1e-6;
 
 /// Samples in a packet by default.
 const TOGETHER: u32 = 9;
@@ -60,6 +58,8 @@ pub struct Row {
     pub each: Cell,
     /// N samples in one.
     pub sparse: Cell,
+    /// What a peer's law may give before it has taken anything, mJ.
+    pub capital_mj: f64,
 }
 
 fn true_mm(cell: &Cell) -> Option<f64> {
@@ -80,14 +80,14 @@ impl Row {
         Some(true_mm(&self.sparse)? / true_mm(&self.each)? - 1.0)
     }
 
-    /// The most energy out over in of the channel, of any seed.
+    /// The most energy that the channel made, of any seed, mJ.
     fn channel(&self) -> f64 {
-        largest(&self.sparse, Outcome::energy_out_over_in)
+        largest(&self.sparse, Outcome::energy_made_mj)
     }
 
-    /// The largest ratio of energy out over energy in of a peer.
+    /// The most that a peer made, mJ.
     fn peer(&self) -> f64 {
-        largest(&self.sparse, |outcome| outcome.peer_energy_out_over_in().unwrap_or(0.0))
+        largest(&self.sparse, |outcome| outcome.peer_energy_made_mj().unwrap_or(0.0))
     }
 
     /// Whether few packets do here; else what fails.
@@ -97,7 +97,7 @@ impl Row {
     pub fn meets(&self) -> Result<(), &'static str> {
         match () {
             () if largest(&self.sparse, |outcome| outcome.packets_per_s) > MOST_PACKETS => Err("packets"),
-            () if self.channel() > NONE_MADE || self.peer() > NONE_MADE_BY_PEER => Err("energy"),
+            () if self.channel() > ROUNDING_MJ || self.peer() > self.capital_mj + ROUNDING_MJ => Err("energy"),
             () if !self.sparse.is_stable() && self.each.is_stable() => Err("apart"),
             () if !self.sparse.is_stable() => Err("both apart"),
             () if self.cost().is_some_and(|cost| cost > MOST_COST) => Err("discrepancy"),
@@ -115,6 +115,10 @@ pub(super) fn rows(laws: Laws, (motion, users): Named, networks: &[Named], along
         }
         scenes::find(laws, Some("any-network".as_ref()), &set)
     };
+    let capital_mj = match scene(None)?.get("coordination.carry_energy_j") {
+        Some(Value::Number(capital_j)) => 1e3 * capital_j,
+        _ => 0.0,
+    };
     let scenes = std::iter::once(None).chain(along.iter().map(|together| Some(*together)));
     let named = scenes.map(|together| Ok((motion.to_owned(), scene(together)?)));
     let named = named.collect::<Result<Vec<_>, Error>>()?;
@@ -124,7 +128,7 @@ pub(super) fn rows(laws: Laws, (motion, users): Named, networks: &[Named], along
     let together = along.iter().flat_map(|together| each.iter().map(move |cell| (*together, cell)));
     Ok(together
         .zip(cells)
-        .map(|((together, each), sparse)| Row { motion, together, each: each.clone(), sparse })
+        .map(|((together, each), sparse)| Row { motion, together, each: each.clone(), sparse, capital_mj })
         .collect())
 }
 
@@ -165,12 +169,12 @@ fn described(rows: Rows<'_, Row>) -> Rows<'_, Row> {
         .number("bytes_per_s", 0, |row| mean(&row.sparse, Outcome::bytes_per_s))
         .means("the same in bytes, with UDP and IP version 4")
         .head("bytes")
-        .number("energy_out_over_in", 4, Row::channel)
-        .means("energy that a peer took from the network over what the other one gave to it, worst direction and seed")
-        .head("channel out/in")
-        .number("peer_energy_out_over_in", 4, Row::peer)
-        .means("energy that left the ports of a peer's coordination over what entered them, worst peer and seed")
-        .head("peer out/in")
+        .number("energy_made_mj", 3, Row::channel)
+        .means("the most, at the end of any tick, that a peer had taken from the network beyond what the other one had given to it, worst direction and seed")
+        .head("channel made")
+        .number("peer_energy_made_mj", 3, Row::peer)
+        .means("the most, at the end of any tick, that had left the ports of a peer's coordination beyond what had entered them, worst peer and seed")
+        .head("peer made")
         .value("verdict", |row| row.sparse.verdict())
         .means("the worst of the seeds, and how many of them had it")
 }

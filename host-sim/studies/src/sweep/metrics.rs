@@ -58,9 +58,9 @@ pub const METRICS: [Metric; 12] = metrics! {
     "coordination_force_sd" "n" false "standard deviation of F_T at peer 2 over the last half" |o| o.metric(|o| o.whole.coordination_force_n.sd);
     "peak_coordination_force" "n" true "largest |F_T| of either peer over the whole run" |o| o.metric(|o| o.whole.peak_coordination_force_n);
     "largest_jump" "n" false "largest change of either F_T from tick to tick" |o| o.metric(|o| o.whole.largest_jump_n);
-    "energy_out_over_in" "" true "energy that the network gave over what it was given" |o| o.metric(Outcome::energy_out_over_in);
-    "peer_energy_out_over_in" "" false "energy that the worse peer's coordination gave over what it took" |o| {
-        o.metric(Outcome::peer_energy_out_over_in).flatten()
+    "energy_made" "mj" true "the most that the network had given beyond what it was given" |o| o.metric(Outcome::energy_made_mj);
+    "peer_energy_made" "mj" false "the most that the worse peer's coordination had given beyond what it took" |o| {
+        o.metric(Outcome::peer_energy_made_mj).flatten()
     };
     "packets" "per_s" true "packets that a peer sent, mean of both" |o| o.metric(|o| o.packets_per_s);
     "wire" "bytes_per_s" false "the same in bytes, sealed, with UDP and IP version 4" |o| o.metric(Outcome::bytes_per_s);

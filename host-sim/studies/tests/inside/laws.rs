@@ -15,7 +15,7 @@ fn laws_are_asked_for_by_name() {
     assert_eq!(names("wave, power,wave").expect("laws"), ["wave", "power"]);
     let refusal = |text: &str| names(text).expect_err("no law").to_string();
     assert_eq!(refusal("power,wavee"), "there is no law called \"wavee\"; did you mean wave?");
-    assert!(refusal("zzz").contains("the laws are power, wave, "), "{}", refusal("zzz"));
+    assert!(refusal("zzz").contains("the laws are power, p-plus-d, wave, "), "{}", refusal("zzz"));
     assert!(refusal("").contains("no law called \"\""));
 }
 
@@ -32,6 +32,10 @@ fn every_law_has_the_same_scene_and_its_own_gains() {
         };
         for (key, value) in scene.settings() {
             match key.as_str() {
+                // Not even where a law declares another.
+                "safety.fade_s" | "safety.disengage_s" => {
+                    assert!(LADDER.contains(&&*format!("{key}={value}")), "{}: {key} = {value}", law.name)
+                }
                 "coordination.comm" => assert_eq!(value.to_string(), format!("\"{}\"", law.name)),
                 "user.1.push_n" => assert_eq!(value.to_string(), "0.5"),
                 key if own(key) || !common.iter().any(|(known, _)| known == key) => {}

@@ -100,8 +100,8 @@ fn document(name: &str, trial: &Trial, written: &[PathBuf]) -> serde_json::Value
         "true_discrepancy_mm": boards.metric(|o| o.whole.true_discrepancy_mm),
         "coordination_force_n": boards.metric(|o| o.whole.coordination_force_n),
         "peak_coordination_force_n": boards.metric(|o| o.whole.peak_coordination_force_n),
-        "energy_out_over_in": boards.metric(Outcome::energy_out_over_in),
-        "peer_energy_out_over_in": boards.metric(Outcome::peer_energy_out_over_in).flatten(),
+        "energy_made_mj": boards.metric(Outcome::energy_made_mj),
+        "peer_energy_made_mj": boards.metric(Outcome::peer_energy_made_mj).flatten(),
         "fault": fault(boards),
         "host_sim": {
             "reason": host_sim.reason.map(|reason| reason.to_string()),

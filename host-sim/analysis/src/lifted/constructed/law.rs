@@ -45,8 +45,12 @@ impl ConstructedPeer {
 
     pub(super) fn wave(&mut self, scene: &Scene) {
         let (coordination, period) = (&scene.peer.coordination, scene.peer.timing.control_period_s);
-        let (k, damping) = (coordination.stiffness_n_per_m, coordination.damping_n_s_per_m);
         let impedance = coordination.wave_impedance_n_s_per_m;
+        // A live end that can carry on has a damper D = 200·κ in a row with its spring, which the force before drives (THEORY §11):
+        // F_T = σ·(K_T·(s − F₋·T_c/D) + κ·(w − v)) + (1 − σ)·F₋ with σ = D/(D + κ).
+        let own = matches!(scene.get("coordination.carry_damping_n_s_per_m"), Some(Value::Number(own)) if own > 0.0);
+        let softer = if own && coordination.comm == "self-timed" { 200.0 / 201.0 } else { 1.0 };
+        let [k, damping] = [coordination.stiffness_n_per_m, coordination.damping_n_s_per_m].map(|gain| softer * gain);
         let root = (2.0 * impedance).sqrt();
         let [x_d, v_d, force, out] =
             [DesiredPosition, DesiredVelocity, CoordinationForce, Outgoing].map(|state| self.at(state));
@@ -59,6 +63,10 @@ impl ConstructedPeer {
         }
         self.a[(x_d, x_d)] = 1.0;
         self.f[(coordination_row, x_d)] = k;
+        if softer < 1.0 {
+            let kappa = 0.5 * k * period + damping;
+            self.f[(coordination_row, force)] = 1.0 - softer - k * period * softer / (200.0 * kappa);
+        }
         match coordination.decode {
             Decode::Delayed => {
                 self.f[(decoded, force)] = -1.0 / impedance;

@@ -23,13 +23,6 @@ pub struct Energy {
     pub sent_j: f64,
 }
 
-impl Energy {
-    /// What was sent back over what was put in; 1 where nothing was.
-    pub fn out_over_in(&self) -> f64 {
-        if self.put_in_j > 0.0 { self.sent_j / self.put_in_j } else { 1.0 }
-    }
-}
-
 impl Sum for Energy {
     fn sum<I: Iterator<Item = Self>>(energies: I) -> Self {
         energies.fold(Self::default(), |sum, energy| Self {

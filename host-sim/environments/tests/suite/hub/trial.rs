@@ -1,6 +1,7 @@
 //! Peers around a hub in virtual time, over a network in memory, every byte of it sealed.
 
 use haptic_core::device::AXES;
+use haptic_core::settings::Value;
 use haptic_environments::cooperative::hub::{Hub, number_on};
 use haptic_protocol::key::Key;
 use haptic_protocol::wire::{Flows, Message};
@@ -96,11 +97,16 @@ where
         (seat.actor, seat.off) = (life(&self.scene, index, hub, self.lives, device), false);
     }
 
-    /// One control period, after which along no axis more went back into the lines than the peers had put in.
+    /// One control period, after which along no axis more went back into the lines than the peers had put in, and what lines that carry on
+    /// begin with at both ends.
     pub(super) fn step(&mut self) {
         self.engine.step(&mut |_| ());
         for (axis, energy) in self.hub().junction.energies().iter().enumerate() {
-            let most_j = energy.put_in_j * (1.0 + 1e-9) + 1e-15;
+            let capital_j = match self.scene.get("coordination.carry_energy_j") {
+                Some(Value::Number(capital_j)) => capital_j * self.hub().junction.ports.len() as f64,
+                _ => 0.0,
+            };
+            let most_j = energy.put_in_j * (1.0 + 1e-9) + 1e-15 + capital_j;
             assert!(energy.sent_j <= most_j, "tick {}, axis {axis}: {energy:?}", self.engine.tick());
         }
     }

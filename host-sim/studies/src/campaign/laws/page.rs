@@ -6,7 +6,7 @@ use haptic_io::Most;
 use haptic_sim::run::Verdict;
 
 use super::tables::parts;
-use super::{PACKET_BYTES, Row};
+use super::{LADDER, PACKET_BYTES, Row};
 use crate::Error;
 
 /// Between these lines of the page stands what `host-sim prove --page` writes.
@@ -37,12 +37,14 @@ pub fn page(rows: &[Row], each_tick: &[Row], old: &str) -> String {
     let papers = between(old, PAPERS).filter(|papers| !papers.is_empty()).unwrap_or(NO_PAPERS);
     let ([begin, end], [first_paper, last_paper]) = (PROOFS, PAPERS);
     let [laws, impedance] = PICTURES;
+    let ladder = LADDER.map(|setting| format!("`{setting}`")).join(", ");
     format!(
         "# Coordination laws beside each other\n\n\
          Written by `host-sim campaign --laws all --page docs/laws.md`; do not edit it by hand. A law is one file in `core/src/law/` and one line in its\n\
          list, or a crate of its own ([example](../examples/outside-law)); whatever stands here of it comes from what it declares beside itself and from what is measured.\n\n\
          **One scene for all**: two users push 1 N toward each other, one adds 0.25 sin 3t N (the cooperation paper's §5.2); m_O = 0.3 kg, K_LC = 1000 N/m, B_LC = 2 N·s/m,\n\
-         8 ms one way, a packet every 8 ms; one solve a tick (`object.integrator = \"midpoint\"`, `coordination.decode = \"implicit\"`, no object delay). Each law\n\
+         8 ms one way, a packet every 8 ms; one solve a tick (`object.integrator = \"midpoint\"`, `coordination.decode = \"implicit\"`, no object delay); in silence every\n\
+         peer lets go as late ({ladder}), whatever its law declares. Each law\n\
          has the gains that it declares, in the column K_T and below, and nothing is tuned here. {networks} networks, 20 seeds wherever a network draws random numbers, 20 s each; a\n\
          network counts for a law only with what its worst seed does. Means are over the networks on which the law is stable: of a law that is stable on few they are\n\
          of the easy ones. [What the columns mean](data.md#laws); [what stable, apart and NO mean](networks.md).\n\n\

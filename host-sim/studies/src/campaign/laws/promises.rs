@@ -2,7 +2,7 @@
 //!
 //! | promise | looked at | kept |
 //! |---|---|---|
-//! | passive on any network | every run over every network | channel out/in at most 1 in all |
+//! | passive on any network | every run over every network | its channel makes no energy in any, at the end of any tick |
 //! | passive on a constant delay | those whose delay is constant and that lose nothing | the same |
 //! | no drift | 8 s of pushing against each other at 20 % lost in bursts of 40 ms, then 12 s without either | the copies are within 0.1 mm in the last second |
 //!
@@ -11,6 +11,7 @@
 use haptic_core::settings::Promise;
 use haptic_sim::network::rule::Direction;
 use haptic_sim::pair::Pair;
+use haptic_sim::run::Outcome;
 use haptic_sim::scene::Scene;
 use haptic_sim::user::{Trace, User};
 
@@ -19,7 +20,7 @@ use super::super::networks::{self, Named};
 use crate::Error;
 
 /// Above this a channel makes energy; sums of some 10⁴ products round by less.
-const NONE_MADE: f64 = 1.0 + 1e-9;
+const ROUNDING_MJ: f64 = 1e-6;
 
 /// Time of pushing and losing, and of neither, s.
 const DRIFTING_S: [f64; 2] = [8.0, 12.0];
@@ -63,15 +64,14 @@ pub(super) fn kept(scene: &Scene, cells: &[Cell], networks: &[Named]) -> Result<
     scene.law().promises.iter().map(of).collect()
 }
 
-/// Whether none of these channels gave out more than came in beyond what it held at first, J, and the largest share.
+/// Whether none of these channels gave out more than came in and `start_j`, J, which the law held at first; and the most that was made.
 fn channel<'a>(start_j: f64, cells: impl Iterator<Item = &'a Cell>) -> (bool, String) {
     let largest = |(most, place): (f64, &'a str), cell: &'a Cell| {
-        let out_over_in =
-            cell.outcomes.iter().map(|outcome| outcome.energy_out_over_in_beyond(start_j)).fold(0.0, f64::max);
-        if out_over_in > most { (out_over_in, cell.network.as_str()) } else { (most, place) }
+        let made_mj = cell.outcomes.iter().map(Outcome::energy_made_mj).fold(0.0, f64::max);
+        if made_mj > most { (made_mj, cell.network.as_str()) } else { (most, place) }
     };
-    let (most, place) = cells.fold((0.0, "no network"), largest);
-    (most <= NONE_MADE, format!("{most:.4} over {place}"))
+    let (most_mj, place) = cells.fold((0.0, "no network"), largest);
+    (most_mj <= 1e3 * start_j + ROUNDING_MJ, format!("{most_mj:.3} mJ over {place}"))
 }
 
 /// How far apart the copies are once the network has recovered and nobody pushes, mm; none where a peer stopped.

@@ -112,12 +112,12 @@ fn over_networks<'a>(rows: Rows<'a, Row>) -> Rows<'a, Row> {
         .number("peak_force_n", 1, |row| row.most(|cell| cell.worst(|o| o.whole.peak_coordination_force_n)))
         .means("largest |F_T| on any network on which it is stable")
         .head("peak")
-        .number("energy_out_over_in", 4, |row| row.largest(Outcome::energy_out_over_in))
-        .means("channel: energy out over in, the largest of every run over every network")
-        .head("channel out/in")
-        .number("peer_energy_out_over_in", 4, |row| row.largest(|o| o.peer_energy_out_over_in().unwrap_or(f64::NAN)))
-        .means("peer: energy out over in, the largest of every run over every network")
-        .head("peer out/in")
+        .number("energy_made_mj", 3, |row| row.largest(Outcome::energy_made_mj))
+        .means("channel: the most, at the end of any tick, that a peer had taken from the network beyond what the other one had given to it, the largest of every run over every network")
+        .head("channel made")
+        .number("peer_energy_made_mj", 3, |row| row.largest(|o| o.peer_energy_made_mj().unwrap_or(f64::NAN)))
+        .means("peer: the most, at the end of any tick, that had left the ports of a peer's coordination beyond what had entered them, the largest of every run over every network")
+        .head("peer made")
 }
 
 /// What a hand feels, and what it costs.

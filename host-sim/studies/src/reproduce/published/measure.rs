@@ -30,6 +30,9 @@ pub const IMPEDANCE: f64 = 10.0;
 /// Transit time of a line of means with packets of 8 ms, one of them under way, s: both ends average over a packet, and the sample is one tick old.
 pub const LINE_S: f64 = 0.016;
 
+/// Mean age of a position with packets of 8 ms, one of them under way: on the way, then held for a packet, s.
+pub const POSITIONS_S: f64 = 0.012;
+
 /// What laws with a tank begin with, J.
 pub const TANK_J: f64 = 0.02;
 
@@ -119,6 +122,26 @@ pub fn gain_of_the_others_over_the_mean() -> Result<f64, Error> {
         Ok((core::f64::consts::TAU * periods / (PERIOD_S * ticks)).powi(2))
     };
     Ok(squared("power")? / squared("average-position")?)
+}
+
+/// What holds each of two copies that go on together under a common push, over their speed, N·s/m: mean of the last packet.
+pub fn drag_of_a_common_push() -> Result<f64, Error> {
+    const STEADY_TICKS: u32 = 4000;
+    let mut alike = scene("p-plus-d", &[])?.linear();
+    // What is positive pushes toward the other one.
+    for (user, push_n) in alike.users.iter_mut().zip([1e-3, -1e-3]) {
+        *user = User::default();
+        user.settings.user.push_n = push_n;
+    }
+    let mut pair = Pair::<f64>::new(&alike)?;
+    (0..STEADY_TICKS).for_each(|_| pair.step());
+    let (mut force, mut speed) = (0.0, 0.0);
+    for _ in 0..alike.peer.timing.ticks_per_packet {
+        pair.step();
+        let [seen, _] = pair.sides().map(|side| *side.peer.observed()[0]);
+        (force, speed) = (force - seen.coordination_force, speed + seen.object.velocity);
+    }
+    Ok(force / speed)
 }
 
 /// Two users who kick a linear scene at its beginning, against each other or the one alone, far below every limit.

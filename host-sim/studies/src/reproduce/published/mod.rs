@@ -110,6 +110,8 @@ pub const NUMBERS: &[Number] = &[
         theirs: || (-1.0_f64).exp(), ours: of::bias_left, why: "" },
     Number { law: "four-channel", paper: "Lawrence 1993", place: "transparency-optimised: Z_t = Z_e", what: "stiffness felt of the far hand's contact, without delay", unit: "N/m", says: Equation,
         theirs: || 500.0, ours: || of::stiffness_felt_n_per_m(&["four_channel.remote_force=1"]), why: "" },
+    Number { law: "p-plus-d", paper: "Lee & Spong 2006", place: "dissipation K_d ≥ K_p·T, in motion", what: "drag of each of two who push alike, by positions 12 ms old: B + K·T", unit: "N·s/m", says: Equation,
+        theirs: || 30.0 + 310.0 * of::POSITIONS_S, ours: of::drag_of_a_common_push, why: "" },
     Number { law: "average-position", paper: "Rakhsha & Constantinescu, Average-Position Coordination", place: "effective gain K_T instead of N·K_T", what: "ω² of the copies' swing, power-domain over average, N = 2", unit: "", says: Equation,
         theirs: || 2.0, ours: of::gain_of_the_others_over_the_mean, why: "" },
     Number { law: "remote-dynamic-proxy", paper: "Li & Constantinescu 2010", place: "proxy K_p behind the coupling K_T", what: "apart under 1 N: F/K_T + F/K_p", unit: "mm", says: Equation,

@@ -1,0 +1,346 @@
+//! Carrying on where nothing comes (THEORY §11): the point to which the spring K_T is tied goes on as it went and yields to what pulls
+//! harder than before, instead of standing like a wall.
+//!
+//! Between the line's end and the spring lies a **slip** e, F_T = K_T·(x_d + e − x_o) + B_T·(w + ė − v). It moves like a damper that
+//! something drives, in series with the spring:
+//!
+//! > ė = (A − F_T)/D
+//!
+//! | the end | D | A |
+//! |---|---|---|
+//! | stands, and has not heard of the other end's slip yet | ∞ | |
+//! | stands, and hears nothing | `coordination.carry_damping_n_s_per_m` | F̄ + D·(w̄ + c) |
+//! | stands, and hears the other end, which stands | [`HEARD`] times it | F̄ + D·(w_far + c) |
+//! | is live | [`LIVE`] times κ | F₋ + D·c |
+//!
+//! with F̄ and w̄ the force and the line's velocity lately (one pole of [`LATELY_S`]), of which w̄ fades while the end stands, F₋ the
+//! force of the tick before, w_far how fast the other end's point goes, as its newest packet said, and c = (e_far − e)/2τ_c the way to
+//! the slip of the other end: only the difference of both slips holds the copies apart, and what both ends coast alike is none.
+//! The end that hears nothing may go where it likes; the one that hears it follows, and resists its own hand more. Of a live end F₋ − F_T
+//! makes a spring of stiffness D/T_c, 1 % of the compliance of K_T: that part of e, −F₋·T_c/D, is the end's own. What is told of e, and
+//! drawn to the other's, is the rest, which goes at c whatever pulls: nothing goes round a loop.
+//!
+//! **Passive by its own account.** A tick of it costs F_T·ė·T_c, whatever F_T comes to be at most A²·T_c/4D. So A is kept within
+//! ±√(4·D·E/T_c) of a tank E, which begins with E₀, pays what a tick costs, and takes what it brings and what the damper B_T took. E is
+//! never below 0; an empty tank leaves a damper. Nothing is solved twice, and nothing switches.
+//!
+//! With `coordination.carry_damping_n_s_per_m = 0` D is infinite: e stays 0, and an end that stands is a wall (THEORY §8).
+
+use crate::law::Spring;
+use crate::law::credit::CAP_J;
+use crate::law::terminal::Ended;
+use crate::num::{Motion, Scalar, StateVector};
+use crate::settings::{Key, Settings};
+
+pub(super) const DAMPING: Key = Key::number(
+    "coordination.carry_damping_n_s_per_m",
+    5.0,
+    [0.0, 1000.0],
+    "N·s/m",
+    "Self-timed line, where nothing comes: damping with which the point that the copy is tied to goes another way than on; 0 is a wall.",
+);
+pub(super) const FADE: Key = Key::number(
+    "coordination.carry_s",
+    0.5,
+    [0.001, 100.0],
+    "s",
+    "Self-timed line, where nothing comes: time in which going on as before fades.",
+);
+pub(super) const RETURN: Key = Key::number(
+    "coordination.carry_return_s",
+    0.05,
+    [0.001, 100.0],
+    "s",
+    "Self-timed line: time in which both ends come together again, where they have gone different ways.",
+);
+pub(super) const ENERGY: Key = Key::number(
+    "coordination.carry_energy_j",
+    0.005,
+    [0.0, 1.0],
+    "J",
+    "Self-timed line: what carrying on may give at most before it has taken anything, at each end.",
+);
+
+/// D of an end that hears the other one, as a multiple of that of an end that hears nothing.
+const HEARD: f64 = 3.0;
+/// D of a live end, as a multiple of κ of its spring.
+const LIVE: f64 = 200.0;
+/// How long ago "lately" is, s.
+const LATELY_S: f64 = 0.008;
+/// Fastest way to the other end's slip, m/s.
+const MOST_M_PER_S: f64 = 0.1;
+/// Slips are told modulo this, m: of two that are less than half of it apart the difference is known, however far both have gone.
+pub(crate) const MODULUS_M: f64 = 16.0;
+/// Share of the speed that a packet may say.
+const WITHIN: f64 = 0.999;
+
+/// What the end of a line does in a tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Doing {
+    /// It emits.
+    Live,
+    /// It stands, and packets come.
+    Hears,
+    /// It stands, and nothing comes.
+    Blind,
+    /// It stands, and the other end has not said anything of its slip yet.
+    Alone,
+}
+
+/// Spring and slip in a row, with a damping of its own: F_T = σ·K_T·s + (1 − σ)·A + z·(w − v), z = σ·κ.
+#[derive(Clone, Copy, Debug)]
+struct Series<S> {
+    /// D, N·s/m, and 1/D.
+    damping: S,
+    inverse: S,
+    /// σ = D/(D + κ).
+    stiff: S,
+    /// z, N·s/m.
+    impedance: S,
+    /// 4D/T_c: A² that a joule allows.
+    allows: S,
+}
+
+configured!([S: Scalar] Series<S> { damping, inverse, stiff, impedance, allows });
+
+impl<S: Scalar> Series<S> {
+    /// Of a damping D, N·s/m, and κ, in a period of T_c, s; D = 0 for a wall.
+    fn build(damping: f64, kappa: f64, period_s: f64) -> Self {
+        let (inverse, stiff) = if damping == 0.0 { (0.0, 1.0) } else { (1.0 / damping, damping / (damping + kappa)) };
+        let numbers = [damping, inverse, stiff, stiff * kappa, 4.0 * damping / period_s];
+        let [damping, inverse, stiff, impedance, allows] = numbers.map(S::from_f64);
+        Self { damping, inverse, stiff, impedance, allows }
+    }
+}
+
+/// How an end carries on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Carry<S: Scalar> {
+    period_s: S,
+    /// κ and B_T, N·s/m.
+    kappa: S,
+    spring_damping: S,
+    blind: Series<S>,
+    hears: Series<S>,
+    live: Series<S>,
+    /// T_c/D of a live end, m/N.
+    elastic_m_per_n: S,
+    /// Share of w̄ that is left after a tick, and of what is new in F̄ and w̄.
+    left: S,
+    new: S,
+    /// 1/2τ_c, 1/s.
+    back: S,
+    most_m_per_s: S,
+    capital_j: S,
+    most_j: S,
+    /// The fastest that a packet may say, m/s.
+    within_m_per_s: S,
+    half_m: S::Counter,
+}
+
+configured!([S: Scalar] Carry<S> {
+    period_s, kappa, spring_damping, blind, hears, live, elastic_m_per_n, left, new, back, most_m_per_s, capital_j, most_j,
+    within_m_per_s, half_m
+});
+
+/// What an end knows of the other one's slip.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Slips {
+    /// Nothing: both begin together.
+    #[default]
+    Nothing,
+    /// Nothing: this end begins anew where it is, and the other one goes on.
+    Anew,
+    Known,
+}
+
+/// Slip and tank of an end.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Slip<S: Scalar> {
+    /// e, but for what is elastic in it, m.
+    own_m: S::Counter,
+    /// What the other end's slip is more, m; w_far, m/s.
+    ahead_m: S,
+    far_m_per_s: S,
+    /// F₋, F̄, N.
+    force: S,
+    lately_force: S,
+    /// w̄, m/s.
+    lately_m_per_s: S,
+    /// w + ė, m/s.
+    goes_m_per_s: S,
+    /// E, J.
+    tank_j: S,
+    /// It has begun, or begun anew, and heard nothing of the other end's slip since.
+    heard: Slips,
+}
+
+/// F₋, all that a live line feels of it. What is told of slips is driven by nothing while both ends are live, and rests where it began: a
+/// loop of its own, ė = (e_far(t − T) − e)/2τ_c at both ends, whose roots but for the common slip decay at any delay T.
+impl<S: Scalar> StateVector<S> for Slip<S> {
+    #[inline]
+    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
+        each(&mut self.force);
+    }
+}
+
+/// The spring of a tick, in a row with what it is tied to.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tied<S> {
+    /// A and 1/D.
+    drive: S,
+    inverse: S,
+    /// What it pulls with while nothing moves, N, and its impedance z, N·s/m.
+    pub(super) pull: S,
+    pub(super) impedance: S,
+}
+
+impl<S: Scalar> Carry<S> {
+    pub(super) fn build(settings: &Settings) -> Self {
+        let (period_s, damping) = (settings.timing.control_period_s, settings.own(&DAMPING));
+        let (live, kappa) = (Self::live(settings), Spring::<S>::impedance(settings));
+        let (capital_j, fastest) = (settings.own(&ENERGY), settings.in_the_world().safety.max_speed_m_per_s);
+        let number = S::from_f64;
+        Self {
+            period_s: number(period_s),
+            spring_damping: number(settings.coordination.damping_n_s_per_m),
+            kappa: number(kappa),
+            blind: Series::build(damping, kappa, period_s),
+            hears: Series::build(HEARD * damping, kappa, period_s),
+            live: Series::build(live, kappa, period_s),
+            elastic_m_per_n: number(if damping > 0.0 { period_s / live } else { 0.0 }),
+            left: number(libm::exp(-period_s / settings.own(&FADE))),
+            new: number(1.0 - libm::exp(-period_s / LATELY_S)),
+            back: number(0.5 / settings.own(&RETURN)),
+            most_m_per_s: number(MOST_M_PER_S),
+            capital_j: number(capital_j),
+            most_j: number(capital_j.max(CAP_J)),
+            within_m_per_s: number(WITHIN * fastest),
+            half_m: S::Counter::from_f64(0.5 * MODULUS_M),
+        }
+    }
+
+    /// Impedance of a live end's spring, z, N·s/m.
+    pub(super) fn impedance(settings: &Settings) -> f64 {
+        let kappa = Spring::<S>::impedance(settings);
+        Series::<f64>::build(Self::live(settings), kappa, settings.timing.control_period_s).impedance
+    }
+
+    /// D of a live end, N·s/m; 0 for a wall.
+    fn live(settings: &Settings) -> f64 {
+        if settings.own(&DAMPING) > 0.0 { LIVE * Spring::<S>::impedance(settings) } else { 0.0 }
+    }
+
+    /// An end that has not slipped.
+    pub(super) fn start(&self) -> Slip<S> {
+        Slip { tank_j: self.capital_j, ..Slip::default() }
+    }
+
+    /// An end that begins anew, with what is left in its tank.
+    pub(super) fn restart(&self, slip: &Slip<S>) -> Slip<S> {
+        Slip { tank_j: slip.tank_j, heard: Slips::Anew, ..Slip::default() }
+    }
+
+    /// A slip within what may be told, and by how much it was more, m: [`MODULUS_M`], or nothing.
+    #[inline]
+    fn within(&self, slip_m: S::Counter) -> (S::Counter, S::Counter) {
+        let nothing = S::Counter::ZERO;
+        if slip_m.abs() <= self.half_m {
+            (slip_m, nothing)
+        } else {
+            let turn_m = self.half_m + self.half_m;
+            let turn_m = if slip_m > nothing { turn_m } else { -turn_m };
+            // However far it jumped.
+            ((slip_m - turn_m).limit(self.half_m), turn_m)
+        }
+    }
+
+    /// A slip that cannot be told is the line's own: gives by how much x_d is more then, m.
+    #[inline]
+    pub(super) fn turn(&self, slip: &mut Slip<S>) -> Option<S::Counter> {
+        let (own_m, turn_m) = self.within(slip.own_m);
+        slip.own_m = own_m;
+        (turn_m != S::Counter::ZERO).then_some(turn_m)
+    }
+
+    /// Where the point is that the spring is tied to, for an x_d, m.
+    #[inline]
+    pub(super) fn anchor(&self, slip: &Slip<S>, desired: S::Counter) -> S::Counter {
+        desired + slip.own_m - (self.elastic_m_per_n * slip.force).to_counter()
+    }
+
+    /// What a packet says of this end.
+    pub(super) fn says(&self, slip: &Slip<S>) -> Motion<S> {
+        Motion { position: S::of_counter(slip.own_m), velocity: slip.goes_m_per_s.limit(self.within_m_per_s) }
+    }
+
+    /// The other end is not engaged: it will begin anew as well, from this end's slip.
+    pub(super) fn hear_idle(&self, slip: &mut Slip<S>) {
+        if slip.heard == Slips::Anew {
+            slip.heard = Slips::Nothing;
+        }
+    }
+
+    /// Takes in what the other end says of its own. One that has just begun anew calls its point's place what the other end calls its own:
+    /// gives by how much x_d is less then, m.
+    pub(super) fn hear(&self, slip: &mut Slip<S>, told: Motion<S>) -> S::Counter {
+        slip.far_m_per_s = told.velocity;
+        let ahead_m = S::of_counter(self.within(told.position.to_counter() - slip.own_m).0);
+        if core::mem::replace(&mut slip.heard, Slips::Known) == Slips::Anew {
+            let less_m = ahead_m.to_counter();
+            slip.own_m = slip.own_m + less_m;
+            slip.ahead_m = S::ZERO;
+            return less_m;
+        }
+        slip.ahead_m = ahead_m;
+        S::Counter::ZERO
+    }
+
+    /// What an end does that has nothing to emit, and to which nothing comes or does.
+    #[inline]
+    pub(super) fn stands(&self, slip: &Slip<S>, is_cut_off: bool) -> Doing {
+        match slip.heard {
+            Slips::Known if is_cut_off => Doing::Blind,
+            Slips::Known => Doing::Hears,
+            _ => Doing::Alone,
+        }
+    }
+
+    /// The spring of this tick, which begins with this pull, N.
+    #[inline]
+    pub(super) fn tie(&self, slip: &mut Slip<S>, doing: Doing, pull: S) -> Tied<S> {
+        let back = (self.back * slip.ahead_m).limit(self.most_m_per_s);
+        let (series, base) = match doing {
+            Doing::Live => (&self.live, slip.force + self.live.damping * back),
+            Doing::Hears => (&self.hears, slip.lately_force + self.hears.damping * (slip.far_m_per_s + back)),
+            Doing::Blind => (&self.blind, slip.lately_force + self.blind.damping * (slip.lately_m_per_s + back)),
+            Doing::Alone => return Tied { drive: S::ZERO, inverse: S::ZERO, pull, impedance: self.kappa },
+        };
+        let Series { inverse, stiff, impedance, .. } = *series;
+        let drive = base.limit((series.allows * slip.tank_j).sqrt());
+        let pull = stiff * pull + (S::ONE - stiff) * drive;
+        Tied { drive, inverse, pull, impedance }
+    }
+
+    /// Books what came of a tick; gives how fast the point went, w + ė, m/s.
+    #[inline]
+    pub(super) fn went(&self, slip: &mut Slip<S>, doing: Doing, tied: &Tied<S>, ended: &Ended<S>) -> S {
+        let Ended { velocity: line, copy, force } = *ended;
+        let rate = (tied.drive - force) * tied.inverse;
+        let step = self.period_s * rate + self.elastic_m_per_n * (force - slip.force);
+        slip.own_m = slip.own_m + step.to_counter();
+        slip.ahead_m = slip.ahead_m - step;
+        slip.goes_m_per_s = line + rate;
+        let through = slip.goes_m_per_s - copy;
+        let saved = self.spring_damping * through * through - force * rate;
+        slip.tank_j = (slip.tank_j + self.period_s * saved).min(self.most_j).max(S::ZERO);
+        slip.force = force;
+        if doing == Doing::Live {
+            slip.lately_force = slip.lately_force + self.new * (force - slip.lately_force);
+            slip.lately_m_per_s = slip.lately_m_per_s + self.new * (line - slip.lately_m_per_s);
+        } else {
+            slip.lately_m_per_s = self.left * slip.lately_m_per_s;
+        }
+        slip.goes_m_per_s
+    }
+}
