@@ -50,3 +50,8 @@ pub mod safety;
 pub mod sample;
 pub mod schema;
 pub mod settings;
+
+/// The examples of the page that registries show.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -68,3 +68,8 @@ pub use modes::{Hands, Judgement, Mode, judge};
 pub use sweep::Range;
 pub use tune::tune;
 pub use verdict::{Analyser, ROUNDING, Verdict, verdict};
+
+/// The examples of the page that registries show.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

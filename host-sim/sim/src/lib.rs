@@ -61,3 +61,8 @@ pub use plant::Plant;
 pub use run::{AxisOutcome, Figures, Options, Outcome, Reason, Verdict, run, run_while};
 pub use scene::Scene;
 pub use user::{Trace, User};
+
+/// The examples of the page that registries show.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

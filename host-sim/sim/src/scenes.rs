@@ -8,7 +8,7 @@ use crate::scene::{Scene, nearest};
 
 macro_rules! scenes {
     ($($name:literal),+ $(,)?) => {
-        &[$(($name, include_str!(concat!("../../../scenes/", $name, ".toml")))),+]
+        &[$(($name, include_str!(concat!("../scenes/", $name, ".toml")))),+]
     };
 }
 

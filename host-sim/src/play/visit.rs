@@ -23,7 +23,7 @@ use super::shared_environment::{Held, Play, scene_route};
 use crate::Error;
 
 /// What there is to be felt, and the number of its server.
-const ROOM: &str = include_str!("../../../scenes/worlds/room.toml");
+const ROOM: &str = include_str!("../../sim/scenes/worlds/room.toml");
 const SERVER: u8 = 1;
 /// Number of visitors in the world.
 const COUNT: usize = 2;

@@ -55,7 +55,7 @@ impl Crowd {
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let world = match self.world.load()? {
             Some((world, _)) => world,
-            None => world::parse(include_str!("../../../../../scenes/worlds/two-rooms.toml"), "two-rooms")?,
+            None => world::parse(include_str!("../../../../sim/scenes/worlds/two-rooms.toml"), "two-rooms")?,
         };
         let mut clients = self.clients.clone();
         clients.sort_unstable();
