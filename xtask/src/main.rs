@@ -10,6 +10,7 @@ mod kept;
 mod licences;
 mod no_panic;
 mod options;
+mod packages;
 mod page;
 mod probe;
 mod python;
@@ -39,7 +40,7 @@ struct Chore {
     run: fn(&Options<'_>) -> Result<(), Failure>,
 }
 
-const CHORES: [Chore; 22] = [
+const CHORES: [Chore; 23] = [
     Chore {
         name: "setup",
         options: "",
@@ -144,6 +145,15 @@ panic planted outside ITCM, which must fail on both counts. Both images are trie
         run: |_| no_panic::no_panic(&setup::setup()?),
     },
     Chore {
+        name: "packages",
+        options: " [--verify]",
+        does: "Packs what others install, crates and Python's sources, and compiles the latter as they are unpacked",
+        more: "`cargo publish --dry-run` of the seven crates that simulator and analyser are made of, and maturin's source distribution in a
+folder of its own. Nothing is uploaded. Needs the registries, and Python 3.11 with venv.
+  --verify   compile each crate from what is packed as well: some minutes",
+        run: packages::packages,
+    },
+    Chore {
         name: "page",
         options: " [--write] [--measure] [--seconds S]",
         does: "Checks the sources of host-sim play's page: types, lints, format; or measures it in a browser",
@@ -221,9 +231,11 @@ vulnerabilities are not looked for.",
     Chore {
         name: "release",
         options: " [--tag TAG] [--out DIR]",
-        does: "Builds the board's image from a tag, with its sum and what built it, as files to give away",
-        more: "From a clone of the tag, without this machine's paths: the same toolchain makes the same bytes anywhere. The tag is `v` and the
-version in Cargo.toml. `cargo xtask test` in that clone says whether it is fit to be given away.
+        does: "Builds a tag as files to give away: image, command line, wheel, sources, what is in them, and sums",
+        more: "From a clone of the tag: the board's image, without this machine's paths (the same toolchain makes the same bytes anywhere),
+host-sim, the Python module as wheel and sources, the crates, a list of all packages and licences (CycloneDX, by cargo-cyclonedx,
+which is installed below target/), what built them, and SHA-256 sums. Nothing is uploaded. The tag is `v` and the version in Cargo.toml.
+`cargo xtask test` in that clone says whether it is fit to be given away.
   --tag  which tag [default: that of what is checked out]
   --out  folder, in which a folder of the tag's name is made [default: out/release]",
         run: release::release,
@@ -244,7 +256,7 @@ version in Cargo.toml. `cargo xtask test` in that clone says whether it is fit t
   --out  folder [default: out/wheel]",
         run: |given| {
             let folder = run::root().join(given.value("--out").unwrap_or("out/wheel"));
-            python::wheel(&folder, "release").map(|wheel| println!("{}", wheel.display()))
+            python::wheel(run::root(), &folder, "release").map(|wheel| println!("{}", wheel.display()))
         },
     },
 ];

@@ -29,17 +29,17 @@ fn pip(python: &Path) -> std::process::Command {
 }
 
 /// What the wheel is built and tested with.
-fn own_environment() -> Result<PathBuf, Failure> {
+pub(crate) fn own_environment() -> Result<PathBuf, Failure> {
     environment(&run::root().join("target/python"), "host-sim/python/requirements.txt")
 }
 
-/// Builds the wheel with a profile of cargo's into this folder, and says where it is.
-pub(crate) fn wheel(folder: &Path, profile: &str) -> Result<PathBuf, Failure> {
+/// Builds the wheel of these sources with a profile of cargo's into this folder, and says where it is.
+pub(crate) fn wheel(source: &Path, folder: &Path, profile: &str) -> Result<PathBuf, Failure> {
     let python = own_environment()?;
     let built = folder.join(".new");
     let _ = fs::remove_dir_all(&built);
     let mut maturin = command(&python.to_string_lossy(), &["-m", "maturin", "build", "--profile", profile, "--locked"]);
-    run(maturin.arg("--interpreter").arg(&python).arg("--out").arg(&built))?;
+    run(maturin.arg("--interpreter").arg(&python).arg("--out").arg(&built).current_dir(source))?;
     let failed = |cause| Failure::new(format!("cannot put the wheel into {}: {cause}", folder.display()));
     let mut files = fs::read_dir(&built).map_err(failed)?.flatten();
     let new = files.next().ok_or_else(|| Failure::new("maturin made no wheel"))?.path();
@@ -51,7 +51,7 @@ pub(crate) fn wheel(folder: &Path, profile: &str) -> Result<PathBuf, Failure> {
 /// Builds the wheel, installs it, and has host-sim/python/tests compare what it gives with the command line's word.
 pub(crate) fn python() -> Result<(), Failure> {
     // Of the build that the tests have made, as the command line is below: any build computes the same bits.
-    let wheel = wheel(&run::root().join("target/python"), "dev")?;
+    let wheel = wheel(run::root(), &run::root().join("target/python"), "dev")?;
     let python = own_environment()?;
     run(pip(&python).args(["--force-reinstall", "--no-deps", "--no-index"]).arg(wheel))?;
     run(&mut cargo(&["build", "--locked", "--package", "host-sim"]))?;

@@ -1,15 +1,16 @@
-//! `cargo xtask release`: the board's image of a tag, as files to give away.
+//! `cargo xtask release`: a tag as files to give away.
 //!
-//! Built from a clone of the tag, so that nothing is in it that is not committed, and without this machine's paths, so that the same
-//! toolchain makes the same bytes anywhere: the sum beside the image is there to be compared.
+//! Built from a clone of the tag, so that nothing is in it that is not committed. The board's image is without this machine's paths, so that
+//! the same toolchain makes the same bytes anywhere: the sum beside it is there to be compared. Nothing is uploaded.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::{env, fs};
 
 use crate::options::Options;
-use crate::run::{self, Failure, command, output, run, step};
+use crate::run::{self, Failure, cargo, command, output, run, step};
 use crate::setup::{self, Ready, THUMB_TARGET};
+use crate::{packages, python};
 
 /// Makes the files.
 pub(crate) fn release(given: &Options<'_>) -> Result<(), Failure> {
@@ -31,20 +32,63 @@ pub(crate) fn release(given: &Options<'_>) -> Result<(), Failure> {
     step("image", || run(&mut build))?;
 
     let folder = run::root().join(given.value("--out").unwrap_or("out/release")).join(&tag);
-    let name = format!("haptic-{tag}.elf");
+    let image = format!("haptic-{tag}.elf");
     let written = |cause: std::io::Error| Failure::new(format!("cannot write {}: {cause}", folder.display()));
+    let give = |from: PathBuf, name: &str| fs::copy(from, folder.join(name)).map(drop).map_err(written);
     fs::create_dir_all(&folder).map_err(written)?;
-    fs::copy(source.join("target").join(THUMB_TARGET).join("firmware/firmware"), folder.join(&name))
-        .map_err(written)?;
+    let built = source.join("target");
+    give(built.join(THUMB_TARGET).join("firmware/firmware"), &image)?;
+
+    let here = |words: &[&str]| {
+        let mut cargo = cargo(words);
+        cargo.current_dir(&source).env("CARGO_TARGET_DIR", &built);
+        cargo
+    };
+    step("command line", || run(&mut here(&["build", "--locked", "--release"])))?;
+    let machine = format!("{}-{}", env::consts::ARCH, env::consts::OS);
+    give(built.join("release/host-sim"), &format!("host-sim-{tag}-{machine}"))?;
+    step("wheel", || python::wheel(&source, &folder, "release").map(drop))?;
+    step("sources", || {
+        let sources = packages::sdist(&source, &built.join("sdist"))?;
+        give(sources.clone(), &sources.file_name().unwrap_or_default().to_string_lossy())
+    })?;
+    step("crates", || run(here(&["package", "--locked", "--no-verify"]).args(packages::named())))?;
+    let version = &tag[1..];
+    for name in packages::CRATES.map(|name| format!("{name}-{version}.crate")) {
+        give(built.join("package").join(&name), &name)?;
+    }
+    step("what is in them", || {
+        let tools = run::root().join("target/tools");
+        let mut install =
+            cargo(&["install", "--quiet", "--locked", "--version", CYCLONEDX, "cargo-cyclonedx", "--root"]);
+        run(install.arg(&tools))?;
+        // Beside each manifest, of which that of the command line has all that runs on a PC, and firmware the image's.
+        let mut list =
+            command(&tools.join("bin/cargo-cyclonedx").to_string_lossy(), &["cyclonedx", "--format", "json"]);
+        run(list.current_dir(&source))
+    })?;
+    for (package, name) in [("host-sim", "host-sim"), ("firmware", "firmware"), ("host-sim/python", "haptic-python")] {
+        let list = format!("{name}.cdx.json");
+        give(source.join(package).join(&list), &list)?;
+    }
+
     let commit = output(command("git", &["rev-parse", "HEAD"]).current_dir(&source))?;
     let compiler = output(&mut rustc(&ready, &["-vV"]))?;
     fs::write(folder.join("BUILD.txt"), format!("tag: {tag}\ncommit: {commit}{compiler}")).map_err(written)?;
-    let sums = output(command("sha256sum", &[&name, "BUILD.txt"]).current_dir(&folder))?;
-    fs::write(folder.join("SHA256SUMS"), &sums).map_err(written)?;
+    let mut names: Vec<_> = fs::read_dir(&folder).map_err(written)?.flatten().map(|entry| entry.file_name()).collect();
+    names.retain(|name| name != SUMS);
+    names.sort();
+    let sums = output(command("sha256sum", &[]).args(names).current_dir(&folder))?;
+    fs::write(folder.join(SUMS), &sums).map_err(written)?;
     print!("{sums}");
-    eprintln!("    in {}: to flash it, `probe-rs download --chip STM32H743ZITx {name}`", folder.display());
+    eprintln!("    in {}: to flash a board, `probe-rs download --chip STM32H743ZITx {image}`", folder.display());
     Ok(())
 }
+
+/// The sums' own file.
+const SUMS: &str = "SHA256SUMS";
+/// Version of cargo-cyclonedx.
+const CYCLONEDX: &str = "0.5.9";
 
 /// The tag in a folder of its own, as it was committed.
 fn checked_out(tag: &str, source: &Path) -> Result<(), Failure> {

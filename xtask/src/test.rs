@@ -10,7 +10,7 @@ use std::time::Instant;
 
 use crate::run::{self, Failure, cargo, everything, run, step};
 use crate::setup::{self, Ready, THUMB_TARGET};
-use crate::{board, count, kept, no_panic, page, python, qemu, recordings, sums};
+use crate::{board, count, kept, no_panic, packages, page, python, qemu, recordings, sums};
 
 /// Runs every step.
 pub(crate) fn test() -> Result<(), Failure> {
@@ -35,6 +35,7 @@ pub(crate) fn test() -> Result<(), Failure> {
     sums::took("the first build, s", run::processor_s().zip(before).map(|(now, then)| now - then))?;
     step("README", || crate::readme::readme(true, None))?;
     step("Python", python::python)?;
+    step("packages", packages::check)?;
     step("instructions of one tick", || match count::obstacle() {
         None => count::ticks(false),
         Some(obstacle) => {

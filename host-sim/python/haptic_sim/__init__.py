@@ -6,6 +6,7 @@ Columns and figures of merit carry their unit at the end of their name: `_m`, `_
 from ._native import (
     Journal,
     Pair,
+    Peer,
     Run,
     Scene,
     Stability,
@@ -23,6 +24,7 @@ from ._native import (
 __all__ = [
     "Journal",
     "Pair",
+    "Peer",
     "Run",
     "Scene",
     "Stability",

@@ -14,6 +14,7 @@ _Forces = Sequence[float] | NDArray[np.float64]
 __all__ = [
     "Journal",
     "Pair",
+    "Peer",
     "Run",
     "Scene",
     "Stability",
@@ -171,6 +172,61 @@ class Pair:
     @property
     def fault(self) -> tuple[int, str] | None:
         """Which peer (1 or 2) stopped, and why."""
+
+@final
+class Peer:
+    """One peer of a scene, armed, for a program that has device, hand and network of its own: another simulator, or a trial of one's own.
+
+    Places and forces are of the shared world, in which x points from peer 1 to peer 2; along several shared axes each is a sequence. The
+    scene's device, users and network are not simulated; its verdict (`stability`) is about them all the same. A peer is a value:
+    `copy.copy(peer)` is a saved state that goes on by itself.
+    """
+
+    PACKET: list[str]
+    def __new__(cls, scene: Scene, number: int, scalar: _Scalar = "f32") -> Peer: ...
+    @overload
+    def tick(
+        self, position_m: float, velocity_m_per_s: float, packet: tuple[float, ...] | None = None
+    ) -> tuple[float, tuple[float, ...] | None]:
+        """A control period: the hand's place (m) and speed (m/s), and the newest packet that came of the other peer since the period before,
+        or None. Gives the force on the device (N), and the packet to send to the other peer, or None between two of them.
+        """
+
+    @overload
+    def tick(
+        self, position_m: _Forces, velocity_m_per_s: _Forces, packet: tuple[tuple[float, ...], ...] | None = None
+    ) -> tuple[tuple[float, ...], tuple[tuple[float, ...], ...] | None]:
+        """A control period: the hand's place (m) and speed (m/s), and the newest packet that came of the other peer since the period before,
+        or None. Gives the force on the device (N), and the packet to send to the other peer, or None between two of them.
+        """
+
+    def reset(self) -> None:
+        """Goes back to where it was when it was made: armed, at rest, before its first tick."""
+
+    def state_hash(self, before: int = ...) -> int:
+        """Hash of the state, continued from the one before."""
+
+    def __copy__(self) -> Peer: ...
+    def __deepcopy__(self, _memo: object) -> Peer: ...
+    @property
+    def start_m(self) -> float | tuple[float, ...]:
+        """Where the hand has to be at first, m: just clear of the object."""
+
+    @property
+    def object_m(self) -> float | tuple[float, ...]:
+        """Where this peer's copy of the object is, m."""
+
+    @property
+    def ticks(self) -> int:
+        """Control periods done so far."""
+
+    @property
+    def engaged(self) -> bool:
+        """Whether its copy is coupled to the other one: not once it has stopped, nor while it hears nothing of the other peer."""
+
+    @property
+    def fault(self) -> str | None:
+        """Why it stopped; its forces are 0 from then on."""
 
 @final
 class Sweep:

@@ -7,6 +7,7 @@
 mod columns;
 mod law;
 mod pair;
+mod peer;
 mod push;
 mod raised;
 mod run;
@@ -26,6 +27,8 @@ mod _native {
     use super::law::add_law;
     #[pymodule_export]
     use super::pair::Pair;
+    #[pymodule_export]
+    use super::peer::Peer;
     #[pymodule_export]
     use super::run::{Run, run};
     #[pymodule_export]

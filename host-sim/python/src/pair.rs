@@ -15,7 +15,7 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
-use crate::push::{MOST_AXES, Push, of_tick, of_ticks, room, written};
+use crate::push::{Along, MOST_AXES, of_tick, of_ticks, room, written};
 use crate::raised::Raised;
 use crate::run::unknown_scalar;
 use crate::scene::Scene;
@@ -103,7 +103,7 @@ fn own(pair: &Mutex<dyn Steps>) -> PyResult<MutexGuard<'_, dyn Steps + 'static>>
 
 impl Pair {
     /// One tick with what these users push with into a row of [`WIDTH`] numbers for each axis.
-    fn tick(&mut self, pushes: [Push; 2], row: &mut [f64]) -> PyResult<()> {
+    fn tick(&mut self, pushes: [Along; 2], row: &mut [f64]) -> PyResult<()> {
         let forces = &of_tick(pushes, self.axes())?[..2 * self.axes()];
         let raised = Raised::default();
         let mut pair = own(&self.pair)?;
@@ -154,7 +154,7 @@ impl Pair {
     }
 
     /// One tick: 12 numbers as a tuple; along several axes a tuple of one for each.
-    fn step<'py>(&mut self, py: Python<'py>, force_1_n: Push, force_2_n: Push) -> PyResult<Bound<'py, PyTuple>> {
+    fn step<'py>(&mut self, py: Python<'py>, force_1_n: Along, force_2_n: Along) -> PyResult<Bound<'py, PyTuple>> {
         let mut row = [0.0; MOST_AXES * WIDTH];
         let row = &mut row[..self.axes() * WIDTH];
         self.tick([force_1_n, force_2_n], row)?;
@@ -166,7 +166,7 @@ impl Pair {
     }
 
     /// One tick into an array of 12 float64 that the caller keeps, or of 12 for each of several axes: nothing is allocated.
-    fn step_into(&mut self, force_1_n: Push, force_2_n: Push, out: &Bound<'_, PyArrayDyn<f64>>) -> PyResult<()> {
+    fn step_into(&mut self, force_1_n: Along, force_2_n: Along, out: &Bound<'_, PyArrayDyn<f64>>) -> PyResult<()> {
         if out.shape() != self.seen() {
             let [given, must] = [out.shape(), self.seen()].map(written);
             return Err(refused(format!("out of shape {given} is not allowed: it must have shape {must}")));

@@ -26,13 +26,13 @@ fn check(forces: &[f64]) -> PyResult<()> {
     })
 }
 
-/// What a user pushes with in a tick as Python gives it, N: a number, or so many.
-pub(crate) enum Push {
+/// A quantity along the shared axes in a tick as Python gives it: a number, or so many.
+pub(crate) enum Along {
     One(f64),
     Several([f64; MOST_AXES], usize),
 }
 
-impl<'py> FromPyObject<'_, 'py> for Push {
+impl<'py> FromPyObject<'_, 'py> for Along {
     type Error = PyErr;
 
     fn extract(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
@@ -49,9 +49,9 @@ impl<'py> FromPyObject<'_, 'py> for Push {
     }
 }
 
-impl Push {
-    /// The force along each of these shared axes.
-    fn along(self, name: &str, axes: &mut [f64]) -> PyResult<()> {
+impl Along {
+    /// What it is along each of these shared axes.
+    pub(crate) fn along(self, name: &str, axes: &mut [f64]) -> PyResult<()> {
         let given = match self {
             Self::One(force) if axes.len() == 1 => {
                 axes[0] = force;
@@ -86,7 +86,7 @@ pub(crate) fn room<T>(count: Option<usize>) -> PyResult<Vec<T>> {
 }
 
 /// Forces of a tick along so many axes, user 1's first; the rest of the array is nothing.
-pub(crate) fn of_tick(pushes: [Push; 2], axes: usize) -> PyResult<[f64; 2 * MOST_AXES]> {
+pub(crate) fn of_tick(pushes: [Along; 2], axes: usize) -> PyResult<[f64; 2 * MOST_AXES]> {
     let mut forces = [0.0; 2 * MOST_AXES];
     let named = pushes.into_iter().zip(["force_1_n", "force_2_n"]);
     for ((push, name), along) in named.zip(forces.chunks_exact_mut(axes)) {

@@ -30,3 +30,14 @@ def test_bursts(tmp_path):
 def test_own_user(tmp_path):
     places = [float(place) for place in re.findall(r"is at (\S+) mm", said("own_user", tmp_path))]
     assert len(places) == 2 and all(abs(place - 30.0) < 3.0 for place in places)
+
+
+def test_mujoco_device(tmp_path):
+    """Where statics say: 1 N from each side, a contact of 1000 N/m, copies less than a millimetre apart."""
+    told = said("mujoco_device", tmp_path)
+    objects, handles = ([float(x) for x in re.findall(rf"{what} at (\S+) mm", told)] for what in ("object", "handle"))
+    contact_mm = 1e3 / 1000.0
+    for sign, held, hand in zip((1.0, -1.0), objects, handles):
+        assert abs(sign * (hand - held) - contact_mm) < 0.01
+    (apart,) = re.findall(r"apart: (\S+) mm", told)
+    assert float(apart) < 1.0

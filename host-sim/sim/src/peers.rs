@@ -38,6 +38,19 @@ macro_rules! dyn_peer {
         /// mechanism: the methods of `haptic_core::peer`.
         pub trait DynPeer<S: Scalar, const SHARED: usize = 1, const N: usize = AXES>: Configured + Debug + Send + Sync {
             $( $(#[$doc])* fn $name($self: $receiver $(, $argument: $type)?) $(-> $out)?; )+
+            /// A control period whole, for who brings devices and network himself: takes in what has come of the other peer since the
+            /// period before; gives what the actuators do, and what to send, if anything. A clone is a saved state.
+            fn step(
+                &mut self,
+                heard: Option<&[Packet<S>; SHARED]>,
+                sensors: &Sensors<S, N>,
+            ) -> (Actuators<S, N>, Option<[Packet<S>; SHARED]>) {
+                if let Some(packets) = heard {
+                    self.hear(packets);
+                }
+                let sent = if self.packet_due() { self.exchange() } else { None };
+                (self.tick(sensors), sent)
+            }
             /// Calls `each` for every number of the dynamic state, always in the same order.
             fn visit_state(&mut self, each: &mut dyn FnMut(&mut S));
             /// A hash (FNV-1a over 64-bit words) of the bits of the dynamic state, continued from `seed`.

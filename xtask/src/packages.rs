@@ -1,0 +1,75 @@
+//! `cargo xtask packages`: what others install, as they would get it, and nothing uploaded.
+//!
+//! Seven crates as `cargo publish` packs them, each with what it includes inside, and the Python module's sources, unpacked in a folder of
+//! their own and compiled there: a file that lies outside of its package is found by that. `--verify` compiles each crate from what is
+//! packed as well, which takes minutes; the tests leave it out.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::board::target;
+use crate::options::Options;
+use crate::run::{Failure, cargo, command, run, step};
+use crate::{python, run};
+
+/// What the simulator and the analyser need of this repository, and they.
+pub(crate) const CRATES: [&str; 7] =
+    ["haptic-core", "haptic-protocol", "haptic-io", "haptic-plot", "haptic-report", "haptic-sim", "haptic-analysis"];
+
+/// Packs and checks everything; compiles the crates where this is asked for.
+pub(crate) fn packages(given: &Options<'_>) -> Result<(), Failure> {
+    step("crates", || crates(given.flag("--verify")))?;
+    step("Python's sources", sources)
+}
+
+/// What `cargo xtask test` does of it.
+pub(crate) fn check() -> Result<(), Failure> {
+    crates(false)?;
+    sources()
+}
+
+fn crates(verify: bool) -> Result<(), Failure> {
+    // What is not committed is packed too: it is what the tests look at.
+    let mut publish = cargo(&["publish", "--dry-run", "--locked", "--allow-dirty"]);
+    if !verify {
+        publish.arg("--no-verify");
+    }
+    run(publish.args(named()))
+}
+
+/// The crates as cargo is told of them.
+pub(crate) fn named() -> impl Iterator<Item = &'static str> {
+    CRATES.into_iter().flat_map(|name| ["--package", name])
+}
+
+/// Compiles the Python module from its own source distribution, in a folder where nothing else is.
+fn sources() -> Result<(), Failure> {
+    let place = target().join("sdist");
+    let packed = sdist(run::root(), &place)?;
+    let folder = unpacked(&packed, &place)?;
+    // Beside what the lints have checked of libraries, which is the same.
+    let mut check = cargo(&["check", "--manifest-path"]);
+    check.arg(folder.join("host-sim/python/Cargo.toml")).env("CARGO_TARGET_DIR", target());
+    run(&mut check)
+}
+
+/// Packs the Python module of this checkout into this folder, emptied first.
+pub(crate) fn sdist(source: &Path, place: &Path) -> Result<PathBuf, Failure> {
+    let failed = |cause| Failure::new(format!("cannot make {}: {cause}", place.display()));
+    if place.exists() {
+        fs::remove_dir_all(place).map_err(failed)?;
+    }
+    let python = python::own_environment()?;
+    let mut maturin = command(&python.to_string_lossy(), &["-m", "maturin", "sdist", "--out"]);
+    run(maturin.arg(place).current_dir(source))?;
+    let mut files = fs::read_dir(place).map_err(failed)?.flatten();
+    Ok(files.next().ok_or_else(|| Failure::new("maturin packed no sources"))?.path())
+}
+
+/// Unpacks them beside, and says where.
+fn unpacked(packed: &Path, place: &Path) -> Result<PathBuf, Failure> {
+    run(command("tar", &["--extract", "--gzip", "--file"]).arg(packed).arg("--directory").arg(place))?;
+    let name = packed.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let folder = place.join(name.trim_end_matches(".tar.gz"));
+    run::read(&folder.join("PKG-INFO")).map(|_| folder)
+}
