@@ -1,4 +1,4 @@
-//! The architectures paper's claims: §2.3 with Figure 4, §3.2, §3.3 with equation 7.
+//! The architectures paper's claims: §2.3 with Figure 4, §3.2, §3.3 with equation 7; those on systems are in `environments.rs`.
 
 use haptic_analysis::rendering::closed::largest_stiffness;
 use haptic_analysis::rendering::identify::{DELAY_S, PERIOD_S, STIFFNESS_N_PER_M, identify, wall};
@@ -9,6 +9,7 @@ use haptic_environments::cooperative::limits;
 use haptic_report::significant;
 
 use super::claim::{Claim, of};
+use super::environments;
 use crate::Error;
 use crate::architectures::{Architecture, Row};
 
@@ -20,7 +21,7 @@ const RUNS: u64 = 200;
 
 /// All of them; `rows` are of every architecture at every delay.
 pub fn claims(rows: &[Row]) -> Result<Vec<Claim>, Error> {
-    let all = [stability_maps()?, collaborative(), cooperative(rows)?];
+    let all = [stability_maps()?, collaborative(), cooperative(rows)?, environments::claims(rows)?];
     Ok(of("architectures", all.concat()))
 }
 

@@ -1,11 +1,13 @@
-//! The cooperation paper's claims: §4.3 with Figure 4, §5.1 with Figures 6 and 7, §5.2 with Figures 8 and 9.
+//! The cooperation paper's claims: §4.3 with Figure 4, what §1 to §3 say of filters, §5.1 with Figures 6 and 7, §5.2 with Figures 8 and 9.
 
 use haptic_analysis::{Map, figure4};
+use haptic_core::law::decimate::{Newest, OnePole};
 use haptic_core::names::Decode;
 use haptic_report::significant;
 use haptic_sim::run::{Options, run};
 use haptic_sim::{Laws, scenes};
 
+use super::channel;
 use super::claim::{Claim, of};
 use super::paper::Experiment;
 use super::readings::{DAMPINGS_N_S_PER_M, MASSES_KG, boundary, crossings, nearest, over_devices, stable_up_to};
@@ -28,6 +30,9 @@ const WITHIN: f64 = 0.1;
 
 /// And a largest gain: a twentieth.
 const NUMBER_WITHIN: f64 = 0.05;
+
+/// Tones that are sent over the wave line, Hz: below and above what packets can carry, multiples of their rate among them.
+const TONES_HZ: [f64; 9] = [1.0, 10.0, 31.0, 60.0, 62.0, 125.0, 200.0, 250.0, 499.0];
 
 /// When the paper's Figure 8 shows forces, s: of a run that lasts as long.
 const FIGURE_8_S: [f64; 2] = [50.0, 58.0];
@@ -62,7 +67,7 @@ fn list(values: &[f64]) -> String {
 
 /// All claims of the cooperation paper.
 pub fn claims(computed: &Computed<'_>) -> Result<Vec<Claim>, Error> {
-    let all = [figure_4(computed)?, gains(computed)?, coherency(computed)?];
+    let all = [figure_4(computed)?, filters(computed)?, gains(computed)?, coherency(computed)?];
     Ok(of("cooperation", all.concat()))
 }
 
@@ -97,6 +102,12 @@ fn figure_4(computed: &Computed<'_>) -> Result<Vec<Claim>, Error> {
             &wave,
             &power,
             "the longer the delay, the more: without one they gain little",
+        )?,
+        an_order(
+            "Passive waves allow gains an order of magnitude larger than power-domain communications (abstract)",
+            &passive,
+            &power,
+            "the longer the delay, the more: without one they gain less",
         )?,
         an_order(
             "Passive waves raise it by another order of magnitude",
@@ -140,6 +151,92 @@ fn figure_4(computed: &Computed<'_>) -> Result<Vec<Claim>, Error> {
             Ok(format!("{worst}; decoded in one step with x_d, and the copy's forces in their own tick, {free} of {of} delays have no limit up to 200000 N/m at K_LC {CONTACT_N_PER_M} N/m"))
         })?);
     }
+    Ok(claims)
+}
+
+/// What the anti-aliasing filters are for (§1, §2), what delay does without waves (§3), and where Figure 4 ends at its right.
+fn filters(computed: &Computed<'_>) -> Result<Vec<Claim>, Error> {
+    let settings = scenes::load(Laws::built_in(), "paper-5.1-passive-wave-16ms")?.peer;
+    let worst = channel::worst::<OnePole<f64>>(&settings, channel::pole(&settings));
+    let tones: Vec<f64> = TONES_HZ.iter().map(|hz| channel::tone::<OnePole<f64>>(&settings, *hz)).collect();
+    let [loudest, bare] = [tones.iter().copied().fold(0.0, f64::max), channel::worst::<Newest>(&settings, 0.0)];
+    let passive = tones.iter().chain([&worst]).filter(|ratio| **ratio <= 1.0).count();
+    let mut claims = vec![
+        Claim::in_places(
+            "§1, §2",
+            "The anti-aliasing filters guarantee that the multirate wave line is passive",
+            passive,
+            tones.len() + 1,
+            format!(
+                "of each of {} tones up to 500 Hz at most {loudest:.3} of its energy comes out, of the worst wave {worst:.2} times as much as went in; {bare:.0} without a filter",
+                tones.len()
+            ),
+        )
+        .unless(|| Ok("a filter of one pole lets some of what is above its cutoff through, where it adds up with what is below; the mean of a packet period, passive-mean, gives back no more than went in whatever the wave".to_owned()))?,
+    ];
+    let [power, wave, filtered] = ["power", "wave", "passive-wave"].map(|law| computed.limits(law));
+    // At every K_LC and delay at which both end.
+    let pairs = wave.iter().zip(&filtered).flat_map(|(wave, filtered)| wave.1.iter().zip(&filtered.1));
+    let ratios: Vec<f64> = pairs.map(|(wave, filtered)| filtered / wave).filter(|ratio| ratio.is_finite()).collect();
+    let farther = ratios.iter().filter(|ratio| **ratio > 1.0).count();
+    let least = ratios.iter().copied().fold(f64::INFINITY, f64::min);
+    claims.push(
+        Claim::in_places(
+            "§1, Fig. 4",
+            "The anti-aliasing filters extend the stable region",
+            farther,
+            ratios.len(),
+            format!("the first boundary is farther in {farther} of {} places of Figure 4 at which both end, {} times at least", ratios.len(), significant(least, 3)),
+        )
+        .unless(|| Ok("where the contact is about to be unstable by itself, both end early".to_owned()))?,
+    );
+    let ends: Vec<_> = power.iter().filter(|(_, limits)| limits.iter().all(|limit| limit.is_finite())).collect();
+    let falling = ends.iter().filter(|(_, limits)| limits.windows(2).all(|pair| pair[1] < pair[0])).count();
+    claims.push(
+        Claim::in_places(
+            "§3, Fig. 4",
+            "Delay lowers the largest gain of power-domain communications",
+            falling,
+            ends.len(),
+            format!("{} N/m at K_LC {CONTACT_N_PER_M} N/m, n_t 0, 1, 2, 3; each lower than the one before at {falling} of {} K_LC", list(at_usual(&power)), ends.len()),
+        )
+        .unless(|| Ok("not where the contact, and no coordination, is what is unstable".to_owned()))?,
+    );
+    let right: Vec<String> = ["power", "wave", "passive-wave"]
+        .iter()
+        .map(|law| {
+            let most = computed
+                .limits(law)
+                .iter()
+                .filter(|(_, limits)| limits.iter().any(|limit| limit.is_finite() && *limit > 0.0))
+                .map(|(x, _)| *x)
+                .fold(0.0, f64::max);
+            format!("{law} {most:.0}")
+        })
+        .collect();
+    claims.push(Claim::not_testable(
+        "Fig. 4",
+        "The largest stiffness of the contact, where the regions end at the right",
+        format!("some gain is stable up to K_LC of {} N/m", right.join(", ")),
+        "the figure is a picture, of which the text gives the ends of the axes only",
+    ));
+    // §3: a lower gain lessens the coherency.
+    let mut discrepancies = Vec::new();
+    for share in [1.0, 0.5, 0.25] {
+        let mut scene = scenes::load(Laws::built_in(), "paper-5.2-power-16ms")?;
+        scene.peer.coordination.stiffness_n_per_m *= share;
+        let outcome = run::<f64>(&scene, Options { duration_s: 20.0, record_every: 0 }, &|_| {})?;
+        discrepancies.push(outcome.metric(|o| o.whole.true_discrepancy_mm).unwrap_or(f64::NAN));
+    }
+    claims.push(Claim::holds(
+        "§3",
+        "A lower coordination gain lessens the coherency of the copies",
+        discrepancies.windows(2).all(|pair| pair[1] > pair[0]),
+        format!(
+            "true discrepancy of power in §5.2 with its gain, half and a quarter of it: {} mm",
+            list(&discrepancies)
+        ),
+    ));
     Ok(claims)
 }
 

@@ -20,8 +20,10 @@
 //! the cooperation paper leaves open: how the copy of the object is integrated, how late its forces are, how late the device's (`readings.rs`).
 
 mod architectures;
+mod channel;
 mod claim;
 mod cooperation;
+mod environments;
 pub mod paper;
 pub mod published;
 mod readings;

@@ -1,0 +1,241 @@
+//! The architectures paper's claims on systems: impulsive rendering (§2.1), what is static (§3.1), one at a time (§3.2), squash (§3.2.1),
+//! and delays that are bought with stiffness or damping (§3.3).
+
+use haptic_analysis::rendering::identify::{identify, wall};
+use haptic_analysis::rendering::maps::{first, stiffness_limit};
+use haptic_analysis::rendering::{Place, Rendering};
+use haptic_core::contact::impact::{Body, advance};
+use haptic_core::num::Motion;
+use haptic_environments::roles::squash::{Court, RALLIES};
+use haptic_environments::squash::{self, Cell, Options};
+use haptic_report::significant;
+use haptic_sim::rng::Rng;
+use haptic_sim::scene::Network;
+
+use super::claim::Claim;
+use crate::Error;
+use crate::architectures::{Architecture, Row};
+
+/// Random collisions.
+const COLLISIONS: usize = 10_000;
+/// Sampling periods of one stroke, s.
+const PERIODS_S: [f64; 5] = [0.001, 0.005, 0.01, 0.02, 0.05];
+/// What sums may be off by, relative.
+const ROUNDING: f64 = 1e-12;
+/// A game's length, s.
+const GAME_S: f64 = 60.0;
+/// Device of the last claim, kg.
+const DEVICE_KG: f64 = 0.1;
+
+/// All of them; `rows` are of every architecture at every delay.
+pub(super) fn claims(rows: &[Row]) -> Result<Vec<Claim>, Error> {
+    Ok([impulsive(), turns(rows), game(), slow()?].concat())
+}
+
+/// A body on a line.
+fn body(position: f64, velocity: f64, mass_kg: f64) -> Body<f64, 1> {
+    Body { axes: [Motion { position, velocity }], radius: 0.05, inverse_mass: 1.0 / mass_kg }
+}
+
+fn momentum(bodies: &[Body<f64, 1>; 2]) -> f64 {
+    bodies.iter().map(|body| body.axes[0].velocity / body.inverse_mass).sum()
+}
+
+fn impulsive() -> Vec<Claim> {
+    let mut rng = Rng::new(1);
+    let (mut hits, mut worst) = (0, 0.0_f64);
+    for _ in 0..COLLISIONS {
+        let [heavy, light] = [(); 2].map(|()| 0.05 * 100.0_f64.powf(rng.unit()));
+        let mut bodies = [body(-0.2, 0.5 + 3.0 * rng.unit(), heavy), body(0.0, 2.0 * (rng.unit() - 0.8), light)];
+        let before = (momentum(&bodies), bodies[0].energy_j() + bodies[1].energy_j());
+        let account = advance(&mut bodies, &[], 1.0, 1.0);
+        hits += account.impacts;
+        let after = (momentum(&bodies), bodies[0].energy_j() + bodies[1].energy_j());
+        let size = (2.0 * before.1 * heavy.max(light)).sqrt();
+        worst = worst.max((after.0 - before.0).abs() / size).max((after.1 / before.1 - 1.0).abs());
+    }
+    // One stroke, sampled more and more slowly, from the same start to the same end.
+    let ends = PERIODS_S.map(|period_s| {
+        let mut bodies = [body(-0.2, 3.0, 0.3), body(0.0, -0.5, 0.06)];
+        let steps = (0.2 / period_s).round() as usize;
+        for _ in 0..steps {
+            advance(&mut bodies, &[], 1.0, period_s);
+        }
+        bodies.map(|body| body.axes[0].position)
+    });
+    let apart = ends.iter().flat_map(|end| [end[0] - ends[0][0], end[1] - ends[0][1]]);
+    let apart = apart.map(f64::abs).fold(0.0, f64::max);
+    // A body that is pushed against another one, 5 N for 2 s, without loss at impacts and with: how many there are, and whether it rests.
+    let pushed = [1.0, 0.5].map(|restitution| {
+        let mut bodies = [body(-0.2, 0.0, 0.3), Body { inverse_mass: 0.0, ..body(0.0, 0.0, 1.0) }];
+        let (mut impacts, mut stood_s) = (0, 0.0);
+        for _ in 0..2000 {
+            bodies[0].axes[0].velocity += 0.001 * 5.0 / 0.3;
+            let account = advance(&mut bodies, &[], restitution, 0.001);
+            impacts += account.impacts;
+            stood_s += account.stood_s;
+        }
+        (impacts, stood_s)
+    });
+    let [(elastic, _), (lossy, stood_s)] = pushed;
+    vec![
+        Claim::holds(
+            "§2.1, eq. 3",
+            "In an elastic collision energy and momentum are the same before and after",
+            hits as usize == COLLISIONS && worst < ROUNDING,
+            format!("{hits} of {COLLISIONS} random collisions found; off by {worst:.1e} at most"),
+        ),
+        Claim::holds(
+            "§2.1",
+            "Impulsive rendering need not run at a high sampling rate",
+            apart < ROUNDING,
+            format!(
+                "a stroke at {} Hz and at {} Hz ends {apart:.1e} m apart at most",
+                1.0 / PERIODS_S[0],
+                1.0 / PERIODS_S[4]
+            ),
+        )
+        .but("of what the bodies do; the pulse that the hand feels is as long as a period".to_owned()),
+        Claim::holds(
+            "§2.1",
+            "Impulsive rendering does not work for extended contact",
+            elastic > 1 && lossy > 1000,
+            format!(
+                "a body pushed against a wall with 5 N for 2 s hits it {elastic} times and never rests; with half of the speed given back {lossy} times, and is held still by force for {stood_s:.2} s"
+            ),
+        ),
+    ]
+}
+
+fn of(rows: &[Row], architecture: Architecture) -> impl Iterator<Item = &Row> + Clone {
+    rows.iter().filter(move |row| row.architecture == architecture)
+}
+
+/// Claims of §3.1 and §3.2 on delay and load.
+fn turns(rows: &[Row]) -> Vec<Claim> {
+    let local = of(rows, Architecture::Static);
+    let [least, most] =
+        [f64::min, f64::max].map(|pick| local.clone().map(|row| row.peak_n).reduce(pick).unwrap_or(f64::NAN));
+    let stable = local.clone().filter(|row| row.stable).count();
+    let longest = rows.iter().map(|row| row.delay_ms).fold(0.0, f64::max);
+    let mut claims = vec![Claim::holds(
+        "§3.1",
+        "A static environment works well for any delay",
+        stable == local.clone().count() && most - least <= ROUNDING * most,
+        format!(
+            "{stable} of {} delays up to {longest} ms stable, what a hand feels at most {least:.4} to {most:.4} N",
+            local.count()
+        ),
+    )];
+    for (name, architecture) in
+        [("a central server", Architecture::CollaborativeLock), ("a token ring", Architecture::CollaborativeRing)]
+    {
+        let stable = of(rows, architecture).filter(|row| row.stable).count();
+        let here = of(rows, architecture).count();
+        claims.push(
+            Claim::in_places(
+                "§3.2",
+                &format!("One at a time, by {name}, copes with large delay: the haptic loop is local"),
+                stable,
+                here,
+                format!("{stable} of {here} delays up to {longest} ms stable"),
+            )
+            .but("a turn waits for the network: how long is in the table of architectures".to_owned()),
+        );
+    }
+    // Each of n says where it is, and everybody hears it: counted, as the paper does.
+    let users = [2, 4, 8, 16, 32];
+    let (served, between): (Vec<usize>, Vec<usize>) = users.iter().map(|n| (n + n * (n - 1), 2 * (n - 1))).unzip();
+    let ratio = |at: usize| served[at] as f64 / between[at] as f64;
+    claims.push(Claim::holds(
+        "§3.2",
+        "A server is loaded by all that is said as users become more; from peer to peer the load is spread",
+        (1..users.len()).all(|at| ratio(at) > ratio(at - 1)),
+        format!("messages that the busiest handles while each of {users:?} users speaks once: {served:?} at a server, {between:?} from peer to peer"),
+    ).but("counted, not measured: both send every user the same".to_owned()));
+    claims
+}
+
+/// Claims of §3.2.1, by games between bots.
+fn game() -> Vec<Claim> {
+    let options = Options {
+        players: 4,
+        round_trip_s: 0.0,
+        network: Network::default(),
+        bounder: true,
+        motion_bounder: true,
+        seconds: GAME_S,
+        rallies: RALLIES,
+        seed: 1,
+        changes: Vec::new(),
+        record_every: 0,
+    };
+    let cells = squash::sweep(&options);
+    let with = |bounder: &'static str| cells.iter().filter(move |cell: &&Cell| cell.bounder == bounder);
+    let court_m = f64::from(Court::SINGLES.length_m);
+    let farthest = |bounder| with(bounder).map(|cell| cell.report.farthest_before_news_m).collect::<Vec<_>>();
+    let list = |values: &[f64]| values.iter().map(|value| significant(*value, 3)).collect::<Vec<_>>().join(", ");
+    let [free, bounded] = [farthest("none"), farthest("ball")];
+    let kept = bounded.iter().filter(|m| **m <= court_m).count();
+    let left: Vec<u32> = with("none").map(|cell| cell.report.left_the_court).collect();
+    let travel = |bounder| with(bounder).map(|cell| cell.report.hand_travel_m).collect::<Vec<_>>();
+    let [quick, damped] = [travel("ball"), travel("ball+motion")];
+    let slower = quick.iter().zip(&damped).filter(|(quick, damped)| damped <= quick).count();
+    let trips = squash::ROUND_TRIPS_MS;
+    vec![
+        Claim::in_places(
+            "§3.2.1",
+            "The adaptive dynamic bounder keeps the ball from flying further than the court within the delay",
+            kept,
+            bounded.len(),
+            format!(
+                "{} m at most before the news came, at {trips:?} ms round trip; {} m without; the court has {court_m} m",
+                list(&bounded),
+                list(&free)
+            ),
+        ),
+        Claim::holds(
+            "§3.2.1",
+            "The longer the delay, the more often the ball has left the court before the next player knows",
+            left.windows(2).all(|pair| pair[1] >= pair[0]) && left.last() > left.first(),
+            format!("{left:?} times without the bounder, at {trips:?} ms"),
+        ),
+        Claim::in_places(
+            "§3.2.1",
+            "Damping in proportion to the delay limits how fast a user moves (proposed there, not built)",
+            slower,
+            quick.len(),
+            format!("a hand's way in a round trip {} m at most, {} m without", list(&damped), list(&quick)),
+        ),
+    ]
+}
+
+/// §3.3: 50 to 100 ms.
+fn slow() -> Result<Vec<Claim>, Error> {
+    let device = identify(DEVICE_KG)?;
+    let limits = |damping: f64| -> Result<Vec<f64>, Error> {
+        [0.05, 0.1]
+            .map(|delay_s| {
+                let rendering = wall(device.mass_kg, damping, device.computing_ticks);
+                let fast = Rendering { period_s: delay_s / 40.0, ..rendering };
+                Ok(first(&stiffness_limit(&fast.delayed(Place::CollisionToDevice, delay_s))?).unwrap_or(f64::INFINITY))
+            })
+            .into_iter()
+            .collect()
+    };
+    let (own, more) = (limits(device.damping_n_s_per_m)?, limits(4.0 * device.damping_n_s_per_m)?);
+    let list = |values: &[f64]| values.iter().map(|value| significant(*value, 3)).collect::<Vec<_>>().join(" and ");
+    Ok(vec![
+        Claim::holds(
+            "§3.3",
+            "50 to 100 ms are manageable with a softer object, or with artificial damping",
+            own.iter().all(|limit| *limit > 0.0) && own.iter().zip(&more).all(|(own, more)| more > own),
+            format!(
+                "the largest stiffness at 50 and 100 ms is {} N/m; {} N/m with four times the damping",
+                list(&own),
+                list(&more)
+            ),
+        )
+        .but(format!("of the device of {DEVICE_KG} kg that the paper's 200 Hz and 5 ms imply: what is left is soft")),
+    ])
+}
