@@ -203,13 +203,15 @@ impl<S: Scalar> Guard<S> {
         if (target - last).abs() <= self.max_step { target } else { self.far(last, target) }
     }
 
-    /// [`Guard::limit`] of a target within ±max_force that is more than a step away.
+    /// [`Guard::limit`] of a target within ±max_force.
     #[cold]
     fn far(&self, last: S, target: S) -> S {
         if target > S::ZERO {
-            target.min(last.max(S::ZERO) + self.max_step)
+            let from = last.max(S::ZERO);
+            if target - from > self.max_step { from + self.max_step } else { target }
         } else {
-            target.max(last.min(S::ZERO) - self.max_step)
+            let from = last.min(S::ZERO);
+            if target - from < -self.max_step { from - self.max_step } else { target }
         }
     }
 
@@ -217,7 +219,9 @@ impl<S: Scalar> Guard<S> {
     /// for. What is no number goes to the object as it is: the peer stops.
     #[inline]
     pub fn reaction(&self, commanded: S, asked: S) -> S {
-        if asked.is_finite() { -self.limit(commanded, -asked) } else { asked }
+        // What is usual first: nothing to limit.
+        let near = (asked + commanded).abs() <= self.max_step && asked.abs() <= self.max_force;
+        if near || !asked.is_finite() { asked } else { -self.far(commanded, (-asked).limit(self.max_force)) }
     }
 
     /// Whether a force (N) stands at the limit or was to pass it.
