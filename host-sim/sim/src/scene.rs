@@ -548,7 +548,8 @@ impl Scene {
             let toward = if end == 0 { 1.0_f64 } else { -1.0 } * profile.reach_m.signum();
             let direction = user.direction();
             let way_m = direction.map(|part| toward * length_m * part);
-            let most_m = |share: f64| share * length_m - profile.tremor_m;
+            // Down to what is said, so that it is allowed.
+            let most_m = |share: f64| (1e4 * (share * length_m - profile.tremor_m)).floor() / 1e4;
             let farthest = direction.map(f64::abs).into_iter().fold(0.0, f64::max);
             if farthest * length_m > peer.safety.workspace_m {
                 return Err(format!(
