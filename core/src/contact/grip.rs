@@ -1,0 +1,83 @@
+//! What a spring does whose force is limited: its far end slips, so that it never holds more than it pushes with.
+//!
+//! A device pushes the object by a spring and a damper, F = K·y + B·ẏ with y = δ − e, where δ is how far the device is past the surface and e
+//! the **slip**, 0 until a limit acts. The limits ([`crate::safety`]) allow an interval of forces around zero. Where the F that comes of the
+//! tick's one solve lies outside, the force is the nearer end F̂ of that interval, for the object as for the device, the tick is solved again
+//! with that constant, and the slip takes what is missing, in a row with spring and damper:
+//!
+//! > Δe = T_c·(F − F̂)/z,   z = K·T_c/2 + B   (THEORY §7)
+//!
+//! **Passive**: ½K·y² + the work on the object changes by T_c·B·ẏ·(ẋ_h − ẏ) − F̂·Δe, which is what it does without limits, less F̂·Δe. And
+//! F̂·Δe ≥ 0, since the interval has zero in it: F̂ has the sign of F − F̂. A force that had to fall slowly would need the other sign.
+//!
+//! **Going back.** A slip would stay for good. What it took, Σ F̂·Δe, is saved, and pays for its way back to 0, at [`BACK_M_PER_S`] and never
+//! beyond a spring energy of ½K·y² + what is saved. So a spring that was cut by the largest force gives back what it took, like one that
+//! is soft from there on, and one that was cut by the slew limit a part of it. Out of contact it goes back at once and for nothing: the
+//! surface that was pressed in follows the device out.
+//!
+//! Units: m, N, J. State: 0 and 0 while no limit acts, and nothing else is computed then.
+
+use super::continuous::Contact;
+use crate::num::Scalar;
+
+/// How fast a slip goes back while it presses, m/s.
+pub const BACK_M_PER_S: f64 = 0.05;
+
+/// The slip of one spring.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Grip<S> {
+    /// e, m.
+    slip: S,
+    /// What it may still give back, J.
+    saved_j: S,
+}
+
+impl<S: Scalar> Grip<S> {
+    /// Whether nothing has slipped.
+    #[inline]
+    pub fn is_firm(&self) -> bool {
+        self.slip == S::ZERO
+    }
+
+    /// The slip e, m.
+    pub fn slip_m(&self) -> S {
+        self.slip
+    }
+
+    /// Gives way to a force F of which the limits let `given` (N) through, by a spring and damper of this z, N·s/m; `missing` is F less `given`, N.
+    #[cold]
+    pub fn slide(&mut self, missing: S, given: S, impedance: S, period_s: S) {
+        let slid = (period_s * missing).ratio(impedance);
+        self.slip = self.slip + slid;
+        self.saved_j = (self.saved_j + given * slid).max(S::ZERO);
+    }
+
+    /// A tick of the way back of a contact whose device is at this distance (m) from the object.
+    pub fn recover(&mut self, contact: &Contact<S>, distance: S, period_s: S) {
+        match contact.depth(distance - self.slip) {
+            Some(depth) => self.press_back(depth, contact.stiffness(), period_s),
+            None => self.slip = contact.healed(distance),
+        }
+        self.forget();
+    }
+
+    /// A tick of the way back of a spring (N/m) that is pressed by this depth, m.
+    pub fn press_back(&mut self, depth: S, stiffness: S, period_s: S) {
+        let back = self.slip.limit(S::from_f64(BACK_M_PER_S) * period_s);
+        let twice = self.saved_j + self.saved_j;
+        // A spring that stores nothing has no most.
+        let most =
+            if stiffness > S::ZERO { (depth * depth + twice.ratio(stiffness)).sqrt() } else { (depth + back).abs() };
+        let pressed = (depth + back).limit(most);
+        self.slip = if pressed == depth + back { self.slip - back } else { self.slip - (pressed - depth) };
+        let paid = S::from_f64(0.5) * stiffness * (pressed - depth) * (pressed + depth);
+        self.saved_j = (self.saved_j - paid).max(S::ZERO);
+        self.forget();
+    }
+
+    fn forget(&mut self) {
+        if self.slip == S::ZERO {
+            self.saved_j = S::ZERO;
+        }
+    }
+}
