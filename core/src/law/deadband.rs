@@ -15,14 +15,14 @@
 //!
 //! **With passivity** (Hirche et al. 2007, the modified hold): of all velocities within the deadband the receiver assumes the one
 //! that gives it the least energy, ẋ_d = ẋ* − Δ·sign(F_T), F_T·ẋ_d ≤ F_T·ẋ for every |ẋ − ẋ*| ≤ Δ. That is enough without delay.
-//! On any network an energy account does the rest: the held motion is what [`super::passivity_control`] moves its end of the
+//! On any network an energy account does the rest: the held motion is what [`super::passive_spring`] moves its end of the
 //! spring toward, which spends no more than the other end is known to have absorbed, W ≥ 0, and pays for its damper as well.
 //! Where nothing empties the account ([`PLENTY_J`]) there is nothing to save: the hold is the plain one, and the law is linear.
 //!
 //! With `event.longest_s = 0` a packet goes each packet period, and either is the law it codes for, its motion carried on between packets.
 
 use super::event::{self, LONGEST};
-use super::passivity_control::PassivityControl;
+use super::passive_spring::PassiveSpring;
 use super::power::Power;
 use super::tank::START;
 use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Sends};
@@ -73,7 +73,7 @@ impl<S: Scalar> Coded<S> for Power<S> {
     }
 }
 
-impl<S: Scalar> Coded<S> for PassivityControl<S> {
+impl<S: Scalar> Coded<S> for PassiveSpring<S> {
     const INFO: LawInfo = LawInfo {
         name: "passive-deadband",
         sends: Sends::Motion,
@@ -98,7 +98,7 @@ impl<S: Scalar> Coded<S> for PassivityControl<S> {
 pub type Deadband<S> = Coding<S, Power<S>>;
 
 /// Deadband coding with the modified hold and an energy account, so that the hold stays passive.
-pub type PassiveDeadband<S> = Coding<S, PassivityControl<S>>;
+pub type PassiveDeadband<S> = Coding<S, PassiveSpring<S>>;
 
 /// A law that sends a packet only when the motion changed by more than a hand would feel.
 #[derive(Clone, Copy, Debug)]

@@ -3,7 +3,7 @@
 //! Beside its motion a peer sends what its own hand pushes on its copy with, F_LC of the newest tick, as the packet's wave field (N).
 //! With C = K_T + B_T·s (the paper's C₁ and −C₄), λ = C₂ = C₃ on the force of the other hand and μ = C₅ = C₆ on the own one,
 //!
-//! > F_T1 = C·(x_2 − x_1) + λ·F_LC2 + μ·F_LC1   and the same with 1 and 2 exchanged, so that for b_O = 0
+//! > F_T1 = C·(x_2 − x_1) + λ·F_LC2 + μ·F_LC1 − d·ẋ_1   and the same with 1 and 2 exchanged, so that for b_O = d = 0
 //! > m_O·s²·x_1 = (1 + μ)·F_LC1 + λ·F_LC2 + C·(x_2 − x_1).
 //!
 //! The difference of both copies is (m_O·s² + 2C)·(x_1 − x_2) = (1 + μ − λ)·(F_LC1 − F_LC2): **with λ = 1 + μ nothing drives it** and x_1 = x_2
@@ -41,6 +41,13 @@ const LOCAL: Key = Key::number(
     "",
     "Four channels: how much more of the own hand's force acts on the copy (local force feedback).",
 );
+const DAMPING: Key = Key::number(
+    "four_channel.local_damping_n_s_per_m",
+    0.0,
+    [0.0, 1e3],
+    "N·s/m",
+    "Four channels: damper d of the copy to the ground (local controller).",
+);
 
 /// A spring to where the other copy is, and the forces of both hands.
 #[derive(Clone, Copy, Debug)]
@@ -54,9 +61,11 @@ pub struct FourChannel<S> {
     inertia: S,
     /// b_O, N·s/m.
     damping: S,
+    /// d, N·s/m.
+    ground: S,
 }
 
-configured!([S: Scalar] FourChannel<S> { spring, remote, local, inertia, damping });
+configured!([S: Scalar] FourChannel<S> { spring, remote, local, inertia, damping, ground });
 
 /// The other peer's motion and hand force as last received, and the own hand's force, which is sent.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -90,9 +99,14 @@ impl<S: Scalar> Law<S> for FourChannel<S> {
     const LAWS: &'static [LawInfo] = &[LawInfo {
         name: "four-channel",
         sends: Sends::Motion,
-        keys: &[REMOTE, LOCAL],
-        // Transparent at 1, without delay; at 8 ms each way stable to some 0.4.
-        gains: &["coordination.stiffness_n_per_m=310", "four_channel.remote_force=0.3"],
+        keys: &[REMOTE, LOCAL, DAMPING],
+        // Transparent at 1, without delay; at 8 ms each way stable to some 0.4. Without local damping it is so on few networks that lose or jitter.
+        gains: &[
+            "coordination.stiffness_n_per_m=310",
+            "coordination.damping_n_s_per_m=6",
+            "four_channel.remote_force=0.3",
+            "four_channel.local_damping_n_s_per_m=8",
+        ],
         source: "Lawrence 1993, transparency-optimised law (C2 = 1 + C6, C3 = 1 + C5, C4 = -C1), without accelerations",
         promises: &[],
     }];
@@ -106,6 +120,7 @@ impl<S: Scalar> Law<S> for FourChannel<S> {
             local: S::from_f64(settings.own(&LOCAL)),
             inertia: S::from_f64(2.0 * object.mass_kg / settings.timing.control_period_s),
             damping: S::from_f64(object.damping_n_s_per_m),
+            ground: S::from_f64(settings.own(&DAMPING)),
         })
     }
 
@@ -124,17 +139,19 @@ impl<S: Scalar> Law<S> for FourChannel<S> {
         if solve.is_staged() {
             state.own_force = observed.contact_force;
             (velocity, hands) = (local.velocity, self.hands(state));
-            spring = self.spring.force(desired, local, solve);
+            spring = self.spring.force(desired, local, solve) - self.ground * velocity;
         } else {
-            let port = self.spring.port(desired, local);
+            let mut port = self.spring.port(desired, local);
+            port.impedance = port.impedance + self.ground;
             hands = self.hands(state);
             velocity = solve.velocity(port + Port::of_force(hands));
             spring = port.at(velocity);
             let inert = self.inertia * (velocity - local.velocity) + self.damping * velocity;
             state.own_force = inert - (spring + hands);
         }
-        // The spring's power comes in where the other copy moves, the other hand's where this one does.
-        let power = spring * desired.velocity + self.remote * state.remote_force * velocity;
+        // The spring's power comes in where the other copy moves, the other hand's where this one does; the damper's nowhere.
+        let between = spring + self.ground * velocity;
+        let power = between * desired.velocity + self.remote * state.remote_force * velocity;
         Coupled::of_power(desired, spring + hands, power)
     }
 

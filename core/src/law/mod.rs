@@ -18,18 +18,20 @@ pub mod decimate;
 pub mod degradation;
 pub mod event;
 pub mod four_channel;
+pub mod fractal_impedance;
 pub mod free;
-pub mod input_gated;
 pub mod ledger;
 pub mod model_mediated;
 pub mod node;
 pub mod p_plus_d;
-pub mod passivity_control;
+pub mod passive_spring;
+pub mod passivity_observer;
 pub mod power;
 pub mod remote_dynamic_proxy;
 pub mod self_timed;
 pub mod set_position;
 pub mod tank;
+pub mod tdpa;
 mod terminal;
 pub mod two_layer;
 pub mod wave;
@@ -308,16 +310,18 @@ laws! {
     PassiveMean(wave::PassiveMean<S>),
     SelfTimed(self_timed::SelfTimed<S>),
     SetPosition(set_position::SetPosition<S>),
-    PassivityControl(passivity_control::PassivityControl<S>),
+    PassiveSpring(passive_spring::PassiveSpring<S>),
+    Tdpa(tdpa::Tdpa<S>),
     TwoLayer(two_layer::TwoLayer<S>),
     WaveIntegral(wave_integral::WaveIntegral<S>),
     WaveCompensator(wave_compensator::WaveCompensator<S>),
     FourChannel(four_channel::FourChannel<S>),
     AveragePosition(average_position::AveragePosition<S>),
     RemoteDynamicProxy(remote_dynamic_proxy::RemoteDynamicProxy<S>),
+    FractalImpedance(fractal_impedance::FractalImpedance<S>),
     Deadband(deadband::Deadband<S>),
     PassiveDeadband(deadband::PassiveDeadband<S>),
-    InputGated(input_gated::InputGated<S>),
+    PassivityObserver(passivity_observer::PassivityObserver<S>),
     ModelMediated(model_mediated::ModelMediated<S>),
     Free(free::Free),
 }

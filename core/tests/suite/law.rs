@@ -120,6 +120,19 @@ fn settings_that_say_the_same_are_the_same() {
     assert_eq!(common, [("predict", "ahead_s", Value::Number(0.1))]);
 }
 
+/// Every peer has room for the largest state: a law that is new must not make it larger.
+#[test]
+fn no_state_of_a_law_is_larger_than_the_self_timed_line_s() {
+    use haptic_core::law::{AnyLawState, fractal_impedance, self_timed, tdpa};
+    let largest = size_of::<<self_timed::SelfTimed<f32> as Law<f32>>::State>();
+    let room = size_of::<AnyLawState<f32>>();
+    assert!(room <= largest + 8, "{room} bytes, {largest} of the line");
+    let fractal = size_of::<<fractal_impedance::FractalImpedance<f32> as Law<f32>>::State>();
+    let tdpa = size_of::<<tdpa::Tdpa<f32> as Law<f32>>::State>();
+    println!("room for {room} bytes; fractal {fractal}, tdpa {tdpa}");
+    assert!(fractal < tdpa && tdpa < largest / 2, "{fractal} and {tdpa} bytes");
+}
+
 #[test]
 fn a_peer_refuses_a_law_that_it_does_not_hold() {
     let here = [Motion::<f32>::REST; AXES];

@@ -2,7 +2,7 @@
 
 use crate::setup::settings;
 use haptic_core::contact::Side;
-use haptic_core::law::passivity_control::PassivityControl;
+use haptic_core::law::passive_spring::PassiveSpring;
 use haptic_core::law::set_position::SetPosition;
 use haptic_core::law::two_layer::TwoLayer;
 use haptic_core::law::wave_compensator::WaveCompensator;
@@ -103,9 +103,9 @@ fn harvest_is_spent_or_sent() {
 /// with W below that the middle goes √(W/K) and the force is 2√(WK).
 #[test]
 fn the_controller_lets_through_what_was_absorbed_and_no_more() {
-    let mut settings = settings("passivity-control", &[("coordination.tank_j", 0.0)]);
+    let mut settings = settings("passive-spring", &[("coordination.tank_j", 0.0)]);
     settings.coordination.damping_n_s_per_m = 0.0;
-    let mut end = End::<PassivityControl<f64>>::new(&settings);
+    let mut end = End::<PassiveSpring<f64>>::new(&settings);
     end.hear(0.01, 0.0, 0.0);
     assert_eq!(end.tick(0.0).force, 0.0);
     for heard in [0.001, 0.004, 0.02] {
@@ -124,9 +124,9 @@ fn the_controller_lets_through_what_was_absorbed_and_no_more() {
 /// of the power-domain spring at every tick, with nothing in the tanks but what a tick's own delay costs.
 #[test]
 fn without_delay_nothing_is_held_back() {
-    let mut settings = settings("passivity-control", &[("coordination.tank_j", 1e-4)]);
+    let mut settings = settings("passive-spring", &[("coordination.tank_j", 1e-4)]);
     settings.coordination.damping_n_s_per_m = 0.0;
-    let mut ends = [(); 2].map(|()| End::<PassivityControl<f64>>::new(&settings));
+    let mut ends = [(); 2].map(|()| End::<PassiveSpring<f64>>::new(&settings));
     for tick in 0..5000 {
         let said = [&ends[0], &ends[1]].map(|end| (end.position, end.sent_j));
         for (at, velocity) in [0.02 * (3e-3 * f64::from(tick)).cos(), 0.0].into_iter().enumerate() {

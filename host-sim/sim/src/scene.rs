@@ -445,11 +445,13 @@ impl Scene {
             // A user's key, or one end's, is declared once for both: name the one that was written.
             SetError::Refused(refused) => {
                 let meant = match (refused.value, refused.allowed) {
-                    (Value::Text(text), Allowed::Laws(kinds)) => nearest(text, kinds.iter().map(|kind| kind.name)),
-                    (Value::Text(text), Allowed::Names(names)) => nearest(text, names.iter().copied()),
+                    (Value::Text(text), Allowed::Laws(laws)) => law_meant(text, laws),
+                    (Value::Text(text), Allowed::Names(names)) => {
+                        nearest(text, names.iter().copied()).map(|name| format!("did you mean {name}?"))
+                    }
                     _ => None,
                 };
-                let hint = meant.map_or_else(String::new, |name| format!("; did you mean {name}?"));
+                let hint = meant.map_or_else(String::new, |meant| format!("; {meant}"));
                 Error::at(place, refused.to_string().replacen(refused.key, key, 1) + &hint)
             }
         })
@@ -816,6 +818,18 @@ const RENAMED: [(&str, &str); 3] = [
     ("safety.disengage_packets", "safety.disengage_s, in s"),
     ("safety.peer_lost_packets", "safety.peer_lost_s, in s"),
 ];
+
+/// Laws that are called otherwise since their names were those of other methods.
+const RENAMED_LAWS: [(&str, &str); 2] =
+    [("input-gated", "passivity-observer"), ("passivity-control", "passive-spring")];
+
+/// Which law is meant by a name that none of these has, in words: the one that had it before, or else one whose name is like it.
+pub fn law_meant(word: &str, laws: &[LawInfo]) -> Option<String> {
+    if let Some((_, now)) = RENAMED_LAWS.iter().find(|(before, _)| *before == word) {
+        return Some(format!("it is {now} now"));
+    }
+    nearest(word, laws.iter().map(|law| law.name)).map(|name| format!("did you mean {name}?"))
+}
 
 /// The name that a misspelt one is most like, if it is like any.
 pub fn nearest<'a>(word: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {

@@ -75,6 +75,10 @@ fn values_of_the_wrong_kind() {
     refused_set("object.mass_kg=heavy", &["object.mass_kg = \"heavy\"", "a number"]);
     refused_set("contact.one_sided=1", &["contact.one_sided = 1", "true or false"]);
     refused_set("coordination.comm=telepathy", &["coordination.comm = \"telepathy\"", "\"passive-wave\""]);
+    for (before, now) in [("input-gated", "passivity-observer"), ("passivity-control", "passive-spring")] {
+        let now = format!("it is {now} now");
+        refused_set(&format!("coordination.comm={before}"), &["coordination.comm", "is not allowed", &now]);
+    }
     refused_set("coordination.decode=5", &["coordination.decode = 5", "\"implicit\""]);
     refused_set("object.integrator=rk4", &["object.integrator = \"rk4\"", "\"semi-implicit\""]);
     refused_set("object.mass_kg=[1,2]", &["object.mass_kg"]);

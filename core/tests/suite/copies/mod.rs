@@ -2,10 +2,12 @@
 
 mod average_position;
 mod four_channel;
-mod input_gated;
+mod fractal_impedance;
 mod model_mediated;
 mod p_plus_d;
+mod passivity_observer;
 mod remote_dynamic_proxy;
+mod tdpa;
 
 use std::collections::VecDeque;
 

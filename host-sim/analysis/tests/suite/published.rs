@@ -127,14 +127,14 @@ impl Body {
     }
 }
 
-/// F_T = C·(x_r − x_o) + λ·F_r + μ·F_LC(the tick before); F_LC is remembered.
-fn four_channel(remote: f64, local: f64) -> Paper {
+/// F_T = C·(x_r − x_o) + λ·F_r + μ·F_LC(the tick before) − d·v̄; F_LC is remembered.
+fn four_channel(remote: f64, local: f64, ground: f64) -> Paper {
     Paper {
         own: 1,
         tick: Box::new(move |body, y, packet, _| {
             let [k, b] = body.spring;
             let (mut a, mut right) = body.shared(y, 3, 2);
-            (a[2][0], a[2][2]) = (k * body.period / 2.0 + b, 1.0);
+            (a[2][0], a[2][2]) = (k * body.period / 2.0 + b + ground, 1.0);
             right[2] = k * (packet[0] - y[2]) + b * packet[1] + remote * packet[2] + local * y[4];
             let tick = solve(a, right);
             [body.moved(y, tick[0], tick[1]), vec![tick[1]]].concat()
@@ -268,8 +268,13 @@ fn rows(matrix: &Matrix) -> Dense {
 fn four_channel_is_the_paper_s() {
     agree("four-channel", |random| {
         let (remote, local) = (random.one(&[0.0, 0.5, 1.0, 2.0]), random.one(&[0.0, 0.0, -0.5, 1.0]));
-        let own = vec![("four_channel.remote_force", remote), ("four_channel.local_force", local)];
-        (own, four_channel(remote, local))
+        let ground = random.one(&[0.0, 0.0, 3.0, 40.0]);
+        let own = vec![
+            ("four_channel.remote_force", remote),
+            ("four_channel.local_force", local),
+            ("four_channel.local_damping_n_s_per_m", ground),
+        ];
+        (own, four_channel(remote, local, ground))
     });
 }
 

@@ -15,6 +15,7 @@ fn laws_are_asked_for_by_name() {
     assert_eq!(names("wave, power,wave").expect("laws"), ["wave", "power"]);
     let refusal = |text: &str| names(text).expect_err("no law").to_string();
     assert_eq!(refusal("power,wavee"), "there is no law called \"wavee\"; did you mean wave?");
+    assert_eq!(refusal("input-gated"), "there is no law called \"input-gated\"; it is passivity-observer now");
     assert!(refusal("zzz").contains("the laws are power, p-plus-d, wave, "), "{}", refusal("zzz"));
     assert!(refusal("").contains("no law called \"\""));
 }

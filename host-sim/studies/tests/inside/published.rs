@@ -29,6 +29,20 @@ fn every_number_is_met_or_told_why_not() {
     assert!(open.is_empty(), "{open:#?}");
 }
 
+/// A number of a paper says where it stands there; what we worked out ourselves is never called printed.
+#[test]
+fn what_is_printed_says_where() {
+    for number in NUMBERS.iter().filter(|number| number.says == Printed) {
+        let place = number.place;
+        assert!(["§", "Fig.", "abstract", ">"].iter().any(|mark| place.contains(mark)), "{}: {place}", number.law);
+        assert!(!number.paper.contains("docs/"), "{}: {}", number.law, number.paper);
+    }
+    let table = columns(&ROWS);
+    let said = |word: &str| (0..table.len()).filter(|at| table.row(*at)["says"] == word).count();
+    assert_eq!((said("printed"), said("algebra of ours")), (8, 19));
+    assert_eq!(table.len(), 8 + 19);
+}
+
 /// Printed by the papers themselves, of at least three of them, to 5 %.
 #[test]
 fn three_papers_print_what_is_measured() {
@@ -42,13 +56,13 @@ fn three_papers_print_what_is_measured() {
     assert!(papers.len() >= 3, "{papers:?}");
 }
 
-/// Matrix and run agree about where every law becomes unstable, to 2 %; each has a boundary along one of the stiffnesses at least.
+/// Matrix and run agree about where every law becomes unstable, to 2 %; each that is linear has a boundary along one of the stiffnesses at least.
 #[test]
 fn two_constructions_of_every_region_agree() {
     let found = regions::regions(Laws::built_in(), || ()).expect("regions");
     for region in &found {
         let boundaries: Vec<_> = [region.coordination, region.contact].into_iter().flatten().collect();
-        assert!(!boundaries.is_empty(), "{}: stable everywhere", region.law);
+        assert_eq!(boundaries.is_empty(), region.law == "fractal-impedance", "{}: {boundaries:?}", region.law);
         for boundary in boundaries {
             let run = boundary.run.unwrap_or(f64::NAN);
             assert!((run / boundary.matrix - 1.0).abs() < 0.02, "{region:?}");

@@ -28,7 +28,7 @@ use haptic_core::settings::LawInfo;
 use haptic_protocol::wire::{Flow, SEAL_LEN};
 use haptic_sim::pair::Pair;
 use haptic_sim::peers::Laws;
-use haptic_sim::scene::{Scene, nearest};
+use haptic_sim::scene::{Scene, law_meant};
 use haptic_sim::scenes;
 use haptic_sim::user::User;
 
@@ -60,11 +60,8 @@ pub fn asked_for(laws: Laws, text: &str) -> Result<Vec<&'static LawInfo>, Error>
     let mut found: Vec<&LawInfo> = Vec::new();
     for name in text.split(',').map(str::trim) {
         let Some(law) = infos.iter().find(|law| law.name == name) else {
-            let names = || infos.iter().map(|law| law.name).chain(["all"]);
-            let hint = match nearest(name, names()) {
-                Some(name) => format!("did you mean {name}?"),
-                None => format!("the laws are {}", names().collect::<Vec<_>>().join(", ")),
-            };
+            let names = || infos.iter().map(|law| law.name).chain(["all"]).collect::<Vec<_>>().join(", ");
+            let hint = law_meant(name, infos).unwrap_or_else(|| format!("the laws are {}", names()));
             return Err(format!("there is no law called {name:?}; {hint}").into());
         };
         if !found.contains(&law) {

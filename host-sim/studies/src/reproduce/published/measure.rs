@@ -6,6 +6,7 @@ use haptic_analysis::tune::CONTACT;
 use haptic_analysis::{Effort, Hands, Range, limit};
 use haptic_core::law::model_mediated::ModelMediated;
 use haptic_core::law::{AnyLaw, Coupled, Law, Observation, Packet};
+use haptic_core::names::Side;
 use haptic_core::num::Motion;
 use haptic_core::object::Port;
 use haptic_core::settings::Settings;
@@ -175,7 +176,12 @@ struct End {
 
 impl End {
     fn new(law: &str, set: &[&str]) -> Result<Self, Error> {
-        let settings: Settings = scene(law, &[&[EACH_TICK], set].concat())?.peer;
+        Self::at(Side::Left, law, set)
+    }
+
+    fn at(side: Side, law: &str, set: &[&str]) -> Result<Self, Error> {
+        let mut settings: Settings = scene(law, &[&[EACH_TICK], set].concat())?.peer;
+        settings.contact.side = side;
         let law = <AnyLaw<f64> as Law<f64>>::build(&settings)?;
         Ok(Self { law, state: law.start(Motion::REST) })
     }
@@ -201,11 +207,45 @@ pub fn first_set_position_mm() -> Result<f64, Error> {
 
 /// Force of an end with an empty tank that has heard of 4 mJ, the other copy 1 m away, N.
 pub fn force_of_what_was_absorbed_n() -> Result<f64, Error> {
-    let mut end = End::new("passivity-control", &["coordination.tank_j=0", "coordination.damping_n_s_per_m=0"])?;
+    let mut end = End::new("passive-spring", &["coordination.tank_j=0", "coordination.damping_n_s_per_m=0"])?;
     end.hear(1.0, 0.0, 0.0, 0.0);
     end.held(0);
     end.hear(1.0, 0.0, 0.0, 4e-3);
     Ok(end.held(0).force)
+}
+
+/// Where the slave's point of an end with an empty account goes that has heard of 4 mJ, the master 1 m away, mm.
+pub fn way_of_what_was_absorbed_mm() -> Result<f64, Error> {
+    const SET: [&str; 4] = [
+        "coordination.stiffness_n_per_m=1000",
+        "coordination.damping_n_s_per_m=0",
+        "coordination.tank_j=0",
+        "tdpa.drift_s=0.0001",
+    ];
+    let mut end = End::at(Side::Right, "tdpa", &SET)?;
+    end.hear(1.0, 0.0, 0.0, 0.0);
+    end.held(0);
+    end.hear(1.0, 0.0, 0.0, 4e-3);
+    Ok(1e3 * end.held(0).desired.position)
+}
+
+/// What a spring keeps that is led away from its far end by 20 mm and back, of the ½K·X² that it took.
+pub fn kept_of_a_way_there_and_back() -> Result<f64, Error> {
+    const TICKS: u32 = 2000;
+    const SPEED: f64 = 0.01;
+    let set = ["coordination.stiffness_n_per_m=400", "coordination.damping_n_s_per_m=0"];
+    let mut end = End::new("fractal-impedance", &set)?;
+    let (mut position, mut kept_j) = (0.0, 0.0);
+    for velocity in [SPEED, -SPEED] {
+        for _ in 0..TICKS {
+            let seen = Observation { local: Motion { position, velocity }, ..Observation::default() };
+            let coupled = end.law.couple(&mut end.state, &seen, |_| velocity);
+            position += PERIOD_S * velocity;
+            kept_j -= PERIOD_S * velocity * coupled.force;
+        }
+    }
+    let most_m = PERIOD_S * SPEED * f64::from(TICKS);
+    Ok(kept_j / (0.5 * 400.0 * most_m * most_m))
 }
 
 /// Where two tanks of 20 mJ come to rest that share 1 % a tick over 20 ticks each way, mJ.
@@ -291,7 +331,7 @@ pub fn velocity_held() -> Result<f64, Error> {
 /// Force on a copy that is held, with 0.4 mJ in the account and 100 N asked for, N.
 pub fn gated_force_n() -> Result<f64, Error> {
     let set = ["coordination.stiffness_n_per_m=1000", "coordination.damping_n_s_per_m=2", "coordination.tank_j=0.0004"];
-    let mut end = End::new("input-gated", &set)?;
+    let mut end = End::new("passivity-observer", &set)?;
     end.hear(0.1, 0.0, 0.0, 0.0);
     Ok(end.held(0).force)
 }

@@ -5,8 +5,9 @@
 //! | [`measure`] | the measurement behind each number |
 //! | [`regions`] | the first unstable stiffness by the analyser's matrix beside that of runs, for every law of the registry |
 //!
-//! A number is **printed** in the paper, or its **equation** at the values of the scene. Most of these papers are not to be had in public text: then their
-//! equation stands here, in the words of the paper's own terms, and no number of theirs. Further than [`WITHIN`] off needs a reason, in the row.
+//! A number is **printed** in the paper, at the place that the row names, or it is **algebra of ours**: what the law's equation gives at the values of the scene. The first says
+//! that the paper's result comes out; the second only that what is built does what its equation says, and no author ever measured it. Most of these papers are
+//! not to be had in public text, so that most rows are of the second kind. Further than [`WITHIN`] off needs a reason, in the row.
 
 pub mod measure;
 pub mod regions;
@@ -20,13 +21,23 @@ use crate::Error;
 /// How near is near enough, relative.
 pub const WITHIN: f64 = 0.05;
 
-/// Where what a paper says comes from.
+/// Where the number beside which ours is put comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ClaimSource {
-    /// The number is in its text or figure.
+    /// It stands in the paper's text or figure.
     Printed,
-    /// Its equation, at the values of the scene.
-    Equation,
+    /// We worked it out from the law's equation, at the values of the scene.
+    Algebra,
+}
+
+impl ClaimSource {
+    /// The word for tables and JSON.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Printed => "printed",
+            Self::Algebra => "algebra of ours",
+        }
+    }
 }
 
 /// A number of a paper, and how it is measured here.
@@ -42,7 +53,7 @@ pub struct Number {
     pub what: &'static str,
     /// Its unit; nothing for a share.
     pub unit: &'static str,
-    /// Whether the paper prints the number or an equation gives it.
+    /// Whether the paper prints the number, or it is algebra of ours.
     pub says: ClaimSource,
     theirs: fn() -> f64,
     ours: fn() -> Result<f64, Error>,
@@ -75,7 +86,7 @@ impl Row {
 
 const COOPERATION: &str = "Rakhsha & Constantinescu 2012";
 
-use ClaimSource::{Equation, Printed};
+use ClaimSource::{Algebra, Printed};
 
 /// Every number of the papers that is compared.
 #[rustfmt::skip]
@@ -94,41 +105,47 @@ pub const NUMBERS: &[Number] = &[
         theirs: || 0.099, ours: || of::discrepancy_mm("passive-wave"), why: "" },
     Number { law: "passive-wave", paper: COOPERATION, place: "§5.1, Fig. 6", what: "largest gain, 16 ms round trip", unit: "N/m", says: Printed,
         theirs: || 10620.0, ours: || of::boundary_n_per_m("passive-wave", 10620.0), why: "" },
-    Number { law: "passive-mean", paper: "Niemeyer & Slotine 1991", place: "a line's inertia b·T", what: "mass of both copies and a line of 16 ms", unit: "kg", says: Equation,
+    Number { law: "passive-mean", paper: "Niemeyer & Slotine 1991", place: "a line's inertia b·T", what: "mass of both copies and a line of 16 ms", unit: "kg", says: Algebra,
         theirs: || 2.0 * of::MASS_KG + of::IMPEDANCE * of::LINE_S, ours: || of::mass_kg("passive-mean"), why: "" },
-    Number { law: "self-timed", paper: "docs/theory.md, section 8", place: "a line of constant delay in its own time", what: "apart under 1 N: 2F/K_T + F·T/b, T = (mass − 2m_O)/b", unit: "mm", says: Equation,
+    Number { law: "self-timed", paper: "docs/theory.md, section 8", place: "a line of constant delay in its own time", what: "apart under 1 N: 2F/K_T + F·T/b, T = (mass − 2m_O)/b", unit: "mm", says: Algebra,
         theirs: || of::distance_by_its_mass_mm("self-timed").unwrap_or(f64::NAN), ours: || of::distance_mm("self-timed"), why: "" },
-    Number { law: "set-position", paper: "Lee & Huang 2010", place: "ΔP ≤ E of the set position", what: "first set position with E = 20 mJ: √(2E/K)", unit: "mm", says: Equation,
+    Number { law: "set-position", paper: "Lee & Huang 2010", place: "ΔP ≤ E of the set position", what: "first set position with E = 20 mJ: √(2E/K)", unit: "mm", says: Algebra,
         theirs: || 1e3 * (2.0 * of::TANK_J / 1000.0_f64).sqrt(), ours: of::first_set_position_mm, why: "" },
-    Number { law: "passivity-control", paper: "Ryu, Artigas & Preusche 2010", place: "E_out ≤ E_in, delayed", what: "force when 4 mJ are known to be absorbed: 2√(W·K)", unit: "N", says: Equation,
+    Number { law: "passive-spring", paper: "docs/theory.md, section 13", place: "ΔV ≤ W of the spring's middle", what: "force when 4 mJ are known to be absorbed: 2√(W·K)", unit: "N", says: Algebra,
         theirs: || 2.0 * (4e-3 * 1000.0_f64).sqrt(), ours: of::force_of_what_was_absorbed_n, why: "" },
-    Number { law: "two-layer", paper: "Franken et al. 2011", place: "simple energy transfer protocol, share β", what: "level of two tanks and the line, 20 ticks each way: E/(2 + 2βd)", unit: "mJ", says: Equation,
+    Number { law: "tdpa", paper: "Ryu, Artigas & Preusche 2010", place: "admittance port, E_out(k) ≤ E_in(k − T)", what: "way of the slave's point when 4 mJ are known to be absorbed: √(2W/K)", unit: "mm", says: Algebra,
+        theirs: || 1e3 * (2.0 * 4e-3 / 1000.0_f64).sqrt(), ours: of::way_of_what_was_absorbed_mm, why: "" },
+    Number { law: "tdpa", paper: "Ryu, Artigas & Preusche 2010", place: "velocity to the slave, its force back", what: "apart under 1 N: F/K_T, the slave's controller alone", unit: "mm", says: Algebra,
+        theirs: || 1e3 / 310.0, ours: || of::distance_mm("tdpa"), why: "" },
+    Number { law: "two-layer", paper: "Franken et al. 2011", place: "simple energy transfer protocol, share β", what: "level of two tanks and the line, 20 ticks each way: E/(2 + 2βd)", unit: "mJ", says: Algebra,
         theirs: || 40.0 / (2.0 + 2.0 * 0.01 * 20.0), ours: of::tank_level_mj, why: "" },
-    Number { law: "wave-integral", paper: "Niemeyer & Slotine 2004", place: "a line's stiffness b/T", what: "apart under 1 N: 2F/K_T + F·T/b, a line of 16 ms", unit: "mm", says: Equation,
+    Number { law: "wave-integral", paper: "Niemeyer & Slotine 2004", place: "a line's stiffness b/T", what: "apart under 1 N: 2F/K_T + F·T/b, a line of 16 ms", unit: "mm", says: Algebra,
         theirs: || 1e3 * (2.0 / 1e4 + of::LINE_S / of::IMPEDANCE), ours: || of::distance_mm("wave-integral"), why: "" },
-    Number { law: "wave-compensator", paper: "Ye & Liu 2009", place: "bias b·(ẋ_r − ẋ_d), low-passed at λ", what: "bias of the force left after 1/λ, of b·ẋ_r", unit: "", says: Equation,
+    Number { law: "wave-compensator", paper: "Ye & Liu 2009", place: "bias b·(ẋ_r − ẋ_d), low-passed at λ", what: "bias of the force left after 1/λ, of b·ẋ_r", unit: "", says: Algebra,
         theirs: || (-1.0_f64).exp(), ours: of::bias_left, why: "" },
-    Number { law: "four-channel", paper: "Lawrence 1993", place: "transparency-optimised: Z_t = Z_e", what: "stiffness felt of the far hand's contact, without delay", unit: "N/m", says: Equation,
+    Number { law: "four-channel", paper: "Lawrence 1993", place: "transparency-optimised: Z_t = Z_e", what: "stiffness felt of the far hand's contact, without delay", unit: "N/m", says: Algebra,
         theirs: || 500.0, ours: || of::stiffness_felt_n_per_m(&["four_channel.remote_force=1"]), why: "" },
-    Number { law: "p-plus-d", paper: "Lee & Spong 2006", place: "dissipation K_d ≥ K_p·T, in motion", what: "drag of each of two who push alike, by positions 12 ms old: B + K·T", unit: "N·s/m", says: Equation,
+    Number { law: "p-plus-d", paper: "Lee & Spong 2006", place: "dissipation K_d ≥ K_p·T, in motion", what: "drag of each of two who push alike, by positions 12 ms old: B + K·T", unit: "N·s/m", says: Algebra,
         theirs: || 30.0 + 310.0 * of::POSITIONS_S, ours: of::drag_of_a_common_push, why: "" },
-    Number { law: "average-position", paper: "Rakhsha & Constantinescu, Average-Position Coordination", place: "effective gain K_T instead of N·K_T", what: "ω² of the copies' swing, power-domain over average, N = 2", unit: "", says: Equation,
+    Number { law: "average-position", paper: "Rakhsha & Constantinescu, Average-Position Coordination", place: "effective gain K_T instead of N·K_T", what: "ω² of the copies' swing, power-domain over average, N = 2", unit: "", says: Algebra,
         theirs: || 2.0, ours: of::gain_of_the_others_over_the_mean, why: "" },
-    Number { law: "remote-dynamic-proxy", paper: "Li & Constantinescu 2010", place: "proxy K_p behind the coupling K_T", what: "apart under 1 N: F/K_T + F/K_p", unit: "mm", says: Equation,
+    Number { law: "remote-dynamic-proxy", paper: "Li & Constantinescu 2010", place: "proxy K_p behind the coupling K_T", what: "apart under 1 N: F/K_T + F/K_p", unit: "mm", says: Algebra,
         theirs: || 1e3 * (1.0 / 1590.0 + 1.0 / 310.0), ours: || of::distance_mm("remote-dynamic-proxy"), why: "" },
-    Number { law: "deadband", paper: "Hirche, Hinterseer, Steinbach & Buss 2007", place: "Weber's law, threshold k·|ẋ|", what: "packets for a speed that grows tenfold, k = 0.1: ln 10/ln 1.1", unit: "", says: Equation,
+    Number { law: "fractal-impedance", paper: "Tiseo et al. 2020, arXiv 2011.00390", place: "eq. 1, divergence and convergence", what: "what a way there and back keeps, of ½K·X²", unit: "", says: Algebra,
+        theirs: || 1.0, ours: of::kept_of_a_way_there_and_back, why: "" },
+    Number { law: "deadband", paper: "Hirche, Hinterseer, Steinbach & Buss 2007", place: "Weber's law, threshold k·|ẋ|", what: "packets for a speed that grows tenfold, k = 0.1: ln 10/ln 1.1", unit: "", says: Algebra,
         theirs: || 10.0_f64.ln() / 1.1_f64.ln(), ours: of::packets_of_a_ramp, why: "" },
     Number { law: "deadband", paper: "Hinterseer, Hirche, Chaudhuri, Steinbach & Buss 2008", place: "abstract, up to 90 %", what: "packets saved of 1000 /s, a hand that pushes 4 N to and fro once a second", unit: "%", says: Printed,
         theirs: || 90.0, ours: of::packets_saved_percent, why: "" },
-    Number { law: "passive-deadband", paper: "Hirche, Hinterseer, Steinbach & Buss 2007", place: "modified hold, ẋ* − Δ·sign(F)", what: "velocity that is held over the one that was sent, k = 0.1", unit: "", says: Equation,
+    Number { law: "passive-deadband", paper: "Hirche, Hinterseer, Steinbach & Buss 2007", place: "modified hold, ẋ* − Δ·sign(F)", what: "velocity that is held over the one that was sent, k = 0.1", unit: "", says: Algebra,
         theirs: || 0.9, ours: of::velocity_held, why: "" },
-    Number { law: "input-gated", paper: "Hannaford & Ryu 2002", place: "observer and controller of one port", what: "largest force with 0.4 mJ observed: √(4κW/T_c)", unit: "N", says: Equation,
+    Number { law: "passivity-observer", paper: "Hannaford & Ryu 2002", place: "observer and controller of one port", what: "largest force with 0.4 mJ observed: √(4κW/T_c)", unit: "N", says: Algebra,
         theirs: || (4.0 * 2.5 * 4e-4 / 1e-3_f64).sqrt(), ours: of::gated_force_n, why: "" },
-    Number { law: "model-mediated", paper: "Mitra & Niemeyer 2008", place: "the model becomes the environment", what: "stiffness learned of a hand of 600 N/m", unit: "N/m", says: Equation,
+    Number { law: "model-mediated", paper: "Mitra & Niemeyer 2008", place: "the model becomes the environment", what: "stiffness learned of a hand of 600 N/m", unit: "N/m", says: Algebra,
         theirs: || 600.0, ours: of::stiffness_learned_n_per_m, why: "" },
     Number { law: "none", paper: "Minsky, Ouh-young, Steele, Brooks & Behensky 1990", place: "B/(K·T) > 1/2", what: "b/(K·T) at the first unstable wall, a device of 1 kg", unit: "", says: Printed,
         theirs: || 0.5, ours: || of::wall(0.0), why: "" },
-    Number { law: "none", paper: "Gil, Sánchez, Hulin, Preusche & Hirzinger 2009", place: "K < b/(T/2 + t_d)", what: "b/(K·T) with a tick of computing", unit: "", says: Equation,
+    Number { law: "none", paper: "Gil, Sánchez, Hulin, Preusche & Hirzinger 2009", place: "K < b/(T/2 + t_d)", what: "b/(K·T) with a tick of computing", unit: "", says: Algebra,
         theirs: || 1.5, ours: || of::wall(1.0), why: "" },
 ];
 
@@ -152,10 +169,10 @@ pub fn columns(rows: &[Row]) -> Columns {
         .means("section, figure or equation")
         .value("what", |row| row.number.what)
         .means("what the number is of")
-        .value("says", |row| if row.number.says == Printed { "printed" } else { "equation" })
-        .means("printed: the paper has the number; equation: its equation gives it at the values of the scene")
+        .value("says", |row| row.number.says.name())
+        .means("printed: the number stands in the paper, at that place; algebra of ours: what the law's equation gives at the values of the scene")
         .number("theirs", 4, |row| row.theirs)
-        .means("what the paper says")
+        .means("what the paper prints, or its equation gives")
         .number("ours", 4, |row| row.ours)
         .means("what was measured here")
         .value("unit", |row| Some(row.number.unit).filter(|unit| !unit.is_empty()))

@@ -4,10 +4,11 @@
 //! The run knows nothing of matrices: two users kick the scene with 1 mN for 50 ms; it is unstable where the copies' motion is larger in
 //! the last fifth of `RUN_S` than in its middle one or than right after the kick (where forces have met their limits it grows no more), or
 //! a peer stopped. Its boundary is found by halving an interval about that of the matrix, so that of several crossings the same is meant;
-//! **stable on one side and unstable on the other** is what each construction says for itself.
+//! **stable on one side and unstable on the other** is what each construction says for itself. Of a law that is linear in no way no matrix says
+//! anything: it has neither boundary.
 
 use haptic_analysis::tune::{CONTACT, COORDINATION};
-use haptic_analysis::{Effort, Hands, Range, limit};
+use haptic_analysis::{Effort, Hands, Range, is_linear, limit};
 use haptic_core::settings::LawInfo;
 use haptic_report::Columns;
 use haptic_sim::Laws;
@@ -48,7 +49,7 @@ pub struct Boundary {
 pub struct Region {
     /// Name of the law.
     pub law: &'static str,
-    /// Along K_T; none where it is stable up to `TO_N_PER_M`.
+    /// Along K_T; none where it is stable up to `TO_N_PER_M`, or the law is not linear.
     pub coordination: Option<Boundary>,
     /// Along K_LC, at the K_T that the law declares, or half of the boundary if it is not stable there.
     pub contact: Option<Boundary>,
@@ -71,6 +72,9 @@ fn region(laws: Laws, law: &'static LawInfo) -> Result<Region, Error> {
     let own = LINEAR.iter().filter(|(key, _)| law.keys.iter().any(|known| known.name == *key));
     let own: Vec<String> = own.map(|(key, value)| format!("{key}={value}")).collect();
     let mut linear = law_scene(laws, law, None, &own)?.linear();
+    if !is_linear(&linear)? {
+        return Ok(Region { law: law.name, coordination: None, contact: None });
+    }
     let coordination = boundary(&linear, COORDINATION)?;
     if let Some(found) = coordination {
         let declared = linear.peer.coordination.stiffness_n_per_m;

@@ -1,6 +1,6 @@
 //! The account is never below nothing, what comes out is what was put in, and the gate opens as far as the closed form says.
 
-use haptic_core::law::input_gated::InputGated;
+use haptic_core::law::passivity_observer::PassivityObserver;
 use haptic_core::law::{Law, Observation, Packet};
 use haptic_core::num::Motion;
 use haptic_core::object::Port;
@@ -15,10 +15,10 @@ fn each_end_is_passive_by_itself() {
     for (seed, start) in (0..40_u64).zip([0.0, 0.001, 0.02, 0.1].into_iter().cycle()) {
         let mut random = draws(seed);
         let settings = settings(
-            "input-gated",
+            "passivity-observer",
             &[("coordination.stiffness_n_per_m", 10.0_f64.powf(3.0 + 2.0 * random())), ("coordination.tank_j", start)],
         );
-        let law = <InputGated<f64> as Law<f64>>::build(&settings).expect("good settings");
+        let law = <PassivityObserver<f64> as Law<f64>>::build(&settings).expect("good settings");
         let mut end = law.start(Motion::REST);
         let (mut copy, mut given, mut least) = (Motion::<f64>::REST, 0.0, start);
         for _ in 0..5000 {
@@ -48,14 +48,14 @@ fn each_end_is_passive_by_itself() {
 fn the_gate_opens_as_far_as_the_account_covers() {
     for (start, wanted) in [(0.0, 0.0), (1e-4, (4.0 * 2.5 * 1e-4 / PERIOD).sqrt()), (1.0, 100.0), (1e9, 100.0)] {
         let settings = settings(
-            "input-gated",
+            "passivity-observer",
             &[
                 ("coordination.stiffness_n_per_m", 1000.0),
                 ("coordination.damping_n_s_per_m", 2.0),
                 ("coordination.tank_j", start),
             ],
         );
-        let law = <InputGated<f64> as Law<f64>>::build(&settings).expect("good settings");
+        let law = <PassivityObserver<f64> as Law<f64>>::build(&settings).expect("good settings");
         let mut end = law.start(Motion::REST);
         law.receive(&mut end, Packet { motion: Motion::at(0.1), ..Packet::default() });
         let coupled = law.couple(&mut end, &Observation::default(), |_| 0.0);
@@ -77,12 +77,12 @@ fn with_plenty_it_is_the_power_domain_law() {
             })
             .collect::<Vec<_>>()
     };
-    assert!(run("input-gated", &[("coordination.tank_j", 1e9)]) == run("power", &[]));
+    assert!(run("passivity-observer", &[("coordination.tank_j", 1e9)]) == run("power", &[]));
 }
 
 #[test]
 fn what_it_needs_is_said() {
-    let mut settings = settings("input-gated", &[]);
+    let mut settings = settings("passivity-observer", &[]);
     settings.object.integrator = haptic_core::object::IntegratorName::Exact;
     let said = settings.check().expect_err("another order").to_string();
     let wanted = "object.integrator = \"exact\" is not allowed: it must be \"midpoint\" where coordination.comm is a law that pays for its energy";

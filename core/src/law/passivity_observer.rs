@@ -1,6 +1,5 @@
-//! Input-gated power-domain coordination: in every tick the force that packets ask for is reduced to what the energy
-//! pays for that this end has absorbed before (one-port passivity observer and controller, Hannaford & Ryu 2002; only
-//! the motion is sent).
+//! Passivity observer and controller at one port (after Hannaford & Ryu 2002, "Time-domain passivity control of haptic interfaces", IEEE Transactions on
+//! Robotics and Automation 18): in every tick the power-domain force is reduced to what this end has absorbed before. Only the motion is sent.
 //!
 //! The **observer** keeps what the coordination may still give to its own copy, exact by the midpoint rule (v: the copy's mean velocity):
 //!
@@ -12,12 +11,17 @@
 //! > F_T = g·f − κ·v,   g = min(1, √(4κ·W/T_c)/|f|),
 //!
 //! and **W ≥ 0 at every tick, whatever the packets say and the hand does**. What takes power out fills the account, up to [`CAP_J`]; an empty one leaves
-//! the damper κ, which fills it again as soon as the copy moves. Hannaford and Ryu's controller adds the damping that makes good in a tick what the
-//! observer found to be missing; here a tick's worst is known before it is spent, so that nothing need be made good.
+//! the damper κ, which fills it again as soon as the copy moves.
+//!
+//! **Differs** from the paper in two things. Its controller adds the damping α = −W/(T_c·v²) that makes good in a tick what the observer found to be
+//! missing; here a tick's worst is known before it is spent, so that nothing need be made good. And its observer has no bound on what it
+//! remembers. The port is that of the network at the copy, not that of a device at a hand.
 //!
 //! **What holds**: each end is passive by itself, ∫F_T·ẋ_o dt ≤ E₀, on any network and beside any other peer, an untrue one included. **What it costs**: energy does not
 //! cross. A copy that nobody holds is drawn along for as long as its account lasts; who pushes one copy moves the other by no more than was stored there. Laws
 //! that send energy along (a ledger, a tank) do not pay that. Not promised: that drift is made good. Needs `object.integrator = "midpoint"`.
+//!
+//! `input-gated`, its name before, is another method (Kanai, Kanazawa, Ichiwara, Ito, Noguchi & Ogata 2025, arXiv 2509.08226; docs/theory.md, section 13).
 
 use super::credit::CAP_J;
 use super::tank::{START, needs_midpoint};
@@ -28,7 +32,7 @@ use crate::settings::{Refused, Settings};
 
 /// The power-domain spring and damper behind a passivity controller, the gate g.
 #[derive(Clone, Copy, Debug)]
-pub struct InputGated<S> {
+pub struct PassivityObserver<S> {
     spring: Spring<S>,
     /// 4κ/T_c, N²/J.
     budget: S,
@@ -37,18 +41,18 @@ pub struct InputGated<S> {
     period: S,
 }
 
-configured!([S: Scalar] InputGated<S> { spring, budget, start, most, period });
+configured!([S: Scalar] PassivityObserver<S> { spring, budget, start, most, period });
 
 /// The received motion, and the energy account.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct InputGatedState<S> {
+pub struct PassivityObserverState<S> {
     /// x_d, ẋ_d.
     desired: Motion<S>,
     /// W, J, never negative.
     account: S,
 }
 
-impl<S: Scalar> InputGatedState<S> {
+impl<S: Scalar> PassivityObserverState<S> {
     /// Energy account W that the gate may still spend, J; never negative.
     pub fn account_j(&self) -> S {
         self.account
@@ -56,16 +60,16 @@ impl<S: Scalar> InputGatedState<S> {
 }
 
 /// What was received; the account is a constant of a linear law.
-impl<S> StateVector<S> for InputGatedState<S> {
+impl<S> StateVector<S> for PassivityObserverState<S> {
     #[inline]
     fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
         self.desired.visit(each);
     }
 }
 
-impl<S: Scalar> Law<S> for InputGated<S> {
+impl<S: Scalar> Law<S> for PassivityObserver<S> {
     const LAWS: &'static [LawInfo] = &[LawInfo {
-        name: "input-gated",
+        name: "passivity-observer",
         sends: Sends::Motion,
         keys: &[START],
         gains: &[
@@ -74,10 +78,10 @@ impl<S: Scalar> Law<S> for InputGated<S> {
             "object.integrator=midpoint",
             "object.force_delay_ticks=0",
         ],
-        source: "Hannaford & Ryu 2002, one-port passivity observer and controller",
+        source: "after Hannaford & Ryu 2002, one-port passivity observer and controller; a gate for the damper",
         promises: &[Promise::Passive],
     }];
-    type State = InputGatedState<S>;
+    type State = PassivityObserverState<S>;
     const PORTS_ONLY: bool = true;
 
     fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
@@ -92,21 +96,26 @@ impl<S: Scalar> Law<S> for InputGated<S> {
         })
     }
 
-    fn start(&self, local: Motion<S>) -> InputGatedState<S> {
-        InputGatedState { desired: local, account: self.start }
+    fn start(&self, local: Motion<S>) -> PassivityObserverState<S> {
+        PassivityObserverState { desired: local, account: self.start }
     }
 
-    fn restart(&self, state: &mut InputGatedState<S>, local: Motion<S>) {
+    fn restart(&self, state: &mut PassivityObserverState<S>, local: Motion<S>) {
         // What was spent stays spent.
         state.desired = local;
     }
 
-    fn receive(&self, state: &mut InputGatedState<S>, packet: Packet<S>) {
+    fn receive(&self, state: &mut PassivityObserverState<S>, packet: Packet<S>) {
         state.desired = packet.motion;
     }
 
     #[inline]
-    fn couple(&self, state: &mut InputGatedState<S>, observed: &Observation<S>, solve: impl Solve<S>) -> Coupled<S> {
+    fn couple(
+        &self,
+        state: &mut PassivityObserverState<S>,
+        observed: &Observation<S>,
+        solve: impl Solve<S>,
+    ) -> Coupled<S> {
         let open = self.spring.port(state.desired, observed.local);
         let (worst, covered) = (open.force * open.force, self.budget * state.account);
         // Written so that no number is no force.
@@ -120,7 +129,7 @@ impl<S: Scalar> Law<S> for InputGated<S> {
         Coupled { desired: state.desired, force, ..Coupled::default() }
     }
 
-    fn send(&self, _: &InputGatedState<S>, local: Motion<S>) -> Packet<S> {
+    fn send(&self, _: &PassivityObserverState<S>, local: Motion<S>) -> Packet<S> {
         Packet { motion: local, ..Packet::default() }
     }
 }

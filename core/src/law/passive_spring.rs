@@ -1,6 +1,5 @@
-//! Power-domain coordination under time-domain passivity control (Ryu, Artigas & Preusche 2010, "A passive bilateral control scheme for a
-//! teleoperator with time-varying communication delay", Mechatronics 20; Artigas, Ryu & Preusche 2010 for position against position; drift:
-//! Artigas, Ryu, Preusche & Hirzinger 2011, Chawda, Ott & O'Malley).
+//! A spring between the copies whose middle moves only as far as energy pays for it: a law of this project, after time-domain passivity control and
+//! passive set-position modulation.
 //!
 //! The spring K_T between the copies is two springs of 2K_T in a row, and x_m, where they meet, is the network's port: each end
 //! holds its own half, 2K_T·(x_m − x_o), which is the force K_T·(x_d − x_o) where x_m is the middle of the copies. Within a
@@ -8,14 +7,20 @@
 //!
 //! > ΔV = K_T·((s + Δ)² − s²),   s = x_m − x_o
 //!
-//! - **Observer**: a cost below 0 is energy that this end absorbs; it goes into what the packets say was absorbed, E_in. A cost above 0 is
+//! - **Account**: a cost below 0 is energy that this end absorbs; it goes into what the packets say was absorbed, E_in. A cost above 0 is
 //!   what the end emits, E_out. W = E_in of the other end, as far as it is known, less E_out of this one, from the tank's start on.
-//! - **Controller**, of the admittance type: x_m moves so far that W stays at or above 0, and no farther. No tick generates
-//!   energy that must be made good, for its cost is known before it is spent.
+//! - **Limit**: x_m moves so far that W stays at or above 0, and no farther. No tick generates energy that must be made good, for its cost is known
+//!   before it is spent.
 //! - **Drift**: what x_m was held back by is not forgotten, for it goes to a position; it moves on as soon as W allows.
 //!
 //! The damper, F_B = B_T·(ẋ_d − v), is held back the same way: ẋ_d is not above what W pays for at any v (T_c·B_T·ẋ_d²/4 ≤ W), and W loses
 //! T_c·F_B·v, or gains what the damper took from the copy. At no delay nothing is held back: what one end emits the other absorbs.
+//!
+//! **After** Ryu, Artigas & Preusche 2010 (Mechatronics 20), whose bookkeeping it has: energy into and out of each port apart, and what came in travels
+//! with the packets ([`super::tdpa`] is that paper's law). It **differs** in what is coupled: positions against positions, both ends alike, instead of a velocity one way
+//! and a force back; a port in the middle of the spring; and a limit on a step whose cost is known, which for a spring is what Lee & Huang's set-position modulation does
+//! (2010, [`super::set_position`]; there the set position is the other copy's, the account is filled by a damper, and the harvest is sent), instead of a
+//! damping that makes good a tick later. Its name was `passivity-control`.
 //!
 //! **What holds**: on any network both copies together get no more from the coordination than both tanks had at first; what is in the halves
 //! of the spring is counted. No drift as long as W is above 0 when the network has recovered; it is, unless dampers of the
@@ -29,7 +34,7 @@ use crate::settings::{Refused, Settings};
 
 /// One end: half of the spring K_T, whose far end x_m moves only as far as the energy account W pays for.
 #[derive(Clone, Copy, Debug)]
-pub struct PassivityControl<S: Scalar> {
+pub struct PassiveSpring<S: Scalar> {
     tanks: Tanks<S::Counter>,
     /// 2K_T, N/m.
     stiffness: S::Counter,
@@ -41,11 +46,11 @@ pub struct PassivityControl<S: Scalar> {
     impedance: S,
 }
 
-configured!([S: Scalar] PassivityControl<S> { tanks, stiffness, damping, fastest, impedance });
+configured!([S: Scalar] PassiveSpring<S> { tanks, stiffness, damping, fastest, impedance });
 
 /// State of one end: the motion received, the place x_m of the network port, and the energy account W.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct PassivityControlState<S: Scalar> {
+pub struct PassiveSpringState<S: Scalar> {
     /// x_d and ẋ_d as received.
     remote: Motion<S>,
     /// x_m, m.
@@ -54,23 +59,23 @@ pub struct PassivityControlState<S: Scalar> {
     tank: Tank<S::Counter>,
 }
 
-impl<S: Scalar> StateVector<S> for PassivityControlState<S> {
+impl<S: Scalar> StateVector<S> for PassiveSpringState<S> {
     #[inline]
     fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
         self.remote.visit(each);
     }
 }
 
-impl<S: Scalar> Law<S> for PassivityControl<S> {
+impl<S: Scalar> Law<S> for PassiveSpring<S> {
     const LAWS: &'static [LawInfo] = &[LawInfo {
-        name: "passivity-control",
+        name: "passive-spring",
         sends: Sends::Motion,
         keys: &[START],
         gains: &["coordination.stiffness_n_per_m=1000", "object.integrator=midpoint"],
-        source: "Ryu, Artigas & Preusche 2010",
+        source: "this project; after Ryu, Artigas & Preusche 2010 and Lee & Huang 2010",
         promises: &[Promise::Passive, Promise::NoDrift],
     }];
-    type State = PassivityControlState<S>;
+    type State = PassiveSpringState<S>;
     const PORTS_ONLY: bool = true;
 
     fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
@@ -86,25 +91,20 @@ impl<S: Scalar> Law<S> for PassivityControl<S> {
         })
     }
 
-    fn start(&self, local: Motion<S>) -> PassivityControlState<S> {
-        PassivityControlState { remote: local, middle: local.position.to_counter(), tank: self.tanks.start() }
+    fn start(&self, local: Motion<S>) -> PassiveSpringState<S> {
+        PassiveSpringState { remote: local, middle: local.position.to_counter(), tank: self.tanks.start() }
     }
 
-    fn restart(&self, state: &mut PassivityControlState<S>, local: Motion<S>) {
-        *state = PassivityControlState { tank: self.tanks.restart(&state.tank), ..self.start(local) };
+    fn restart(&self, state: &mut PassiveSpringState<S>, local: Motion<S>) {
+        *state = PassiveSpringState { tank: self.tanks.restart(&state.tank), ..self.start(local) };
     }
 
-    fn receive(&self, state: &mut PassivityControlState<S>, packet: Packet<S>) {
+    fn receive(&self, state: &mut PassiveSpringState<S>, packet: Packet<S>) {
         state.remote = packet.motion;
         state.tank.receive(&packet);
     }
 
-    fn couple(
-        &self,
-        state: &mut PassivityControlState<S>,
-        observed: &Observation<S>,
-        solve: impl Solve<S>,
-    ) -> Coupled<S> {
+    fn couple(&self, state: &mut PassiveSpringState<S>, observed: &Observation<S>, solve: impl Solve<S>) -> Coupled<S> {
         let period = self.tanks.period_s;
         let power_in = self.tanks.fill(&mut state.tank);
         let local = observed.local.position.to_counter();
@@ -131,7 +131,7 @@ impl<S: Scalar> Law<S> for PassivityControl<S> {
         }
     }
 
-    fn send(&self, _: &PassivityControlState<S>, local: Motion<S>) -> Packet<S> {
+    fn send(&self, _: &PassiveSpringState<S>, local: Motion<S>) -> Packet<S> {
         Packet { motion: local, ..Packet::default() }
     }
 }
