@@ -53,7 +53,7 @@ pub struct Packet<S: Scalar> {
     /// N. 0 from a peer that is not engaged.
     pub wave: S,
     /// Energy that the sender has given to the network since arming, up to its last tick, J: of its waves, or from its
-    /// tank. The peer fills it in from its [`ledger`].
+    /// tank. The peer fills it in from its [`ledger`], unless the law has.
     pub energy_j: S::Counter,
     /// Integral of the sender's outgoing wave over the same time, √W·s.
     pub wave_integral: S::Counter,
