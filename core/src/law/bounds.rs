@@ -12,7 +12,8 @@
 //! N lines of b that meet send 2/N·Σu − u_i back into each (see [`super::node`]), at most 3·U: a peer accepts that
 //! much, since its other end may be a hub ([`Bounds::beyond_a_junction`]); a hub accepts U.
 //!
-//! A line of [`Sends::Counters`] sends its slip and how fast it goes on beside them ([`super::self_timed`]), and a flag for a wave. Its
+//! A line of [`Sends::Counters`] sends its slip and how fast it goes on beside them ([`super::self_timed`]), and for a wave a flag, and by how
+//! much less its impedance should be. That
 //! impedance may fall to ρ·b while waves keep the unit of b: a pull of F is then a wave of F/(ρ·√(2b)), and U one of F/ρ, ρ the least.
 //!
 //! Sums without a stated number of ticks are bounded as if over [`MOST_TICKS`], so that the difference of two stays within the
@@ -69,8 +70,8 @@ impl Bounds {
             speed_m_per_s,
             wave: match sends {
                 Sends::Motion => f64::MAX,
-                // A flag.
-                Sends::Counters => wave.max(1.0),
+                // A flag, and a share.
+                Sends::Counters => wave.max(2.0),
                 _ => wave,
             },
             integral_per_tick: period_s * wave,

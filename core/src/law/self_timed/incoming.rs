@@ -141,7 +141,12 @@ impl<C: Scalar> Incoming<C> {
     /// Takes in the counters of a packet. The first, or a jump: both ends begin anew. False if it
     /// is older than the newest.
     #[inline]
-    pub(super) fn receive<S: Scalar<Counter = C>>(&self, state: &mut Outstanding<C>, packet: &Packet<S>) -> bool {
+    pub(super) fn receive<S: Scalar<Counter = C>>(
+        &self,
+        state: &mut Outstanding<C>,
+        packet: &Packet<S>,
+        far_is_cut_off: bool,
+    ) -> bool {
         let Packet { wave_integral: integral, energy_j, live_ticks: live, .. } = *packet;
         let heard = Counters { live, integral, energy_j };
         let Some(before) = state.heard else {
@@ -156,7 +161,7 @@ impl<C: Scalar> Incoming<C> {
         if new < 0 {
             return false;
         }
-        state.far_is_cut_off = packet.wave.to_counter() > self.half;
+        state.far_is_cut_off = far_is_cut_off;
         if new > 0 {
             state.heard = Some(heard);
             state.samples = state.samples.saturating_add(new);

@@ -5,14 +5,14 @@
 //!
 //! > ρ = min(1, m/(b·d₀·T_c)), and no less than [`LEAST`],
 //!
-//! to which it goes by [`STEP`] a tick. Waves keep the unit that they have at ρ = 1, so that x_d, the sum of both over √(2b), is what it
+//! in steps of [`STEP`]. Each end tells the other one what it would have, and goes to the lesser of both by a step a tick. Waves keep the unit that they have at ρ = 1, so that x_d, the sum of both over √(2b), is what it
 //! was, whatever ρ is at either end, and whenever it changes:
 //!
 //! > ρ·b·w + F_T = ρ·√(2b)·u_in,   u_out = √(2b)·w − u_in,   F_T·w = ½ρ·(u_in² − u_out²)
 //!
-//! **Passive whatever the other end's ρ is.** A wave carries ½ρ·u², with the ρ of the end that sends it, and the counter of that energy comes with
-//! the waves. An end that takes in more than its own ρ would emit loses the rest; one that would emit more than what came takes the ρ
-//! that this pays for ([`super::incoming`]). So two ends of different ρ come to the smaller one without asking each other.
+//! **Passive whatever the other end's ρ is**, while they differ, too. A wave carries ½ρ·u², with the ρ of the end that sends it, and the
+//! counter of that energy comes with the waves. An end that takes in more than its own ρ would emit loses the rest; one that would emit more
+//! than what came takes the ρ that this pays for ([`super::incoming`]).
 
 use crate::law::Spring;
 use crate::law::terminal::Ended;
@@ -30,7 +30,7 @@ pub(super) const MASS: Key = Key::number(
 
 /// The least ρ: a line that would still be heavier is.
 pub(in crate::law) const LEAST: f64 = 1.0 / 16.0;
-/// Change of ρ in a tick: a second at 1 kHz from 1 to nothing.
+/// Step of ρ, and its change in a tick: a second at 1 kHz from 1 to nothing. Every number type has it exactly.
 const STEP: f64 = 1.0 / 1024.0;
 
 /// The end of a line behind the coordination spring, as a port of the object ([`crate::law::terminal`]), for any ρ.
@@ -54,6 +54,10 @@ configured!([S: Scalar] End<S> { stiffness, kappa, impedance, root, light_ticks,
 /// ρ of an end.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Share<S> {
+    /// What it would have with a line of so many ticks, and what the other end would have.
+    wanted: S,
+    ticks: i32,
+    far: S,
     /// Its own.
     own: S,
     /// The one of the newest tick, which was paid for, and 1/(ρ·b + κ).
@@ -77,21 +81,35 @@ impl<S: Scalar> End<S> {
         if ticks <= self.light_ticks || self.light_ticks == S::ZERO {
             return S::ONE;
         }
-        self.light_ticks.ratio(ticks).max(self.least)
+        let steps = self.light_ticks.ratio(ticks * self.step).round_to_i32();
+        (S::from_i32(steps) * self.step).max(self.least)
     }
 
     /// An end of a line that begins, so many ticks long.
     pub(super) fn start(&self, ticks: i32) -> Share<S> {
-        let own = self.wanted(ticks);
-        let mut share = Share { own, ..Share::default() };
-        self.take(&mut share, own);
+        let wanted = self.wanted(ticks);
+        let mut share = Share { wanted, ticks, far: S::ONE, own: wanted, ..Share::default() };
+        self.take(&mut share, wanted);
         share
+    }
+
+    /// Takes in what the other end says: by how much its ρ would be below 1.
+    pub(super) fn hear(&self, share: &mut Share<S>, less: S) {
+        share.far = (S::ONE - less).max(self.least).min(S::ONE);
+    }
+
+    /// By how much the ρ that this end would have is below 1.
+    pub(super) fn says(&self, share: &Share<S>) -> S {
+        S::ONE - share.wanted
     }
 
     /// ρ that this end would have in this tick, of a line so many ticks long.
     #[inline]
     pub(super) fn own(&self, share: &mut Share<S>, ticks: i32) -> S {
-        let more = self.wanted(ticks) - share.own;
+        if ticks != share.ticks {
+            (share.ticks, share.wanted) = (ticks, self.wanted(ticks));
+        }
+        let more = share.wanted.min(share.far) - share.own;
         if more != S::ZERO {
             share.own = share.own + more.limit(self.step);
         }

@@ -137,12 +137,14 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
     }
 
     fn receive(&self, state: &mut Self::State, packet: Packet<S>) {
-        if !self.incoming.receive(&mut state.outstanding, &packet) {
+        let far_is_cut_off = packet.wave >= S::ONE;
+        if !self.incoming.receive(&mut state.outstanding, &packet, far_is_cut_off) {
             return;
         }
         if packet.wave < -self.half {
             self.carry.hear_idle(&mut state.slip);
         } else {
+            self.end.hear(&mut state.share, packet.wave - if far_is_cut_off { S::ONE } else { S::ZERO });
             let less = self.carry.hear(&mut state.slip, packet.motion);
             if less != S::Counter::ZERO {
                 state.desired.add(-less);
@@ -194,10 +196,10 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
 
     fn send(&self, state: &Self::State, _: Motion<S>) -> Packet<S> {
         let wave_integral = state.sent.total() + state.fresh;
-        let wave = if state.outstanding.is_cut_off { S::ONE } else { S::ZERO };
+        let flag = if state.outstanding.is_cut_off { S::ONE } else { S::ZERO };
         Packet {
             motion: self.carry.says(&state.slip),
-            wave,
+            wave: flag + self.end.says(&state.share),
             wave_integral,
             energy_j: state.sent_j.total() + state.fresh_j,
             live_ticks: state.live,

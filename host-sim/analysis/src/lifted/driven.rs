@@ -359,11 +359,14 @@ where
     }
 
     fn send(&self, sent: &mut [f64]) {
-        let mut packets = self.loaded().outgoing();
-        let mut sent = sent.iter_mut();
+        // What a peer says at rest is no signal: what its line should weigh, say.
+        let (mut packets, mut at_rest) = (self.loaded().outgoing(), self.armed.outgoing());
+        let mut resting = Vec::new();
+        visit_all(&mut at_rest, |number| resting.push(*number));
+        let mut sent = sent.iter_mut().zip(resting);
         visit_all(&mut packets, |number| {
-            if let Some(sent) = sent.next() {
-                *sent = *number / UNIT;
+            if let Some((sent, resting)) = sent.next() {
+                *sent = (*number - resting) / UNIT;
             }
         });
     }
