@@ -13,8 +13,8 @@
 //! much, since its other end may be a hub ([`Bounds::beyond_a_junction`]); a hub accepts U.
 //!
 //! A line of [`Sends::Counters`] sends its slip and how fast it goes on beside them ([`super::self_timed`]), and for a wave a flag, and by how
-//! much less its impedance should be. That
-//! impedance may fall to ρ·b while waves keep the unit of b: a pull of F is then a wave of F/(ρ·√(2b)), and U one of F/ρ, ρ the least.
+//! much less its impedance should be. That may fall to ρ·b while waves keep the unit of b: a pull of F is then a wave of F/(ρ·√(2b)), and U
+//! one of F/ρ, ρ the least.
 //!
 //! Sums without a stated number of ticks are bounded as if over [`MOST_TICKS`], so that the difference of two stays within the
 //! range of numbers. What a law of [`Sends::Motion`] sends beside the motion has a unit of its own, and need only be finite.

@@ -81,7 +81,9 @@ fn run(scene: &Scene, ticks: u32, got: &mut Got) -> Vec<f64> {
 
 fn over(settings: &[&[&str]], network: Option<(&str, &str)>, ticks: u32) -> Got {
     let mut got = Got::default();
-    (1..=SEEDS).for_each(|seed| run(&scene(settings, network, seed), ticks, &mut got));
+    for seed in 1..=SEEDS {
+        run(&scene(settings, network, seed), ticks, &mut got);
+    }
     got
 }
 
@@ -147,14 +149,22 @@ fn nothing_drifts_and_nothing_is_made() {
     let minutes = std::env::var("MINUTES").map_or(10, |text| text.parse().expect("whole minutes"));
     let hostile: [&[&str]; 3] = [
         &["network.jitter=gamma", "network.jitter_s=0.01", "network.loss=0.2"],
-        &["network.reorder=0.3", "network.reorder_depth_packets=16", "network.duplicate=0.2", "network.clock_drift_ppm=200"],
+        &[
+            "network.reorder=0.3",
+            "network.reorder_depth_packets=16",
+            "network.duplicate=0.2",
+            "network.clock_drift_ppm=200",
+        ],
         &["network.one_way_delay_packets=90", "network.jitter=pareto", "network.jitter_s=0.004", "network.loss=0.1"],
     ];
     let bursts = SHORT.into_iter().chain(LONG).map(|network| scene(&[AGAINST], Some(network), 1));
     let scenes: Vec<Scene> = bursts.chain(hostile.map(|network| scene(&[AGAINST, network], None, 1))).collect();
     scenes.par_iter().for_each(|scene| {
         let [first, last, least_j] = drift(scene, minutes);
-        println!("{first:.3} mm at first, {last:.3} mm in the end, least balance {least_j:.3e} J: {:?}", scene.world.network);
+        println!(
+            "{first:.3} mm at first, {last:.3} mm in the end, least balance {least_j:.3e} J: {:?}",
+            scene.world.network
+        );
         assert!(last < 1.2 * first + 0.05, "{first} mm, then {last} mm: {:?}", scene.world.network);
         assert!(least_j >= -0.005 - 1e-9, "{least_j} J: {:?}", scene.world.network);
     });
