@@ -12,7 +12,8 @@
 //!
 //! **Passive whatever the other end's ρ is**, while they differ, too. A wave carries ½ρ·u², with the ρ of the end that sends it, and the
 //! counter of that energy comes with the waves. An end that takes in more than its own ρ would emit loses the rest; one that would emit more
-//! than what came takes the ρ that this pays for ([`super::incoming`]).
+//! than what came takes the ρ that this pays for ([`super::incoming`]). So ρ falls whenever it should, and rises at rest, where it costs nothing,
+//! or at the expense of what averaging has saved.
 
 use crate::law::Spring;
 use crate::law::terminal::Ended;
