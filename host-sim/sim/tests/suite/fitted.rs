@@ -72,12 +72,9 @@ fn a_campus_network_is_as_rischke_et_al_measured() {
 fn a_line_over_satellites_is_as_huston_measured() {
     let scene = like("starlink", 1, 0.015);
     let trips = round_trips_ms(&scene, 1000 * MS, 7200);
+    // Whole seconds never meet a spike, which he tells of by itself.
     let steps: Vec<f64> = trips.windows(2).filter_map(|two| Some((two[1]? - two[0]?).abs())).collect();
-    let mut steps = steps;
-    steps.sort_by(f64::total_cmp);
-    // Without the spikes, which he tells of by themselves.
-    let usual = &steps[..steps.len() * 97 / 100];
-    let mean = usual.iter().sum::<f64>() / usual.len() as f64;
+    let mean = steps.iter().sum::<f64>() / steps.len() as f64;
     assert!((mean - 6.7).abs() < 0.7, "{mean} ms");
     let each_way = delays_ms(&scene, Direction::OneToTwo, MS, 600_000);
     assert!((lost(&each_way) - 0.015).abs() < 0.002, "{}", lost(&each_way));
@@ -100,7 +97,8 @@ fn a_wi_fi_is_as_huitema_measured() {
     let mut shares = [0.0; 3];
     const SEEDS: u32 = 20;
     for seed in 1..=SEEDS {
-        let trips = round_trips_ms(&like("home-wifi", seed, 0.0008), 20 * MS, 30_000);
+        // About every 20 ms, at any phase of what varies.
+        let trips = round_trips_ms(&like("home-wifi", seed, 0.0008), 20 * MS + 70_000, 30_000);
         let all = sorted(&trips);
         for (sum, found) in shares.iter_mut().zip([quantile(&all, 0.5), quantile(&all, 0.95), 1e5 * lost(&trips)]) {
             *sum += found / f64::from(SEEDS);

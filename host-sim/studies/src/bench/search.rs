@@ -146,7 +146,7 @@ pub fn tune(
     let random = (bench.budget / 2).max(1);
     let sample = Sample::new(Design::Sobol, random, bench.search_seed, spreads)?;
     let mut tunings: Vec<Tuning> = Vec::new();
-    let mut tried = |texts: Vec<String>, tunings: &mut Vec<Tuning>| -> Result<(), Error> {
+    let tried = |texts: Vec<String>, tunings: &mut Vec<Tuning>| -> Result<(), Error> {
         let first = tunings.len();
         let tune = |(at, gains): (usize, String)| {
             let number = first + at;

@@ -10,7 +10,7 @@ use haptic_sim::scene::Scene;
 use crate::Error;
 
 /// A law or a network: name and settings.
-pub(super) type Named = (&'static str, &'static [&'static str]);
+pub(crate) type Named = (&'static str, &'static [&'static str]);
 
 /// Networks: name and settings.
 pub(super) const IMPAIRMENTS: &[Named] = &[
