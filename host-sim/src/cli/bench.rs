@@ -100,7 +100,7 @@ impl Bench {
 
     /// Tables and figure in the folder of the bench.
     fn files(&self, ui: &Ui, folder: &Path, question: &Provenance, found: &Found) -> Result<Vec<PathBuf>, Failure> {
-        let out = self.out.into(folder.to_owned());
+        let out = self.out.in_folder(folder.to_owned());
         let runs: Vec<_> = found.points.iter().flat_map(|point| &point.runs).collect();
         let tables = [
             ("fronts", tables::fronts(&found.points)),

@@ -59,7 +59,7 @@ pub(super) struct Out {
 
 impl Out {
     /// The same into this folder.
-    pub(super) fn into(&self, folder: PathBuf) -> Self {
+    pub(super) fn in_folder(&self, folder: PathBuf) -> Self {
         Self { out: Some(folder), ..self.clone() }
     }
 
