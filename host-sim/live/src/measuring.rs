@@ -187,7 +187,8 @@ pub fn probe(
         over.ask();
         (number, hearing.join().unwrap_or_default())
     });
-    measured(sent, &answers).ok_or_else(|| format!("no answer came from {to}: does `network measure --listen` run there?").into())
+    measured(sent, &answers)
+        .ok_or_else(|| format!("no answer came from {to}: does `network measure --listen` run there?").into())
 }
 
 /// What these answers to so many probes say; none where there are none.

@@ -61,7 +61,10 @@ impl Bench {
         let (fronts, points) = (tables::fronts(&found.points), tables::points(&found.points));
         ui.document_of(&question, &json!({ "fronts": fronts, "points": points, "wall_s": wall_s, "files": files }))?;
         let [moved, felt] = tables::parts(&found.points);
-        writeln!(ui, "True discrepancy of the worst test network, mm/N, at a law's own gains and at the best within each bound of what a hand feels\n");
+        writeln!(
+            ui,
+            "True discrepancy of the worst test network, mm/N, at a law's own gains and at the best within each bound of what a hand feels\n"
+        );
         ui.table(&fronts);
         ui.table(&moved);
         ui.table(&felt);
@@ -120,7 +123,13 @@ impl Bench {
     }
 
     /// Writes the bench into its part of a page, and its picture.
-    fn write_page(&self, page: &Path, bench: &bench::Bench, found: &Found, wall_s: f64) -> Result<Vec<PathBuf>, Failure> {
+    fn write_page(
+        &self,
+        page: &Path,
+        bench: &bench::Bench,
+        found: &Found,
+        wall_s: f64,
+    ) -> Result<Vec<PathBuf>, Failure> {
         let old = haptic_io::text(page, MOST).map_err(haptic_sim::Error::cannot("read", &page.display()))?;
         let text = with(&old, BENCH, &section(bench, found, wall_s))?;
         write_file(page, "Markdown", text.as_bytes(), Kind::Named)?;

@@ -94,10 +94,25 @@ fn kinds(ui: &Ui) -> Vec<TableKind> {
             compared.columns(&[], &[]),
         ),
         TableKind::new("compare-runs", "compare-runs.csv, compare-runs.parquet", "a run", compared.runs(&[])),
-        TableKind::new("bench", "gains.csv, gains.parquet of `bench`; `bench --json`, points", "the gains of a law", bench::tables::points(&[])),
+        TableKind::new(
+            "bench",
+            "gains.csv, gains.parquet of `bench`; `bench --json`, points",
+            "the gains of a law",
+            bench::tables::points(&[]),
+        ),
         TableKind::new("bench-fronts", "fronts.csv, fronts.parquet of `bench`", "a law", bench::tables::fronts(&[])),
-        TableKind::new("bench-runs", "all-runs.csv, all-runs.parquet of `bench`; runs-1-of-1.csv", "a run", bench::tables::runs(&[])),
-        TableKind::new("bench-tunings", "all-tunings.csv, all-tunings.parquet of `bench`; tunings-1-of-1.csv", "a tuning of a law", bench::tables::tunings(&[])),
+        TableKind::new(
+            "bench-runs",
+            "all-runs.csv, all-runs.parquet of `bench`; runs-1-of-1.csv",
+            "a run",
+            bench::tables::runs(&[]),
+        ),
+        TableKind::new(
+            "bench-tunings",
+            "all-tunings.csv, all-tunings.parquet of `bench`; tunings-1-of-1.csv",
+            "a tuning of a law",
+            bench::tables::tunings(&[]),
+        ),
         TableKind::new(
             "campaign",
             "`campaign --json`; laws-networks.csv, laws-networks.parquet",

@@ -111,7 +111,8 @@ impl FittedRule {
             Like::Starlink => {
                 let late_s = exponential(0.0038);
                 let (satellite, since_s) = satellite(sent_s);
-                let mut of_satellite = stream(self.seed, 5 + u64::from(self.direction == Direction::TwoToOne), satellite);
+                let mut of_satellite =
+                    stream(self.seed, 5 + u64::from(self.direction == Direction::TwoToOne), satellite);
                 let own_s = 0.005 * of_satellite.unit();
                 let spike_s = 0.015 + 0.01 * of_satellite.unit();
                 let spikes = satellite > 0 && since_s < GAP_S + SPIKE_S;

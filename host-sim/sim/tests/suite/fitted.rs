@@ -85,7 +85,10 @@ fn a_line_over_satellites_is_as_huston_measured() {
         all.iter().sum::<f64>() / all.len() as f64
     };
     // Over changes one way is 15 to 25 ms later, and as much back.
-    let more: Vec<f64> = (0..39).map(|at| 7_500 + 15_000 * at).map(|at| mean_of(at + 100..at + 300) - mean_of(at + 400..at + 2_400)).collect();
+    let more: Vec<f64> = (0..39)
+        .map(|at| 7_500 + 15_000 * at)
+        .map(|at| mean_of(at + 100..at + 300) - mean_of(at + 400..at + 2_400))
+        .collect();
     let mean = 2.0 * more.iter().sum::<f64>() / more.len() as f64;
     assert!((30.0..50.0).contains(&mean), "{mean} ms");
 }

@@ -132,10 +132,7 @@ impl Bench {
             kept.runs.finish()?;
         }
         let (tunings, points): (Vec<_>, Vec<_>) = found.into_iter().unzip();
-        Ok(Found {
-            tunings: tunings.into_iter().flatten().collect(),
-            points: points.into_iter().flatten().collect(),
-        })
+        Ok(Found { tunings: tunings.into_iter().flatten().collect(), points: points.into_iter().flatten().collect() })
     }
 }
 

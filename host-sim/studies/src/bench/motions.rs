@@ -77,9 +77,7 @@ impl Motion {
 
     fn settings(self) -> &'static [&'static str] {
         match self {
-            Self::Against => {
-                &["user.1.push_n=1", "user.2.push_n=1", "user.2.sine_n=0.25", "user.2.sine_rad_per_s=3"]
-            }
+            Self::Against => &["user.1.push_n=1", "user.2.push_n=1", "user.2.sine_n=0.25", "user.2.sine_rad_per_s=3"],
             Self::Together => &[],
             Self::Led => &[
                 "user.1.arm_stiffness_n_per_m=400",
@@ -96,9 +94,7 @@ impl Motion {
                 "user.2.arm_stiffness_n_per_m=100",
                 "user.2.arm_damping_n_s_per_m=5",
             ],
-            Self::LetGo => {
-                &["user.1.arm_stiffness_n_per_m=200", "user.1.arm_damping_n_s_per_m=5", "user.2.push_n=2"]
-            }
+            Self::LetGo => &["user.1.arm_stiffness_n_per_m=200", "user.1.arm_damping_n_s_per_m=5", "user.2.push_n=2"],
         }
     }
 }

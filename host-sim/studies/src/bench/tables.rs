@@ -37,7 +37,9 @@ pub fn fronts(points: &[Point]) -> Columns {
         .means("|Z| that a hand alone feels at 1 Hz at the gains that the law declares")
         .head("declared: felt")
         .significant("declared_mm_per_n", 3, |law| named(laws, *law, "declared")?.worst_mm_per_n())
-        .means("distance of the copies over the force of contact at these, worst test network; none where a run stopped")
+        .means(
+            "distance of the copies over the force of contact at these, worst test network; none where a run stopped",
+        )
         .head("true");
     for bound in BOUNDS_N_S_PER_M {
         let point = move |law: &usize| named(laws, *law, &point_name(bound));
@@ -88,7 +90,9 @@ fn moved(rows: Rows<'_>) -> Rows<'_> {
         .significant("against_mm_per_n", 3, Point::worst_mm_per_n)
         .means("pushes against each other: distance of the copies over the force of contact, worst network")
         .head("against")
-        .value("against_network", |point| point.worst_network(Against, |run| run.mm_per_n).map(|(name, _)| name.to_owned()))
+        .value("against_network", |point| {
+            point.worst_network(Against, |run| run.mm_per_n).map(|(name, _)| name.to_owned())
+        })
         .means("which network that is")
         .data_only()
         .number("against_worst_mm", 1, |point| point.most(Against, |run| run.worst_true_mm))
@@ -125,9 +129,7 @@ fn moved(rows: Rows<'_>) -> Rows<'_> {
 
 /// What a hand feels, what energy was made, and what it costs.
 fn felt(rows: Rows<'_>) -> Rows<'_> {
-    let felt = |at: usize| {
-        move |point: &Point| Some(point.tuning.felt_n_s_per_m[at]).filter(|felt| !felt.is_nan())
-    };
+    let felt = |at: usize| move |point: &Point| Some(point.tuning.felt_n_s_per_m[at]).filter(|felt| !felt.is_nan());
     rows.significant("felt_slow_n_s_per_m", 3, felt(0))
         .means("|Z| that a hand alone feels at 0.2 Hz; none where it felt too much at 1 Hz already")
         .head("felt 0.2 Hz")
@@ -177,7 +179,9 @@ pub fn tunings(tunings: &[Tuning]) -> Columns {
         .value("mass_kg", |tuning| Some(tuning.mass_kg).filter(|mass| !mass.is_nan()))
         .means("mass of the object as felt at 1 Hz; what pulls it back shows as less, below 0 as a spring")
         .value("worst_mm_per_n", |tuning| Some(tuning.worst_mm_per_n).filter(|worst| !worst.is_nan()))
-        .means("worst tuning network's distance of the copies over the force of contact; none where it was not measured")
+        .means(
+            "worst tuning network's distance of the copies over the force of contact; none where it was not measured",
+        )
         .value("reason", |tuning| Some(tuning.reason.as_str()).filter(|reason| !reason.is_empty()))
         .means("why it is not admitted")
         .done()
@@ -204,19 +208,32 @@ pub fn runs<'a>(runs: &'a [&'a Run]) -> Columns {
         .value("reason", |run| Some(run.reason.as_str()).filter(|reason| !reason.is_empty()))
         .means("why, or why the copies came apart under pushes against each other");
     let figures: [(&str, Of, &str); 10] = [
-        ("true_discrepancy_mm", |run| run.true_mm, "mean of |x_o1 - x_o2| over the last half; none of a run that stopped"),
+        (
+            "true_discrepancy_mm",
+            |run| run.true_mm,
+            "mean of |x_o1 - x_o2| over the last half; none of a run that stopped",
+        ),
         ("largest_true_discrepancy_mm", |run| run.worst_true_mm, "the largest of the whole run, or until it stopped"),
         ("true_discrepancy_mm_per_n", |run| run.mm_per_n, "that mean over the mean force of contact"),
         ("hand_peak_n", |run| run.hand_peak_n, "largest force at either hand"),
         ("hand_change_n", |run| run.hand_change_n, "its largest change in a tick"),
-        ("hand_error_n", |run| run.hand_error_n, "root mean square of the force at a hand less the same without a network"),
+        (
+            "hand_error_n",
+            |run| run.hand_error_n,
+            "root mean square of the force at a hand less the same without a network",
+        ),
         ("way_mm", |run| run.way_mm, "where both copies are in the end, their mean"),
-        ("least_balance_j", |run| run.least_balance_j, "least of what the copies had put into the link less what they had got from it, at any instant"),
+        (
+            "least_balance_j",
+            |run| run.least_balance_j,
+            "least of what the copies had put into the link less what they had got from it, at any instant",
+        ),
         ("packets_per_s", |run| run.packets_per_s, "packets that a peer sent, mean of both"),
         ("wire_bytes_per_s", |run| run.bytes_per_s, "the same in bytes, sealed, with UDP and IP version 4"),
     ];
     for (name, of, meaning) in figures {
-        columns = columns.significant(name, 4, move |run| Some(of(run)).filter(|figure| !figure.is_nan())).means(meaning);
+        columns =
+            columns.significant(name, 4, move |run| Some(of(run)).filter(|figure| !figure.is_nan())).means(meaning);
     }
     columns.done()
 }

@@ -12,7 +12,8 @@ use super::*;
 use crate::campaign::laws::{LADDER, asked_for};
 use crate::campaign::networks::Named;
 
-const FEW: &[Named] = &[("8 ms", &[]), ("bursts of 40 ms, 20 %", &["network.loss=0.2", "network.loss_burst_packets=40 ms"])];
+const FEW: &[Named] =
+    &[("8 ms", &[]), ("bursts of 40 ms, 20 %", &["network.loss=0.2", "network.loss_burst_packets=40 ms"])];
 
 fn bench(names: &str, budget: usize) -> Bench {
     let laws = Laws::built_in();
@@ -33,7 +34,8 @@ fn a_small_budget_finds_the_order_of_the_whole() {
     let tuned: Vec<Vec<Tuning>> =
         bench.chosen.iter().map(|law| tune(&bench, law, Vec::new(), &keep_none, &|| ()).expect("tunings")).collect();
     for bound in [25.0, 50.0] {
-        let found = |of: &[Tuning]| best(of, bound).filter(|best| best.is_within(bound)).map(|best| best.worst_mm_per_n);
+        let found =
+            |of: &[Tuning]| best(of, bound).filter(|best| best.is_within(bound)).map(|best| best.worst_mm_per_n);
         let (line, spring) = (found(&tuned[0]).expect("a line"), found(&tuned[1]).unwrap_or(f64::MAX));
         assert!(line < spring, "at {bound}: {line} and {spring} mm/N");
         assert!(line < 2.0, "at {bound}: {line} mm/N");
@@ -87,7 +89,8 @@ fn it_goes_on_where_it_was_stopped_with_the_same_rows() {
     assert_eq!(rows("tunings-1-of-1.csv"), 1 + again.tunings.len(), "each tuning once");
     assert!(rows("runs-1-of-1.csv") > *there.lock().expect("a count"));
     let another = Bench { budget: 7, ..bench.clone() };
-    let refused = another.run(Some((&folder, &another.question(Provenance::now("1", "c")).expect("a question"))), &|| ());
+    let refused =
+        another.run(Some((&folder, &another.question(Provenance::now("1", "c")).expect("a question"))), &|| ());
     assert!(refused.expect_err("another bench").to_string().contains("is of another bench"));
 }
 
@@ -97,11 +100,20 @@ fn one_ladder_of_silence_for_all_laws_at_all_gains() {
     let laws = Laws::built_in();
     for law in laws.all() {
         let gains = protocol::gains(laws, law).expect("gains");
-        assert!(!gains.iter().any(|gain| gain.key.starts_with("safety.") || gain.key.starts_with("timing.")), "{}", law.name);
+        assert!(
+            !gains.iter().any(|gain| gain.key.starts_with("safety.") || gain.key.starts_with("timing.")),
+            "{}",
+            law.name
+        );
         let scene = protocol::scene(laws, law, "").expect("a scene");
         for setting in LADDER.iter().chain(&protocol::SCENE) {
             let (key, value) = setting.split_once('=').expect("a setting");
-            assert_eq!(scene.get(key).expect("a key").to_string().parse::<f64>(), value.parse::<f64>(), "{}: {key}", law.name);
+            assert_eq!(
+                scene.get(key).expect("a key").to_string().parse::<f64>(),
+                value.parse::<f64>(),
+                "{}: {key}",
+                law.name
+            );
         }
     }
 }
@@ -118,7 +130,9 @@ fn every_gain_goes_from_end_to_end() {
                 let near = if gain.whole { 0.1 } else { 1e-3 };
                 assert!((back - share).abs() < near, "{} {}: {share} is {value}, {back}", law.name, gain.key);
                 let mut scene = protocol::scene(laws, law, "").expect("a scene");
-                scene.apply_override(&format!("{}={}", gain.key, gain.value(share))).expect("a value within the key's own range");
+                scene
+                    .apply_override(&format!("{}={}", gain.key, gain.value(share)))
+                    .expect("a value within the key's own range");
             }
         }
     }
