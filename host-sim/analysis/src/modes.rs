@@ -15,6 +15,7 @@ use haptic_core::device::kinematics::KinematicsName;
 use haptic_core::device::velocity::VelocityName;
 use haptic_core::law::Sends;
 use haptic_core::names::Choice;
+use haptic_sim::network::fitted::Like;
 use haptic_sim::scene::{DriveName, Jitter, Scene};
 use haptic_sim::user::User;
 use serde::Serialize;
@@ -221,6 +222,7 @@ pub(crate) fn not_judged(scene: &Scene) -> Vec<&'static str> {
             drawn(matches!(network.jitter, Jitter::Gamma | Jitter::Pareto) && network.jitter_s > 0.0),
             "jitter: it has no largest delay",
         ),
+        (drawn(network.like != Like::None), "what varies in a network that is like one that was measured"),
         (drawn(network.reverse_block_packets > 1), "packets that come in reversed blocks"),
         (drawn(network.delay_step_s != 0.0), "the moment at which the delay steps"),
         (!every_delay, "delays between those that were judged"),

@@ -7,6 +7,7 @@ pub mod devices;
 pub mod discrepancy;
 pub mod endpoint;
 mod error;
+pub mod measuring;
 pub mod operator;
 pub mod peer;
 pub mod quantiles;

@@ -20,6 +20,7 @@ use haptic_core::settings::{Allowed, Choice, Key, LawInfo, Refused, SetError, Se
 use haptic_io::Most;
 
 use crate::Error;
+use crate::network::fitted::Like;
 use crate::network::trace::NetworkTrace;
 use crate::peers::{Builds, DynPeer, Laws};
 use crate::plant::{self, Beyond};
@@ -195,6 +196,8 @@ haptic_core::settings! {
         delay_step_s: f64 = 0.0, number(-2.0, 2.0), "s",
             "From network.delay_step_at_s on, the delay is longer (or shorter) by this.";
         delay_step_at_s: f64 = 0.0, number(0.0, 1e6), "s", "When the delay steps.";
+        like: Like = Like::None, Allowed::Names(Like::NAMES), "",
+            "A network that was measured, whose delay varies and which loses as that one did; of the other keys only constant delays, drift and seed count then.";
         jitter: Jitter = Jitter::None, Allowed::Names(Jitter::NAMES), "", "How the delay varies from packet to packet.";
         jitter_s: f64 = 0.0, number(0.0, 2.0), "s", "Uniform jitter: the most; gamma and Pareto jitter: the mean.";
         loss: f64 = 0.0, number(0.0, 0.95), "", "Fraction of the packets that are lost.";

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use haptic_core::num::Scalar;
 use haptic_io::Kind;
-use haptic_plot::{Error, Figure, write_file};
+use haptic_plot::{Error, write_file};
 use haptic_report::Columns;
-use haptic_studies::campaign::laws::page::{MOST, PICTURES, page};
+use haptic_studies::campaign::laws::page::{MOST, PICTURE, page};
 use haptic_studies::campaign::laws::{Row, asked_for, bench, figures, law_scenes, tables};
 use haptic_studies::campaign::{Cell, campaign, columns, cost_columns, costs, of_scene, sending};
 use serde_json::json;
@@ -38,7 +38,7 @@ pub(super) struct Campaign {
     /// Instead: laws beside each other, all in the same scene, each at the gains that it declares.
     #[arg(long, value_name = "all|LAW,…", conflicts_with = "costs")]
     laws: Option<String>,
-    /// Also write the page of the laws in Markdown; the pictures then stand beside it.
+    /// Also write the page of the laws in Markdown; the picture then stands beside it.
     #[arg(long, value_name = "FILE", requires = "laws", conflicts_with_all = ["scene", "set", "seed"])]
     page: Option<PathBuf>,
     #[command(flatten)]
@@ -78,12 +78,11 @@ impl Campaign {
         let (table, networks, impedance) = (tables::columns(&rows), columns(&cells), tables::impedance_columns(&rows));
         let provenance = ui.provenance().with("number_type", f64::NAME).settings(scenes[0].settings());
         let mut files = Vec::new();
-        // Each picture is drawn once: beside the page if there is one.
-        let drawn = |of: fn(&[Row]) -> Figure| self.page.is_none().then(|| of(&rows));
+        // The impedance is drawn once: beside the page if there is one.
         for (name, table, figure) in [
-            ("laws", &table, drawn(figures::laws)),
+            ("laws", &table, Some(figures::laws(&rows))),
             ("laws-networks", &networks, None),
-            ("laws-impedance", &impedance, drawn(figures::impedance)),
+            ("laws-impedance", &impedance, self.page.is_none().then(|| figures::impedance(&rows))),
         ] {
             files.extend(ui.files(&self.out, "laws", name, &provenance, |files| {
                 files.csv(table)?;
@@ -108,19 +107,17 @@ impl Campaign {
     }
 }
 
-/// Writes the page and its pictures.
+/// Writes the page and its picture.
 fn written(file: &Path, rows: &[Row], each_tick: &[Row]) -> Result<Vec<PathBuf>, Failure> {
     let old = haptic_io::text(file, MOST).unwrap_or_default();
     write_file(file, "Markdown", page(rows, each_tick, &old).as_bytes(), Kind::Named)?;
     let mut files = vec![file.to_owned()];
-    for (name, figure) in PICTURES.into_iter().zip([figures::laws(rows), figures::impedance(rows)]) {
-        let path = file.with_file_name(name);
-        let painted = haptic_plot::paint(&figure, haptic_plot::Print::default(), "");
-        let painted = painted.map_err(Error::write(&path, "a figure"))?;
-        for (_, bytes) in painted.into_iter().filter(|(ending, _)| *ending == "png") {
-            write_file(&path, "PNG", &bytes, Kind::Named)?;
-        }
-        files.push(path);
+    let path = file.with_file_name(PICTURE);
+    let painted = haptic_plot::paint(&figures::impedance(rows), haptic_plot::Print::default(), "");
+    let painted = painted.map_err(Error::write(&path, "a figure"))?;
+    for (_, bytes) in painted.into_iter().filter(|(ending, _)| *ending == "png") {
+        write_file(&path, "PNG", &bytes, Kind::Named)?;
     }
+    files.push(path);
     Ok(files)
 }

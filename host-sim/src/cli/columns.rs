@@ -16,7 +16,7 @@ use haptic_studies::compare::Comparison;
 use haptic_studies::reproduce::{paper, published};
 use haptic_studies::sweep;
 use haptic_studies::sweep::{Row, Sweep};
-use haptic_studies::{accuracy, architectures, campaign, force, precision, reproduce, transparency};
+use haptic_studies::{accuracy, architectures, bench, campaign, force, precision, reproduce, transparency};
 use serde_json::{Value, json};
 
 use super::{Failure, Ui};
@@ -94,6 +94,25 @@ fn kinds(ui: &Ui) -> Vec<TableKind> {
             compared.columns(&[], &[]),
         ),
         TableKind::new("compare-runs", "compare-runs.csv, compare-runs.parquet", "a run", compared.runs(&[])),
+        TableKind::new(
+            "bench",
+            "gains.csv, gains.parquet of `bench`; `bench --json`, points",
+            "the gains of a law",
+            bench::tables::points(&[]),
+        ),
+        TableKind::new("bench-fronts", "fronts.csv, fronts.parquet of `bench`", "a law", bench::tables::fronts(&[])),
+        TableKind::new(
+            "bench-runs",
+            "all-runs.csv, all-runs.parquet of `bench`; runs-1-of-1.csv",
+            "a run",
+            bench::tables::runs(&[]),
+        ),
+        TableKind::new(
+            "bench-tunings",
+            "all-tunings.csv, all-tunings.parquet of `bench`; tunings-1-of-1.csv",
+            "a tuning of a law",
+            bench::tables::tunings(&[]),
+        ),
         TableKind::new(
             "campaign",
             "`campaign --json`; laws-networks.csv, laws-networks.parquet",

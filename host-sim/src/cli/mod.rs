@@ -7,6 +7,7 @@
 
 mod accuracy;
 mod architectures;
+mod bench;
 mod board;
 mod campaign;
 mod columns;
@@ -98,6 +99,8 @@ commands! {
         Published(published::Published),
         /// Every kind of communications over every kind of bad network: loss, bursts, jitter, reorder, drift.
         Campaign(campaign::Campaign),
+        /// Laws beside each other, fairly: tuned by one search under the same bounds, tested on other networks; goes on where it was stopped.
+        Bench(bench::Bench),
         /// A scene over ranges of its keys and over seeds: a row a run, means with their intervals; goes on where it was stopped.
         Sweep(sweep::Sweep),
         /// Two or more scenes or laws with the same seeds: paired differences with their intervals.

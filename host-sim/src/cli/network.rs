@@ -4,7 +4,7 @@ use std::{net::SocketAddr, path::PathBuf};
 
 use clap::Args;
 use haptic_live::trials::{flood, restarts};
-use haptic_live::{endpoint::Stop, relay};
+use haptic_live::{endpoint::Stop, measuring, relay};
 use haptic_sim::network::link::Route;
 use haptic_sim::network::rule::{Direction, NetworkTrace};
 use serde_json::json;
@@ -18,6 +18,8 @@ super::commands! {
         Relay(Relay),
         /// Write down what a scene's network does to every packet.
         Trace(Trace),
+        /// Measure the network between two machines: one listens and answers, the other one probes and writes a trace.
+        Measure(Measure),
         /// Forged datagrams by the hundred thousand against two peers on loopback: what they change, and what comes through.
         Flood(Flood),
         /// Peers that restart at random instants, in virtual time: how soon and how gently they are together again.
@@ -86,6 +88,45 @@ impl Trace {
         let packets = (constant_s / packet_s).round();
         let constant = json!({ "one_way_delay_s": constant_s, "network.one_way_delay_packets": packets });
         ui.report("measured, and to be set", &json!({ "constant": constant, "files": [&self.file] }))
+    }
+}
+
+#[derive(Debug, Args)]
+#[command(mut_arg("seconds", |arg| arg.default_value("60")))]
+pub(super) struct Measure {
+    /// Answer probes that come here, and write nothing; whoever can reach it can measure.
+    #[arg(long, value_name = "ADDRESS:PORT", conflicts_with_all = ["to", "from", "every_ms", "file"], required_unless_present = "to")]
+    listen: Option<SocketAddr>,
+    /// Where the other machine listens; this one is peer 1.
+    #[arg(long, value_name = "ADDRESS:PORT", requires = "file")]
+    to: Option<SocketAddr>,
+    /// Where the probes come from; without it, any port.
+    #[arg(long, value_name = "ADDRESS:PORT", requires = "to")]
+    from: Option<SocketAddr>,
+    /// From one probe to the next, ms: the packet period of the scenes that are to have this network (`bench`: 1).
+    #[arg(long, default_value = "1", value_name = "MS", value_parser = number(1.0..=1000.0, "ms"))]
+    every_ms: f64,
+    #[command(flatten)]
+    time: LiveTime,
+    /// CSV file to write, for `network.trace` and `bench --trace`.
+    #[arg(value_name = "FILE")]
+    file: Option<PathBuf>,
+}
+
+impl Measure {
+    fn run(&self, ui: &Ui) -> Result<(), Failure> {
+        let (stop, seconds) = (Stop::on_signals()?, self.time.seconds);
+        if let Some(listen) = self.listen {
+            let ready = |address: SocketAddr| ui.status(format_args!("answering probes at {address}"));
+            return ui.report("probes", &measuring::listen(listen, seconds, &stop, ready)?);
+        }
+        let (Some(to), Some(file)) = (self.to, &self.file) else { return Ok(()) };
+        let measured = measuring::probe(to, self.from, 1e-3 * self.every_ms, seconds, &stop)?;
+        measured.trace.write(file)?;
+        let packets = (measured.constant_ms / self.every_ms).round();
+        let told = "each way by itself, less its quickest; what is constant is half of the quickest round trip, and in no trace";
+        let constant = json!({ "one_way_delay_ms": measured.constant_ms, "network.one_way_delay_packets": packets });
+        ui.report("measured", &json!({ "probes": measured, "delays": told, "constant": constant, "files": [file] }))
     }
 }
 

@@ -58,6 +58,11 @@ pub(super) struct Out {
 }
 
 impl Out {
+    /// The same into this folder.
+    pub(super) fn in_folder(&self, folder: PathBuf) -> Self {
+        Self { out: Some(folder), ..self.clone() }
+    }
+
     fn print(&self) -> Print {
         let usual = Print::default();
         Print { width_mm: self.width_mm.unwrap_or(usual.width_mm), font_pt: self.font_pt.unwrap_or(usual.font_pt) }

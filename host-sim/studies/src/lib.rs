@@ -3,6 +3,7 @@
 
 pub mod accuracy;
 pub mod architectures;
+pub mod bench;
 pub mod campaign;
 pub mod compare;
 mod error;

@@ -3,6 +3,7 @@
 mod accuracy;
 mod another_language;
 mod bad_input;
+mod bench;
 mod columns;
 mod command_line;
 mod compare;

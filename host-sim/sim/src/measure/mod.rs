@@ -2,8 +2,10 @@
 //! scene: its mass, its drag, its impedance.
 
 pub mod apparent_mass;
+pub mod at_hand;
 pub mod growth;
 pub mod impedance;
+pub mod led;
 pub mod port;
 pub mod swing;
 

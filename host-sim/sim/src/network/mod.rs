@@ -1,6 +1,7 @@
 //! The simulated network between peers: the fate of each packet, drawn or from any [`rule`] or a recorded [`trace`],
 //! and the packets that are under way in each direction ([`link`]).
 
+pub mod fitted;
 mod irtt;
 pub mod link;
 pub mod rule;

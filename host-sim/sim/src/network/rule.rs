@@ -4,6 +4,7 @@
 
 use std::sync::Arc;
 
+use super::fitted::{FittedRule, Like};
 use crate::rng::Rng;
 use crate::scene::{Network, Scene};
 
@@ -68,6 +69,9 @@ pub fn of_scene(scene: &Scene, direction: Direction, line: u32) -> Option<Box<dy
         ..Network::default()
     };
     let own = Network { seed: network.seed.wrapping_add(line), ..network };
+    if network.like != Like::None {
+        return Some(Box::new(FittedRule::new(own, direction)));
+    }
     let packet_s = scene.peer.timing.packet_period_s();
     (network != plain).then(|| -> Box<dyn Rule> { Box::new(SeededRule::new(own, direction, packet_s)) })
 }

@@ -67,7 +67,7 @@ pub struct NetworkTrace {
 
 impl NetworkTrace {
     /// A recording that no file holds yet.
-    pub(super) fn of_packets(packets: [Vec<Vec<Arrival>>; 2]) -> Self {
+    pub fn of_packets(packets: [Vec<Vec<Arrival>>; 2]) -> Self {
         Self { packets, ..Self::default() }
     }
 

@@ -4,6 +4,7 @@ mod carrying_on;
 mod double_double;
 mod engine;
 mod faults;
+mod fitted;
 mod impulsive;
 mod irtt;
 mod lanes;

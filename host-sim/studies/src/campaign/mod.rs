@@ -30,7 +30,7 @@
 
 mod cells;
 pub mod laws;
-mod networks;
+pub(crate) mod networks;
 pub mod sending;
 
 use haptic_core::law::Sends;

@@ -3,13 +3,14 @@
 //! What a table of a scene counts in packets may be given in milliseconds here (`network.loss_burst_packets=40 ms`): it is as many
 //! packets as the scene sends in that time, so that a network is the same for every packet period.
 
+use haptic_sim::network::fitted::Like;
 use haptic_sim::network::rule::Jitter;
 use haptic_sim::scene::Scene;
 
 use crate::Error;
 
 /// A law or a network: name and settings.
-pub(super) type Named = (&'static str, &'static [&'static str]);
+pub(crate) type Named = (&'static str, &'static [&'static str]);
 
 /// Networks: name and settings.
 pub(super) const IMPAIRMENTS: &[Named] = &[
@@ -72,7 +73,7 @@ pub(super) const IMPAIRMENTS: &[Named] = &[
 pub(super) const FEW: &[Named] = &[("no loss", &[]), ("20 % lost", &["network.loss=0.2"])];
 
 /// The scene over this network.
-pub(super) fn over(scene: &Scene, settings: &[&str]) -> Result<Scene, Error> {
+pub(crate) fn over(scene: &Scene, settings: &[&str]) -> Result<Scene, Error> {
     let mut scene = scene.clone();
     let packet_ms = 1e3 * scene.peer.timing.packet_period_s();
     for setting in settings {
@@ -89,10 +90,11 @@ pub(super) fn over(scene: &Scene, settings: &[&str]) -> Result<Scene, Error> {
 }
 
 /// Whether another seed gives another run.
-pub(super) fn is_random(scene: &Scene) -> bool {
+pub(crate) fn is_random(scene: &Scene) -> bool {
     let network = &scene.world.network;
     let chances = [network.loss, network.reorder, network.duplicate, network.corrupt];
-    scene.network_trace.is_none() && (network.jitter != Jitter::None || chances.iter().any(|chance| *chance > 0.0))
+    let drawn = network.jitter != Jitter::None || network.like != Like::None;
+    scene.network_trace.is_none() && (drawn || chances.iter().any(|chance| *chance > 0.0))
 }
 
 /// Whether every packet arrives, in order and all equally late, each direction by itself.

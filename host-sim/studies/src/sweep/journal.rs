@@ -1,9 +1,11 @@
-//! What a sweep has found so far, in a folder, so that it goes on where it was stopped.
+//! What a sweep, or another long study, has found so far, in a folder, so that it goes on where it was stopped.
 //!
 //! | file | holds |
 //! |---|---|
 //! | `sweep.toml` | the question: the scene, and in its table `[made]` what is varied, seeds, time, version and commit |
 //! | `rows-I-of-N.csv` | the runs of shard I of N, a line each, in the order in which they ended |
+//!
+//! What they are called, and what a row is, the rows say themselves ([`Kept`]).
 //!
 //! Rows are only ever appended, whole lines at a time, and reach the disk within [`SYNC`] and at the end. A line without an end,
 //! which a kill may leave, is cut off by the process that goes on, and its run is done again. One process writes a file at a time, which
@@ -11,6 +13,7 @@
 
 use std::fs::{self, File, TryLockError};
 use std::io::{ErrorKind, Write};
+use std::marker::PhantomData;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -19,33 +22,52 @@ use haptic_io::{Kind, Most};
 use haptic_report::files::{write_csv, write_parquet};
 use haptic_report::{Columns, Provenance};
 
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
 use super::row::Row;
 use crate::Error;
+
+/// A row that a [`Journal`] keeps: fields, in the order of the heading, none of them a list of unknown length.
+pub trait Kept: Serialize + DeserializeOwned {
+    /// What is asked, for an error, and the name of the file that holds the question: `sweep`, `sweep.toml`.
+    const STUDY: &'static str;
+    /// How the files of rows are called: `rows`, and then `-I-of-N.csv`.
+    const ROWS: &'static str;
+    /// What tells a row from the others of the study, in their order.
+    type Key: Ord;
+
+    /// Which row it is.
+    fn key(&self) -> Self::Key;
+    /// The first line of a file of rows, with its end.
+    fn heading() -> String;
+}
 
 /// Longest that a row waits for the disk while others come, if the machine itself stops.
 const SYNC: Duration = Duration::from_secs(1);
 
 /// Longest files of a folder.
-const QUESTION: Most = Most::new(1 << 26, "the question of a sweep");
+const QUESTION: Most = Most::new(1 << 26, "the question of a study");
 const ROWS: Most = Most::new(1 << 32, "a file of rows");
 
 /// A file of rows that is being written.
 #[derive(Debug)]
-pub struct Journal {
+pub struct Journal<R = Row> {
     path: PathBuf,
     /// And when it last reached the disk.
     file: Mutex<(File, Instant)>,
+    rows: PhantomData<fn(R)>,
 }
 
-impl Journal {
-    /// Goes on with the sweep in this folder, or begins it there; returns every row that is there. `shard` is I and N.
+impl<R: Kept> Journal<R> {
+    /// Goes on with the study in this folder, or begins it there; returns every row that is there. `shard` is I and N.
     ///
     /// # Errors
     /// The folder holds another sweep, or a file cannot be read or written.
-    pub fn open(folder: &Path, question: &Provenance, shard: (usize, usize)) -> Result<(Self, Vec<Row>), Error> {
+    pub fn open(folder: &Path, question: &Provenance, shard: (usize, usize)) -> Result<(Self, Vec<R>), Error> {
         fs::create_dir_all(folder).map_err(haptic_sim::Error::cannot("make", &folder.display()))?;
-        same_question(folder, &question.toml())?;
-        let path = folder.join(format!("rows-{}-of-{}.csv", shard.0, shard.1));
+        same_question(folder, &question.toml(), R::STUDY)?;
+        let path = folder.join(format!("{}-{}-of-{}.csv", R::ROWS, shard.0, shard.1));
         let failed = haptic_sim::Error::cannot::<std::io::Error>("write", &path.display());
         let mut file = haptic_io::append(&path).map_err(&failed)?;
         if let Err(TryLockError::WouldBlock) = file.try_lock() {
@@ -54,19 +76,19 @@ impl Journal {
         let whole = whole_lines(&path)?;
         file.set_len(whole.len() as u64).map_err(&failed)?;
         if whole.is_empty() {
-            file.write_all(Row::heading().as_bytes()).map_err(&failed)?;
+            file.write_all(R::heading().as_bytes()).map_err(&failed)?;
         }
         file.sync_all().map_err(&failed)?;
         let rows = rows_in(folder)?;
-        Ok((Self { path, file: Mutex::new((file, Instant::now())) }, rows))
+        Ok((Self { path, file: Mutex::new((file, Instant::now())), rows: PhantomData }, rows))
     }
 
     /// Adds these rows to the file.
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn append(&self, rows: &[Row]) -> Result<(), Error> {
-        let lines = Row::lines(rows)?;
+    pub fn append(&self, rows: &[R]) -> Result<(), Error> {
+        let lines = lines(rows)?;
         let mut guard = self.file.lock().unwrap_or_else(PoisonError::into_inner);
         let (file, synced) = &mut *guard;
         let mut written = file.write_all(&lines);
@@ -99,9 +121,24 @@ pub fn write(folder: &Path, rows: &Columns, question: &Provenance) -> Result<Vec
     Ok(vec![csv, parquet, toml])
 }
 
-/// Sees to it that `sweep.toml` of this folder asks just this.
-fn same_question(folder: &Path, question: &str) -> Result<(), Error> {
-    let path = folder.join("sweep.toml");
+/// Rows as lines of a file of rows.
+///
+/// # Errors
+/// A row that cannot be written as CSV.
+pub(super) fn lines<R: Kept>(rows: &[R]) -> Result<Vec<u8>, Error> {
+    let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
+    rows.iter().try_for_each(|row| writer.serialize(row)).map_err(|cause| cause.to_string())?;
+    Ok(writer.into_inner().map_err(|cause| cause.to_string())?)
+}
+
+/// The rows that these lines hold, each as it is read.
+pub(super) fn read<R: Kept>(lines: &[u8]) -> impl Iterator<Item = csv::Result<R>> {
+    csv::ReaderBuilder::new().has_headers(false).from_reader(lines).into_deserialize()
+}
+
+/// Sees to it that the question in this folder asks just this.
+fn same_question(folder: &Path, question: &str, study: &str) -> Result<(), Error> {
+    let path = folder.join(format!("{study}.toml"));
     // Never over another's.
     match haptic_io::write(&path, question.as_bytes(), Kind::New) {
         Err(cause) if cause.kind() != ErrorKind::AlreadyExists => {
@@ -116,7 +153,7 @@ fn same_question(folder: &Path, question: &str) -> Result<(), Error> {
     match (0..there.len().max(here.len())).find(|at| there.get(*at) != here.get(*at)) {
         None => Ok(()),
         Some(at) => Err(Error::Refused(format!(
-            "{} is of another sweep: it says {}, this one {}; each sweep needs a folder of its own",
+            "{} is of another {study}: it says {}, this one {}; each {study} needs a folder of its own",
             path.display(),
             line(&there, at),
             line(&here, at)
@@ -136,14 +173,14 @@ fn whole_lines(path: &Path) -> Result<Vec<u8>, Error> {
     Ok(bytes)
 }
 
-/// Every row of every shard, the first one of each run, in the order of points and seeds of each.
-fn rows_in(folder: &Path) -> Result<Vec<Row>, Error> {
+/// Every row of every shard, the first one of each run, in their order.
+fn rows_in<R: Kept>(folder: &Path) -> Result<Vec<R>, Error> {
     let failed = haptic_sim::Error::cannot::<std::io::Error>("read", &folder.display());
     let mut paths = Vec::new();
     for entry in fs::read_dir(folder).map_err(&failed)? {
         let path = entry.map_err(&failed)?.path();
         let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-        if name.starts_with("rows-") && name.ends_with(".csv") {
+        if name.strip_prefix(R::ROWS).is_some_and(|rest| rest.starts_with('-')) && name.ends_with(".csv") {
             paths.push(path);
         }
     }
@@ -151,20 +188,20 @@ fn rows_in(folder: &Path) -> Result<Vec<Row>, Error> {
     let mut rows = Vec::new();
     for path in &paths {
         let text = whole_lines(path)?;
-        let heading = Row::heading();
+        let heading = R::heading();
         let Some(lines) = text.strip_prefix(heading.as_bytes()) else {
             if text.is_empty() {
                 continue;
             }
             return Err(format!("{}:1: it must be {}", path.display(), heading.trim_end()).into());
         };
-        for (at, row) in Row::read(lines).enumerate() {
+        for (at, row) in read::<R>(lines).enumerate() {
             let wrong =
                 |cause| format!("{}:{}: {cause}; without this line its run is done again", path.display(), at + 2);
             rows.push(row.map_err(wrong)?);
         }
     }
-    rows.sort_by_key(|row: &Row| (row.point, row.seed));
-    rows.dedup_by_key(|row| (row.point, row.seed));
+    rows.sort_by_key(R::key);
+    rows.dedup_by(|one, other| one.key() == other.key());
     Ok(rows)
 }

@@ -19,6 +19,7 @@ mod row;
 mod sample;
 
 use std::collections::BTreeSet;
+use std::path::Path;
 
 use rayon::prelude::*;
 use ring::digest::{SHA256, digest};
@@ -34,7 +35,7 @@ use self::row::{POINT, UNSTABLE_MODES};
 use super::{Error, estimate::Estimate};
 
 pub use self::axis::Axis;
-pub use self::journal::{Journal, write};
+pub use self::journal::{Journal, Kept, write};
 pub use self::metrics::{METRICS, Metric};
 pub use self::row::Row;
 pub(crate) use self::row::{EVERY_MODE, of_runs};
@@ -163,9 +164,7 @@ impl Sweep {
         let network = self.scene.network_trace.iter().map(|trace| &trace.file);
         let traces = users.chain(network).cloned().chain(named);
         for (number, trace) in (1..).zip(traces) {
-            let bytes = haptic_io::read(&trace, haptic_sim::user::TRACE)
-                .map_err(haptic_sim::Error::cannot("read", &trace.display()))?;
-            provenance = provenance.with(&format!("trace_{number}_sha256"), hex(digest(&SHA256, &bytes).as_ref()));
+            provenance = provenance.with(&format!("trace_{number}_sha256"), sha256_of(&trace)?);
         }
         Ok(provenance)
     }
@@ -374,6 +373,13 @@ fn estimate(runs: &[Row], metric: usize) -> Option<Estimate> {
 pub fn tag(question: &Provenance) -> String {
     let asked = journal::asked(&question.toml()).join("\n");
     hex(&digest(&SHA256, asked.as_bytes()).as_ref()[..4])
+}
+
+/// SHA-256 of the content of a trace, in hexadecimal.
+pub(crate) fn sha256_of(trace: &Path) -> Result<String, Error> {
+    let bytes = haptic_io::read(trace, haptic_sim::user::TRACE);
+    let bytes = bytes.map_err(haptic_sim::Error::cannot("read", &trace.display()))?;
+    Ok(hex(digest(&SHA256, &bytes).as_ref()))
 }
 
 fn hex(bytes: &[u8]) -> String {

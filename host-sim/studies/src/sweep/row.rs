@@ -4,6 +4,7 @@ use haptic_report::{Column, Columns, Rows};
 use haptic_sim::run::Verdict;
 use serde::{Deserialize, Serialize};
 
+use super::journal::{self, Kept};
 use super::metrics::METRICS;
 use crate::Error;
 
@@ -56,24 +57,31 @@ impl Row {
             .without("every_mode_stable")
     }
 
-    /// Heading of a file of rows.
-    pub(super) fn heading() -> String {
-        Self::columns().data().map(Column::name).collect::<Vec<_>>().join(",") + "\n"
-    }
-
     /// Rows as lines of a file of rows.
     ///
     /// # Errors
     /// A row that cannot be written as CSV.
     pub fn lines(rows: &[Self]) -> Result<Vec<u8>, Error> {
-        let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
-        rows.iter().try_for_each(|row| writer.serialize(row)).map_err(|cause| cause.to_string())?;
-        Ok(writer.into_inner().map_err(|cause| cause.to_string())?)
+        journal::lines(rows)
     }
 
     /// The rows that these lines hold, each as it is read.
     pub fn read(lines: &[u8]) -> impl Iterator<Item = csv::Result<Self>> {
-        csv::ReaderBuilder::new().has_headers(false).from_reader(lines).into_deserialize()
+        journal::read(lines)
+    }
+}
+
+impl Kept for Row {
+    const STUDY: &'static str = "sweep";
+    const ROWS: &'static str = "rows";
+    type Key = (usize, u32);
+
+    fn key(&self) -> (usize, u32) {
+        (self.point, self.seed)
+    }
+
+    fn heading() -> String {
+        Self::columns().data().map(Column::name).collect::<Vec<_>>().join(",") + "\n"
     }
 }
 

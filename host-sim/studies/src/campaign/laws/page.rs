@@ -8,6 +8,7 @@ use haptic_sim::run::Verdict;
 use super::tables::parts;
 use super::{LADDER, PACKET_BYTES, Row};
 use crate::Error;
+use crate::bench::page::BENCH;
 
 /// Between these lines of the page stands what `host-sim prove --page` writes.
 pub const PROOFS: [&str; 2] = ["<!-- proofs begin -->", "<!-- proofs end -->"];
@@ -22,12 +23,15 @@ pub const PAPERS: [&str; 2] = ["<!-- papers begin -->", "<!-- papers end -->"];
 const NO_PAPERS: &str =
     "<!-- table of host-sim published -->\n\nTwo constructions:\n\n<!-- table of host-sim published --regions -->";
 
-/// How the page calls its pictures.
-pub const PICTURES: [&str; 2] = ["laws.png", "laws-impedance.png"];
+/// What stands between the bench's lines at first.
+const NO_BENCH: &str = "No bench was run yet.";
+
+/// How the page calls its picture.
+pub const PICTURE: &str = "laws-impedance.png";
 /// The longest file of such a page.
 pub const MOST: Most = Most::new(1 << 22, "a page");
 
-/// The page, from the bench in the campaign's scene and with a packet a tick; of the `old` page the section of the proofs.
+/// The page, from the bench in the campaign's scene and with a packet a tick; of the `old` page the sections that others write.
 pub fn page(rows: &[Row], each_tick: &[Row], old: &str) -> String {
     let networks = rows.first().map_or(0, |row| row.cells.len());
     let [first, felt, judged] = parts(rows);
@@ -35,27 +39,28 @@ pub fn page(rows: &[Row], each_tick: &[Row], old: &str) -> String {
     let sections: String = rows.iter().map(section).collect();
     let proofs = between(old, PROOFS).filter(|proofs| !proofs.is_empty()).unwrap_or(NO_PROOFS);
     let papers = between(old, PAPERS).filter(|papers| !papers.is_empty()).unwrap_or(NO_PAPERS);
-    let ([begin, end], [first_paper, last_paper]) = (PROOFS, PAPERS);
-    let [laws, impedance] = PICTURES;
+    let bench = between(old, BENCH).filter(|bench| !bench.is_empty()).unwrap_or(NO_BENCH);
+    let ([begin, end], [first_paper, last_paper], [first_bench, last_bench]) = (PROOFS, PAPERS, BENCH);
     let ladder = LADDER.map(|setting| format!("`{setting}`")).join(", ");
     format!(
         "# Coordination laws beside each other\n\n\
-         Written by `host-sim campaign --laws all --page docs/laws.md`; do not edit it by hand. A law is one file in `core/src/law/` and one line in its\n\
-         list, or a crate of its own ([example](../examples/outside-law)); whatever stands here of it comes from what it declares beside itself and from what is measured.\n\n\
-         **One scene for all**: two users push 1 N toward each other, one adds 0.25 sin 3t N (the cooperation paper's §5.2); m_O = 0.3 kg, K_LC = 1000 N/m, B_LC = 2 N·s/m,\n\
-         8 ms one way, a packet every 8 ms; one solve a tick (`object.integrator = \"midpoint\"`, `coordination.decode = \"implicit\"`, no object delay); in silence every\n\
-         peer lets go as late ({ladder}), whatever its law declares. Each law\n\
-         has the gains that it declares, in the column K_T and below, and nothing is tuned here. {networks} networks, 20 seeds wherever a network draws random numbers, 20 s each; a\n\
-         network counts for a law only with what its worst seed does. Means are over the networks on which the law is stable: of a law that is stable on few they are\n\
-         of the easy ones. [What the columns mean](data.md#laws); [what stable, apart and NO mean](networks.md).\n\n\
-         ## Over {networks} networks\n\n```text\n{first}```\n\n\
-         ![True discrepancy against way, and the verdict of every law over every network]({laws})\n\n\
+         Which law is nearest, for how much drag: the bench. What each promises, keeps and costs at the gains that it declares: [below](#at-the-gains-that-laws-declare). Do not edit\n\
+         this page by hand. A law is one file in `core/src/law/` and one line in its list, or a crate of its own ([example](../examples/outside-law)).\n\n\
+         ## Fronts\n\n{first_bench}\n{bench}\n{last_bench}\n\n\
+         ## At the gains that laws declare\n\n\
+         Written by `host-sim campaign --laws all --page docs/laws.md`. **One scene for all**: two users push 1 N toward each other, one adds 0.25 sin 3t N (the cooperation paper's\n\
+         §5.2); m_O = 0.3 kg, K_LC = 1000 N/m, B_LC = 2 N·s/m, 8 ms one way, a packet every 8 ms; one solve a tick (`object.integrator = \"midpoint\"`, `coordination.decode =\n\
+         \"implicit\"`, no object delay); in silence every peer lets go as late ({ladder}), whatever its law declares. Each law\n\
+         has the gains that it declares, in the column K_T and below; nothing is tuned, so the table ranks no law: it says what holds where. {networks} networks, 20 seeds wherever a\n\
+         network draws random numbers, 20 s each; a network counts for a law only with what its worst seed does. Means are over the networks on which the law is stable: of a law that is\n\
+         stable on few they are of the easy ones. [What the columns mean](data.md#laws); [what stable, apart and NO mean](networks.md).\n\n\
+         ```text\n{first}```\n\n\
          The same with a packet every tick (`--set timing.ticks_per_packet=1 --set network.one_way_delay_packets=8`):\n\n```text\n{fast}```\n\n\
          ## What a hand feels, and what it costs\n\n\
          Z-width: the impedance with the far hand holding its device over that with it off, 0.5 to 2 Hz, in dB; lacks: damping that the device would need for what is felt to be passive\n\
          from 0.5 to 50 Hz. A packet has {PACKET_BYTES} bytes (sealed, UDP, IPv4). Instructions are of a tick in f32 on a Cortex-M7 (QEMU;\n\
          `cargo xtask count`); `-` was not counted.\n\n```text\n{felt}```\n\n\
-         ![Impedance that a hand feels, law by law]({impedance})\n\n\
+         ![Impedance that a hand feels, law by law]({PICTURE})\n\n\
          ## Stability region\n\n\
          First unstable K_T with both hands on, one and none, and first unstable K_LC in the worst mode, by the analyser, from 0 to 20,000 N/m (20000: none). Nothing is said of a law that is not\n\
          linear. Every crossing is in the files (`--out`).\n\n```text\n{judged}```\n\n\

@@ -15,7 +15,7 @@ pub const TO_N_PER_M: f64 = 20_000.0;
 const SAME: f64 = 1e-3;
 
 /// A spectral radius above this grows by 10¹⁰ in a run of the campaign, packet by packet of 8 ms: such a run cannot be stable.
-const GROWS: f64 = 1.01;
+pub(crate) const GROWS: f64 = 1.01;
 
 /// Frequencies at which that is looked at, Hz.
 const LOOKED_AT_HZ: [f64; 2] = [1.0, 10.0];
@@ -63,7 +63,7 @@ pub fn judged(scene: &Scene, runs: bool) -> Result<Stability, Error> {
 }
 
 /// Why no matrix says all of this law, if so.
-fn not_linear(scene: &Scene) -> Result<Option<&'static str>, Error> {
+pub(crate) fn not_linear(scene: &Scene) -> Result<Option<&'static str>, Error> {
     if !is_linear(scene)? {
         return Ok(Some("the law is not linear: its answer to a sum is not the sum of its answers"));
     }

@@ -1,0 +1,276 @@
+//! A network between two machines, measured packet by packet: a prober that sends, a listener that answers, and a trace of what became of each.
+//!
+//! A probe is as long as a sealed packet of a scene (88 bytes) and carries its number and when it left; the answer, as long, carries that back, when the probe came,
+//! when the answer left, and how many probes have come so far. Each end has only its own monotonic clock:
+//!
+//! - **One way, each way.** A delay of two clocks that do not agree is off by a constant, so that of each direction is taken less its least one, as irtt's are. Clocks
+//!   that run unlike make one direction longer and the other shorter: half the difference of what the quickest of the first and of the last third of a measurement
+//!   changed each way is their drift, and is taken out. What is constant is half of the quickest round trip.
+//! - **Lost where.** The count tells how many of the probes between two answers came. All or none of them: then it is known of each. Else the first of them are
+//!   booked as lost on the way back.
+//!
+//! **Bounds**: at most [`MOST_PER_S`] probes a second, and [`MOST_S`] s; a listener answers no more than that, nothing that is no probe, and never with more bytes than
+//! came, so that nobody is served by it to flood another. It has no key: who can reach it can measure, for as long as it runs.
+
+use std::net::{SocketAddr, UdpSocket};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use haptic_sim::network::rule::{Arrival, NetworkTrace};
+use serde::Serialize;
+
+use super::Error;
+use super::endpoint::Stop;
+
+/// Most probes a second, and longest measurement, s.
+pub const MOST_PER_S: f64 = 1000.0;
+/// Longest measurement, s.
+pub const MOST_S: f64 = 3600.0;
+
+/// Bytes of a probe and of its answer.
+const LEN: usize = 88;
+const MAGIC: [u8; 8] = *b"hapticm1";
+/// How long the last answers are waited for.
+const LAST: Duration = Duration::from_secs(1);
+/// How often it is asked whether to stop.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// Numbers of a probe and its answer, in their order on the wire, ns since the clock of whoever says it began.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Stamps {
+    number: u64,
+    left_ns: u64,
+    /// Probes that had come by then; 0 in a probe.
+    count: u64,
+    came_ns: u64,
+    answered_ns: u64,
+}
+
+impl Stamps {
+    fn bytes(self) -> [u8; LEN] {
+        let mut bytes = [0; LEN];
+        let numbers = [self.number, self.left_ns, self.count, self.came_ns, self.answered_ns].map(u64::to_le_bytes);
+        let whole = MAGIC.into_iter().chain(numbers.into_iter().flatten());
+        bytes.iter_mut().zip(whole).for_each(|(to, from)| *to = from);
+        bytes
+    }
+
+    fn read(bytes: &[u8]) -> Option<Self> {
+        let rest = bytes.strip_prefix(&MAGIC).filter(|_| bytes.len() == LEN)?;
+        let mut numbers = rest.chunks_exact(8).filter_map(|chunk| Some(u64::from_le_bytes(chunk.try_into().ok()?)));
+        let mut next = || numbers.next();
+        Some(Self { number: next()?, left_ns: next()?, count: next()?, came_ns: next()?, answered_ns: next()? })
+    }
+}
+
+fn bound(listen: SocketAddr) -> Result<UdpSocket, Error> {
+    let failed = haptic_sim::Error::cannot("listen on", &listen);
+    let socket = UdpSocket::bind(listen).map_err(&failed)?;
+    socket.set_read_timeout(Some(LOOK)).map_err(&failed)?;
+    Ok(socket)
+}
+
+/// What a listener did.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Listened {
+    /// Probes that came and were answered.
+    pub answered: u64,
+    /// Datagrams that were none, or too many.
+    pub ignored: u64,
+}
+
+/// Answers probes for so long, or until it is stopped; `ready` gets the address.
+///
+/// # Errors
+/// The address cannot be listened on.
+pub fn listen(
+    address: SocketAddr,
+    duration_s: f64,
+    stop: &Stop,
+    ready: impl FnOnce(SocketAddr),
+) -> Result<Listened, Error> {
+    let socket = bound(address)?;
+    ready(socket.local_addr().map_err(haptic_sim::Error::cannot("listen on", &address))?);
+    let (start, mut buffer) = (Instant::now(), [0; LEN + 1]);
+    let now_ns = || start.elapsed().as_nanos() as u64;
+    let mut listened = Listened::default();
+    // Whose probes they are, how many came, and in which second how many were answered.
+    let (mut whose, mut count, mut second, mut in_second) = (None, 0, 0, 0);
+    while start.elapsed().as_secs_f64() < duration_s.min(MOST_S) && !stop.is_asked() {
+        let Ok((length, from)) = socket.recv_from(&mut buffer) else { continue };
+        let came_ns = now_ns();
+        if came_ns / 1_000_000_000 != second {
+            (second, in_second) = (came_ns / 1_000_000_000, 0);
+        }
+        in_second += 1;
+        let probe = Stamps::read(&buffer[..length]).filter(|_| f64::from(in_second) <= 1.1 * MOST_PER_S);
+        let Some(probe) = probe else {
+            listened.ignored += 1;
+            continue;
+        };
+        if whose.replace(from) != Some(from) || probe.number == 0 {
+            count = 0;
+        }
+        count += 1;
+        listened.answered += 1;
+        let answer = Stamps { count, came_ns, answered_ns: now_ns(), ..probe };
+        // What cannot be sent is lost, as anywhere on its way.
+        let _ = socket.send_to(&answer.bytes(), from);
+    }
+    Ok(listened)
+}
+
+/// What a measurement found.
+#[derive(Clone, Debug, Serialize)]
+pub struct Measured {
+    /// Probes that were sent, and those whose answer came.
+    pub sent: u64,
+    /// Answers that came.
+    pub answered: u64,
+    /// Lost on the way there, and back.
+    pub lost: [u64; 2],
+    /// Half of the quickest round trip, ms: what is constant, and in no trace.
+    pub constant_ms: f64,
+    /// Largest delay beyond that, there and back, ms.
+    pub most_ms: [f64; 2],
+    /// By how much the other clock is faster, which was taken out, ppm.
+    pub drift_ppm: f64,
+    /// What became of each probe.
+    #[serde(skip)]
+    pub trace: NetworkTrace,
+}
+
+/// An answer, and when it came.
+type Came = (Stamps, u64);
+
+/// Sends a probe every so often for so long, or until it is stopped; from this address, or from any.
+///
+/// # Errors
+/// More or longer than the bounds allow, no socket, or not one answer.
+pub fn probe(
+    to: SocketAddr,
+    from: Option<SocketAddr>,
+    every_s: f64,
+    duration_s: f64,
+    stop: &Stop,
+) -> Result<Measured, Error> {
+    if 1.0 / every_s > MOST_PER_S * (1.0 + 1e-9) || duration_s > MOST_S {
+        return Err(format!("at most {MOST_PER_S} probes a second for {MOST_S} s are allowed").into());
+    }
+    let any: SocketAddr = if to.is_ipv4() { ([0, 0, 0, 0], 0).into() } else { ([0; 16], 0).into() };
+    let socket = bound(from.unwrap_or(any))?;
+    socket.connect(to).map_err(haptic_sim::Error::cannot("reach", &to))?;
+    let start = Instant::now();
+    let now_ns = || start.elapsed().as_nanos() as u64;
+    let over = Stop::default();
+    let (sent, answers) = thread::scope(|scope| {
+        let hearing = scope.spawn(|| {
+            let (mut answers, mut buffer) = (Vec::new(), [0; LEN + 1]);
+            while !over.is_asked() {
+                let Ok(length) = socket.recv(&mut buffer) else { continue };
+                answers.extend(Stamps::read(&buffer[..length]).map(|answer| (answer, now_ns())));
+            }
+            answers
+        });
+        let mut number = 0;
+        while (number as f64) * every_s < duration_s && !stop.is_asked() {
+            let due = Duration::from_secs_f64(number as f64 * every_s);
+            thread::sleep(due.saturating_sub(start.elapsed()));
+            // A probe that cannot be sent is lost there.
+            let _ = socket.send(&Stamps { number, left_ns: now_ns(), ..Stamps::default() }.bytes());
+            number += 1;
+        }
+        let last = Instant::now();
+        while last.elapsed() < LAST && !stop.is_asked() {
+            thread::sleep(LOOK);
+        }
+        over.ask();
+        (number, hearing.join().unwrap_or_default())
+    });
+    measured(sent, &answers)
+        .ok_or_else(|| format!("no answer came from {to}: does `network measure --listen` run there?").into())
+}
+
+/// What these answers to so many probes say; none where there are none.
+fn measured(sent: u64, answers: &[Came]) -> Option<Measured> {
+    let mut by_number: Vec<Option<Came>> = vec![None; sent as usize];
+    for came in answers {
+        if let Some(place) = usize::try_from(came.0.number).ok().and_then(|number| by_number.get_mut(number)) {
+            place.get_or_insert(*came);
+        }
+    }
+    let each_way = |(stamps, back_ns): Came| {
+        let there = stamps.came_ns as f64 - stamps.left_ns as f64;
+        let back = back_ns as f64 - stamps.answered_ns as f64;
+        (stamps.left_ns as f64, [there, back])
+    };
+    let all: Vec<(f64, [f64; 2])> = by_number.iter().flatten().map(|came| each_way(*came)).collect();
+    let drift = drift(&all);
+    let straight = |(at, [there, back]): (f64, [f64; 2])| [there - drift * at, back + drift * at];
+    let least = [0, 1].map(|way| all.iter().map(|one| straight(*one)[way]).fold(f64::INFINITY, f64::min));
+    let trip = |(_, [there, back]): &(f64, [f64; 2])| there + back;
+    let quickest = all.iter().map(trip).fold(f64::INFINITY, f64::min);
+    let mut found = Measured {
+        sent,
+        answered: all.len() as u64,
+        lost: [0; 2],
+        constant_ms: 1e-6 * 0.5 * quickest,
+        most_ms: [0.0; 2],
+        drift_ppm: 1e6 * drift,
+        trace: NetworkTrace::default(),
+    };
+    let mut packets = [Vec::new(), Vec::new()];
+    // The number of those that had come by the last answer, and the probes since that have none.
+    let (mut counted, mut missing) = (0, 0_u64);
+    let mut last = [Arrival { delay_ns: 0, corrupt: false }; 2];
+    let mut missed = |missing: &mut u64, came: u64, packets: &mut [Vec<Vec<Arrival>>; 2], last: [Arrival; 2]| {
+        for at in 0..*missing {
+            let way = usize::from(at < came);
+            found.lost[way] += 1;
+            packets[way].push(Vec::new());
+            packets[1 - way].push(vec![last[1 - way]]);
+        }
+        *missing = 0;
+    };
+    let mut most_ms = [0.0_f64; 2];
+    for came in &by_number {
+        let Some(came) = came else {
+            missing += 1;
+            continue;
+        };
+        // One that overtook is no less than the one before.
+        let between = came.0.count.saturating_sub(counted + 1).min(missing);
+        counted = counted.max(came.0.count);
+        missed(&mut missing, between, &mut packets, last);
+        let delays = straight(each_way(*came));
+        for way in [0, 1] {
+            let more_ns = (delays[way] - least[way]).max(0.0);
+            most_ms[way] = most_ms[way].max(1e-6 * more_ns);
+            last[way] = Arrival { delay_ns: more_ns.round() as u64, corrupt: false };
+            packets[way].push(vec![last[way]]);
+        }
+    }
+    // Of those after the last answer nothing is known: there.
+    missed(&mut missing, 0, &mut packets, last);
+    Some(Measured { most_ms, trace: NetworkTrace::of_packets(packets), ..found }).filter(|_| !all.is_empty())
+}
+
+/// By how much the other clock is faster, relative: half of what the quickest of the last third is longer there, and shorter back, than that of the first.
+fn drift(all: &[(f64, [f64; 2])]) -> f64 {
+    let third = all.len() / 3;
+    let quickest = |some: &[(f64, [f64; 2])], way: usize| {
+        some.iter().map(|(at, delays)| (*at, delays[way])).min_by(|one, other| one.1.total_cmp(&other.1))
+    };
+    let slope = |way: usize| {
+        let (first, last) = (quickest(all.get(..third)?, way)?, quickest(all.get(all.len() - third..)?, way)?);
+        Some((last.1 - first.1) / (last.0 - first.0))
+    };
+    match (slope(0), slope(1)) {
+        (Some(there), Some(back)) if third > 0 => 0.5 * (there - back),
+        _ => 0.0,
+    }
+}
+
+#[cfg(test)]
+#[path = "../tests/inside/measuring.rs"]
+mod tests;

@@ -1,0 +1,144 @@
+//! `host-sim bench`: coordination laws tuned by one search under the same bounds, and tested on other networks.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use haptic_core::law::Sends;
+use haptic_io::Kind;
+use haptic_plot::{Error, write_file};
+use haptic_report::Provenance;
+use haptic_studies::bench::networks::{Network, TEST};
+use haptic_studies::bench::page::{BENCH, PICTURE, section};
+use haptic_studies::bench::{Found, figure, tables};
+use haptic_studies::campaign::laws::asked_for;
+use haptic_studies::campaign::laws::page::{MOST, with};
+use haptic_studies::{bench, sweep};
+use serde_json::json;
+
+use super::flags::Out;
+use super::{Failure, Ui};
+
+#[derive(Debug, Args)]
+pub(super) struct Bench {
+    /// A law to bench; may be repeated. Without it, every law that sends something.
+    #[arg(long, value_name = "NAME")]
+    law: Vec<String>,
+    /// Tunings of each law; a small one is a rehearsal.
+    #[arg(long, default_value_t = 240, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    budget: u32,
+    /// Runs over each network that draws random numbers, from seed 1 on.
+    #[arg(long, default_value_t = 4, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    seeds: u32,
+    /// Seed of the search.
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    search_seed: u32,
+    /// A network that was measured, as one more to test on: a file of `irtt client -o`, or of `network trace` or `network measure`; may be repeated.
+    #[arg(long, value_name = "FILE")]
+    trace: Vec<PathBuf>,
+    /// Also write the bench into this page, between its two lines; the picture then stands beside it.
+    #[arg(long, value_name = "FILE")]
+    page: Option<PathBuf>,
+    #[command(flatten)]
+    out: Out,
+}
+
+impl Bench {
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
+        let bench = self.bench(ui)?;
+        let question = bench.question(ui.provenance())?;
+        let folder = ui.writes(&self.out).then(|| self.folder(&question));
+        let kept = folder.as_deref().map(|folder| (folder, &question));
+        let (found, wall_s) = ui.work(bench.steps(), "bench", |step| bench.run(kept, &|| step()))?;
+        let files = match &folder {
+            Some(folder) => self.files(ui, folder, &question, &found)?,
+            None => Vec::new(),
+        };
+        let pages = match &self.page {
+            Some(page) => self.write_page(page, &bench, &found, wall_s)?,
+            None => Vec::new(),
+        };
+        let files = [files, pages].concat();
+        let (fronts, points) = (tables::fronts(&found.points), tables::points(&found.points));
+        ui.document_of(&question, &json!({ "fronts": fronts, "points": points, "wall_s": wall_s, "files": files }))?;
+        let [moved, felt] = tables::parts(&found.points);
+        writeln!(
+            ui,
+            "True discrepancy of the worst test network, mm/N, at a law's own gains and at the best within each bound of what a hand feels\n"
+        );
+        ui.table(&fronts);
+        ui.table(&moved);
+        ui.table(&felt);
+        let runs: usize = found.points.iter().map(|point| point.runs.len()).sum();
+        writeln!(ui, "{} tunings and {runs} runs in {wall_s:.0} s", found.tunings.len());
+        ui.wrote(&files);
+        Ok(())
+    }
+
+    /// What is asked.
+    fn bench(&self, ui: &Ui) -> Result<bench::Bench, Failure> {
+        let chosen = match self.law.as_slice() {
+            [] => ui.laws.all().iter().filter(|law| law.sends != Sends::Nothing).collect(),
+            names => asked_for(ui.laws, &names.join(",")).map_err(|error| format!("--law: {error}"))?,
+        };
+        let mut networks = Network::named(TEST);
+        for trace in &self.trace {
+            networks.push(Network::of_trace(trace).map_err(|error| format!("--trace: {error}"))?);
+        }
+        Ok(bench::Bench {
+            laws: ui.laws,
+            chosen,
+            budget: self.budget as usize,
+            seeds: self.seeds,
+            search_seed: self.search_seed,
+            networks,
+            traces: self.trace.clone(),
+        })
+    }
+
+    /// Where it is kept: one folder for a question, so that asking again goes on.
+    fn folder(&self, question: &Provenance) -> PathBuf {
+        let usual = || Path::new("out/bench").join(sweep::tag(question));
+        self.out.out.clone().unwrap_or_else(usual)
+    }
+
+    /// Tables and figure in the folder of the bench.
+    fn files(&self, ui: &Ui, folder: &Path, question: &Provenance, found: &Found) -> Result<Vec<PathBuf>, Failure> {
+        let out = self.out.in_folder(folder.to_owned());
+        let runs: Vec<_> = found.points.iter().flat_map(|point| &point.runs).collect();
+        let tables = [
+            ("fronts", tables::fronts(&found.points)),
+            ("gains", tables::points(&found.points)),
+            ("all-runs", tables::runs(&runs)),
+            ("all-tunings", tables::tunings(&found.tunings)),
+        ];
+        let mut files = Vec::new();
+        for (name, table) in &tables {
+            files.extend(ui.files(&out, "bench", name, question, |files| {
+                files.csv(table)?;
+                files.parquet(table)?;
+                if *name == "fronts" { files.figure(None, &figure::fronts(&found.points)) } else { Ok(()) }
+            })?);
+        }
+        Ok(files)
+    }
+
+    /// Writes the bench into its part of a page, and its picture.
+    fn write_page(
+        &self,
+        page: &Path,
+        bench: &bench::Bench,
+        found: &Found,
+        wall_s: f64,
+    ) -> Result<Vec<PathBuf>, Failure> {
+        let old = haptic_io::text(page, MOST).map_err(haptic_sim::Error::cannot("read", &page.display()))?;
+        let text = with(&old, BENCH, &section(bench, found, wall_s))?;
+        write_file(page, "Markdown", text.as_bytes(), Kind::Named)?;
+        let path = page.with_file_name(PICTURE);
+        let painted = haptic_plot::paint(&figure::fronts(&found.points), haptic_plot::Print::default(), "");
+        let painted = painted.map_err(Error::write(&path, "a figure"))?;
+        for (_, bytes) in painted.into_iter().filter(|(ending, _)| *ending == "png") {
+            write_file(&path, "PNG", &bytes, Kind::Named)?;
+        }
+        Ok(vec![page.to_owned(), path])
+    }
+}

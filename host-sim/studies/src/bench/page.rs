@@ -1,0 +1,49 @@
+//! The bench's part of docs/laws.md, which stands between two lines of its own; the rest of that page other commands write.
+
+use super::points::Point;
+use super::protocol::BOUNDS_N_S_PER_M;
+use super::tables;
+use super::{Bench, Found};
+
+/// Between these lines of the page stands what `host-sim bench --page` writes.
+pub const BENCH: [&str; 2] = ["<!-- bench begin -->", "<!-- bench end -->"];
+
+/// How the page calls its picture.
+pub const PICTURE: &str = "laws-bench.png";
+
+/// What the page says of a bench.
+pub fn section(bench: &Bench, found: &Found, wall_s: f64) -> String {
+    let fronts = tables::fronts(&found.points);
+    let [moved, felt] = tables::parts(&found.points);
+    let bounds = BOUNDS_N_S_PER_M.map(|bound| bound.to_string()).join(", ");
+    let networks: Vec<&str> = bench.networks.iter().map(|network| network.name.as_str()).collect();
+    let gains: String = found.points.iter().filter(|point| point.name != "declared").map(line).collect();
+    format!(
+        "Written by `host-sim bench --page docs/laws.md` by [the protocol](bench.md): one scene, {budget} tunings for every law by the same search, on networks apart\n\
+         from those of the test; what a hand alone feels is bounded by {bounds} N·s/m (|Z| at 1 Hz), each bound a point of a law's front. Test networks, {seeds} seeds each: {networks}.\n\
+         {runs} runs of the test and {tunings} tunings took {wall_s:.0} s. [What the columns mean](data.md#the-bench); every run and tuning is in the files (`--out`).\n\n\
+         True discrepancy over the force of contact under pushes against each other, **worst test network**, mm/N, at the gains that a law declares (with what a hand then feels) and at\n\
+         the best that the search found within each bound; `-`: there are none within it, or a run stopped. *stops*: runs of any motion in which a peer stopped.\n\n\
+         ```text\n{fronts}```\n\n\
+         ![Fronts: true discrepancy of the worst network against what a hand feels, law by law]({PICTURE})\n\n\
+         What the hands meet, motion by motion: *against* mm/N and largest instant in mm, *together* the way of a common push of 1 s in mm (not normalised) and the largest force\n\
+         at a hand, *led* by an arm over 200 mm at 0.7 Hz the distance in mm, force at the hand, its largest change in a tick and its error, *contact* made and lost, a hand\n\
+         *let go*. A force is that of the motor at the hand; means of the worst network, the largest of any run where it says peak, change or worst.\n\n\
+         ```text\n{moved}```\n\n\
+         What a hand feels, the mass of the object, the least balance of energy of the link in J (what it began with, E₀, may be given back: `coordination.tank_j`,\n\
+         `coordination.carry_energy_j`), and what it costs. *tuning*: what the search saw on its own networks.\n\n\
+         ```text\n{felt}```\n\n\
+         Gains that the search chose:\n\n{gains}",
+        budget = bench.budget,
+        seeds = bench.seeds,
+        networks = networks.join(", "),
+        runs = found.points.iter().map(|point| point.runs.len()).sum::<usize>(),
+        tunings = found.tunings.len(),
+    )
+}
+
+/// The gains of a point as a line of a list.
+fn line(point: &Point) -> String {
+    let name = if point.tuning.number == 0 { "its own".to_owned() } else { format!("`{}`", point.tuning.gains) };
+    format!("- `{}` {}: {name}\n", point.law.name, point.name)
+}

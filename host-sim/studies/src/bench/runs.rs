@@ -1,0 +1,148 @@
+//! The test of some gains: every motion over every test network, with every seed, measured at the hand.
+
+use haptic_core::names::Choice;
+use haptic_core::settings::LawInfo;
+use haptic_sim::measure::at_hand;
+use haptic_sim::run::Outcome;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::motions::{ALL, Motion};
+use super::search::Tuning;
+use super::tables::{self, heading};
+use super::{Bench, Step, networks, protocol};
+use crate::Error;
+use crate::campaign::networks::is_random;
+use crate::sweep::Kept;
+
+/// One run. What is no number there is NaN: of a run in which a peer stopped, all but what was measured until then.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Run {
+    /// Name of the law.
+    pub law: String,
+    /// Name of its gains: `declared`, or the bound within which they were chosen.
+    pub point: String,
+    /// Name of the motion.
+    pub motion: String,
+    /// Name of the network.
+    pub network: String,
+    /// `network.seed` of the run.
+    pub seed: u32,
+    /// Whether a peer stopped, or what the run did grew until its end.
+    pub stopped: bool,
+    /// Why, or why the copies came apart; else empty.
+    pub reason: String,
+    /// Mean of |x_o1 − x_o2| over the last half, mm.
+    pub true_mm: f64,
+    /// Largest |x_o1 − x_o2|, mm.
+    pub worst_true_mm: f64,
+    /// That mean over the mean force of contact, mm/N.
+    pub mm_per_n: f64,
+    /// Largest force at either hand, N.
+    pub hand_peak_n: f64,
+    /// Largest change of it in a tick, N.
+    pub hand_change_n: f64,
+    /// Root mean square of the force at a hand less the same without a network, N.
+    pub hand_error_n: f64,
+    /// Where both copies are in the end, mm.
+    pub way_mm: f64,
+    /// Least balance of the energy of the link, J.
+    pub least_balance_j: f64,
+    /// Packets that a peer sent, /s.
+    pub packets_per_s: f64,
+    /// The same in bytes, /s.
+    pub bytes_per_s: f64,
+}
+
+impl Kept for Run {
+    const STUDY: &'static str = "bench";
+    const ROWS: &'static str = "runs";
+    type Key = (String, String, String, String, u32);
+
+    fn key(&self) -> Self::Key {
+        (self.law.clone(), self.point.clone(), self.motion.clone(), self.network.clone(), self.seed)
+    }
+
+    fn heading() -> String {
+        heading(&tables::runs(&[]))
+    }
+}
+
+/// Every run of these gains of a law, in the order of motions, networks and seeds; what is `there` already is not run again.
+///
+/// # Errors
+/// What `keep` refuses, or a scene that cannot be run.
+pub fn test(
+    bench: &Bench,
+    law: &LawInfo,
+    point: &str,
+    tuning: &Tuning,
+    there: Vec<Run>,
+    keep: &(dyn Fn(&[Run]) -> Result<(), Error> + Sync),
+    step: Step<'_>,
+) -> Result<Vec<Run>, Error> {
+    let scene = protocol::scene(bench.laws, law, &tuning.gains)?;
+    let of_motion = |motion: Motion| {
+        let mut jobs = Vec::new();
+        for network in &bench.networks {
+            let over = motion.of(&network.over(&scene)?)?;
+            let seeds = if is_random(&over) { bench.seeds } else { 1 };
+            for seed in 1..=seeds {
+                let mut over = over.clone();
+                over.world.network.seed = seed;
+                let is_it = |run: &&Run| run.motion == motion.name() && run.network == network.name && run.seed == seed;
+                jobs.push((over, network.name.as_str(), there.iter().find(is_it)));
+            }
+        }
+        let duration_s = motion.duration_s();
+        let free = match jobs.iter().all(|(.., known)| known.is_some()) {
+            true => None,
+            false => Some(at_hand::run(&motion.of(&networks::perfect(&scene)?)?, duration_s, None)?),
+        };
+        let run = |(over, network, known): (_, &str, Option<&Run>)| {
+            if let Some(known) = known {
+                return Ok(known.clone());
+            }
+            let free = free.as_ref().filter(|free| free.outcome.fault.is_none()).map(|free| free.forces.as_slice());
+            let found = at_hand::run(&over, duration_s, free)?;
+            let row = row([law.name, point, motion.name(), network], over.world.network.seed, &found, motion);
+            keep(std::slice::from_ref(&row))?;
+            Ok::<_, Error>(row)
+        };
+        let runs = jobs.into_iter().map(run).collect::<Result<Vec<_>, _>>()?;
+        step();
+        Ok::<_, Error>(runs)
+    };
+    let runs = ALL.into_par_iter().map(of_motion).collect::<Result<Vec<_>, _>>()?;
+    Ok(runs.into_iter().flatten().collect())
+}
+
+/// The row of a run.
+fn row([law, point, motion, network]: [&str; 4], seed: u32, found: &at_hand::AtHand, of: Motion) -> Run {
+    let outcome = &found.outcome;
+    // What grows is told of where hands push on without end; other motions end when they are largest.
+    let fails = |outcome: &Outcome| if of == Motion::Against { !outcome.bounded } else { outcome.fault.is_some() };
+    let stopped = fails(outcome);
+    let reason = outcome.reason.filter(|_| stopped || of == Motion::Against);
+    let whole = |value: f64| if stopped { f64::NAN } else { value };
+    let (figures, force_n) = (&outcome.whole, outcome.whole.contact_force_n);
+    Run {
+        law: law.to_owned(),
+        point: point.to_owned(),
+        motion: motion.to_owned(),
+        network: network.to_owned(),
+        seed,
+        stopped,
+        reason: reason.map_or_else(String::new, |reason| reason.to_string()),
+        true_mm: whole(figures.true_discrepancy_mm),
+        worst_true_mm: figures.largest_true_discrepancy_mm,
+        mm_per_n: if force_n > 0.0 { whole(figures.true_discrepancy_mm / force_n) } else { f64::NAN },
+        hand_peak_n: found.peak_n,
+        hand_change_n: found.change_n,
+        hand_error_n: found.error_rms_n.unwrap_or(f64::NAN),
+        way_mm: whole(1e3 * found.way_m),
+        least_balance_j: found.least_balance_j,
+        packets_per_s: outcome.packets_per_s,
+        bytes_per_s: outcome.bytes_per_s(),
+    }
+}

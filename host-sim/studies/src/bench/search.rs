@@ -1,0 +1,294 @@
+//! The tuning of a law: so many tunings, the first its own gains, half of them random, the others around the best so far.
+//!
+//! | tunings | gains |
+//! |---|---|
+//! | number 0 | as the law declares them |
+//! | up to half of the budget | points of Sobol's sequence over the ranges of [`protocol::gains`] |
+//! | the rest, in [`ROUNDS`] rounds | the best within one of the bounds, in turn, about half of its gains moved at random: by [`STEP`] of a range at first, each round by [`SHRINK`] of the last |
+//!
+//! A tuning **counts** whatever comes of it: gains that the law refuses, gains that are not stable, gains of which a hand feels too much. It is measured no
+//! further than what it fails first:
+//!
+//! | in this order | on | admitted |
+//! |---|---|---|
+//! | what a hand feels at 0.2, 1 and 5 Hz ([`haptic_sim::measure::led`]) | 8 ms and 24 ms, nothing lost, the larger of both | mass at 1 Hz up to [`protocol::MOST_MASS_KG`], \|Z\| up to the largest bound |
+//! | every mode, by the analyser, of a law that is linear | 8 ms | stable |
+//! | a hand lets go | 8 ms | nobody stops, nothing grows |
+//! | one hand is led for 3 s | every tuning network | nobody stops |
+//! | pushes against each other for 6 s | every tuning network | nobody stops, nothing grows |
+//!
+//! What is made least is the **worst tuning network's** distance of the copies over the force of contact, mm/N.
+
+use haptic_analysis::{Hands, judge};
+use haptic_core::names::Choice;
+use haptic_core::settings::{LawInfo, Value};
+use haptic_sim::measure::led::felt;
+use haptic_sim::rng::Rng;
+use haptic_sim::run::{Options, Outcome, Verdict, run};
+use haptic_sim::scene::Scene;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::motions::Motion;
+use super::networks::{Network, TUNING};
+use super::protocol::{self, BOUNDS_N_S_PER_M, FREQUENCIES_HZ, Gain, MOST_AT_5_HZ_N_S_PER_M, MOST_MASS_KG};
+use super::tables::{self, heading};
+use super::{Bench, Step};
+use crate::Error;
+use crate::campaign::laws::stability::{GROWS, not_linear};
+use crate::sweep::{Design, Kept, Sample};
+
+/// Rounds of the search around the best.
+const ROUNDS: usize = 5;
+/// How far a gain is moved in the first of them (standard deviation), of its range.
+const STEP: f64 = 0.15;
+/// And by how much less in each next one.
+const SHRINK: f64 = 0.6;
+/// Time of the runs, s.
+const PUSHED_S: f64 = 6.0;
+const LED_S: f64 = 3.0;
+/// First seed of the tuning networks; those of the test begin at 1.
+const SEED: u32 = 1001;
+
+/// One tuning of a law.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Tuning {
+    /// Name of the law.
+    pub law: String,
+    /// Its number, from 0.
+    pub number: usize,
+    /// The gains, as settings with blanks between; none are the law's own.
+    pub gains: String,
+    /// |Z| that a hand alone feels at [`FREQUENCIES_HZ`] on the worse of the constant tuning networks, N·s/m; NaN where it was not measured.
+    pub felt_n_s_per_m: [f64; 3],
+    /// The object's mass as felt at 1 Hz, kg: what pulls it back shows as less.
+    pub mass_kg: f64,
+    /// The worst tuning network's distance of the copies over the force of contact, mm/N; NaN where it was not measured.
+    pub worst_mm_per_n: f64,
+    /// Why it is not admitted; empty where it is.
+    pub reason: String,
+}
+
+impl Kept for Tuning {
+    const STUDY: &'static str = "bench";
+    const ROWS: &'static str = "tunings";
+    type Key = (String, usize);
+
+    fn key(&self) -> (String, usize) {
+        (self.law.clone(), self.number)
+    }
+
+    fn heading() -> String {
+        heading(&tables::tunings(&[]))
+    }
+}
+
+impl Tuning {
+    /// How much more than this bound a hand feels, at the worst of the frequencies, relative; 0 within it.
+    fn excess(&self, bound_n_s_per_m: f64) -> f64 {
+        let most = [bound_n_s_per_m, bound_n_s_per_m, MOST_AT_5_HZ_N_S_PER_M];
+        let over = |(felt, most): (&f64, f64)| if felt.is_nan() { 0.0 } else { (felt / most - 1.0).max(0.0) };
+        self.felt_n_s_per_m.iter().zip(most).map(over).fold((self.mass_kg / MOST_MASS_KG - 1.0).max(0.0), f64::max)
+    }
+
+    /// Whether it may be chosen within this bound.
+    pub fn is_within(&self, bound_n_s_per_m: f64) -> bool {
+        self.reason.is_empty() && self.worst_mm_per_n.is_finite() && self.excess(bound_n_s_per_m) == 0.0
+    }
+
+    /// What the search makes least within a bound: what is admitted before what is not, and that by how far it is from it.
+    fn cost(&self, bound_n_s_per_m: f64) -> f64 {
+        match () {
+            () if self.is_within(bound_n_s_per_m) => self.worst_mm_per_n,
+            () if self.felt_n_s_per_m[1].is_nan() => f64::MAX,
+            () if self.reason.is_empty() => 1e6 * (1.0 + self.excess(bound_n_s_per_m)),
+            () => 1e9 * (1.0 + self.excess(bound_n_s_per_m)),
+        }
+    }
+}
+
+/// The best within a bound, the first of equals.
+pub fn best(tunings: &[Tuning], bound_n_s_per_m: f64) -> Option<&Tuning> {
+    let cost = |tuning: &&Tuning| tuning.cost(bound_n_s_per_m);
+    tunings.iter().min_by(|one, other| cost(one).total_cmp(&cost(other)))
+}
+
+/// What is tested of a law: its own gains, and the best within each bound if there is any, by name.
+pub fn chosen(tunings: &[Tuning]) -> Vec<(String, Tuning)> {
+    let own = tunings.first().map(|tuning| ("declared".to_owned(), tuning.clone()));
+    let tuned = BOUNDS_N_S_PER_M.iter().filter_map(|bound| {
+        let best = best(tunings, *bound).filter(|best| best.is_within(*bound))?;
+        Some((point_name(*bound), best.clone()))
+    });
+    own.into_iter().chain(tuned).collect()
+}
+
+/// Name of the best gains within a bound.
+pub fn point_name(bound_n_s_per_m: f64) -> String {
+    format!("≤ {bound_n_s_per_m}")
+}
+
+/// Tunes a law, with what is `there` already; `keep` gets every new tuning.
+///
+/// # Errors
+/// What `keep` refuses, or a law that its own gains do not suit.
+pub fn tune(
+    bench: &Bench,
+    law: &'static LawInfo,
+    there: Vec<Tuning>,
+    keep: &(dyn Fn(&[Tuning]) -> Result<(), Error> + Sync),
+    step: Step<'_>,
+) -> Result<Vec<Tuning>, Error> {
+    let gains = protocol::gains(bench.laws, law)?;
+    let own = protocol::scene(bench.laws, law, "")?;
+    let is_linear = is_linear(&own)?;
+    let spreads = gains.iter().map(|gain| format!("{}=0..1", gain.key).parse()).collect::<Result<Vec<_>, _>>()?;
+    let random = (bench.budget / 2).max(1);
+    let sample = Sample::new(Design::Sobol, random, bench.search_seed, spreads)?;
+    let mut tunings: Vec<Tuning> = Vec::new();
+    let tried = |texts: Vec<String>, tunings: &mut Vec<Tuning>| -> Result<(), Error> {
+        let first = tunings.len();
+        let tune = |(at, gains): (usize, String)| {
+            let number = first + at;
+            // What was found for other gains, as by another search, is no answer.
+            let known = there.iter().find(|tuning| tuning.number == number && tuning.gains == gains).cloned();
+            let tuning = match known {
+                Some(tuning) => tuning,
+                None => {
+                    let tuning = measured(bench, law, is_linear, number, gains)?;
+                    keep(std::slice::from_ref(&tuning))?;
+                    tuning
+                }
+            };
+            step();
+            Ok::<_, Error>(tuning)
+        };
+        let new = texts.into_par_iter().enumerate().map(tune).collect::<Result<Vec<_>, _>>()?;
+        tunings.extend(new);
+        Ok(())
+    };
+    let at = |index: usize| {
+        let value = |(key, gain): (usize, &Gain)| format!("{}={}", gain.key, gain.value(sample.place(key, index)));
+        gains.iter().enumerate().map(value).collect::<Vec<_>>().join(" ")
+    };
+    tried(std::iter::once(String::new()).chain((1..random).map(at)).take(bench.budget).collect(), &mut tunings)?;
+    for round in 0..ROUNDS {
+        let left = bench.budget.saturating_sub(tunings.len());
+        let some = left.div_ceil(ROUNDS - round);
+        let around = |at: usize| {
+            let bound = BOUNDS_N_S_PER_M[at % BOUNDS_N_S_PER_M.len()];
+            let from = best(&tunings, bound).map_or("", |best| &best.gains);
+            let mut random = Rng::new(u64::from(bench.search_seed) << 32 ^ (tunings.len() + at) as u64);
+            moved(&gains, &own, from, STEP * SHRINK.powi(round as i32), &mut random)
+        };
+        let texts: Vec<String> = (0..some).map(around).collect();
+        tried(texts, &mut tunings)?;
+    }
+    Ok(tunings)
+}
+
+/// These gains, about half of them moved by this share of their ranges (standard deviation), at least one.
+fn moved(gains: &[Gain], own: &Scene, from: &str, by: f64, random: &mut Rng) -> String {
+    let one = random.below(gains.len() as u64) as usize;
+    let of = |(at, gain): (usize, &Gain)| {
+        let set = from.split_whitespace().find_map(|setting| setting.strip_prefix(&gain.key)?.strip_prefix('='));
+        let value = match (set.and_then(|text| text.parse().ok()), own.get(&gain.key)) {
+            (Some(value), _) | (None, Some(Value::Number(value))) => value,
+            _ => gain.ends[0],
+        };
+        let (is_moved, way) = (random.chance(0.5) || at == one, random.normal());
+        let share = gain.share(value.max(gain.ends[0]));
+        let share = if is_moved { (share + by * way).clamp(0.0, 1.0) } else { share };
+        format!("{}={}", gain.key, gain.value(share))
+    };
+    gains.iter().enumerate().map(of).collect::<Vec<_>>().join(" ")
+}
+
+/// Whether the analyser's matrices say all of a law: of its own gains they do, and the run is not stable where they say it grows.
+fn is_linear(own: &Scene) -> Result<bool, Error> {
+    if not_linear(own)?.is_some() {
+        return Ok(false);
+    }
+    let judged = judge(own)?;
+    let both = judged.modes.iter().find(|mode| mode.mode == Hands::Both);
+    let grows = both.is_some_and(|both| both.verdict.spectral_radius > GROWS);
+    Ok(!grows || outcome(&Motion::Against.of(own)?, PUSHED_S)?.verdict() == Verdict::Unstable)
+}
+
+fn outcome(scene: &Scene, duration_s: f64) -> Result<Outcome, Error> {
+    Ok(run::<f64>(scene, Options { duration_s, record_every: 0 }, &|_| {})?)
+}
+
+/// Measures a tuning.
+fn measured(bench: &Bench, law: &LawInfo, is_linear: bool, number: usize, gains: String) -> Result<Tuning, Error> {
+    let nothing = f64::NAN;
+    let mut tuning = Tuning {
+        law: law.name.to_owned(),
+        number,
+        felt_n_s_per_m: [nothing; 3],
+        mass_kg: nothing,
+        worst_mm_per_n: nothing,
+        reason: String::new(),
+        gains,
+    };
+    match protocol::scene(bench.laws, law, &tuning.gains) {
+        Ok(scene) => tuning.reason = fill(&scene, is_linear, &mut tuning)?.unwrap_or_default(),
+        // A combination that a law does not accept is a tuning that was tried.
+        Err(refused) => tuning.reason = refused.to_string(),
+    }
+    Ok(tuning)
+}
+
+/// Fills in what is measured; why it is not admitted, if so.
+fn fill(scene: &Scene, is_linear: bool, tuning: &mut Tuning) -> Result<Option<String>, Error> {
+    let largest = BOUNDS_N_S_PER_M.into_iter().fold(0.0, f64::max);
+    let networks = Network::named(TUNING);
+    let constant = [networks[0].over(scene)?, networks[networks.len() - 1].over(scene)?];
+    // 1 Hz first: what fails there is measured no further.
+    for at in [1, 0, 2] {
+        for over in &constant {
+            let Some(impedance) = felt(over, FREQUENCIES_HZ[at])? else {
+                return Ok(Some("a peer stops where a hand leads it".to_owned()));
+            };
+            // The larger of both; what is no number yet gives way.
+            tuning.felt_n_s_per_m[at] = tuning.felt_n_s_per_m[at].max(impedance.abs());
+            if at == 1 {
+                let omega = core::f64::consts::TAU * FREQUENCIES_HZ[at];
+                tuning.mass_kg = tuning.mass_kg.max(impedance.im / omega - scene.world.device.mass_kg);
+            }
+        }
+        if tuning.excess(largest) > 0.0 {
+            return Ok(Some("a hand feels more than any bound allows".to_owned()));
+        }
+    }
+    if is_linear {
+        let worst = judge(scene)?.worst;
+        if !worst.stable {
+            return Ok(Some(format!("not stable in every mode: spectral radius {:.6}", worst.spectral_radius)));
+        }
+    }
+    let failed = |motion: Motion, network: &str, outcome: &Outcome| {
+        let reason = outcome.reason.filter(|_| outcome.verdict() == Verdict::Unstable)?;
+        Some(format!("{} over {network}: {reason}", motion.name()))
+    };
+    let let_go = outcome(&Motion::LetGo.of(scene)?, Motion::LetGo.duration_s())?;
+    if let Some(reason) = failed(Motion::LetGo, TUNING[0].0, &let_go) {
+        return Ok(Some(reason));
+    }
+    let mut worst = 0.0_f64;
+    for (at, network) in networks.iter().enumerate() {
+        let mut over = network.over(scene)?;
+        over.world.network.seed = SEED + at as u32;
+        let led = outcome(&Motion::Led.of(&over)?, LED_S)?;
+        if led.fault.is_some() {
+            return Ok(failed(Motion::Led, &network.name, &led));
+        }
+        let pushed = outcome(&Motion::Against.of(&over)?, PUSHED_S)?;
+        if let Some(reason) = failed(Motion::Against, &network.name, &pushed) {
+            return Ok(Some(reason));
+        }
+        worst = worst.max(pushed.whole.true_discrepancy_mm / pushed.whole.contact_force_n);
+    }
+    tuning.worst_mm_per_n = worst;
+    Ok(None)
+}

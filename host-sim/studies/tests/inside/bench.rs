@@ -1,0 +1,193 @@
+//! The bench: a small budget tells what a large one does, it goes on where it was stopped, and the findings that it answers.
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use haptic_core::names::Choice;
+use haptic_sim::measure::{at_hand, led::felt};
+
+use super::motions::Motion;
+use super::search::{best, tune};
+use super::*;
+use crate::campaign::laws::{LADDER, asked_for};
+use crate::campaign::networks::Named;
+
+const FEW: &[Named] =
+    &[("8 ms", &[]), ("bursts of 40 ms, 20 %", &["network.loss=0.2", "network.loss_burst_packets=40 ms"])];
+
+fn bench(names: &str, budget: usize) -> Bench {
+    let laws = Laws::built_in();
+    let chosen = asked_for(laws, names).expect("laws");
+    let networks = Network::named(FEW);
+    Bench { laws, chosen, budget, seeds: 1, search_seed: 1, networks, traces: Vec::new() }
+}
+
+fn keep_none(_: &[Tuning]) -> Result<(), Error> {
+    Ok(())
+}
+
+/// Finding 3 and 10: within the same bound of what a hand feels, and the same number of tunings, the self-timed line is nearer than P+d by far, as the
+/// whole bench and 1,118 tunings of an auditor found.
+#[test]
+fn a_small_budget_finds_the_order_of_the_whole() {
+    let bench = bench("self-timed,p-plus-d", 48);
+    let tuned: Vec<Vec<Tuning>> =
+        bench.chosen.iter().map(|law| tune(&bench, law, Vec::new(), &keep_none, &|| ()).expect("tunings")).collect();
+    for bound in [25.0, 50.0] {
+        let found =
+            |of: &[Tuning]| best(of, bound).filter(|best| best.is_within(bound)).map(|best| best.worst_mm_per_n);
+        let (line, spring) = (found(&tuned[0]).expect("a line"), found(&tuned[1]).unwrap_or(f64::MAX));
+        assert!(line < spring, "at {bound}: {line} and {spring} mm/N");
+        assert!(line < 2.0, "at {bound}: {line} mm/N");
+    }
+    for tunings in &tuned {
+        assert_eq!(tunings.len(), 48);
+        assert_eq!(tunings[0].gains, "", "the law's own gains are the first");
+    }
+}
+
+/// Lines of rows: what is no number is written, and equal to itself.
+fn lines<R: crate::sweep::Kept>(rows: &[R]) -> String {
+    let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
+    rows.iter().for_each(|row| writer.serialize(row).expect("a line"));
+    String::from_utf8(writer.into_inner().expect("lines")).expect("text")
+}
+
+fn all(found: &Found) -> String {
+    let runs: Vec<Run> = found.points.iter().flat_map(|point| point.runs.clone()).collect();
+    lines(&found.tunings) + &lines(&runs)
+}
+
+/// The same rows on one thread and on two, and after a bench that was killed in the middle of a line; what was found is not done again.
+#[test]
+fn it_goes_on_where_it_was_stopped_with_the_same_rows() {
+    let folder = std::env::temp_dir().join(format!("haptic-bench-{}", std::process::id()));
+    let folder = folder.as_path();
+    let bench = bench("power", 6);
+    let question = bench.question(Provenance::now("1", "c")).expect("a question");
+    let on = |threads, folder: Option<&Path>| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        pool.install(|| bench.run(folder.map(|folder| (folder, &question)), &|| ())).expect("a bench")
+    };
+    let whole = all(&on(1, None));
+    assert_eq!(all(&on(2, Some(&folder))), whole);
+    // A kill leaves half a line, and less than half of the rows.
+    for name in ["tunings-1-of-1.csv", "runs-1-of-1.csv"] {
+        let file = folder.join(name);
+        let text = std::fs::read(&file).expect("rows");
+        std::fs::write(&file, &text[..text.len() * 2 / 5]).expect("cut");
+    }
+    let (there, steps) = (Mutex::new(0), AtomicUsize::new(0));
+    let rows = |name: &str| std::fs::read_to_string(folder.join(name)).expect("rows").lines().count();
+    *there.lock().expect("a count") = rows("runs-1-of-1.csv");
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("a pool");
+    let resumed = pool.install(|| bench.run(Some((&folder, &question)), &|| _ = steps.fetch_add(1, Ordering::Relaxed)));
+    assert_eq!(all(&resumed.expect("a bench")), whole);
+    assert!(steps.load(Ordering::Relaxed) <= bench.steps());
+    let again = bench.run(Some((&folder, &question)), &|| ()).expect("a bench");
+    assert_eq!(all(&again), whole);
+    assert_eq!(rows("tunings-1-of-1.csv"), 1 + again.tunings.len(), "each tuning once");
+    assert!(rows("runs-1-of-1.csv") > *there.lock().expect("a count"));
+    let another = Bench { budget: 7, ..bench.clone() };
+    let refused =
+        another.run(Some((&folder, &another.question(Provenance::now("1", "c")).expect("a question"))), &|| ());
+    assert!(refused.expect_err("another bench").to_string().contains("is of another bench"));
+}
+
+/// Finding 1: no law is let go of earlier than another, whatever it declares.
+#[test]
+fn one_ladder_of_silence_for_all_laws_at_all_gains() {
+    let laws = Laws::built_in();
+    for law in laws.all() {
+        let gains = protocol::gains(laws, law).expect("gains");
+        assert!(
+            !gains.iter().any(|gain| gain.key.starts_with("safety.") || gain.key.starts_with("timing.")),
+            "{}",
+            law.name
+        );
+        let scene = protocol::scene(laws, law, "").expect("a scene");
+        for setting in LADDER.iter().chain(&protocol::SCENE) {
+            let (key, value) = setting.split_once('=').expect("a setting");
+            assert_eq!(
+                scene.get(key).expect("a key").to_string().parse::<f64>(),
+                value.parse::<f64>(),
+                "{}: {key}",
+                law.name
+            );
+        }
+    }
+}
+
+/// Whatever is tuned has ends that the law takes, and a share of its range that comes back.
+#[test]
+fn every_gain_goes_from_end_to_end() {
+    let laws = Laws::built_in();
+    for law in laws.all() {
+        for gain in protocol::gains(laws, law).expect("gains") {
+            for share in [0.0, 0.3, 1.0] {
+                let value: f64 = gain.value(share).parse().expect("a number");
+                let back = gain.share(value);
+                let near = if gain.whole { 0.1 } else { 1e-3 };
+                assert!((back - share).abs() < near, "{} {}: {share} is {value}, {back}", law.name, gain.key);
+                let mut scene = protocol::scene(laws, law, "").expect("a scene");
+                scene
+                    .apply_override(&format!("{}={}", gain.key, gain.value(share)))
+                    .expect("a value within the key's own range");
+            }
+        }
+    }
+}
+
+/// Finding 3: drag is felt, in newtons a metre a second, and takes way in millimetres: P+d of 30 N·s/m lets a common push go a fraction of the way that a line
+/// of the same apparent mass does.
+#[test]
+fn drag_is_felt_and_way_is_not_normalised() {
+    let laws = Laws::built_in();
+    let chosen = asked_for(laws, "p-plus-d,self-timed").expect("laws");
+    let of = |law: &LawInfo| {
+        let scene = protocol::scene(laws, law, "").expect("a scene");
+        let felt = felt(&scene, 1.0).expect("a scene").expect("an answer");
+        let pushed = Motion::Together.of(&scene).expect("a motion");
+        let found = at_hand::run(&pushed, Motion::Together.duration_s(), None).expect("a run");
+        (felt, 1e3 * found.way_m)
+    };
+    let [(drag, slow), (light, far)] = [of(chosen[0]), of(chosen[1])];
+    // Lee & Spong: both copies are pushed through 2·(B_T + K_T·T), T = 8 ms and a tick; at 1 Hz the springs give a little.
+    assert!((drag.re / (2.0 * (30.0 + 310.0 * 0.0085) + 1.0) - 1.0).abs() < 0.15, "{drag:?}");
+    assert!(light.re < 3.0, "{light:?}");
+    assert!(far > 4.0 * slow && slow > 1.0, "{slow} and {far} mm");
+}
+
+/// Finding 4: the balance of the whole link at one instant tells who makes energy, whatever a law books: a spring whose far end is late does, a self-timed line
+/// gives at most what it began with.
+#[test]
+fn the_balance_of_the_link_tells_who_makes_energy() {
+    let laws = Laws::built_in();
+    let network = &Network::named(networks::TEST)[3];
+    let least = |name: &str, gains: &str| {
+        let law = asked_for(laws, name).expect("a law")[0];
+        let scene = network.over(&protocol::scene(laws, law, gains).expect("a scene")).expect("a network");
+        let scene = Motion::Against.of(&scene).expect("a motion");
+        at_hand::run(&scene, 5.0, None).expect("a run").least_balance_j
+    };
+    let [made, kept] = [least("power", "coordination.stiffness_n_per_m=1500"), least("self-timed", "")];
+    assert!(made < -0.1, "{made} J");
+    // 5 mJ at each end.
+    assert!(kept >= -0.010_001, "{kept} J");
+}
+
+/// Each motion is what its line of the page says, and nobody stops under a law that holds.
+#[test]
+fn every_motion_runs() {
+    let laws = Laws::built_in();
+    let law = asked_for(laws, "self-timed").expect("a law")[0];
+    let scene = protocol::scene(laws, law, "").expect("a scene");
+    for motion in motions::ALL {
+        let found = at_hand::run(&motion.of(&scene).expect("a motion"), motion.duration_s(), None).expect("a run");
+        assert!(found.outcome.fault.is_none(), "{}: {:?}", motion.name(), found.outcome.reason);
+        assert!(found.peak_n > 0.1, "{}: {} N", motion.name(), found.peak_n);
+        let lets_go = motion == Motion::Contact;
+        let opens = found.forces.iter().filter(|force| force[0] == 0.0).count();
+        assert_eq!(opens > 500, lets_go, "{}: no force in {opens} ticks", motion.name());
+    }
+}
