@@ -213,8 +213,8 @@ mod unix {
     #[cfg(target_os = "linux")]
     impl Messages<std::os::fd::OwnedFd> {
         pub(super) fn open(at: &str) -> io::Result<Self> {
-            use rustix::net::{AddressFamily, SocketAddrUnix, SocketType, connect, socket};
-            let socket = socket(AddressFamily::UNIX, SocketType::SEQPACKET, None)?;
+            use rustix::net::{AddressFamily, SocketAddrUnix, SocketFlags, SocketType, connect, socket_with};
+            let socket = socket_with(AddressFamily::UNIX, SocketType::SEQPACKET, SocketFlags::CLOEXEC, None)?;
             connect(&socket, &SocketAddrUnix::new(at)?)?;
             Ok(Self(socket))
         }

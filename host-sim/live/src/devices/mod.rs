@@ -29,14 +29,15 @@ use std::net::SocketAddr;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use haptic_sim::device::{Device, DeviceFault, Gone};
+use haptic_sim::device::{Device, DeviceFault};
 use haptic_sim::{plant::Plant, scene::Scene};
 use serde::Serialize;
 
 use crate::Error;
 use crate::quantiles::{Quantiles, Times};
 pub use attached::Attached;
-pub use threaded::Threaded;
+pub use haptic_sim::device::Gone;
+pub use threaded::{Threaded, stopped};
 
 /// Axes of a device: none that is attached has more.
 pub const AXES: usize = 3;
@@ -158,8 +159,8 @@ impl Port for Box<dyn Port> {
     }
 }
 
-/// What a device can do.
-#[derive(Clone, Debug, PartialEq)]
+/// What a device can do; by default nothing that it may be armed with.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Abilities {
     /// Who it is, for people.
     pub name: String,

@@ -23,7 +23,7 @@ const BEAT: Duration = Duration::from_millis(5);
 const ANSWER: Duration = Duration::from_secs(2);
 
 /// The device is driven no more, for this reason.
-pub(super) fn stopped(cause: impl ToString) -> Gone {
+pub fn stopped(cause: impl ToString) -> Gone {
     Gone::new(DeviceFault::Stopped, cause)
 }
 
@@ -54,6 +54,15 @@ impl Desk {
     pub(super) fn wanted(&self) -> Option<[f64; AXES]> {
         let order = self.order.lock().map(|order| *order).ok()?;
         order.force_n.filter(|_| order.at.elapsed() <= self.silent)
+    }
+
+    /// An order of before then is none.
+    fn forget(&self, then: Instant) {
+        if let Ok(mut order) = self.order.lock()
+            && order.at < then
+        {
+            order.force_n = None;
+        }
     }
 
     /// Keeps what the device told.
@@ -136,7 +145,10 @@ fn run(mut line: impl Line, desk: &Desk) {
         park_timeout(BEAT);
         if let Some((until, asks)) = desk.silenced() {
             std::thread::sleep(until.saturating_duration_since(Instant::now()));
-            let _ = asks.send(line.acts());
+            let acts = line.acts();
+            // What was wanted before a silence is not wanted after it.
+            desk.forget(until);
+            let _ = asks.send(acts);
         }
         if let Err(gone) = line.exchange(desk) {
             desk.tell(Err(gone));

@@ -35,7 +35,7 @@ impl Bus {
                 (format!("mit:{}", at.display()), mit::MOTORS, &["--device-model", "dm4310", "--device-homed"][..])
             }
         };
-        let own = ["--device", &device, "--device-motors", motors, "--device-max-torque-nm", "0.6"];
+        let own = ["--device", &device, "--device-motors", motors, "--device-max-torque-nm", "1.5"];
         own.iter().chain(more).map(|flag| (*flag).to_owned()).collect()
     }
 }
@@ -96,10 +96,10 @@ fn motors_and_a_five_bar_hold_an_object() {
         for axis in 0..2 {
             let stretched_m = reach_m[axis] - f64::signum(reach_m[axis]) * apart_m[axis].abs();
             let wanted_n = -stretched_m / (2.0 / super::HAND_N_PER_M + 2.0 / CONTACT_N_PER_M);
-            assert!(
-                (felt_n[axis] / wanted_n - 1.0).abs() < 0.05,
-                "{name}, {axis}: {felt_n:?} N, {wanted_n} N in statics"
-            );
+            // A step of MIT's torque is 0.05 N at the hand.
+            let steps_n = if matches!(emulator, Bus::Mit(_)) { 0.05 } else { 0.0 };
+            let off_n = (felt_n[axis] - wanted_n).abs();
+            assert!(off_n < 0.05 * wanted_n.abs() + steps_n, "{name}, {axis}: {felt_n:?} N, {wanted_n} N in statics");
         }
         let world = emulator.world();
         assert!(!world.pulled, "a motor was asked to pull by itself");

@@ -72,11 +72,6 @@ impl World {
         self.hand.reach(reach_m);
     }
 
-    /// The hand itself.
-    pub(crate) fn hand(&mut self) -> &mut Hand<3> {
-        &mut self.hand
-    }
-
     /// Plants a fault; when, s.
     pub(crate) fn fail(&mut self, fault: Fault) -> f64 {
         self.fault = fault;

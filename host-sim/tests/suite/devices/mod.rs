@@ -65,7 +65,11 @@ impl Running {
     fn until(&mut self, words: &str) {
         let by = Instant::now() + Duration::from_secs(40);
         while !self.said().contains(words) {
-            assert!(self.child.try_wait().expect("a child").is_none(), "it has ended: {}", self.said());
+            if self.child.try_wait().expect("a child").is_some() {
+                // What it said last is on its way.
+                std::thread::sleep(Duration::from_millis(200));
+                panic!("it has ended: {}", self.said());
+            }
             assert!(Instant::now() < by, "never {words}: {}", self.said());
             std::thread::sleep(Duration::from_millis(20));
         }

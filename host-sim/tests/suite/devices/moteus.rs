@@ -9,7 +9,8 @@ use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Duration;
 
 use rustix::net::{
-    AddressFamily, RecvFlags, SendFlags, SocketAddrUnix, SocketType, accept, bind, listen, recv, send, socket,
+    AddressFamily, RecvFlags, SendFlags, SocketAddrUnix, SocketFlags, SocketType, accept_with, bind, listen, recv,
+    send, socket_with,
 };
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 
@@ -181,7 +182,7 @@ pub(crate) struct Emulator {
 impl Emulator {
     /// Behind an fdcanusb.
     pub(crate) fn serial(tremor_m: f64) -> Self {
-        let master = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).expect("a pseudo-terminal");
+        let master = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC).expect("a pseudo-terminal");
         grantpt(&master).and_then(|()| unlockpt(&master)).expect("its other end");
         let name = ptsname(&master, Vec::new()).expect("its name").into_string().expect("a path");
         // Held open, so that the adapter outlives its clients.
@@ -254,12 +255,13 @@ pub(crate) fn carry(
 ) -> PathBuf {
     let at = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}-{}.can", std::process::id()));
     let _ = std::fs::remove_file(&at);
-    let listener = socket(AddressFamily::UNIX, SocketType::SEQPACKET, None).expect("a socket");
+    let listener =
+        socket_with(AddressFamily::UNIX, SocketType::SEQPACKET, SocketFlags::CLOEXEC, None).expect("a socket");
     bind(&listener, &SocketAddrUnix::new(&at).expect("a short name"))
         .and_then(|()| listen(&listener, 4))
         .expect("it listens");
     std::thread::spawn(move || {
-        while let Ok(client) = accept(&listener) {
+        while let Ok(client) = accept_with(&listener, SocketFlags::CLOEXEC) {
             serve_messages(&client, &world, &mut answers);
         }
     });
