@@ -37,8 +37,8 @@ impl Port for Handle {
             let (Some(asked), &[place, speed, force]) = (self.asked.pop_front(), &numbers[..]) else {
                 return Err(stopped(if length == 0 { "it has closed the line" } else { "it says no three numbers" }));
             };
-            let between = [asked, Instant::now()];
-            let (position_m, velocity_m_per_s) = ([place, 0.0, 0.0], [speed, 0.0, 0.0]);
+            let (between, position_m, velocity_m_per_s) =
+                ([asked, Instant::now()], [place, 0.0, 0.0], [speed, 0.0, 0.0]);
             self.newest = Some((Sensed { position_m, velocity_m_per_s, between, buttons: 0 }, force));
         }
         Ok(self.newest.map(|(sensed, _)| sensed))

@@ -49,7 +49,8 @@ impl Times {
     /// How many took up to so long, µs, and longer than the one before: bins that double from 1 µs on, up to the longest time.
     pub fn histogram(&self) -> Vec<(f64, u64)> {
         let bins = self.bins.iter_log(1_000, 2.0);
-        bins.map(|bin| (1e-3 * (bin.value_iterated_to() + 1) as f64, bin.count_since_last_iteration())).collect()
+        let bins = bins.map(|bin| (1e-3 * (bin.value_iterated_to() + 1) as f64, bin.count_since_last_iteration()));
+        bins.skip_while(|(_, count)| *count == 0).collect()
     }
 
     /// The usual quantiles; 0 without samples.

@@ -91,8 +91,9 @@ impl Devices {
                 ""
             },
         );
+        let health = json!(health);
         let mut text =
-            format!("# {name}, which passed the ten steps of `host-sim devices`. Health then: {health:?}.\n");
+            format!("# {name}, which passed the ten steps of `host-sim devices`. It told of itself: {health}.\n");
         text += &format!("{warning}\n[device]\nforce_delay_ticks = {known:?}\n\n[peer.{}.safety]\n", self.number);
         for (key, set) in beneath {
             let (name, value) = (key.trim_start_matches("safety."), set.split_once('=').map_or("", |(_, value)| value));

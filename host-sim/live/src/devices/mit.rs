@@ -26,6 +26,9 @@ use crate::Error;
 const ANSWERS: u32 = 0x10;
 /// Whoever asks for registers writes here.
 const REGISTERS: u32 = 0x7ff;
+/// A question there for a register, and for the state.
+const REGISTER: u8 = 0x33;
+const STATE: u8 = 0xcc;
 /// Registers: TIMEOUT; the ends of position, speed and torque.
 const TIMEOUT: u8 = 9;
 const ENDS: [u8; 3] = [21, 22, 23];
@@ -161,9 +164,13 @@ impl Protocol for Mit {
         }
     }
 
-    /// A torque of zero: of a motor that is disabled it is a question, and one that is enabled lets go by it too.
+    /// A Damiao is asked for its state as for a register. A T-Motor knows no question: a torque of zero, by which it lets go as well.
     fn ask(&self, at: usize) -> CanFdFrame {
-        can::frame(self.ids[at].into(), &self.model.torque(0.0), false)
+        let id = self.ids[at];
+        match self.model.is_damiao {
+            true => can::frame(REGISTERS, &[id, 0, STATE, 0, 0, 0, 0, 0], false),
+            false => can::frame(id.into(), &self.model.torque(0.0), false),
+        }
     }
 
     fn hear(&mut self, frame: &CanFdFrame) -> Option<(usize, Told, Option<Gone>)> {
@@ -211,13 +218,13 @@ impl Protocol for Mit {
 
 /// The four bytes of a Damiao's register.
 fn register(bus: &mut dyn Bus, id: u8, register: u8) -> Result<Option<[u8; 4]>, Error> {
-    let ask = [id, 0, 0x33, register, 0, 0, 0, 0];
+    let ask = [id, 0, REGISTER, register, 0, 0, 0, 0];
     bus.send(&[can::frame(REGISTERS, &ask, false)]).map_err(|cause| cause.to_string())?;
     let (by, mut came) = (Instant::now() + PATIENCE, Vec::new());
     while Instant::now() < by {
         bus.receive(by.saturating_duration_since(Instant::now()), &mut came).map_err(|cause| cause.to_string())?;
         for frame in came.drain(..) {
-            if let [who, _, 0x33, which, value @ ..] = frame.payload()
+            if let [who, _, REGISTER, which, value @ ..] = frame.payload()
                 && (*who, *which) == (id, register)
                 && let Ok(value) = <[u8; 4]>::try_from(value)
             {

@@ -56,6 +56,11 @@ fn answer(world: &mut World, joint: usize, data: [u8; 8], timeout_s: f64) -> Vec
             }
         }
     }
+    state(world, joint)
+}
+
+/// What a motor says of itself.
+fn state(world: &mut World, joint: usize) -> Vec<u8> {
     if joint == 0 && matches!(world.fault, Fault::TooWarm | Fault::OverVoltage) {
         world.off(joint, if world.fault == Fault::TooWarm { TOO_WARM } else { OVER_VOLTAGE });
     }
@@ -95,6 +100,9 @@ impl Emulator {
                 (0x7ff, [who @ 1..=2, 0, 0x33, which, ..]) => {
                     let value = register(&world, *which, timeout_s);
                     Some((0x10 + u32::from(*who), [&[*who, 0, 0x33, *which], &value[..]].concat()))
+                }
+                (0x7ff, [who @ 1..=2, 0, 0xcc, ..]) => {
+                    Some((0x10 + u32::from(*who), state(&mut world, usize::from(*who) - 1)))
                 }
                 (1 | 2, data) => {
                     Some((0x10 + id, answer(&mut world, id as usize - 1, data.try_into().ok()?, timeout_s)))

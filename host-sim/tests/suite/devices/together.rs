@@ -38,7 +38,7 @@ fn settings() -> impl Iterator<Item = &'static str> {
 fn an_inverse3_and_motors_hold_one_object_over_a_lossy_network() {
     let seconds = std::env::var("DEVICES_SECONDS").unwrap_or_else(|_| "8".to_owned());
     let simulated = {
-        let mut command = host_sim(&["cooperate", "--json", "--scene", "plane", "--seconds", "20"]);
+        let mut command = host_sim(&["cooperate", "--json", "--scene", "plane", "--seconds", &seconds]);
         let told = report(command.args(settings()).spawn().expect("host-sim runs"));
         number(&told, "true_discrepancy_mm")
     };
