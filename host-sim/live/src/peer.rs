@@ -230,7 +230,7 @@ where
     // Last of what may take time: from here on the device is read at every tick.
     let judging = wanted.judge.as_ref().map(|judge| Judging::start(judge, period_s)).transpose()?;
     let watch = Watch::new(wanted, scene, number, endpoint.start(), connect.to_string(), ticks)?;
-    let device = wanted.device.open(scene, number)?;
+    let (device, seen_device) = wanted.device.open(scene, number)?;
     let node =
         Node::with_device(scene, number, key, entropy, device)?.telling_every(TELLING_S).beginning_after(AFTER_US);
     let mut peer = LivePeer {
@@ -295,5 +295,6 @@ where
         datagrams_missing: counts.missing,
         datagrams_refused: counts.refused,
         punctuality,
+        device: seen_device.and_then(|seen| seen.report()),
     })
 }

@@ -46,6 +46,13 @@ impl Times {
         self.largest_ns = self.largest_ns.max(ns);
     }
 
+    /// How many took up to so long, µs, and longer than the one before: bins that double from 1 µs on, up to the longest time.
+    pub fn histogram(&self) -> Vec<(f64, u64)> {
+        let bins = self.bins.iter_log(1_000, 2.0);
+        let bins = bins.map(|bin| (1e-3 * (bin.value_iterated_to() + 1) as f64, bin.count_since_last_iteration()));
+        bins.skip_while(|(_, count)| *count == 0).collect()
+    }
+
     /// The usual quantiles; 0 without samples.
     pub fn quantiles(&self) -> Quantiles {
         let us = |fraction| 1e-3 * self.bins.value_at_quantile(fraction).min(self.largest_ns) as f64;

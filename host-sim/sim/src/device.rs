@@ -18,6 +18,11 @@ numbered! {
         23 Silent: "the device said nothing new for too long",
         24 Stopped: "the device stopped, or its socket or bus is closed",
         25 Implausible: "the device told a place that it cannot have come to, or that is not a number",
+        26 Motor: "a motor of the device reports a fault of its own",
+        27 TooWarm: "a motor of the device, or its driver, is too warm",
+        28 Supply: "the supply voltage of a motor of the device is too low or too high",
+        29 LetGo: "the device's own watchdog let go: it heard nothing from this end for too long",
+        30 Singular: "the hand is where the motors of the device cannot push it along every axis",
     }
 }
 

@@ -3,19 +3,29 @@
 use std::net::SocketAddr;
 
 use clap::Args;
-use haptic_live::devices::{AXES, DeviceOptions, Kind, haply};
+use haptic_live::devices::{AXES, DeviceOptions, Kind, haply, mit};
 
 use super::flags::number;
+use super::{Failure, Ui};
 
 /// Names of a device's axes.
 const NAMES: [&str; AXES] = ["x", "y", "z"];
+/// What a peer with a device in a person's hand is limited to where nobody says otherwise.
+const OF_A_HAND: [(&str, f64); 5] = [
+    ("safety.max_force_n", 3.0),
+    ("safety.max_slew_n_per_s", 60.0),
+    ("safety.max_rms_power_w", 5.0),
+    ("safety.max_hand_power_w", 5.0),
+    ("safety.max_speed_m_per_s", 0.5),
+];
 
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Device")]
 pub(super) struct DeviceArgs {
-    /// The device of this peer: `simulated`, the scene's, or `haply[:ADDRESS:PORT]`, an Inverse3 behind its local service.
-    #[arg(long, value_name = "KIND", default_value = "simulated", value_parser = kind)]
-    device: Kind,
+    /// The device of this peer: `simulated`, the scene's; `haply[:ADDRESS:PORT]`, an Inverse3 behind its local service; `moteus:BUS` or
+    /// `mit:BUS`, motors on a CAN bus: a serial port with an fdcanusb, as /dev/ttyACM0, or an interface, as can0.
+    #[arg(long, value_name = "KIND[:PLACE]", default_value = "simulated")]
+    device: String,
     /// Which of several devices, by its own name; the first without it.
     #[arg(long, value_name = "ID")]
     device_id: Option<String>,
@@ -28,29 +38,55 @@ pub(super) struct DeviceArgs {
     /// After so long without a new reading the motors are off, s; from half of it on the force fades.
     #[arg(long, value_name = "S", default_value_t = 0.05, value_parser = number(0.005..=1.0, "s"))]
     device_silent_s: f64,
-    /// How long the device holds a force after the last command, as it was measured, s: without it a device that does not say is not armed.
+    /// How long the device holds a force after the last command, s: as it was measured, without which a device that does not say is not
+    /// armed; as moteus motors are told, 0.05 without it.
     #[arg(long, value_name = "S", value_parser = number(0.001..=0.25, "s"))]
     device_lets_go_s: Option<f64>,
     /// The button that holds the clutch open while it is down.
     #[arg(long, value_name = "BUTTON", value_parser = haply::BUTTONS)]
     device_clutch: Option<String>,
+    /// Motors: the identifier of each joint's, in the order of the joints, `-` before one that turns against its joint.
+    #[arg(long, value_name = "ID,…", default_value = "1", value_parser = motors, allow_hyphen_values = true)]
+    device_motors: Motors,
+    /// Motors: the largest torque of each, N·m.
+    #[arg(long, value_name = "N·M", value_parser = number(0.001..=200.0, "N·m"))]
+    device_max_torque_nm: Option<f64>,
+    /// Motors with MIT's frame: their type.
+    #[arg(long, value_name = "TYPE", value_parser = model)]
+    device_model: Option<mit::Model>,
+    /// The device is homed, by your word: for one that does not say so itself.
+    #[arg(long)]
+    device_homed: bool,
 }
 
+/// Identifier of each joint's motor, and its sign.
+#[derive(Clone, Debug)]
+struct Motors(Vec<(u8, f64)>);
 /// Axis of the device, and its sign, for each of the scene's.
 type Axes = [(usize, f64); AXES];
 /// Along the device's axes, m.
 type Place = [f64; AXES];
 
-fn kind(text: &str) -> Result<Kind, String> {
-    let (name, at) = text.split_once(':').unwrap_or((text, haply::LISTENS));
-    match name {
-        "simulated" if text == name => Ok(Kind::Simulated),
-        "haply" => at
-            .parse::<SocketAddr>()
-            .map(Kind::Haply)
-            .map_err(|cause| format!("{at}: {cause}, as 127.0.0.1:10001 is one")),
-        _ => Err("it is simulated or haply[:ADDRESS:PORT]".to_owned()),
+fn motors(text: &str) -> Result<Motors, String> {
+    let one = |word: &str| {
+        let id = word.trim_start_matches('-');
+        let sign = if word.starts_with('-') { -1.0 } else { 1.0 };
+        id.parse().ok().filter(|id: &u8| (1..=126).contains(id)).map(|id| (id, sign))
+    };
+    let found: Option<Vec<_>> = text.split(',').map(one).collect();
+    let mut found = found.filter(|found| found.len() <= AXES).unwrap_or_default();
+    let all = found.clone();
+    found.sort_by_key(|(id, _)| *id);
+    found.dedup_by_key(|(id, _)| *id);
+    if !all.is_empty() && found.len() == all.len() {
+        return Ok(Motors(all));
     }
+    Err("one to three different identifiers from 1 to 126, as 1,-2".to_owned())
+}
+
+fn model(text: &str) -> Result<mit::Model, String> {
+    let known = || mit::MODELS.map(|model| model.name).join(", ");
+    mit::MODELS.into_iter().find(|model| model.name == text).ok_or_else(|| format!("it is one of {}", known()))
 }
 
 fn axes(text: &str) -> Result<Axes, String> {
@@ -74,16 +110,56 @@ fn place(text: &str) -> Result<Place, String> {
 }
 
 impl DeviceArgs {
+    fn kind(&self, ui: &Ui) -> Result<Kind, Failure> {
+        let (name, at) = self.device.split_once(':').unwrap_or((&self.device, ""));
+        let failed =
+            |why: &dyn std::fmt::Display| Failure::from(format!("--device {} is not allowed: {why}", self.device));
+        let bus = || {
+            (!at.is_empty())
+                .then(|| at.to_owned())
+                .ok_or_else(|| failed(&"its bus is not named, as moteus:/dev/ttyACM0 or mit:can0"))
+        };
+        if let Some(outside) = ui.devices.iter().find(|outside| outside.name == name) {
+            return Ok(Kind::Outside(*outside, at.to_owned()));
+        }
+        match name {
+            "simulated" if at.is_empty() => Ok(Kind::Simulated),
+            "haply" => {
+                let at = if at.is_empty() { haply::LISTENS } else { at };
+                let place = at.parse::<SocketAddr>();
+                place.map(Kind::Haply).map_err(|cause| failed(&format!("{at}: {cause}, as 127.0.0.1:10001 is one")))
+            }
+            "moteus" => bus().map(Kind::Moteus),
+            "mit" => bus().map(Kind::Mit),
+            _ => {
+                let own: Vec<_> = ui.devices.iter().map(|outside| format!(", {}[:PLACE]", outside.name)).collect();
+                Err(failed(&format!("it is simulated, haply[:ADDRESS:PORT], moteus:BUS, mit:BUS{}", own.concat())))
+            }
+        }
+    }
+
     /// As a peer takes it.
-    pub(super) fn wanted(&self) -> DeviceOptions {
-        DeviceOptions {
-            kind: self.device,
+    pub(super) fn wanted(&self, ui: &Ui) -> Result<DeviceOptions, Failure> {
+        Ok(DeviceOptions {
+            kind: self.kind(ui)?,
             id: self.device_id.clone(),
             axes: self.device_axes,
             origin_m: self.device_origin_m,
             silent_s: self.device_silent_s,
             lets_go_s: self.device_lets_go_s,
             clutch: self.device_clutch.as_ref().and_then(|name| haply::BUTTONS.iter().position(|known| known == name)),
+            motors: self.device_motors.0.clone(),
+            max_torque_nm: self.device_max_torque_nm,
+            model: self.device_model,
+            is_homed: self.device_homed,
+        })
+    }
+
+    /// What peer `number` of a scene is set to for the hand at its device, under what is said; nothing of a simulated one.
+    pub(super) fn beneath(&self, number: u8) -> Vec<(&'static str, String)> {
+        if self.device == "simulated" {
+            return Vec::new();
         }
+        OF_A_HAND.iter().map(|(key, most)| (*key, format!("peer.{number}.{key}={most}"))).collect()
     }
 }

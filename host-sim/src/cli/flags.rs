@@ -88,6 +88,16 @@ impl SceneArgs {
         })
     }
 
+    /// This scene, with settings of a peer under what it says: of keys that neither it nor its overrides name, for both peers or for that
+    /// one. Each is the key, and its override for the peer `number`.
+    pub(super) fn over(&self, number: u8, beneath: &[(&str, String)]) -> Result<Self, Failure> {
+        let named = self.named()?;
+        let own = format!("peer.{number}");
+        let says = |key: &str| named.iter().any(|name| name == key || *name == format!("{own}.{key}") || *name == own);
+        let first = beneath.iter().filter(|(key, _)| !says(key)).map(|(_, set)| set.clone());
+        Ok(Self { set: first.chain(self.set.iter().cloned()).collect(), ..self.clone() })
+    }
+
     /// The built-in scene that is meant, if one is.
     fn built_in(&self) -> Result<Option<&str>, Failure> {
         scenes::meant(self.scene.as_deref()).map_err(|error| format!("--scene {error}").into())

@@ -44,13 +44,14 @@ pub(super) struct Peer {
 
 impl Peer {
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        let scene = self.scene.load(ui)?;
+        let device = self.device.wanted(ui)?;
+        let scene = self.scene.over(self.number, &self.device.beneath(self.number))?.load(ui)?;
         let key = self.end.key.read()?;
         let span = span(&self.end, &self.patience);
         let ends = [self.end.listen, self.connect];
         let provenance = ui.provenance().settings(scene.settings()).with("peer", self.number);
         let judge = Some(judge(scene.clone(), self.anyway));
-        let wanted = LiveOptions { judge, device: self.device.wanted(), ..self.watching.wanted(provenance) };
+        let wanted = LiveOptions { judge, device, ..self.watching.wanted(provenance) };
         let report = peer::run(&scene, key, self.number, ends, span, &wanted, &Stop::on_signals()?)?;
         ui.live_report(self.watching.json_lines, &format!("peer {}", self.number), &report)?;
         let unstable =

@@ -14,6 +14,7 @@ mod columns;
 mod compare;
 mod cooperate;
 mod device;
+mod devices;
 mod flags;
 mod key;
 mod listing;
@@ -39,6 +40,7 @@ use clap::{CommandFactory, FromArgMatches, Parser};
 use clap_complete::Shell;
 
 use flags::SceneArgs;
+use haptic_live::devices::{DeviceOptions, Outside as OutsideDevice, Port};
 use haptic_report::Columns;
 use haptic_sim::{Laws, scene::nearest};
 pub use ui::provenance;
@@ -111,6 +113,8 @@ commands! {
         Accuracy(accuracy::Accuracy),
         /// One peer in real time over UDP, sealed; run two of them.
         Peer(live::Peer),
+        /// What is attached to this machine, and ten steps to try one of them by, the smallest force first; writes what a scene needs of it.
+        Devices(devices::Devices),
         /// Where 2 to 16 live peers hold one object: their wave lines meet in the lossless node, over UDP, sealed.
         Hub(live::Hub),
         /// Make a table of a recording: Parquet or CSV; also of one that was cut.
@@ -183,12 +187,13 @@ struct Outside {
 pub struct Cli {
     laws: Laws,
     outside: Vec<Outside>,
+    devices: Vec<OutsideDevice>,
 }
 
 impl Cli {
     /// With these laws, in every command.
     pub fn new(laws: Laws) -> Self {
-        Self { laws, outside: Vec::new() }
+        Self { laws, ..Self::default() }
     }
 
     /// Adds a command of this name. Its arguments are `A`, which clap derives, with doc comments as help; its result is printed as a
@@ -223,6 +228,18 @@ impl Cli {
         self
     }
 
+    /// Adds an adapter of a device: `--device NAME[:PLACE]` opens it, with what stands after the colon and what else is told of it. Axes,
+    /// origin, ages and refusals are done for it, as for a built-in one.
+    #[must_use]
+    pub fn with_device(
+        mut self,
+        name: &'static str,
+        open: fn(&str, &DeviceOptions) -> Result<Box<dyn Port>, haptic_live::Error>,
+    ) -> Self {
+        self.devices.push(OutsideDevice { name, open });
+        self
+    }
+
     /// Runs the command line of this process.
     pub fn main(self) -> ExitCode {
         let mut words: Vec<OsString> = std::env::args_os().collect();
@@ -232,7 +249,8 @@ impl Cli {
             haptic_io::say(format_args!("host-sim {old} is now host-sim {new}: {goes}"));
             words.splice(first..=first, new.split(' ').map(OsString::from));
         }
-        let ui = Ui::new(words.iter().any(|word| word == "--json"), self.laws);
+        let mut ui = Ui::new(words.iter().any(|word| word == "--json"), self.laws);
+        ui.devices.clone_from(&self.devices);
         let outcome = match listed(&ui, &words) {
             Some(outcome) => outcome,
             None => match self.command().try_get_matches_from(&words) {

@@ -14,6 +14,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use haptic_io::escaped;
+use haptic_live::devices::Outside;
 use haptic_plot::Print;
 use haptic_report::{Columns, Files, Provenance, word};
 use haptic_sim::Laws;
@@ -41,6 +42,8 @@ pub(super) struct Ui {
     provenance: Provenance,
     /// The laws that a scene may name.
     pub(super) laws: Laws,
+    /// Devices from outside.
+    pub(super) devices: Vec<Outside>,
 }
 
 /// Where files go.
@@ -80,7 +83,7 @@ struct WithProvenance<'a, D> {
 
 impl Ui {
     pub(super) fn new(json: bool, laws: Laws) -> Self {
-        Self { json, laws, provenance: provenance() }
+        Self { json, laws, devices: Vec::new(), provenance: provenance() }
     }
 
     /// The result as the one JSON document.

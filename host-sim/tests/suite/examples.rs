@@ -6,11 +6,11 @@ use std::sync::LazyLock;
 
 use serde_json::Value;
 
-const EXAMPLES: [&str; 4] = ["observer", "outside-command", "outside-law", "plant"];
+const EXAMPLES: [&str; 5] = ["device", "observer", "outside-command", "outside-law", "plant"];
 
 /// Builds the examples and gives the folder of the programs. What is built besides them is what the tests have built: members of one workspace
 /// share it. Of the workspace they take nothing else, so that a stranger's copy is a package by itself.
-fn built() -> &'static Path {
+pub(crate) fn built() -> &'static Path {
     static PROGRAMS: LazyLock<PathBuf> = LazyLock::new(|| {
         let repository = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the repository");
         let target = Path::new(env!("CARGO_BIN_EXE_host-sim")).ancestors().nth(2).expect("a target folder");

@@ -6,6 +6,8 @@
 //! **Age.** A reading is as old as the moment it was asked for. From half of the silence that is allowed on the force fades, in proportion,
 //! to nothing at its end; then the device is [`Gone`], and the motors are off. It does not come back by itself.
 //!
+//! **At rest** it has to be to begin: under [`STILL_M_PER_S`] for [`STILL`], within [`FIRST`]; and within `safety.workspace_m` of its origin.
+//!
 //! **A jump** further than `safety.max_speed_m_per_s` allows in the time between two readings, and 2 mm, is no motion of a hand.
 //!
 //! **Not armed at all** is a device that is not homed, whose own time to let go is not known, that has fewer axes than the scene uses, or
@@ -21,11 +23,14 @@ use haptic_core::settings::Scale;
 use haptic_sim::device::{Device, DeviceFault, Gone};
 use haptic_sim::scene::Scene;
 
-use super::{AXES, Abilities, DeviceOptions, Port, Sensed};
+use super::{AXES, Abilities, DeviceOptions, Port, Seen, Sensed};
 use crate::Error;
 
-/// How long a device may take to be read for the first time.
-const FIRST: Duration = Duration::from_secs(2);
+/// How long a device may take to be read for the first time, and to come to rest.
+const FIRST: Duration = Duration::from_secs(5);
+/// What is slower than this for so long is at rest: hands tremble.
+const STILL_M_PER_S: f64 = 0.05;
+const STILL: Duration = Duration::from_millis(100);
 /// What a place may be off by between two readings beside what the device moves, m.
 const SLACK_M: f64 = 2e-3;
 
@@ -43,6 +48,7 @@ pub struct Attached<P, const N: usize> {
     newest: Sensed,
     /// Share of the force that is left of it, from the age of the newest reading.
     share: f64,
+    seen: Option<Seen>,
 }
 
 /// Why this device must not be armed in this scene, if so.
@@ -77,6 +83,30 @@ fn refusal(can: &Abilities, options: &DeviceOptions, scene: &Scene, index: usize
         .map(|reach_m| format!("{name} reaches {reach_m} m: set peer.{}.safety.workspace_m to that or less", index + 1))
 }
 
+/// The reading of a device once it is at rest, with its motors off.
+fn at_rest(port: &mut impl Port) -> Result<Sensed, Error> {
+    let by = Instant::now() + FIRST;
+    let (mut newest, mut still_since) = (None, None);
+    loop {
+        port.write(None);
+        newest = port.read().map_err(|gone| gone.to_string())?.or(newest);
+        let now = Instant::now();
+        if let Some(sensed) = newest {
+            let fastest = sensed.velocity_m_per_s.iter().fold(0.0, |most: f64, speed| most.max(speed.abs()));
+            still_since = (fastest < STILL_M_PER_S).then(|| still_since.unwrap_or(now));
+            if still_since.is_some_and(|since| now >= since + STILL) {
+                return Ok(sensed);
+            }
+        }
+        if now >= by {
+            let name = &port.abilities().name;
+            let why = if newest.is_none() { "has told no place" } else { "is not at rest: hold it still" };
+            return Err(format!("{name} {why}").into());
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
 impl<P: Port, const N: usize> Attached<P, N> {
     /// This device as peer `index` (0 or 1) of a scene has it, once it has been read.
     ///
@@ -86,17 +116,21 @@ impl<P: Port, const N: usize> Attached<P, N> {
         if let Some(why) = refusal(port.abilities(), options, scene, index) {
             return Err(why.into());
         }
-        let by = Instant::now() + FIRST;
-        let newest = loop {
-            port.write(None);
-            match port.read() {
-                Ok(Some(newest)) => break newest,
-                Ok(None) if Instant::now() < by => std::thread::sleep(Duration::from_millis(1)),
-                Ok(None) => return Err(format!("{} has told no place", port.abilities().name).into()),
-                Err(gone) => return Err(gone.to_string().into()),
-            }
-        };
-        let settings = &scene.peers()[index];
+        let newest = at_rest(&mut port)?;
+        let peers = scene.peers();
+        let settings = &peers[index];
+        let (name, reach_m) = (&port.abilities().name, settings.safety.workspace_m);
+        let used = || options.axes.iter().take(settings.axis.count as usize);
+        if let Some(origin_m) = options.origin_m
+            && let Some((axis, _)) =
+                used().find(|(axis, _)| (newest.position_m[*axis] - origin_m[*axis]).abs() > reach_m)
+        {
+            let off_m = newest.position_m[*axis] - origin_m[*axis];
+            return Err(format!(
+                "{name} is {off_m:.3} m from its origin, and may be {reach_m} m from it (safety.workspace_m)"
+            )
+            .into());
+        }
         let clutch = options.clutch.map_or(0, |button| 1 << button);
         Ok(Self {
             port,
@@ -109,7 +143,15 @@ impl<P: Port, const N: usize> Attached<P, N> {
             clutch,
             newest,
             share: 0.0,
+            seen: None,
         })
+    }
+
+    /// This device; what is seen of it is kept there too.
+    #[must_use]
+    pub fn seen_by(self, seen: Seen) -> Self {
+        seen.name(&self.port.abilities().name);
+        Self { seen: Some(seen), ..self }
     }
 
     /// Takes in a reading.
@@ -126,6 +168,9 @@ impl<P: Port, const N: usize> Attached<P, N> {
         if moved_m > allowed_m {
             let (moved_mm, ms) = (1e3 * moved_m, 1e3 * took.as_secs_f64());
             return implausible(format!("it moved by {moved_mm:.1} mm in {ms:.1} ms"));
+        }
+        if let Some(seen) = self.seen.as_ref().filter(|_| sensed.between != self.newest.between) {
+            seen.see(sensed.between[1].saturating_duration_since(sensed.between[0]), self.port.health());
         }
         self.newest = sensed;
         Ok(())

@@ -1,7 +1,7 @@
 //! An Inverse3 of Haply's, through the service that runs beside it: WebSocket and JSON on this machine, in a thread of its own.
 //!
 //! The service (3.5 and newer; older ones are refused) first lists its devices, then answers each message with one state, and says nothing by
-//! itself. So the client is the clock: [`Haply`] sends a force at each tick of the peer, takes the answer, and the next tick reads it. Forces
+//! itself. So the client is the clock: [`open`] gives a device that sends a force at each tick of the peer, takes the answer, and the next tick reads it. Forces
 //! are N, positions m, speeds m/s; z up, x right, y forward.
 //!
 //! **Letting go.** The service applies a force once and forgets it after a time that its documentation does not name, so it has to be
@@ -11,16 +11,14 @@
 use std::collections::VecDeque;
 use std::io::ErrorKind;
 use std::net::{SocketAddr, TcpStream};
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, TryLockError};
-use std::thread::{JoinHandle, park_timeout};
 use std::time::{Duration, Instant};
 
-use haptic_sim::device::{DeviceFault, Gone};
+use haptic_sim::device::Gone;
 use serde_json::{Value, json};
 use tungstenite::{Message, WebSocket, client};
 
-use super::{AXES, Abilities, Port, Sensed};
+use super::threaded::{Acts, Desk, Line, Threaded, stopped};
+use super::{AXES, Abilities, Sensed};
 use crate::Error;
 
 /// Where the service listens unless it is told otherwise.
@@ -31,36 +29,14 @@ pub const BUTTONS: [&str; 3] = ["a", "b", "c"];
 const PRESET: &str = "arm_front_centered";
 /// How long the service may take to be there and to list its devices.
 const PATIENCE: Duration = Duration::from_secs(2);
+/// How long a service may take that is only looked for.
+const LOOKS: Duration = Duration::from_millis(200);
 /// Longest wait for an answer before the orders are looked at again.
 const LOOK: Duration = Duration::from_millis(2);
-/// After so long without a tick of the peer the service is asked nevertheless.
-const BEAT: Duration = Duration::from_millis(5);
 /// What is quoted of a text that is not understood, characters.
 const QUOTED: usize = 160;
 
 const NAMES: [&str; AXES] = ["x", "y", "z"];
-
-/// What is asked of the device.
-#[derive(Clone, Copy)]
-struct Order {
-    force_n: Option<[f64; AXES]>,
-    at: Instant,
-}
-
-/// What the thread and the peer's tick share. Both locks are held for a copy; the tick only tries them.
-struct Shared {
-    order: Mutex<Order>,
-    told: Mutex<Result<Option<Sensed>, Gone>>,
-    ends: AtomicBool,
-}
-
-/// An Inverse3.
-pub struct Haply {
-    abilities: Abilities,
-    shared: Arc<Shared>,
-    newest: Result<Option<Sensed>, Gone>,
-    thread: Option<JoinHandle<()>>,
-}
 
 /// The first Inverse3 of what the service told, or the one that is called so.
 fn listed<'a>(told: &'a Value, id: Option<&str>) -> Option<&'a Value> {
@@ -73,10 +49,6 @@ fn lacks(device: &Value) -> Option<&'static str> {
     let wanted =
         [("power_supply", "has no power supply"), ("calibrated", "is not calibrated"), ("ready", "is not ready")];
     wanted.into_iter().find(|(what, _)| device["status"][what] != true).map(|(_, words)| words)
-}
-
-fn stopped(cause: impl ToString) -> Gone {
-    Gone::new(DeviceFault::Stopped, cause)
 }
 
 /// What the device told, which was asked for and heard at these times.
@@ -95,146 +67,94 @@ fn sensed(text: &str, id: &str, between: [Instant; 2]) -> Result<Sensed, Gone> {
     Ok(Sensed { position_m, velocity_m_per_s, between, buttons })
 }
 
-impl Haply {
-    /// The Inverse3 called `id`, or the first one, of the service at `at`. A force that is not renewed for `silent` is no longer sent.
-    ///
-    /// # Errors
-    /// There is no service, it is too old, it does not take the preset, or its device is not fit.
-    pub fn open(at: SocketAddr, id: Option<&str>, lets_go_s: Option<f64>, silent: Duration) -> Result<Self, Error> {
-        let failed =
-            |what: &str, cause: &dyn std::fmt::Display| Error::from(format!("Haply's service at {at}: {what}{cause}"));
-        let stream = TcpStream::connect_timeout(&at, PATIENCE).map_err(|cause| failed("", &cause))?;
-        let waits = |for_: Duration| stream.set_read_timeout(Some(for_)).and_then(|()| stream.set_nodelay(true));
-        waits(PATIENCE).and_then(|()| stream.set_write_timeout(Some(PATIENCE))).map_err(|cause| failed("", &cause))?;
-        let own = stream.try_clone().map_err(|cause| failed("", &cause))?;
-        let (mut socket, _) = client(format!("ws://{at}/"), own).map_err(|cause| failed("no WebSocket: ", &cause))?;
-        let hear = |socket: &mut WebSocket<TcpStream>| -> Result<(String, Value), Error> {
-            let text = socket.read().and_then(Message::into_text).map_err(|cause| failed("no answer: ", &cause))?;
-            let told = serde_json::from_str(&text).map_err(|cause| failed("not JSON: ", &cause))?;
-            Ok((text.chars().take(QUOTED).collect(), told))
-        };
-        let (_, told) = hear(&mut socket)?;
-        let device = listed(&told, id).ok_or_else(|| match id {
-            Some(id) => failed("it lists no Inverse3 ", &id),
-            None => failed("it lists no Inverse3", &""),
-        })?;
-        let id = device["device_id"].as_str().unwrap_or_default().to_owned();
-        let hello = json!({
-            "session": { "configure": { "profile": { "name": "networked-haptics", "required_version": ">=3.5" } } },
-            "inverse3": [{ "device_id": id, "configure": { "preset": { "preset": PRESET } },
-                "commands": { "set_cursor_force": { "vector": { "x": 0.0, "y": 0.0, "z": 0.0 } } } }]
-        });
-        let asked = Instant::now();
-        socket.send(Message::text(hello.to_string())).map_err(|cause| failed("", &cause))?;
-        let (quoted, told) = hear(&mut socket)?;
-        // A session has a number from 3.5 on.
-        if told["session_id"].is_null() {
-            return Err(failed(
-                "it is older than 3.5, or refused the session or the preset ",
-                &format!("{PRESET}: {quoted}"),
-            ));
-        }
-        let device = listed(&told, Some(&id))
-            .ok_or_else(|| failed("it refused the session or the preset ", &format!("{PRESET}: {quoted}")))?;
-        if let Some(lacks) = lacks(device) {
-            return Err(failed("", &format!("Inverse3 {id} {lacks}: it is not armed")));
-        }
-        waits(LOOK).map_err(|cause| failed("", &cause))?;
-        let shared = Arc::new(Shared {
-            order: Mutex::new(Order { force_n: None, at: asked }),
-            told: Mutex::new(Ok(None)),
-            ends: AtomicBool::new(false),
-        });
-        let grip = told["wireless_verse_grip"].as_array().is_some_and(|grips| !grips.is_empty());
-        let abilities = Abilities {
-            name: format!("Inverse3 {id}"),
-            axes: AXES,
-            // The service names neither.
-            workspace_m: None,
-            max_force_n: None,
-            is_homed: device["status"]["calibrated"] == true,
-            buttons: if grip { BUTTONS.len() } else { 0 },
-            lets_go_s,
-        };
-        let line = Line { socket, id, shared: shared.clone(), silent, asked: VecDeque::new() };
-        let thread = std::thread::Builder::new().name("haply".to_owned()).spawn(move || line.run());
-        let thread = Some(thread.map_err(|cause| failed("", &cause))?);
-        Ok(Self { abilities, shared, newest: Ok(None), thread })
+/// The Inverse3 called `id`, or the first one, of the service at `at`. A force that is not renewed for `silent` is no longer sent.
+///
+/// # Errors
+/// There is no service, it is too old, it does not take the preset, or its device is not fit.
+pub(super) fn open(
+    at: SocketAddr,
+    id: Option<&str>,
+    lets_go_s: Option<f64>,
+    silent: Duration,
+) -> Result<Threaded, Error> {
+    let failed =
+        |what: &str, cause: &dyn std::fmt::Display| Error::from(format!("Haply's service at {at}: {what}{cause}"));
+    let stream = TcpStream::connect_timeout(&at, PATIENCE).map_err(|cause| failed("", &cause))?;
+    let waits = |for_: Duration| stream.set_read_timeout(Some(for_)).and_then(|()| stream.set_nodelay(true));
+    waits(PATIENCE).and_then(|()| stream.set_write_timeout(Some(PATIENCE))).map_err(|cause| failed("", &cause))?;
+    let own = stream.try_clone().map_err(|cause| failed("", &cause))?;
+    let (mut socket, _) = client(format!("ws://{at}/"), own).map_err(|cause| failed("no WebSocket: ", &cause))?;
+    let hear = |socket: &mut WebSocket<TcpStream>| -> Result<(String, Value), Error> {
+        let text = socket.read().and_then(Message::into_text).map_err(|cause| failed("no answer: ", &cause))?;
+        let told = serde_json::from_str(&text).map_err(|cause| failed("not JSON: ", &cause))?;
+        Ok((text.chars().take(QUOTED).collect(), told))
+    };
+    let (_, told) = hear(&mut socket)?;
+    let device = listed(&told, id).ok_or_else(|| match id {
+        Some(id) => failed("it lists no Inverse3 ", &id),
+        None => failed("it lists no Inverse3", &""),
+    })?;
+    let id = device["device_id"].as_str().unwrap_or_default().to_owned();
+    let hello = json!({
+        "session": { "configure": { "profile": { "name": "networked-haptics", "required_version": ">=3.5" } } },
+        "inverse3": [{ "device_id": id, "configure": { "preset": { "preset": PRESET } },
+            "commands": { "set_cursor_force": { "vector": { "x": 0.0, "y": 0.0, "z": 0.0 } } } }]
+    });
+    socket.send(Message::text(hello.to_string())).map_err(|cause| failed("", &cause))?;
+    let (quoted, told) = hear(&mut socket)?;
+    // A session has a number from 3.5 on.
+    if told["session_id"].is_null() {
+        return Err(failed(
+            "it is older than 3.5, or refused the session or the preset ",
+            &format!("{PRESET}: {quoted}"),
+        ));
     }
+    let device = listed(&told, Some(&id))
+        .ok_or_else(|| failed("it refused the session or the preset ", &format!("{PRESET}: {quoted}")))?;
+    if let Some(lacks) = lacks(device) {
+        return Err(failed("", &format!("Inverse3 {id} {lacks}: it is not armed")));
+    }
+    waits(LOOK).map_err(|cause| failed("", &cause))?;
+    let grip = told["wireless_verse_grip"].as_array().is_some_and(|grips| !grips.is_empty());
+    let abilities = Abilities {
+        name: format!("Inverse3 {id}"),
+        axes: AXES,
+        // The service names neither.
+        workspace_m: None,
+        max_force_n: None,
+        is_homed: device["status"]["calibrated"] == true,
+        buttons: if grip { BUTTONS.len() } else { 0 },
+        lets_go_s,
+    };
+    Threaded::start(abilities, silent, Service { socket, id, asked: VecDeque::new() })
 }
 
-impl Port for Haply {
-    fn abilities(&self) -> &Abilities {
-        &self.abilities
-    }
-
-    fn read(&mut self) -> Result<Option<Sensed>, Gone> {
-        match self.shared.told.try_lock() {
-            Ok(told) => self.newest.clone_from(&told),
-            Err(TryLockError::WouldBlock) => {}
-            Err(TryLockError::Poisoned(_)) => self.newest = Err(stopped("its thread has failed")),
-        }
-        self.newest.clone()
-    }
-
-    fn write(&mut self, force_n: Option<[f64; AXES]>) {
-        // Where the thread is just reading the order, it takes the next one, a tick later.
-        if let Ok(mut order) = self.shared.order.try_lock() {
-            *order = Order { force_n, at: Instant::now() };
-        }
-        if let Some(thread) = &self.thread {
-            thread.thread().unpark();
-        }
-    }
-}
-
-impl Drop for Haply {
-    fn drop(&mut self) {
-        self.shared.ends.store(true, Ordering::Relaxed);
-        if let Some(thread) = self.thread.take() {
-            thread.thread().unpark();
-            let _ = thread.join();
-        }
-    }
+/// What the service at this place lists, device by device.
+///
+/// # Errors
+/// There is none.
+pub fn found(at: SocketAddr) -> Result<Vec<String>, Error> {
+    let stream = TcpStream::connect_timeout(&at, LOOKS).map_err(|cause| cause.to_string())?;
+    stream.set_read_timeout(Some(PATIENCE)).map_err(|cause| cause.to_string())?;
+    let (mut socket, _) = client(format!("ws://{at}/"), stream).map_err(|cause| cause.to_string())?;
+    let text = socket.read().and_then(Message::into_text).map_err(|cause| cause.to_string())?;
+    let told: Value = serde_json::from_str(&text).map_err(|cause| cause.to_string())?;
+    let each = |device: &Value| {
+        let id = device["device_id"].as_str().unwrap_or_default();
+        format!("Inverse3 {id}, which {}", lacks(device).unwrap_or("is ready"))
+    };
+    Ok(told["inverse3"].as_array().into_iter().flatten().map(each).collect())
 }
 
 /// The thread's end of the line to the service.
-struct Line {
+struct Service {
     socket: WebSocket<TcpStream>,
     id: String,
-    shared: Arc<Shared>,
-    silent: Duration,
     /// When those messages were sent that are not answered yet.
     asked: VecDeque<Instant>,
 }
 
-impl Line {
-    fn run(mut self) {
-        while !self.shared.ends.load(Ordering::Relaxed) {
-            park_timeout(BEAT);
-            if let Err(gone) = self.exchange() {
-                self.tell(Err(gone));
-                break;
-            }
-        }
-        // Whoever has gone is asked to let go as well.
-        let _ = self.say([0.0; AXES]);
-        let _ = self.socket.close(None);
-        let _ = self.socket.flush();
-    }
-
-    /// The force that is wanted now; none lets go.
-    fn wanted(&self) -> Option<[f64; AXES]> {
-        let order = self.shared.order.lock().map(|order| *order).ok()?;
-        order.force_n.filter(|_| order.at.elapsed() <= self.silent)
-    }
-
-    fn tell(&self, told: Result<Option<Sensed>, Gone>) {
-        if let Ok(mut place) = self.shared.told.lock() {
-            *place = told;
-        }
-    }
-
+impl Service {
     fn say(&mut self, [x, y, z]: [f64; AXES]) -> Result<(), Gone> {
         let id = &self.id;
         let vector = format!(r#"{{"x":{x:.5},"y":{y:.5},"z":{z:.5}}}"#);
@@ -245,34 +165,62 @@ impl Line {
         self.socket.send(Message::text(text)).map_err(stopped)
     }
 
-    /// Says the force of now, and hears where the device was. While no answer comes, the service is told once if the peer lets go.
-    fn exchange(&mut self) -> Result<(), Gone> {
-        let force_n = self.wanted();
+    /// The next answer, and when it was asked for; none while there is none yet.
+    fn hear(&mut self) -> Result<Option<(String, Instant)>, Gone> {
+        match self.socket.read() {
+            Ok(Message::Text(text)) => Ok(self.asked.pop_front().map(|asked| (text.as_str().to_owned(), asked))),
+            Ok(Message::Close(_)) => Err(stopped("the service has closed the line")),
+            Ok(_) => Ok(None),
+            Err(tungstenite::Error::Io(cause))
+                if matches!(cause.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted) =>
+            {
+                Ok(None)
+            }
+            Err(cause) => Err(stopped(cause)),
+        }
+    }
+}
+
+impl Line for Service {
+    /// While no answer comes, the service is told once if the peer lets go.
+    fn exchange(&mut self, desk: &Desk) -> Result<(), Gone> {
+        let force_n = desk.wanted();
         self.say(force_n.unwrap_or_default())?;
         let mut pushes = force_n.is_some();
-        while let Some(asked) = self.asked.front().copied() {
-            match self.socket.read() {
-                Ok(Message::Text(text)) => {
-                    self.asked.pop_front();
-                    let sensed = sensed(&text, &self.id, [asked, Instant::now()])?;
-                    self.tell(Ok(Some(sensed)));
+        while !self.asked.is_empty() && !desk.ends() {
+            match self.hear()? {
+                Some((text, asked)) => desk.tell(Ok(Some(sensed(&text, &self.id, [asked, Instant::now()])?))),
+                None if pushes && desk.wanted().is_none() => {
+                    pushes = false;
+                    self.say([0.0; AXES])?;
                 }
-                Ok(Message::Close(_)) => return Err(stopped("the service has closed the line")),
-                Ok(_) => {}
-                Err(tungstenite::Error::Io(cause))
-                    if matches!(cause.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted) =>
-                {
-                    if self.shared.ends.load(Ordering::Relaxed) {
-                        return Ok(());
-                    }
-                    if pushes && self.wanted().is_none() {
-                        pushes = false;
-                        self.say([0.0; AXES])?;
-                    }
-                }
-                Err(cause) => return Err(stopped(cause)),
+                None => {}
             }
         }
         Ok(())
+    }
+
+    fn let_go(&mut self) {
+        let _ = self.say([0.0; AXES]);
+        let _ = self.socket.flush();
+    }
+
+    /// By a message without a command: the service answers each one with a state.
+    fn acts(&mut self) -> Acts {
+        self.asked.push_back(Instant::now());
+        self.socket.send(Message::text("{}")).map_err(stopped)?;
+        let by = Instant::now() + PATIENCE;
+        while Instant::now() < by {
+            let Some((text, _)) = self.hear()? else { continue };
+            if !self.asked.is_empty() {
+                continue;
+            }
+            let told: Value = serde_json::from_str(&text).map_err(stopped)?;
+            let force = listed(&told, Some(&self.id)).map(|device| &device["state"]["current_cursor_force"]);
+            let along = |axis: &str| force.and_then(|force| force[axis].as_f64());
+            let along: Option<Vec<f64>> = NAMES.iter().map(|axis| along(axis)).collect();
+            return Ok(along.map(|along| along.iter().fold(0.0, |most: f64, force| most.max(force.abs()))));
+        }
+        Err(stopped("the service does not answer"))
     }
 }

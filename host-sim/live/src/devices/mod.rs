@@ -9,18 +9,35 @@
 //! |---|---|
 //! | none | the scene's simulated device, which a peer has by default |
 //! | [`haply`] | an Inverse3 behind Haply's local WebSocket service, 3.5 or newer |
+//! | [`moteus`] | one to three moteus motors on a CAN bus, which drive the scene's mechanism |
+//! | [`mit`] | one to three Damiao or T-Motor motors that take MIT's frame, likewise |
+//!
+//! Whoever has another device adds it by a name of its own ([`Outside`]).
 
 mod attached;
+mod can;
+pub mod find;
 pub mod haply;
+mod mechanism;
+pub mod mit;
+pub mod moteus;
+mod motors;
+pub mod steps;
+mod threaded;
 
 use std::net::SocketAddr;
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use haptic_sim::device::{Device, Gone};
+use haptic_sim::device::{Device, DeviceFault};
 use haptic_sim::{plant::Plant, scene::Scene};
+use serde::Serialize;
 
 use crate::Error;
+use crate::quantiles::{Quantiles, Times};
 pub use attached::Attached;
+pub use haptic_sim::device::Gone;
+pub use threaded::{Threaded, stopped};
 
 /// Axes of a device: none that is attached has more.
 pub const AXES: usize = 3;
@@ -39,10 +56,111 @@ pub trait Port {
 
     /// The force of this tick along each of its axes, N; none lets go.
     fn write(&mut self, force_n: Option<[f64; AXES]>);
+
+    /// How it is, as far as it says.
+    fn health(&self) -> Health {
+        Health::default()
+    }
+
+    /// Says nothing at all to the device for so long, as a process that is killed would, and then asks it for the largest force or torque that
+    /// acts, N or N·m; none if it does not say. For bring-up: this one blocks.
+    ///
+    /// # Errors
+    /// It has stopped, or nobody can try this.
+    fn stay_silent(&mut self, _time: Duration) -> Result<Option<f64>, Gone> {
+        Err(Gone::new(DeviceFault::Stopped, "this adapter cannot fall silent to try it"))
+    }
 }
 
-/// What a device can do.
-#[derive(Clone, Debug, PartialEq)]
+/// How a device is, as far as it says.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Health {
+    /// Least and largest supply voltage so far, V.
+    pub supply_v: Option<[f64; 2]>,
+    /// Largest temperature so far, °C.
+    pub warmest_c: Option<f64>,
+    /// Answers in which a motor gave less torque than it was asked for, by its own word.
+    pub limited: u64,
+}
+
+/// What was seen of a device while a peer drove it.
+#[derive(Clone, Debug, Serialize)]
+pub struct DeviceReport {
+    name: String,
+    /// From asking to hearing, µs.
+    round_trip: Quantiles,
+    /// How many round trips took up to so long, µs, and longer than the one before.
+    histogram: Vec<(f64, u64)>,
+    #[serde(flatten)]
+    health: Health,
+}
+
+/// What is seen of a device while somebody drives it.
+#[derive(Clone, Debug, Default)]
+pub struct Seen(Arc<Mutex<(String, Times, Health)>>);
+
+impl Seen {
+    fn name(&self, name: &str) {
+        if let Ok(mut seen) = self.0.lock() {
+            name.clone_into(&mut seen.0);
+        }
+    }
+
+    /// A reading took so long, and that is how the device is.
+    fn see(&self, took: Duration, health: Health) {
+        // Nobody else holds it before the end.
+        if let Ok(mut seen) = self.0.try_lock() {
+            seen.1.add(took.as_nanos() as u64);
+            seen.2 = health;
+        }
+    }
+
+    /// As a report has it.
+    pub fn report(&self) -> Option<DeviceReport> {
+        let seen = self.0.lock().ok()?;
+        let (name, times, health) = (seen.0.clone(), &seen.1, seen.2);
+        Some(DeviceReport { name, round_trip: times.quantiles(), histogram: times.histogram(), health })
+    }
+}
+
+/// A device that a peer may drive, and what is seen of it; nothing of a simulated one.
+pub type Opened<const N: usize> = (Box<dyn Device<f32, N>>, Option<Seen>);
+
+/// An adapter from outside: it is opened with what stands after its name and a colon, and with what is told of the device.
+#[derive(Clone, Copy)]
+pub struct Outside {
+    /// As `--device` has it.
+    pub name: &'static str,
+    /// Opens it.
+    pub open: fn(at: &str, options: &DeviceOptions) -> Result<Box<dyn Port>, Error>,
+}
+
+impl std::fmt::Debug for Outside {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name)
+    }
+}
+
+impl Port for Box<dyn Port> {
+    fn abilities(&self) -> &Abilities {
+        (**self).abilities()
+    }
+    fn read(&mut self) -> Result<Option<Sensed>, Gone> {
+        (**self).read()
+    }
+    fn write(&mut self, force_n: Option<[f64; AXES]>) {
+        (**self).write(force_n);
+    }
+    fn health(&self) -> Health {
+        (**self).health()
+    }
+    fn stay_silent(&mut self, time: Duration) -> Result<Option<f64>, Gone> {
+        (**self).stay_silent(time)
+    }
+}
+
+/// What a device can do; by default nothing that it may be armed with.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Abilities {
     /// Who it is, for people.
     pub name: String,
@@ -74,17 +192,23 @@ pub struct Sensed {
 }
 
 /// What kind of device a peer has.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default)]
 pub enum Kind {
     /// The scene's, simulated.
     #[default]
     Simulated,
     /// An Inverse3, whose service listens there.
     Haply(SocketAddr),
+    /// moteus motors on the bus there.
+    Moteus(String),
+    /// Motors that take MIT's frame, on the bus there.
+    Mit(String),
+    /// An adapter from outside, and where its device is.
+    Outside(Outside, String),
 }
 
 /// The device that a peer is to have, and what is told about it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct DeviceOptions {
     /// What kind.
     pub kind: Kind,
@@ -96,10 +220,19 @@ pub struct DeviceOptions {
     pub origin_m: Option<[f64; AXES]>,
     /// A reading may be this old, s.
     pub silent_s: f64,
-    /// How long a force of this device stands after the last command, as somebody has measured, s: for one that does not say.
+    /// How long a force of this device stands after the last command, s: as somebody has measured, for one that does not say; as it is
+    /// told, for one that is.
     pub lets_go_s: Option<f64>,
     /// The button, from 0, that holds the clutch open.
     pub clutch: Option<usize>,
+    /// Motors: the identifier of each joint's, and −1 of one that turns against its joint.
+    pub motors: Vec<(u8, f64)>,
+    /// Motors: the largest torque of each, N·m.
+    pub max_torque_nm: Option<f64>,
+    /// MIT's frame: the motors' type.
+    pub model: Option<mit::Model>,
+    /// It is homed by somebody's word, for one that does not say.
+    pub is_homed: bool,
 }
 
 impl Default for DeviceOptions {
@@ -112,20 +245,40 @@ impl Default for DeviceOptions {
             silent_s: 0.05,
             lets_go_s: None,
             clutch: None,
+            motors: vec![(1, 1.0)],
+            max_torque_nm: None,
+            model: None,
+            is_homed: false,
         }
     }
 }
 
 impl DeviceOptions {
+    /// The device of peer `number` (1 or 2) in its own frame; none if it is the scene's.
+    ///
+    /// # Errors
+    /// It is not there, or not fit, and why.
+    pub fn port(&self, scene: &Scene, number: u8) -> Result<Option<Box<dyn Port>>, Error> {
+        let peers = scene.peers();
+        let settings = &peers[usize::from(number == 2)];
+        let silent = Duration::from_secs_f64(self.silent_s);
+        Ok(Some(match &self.kind {
+            Kind::Simulated => return Ok(None),
+            Kind::Haply(at) => Box::new(haply::open(*at, self.id.as_deref(), self.lets_go_s, silent)?),
+            Kind::Moteus(at) => Box::new(moteus::open(at, self, settings)?),
+            Kind::Mit(at) => Box::new(mit::open(at, self, settings)?),
+            Kind::Outside(outside, at) => (outside.open)(at, self)?,
+        }))
+    }
+
     /// The device of peer `number` (1 or 2), ready to be driven along the axes of its scene.
     ///
     /// # Errors
     /// It is not there, not fit, or must not be armed in this scene, and why.
-    pub fn open<const N: usize>(&self, scene: &Scene, number: u8) -> Result<Box<dyn Device<f32, N>>, Error> {
+    pub fn open<const N: usize>(&self, scene: &Scene, number: u8) -> Result<Opened<N>, Error> {
         let index = usize::from(number == 2);
-        let Kind::Haply(at) = self.kind else { return Ok(Box::new(Plant::build(scene, index))) };
-        let silent = Duration::from_secs_f64(self.silent_s);
-        let port = haply::Haply::open(at, self.id.as_deref(), self.lets_go_s, silent)?;
-        Ok(Box::new(Attached::new(port, self, scene, index)?))
+        let Some(port) = self.port(scene, number)? else { return Ok((Box::new(Plant::build(scene, index)), None)) };
+        let seen = Seen::default();
+        Ok((Box::new(Attached::new(port, self, scene, index)?.seen_by(seen.clone())), Some(seen)))
     }
 }

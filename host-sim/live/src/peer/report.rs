@@ -6,6 +6,7 @@ use haptic_sim::measure::Statistics;
 use haptic_sim::measure::port::PortEnergy;
 use serde::Serialize;
 
+use crate::devices::DeviceReport;
 use crate::endpoint::Punctuality;
 use crate::verdict::Verdict;
 use crate::watch::LiveSummary;
@@ -61,6 +62,9 @@ pub struct Report {
     pub datagrams_refused: u32,
     /// How well the control loop kept its ticks.
     pub punctuality: Punctuality,
+    /// What was seen of its device; absent of a simulated one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub device: Option<DeviceReport>,
 }
 
 /// Forces along one axis, over the last half.

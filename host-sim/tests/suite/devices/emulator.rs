@@ -3,24 +3,15 @@
 
 use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::sync::{Arc, Mutex, MutexGuard};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use serde_json::{Value, json};
 use tungstenite::{Message, WebSocket, accept};
 
+use super::hand::{Hand, STEP_S};
+
 /// For so long a force stands without a new one, s. The vendor says "applied once and forgotten", and no number.
 pub(crate) const HOLDS_S: f64 = 0.02;
-/// What moves with the hand, kg, and the hand: N/m, N·s/m.
-const MASS_KG: f64 = 0.3;
-pub(crate) const HAND_N_PER_M: f64 = 300.0;
-const HAND_N_S_PER_M: f64 = 8.0;
-/// Step of the mechanism, s.
-const STEP_S: f64 = 50e-6;
-/// How often a hand trembles, Hz.
-const TREMOR_HZ: f64 = 1.0;
-/// How long it takes to reach, s.
-const REACH_S: f64 = 1.0;
-
 /// What the service can do wrong.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Fault {
@@ -36,6 +27,10 @@ pub(crate) enum Fault {
     Jump,
     /// It closes the line.
     Closes,
+    /// A force pushes the other way.
+    WrongSign,
+    /// A force stands until there is another one.
+    NoWatchdog,
     /// Its device is no longer calibrated.
     Uncalibrated,
     /// It is older than 3.5.
@@ -46,16 +41,9 @@ pub(crate) enum Fault {
 
 /// The mechanism with the hand on it, in the device's frame.
 pub(crate) struct World {
-    start: Instant,
-    now_s: f64,
-    position_m: [f64; 3],
-    velocity_m_per_s: [f64; 3],
+    hand: Hand<3>,
     force_n: [f64; 3],
     until_s: f64,
-    /// How far the hand trembles along each axis until it reaches, m.
-    tremor_m: f64,
-    /// Where the hand reaches, m, and since when, s.
-    reach: Option<([f64; 3], f64)>,
     pub(crate) fault: Fault,
     /// Every force that was asked for, and when.
     pub(crate) asked: Vec<(f64, [f64; 3])>,
@@ -63,40 +51,25 @@ pub(crate) struct World {
 
 impl World {
     pub(crate) fn time_s(&self) -> f64 {
-        self.start.elapsed().as_secs_f64()
-    }
-
-    /// Where the hand wants to be along an axis, m.
-    fn wanted(&self, axis: usize) -> f64 {
-        let tremor_m = self.tremor_m * (std::f64::consts::TAU * TREMOR_HZ * self.now_s).sin();
-        let Some((reach_m, since_s)) = self.reach else { return tremor_m };
-        let share = ((self.now_s - since_s) / REACH_S).clamp(0.0, 1.0);
-        // Of least jerk; a hand that reaches trembles no more.
-        let gone = share.powi(3) * (10.0 - 15.0 * share + 6.0 * share * share);
-        gone * reach_m[axis] + (1.0 - gone) * tremor_m
+        self.hand.time_s()
     }
 
     /// Brings it to now; the force that acts then, N.
     pub(crate) fn advance(&mut self) -> [f64; 3] {
         let now_s = self.time_s();
-        while self.now_s < now_s {
-            self.now_s += STEP_S;
-            if self.now_s >= self.until_s {
+        let sign = if self.fault == Fault::WrongSign { -1.0 } else { 1.0 };
+        while self.hand.now_s < now_s {
+            if self.hand.now_s + STEP_S >= self.until_s && self.fault != Fault::NoWatchdog {
                 self.force_n = [0.0; 3];
             }
-            for axis in 0..3 {
-                let spring_n = HAND_N_PER_M * (self.wanted(axis) - self.position_m[axis]);
-                let force_n = self.force_n[axis] + spring_n - HAND_N_S_PER_M * self.velocity_m_per_s[axis];
-                self.velocity_m_per_s[axis] += STEP_S * force_n / MASS_KG;
-                self.position_m[axis] += STEP_S * self.velocity_m_per_s[axis];
-            }
+            self.hand.step(self.force_n.map(|force| sign * force));
         }
         self.force_n
     }
 
     /// The hand begins to reach there.
     pub(crate) fn reach(&mut self, reach_m: [f64; 3]) {
-        self.reach = Some((reach_m, self.time_s()));
+        self.hand.reach(reach_m);
     }
 
     /// Plants a fault; when, s.
@@ -108,7 +81,7 @@ impl World {
     fn told(&self) -> Value {
         let off_m = if self.fault == Fault::Jump { 0.05 } else { 0.0 };
         let at = |axis: usize| {
-            if self.fault == Fault::NotANumber { json!(null) } else { json!(self.position_m[axis] + off_m) }
+            if self.fault == Fault::NotANumber { json!(null) } else { json!(self.hand.position_m[axis] + off_m) }
         };
         let xyz = |of: [f64; 3]| json!({ "x": of[0], "y": of[1], "z": of[2] });
         let mut told = json!({
@@ -117,7 +90,7 @@ impl World {
                 "device_id": "049D",
                 "state": {
                     "cursor_position": { "x": at(0), "y": at(1), "z": at(2) },
-                    "cursor_velocity": xyz(self.velocity_m_per_s), "current_cursor_force": xyz(self.force_n),
+                    "cursor_velocity": xyz(self.hand.velocity_m_per_s), "current_cursor_force": xyz(self.force_n),
                     "control_domain": "cartesian", "control_mode": "force", "mode": "force_control" },
                 "status": { "calibrated": self.fault != Fault::Uncalibrated, "in_use": true, "power_supply": true, "ready": true } }],
             "verse_grip": [],
@@ -142,14 +115,9 @@ impl Emulator {
         let listener = TcpListener::bind("127.0.0.1:0").expect("a socket on loopback");
         let at = listener.local_addr().expect("its address");
         let world = Arc::new(Mutex::new(World {
-            start: Instant::now(),
-            now_s: 0.0,
-            position_m: [0.0; 3],
-            velocity_m_per_s: [0.0; 3],
+            hand: Hand::new(tremor_m),
             force_n: [0.0; 3],
             until_s: 0.0,
-            tremor_m,
-            reach: None,
             fault: Fault::None,
             asked: Vec::new(),
         }));

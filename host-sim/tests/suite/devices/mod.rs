@@ -1,7 +1,14 @@
-//! Live peers with a device that is not simulated by them: an Inverse3, of which here the service is emulated. Programs on loopback, as
-//! a user runs them.
+//! Live peers with a device that is not simulated by them: an Inverse3, of which here the service is emulated, and emulated motors on a bus.
+//! Programs on loopback, as a user runs them.
 
+mod bus;
 mod emulator;
+mod hand;
+mod mit;
+mod moteus;
+mod motors;
+mod steps;
+mod together;
 
 use std::io::{BufRead, BufReader};
 use std::process::{Child, ChildStderr, Command};
@@ -13,7 +20,8 @@ use serde_json::Value;
 
 use super::program::{Keys, free, host_sim};
 use super::signals::signal;
-use emulator::{Emulator, Fault, HAND_N_PER_M, HOLDS_S};
+use emulator::{Emulator, Fault, HOLDS_S};
+use hand::HAND_N_PER_M;
 
 /// What the device has, in the place of the simulated one, and what the other hand does: it holds on.
 const SETTINGS: [&str; 6] = [
@@ -57,7 +65,11 @@ impl Running {
     fn until(&mut self, words: &str) {
         let by = Instant::now() + Duration::from_secs(40);
         while !self.said().contains(words) {
-            assert!(self.child.try_wait().expect("a child").is_none(), "it has ended: {}", self.said());
+            if self.child.try_wait().expect("a child").is_some() {
+                // What it said last is on its way.
+                std::thread::sleep(Duration::from_millis(200));
+                panic!("it has ended: {}", self.said());
+            }
             assert!(Instant::now() < by, "never {words}: {}", self.said());
             std::thread::sleep(Duration::from_millis(20));
         }
@@ -81,10 +93,15 @@ fn peer(scene: &str, number: &str, listen: &str, connect: &str, key: &str) -> Co
 
 /// Two peers, the first one at the emulated device, armed.
 fn pair(name: &str, scene: &str, seconds: &str, emulator: &Emulator, more: &[&str]) -> [Running; 2] {
+    let device = format!("haply:{}", emulator.at);
+    armed(name, scene, seconds, &[&["--device", &device, "--device-lets-go-s", "0.02"], more].concat())
+}
+
+/// Two peers, the first one with these flags beside, armed.
+fn armed(name: &str, scene: &str, seconds: &str, more: &[&str]) -> [Running; 2] {
     let (keys, one, two) = (Keys::new(name, 0), free(), free());
     let mut first = peer(scene, "1", &one, &two, &keys.file(0));
-    first.args(["--seconds", seconds, "--device", &format!("haply:{}", emulator.at), "--device-lets-go-s", "0.02"]);
-    first.args(more);
+    first.args(["--seconds", seconds]).args(more);
     let mut second = peer(scene, "2", &two, &one, &keys.file(0));
     second.args(["--seconds", seconds]);
     let mut peers = [first, second].map(Running::start);
@@ -97,11 +114,11 @@ fn number(of: &Value, key: &str) -> f64 {
 }
 
 /// Largest step of an asked force along any axis within `for_s` from the first one that is not zero on, N.
-fn largest_first_step(asked: &[(f64, [f64; 3])], for_s: f64) -> f64 {
-    let first = asked.iter().position(|(_, force)| *force != [0.0; 3]).expect("a force");
+fn largest_first_step<const N: usize>(asked: &[(f64, [f64; N])], for_s: f64) -> f64 {
+    let first = asked.iter().position(|(_, force)| *force != [0.0; N]).expect("a force");
     let soon = asked[first.saturating_sub(1)..].iter().take_while(|(at, _)| *at <= asked[first].0 + for_s);
-    let forces: Vec<[f64; 3]> = soon.map(|(_, force)| *force).collect();
-    let steps = forces.windows(2).flat_map(|two| (0..3).map(|axis| (two[1][axis] - two[0][axis]).abs()));
+    let forces: Vec<[f64; N]> = soon.map(|(_, force)| *force).collect();
+    let steps = forces.windows(2).flat_map(|two| (0..N).map(|axis| (two[1][axis] - two[0][axis]).abs()));
     steps.fold(0.0, f64::max)
 }
 
