@@ -3,10 +3,13 @@
 
 pub mod addresses;
 pub mod batch;
+pub mod carried;
 pub mod devices;
 pub mod discrepancy;
 pub mod endpoint;
 mod error;
+pub mod invitation;
+pub mod meet;
 pub mod operator;
 pub mod peer;
 pub mod quantiles;

@@ -1,18 +1,18 @@
 //! The carrier: under the socket of one end, above it the link, which knows one address and sees no path.
 //!
 //! What the link says goes by the relay from the first moment on; meanwhile ICE looks for a direct path, and flow changes over to it within
-//! the session ([`crate::paths`] says when, and when back). What comes is told apart by its first byte ([`crate::frame`]): signals, STUN and
+//! the session (`paths.rs` says when, and when back). What comes is told apart by its first byte ([`crate::frame`]): signals, STUN and
 //! welcomes are for the carrier, sealed datagrams for the link, and only from the meeting place or from an address that has proved itself.
 //! Where both paths bring the same datagram, byte for byte, the second is counted as a copy and goes no further; all else the
 //! link judges itself, for only it can.
 //!
-//! **Signals** go every [`DIRECT_EVERY`] directly where no flow does, else every [`BESIDE_FLOW`]; by the relay every [`RELAY_EVERY`], or [`RELAY_RESTS`] while it rests.
-//! **A direct path that dies** is missed by flow ([`crate::paths`]); after [`RESTART`] ICE begins anew, and again after twice as long, up to [`LONGEST_RESTART`].
-//! **Flow to an address** ends [`CONSENT`](crate::ice) after it last proved that it wants it.
+//! **Signals** go every `DIRECT_EVERY` directly where no flow does, else every `BESIDE_FLOW`; by the relay every `RELAY_EVERY`, or `RELAY_RESTS` while it rests.
+//! **A direct path that dies** is missed by flow (`paths.rs`); after `RESTART` ICE begins anew, and again after twice as long, up to `LONGEST_RESTART`.
+//! **Flow to an address** ends `CONSENT` after it last proved that it wants it.
 
 use std::collections::VecDeque;
 use std::hash::{BuildHasher, RandomState};
-use std::net::{IpAddr, SocketAddr};
+use std::net::SocketAddr;
 use std::time::{Duration, Instant};
 
 use haptic_protocol::key::Key;
@@ -20,7 +20,7 @@ use serde::Serialize;
 
 use crate::Send;
 use crate::frame::Frame;
-use crate::ice::{CONSENT, Ice, Origin};
+use crate::ice::{CONSENT, Ice, Origin, is_local};
 use crate::paths::{PathFigures, Paths, Way};
 use crate::seat::Seat;
 use crate::signal::{Instance, MOST_ADDRESSES, Sealer, Signal, open};
@@ -50,6 +50,8 @@ struct Other {
     instance: Instance,
     ice: Option<Ice>,
     heard: Instant,
+    /// Counter of its newest signal by any path.
+    said: u64,
     followed: Instant,
 }
 
@@ -98,6 +100,8 @@ pub struct Config {
     pub meet: SocketAddr,
     /// The socket's addresses as this machine has them, one of each family at the most.
     pub bases: Vec<SocketAddr>,
+    /// An outer address that a router passes on to the socket, where somebody has told it to.
+    pub mapped: Option<SocketAddr>,
     /// Flow stays on the relay, so that the partner learns no address.
     pub relay_only: bool,
 }
@@ -116,6 +120,8 @@ pub struct Carrier {
     paths: Paths,
     relay_heard: Instant,
     flowed: Option<Instant>,
+    /// Where flow goes directly, as far as it does.
+    flows_to: Option<SocketAddr>,
     restart_after: Duration,
     restarted: Instant,
     came: VecDeque<(u64, bool)>,
@@ -128,14 +134,6 @@ pub struct Carrier {
 impl std::fmt::Debug for Carrier {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "Carrier({:?} by {})", self.way, self.config.meet)
-    }
-}
-
-/// Whether an address is of a local network.
-fn is_local(address: SocketAddr) -> bool {
-    match address.ip() {
-        IpAddr::V4(ip) => ip.is_private() || ip.is_link_local() || ip.is_loopback(),
-        IpAddr::V6(ip) => ip.is_unique_local() || ip.is_unicast_link_local() || ip.is_loopback(),
     }
 }
 
@@ -154,6 +152,7 @@ impl Carrier {
             paths: Paths::new(now),
             relay_heard: now,
             flowed: None,
+            flows_to: None,
             restart_after: RESTART,
             restarted: now,
             came: VecDeque::with_capacity(REMEMBERED),
@@ -196,13 +195,11 @@ impl Carrier {
 
     /// Where flow goes directly.
     fn direct(&self, now: Instant) -> Option<SocketAddr> {
-        let ice = self.other.as_ref()?.ice.as_ref()?;
-        ice.nominated.filter(|to| ice.is_proved(now, *to, CONSENT))
+        self.other.as_ref()?.ice.as_ref()?.destination(now)
     }
 
     fn is_lan(&self) -> bool {
-        let ice = self.other.as_ref().and_then(|other| other.ice.as_ref());
-        self.paths.is_direct() && ice.and_then(|ice| ice.nominated).is_some_and(is_local)
+        self.paths.is_direct() && self.flows_to.is_some_and(is_local)
     }
 
     /// Sends a datagram of the link's; whether there was a path.
@@ -310,10 +307,14 @@ impl Carrier {
         } else {
             self.paths.heard(now, true);
         }
-        self.paths.said(now, signal.hears);
-        self.paths.look(now);
         let other = self.other.as_mut()?;
         other.heard = now;
+        // What comes by the longer path is older, and says what was.
+        if counter > other.said {
+            other.said = counter;
+            self.paths.said(now, signal.hears);
+        }
+        self.paths.look(now);
         if let Some(ice) = &mut other.ice {
             if !by_relay {
                 ice.prove(now, from);
@@ -345,11 +346,11 @@ impl Carrier {
         let instances = if self.config.side == 0 { [own, instance] } else { [instance, own] };
         let origin = Origin { key: self.config.key.clone(), side: self.config.side, instances };
         let mut ice = (!self.config.relay_only).then(|| Ice::new(origin, self.config.bases.clone()));
-        if let (Some(ice), Some(seen)) = (&mut ice, self.seat.seen) {
-            ice.add_seen(seen);
+        if let Some(ice) = &mut ice {
+            self.seat.seen.into_iter().chain(self.config.mapped).for_each(|seen| ice.add_seen(seen));
         }
         let long_ago = now.checked_sub(FOLLOWS).unwrap_or(now);
-        self.other = Some(Other { instance, ice, heard: now, followed: long_ago });
+        self.other = Some(Other { instance, ice, heard: now, said: 0, followed: long_ago });
         (self.restart_after, self.restarted) = (RESTART, now);
     }
 
@@ -376,7 +377,8 @@ impl Carrier {
             send(self.config.meet, &signal);
         }
         let every = if due(self.flowed, DIRECT_EVERY) { DIRECT_EVERY } else { BESIDE_FLOW };
-        if let Some(to) = self.direct(now).filter(|_| due(self.paths.of[1].sent_at, every)) {
+        self.flows_to = self.direct(now);
+        if let Some(to) = self.flows_to.filter(|_| due(self.paths.of[1].sent_at, every)) {
             let signal = self.say(now, true);
             send(to, &signal);
         }
@@ -397,7 +399,8 @@ impl Carrier {
         let mut addresses = Vec::new();
         if !direct && !self.config.relay_only && self.other.is_some() {
             addresses.extend(self.config.bases.iter().map(|base| (false, *base)));
-            addresses.extend(self.seat.seen.filter(|seen| !self.config.bases.contains(seen)).map(|seen| (true, seen)));
+            let outer = self.seat.seen.into_iter().chain(self.config.mapped);
+            addresses.extend(outer.filter(|seen| !self.config.bases.contains(seen)).map(|seen| (true, seen)));
             addresses.truncate(MOST_ADDRESSES);
         }
         let held_us = u32::try_from(held.as_micros()).unwrap_or(u32::MAX);

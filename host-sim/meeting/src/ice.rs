@@ -9,7 +9,7 @@
 //! the most. A proof is good for checks for [`PROVED`]; flow stops sooner ([`CONSENT`]).
 
 use std::collections::HashMap;
-use std::net::SocketAddr;
+use std::net::{IpAddr, SocketAddr};
 use std::time::{Duration, Instant};
 
 use haptic_protocol::key::Key;
@@ -35,6 +35,10 @@ pub(crate) const CONSENT: Duration = Duration::from_secs(5);
 const CHECKS: usize = 64;
 /// Pairs that are looked at.
 const PAIRS: usize = 48;
+/// Between two checks: RFC 8445 allows 5 ms and more. Both ends' first checks open their routers for the other's second.
+const PACE: Duration = Duration::from_millis(20);
+/// Until a check is sent again for the first time; doubles from there on.
+const FIRST_RETRY: Duration = Duration::from_millis(100);
 /// Addresses that the other end may name.
 const MOST_THEIRS: usize = 8;
 /// STUN messages of the agent's are shorter.
@@ -45,6 +49,14 @@ struct Asked {
     left: f64,
     counted: Instant,
     proved: Option<Instant>,
+}
+
+/// Whether an address is of a local network.
+pub(crate) fn is_local(address: SocketAddr) -> bool {
+    match address.ip() {
+        IpAddr::V4(ip) => ip.is_private() || ip.is_link_local() || ip.is_loopback(),
+        IpAddr::V6(ip) => ip.is_unique_local() || ip.is_unicast_link_local() || ip.is_loopback(),
+    }
 }
 
 /// What both ends' credentials come from.
@@ -75,7 +87,7 @@ pub(crate) struct Ice {
     bases: Vec<SocketAddr>,
     theirs: Vec<(bool, SocketAddr)>,
     /// Where the agent would have flow go.
-    pub(crate) nominated: Option<SocketAddr>,
+    nominated: Option<SocketAddr>,
     asked: HashMap<SocketAddr, Asked>,
     checks: Vec<([u8; 12], SocketAddr)>,
     /// Datagrams that were not sent, for their receiver has not said that he wants them.
@@ -87,6 +99,8 @@ impl Ice {
         let mut agent = IceAgent::new(origin.credentials(origin.side, 0));
         agent.set_controlling(origin.side == 0);
         agent.set_max_candidate_pairs(PAIRS);
+        agent.set_timing_advance(PACE);
+        agent.set_initial_stun_rto(FIRST_RETRY);
         agent.set_remote_credentials(origin.credentials(1 - origin.side, 0));
         for base in &bases {
             if let Ok(candidate) = Candidate::host(*base, "udp") {
@@ -121,7 +135,7 @@ impl Ice {
     pub(crate) fn add_theirs(&mut self, seen: bool, address: SocketAddr) {
         let ip = address.ip();
         let nobody = ip.is_unspecified() || ip.is_multicast() || address.port() == 0;
-        let broadcast = matches!(ip, std::net::IpAddr::V4(ip) if ip.is_broadcast());
+        let broadcast = matches!(ip, IpAddr::V4(ip) if ip.is_broadcast());
         if nobody || broadcast || self.theirs.len() >= MOST_THEIRS || self.theirs.contains(&(seen, address)) {
             return;
         }
@@ -137,6 +151,13 @@ impl Ice {
     pub(crate) fn is_proved(&self, now: Instant, address: SocketAddr, within: Duration) -> bool {
         let proved = self.asked.get(&address).and_then(|asked| asked.proved);
         proved.is_some_and(|at| now.saturating_duration_since(at) < within)
+    }
+
+    /// Where flow goes directly: where the agent would have it go, or, until it has made up its mind, to an address that has proved itself.
+    pub(crate) fn destination(&self, now: Instant) -> Option<SocketAddr> {
+        let proved = |to: &SocketAddr| self.is_proved(now, *to, CONSENT);
+        let nearest = || self.asked.keys().copied().filter(proved).max_by_key(|to| (is_local(*to), *to));
+        self.nominated.filter(proved).or_else(nearest)
     }
 
     /// Something that only the other end can have made, in answer to us, came from there.

@@ -11,6 +11,7 @@ use haptic_protocol::key::Key;
 use zeroize::Zeroize;
 
 use crate::Error;
+use crate::seat::Seat;
 
 const SCHEME: &str = "haptic://";
 const LETTERS: &[u8; 32] = b"abcdefghijklmnopqrstuvwxyz234567";
@@ -50,6 +51,11 @@ impl Invite {
         let mut key = [0; Key::LEN];
         key[..SECRET].copy_from_slice(&self.secret);
         Key::new(key)
+    }
+
+    /// A seat in its room, side 0 for who invites; `entropy` must be unforeseeable.
+    pub fn seat(&self, side: u8, entropy: &Key) -> Seat {
+        Seat::new(&self.key(), side, entropy)
     }
 
     fn check(&self) -> [u8; CHECK] {

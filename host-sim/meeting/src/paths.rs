@@ -96,13 +96,15 @@ impl Path {
 
     pub(crate) fn figures(&self) -> PathFigures {
         let ms = |us: u64| 1e-3 * us as f64;
-        let sent = self.counts.map_or(0, |[first, newest]| u64::from(newest - first) + 1);
+        // Of a path by which nothing came nobody knows what was lost.
+        let sent = self.counts.map_or(0, |[first, newest]| u64::from(newest - first) + 1).max(self.came).max(1);
+        let missing = self.counts.map_or(0, |_| sent - self.came);
         PathFigures {
             signals: self.round_trips.len(),
             round_trip_ms: ms(self.round_trips.value_at_quantile(0.5)),
             p99_ms: ms(self.round_trips.value_at_quantile(0.99)),
             largest_ms: ms(self.round_trips.max()),
-            lost: 1.0 - self.came as f64 / sent.max(self.came).max(1) as f64,
+            lost: missing as f64 / sent as f64,
             datagrams: self.datagrams,
         }
     }

@@ -213,6 +213,7 @@ fn kinds(ui: &Ui) -> Vec<TableKind> {
     ];
     let channels = [
         ("peer", ticks::channels("peer_1", 1)),
+        ("peer", vec![ticks::path_channel("peer_1")]),
         ("hub", ticks::hub_channels(2, 1)),
         ("board", ticks::board_channels(1, 1)),
         ("play", play::channels("/both/ticks")),

@@ -23,6 +23,7 @@ fn candidates_that_point_at_a_third_party_bring_it_five_datagrams() {
         side: 1,
         meet: MEET.parse().unwrap(),
         bases: victims.clone(),
+        mapped: None,
         relay_only: false,
     };
     world.homes[1].carrier = Carrier::new(config, &Key::new([2; 32]), world.start);
@@ -92,6 +93,7 @@ fn signals_of_an_earlier_run_count_for_nothing() {
             side,
             meet: MEET.parse().unwrap(),
             bases: vec![second.homes[0].inner],
+            mapped: None,
             relay_only: false,
         };
         second.homes[usize::from(side)].carrier = Carrier::new(config, &Key::new([40 + side; 32]), second.start);

@@ -24,14 +24,16 @@ fn the_relay_carries_at_once_and_the_direct_path_takes_over() {
     for side in 0..2 {
         let relayed = first(&world, side, &[Way::Relayed]).expect("a relay");
         let direct = first(&world, side, &[Way::Both, Way::Direct]).expect("a direct path");
-        assert!(relayed < 300 && direct < 1000, "relayed after {relayed} ms, direct after {direct} ms");
+        assert!(relayed < 100 && direct < 500, "relayed after {relayed} ms, direct after {direct} ms");
         assert_eq!(world.lost(side), 0);
         let report = world.homes[side].carrier.report();
         assert!(report.way == Way::Direct && !report.lan && report.copies > 500, "{report:?}");
         // 16 ms there and back; 32 by the relay, whose two ways are as long each; a step more at each end.
         assert!((16.0..=18.5).contains(&report.direct.round_trip_ms), "{report:?}");
         assert!((32.0..=36.5).contains(&report.relayed.round_trip_ms), "{report:?}");
-        assert!(report.direct.lost == 0.0 && report.relayed.lost == 0.0 && report.strangers == 0, "{report:?}");
+        assert!(report.direct.lost == 0.0 && report.relayed.lost == 0.0, "{report:?}");
+        // Until an end has an answer to its own check it takes nothing directly, though the other end may send already: all of it comes by the relay, too.
+        assert!(report.strangers < 200, "{report:?}");
     }
     none_twice(&world);
     let relayed = world.place.as_ref().expect("it is there").counts.passed;

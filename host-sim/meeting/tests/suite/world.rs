@@ -87,7 +87,7 @@ impl World {
         let (start, meet) = (Instant::now(), MEET.parse().unwrap());
         let home = |side: u8| {
             let inner: SocketAddr = "192.168.1.10:40000".parse().unwrap();
-            let config = Config { key: Key::new([9; 32]), side, meet, bases: vec![inner], relay_only };
+            let config = Config { key: Key::new([9; 32]), side, meet, bases: vec![inner], mapped: None, relay_only };
             let (maps, lets_in, came, ways) = Default::default();
             Home {
                 carrier: Carrier::new(config, &Key::new([side + 1; 32]), start),
