@@ -233,8 +233,8 @@ impl Carrier {
                 if self.seat.hear(now, datagram) == Some(true) {
                     self.join(now, send);
                 }
-                if let Some(seen) = self.seat.seen {
-                    let _ = self.ice().map(|ice| ice.add_seen(seen));
+                if let (Some(seen), Some(ice)) = (self.seat.seen, self.ice()) {
+                    ice.add_seen(seen);
                 }
                 return false;
             }

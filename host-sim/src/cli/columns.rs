@@ -54,6 +54,7 @@ impl TableKind {
         let row = match leaf {
             "exchanges" => "a question to another clock, and its answer",
             "seconds" => "a second",
+            "paths" => "a change of path, or a second",
             _ => "a tick",
         };
         let fields = channel.fields.iter().map(|field| (field.name.as_str(), field.meaning.as_str()));
