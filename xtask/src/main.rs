@@ -6,6 +6,7 @@ mod bench;
 mod board;
 mod count;
 mod fuzz;
+mod homes;
 mod kept;
 mod licences;
 mod no_panic;
@@ -69,7 +70,7 @@ microcontroller, documentation without warnings, all tests in debug (documentati
 chip included), recordings read by Python's `mcap` (recordings; needs Python 3 and the registry), the golden traces as a release computes
 them, no panic in the tick, the pages against what their
 commands print (readme), the Python module as it is installed (python; needs Python 3.11 and the registry), the instructions of one tick (bench-check; needs valgrind, which apt-get installs if it can), the memory that
-interrupt and tasks share under loom, haptic-core on QEMU (qemu), clippy on the images, and the release image on
+interrupt and tasks share under loom, haptic-core on QEMU (qemu), two homes behind routers (homes; where the machine allows), clippy on the images, and the release image on
 virtual boards (board-test), whose emulator takes minutes to build; these are left out where image and bench are those that they
 passed with on this machine.",
         run: |_| test::test(),
@@ -186,6 +187,17 @@ there. Two files with one key are refused: who holds the peers' could arm the bo
 table of the program read by pandas and Arrow. The versions of host-sim/python/requirements.txt are installed into a virtual environment
 below target/ when they have changed; it needs Python 3.11 with venv and, then, the registry.",
         run: |_| python::python(),
+    },
+    Chore {
+        name: "homes",
+        options: "",
+        does: "Two homes behind routers in network namespaces: which path is found, how soon, what a change costs",
+        more: "Makes five namespaces for each case and removes them: routers by nftables (ports kept, at random, passed on, open; IPv6), host-sim's
+meeting place between them. Needs root on Linux; installs iproute2 and nftables if apt-get can; where it cannot it fails and says why.",
+        run: |_| match homes::obstacle() {
+            None => homes::homes(),
+            Some(obstacle) => Err(Failure::new(obstacle)),
+        },
     },
     Chore {
         name: "qemu",

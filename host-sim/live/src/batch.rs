@@ -96,6 +96,22 @@ impl ReceivedBatch {
         &self.waited
     }
 
+    /// Leaves what somebody who looks at each, and at how long it has waited, says is to stay, and where he says that it came from.
+    pub(super) fn sift(&mut self, mut stays: impl FnMut(SocketAddr, &[u8], Duration) -> Option<SocketAddr>) {
+        let mut kept = 0;
+        for at in 0..self.from.len() {
+            let (from, length) = self.from[at];
+            if let Some(from) = stays(from, &self.room[at][..length], self.waited[at]) {
+                self.room.swap(kept, at);
+                self.waited.swap(kept, at);
+                self.from[kept] = (from, length);
+                kept += 1;
+            }
+        }
+        self.from.truncate(kept);
+        self.waited.truncate(kept);
+    }
+
     /// What came, oldest first, and where from.
     pub fn each(&mut self) -> impl ExactSizeIterator<Item = (SocketAddr, &mut [u8])> {
         self.from.iter().zip(self.room.iter_mut()).map(|((from, length), room)| (*from, &mut room[..*length]))

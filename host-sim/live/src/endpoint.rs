@@ -13,12 +13,14 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 use std::{io::ErrorKind, sync::Arc};
 
+use haptic_protocol::key::Key;
 use haptic_sim::engine::{Actor, Out};
 use serde::Serialize;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 
 use super::batch::{MOST, OutgoingBatch, ReceivedBatch};
+use super::carried::{self, Carried, Meeting, Paths};
 use crate::Error;
 
 /// Longest that an endpoint waits for a datagram before it looks at the clock.
@@ -208,6 +210,8 @@ pub struct Endpoint {
     pub address: SocketAddr,
     answers: bool,
     start: Instant,
+    /// What finds the path, where the other end is met somewhere.
+    carried: Option<Carried>,
     /// Datagrams that the system did not take.
     pub unsent: AtomicU64,
 }
@@ -218,7 +222,23 @@ impl Endpoint {
     /// # Errors
     /// The address cannot be opened.
     pub fn polled(listen: SocketAddr) -> Result<Self, Error> {
-        Self::open(listen, false)
+        Self::open(UdpSocket::bind(listen), listen, false)
+    }
+
+    /// [`Endpoint::polled`] that meets the other end: whatever is said to the meeting place's address goes to the other end by the best path,
+    /// and what comes from there comes as from that address. Side 0 is peer 1's.
+    ///
+    /// # Errors
+    /// No socket can be opened, or the system gives no random bytes.
+    pub fn carried(listen: Option<SocketAddr>, meeting: &Meeting, key: Key, side: u8) -> Result<Self, Error> {
+        let endpoint = Self::open(carried::open(meeting, listen), listen.unwrap_or(meeting.place), false)?;
+        let carried = Some(Carried::new(&endpoint.socket, meeting, key, side)?);
+        Ok(Self { carried, ..endpoint })
+    }
+
+    /// The paths to the other end, where it is met somewhere.
+    pub fn paths(&self) -> Option<Paths> {
+        self.carried.as_ref().map(|carried| carried.paths.clone())
     }
 
     /// An endpoint that takes each datagram as it comes.
@@ -226,12 +246,12 @@ impl Endpoint {
     /// # Errors
     /// The address cannot be opened.
     pub fn answering(listen: SocketAddr) -> Result<Self, Error> {
-        Self::open(listen, true)
+        Self::open(UdpSocket::bind(listen), listen, true)
     }
 
-    fn open(listen: SocketAddr, answers: bool) -> Result<Self, Error> {
+    fn open(socket: std::io::Result<UdpSocket>, listen: SocketAddr, answers: bool) -> Result<Self, Error> {
         let failed = haptic_sim::Error::cannot::<std::io::Error>("listen on", &listen);
-        let socket = UdpSocket::bind(listen).map_err(&failed)?;
+        let socket = socket.map_err(&failed)?;
         let waits = if answers { socket.set_read_timeout(Some(LOOK)) } else { socket.set_nonblocking(true) };
         waits.map_err(&failed)?;
         // A system that gives less is a fuller line.
@@ -241,7 +261,8 @@ impl Endpoint {
         #[cfg(target_os = "linux")]
         let _ = nix::sys::socket::setsockopt(&socket, nix::sys::socket::sockopt::ReceiveTimestampns, &true);
         let address = socket.local_addr().map_err(&failed)?;
-        Ok(Self { socket, address, answers, start: Instant::now(), unsent: AtomicU64::new(0) })
+        let (carried, unsent) = (None, AtomicU64::new(0));
+        Ok(Self { socket, address, answers, start: Instant::now(), carried, unsent })
     }
 
     /// This endpoint with a clock that began at `start`.
@@ -254,6 +275,9 @@ impl Endpoint {
     /// # Errors
     /// The other address is of another family, or this endpoint's own.
     pub fn reaches(&self, to: SocketAddr) -> Result<(), Error> {
+        if self.carried.is_some() {
+            return Ok(());
+        }
         let (own, family) = (self.address, |address: SocketAddr| if address.is_ipv4() { "IPv4" } else { "IPv6" });
         if own.is_ipv4() != to.is_ipv4() {
             let [ours, theirs] = [own, to].map(family);
@@ -281,6 +305,9 @@ impl Endpoint {
 
     /// Sends a datagram; one that the system does not take now is late, and a network may lose it as well. Whether it was taken.
     pub fn send(&self, to: SocketAddr, datagram: &[u8]) -> bool {
+        if let Some(carried) = self.carried.as_ref().filter(|carried| carried.address == to) {
+            return carried.say(datagram, |to, bytes| drop(self.socket.send_to(bytes, to)));
+        }
         let sent = self.socket.send_to(datagram, to).is_ok();
         self.unsent.fetch_add(u64::from(!sent), Ordering::Relaxed);
         sent
@@ -288,7 +315,10 @@ impl Endpoint {
 
     /// Sends it with what else is said meanwhile: by [`Endpoint::flush`], or when there is enough for a batch.
     pub fn say(&self, going: &mut OutgoingBatch, to: SocketAddr, datagram: &[u8]) {
-        going.add(to, datagram);
+        match self.carried.as_ref().filter(|carried| carried.address == to) {
+            Some(carried) => _ = carried.say(datagram, |to, bytes| going.add(to, bytes)),
+            None => going.add(to, datagram),
+        }
         if going.is_full() {
             self.flush(going);
         }
@@ -302,7 +332,15 @@ impl Endpoint {
     /// Takes a batch of what has come, oldest first; an endpoint that answers waits for it, though not long. Whether there may
     /// be more to take.
     pub fn take(&self, came: &mut ReceivedBatch) -> Result<bool, Error> {
-        let Err(cause) = came.take(&self.socket) else { return Ok(true) };
+        if let Some(carried) = &self.carried {
+            carried.poll(&self.socket);
+        }
+        let Err(cause) = came.take(&self.socket) else {
+            if let Some(carried) = &self.carried {
+                carried.sift(came, &self.socket);
+            }
+            return Ok(true);
+        };
         came.clear();
         match cause.kind() {
             ErrorKind::WouldBlock | ErrorKind::TimedOut => Ok(self.answers),

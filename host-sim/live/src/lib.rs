@@ -3,11 +3,14 @@
 
 pub mod addresses;
 pub mod batch;
+pub mod carried;
 pub mod devices;
 pub mod discrepancy;
 pub mod endpoint;
 mod error;
+pub mod invitation;
 pub mod measuring;
+pub mod meet;
 pub mod operator;
 pub mod peer;
 pub mod quantiles;

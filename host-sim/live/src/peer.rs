@@ -195,7 +195,7 @@ where
 }
 
 /// Runs peer 1 (left) or 2 (right), which listens at the first address while the other listens at the second, to the end of its
-/// experiment, or until it is stopped.
+/// experiment, or until it is stopped. Where the two meet somewhere ([`LiveOptions::meeting`]), the second address is that of the place.
 pub fn run(
     scene: &Scene,
     key: Key,
@@ -225,11 +225,14 @@ where
 {
     let period_s = scene.peer.timing.control_period_s;
     let ticks = (duration_s / period_s).round() as u64;
-    let endpoint = Endpoint::polled(listen)?;
+    let endpoint = match &wanted.meeting {
+        Some(meeting) => Endpoint::carried(Some(listen), meeting, key.clone(), number - 1)?,
+        None => Endpoint::polled(listen)?,
+    };
     endpoint.reaches(connect)?;
     // Last of what may take time: from here on the device is read at every tick.
     let judging = wanted.judge.as_ref().map(|judge| Judging::start(judge, period_s)).transpose()?;
-    let watch = Watch::new(wanted, scene, number, endpoint.start(), connect.to_string(), ticks)?;
+    let watch = Watch::new(wanted, scene, number, endpoint.start(), connect.to_string(), (ticks, endpoint.paths()))?;
     let (device, seen_device) = wanted.device.open(scene, number)?;
     let node =
         Node::with_device(scene, number, key, entropy, device)?.telling_every(TELLING_S).beginning_after(AFTER_US);
@@ -294,6 +297,7 @@ where
         datagrams_taken: counts.taken,
         datagrams_missing: counts.missing,
         datagrams_refused: counts.refused,
+        path: endpoint.paths().map(|paths| paths.report()),
         punctuality,
         device: seen_device.and_then(|seen| seen.report()),
     })

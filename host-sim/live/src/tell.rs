@@ -4,6 +4,8 @@
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 
+use haptic_meeting::Way;
+use haptic_meeting::carrier::PathReport;
 use haptic_protocol::link::Notice;
 use serde::Serialize;
 use serde_json::json;
@@ -21,6 +23,45 @@ pub enum Manner {
     Json,
     /// Nothing at all is printed.
     Quiet,
+}
+
+/// Which path a line takes, and what it is like.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct PathSecond {
+    /// Relayed, direct, or both.
+    pub way: Way,
+    /// The direct path stays within a local network.
+    pub lan: bool,
+    /// Median round trip of that path, ms.
+    pub round_trip_ms: f64,
+    /// Round trip that 99 % do not exceed, ms.
+    pub p99_ms: f64,
+    /// Share of the carriers' own signals that were lost on it.
+    pub lost: f64,
+}
+
+impl PathSecond {
+    /// From what a carrier reports.
+    pub fn of(report: &PathReport) -> Self {
+        let of = if matches!(report.way, Way::Direct | Way::Both) { report.direct } else { report.relayed };
+        let (round_trip_ms, p99_ms, lost) = (of.round_trip_ms, of.p99_ms, of.lost);
+        Self { way: report.way, lan: report.lan, round_trip_ms, p99_ms, lost }
+    }
+
+    fn words(&self) -> String {
+        let near = if self.lan { "LAN" } else { "direct" };
+        let way = match self.way {
+            Way::Nowhere => return "no path".to_owned(),
+            Way::Relayed => "relayed".to_owned(),
+            Way::Both => format!("{near}, relay beside it"),
+            Way::Direct => near.to_owned(),
+        };
+        if self.round_trip_ms == 0.0 {
+            return way;
+        }
+        let (round, p99, lost) = (self.round_trip_ms, self.p99_ms, 1e2 * self.lost);
+        format!("{way} {round:.1} ms (99 %: {p99:.1}), {lost:.1} % lost")
+    }
 }
 
 /// A second of a live end.
@@ -51,6 +92,9 @@ pub struct Second {
     /// Whether the scene is stable at the delays that are measured, as far as that is known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stable: Option<bool>,
+    /// Which path it takes, where it is not a plain address.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub path: Option<PathSecond>,
     /// What stopped this end, if anything did.
     pub fault: Option<String>,
 }
@@ -74,6 +118,9 @@ impl Second {
         }
         if self.stable == Some(false) {
             words += "  unstable";
+        }
+        if let Some(path) = &self.path {
+            words += &format!("  {}", path.words());
         }
         match &self.fault {
             Some(fault) => words + "  " + fault,
@@ -113,6 +160,7 @@ pub fn words(notice: &Notice) -> String {
 enum Line {
     Second(Box<Second>),
     Notice { time_s: f64, notice: String, words: String },
+    Path { time_s: f64, path: PathSecond },
     Words(String),
 }
 
@@ -150,6 +198,11 @@ impl Teller {
         self.put(Line::Notice { time_s: time_us as f64 * 1e-6, notice: format!("{whose}{notice:?}"), words });
     }
 
+    /// Flow goes another way.
+    pub fn path(&self, time_us: u64, path: &PathSecond) {
+        self.put(Line::Path { time_s: time_us as f64 * 1e-6, path: *path });
+    }
+
     /// What there is no notice for.
     pub fn words(&self, words: String) {
         self.put(Line::Words(words));
@@ -176,6 +229,7 @@ fn say(lines: &Receiver<Line>, manner: Manner) {
             match line {
                 Line::Second(second) => haptic_io::say(second.words()),
                 Line::Notice { words, .. } | Line::Words(words) => haptic_io::say(words),
+                Line::Path { path, .. } => haptic_io::say(format_args!("the path is now: {}", path.words())),
             }
             continue;
         }
@@ -183,6 +237,9 @@ fn say(lines: &Receiver<Line>, manner: Manner) {
             Line::Second(second) => json!(TaggedSecond { kind: "second", second: &second }),
             Line::Notice { time_s, notice, words } => {
                 json!({ "kind": "notice", "time_s": time_s, "notice": notice, "words": words })
+            }
+            Line::Path { time_s, path } => {
+                json!({ "kind": "path", "time_s": time_s, "path": path, "words": path.words() })
             }
             Line::Words(words) => json!({ "kind": "words", "words": words }),
         };

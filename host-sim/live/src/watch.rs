@@ -13,9 +13,10 @@ use haptic_sim::node::{Line, Node};
 use haptic_sim::scene::Scene;
 use serde::Serialize;
 
+use super::carried::{Meeting, Paths};
 use super::devices::DeviceOptions;
 use super::discrepancy::{PositionHistory, Sum};
-use super::tell::{Manner, Second, Teller};
+use super::tell::{Manner, PathSecond, Second, Teller};
 use super::verdict::{Judge, Judging};
 use crate::Error;
 use crate::recording::common_clock::{Relation, Watched};
@@ -40,6 +41,8 @@ pub struct LiveOptions {
     pub judge: Option<Judge>,
     /// The device that a peer has.
     pub device: DeviceOptions,
+    /// Where a peer meets the other one, which it does not call at an address.
+    pub meeting: Option<Meeting>,
 }
 
 impl LiveOptions {
@@ -119,6 +122,11 @@ pub fn channels(scene: &Scene, number: u8) -> Vec<Channel> {
     ticks::channels(&format!("peer_{number}"), scene.peer.axis.shared as usize)
 }
 
+/// [`channels`], and that of its paths.
+fn path_channels(scene: &Scene, number: u8) -> Vec<Channel> {
+    channels(scene, number).into_iter().chain([ticks::path_channel(&format!("peer_{number}"))]).collect()
+}
+
 /// Records and reports what a peer does.
 #[derive(Debug)]
 pub struct Watch {
@@ -143,6 +151,8 @@ pub struct Watch {
     of_this: [u32; 2],
     all_ticks: u64,
     reported: u64,
+    /// The paths of a line that is carried, and the channel of their rows.
+    paths: Option<(Paths, u16)>,
 }
 
 impl Watch {
@@ -153,10 +163,14 @@ impl Watch {
         number: u8,
         start: Instant,
         partner: String,
-        ticks: u64,
+        (ticks, paths): (u64, Option<Paths>),
     ) -> Result<Self, Error> {
-        let recorder = wanted.recorder(&who(number), start, channels(scene, number))?.map(Arc::new);
-        Ok(Self { partner, ticks, ..Self::of(recorder, scene, wanted.manner) })
+        let of_peer = channels(scene, number);
+        let last = of_peer.len() as u16;
+        let channels = if paths.is_some() { path_channels(scene, number) } else { of_peer };
+        let recorder = wanted.recorder(&who(number), start, channels)?.map(Arc::new);
+        let paths = paths.map(|paths| (paths, last));
+        Ok(Self { partner, ticks, paths, ..Self::of(recorder, scene, wanted.manner) })
     }
 
     /// Of a peer whose rows go into a recording whose first channels are [`channels`], on the clock of its endpoint; nothing is said.
@@ -185,6 +199,7 @@ impl Watch {
             of_this: [0; 2],
             all_ticks: 0,
             reported: 0,
+            paths: None,
         }
     }
 
@@ -265,8 +280,21 @@ impl Watch {
             self.teller.notice(*time_us, "", notice);
         }
         self.reported = line.noticed;
+        self.look_at_paths(now_ns);
         if f64::from(self.of_this[0]) * self.period_s >= 1.0 {
             self.second(now_ns, node, judging);
+        }
+    }
+
+    /// Says and records every change of path.
+    fn look_at_paths(&mut self, now_ns: u64) {
+        let Some((paths, channel)) = &self.paths else { return };
+        while let Some(change) = paths.take_change() {
+            let ago_ns = change.at.elapsed().as_nanos() as u64;
+            let at_ns = now_ns.saturating_sub(ago_ns);
+            self.record(*channel, at_ns, &ticks::path(at_ns, change.way, change.lan, &paths.report()));
+            let of = PathSecond::of(&paths.report());
+            self.teller.path(at_ns / 1_000, &PathSecond { way: change.way, lan: change.lan, ..of });
         }
     }
 
@@ -289,6 +317,10 @@ impl Watch {
         let stable = judging.and_then(|judging| judging.verdict.as_ref()?.stable);
         let stands = [missing, number(stable.map(|stable| f64::from(u8::from(stable))))];
         self.record(ticks::SECONDS, now_ns, &[&of_clock[..], &values, &stands].concat());
+        let report = self.paths.as_ref().map(|(paths, channel)| (paths.report(), *channel));
+        if let Some((report, channel)) = &report {
+            self.record(*channel, now_ns, &ticks::path(now_ns, report.way, report.lan, report));
+        }
         let mm = |metres: Option<f64>| metres.map(|metres| 1e3 * metres);
         let (state, fault) = match node.peer.mode() {
             Mode::Faulted(fault) => ("faulted", Some(format!("fault {}: {}", fault.number(), fault.explain()))),
@@ -311,6 +343,7 @@ impl Watch {
             clock_error_us: relation.map(|relation| 1e6 * relation.error_s(time_s)),
             live_share: link.is_up().then_some(live_share),
             stable,
+            path: report.as_ref().map(|(report, _)| PathSecond::of(report)),
             fault,
         });
     }

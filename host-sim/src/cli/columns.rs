@@ -54,6 +54,7 @@ impl TableKind {
         let row = match leaf {
             "exchanges" => "a question to another clock, and its answer",
             "seconds" => "a second",
+            "paths" => "a change of path, or a second",
             _ => "a tick",
         };
         let fields = channel.fields.iter().map(|field| (field.name.as_str(), field.meaning.as_str()));
@@ -232,6 +233,7 @@ fn kinds(ui: &Ui) -> Vec<TableKind> {
     ];
     let channels = [
         ("peer", ticks::channels("peer_1", 1)),
+        ("peer", vec![ticks::path_channel("peer_1")]),
         ("hub", ticks::hub_channels(2, 1)),
         ("board", ticks::board_channels(1, 1)),
         ("play", play::channels("/both/ticks")),

@@ -1,6 +1,7 @@
 //! `host-sim peer` and `host-sim hub`: live peers, two of them or 2 to 16 around a hub.
 
-use std::net::SocketAddr;
+use std::net::{Ipv4Addr, SocketAddr};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::Args;
@@ -11,10 +12,13 @@ use haptic_live::endpoint::{Span, Stop};
 use haptic_live::peer;
 use haptic_live::verdict::{Judge, Verdict};
 use haptic_live::watch::LiveOptions;
+use haptic_protocol::key::Role;
+use haptic_sim::key_file;
 use haptic_sim::scene::Scene;
 
 use super::device::DeviceArgs;
-use super::flags::{End, Patience, Watching};
+use super::flags::{End, LiveTime, Patience, Watching};
+use super::meeting::{MeetingArgs, Met};
 use super::{Failure, SceneArgs, Ui, ui::Unsuccessful};
 
 #[derive(Debug, Args)]
@@ -23,13 +27,23 @@ pub(super) struct Peer {
     #[command(flatten)]
     scene: SceneArgs,
     /// Which of the two: 1 (left) or 2 (right).
-    #[arg(long, value_parser = clap::value_parser!(u8).range(1..=2))]
-    number: u8,
+    #[arg(long, value_parser = clap::value_parser!(u8).range(1..=2),
+        required_unless_present_any = ["invite", "accept"], conflicts_with_all = ["invite", "accept"])]
+    number: Option<u8>,
     /// Where the other peer, or the hub, listens.
-    #[arg(long, value_name = "ADDRESS:PORT")]
-    connect: SocketAddr,
+    #[arg(long, value_name = "ADDRESS:PORT",
+        required_unless_present_any = ["meet", "accept"], conflicts_with_all = ["meet", "accept"])]
+    connect: Option<SocketAddr>,
+    /// Where this end listens; port 0 is any.
+    #[arg(long, value_name = "ADDRESS:PORT", required_unless_present_any = ["meet", "accept"])]
+    listen: Option<SocketAddr>,
+    /// Key file, the same at both ends (`host-sim key generate`).
+    #[arg(long, value_name = "FILE", required_unless_present_any = ["invite", "accept"])]
+    key_file: Option<PathBuf>,
     #[command(flatten)]
-    end: End,
+    time: LiveTime,
+    #[command(flatten)]
+    meeting: MeetingArgs,
     #[command(flatten)]
     patience: Patience,
     /// Arm also where the scene is unstable at the delays that are measured; without it, such a peer waits for a better network, and ends
@@ -44,16 +58,24 @@ pub(super) struct Peer {
 
 impl Peer {
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        let device = self.device.wanted(ui)?;
-        let scene = self.scene.over(self.number, &self.device.beneath(self.number))?.load(ui)?;
-        let key = self.end.key.read()?;
-        let span = span(&self.end, &self.patience);
-        let ends = [self.end.listen, self.connect];
-        let provenance = ui.provenance().settings(scene.settings()).with("peer", self.number);
+        // The scene is looked at before anybody is met; what the device is given in it depends on which of the two this is.
+        self.scene.load(ui)?;
+        let (device, stop) = (self.device.wanted(ui)?, Stop::on_signals()?);
+        let own = self.key_file.as_deref().zip(self.number);
+        let met = self.meeting.agree(ui, &stop, own)?;
+        let listen = self.listen.unwrap_or((Ipv4Addr::UNSPECIFIED, 0).into());
+        let (number, key, connect, meeting) = match (met, own, self.connect) {
+            (Some(Met { number, key, meeting }), ..) => (number, key, meeting.place, Some(meeting)),
+            (None, Some((file, number)), Some(connect)) => (number, key_file::read(file, Role::Peers)?, connect, None),
+            (None, ..) => return Err("a peer needs --number, --listen, --connect and --key-file".into()),
+        };
+        let scene = self.scene.over(number, &self.device.beneath(number))?.load(ui)?;
+        let span = Span { duration_s: self.time.seconds, patience_s: self.patience.patience_s };
+        let provenance = ui.provenance().settings(scene.settings()).with("peer", number);
         let judge = Some(judge(scene.clone(), self.anyway));
-        let wanted = LiveOptions { judge, device, ..self.watching.wanted(provenance) };
-        let report = peer::run(&scene, key, self.number, ends, span, &wanted, &Stop::on_signals()?)?;
-        ui.live_report(self.watching.json_lines, &format!("peer {}", self.number), &report)?;
+        let wanted = LiveOptions { judge, device, meeting, ..self.watching.wanted(provenance) };
+        let report = peer::run(&scene, key, number, [listen, connect], span, &wanted, &stop)?;
+        ui.live_report(self.watching.json_lines, &format!("peer {number}"), &report)?;
         let unstable =
             report.verdict.filter(|_| report.refused).map(|verdict| format!("never armed: {}", verdict.text));
         report.fault.or(unstable).map_or(Ok(()), |why| Err(Unsuccessful(why).into()))
@@ -80,7 +102,8 @@ impl Hub {
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let scene = self.scene.load(ui)?;
         let key = self.end.key.read()?;
-        let (users, listen, span) = (self.users, self.end.listen, span(&self.end, &self.patience));
+        let (users, listen) = (self.users, self.end.listen);
+        let span = Span { duration_s: self.end.time.seconds, patience_s: self.patience.patience_s };
         ui.status(format_args!("hub for {users} peers listens on {listen}"));
         let wanted = self.watching.wanted(ui.provenance().settings(scene.settings()).with("users", users));
         let report = hub::run(&scene, &key, users.into(), listen, span, &wanted, &Stop::on_signals()?)?;
@@ -99,8 +122,4 @@ fn judge(scene: Scene, anyway: bool) -> Judge {
         Verdict { one_way_ms: one_way_s.map(|s| 1e3 * s), stable, spectral_radius, text, instead, not_judged }
     };
     Judge { find: Arc::new(find), unless: (!anyway).then_some("with --anyway it does") }
-}
-
-fn span(end: &End, patience: &Patience) -> Span {
-    Span { duration_s: end.time.seconds, patience_s: patience.patience_s }
 }

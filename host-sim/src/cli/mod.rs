@@ -20,6 +20,7 @@ mod key;
 mod listing;
 mod listings;
 mod live;
+mod meeting;
 mod network;
 mod number;
 mod paper;
@@ -117,6 +118,8 @@ commands! {
         Devices(devices::Devices),
         /// Where 2 to 16 live peers hold one object: their wave lines meet in the lossless node, over UDP, sealed.
         Hub(live::Hub),
+        /// A meeting place for two homes: rendezvous, STUN and a blind relay for sealed datagrams, on one UDP port.
+        Meet(meeting::Meet),
         /// Make a table of a recording: Parquet or CSV; also of one that was cut.
         Convert(recordings::Convert),
         /// True discrepancy of a live run: the recordings of both ends on a common clock, with the error that the clock leaves.

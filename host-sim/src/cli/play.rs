@@ -11,6 +11,7 @@ use serde_json::json;
 
 use super::board::address;
 use super::flags::{RecordTo, choice, seconds};
+use super::meeting::{MeetingArgs, Met};
 use super::recordings::load;
 use super::{Failure, SceneArgs, Ui};
 use crate::play::{
@@ -48,8 +49,10 @@ pub(super) struct Play {
     #[arg(long, value_name = "FILE", conflicts_with_all = ["listen", "join", "board", "record", "measure", "scene", "set", "seed", "key_file", "number"])]
     open: Option<PathBuf>,
     /// Which peer this is, 1 or 2; without it, who listens is 1 and who joins is 2.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=2))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=2), conflicts_with_all = ["invite", "accept"])]
     number: Option<u8>,
+    #[command(flatten)]
+    meeting: MeetingArgs,
     /// Port on 127.0.0.1, and of `--lan`; 0 is any.
     #[arg(long, default_value_t = 0)]
     port: u16,
@@ -91,7 +94,7 @@ impl Play {
             let picture = moving_picture(&EnvironmentKind::BadNetwork.fitting(scene)?)?;
             return Ok(haptic_plot::write_file(file, "SVG", picture.as_bytes(), haptic_io::Kind::Named)?);
         }
-        let shown = self.shown()?;
+        let shown = self.shown(ui, &stop)?;
         let hands = match &shown {
             Shown::Here(_) => vec![1, 2],
             Shown::Boards(_) => vec![],
@@ -137,11 +140,20 @@ impl Play {
     /// What is shown first: what is asked for; a picture where nothing is said of what to hold; else what the scene says.
     fn environment(&self) -> Option<EnvironmentKind> {
         let said = !self.scene.is_plain() || self.partner.is_some() || self.record.record.is_some() || self.measure;
-        let elsewhere = self.key_file.is_some() || !self.board.is_empty();
+        let elsewhere = self.key_file.is_some() || !self.board.is_empty() || self.meeting.is_given();
         self.environment.or_else(|| (!said && !elsewhere).then_some(EnvironmentKind::Delay))
     }
 
-    fn shown(&self) -> Result<Shown, Failure> {
+    fn shown(&self, ui: &Ui, stop: &Stop) -> Result<Shown, Failure> {
+        if self.meeting.is_given() && (self.listen.or(self.join).is_some() || !self.board.is_empty()) {
+            return Err(
+                "a meeting (--meet, --accept) takes the place of --listen, --join and --board: give one of them".into(),
+            );
+        }
+        let own = self.key_file.as_deref().zip(self.number);
+        if let Some(Met { number, key, meeting }) = self.meeting.agree(ui, stop, own)? {
+            return Ok(Shown::Remote(End::meeting(&meeting, key, number)?));
+        }
         if !self.board.is_empty() {
             return Ok(Shown::Boards(Boards::open(self.places()?)?));
         }

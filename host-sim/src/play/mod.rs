@@ -52,7 +52,7 @@ mod orders;
 mod page;
 mod pair_columns;
 mod partner;
-mod qr;
+pub(crate) mod qr;
 mod remote;
 mod roles;
 mod session;

@@ -12,7 +12,7 @@ const MARGIN: usize = 4;
 
 /// A QR code with its margin.
 #[derive(Clone, Debug)]
-pub(super) struct Code {
+pub(crate) struct Code {
     /// Modules along a side.
     pub(super) side: usize,
     dark: Vec<bool>,
@@ -20,7 +20,7 @@ pub(super) struct Code {
 
 impl Code {
     /// The code of a text.
-    pub(super) fn of(text: &str) -> Result<Self, Error> {
+    pub(crate) fn of(text: &str) -> Result<Self, Error> {
         let code = QrCode::with_error_correction_level(text, EcLevel::L)
             .map_err(|cause| format!("{text} is no QR code: {cause}"))?;
         let (wide, colors) = (code.width(), code.to_colors());
@@ -38,7 +38,7 @@ impl Code {
     }
 
     /// Lines of block characters, of which each is two rows of modules; dark modules are ink.
-    pub(super) fn lines(&self) -> impl Iterator<Item = String> + '_ {
+    pub(crate) fn lines(&self) -> impl Iterator<Item = String> + '_ {
         let block = |x: usize, y: usize| match [self.is_dark(x, y), self.is_dark(x, y + 1)] {
             [true, true] => '█',
             [true, false] => '▀',

@@ -16,8 +16,10 @@ use std::time::{Duration, Instant};
 use haptic_core::num::Motion;
 use haptic_core::safety::{Command as Order, Mode};
 use haptic_live::batch::{MOST, OutgoingBatch, ReceivedBatch};
+use haptic_live::carried::{Meeting, Paths};
 use haptic_live::endpoint::Endpoint;
 use haptic_live::recording::recorder::Recorder;
+use haptic_live::tell::{Manner, PathSecond, Teller};
 use haptic_live::watch::{TELLING_S, Watch};
 use haptic_protocol::key::Key;
 use haptic_protocol::path::Path;
@@ -74,6 +76,12 @@ impl End {
         endpoint.reaches(to)?;
         Ok(Self { key, number, endpoint, join: Some(to) })
     }
+
+    /// The end that meets the other one at a place.
+    pub(crate) fn meeting(meeting: &Meeting, key: Key, number: u8) -> Result<Self, Error> {
+        let endpoint = Endpoint::carried(None, meeting, key.clone(), number - 1)?;
+        Ok(Self { key, number, endpoint, join: Some(meeting.place) })
+    }
 }
 
 /// What the other one has said of itself.
@@ -110,6 +118,8 @@ where
     cut: bool,
     /// Records it as a peer without a page is recorded.
     watch: Option<Watch>,
+    /// Says every change of path, where the other one is met somewhere.
+    paths: Option<(Paths, Teller)>,
 }
 
 impl<const SHARED: usize, const N: usize> Remote<SHARED, N>
@@ -121,6 +131,7 @@ where
     pub(super) fn new(scene: Scene, end: End) -> Result<Self, Error> {
         let End { key, number, endpoint, join } = end;
         Ok(Self {
+            paths: endpoint.paths().map(|paths| (paths, Teller::new(Manner::Words))),
             node: Node::build(&scene, number, key, entropy()?)?.telling_every(TELLING_S),
             own: usize::from(number) - 1,
             endpoint,
@@ -279,6 +290,13 @@ where
         endpoint.flush(going);
         if let Some(watch) = watch {
             watch.ticked(now_ns, node);
+        }
+        if let Some((paths, teller)) = &self.paths
+            && let Some(change) = paths.take_change()
+        {
+            let PathSecond { round_trip_ms, p99_ms, lost, .. } = PathSecond::of(&paths.report());
+            let (way, lan) = (change.way, change.lan);
+            teller.path(now_ns / 1_000, &PathSecond { way, lan, round_trip_ms, p99_ms, lost });
         }
         self.was.truncate(KEPT - 1);
         self.was.push_front(f64::from(node.observed().object.position));

@@ -166,6 +166,7 @@ impl HubWatch {
             clock_error_us: error_s.map(|error_s| 1e6 * error_s),
             live_share: hub.packets.is_some().then_some(live as f64 / self.clocks.len() as f64),
             stable: None,
+            path: None,
             fault,
         });
     }

@@ -1,5 +1,6 @@
 //! What one peer in real time saw, as its report has it.
 
+use haptic_meeting::carrier::PathReport;
 use haptic_protocol::link::Notice;
 use haptic_protocol::wire::Telemetry;
 use haptic_sim::measure::Statistics;
@@ -60,6 +61,9 @@ pub struct Report {
     pub datagrams_missing: u32,
     /// Datagrams refused: forged, replayed or broken.
     pub datagrams_refused: u32,
+    /// Which way it went, and what both ways were like; absent where the other one was called at an address.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub path: Option<PathReport>,
     /// How well the control loop kept its ticks.
     pub punctuality: Punctuality,
     /// What was seen of its device; absent of a simulated one.

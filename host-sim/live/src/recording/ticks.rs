@@ -5,6 +5,8 @@ use haptic_core::peer::Observed;
 use haptic_core::safety::Mode;
 use haptic_core::sample::{OfAxis, OfPeer, Quantities, SAMPLE};
 
+use haptic_meeting::Way;
+use haptic_meeting::carrier::PathReport;
 use haptic_protocol::{link::Link, wire::Sample};
 use haptic_sim::quantities::{self, Named};
 use haptic_sim::run::AXIS_NAMES;
@@ -54,6 +56,37 @@ pub const SECOND: [Named; 12] = [
         "1 where the scene is stable at the delays that are measured, 0 where not; empty where that is not known",
     ),
 ];
+
+/// Columns of a change of path, and of a second of a carried line.
+pub const PATH: [Named; 10] = [
+    TIME,
+    ("way", "0 no path; 1 relayed; 2 from end to end, the relay beside it; 3 from end to end"),
+    ("lan", "1 where the path from end to end stays within a local network"),
+    ("relayed_round_trip_s", "median round trip by the meeting place, since the start"),
+    ("relayed_p99_s", "round trip by the meeting place that 99 % do not exceed"),
+    ("relayed_lost", "share of the carriers' signals that were lost there"),
+    ("direct_round_trip_s", "median round trip from end to end, since the start"),
+    ("direct_p99_s", "round trip from end to end that 99 % do not exceed"),
+    ("direct_lost", "share of the carriers' signals that were lost there"),
+    ("copies", "datagrams that both paths brought, since the start: the second of each"),
+];
+
+/// The channel of a peer's paths: a row for each change of way, and one each second.
+pub fn path_channel(of: &str) -> Channel {
+    Channel::new(format!("/{of}/paths"), "Path", PATH)
+}
+
+/// A row of [`PATH`].
+pub fn path(time_ns: u64, way: Way, lan: bool, report: &PathReport) -> [f64; PATH.len()] {
+    let of = [report.relayed, report.direct].map(|path| {
+        let figures = [1e-3 * path.round_trip_ms, 1e-3 * path.p99_ms, path.lost];
+        if path.signals > 0 { figures } else { [f64::NAN; 3] }
+    });
+    let [[relayed, relayed_p99, relayed_lost], [direct, direct_p99, direct_lost]] = of;
+    let (time_s, way, lan) = (time_ns as f64 * 1e-9, way.number().into(), u8::from(lan).into());
+    let copies = report.copies as f64;
+    [time_s, way, lan, relayed, relayed_p99, relayed_lost, direct, direct_p99, direct_lost, copies]
+}
 
 /// Columns of a hub's second.
 const HUB_SECOND: [Named; 6] = [

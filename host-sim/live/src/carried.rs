@@ -1,0 +1,166 @@
+//! A carrier under an endpoint's socket: what comes is sifted before an actor sees it, what an actor says goes where the path leads.
+//!
+//! The one socket is of both families where the system lets it (IPv6 with mapped IPv4 addresses), else of the meeting place's. The actor knows one address, the meeting place's;
+//! `protocol/src/path.rs` and everything above see no change of path. The carrier is given its time whenever the socket is emptied, which is at every tick.
+
+use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr, ToSocketAddrs, UdpSocket};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use haptic_meeting::carrier::{Carrier, Change, Config, PathReport};
+use haptic_protocol::key::Key;
+use haptic_sim::key_file::entropy;
+
+use crate::Error;
+use crate::batch::ReceivedBatch;
+
+/// The carrier is given its time no more often.
+const EVERY: Duration = Duration::from_micros(400);
+/// Addresses that nobody has, of both families: where a datagram to the world would leave from is asked for, none is sent there.
+const WORLD: [SocketAddr; 2] = [
+    SocketAddr::new(std::net::IpAddr::V4(Ipv4Addr::new(192, 0, 2, 1)), 9),
+    SocketAddr::new(std::net::IpAddr::V6(Ipv6Addr::new(0x2001, 0xDB8, 0, 0, 0, 0, 0, 1)), 9),
+];
+
+/// Which meeting place, and what of oneself is shown.
+#[derive(Clone, Debug)]
+pub struct Meeting {
+    /// Where it is.
+    pub place: SocketAddr,
+    /// All flow stays on the relay, so that the partner learns no address of this end.
+    pub relay_only: bool,
+    /// An outer address that a router passes on to this end, where somebody has told it to.
+    pub mapped: Option<SocketAddr>,
+}
+
+/// The paths of a carried endpoint, as they are now.
+#[derive(Clone, Debug)]
+pub struct Paths(Arc<Mutex<Carrier>>);
+
+impl Paths {
+    fn lock(&self) -> MutexGuard<'_, Carrier> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The oldest change of path that was not taken yet.
+    pub fn take_change(&self) -> Option<Change> {
+        self.lock().take_change()
+    }
+
+    /// What there is to say of the paths.
+    pub fn report(&self) -> PathReport {
+        self.lock().report()
+    }
+}
+
+/// A carrier, and how its socket writes addresses.
+#[derive(Debug)]
+pub(crate) struct Carried {
+    pub(crate) paths: Paths,
+    /// The one address that an actor knows.
+    pub(crate) address: SocketAddr,
+    mapped: bool,
+    polled: Mutex<Option<Instant>>,
+}
+
+/// The address of a host and a port, which may be a name.
+///
+/// # Errors
+/// There is none.
+pub fn resolve(place: &str) -> Result<SocketAddr, Error> {
+    let cannot = |why: String| Error::Refused(format!("no meeting place at {place}: {why}"));
+    let mut found = place.to_socket_addrs().map_err(|cause| cannot(cause.to_string()))?;
+    found.next().ok_or_else(|| cannot("the name has no address".into()))
+}
+
+/// An address as the socket of a family writes it.
+pub(crate) fn written(address: SocketAddr, mapped: bool) -> SocketAddr {
+    match address {
+        SocketAddr::V4(v4) if mapped => SocketAddr::new(v4.ip().to_ipv6_mapped().into(), v4.port()),
+        other => other,
+    }
+}
+
+/// An address as people write it.
+pub(crate) fn canonical(address: SocketAddr) -> SocketAddr {
+    SocketAddr::new(address.ip().to_canonical(), address.port())
+}
+
+/// The address of this machine that a datagram to there would leave from.
+fn own_towards(to: SocketAddr) -> Option<std::net::IpAddr> {
+    let any =
+        if to.is_ipv4() { SocketAddr::from((Ipv4Addr::UNSPECIFIED, 0)) } else { (Ipv6Addr::UNSPECIFIED, 0).into() };
+    let probe = UdpSocket::bind(any).ok()?;
+    probe.connect(to).ok()?;
+    probe.local_addr().ok().map(|own| own.ip()).filter(|ip| !ip.is_unspecified())
+}
+
+/// A socket that reaches a meeting place, and what else the machine lets it reach.
+pub(crate) fn open(meeting: &Meeting, listen: Option<SocketAddr>) -> std::io::Result<UdpSocket> {
+    let port = match listen {
+        Some(listen) if !listen.ip().is_unspecified() => return UdpSocket::bind(listen),
+        any => any.map_or(0, |any| any.port()),
+    };
+    // Elsewhere a socket of IPv6 is of IPv6 alone.
+    let both = cfg!(unix).then(|| UdpSocket::bind((Ipv6Addr::UNSPECIFIED, port)).ok()).flatten();
+    let reaches = |socket: &UdpSocket| socket.connect(written(meeting.place, true)).is_ok();
+    let reached = both.filter(|_| UdpSocket::bind((Ipv6Addr::UNSPECIFIED, 0)).is_ok_and(|probe| reaches(&probe)));
+    if let Some(socket) = reached {
+        return Ok(socket);
+    }
+    if meeting.place.is_ipv4() {
+        UdpSocket::bind((Ipv4Addr::UNSPECIFIED, port))
+    } else {
+        UdpSocket::bind((Ipv6Addr::UNSPECIFIED, port))
+    }
+}
+
+impl Carried {
+    /// Under this socket; side 0 is peer 1, 1 is peer 2.
+    pub(crate) fn new(socket: &UdpSocket, meeting: &Meeting, key: Key, side: u8) -> Result<Self, Error> {
+        let own = socket.local_addr().map_err(haptic_sim::Error::cannot("ask", &"a socket"))?;
+        let place = canonical(meeting.place);
+        let mapped = own.ip().is_unspecified() && own.is_ipv6();
+        let towards = |family: SocketAddr| if family.is_ipv4() == place.is_ipv4() { place } else { family };
+        let world = WORLD.into_iter().filter(|family| mapped || family.is_ipv4() == own.is_ipv4());
+        let bases = match own.ip().is_unspecified() {
+            true => world.filter_map(|to| Some(SocketAddr::new(own_towards(towards(to))?, own.port()))).collect(),
+            false => vec![canonical(own)],
+        };
+        let Meeting { relay_only, mapped: outer, .. } = *meeting;
+        let config = Config { key, side, meet: place, bases, mapped: outer, relay_only };
+        let carrier = Carrier::new(config, &Key::new(entropy()?), Instant::now());
+        let (paths, polled) = (Paths(Arc::new(Mutex::new(carrier))), Mutex::new(None));
+        Ok(Self { paths, address: place, mapped, polled })
+    }
+
+    fn send_by<'a>(&self, socket: &'a UdpSocket) -> impl FnMut(SocketAddr, &[u8]) + 'a {
+        let mapped = self.mapped;
+        // What the system does not take, a network may lose as well.
+        move |to, bytes| drop(socket.send_to(bytes, written(to, mapped)))
+    }
+
+    /// Sends what the carrier has to say by now.
+    pub(crate) fn poll(&self, socket: &UdpSocket) {
+        let now = Instant::now();
+        let mut polled = self.polled.lock().unwrap_or_else(PoisonError::into_inner);
+        if polled.is_none_or(|at| now.saturating_duration_since(at) >= EVERY) {
+            *polled = Some(now);
+            self.paths.lock().poll(now, &mut self.send_by(socket));
+        }
+    }
+
+    /// Leaves in a batch what is for the link, as from its one address. Of each the carrier is told when it came to the socket.
+    pub(crate) fn sift(&self, came: &mut ReceivedBatch, socket: &UdpSocket) {
+        let (now, mut carrier, mut send) = (Instant::now(), self.paths.lock(), self.send_by(socket));
+        came.sift(|from, datagram, waited| {
+            let at = now.checked_sub(waited).unwrap_or(now);
+            carrier.hear(at, canonical(from), datagram, &mut send).then_some(self.address)
+        });
+    }
+
+    /// Where a datagram of the link's goes now.
+    pub(crate) fn say(&self, datagram: &[u8], mut each: impl FnMut(SocketAddr, &[u8])) -> bool {
+        self.paths.lock().send(Instant::now(), datagram, &mut |to, bytes| each(written(to, self.mapped), bytes))
+    }
+}

@@ -1,0 +1,163 @@
+//! From a link to a key: the agreement of an invite over a socket of its own, before any flow.
+//!
+//! The seat that it takes at the meeting place is that of the invite's room, which nobody needs once the key is agreed on: the session's room is made of the key. Who
+//! invites goes on answering there until the invite's ten minutes are over or the program ends, so that an answer that was lost is given
+//! again, and so that whoever else comes with the link is refused and told of.
+
+use std::io::ErrorKind;
+use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr, UdpSocket};
+use std::time::{Duration, Instant};
+
+use haptic_meeting::agreement::{Accepter, Heard, Inviter, LIFE};
+use haptic_meeting::frame::Frame;
+use haptic_meeting::invite::Invite;
+use haptic_meeting::seat::Seat;
+use haptic_protocol::key::Key;
+use haptic_sim::key_file::entropy;
+
+use crate::Error;
+use crate::carried::resolve;
+use crate::endpoint::Stop;
+
+/// Longest wait for a datagram, before the clock is looked at.
+const LOOK: Duration = Duration::from_millis(10);
+/// Between two offers.
+const AGAIN: Duration = Duration::from_millis(100);
+/// Who accepts waits so long for who invites.
+const PATIENCE: Duration = Duration::from_secs(30);
+
+fn random() -> Result<Key, Error> {
+    Ok(Key::new(entropy()?))
+}
+
+/// A seat in an invite's room, with its socket.
+struct Room {
+    socket: UdpSocket,
+    place: SocketAddr,
+    seat: Seat,
+    began: Instant,
+}
+
+impl Room {
+    fn enter(invite: &Invite, side: u8) -> Result<Self, Error> {
+        let place = resolve(&invite.meet)?;
+        let any = if place.is_ipv4() { Ipv4Addr::UNSPECIFIED.into() } else { Ipv6Addr::UNSPECIFIED.into() };
+        let cannot = haptic_sim::Error::cannot::<std::io::Error>("reach the meeting place", &invite.meet);
+        let socket = UdpSocket::bind(SocketAddr::new(any, 0)).map_err(&cannot)?;
+        // A connected socket takes from there alone.
+        socket.connect(place).and_then(|()| socket.set_read_timeout(Some(LOOK))).map_err(&cannot)?;
+        Ok(Self { socket, place, seat: invite.seat(side, &random()?), began: Instant::now() })
+    }
+
+    /// Keeps the seat, and waits a moment for what comes of the agreement.
+    fn hear(&mut self, room: &mut [u8; 256]) -> Result<Option<usize>, Error> {
+        let now = Instant::now();
+        if let Some(join) = self.seat.poll(now, false) {
+            let _ = self.socket.send(&join);
+        }
+        match self.socket.recv(room) {
+            Ok(length) if Frame::of(&room[..length]) == Frame::Agreement => Ok(Some(length)),
+            Ok(length) => {
+                if self.seat.hear(now, &room[..length]) == Some(true) {
+                    return self.hear(room);
+                }
+                Ok(None)
+            }
+            Err(cause) if matches!(cause.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => Ok(None),
+            // A meeting place that is down may come up.
+            Err(_) => {
+                std::thread::sleep(LOOK);
+                Ok(None)
+            }
+        }
+    }
+
+    /// Why nobody can be met, where that is known after a moment.
+    fn wrong(&self) -> Option<Error> {
+        let (late, place) = (self.began.elapsed() > Duration::from_secs(3), self.place);
+        let refused = || {
+            Error::Refused(format!(
+                "the meeting place {place} has no seat: it is full, or too many have come from here"
+            ))
+        };
+        (late && self.seat.refused).then(refused)
+    }
+}
+
+/// Waits for who has the link, up to its ten minutes; `say` is told what else comes with it, now and later.
+///
+/// # Errors
+/// Nobody came, somebody guessed, the meeting place has no seat, or the program was asked to stop.
+pub fn invite(invite: &Invite, stop: &Stop, say: impl Fn(String) + Send + 'static) -> Result<Key, Error> {
+    let mut room = Room::enter(invite, 0)?;
+    let mut inviter = Inviter::new(invite, &random()?, Instant::now());
+    let key = loop {
+        if stop.is_asked() {
+            return Err("nobody has come with the link yet".into());
+        }
+        if let Some(over) = inviter.over(Instant::now()) {
+            return Err(over.into());
+        }
+        if let Some(wrong) = room.wrong() {
+            return Err(wrong);
+        }
+        if let Some(Heard::Agreed(key)) = answer(&mut room, &mut inviter, &say)? {
+            break key;
+        }
+    };
+    let life = Instant::now() + LIFE;
+    let goes_on = move || {
+        while Instant::now() < life && answer(&mut room, &mut inviter, &say).is_ok() {}
+    };
+    // Without the thread an answer that is lost is not given again.
+    let _ = std::thread::Builder::new().name("invitation".to_owned()).spawn(goes_on);
+    Ok(key)
+}
+
+/// Answers what comes, and says what is to be known of it.
+fn answer(room: &mut Room, inviter: &mut Inviter, say: &impl Fn(String)) -> Result<Option<Heard>, Error> {
+    let mut bytes = [0; 256];
+    let Some(length) = room.hear(&mut bytes)? else { return Ok(None) };
+    let (answer, heard) = inviter.hear(Instant::now(), &bytes[..length]);
+    if let Some(answer) = answer {
+        let _ = room.socket.send(&answer);
+    }
+    match &heard {
+        Heard::Second => say("somebody else came with the link and was refused: it had been used".into()),
+        Heard::Wrong(tries) => say(format!("somebody tried to guess the link: {tries} of 3 wrong tries")),
+        Heard::Nothing | Heard::Agreed(_) => {}
+    }
+    Ok(Some(heard))
+}
+
+/// Uses a link.
+///
+/// # Errors
+/// It has been used, nobody is there, the meeting place has no seat, or the program was asked to stop.
+pub fn accept(invite: &Invite, stop: &Stop) -> Result<Key, Error> {
+    let mut room = Room::enter(invite, 1)?;
+    let accepter = Accepter::new(invite, &random()?);
+    let (mut offered, mut bytes) = (None::<Instant>, [0; 256]);
+    while room.began.elapsed() < PATIENCE && !stop.is_asked() {
+        if let Some(wrong) = room.wrong() {
+            return Err(wrong);
+        }
+        let due = offered.is_none_or(|at| at.elapsed() >= AGAIN);
+        if due && room.seat.other_is_there(Instant::now()) {
+            offered = Some(Instant::now());
+            let _ = room.socket.send(&accepter.offer());
+        }
+        if let Some(length) = room.hear(&mut bytes)?
+            && let Some(key) = accepter.hear(&bytes[..length])?
+        {
+            return Ok(key);
+        }
+    }
+    let place = room.place;
+    Err(match (room.seat.is_seated(Instant::now()), offered) {
+        (false, _) => format!("the meeting place {place} does not answer"),
+        (true, None) => "nobody who invites is there: is the link still open on the other side?".to_owned(),
+        (true, Some(_)) => "who invites does not answer this link: it is over, or was guessed at".to_owned(),
+    }
+    .into())
+}

@@ -1,0 +1,9 @@
+//! Two homes without a socket: frames, invites, the agreement, the meeting place, and carriers behind routers in virtual time.
+
+mod agreement;
+mod attacks;
+mod carrier;
+mod frame;
+mod invite;
+mod place;
+mod world;

@@ -1,0 +1,174 @@
+//! Two homes with the same private network behind a router each, and a meeting place outside: five network namespaces of this machine, made for one
+//! test and removed after it. Routers are the kernel's, by nftables.
+
+use std::process::Command;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use super::peers::{HOST_SIM, Running, peer};
+
+pub(crate) const PLACE: &str = "203.0.113.1:4000";
+/// The port that both peers use inside.
+const PORT: u16 = 40_000;
+
+/// How a router gives out ports, and what else it does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Router {
+    /// One outer port for an inner one, whoever it writes to.
+    Kept,
+    /// Another for each.
+    Symmetric,
+    /// As symmetric, and one port is passed on to the host, as PCP, NAT-PMP or UPnP would have it.
+    Mapped,
+    /// As kept, but it takes a stranger's datagram as a flow of its own.
+    Open,
+}
+
+fn run(program: &str, words: &str, input: Option<&str>) {
+    use std::io::Write;
+    let mut command = Command::new(program);
+    command.args(words.split_whitespace()).stdin(std::process::Stdio::piped());
+    let mut child = command.spawn().unwrap_or_else(|cause| panic!("{program}: {cause}"));
+    let mut pipe = child.stdin.take().expect("a pipe");
+    pipe.write_all(input.unwrap_or_default().as_bytes()).expect("it reads");
+    drop(pipe);
+    assert!(child.wait().expect("it ends").success(), "{program} {words}");
+}
+
+pub(crate) struct Lab {
+    /// What its namespaces' names begin with.
+    prefix: String,
+    place: Option<Running>,
+}
+
+impl Lab {
+    /// Homes behind these routers; with `v6` each has a network of IPv6 as well, behind a firewall that keeps states.
+    pub(crate) fn new(routers: [Router; 2], v6: [bool; 2]) -> Self {
+        static MADE: AtomicU32 = AtomicU32::new(0);
+        let prefix = format!("homes{}-{}-", std::process::id(), MADE.fetch_add(1, Ordering::Relaxed));
+        let mut lab = Self { prefix, place: None };
+        for name in ["net", "ra", "rb", "a", "b"] {
+            run("ip", &format!("netns add {}{name}", lab.prefix), None);
+            lab.ip(name, "link set lo up");
+        }
+        lab.ip("net", "link add br0 type bridge");
+        lab.ip("net", "link set br0 up");
+        lab.ip("net", "addr add 203.0.113.1/24 dev br0");
+        for (home, host) in [("a", 11), ("b", 12)] {
+            lab.home(home, host, routers[host - 11], v6[host - 11]);
+        }
+        lab.opens();
+        lab
+    }
+
+    fn name(&self, of: &str) -> String {
+        format!("{}{of}", self.prefix)
+    }
+
+    fn ip(&self, of: &str, words: &str) {
+        run("ip", &format!("-n {} {words}", self.name(of)), None);
+    }
+
+    fn home(&self, home: &str, host: usize, router: Router, v6: bool) {
+        let (router_name, net, inner) = (self.name(&format!("r{home}")), self.name("net"), self.name(home));
+        let r = format!("r{home}");
+        run("ip", &format!("link add wan netns {router_name} type veth peer name w{home} netns {net}"), None);
+        run("ip", &format!("link add lan netns {router_name} type veth peer name eth netns {inner}"), None);
+        self.ip("net", &format!("link set w{home} master br0 up"));
+        self.ip(&r, "link set wan up");
+        self.ip(&r, "link set lan up");
+        self.ip(home, "link set eth up");
+        self.ip(&r, &format!("addr add 203.0.113.{host}/24 dev wan"));
+        self.ip(&r, "addr add 192.168.1.1/24 dev lan");
+        self.ip(home, "addr add 192.168.1.10/24 dev eth");
+        self.ip(home, "route add default via 192.168.1.1");
+        let forward = "sysctl -qw net.ipv4.ip_forward=1 net.ipv6.conf.all.forwarding=1";
+        run("ip", &format!("netns exec {router_name} {forward}"), None);
+        if v6 {
+            self.ip(&r, &format!("addr add 2001:db8:ffff::{host}/64 dev wan nodad"));
+            self.ip(&r, &format!("addr add 2001:db8:{home}::1/64 dev lan nodad"));
+            self.ip(home, &format!("addr add 2001:db8:{home}::10/64 dev eth nodad"));
+            self.ip(home, &format!("-6 route add default via 2001:db8:{home}::1"));
+            let (other, via) = if home == "a" { ("b", 12) } else { ("a", 11) };
+            self.ip(&r, &format!("-6 route add 2001:db8:{other}::/64 via 2001:db8:ffff::{via}"));
+        }
+        let random = if matches!(router, Router::Symmetric | Router::Mapped) { "fully-random" } else { "" };
+        let mapped = if router == Router::Mapped {
+            format!("iifname wan udp dport {PORT} dnat to 192.168.1.10;")
+        } else {
+            String::new()
+        };
+        let closed = if router == Router::Open {
+            ""
+        } else {
+            "iifname wan ct state established,related accept; iifname wan udp dport != 0 drop;"
+        };
+        let rules = format!(
+            "table ip nat {{
+                chain post {{ type nat hook postrouting priority 100; oifname wan masquerade {random}; }}
+                chain pre {{ type nat hook prerouting priority -100; {mapped} }}
+            }}
+            table inet wall {{
+                chain input {{ type filter hook input priority 0; {closed} }}
+                chain through {{ type filter hook forward priority 0; ct state established,related accept; ct status dnat accept;
+                    iifname wan udp dport != 0 drop; }}
+            }}"
+        );
+        run("ip", &format!("netns exec {router_name} nft -f -"), Some(&rules));
+    }
+
+    fn exec(&self, of: &str) -> Command {
+        let mut command = Command::new("ip");
+        command.args(["netns", "exec", &self.name(of), HOST_SIM]);
+        command
+    }
+
+    /// The meeting place opens.
+    pub(crate) fn opens(&mut self) {
+        let mut command = self.exec("net");
+        command.args(["meet", "--listen", PLACE]);
+        let place = Running::start(command);
+        place.says("meeting place on");
+        self.place = Some(place);
+    }
+
+    /// It is killed.
+    pub(crate) fn closes(&mut self) {
+        if let Some(place) = self.place.take() {
+            place.kill();
+        }
+    }
+
+    /// A peer at home `a` or `b`, always from the same inner port.
+    pub(crate) fn peer(&self, home: &str, seconds: u32, more: &[&str]) -> Running {
+        let listen = format!("0.0.0.0:{PORT}");
+        peer(self.exec(home), seconds, &[&["--listen", &listen], more].concat())
+    }
+
+    /// Whatever goes from router a to router b, or back, is dropped, but what goes by the meeting place.
+    pub(crate) fn cut(&self, cut: bool) {
+        let router = self.name("ra");
+        if cut {
+            let rules = "table inet cut {
+                chain cut { type filter hook forward priority -10; ip daddr 203.0.113.12 drop; ip saddr 203.0.113.12 drop; }
+            }";
+            run("ip", &format!("netns exec {router} nft -f -"), Some(rules));
+        } else {
+            run("ip", &format!("netns exec {router} nft delete table inet cut"), None);
+        }
+    }
+
+    /// Router a forgets all that it has mapped: its line goes down and comes back.
+    pub(crate) fn forgets(&self) {
+        self.ip("ra", "link set wan down");
+        self.ip("ra", "link set wan up");
+    }
+}
+
+impl Drop for Lab {
+    fn drop(&mut self) {
+        self.closes();
+        for name in ["net", "ra", "rb", "a", "b"] {
+            let _ = Command::new("ip").args(["netns", "del", &self.name(name)]).status();
+        }
+    }
+}

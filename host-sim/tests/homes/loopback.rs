@@ -1,0 +1,110 @@
+//! On one machine, without routers: a link is made, used, and used up; the meeting place dies and comes back.
+
+use std::path::PathBuf;
+use std::process::Command;
+
+use super::peers::{HOST_SIM, Running, peer};
+
+fn host_sim() -> Command {
+    Command::new(HOST_SIM)
+}
+
+fn meet(listen: &str) -> (Running, String) {
+    let mut command = host_sim();
+    command.args(["meet", "--json", "--listen", listen]);
+    let meet = Running::start(command);
+    let line = meet.says("meeting place on");
+    let place = line.split_whitespace().nth(3).expect("an address").to_owned();
+    (meet, place)
+}
+
+/// A path that is not there yet.
+fn fresh(name: &str) -> PathBuf {
+    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("homes-{name}"));
+    let _ = std::fs::remove_file(&path);
+    path
+}
+
+#[test]
+fn a_link_is_all_that_the_other_side_needs_and_it_serves_once() {
+    let (meet, place) = meet("127.0.0.1:0");
+    let (key, recording) = (fresh("kept.key"), fresh("one.mcap"));
+    let [kept, recorded] = [&key, &recording].map(|path| path.to_str().expect("a name").to_owned());
+    let one = peer(host_sim(), 4, &["--invite", "--meet", &place, "--keep", &kept, "--record", &recorded]);
+    let link = one.says("haptic://");
+    let two = peer(host_sim(), 4, &["--accept", &link]);
+    one.says("a key is agreed on");
+    // Whoever has the link now has nothing.
+    let mut thief = host_sim();
+    thief.args(["peer", "--accept", &link]);
+    let thief = Running::start(thief);
+    thief.says("this link has been used");
+    one.says("somebody else came with the link and was refused");
+    let told = [one.report(), two.report()];
+    for told in &told {
+        assert!(told.first(&["relayed", "both"]).is_some_and(|at| at < 5.0), "{:?}", told.ways);
+        assert!(told.first(&["both", "direct"]).is_some_and(|at| at < 8.0), "{:?}", told.ways);
+        assert!(told.noticed("Engaged").is_some() && told.noticed("Lost").is_none_or(|at| at > 4.0), "{told:?}");
+        assert_eq!(told.report["path"]["lan"], true, "both are on this machine");
+        assert!(told.number("/ticks") >= 3999.0, "{}", told.report);
+        assert_eq!(told.number("/datagrams_missing"), 0.0, "{}", told.report);
+        // For a second or more both paths brought everything: copies are no refusals.
+        assert_eq!(told.number("/datagrams_refused"), 0.0, "{}", told.report);
+        assert!(told.number("/path/copies") > 500.0, "{}", told.report);
+    }
+    // What was agreed on is kept as a key file, and every change of path is in the recording.
+    assert_eq!(std::fs::read_to_string(&key).expect("a key file").trim().len(), 64);
+    let (table, paths) = (fresh("one.csv"), fresh("one-paths.csv"));
+    let mut convert = host_sim();
+    convert.args(["convert", &recorded]).arg(&table);
+    fresh("one-exchanges.csv");
+    fresh("one-seconds.csv");
+    fresh("one.toml");
+    assert!(convert.output().expect("it runs").status.success());
+    let text = std::fs::read_to_string(&paths).expect("a table");
+    let changes = told[0].ways.len();
+    assert!(
+        text.lines().count() > changes + 3 && text.lines().next().is_some_and(|line| line.contains("direct_p99_s")),
+        "{text}"
+    );
+    meet.interrupt();
+    let (good, said) = meet.end();
+    let counts: serde_json::Value = serde_json::from_str(&said).expect("JSON");
+    assert!(good && counts["passed"].as_u64().is_some_and(|passed| passed > 100), "{counts}");
+}
+
+#[test]
+fn a_wrong_link_is_refused_before_anything_is_sent() {
+    for (link, says) in [
+        ("haptic://127.0.0.1:9/aaaaaaaaaaaaaaaaaaaaaaaaaaaab", "a letter of this link is wrong"),
+        ("https://127.0.0.1:9", "this is no link"),
+    ] {
+        let mut command = host_sim();
+        command.args(["peer", "--accept", link]);
+        let output = command.output().expect("it runs");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(2) && said.contains(says), "{said}");
+    }
+}
+
+#[test]
+fn two_with_a_key_file_meet_on_the_relay_and_outlive_its_restart() {
+    let (first, place) = meet("127.0.0.1:0");
+    let key = fresh("pair.key");
+    let name = key.to_str().expect("a name");
+    assert!(host_sim().args(["key", "generate", name]).output().expect("it runs").status.success());
+    let ends = ["1", "2"]
+        .map(|number| peer(host_sim(), 6, &["--number", number, "--meet", &place, "--key-file", name, "--relay-only"]));
+    std::thread::sleep(std::time::Duration::from_secs(4));
+    first.kill();
+    let (second, again) = meet(&place);
+    assert_eq!(place, again);
+    for end in ends {
+        let told = end.report();
+        assert_eq!(told.way(), "relayed", "{}", told.report);
+        assert!(told.ways.iter().all(|(_, way)| way == "relayed" || way == "nowhere"), "{:?}", told.ways);
+        assert!(told.number("/ticks") >= 5999.0 && told.report["fault"].is_null(), "{}", told.report);
+        assert_eq!(told.number("/path/direct/signals"), 0.0, "no address was told");
+    }
+    second.kill();
+}

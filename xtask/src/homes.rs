@@ -1,0 +1,30 @@
+//! `cargo xtask homes`: two homes behind routers in network namespaces of this machine, with `host-sim` as it is built for tests.
+
+use crate::run::{self, Failure, cargo, command};
+use crate::setup;
+
+/// Why it cannot be tried here, if so; installs `ip` and `nft` where that is all that is missing.
+pub(crate) fn obstacle() -> Option<String> {
+    if !cfg!(target_os = "linux") {
+        return Some("network namespaces are Linux's".to_owned());
+    }
+    if run::output(&mut command("id", &["-u"])).is_ok_and(|id| id.trim() != "0") {
+        return Some("network namespaces need root".to_owned());
+    }
+    // `ip` has no `--version`, and answers it with its help.
+    let ip = if run::succeeds(&mut command("ip", &["-V"])) { None } else { setup::program("ip", "iproute2") };
+    ip.or_else(|| setup::program("nft", "nftables")).or_else(|| {
+        let name = "haptic-homes-probe";
+        let made = run::succeeds(&mut command("ip", &["netns", "add", name]));
+        let rules = "table ip probe { chain c { type nat hook postrouting priority 100; masquerade; } }";
+        let works = made && run::succeeds(&mut command("ip", &["netns", "exec", name, "nft", rules]));
+        let _ = run::succeeds(&mut command("ip", &["netns", "del", name]));
+        (!works).then(|| "this machine lets nobody make network namespaces with routers in them".to_owned())
+    })
+}
+
+/// Runs the tests behind routers, one after the other.
+pub(crate) fn homes() -> Result<(), Failure> {
+    let test = ["test", "--locked", "--package", "host-sim", "--test", "homes", "--", "routers", "--ignored"];
+    run::run(cargo(&test).args(["--test-threads", "1"]))
+}
