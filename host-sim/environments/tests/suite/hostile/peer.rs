@@ -52,7 +52,7 @@ fn every_law_holds_its_hand_whatever_a_member_says() {
             Node::<1>::with_device(&scene, 1, Key::new(KEY), entropy(life), plant).expect("a peer")
         };
         let (mut honest, mut hostile) = (node(1, Plant::new(&scene, 0)), line(2, 2));
-        let (mut force_n, mut life, mut impossible, mut said_flows) = (0.0, 2_u32, 0, 0);
+        let (mut force_n, mut life, mut impossible, mut said_flows) = (0.0_f64, 2_u32, 0, 0);
         let mut program = Program::new(&mut rng, 20.0);
         let (mut done, mut at, mut tick) = (0, 0, 0_u32);
         while done < programs {
