@@ -54,7 +54,7 @@ impl Bench {
             None => Vec::new(),
         };
         let pages = match &self.page {
-            Some(page) => self.write_page(page, &bench, &found, wall_s)?,
+            Some(page) => self.write_page(page, &bench, &found)?,
             None => Vec::new(),
         };
         let files = [files, pages].concat();
@@ -123,15 +123,9 @@ impl Bench {
     }
 
     /// Writes the bench into its part of a page, and its picture.
-    fn write_page(
-        &self,
-        page: &Path,
-        bench: &bench::Bench,
-        found: &Found,
-        wall_s: f64,
-    ) -> Result<Vec<PathBuf>, Failure> {
+    fn write_page(&self, page: &Path, bench: &bench::Bench, found: &Found) -> Result<Vec<PathBuf>, Failure> {
         let old = haptic_io::text(page, MOST).map_err(haptic_sim::Error::cannot("read", &page.display()))?;
-        let text = with(&old, BENCH, &section(bench, found, wall_s))?;
+        let text = with(&old, BENCH, &section(bench, found))?;
         write_file(page, "Markdown", text.as_bytes(), Kind::Named)?;
         let path = page.with_file_name(PICTURE);
         let painted = haptic_plot::paint(&figure::fronts(&found.points), haptic_plot::Print::default(), "");

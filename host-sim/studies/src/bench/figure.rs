@@ -4,8 +4,8 @@ use haptic_plot::{Dash, Figure, Panel, Series, ShareY};
 
 use super::points::Point;
 
-/// Grey, and the colours of a front and of what a law declares.
-const GREY: usize = 6;
+/// Black, and the colours of a front and of what a law declares.
+const BLACK: usize = 6;
 const FRONT: usize = 0;
 const DECLARED: usize = 1;
 
@@ -26,22 +26,23 @@ fn places(points: &[Point], declared: bool) -> Vec<(f64, f64)> {
 /// True discrepancy of the worst network against what a hand feels, law by law.
 pub fn fronts(points: &[Point]) -> Figure {
     let laws: Vec<&[Point]> = points.chunk_by(|one, other| one.law.name == other.law.name).collect();
-    let behind: Vec<Series> = laws.iter().map(|law| Series::line("", GREY, places(law, false)).wide(0.7)).collect();
+    let behind: Vec<Series> = laws.iter().map(|law| Series::line("", BLACK, places(law, false)).wide(0.7)).collect();
     let panel = |(at, law): (usize, &&[Point])| {
         let label = |text: &str| if at == 0 { text.to_owned() } else { String::new() };
         let front = places(law, false);
         let none = front.is_empty().then(|| "none within the bounds".to_owned());
         let mut series = behind.clone();
         series.push(Series::dashed("", FRONT, Dash::Solid, front.clone()).wide(2.2));
-        series.push(Series::dots(label("tuned, at most 5, 25, 50 N·s/m"), FRONT, front, Vec::new()));
+        series.push(Series::dots(label("tuned"), FRONT, front, Vec::new()));
         let declared = places(law, true);
         // A name beside the dot, so that no colour has to tell.
         let names = declared.iter().map(|_| "own".to_owned()).collect();
-        series.push(Series::dots(label("the gains that it declares"), DECLARED, declared, names));
+        series.push(Series::dots(label("own gains"), DECLARED, declared, names));
         Panel {
             title: law[0].law.name.to_owned(),
-            x_label: "|Z| felt at 1 Hz (N·s/m)".to_owned(),
+            x_label: "|Z| at 1 Hz (N·s/m)".to_owned(),
             y_label: "True (mm/N)".to_owned(),
+            x_range: Some((3.0, 100.0)),
             log_x: true,
             log_y: true,
             note: none,
@@ -52,9 +53,9 @@ pub fn fronts(points: &[Point]) -> Figure {
     Figure {
         title: "How near the copies are, against what a hand feels".to_owned(),
         caption: "Of every law the best gains that the same search found under three bounds of what a hand alone feels, on networks apart from these; the \
-                  worst of the test networks. Grey: the fronts of all others. Lower and further left is better."
+                  worst of the test networks. Thin: the fronts of all others. Lower and further left is better."
             .to_owned(),
-        columns: 3,
+        columns: 2,
         share_x: true,
         share_y: ShareY::All,
         panels: laws.iter().enumerate().map(panel).collect(),

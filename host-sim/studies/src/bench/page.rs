@@ -12,16 +12,16 @@ pub const BENCH: [&str; 2] = ["<!-- bench begin -->", "<!-- bench end -->"];
 pub const PICTURE: &str = "laws-bench.png";
 
 /// What the page says of a bench.
-pub fn section(bench: &Bench, found: &Found, wall_s: f64) -> String {
+pub fn section(bench: &Bench, found: &Found) -> String {
     let fronts = tables::fronts(&found.points);
     let [moved, felt] = tables::parts(&found.points);
     let bounds = BOUNDS_N_S_PER_M.map(|bound| bound.to_string()).join(", ");
     let networks: Vec<&str> = bench.networks.iter().map(|network| network.name.as_str()).collect();
     let gains: String = found.points.iter().filter(|point| point.name != "declared").map(line).collect();
     format!(
-        "Written by `host-sim bench --page docs/laws.md` by [the protocol](bench.md): one scene, {budget} tunings for every law by the same search, on networks apart\n\
+        "Written by `host-sim bench --budget {budget} --page docs/laws.md` by [the protocol](bench.md): one scene, {budget} tunings for every law by the same search, on networks apart\n\
          from those of the test; what a hand alone feels is bounded by {bounds} N·s/m (|Z| at 1 Hz), each bound a point of a law's front. Test networks, {seeds} seeds each: {networks}.\n\
-         {runs} runs of the test and {tunings} tunings took {wall_s:.0} s. [What the columns mean](data.md#the-bench); every run and tuning is in the files (`--out`).\n\n\
+         {tunings} tunings, {runs} runs of the test. [What the columns mean](data.md#the-bench); every run and tuning is in the files (`--out`).\n\n\
          True discrepancy over the force of contact under pushes against each other, **worst test network**, mm/N, at the gains that a law declares (with what a hand then feels) and at\n\
          the best that the search found within each bound; `-`: there are none within it, or a run stopped. *stops*: runs of any motion in which a peer stopped.\n\n\
          ```text\n{fronts}```\n\n\
@@ -36,7 +36,7 @@ pub fn section(bench: &Bench, found: &Found, wall_s: f64) -> String {
          Gains that the search chose:\n\n{gains}",
         budget = bench.budget,
         seeds = bench.seeds,
-        networks = networks.join(", "),
+        networks = networks.join("; "),
         runs = found.points.iter().map(|point| point.runs.len()).sum::<usize>(),
         tunings = found.tunings.len(),
     )
