@@ -19,7 +19,9 @@ fn light_share(scene: &Scene) -> f64 {
     };
     let [credit, most_kg] = ["coordination.credit_ticks", "coordination.most_line_mass_kg"].map(number);
     let mass_kg = credit * scene.peer.timing.control_period_s * scene.peer.coordination.wave_impedance_n_s_per_m;
-    if most_kg > 0.0 && mass_kg > most_kg { (most_kg / mass_kg).max(1.0 / 16.0) } else { 1.0 }
+    // In steps of 1/1024, no less than a sixteenth.
+    let share = || ((1024.0 * most_kg / mass_kg).round() / 1024.0).max(1.0 / 16.0);
+    if most_kg > 0.0 && mass_kg > most_kg { share() } else { 1.0 }
 }
 
 impl ConstructedPeer {
