@@ -56,6 +56,10 @@ impl Lab {
         for (home, host) in [("a", 11), ("b", 12)] {
             lab.home(home, host, routers[host - 11], v6[host - 11]);
         }
+        if v6.contains(&true) {
+            // Until addresses of the links have been found to be nobody else's, no neighbour is found.
+            std::thread::sleep(std::time::Duration::from_millis(2500));
+        }
         lab.opens();
         lab
     }

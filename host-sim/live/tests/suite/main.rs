@@ -3,3 +3,4 @@
 mod endpoint;
 mod fuzz;
 mod restarts;
+mod two_homes;
