@@ -2,7 +2,7 @@
 
 use haptic_core::law::fractal_impedance::FractalImpedance;
 use haptic_core::law::{Law, Observation, Packet};
-use haptic_core::num::Motion;
+use haptic_core::num::{Fixed, Motion, Scalar};
 use haptic_core::object::Port;
 use haptic_core::settings::Settings;
 
@@ -163,4 +163,24 @@ fn braking_on_the_way_back_pays_for_some_delay() {
     }
     let far = swing("fractal-impedance", 50, 0.0);
     assert!(far > 10.0, "{far}");
+}
+
+/// Hands that push alike against each other: what one copy does the other mirrors, bit for bit.
+fn mirrors<S: Scalar>() {
+    let mut copies = Copies::<S>::new(&scene("fractal-impedance", 310.0, 4.0), 8);
+    let mut moved = 0.0_f64;
+    for tick in 0..5000 {
+        let push = 1.0 + 0.5 * (3e-3 * f64::from(tick)).sin();
+        let [one, two] = copies.pushed([push, -push]).map(|seen| (seen.object.position, seen.coordination_force));
+        assert!(one.0 == -two.0 && one.1 == -two.1, "tick {tick}: {one:?}, {two:?}");
+        moved = moved.max(one.0.to_f64());
+    }
+    assert!(moved > 1e-3, "{moved} m");
+}
+
+#[test]
+fn mirrored_hands_give_mirrored_bits() {
+    mirrors::<f32>();
+    mirrors::<f64>();
+    mirrors::<Fixed>();
 }

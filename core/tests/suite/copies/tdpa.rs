@@ -1,13 +1,16 @@
 //! The two ports beside a model that is written down from the paper, what they hold back, and that neither ever gives more than it may.
 
 use haptic_core::contact::Side;
+use haptic_core::device::AXES;
 use haptic_core::law::tdpa::Tdpa;
 use haptic_core::law::{Coupled, Law, Observation, Packet};
-use haptic_core::num::Motion;
+use haptic_core::num::{Fixed, Motion, Scalar};
 use haptic_core::object::Port;
+use haptic_core::peer::Peer;
+use haptic_core::safety::Command;
 use haptic_core::settings::Settings;
 
-use super::{PERIOD, draws, settings};
+use super::{Copies, PERIOD, draws, settings};
 
 const MASS_KG: f64 = 0.3;
 /// 2m_O/T_c, N·s/m.
@@ -230,4 +233,60 @@ fn drift_dies_away_with_its_time_constant() {
     let left = run(0.05, 50) / 0.01;
     assert!((left - (-1.0_f64).exp()).abs() < 1e-9, "{left}");
     assert_eq!(run(0.0, 2000), 0.01);
+}
+
+/// Both ends over a network that loses half, hands that push and throw: at no tick have the copies more than both accounts had at first and was done on them.
+fn copies_get_no_more<S: Scalar>(rounding_j: f64) {
+    let start = 0.005;
+    let mut least = f64::MAX;
+    for seed in 0..20_u64 {
+        let mut random = draws(seed);
+        let keys = [
+            ("coordination.stiffness_n_per_m", 10.0_f64.powf(3.0 + 2.0 * random())),
+            ("coordination.damping_n_s_per_m", 10.0 * (random() + 0.5)),
+            ("coordination.tank_j", start),
+            ("timing.ticks_per_packet", (4.0 * (random() + 0.5)).floor() + 1.0),
+            ("contact.stiffness_n_per_m", 200.0),
+        ];
+        let scene = settings("tdpa", &keys);
+        let mut copies = Copies::<S>::new(&scene, 3);
+        copies.peers = [Side::Left, Side::Right].map(|side| {
+            let mut settings = scene;
+            settings.contact.side = side;
+            let mut peer = Peer::new(&settings, [Motion::REST; AXES]).expect("a good scene");
+            peer.command(Command::Arm);
+            peer
+        });
+        let (mut work, mut before, mut hands) = (0.0, None::<[(f64, f64); 2]>, [Motion::<f64>::REST; 2]);
+        for tick in 0..3000 {
+            for hand in &mut hands {
+                if tick % 50 == 0 {
+                    hand.velocity = 0.4 * random() - 2.0 * hand.position;
+                }
+                hand.position += PERIOD * hand.velocity;
+            }
+            let mut luck = draws(seed * 10_000 + tick);
+            let seen = copies.tick_over(hands, || luck() > 0.0);
+            let now = seen.map(|seen| (seen.object.velocity.to_f64(), seen.contact_force.to_f64()));
+            if let Some(before) = before {
+                for at in 0..2 {
+                    work += PERIOD * before[at].1 * 0.5 * (before[at].0 + now[at].0);
+                }
+            }
+            before = Some(now);
+            let kinetic: f64 = now.iter().map(|(velocity, _)| 0.5 * MASS_KG * velocity * velocity).sum();
+            let made = kinetic - work;
+            assert!(made <= 2.0 * start + rounding_j, "seed {seed}, tick {tick}: {made} J");
+            least = least.min(2.0 * start - made);
+        }
+        assert!(work.abs() > 0.001, "seed {seed}: {work} J of work");
+    }
+    assert!(least < 2.0 * start, "nothing was ever given");
+}
+
+#[test]
+fn copies_get_no_more_than_both_accounts_over_a_bad_network() {
+    copies_get_no_more::<f64>(1e-12);
+    copies_get_no_more::<f32>(1e-6);
+    copies_get_no_more::<Fixed>(1e-6);
 }
