@@ -41,7 +41,7 @@ struct Chore {
     run: fn(&Options<'_>) -> Result<(), Failure>,
 }
 
-const CHORES: [Chore; 23] = [
+const CHORES: [Chore; 24] = [
     Chore {
         name: "setup",
         options: "",
