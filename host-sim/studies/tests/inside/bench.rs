@@ -146,14 +146,14 @@ fn drag_is_felt_and_way_is_not_normalised() {
     let chosen = asked_for(laws, "p-plus-d,self-timed").expect("laws");
     let of = |law: &LawInfo| {
         let scene = protocol::scene(laws, law, "").expect("a scene");
-        let felt = felt(&scene, 1.0).expect("a scene").expect("an answer");
+        let felt = felt(&scene, 0.2).expect("a scene").expect("an answer");
         let pushed = Motion::Together.of(&scene).expect("a motion");
         let found = at_hand::run(&pushed, Motion::Together.duration_s(), None).expect("a run");
         (felt, 1e3 * found.way_m)
     };
     let [(drag, slow), (light, far)] = [of(chosen[0]), of(chosen[1])];
-    // Lee & Spong: both copies are pushed through 2·(B_T + K_T·T), T = 8 ms and a tick; at 1 Hz the springs give a little.
-    assert!((drag.re / (2.0 * (30.0 + 310.0 * 0.0085) + 1.0) - 1.0).abs() < 0.15, "{drag:?}");
+    // Lee & Spong: both copies are pushed through 2·(B_T + K_T·T), T = 8 ms and half a tick; at 0.2 Hz the springs give a little.
+    assert!((drag.re / (2.0 * (30.0 + 310.0 * 0.0085) + 1.0) - 1.0).abs() < 0.06, "{drag:?}");
     assert!(light.re < 3.0, "{light:?}");
     assert!(far > 4.0 * slow && slow > 1.0, "{slow} and {far} mm");
 }
@@ -187,7 +187,8 @@ fn every_motion_runs() {
         assert!(found.outcome.fault.is_none(), "{}: {:?}", motion.name(), found.outcome.reason);
         assert!(found.peak_n > 0.1, "{}: {} N", motion.name(), found.peak_n);
         let lets_go = motion == Motion::Contact;
-        let opens = found.forces.iter().filter(|force| force[0] == 0.0).count();
+        // A common push begins after 3 s.
+        let opens = found.forces.iter().skip(3_100).filter(|force| force[0] == 0.0).count();
         assert_eq!(opens > 500, lets_go, "{}: no force in {opens} ticks", motion.name());
     }
 }
