@@ -203,25 +203,18 @@ impl<S: Scalar> Guard<S> {
         if (target - last).abs() <= self.max_step { target } else { self.far(last, target) }
     }
 
-    /// [`Guard::limit`] of a target within ±max_force.
+    /// [`Guard::limit`] of a target within ±max_force; without a branch, of which a proof has to go both ways.
     #[cold]
     fn far(&self, last: S, target: S) -> S {
-        if target > S::ZERO {
-            let from = last.max(S::ZERO);
-            if target - from > self.max_step { from + self.max_step } else { target }
-        } else {
-            let from = last.min(S::ZERO);
-            if target - from < -self.max_step { from - self.max_step } else { target }
-        }
+        let (least, most) = (last.min(S::ZERO) - self.max_step, last.max(S::ZERO) + self.max_step);
+        target.max(least).min(most)
     }
 
     /// The force on the object (N) whose reaction the device can give after it was commanded `commanded` (N), where `asked` (N) is asked
-    /// for. What is no number goes to the object as it is: the peer stops.
+    /// for; 0 for no number.
     #[inline]
     pub fn reaction(&self, commanded: S, asked: S) -> S {
-        // What is usual first: nothing to limit.
-        let near = (asked + commanded).abs() <= self.max_step && asked.abs() <= self.max_force;
-        if near || !asked.is_finite() { asked } else { -self.far(commanded, (-asked).limit(self.max_force)) }
+        -self.limit(commanded, -asked)
     }
 
     /// Whether a force (N) stands at the limit or was to pass it.

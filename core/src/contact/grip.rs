@@ -56,28 +56,23 @@ impl<S: Scalar> Grip<S> {
     pub fn recover(&mut self, contact: &Contact<S>, distance: S, period_s: S) {
         match contact.depth(distance - self.slip) {
             Some(depth) => self.press_back(depth, contact.stiffness(), period_s),
-            None => self.slip = contact.healed(distance),
+            None => *self = Self { slip: contact.healed(distance), saved_j: S::ZERO },
         }
-        self.forget();
     }
 
     /// A tick of the way back of a spring (N/m) that is pressed by this depth, m.
     pub fn press_back(&mut self, depth: S, stiffness: S, period_s: S) {
         let back = self.slip.limit(S::from_f64(BACK_M_PER_S) * period_s);
-        let twice = self.saved_j + self.saved_j;
-        // A spring that stores nothing has no most.
-        let most =
-            if stiffness > S::ZERO { (depth * depth + twice.ratio(stiffness)).sqrt() } else { (depth + back).abs() };
-        let pressed = (depth + back).limit(most);
-        self.slip = if pressed == depth + back { self.slip - back } else { self.slip - (pressed - depth) };
-        let paid = S::from_f64(0.5) * stiffness * (pressed - depth) * (pressed + depth);
-        self.saved_j = (self.saved_j - paid).max(S::ZERO);
-        self.forget();
-    }
-
-    fn forget(&mut self) {
-        if self.slip == S::ZERO {
-            self.saved_j = S::ZERO;
-        }
+        // No rounding is beyond what presses already; a spring that stores nothing pays nothing, and stays.
+        let paid_for = (depth * depth + (self.saved_j + self.saved_j).ratio(stiffness)).sqrt().max(depth.abs());
+        let wanted = depth + back;
+        let pressed = wanted.limit(paid_for);
+        // Exactly 0 in the end.
+        self.slip = (self.slip - back) + (wanted - pressed);
+        let half_sum = S::from_f64(0.5) * (pressed + depth);
+        let left_j = self.saved_j - stiffness * (pressed - depth) * half_sum;
+        // More than the whole way could cost is not kept: nothing, once it is back.
+        let slipped = self.slip.abs();
+        self.saved_j = left_j.max(S::ZERO).min(stiffness * slipped * (depth.abs() + slipped));
     }
 }

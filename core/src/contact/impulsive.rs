@@ -135,7 +135,9 @@ impl<S: Scalar> Impulsive<S> {
             return Act::Spring;
         }
         state.owed = state.owed.max(S::ZERO);
-        let given = self.guard.reaction(commanded, self.contact.past(self.rate * state.owed));
+        let asked = self.contact.past(self.rate * state.owed);
+        // What is no number goes to the object as it is: the peer stops.
+        let given = if asked.is_finite() { self.guard.reaction(commanded, asked) } else { asked };
         if given != S::ZERO {
             state.recent = SETTLING + CHATTER;
             let impulse = self.period * given;

@@ -214,7 +214,8 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
                 let settled = |contact| settled(midpoint, object.velocity, contact, fixture, coordination);
                 (half_change, contact_force) = settled(Pushes { port: press.port, toward: press.toward });
                 let given = felt.given(guard, contact_force);
-                if given != contact_force {
+                // What is no number goes to the copy as it is: the peer stops.
+                if given != contact_force && contact_force.is_finite() {
                     // Of all forces that the spring could have, this is the nearest: the more it pushes, the more the copy yields.
                     (half_change, contact_force) = settled(Pushes { port: Port::of_force(given), toward: S::ZERO });
                     let asked = press.port.at(object.velocity + half_change);
@@ -234,7 +235,7 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
         } else {
             let (object, mut touch) = contact.touch(&mut self.strikes, gripped, self.object, felt.commanded);
             let given = felt.given(guard, touch.felt);
-            if given != touch.felt {
+            if given != touch.felt && touch.felt.is_finite() {
                 let [_, impedance] = contact.spring().impedances();
                 self.grip.slide(touch.felt - given, given, impedance, period_s);
                 touch = Touch { pushing: given, felt: given };

@@ -28,6 +28,7 @@ const UNBOUND: &[&str] = &[
     "safety.max_rms_force_n=200",
     "safety.max_rms_power_w=1000",
     "safety.max_hand_power_w=1000",
+    "motor.full_scale_a=50",
 ];
 
 const SEEDS: u64 = 20;
