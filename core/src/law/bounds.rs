@@ -13,8 +13,8 @@
 //! much, since its other end may be a hub ([`Bounds::beyond_a_junction`]); a hub accepts U.
 //!
 //! A line of [`Sends::Counters`] sends its slip and how fast it goes on beside them ([`super::self_timed`]), and for a wave a flag, and by how
-//! much less its impedance should be. That may fall to ρ·b while waves keep the unit of b: a pull of F is then a wave of F/(ρ·√(2b)), and U
-//! one of F/ρ, ρ the least.
+//! much less its impedance should be. Where that falls to ρ·b its waves keep the unit of b, and so the bound: such a line carries a pull of
+//! ρ·(b·V + F) at the most, 200 N of `any-network`'s over 200 ms, and whoever lies pushes no harder than at ρ = 1.
 //!
 //! Sums without a stated number of ticks are bounded as if over [`MOST_TICKS`], so that the difference of two stays within the
 //! range of numbers. What a law of [`Sends::Motion`] sends beside the motion has a unit of its own, and need only be finite.
@@ -22,7 +22,7 @@
 //! **Limits**: a hand at V or F, or a spring that is released, moves a light copy faster for a moment; a peer at its own limits is
 //! about to be stopped by them ([`crate::safety`]), and is disconnected if its copy was faster. Tick counters wrap after 49 days.
 
-use super::self_timed::{LEAST_SHARE, MOST_TOLD_M};
+use super::self_timed::MOST_TOLD_M;
 use super::{Packet, Sends};
 use crate::num::Scalar;
 use crate::settings::Settings;
@@ -63,8 +63,7 @@ impl Bounds {
     pub fn build(settings: &Settings, sends: Sends) -> Self {
         let (safety, impedance) = (settings.in_the_world().safety, settings.coordination.wave_impedance_n_s_per_m);
         let (speed_m_per_s, period_s) = (safety.max_speed_m_per_s, settings.timing.control_period_s);
-        let force_n = safety.max_force_n / if sends == Sends::Counters { LEAST_SHARE } else { 1.0 };
-        let wave = (impedance * speed_m_per_s + force_n) / libm::sqrt(2.0 * impedance);
+        let wave = (impedance * speed_m_per_s + safety.max_force_n) / libm::sqrt(2.0 * impedance);
         Self {
             place_m: if sends == Sends::Counters { MOST_TOLD_M } else { 2.0 * safety.workspace_m },
             speed_m_per_s,

@@ -30,7 +30,7 @@ pub(super) const MASS: Key = Key::number(
 );
 
 /// The least ρ: a line that would still be heavier is.
-pub(in crate::law) const LEAST: f64 = 1.0 / 16.0;
+const LEAST: f64 = 1.0 / 16.0;
 /// Step of ρ, and its change in a tick: a second at 1 kHz from 1 to nothing. Every number type has it exactly.
 const STEP: f64 = 1.0 / 1024.0;
 
