@@ -81,7 +81,7 @@ impl Devices {
     }
 
     /// The settings of a scene for this device.
-    fn table(&self, name: &str, health: Health, delay_ticks: f64, beneath: &[(&str, String)]) -> String {
+    fn table(&self, name: &str, health: Option<Health>, delay_ticks: f64, beneath: &[(&str, String)]) -> String {
         // More than one tick of delay is not to be had in a scene: its verdict would be about another loop.
         let (known, warning) = (
             delay_ticks.min(1.0),

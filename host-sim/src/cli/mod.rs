@@ -41,7 +41,7 @@ use clap::{CommandFactory, FromArgMatches, Parser};
 use clap_complete::Shell;
 
 use flags::SceneArgs;
-use haptic_live::devices::{DeviceOptions, Outside as OutsideDevice, Port};
+use haptic_live::devices::{Opens, Outside as OutsideDevice};
 use haptic_report::Columns;
 use haptic_sim::{Laws, scene::nearest};
 pub use ui::provenance;
@@ -234,11 +234,7 @@ impl Cli {
     /// Adds an adapter of a device: `--device NAME[:PLACE]` opens it, with what stands after the colon and what else is told of it. Axes,
     /// origin, ages and refusals are done for it, as for a built-in one.
     #[must_use]
-    pub fn with_device(
-        mut self,
-        name: &'static str,
-        open: fn(&str, &DeviceOptions) -> Result<Box<dyn Port>, haptic_live::Error>,
-    ) -> Self {
+    pub fn with_device(mut self, name: &'static str, open: Opens) -> Self {
         self.devices.push(OutsideDevice { name, open });
         self
     }

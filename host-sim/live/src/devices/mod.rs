@@ -57,9 +57,9 @@ pub trait Port {
     /// The force of this tick along each of its axes, N; none lets go.
     fn write(&mut self, force_n: Option<[f64; AXES]>);
 
-    /// How it is, as far as it says.
-    fn health(&self) -> Health {
-        Health::default()
+    /// How it is, as far as it says; none where that is being written.
+    fn health(&self) -> Option<Health> {
+        Some(Health::default())
     }
 
     /// Says nothing at all to the device for so long, as a process that is killed would, and then asks it for the largest force or torque that
@@ -107,11 +107,11 @@ impl Seen {
     }
 
     /// A reading took so long, and that is how the device is.
-    fn see(&self, took: Duration, health: Health) {
+    fn see(&self, took: Duration, health: Option<Health>) {
         // Nobody else holds it before the end.
         if let Ok(mut seen) = self.0.try_lock() {
             seen.1.add(took.as_nanos() as u64);
-            seen.2 = health;
+            seen.2 = health.unwrap_or(seen.2);
         }
     }
 
@@ -126,13 +126,16 @@ impl Seen {
 /// A device that a peer may drive, and what is seen of it; nothing of a simulated one.
 pub type Opened<const N: usize> = (Box<dyn Device<f32, N>>, Option<Seen>);
 
+/// Opens a device at a place, with what is told of it.
+pub type Opens = fn(at: &str, options: &DeviceOptions) -> Result<Box<dyn Port>, Error>;
+
 /// An adapter from outside: it is opened with what stands after its name and a colon, and with what is told of the device.
 #[derive(Clone, Copy)]
 pub struct Outside {
     /// As `--device` has it.
     pub name: &'static str,
     /// Opens it.
-    pub open: fn(at: &str, options: &DeviceOptions) -> Result<Box<dyn Port>, Error>,
+    pub open: Opens,
 }
 
 impl std::fmt::Debug for Outside {
@@ -151,7 +154,7 @@ impl Port for Box<dyn Port> {
     fn write(&mut self, force_n: Option<[f64; AXES]>) {
         (**self).write(force_n);
     }
-    fn health(&self) -> Health {
+    fn health(&self) -> Option<Health> {
         (**self).health()
     }
     fn stay_silent(&mut self, time: Duration) -> Result<Option<f64>, Gone> {

@@ -72,6 +72,11 @@ pub struct Trial<'a> {
     slowest: Duration,
 }
 
+/// Whether a number is one, and no further from 0 than this.
+fn within(number: f64, most: f64) -> bool {
+    number.is_finite() && number.abs() <= most
+}
+
 type Step<'a> = (&'static str, fn(&mut Trial<'a>) -> Result<String, Error>);
 
 impl<'a> Trial<'a> {
@@ -140,7 +145,7 @@ impl<'a> Trial<'a> {
             let newest = seen[seen.len() - 1];
             let way_m = std::array::from_fn(|axis| newest.position_m[axis] - first.position_m[axis]);
             let order = force(way_m, newest.velocity_m_per_s);
-            if let Some(far_m) = way_m.into_iter().find(|way_m| order.is_some() && !(way_m.abs() <= TRAVEL_M)) {
+            if let Some(far_m) = way_m.into_iter().find(|way_m| order.is_some() && !within(*way_m, TRAVEL_M)) {
                 return Err(format!("a push of {PUSH_N} N moved it by {:.1} mm", 1e3 * far_m).into());
             }
             seen.push(self.tick(order)?);
@@ -207,7 +212,7 @@ impl<'a> Trial<'a> {
             (0..self.axes).map(ends).fold(0.0, |most: f64, [least, largest]| most.max(largest - least))
         };
         let (place_m, speed) = (spread(|sensed| sensed.position_m), spread(|sensed| sensed.velocity_m_per_s));
-        if !(place_m <= CREEP_M) {
+        if !within(place_m, CREEP_M) {
             return Err(format!("its place goes to and fro by {:.2} mm", 1e3 * place_m).into());
         }
         Ok(format!("its place goes to and fro by {:.3} mm, its speed by {speed:.3} m/s", 1e3 * place_m))
@@ -237,7 +242,7 @@ impl<'a> Trial<'a> {
         if (told_mm / asked_mm + 1.0).abs() <= SCALE_OFF {
             return Err(format!("moved toward +x it told {told_mm:.1} mm: its x points the other way").into());
         }
-        if !((told_mm / asked_mm - 1.0).abs() <= SCALE_OFF) || aside_m > 0.5 * self.distance_m {
+        if !within(told_mm / asked_mm - 1.0, SCALE_OFF) || aside_m > 0.5 * self.distance_m {
             return Err(format!(
                 "moved by {asked_mm:.0} mm along x it told {told_mm:.1} mm, and {:.1} mm aside",
                 1e3 * aside_m
@@ -249,7 +254,7 @@ impl<'a> Trial<'a> {
 
     fn speed(&mut self) -> Result<String, Error> {
         let [way_mm, sum_mm] = self.moved.map(|moved| 1e3 * moved);
-        if !((sum_mm / way_mm - 1.0).abs() <= SPEED_OFF) {
+        if !within(sum_mm / way_mm - 1.0, SPEED_OFF) {
             return Err(format!("its speeds add up to {sum_mm:.1} mm, its places to {way_mm:.1} mm").into());
         }
         Ok(format!("its speeds add up to {sum_mm:.1} mm, its places to {way_mm:.1} mm"))
@@ -296,14 +301,14 @@ impl<'a> Trial<'a> {
 
     fn sign(&mut self) -> Result<String, Error> {
         let mut seen = Vec::new();
-        for axis in 0..self.axes {
+        for (axis, name) in NAMES.into_iter().enumerate().take(self.axes) {
             let mut ends = [0.0; 2];
             for (end, sign) in ends.iter_mut().zip([1.0, -1.0]) {
                 let pushed = self.push(axis, sign * PUSH_N, Duration::from_millis(150))?;
                 *end = pushed[pushed.len() - 1].position_m[axis] - pushed[0].position_m[axis];
                 self.rest()?;
             }
-            let (name, by_mm) = (NAMES[axis], 0.5e3 * (ends[0] - ends[1]));
+            let by_mm = 0.5e3 * (ends[0] - ends[1]);
             if by_mm < -0.5e3 * MOVES_M {
                 return Err(format!(
                     "pushed toward +{name} it went toward −{name}, by {:.2} mm: the sign of its force is wrong",
@@ -311,7 +316,7 @@ impl<'a> Trial<'a> {
                 )
                 .into());
             }
-            if !(by_mm > 0.5e3 * MOVES_M) {
+            if within(by_mm, 0.5e3 * MOVES_M) {
                 return Err(format!("pushed along {name} with {PUSH_N} N it did not move").into());
             }
             seen.push(format!("{name} by {by_mm:.2} mm"));

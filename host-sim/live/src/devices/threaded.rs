@@ -181,8 +181,8 @@ impl Port for Threaded {
         self.wake();
     }
 
-    fn health(&self) -> Health {
-        self.desk.health.lock().map(|health| health.clone()).unwrap_or_default()
+    fn health(&self) -> Option<Health> {
+        self.desk.health.try_lock().ok().map(|health| *health)
     }
 
     fn stay_silent(&mut self, time: Duration) -> Result<Option<f64>, Gone> {

@@ -55,9 +55,9 @@ impl<const N: usize> Hand<N> {
     /// A step under this force of the device, N, by semi-implicit Euler.
     pub(crate) fn step(&mut self, device_n: [f64; N]) {
         self.now_s += STEP_S;
-        for axis in 0..N {
+        for (axis, device_n) in device_n.into_iter().enumerate() {
             let spring_n = HAND_N_PER_M * (self.wanted(axis) - self.position_m[axis]);
-            let force_n = device_n[axis] + spring_n - HAND_N_S_PER_M * self.velocity_m_per_s[axis];
+            let force_n = device_n + spring_n - HAND_N_S_PER_M * self.velocity_m_per_s[axis];
             self.velocity_m_per_s[axis] += STEP_S * force_n / MASS_KG;
             self.position_m[axis] += STEP_S * self.velocity_m_per_s[axis];
         }
