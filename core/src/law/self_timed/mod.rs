@@ -36,8 +36,6 @@ use crate::num::{Motion, Scalar, StateVector, Sum, visit_counter, visit_sum};
 use crate::object::Solve;
 use crate::settings::{Refused, Settings};
 
-/// The least share of its impedance b that a line falls to.
-pub(super) const LEAST_SHARE: f64 = mass::LEAST;
 /// No packet tells a larger slip, m; ends tell half of it, and a step.
 pub(super) const MOST_TOLD_M: f64 = MODULUS_M;
 
