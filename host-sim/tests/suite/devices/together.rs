@@ -61,7 +61,10 @@ fn an_inverse3_and_motors_hold_one_object_over_a_lossy_network() {
     for (ended, live, said) in peers.map(Running::end) {
         assert!(ended && live["fault"] == Value::Null, "{said}\n{live}");
         let [apart_mm, error_mm] = ["true_discrepancy_mm", "true_discrepancy_error_mm"].map(|key| number(&live, key));
-        println!("{} ticks: {apart_mm:.4} mm apart, by the simulator {simulated:.4}; clocks ±{error_mm:.4}", live["ticks"]);
+        println!(
+            "{} ticks: {apart_mm:.4} mm apart, by the simulator {simulated:.4}; clocks ±{error_mm:.4}",
+            live["ticks"]
+        );
         println!("  {} ; {} ; lost {}", live["device"], live["punctuality"], live["datagrams_missing"]);
         assert!((apart_mm - simulated).abs() <= SHARE * simulated + error_mm, "{apart_mm} mm, and not {simulated}");
         assert!(number(&live, "datagrams_missing") > 0.1 * number(&live, "datagrams_taken"), "{live}");
