@@ -70,7 +70,7 @@ fn it_goes_on_where_it_was_stopped_with_the_same_rows() {
         pool.install(|| bench.run(folder.map(|folder| (folder, &question)), &|| ())).expect("a bench")
     };
     let whole = all(&on(1, None));
-    assert_eq!(all(&on(2, Some(&folder))), whole);
+    assert_eq!(all(&on(2, Some(folder))), whole);
     // A kill leaves half a line, and less than half of the rows.
     for name in ["tunings-1-of-1.csv", "runs-1-of-1.csv"] {
         let file = folder.join(name);
@@ -81,16 +81,16 @@ fn it_goes_on_where_it_was_stopped_with_the_same_rows() {
     let rows = |name: &str| std::fs::read_to_string(folder.join(name)).expect("rows").lines().count();
     *there.lock().expect("a count") = rows("runs-1-of-1.csv");
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("a pool");
-    let resumed = pool.install(|| bench.run(Some((&folder, &question)), &|| _ = steps.fetch_add(1, Ordering::Relaxed)));
+    let resumed = pool.install(|| bench.run(Some((folder, &question)), &|| _ = steps.fetch_add(1, Ordering::Relaxed)));
     assert_eq!(all(&resumed.expect("a bench")), whole);
     assert!(steps.load(Ordering::Relaxed) <= bench.steps());
-    let again = bench.run(Some((&folder, &question)), &|| ()).expect("a bench");
+    let again = bench.run(Some((folder, &question)), &|| ()).expect("a bench");
     assert_eq!(all(&again), whole);
     assert_eq!(rows("tunings-1-of-1.csv"), 1 + again.tunings.len(), "each tuning once");
     assert!(rows("runs-1-of-1.csv") > *there.lock().expect("a count"));
     let another = Bench { budget: 7, ..bench.clone() };
     let refused =
-        another.run(Some((&folder, &another.question(Provenance::now("1", "c")).expect("a question"))), &|| ());
+        another.run(Some((folder, &another.question(Provenance::now("1", "c")).expect("a question"))), &|| ());
     assert!(refused.expect_err("another bench").to_string().contains("is of another bench"));
 }
 
