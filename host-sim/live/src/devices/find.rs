@@ -1,6 +1,6 @@
 //! What is attached to this machine: Haply's service, serial ports with an fdcanusb and the moteus motors behind them, CAN interfaces.
 //!
-//! Only what asks and commands nothing is sent: a query to each of the identifiers [`IDS`], which a motor answers as it stands. Motors with MIT's
+//! Only what asks and commands nothing is sent: a query to each of the identifiers `IDS`, which a motor answers as it stands. Motors with MIT's
 //! frame answer commands alone, so they are not looked for.
 
 use std::path::{Path, PathBuf};

@@ -1,7 +1,7 @@
 //! An Inverse3 of Haply's, through the service that runs beside it: WebSocket and JSON on this machine, in a thread of its own.
 //!
 //! The service (3.5 and newer; older ones are refused) first lists its devices, then answers each message with one state, and says nothing by
-//! itself. So the client is the clock: [`open`] gives a device that sends a force at each tick of the peer, takes the answer, and the next tick reads it. Forces
+//! itself. So the client is the clock: `open` gives a device that sends a force at each tick of the peer, takes the answer, and the next tick reads it. Forces
 //! are N, positions m, speeds m/s; z up, x right, y forward.
 //!
 //! **Letting go.** The service applies a force once and forgets it after a time that its documentation does not name, so it has to be
