@@ -3,12 +3,7 @@
 //! Forces reach the motors only while [`Mode::Armed`], the duties of a probe only while [`Mode::Probing`]. Any fault turns
 //! them off in the same tick and latches; leaving it takes [`Command::Clear`] and then [`Command::Arm`]. No setting
 //! switches a guard off. Fault numbers are never reused. Limits come last: whatever the models compute, a force that is commanded is
-//! finite, within ±max_force and never grows away from zero faster than the slew limit.
-//!
-//! **Why only growth is slow.** A force that rises jerks the hand and has to be followed by a current loop; a force that falls ends where the
-//! motors are off, which any fault does to the hand at any time. A fall that is held back pushes on after its reason has gone: it gives back more
-//! than it took, which is energy out of nothing at a port beside a person. So a force falls to zero as fast as what computes it has it, and rises
-//! on the other side of zero as slowly as on this one.
+//! finite, within ±max_force and, unless the motors are off, within the slew limit of the one before.
 
 use crate::{num::Scalar, settings::Settings};
 
@@ -167,7 +162,7 @@ impl Mode {
 pub struct Guard<S> {
     /// Largest force of either sign, N.
     pub max_force: S,
-    /// Largest growth of a force away from zero in one tick, N.
+    /// Largest change of force in one tick, N.
     pub max_step: S,
     /// Fastest motion while armed, m/s.
     pub max_speed: S,
@@ -195,32 +190,16 @@ impl<S: Scalar> Guard<S> {
         }
     }
 
-    /// The force (N) that may follow `last` (N) when `wanted` (N) is asked for: within ±max_force, and no more than a step farther from zero
-    /// than `last` was on that side. NaN asks for 0.
+    /// The force (N) that may follow `last` (N) when `wanted` (N) is asked for; NaN asks for 0.
     #[inline]
     pub fn limit(&self, last: S, wanted: S) -> S {
         let target = wanted.limit(self.max_force);
-        if (target - last).abs() <= self.max_step { target } else { self.far(last, target) }
-    }
-
-    /// [`Guard::limit`] of a target within ±max_force; without a branch, of which a proof has to go both ways.
-    #[cold]
-    fn far(&self, last: S, target: S) -> S {
-        let (least, most) = (last.min(S::ZERO) - self.max_step, last.max(S::ZERO) + self.max_step);
-        target.max(least).min(most)
-    }
-
-    /// The force on the object (N) whose reaction the device can give after it was commanded `commanded` (N), where `asked` (N) is asked
-    /// for; 0 for no number.
-    #[inline]
-    pub fn reaction(&self, commanded: S, asked: S) -> S {
-        -self.limit(commanded, -asked)
-    }
-
-    /// Whether a force (N) stands at the limit or was to pass it.
-    #[inline]
-    pub fn is_at_limit(&self, wanted: S) -> bool {
-        wanted.abs() >= self.max_force
+        let step = target - last;
+        if step.abs() > self.max_step {
+            if step > S::ZERO { last + self.max_step } else { last - self.max_step }
+        } else {
+            target
+        }
     }
 }
 

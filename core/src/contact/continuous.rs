@@ -92,29 +92,9 @@ impl<S: Scalar> Contact<S> {
         }
     }
 
-    /// K_LC, N/m.
-    pub(crate) fn stiffness(&self) -> S {
-        self.stiffness
-    }
-
-    /// z of the contact as a port, and what it is where forces are found in stages, K_LC·T_c + B_LC, N·s/m: the slip that leaves the spring with the
-    /// limits' force is taken at the end of the tick there, and not in its middle.
-    pub(crate) fn impedances(&self) -> [S; 2] {
-        [self.impedance, self.impedance + self.stiffness * self.half_period]
-    }
-
-    /// The slip nearest to 0, m, with which a device at this distance (m) from the object does not press ([`super::grip`]).
-    pub(crate) fn healed(&self, distance: S) -> S {
-        match self.surface {
-            Surface::Held => S::ZERO,
-            Surface::Play(gap) => distance - distance.limit(gap),
-            Surface::OneSided { sign } => sign * (sign * distance).max(S::ZERO),
-        }
-    }
-
     /// How far the spring is pressed, m, if device and object touch.
     #[inline]
-    pub(crate) fn depth(&self, distance: S) -> Option<S> {
+    fn depth(&self, distance: S) -> Option<S> {
         match self.surface {
             Surface::Held => Some(distance),
             Surface::Play(gap) if distance > gap => Some(distance - gap),

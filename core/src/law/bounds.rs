@@ -12,9 +12,7 @@
 //! N lines of b that meet send 2/N·Σu − u_i back into each (see [`super::node`]), at most 3·U: a peer accepts that
 //! much, since its other end may be a hub ([`Bounds::beyond_a_junction`]); a hub accepts U.
 //!
-//! A line of [`Sends::Counters`] sends its slip and how fast it goes on beside them ([`super::self_timed`]), and for a wave a flag, and by how
-//! much less its impedance should be. Where that falls to ρ·b its waves keep the unit of b, and so the bound: such a line carries a pull of
-//! ρ·(b·V + F) at the most, 200 N of `any-network`'s over 200 ms, and whoever lies pushes no harder than at ρ = 1.
+//! A line of [`Sends::Counters`] sends its slip and how fast it goes on beside them ([`super::self_timed`]), and a flag for a wave.
 //!
 //! Sums without a stated number of ticks are bounded as if over [`MOST_TICKS`], so that the difference of two stays within the
 //! range of numbers. What a law of [`Sends::Motion`] sends beside the motion has a unit of its own, and need only be finite.
@@ -69,8 +67,8 @@ impl Bounds {
             speed_m_per_s,
             wave: match sends {
                 Sends::Motion => f64::MAX,
-                // A flag, and a share.
-                Sends::Counters => wave.max(2.0),
+                // A flag.
+                Sends::Counters => wave.max(1.0),
                 _ => wave,
             },
             integral_per_tick: period_s * wave,

@@ -2,22 +2,15 @@
 //!
 //! Axes know nothing of each other: a law, an integrator and a way of contact are scalar, and each axis has a state of its own of each.
 //! Where a fixture couples them, one solve sees the ports of all ([`advance_together`]).
-//!
-//! A contact whose force the device's limits do not let through is solved with the force that they do let through, and slips
-//! ([`crate::contact::grip`]): what the device feels is what the copy gets.
 
-use core::cell::Cell;
-
-use crate::contact::{AnyRendering, Grip, Press, Strikes, Touch};
+use crate::contact::{AnyRendering, Press, Strikes};
 use crate::law::ledger::Ledger;
 use crate::law::{Coupled, Law, Observation, Packet};
 use crate::num::{Motion, Scalar, StateVector};
 use crate::object::fixture::{self, Fixture, Pushes};
-use crate::object::midpoint::Midpoint;
 use crate::object::plane::Oblique;
 use crate::object::vector::VectorPort;
 use crate::object::{AnyIntegrator, Port, Staged};
-use crate::safety::Guard;
 
 /// Motions and forces of one tick along one shared axis, for telemetry, reports and tests.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -61,75 +54,22 @@ pub(super) struct SharedAxis<S: Scalar, L: Law<S>> {
     pub(super) standing: Packet<S>,
     integrator: AnyIntegrator<S>,
     pub(super) strikes: Strikes<S>,
-    pub(super) grip: Grip<S>,
 }
 
 configured!([S: Scalar, L: Law<S>] SharedAxis<S, L> {
-    object, integrator; coordination, observed, ledger, standing, strikes, grip
+    object, integrator; coordination, observed, ledger, standing, strikes
 });
 
 /// What is the same for all axes in a tick.
 pub(super) struct Tick<'a, S: Scalar, L> {
     pub(super) law: &'a L,
     pub(super) contact: &'a AnyRendering<S>,
-    /// Limits of the device's forces.
-    pub(super) guard: &'a Guard<S>,
-    /// A contact has slipped in this tick.
-    pub(super) slipped: Cell<bool>,
     pub(super) fixture: Option<Fixture<S>>,
     /// The coordination acts in this tick.
     pub(super) engaged: bool,
     pub(super) age_ticks: u32,
     /// Control period T_c, s.
     pub(super) period_s: S,
-}
-
-/// What a device can feel along an axis in a tick.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Felt<S> {
-    /// Force that it was commanded last, N.
-    pub(super) commanded: S,
-    /// Share of the contact's force that it feels, where that may be less than 1: the clutch's.
-    pub(super) share: Option<S>,
-}
-
-impl<S: Scalar> Felt<S> {
-    /// The contact force on the copy whose reaction the device can give, where this one is asked for, N.
-    #[inline(always)]
-    fn given(self, guard: &Guard<S>, asked: S) -> S {
-        let Some(share) = self.share else { return guard.reaction(self.commanded, asked) };
-        let felt = share * asked;
-        let given = guard.reaction(self.commanded, felt);
-        // An open clutch lets nothing be felt, and leaves nothing to limit.
-        if given == felt { asked } else { given.ratio(share) }
-    }
-}
-
-/// The copy's half change of velocity (m/s) under its contact, a fixture and the coordination, and the contact's force, N: one solve, or
-/// as many as what can only push leaves open.
-#[inline(always)]
-fn settled<S: Scalar>(
-    midpoint: &Midpoint<S>,
-    velocity: S,
-    contact: Pushes<S>,
-    fixture: Option<Pushes<S>>,
-    coordination: Port<S>,
-) -> (S, S) {
-    let mut half_change = S::ZERO;
-    if let Some(fixture) = fixture {
-        let force = fixture::solve_both(contact, fixture, |ports| {
-            half_change = midpoint.half_change(velocity, ports + coordination);
-            velocity + half_change
-        });
-        return (half_change, force);
-    }
-    half_change = midpoint.half_change(velocity, contact.port + coordination);
-    let force = contact.port.at(velocity + half_change);
-    if force * contact.toward < S::ZERO {
-        // What can only push does not pull.
-        return (midpoint.half_change(velocity, coordination), S::ZERO);
-    }
-    (half_change, force)
 }
 
 impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
@@ -144,7 +84,6 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
             standing: Packet::default(),
             integrator,
             strikes: Strikes::default(),
-            grip: Grip::default(),
         }
     }
 
@@ -152,7 +91,6 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
     pub(super) fn engage(&mut self, law: &L, contact: &AnyRendering<S>, position: S) {
         self.object = Motion::at(contact.clear_of(position));
         self.strikes = Strikes::default();
-        self.grip = Grip::default();
         self.integrator.rest();
         self.coordination = law.start(self.object);
         self.ledger = Ledger::default();
@@ -167,11 +105,8 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
 
     /// What would be sent now.
     pub(super) fn outgoing(&self, law: &L, engaged: bool) -> Packet<S> {
-        let mut packet = law.send(&self.coordination, self.object);
-        // A law that needs it more finely than the ledger's number type has counted it itself.
-        if packet.energy_j == S::Counter::ZERO {
-            packet.energy_j = self.ledger.sent_j().to_counter();
-        }
+        let packet =
+            Packet { energy_j: self.ledger.sent_j().to_counter(), ..law.send(&self.coordination, self.object) };
         if !packet.is_finite() {
             return Packet { motion: Motion::at(self.object.position), ..Packet::default() };
         }
@@ -184,63 +119,47 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
         law.receive(&mut self.coordination, packet);
     }
 
-    /// The device as the contact's spring sees it, less what that has slipped, of which a part goes back.
-    fn gripped(&mut self, tick: &Tick<'_, S, L>, device: Motion<S>) -> Motion<S> {
-        if !self.grip.is_firm() {
-            self.grip.recover(tick.contact.spring(), device.position - self.object.position, tick.period_s);
-        }
-        Motion { position: device.position - self.grip.slip_m(), ..device }
-    }
-
     /// Contact, coordination and the copy's motion through one tick: in stages, as the papers have it, or in one solve. The force on
-    /// the copy whose reaction the device feels, N; none if it left the range of numbers. `PLAIN`: there is no fixture, no clutch, and
-    /// nothing has slipped before.
+    /// the copy whose reaction the device feels, N; none if it left the range of numbers. `PLAIN`: there is no fixture.
     #[inline(always)]
     pub(super) fn advance<const PLAIN: bool>(
         &mut self,
         tick: &Tick<'_, S, L>,
         device: Motion<S>,
-        felt: Felt<S>,
+        commanded: S,
     ) -> Option<S> {
-        let Tick { law, contact, guard, fixture, engaged, age_ticks, period_s, .. } = *tick;
-        let gripped = if PLAIN { device } else { self.gripped(tick, device) };
-        let (object, next, force, coupled) = if let AnyIntegrator::Midpoint(midpoint, carries) = &mut self.integrator {
-            let (object, press) = contact.press(&mut self.strikes, gripped, self.object, felt.commanded);
+        let Tick { law, contact, fixture, engaged, age_ticks, period_s } = *tick;
+        let (object, next, felt, coupled) = if let AnyIntegrator::Midpoint(midpoint, carries) = &mut self.integrator {
+            let (object, press) = contact.press(&mut self.strikes, device, self.object, commanded);
             let seen = Observation { local: object, contact_force: self.observed.contact_force, age_ticks };
             let (mut half_change, mut contact_force) = (S::ZERO, S::ZERO);
-            let grip = &mut self.grip;
-            let solve = |coordination: Port<S>| {
-                let fixture = if PLAIN { None } else { fixture.map(|fixture| fixture.pushes(object)) };
-                let settled = |contact| settled(midpoint, object.velocity, contact, fixture, coordination);
-                (half_change, contact_force) = settled(Pushes { port: press.port, toward: press.toward });
-                let given = felt.given(guard, contact_force);
-                // What is no number goes to the copy as it is: the peer stops.
-                if given != contact_force && contact_force.is_finite() {
-                    // Of all forces that the spring could have, this is the nearest: the more it pushes, the more the copy yields.
-                    (half_change, contact_force) = settled(Pushes { port: Port::of_force(given), toward: S::ZERO });
-                    let asked = press.port.at(object.velocity + half_change);
-                    grip.slide(asked - given, given, press.port.impedance, period_s);
-                    tick.slipped.set(true);
+            let mut solve = |coordination: Port<S>| {
+                if let Some(fixture) = fixture.filter(|_| !PLAIN) {
+                    let contact = Pushes { port: press.port, toward: press.toward };
+                    contact_force = fixture::solve_both(contact, fixture.pushes(object), |ports| {
+                        half_change = midpoint.half_change(object.velocity, ports + coordination);
+                        object.velocity + half_change
+                    });
+                    return object.velocity + half_change;
+                }
+                half_change = midpoint.half_change(object.velocity, press.port + coordination);
+                contact_force = press.port.at(object.velocity + half_change);
+                if contact_force * press.toward < S::ZERO {
+                    // What can only push does not pull.
+                    contact_force = S::ZERO;
+                    half_change = midpoint.half_change(object.velocity, coordination);
                 }
                 object.velocity + half_change
             };
             let coupled = if engaged {
                 law.couple(&mut self.coordination, &seen, solve)
             } else {
-                let mut solve = solve;
                 solve(Port::default());
                 Coupled::none(object)
             };
             (object, midpoint.advance(carries, object, half_change), contact_force + press.pulse, coupled)
         } else {
-            let (object, mut touch) = contact.touch(&mut self.strikes, gripped, self.object, felt.commanded);
-            let given = felt.given(guard, touch.felt);
-            if given != touch.felt && touch.felt.is_finite() {
-                let [_, impedance] = contact.spring().impedances();
-                self.grip.slide(touch.felt - given, given, impedance, period_s);
-                touch = Touch { pushing: given, felt: given };
-                tick.slipped.set(true);
-            }
+            let (object, touch) = contact.touch(&mut self.strikes, device, self.object, commanded);
             let seen = Observation { local: object, contact_force: touch.felt, age_ticks };
             let coupled = if engaged && !L::PORTS_ONLY {
                 law.couple(&mut self.coordination, &seen, Staged(object.velocity))
@@ -249,7 +168,7 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
             };
             (object, self.integrator.step(object, touch.pushing + coupled.force), touch.felt, coupled)
         };
-        self.end([device, object, next], force, &coupled, period_s)
+        self.end([device, object, next], felt, &coupled, period_s)
     }
 
     /// Ends a tick in which the device and the copy were there, and after which the copy is next.
@@ -278,54 +197,27 @@ struct Together<S, const N: usize> {
     means: [S; N],
 }
 
-/// Solves until every axis pushes as its limits have it, at the most: all that three axes can need.
-const TRIES: usize = 27;
-
-impl<S: Scalar> Press<S> {
-    /// The force (N) that the contact has on a copy of this mean velocity (m/s), and what the limits give of it.
-    fn limited(&self, felt: &Felt<S>, guard: &Guard<S>, mean: S) -> (S, S) {
-        let asked = self.port.at(mean);
-        (asked, if asked.is_finite() { felt.given(guard, asked) } else { asked })
-    }
-}
-
 /// [`SharedAxis::advance`] of all axes in one solve, where a fixture couples them.
 pub(super) fn advance_together<S: Scalar, L: Law<S>, const N: usize>(
     axes: &mut [SharedAxis<S, L>; N],
     tick: &Tick<'_, S, L>,
     oblique: &Oblique<S, N>,
     devices: [Motion<S>; N],
-    felt: [Felt<S>; N],
+    commanded: [S; N],
 ) -> Option<[S; N]> {
     let (mut objects, mut presses) = ([Motion::REST; N], [Press::default(); N]);
-    let sensed = devices.into_iter().zip(&felt);
-    for (axis, ((device, felt), (object, press))) in
+    let sensed = devices.into_iter().zip(commanded);
+    for (axis, ((device, commanded), (object, press))) in
         axes.iter_mut().zip(sensed.zip(objects.iter_mut().zip(&mut presses)))
     {
-        let gripped = axis.gripped(tick, device);
-        (*object, *press) = tick.contact.press(&mut axis.strikes, gripped, axis.object, felt.commanded);
+        (*object, *press) = tick.contact.press(&mut axis.strikes, device, axis.object, commanded);
     }
     let solve = |laws: [Port<S>; N]| {
-        let mut pushing = presses.map(|press| press.port);
-        let mut means = [S::ZERO; N];
-        for _ in 0..TRIES {
-            let mut ports = laws;
-            for (port, pushing) in ports.iter_mut().zip(&pushing) {
-                *port = *port + *pushing;
-            }
-            means = oblique.mean_velocity(objects, &VectorPort::of_axes(ports));
-            // The first that does not push as it can is set right, and all are solved for again: with least indices first that ends (Murty
-            // 1974), for each force falls with its velocity.
-            let asked = presses.iter().zip(&felt).zip(means);
-            let wrong = pushing.iter_mut().zip(asked).find_map(|(pushing, ((press, felt), mean))| {
-                let (force, given) = press.limited(felt, tick.guard, mean);
-                let right = if given == force { press.port } else { Port::of_force(given) };
-                (*pushing != right).then_some((pushing, right))
-            });
-            let Some((pushing, right)) = wrong else { break };
-            *pushing = right;
+        let mut ports = laws;
+        for (port, press) in ports.iter_mut().zip(&presses) {
+            *port = *port + press.port;
         }
-        means
+        oblique.mean_velocity(objects, &VectorPort::of_axes(ports))
     };
     let mut together = Together { ports: [Port::default(); N], means: [S::ZERO; N] };
     let mut coupled = objects.map(|object| Coupled { desired: object, ..Coupled::default() });
@@ -334,27 +226,23 @@ pub(super) fn advance_together<S: Scalar, L: Law<S>, const N: usize>(
     } else {
         together.means = solve(together.ports);
     }
-    let (mut forces, mut finite) = ([S::ZERO; N], true);
+    let (mut felt, mut finite) = ([S::ZERO; N], true);
     let seen = devices.into_iter().zip(objects).zip(presses.into_iter().zip(coupled));
-    for ((axis, felt), ((put, mean), ((device, object), (press, coupled)))) in
-        axes.iter_mut().zip(&felt).zip(forces.iter_mut().zip(together.means).zip(seen))
+    for (axis, ((felt, mean), ((device, object), (press, coupled)))) in
+        axes.iter_mut().zip(felt.iter_mut().zip(together.means).zip(seen))
     {
         let next = match &mut axis.integrator {
             AnyIntegrator::Midpoint(midpoint, carries) => midpoint.advance(carries, object, mean - object.velocity),
             // Refused where there is a fixture.
             _ => object,
         };
-        let (asked, given) = press.limited(felt, tick.guard, mean);
-        if given != asked {
-            axis.grip.slide(asked - given, given, press.port.impedance, tick.period_s);
-            tick.slipped.set(true);
-        }
-        match axis.end([device, object, next], given + press.pulse, &coupled, tick.period_s) {
-            Some(force) => *put = force,
+        let force = press.port.at(mean) + press.pulse;
+        match axis.end([device, object, next], force, &coupled, tick.period_s) {
+            Some(force) => *felt = force,
             None => finite = false,
         }
     }
-    finite.then_some(forces)
+    finite.then_some(felt)
 }
 
 /// The axes that remain, the motion of their copies (m, m/s), and the forces of their laws.

@@ -2,8 +2,7 @@
 //!
 //! A tick emits the mean of what is outstanding, u_in = R/(k·T_c), where R is the integral and k the number of samples that
 //! were heard and not yet emitted: every sample that was sent comes out with weight one in the end (nothing drifts), and a mean
-//! never has more energy than what it is the mean of (Jensen; passive), at the impedance of the end that sent it: at a higher one it is paid
-//! for from the sender's counter of energy, or comes out at the one that this pays for ([`super::mass`]). No sample: the line stands, and nothing is counted.
+//! never has more energy than what it is the mean of (Jensen; passive). No sample: the line stands, and nothing is counted.
 //!
 //! Each end begins with d₀ samples of zero to its credit. Their number never changes by itself: in line time the line is one
 //! of constant delay, whatever the network does.
@@ -45,8 +44,6 @@ const LEAST_AT_ONCE: i32 = 4;
 const MOST_AT_ONCE: i32 = 128;
 /// The largest wave at which two samples may come out in one tick, √W.
 const NEARLY_AT_REST: f64 = 0.25;
-/// By how much what comes out may be more than what came, once and for all, J: rounding.
-const OVERDRAFT_J: f64 = 1e-12;
 /// By how much the counter of a peer that begins anew jumps: more than a line can ever hold.
 pub(super) const ANEW: u32 = 1 << 20;
 
@@ -65,14 +62,12 @@ pub(super) struct Incoming<C> {
     /// [`NEARLY_AT_REST`].
     nearly_at_rest: C,
     half: C,
-    /// [`OVERDRAFT_J`].
-    overdraft_j: C,
     /// Ticks without a packet after which nothing comes any more.
     gap: u32,
 }
 
 configured!([C: Scalar] Incoming<C> {
-    period_s, credit, follows, kept, window, nearly_at_rest, half, overdraft_j, gap
+    period_s, credit, follows, kept, window, nearly_at_rest, half, gap
 });
 
 /// The other end's counters, as they came.
@@ -96,8 +91,6 @@ pub(super) struct Outstanding<C> {
     account_j: C,
     /// The sample that came out last, √W.
     pub(super) last: C,
-    /// d₀: how long the line to this end is, ticks.
-    pub(super) length: i32,
     /// The other end stands because nothing reaches it; this one does.
     far_is_cut_off: bool,
     pub(super) is_cut_off: bool,
@@ -133,7 +126,6 @@ impl<C: Scalar> Incoming<C> {
             window: (WINDOW_S / timing.control_period_s) as u32,
             nearly_at_rest: C::from_f64(NEARLY_AT_REST),
             half: C::from_f64(0.5),
-            overdraft_j: C::from_f64(OVERDRAFT_J),
             gap: longest.saturating_add(KEPT.cast_unsigned()),
         }
     }
@@ -141,12 +133,7 @@ impl<C: Scalar> Incoming<C> {
     /// Takes in the counters of a packet. The first, or a jump: both ends begin anew. False if it
     /// is older than the newest.
     #[inline]
-    pub(super) fn receive<S: Scalar<Counter = C>>(
-        &self,
-        state: &mut Outstanding<C>,
-        packet: &Packet<S>,
-        far_is_cut_off: bool,
-    ) -> bool {
+    pub(super) fn receive<S: Scalar<Counter = C>>(&self, state: &mut Outstanding<C>, packet: &Packet<S>) -> bool {
         let Packet { wave_integral: integral, energy_j, live_ticks: live, .. } = *packet;
         let heard = Counters { live, integral, energy_j };
         let Some(before) = state.heard else {
@@ -161,7 +148,7 @@ impl<C: Scalar> Incoming<C> {
         if new < 0 {
             return false;
         }
-        state.far_is_cut_off = far_is_cut_off;
+        state.far_is_cut_off = packet.wave.to_counter() > self.half;
         if new > 0 {
             state.heard = Some(heard);
             state.samples = state.samples.saturating_add(new);
@@ -170,8 +157,7 @@ impl<C: Scalar> Incoming<C> {
             if self.follows && state.stood > 0 && state.impatience >= IMPATIENT {
                 // The other end stands as long and adds its half.
                 let half = i32::try_from(state.stood.div_ceil(2)).unwrap_or(i32::MAX);
-                let more = half.min(state.reach) + SPARE;
-                (state.samples, state.length) = (state.samples.saturating_add(more), state.length.saturating_add(more));
+                state.samples = state.samples.saturating_add(half.min(state.reach) + SPARE);
                 state.reach = (2 * state.reach).min(MOST_AT_ONCE);
                 (state.fewest, state.watched, state.surplus) = (i32::MAX, 0, 0);
             }
@@ -180,30 +166,19 @@ impl<C: Scalar> Incoming<C> {
         true
     }
 
-    /// d₀ of a line that begins, ticks.
-    pub(super) fn credit(&self) -> i32 {
-        self.credit
-    }
-
     fn begin(&self, heard: Counters<C>) -> Outstanding<C> {
         Outstanding {
             heard: Some(heard),
             samples: self.credit,
-            length: self.credit,
             reach: LEAST_AT_ONCE,
             fewest: i32::MAX,
             ..Outstanding::default()
         }
     }
 
-    /// u_in of this tick, √W, and the ρ that it is paid for at, `own` or less; none: the line stands.
+    /// u_in of this tick, √W; none: the line stands.
     #[inline]
-    pub(super) fn emit<S: Scalar<Counter = C>>(
-        &self,
-        state: &mut Outstanding<C>,
-        age_ticks: u32,
-        own: S,
-    ) -> Option<[S; 2]> {
+    pub(super) fn emit<S: Scalar<Counter = C>>(&self, state: &mut Outstanding<C>, age_ticks: u32) -> Option<S> {
         state.heard?;
         state.is_cut_off = state.samples <= 0 && age_ticks > self.gap;
         if state.samples <= 0 {
@@ -216,8 +191,7 @@ impl<C: Scalar> Incoming<C> {
             return None;
         }
         let mean = state.integral.over(C::from_i32(state.samples) * self.period_s);
-        let share = own.to_counter();
-        let taken = if self.follows { self.follow(state, mean, share) } else { 1 };
+        let taken = if self.follows { self.follow(state, mean) } else { 1 };
         let wave = C::from_i32(taken) * mean;
         state.impatience = state.impatience.saturating_sub(1);
         // What comes out is what is booked, to the bit.
@@ -225,27 +199,19 @@ impl<C: Scalar> Incoming<C> {
         state.last = wave.to_counter();
         state.integral = state.integral - self.period_s * state.last;
         state.samples -= taken;
-        let price_j = self.price_j(state.last);
-        // Of what has come, what is left must pay for the samples that are left.
-        let all_j = price_j + C::from_i32(state.samples) * self.price_j(mean);
-        if share * all_j <= state.account_j + self.overdraft_j {
-            state.account_j = state.account_j - share * price_j;
-            return Some([wave, own]);
-        }
-        let paid = S::of_counter(state.account_j.ratio(all_j).max(C::ZERO)).min(own);
-        state.account_j = state.account_j - paid.to_counter() * price_j;
-        Some([wave, paid])
+        state.account_j = state.account_j - self.price_j(state.last);
+        Some(wave)
     }
 
-    /// Energy of this wave through one tick at ρ = 1, ½·T_c·u², J.
+    /// Energy of emitting this wave for one tick, ½·T_c·u², J.
     #[inline]
-    pub(super) fn price_j(&self, wave: C) -> C {
+    fn price_j(&self, wave: C) -> C {
         self.half * self.period_s * wave * wave
     }
 
     /// Samples that come out in this tick: two where the line is longer than it need be and can afford to be shorter.
     #[inline]
-    fn follow(&self, state: &mut Outstanding<C>, mean: C, share: C) -> i32 {
+    fn follow(&self, state: &mut Outstanding<C>, mean: C) -> i32 {
         state.fewest = state.fewest.min(state.samples);
         state.watched += 1;
         if state.watched >= self.window {
@@ -257,11 +223,10 @@ impl<C: Scalar> Incoming<C> {
             return 1;
         }
         let left = C::from_i32(state.samples - 2) * self.price_j(mean);
-        if state.account_j < share * (self.price_j(C::from_i32(2) * mean) + left) {
+        if state.account_j - self.price_j(C::from_i32(2) * mean) < left {
             return 1;
         }
         state.surplus -= 1;
-        state.length -= 1;
         2
     }
 }

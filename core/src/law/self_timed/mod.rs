@@ -5,7 +5,7 @@
 //! none; x_d stays where it is, nothing is emitted, sent or counted, and the copy hangs on the spring K_T there, as on a wall, or on what
 //! carries on from there (`carry` says how). What crosses the network are two counters, the live ticks and the integral of
 //! u_out over them: whatever is lost, late, repeated or overtaken, the next packet brings all of it. `incoming` says how
-//! much of it a tick emits, `mass` what impedance the line has.
+//! much of it a tick emits.
 //!
 //! x_d is not the sum of its velocities but of the waves, x_d = x_d0 + (∫u_in + ∫u_out)/√(2b), so that two ends that have
 //! exchanged the same waves are as far apart as when they began. These sums are compensated `f64` in every number type: one
@@ -22,12 +22,10 @@
 mod carry;
 mod events;
 mod incoming;
-mod mass;
 
 use carry::{Carry, DAMPING, Doing, ENERGY, FADE, MODULUS_M, RETURN, Slip};
 use events::{Announced, Events, THRESHOLD, TOGETHER};
 use incoming::{ANEW, CREDIT, Incoming, Outstanding};
-use mass::{End, MASS, Share};
 
 use super::event::LONGEST;
 use super::terminal::Terminal;
@@ -42,7 +40,7 @@ pub(super) const MOST_TOLD_M: f64 = MODULUS_M;
 /// One end of a self-timed line.
 #[derive(Clone, Copy, Debug)]
 pub struct SelfTimed<S: Scalar> {
-    end: End<S>,
+    end: Terminal<S>,
     incoming: Incoming<S::Counter>,
     carry: Carry<S>,
     events: Option<Events<S::Counter>>,
@@ -62,14 +60,10 @@ pub struct SelfTimedState<S: Scalar> {
     /// x_d, m.
     desired: Sum<S::Counter>,
     outstanding: Outstanding<S::Counter>,
-    share: Share<S>,
     slip: Slip<S>,
     /// ∫u_out up to the packet before, and since, √W·s.
     sent: Sum<S::Counter>,
     fresh: S::Counter,
-    /// Their energy, T_c·Σ½ρ·u_out², J.
-    sent_j: Sum<S::Counter>,
-    fresh_j: S::Counter,
     /// Ticks that it is over.
     live: u32,
     /// Ticks since a packet was due.
@@ -92,7 +86,7 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
     const LAWS: &'static [LawInfo] = &[LawInfo {
         name: "self-timed",
         sends: Sends::Counters,
-        keys: &[CREDIT, MASS, DAMPING, FADE, RETURN, ENERGY, LONGEST, THRESHOLD, TOGETHER],
+        keys: &[CREDIT, DAMPING, FADE, RETURN, ENERGY, LONGEST, THRESHOLD, TOGETHER],
         // A line that stands loses nothing by a silence: it is let go of late.
         gains: &[
             "coordination.stiffness_n_per_m=10000",
@@ -110,7 +104,7 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
         let coordination = &settings.coordination;
         needs_midpoint(settings, "\"midpoint\" where coordination.comm is \"self-timed\"")?;
         Ok(Self {
-            end: End::build(settings, Carry::<S>::impedance(settings)),
+            end: Terminal::with(settings, Carry::<S>::impedance(settings)),
             incoming: Incoming::build(settings),
             carry: Carry::build(settings),
             events: Events::build(settings),
@@ -123,26 +117,22 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
 
     fn start(&self, local: Motion<S>) -> Self::State {
         let desired = Sum::from(local.position.to_counter());
-        let share = self.end.start(self.incoming.credit());
-        SelfTimedState { desired, slip: self.carry.start(), share, ..SelfTimedState::default() }
+        SelfTimedState { desired, slip: self.carry.start(), ..SelfTimedState::default() }
     }
 
     fn restart(&self, state: &mut Self::State, local: Motion<S>) {
-        let SelfTimedState { sent, fresh, sent_j, fresh_j, live, .. } = *state;
+        let SelfTimedState { sent, fresh, live, .. } = *state;
         let slip = self.carry.restart(&state.slip);
-        let live = live.wrapping_add(ANEW);
-        *state = SelfTimedState { sent, fresh, sent_j, fresh_j, live, slip, ..self.start(local) };
+        *state = SelfTimedState { sent, fresh, live: live.wrapping_add(ANEW), slip, ..self.start(local) };
     }
 
     fn receive(&self, state: &mut Self::State, packet: Packet<S>) {
-        let far_is_cut_off = packet.wave >= S::ONE;
-        if !self.incoming.receive(&mut state.outstanding, &packet, far_is_cut_off) {
+        if !self.incoming.receive(&mut state.outstanding, &packet) {
             return;
         }
         if packet.wave < -self.half {
             self.carry.hear_idle(&mut state.slip);
         } else {
-            self.end.hear(&mut state.share, packet.wave - if far_is_cut_off { S::ONE } else { S::ZERO });
             let less = self.carry.hear(&mut state.slip, packet.motion);
             if less != S::Counter::ZERO {
                 state.desired.add(-less);
@@ -155,8 +145,6 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
         if state.phase == 0 {
             state.sent.add(state.fresh);
             state.fresh = S::Counter::ZERO;
-            state.sent_j.add(state.fresh_j);
-            state.fresh_j = S::Counter::ZERO;
         }
         state.phase = if state.phase + 1 >= self.ticks_per_packet { 0 } else { state.phase + 1 };
         if let Some(more) = self.carry.turn(&mut state.slip) {
@@ -165,8 +153,7 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
         let anchor = self.carry.anchor(&state.slip, state.desired.total());
         let pull = self.end.pull(S::of_counter(anchor - observed.local.position.to_counter()));
         let position = S::of_counter(anchor);
-        let own = self.end.own(&mut state.share, state.outstanding.length);
-        let Some([wave_in, share]) = self.incoming.emit(&mut state.outstanding, observed.age_ticks, own) else {
+        let Some(wave_in) = self.incoming.emit(&mut state.outstanding, observed.age_ticks) else {
             state.announced.stood = state.announced.stood.saturating_add(1);
             let doing = self.carry.stands(&state.slip, state.outstanding.is_cut_off);
             let tied = self.carry.tie(&mut state.slip, doing, pull);
@@ -175,32 +162,31 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
             return Coupled { desired: Motion { position, velocity }, force: ended.force, ..Coupled::default() };
         };
         let tied = self.carry.tie(&mut state.slip, Doing::Live, pull);
-        let ended = self.end.meet(&mut state.share, tied.pull, [wave_in, share], solve);
-        let wave_out = self.end.wave_out(ended.velocity, wave_in);
+        let ended = self.end.meet(tied.pull, wave_in, solve);
+        let wave_out = self.end.wave_out(ended.velocity, ended.force);
         let (taken, given) = (wave_in.to_counter(), wave_out.to_counter());
         state.desired.add(self.period_s * self.wave_to_position * (taken + given));
         state.fresh = state.fresh + self.period_s * given;
-        state.fresh_j = state.fresh_j + share.to_counter() * self.incoming.price_j(given);
         state.live = state.live.wrapping_add(1);
         state.announced.newest = given;
         let velocity = self.carry.went(&mut state.slip, Doing::Live, &tied, &ended);
         Coupled {
             desired: Motion { position, velocity },
             force: ended.force,
-            power_in: self.half * share * wave_in * wave_in,
-            power_out: self.half * share * wave_out * wave_out,
+            power_in: self.half * wave_in * wave_in,
+            power_out: self.half * wave_out * wave_out,
         }
     }
 
     fn send(&self, state: &Self::State, _: Motion<S>) -> Packet<S> {
         let wave_integral = state.sent.total() + state.fresh;
-        let flag = if state.outstanding.is_cut_off { S::ONE } else { S::ZERO };
+        let wave = if state.outstanding.is_cut_off { S::ONE } else { S::ZERO };
         Packet {
             motion: self.carry.says(&state.slip),
-            wave: flag + self.end.says(&state.share),
+            wave,
             wave_integral,
-            energy_j: state.sent_j.total() + state.fresh_j,
             live_ticks: state.live,
+            ..Packet::default()
         }
     }
 

@@ -4,5 +4,5 @@ mod felt;
 mod gas;
 mod impact;
 mod peer;
-pub(crate) mod setup;
+mod setup;
 mod shape;

@@ -4,7 +4,6 @@ mod clutch;
 mod encoders;
 mod envelope;
 mod fixture;
-mod limits;
 mod midpoint;
 mod parting;
 mod safety;

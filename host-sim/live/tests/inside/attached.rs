@@ -61,7 +61,9 @@ fn attach(
     options: &DeviceOptions,
     settings: &[&str],
 ) -> Result<(Attached<Written, 3>, Rc<RefCell<Told>>), Error> {
-    let told = Rc::new(RefCell::new(Told { sensed: Some(at([0.1, 0.2, 0.3], Duration::ZERO)), ..Told::default() }));
+    // At rest, or it is not armed.
+    let first = Sensed { velocity_m_per_s: [0.0; AXES], ..at([0.1, 0.2, 0.3], Duration::ZERO) };
+    let told = Rc::new(RefCell::new(Told { sensed: Some(first), ..Told::default() }));
     let port = Written { abilities, told: told.clone() };
     Ok((Attached::new(port, options, &scene(settings), 0)?, told))
 }

@@ -11,15 +11,15 @@ fn mechanism(settings: &[&str], motors: usize) -> Result<Mechanism, Error> {
     Mechanism::build(&scene.peers()[0], motors)
 }
 
-const ARM: [&str; 2] = ["axis.count=3", "kinematics.model=\"arm\""];
+const ARM: [&str; 3] = ["axis.count=3", "axis.shared=3", "kinematics.model=\"arm\""];
 const FIVE_BAR: [&str; 2] = ["axis.count=2", "kinematics.model=\"five-bar\""];
 const CAPSTAN: [&str; 2] = ["axis.count=1", "kinematics.model=\"capstan\""];
 
 /// The power at the motors is the power at the hand, whatever the pose.
 #[test]
 fn torques_do_the_work_of_the_force() {
-    for (settings, motors) in [(ARM, 3), (FIVE_BAR, 2), (CAPSTAN, 1)] {
-        let mechanism = mechanism(&settings, motors).expect("it can be assembled");
+    for (settings, motors) in [(&ARM[..], 3), (&FIVE_BAR, 2), (&CAPSTAN, 1)] {
+        let mechanism = mechanism(settings, motors).expect("it can be assembled");
         for angle_rad in [[0.0; 3], [0.1, -0.2, 0.15], [-0.2, 0.1, 0.05]] {
             let speeds = std::array::from_fn(|joint| if joint < motors { 0.7 - 0.5 * joint as f64 } else { 0.0 });
             let pose = mechanism.pose(angle_rad, speeds);

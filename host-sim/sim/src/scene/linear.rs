@@ -14,7 +14,6 @@ impl Scene {
     /// contact, exact sensors and motors, and nobody pushing.
     pub fn linear(&self) -> Self {
         let mut linear = self.clone();
-        linear.at_home = true;
         linear.peer.contact.rendering = RenderingName::Continuous;
         linear.peer.contact.one_sided = false;
         linear.peer.contact.gap_m = 0.0;

@@ -111,7 +111,7 @@ pub const NUMBERS: &[Number] = &[
         theirs: || of::distance_by_its_mass_mm("self-timed").unwrap_or(f64::NAN), ours: || of::distance_mm("self-timed"), why: "" },
     Number { law: "set-position", paper: "Lee & Huang 2010", place: "ΔP ≤ E of the set position", what: "first set position with E = 20 mJ: √(2E/K)", unit: "mm", says: Algebra,
         theirs: || 1e3 * (2.0 * of::TANK_J / 1000.0_f64).sqrt(), ours: of::first_set_position_mm, why: "" },
-    Number { law: "passive-spring", paper: "docs/theory.md, section 13", place: "ΔV ≤ W of the spring's middle", what: "force when 4 mJ are known to be absorbed: 2√(W·K)", unit: "N", says: Algebra,
+    Number { law: "passive-spring", paper: "docs/theory.md, section 12", place: "ΔV ≤ W of the spring's middle", what: "force when 4 mJ are known to be absorbed: 2√(W·K)", unit: "N", says: Algebra,
         theirs: || 2.0 * (4e-3 * 1000.0_f64).sqrt(), ours: of::force_of_what_was_absorbed_n, why: "" },
     Number { law: "tdpa", paper: "Ryu, Artigas & Preusche 2010", place: "admittance port, E_out(k) ≤ E_in(k − T)", what: "way of the slave's point when 4 mJ are known to be absorbed: √(2W/K)", unit: "mm", says: Algebra,
         theirs: || 1e3 * (2.0 * 4e-3 / 1000.0_f64).sqrt(), ours: of::way_of_what_was_absorbed_mm, why: "" },
