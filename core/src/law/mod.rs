@@ -31,7 +31,6 @@ pub mod remote_dynamic_proxy;
 pub mod self_timed;
 pub mod set_position;
 pub mod tank;
-pub mod tdpa;
 mod terminal;
 pub mod two_layer;
 pub mod wave;
@@ -311,7 +310,6 @@ laws! {
     SelfTimed(self_timed::SelfTimed<S>),
     SetPosition(set_position::SetPosition<S>),
     PassiveSpring(passive_spring::PassiveSpring<S>),
-    Tdpa(tdpa::Tdpa<S>),
     TwoLayer(two_layer::TwoLayer<S>),
     WaveIntegral(wave_integral::WaveIntegral<S>),
     WaveCompensator(wave_compensator::WaveCompensator<S>),

@@ -17,7 +17,7 @@
 //! T_c·F_B·v, or gains what the damper took from the copy. At no delay nothing is held back: what one end emits the other absorbs.
 //!
 //! **After** Ryu, Artigas & Preusche 2010 (Mechatronics 20), whose bookkeeping it has: energy into and out of each port apart, and what came in travels
-//! with the packets ([`super::tdpa`] is that paper's law). It **differs** in what is coupled: positions against positions, both ends alike, instead of a velocity one way
+//! with the packets. It **differs** in what is coupled: positions against positions, both ends alike, instead of a velocity one way
 //! and a force back; a port in the middle of the spring; and a limit on a step whose cost is known, which for a spring is what Lee & Huang's set-position modulation does
 //! (2010, [`super::set_position`]; there the set position is the other copy's, the account is filled by a damper, and the harvest is sent), instead of a
 //! damping that makes good a tick later. Its name was `passivity-control`.

@@ -7,7 +7,6 @@ mod model_mediated;
 mod p_plus_d;
 mod passivity_observer;
 mod remote_dynamic_proxy;
-mod tdpa;
 
 use std::collections::VecDeque;
 

@@ -137,7 +137,7 @@ fn scenes_that_differ_in_gains_stay_in_their_lanes_and_a_fault_takes_only_its_ow
 /// What a law keeps in counters is each lane's own, too; gains, losses and what is in the tank differ.
 #[test]
 fn laws_with_energy_tanks_have_the_bits_that_they_have_alone() {
-    for law in ["set-position", "passive-spring", "tdpa", "two-layer", "wave-integral", "wave-compensator"] {
+    for law in ["set-position", "passive-spring", "two-layer", "wave-integral", "wave-compensator"] {
         let mut scenes = gains("matched-line", 500.0, 8e3);
         for scene in &mut scenes {
             for setting in [&format!("coordination.comm={law}"), "object.integrator=midpoint", "network.loss=0.2"] {

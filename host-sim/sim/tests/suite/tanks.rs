@@ -17,14 +17,11 @@ struct Subject {
 
 const SET_POSITION: Subject = Subject { law: "set-position", spring: 0.5, start_j: 0.02 };
 const PASSIVE_SPRING: Subject = Subject { law: "passive-spring", spring: 0.25, start_j: 0.02 };
-/// Of its two ends only the slave's has the spring.
-const TDPA: Subject = Subject { law: "tdpa", spring: 0.0, start_j: 0.02 };
 const TWO_LAYER: Subject = Subject { law: "two-layer", spring: 0.0, start_j: 0.02 };
 const WAVE_INTEGRAL: Subject = Subject { law: "wave-integral", spring: 0.5, start_j: 0.0 };
 const WAVE_COMPENSATOR: Subject = Subject { law: "wave-compensator", spring: 0.5, start_j: 0.0 };
 const PASSIVE_DEADBAND: Subject = Subject { law: "passive-deadband", ..PASSIVE_SPRING };
-const ALL: [Subject; 7] =
-    [SET_POSITION, PASSIVE_SPRING, TDPA, TWO_LAYER, WAVE_INTEGRAL, WAVE_COMPENSATOR, PASSIVE_DEADBAND];
+const ALL: [Subject; 6] = [SET_POSITION, PASSIVE_SPRING, TWO_LAYER, WAVE_INTEGRAL, WAVE_COMPENSATOR, PASSIVE_DEADBAND];
 
 /// §5.2 with this law, moved by ports.
 fn scene(law: &str, settings: &[String]) -> Scene {

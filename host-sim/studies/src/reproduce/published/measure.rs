@@ -214,21 +214,6 @@ pub fn force_of_what_was_absorbed_n() -> Result<f64, Error> {
     Ok(end.held(0).force)
 }
 
-/// Where the slave's point of an end with an empty account goes that has heard of 4 mJ, the master 1 m away, mm.
-pub fn way_of_what_was_absorbed_mm() -> Result<f64, Error> {
-    const SET: [&str; 4] = [
-        "coordination.stiffness_n_per_m=1000",
-        "coordination.damping_n_s_per_m=0",
-        "coordination.tank_j=0",
-        "tdpa.drift_s=0.0001",
-    ];
-    let mut end = End::at(Side::Right, "tdpa", &SET)?;
-    end.hear(1.0, 0.0, 0.0, 0.0);
-    end.held(0);
-    end.hear(1.0, 0.0, 0.0, 4e-3);
-    Ok(1e3 * end.held(0).desired.position)
-}
-
 /// What a spring keeps that is led away from its far end by 20 mm and back, of the ½K·X² that it took.
 pub fn kept_of_a_way_there_and_back() -> Result<f64, Error> {
     const TICKS: u32 = 2000;
