@@ -229,8 +229,6 @@ impl<S: Scalar> Law<S> for ModelMediated<S> {
         keys: &[START, STIFFNESS, DAMPING, RATE, MEMORY],
         gains: &[
             "coordination.stiffness_n_per_m=1590",
-            // Hands that push 1 N against each other stand 1/K_T + 1/K_c apart: 10.6 mm at 100 N/m, beside which nothing is shared.
-            "model_mediated.correction_n_per_m=200",
             "coordination.decode=implicit",
             "object.integrator=midpoint",
             "object.force_delay_ticks=0",

@@ -24,17 +24,20 @@ fn the_papers_verdicts() {
     }
 }
 
-/// At the delay of the recommended scene one law comes up unstable at the gains that it declares: the menu asks before it is set, and names
-/// the gain that holds.
+/// At the delay of the recommended scene no law comes up unstable at the gains that it declares. Where one would, here without the damper that
+/// a law declares, the menu asks before it is set, and names the gain that holds.
 #[test]
-fn one_law_comes_up_unstable_and_is_asked_about() {
+fn a_law_that_comes_up_unstable_is_asked_about() {
     let begun = scene("any-network", &[]);
     let with = |law: &str| apply(&begun, &format!("law {law}")).expect(law);
     let laws = begun.laws.all().iter().map(|law| (law.name, find(&with(law.name))));
     let unstable: Vec<_> = laws.filter(|(_, found)| found.stable == Some(false)).collect();
-    let [("four-channel", found)] = &unstable[..] else { panic!("{unstable:#?}") };
+    assert!(unstable.is_empty(), "{unstable:#?}");
+    let weak = "four_channel.local_damping_n_s_per_m=0 coordination.damping_n_s_per_m=2";
+    let found = find(&apply(&begun, &format!("law four-channel {weak}")).expect("it can be set"));
+    assert_eq!(found.stable, Some(false));
     let instead = found.instead.as_deref().expect("a gain that does");
-    let better = apply(&begun, &format!("law four-channel {instead}")).expect("it can be set");
+    let better = apply(&begun, &format!("law four-channel {weak} {instead}")).expect("it can be set");
     assert_eq!(find(&better).stable, Some(true), "{instead}");
 }
 

@@ -23,11 +23,14 @@ const OTHERS: [&str; 16] = [
 ];
 
 /// Where a line has one of them all the same, and why.
-const ALLOWED: [(&str, &str); 2] = [
+const ALLOWED: [(&str, &str); 4] = [
     // The way itself.
     ("host-sim/io/src/", ""),
     // What the system says of itself.
     ("", "\"/proc/"),
+    ("host-sim/live/src/devices/find.rs", "interface.join(\"type\")"),
+    // A serial line is no file.
+    ("host-sim/live/src/devices/can.rs", "OpenOptionsExt"),
 ];
 
 fn search(folder: &Path, found: &mut Vec<String>, files: &mut usize) {

@@ -18,8 +18,8 @@ const MS: u64 = 1_000_000;
 #[test]
 fn a_relay_s_delays_and_losses_are_found() {
     let [prober, listener, first, second] = [(); 4].map(|()| free());
-    // There: 10 ms, every fifth packet 20 ms later, which holds up nobody. Back: 10 ms, every tenth is lost.
-    let there = |number: u64, _: u64| if number % 5 == 4 { Fate::late(20 * MS) } else { Fate::Pass };
+    // There: 10 ms, every fifth packet 5 ms later, which holds up nobody and is overtaken by none. Back: 10 ms, every tenth is lost.
+    let there = |number: u64, _: u64| if number % 5 == 4 { Fate::late(5 * MS) } else { Fate::Pass };
     let back = |number: u64, _: u64| if number % 10 == 9 { Fate::Drop } else { Fate::Pass };
     let routes = [Route::new(10 * MS).with_rule(there), Route::new(10 * MS).with_rule(back)];
     let ends = [End { listen: first, peer: prober }, End { listen: second, peer: listener }];
@@ -39,7 +39,7 @@ fn a_relay_s_delays_and_losses_are_found() {
     assert_eq!(found.lost, [0, 20], "{found:?}");
     // A relay looks every 0.2 ms, and a loaded machine later.
     assert!((10.0..13.0).contains(&found.constant_ms), "{found:?}");
-    assert!((19.0..35.0).contains(&found.most_ms[0]), "{found:?}");
+    assert!((4.0..20.0).contains(&found.most_ms[0]), "{found:?}");
     // Written as a scene reads it.
     let file = std::env::temp_dir().join(format!("haptic-measured-{}.csv", std::process::id()));
     found.trace.write(&file).expect("a file");
