@@ -3,7 +3,7 @@
 //! The device of peer 1 is led along x = A·(1 − cos ωt) with up to [`SPEED_M_PER_S`], and what its motor is commanded is projected on that speed, as
 //! in [`super::impedance`]. There a scene is made linear first, its budgets of energy without end; here it is run as it is, network, limits, tanks
 //! and all, for what a law that spends energy lets a hand feel depends on what it has. So no answer need repeat: it is the mean of a window of whole
-//! periods, at least [`PERIODS`] and [`WINDOW_S`]. The other device stands, and there is no contact between it and its copy.
+//! periods, at least two of them and four seconds. The other device stands, and there is no contact between it and its copy.
 
 use haptic_core::device::{AXES, Reading};
 use haptic_core::num::Motion;
