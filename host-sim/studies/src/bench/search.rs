@@ -4,7 +4,7 @@
 //! |---|---|
 //! | number 0 | as the law declares them |
 //! | up to half of the budget | points of Sobol's sequence over the ranges of [`protocol::gains`] |
-//! | the rest, in [`ROUNDS`] rounds | the best within one of the bounds, in turn, about half of its gains moved at random: by [`STEP`] of a range at first, each round by [`SHRINK`] of the last |
+//! | the rest, in five rounds | the best within one of the bounds, in turn, about half of its gains moved at random: by 0.15 of a range (standard deviation) at first, each round by 0.6 of the last |
 //!
 //! A tuning **counts** whatever comes of it: gains that the law refuses, gains that are not stable, gains of which a hand feels too much. It is measured no
 //! further than what it fails first:
