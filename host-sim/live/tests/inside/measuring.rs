@@ -28,18 +28,19 @@ fn a_relay_s_delays_and_losses_are_found() {
         let relay = scope.spawn(|| relay::run(routes, ends, 20.0, &stop));
         let listening = scope.spawn(|| listen(listener, 20.0, &stop, |_| ()));
         thread::sleep(Duration::from_millis(200));
-        let found = probe(first, Some(prober), 0.01, 2.0, &Stop::default());
+        let found = probe(first, Some(prober), 0.01, 2.005, &Stop::default());
         stop.ask();
         (found, listening.join().expect("a listener"), relay.join().expect("a relay"))
     });
     let (found, listened) = (found.expect("answers"), listened.expect("a listener"));
     let [there, back] = counts.expect("a relay").ways;
-    assert_eq!((found.sent, found.answered), (200, 180), "{found:?}");
-    assert_eq!((there.taken, listened.answered, back.lost), (200, 200, 20));
-    assert_eq!(found.lost, [0, 20], "{found:?}");
+    // One more than a tenth lost: of those after the last answer nobody knows where.
+    assert_eq!((found.sent, found.answered), (201, 181));
+    assert_eq!((there.taken, listened.answered, back.lost), (201, 201, 20));
+    assert_eq!(found.lost, [0, 20]);
     // A relay looks every 0.2 ms, and a loaded machine later.
-    assert!((10.0..13.0).contains(&found.constant_ms), "{found:?}");
-    assert!((4.0..20.0).contains(&found.most_ms[0]), "{found:?}");
+    assert!((10.0..13.0).contains(&found.constant_ms), "{} ms", found.constant_ms);
+    assert!((4.0..20.0).contains(&found.most_ms[0]), "{:?} ms", found.most_ms);
     // Written as a scene reads it.
     let file = std::env::temp_dir().join(format!("haptic-measured-{}.csv", std::process::id()));
     found.trace.write(&file).expect("a file");

@@ -156,8 +156,8 @@ impl Rule for FittedRule {
         let sent_s = seconds(sent_ns);
         let now = (sent_s / self.slot_s() + 1e-9) as u64;
         while self.slot < now {
-            // What was sent at its very end.
-            let end_s = (self.slot + 1) as f64 * self.slot_s() - 1e-9;
+            // What was sent at its very end, before a spike is over by rounding ([`satellite`]).
+            let end_s = (self.slot + 1) as f64 * self.slot_s() - 4e-9;
             self.released_s = self.released_s.max(self.due_s(self.slot, end_s));
             self.slot += 1;
         }
