@@ -9,7 +9,7 @@ use haptic_environments::said;
 use haptic_environments::squash::bot::{Contestant, Participant, SCALE};
 use haptic_protocol::wire::{self, PeerId};
 use haptic_sim::engine::{Actor, Engine, Out, Seat};
-use haptic_sim::{key_file::entropy, network::link::Route, scene::Scene};
+use haptic_sim::{network::link::Route, rng::Rng, scene::Scene};
 
 use super::environment::Column;
 use super::session::PERIOD_S;
@@ -93,9 +93,10 @@ impl Squash {
 impl Play for Squash {
     fn open(scene: &Scene) -> Result<Self, Error> {
         let config = ServerConfig { players: COUNT as u8, rallies: RALLIES, bounder: true };
-        let seeds = entropy()?;
+        // The noise of the hands is the scene's, as its losses are: who has the scene has the game.
+        let mut seeds = Rng::new(scene.world.network.seed.into());
         let player = |number: usize| {
-            let seed = u64::from_le_bytes([0, 1, 2, 3, 4, 5, 6, 7].map(|at| seeds[(8 * number + at) % seeds.len()]));
+            let seed = seeds.below(u64::MAX);
             Participant::Player(Box::new(Contestant::new(PeerId(number as u8), seed as u16, seed)))
         };
         let server = std::iter::once(Participant::Server(Box::new(Server::new(config))));

@@ -75,7 +75,6 @@ fn squash_is_played() {
     assert!(strokes >= 3.0, "{strokes}");
     // Person 1 runs to the ball when it is its turn, and serves by running forward.
     let (mut shown, mut sample, mut hits) = (open(kind), [f32::NAN; crate::play::environment::MOST], 0);
-    // Keys, and so the noise of the hands, are others in every run: three minutes are enough in nine of ten of them.
     for tick in 0..900_000 {
         if hits >= 3 {
             break;

@@ -314,7 +314,7 @@ fn the_command_says_everything() {
         .expect("host-sim runs");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let took = start.elapsed();
-    crate::program::has_columns_of("accuracy", &folder.join("accuracy.csv"));
+    crate::declared::has_columns_of("accuracy", &folder.join("accuracy.csv"));
     // What a person waits for, in a release build; a test build on a busy machine has more.
     let limit_s = if cfg!(debug_assertions) { 240 } else { 20 };
     assert!(took.as_secs() < limit_s, "{took:?}");

@@ -3,7 +3,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::program::{declared, free, has_columns_of, host_sim, report};
+use crate::declared::{declared, has_columns_of};
+use crate::program::{free, host_sim, report};
 
 fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("bench").join(name);

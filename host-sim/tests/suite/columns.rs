@@ -22,7 +22,8 @@ use haptic_sim::scene::Scene;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use serde_json::Value;
 
-use crate::program::{declared, has_columns_of, host_sim, report};
+use crate::declared::{declared, has_columns_of};
+use crate::program::{host_sim, report};
 
 /// An empty folder of this test's own.
 fn folder(name: &str) -> PathBuf {

@@ -8,7 +8,7 @@ mod columns;
 mod command_line;
 mod compare;
 mod cooperative;
-mod devices;
+mod declared;
 mod examples;
 mod flood;
 mod hub;

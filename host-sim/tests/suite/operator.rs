@@ -16,7 +16,7 @@ use haptic_protocol::parameters::{Parameters, Table};
 use haptic_protocol::wire::{MAX_DATAGRAM, PeerId, Sample};
 use haptic_sim::key_file;
 
-use crate::program::has_columns_of;
+use crate::declared::has_columns_of;
 
 fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);

@@ -11,7 +11,8 @@ use haptic_sim::network::{link::Route, rule::Direction};
 use haptic_sim::{node::Node, scenes};
 use serde_json::Value;
 
-use crate::program::{Keys, free, has_columns_of, host_sim};
+use crate::declared::has_columns_of;
+use crate::program::{Keys, free, host_sim};
 
 /// The scene of a person's first try on a bad network: both hold still for a second and a half, then push; one of them to and fro. So
 /// it does not matter which of them is armed some milliseconds before the other.

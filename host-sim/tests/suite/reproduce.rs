@@ -3,7 +3,8 @@
 use std::fs;
 use std::path::Path;
 
-use crate::program::{has_columns_of, host_sim, report};
+use crate::declared::has_columns_of;
+use crate::program::{host_sim, report};
 
 /// Every claim has a verdict, every one that is not matched says why, and those that the theory page knows come out as it says.
 #[test]

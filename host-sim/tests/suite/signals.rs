@@ -1,17 +1,11 @@
 //! Ctrl-C and SIGTERM: every live command ends with its report and exit status 0, and the others know at once.
 
-use std::process::{Child, Command};
+use std::process::Child;
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-use crate::program::{Keys, free, host_sim, report};
-
-/// Asks a process to end, as the system does.
-pub(crate) fn signal(child: &Child, name: &str) {
-    let sent = Command::new("kill").args(["-s", name, &child.id().to_string()]).status();
-    assert!(sent.expect("kill runs").success());
-}
+use crate::program::{Keys, free, host_sim, report, signal};
 
 /// When a notice was given, s.
 fn when(notices: &Value, wanted: &str) -> Option<f64> {

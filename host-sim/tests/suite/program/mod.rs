@@ -1,5 +1,7 @@
 //! host-sim as a user runs it: programs, addresses and keys, for every test that starts processes with lines of their own.
 
+pub(crate) mod built;
+
 use std::net::UdpSocket;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -50,17 +52,8 @@ pub(crate) fn report(child: Child) -> Value {
     serde_json::from_slice(&output.stdout).expect("one JSON document and nothing else")
 }
 
-/// The columns of a kind of table, as `host-sim columns` says: name, unit and meaning.
-pub(crate) fn declared(kind: &str) -> Vec<[String; 3]> {
-    let told = report(host_sim(&["columns", kind, "--json"]).spawn().expect("host-sim runs"));
-    let columns = told[kind]["columns"].as_array().expect("columns");
-    let text = |column: &Value, field: &str| column[field].as_str().unwrap_or_default().to_owned();
-    columns.iter().map(|column| ["column", "unit", "meaning"].map(|field| text(column, field))).collect()
-}
-
-/// This CSV file has just the columns of its kind, in their order.
-pub(crate) fn has_columns_of(kind: &str, file: &Path) {
-    let text = std::fs::read_to_string(file).unwrap_or_else(|cause| panic!("{}: {cause}", file.display()));
-    let names: Vec<String> = declared(kind).into_iter().map(|[name, ..]| name).collect();
-    assert_eq!(text.lines().next().unwrap_or_default().split(',').collect::<Vec<_>>(), names, "{kind}");
+/// Asks a process to end, as the system does.
+pub(crate) fn signal(child: &Child, name: &str) {
+    let sent = Command::new("kill").args(["-s", name, &child.id().to_string()]).status();
+    assert!(sent.expect("kill runs").success());
 }

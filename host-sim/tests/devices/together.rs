@@ -6,9 +6,8 @@ use serde_json::Value;
 
 use super::bus::Bus;
 use super::emulator::Emulator;
-use super::{Running, moteus, number, peer};
-use crate::program::{Keys, free, host_sim, report};
-use crate::signals::signal;
+use super::{Running, alone, moteus, number, peer};
+use crate::program::{Keys, free, host_sim, report, signal};
 
 /// The network: 8 ms each way, 20 % of the packets lost, five in a row.
 const NETWORK: [&str; 3] = ["network.one_way_delay_packets=8", "network.loss=0.2", "network.loss_burst_packets=5"];
@@ -36,6 +35,7 @@ fn settings() -> impl Iterator<Item = &'static str> {
 /// long as `DEVICES_SECONDS` says, 8 s without it.
 #[test]
 fn an_inverse3_and_motors_hold_one_object_over_a_lossy_network() {
+    let _alone = alone();
     let seconds = std::env::var("DEVICES_SECONDS").unwrap_or_else(|_| "8".to_owned());
     let simulated = {
         let mut command = host_sim(&["cooperate", "--json", "--scene", "plane", "--seconds", &seconds]);
@@ -44,7 +44,9 @@ fn an_inverse3_and_motors_hold_one_object_over_a_lossy_network() {
     };
     let (keys, relay) = (Keys::new("devices-together", 0), [free(), free()]);
     let (one, two, key) = (free(), free(), keys.file(0));
-    let mut lossy = host_sim(&["network", "relay", "--json", "--scene", "plane", "--seconds", "36000"]);
+    // Longer than the peers and no longer: it ends where the test does not come to end it.
+    let relayed_s = (seconds.parse::<f64>().expect("seconds") + 60.0).to_string();
+    let mut lossy = host_sim(&["network", "relay", "--json", "--scene", "plane", "--seconds", &relayed_s]);
     lossy.args(["--listen-1", &relay[0], "--listen-2", &relay[1], "--peer-1", &one, "--peer-2", &two]).args(settings());
     let lossy = lossy.spawn().expect("host-sim runs");
     let (haply, motors) = (Emulator::start(0.0), Bus::Moteus(moteus::Emulator::serial(0.0)));

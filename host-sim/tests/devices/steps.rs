@@ -11,8 +11,8 @@ use serde_json::Value;
 use super::bus::Bus;
 use super::emulator::Emulator;
 use super::hand::{Hand, STEP_S};
-use super::{emulator, mit, moteus, motors};
-use crate::examples::built;
+use super::{alone, emulator, mit, moteus, motors};
+use crate::program::built::built;
 use crate::program::{Keys, free, host_sim, report};
 
 const DISTANCE_M: f64 = 0.02;
@@ -46,6 +46,7 @@ fn steps_of(mut command: Command, flags: &[String], more: &[&str], reach: impl F
 /// Every device passes, and leaves settings that a scene takes.
 #[test]
 fn a_good_device_passes_ten_steps() {
+    let _alone = alone();
     let file = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("steps.toml");
     let named = file.display().to_string();
     for bus in [Bus::Moteus(moteus::Emulator::serial(0.0)), Bus::Mit(mit::Emulator::start("steps-mit", 0.1))] {
@@ -70,6 +71,7 @@ fn a_good_device_passes_ten_steps() {
 /// What is wrong is found by the step that is to find it, and none comes after it.
 #[test]
 fn what_is_wrong_with_a_device_is_found_by_its_step() {
+    let _alone = alone();
     for (fault, words) in [
         (motors::Fault::NoWatchdog, "step 6, watchdog: "),
         (motors::Fault::WrongSign, "step 7, sign: pushed toward +x it went toward −x"),
@@ -102,6 +104,7 @@ fn what_is_wrong_with_a_device_is_found_by_its_step() {
 /// What is attached is listed by what it says of itself.
 #[test]
 fn what_is_attached_is_listed() {
+    let _alone = alone();
     let (bus, haply) = (moteus::Emulator::serial(0.0), Emulator::start(0.0));
     let (at, service) = (bus.at.display().to_string(), haply.at.to_string());
     let told =
@@ -151,6 +154,7 @@ fn handle() -> (SocketAddr, Arc<Mutex<Hand<1>>>) {
 /// A device from a crate outside passes the ten steps, and a peer holds an object with it.
 #[test]
 fn a_device_from_outside_is_tried_and_driven() {
+    let _alone = alone();
     let (program, (at, hand)) = (built().join("device"), handle());
     let outside = || {
         let mut command = Command::new(&program);

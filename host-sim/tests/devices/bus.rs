@@ -6,9 +6,8 @@ use std::time::{Duration, Instant};
 use serde_json::Value;
 
 use super::motors::{Fault, World};
-use super::{BUSY_S, Running, SILENT_S, armed, largest_first_step, mit, moteus, number, peer};
-use crate::program::{Keys, free};
-use crate::signals::signal;
+use super::{BUSY_S, Running, SILENT_S, alone, armed, largest_first_step, mit, moteus, number, peer};
+use crate::program::{Keys, free, signal};
 
 /// The motors' own watchdog, s.
 const WATCHDOG_S: f64 = 0.05;
@@ -63,6 +62,7 @@ fn until_pushed(emulator: &Bus, least_n: f64) -> [f64; 2] {
 /// themselves, and the first force is no jump.
 #[test]
 fn motors_and_a_five_bar_hold_an_object() {
+    let _alone = alone();
     const CONTACT_N_PER_M: f64 = 1000.0;
     let reach_m = [0.015, -0.01];
     for (name, emulator) in [
@@ -113,6 +113,7 @@ fn motors_and_a_five_bar_hold_an_object() {
 /// Whatever the motors do wrong: no force after the time that is stated, and both ends say why.
 #[test]
 fn each_fault_of_motors_cuts_the_force_and_is_named() {
+    let _alone = alone();
     let faults = [
         (Fault::Silent, 23, "of 50 allowed"),
         (Fault::Late, 23, "of 50 allowed"),
@@ -161,6 +162,7 @@ fn each_fault_of_motors_cuts_the_force_and_is_named() {
 /// A process that is killed, or stopped, says nothing more: the motors let go after their own time. One that goes on stays off, without a jump.
 #[test]
 fn motors_let_go_when_their_peer_is_killed_or_stopped() {
+    let _alone = alone();
     for (how, is_mit) in [("KILL", false), ("STOP", false), ("KILL", true), ("STOP", true)] {
         let name = format!("motors-{how}-{is_mit}");
         let emulator = match is_mit {
@@ -212,6 +214,7 @@ fn motors_let_go_when_their_peer_is_killed_or_stopped() {
 /// Motors that must not be armed are refused before anything is sent to the other peer, and told why.
 #[test]
 fn motors_that_must_not_be_armed_are_refused_by_name() {
+    let _alone = alone();
     let keys = Keys::new("motors-refused", 0);
     let refusal = |scene: &str, flags: &[String], more: &[&str]| {
         // A flag that is there twice is refused by itself: the later replaces the first.

@@ -1,5 +1,8 @@
 //! Live peers with a device that is not simulated by them: an Inverse3, of which here the service is emulated, and emulated motors on a bus.
 //! Programs on loopback, as a user runs them.
+//!
+//! A device lets go when its peer is late, and a peer when its device is: who shares two cores with a browser is. So these are a program of their own,
+//! and one test at a time ([`alone`]).
 
 mod bus;
 mod emulator;
@@ -7,21 +10,22 @@ mod hand;
 mod mit;
 mod moteus;
 mod motors;
+#[path = "../suite/program/mod.rs"]
+mod program;
 mod steps;
 mod together;
 
 use std::io::{BufRead, BufReader};
 use std::process::{Child, ChildStderr, Command};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-use super::program::{Keys, free, host_sim};
-use super::signals::signal;
 use emulator::{Emulator, Fault, HOLDS_S};
 use hand::HAND_N_PER_M;
+use program::{Keys, free, host_sim, signal};
 
 /// What the device has, in the place of the simulated one, and what the other hand does: it holds on.
 const SETTINGS: [&str; 6] = [
@@ -36,6 +40,12 @@ const SETTINGS: [&str; 6] = [
 const SILENT_S: f64 = 0.05;
 /// What a busy machine may take until a thread runs, s.
 const BUSY_S: f64 = 0.1;
+
+/// Nobody else until it is dropped.
+fn alone() -> MutexGuard<'static, ()> {
+    static ALONE: Mutex<()> = Mutex::new(());
+    ALONE.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// The program of a peer, and what it says while it runs.
 struct Running {
@@ -132,6 +142,7 @@ fn mean(asked: &[(f64, [f64; 3])], until_s: f64, for_s: f64) -> [f64; 3] {
 /// both feel is what the springs between them give in statics, hand, contact, contact, hand, less what the copies are apart.
 #[test]
 fn a_device_and_a_simulated_one_hold_one_object() {
+    let _alone = alone();
     const CONTACT_N_PER_M: f64 = 1000.0;
     let reach_m = [0.02, -0.01, 0.015];
     // The scene's first axis is that of the device. By how far the hand trembles when the peers meet, their copies stay apart; of three axes
@@ -175,6 +186,7 @@ fn a_device_and_a_simulated_one_hold_one_object() {
 /// Whatever the service does wrong: no force after the time that is stated, and both ends say why.
 #[test]
 fn each_fault_of_a_device_cuts_the_force_and_is_named() {
+    let _alone = alone();
     let faults = [
         (Fault::Silent, 23, "ms old, of 50 allowed"),
         (Fault::Late, 23, "ms old, of 50 allowed"),
@@ -213,6 +225,7 @@ fn each_fault_of_a_device_cuts_the_force_and_is_named() {
 /// A process that is killed says nothing more: the device lets go after its own time.
 #[test]
 fn a_device_lets_go_when_its_peer_is_killed() {
+    let _alone = alone();
     let emulator = Emulator::start(1e-3);
     let [mut first, mut second] = pair("devices-killed", "any-network", "60", &emulator, &[]);
     emulator.world().reach([0.02, 0.0, 0.0]);
@@ -235,6 +248,7 @@ fn a_device_lets_go_when_its_peer_is_killed() {
 /// Who may not be armed is refused before anything is sent to the other peer, and told why.
 #[test]
 fn a_device_that_must_not_be_armed_is_refused_by_name() {
+    let _alone = alone();
     let keys = Keys::new("devices-refused", 0);
     let refusal = |device: &str, more: &[&str]| {
         let mut command = peer("any-network", "1", &free(), &free(), &keys.file(0));
