@@ -68,6 +68,18 @@ pub trait Device<S: Scalar, const N: usize = AXES> {
     fn clutches(&self, _time_s: f64) -> bool {
         false
     }
+    /// Where each axis is now, for who looks on, m and m/s: what the sensors say, or zero with encoders.
+    fn motions(&self) -> [Motion<f64>; N] {
+        match self.sensors().reading {
+            Reading::Exact(axes) => {
+                axes.map(|axis| Motion { position: axis.position.to_f64(), velocity: axis.velocity.to_f64() })
+            }
+            Reading::Counts(_) => [Motion::REST; N],
+        }
+    }
+    /// Lets other forces act beside the simulated user's from the next tick on: along each axis, N toward positive x, y, z. A device that is
+    /// really there has a hand of its own.
+    fn pull(&mut self, _forces_n: [f64; N]) {}
     /// Motion of each axis before the first tick, at rest: as the sensors read, or zero with encoders.
     fn start(&self) -> [Motion<S>; N] {
         match self.sensors().reading {
@@ -100,6 +112,12 @@ impl<S: Scalar, const N: usize> Device<S, N> for Plant<N> {
     fn start(&self) -> [Motion<S>; N] {
         self.in_the_world()
     }
+    fn motions(&self) -> [Motion<f64>; N] {
+        self.motions()
+    }
+    fn pull(&mut self, forces_n: [f64; N]) {
+        self.pull(forces_n);
+    }
     fn wall_n(&self) -> f64 {
         self.wall_n()
     }
@@ -126,6 +144,12 @@ impl<S: Scalar, const N: usize, D: Device<S, N> + ?Sized> Device<S, N> for Box<D
     }
     fn start(&self) -> [Motion<S>; N] {
         (**self).start()
+    }
+    fn motions(&self) -> [Motion<f64>; N] {
+        (**self).motions()
+    }
+    fn pull(&mut self, forces_n: [f64; N]) {
+        (**self).pull(forces_n);
     }
     fn wall_n(&self) -> f64 {
         (**self).wall_n()

@@ -340,6 +340,16 @@ where
         }
     }
 
+    /// Lets other forces act on a simulated device beside the user's from the next tick on: along each axis, N toward positive x, y, z.
+    pub fn pull(&mut self, forces_n: [f64; N]) {
+        self.device.pull(forces_n);
+    }
+
+    /// Motion of the node's device along each of its axes, m and m/s.
+    pub fn motions(&self) -> [Motion<f64>; N] {
+        self.device.motions()
+    }
+
     /// Why its device is driven no more, if so: its motors stay off.
     pub fn gone(&self) -> Option<&Gone> {
         self.gone.as_ref()
@@ -411,16 +421,6 @@ where
 
 /// What is known of a device that is simulated.
 impl<const SHARED: usize, const N: usize> Node<SHARED, N> {
-    /// Lets other forces act on its device beside the user's from the next tick on: along each axis, N toward positive x, y, z.
-    pub fn pull(&mut self, forces_n: [f64; N]) {
-        self.device.pull(forces_n);
-    }
-
-    /// Motion of the node's device along each of its axes, m and m/s.
-    pub fn motions(&self) -> [Motion<f64>; N] {
-        self.device.motions()
-    }
-
     /// What a reset leaves: the device, in a hand that holds it still.
     pub fn device(&self) -> Plant<N> {
         let mut plant = self.device.clone();

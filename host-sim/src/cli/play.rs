@@ -4,12 +4,14 @@ use std::net::{Ipv4Addr, SocketAddr};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use haptic_live::devices::Kind;
 use haptic_live::endpoint::Stop;
 use haptic_protocol::key;
 use haptic_sim::key_file;
 use serde_json::json;
 
 use super::board::address;
+use super::device::DeviceArgs;
 use super::flags::{RecordTo, choice, seconds};
 use super::meeting::{MeetingArgs, Met};
 use super::recordings::load;
@@ -53,6 +55,8 @@ pub(super) struct Play {
     number: Option<u8>,
     #[command(flatten)]
     meeting: MeetingArgs,
+    #[command(flatten)]
+    device: DeviceArgs,
     /// Port on 127.0.0.1, and of `--lan`; 0 is any.
     #[arg(long, default_value_t = 0)]
     port: u16,
@@ -95,12 +99,19 @@ impl Play {
             return Ok(haptic_plot::write_file(file, "SVG", picture.as_bytes(), haptic_io::Kind::Named)?);
         }
         let shown = self.shown(ui, &stop)?;
+        // What a device is given in the scene depends on which of the two this is.
+        let scene = match &shown {
+            Shown::Remote(end) => {
+                self.scene.over(end.number, &self.device.beneath(end.number))?.load_or(ui, "any-network")?
+            }
+            Shown::Here(_) | Shown::Boards(_) => scene,
+        };
         let hands = match &shown {
             Shown::Here(_) => vec![1, 2],
             Shown::Boards(_) => vec![],
             Shown::Remote(end) => {
                 ui.status(format_args!("partner:              {end}"));
-                vec![end.number]
+                if end.has_the_pages_hand() { vec![end.number] } else { vec![] }
             }
         };
         let at = At { port: self.port, lan: self.lan };
@@ -150,20 +161,28 @@ impl Play {
                 "a meeting (--meet, --accept) takes the place of --listen, --join and --board: give one of them".into(),
             );
         }
+        let device = self.device.wanted(ui)?;
+        let remote = self.meeting.is_given() || self.listen.or(self.join).is_some();
+        if !remote && !matches!(device.kind, Kind::Simulated) {
+            return Err(
+                "--device is for one peer of two: --listen, --join, --invite or --accept say where the other is".into(),
+            );
+        }
         let own = self.key_file.as_deref().zip(self.number);
         if let Some(Met { number, key, meeting }) = self.meeting.agree(ui, stop, own)? {
-            return Ok(Shown::Remote(End::meeting(&meeting, key, number)?));
+            return Ok(Shown::Remote(End::meeting(&meeting, key, number)?.with_device(device)));
         }
         if !self.board.is_empty() {
             return Ok(Shown::Boards(Boards::open(self.places()?)?));
         }
         let Some(file) = &self.key_file else { return Ok(Shown::Here(self.environment().unwrap_or_default())) };
         let key = key_file::read(file, key::Role::Peers)?;
-        Ok(Shown::Remote(match (self.listen, self.join) {
+        let end = match (self.listen, self.join) {
             (Some(at), _) => End::listening(at, key, self.number.unwrap_or(1))?,
             (None, Some(to)) => End::joining(to, key, self.number.unwrap_or(2))?,
             (None, None) => return Err("--key-file is for --listen or --join: give one of them".into()),
-        }))
+        };
+        Ok(Shown::Remote(end.with_device(device)))
     }
 
     /// Where the boards are.

@@ -135,8 +135,8 @@ impl Page {
         // On the network the last hand is held: the second, where there are two.
         let code = match &shown {
             Shown::Here(_) => site.offer(Role::Hand2)?,
-            Shown::Remote(end) => site.offer(Role::of_hand(end.number))?,
-            Shown::Boards(_) => None,
+            Shown::Remote(end) if end.has_the_pages_hand() => site.offer(Role::of_hand(end.number))?,
+            Shown::Remote(_) | Shown::Boards(_) => None,
         };
         site.serve(listeners, &mailbox, asks)?;
         let recorded = Recorded::of(&shown, &scene);

@@ -1,4 +1,5 @@
-//! One peer of two that are on two machines: its hand is the page's, its partner a process elsewhere, over the sealed link.
+//! One peer of two that are on two machines: its hand is the page's, or at a device of its own, its partner a process elsewhere, over the
+//! sealed link.
 //!
 //! The other end is another `play`, a `peer` or a board's partner: whoever holds the key and has the same scene. Of the other
 //! peer this one knows what its telemetry says, a few times a second. So **how far the copies are truly apart** is known when
@@ -17,6 +18,7 @@ use haptic_core::num::Motion;
 use haptic_core::safety::{Command as Order, Mode};
 use haptic_live::batch::{MOST, OutgoingBatch, ReceivedBatch};
 use haptic_live::carried::{Meeting, Paths};
+use haptic_live::devices::{DeviceOptions, Kind};
 use haptic_live::endpoint::Endpoint;
 use haptic_live::recording::recorder::Recorder;
 use haptic_live::tell::{Manner, PathSecond, Teller};
@@ -24,6 +26,7 @@ use haptic_live::watch::{TELLING_S, Watch};
 use haptic_protocol::key::Key;
 use haptic_protocol::path::Path;
 use haptic_protocol::wire::{Flows, Message, Telemetry};
+use haptic_sim::device::Device;
 use haptic_sim::node::{Node, Transmit as _};
 use haptic_sim::peers::Builds;
 use haptic_sim::{key_file::entropy, scene::Scene};
@@ -47,6 +50,7 @@ pub(crate) struct End {
     endpoint: Endpoint,
     /// Where the other listens; none, and it calls here.
     join: Option<SocketAddr>,
+    device: DeviceOptions,
 }
 
 impl fmt::Display for End {
@@ -66,7 +70,7 @@ impl End {
 
     /// The end that the other one joins.
     pub(crate) fn listening(at: SocketAddr, key: Key, number: u8) -> Result<Self, Error> {
-        Ok(Self { key, number, endpoint: Endpoint::polled(at)?, join: None })
+        Ok(Self { key, number, endpoint: Endpoint::polled(at)?, join: None, device: DeviceOptions::default() })
     }
 
     /// The end that joins the other one.
@@ -74,13 +78,23 @@ impl End {
         let any = if to.is_ipv4() { Ipv4Addr::UNSPECIFIED.into() } else { Ipv6Addr::UNSPECIFIED.into() };
         let endpoint = Endpoint::polled(SocketAddr::new(any, 0))?;
         endpoint.reaches(to)?;
-        Ok(Self { key, number, endpoint, join: Some(to) })
+        Ok(Self { key, number, endpoint, join: Some(to), device: DeviceOptions::default() })
     }
 
     /// The end that meets the other one at a place.
     pub(crate) fn meeting(meeting: &Meeting, key: Key, number: u8) -> Result<Self, Error> {
         let endpoint = Endpoint::carried(None, meeting, key.clone(), number - 1)?;
-        Ok(Self { key, number, endpoint, join: Some(meeting.place) })
+        Ok(Self { key, number, endpoint, join: Some(meeting.place), device: DeviceOptions::default() })
+    }
+
+    /// This end, with the hand at this device.
+    pub(crate) fn with_device(self, device: DeviceOptions) -> Self {
+        Self { device, ..self }
+    }
+
+    /// Whether its hand is the page's.
+    pub(crate) fn has_the_pages_hand(&self) -> bool {
+        matches!(self.device.kind, Kind::Simulated)
     }
 }
 
@@ -98,7 +112,7 @@ where
     Flows<SHARED>: Into<Message>,
 {
     scene: Scene,
-    node: Node<SHARED, N>,
+    node: Node<SHARED, N, Box<dyn Device<f32, N>>>,
     /// 0 or 1.
     own: usize,
     endpoint: Endpoint,
@@ -129,10 +143,12 @@ where
 {
     /// Calls, and arms when the other one is there.
     pub(super) fn new(scene: Scene, end: End) -> Result<Self, Error> {
-        let End { key, number, endpoint, join } = end;
+        let End { key, number, endpoint, join, device } = end;
+        // A device that is really there is read at every tick from here on, so it is the last of what may take time.
+        let (device, _) = device.open(&scene, number)?;
         Ok(Self {
             paths: endpoint.paths().map(|paths| (paths, Teller::new(Manner::Words))),
-            node: Node::build(&scene, number, key, entropy()?)?.telling_every(TELLING_S),
+            node: Node::with_device(&scene, number, key, entropy()?, device)?.telling_every(TELLING_S),
             own: usize::from(number) - 1,
             endpoint,
             join,
@@ -310,9 +326,10 @@ where
 
     fn standing(&self) -> Standing {
         let link = &self.node.line.link;
-        let own = match number_of(self.node.peer.mode()) {
-            OFF if !self.node.is_halted() => WAITS,
-            mode => mode,
+        let own = match (self.node.gone(), number_of(self.node.peer.mode())) {
+            (Some(gone), _) => FAULT + gone.fault as u8,
+            (None, OFF) if !self.node.is_halted() => WAITS,
+            (None, mode) => mode,
         };
         let other = match self.partner_state.filter(|_| link.is_up()).map(|partner_state| partner_state.telemetry) {
             None => WAITS,

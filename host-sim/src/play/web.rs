@@ -37,6 +37,7 @@ use haptic_core::names::Choice as _;
 use haptic_core::safety::Fault;
 use haptic_core::settings::Allowed;
 use haptic_live::endpoint::stand_back;
+use haptic_sim::device::DeviceFault;
 use haptic_sim::scene::Scene;
 use serde_json::{Value, json};
 use tungstenite::handshake::derive_accept_key;
@@ -445,8 +446,10 @@ pub(super) fn next(sent: &[u8]) -> Option<u32> {
 /// What a page is sent once: so that no name, unit or range stands in it a second time.
 /// `other` is who has the other hand where that is a process elsewhere.
 pub(super) fn hello(scene: &Scene, other: Option<String>, boards: bool) -> Value {
+    let of_peers = Fault::ALL.iter().map(|fault| (fault.number(), fault.explain()));
+    let of_devices = DeviceFault::ALL.iter().map(|fault| (*fault as u8, fault.explain()));
     let faults: serde_json::Map<_, _> =
-        Fault::ALL.iter().map(|fault| (fault.number().to_string(), json!(fault.explain()))).collect();
+        of_peers.chain(of_devices).map(|(number, why)| (number.to_string(), json!(why))).collect();
     let keys: serde_json::Map<_, _> = scene
         .keys()
         .into_iter()

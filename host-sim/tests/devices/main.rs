@@ -10,6 +10,7 @@ mod hand;
 mod mit;
 mod moteus;
 mod motors;
+mod page;
 #[path = "../suite/program/mod.rs"]
 mod program;
 mod steps;
