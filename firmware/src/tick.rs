@@ -261,15 +261,15 @@ impl Loop {
         }
     }
 
-    /// A tick of enabling amplifiers; false: their gate does not work, and everything is off.
+    /// A tick of enabling amplifiers; false: their gate does not work, and they are disabled. The outputs go off as after any other fault, two
+    /// ticks later: what is enabled without a gate needs its command until it has let go.
     #[cold]
     #[unsafe(link_section = ".itcm.gate")]
     fn enable_amplifiers(&mut self, actuators: &Actuators<f32, JOINTS>) -> bool {
         self.awake = if actuators.enable { self.awake + 1 } else { 0 };
         let works = gate::step(self.awake, actuators.duties);
         if !works {
-            bridges::off();
-            (self.driving, self.awake, self.outputs) = (false, 0, false);
+            (self.awake, self.outputs) = (0, false);
             self.peer.trip(Fault::EnableGate);
         }
         works
