@@ -59,6 +59,9 @@ numbered! {
         20 LostCounts: "an encoder's index came at another count than before: it lost or made up counts",
         21 EncoderImplausible: "an encoder's speed was not the one that the motor's voltage and current show",
         22 EncoderWire: "one channel of an encoder showed edges and the other none: look at its wires",
+        // 23 to 30 are those of devices at a PC (host-sim/live), 32 to 63 reasons of a board to start anew.
+        31 EnableGate: "the gate that enables the amplifiers did not follow its inputs: look at it, and at the wire that shows its output",
+        64 LoopMissed: "the current loop missed a period: its converter or the converter's trigger failed",
     }
 }
 

@@ -1,6 +1,6 @@
 //! Why a board started and how far its link is, in words for a person.
 //!
-//! [`Stop`] numbers why a board is not running: 1–31 are the peer's own faults ([`haptic_core::safety::Fault`]), 32 and up
+//! [`Stop`] numbers why a board is not running: 1–31 and from 64 on are the peer's own faults ([`haptic_core::safety::Fault`]), 32 to 63
 //! those of the board around it. Numbers are never reused.
 
 use haptic_protocol::link::Stage;

@@ -17,14 +17,14 @@ use firmware_parts::image::{JOINTS, Peer, SHARED};
 use firmware_parts::record::{self, Record, digest, joints};
 use firmware_parts::signals::Signals;
 use haptic_core::device::probe::{Outcome, Probe};
-use haptic_core::device::{Reading, encoder::Counts, motor::Duty};
+use haptic_core::device::{Reading, encoder::Counts};
 use haptic_core::law::Packet;
 use haptic_core::peer::{Actuators, Sensors};
 use haptic_core::safety::{Command, Fault, Mode};
 use haptic_core::sample::OfAxis;
 
 use crate::board::current::{self, Power, Stage};
-use crate::board::{bridges, deadman, encoders, pace};
+use crate::board::{bridges, deadman, encoders, gate, pace};
 
 /// What to run: built and checked by a task, swapped in by the tick.
 #[derive(Clone, Copy, Debug)]
@@ -86,7 +86,7 @@ struct Loop {
     until_record: u32,
     /// The bridges are driven, or waking.
     driving: bool,
-    /// Ticks since they were to be enabled, until they are awake: [`bridges::WAKE_TICKS`] and one.
+    /// Ticks since they were to be enabled, until they are awake: [`bridges::WAKE_TICKS`] and one, of amplifiers [`gate::SEEN`].
     awake: u32,
     /// Their outputs were turned on.
     outputs: bool,
@@ -136,15 +136,16 @@ impl Loop {
     fn period(&mut self) {
         let began = pace::begin();
         let stage = self.power.as_ref().and_then(|power| self.side.stage.measured(power));
-        if self.power.is_none() || stage.is_some() {
-            deadman::wind();
-        }
+        deadman::wind();
         let counts = encoders::read();
         self.tick = self.tick.wrapping_add(1);
         let mut flags = if self.overrun { record::OVERRUN } else { 0 };
 
         if self.outputs && !bridges::live() {
             self.broken();
+        }
+        if self.power.is_some() && stage.is_none() {
+            self.peer.trip(Fault::LoopMissed);
         }
         if self.side.signals.disarm.get() {
             self.stop();
@@ -192,7 +193,11 @@ impl Loop {
                 flags |= record::ENGAGED;
             }
         } else {
-            bridges::off();
+            if self.driving && self.power.is_none() {
+                gate::shut();
+            } else {
+                bridges::off();
+            }
             self.side.stage.rest(counts);
             (self.driving, self.awake, self.outputs) = (false, 0, false);
             self.judge();
@@ -225,23 +230,25 @@ impl Loop {
     }
 
     /// What the peer wants, onto the bridges. The outputs of those are on when they have been enabled for long enough to be awake, and while
-    /// a probe looks whether what is not enabled stays off. Of amplifiers it is the other way round: outputs are on, at no current, for as long
-    /// before they are enabled.
+    /// a probe looks whether what is not enabled stays off. Of amplifiers it is the other way round: outputs are on, at no current, before
+    /// they are enabled ([`gate`]).
     #[inline(always)]
     fn drive(&mut self, actuators: &Actuators<f32, JOINTS>, counts: [Counts; JOINTS]) {
         if !self.driving {
             self.driving = true;
             bridges::forget();
         }
-        self.awake = if actuators.enable { (self.awake + 1).min(bridges::WAKE_TICKS + 1) } else { 0 };
-        let awake = self.awake > bridges::WAKE_TICKS;
         let outputs = if let Some(power) = &self.power {
+            self.awake = if actuators.enable { (self.awake + 1).min(bridges::WAKE_TICKS + 1) } else { 0 };
             self.side.stage.act(power, actuators, counts);
             bridges::enable(actuators.enable);
-            !actuators.enable || awake
+            !actuators.enable || self.awake > bridges::WAKE_TICKS
         } else {
-            bridges::amplify(if awake { actuators.duties } else { [Duty::OFF; JOINTS] });
-            bridges::enable(awake);
+            if self.awake == gate::SEEN && actuators.enable {
+                bridges::amplify(actuators.duties);
+            } else if !self.enable_amplifiers(actuators) {
+                return;
+            }
             true
         };
         if outputs != self.outputs {
@@ -254,11 +261,29 @@ impl Loop {
         }
     }
 
+    /// A tick of enabling amplifiers; false: their gate does not work, and they are disabled. The outputs go off as after any other fault, two
+    /// ticks later: what is enabled without a gate needs its command until it has let go.
+    #[cold]
+    #[unsafe(link_section = ".itcm.gate")]
+    fn enable_amplifiers(&mut self, actuators: &Actuators<f32, JOINTS>) -> bool {
+        self.awake = if actuators.enable { self.awake + 1 } else { 0 };
+        let works = gate::step(self.awake, actuators.duties);
+        if !works {
+            (self.awake, self.outputs) = (0, false);
+            self.peer.trip(Fault::EnableGate);
+        }
+        works
+    }
+
     /// The outputs went off by themselves: motors off, and the cause kept.
     #[cold]
     #[unsafe(link_section = ".itcm.broken")]
     fn broken(&mut self) {
         self.stop();
+        // PE14 fell with the outputs, and nobody has taken the enable line yet.
+        if self.power.is_none() && bridges::gate_passes() {
+            self.peer.trip(Fault::EnableGate);
+        }
         match bridges::cut() {
             bridges::Cut::Stop => self.side.signals.emergency.set(true),
             bridges::Cut::Bridge => self.peer.trip(Fault::BridgeFailed),

@@ -19,16 +19,16 @@
 //!
 //! **Amplifiers** in current mode (`motor.drive = "amplifier"`) take the first leg of each bridge alone: half is no current, and what is low
 //! all the time is all of the current backwards. So they must not be enabled while the outputs are off, whatever took these away: a gate on the
-//! wiring lets the enable through only while PE14 is high, which is the timer's fourth channel, high all the time while its outputs are on, and
-//! low with them, in hardware. They are enabled when their inputs have stood at no current for [`WAKE_TICKS`].
+//! wiring lets the enable through only while PE14 is high, which is the timer's fourth channel: high all the time while they are to be enabled,
+//! and low with the timer's outputs, in hardware. [`super::gate`] has the order, and sees at every start that the gate works.
 //!
 //! [`OFF`] is the same in two stores, for handlers that cannot trust their stack.
 
 use core::sync::atomic::{AtomicBool, Ordering, compiler_fence};
 
-use embassy_stm32::gpio::{AfType, Flex, Level, Output, OutputType, Pull, Speed};
+use embassy_stm32::gpio::{AfType, Flex, Input, Level, Output, OutputType, Pull, Speed};
 use embassy_stm32::pac::timer::vals::{Cms, OcmGp};
-use embassy_stm32::peripherals::{PE6, PE9, PE11, PE13, PE14, PE15, PF3, TIM1};
+use embassy_stm32::peripherals::{PD15, PE6, PE9, PE11, PE13, PE14, PE15, PF3, TIM1};
 use embassy_stm32::{Peri, pac, pac::timer::regs::BdtrAdv, timer::low_level::Timer, timer::simple_pwm::PwmPin};
 #[cfg(feature = "three-axes")]
 use embassy_stm32::{
@@ -135,6 +135,8 @@ pub(crate) struct Pins {
     pub(crate) enable: Peri<'static, PF3>,
     pub(crate) stop: Peri<'static, PE15>,
     pub(crate) fault: Peri<'static, PE6>,
+    /// Output of the amplifiers' gate.
+    pub(crate) gate: Peri<'static, PD15>,
 }
 
 /// Drives the enable line low: the very first thing, on whatever clock there is.
@@ -189,16 +191,28 @@ pub(crate) fn init(timer: Peri<'static, TIM1>, pins: Pins) {
     // Alternate function 1 of PE6 is its second one.
     fault.set_as_af_unchecked(1, AfType::input(Pull::Up));
     core::mem::forget(fault);
+    // A wire that is off is a gate that never opens.
+    core::mem::forget(Input::new(pins.gate, Pull::Down));
 }
 
-/// Duties as shares of their full current to amplifiers, by the first legs, and the gate open.
+/// Duties as shares of their full current to amplifiers, by the first legs.
 #[inline(always)]
 pub(crate) fn amplify(duties: [Duty; JOINTS]) {
     for (bridge, duty) in duties.into_iter().enumerate() {
         let leg = bridge * CHANNELS / JOINTS;
         pac::TIM1.ccr(leg).write(|w| w.set_ccr((i32::from(MIDDLE) + counts(duty, MIDDLE)) as u16));
     }
-    pac::TIM1.ccr(GATE).write(|w| w.set_ccr(GATE_OPEN));
+}
+
+/// PE14, the amplifiers' gate's own input, from the next period on: high while the outputs are on, or low.
+#[inline(always)]
+pub(crate) fn gate(open: bool) {
+    pac::TIM1.ccr(GATE).write(|w| w.set_ccr(if open { GATE_OPEN } else { 0 }));
+}
+
+/// Whether the output of the amplifiers' gate is high.
+pub(crate) fn gate_passes() -> bool {
+    pac::GPIOD.idr().read().idr(15) == pac::gpio::vals::Idr::HIGH
 }
 
 /// The voltage of a bridge, at most [`COUNTS`] either way: the difference of its legs. Of an odd count the first leg has the half more.

@@ -2,7 +2,8 @@
 //! that, 20,000 times a second, gives both bridges their voltages for the next one.
 //!
 //! **Deadline**: the update after the one that started the conversions, 50 µs; it needs some 3, of which the conversions are 1.6. A period
-//! that is missed keeps its voltage. The dead man is wound only while there are as many periods as a tick has ([`Stage::measured`]).
+//! that is missed keeps its voltage, and the next tick finds fewer periods than a tick has ([`Stage::measured`]): motors off, as
+//! [`haptic_core::safety::Fault::LoopMissed`]. A loop that hangs keeps the tick from coming, and the dead man ends it.
 //!
 //! **Rules**: priority 0, above the tick; code in ITCM, data in DTCM; whole numbers only, so that the processor saves no registers of
 //! the FPU; no lock, no wait, no panic. What tick and interrupt tell each other goes through [`firmware_parts::exchange::Latest`].

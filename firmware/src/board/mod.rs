@@ -14,6 +14,7 @@ pub(crate) mod deadman;
 pub(crate) mod encoders;
 pub(crate) mod ethernet;
 pub(crate) mod flash;
+pub(crate) mod gate;
 pub(crate) mod memory;
 pub(crate) mod pace;
 pub(crate) mod random;
@@ -93,6 +94,7 @@ pub(crate) fn init() -> Board {
             enable: p.PF3,
             stop: p.PE15,
             fault: p.PE6,
+            gate: p.PD15,
         },
     );
     breaks::connect(external);

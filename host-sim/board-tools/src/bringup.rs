@@ -3,7 +3,8 @@
 //! | step | passes if |
 //! |---|---|
 //! | light | the board answers, nothing stands against it, and its ticks come one after the other |
-//! | emergency stop | pressed, it is seen, before anything may move |
+//! | emergency stop | pressed, each of its contacts is seen by its own sign before anything may move: arming is refused (the first), and the supply falls below [`OFF_V`] (the second) |
+//! | supply | a voltmeter and the board agree on it, and it is what the settings allow |
 //! | encoder | it counts over a known distance, and stands still where the joint does |
 //! | winding | by voltages without a loop: resistance and inductance within what the data sheet says, which the loop is set by before anything drives; the sensor's zero, and its sign |
 //! | sign | a weak push moves the encoder the way the motor pushes |
@@ -15,7 +16,7 @@
 //! | time | in all of that no tick began more than [`LATE_US`] late or off its period, or took more than [`LONG_US`] |
 //!
 //! What is found goes to the settings file and to the board; the limit of force is put back to what it was. A step that does not pass
-//! ends it, with what to look at. A board without a current loop passes "winding" with nothing measured.
+//! ends it, with what to look at. A board without a current loop passes "winding" with nothing measured, and its supply is what the voltmeter says.
 
 use std::path::Path;
 
@@ -32,6 +33,20 @@ use crate::Error;
 
 /// The limit of force of the steps in which the board is armed, N.
 pub const LOWEST_N: f64 = 0.5;
+/// Supply below which no bridge drives, V: the lock-out of bridges for 12 V and more.
+pub const OFF_V: f64 = 4.5;
+/// How long the supply may take to get there once it is cut, s, and by when its fall must show, s, as this share.
+const FALL_S: f64 = 10.0;
+const SHOWS_S: f64 = 1.0;
+const SHOWS: f64 = 0.95;
+/// A board's tick, s.
+const TICK_S: f64 = 1e-3;
+/// How long it may take to come back, s.
+const RISE_S: f64 = 5.0;
+/// What the board may read beside a voltmeter: divider and converter, of the voltage.
+const METER: f64 = 0.05;
+/// What a person reads the supply by.
+pub const VOLTMETER: &str = "what a voltmeter shows across the supply of the motors, at the bridges, V";
 /// How far a joint may creep in a second in which nothing should push it, m.
 const CREEP_M: f64 = 0.002;
 /// How far the hand is pushed into the object, m.
@@ -79,14 +94,15 @@ struct BringUp<'a> {
 /// A step: its name, what it does and sees, and what to look at if it does not pass.
 type Step<'a> = (&'static str, fn(&mut BringUp<'a>) -> Result<String, Error>, &'static str);
 
-fn steps<'a>() -> [Step<'a>; 11] {
+fn steps<'a>() -> [Step<'a>; 12] {
     [
         ("light", BringUp::light, "docs/hardware.md, \"Flash, run, log\" and \"Give it its keys\""),
         (
             "emergency stop",
             BringUp::stop_is_seen,
-            "the stop's first contact: PE15 to 3.3 V through it, normally closed",
+            "the stop's contacts, both normally closed: the first from PE15 to 3.3 V, the second in the supply of the bridges, and 2.2 kΩ across that",
         ),
+        ("supply", BringUp::supply, "the supply of the bridges, and the divider at PB1: 100 kΩ and 10 kΩ"),
         ("encoder", BringUp::encoder, "the encoder's supply and its wires A and B"),
         ("winding", BringUp::winding, "the motor's wires, the current's sensor, and the data sheet"),
         ("sign", BringUp::sign, "the bridge's supply and enable, the motor's wires, and that nothing holds the joint"),
@@ -113,8 +129,12 @@ pub fn bring_up(
     let mut passed = Vec::new();
     for (step, run, look_at) in steps() {
         let seen = run(&mut bring_up).map_err(|why| {
+            let fault = bring_up.status().ok().and_then(|status| match status.mode {
+                Mode::Faulted(fault) => Some(format!("; fault {}: {}", fault.number(), fault.explain())),
+                _ => None,
+            });
             let off = say(bring_up.board, "disarm").map_or("; it cannot be told to disarm: press the stop", |_| "");
-            format!("{step}: {why}; look at {look_at}{off}")
+            format!("{step}: {why}{}; look at {look_at}{off}", fault.unwrap_or_default())
         })?;
         let row = Passed { step, seen };
         each(&row);
@@ -209,15 +229,94 @@ impl BringUp<'_> {
     }
 
     fn stop_is_seen(&mut self) -> Result<String, Error> {
+        let before_v = self.supply_v()?;
         self.person.please(&Task::PressStop)?;
         self.refused("arm", "the emergency stop is pressed, or not connected")?;
+        let (after_s, left_v) = self.supply_falls(before_v)?;
         self.person.please(&Task::ReleaseStop)?;
         // Whatever else stands against arming, the stop does not.
         let answer = self.board.ask("clear")?;
-        match answer.as_str() {
-            "ok disarmed" => Ok("pressed, arming is refused".to_owned()),
-            _ => Err(format!("released, the board answers \"clear\" with {answer:?}").into()),
+        if answer != "ok disarmed" {
+            return Err(format!("released, the board answers \"clear\" with {answer:?}").into());
         }
+        self.supply_returns(before_v)?;
+        let after = after_s.map_or("by the voltmeter".to_owned(), |after_s| format!("after {after_s:.1} s"));
+        Ok(format!("pressed, arming is refused, and of {before_v:.1} V of supply {left_v:.1} V are left {after}"))
+    }
+
+    /// The supply of the bridges, V: as the board measures it, or as a person does.
+    fn supply_v(&mut self) -> Result<f64, Error> {
+        match winding::supply_v(self.board)? {
+            Some(volts) => Ok(volts),
+            None => self.person.reading(VOLTMETER),
+        }
+    }
+
+    /// With the stop pressed: what is left of the supply, V, and after which time, where the board looks. Whatever the first contact
+    /// does, no program of the board's cuts the supply: what makes it fall is the second.
+    fn supply_falls(&mut self, before_v: f64) -> Result<(Option<f64>, f64), Error> {
+        if before_v < 2.0 * OFF_V {
+            return Err(format!("{before_v:.1} V of supply are too little to see it fall").into());
+        }
+        let cut = |volts: f64| {
+            let uncut = "the second contact does not cut it";
+            Err(format!("the stop is pressed, and the supply stands at {volts:.1} V: {uncut}").into())
+        };
+        let mut first = None;
+        loop {
+            let Some((tick, volts)) = winding::supply_at(self.board)? else {
+                self.board.ticks(FALL_S)?;
+                let volts = self.person.reading(VOLTMETER)?;
+                return if volts < OFF_V { Ok((None, volts)) } else { cut(volts) };
+            };
+            let seconds = TICK_S * f64::from(tick.wrapping_sub(*first.get_or_insert(tick)));
+            if volts < OFF_V {
+                return Ok((Some(seconds), volts));
+            }
+            if seconds > SHOWS_S && volts > SHOWS * before_v {
+                return cut(volts);
+            }
+            if seconds > FALL_S {
+                return Err(format!(
+                    "{seconds:.0} s after the stop was pressed the supply is still {volts:.1} V, must be {OFF_V} V: something holds it, \
+                     which a resistor across it empties"
+                )
+                .into());
+            }
+            self.board.ticks(LOOK_S)?;
+        }
+    }
+
+    /// With the stop released: the supply is back.
+    fn supply_returns(&mut self, before_v: f64) -> Result<(), Error> {
+        let mut first = None;
+        while let Some((tick, volts)) = winding::supply_at(self.board)?
+            && volts <= SHOWS * before_v
+        {
+            if TICK_S * f64::from(tick.wrapping_sub(*first.get_or_insert(tick))) > RISE_S {
+                return Err(format!(
+                    "{RISE_S} s after the stop was released the supply is {volts:.1} V, was {before_v:.1}"
+                )
+                .into());
+            }
+            self.board.ticks(LOOK_S)?;
+        }
+        Ok(())
+    }
+
+    fn supply(&mut self) -> Result<String, Error> {
+        let read_v = self.person.reading(VOLTMETER)?;
+        let Some(volts) = winding::supply_v(self.board)? else {
+            return Ok(format!("{read_v:.1} V by the voltmeter; this board does not measure it"));
+        };
+        if (volts - read_v).abs() > METER * read_v.abs() {
+            return Err(format!("the board reads {volts:.2} V, the voltmeter {read_v:.2} V").into());
+        }
+        let [least_v, most_v] = [self.get("motor.min_supply_v")?, self.get("motor.max_supply_v")?];
+        if volts < least_v || volts > most_v {
+            return Err(format!("{volts:.1} V, may be {least_v} to {most_v} V").into());
+        }
+        Ok(format!("{volts:.2} V, {read_v:.2} V by the voltmeter"))
     }
 
     fn encoder(&mut self) -> Result<String, Error> {
@@ -311,6 +410,7 @@ impl BringUp<'_> {
     }
 
     fn stop(&mut self) -> Result<String, Error> {
+        let before_v = winding::supply_v(self.board)?.unwrap_or_default();
         self.armed(|this, _| {
             this.meanwhile(&Task::PressStop)?;
             let status = this.status()?;
@@ -321,6 +421,7 @@ impl BringUp<'_> {
             this.person.please(&Task::ReleaseStop)?;
             this.refused("arm", "clear first: the emergency stop was pressed")?;
             say(this.board, "clear")?;
+            this.supply_returns(before_v)?;
             Ok("off, and off until cleared and armed anew".to_owned())
         })
     }

@@ -16,7 +16,7 @@ use rigless::time::VirtualNanos;
 
 use crate::image::Firmware;
 use crate::part::motors::Motors;
-use crate::part::{Bridges, MOTORS, Nucleo, Part};
+use crate::part::{Bridges, Gate, MOTORS, Nucleo, Part};
 
 /// What comes in at a stop, before the board goes on.
 #[derive(Debug, Default)]
@@ -31,6 +31,10 @@ pub struct Inputs {
     pub press: Option<bool>,
     /// A bridge reports a fault (or none any more).
     pub bridge_fails: Option<bool>,
+    /// The amplifiers' enable is wired another way.
+    pub gate: Option<Gate>,
+    /// So many triggers do not reach the converter.
+    pub misses: Option<u32>,
     /// The chip's supply dips below what its voltage detector is set to.
     pub supply_dips: bool,
     /// The external clock stops for a moment.
@@ -104,12 +108,16 @@ struct Stepper {
     next: Option<u64>,
     /// When the bench wants to hear of the board, ns.
     until: u64,
+    /// When a break has taken the outputs, and with them the gate of amplifiers, ns.
+    broken: Option<u64>,
     /// Resets that the timer's phase is known for.
     resets: usize,
 }
 
 /// A PWM period, ns.
 const PWM_NS: u64 = 50_000;
+/// What the filter of a break takes, ns: 8 samples at an eighth of 240 MHz, and the one before them.
+const BREAK_NS: u64 = 275;
 
 impl Stepper {
     /// The PWM period that begins now, if one does; the next stop.
@@ -123,7 +131,7 @@ impl Stepper {
     }
 
     fn next_stop(&self) -> VirtualNanos {
-        VirtualNanos(self.next.map_or(self.until, |next| next.min(self.until)))
+        VirtualNanos([self.next, self.broken].into_iter().flatten().fold(self.until, u64::min))
     }
 }
 
@@ -138,6 +146,10 @@ impl Driver<Nucleo> for Stepper {
         let resets = session.resets().len();
         let part = &mut session.board_mut().part;
         self.periods(part, stop.at);
+        let broken = self.broken.take_if(|broken| *broken <= stop.at.0).is_some();
+        if broken || stop.at.0 >= self.until {
+            part.show_gate(stop.at);
+        }
         if stop.at.0 < self.until {
             return Some(self.next_stop());
         }
@@ -162,6 +174,15 @@ impl Driver<Nucleo> for Stepper {
         }
         if inputs.supply_dips {
             part.dip_supply(stop.at);
+        }
+        if inputs.press.is_some() || inputs.bridge_fails.is_some() || inputs.supply_dips {
+            self.broken = Some(stop.at.0 + BREAK_NS);
+        }
+        if let Some(gate) = inputs.gate {
+            part.wire_gate(stop.at, gate);
+        }
+        if let Some(misses) = inputs.misses {
+            part.converter.misses = misses;
         }
         if inputs.clock_stops {
             part.stop_clock(stop.at);
@@ -233,6 +254,7 @@ impl Node {
                 motors: None,
                 next: None,
                 until: 0,
+                broken: None,
                 resets: 0,
             };
             let images = std::slice::from_ref(&firmware.image);

@@ -22,6 +22,7 @@ use haptic_sim::scene::{DriveName, Scene};
 use super::board::{Board, Tick};
 use super::{Person, Task};
 use crate::Error;
+use crate::bringup::VOLTMETER;
 
 /// The board and its device.
 #[derive(Debug)]
@@ -40,6 +41,8 @@ pub struct Simulated {
     /// The gauge that the hand is held against: force on it, N.
     gauge_n: Option<f64>,
     stop_pressed: bool,
+    stop: Stop,
+    supply_v: f64,
     /// The stop was pressed while the motors were on.
     stopped: bool,
     /// Since the cable was pulled.
@@ -54,10 +57,28 @@ pub struct Simulated {
 /// What flowed through the first motor's winding.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Currents {
-    /// With the loop closed, largest |current| over the largest that was commanded in the tick before it and the three before that, or 0.1 A if that is more.
+    /// With the loop closed, largest |current| less 20 mA, for ripple within a PWM period and for noise, over the largest that was commanded in
+    /// the tick before it and the three before that, or 0.1 A if that is more.
     pub closed: f64,
     /// With the loop open, by a voltage, A.
     pub open_a: f64,
+}
+
+/// The emergency stop, and what it cuts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stop {
+    /// Pressed, the first contact opens: the board sees it.
+    pub first_opens: bool,
+    /// Pressed, the second contact opens: the bridges have no supply.
+    pub second_opens: bool,
+    /// Time constant by which the supply then falls, s: 1000 µF and what empties them.
+    pub falls_s: f64,
+}
+
+impl Default for Stop {
+    fn default() -> Self {
+        Self { first_opens: true, second_opens: true, falls_s: 2.2 }
+    }
 }
 
 /// A [`Simulated`] that board and person share.
@@ -86,7 +107,6 @@ impl SharedSimulation {
         let simulated = Simulated {
             plant: plant(&truth, &truth, &settings)?,
             peer,
-            truth,
             settings,
             applied: settings,
             tick: 0,
@@ -95,11 +115,14 @@ impl SharedSimulation {
             passed: [false; AXES],
             gauge_n: None,
             stop_pressed: false,
+            stop: Stop::default(),
+            supply_v: truth.world.plant.supply_v,
             stopped: false,
             silent_s: None,
             let_go: false,
             commanded_a: [0.0; 4],
             currents: Currents::default(),
+            truth,
         };
         Ok(Self(Rc::new(RefCell::new(simulated))))
     }
@@ -107,6 +130,11 @@ impl SharedSimulation {
     /// What the board has been given so far.
     pub fn settings(&self) -> Settings {
         self.0.borrow().settings
+    }
+
+    /// Another emergency stop.
+    pub fn wire_stop(&self, stop: Stop) {
+        self.0.borrow_mut().stop = stop;
     }
 
     /// What has flowed so far.
@@ -123,12 +151,25 @@ fn plant(device: &Scene, truth: &Scene, told: &Settings) -> Result<Plant, Error>
 }
 
 impl Simulated {
+    /// The board sees that the stop is pressed.
+    fn sees_stop(&self) -> bool {
+        self.stop_pressed && self.stop.first_opens
+    }
+
     fn step(&mut self) {
+        let full_v = self.truth.world.plant.supply_v;
+        if self.stop_pressed && self.stop.second_opens {
+            self.supply_v *= (-self.truth.peer.timing.control_period_s / self.stop.falls_s).exp();
+            self.plant.set_supply(self.supply_v);
+        } else if self.supply_v != full_v {
+            self.supply_v = full_v;
+            self.plant.set_supply(full_v);
+        }
         if self.peer.mode() == Mode::Armed {
             let silent = self.silent_s.is_some_and(|silent_s| silent_s >= self.settings.safety.operator_lost_s);
-            if self.stop_pressed || silent {
+            if self.sees_stop() || silent {
                 self.peer.command(Command::Disarm);
-                self.stopped |= self.stop_pressed;
+                self.stopped |= self.sees_stop();
                 self.let_go |= silent;
             }
         }
@@ -169,6 +210,7 @@ impl Simulated {
 
     fn see_current(&mut self, open: bool, duty: f64) {
         const SMALL_A: f64 = 0.1;
+        const RIPPLE_A: f64 = 0.02;
         let peak_a = self.plant.take_peaks_a()[0];
         self.commanded_a.rotate_right(1);
         self.commanded_a[0] = if open { 0.0 } else { (duty * self.applied.motor.full_scale_a).abs() };
@@ -176,7 +218,7 @@ impl Simulated {
             self.currents.open_a = self.currents.open_a.max(peak_a);
         } else {
             let largest_a = self.commanded_a.iter().fold(SMALL_A, |most: f64, one| most.max(*one));
-            self.currents.closed = self.currents.closed.max(peak_a / largest_a);
+            self.currents.closed = self.currents.closed.max((peak_a - RIPPLE_A) / largest_a);
         }
     }
 
@@ -259,7 +301,7 @@ impl Simulated {
             // It steps when time passes, and so is never late.
             ["time", _] => format!("ok cycles of 1 MHz: most 0 in tick 0; from:ticks 0:{}", self.tick),
             ["arm"] if self.stopped => "error clear first: the emergency stop was pressed".to_owned(),
-            ["arm"] if self.stop_pressed => "error the emergency stop is pressed, or not connected".to_owned(),
+            ["arm"] if self.sees_stop() => "error the emergency stop is pressed, or not connected".to_owned(),
             ["arm"] if self.passed.iter().take(self.applied.axis.count as usize).any(|passed| !passed) => {
                 "error check first: the signs of motor and encoder were not checked, every joint in use".to_owned()
             }
@@ -340,7 +382,8 @@ impl Person for SharedSimulation {
         Ok(())
     }
 
-    fn reading(&mut self, _: &str) -> Result<f64, Error> {
-        Ok(self.0.borrow().gauge_n.unwrap_or(0.0))
+    fn reading(&mut self, what: &str) -> Result<f64, Error> {
+        let simulated = self.0.borrow();
+        Ok(if what == VOLTMETER { simulated.supply_v } else { simulated.gauge_n.unwrap_or(0.0) })
     }
 }

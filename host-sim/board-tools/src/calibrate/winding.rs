@@ -280,12 +280,17 @@ fn fits(what: &str, found: Estimate, sheet: Option<f64>, tolerance: f64, unit: &
 
 /// Supply of the bridges, V; none of a board that measures nothing.
 pub fn supply_v(board: &mut dyn Board) -> Result<Option<f64>, Error> {
+    Ok(supply_at(board)?.map(|(_, volts)| volts))
+}
+
+/// The same, with the number of the tick that measured it.
+pub fn supply_at(board: &mut dyn Board) -> Result<Option<(u32, f64)>, Error> {
     board.ticks(0.0)?;
     say(board, "stream 1")?;
     let ticks = board.ticks(0.05)?;
     say(board, "stream off")?;
     let last = ticks.last().ok_or("no tick came from the board")?;
-    Ok(last.stage.map(|stage| f64::from(stage.supply_mv) / 1e3))
+    Ok(last.stage.map(|stage| (last.number, f64::from(stage.supply_mv) / 1e3)))
 }
 
 /// Largest voltage of a probe as a share of the supply, such that a winding as the settings say takes [`SHARE`] of the current of the largest

@@ -199,19 +199,15 @@ impl Drive {
     /// Makes motor, bridge or sensor fail in this way from now on.
     pub fn fail(&mut self, fault: PlantFault) {
         self.fault = fault;
-        self.winding.supply_v *= match fault {
-            PlantFault::LowSupply => 0.6,
-            PlantFault::HighSupply => 1.4,
-            _ => 1.0,
-        };
+        match fault {
+            PlantFault::LowSupply => self.set_supply(0.6 * self.winding.supply_v),
+            PlantFault::HighSupply => self.set_supply(1.4 * self.winding.supply_v),
+            _ => {}
+        }
         if fault == PlantFault::ShortedMotor {
             // What does not reach the motor neither moves it nor is moved by it.
             [self.winding.resistance_ohm, self.winding.inductance_h] = SHORTED;
             self.force_per_a = 0.0;
-        }
-        if let Some(closed) = &mut self.closed {
-            closed.supply_mv = (1e3 * self.winding.supply_v).round() as u32;
-            closed.gains = closed.design.gains(closed.supply_mv);
         }
     }
 
@@ -285,6 +281,15 @@ impl Drive {
     /// The bridge's supply, V.
     pub fn supply_v(&self) -> f64 {
         self.winding.supply_v
+    }
+
+    /// The bridge's supply is this from now on, V.
+    pub fn set_supply(&mut self, volts: f64) {
+        self.winding.supply_v = volts;
+        if let Some(closed) = &mut self.closed {
+            closed.supply_mv = (1e3 * volts).round() as u32;
+            closed.gains = closed.design.gains(closed.supply_mv);
+        }
     }
 
     /// One PWM period of a joint that moves at this speed (m/s or rad/s): its mean force, N or N·m.

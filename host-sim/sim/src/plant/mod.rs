@@ -327,6 +327,11 @@ impl<const N: usize> Plant<N> {
         self.windings.as_ref().map(|windings| windings.drives[0].supply_v())
     }
 
+    /// The supply of the bridges is this from now on, V; nothing without windings.
+    pub fn set_supply(&mut self, volts: f64) {
+        self.windings.iter_mut().flat_map(|windings| &mut windings.drives).for_each(|drive| drive.set_supply(volts));
+    }
+
     /// Makes the first joint fail in this way from now on.
     pub fn fail(&mut self, fault: PlantFault) {
         self.held |= fault == PlantFault::Held;

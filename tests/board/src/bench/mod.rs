@@ -33,7 +33,7 @@ pub use device::{AMPLIFIER_STEPS, CURRENT_LOOP, PWM_STEPS, duties, for_boards};
 pub const PERIOD_NS: u64 = 1_000_000;
 
 /// The stack (memory.x), without the guard at its bottom and what start-up may be using of its top.
-pub const STACK: Range<u64> = 0x2000_0100..0x2000_9F00;
+pub const STACK: Range<u64> = 0x2000_0100..0x2000_BF00;
 /// What the stack holds at power-on, to see later how far down it was used.
 const PAINT: u32 = 0x5EA1_AB1E;
 

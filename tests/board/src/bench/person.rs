@@ -184,6 +184,23 @@ impl Bench {
         self.run_to(self.now_ns + PERIOD_NS);
     }
 
+    /// Presses the emergency stop of a board (1 or 2), both contacts, or releases it; takes effect at the next stop.
+    pub fn press_stop(&mut self, number: usize, pressed: bool) {
+        self.input(number).press = Some(pressed);
+        if let Some(device) = self.device(number) {
+            device.motors().cut_supply(pressed);
+        }
+    }
+
+    /// Supply of the bridges of a board (1 or 2), V; 0 without a device.
+    pub fn supply_v(&self, number: usize) -> f64 {
+        self.device(number).map_or(0.0, |device| device.motors().supply_v())
+    }
+
+    fn device(&self, number: usize) -> Option<&Device> {
+        self.loose.get(number - 1).or(self.devices[number - 1].as_ref())
+    }
+
     /// Something goes wrong with the first joint of a board's (1 or 2) device, now.
     pub fn fail(&mut self, number: usize, fault: PlantFault) {
         if let Some(device) = &self.devices[number - 1] {

@@ -50,6 +50,8 @@ pub struct Converter {
     ended: Option<EventId>,
     /// Groups that were asked for while one was under way.
     pub missed: u64,
+    /// So many triggers do not reach it.
+    pub misses: u32,
     /// What channels 15, 10 and 5 read while nothing hangs on them: no current, 24 V.
     pub idle: [u16; 3],
 }
@@ -67,6 +69,7 @@ impl Default for Converter {
             data: [0; 3],
             ended: None,
             missed: 0,
+            misses: 0,
             idle: [0x8000, 0x8000, 43_330],
         }
     }
@@ -76,6 +79,10 @@ impl Converter {
     /// TIM1's trigger came while channels 15, 10 and 5 read this.
     pub fn sample(&mut self, reads: [u16; 3], c: &mut DeviceContext<'_>) {
         if !self.started || self.sequence & 0x1FF != TRIGGERED {
+            return;
+        }
+        if let Some(left) = self.misses.checked_sub(1) {
+            self.misses = left;
             return;
         }
         if self.ended.is_some() {
@@ -106,8 +113,20 @@ impl Converter {
         if self.linear || read.abs_diff(multiple) > MISSING { read } else { multiple.saturating_add(MISSING) }
     }
 
-    fn is_regulated(&self, c: &DeviceContext<'_>) -> bool {
-        self.regulator_ns.is_some_and(|began| c.now().0 >= began + REGULATED_NS)
+    /// What a register reads that is not as it was written.
+    fn word(&self, r: Register, now: VirtualNanos) -> Option<u64> {
+        let [one, two, three] = self.data.map(u64::from);
+        match r {
+            Register::Isr => Some(self.flags | if self.is_regulated(now) { LDORDY } else { 0 }),
+            Register::Jdr1 => Some(one),
+            Register::Jdr2 => Some(two),
+            Register::Jdr3 => Some(three),
+            _ => None,
+        }
+    }
+
+    fn is_regulated(&self, now: VirtualNanos) -> bool {
+        self.regulator_ns.is_some_and(|began| now.0 >= began + REGULATED_NS)
     }
 }
 
@@ -115,14 +134,10 @@ impl Device for Converter {
     type Register = Register;
 
     fn read(&mut self, r: Register, _: &mut RegisterFile, c: &mut DeviceContext<'_>) -> Option<u64> {
-        let [one, two, three] = self.data.map(u64::from);
-        match r {
-            Register::Isr => Some(self.flags | if self.is_regulated(c) { LDORDY } else { 0 }),
-            Register::Jdr1 => Some(one),
-            Register::Jdr2 => Some(two),
-            Register::Jdr3 => Some(three),
-            _ => None,
-        }
+        self.word(r, c.now())
+    }
+    fn peek(&self, r: Register, _: &RegisterFile, now: VirtualNanos) -> Option<u64> {
+        self.word(r, now)
     }
     fn write(&mut self, r: Register, value: u64, f: &mut RegisterFile, c: &mut DeviceContext<'_>) {
         match r {
@@ -137,7 +152,7 @@ impl Device for Converter {
                     self.regulator_ns.get_or_insert(c.now().0);
                 }
                 if value & ADCAL != 0 {
-                    self.linear = value & ADCALLIN != 0 && self.is_regulated(c);
+                    self.linear = value & ADCALLIN != 0 && self.is_regulated(c.now());
                 }
                 self.started = now & JADSTART != 0;
                 if self.started {

@@ -56,6 +56,22 @@ const PERIOD_SPREAD_NS: u64 = 45_000;
 /// Most motors that a board has.
 pub const MOTORS: usize = 3;
 
+/// What the wiring has for a gate between PF3, PE14 and the amplifiers' enable, whose output goes back to PD15.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Gate {
+    /// An AND of both, as docs/hardware.md wants it.
+    #[default]
+    Both,
+    /// PF3 alone: there is no gate.
+    EnableAlone,
+    /// PE14 alone.
+    TimerAlone,
+    /// It never opens, or the wire back is off.
+    NeverOpens,
+    /// Its output is at 3.3 V, whatever its inputs are.
+    AlwaysOpen,
+}
+
 /// What stands at the inputs of bridges or amplifiers, and at their enable line, at an instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Bridges {
@@ -71,6 +87,8 @@ pub struct Bridges {
     pub enable: bool,
     /// The timer's fourth channel is on its pin, PE14.
     pub fourth: bool,
+    /// What the amplifiers' enable goes through.
+    pub gate: Gate,
 }
 
 impl Bridges {
@@ -80,21 +98,35 @@ impl Bridges {
         [one - two, three - four]
     }
 
-    /// What amplifiers are commanded, as shares of their full current; nothing while they are not enabled, which takes the enable line and
-    /// the gate on PE14.
+    /// What amplifiers are commanded, as shares of their full current; nothing while they are not enabled.
     pub fn currents(&self) -> Option<[f64; MOTORS]> {
-        let gate = self.fourth && self.outputs && self.compare[3] > self.top;
-        self.currents_without_gate().filter(|_| gate)
+        self.gate_passes().then(|| self.commands())
     }
 
-    /// The same of amplifiers that the enable line alone enables: while the timer's outputs are off, their inputs are low, which is all of
-    /// the current backwards.
+    /// The same of amplifiers that the enable line alone enables.
     pub fn currents_without_gate(&self) -> Option<[f64; MOTORS]> {
+        self.enable.then(|| self.commands())
+    }
+
+    /// Whether the gate's output is high.
+    pub fn gate_passes(&self) -> bool {
+        let timer = self.fourth && self.outputs && self.compare[3] > self.top;
+        match self.gate {
+            Gate::Both => self.enable && timer,
+            Gate::EnableAlone => self.enable,
+            Gate::TimerAlone => timer,
+            Gate::NeverOpens => false,
+            Gate::AlwaysOpen => true,
+        }
+    }
+
+    /// What stands at amplifiers' inputs, as shares of their full current: while the timer's outputs are off these are low, which is all of
+    /// the current backwards.
+    fn commands(&self) -> [f64; MOTORS] {
         let [one, two, three, _] = self.compare;
         let legs = if self.three { [one, two, three] } else { [one, three, self.top / 2] };
         let middle = f64::from(self.top / 2);
-        let current = |leg: u16| if self.outputs { (f64::from(leg) - middle) / middle } else { -1.0 };
-        self.enable.then(|| legs.map(current))
+        legs.map(|leg| if self.outputs { (f64::from(leg) - middle) / middle } else { -1.0 })
     }
 
     /// Whether current can flow at all.
@@ -126,6 +158,9 @@ pub struct Part {
     missing: Missing,
     stop_released: bool,
     bridge_fails: bool,
+    gate: Gate,
+    /// PD15 is high.
+    gate_passes: bool,
     button_pressed: bool,
     strap_to_ground: bool,
     noise_works: bool,
@@ -142,6 +177,7 @@ struct Slots {
     adc1: usize,
     encoders: [usize; MOTORS],
     gpio_c: usize,
+    gpio_d: usize,
     gpio_e: usize,
     gpio_g: usize,
     tim1: usize,
@@ -166,6 +202,7 @@ impl Part {
             adc1: slot("ADC1")?,
             encoders: [slot("TIM3")?, slot("TIM4")?, slot("TIM2")?],
             gpio_c: slot("GPIOC")?,
+            gpio_d: slot("GPIOD")?,
             gpio_e: slot("GPIOE")?,
             gpio_g: slot("GPIOG")?,
             tim1: slot("TIM1")?,
@@ -186,6 +223,8 @@ impl Part {
             missing: Missing::default(),
             stop_released: true,
             bridge_fails: false,
+            gate: Gate::default(),
+            gate_passes: false,
             button_pressed: false,
             strap_to_ground,
             noise_works: true,
@@ -202,7 +241,7 @@ impl Part {
 
     /// Puts on the pins what the wiring holds there.
     fn wire(&mut self, at: VirtualNanos) {
-        let Slots { gpio_c, gpio_e, gpio_g, tim1, .. } = self.slots;
+        let Slots { gpio_c, gpio_d, gpio_e, gpio_g, tim1, .. } = self.slots;
         // An open strap is pulled up by the chip; ground is ground.
         let strap = self.strap_to_ground.then_some(Level::Low);
         let mut port = core::mem::take(&mut self.chip.gpio[6]);
@@ -215,6 +254,12 @@ impl Part {
         let (registers, mut context) = self.chip.bus_mut().drive(at, gpio_c);
         port.drive(pin(13), Some(button), registers, &mut context);
         self.chip.gpio[2] = port;
+        // The output of the amplifiers' gate.
+        let gate = if self.gate_passes { Level::High } else { Level::Low };
+        let mut port = core::mem::take(&mut self.chip.gpio[3]);
+        let (registers, mut context) = self.chip.bus_mut().drive(at, gpio_d);
+        port.drive(pin(15), Some(gate), registers, &mut context);
+        self.chip.gpio[3] = port;
         // The contact of the emergency stop connects to 3.3 V while it is not pressed.
         let stop = if self.stop_released { Level::High } else { Level::Low };
         let mut port = core::mem::take(&mut self.chip.gpio[4]);
@@ -241,6 +286,20 @@ impl Part {
     pub fn fail_bridge(&mut self, at: VirtualNanos, fails: bool) {
         self.bridge_fails = fails;
         self.wire(at);
+    }
+
+    /// The amplifiers' enable is wired another way from now on.
+    pub fn wire_gate(&mut self, at: VirtualNanos, gate: Gate) {
+        self.gate = gate;
+        self.show_gate(at);
+    }
+
+    /// The gate's output follows its inputs. To be called after these may have changed, and before the next tick.
+    pub fn show_gate(&mut self, at: VirtualNanos) {
+        let passes = self.bridges(at).gate_passes();
+        if passes != core::mem::replace(&mut self.gate_passes, passes) {
+            self.wire(at);
+        }
     }
 
     /// The external clock stops, and is back by the time that the chip asks for it again.
@@ -340,6 +399,7 @@ impl Part {
             outputs: peek(0x4001_0000) & 1 != 0 && peek(0x4001_0044) & 1 << 15 != 0,
             enable: mode >> 6 & 3 == 1 && output & 1 << 3 != 0,
             fourth: pins >> 28 & 3 == 2 && function >> 24 & 15 == 1 && channels & FOURTH != 0,
+            gate: self.gate,
         }
     }
 }

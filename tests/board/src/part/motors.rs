@@ -46,10 +46,19 @@ pub struct Motors {
     held: Option<Held>,
     /// From this instant on (ns) the device moves, as the scene has it at this time, s.
     next: Option<(u64, f64)>,
+    /// Supply of the bridges, V, and what it is while the emergency stop's second contact is closed.
+    supply_v: [f64; 2],
+    /// That contact is open.
+    cut: bool,
 }
 
 /// Volts at the end of the converter's range, through the divider.
 const SUPPLY_SPAN_V: f64 = 36.3;
+/// By what a supply falls that is cut, s: 1000 µF and 2.2 kΩ.
+const FALLS_S: f64 = 2.2;
+/// A PWM period and a control period, s.
+const PWM_S: f64 = 50e-6;
+const TICK_S: f64 = 1e-3;
 
 impl Motors {
     /// Of a peer of the scene, its encoders where they are when power comes on.
@@ -58,7 +67,30 @@ impl Motors {
             3.. => Body::Space(Box::new(Plant::build(scene, index))),
             _ => Body::Plane(Box::new(Plant::new(scene, index))),
         };
-        Self { body, counts: [0; MOTORS], read: [0; MOTORS], has_stage: has_loop(scene), held: None, next: None }
+        let (has_stage, supply_v) = (has_loop(scene), [scene.world.plant.supply_v; 2]);
+        Self { body, counts: [0; MOTORS], read: [0; MOTORS], has_stage, held: None, next: None, supply_v, cut: false }
+    }
+
+    /// The emergency stop's second contact opens, or closes.
+    pub fn cut_supply(&mut self, cut: bool) {
+        self.cut = cut;
+    }
+
+    /// Supply of the bridges, V.
+    pub fn supply_v(&self) -> f64 {
+        self.supply_v[0]
+    }
+
+    /// The supply after so many seconds more.
+    fn feed(&mut self, seconds: f64) {
+        let [now_v, full_v] = &mut self.supply_v;
+        if !self.cut && now_v == full_v {
+            return;
+        }
+        *now_v = if self.cut { *now_v * (-seconds / FALLS_S).exp() } else { *full_v };
+        if let Body::Plane(plant) = &mut self.body {
+            plant.set_supply(*now_v);
+        }
     }
 
     /// It moves by itself, PWM period by PWM period.
@@ -81,6 +113,7 @@ impl Motors {
 
     /// One control period under these duties, without windings.
     pub fn step(&mut self, time_s: f64, duties: [Duty; MOTORS], enable: bool) -> [i64; MOTORS] {
+        self.feed(TICK_S);
         match &mut self.body {
             Body::Plane(plant) => step(plant, time_s, duties, enable),
             Body::Space(plant) => step(plant, time_s, duties, enable),
@@ -120,6 +153,7 @@ impl Motors {
     /// # Panics
     /// It has three motors: a board with three has no current loop.
     pub fn period(&mut self, now_ns: u64, bridges: &Bridges) -> ([u16; 3], [i64; MOTORS], [Option<u16>; MOTORS]) {
+        self.feed(PWM_S);
         let Body::Plane(plant) = &mut self.body else { panic!("three motors, and windings") };
         if let Some((_, time_s)) = self.next.take_if(|(begins_ns, _)| *begins_ns <= now_ns) {
             self.held = plant.begin(time_s);

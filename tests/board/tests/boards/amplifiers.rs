@@ -1,12 +1,17 @@
 //! Amplifiers in current mode take half of the period for no current, and a line that is low for all of it backwards. What stands at their
 //! inputs is looked at every 20 µs while they are armed and disarmed, and a microsecond after each break: they are enabled only where
-//! the timer drives, and from no current on. That the gate is needed shows where the enable line alone is looked at.
+//! the timer drives, and from no current on. That the gate is needed shows where the enable line alone is looked at; a gate that is not
+//! what it should be is noticed before amplifiers that it enables are asked for anything.
 
 use std::sync::Arc;
 
 use board_bench::bench::Bench;
 use board_bench::image::Firmware;
 use board_bench::node::Inputs;
+use board_bench::part::Gate;
+
+use board_bench::wire::Line;
+use haptic_sim::scene::Scene;
 
 use crate::{breaks, three_axes};
 
@@ -14,10 +19,108 @@ use crate::{breaks, three_axes};
 const SMALL: f64 = 0.1;
 
 fn armed(three: bool) -> Bench {
+    let (firmware, scene) = image(three);
+    breaks::armed(&firmware, &scene)
+}
+
+fn image(three: bool) -> (Arc<Firmware>, Scene) {
     if three {
-        breaks::armed(&Arc::new(Firmware::three_axes()), &three_axes::scene())
+        (Arc::new(Firmware::three_axes()), three_axes::scene())
     } else {
-        breaks::armed(&Arc::new(Firmware::release()), &breaks::scene(&[]))
+        (Arc::new(Firmware::release()), breaks::scene(&[]))
+    }
+}
+
+/// A board alone that is checked and armed behind such a gate; the largest share that its amplifiers were commanded while enabled, and what it
+/// says then.
+pub(crate) fn armed_behind(gate: Gate, three: bool) -> (f64, [String; 2]) {
+    let (firmware, scene) = image(three);
+    let mut bench = Bench::start(&firmware, 1, Line::default());
+    bench.set_up(&scene).expect("the board takes it");
+    bench.check(1).expect("it passes with a gate that works");
+    bench.input(1).gate = Some(gate);
+    bench.run_for_ms(2);
+    bench.send(1, "arm");
+    let ([most, _], _) = look(&mut bench, 20);
+    let said = ["status", "arm"].map(|line| bench.ask(1, line));
+    bench.finish();
+    (most, said)
+}
+
+#[test]
+fn are_asked_for_nothing_behind_a_gate_that_does_not_work() {
+    for (gate, three) in [
+        (Gate::EnableAlone, false),
+        (Gate::EnableAlone, true),
+        (Gate::TimerAlone, false),
+        (Gate::TimerAlone, true),
+        (Gate::NeverOpens, false),
+    ] {
+        let (most, [status, arm]) = armed_behind(gate, three);
+        assert!(status.contains(" faulted fault 31 ") && arm == "error faulted, fault 31", "{gate:?}: {status}; {arm}");
+        assert_eq!(most, 0.0, "{gate:?}, three {three}");
+    }
+    // Whatever it is wired to, it is not armed: no software takes back what is always enabled.
+    let (_, [status, _]) = armed_behind(Gate::AlwaysOpen, false);
+    assert!(status.contains(" faulted fault 31 "), "{status}");
+}
+
+/// It worked when the amplifiers were enabled, and does not when it is needed.
+#[test]
+fn a_gate_that_fails_later_is_noticed_by_the_first_break() {
+    for press in [true, false] {
+        let mut bench = armed(false);
+        let inputs = bench.input(1);
+        inputs.gate = Some(Gate::EnableAlone);
+        (inputs.press, inputs.bridge_fails) = (press.then_some(true), (!press).then_some(true));
+        bench.run_for_ms(1);
+        let inputs = bench.input(1);
+        (inputs.press, inputs.bridge_fails) = (Some(false), Some(false));
+        bench.run_for_ms(3);
+        let status = bench.ask(1, "status");
+        assert!(status.contains(" faulted fault 31 "), "press {press}: {status}");
+        bench.finish();
+    }
+}
+
+/// From the end of the enable line on: so long do commands stand at no current, µs.
+fn stands_us(bench: &mut Bench, three: bool) -> u32 {
+    let (mut enabled, mut stood_us) = (false, 0);
+    for _ in 0..1000 {
+        bench.run_for_us(20);
+        let bridges = bench.stopped[0].bridges;
+        if bridges.enable || !enabled {
+            assert_eq!(stood_us, 0, "three {three}: enabled again");
+            enabled |= bridges.enable;
+            continue;
+        }
+        if !bridges.outputs {
+            break;
+        }
+        stood_us += 20;
+        let legs = if three { 3 } else { 1 };
+        let middle = bridges.compare[..legs].iter().all(|compare| *compare == bridges.top / 2);
+        assert!(middle, "three {three}: {:?}", bridges.compare);
+    }
+    assert!(!bench.stopped[0].bridges.outputs, "three {three}: off in the end");
+    stood_us
+}
+
+/// Amplifiers need some time to let go: whatever the program disables them for, their inputs stand at no current for a tick longer.
+#[test]
+fn inputs_stand_at_no_current_after_the_program_disabled_them() {
+    for three in [false, true] {
+        let mut bench = armed(three);
+        bench.send(1, "disarm");
+        let stood_us = stands_us(&mut bench, three);
+        assert!((900..=1100).contains(&stood_us), "three {three}: {stood_us} us");
+        // Without a gate, where the enable line itself is what they get.
+        bench.input(1).gate = Some(Gate::EnableAlone);
+        bench.run_for_ms(2);
+        bench.send(1, "arm");
+        let stood_us = stands_us(&mut bench, three);
+        assert!((900..=2100).contains(&stood_us), "three {three}, no gate: {stood_us} us");
+        bench.finish();
     }
 }
 

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use board_bench::bench::{Bench, PERIOD_NS, for_boards};
+use board_bench::bench::{Bench, PERIOD_NS, STACK, for_boards};
 use board_bench::budget::Measured;
 use board_bench::cost::MedianAndMost;
 use board_bench::image::{self, Firmware};
@@ -141,6 +141,9 @@ fn static_stack(measured: &mut Measured) -> f64 {
         measured.add(format!("task_bytes.{task}"), size as f64);
     }
     measured.add("static_stack_bytes.all", all);
+    // Without the guard at its bottom and the words at its top.
+    let whole = (STACK.end - STACK.start + 0x200) as f64;
+    assert!(all <= 0.85 * whole, "{all} bytes of {whole} are more than leaves 15 % to spare");
     all
 }
 

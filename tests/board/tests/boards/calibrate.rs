@@ -1,4 +1,5 @@
-//! A person brings a board up: host-sim's steps against the release image, closed around a device whose numbers they are not given.
+//! A person brings a board up: host-sim's steps against the release image, closed around a device whose numbers they are not given. What ends
+//! it becomes a table in docs/hardware.md; `HAPTIC_BLESS=1` writes it, otherwise it must be there.
 
 use std::cell::RefCell;
 use std::path::Path;
@@ -6,10 +7,12 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use board_bench::bench::{AMPLIFIER_STEPS, Bench, PWM_STEPS};
+use board_bench::docs;
 use board_bench::image::Firmware;
+use board_bench::part::Gate;
 use board_bench::wire::Line;
 use haptic_board_tools::Error;
-use haptic_board_tools::bringup::{Plan, bring_up};
+use haptic_board_tools::bringup::{Plan, VOLTMETER, bring_up};
 use haptic_board_tools::calibrate::board::{Board, Tick};
 use haptic_board_tools::calibrate::counts::Distance;
 use haptic_board_tools::calibrate::motor::Against;
@@ -23,6 +26,10 @@ struct Table {
     bench: Rc<RefCell<Bench>>,
     truth: Scene,
     taken: Rc<RefCell<usize>>,
+    /// The stop's second contact is in no supply.
+    uncut: bool,
+    /// What the voltmeter shows of the supply.
+    shows: f64,
 }
 
 impl Board for Table {
@@ -57,7 +64,11 @@ impl Person for Table {
                 bench.run_for_ms(5);
             }
             Task::PressStop | Task::ReleaseStop => {
-                bench.input(1).press = Some(*task == Task::PressStop);
+                if self.uncut {
+                    bench.input(1).press = Some(*task == Task::PressStop);
+                } else {
+                    bench.press_stop(1, *task == Task::PressStop);
+                }
                 bench.run_for_ms(5);
                 assert!(!bench.stopped[0].bridges.on(), "off, pressed or released");
             }
@@ -74,6 +85,9 @@ impl Person for Table {
     }
 
     fn reading(&mut self, what: &str) -> Result<f64, Error> {
+        if what == VOLTMETER {
+            return Ok(self.shows * self.bench.borrow().supply_v(1));
+        }
         Err(format!("there is no gauge on the bench to read {what}").into())
     }
 }
@@ -104,7 +118,7 @@ fn table(set: &[&str]) -> Table {
         bench.tell_of_amplifiers(1);
     }
     bench.let_go(Some(&truth));
-    Table { bench: Rc::new(RefCell::new(bench)), truth, taken: Rc::default() }
+    Table { bench: Rc::new(RefCell::new(bench)), truth, taken: Rc::default(), uncut: false, shows: 1.0 }
 }
 
 /// The motors of a board with a current loop.
@@ -120,18 +134,66 @@ fn checked(board: &mut Table) -> (String, String) {
     (probed, armed)
 }
 
+/// The data sheet of the device's motor, with these factors.
+fn sheet(board: &Table, resistance: f64, inductance: f64) -> Sheet {
+    let motor = &board.truth.peer.motor;
+    let (resistance_ohm, inductance_h) =
+        (Some(resistance * motor.resistance_ohm), Some(inductance * motor.inductance_h));
+    Sheet { resistance_ohm, inductance_h, tolerance: 0.3 }
+}
+
+/// All steps, or why not, by this data sheet; what was found is in the file.
+fn steps(file: &Path, board: &mut Table, sheet: Sheet) -> Result<usize, Error> {
+    let _ = std::fs::remove_file(file);
+    let (distance, against) = (Distance::Metres(0.05), Against::Mass(0.2));
+    let plan = Plan { joint: 1, distance, sheet, against, file };
+    let mut person = board.clone();
+    let passed = bring_up(board, &mut person, plan, |passed| println!("{}: {}", passed.step, passed.seen))?;
+    Ok(passed.len())
+}
+
+/// Nothing was driven that was not known: each ends before the first step that a fault would make dangerous.
+#[test]
+fn what_is_wrong_ends_the_first_hour_before_anything_drives() {
+    let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("brought-up-wrong.toml");
+    let looped = || table(&LOOP);
+    let ungated = || {
+        let board = table(&[]);
+        board.bench.borrow_mut().input(1).gate = Some(Gate::EnableAlone);
+        board
+    };
+    type Case<'a> = (&'a str, Table, [f64; 2], &'a str);
+    let exchanged = [0.0007 / 3.0, 3.0 / 0.0007];
+    let cases: [Case<'_>; 8] = [
+        ("the stop's second contact is in no supply", Table { uncut: true, ..looped() }, [1.0; 2], "emergency stop: "),
+        ("the same, with amplifiers", Table { uncut: true, ..table(&[]) }, [1.0; 2], "emergency stop: "),
+        ("the divider at PB1 is off by 10 %", Table { shows: 1.1, ..looped() }, [1.0; 2], "supply: "),
+        ("data sheet of three times the resistance", looped(), [3.0, 1.0], "winding: "),
+        ("of a third of it", looped(), [1.0 / 3.0, 1.0], "winding: "),
+        ("of three times the inductance", looped(), [1.0, 3.0], "winding: "),
+        ("ohms and henries exchanged", looped(), exchanged, "winding: "),
+        ("amplifiers without a gate", ungated(), [1.0; 2], "sign: "),
+    ];
+    let mut rows = Vec::new();
+    for (what, mut board, [resistance, inductance], step) in cases {
+        let of = sheet(&board, resistance, inductance);
+        let why = steps(&file, &mut board, of).expect_err(what).to_string();
+        assert!(why.starts_with(step), "{what}: {why}");
+        let bench = board.bench.borrow();
+        assert!(bench.stopped[0].bridges.currents().is_none() && !bench.stopped[0].bridges.on(), "{what}: off");
+        let told = why.split("; look at ").next().expect("a sentence").trim_start_matches(step);
+        // A value that no motor has is refused by its line in the file, whose name depends on where this runs.
+        let told = told.split_once(".toml:").and_then(|(_, rest)| rest.split_once(": ")).map_or(told, |(_, told)| told);
+        rows.push(format!("| {what} | {} | {told} |", step.trim_end_matches(": ")));
+    }
+    docs::table("calibrate", "| what is wrong | ends at | saying |", &rows);
+}
+
 /// Every step, and what was found against the truth.
 fn brings_up(name: &str, board: &mut Table) -> Scene {
     let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("brought-up-{name}.toml"));
-    let _ = std::fs::remove_file(&file);
-    let (distance, against) = (Distance::Metres(0.05), Against::Mass(0.2));
-    let motor = &board.truth.peer.motor;
-    let [resistance_ohm, inductance_h] = [motor.resistance_ohm, motor.inductance_h].map(Some);
-    let sheet = Sheet { resistance_ohm, inductance_h, tolerance: 0.3 };
-    let plan = Plan { joint: 1, distance, sheet, against, file: &file };
-    let mut person = board.clone();
-    let passed = bring_up(board, &mut person, plan, |passed| println!("{}: {}", passed.step, passed.seen));
-    assert_eq!(passed.unwrap_or_else(|why| panic!("{why}")).len(), 11);
+    let of = sheet(board, 1.0, 1.0);
+    assert_eq!(steps(&file, board, of).unwrap_or_else(|why| panic!("{why}")), 12);
 
     let found = Scene::load(haptic_sim::Laws::built_in(), Some(&file), &[]).expect("the simulator takes the file");
     for (what, found, truth, relative) in [

@@ -7,13 +7,14 @@ use std::sync::Arc;
 use board_bench::bench::{Bench, CURRENT_LOOP, for_boards};
 use board_bench::docs;
 use board_bench::image::Firmware;
+use board_bench::part::Gate;
 use board_bench::pc::{board_ip, board_mac, udp};
 use board_bench::wire::Line;
 use haptic_protocol::wire::Flow;
 use haptic_sim::scene::PlantFault;
 use haptic_sim::scenes;
 
-use crate::{breaks, impostor::Impostor};
+use crate::{amplifiers, breaks, impostor::Impostor};
 
 /// Two instructions each: for ever, and one that is none.
 const FOR_EVER: u32 = 0xE7FE_E7FE;
@@ -276,6 +277,23 @@ fn outputs_go_off_and_stay_off() {
     let recovers = |bench: &mut Bench, _: &Firmware, _: u64| bench.input(1).bridge_fails = Some(false);
     campaign.inject("a bridge reports a fault (nFAULT)", 1, &faulted(1, "fault 14"), &fails, &recovers);
 
+    let (most, [_, refused]) = amplifiers::armed_behind(Gate::EnableAlone, false);
+    assert_eq!(most, 0.0);
+    let refused = refused.trim_start_matches("error ");
+    campaign.rows.push(format!(
+        "| amplifiers without a gate, at arming | enabled for 1 ms at no current | fault 31 | {refused} |"
+    ));
+    let ungated = |bench: &mut Bench, _: &Firmware, ms: u64| {
+        if ms == 1 {
+            (bench.input(1).gate, bench.input(1).bridge_fails) = (Some(Gate::EnableAlone), Some(true));
+        }
+    };
+    let gated = |bench: &mut Bench, _: &Firmware, _: u64| {
+        (bench.input(1).gate, bench.input(1).bridge_fails) = (Some(Gate::Both), Some(false));
+    };
+    let what = "amplifiers' gate stays open when the outputs go off (nFAULT)";
+    campaign.inject(what, 1, &faulted(1, "fault 31"), &ungated, &gated);
+
     let dips = |bench: &mut Bench, _: &Firmware, ms: u64| bench.input(1).supply_dips = ms == 1;
     campaign.inject("supply of the chip dips", 1, &faulted(1, "fault 15"), &dips, &nothing);
 
@@ -326,6 +344,17 @@ fn outputs_go_off_and_stay_off() {
         ("supply of the bridges high", PlantFault::HighSupply, 40, "fault 19"),
     ] {
         campaign.inject(what, 2, &faulted(within, reported), &fails(fault), &mended);
+    }
+    for (what, misses) in
+        [("one conversion of the current loop is missing", 1), ("the current loop's trigger stops", u32::MAX)]
+    {
+        let missing = move |bench: &mut Bench, _: &Firmware, ms: u64| {
+            if ms == 1 {
+                bench.input(1).misses = Some(misses);
+            }
+        };
+        let converts = |bench: &mut Bench, _: &Firmware, _: u64| bench.input(1).misses = Some(0);
+        campaign.inject(what, 1, &faulted(1, "fault 64"), &missing, &converts);
     }
     campaign.break_code("current loop hangs", &restarted(3, "no tick came"), "ADC", &[FOR_EVER]);
     campaign.set = &[];
