@@ -170,7 +170,7 @@ impl Play {
         }
         let own = self.key_file.as_deref().zip(self.number);
         if let Some(Met { number, key, meeting }) = self.meeting.agree(ui, stop, own)? {
-            return Ok(Shown::Remote(End::meeting(&meeting, key, number)?.with_device(device)));
+            return Ok(Shown::Remote(Box::new(End::meeting(&meeting, key, number)?.with_device(device))));
         }
         if !self.board.is_empty() {
             return Ok(Shown::Boards(Boards::open(self.places()?)?));
@@ -182,7 +182,7 @@ impl Play {
             (None, Some(to)) => End::joining(to, key, self.number.unwrap_or(2))?,
             (None, None) => return Err("--key-file is for --listen or --join: give one of them".into()),
         };
-        Ok(Shown::Remote(end.with_device(device)))
+        Ok(Shown::Remote(Box::new(end.with_device(device))))
     }
 
     /// Where the boards are.

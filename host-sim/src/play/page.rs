@@ -36,7 +36,7 @@ pub(crate) enum Shown {
     /// An environment of this process.
     Here(EnvironmentKind),
     /// One peer, whose partner is a process elsewhere.
-    Remote(End),
+    Remote(Box<End>),
     /// Boards, which are there.
     Boards(Boards),
 }
@@ -142,7 +142,7 @@ impl Page {
         let recorded = Recorded::of(&shown, &scene);
         let opening: Opening = match shown {
             Shown::Here(_) => Box::new(move || kind.open(&scene)),
-            Shown::Remote(end) => Box::new(move || of_axes!(scene, remote(scene, end))),
+            Shown::Remote(end) => Box::new(move || of_axes!(scene, remote(scene, *end))),
             Shown::Boards(boards) => Box::new(move || Ok(Box::new(boards))),
         };
         Ok(Self { mailbox, site, code, kind, opening, recorded })
