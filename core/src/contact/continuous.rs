@@ -92,6 +92,26 @@ impl<S: Scalar> Contact<S> {
         }
     }
 
+    /// K_LC, N/m.
+    pub(crate) fn stiffness(&self) -> S {
+        self.stiffness
+    }
+
+    /// z of the contact as a port, and what it is where forces are found in stages, K_LC·T_c + B_LC, N·s/m: the slip that leaves the spring with the
+    /// limits' force is taken at the end of the tick there, and not in its middle.
+    pub(crate) fn impedances(&self) -> [S; 2] {
+        [self.impedance, self.impedance + self.stiffness * self.half_period]
+    }
+
+    /// How far a device at this distance (m) from the object is past the surface, m; 0 where it does not touch.
+    pub(crate) fn beyond(&self, distance: S) -> S {
+        match self.surface {
+            Surface::Held => distance,
+            Surface::Play(gap) => distance - distance.limit(gap),
+            Surface::OneSided { sign } => sign * (sign * distance).max(S::ZERO),
+        }
+    }
+
     /// How far the spring is pressed, m, if device and object touch.
     #[inline]
     fn depth(&self, distance: S) -> Option<S> {

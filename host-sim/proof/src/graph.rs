@@ -142,9 +142,16 @@ impl Graph {
         place
     }
 
-    /// What a − b is if a is the sum or the difference of b and another number, to rounding: nearly that number.
+    /// What a − b is if a is the sum or the difference of b and another number, to rounding: nearly that number; or if a is the larger or the
+    /// smaller of two, of which each has its own difference.
     fn regained<F: Float>(&self, a: Place, b: Place) -> Range {
         let From::Computed(op, one, two) = self.nodes[a as usize].from else { return Range::ANY };
+        if matches!(op, Op::Max | Op::Min) && !(self.range(one).nan || self.range(two).nan || self.range(b).nan) {
+            let [one, two] =
+                [one, two].map(|of| of_two::<F>(Op::Sub, self.range(of), self.range(b)).and(self.regained::<F>(of, b)));
+            let of = if op == Op::Max { f64::max } else { f64::min };
+            return Range { nan: one.nan || two.nan, ..Range::of(of(one.lo, two.lo), of(one.hi, two.hi)) };
+        }
         let (other, negative) = match op {
             Op::Add if one == b => (self.range(two), false),
             Op::Add if two == b => (self.range(one), false),
