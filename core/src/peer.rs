@@ -161,8 +161,10 @@ pub struct Peer<S: Scalar, L: Law<S>, const SHARED: usize = 1, const N: usize = 
     probing: Probing<S>,
     /// Packet periods in which nothing was sent, since something was.
     quiet: u32,
-    /// Armed with the clutch closed, no fixture, and nothing that has slipped: only contact and coordination to compute, as in most ticks.
+    /// Plain, and nothing has slipped: only contact and coordination to compute, as in most ticks.
     fast_path: bool,
+    /// Armed with the clutch closed and no fixture.
+    plain: bool,
     clutch: Clutch<S>,
     slips: [Slip<S>; SHARED],
     /// Virtual fixture where one axis is shared.
@@ -178,7 +180,7 @@ configured!([S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Confi
     shared_axes, device, period_s, home, encoder, guard, watch, envelope, hold, motor, contact, kinematics, joints,
     ticks_per_packet, axes, law, degradation, stage_watch, clutch, fixture, oblique;
     forces, load, mode, until_packet, engagement, age_ticks, delayed, saturated, asked, still, stage, probing, quiet,
-    fast_path, slips, grips
+    fast_path, plain, slips, grips
 });
 
 impl Settings {
@@ -253,6 +255,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
             home: device.map(|axis| axis.position),
             mode: Mode::Disarmed,
             fast_path: false,
+            plain: false,
             until_packet: 0,
             joints: device.map(|at| {
                 velocity.start(at);
@@ -286,6 +289,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         }
         self.forces = [S::ZERO; N];
         self.grips = [Grip::default(); N];
+        self.fast_path = self.plain;
         self.saturated = Patience::default();
         self.engagement = self.degradation.engaged();
         self.age_ticks = 0;
@@ -313,7 +317,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
             for (slip, device) in self.slips.iter_mut().zip(self.device) {
                 slip.turn(command == Command::Clutch, device.position);
             }
-            self.fast_path = false;
+            (self.fast_path, self.plain) = (false, false);
         }
         if command == Command::Home && self.mode == Mode::Disarmed {
             self.slips = [Slip::default(); SHARED];
@@ -341,18 +345,25 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
     /// Goes into a mode.
     fn enter(&mut self, mode: Mode) {
         self.mode = mode;
-        self.fast_path = self.is_plain();
-    }
-
-    /// Whether [`Peer::fast_path`] is what it says.
-    fn is_plain(&self) -> bool {
         let free = self.fixture.is_none() && (SHARED == 1 || self.oblique.is_none());
-        self.mode == Mode::Armed && free && self.is_firm() && self.slips.iter().all(Slip::is_none)
+        self.plain = mode == Mode::Armed && free && self.slips.iter().all(Slip::is_none);
+        self.fast_path = self.plain && self.is_firm();
     }
 
     /// Whether nothing has slipped.
     fn is_firm(&self) -> bool {
         self.shared_axes.iter().all(|axis| axis.grip.is_firm()) && self.grips.iter().all(Grip::is_firm)
+    }
+
+    /// Everything is firm again where every slip is back at 0: one question for all of them.
+    fn firm_up(&mut self) {
+        let grips = self.shared_axes.iter().map(|axis| &axis.grip).chain(&self.grips);
+        let slipped = grips.fold(S::ZERO, |sum, grip| sum + grip.slip_m().abs());
+        if slipped == S::ZERO {
+            self.shared_axes.iter_mut().for_each(|axis| axis.grip = Grip::default());
+            self.grips = [Grip::default(); N];
+            self.fast_path = self.plain;
+        }
     }
 
     /// Begins a probe, if disarmed; otherwise nothing changes.
@@ -454,12 +465,10 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
     #[inline(never)]
     fn slow_path(&mut self, jacobian: [[S; N]; N], stage: Option<Measured<N>>) -> Actuators<S, N> {
         if self.mode == Mode::Armed {
-            let was_firm = self.is_firm();
-            let actuators = self.render::<false>(&Pose { axes: self.device, jacobian });
-            if !was_firm && self.is_firm() {
-                self.fast_path = self.is_plain();
+            if !self.is_firm() {
+                self.firm_up();
             }
-            return actuators;
+            return self.render::<false>(&Pose { axes: self.device, jacobian });
         }
         self.envelope.rest(&mut self.load);
         for ((axis, slip), device) in self.shared_axes.iter_mut().zip(&self.slips).zip(self.device) {
@@ -527,7 +536,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
             }
             slipped |= !axis.grip.is_firm();
         }
-        if PLAIN && slipped {
+        if slipped {
             self.fast_path = false;
         }
         self.age_ticks = self.age_ticks.saturating_add(1);
@@ -669,8 +678,9 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
                 if self.guard.is_free(*wanted) {
                     *last = *wanted;
                 } else {
-                    at_limit |= self.guard.is_at_limit(*wanted);
-                    *last = self.limited(at, *last, *wanted);
+                    let (given, all) = self.limited(at, *last, *wanted);
+                    *last = given;
+                    at_limit |= all;
                 }
             }
         }
@@ -706,19 +716,20 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         Actuators { forces, duties, enable: true, open: false }
     }
 
-    /// The force (N) that an axis has after `last` where `wanted` is asked of it; where it is held, its line slips for what is cut.
+    /// The force (N) that an axis has after `last` where `wanted` is asked of it, and whether it is all that it may give; where the axis is
+    /// held, its line slips for what is cut.
     #[cold]
     #[inline(never)]
-    fn limited(&mut self, at: usize, last: S, wanted: S) -> S {
-        let given = self.guard.limit(last, wanted);
+    fn limited(&mut self, at: usize, last: S, wanted: S) -> (S, bool) {
+        let (given, at_limit) = (self.guard.limit(last, wanted), self.guard.is_at_limit(wanted));
         if at >= SHARED
-            && given != wanted
+            && (at_limit || given != wanted)
             && let Some(grip) = self.grips.get_mut(at)
         {
             self.fast_path = false;
             self.hold.slide(grip, given - wanted, -given);
         }
-        given
+        (given, at_limit)
     }
 
     /// The force that holds an axis which may have slipped, N.

@@ -15,8 +15,8 @@
 //! is saved. So a spring that was cut by the largest force gives back what it took, like one that is soft from there on, and one that was cut
 //! by the slew limit a part of it.
 //!
-//! Units: m, N, J. State: zeros while no limit acts, and nothing else is computed then. One question is asked of its numbers in a tick, and
-//! none while it is firm: a proof follows both answers to each.
+//! Units: m, N, J. State: zeros while no limit acts, and nothing else is computed then. No branch is on its numbers: a proof would have to
+//! follow both ways of each.
 
 use crate::num::Scalar;
 
@@ -30,12 +30,12 @@ pub struct Grip<S> {
     slip: S,
     /// What it may still give back, J.
     saved_j: S,
-    /// It gave way, and has not been found back at 0 since.
+    /// It gave way, and whoever holds it has not made it firm since.
     loose: bool,
 }
 
 impl<S: Scalar> Grip<S> {
-    /// Whether nothing has slipped.
+    /// Whether nothing has slipped since it was made.
     #[inline]
     pub fn is_firm(&self) -> bool {
         !self.loose
@@ -59,10 +59,6 @@ impl<S: Scalar> Grip<S> {
     /// A tick of the way back of a spring (N/m) whose device is so far past the surface, m.
     #[inline]
     pub fn recover(&mut self, past: S, stiffness: S, period_s: S) {
-        if self.slip == S::ZERO {
-            *self = Self::default();
-            return;
-        }
         let slip = self.slip.max(past.min(S::ZERO)).min(past.max(S::ZERO));
         let depth = past - slip;
         let back = slip.limit(S::from_f64(BACK_M_PER_S) * period_s);

@@ -116,6 +116,12 @@ impl Graph {
     }
 
     fn compute<F: Float>(&mut self, op: Op, a: Place, b: Place) -> Place {
+        // What is the same number is the same node, but for the sign of a zero, which no range tells.
+        match (op, a, b) {
+            (Op::Add, same, ZERO) | (Op::Add, ZERO, same) | (Op::Sub, same, ZERO) => return same,
+            (Op::Mul, same, ONE) | (Op::Mul, ONE, same) | (Op::Ratio | Op::Over, same, ONE) => return same,
+            _ => {}
+        }
         let (of_a, of_b) = (self.range(a), self.range(b));
         let mut range = of_two::<F>(op, of_a, of_b);
         if self.is_constant(a) && self.is_constant(b) && range.is_point() {
@@ -132,12 +138,17 @@ impl Graph {
         if op == Op::Sub {
             range = range.and(self.regained::<F>(a, b));
         }
+        let away = if matches!(op, Op::Neg | Op::Abs) { self.nodes[a as usize].away } else { 0.0 };
+        if op == Op::Abs {
+            range.lo = range.lo.max(away);
+        }
         let key = (op, a, b, F::EPSILON == f64::EPSILON);
         if let Some(place) = self.computed.get(&key).copied() {
             self.narrow::<F>(place, range, 0);
             return place;
         }
         let place = self.push(range, From::Computed(op, a, b));
+        self.nodes[place as usize].away = away;
         self.computed.insert(key, place);
         place
     }
