@@ -10,10 +10,10 @@
 //! **Passive**: ½K·y² + the work on the object changes by T_c·B·ẏ·(ẋ_h − ẏ) − F̂·Δe, which is what it does without limits, less F̂·Δe. And
 //! F̂·Δe ≥ 0, since the interval has zero in it: F̂ has the sign of F − F̂. A force that had to fall slowly would need the other sign.
 //!
-//! **Going back.** A device that goes back takes the slip along: e lies between 0 and δ, and y is 0 on that way, which costs nothing. While the
-//! device stays, what the slip took, Σ F̂·Δe, pays for its way back, at [`BACK_M_PER_S`] and never beyond a spring energy of ½K·y² + what
-//! is saved. So a spring that was cut by the largest force gives back what it took, like one that is soft from there on, and one that was cut
-//! by the slew limit a part of it.
+//! **Going back.** A slip would stay for good. What it took, Σ F̂·Δe, pays for its way back to 0, at [`BACK_M_PER_S`] and never beyond a
+//! spring energy of ½K·y² + what is saved. So a spring that was cut by the largest force gives back what it took, like one that is soft from
+//! there on, and one that was cut by the slew limit a part of it. Where the two can part, a device that goes out takes the slip along at
+//! once and for nothing: e lies between 0 and δ, and y is 0 on that way.
 //!
 //! Units: m, N, J. State: zeros while no limit acts, and nothing else is computed then. No branch is on its numbers: a proof would have to
 //! follow both ways of each.
@@ -56,10 +56,16 @@ impl<S: Scalar> Grip<S> {
         self.loose = true;
     }
 
+    /// The device is so far past the surface (m): what it does not press into any more has not slipped.
+    #[inline]
+    pub fn part(&mut self, past: S) {
+        self.slip = self.slip.max(past.min(S::ZERO)).min(past.max(S::ZERO));
+    }
+
     /// A tick of the way back of a spring (N/m) whose device is so far past the surface, m.
     #[inline]
     pub fn recover(&mut self, past: S, stiffness: S, period_s: S) {
-        let slip = self.slip.max(past.min(S::ZERO)).min(past.max(S::ZERO));
+        let slip = self.slip;
         let depth = past - slip;
         let back = slip.limit(S::from_f64(BACK_M_PER_S) * period_s);
         // No rounding is beyond what presses already; a spring that stores nothing pays nothing, and stays.

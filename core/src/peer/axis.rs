@@ -222,9 +222,7 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
         if self.grip.is_firm() {
             return device;
         }
-        let spring = tick.contact.spring();
-        let past = spring.beyond(device.position - self.object.position);
-        self.grip.recover(past, spring.stiffness(), tick.period_s);
+        tick.contact.spring().recover(&mut self.grip, device.position - self.object.position);
         Motion { position: device.position - self.grip.slip_m(), ..device }
     }
 
