@@ -7,7 +7,8 @@ use clap::Args;
 use haptic_live::devices::Kind;
 use haptic_live::endpoint::Stop;
 use haptic_protocol::key;
-use haptic_sim::key_file;
+use haptic_report::Provenance;
+use haptic_sim::{key_file, scene::Scene};
 use serde_json::json;
 
 use super::board::address;
@@ -83,11 +84,7 @@ impl Play {
         if let Some(file) = &self.open {
             return self.look_at(file, ui);
         }
-        let (scene, stop) = (self.scene.load_or(ui, "any-network")?, Stop::on_signals()?);
-        let fitting = self.environment().map_or_else(|| Ok(scene.clone()), |kind| kind.fitting(scene.clone()))?;
-        let provenance = ui.provenance().settings(fitting.settings());
-        // Behind a picture, which has a scene of its own, stands the one that was given.
-        let scene = if self.environment().is_some_and(EnvironmentKind::is_story) { scene } else { fitting };
+        let ((scene, provenance), stop) = (self.fitted(ui, &self.scene)?, Stop::on_signals()?);
         if self.measure {
             return ui.result(&measure(&scene, self.seconds.unwrap_or(MEASURED_S), &stop)?);
         }
@@ -100,11 +97,11 @@ impl Play {
         }
         let shown = self.shown(ui, &stop)?;
         // What a device is given in the scene depends on which of the two this is.
-        let scene = match &shown {
-            Shown::Remote(end) => {
-                self.scene.over(end.number, &self.device.beneath(end.number))?.load_or(ui, "any-network")?
+        let (scene, provenance) = match &shown {
+            Shown::Remote(end) if !end.has_the_pages_hand() => {
+                self.fitted(ui, &self.scene.over(end.number, &self.device.beneath(end.number))?)?
             }
-            Shown::Here(_) | Shown::Boards(_) => scene,
+            _ => (scene, provenance),
         };
         let hands = match &shown {
             Shown::Here(_) => vec![1, 2],
@@ -130,6 +127,16 @@ impl Play {
         let record = self.record.record.as_deref().map(|file| (file, &provenance));
         let kept = page.run(self.seconds.unwrap_or(f64::INFINITY), record, &stop)?;
         ui.report("play", &json!(kept))
+    }
+
+    /// This scene as what is shown first has it, and the settings that a recording says.
+    fn fitted(&self, ui: &Ui, scene: &SceneArgs) -> Result<(Scene, Provenance), Failure> {
+        let scene = scene.load_or(ui, "any-network")?;
+        let fitting = self.environment().map_or_else(|| Ok(scene.clone()), |kind| kind.fitting(scene.clone()))?;
+        let provenance = ui.provenance().settings(fitting.settings());
+        // Behind a picture, which has a scene of its own, stands the one that was given.
+        let is_story = self.environment().is_some_and(EnvironmentKind::is_story);
+        Ok((if is_story { scene } else { fitting }, provenance))
     }
 
     /// The page of a recording.
