@@ -218,7 +218,7 @@ impl LawInfo {
 }
 
 /// Most keys of laws that may differ from their defaults at once.
-pub const MOST_OWN_KEYS: usize = 8;
+pub const MOST_OWN_KEYS: usize = 9;
 
 /// Values of laws' own keys where they are not the default, by name.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

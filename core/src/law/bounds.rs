@@ -12,7 +12,10 @@
 //! N lines of b that meet send 2/N·Σu − u_i back into each (see [`super::node`]), at most 3·U: a peer accepts that
 //! much, since its other end may be a hub ([`Bounds::beyond_a_junction`]); a hub accepts U.
 //!
-//! A line of [`Sends::Counters`] sends its slip and how fast it goes on beside them ([`super::self_timed`]), and a flag for a wave.
+//! A line of [`Sends::Counters`] sends its slip and how fast it goes on beside them ([`super::self_timed`]), and for a wave a flag, and by how
+//! much less its impedance should be. Where that falls to ρ·b its waves keep the unit of b, and a pull of F is one of F/ρ in them: such a line is
+//! bounded with the least ρ that an end goes to, a quarter: U = (b·V + F/ρ₀)/√(2b). Whoever lies pushes with 760 N instead of 640 at the most,
+//! in `any-network`, before the limits of whoever is pushed.
 //!
 //! Sums without a stated number of ticks are bounded as if over [`MOST_TICKS`], so that the difference of two stays within the
 //! range of numbers. What a law of [`Sends::Motion`] sends beside the motion has a unit of its own, and need only be finite.
@@ -20,7 +23,7 @@
 //! **Limits**: a hand at V or F, or a spring that is released, moves a light copy faster for a moment; a peer at its own limits is
 //! about to be stopped by them ([`crate::safety`]), and is disconnected if its copy was faster. Tick counters wrap after 49 days.
 
-use super::self_timed::MOST_TOLD_M;
+use super::self_timed::{MOST_TOLD_M, least_share};
 use super::{Packet, Sends};
 use crate::num::Scalar;
 use crate::settings::Settings;
@@ -61,14 +64,16 @@ impl Bounds {
     pub fn build(settings: &Settings, sends: Sends) -> Self {
         let (safety, impedance) = (settings.in_the_world().safety, settings.coordination.wave_impedance_n_s_per_m);
         let (speed_m_per_s, period_s) = (safety.max_speed_m_per_s, settings.timing.control_period_s);
-        let wave = (impedance * speed_m_per_s + safety.max_force_n) / libm::sqrt(2.0 * impedance);
+        // What a newton is in the waves of a line that may be lighter than b.
+        let share = if sends == Sends::Counters { least_share(settings) } else { 1.0 };
+        let wave = (impedance * speed_m_per_s + safety.max_force_n / share) / libm::sqrt(2.0 * impedance);
         Self {
             place_m: if sends == Sends::Counters { MOST_TOLD_M } else { 2.0 * safety.workspace_m },
             speed_m_per_s,
             wave: match sends {
                 Sends::Motion => f64::MAX,
-                // A flag.
-                Sends::Counters => wave.max(1.0),
+                // A flag, and a share.
+                Sends::Counters => wave.max(2.0),
                 _ => wave,
             },
             integral_per_tick: period_s * wave,

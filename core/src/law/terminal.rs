@@ -47,11 +47,7 @@ pub(super) struct Ended<S> {
 
 impl<S: Scalar> Terminal<S> {
     pub(super) fn build(settings: &Settings) -> Self {
-        Self::with(settings, Spring::<S>::impedance(settings))
-    }
-
-    /// A line whose spring has the impedance `kappa`, N·s/m, with what else is in a row with it.
-    pub(super) fn with(settings: &Settings, kappa: f64) -> Self {
+        let kappa = Spring::<S>::impedance(settings);
         let impedance = settings.coordination.wave_impedance_n_s_per_m;
         let root = libm::sqrt(2.0 * impedance);
         Self {

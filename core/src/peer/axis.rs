@@ -105,8 +105,11 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
 
     /// What would be sent now.
     pub(super) fn outgoing(&self, law: &L, engaged: bool) -> Packet<S> {
-        let packet =
-            Packet { energy_j: self.ledger.sent_j().to_counter(), ..law.send(&self.coordination, self.object) };
+        let mut packet = law.send(&self.coordination, self.object);
+        // A law that needs it more finely than the ledger's number type has counted it itself.
+        if packet.energy_j == S::Counter::ZERO {
+            packet.energy_j = self.ledger.sent_j().to_counter();
+        }
         if !packet.is_finite() {
             return Packet { motion: Motion::at(self.object.position), ..Packet::default() };
         }

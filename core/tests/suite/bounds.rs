@@ -47,8 +47,11 @@ proptest! {
         ticks in ticks(),
         ticks_per_packet in 1..10_u32,
         impedance in 1.0..100.0_f64,
+        most_kg in prop::sample::select(&[0.0, 0.2, 4.0][..]),
+        claims in prop::sample::select(&[0.0, 0.3, 1.0, 100.0][..]),
     ) {
         let mut settings = settings(law, ticks_per_packet, impedance);
+        settings.set("coordination.most_line_mass_kg", Value::Number(most_kg)).expect("it is allowed");
         let law = AnyLaw::<f64>::build(&settings).expect("good settings");
         let sends = AnyLaw::<f64>::info(&settings).expect("a law").sends;
         let mut state = law.start(Motion::REST);
@@ -58,10 +61,14 @@ proptest! {
             if let Some((wave, ticks)) = tick.hears {
                 let ticks = u32::from(ticks);
                 heard.wave = wave;
+                if sends == Sends::Counters {
+                    // What it says of itself: whether it hears anything, and what the line should weigh.
+                    heard.wave = 0.1 * wave;
+                }
                 heard.motion.velocity = tick.velocity;
                 heard.live_ticks += ticks;
                 heard.wave_integral += 1e-3 * f64::from(ticks) * wave;
-                heard.energy_j += 0.5e-3 * f64::from(ticks) * wave * wave;
+                heard.energy_j += claims * 0.5e-3 * f64::from(ticks) * wave * wave;
                 law.receive(&mut state, heard);
             }
             let seen = Observation { local, contact_force: 0.0, age_ticks: 0 };

@@ -9,14 +9,15 @@
 //! | the end | D | A |
 //! |---|---|---|
 //! | stands, and has not heard of the other end's slip yet | ∞ | |
-//! | stands, and hears nothing | `coordination.carry_damping_n_s_per_m` | F̄ + D·(w̄ + c) |
+//! | stands, and hears nothing | `coordination.carry_damping_n_s_per_m` | F̄ + D·(w̄ + [`BLIND`]·c) |
 //! | stands, and hears the other end, which stands | [`HEARD`] times it | F̄ + D·(w_far + c) |
 //! | is live | [`LIVE`] times κ | F₋ + D·c |
 //!
-//! with F̄ and w̄ the force and the line's velocity lately (one pole of [`LATELY_S`]), of which w̄ fades while the end stands, F₋ the
-//! force of the tick before, w_far how fast the other end's point goes, as its newest packet said, and c = (e_far − e)/2τ_c the way to
-//! the slip of the other end: only the difference of both slips holds the copies apart, and what both ends coast alike is none.
-//! The end that hears nothing may go where it likes; the one that hears it follows, and resists its own hand more. Of a live end F₋ − F_T
+//! with F̄ and w̄ the force (within [`MOST_N`]) and the line's velocity lately (one pole of [`LATELY_S`]), of which w̄ fades while the end
+//! stands, F₋ the force of the tick before, w_far how fast the other end's point goes, as its newest packet said, and
+//! c = (e_far − e)/2τ_c the way to the slip of the other end: only the difference of both slips holds the copies apart, and what both ends
+//! coast alike is none. An end that hears nothing takes it that the other one coasts as it would itself, e_far going on at w̄: what it
+//! yields to a hand beyond that it takes back. The one that hears it follows, and resists its own hand more. Of a live end F₋ − F_T
 //! makes a spring of stiffness D/T_c, 1 % of the compliance of K_T: that part of e, −F₋·T_c/D, is the end's own. What is told of e, and
 //! drawn to the other's, is the rest, which goes at c whatever pulls: nothing goes round a loop.
 //!
@@ -62,13 +63,18 @@ pub(super) const ENERGY: Key = Key::number(
 );
 
 /// D of an end that hears the other one, as a multiple of that of an end that hears nothing.
-const HEARD: f64 = 3.0;
+const HEARD: f64 = 2.0;
+/// How much faster an end that hears nothing comes back to where the other one should be.
+const BLIND: f64 = 8.0;
 /// D of a live end, as a multiple of κ of its spring.
 const LIVE: f64 = 200.0;
 /// How long ago "lately" is, s.
-const LATELY_S: f64 = 0.008;
-/// Fastest way to the other end's slip, m/s.
-const MOST_M_PER_S: f64 = 0.1;
+const LATELY_S: f64 = 0.004;
+/// The most force that goes on while an end stands, N: what a hand pushes with, and not a jolt.
+const MOST_N: f64 = 10.0;
+/// Fastest way to the other end's slip while the line is live, and while it stands, m/s.
+const LIVE_M_PER_S: f64 = 0.1;
+const STANDING_M_PER_S: f64 = 1.0;
 /// Slips are told modulo this, m: of two that are less than half of it apart the difference is known, however far both have gone.
 pub(crate) const MODULUS_M: f64 = 16.0;
 /// Share of the speed that a packet may say.
@@ -128,9 +134,12 @@ pub(super) struct Carry<S: Scalar> {
     /// Share of w̄ that is left after a tick, and of what is new in F̄ and w̄.
     left: S,
     new: S,
-    /// 1/2τ_c, 1/s.
+    /// 1/2τ_c, and of an end that hears nothing, 1/s.
     back: S,
-    most_m_per_s: S,
+    blind_back: S,
+    live_m_per_s: S,
+    standing_m_per_s: S,
+    most_n: S,
     capital_j: S,
     most_j: S,
     /// The fastest that a packet may say, m/s.
@@ -139,8 +148,8 @@ pub(super) struct Carry<S: Scalar> {
 }
 
 configured!([S: Scalar] Carry<S> {
-    period_s, kappa, spring_damping, blind, hears, live, elastic_m_per_n, left, new, back, most_m_per_s, capital_j, most_j,
-    within_m_per_s, half_m
+    period_s, kappa, spring_damping, blind, hears, live, elastic_m_per_n, left, new, back, blind_back, live_m_per_s,
+    standing_m_per_s, most_n, capital_j, most_j, within_m_per_s, half_m
 });
 
 /// What an end knows of the other one's slip.
@@ -162,6 +171,8 @@ pub(super) struct Slip<S: Scalar> {
     /// What the other end's slip is more, m; w_far, m/s.
     ahead_m: S,
     far_m_per_s: S,
+    /// How far the other end should have coasted since it was heard last, m.
+    coasted_m: S,
     /// F₋, F̄, N.
     force: S,
     lately_force: S,
@@ -212,7 +223,10 @@ impl<S: Scalar> Carry<S> {
             left: number(libm::exp(-period_s / settings.own(&FADE))),
             new: number(1.0 - libm::exp(-period_s / LATELY_S)),
             back: number(0.5 / settings.own(&RETURN)),
-            most_m_per_s: number(MOST_M_PER_S),
+            blind_back: number(BLIND * 0.5 / settings.own(&RETURN)),
+            live_m_per_s: number(LIVE_M_PER_S),
+            standing_m_per_s: number(STANDING_M_PER_S),
+            most_n: number(MOST_N),
             capital_j: number(capital_j),
             most_j: number(capital_j.max(CAP_J)),
             within_m_per_s: number(WITHIN * fastest),
@@ -309,15 +323,25 @@ impl<S: Scalar> Carry<S> {
     /// The spring of this tick, which begins with this pull, N.
     #[inline]
     pub(super) fn tie(&self, slip: &mut Slip<S>, doing: Doing, pull: S) -> Tied<S> {
-        let back = (self.back * slip.ahead_m).limit(self.most_m_per_s);
         let (series, base) = match doing {
-            Doing::Live => (&self.live, slip.force + self.live.damping * back),
-            Doing::Hears => (&self.hears, slip.lately_force + self.hears.damping * (slip.far_m_per_s + back)),
-            Doing::Blind => (&self.blind, slip.lately_force + self.blind.damping * (slip.lately_m_per_s + back)),
+            Doing::Live => {
+                let back = (self.back * slip.ahead_m).limit(self.live_m_per_s);
+                (&self.live, slip.force + self.live.damping * back)
+            }
+            Doing::Hears => {
+                let back = (self.back * slip.ahead_m).limit(self.standing_m_per_s);
+                (&self.hears, slip.lately_force.limit(self.most_n) + self.hears.damping * (slip.far_m_per_s + back))
+            }
+            Doing::Blind => {
+                let back = (self.blind_back * (slip.ahead_m + slip.coasted_m)).limit(self.standing_m_per_s);
+                (&self.blind, slip.lately_force.limit(self.most_n) + self.blind.damping * (slip.lately_m_per_s + back))
+            }
             Doing::Alone => return Tied { drive: S::ZERO, inverse: S::ZERO, pull, impedance: self.kappa },
         };
         let Series { inverse, stiff, impedance, .. } = *series;
-        let drive = base.limit((series.allows * slip.tank_j).sqrt());
+        // A root only where there is too little in the tank.
+        let most = series.allows * slip.tank_j;
+        let drive = if base * base <= most { base } else { base.limit(most.sqrt()) };
         let pull = stiff * pull + (S::ONE - stiff) * drive;
         Tied { drive, inverse, pull, impedance }
     }
@@ -336,9 +360,12 @@ impl<S: Scalar> Carry<S> {
         slip.tank_j = (slip.tank_j + self.period_s * saved).min(self.most_j).max(S::ZERO);
         slip.force = force;
         if doing == Doing::Live {
+            slip.coasted_m = S::ZERO;
             slip.lately_force = slip.lately_force + self.new * (force - slip.lately_force);
             slip.lately_m_per_s = slip.lately_m_per_s + self.new * (line - slip.lately_m_per_s);
         } else {
+            let blind = doing == Doing::Blind;
+            slip.coasted_m = if blind { slip.coasted_m + self.period_s * slip.lately_m_per_s } else { S::ZERO };
             slip.lately_m_per_s = self.left * slip.lately_m_per_s;
         }
         slip.goes_m_per_s

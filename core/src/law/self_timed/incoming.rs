@@ -2,7 +2,9 @@
 //!
 //! A tick emits the mean of what is outstanding, u_in = R/(k·T_c), where R is the integral and k the number of samples that
 //! were heard and not yet emitted: every sample that was sent comes out with weight one in the end (nothing drifts), and a mean
-//! never has more energy than what it is the mean of (Jensen; passive). No sample: the line stands, and nothing is counted.
+//! never has more energy than what it is the mean of (Jensen; passive), at the impedance of the end that sent it: at a higher one it is paid
+//! for from the sender's counter of energy, or comes out at the one that this pays for ([`super::mass`]). No sample, or samples of which the
+//! sender says that they have less energy than any impedance may have: the line stands, and nothing is counted.
 //!
 //! Each end begins with d₀ samples of zero to its credit. Their number never changes by itself: in line time the line is one
 //! of constant delay, whatever the network does.
@@ -44,6 +46,8 @@ const LEAST_AT_ONCE: i32 = 4;
 const MOST_AT_ONCE: i32 = 128;
 /// The largest wave at which two samples may come out in one tick, √W.
 const NEARLY_AT_REST: f64 = 0.25;
+/// What a line begins with beside what came, once and for all, J: the last bit of a sum of a million joules, several times.
+const ROUNDING_J: f64 = 5e-10;
 /// By how much the counter of a peer that begins anew jumps: more than a line can ever hold.
 pub(super) const ANEW: u32 = 1 << 20;
 
@@ -61,13 +65,18 @@ pub(super) struct Incoming<C> {
     window: u32,
     /// [`NEARLY_AT_REST`].
     nearly_at_rest: C,
-    half: C,
+    /// ½·T_c, s.
+    half_period_s: C,
+    /// [`ROUNDING_J`].
+    rounding_j: C,
+    /// ρ₀; 1 where b stays what it is.
+    least: C,
     /// Ticks without a packet after which nothing comes any more.
     gap: u32,
 }
 
 configured!([C: Scalar] Incoming<C> {
-    period_s, credit, follows, kept, window, nearly_at_rest, half, gap
+    period_s, credit, follows, kept, window, nearly_at_rest, half_period_s, rounding_j, least, gap
 });
 
 /// The other end's counters, as they came.
@@ -91,8 +100,9 @@ pub(super) struct Outstanding<C> {
     account_j: C,
     /// The sample that came out last, √W.
     pub(super) last: C,
-    /// The other end stands because nothing reaches it; this one does.
-    far_is_cut_off: bool,
+    /// d₀: how long the line to this end is, ticks.
+    pub(super) length: i32,
+    /// It stands because nothing reaches it.
     pub(super) is_cut_off: bool,
     /// Ticks that the line has stood since something came.
     stood: u32,
@@ -125,13 +135,14 @@ impl<C: Scalar> Incoming<C> {
             kept: events.map_or(KEPT, |events| events.left_of(KEPT.cast_unsigned()).cast_signed()),
             window: (WINDOW_S / timing.control_period_s) as u32,
             nearly_at_rest: C::from_f64(NEARLY_AT_REST),
-            half: C::from_f64(0.5),
+            half_period_s: C::from_f64(0.5 * timing.control_period_s),
+            rounding_j: C::from_f64(ROUNDING_J),
+            least: C::from_f64(super::mass::least(settings)),
             gap: longest.saturating_add(KEPT.cast_unsigned()),
         }
     }
 
-    /// Takes in the counters of a packet. The first, or a jump: both ends begin anew. False if it
-    /// is older than the newest.
+    /// Takes in the counters of a packet. The first, or a jump: both ends begin anew. False if it is older than the newest.
     #[inline]
     pub(super) fn receive<S: Scalar<Counter = C>>(&self, state: &mut Outstanding<C>, packet: &Packet<S>) -> bool {
         let Packet { wave_integral: integral, energy_j, live_ticks: live, .. } = *packet;
@@ -148,7 +159,6 @@ impl<C: Scalar> Incoming<C> {
         if new < 0 {
             return false;
         }
-        state.far_is_cut_off = packet.wave.to_counter() > self.half;
         if new > 0 {
             state.heard = Some(heard);
             state.samples = state.samples.saturating_add(new);
@@ -157,7 +167,8 @@ impl<C: Scalar> Incoming<C> {
             if self.follows && state.stood > 0 && state.impatience >= IMPATIENT {
                 // The other end stands as long and adds its half.
                 let half = i32::try_from(state.stood.div_ceil(2)).unwrap_or(i32::MAX);
-                state.samples = state.samples.saturating_add(half.min(state.reach) + SPARE);
+                let more = half.min(state.reach) + SPARE;
+                (state.samples, state.length) = (state.samples.saturating_add(more), state.length.saturating_add(more));
                 state.reach = (2 * state.reach).min(MOST_AT_ONCE);
                 (state.fewest, state.watched, state.surplus) = (i32::MAX, 0, 0);
             }
@@ -166,52 +177,82 @@ impl<C: Scalar> Incoming<C> {
         true
     }
 
+    /// d₀ of a line that begins, ticks.
+    pub(super) fn credit(&self) -> i32 {
+        self.credit
+    }
+
     fn begin(&self, heard: Counters<C>) -> Outstanding<C> {
         Outstanding {
             heard: Some(heard),
             samples: self.credit,
+            length: self.credit,
+            account_j: self.rounding_j,
             reach: LEAST_AT_ONCE,
             fewest: i32::MAX,
             ..Outstanding::default()
         }
     }
 
-    /// u_in of this tick, √W; none: the line stands.
-    #[inline]
-    pub(super) fn emit<S: Scalar<Counter = C>>(&self, state: &mut Outstanding<C>, age_ticks: u32) -> Option<S> {
-        state.heard?;
-        state.is_cut_off = state.samples <= 0 && age_ticks > self.gap;
+    /// u_in of this tick, √W, and the ρ that it is paid for at, `own` or less; none: the line stands. Once in the image, not once for each kind of
+    /// tick: it is 250 bytes of ITCM.
+    #[inline(never)]
+    pub(super) fn emit<S: Scalar<Counter = C>>(&self, state: &mut Outstanding<C>, own: S) -> Option<[S; 2]> {
         if state.samples <= 0 {
-            if !state.is_cut_off && !state.far_is_cut_off {
-                state.stood = state.stood.saturating_add(1);
-                state.impatience = (state.impatience + STANDING).min(2 * IMPATIENT);
-            }
-            state.fewest = 0;
-            state.last = C::ZERO;
             return None;
         }
-        let mean = state.integral.over(C::from_i32(state.samples) * self.period_s);
-        let taken = if self.follows { self.follow(state, mean) } else { 1 };
-        let wave = C::from_i32(taken) * mean;
+        state.is_cut_off = false;
+        let samples = C::from_i32(state.samples);
+        let mean = state.integral.over(samples * self.period_s);
+        let share = self.share(state, samples * self.price_j(mean), own)?;
+        let paid = share.to_counter();
+        let taken = if self.follows { self.follow(state, mean, paid) } else { 1 };
+        let wave = if taken > 1 { mean + mean } else { mean };
         state.impatience = state.impatience.saturating_sub(1);
         // What comes out is what is booked, to the bit.
         let wave = S::of_counter(wave);
         state.last = wave.to_counter();
         state.integral = state.integral - self.period_s * state.last;
         state.samples -= taken;
-        state.account_j = state.account_j - self.price_j(state.last);
-        Some(wave)
+        state.account_j = state.account_j - paid * self.price_j(state.last);
+        Some([wave, share])
     }
 
-    /// Energy of emitting this wave for one tick, ½·T_c·u², J.
+    /// A tick in which nothing came out; `far_is_cut_off`: the other end says that nothing reaches it.
+    #[inline(never)]
+    pub(super) fn stand(&self, state: &mut Outstanding<C>, age_ticks: u32, far_is_cut_off: bool) {
+        if state.heard.is_none() || state.samples > 0 {
+            return;
+        }
+        state.is_cut_off = age_ticks > self.gap;
+        if !state.is_cut_off && !far_is_cut_off {
+            state.stood = state.stood.saturating_add(1);
+            state.impatience = (state.impatience + STANDING).min(2 * IMPATIENT);
+        }
+        state.fewest = 0;
+        state.last = C::ZERO;
+    }
+
+    /// The ρ, `own` or less, at which what has come pays for all that is outstanding, which is this at ρ = 1, J; none where that is less than ρ₀.
     #[inline]
-    fn price_j(&self, wave: C) -> C {
-        self.half * self.period_s * wave * wave
+    fn share<S: Scalar<Counter = C>>(&self, state: &Outstanding<C>, all_j: C, own: S) -> Option<S> {
+        // Where all have the same ρ it pays by itself (Jensen).
+        if own.to_counter() * all_j <= state.account_j || self.least == C::ONE {
+            return Some(own);
+        }
+        let paid = state.account_j.ratio(all_j);
+        (paid >= self.least).then(|| S::of_counter(paid).min(own))
+    }
+
+    /// Energy of this wave through one tick at ρ = 1, ½·T_c·u², J.
+    #[inline]
+    pub(super) fn price_j(&self, wave: C) -> C {
+        self.half_period_s * wave * wave
     }
 
     /// Samples that come out in this tick: two where the line is longer than it need be and can afford to be shorter.
     #[inline]
-    fn follow(&self, state: &mut Outstanding<C>, mean: C) -> i32 {
+    fn follow(&self, state: &mut Outstanding<C>, mean: C, share: C) -> i32 {
         state.fewest = state.fewest.min(state.samples);
         state.watched += 1;
         if state.watched >= self.window {
@@ -223,10 +264,11 @@ impl<C: Scalar> Incoming<C> {
             return 1;
         }
         let left = C::from_i32(state.samples - 2) * self.price_j(mean);
-        if state.account_j - self.price_j(C::from_i32(2) * mean) < left {
+        if state.account_j < share * (self.price_j(C::from_i32(2) * mean) + left) {
             return 1;
         }
         state.surplus -= 1;
+        state.length -= 1;
         2
     }
 }

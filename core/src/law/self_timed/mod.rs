@@ -5,11 +5,11 @@
 //! none; x_d stays where it is, nothing is emitted, sent or counted, and the copy hangs on the spring K_T there, as on a wall, or on what
 //! carries on from there (`carry` says how). What crosses the network are two counters, the live ticks and the integral of
 //! u_out over them: whatever is lost, late, repeated or overtaken, the next packet brings all of it. `incoming` says how
-//! much of it a tick emits.
+//! much of it a tick emits, `mass` what impedance the line has.
 //!
 //! x_d is not the sum of its velocities but of the waves, x_d = x_d0 + (∫u_in + ∫u_out)/√(2b), so that two ends that have
-//! exchanged the same waves are as far apart as when they began. These sums are compensated `f64` in every number type: one
-//! rounding of 10⁻¹⁶ however long the session.
+//! exchanged the same waves are as far apart as when they began. These sums are `f64` in every number type, whose last bit at a
+//! metre is 10⁻¹⁶: all roundings of an hour come to 10⁻¹³ m. That of energies is compensated, for it has to pay to the last bit.
 //!
 //! Nothing is live before a packet has come; what the other end sent before that (at most d₀ samples, both at rest) is not in
 //! the line.
@@ -22,15 +22,19 @@
 mod carry;
 mod events;
 mod incoming;
+mod mass;
 
 use carry::{Carry, DAMPING, Doing, ENERGY, FADE, MODULUS_M, RETURN, Slip};
 use events::{Announced, Events, THRESHOLD, TOGETHER};
 use incoming::{ANEW, CREDIT, Incoming, Outstanding};
+use mass::{End, MASS, Share};
+
+pub(super) use mass::least as least_share;
 
 use super::event::LONGEST;
 use super::terminal::Terminal;
 use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Sends, needs_midpoint};
-use crate::num::{Motion, Scalar, StateVector, Sum, visit_counter, visit_sum};
+use crate::num::{Motion, Scalar, StateVector, Sum, visit_counter};
 use crate::object::Solve;
 use crate::settings::{Refused, Settings};
 
@@ -40,7 +44,7 @@ pub(super) const MOST_TOLD_M: f64 = MODULUS_M;
 /// One end of a self-timed line.
 #[derive(Clone, Copy, Debug)]
 pub struct SelfTimed<S: Scalar> {
-    end: Terminal<S>,
+    end: End<S>,
     incoming: Incoming<S::Counter>,
     carry: Carry<S>,
     events: Option<Events<S::Counter>>,
@@ -48,22 +52,27 @@ pub struct SelfTimed<S: Scalar> {
     half: S,
     /// T_c, s.
     period_s: S::Counter,
-    /// 1/√(2b).
-    wave_to_position: S::Counter,
+    /// T_c/√(2b).
+    wave_to_position_s: S::Counter,
 }
 
-configured!([S: Scalar] SelfTimed<S> { end, incoming, carry, events, ticks_per_packet, half, period_s, wave_to_position });
+configured!([S: Scalar] SelfTimed<S> { end, incoming, carry, events, ticks_per_packet, half, period_s, wave_to_position_s });
 
 /// State of one end of a self-timed line.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SelfTimedState<S: Scalar> {
     /// x_d, m.
-    desired: Sum<S::Counter>,
+    desired: S::Counter,
     outstanding: Outstanding<S::Counter>,
+    /// What the other end says of itself.
+    told: S,
+    share: Share<S>,
     slip: Slip<S>,
     /// ∫u_out up to the packet before, and since, √W·s.
-    sent: Sum<S::Counter>,
+    sent: S::Counter,
     fresh: S::Counter,
+    /// T_c·Σ½ρ·u_out², J.
+    sent_j: Sum<S::Counter>,
     /// Ticks that it is over.
     live: u32,
     /// Ticks since a packet was due.
@@ -75,7 +84,7 @@ pub struct SelfTimedState<S: Scalar> {
 impl<S: Scalar> StateVector<S> for SelfTimedState<S> {
     #[inline]
     fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
-        visit_sum::<S>(&mut self.desired, each);
+        visit_counter::<S>(&mut self.desired, each);
         visit_counter::<S>(&mut self.outstanding.integral, each);
         visit_counter::<S>(&mut self.fresh, each);
         self.slip.visit(each);
@@ -86,7 +95,7 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
     const LAWS: &'static [LawInfo] = &[LawInfo {
         name: "self-timed",
         sends: Sends::Counters,
-        keys: &[CREDIT, DAMPING, FADE, RETURN, ENERGY, LONGEST, THRESHOLD, TOGETHER],
+        keys: &[CREDIT, MASS, DAMPING, FADE, RETURN, ENERGY, LONGEST, THRESHOLD, TOGETHER],
         // A line that stands loses nothing by a silence: it is let go of late.
         gains: &[
             "coordination.stiffness_n_per_m=10000",
@@ -104,38 +113,45 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
         let coordination = &settings.coordination;
         needs_midpoint(settings, "\"midpoint\" where coordination.comm is \"self-timed\"")?;
         Ok(Self {
-            end: Terminal::with(settings, Carry::<S>::impedance(settings)),
+            end: End::build(settings, Carry::<S>::impedance(settings)),
             incoming: Incoming::build(settings),
             carry: Carry::build(settings),
             events: Events::build(settings),
             ticks_per_packet: settings.timing.ticks_per_packet,
             half: S::from_f64(0.5),
             period_s: S::Counter::from_f64(settings.timing.control_period_s),
-            wave_to_position: S::Counter::from_f64(1.0 / libm::sqrt(2.0 * coordination.wave_impedance_n_s_per_m)),
+            wave_to_position_s: S::Counter::from_f64(
+                settings.timing.control_period_s / libm::sqrt(2.0 * coordination.wave_impedance_n_s_per_m),
+            ),
         })
     }
 
     fn start(&self, local: Motion<S>) -> Self::State {
-        let desired = Sum::from(local.position.to_counter());
-        SelfTimedState { desired, slip: self.carry.start(), ..SelfTimedState::default() }
+        let desired = local.position.to_counter();
+        let share = self.end.start(self.incoming.credit());
+        SelfTimedState { desired, slip: self.carry.start(), share, ..SelfTimedState::default() }
     }
 
     fn restart(&self, state: &mut Self::State, local: Motion<S>) {
-        let SelfTimedState { sent, fresh, live, .. } = *state;
+        let SelfTimedState { sent, fresh, sent_j, live, .. } = *state;
         let slip = self.carry.restart(&state.slip);
-        *state = SelfTimedState { sent, fresh, live: live.wrapping_add(ANEW), slip, ..self.start(local) };
+        let live = live.wrapping_add(ANEW);
+        *state = SelfTimedState { sent, fresh, sent_j, live, slip, ..self.start(local) };
     }
 
     fn receive(&self, state: &mut Self::State, packet: Packet<S>) {
         if !self.incoming.receive(&mut state.outstanding, &packet) {
             return;
         }
-        if packet.wave < -self.half {
+        if packet.wave != state.told {
+            self.heed(state, packet.wave);
+        }
+        if state.told < -self.half {
             self.carry.hear_idle(&mut state.slip);
         } else {
             let less = self.carry.hear(&mut state.slip, packet.motion);
             if less != S::Counter::ZERO {
-                state.desired.add(-less);
+                state.desired = state.desired - less;
             }
         }
     }
@@ -143,17 +159,19 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
     #[inline]
     fn couple(&self, state: &mut Self::State, observed: &Observation<S>, solve: impl Solve<S>) -> Coupled<S> {
         if state.phase == 0 {
-            state.sent.add(state.fresh);
+            state.sent = state.sent + state.fresh;
             state.fresh = S::Counter::ZERO;
         }
         state.phase = if state.phase + 1 >= self.ticks_per_packet { 0 } else { state.phase + 1 };
         if let Some(more) = self.carry.turn(&mut state.slip) {
-            state.desired.add(more);
+            state.desired = state.desired + more;
         }
-        let anchor = self.carry.anchor(&state.slip, state.desired.total());
+        let anchor = self.carry.anchor(&state.slip, state.desired);
         let pull = self.end.pull(S::of_counter(anchor - observed.local.position.to_counter()));
         let position = S::of_counter(anchor);
-        let Some(wave_in) = self.incoming.emit(&mut state.outstanding, observed.age_ticks) else {
+        let own = self.end.own(&mut state.share, state.outstanding.length);
+        let Some([wave_in, share]) = self.incoming.emit(&mut state.outstanding, own) else {
+            self.incoming.stand(&mut state.outstanding, observed.age_ticks, state.told >= S::ONE);
             state.announced.stood = state.announced.stood.saturating_add(1);
             let doing = self.carry.stands(&state.slip, state.outstanding.is_cut_off);
             let tied = self.carry.tie(&mut state.slip, doing, pull);
@@ -162,31 +180,32 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
             return Coupled { desired: Motion { position, velocity }, force: ended.force, ..Coupled::default() };
         };
         let tied = self.carry.tie(&mut state.slip, Doing::Live, pull);
-        let ended = self.end.meet(tied.pull, wave_in, solve);
-        let wave_out = self.end.wave_out(ended.velocity, ended.force);
+        let ended = self.end.meet(&mut state.share, tied.pull, [wave_in, share], solve);
+        let wave_out = End::wave_out(&state.share, wave_in, ended.force);
         let (taken, given) = (wave_in.to_counter(), wave_out.to_counter());
-        state.desired.add(self.period_s * self.wave_to_position * (taken + given));
+        state.desired = state.desired + self.wave_to_position_s * (taken + given);
         state.fresh = state.fresh + self.period_s * given;
+        state.sent_j.add(share.to_counter() * self.incoming.price_j(given));
         state.live = state.live.wrapping_add(1);
         state.announced.newest = given;
         let velocity = self.carry.went(&mut state.slip, Doing::Live, &tied, &ended);
         Coupled {
             desired: Motion { position, velocity },
             force: ended.force,
-            power_in: self.half * wave_in * wave_in,
-            power_out: self.half * wave_out * wave_out,
+            power_in: self.half * share * wave_in * wave_in,
+            power_out: self.half * share * wave_out * wave_out,
         }
     }
 
     fn send(&self, state: &Self::State, _: Motion<S>) -> Packet<S> {
-        let wave_integral = state.sent.total() + state.fresh;
-        let wave = if state.outstanding.is_cut_off { S::ONE } else { S::ZERO };
+        let wave_integral = state.sent + state.fresh;
+        let flag = if state.outstanding.is_cut_off { S::ONE } else { S::ZERO };
         Packet {
             motion: self.carry.says(&state.slip),
-            wave,
+            wave: flag + self.end.says(&state.share),
             wave_integral,
+            energy_j: state.sent_j.total(),
             live_ticks: state.live,
-            ..Packet::default()
         }
     }
 
@@ -210,5 +229,18 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
     /// Counters that came before stay what they are.
     fn fade(&self, _: S, packet: Packet<S>, _: Motion<S>) -> Packet<S> {
         packet
+    }
+}
+
+impl<S: Scalar> SelfTimed<S> {
+    /// Takes in what the other end says of itself, where that is another thing than before: whether it is engaged and hears anything, which
+    /// is looked at where it matters, and what its line should weigh.
+    #[inline]
+    fn heed(&self, state: &mut SelfTimedState<S>, told: S) {
+        state.told = told;
+        let is_heavy = told == S::ZERO || told == S::ONE;
+        if !is_heavy || state.share.is_told() {
+            self.end.hear(&mut state.share, told);
+        }
     }
 }

@@ -343,8 +343,8 @@ fn silence_is_a_wall() {
     }
 }
 
-/// One packet has come and nothing since, from rest: the copy is tied to a damper D that is drawn back to the other end at 0.1 m/s, F_T = −D·(v + r), with what the
-/// spring in between takes.
+/// One packet has come and nothing since, from rest: the copy is tied to a damper D that is drawn back to where the other end should be, at 1 m/s at the
+/// most, F_T = −D·(v + r), with what the spring in between takes.
 #[test]
 fn silence_yields_like_a_damper() {
     let mut settings = settings(10.0);
@@ -358,7 +358,7 @@ fn silence_yields_like_a_damper() {
     }
     let seen = bench.peer.observed()[0];
     // And F̄ is what ten live ticks were.
-    assert!((seen.coordination_force / (-8.0 * (velocity + 0.1)) - 1.0).abs() < 0.03, "{} N", seen.coordination_force);
+    assert!((seen.coordination_force / (-8.0 * (velocity + 1.0)) - 1.0).abs() < 0.01, "{} N", seen.coordination_force);
     assert!((seen.desired.velocity / velocity - 1.0).abs() < 1e-3, "{} m/s", seen.desired.velocity);
     assert_eq!(bench.peer.outgoing()[0].live_ticks, 10, "no more than its credit");
 }
@@ -466,6 +466,75 @@ fn a_peer_that_begins_anew_takes_the_other_with_it() {
         assert!(out <= sent, "end {at}: {out} J of {sent} J");
     }
     assert!(at_parting.iter().any(|force| *force != 0.0));
+}
+
+/// Lines that may weigh different things at either end, that grow, and that begin anew: what comes out is paid for at any ρ, positions
+/// stay what they are, and where nothing is lost both ends come to the smaller mass.
+#[test]
+fn a_light_line_is_passive_and_without_drift() {
+    for (most_kg, credit) in [(0.15, 30.0), (0.1, 0.0), (0.01, 0.0)] {
+        let mut settings = settings(credit);
+        settings.set("coordination.most_line_mass_kg", Value::Number(most_kg)).expect("it is allowed");
+        is_passive_and_does_not_drift::<f64>(&settings, 30, 2e-6);
+        is_passive_and_does_not_drift::<f32>(&settings, 10, 2e-6);
+        is_passive_and_does_not_drift::<Fixed>(&settings, 3, 2e-6);
+    }
+}
+
+/// Both hands move a line of d₀ ticks together, faster and faster up to 20 mm/s: what is in it then is ½·b·T·v²,
+/// T = d₀·T_c whatever delay the network has; with a bound on its mass, of that mass.
+#[test]
+fn a_line_weighs_what_it_may() {
+    // b = 10 N·s/m and 300 ms: 3 kg. No end is lighter than a quarter of b.
+    for (most_kg, weighs_kg) in [(0.0, 3.0), (4.0, 3.0), (1.0, 1.0), (0.05, 3.0 / 4.0)] {
+        let mut settings = settings(300.0);
+        settings.set("coordination.carry_damping_n_s_per_m", Value::Number(0.0)).expect("it is allowed");
+        settings.set("coordination.most_line_mass_kg", Value::Number(most_kg)).expect("it is allowed");
+        let mut couple = Couple::<f64>::new(&settings, 1);
+        for direction in &mut couple.directions {
+            *direction = Direction { delay: 20, jitter: 0.0, loss: 0.0, twice: 0.0, ..Direction::new(1) };
+        }
+        (0..500).for_each(|_| couple.step([Motion::REST; 2]));
+        // Up to 20 mm/s within 40 s, so that emitting means of what is outstanding loses less than 1 %.
+        let led = |tick: u32| {
+            let t = 1e-3 * f64::from(tick);
+            [Motion { position: 2.5e-4 * t * t, velocity: 5e-4 * t }; 2]
+        };
+        (0..=40_000).for_each(|tick| couple.step(led(tick)));
+        let held_j: f64 = couple.energies().into_iter().map(|(out, sent)| sent - out).sum();
+        let mass_kg = 2.0 * held_j / 0.02_f64.powi(2);
+        assert!((mass_kg / weighs_kg - 1.0).abs() < 0.02, "at most {most_kg} kg: {mass_kg} kg, {weighs_kg} expected");
+    }
+}
+
+/// Two ends that were told different masses: the line is as light as the lighter one makes it, and no energy is made on the way there.
+#[test]
+fn the_lighter_end_decides() {
+    let [light, heavy] = [1.0, 100.0].map(|most_kg| {
+        let mut settings = settings(300.0);
+        settings.set("coordination.most_line_mass_kg", Value::Number(most_kg)).expect("it is allowed");
+        settings
+    });
+    let mut couple = Couple::<f64>::new(&heavy, 1);
+    couple.benches[0] = Bench::armed(&light);
+    for direction in &mut couple.directions {
+        *direction = Direction { delay: 20, jitter: 0.0, loss: 0.0, twice: 0.0, ..Direction::new(1) };
+    }
+    for tick in 0..6000 {
+        couple.step(hands(tick));
+        for (out, sent) in couple.energies() {
+            assert!(out <= sent * (1.0 + 1e-9) + 1e-9, "tick {tick}: {out} J of {sent} J");
+        }
+    }
+    // Both push against each other, F = K_T·s: what is between them is F·T/b of the lighter end, and a spring at either.
+    let press = |at: f64| [Motion::at(at), Motion::at(-at)];
+    (0..20_000).for_each(|_| couple.step(press(0.01)));
+    let force = couple.benches[0].peer.observed()[0].coordination_force.abs();
+    let other = couple.benches[1].peer.observed()[0].coordination_force.abs();
+    assert!((force / other - 1.0).abs() < 0.01, "{force} N and {other} N");
+    let expected_m = force * 0.3 / (10.0 / 3.0);
+    let apart_m = couple.distance().abs();
+    assert!((apart_m / expected_m - 1.0).abs() < 0.02, "{apart_m} m, {expected_m} m of a line of 1 kg");
 }
 
 #[test]

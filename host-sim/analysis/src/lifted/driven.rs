@@ -207,6 +207,9 @@ where
 /// Most packet periods, beyond four round trips, that a line needs to learn a delay.
 const LEARNING: usize = 64;
 
+/// Ticks in which a self-timed line takes the impedance that its length allows (THEORY §11).
+const LIGHTENING: u32 = 1024;
+
 /// Leaves a peer that counts at rest on the scene's network, hearing itself, until every tick of some round trips was live; the
 /// packet that is due next. A peer that counts nothing only begins a period later, when it knows how old its packet is; `None` where the line
 /// goes on standing now and then.
@@ -238,7 +241,7 @@ fn settle<const SHARED: usize, const N: usize>(
     for _ in 0..patience {
         flying.push_back(at_rest.outgoing());
         let due = flying.front().copied().filter(|_| flying.len() > delay);
-        if live > 4 * (delay + 1) {
+        if live > 4 * (delay + 1) && live as u32 * timing.ticks_per_packet > LIGHTENING {
             *peer = at_rest;
             return due;
         }
@@ -356,11 +359,14 @@ where
     }
 
     fn send(&self, sent: &mut [f64]) {
-        let mut packets = self.loaded().outgoing();
-        let mut sent = sent.iter_mut();
+        // What a peer says at rest is no signal: what its line should weigh, say.
+        let (mut packets, mut at_rest) = (self.loaded().outgoing(), self.armed.outgoing());
+        let mut resting = Vec::new();
+        visit_all(&mut at_rest, |number| resting.push(*number));
+        let mut sent = sent.iter_mut().zip(resting);
         visit_all(&mut packets, |number| {
-            if let Some(sent) = sent.next() {
-                *sent = *number / UNIT;
+            if let Some((sent, resting)) = sent.next() {
+                *sent = (*number - resting) / UNIT;
             }
         });
     }

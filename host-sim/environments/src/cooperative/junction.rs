@@ -154,8 +154,7 @@ impl<const AXES: usize> Junction<AXES> {
         for (axis, (copy, motion)) in copies.iter_mut().zip(motion).enumerate() {
             if packets {
                 for (line, port) in ports.iter_mut().enumerate() {
-                    let port = &mut port.axes[axis];
-                    port.back = Packet { energy_j: port.energy.sent_j, ..copy.back(line, *motion) };
+                    port.axes[axis].back = copy.back(line, *motion);
                 }
             }
             *motion = copy.tick(|line| ports[line].is_engaged(), *motion);

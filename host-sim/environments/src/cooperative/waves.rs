@@ -131,6 +131,18 @@ impl Waves {
         })
     }
 
+    /// Where the lines meet.
+    ///
+    /// # Panics
+    /// Never: there is a server.
+    pub fn junction(&self) -> &Junction {
+        let junction = self.engine.seats.iter().find_map(|seat| match &seat.actor {
+            Around::Server(server) => Some(&server.junction),
+            Around::Peer(_) => None,
+        });
+        junction.expect("a server")
+    }
+
     /// The peers, to be changed.
     pub fn sides_mut(&mut self) -> impl Iterator<Item = &mut Side<f64>> {
         self.engine.seats.iter_mut().filter_map(|seat| match &mut seat.actor {
@@ -170,11 +182,7 @@ impl Waves {
             let distance_m = places().fold(f64::NEG_INFINITY, f64::max) - places().fold(f64::INFINITY, f64::min);
             means.see(tick, [distance_m, self.forces().map(f64::abs).sum::<f64>() / self.sides().count() as f64]);
         }
-        let energy = self.engine.seats.iter().find_map(|seat| match &seat.actor {
-            Around::Server(junction_server) => Some(junction_server.junction.energy()),
-            Around::Peer(_) => None,
-        });
-        let energy = energy.unwrap_or_default();
+        let energy = self.junction().energy();
         let [discrepancy, felt_n] = means.means();
         let out_over = |into: f64| if into > 0.0 { energy.sent_j / into } else { 1.0 };
         Outcome {

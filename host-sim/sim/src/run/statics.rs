@@ -15,15 +15,25 @@ pub const APART_FACTOR: f64 = 1.5;
 pub const END_FACTOR: f64 = 3.0;
 
 /// 2/K_T + T/b (m/N): what a newton between two copies of this scene leaves at rest. A law that sends no waves has no line of
-/// impedance b, and no T/b.
+/// impedance b, and no T/b; b of a self-timed line falls where it is long (THEORY §11).
 pub fn compliance_m_per_n(scene: &Scene) -> f64 {
     let coordination = &scene.peer.coordination;
     let springs = 2.0 / coordination.stiffness_n_per_m;
     match scene.law().sends {
         Sends::Nothing | Sends::Motion => springs,
         Sends::Waves | Sends::Counters | Sends::Integrals | Sends::WavesAndMotion => {
-            springs + line_s(scene) / coordination.wave_impedance_n_s_per_m
+            springs + line_s(scene) / impedance(scene, coordination.wave_impedance_n_s_per_m)
         }
+    }
+}
+
+/// What is left of an impedance b, N·s/m, where the line between may weigh only so much: m/T, and no less than a quarter of b.
+fn impedance(scene: &Scene, whole: f64) -> f64 {
+    match scene.get("coordination.most_line_mass_kg") {
+        Some(Value::Number(most_kg)) if most_kg > 0.0 && scene.law().sends == Sends::Counters => {
+            (most_kg / line_s(scene)).min(whole).max(whole / 4.0)
+        }
+        _ => whole,
     }
 }
 

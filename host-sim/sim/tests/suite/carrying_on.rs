@@ -3,6 +3,7 @@
 
 use haptic_sim::pair::Pair;
 use haptic_sim::{Laws, Scene, scenes};
+use rayon::prelude::*;
 
 /// Loss, and the mean length of a burst, ms: packets go each millisecond.
 const SHORT: [(&str, &str); 3] = [("0.05", "40"), ("0.2", "40"), ("0.5", "40")];
@@ -42,7 +43,7 @@ struct Got {
     /// Mean |x_o1 − x_o2| after the first half, mm, of runs that went on; its sum, and of how many ticks.
     true_mm: f64,
     sum_mm: f64,
-    compared: u32,
+    compared: usize,
     /// Where both copies are in the end, m.
     way_m: f64,
     /// The most that either hand felt, N, and F_T.
@@ -51,9 +52,10 @@ struct Got {
     stopped: u32,
 }
 
-fn run(scene: &Scene, ticks: u32, got: &mut Got) {
+/// Adds what a run comes to; |x_o1 − x_o2| at each tick after the first half, m.
+fn run(scene: &Scene, ticks: u32, got: &mut Got) -> Vec<f64> {
     let mut pair = Pair::<f32>::new(scene).expect("a good scene");
-    let (mut sum_m, mut compared, mut way_m) = (0.0, 0, 0.0);
+    let (mut apart_m, mut way_m) = (Vec::new(), 0.0);
     for tick in 0..ticks {
         pair.step();
         if pair.fault().is_some() {
@@ -62,8 +64,7 @@ fn run(scene: &Scene, ticks: u32, got: &mut Got) {
         }
         let seen = pair.sides().map(|side| side.peer.observed()[0].map(f64::from));
         if tick >= ticks / 2 {
-            sum_m += (seen[0].object.position - seen[1].object.position).abs();
-            compared += 1;
+            apart_m.push((seen[0].object.position - seen[1].object.position).abs());
         }
         way_m = 0.5 * (seen[0].object.position + seen[1].object.position);
         for seen in seen {
@@ -71,31 +72,44 @@ fn run(scene: &Scene, ticks: u32, got: &mut Got) {
             got.most_force_n = got.most_force_n.max(seen.coordination_force.abs());
         }
     }
-    got.sum_mm += 1e3 * sum_m;
-    got.compared += compared;
-    got.true_mm = got.sum_mm / f64::from(got.compared.max(1));
+    got.sum_mm += 1e3 * apart_m.iter().sum::<f64>();
+    got.compared += apart_m.len();
+    got.true_mm = got.sum_mm / got.compared.max(1) as f64;
     got.way_m += way_m / SEEDS as f64;
+    apart_m
 }
 
 fn over(settings: &[&[&str]], network: Option<(&str, &str)>, ticks: u32) -> Got {
     let mut got = Got::default();
-    (1..=SEEDS).for_each(|seed| run(&scene(settings, network, seed), ticks, &mut got));
+    for seed in 1..=SEEDS {
+        run(&scene(settings, network, seed), ticks, &mut got);
+    }
     got
 }
 
-/// A hand that is led feels at most half of what a line that stands lets it feel (of the worst network hardly more than half), is stopped nowhere, and in short bursts
-/// the copies are hardly farther apart.
+/// A hand that is led feels at most half of what a line that stands lets it feel, is stopped nowhere, and in bursts of 40 ms the copies are hardly
+/// farther apart. A standing line stops some of these runs, and the easiest of each: so distances are compared over the ticks in
+/// which both lines run, seed by seed; what each comes to by itself is printed beside it.
 #[test]
 fn a_hand_that_is_led_meets_no_wall() {
     const FAR: f64 = f64::MAX;
-    // Of a wall's: the most at the hand, and the distance of the copies.
-    let shares = [(0.5, 1.1), (0.5, 1.3), (0.5, 1.7), (0.5, FAR), (0.5, FAR), (0.6, FAR)];
-    for (network, (most, farther)) in SHORT.into_iter().chain(LONG).zip(shares) {
-        let [carries, stands] = [&[LED][..], &[LED, STANDS]].map(|settings| over(settings, Some(network), 8_000));
-        println!("{network:?}: {carries:?}, a wall {stands:?}");
+    for (network, farther) in SHORT.into_iter().chain(LONG).zip([1.0, 1.1, 1.3, 1.6, FAR, FAR]) {
+        let (mut carries, mut stands) = (Got::default(), Got::default());
+        let mut both_m = [0.0; 2];
+        for seed in 1..=SEEDS {
+            let carried = run(&scene(&[LED], Some(network), seed), 8_000, &mut carries);
+            let stood = run(&scene(&[LED, STANDS], Some(network), seed), 8_000, &mut stands);
+            for (carried, stood) in carried.iter().zip(&stood) {
+                both_m = [both_m[0] + carried, both_m[1] + stood];
+            }
+        }
+        let share = both_m[0] / both_m[1];
+        println!("{network:?}: {share:.2} times as far in the same ticks; {carries:?}, a wall {stands:?}");
         assert_eq!(carries.stopped, 0, "{network:?}");
-        assert!(carries.most_hand_n <= most * stands.most_hand_n, "{network:?}: {carries:?}, a wall {stands:?}");
-        assert!(carries.true_mm <= farther * stands.true_mm, "{network:?}: {carries:?}, a wall {stands:?}");
+        assert!(carries.most_hand_n <= 0.5 * stands.most_hand_n, "{network:?}: {carries:?}, a wall {stands:?}");
+        assert!(share <= farther, "{network:?}: {share}, {carries:?}, a wall {stands:?}");
+        // Nor by themselves, where it is stated.
+        assert!(carries.true_mm <= farther.max(1.8) * stands.true_mm, "{network:?}: {carries:?}, a wall {stands:?}");
     }
 }
 
@@ -103,7 +117,7 @@ fn a_hand_that_is_led_meets_no_wall() {
 #[test]
 fn a_common_push_goes_on_through_bursts() {
     let free = over(&[TOGETHER], None, 1_000);
-    for (network, least, most_n) in [(SHORT[0], 0.85, 2.5), (SHORT[1], 0.65, 3.0), (LONG[2], 0.35, 4.0)] {
+    for (network, least, most_n) in [(SHORT[0], 0.85, 2.5), (SHORT[1], 0.65, 3.0), (LONG[2], 0.4, 4.0)] {
         let [carries, stands] =
             [&[TOGETHER][..], &[TOGETHER, STANDS]].map(|settings| over(settings, Some(network), 1_000));
         let way = carries.way_m / free.way_m;
@@ -128,25 +142,58 @@ fn a_push_against_each_other_holds() {
     }
 }
 
-/// What is lost is made good for as long as one looks: in the last five minutes of an hour as in the first.
+/// Over every network: what is lost is made good for as long as one looks, and at no tick has an end done more to its copy, ∫F_T·v, than came out of the line
+/// less what went into it, and E₀. Ten minutes of each; an hour: `MINUTES=60 cargo test --release -p haptic-sim --test suite nothing_drifts`.
 #[test]
-fn nothing_drifts_in_an_hour() {
-    let scene = scene(&[AGAINST], Some(LONG[2]), 1);
-    let mut pair = Pair::<f64>::new(&scene).expect("a good scene");
-    let minutes = [(); 60].map(|()| {
-        let mut sum_m = 0.0;
+fn nothing_drifts_and_nothing_is_made() {
+    let minutes = std::env::var("MINUTES").map_or(10, |text| text.parse().expect("whole minutes"));
+    let hostile: [&[&str]; 3] = [
+        &["network.jitter=gamma", "network.jitter_s=0.01", "network.loss=0.2"],
+        &[
+            "network.reorder=0.3",
+            "network.reorder_depth_packets=16",
+            "network.duplicate=0.2",
+            "network.clock_drift_ppm=200",
+        ],
+        &["network.one_way_delay_packets=90", "network.jitter=pareto", "network.jitter_s=0.004", "network.loss=0.1"],
+    ];
+    let bursts = SHORT.into_iter().chain(LONG).map(|network| scene(&[AGAINST], Some(network), 1));
+    let scenes: Vec<Scene> = bursts.chain(hostile.map(|network| scene(&[AGAINST, network], None, 1))).collect();
+    scenes.par_iter().for_each(|scene| {
+        let [first, last, least_j] = drift(scene, minutes);
+        println!(
+            "{first:.3} mm at first, {last:.3} mm in the end, least balance {least_j:.3e} J: {:?}",
+            scene.world.network
+        );
+        assert!(last < 1.2 * first + 0.05, "{first} mm, then {last} mm: {:?}", scene.world.network);
+        assert!(least_j >= -0.005 - 1e-9, "{least_j} J: {:?}", scene.world.network);
+    });
+}
+
+/// Mean distance of the copies in the first and the last fifth but for the first minute, mm; and the least balance of either end at any tick, J.
+fn drift(scene: &Scene, minutes: usize) -> [f64; 3] {
+    let mut pair = Pair::<f64>::new(scene).expect("a good scene");
+    let (mut sums_m, mut least_j) = (vec![0.0; minutes], 0.0_f64);
+    let (mut done_j, mut before) = ([0.0; 2], [None; 2]);
+    for (minute, sum_m) in sums_m.iter_mut().enumerate() {
         for _ in 0..60_000 {
             pair.step();
-            let [one, other] = pair.sides().map(|side| side.peer.observed()[0].object.position);
-            sum_m += (one - other).abs();
+            let sides = pair.sides();
+            let [one, other] = sides.map(|side| side.peer.observed()[0].object.position);
+            *sum_m += (one - other).abs();
+            for (at, side) in sides.into_iter().enumerate() {
+                let (seen, ledger) = (side.peer.observed()[0], &side.peer.ledger()[0]);
+                if let Some((velocity, force, into_j)) = before[at] {
+                    done_j[at] += 1e-3 * force * 0.5 * (velocity + seen.object.velocity);
+                    least_j = least_j.min(into_j - done_j[at]);
+                }
+                before[at] =
+                    Some((seen.object.velocity, seen.coordination_force, ledger.received_j() - ledger.sent_j()));
+            }
         }
-        1e3 * sum_m / 60_000.0
-    });
-    assert!(pair.fault().is_none(), "{:?}", pair.fault());
-    let mean = |minutes: &[f64]| minutes.iter().sum::<f64>() / minutes.len() as f64;
-    let [first, last] = [mean(&minutes[..5]), mean(&minutes[55..])];
-    assert!(
-        last < 1.0 && last < 1.2 * first,
-        "{first} mm in the first five minutes, {last} mm in the last: {minutes:?}"
-    );
+        assert!(pair.fault().is_none(), "minute {minute}: {:?}, {:?}", pair.fault(), scene.world.network);
+    }
+    let fifth = (minutes / 5).max(1);
+    let mean = |sums: &[f64]| 1e3 * sums.iter().sum::<f64>() / (60_000 * sums.len()) as f64;
+    [mean(&sums_m[1..=fifth]), mean(&sums_m[minutes - fifth..]), least_j]
 }

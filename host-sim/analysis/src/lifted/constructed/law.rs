@@ -11,6 +11,19 @@ use super::peer::State::{CoordinationForce, DesiredPosition, DesiredVelocity, Ou
 use super::peer::{ConstructedPeer, decay};
 use crate::lifted::delay::delays_ticks;
 
+/// ρ of a line of stated credit d₀ whose mass b·d₀·T_c is not to exceed `coordination.most_line_mass_kg` (THEORY §11); 1 for any other law.
+fn light_share(scene: &Scene) -> f64 {
+    let number = |key| match scene.get(key) {
+        Some(Value::Number(number)) if scene.peer.coordination.comm == "self-timed" => number,
+        _ => 0.0,
+    };
+    let [credit, most_kg] = ["coordination.credit_ticks", "coordination.most_line_mass_kg"].map(number);
+    let mass_kg = credit * scene.peer.timing.control_period_s * scene.peer.coordination.wave_impedance_n_s_per_m;
+    // In steps of 1/1024, no less than a quarter.
+    let share = || ((1024.0 * most_kg / mass_kg).round() / 1024.0).max(0.25);
+    if most_kg > 0.0 && mass_kg > most_kg { share() } else { 1.0 }
+}
+
 impl ConstructedPeer {
     /// F_T = K_T·(x_d − x_o) + B_T·(ẋ_d − ẋ_o) with x_d, ẋ_d as received.
     pub(super) fn power(&mut self, scene: &Scene) {
@@ -45,21 +58,23 @@ impl ConstructedPeer {
 
     pub(super) fn wave(&mut self, scene: &Scene) {
         let (coordination, period) = (&scene.peer.coordination, scene.peer.timing.control_period_s);
-        let impedance = coordination.wave_impedance_n_s_per_m;
+        // A long self-timed line is of ρ·b, for which waves keep the unit of b: ρ·b·w + F_T = ρ·√(2b)·u_in, u_out = √(2b)·w − u_in.
+        let (whole, share) = (coordination.wave_impedance_n_s_per_m, light_share(scene));
+        let impedance = share * whole;
         // A live end that can carry on has a damper D = 200·κ in a row with its spring, which the force before drives (THEORY §11):
         // F_T = σ·(K_T·(s − F₋·T_c/D) + κ·(w − v)) + (1 − σ)·F₋ with σ = D/(D + κ).
         let own = matches!(scene.get("coordination.carry_damping_n_s_per_m"), Some(Value::Number(own)) if own > 0.0);
         let softer = if own && coordination.comm == "self-timed" { 200.0 / 201.0 } else { 1.0 };
         let [k, damping] = [coordination.stiffness_n_per_m, coordination.damping_n_s_per_m].map(|gain| softer * gain);
-        let root = (2.0 * impedance).sqrt();
+        let root = (2.0 * whole).sqrt();
         let [x_d, v_d, force, out] =
             [DesiredPosition, DesiredVelocity, CoordinationForce, Outgoing].map(|state| self.at(state));
         let [coordination_row, decoded, wave] = [Coordination, Decoded, Wave].map(|input| input as usize);
 
         // ẋ_d = (√(2b)·u_in − F_T)/b with F_T of the tick before, or of this one.
         match scene.peer.coordination.comm {
-            "self-timed" => self.g[(decoded, Emitted as usize)] = root / impedance,
-            _ => self.h[(decoded, 0)] = root / impedance,
+            "self-timed" => self.g[(decoded, Emitted as usize)] = root / whole,
+            _ => self.h[(decoded, 0)] = root / whole,
         }
         self.a[(x_d, x_d)] = 1.0;
         self.f[(coordination_row, x_d)] = k;
@@ -87,8 +102,8 @@ impl ConstructedPeer {
         self.b[(force, coordination_row)] = 1.0;
 
         // u_out = (b·ẋ_d − F_T)/√(2b), straight out, through ẋ_f = −Ω·x_f + u_out, y = Ω·x_f, or as the mean of M.
-        self.g[(wave, decoded)] = impedance / root;
-        self.g[(wave, coordination_row)] = -1.0 / root;
+        self.g[(wave, decoded)] = whole / root;
+        self.g[(wave, coordination_row)] = -1.0 / (share * root);
         let (keep, take) = match scene.peer.coordination.comm {
             "passive-wave" => {
                 let keep = decay(coordination.cutoff_hz, period);
