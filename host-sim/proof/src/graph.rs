@@ -116,6 +116,12 @@ impl Graph {
     }
 
     fn compute<F: Float>(&mut self, op: Op, a: Place, b: Place) -> Place {
+        // What is the same number is the same node, but for the sign of a zero, which no range tells.
+        match (op, a, b) {
+            (Op::Add, same, ZERO) | (Op::Add, ZERO, same) | (Op::Sub, same, ZERO) => return same,
+            (Op::Mul, same, ONE) | (Op::Mul, ONE, same) | (Op::Ratio | Op::Over, same, ONE) => return same,
+            _ => {}
+        }
         let (of_a, of_b) = (self.range(a), self.range(b));
         let mut range = of_two::<F>(op, of_a, of_b);
         if self.is_constant(a) && self.is_constant(b) && range.is_point() {
@@ -132,19 +138,31 @@ impl Graph {
         if op == Op::Sub {
             range = range.and(self.regained::<F>(a, b));
         }
+        let away = if matches!(op, Op::Neg | Op::Abs) { self.nodes[a as usize].away } else { 0.0 };
+        if op == Op::Abs {
+            range.lo = range.lo.max(away);
+        }
         let key = (op, a, b, F::EPSILON == f64::EPSILON);
         if let Some(place) = self.computed.get(&key).copied() {
             self.narrow::<F>(place, range, 0);
             return place;
         }
         let place = self.push(range, From::Computed(op, a, b));
+        self.nodes[place as usize].away = away;
         self.computed.insert(key, place);
         place
     }
 
-    /// What a − b is if a is the sum or the difference of b and another number, to rounding: nearly that number.
+    /// What a − b is if a is the sum or the difference of b and another number, to rounding: nearly that number; or if a is the larger or the
+    /// smaller of two, of which each has its own difference.
     fn regained<F: Float>(&self, a: Place, b: Place) -> Range {
         let From::Computed(op, one, two) = self.nodes[a as usize].from else { return Range::ANY };
+        if matches!(op, Op::Max | Op::Min) && !(self.range(one).nan || self.range(two).nan || self.range(b).nan) {
+            let [one, two] =
+                [one, two].map(|of| of_two::<F>(Op::Sub, self.range(of), self.range(b)).and(self.regained::<F>(of, b)));
+            let of = if op == Op::Max { f64::max } else { f64::min };
+            return Range { nan: one.nan || two.nan, ..Range::of(of(one.lo, two.lo), of(one.hi, two.hi)) };
+        }
         let (other, negative) = match op {
             Op::Add if one == b => (self.range(two), false),
             Op::Add if two == b => (self.range(one), false),

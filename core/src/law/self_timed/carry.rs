@@ -258,15 +258,13 @@ impl<S: Scalar> Carry<S> {
     /// A slip within what may be told, and by how much it was more, m: [`MODULUS_M`], or nothing.
     #[inline]
     fn within(&self, slip_m: S::Counter) -> (S::Counter, S::Counter) {
-        let nothing = S::Counter::ZERO;
         if slip_m.abs() <= self.half_m {
-            (slip_m, nothing)
-        } else {
-            let turn_m = self.half_m + self.half_m;
-            let turn_m = if slip_m > nothing { turn_m } else { -turn_m };
-            // However far it jumped.
-            ((slip_m - turn_m).limit(self.half_m), turn_m)
+            return (slip_m, S::Counter::ZERO);
         }
+        let twice_m = slip_m + slip_m;
+        let turn_m = twice_m.limit(self.half_m + self.half_m);
+        // However far it jumped.
+        ((slip_m - turn_m).limit(self.half_m), turn_m)
     }
 
     /// A slip that cannot be told is the line's own: gives by how much x_d is more then, m.
@@ -339,9 +337,7 @@ impl<S: Scalar> Carry<S> {
             Doing::Alone => return Tied { drive: S::ZERO, inverse: S::ZERO, pull, impedance: self.kappa },
         };
         let Series { inverse, stiff, impedance, .. } = *series;
-        // A root only where there is too little in the tank.
-        let most = series.allows * slip.tank_j;
-        let drive = if base * base <= most { base } else { base.limit(most.sqrt()) };
+        let drive = base.limit((series.allows * slip.tank_j).sqrt());
         let pull = stiff * pull + (S::ONE - stiff) * drive;
         Tied { drive, inverse, pull, impedance }
     }

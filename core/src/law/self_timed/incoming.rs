@@ -177,9 +177,9 @@ impl<C: Scalar> Incoming<C> {
         true
     }
 
-    /// d₀ of a line that begins, ticks.
-    pub(super) fn credit(&self) -> i32 {
-        self.credit
+    /// A line to which nothing has come yet.
+    pub(super) fn start(&self) -> Outstanding<C> {
+        Outstanding { length: self.credit, ..Outstanding::default() }
     }
 
     fn begin(&self, heard: Counters<C>) -> Outstanding<C> {
@@ -236,12 +236,12 @@ impl<C: Scalar> Incoming<C> {
     /// The ρ, `own` or less, at which what has come pays for all that is outstanding, which is this at ρ = 1, J; none where that is less than ρ₀.
     #[inline]
     fn share<S: Scalar<Counter = C>>(&self, state: &Outstanding<C>, all_j: C, own: S) -> Option<S> {
-        // Where all have the same ρ it pays by itself (Jensen).
-        if own.to_counter() * all_j <= state.account_j || self.least == C::ONE {
-            return Some(own);
+        if self.least * all_j > state.account_j {
+            return None;
         }
-        let paid = state.account_j.ratio(all_j);
-        (paid >= self.least).then(|| S::of_counter(paid).min(own))
+        // Where all have the same ρ it pays by itself (Jensen). Nothing by nothing is no number, and no less than its own.
+        let paid = state.account_j.over(all_j.max(state.account_j));
+        Some(S::of_counter(paid.min(own.to_counter())))
     }
 
     /// Energy of this wave through one tick at ρ = 1, ½·T_c·u², J.

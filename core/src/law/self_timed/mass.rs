@@ -5,7 +5,7 @@
 //!
 //! > ρ = min(1, m/(b·d₀·T_c)), and no less than [`LEAST`]
 //!
-//! in steps of [`STEP`]. Each end tells the other one what it would have, and goes to the lesser of both by a step a tick. Waves keep the
+//! in steps of 1/[`STEPS`]. Each end tells the other one what it would have, and goes to the lesser of both by a step a tick. Waves keep the
 //! unit that they have at ρ = 1, so that x_d, the sum of both over √(2b), is what it was, whatever ρ is at either end, and whenever it changes:
 //!
 //! > ρ·b·w + F_T = ρ·√(2b)·u_in,   u_out = √(2b)·w − u_in = u_in − √(2/b)·F_T/ρ,   F_T·w = ½ρ·(u_in² − u_out²)
@@ -32,12 +32,14 @@ pub(super) const MASS: Key = Key::number(
 
 /// The least ρ that an end goes to: a line that would still be heavier is.
 const LEAST: f64 = 0.25;
-/// Step of ρ, and its change in a tick: a second at 1 kHz from 1 to nothing. Every number type has it exactly.
-const STEP: f64 = 1.0 / 1024.0;
+/// Steps of ρ from nothing to 1, of which it changes by one in a tick. Every number type has them exactly.
+const STEPS: i32 = 1024;
+/// The longest line that is told from longer ones, ticks: 17 minutes at 1 kHz.
+const MOST_TICKS: i32 = 1 << 20;
 
 /// ρ₀, below which no end emits: a step less than it would ever go to; 1 where b stays what it is.
 pub(in crate::law) fn least(settings: &Settings) -> f64 {
-    if settings.own(&MASS) > 0.0 { LEAST - STEP } else { 1.0 }
+    if settings.own(&MASS) > 0.0 { LEAST - 1.0 / f64::from(STEPS) } else { 1.0 }
 }
 
 /// The end of a line behind the coordination spring, as a port of the object ([`crate::law::terminal`]), for any ρ.
@@ -52,103 +54,79 @@ pub(super) struct End<S> {
     root: S,
     /// √(2/b).
     force_to_wave: S,
-    /// m/(b·T_c): the ticks up to which ρ is 1; 0 where it always is.
-    light_ticks: S,
+    /// m/(b·T_c) in steps: the ticks up to which ρ is 1, times [`STEPS`]; as many as there are where it always is.
+    light: i32,
     least: S,
     step: S,
+    two: S,
 }
 
-configured!([S: Scalar] End<S> { stiffness, kappa, impedance, root, force_to_wave, light_ticks, least, step });
+configured!([S: Scalar] End<S> { stiffness, kappa, impedance, root, force_to_wave, light, least, step, two });
 
-/// ρ of an end.
+/// ρ of an end. Nothing here asks which of two it is: a tick has one way through it, whatever the lines' lengths are.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Share<S> {
-    /// What it would have with a line of so many ticks, what the other end would have, and the lesser of both.
-    wanted: S,
-    ticks: i32,
+    /// What the other end would have.
     far: S,
-    agreed: S,
-    /// Its own, which goes there.
+    /// Its own, which goes to the lesser of both.
     own: S,
-    /// The one of the newest tick, which was paid for; 1/(ρ·b + κ), and √(2/b)/ρ, the part of u_out that is force.
-    paid: S,
-    inverse_sum: S,
-    force_to_wave: S,
 }
 
-impl<S: Scalar> Share<S> {
-    /// The other end would have less than 1.
-    #[inline]
-    pub(super) fn is_told(&self) -> bool {
-        self.far != S::ONE
-    }
+/// What came of a live tick.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Met<S> {
+    pub(super) ended: Ended<S>,
+    /// u_out, √W: what one end pushes with, to the last bit, is what the other one is told.
+    pub(super) wave_out: S,
 }
 
 impl<S: Scalar> End<S> {
     /// A line whose spring has the impedance `kappa`, N·s/m.
     pub(super) fn build(settings: &Settings, kappa: f64) -> Self {
         let impedance = settings.coordination.wave_impedance_n_s_per_m;
-        let light_ticks = settings.own(&MASS) / (impedance * settings.timing.control_period_s);
-        let least = if light_ticks > 0.0 { LEAST } else { 1.0 };
+        let most_kg = settings.own(&MASS);
+        let light = if most_kg > 0.0 { most_kg / (impedance * settings.timing.control_period_s) } else { f64::MAX };
+        let least = if most_kg > 0.0 { LEAST } else { 1.0 };
         let root = libm::sqrt(2.0 * impedance);
-        let numbers = [kappa, impedance, root, 2.0 / root, light_ticks, least, STEP];
-        let [kappa, impedance, root, force_to_wave, light_ticks, least, step] = numbers.map(S::from_f64);
+        let numbers = [kappa, impedance, root, 2.0 / root, least, 1.0 / f64::from(STEPS), 2.0];
+        let [kappa, impedance, root, force_to_wave, least, step, two] = numbers.map(S::from_f64);
         let stiffness = Spring::build(settings).stiffness;
-        Self { stiffness, kappa, impedance, root, force_to_wave, light_ticks, least, step }
+        // A cast saturates.
+        let light = (f64::from(STEPS) * light).min(f64::from(i32::MAX - MOST_TICKS)) as i32;
+        Self { stiffness, kappa, impedance, root, force_to_wave, light, least, step, two }
     }
 
     /// ρ of a line so many ticks long.
+    #[inline]
     fn wanted(&self, ticks: i32) -> S {
-        let ticks = S::from_i32(ticks);
-        if ticks <= self.light_ticks || self.light_ticks == S::ZERO {
-            return S::ONE;
-        }
-        let steps = self.light_ticks.ratio(ticks * self.step).round_to_i32();
-        (S::from_i32(steps) * self.step).max(self.least)
+        let ticks = ticks.clamp(1, MOST_TICKS);
+        let steps = (self.light + ticks / 2) / ticks;
+        (S::from_i32(steps.min(STEPS)) * self.step).max(self.least)
     }
 
     /// An end of a line that begins, so many ticks long.
     pub(super) fn start(&self, ticks: i32) -> Share<S> {
-        let wanted = self.wanted(ticks);
-        let mut share = Share { wanted, ticks, far: S::ONE, agreed: wanted, own: wanted, ..Share::default() };
-        self.take(&mut share, wanted);
-        share
+        Share { far: S::ONE, own: self.wanted(ticks) }
     }
 
-    /// Takes in what the other end says: by how much its ρ would be below 1, and 1 more where it hears nothing.
-    #[inline(never)]
+    /// What a packet says of this end: by how much the ρ that it would have is below 1; and where nothing reaches it, that much less than 2.
+    pub(super) fn says(&self, ticks: i32, is_cut_off: bool) -> S {
+        let less = S::ONE - self.wanted(ticks);
+        if is_cut_off { self.two - less } else { less }
+    }
+
+    /// Takes in what the other end says.
+    #[inline]
     pub(super) fn hear(&self, share: &mut Share<S>, told: S) {
-        let less = if told >= S::ONE { told - S::ONE } else { told };
-        share.far = (S::ONE - less).max(self.least).min(S::ONE);
-        share.agreed = share.wanted.min(share.far);
-    }
-
-    /// By how much the ρ that this end would have is below 1.
-    pub(super) fn says(&self, share: &Share<S>) -> S {
-        S::ONE - share.wanted
+        share.far = (S::ONE - told.min(self.two - told)).max(self.least).min(S::ONE);
     }
 
     /// ρ that this end would have in this tick, of a line so many ticks long.
     #[inline]
     pub(super) fn own(&self, share: &mut Share<S>, ticks: i32) -> S {
-        if ticks != share.ticks {
-            (share.ticks, share.wanted) = (ticks, self.wanted(ticks));
-            share.agreed = share.wanted.min(share.far);
-        }
-        if share.own != share.agreed {
-            share.own = share.own + (share.agreed - share.own).limit(self.step);
-        }
+        let agreed = self.wanted(ticks).min(share.far);
+        share.own = share.own + (agreed - share.own).limit(self.step);
         share.own
-    }
-
-    /// Goes over to the ρ that was paid for.
-    #[inline]
-    fn take(&self, share: &mut Share<S>, paid: S) {
-        if paid != share.paid {
-            share.paid = paid;
-            share.inverse_sum = S::ONE.over(paid * self.impedance + self.kappa);
-            share.force_to_wave = self.force_to_wave.over(paid);
-        }
     }
 
     /// What the spring pulls with from this stretch (m) while nothing moves, N.
@@ -159,26 +137,16 @@ impl<S: Scalar> End<S> {
 
     /// A tick with a wave coming in, √W, which is paid for at this ρ, and in which the spring begins with this pull, N.
     #[inline]
-    pub(super) fn meet(
-        &self,
-        share: &mut Share<S>,
-        pull: S,
-        [wave_in, paid]: [S; 2],
-        solve: impl Solve<S>,
-    ) -> Ended<S> {
-        self.take(share, paid);
+    pub(super) fn meet(&self, pull: S, [wave_in, paid]: [S; 2], solve: impl Solve<S>) -> Met<S> {
+        let impedance = paid * self.impedance;
+        let inverse_sum = S::ONE.over(impedance + self.kappa);
         // ρ·b·w = drive − κ·(w − v): what is left of the wave's push once the spring has taken its part.
         let drive = paid * self.root * wave_in - pull;
-        let part = self.kappa * share.inverse_sum;
-        let port = Port { force: pull + part * drive, impedance: paid * self.impedance * part };
+        let part = self.kappa * inverse_sum;
+        let port = Port { force: pull + part * drive, impedance: impedance * part };
         let mean = solve.velocity(port);
-        let velocity = (drive + self.kappa * mean) * share.inverse_sum;
-        Ended { velocity, copy: mean, force: port.at(mean) }
-    }
-
-    /// Outgoing wave u_out, √W, of what the force on the copy was: what one end pushes with, to the last bit, is what the other one is told.
-    #[inline]
-    pub(super) fn wave_out(share: &Share<S>, wave_in: S, force: S) -> S {
-        wave_in - share.force_to_wave * force
+        let velocity = (drive + self.kappa * mean) * inverse_sum;
+        let force = port.at(mean);
+        Met { ended: Ended { velocity, copy: mean, force }, wave_out: wave_in - self.force_to_wave.over(paid) * force }
     }
 }

@@ -27,7 +27,7 @@ mod mass;
 use carry::{Carry, DAMPING, Doing, ENERGY, FADE, MODULUS_M, RETURN, Slip};
 use events::{Announced, Events, THRESHOLD, TOGETHER};
 use incoming::{ANEW, CREDIT, Incoming, Outstanding};
-use mass::{End, MASS, Share};
+use mass::{End, MASS, Met, Share};
 
 pub(super) use mass::least as least_share;
 
@@ -128,8 +128,9 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
 
     fn start(&self, local: Motion<S>) -> Self::State {
         let desired = local.position.to_counter();
-        let share = self.end.start(self.incoming.credit());
-        SelfTimedState { desired, slip: self.carry.start(), share, ..SelfTimedState::default() }
+        let outstanding = self.incoming.start();
+        let share = self.end.start(outstanding.length);
+        SelfTimedState { desired, outstanding, slip: self.carry.start(), share, ..SelfTimedState::default() }
     }
 
     fn restart(&self, state: &mut Self::State, local: Motion<S>) {
@@ -143,9 +144,8 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
         if !self.incoming.receive(&mut state.outstanding, &packet) {
             return;
         }
-        if packet.wave != state.told {
-            self.heed(state, packet.wave);
-        }
+        state.told = packet.wave;
+        self.end.hear(&mut state.share, packet.wave);
         if state.told < -self.half {
             self.carry.hear_idle(&mut state.slip);
         } else {
@@ -171,7 +171,7 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
         let position = S::of_counter(anchor);
         let own = self.end.own(&mut state.share, state.outstanding.length);
         let Some([wave_in, share]) = self.incoming.emit(&mut state.outstanding, own) else {
-            self.incoming.stand(&mut state.outstanding, observed.age_ticks, state.told >= S::ONE);
+            self.incoming.stand(&mut state.outstanding, observed.age_ticks, state.told > S::ONE);
             state.announced.stood = state.announced.stood.saturating_add(1);
             let doing = self.carry.stands(&state.slip, state.outstanding.is_cut_off);
             let tied = self.carry.tie(&mut state.slip, doing, pull);
@@ -180,8 +180,7 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
             return Coupled { desired: Motion { position, velocity }, force: ended.force, ..Coupled::default() };
         };
         let tied = self.carry.tie(&mut state.slip, Doing::Live, pull);
-        let ended = self.end.meet(&mut state.share, tied.pull, [wave_in, share], solve);
-        let wave_out = End::wave_out(&state.share, wave_in, ended.force);
+        let Met { ended, wave_out } = self.end.meet(tied.pull, [wave_in, share], solve);
         let (taken, given) = (wave_in.to_counter(), wave_out.to_counter());
         state.desired = state.desired + self.wave_to_position_s * (taken + given);
         state.fresh = state.fresh + self.period_s * given;
@@ -199,10 +198,9 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
 
     fn send(&self, state: &Self::State, _: Motion<S>) -> Packet<S> {
         let wave_integral = state.sent + state.fresh;
-        let flag = if state.outstanding.is_cut_off { S::ONE } else { S::ZERO };
         Packet {
             motion: self.carry.says(&state.slip),
-            wave: flag + self.end.says(&state.share),
+            wave: self.end.says(state.outstanding.length, state.outstanding.is_cut_off),
             wave_integral,
             energy_j: state.sent_j.total(),
             live_ticks: state.live,
@@ -229,18 +227,5 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
     /// Counters that came before stay what they are.
     fn fade(&self, _: S, packet: Packet<S>, _: Motion<S>) -> Packet<S> {
         packet
-    }
-}
-
-impl<S: Scalar> SelfTimed<S> {
-    /// Takes in what the other end says of itself, where that is another thing than before: whether it is engaged and hears anything, which
-    /// is looked at where it matters, and what its line should weigh.
-    #[inline]
-    fn heed(&self, state: &mut SelfTimedState<S>, told: S) {
-        state.told = told;
-        let is_heavy = told == S::ZERO || told == S::ONE;
-        if !is_heavy || state.share.is_told() {
-            self.end.hear(&mut state.share, told);
-        }
     }
 }
