@@ -47,8 +47,11 @@ fn the_gap_grows_with_the_delay() {
     let gaps = [0.0, 10.0, 40.0, 80.0, 150.0].map(gap);
     assert!(gaps.is_sorted() && gaps[0] > 1e-4, "{gaps:?}");
     // F/b of the mean pull, for each second that a packet takes longer; the pull comes and goes by a quarter, and so does the gap.
-    let slope = (gaps[4] - gaps[1]) / 0.14 / (1.5 / 60.0);
+    let slope = (gaps[2] - gaps[1]) / 0.03 / (1.5 / 60.0);
     assert!((0.75..1.4).contains(&slope), "{slope} {gaps:?}");
+    // Where b·T would be more than 4 kg, b falls, and the gap is F·T²/4 kg.
+    let share = gaps[4] / (1.5 * 0.15 * 0.15 / 4.0);
+    assert!((0.75..1.4).contains(&share), "{share} {gaps:?}");
 }
 
 /// Below the edge that the analyser finds they hold, above it a peer faults within seconds; it then stands, and another gain starts anew.
