@@ -13,7 +13,7 @@
 mod axis;
 mod exchange;
 
-use crate::contact::{AnyRendering, Impacts};
+use crate::contact::{AnyRendering, Grip, Impacts};
 use crate::device::encoder::{Encoder, EncoderState, Marks};
 use crate::device::envelope::{self, Envelope, Load};
 use crate::device::kinematics::{AnyKinematics, AnySpatial, Kinematics, Pose};
@@ -37,7 +37,7 @@ use crate::{
     object::fixture::Fixture,
     object::plane::Oblique,
 };
-use axis::{SharedAxis, Tick};
+use axis::{Felt, SharedAxis, Tick};
 
 pub use axis::Observed;
 
@@ -161,14 +161,18 @@ pub struct Peer<S: Scalar, L: Law<S>, const SHARED: usize = 1, const N: usize = 
     probing: Probing<S>,
     /// Packet periods in which nothing was sent, since something was.
     quiet: u32,
-    /// Armed with the clutch closed and no fixture: only contact and coordination to compute, as in most ticks.
+    /// Plain, and nothing has slipped: only contact and coordination to compute, as in most ticks.
     fast_path: bool,
+    /// Armed with the clutch closed and no fixture.
+    plain: bool,
     clutch: Clutch<S>,
     slips: [Slip<S>; SHARED],
     /// Virtual fixture where one axis is shared.
     fixture: Option<Fixture<S>>,
     /// Virtual fixture where several axes are shared.
     oblique: Option<Oblique<S, SHARED>>,
+    /// What has slipped of the axes that are held.
+    grips: [Grip<S>; N],
 }
 
 configured!([S: Scalar] Joint<S> { velocity; encoder });
@@ -176,7 +180,7 @@ configured!([S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Confi
     shared_axes, device, period_s, home, encoder, guard, watch, envelope, hold, motor, contact, kinematics, joints,
     ticks_per_packet, axes, law, degradation, stage_watch, clutch, fixture, oblique;
     forces, load, mode, until_packet, engagement, age_ticks, delayed, saturated, asked, still, stage, probing, quiet,
-    fast_path, slips
+    fast_path, plain, slips, grips
 });
 
 impl Settings {
@@ -251,6 +255,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
             home: device.map(|axis| axis.position),
             mode: Mode::Disarmed,
             fast_path: false,
+            plain: false,
             until_packet: 0,
             joints: device.map(|at| {
                 velocity.start(at);
@@ -266,6 +271,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
             probing: Probing::default(),
             clutch: Clutch::build(settings),
             slips: [Slip::default(); SHARED],
+            grips: [Grip::default(); N],
             fixture: if SHARED == 1 { Fixture::build(settings)? } else { None },
             oblique: if SHARED == 1 { None } else { Oblique::build(settings)? },
             still: [Still::default(); N],
@@ -282,6 +288,8 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
             axis.engage(&self.law, &self.contact, slip.of(device).position);
         }
         self.forces = [S::ZERO; N];
+        self.grips = [Grip::default(); N];
+        self.fast_path = self.plain;
         self.saturated = Patience::default();
         self.engagement = self.degradation.engaged();
         self.age_ticks = 0;
@@ -309,7 +317,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
             for (slip, device) in self.slips.iter_mut().zip(self.device) {
                 slip.turn(command == Command::Clutch, device.position);
             }
-            self.fast_path = false;
+            (self.fast_path, self.plain) = (false, false);
         }
         if command == Command::Home && self.mode == Mode::Disarmed {
             self.slips = [Slip::default(); SHARED];
@@ -338,7 +346,24 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
     fn enter(&mut self, mode: Mode) {
         self.mode = mode;
         let free = self.fixture.is_none() && (SHARED == 1 || self.oblique.is_none());
-        self.fast_path = mode == Mode::Armed && free && self.slips.iter().all(Slip::is_none);
+        self.plain = mode == Mode::Armed && free && self.slips.iter().all(Slip::is_none);
+        self.fast_path = self.plain && self.is_firm();
+    }
+
+    /// Whether nothing has slipped.
+    fn is_firm(&self) -> bool {
+        self.shared_axes.iter().all(|axis| axis.grip.is_firm()) && self.grips.iter().all(Grip::is_firm)
+    }
+
+    /// Everything is firm again where every slip is back at 0: one question for all of them.
+    fn firm_up(&mut self) {
+        let grips = self.shared_axes.iter().map(|axis| &axis.grip).chain(&self.grips);
+        let slipped = grips.fold(S::ZERO, |sum, grip| sum + grip.slip_m().abs());
+        if slipped == S::ZERO {
+            self.shared_axes.iter_mut().for_each(|axis| axis.grip = Grip::default());
+            self.grips = [Grip::default(); N];
+            self.fast_path = self.plain;
+        }
     }
 
     /// Begins a probe, if disarmed; otherwise nothing changes.
@@ -440,6 +465,9 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
     #[inline(never)]
     fn slow_path(&mut self, jacobian: [[S; N]; N], stage: Option<Measured<N>>) -> Actuators<S, N> {
         if self.mode == Mode::Armed {
+            if !self.is_firm() {
+                self.firm_up();
+            }
             return self.render::<false>(&Pose { axes: self.device, jacobian });
         }
         self.envelope.rest(&mut self.load);
@@ -449,11 +477,11 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         if self.mode == Mode::Probing { self.push(stage) } else { Actuators::default() }
     }
 
-    /// One control period of what the hand feels. `PLAIN`: clutch and fixture are skipped, so that a peer with neither pays for none.
+    /// One control period of what the hand feels. `PLAIN`: clutch, fixture and slips are skipped, so that a peer with none pays for none.
     #[inline(always)]
     fn render<const PLAIN: bool>(&mut self, pose: &Pose<S, N>) -> Actuators<S, N> {
         match self.advance::<PLAIN>(pose) {
-            Some(felt) => self.actuate(pose, felt),
+            Some(felt) => self.actuate::<PLAIN>(pose, felt),
             None => {
                 self.trip(Fault::Diverged);
                 Actuators::default()
@@ -467,6 +495,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         let tick = Tick {
             law: &self.law,
             contact: &self.contact,
+            guard: &self.guard,
             fixture: if PLAIN { None } else { self.fixture },
             engaged: self.engagement.is_engaged(),
             age_ticks: self.age_ticks,
@@ -476,20 +505,22 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
             && !PLAIN
             && let Some(oblique) = &self.oblique
         {
-            let (mut devices, mut commanded) = ([Motion::REST; SHARED], [S::ZERO; SHARED]);
+            let mut devices = [Motion::REST; SHARED];
+            let mut felt = [Felt { commanded: S::ZERO, share: None }; SHARED];
             let sensed = pose.axes.iter().zip(&self.forces).zip(&mut self.slips);
-            for ((device, commanded), ((sensed, force), slip)) in devices.iter_mut().zip(&mut commanded).zip(sensed) {
-                (*device, *commanded) = (self.clutch.carry(slip, *sensed), *force);
+            for ((device, felt), ((sensed, force), slip)) in devices.iter_mut().zip(&mut felt).zip(sensed) {
+                *device = self.clutch.carry(slip, *sensed);
+                *felt = Felt { commanded: *force, share: Some(slip.ratio()) };
             }
-            let mut felt = axis::advance_together(&mut self.shared_axes, &tick, oblique, devices, commanded)?;
-            for (felt, slip) in felt.iter_mut().zip(&self.slips) {
-                *felt = slip.ratio() * *felt;
+            let mut forces = axis::advance_together(&mut self.shared_axes, &tick, oblique, devices, felt)?;
+            for (force, slip) in forces.iter_mut().zip(&self.slips) {
+                *force = slip.ratio() * *force;
             }
             self.age_ticks = self.age_ticks.saturating_add(1);
-            return Some(felt);
+            return Some(forces);
         }
         let mut felt = [S::ZERO; SHARED];
-        let mut finite = true;
+        let (mut finite, mut slipped) = (true, false);
         let mut slips = self.slips.iter_mut();
         for (axis, (felt, (device, commanded))) in
             self.shared_axes.iter_mut().zip(felt.iter_mut().zip(pose.axes.iter().zip(&self.forces)))
@@ -499,10 +530,14 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
                 Some(slip) => (self.clutch.carry(slip, *device), Some(slip.ratio())),
                 None => (*device, None),
             };
-            match axis.advance::<PLAIN>(&tick, device, *commanded) {
+            match axis.advance::<PLAIN>(&tick, device, Felt { commanded: *commanded, share }) {
                 Some(force) => *felt = share.map_or(force, |share| share * force),
                 None => finite = false,
             }
+            slipped |= !axis.grip.is_firm();
+        }
+        if slipped {
+            self.fast_path = false;
         }
         self.age_ticks = self.age_ticks.saturating_add(1);
         finite.then_some(felt)
@@ -625,7 +660,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
 
     /// The reaction of the contact on the shared axes and the hold of the others, within the limits.
     #[inline(always)]
-    fn actuate(&mut self, pose: &Pose<S, N>, felt: [S; SHARED]) -> Actuators<S, N> {
+    fn actuate<const PLAIN: bool>(&mut self, pose: &Pose<S, N>, felt: [S; SHARED]) -> Actuators<S, N> {
         let mut wanted = [S::ZERO; N];
         for (force, felt) in wanted.iter_mut().zip(&felt) {
             *force = -*felt;
@@ -633,15 +668,20 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         // Not `skip(1)`: the call behind it costs more than the hold itself.
         for (at, (force, motion)) in wanted.iter_mut().zip(&pose.axes).enumerate() {
             if at >= SHARED && at < self.axes {
-                *force = self.hold.force(*motion);
+                *force = if PLAIN { self.hold.force(*motion) } else { self.held(at, *motion) };
             }
         }
         let mut at_limit = false;
         let mut forces = self.forces;
         for (at, (last, wanted)) in forces.iter_mut().zip(&wanted).enumerate() {
             if at < self.axes {
-                at_limit |= wanted.limit(self.guard.max_force) != *wanted;
-                *last = self.guard.limit(*last, *wanted);
+                if self.guard.is_free(*wanted) {
+                    *last = *wanted;
+                } else {
+                    let (given, all) = self.limited(at, *last, *wanted);
+                    *last = given;
+                    at_limit |= all;
+                }
             }
         }
         let mut duties = [Duty::OFF; N];
@@ -674,6 +714,27 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         self.forces = forces;
         self.asked = duties;
         Actuators { forces, duties, enable: true, open: false }
+    }
+
+    /// The force (N) that an axis has after `last` where `wanted` is asked of it, and whether it is all that it may give; where the axis is
+    /// held, its line slips for what is cut.
+    #[cold]
+    #[inline(never)]
+    fn limited(&mut self, at: usize, last: S, wanted: S) -> (S, bool) {
+        let (given, at_limit) = (self.guard.limit(last, wanted), self.guard.is_at_limit(wanted));
+        if at >= SHARED
+            && (at_limit || given != wanted)
+            && let Some(grip) = self.grips.get_mut(at)
+        {
+            self.fast_path = false;
+            self.hold.slide(grip, given - wanted, -given);
+        }
+        (given, at_limit)
+    }
+
+    /// The force that holds an axis which may have slipped, N.
+    fn held(&mut self, at: usize, motion: Motion<S>) -> S {
+        self.grips.get_mut(at).map_or(S::ZERO, |grip| self.hold.gripped(grip, motion))
     }
 
     /// Every fourth tick, and not in the one that is the longest: whether a joint's encoder does not count.

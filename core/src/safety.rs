@@ -3,7 +3,12 @@
 //! Forces reach the motors only while [`Mode::Armed`], the duties of a probe only while [`Mode::Probing`]. Any fault turns
 //! them off in the same tick and latches; leaving it takes [`Command::Clear`] and then [`Command::Arm`]. No setting
 //! switches a guard off. Fault numbers are never reused. Limits come last: whatever the models compute, a force that is commanded is
-//! finite, within ±max_force and, unless the motors are off, within the slew limit of the one before.
+//! finite, within ±max_force and never grows away from zero faster than the slew limit.
+//!
+//! **Why only growth is slow.** A force that rises jerks the hand and has to be followed by a current loop; a force that falls ends where the
+//! motors are off, which any fault does to the hand at any time. A fall that is held back pushes on after its reason has gone: it gives back more
+//! than it took, which is energy out of nothing at a port beside a person. So a force falls to zero as fast as what computes it has it, and rises
+//! on the other side of zero as slowly as on this one.
 
 use crate::{num::Scalar, settings::Settings};
 
@@ -165,8 +170,10 @@ impl Mode {
 pub struct Guard<S> {
     /// Largest force of either sign, N.
     pub max_force: S,
-    /// Largest change of force in one tick, N.
+    /// Largest growth of a force away from zero in one tick, N.
     pub max_step: S,
+    /// Forces below this (N) are within both limits, whatever was commanded before.
+    free: S,
     /// Fastest motion while armed, m/s.
     pub max_speed: S,
     /// Largest distance of an axis from where the encoders were first read, m.
@@ -177,15 +184,18 @@ pub struct Guard<S> {
     pub silent_packets: u32,
 }
 
-configured!([S: Scalar] Guard<S> { max_force, max_step, max_speed, workspace, saturated_ticks, silent_packets });
+configured!([S: Scalar] Guard<S> { max_force, max_step, free, max_speed, workspace, saturated_ticks, silent_packets });
 
 impl<S: Scalar> Guard<S> {
     /// The limits of the scene's table `safety`.
     pub fn build(settings: &Settings) -> Self {
         let safety = &settings.safety;
+        let [max_force, max_step] =
+            [safety.max_force_n, safety.max_slew_n_per_s * settings.timing.control_period_s].map(S::from_f64);
         Self {
-            max_force: S::from_f64(safety.max_force_n),
-            max_step: S::from_f64(safety.max_slew_n_per_s * settings.timing.control_period_s),
+            max_force,
+            max_step,
+            free: max_force.min(max_step),
             max_speed: S::from_f64(safety.max_speed_m_per_s),
             workspace: S::from_f64(safety.workspace_m),
             saturated_ticks: safety.saturated_ticks,
@@ -193,16 +203,31 @@ impl<S: Scalar> Guard<S> {
         }
     }
 
-    /// The force (N) that may follow `last` (N) when `wanted` (N) is asked for; NaN asks for 0.
+    /// Whether a device can give this force (N) whatever it gave before; most are like this, and nothing else need be asked of them.
+    #[inline]
+    pub fn is_free(&self, force: S) -> bool {
+        force.abs() < self.free
+    }
+
+    /// The force (N) that may follow `last` (N) when `wanted` (N) is asked for: within ±max_force, and no more than a step farther from zero
+    /// than `last` was on that side. NaN asks for 0. Without a branch, of which a proof would have to go both ways.
     #[inline]
     pub fn limit(&self, last: S, wanted: S) -> S {
-        let target = wanted.limit(self.max_force);
-        let step = target - last;
-        if step.abs() > self.max_step {
-            if step > S::ZERO { last + self.max_step } else { last - self.max_step }
-        } else {
-            target
-        }
+        let (least, most) = (last.min(S::ZERO) - self.max_step, last.max(S::ZERO) + self.max_step);
+        wanted.limit(self.max_force).max(least).min(most)
+    }
+
+    /// The force on the object (N) whose reaction the device can give after it was commanded `commanded` (N), where `asked` (N) is asked
+    /// for; 0 for no number.
+    #[inline]
+    pub fn reaction(&self, commanded: S, asked: S) -> S {
+        -self.limit(commanded, -asked)
+    }
+
+    /// Whether a force (N) stands at the limit or was to pass it.
+    #[inline]
+    pub fn is_at_limit(&self, wanted: S) -> bool {
+        wanted.abs() >= self.max_force
     }
 }
 

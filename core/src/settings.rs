@@ -635,7 +635,8 @@ settings! {
     /// Limits of force, speed, power and silence that hold whatever the other tables say.
     safety: Safety {
         max_force_n: f64 = 40.0, number(0.01, 200.0), "N", "Largest force on any axis.";
-        max_slew_n_per_s: f64 = 20000.0, number(1.0, 1e6), "N/s", "Fastest change of force on any axis.";
+        max_slew_n_per_s: f64 = 20000.0, number(1.0, 1e6), "N/s",
+            "Fastest growth of a force on any axis, away from zero; a force falls at once.";
         max_speed_m_per_s: f64 = 10.0, number(0.01, 100.0), "m/s",
             "Fastest that the device may move while armed; above it the peer faults.";
         workspace_m: f64 = 100.0, number(0.001, 1000.0), "m",

@@ -5,6 +5,7 @@
 //! (architectures paper §2.2: F = K·x + B·ẋ if x > 0 else 0, so that damping may pull for as long as x > 0).
 //! A scene with neither gap nor side has no contact detection at all.
 
+use super::grip::Grip;
 use super::rendering::{Press, Rendering, Strikes, Touch};
 use crate::num::{Configured, Motion, Scalar};
 use crate::object::port::{Port, met_midway};
@@ -90,6 +91,25 @@ impl<S: Scalar> Contact<S> {
             Surface::OneSided { sign } => sign * distance,
             Surface::Held | Surface::Play(_) => distance,
         }
+    }
+
+    /// z of the contact as a port, and what it is where forces are found in stages, K_LC·T_c + B_LC, N·s/m: the slip that leaves the spring with the
+    /// limits' force is taken at the end of the tick there, and not in its middle.
+    pub(crate) fn impedances(&self) -> [S; 2] {
+        [self.impedance, self.impedance + self.stiffness * self.half_period]
+    }
+
+    /// A tick of the way back of a slip, for a device at this distance (m) from the object ([`super::grip`]).
+    pub(crate) fn recover(&self, grip: &mut Grip<S>, distance: S) {
+        let past = match self.surface {
+            Surface::Held => distance,
+            Surface::Play(gap) => distance - distance.limit(gap),
+            Surface::OneSided { sign } => sign * (sign * distance).max(S::ZERO),
+        };
+        if !matches!(self.surface, Surface::Held) {
+            grip.part(past);
+        }
+        grip.recover(past, self.stiffness, self.half_period + self.half_period);
     }
 
     /// How far the spring is pressed, m, if device and object touch.

@@ -8,9 +8,8 @@
 //!
 //! **What is felt is what acts**: a pulse lasts a tick, and [`Guard`] limits it: F = ΔQ/T_c if the limits of force and slew
 //! allow that, and otherwise as much as they allow. The object takes T_c·F in the same tick, not ΔQ, and the impulse still
-//! owed is given in the ticks that follow. The force must come down again, too: no pulse is higher than what the slew limit
-//! leads back to zero without giving more than is owed (`Impulsive::pulse`). So the momentum of object and device together
-//! is conserved in every tick, to rounding; with a motor that acts a tick late, a tick later. An impact dissipates only
+//! owed is given in the ticks that follow; the last pulse gives what is left, since a force may fall at once. So the momentum of object and
+//! device together is conserved in every tick, to rounding; with a motor that acts a tick late, a tick later. An impact dissipates only
 //! what restitution below 1 takes; during the pulses kinetic energy is lower by what they have yet to return. ΔQ is decided
 //! once, but pulses end early once the two separate as fast as restitution asks for, whoever pulled them apart.
 //!
@@ -22,7 +21,7 @@
 //! one-sided, and a port where the object is moved by ports: a steady push F sinks in by F/K_LC. The depth of the device past
 //! the surface by then compresses the spring at once. After a plastic impact within the limits that is at most 2.5 ticks of
 //! the approach, v·2.5·T_c, and the spring gives back less than was lost while 6·K_LC·T_c² is less than the reduced mass, as
-//! it is wherever such a spring is stable at all; where pulses are at their limit, no more than the limit took on the way in.
+//! it is wherever such a spring is stable at all; where its force is at a limit, it slips ([`super::grip`]).
 //! The spring is that of [`super::continuous`], with the same effects of sampling, except that it never pulls.
 //!
 //! **Mass**: no energy is generated while `contact.device_mass_kg` is at most the mass that the hand moves; a peer cannot know
@@ -35,7 +34,6 @@ use super::rendering::{Press, Rendering, Strikes, Touch};
 use crate::device::kinematics::Joints;
 use crate::model::Model;
 use crate::num::{Motion, Scalar};
-use crate::object::Port;
 use crate::safety::Guard;
 use crate::settings::{Allowed, Refused, Settings};
 
@@ -50,9 +48,6 @@ pub const CHATTER: u32 = 2 * SETTLING;
 pub struct Impulsive<S> {
     contact: Contact<S>,
     guard: Guard<S>,
-    /// Change of force that a tick is planned with, N, and the root of its double.
-    step: S,
-    root: S,
     period: S,
     /// 1/T_c.
     rate: S,
@@ -68,7 +63,7 @@ pub struct Impulsive<S> {
 }
 
 configured!([S: Scalar] Impulsive<S> {
-    contact, guard, step, root, period, rate, object_inverse, device_inverse, reduced, restitution, slowest
+    contact, guard, period, rate, object_inverse, device_inverse, reduced, restitution, slowest
 });
 
 impl<S: Scalar> Model<S> for Impulsive<S> {
@@ -82,11 +77,8 @@ impl<S: Scalar> Model<S> for Impulsive<S> {
         let (period, contact, object) = (settings.timing.control_period_s, &settings.contact, &settings.object);
         let (guard, Joints { counts_per_unit, most_per_m, .. }) = (Guard::<S>::build(settings), Joints::of(settings));
         let [object_inverse, device_inverse] = [1.0 / object.mass_kg, 1.0 / contact.device_mass_kg];
-        let step = guard.max_step.min(guard.max_force);
         Ok(Self {
             contact: Contact::build(settings),
-            step,
-            root: (step + step).sqrt(),
             guard,
             period: S::from_f64(period),
             rate: S::from_f64(1.0 / period),
@@ -101,28 +93,16 @@ impl<S: Scalar> Model<S> for Impulsive<S> {
 
 /// What contact does in this tick.
 enum Act<S> {
-    /// A pulse of this force (N) is asked for; as much of it as the guard lets through, the object has taken.
+    /// A pulse of this force (N), which the object has taken.
     Pulse(S),
     /// The object is pushed by the contact's spring and damper in this tick.
     Spring,
 }
 
 impl<S: Scalar> Impulsive<S> {
-    /// The force on the object (N) for which the guard lets the device's be `-asked`, after the one that was commanded. What is no
-    /// number goes to the object as it is: the peer stops.
-    #[inline]
-    fn given(&self, commanded: S, asked: S) -> S {
-        if asked.is_finite() { -self.guard.limit(commanded, -asked) } else { asked }
-    }
-
-    /// The highest pulse (N) that leads back to zero in steps of s without giving more than is owed (N·s).
-    ///
-    /// A force F = (k + f)·s on its way down gives T·(F + (F − s) + …) = T·(F²/2s + F/2 + s·f(1 − f)/2), which is at most
-    /// T·(F + s/2)²/2s; up to s it is T·F.
-    #[inline]
-    fn pulse(&self, owed: S) -> S {
-        let (force, step) = (self.rate * owed, self.step);
-        if force > step { (self.root * force.sqrt() - S::from_f64(0.5) * step).max(step) } else { force }
+    /// The spring and damper of resting contact.
+    pub(super) fn spring(&self) -> &Contact<S> {
+        &self.contact
     }
 
     #[inline]
@@ -155,8 +135,9 @@ impl<S: Scalar> Impulsive<S> {
             return Act::Spring;
         }
         state.owed = state.owed.max(S::ZERO);
-        let asked = self.contact.past(self.pulse(state.owed));
-        let given = self.given(commanded, asked);
+        let asked = self.contact.past(self.rate * state.owed);
+        // What is no number goes to the object as none: the peer stops.
+        let given = self.guard.reaction(commanded, asked) + (asked - asked);
         if given != S::ZERO {
             state.recent = SETTLING + CHATTER;
             let impulse = self.period * given;
@@ -169,7 +150,7 @@ impl<S: Scalar> Impulsive<S> {
                 state.delivered.add(impulse);
             }
         }
-        Act::Pulse(asked)
+        Act::Pulse(given)
     }
 
     /// A force toward the object, or none.
@@ -186,27 +167,18 @@ impl<S: Scalar> Rendering<S> for Impulsive<S> {
 
     fn touch(&self, state: &mut Strikes<S>, device: Motion<S>, object: &mut Motion<S>, commanded: S) -> Touch<S> {
         match self.act(state, device, object, commanded) {
-            Act::Pulse(asked) => Touch { pushing: S::ZERO, felt: asked },
+            Act::Pulse(given) => Touch { pushing: S::ZERO, felt: given },
             Act::Spring => {
-                let asked = self.push(self.contact.force(device, *object));
-                Touch { pushing: self.given(commanded, asked), felt: asked }
+                let force = self.push(self.contact.force(device, *object));
+                Touch { pushing: force, felt: force }
             }
         }
     }
 
     fn press(&self, state: &mut Strikes<S>, device: Motion<S>, object: &mut Motion<S>, commanded: S) -> Press<S> {
         match self.act(state, device, object, commanded) {
-            Act::Pulse(asked) => Press { pulse: asked, ..Press::default() },
-            Act::Spring => {
-                let press = self.contact.port(device, *object);
-                let asked = self.push(press.port.at(object.velocity));
-                let given = self.given(commanded, asked);
-                if given == asked {
-                    return press;
-                }
-                // The limits hold it, however the object moves.
-                Press { port: Port::of_force(given), toward: S::ZERO, pulse: asked - given }
-            }
+            Act::Pulse(given) => Press { pulse: given, ..Press::default() },
+            Act::Spring => self.contact.port(device, *object),
         }
     }
 }

@@ -6,10 +6,12 @@
 //! | [`impulsive`] | impulsive rendering: impacts between device and object, felt as pulses of a tick each, and rest |
 //! | [`impact`] | impacts of round bodies and flat walls: time of impact, exchange of momentum |
 //! | [`bounder`] | stiffness and damping that follow the measured round trip |
+//! | [`grip`] | how a contact gives way whose force is limited |
 //! | [`shape`] | polygons and discs in the plane: springs and dampers normal to their surface |
 
 pub mod bounder;
 pub mod continuous;
+pub mod grip;
 pub mod impact;
 pub mod impulsive;
 mod rendering;
@@ -19,6 +21,7 @@ use crate::num::{Motion, Scalar};
 
 pub use crate::names::{RenderingName, Side};
 pub use continuous::Contact;
+pub use grip::Grip;
 pub use rendering::{Impacts, Press, Rendering, Strikes, Touch};
 
 list! {
@@ -33,6 +36,15 @@ impl<S: Scalar> AnyRendering<S> {
     /// Where the object has to be to be just clear of a device at `position`, m ([`Rendering::clear_of`]).
     pub fn clear_of(&self, position: S) -> S {
         each!(self: Continuous | Impulsive, model => model.clear_of(position))
+    }
+
+    /// The spring and damper that it is while device and object press on each other.
+    #[inline]
+    pub fn spring(&self) -> &Contact<S> {
+        match self {
+            Self::Continuous(contact, ()) => contact,
+            Self::Impulsive(impulsive, ()) => impulsive.spring(),
+        }
     }
 
     /// [`Rendering::touch`], and the object's motion after any impacts. By value, so that a spring's stays in registers.

@@ -44,7 +44,7 @@ pub trait Rendering<S: Scalar>: Model<S> {
     /// Position (m) at which to put an object so that a device at `position` (m) does not touch it before crossing the gap.
     fn clear_of(&self, position: S) -> S;
     /// One tick: the forces of contact between device and object, given the force (N) last commanded to the device. An
-    /// impact changes the motion of `object`.
+    /// impact changes the motion of `object`, by as much as the limits let the device feel of it; those of springs are the peer's matter.
     fn touch(&self, strikes: &mut Strikes<S>, device: Motion<S>, object: &mut Motion<S>, commanded: S) -> Touch<S>;
     /// [`Rendering::touch`] where the copy is moved by ports: the contact is a port of the copy, and the impacts'
     /// force on the device.

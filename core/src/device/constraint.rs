@@ -6,8 +6,10 @@
 //! Units: m, m/s, N; k in N/m, b in N·s/m, both ≥ 0.
 //!
 //! Limits: sampled every T_c, without delay and on a mass m, it is stable exactly for k·T_c/2 < b < 2m/T_c; a delay
-//! narrows that. The force is unlimited here, [`crate::safety`] limits it. NaN in, NaN out.
+//! narrows that. The force is unlimited here; where [`crate::safety`] limits it, the line slips and comes back, as the contact with the object
+//! does ([`crate::contact::grip`]). NaN in, NaN out.
 
+use crate::contact::Grip;
 use crate::num::{Motion, Scalar};
 use crate::settings::Settings;
 
@@ -16,9 +18,10 @@ use crate::settings::Settings;
 pub struct Hold<S> {
     stiffness_n_per_m: S,
     damping_n_s_per_m: S,
+    period_s: S,
 }
 
-configured!([S: Scalar] Hold<S> { stiffness_n_per_m, damping_n_s_per_m });
+configured!([S: Scalar] Hold<S> { stiffness_n_per_m, damping_n_s_per_m, period_s });
 
 impl<S: Scalar> Hold<S> {
     /// From `axis.hold_stiffness_n_per_m` and `axis.hold_damping_n_s_per_m`.
@@ -26,6 +29,7 @@ impl<S: Scalar> Hold<S> {
         Self {
             stiffness_n_per_m: S::from_f64(settings.axis.hold_stiffness_n_per_m),
             damping_n_s_per_m: S::from_f64(settings.axis.hold_damping_n_s_per_m),
+            period_s: S::from_f64(settings.timing.control_period_s),
         }
     }
 
@@ -33,5 +37,20 @@ impl<S: Scalar> Hold<S> {
     #[inline]
     pub fn force(&self, at: Motion<S>) -> S {
         -(self.stiffness_n_per_m * at.position + self.damping_n_s_per_m * at.velocity)
+    }
+
+    /// [`Hold::force`] on an axis whose line has slipped, and goes back.
+    pub(crate) fn gripped(&self, grip: &mut Grip<S>, at: Motion<S>) -> S {
+        if !grip.is_firm() {
+            grip.recover(at.position, self.stiffness_n_per_m, self.period_s);
+        }
+        self.force(Motion { position: at.position - grip.slip_m(), ..at })
+    }
+
+    /// The line slips: of the push against it as much is missing as `missing`, and `given` is what is left, N.
+    #[cold]
+    pub(crate) fn slide(&self, grip: &mut Grip<S>, missing: S, given: S) {
+        let impedance = self.stiffness_n_per_m * self.period_s + self.damping_n_s_per_m;
+        grip.slide(missing, given, impedance, self.period_s);
     }
 }

@@ -2,15 +2,20 @@
 //!
 //! Axes know nothing of each other: a law, an integrator and a way of contact are scalar, and each axis has a state of its own of each.
 //! Where a fixture couples them, one solve sees the ports of all ([`advance_together`]).
+//!
+//! A contact whose force the device's limits do not let through is solved with the force that they do let through, and slips
+//! ([`crate::contact::grip`]): what the device feels is what the copy gets.
 
-use crate::contact::{AnyRendering, Press, Strikes};
+use crate::contact::{AnyRendering, Contact, Grip, Press, Strikes, Touch};
 use crate::law::ledger::Ledger;
 use crate::law::{Coupled, Law, Observation, Packet};
 use crate::num::{Motion, Scalar, StateVector};
 use crate::object::fixture::{self, Fixture, Pushes};
+use crate::object::midpoint::Midpoint;
 use crate::object::plane::Oblique;
 use crate::object::vector::VectorPort;
 use crate::object::{AnyIntegrator, Port, Staged};
+use crate::safety::Guard;
 
 /// Motions and forces of one tick along one shared axis, for telemetry, reports and tests.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -54,22 +59,113 @@ pub(super) struct SharedAxis<S: Scalar, L: Law<S>> {
     pub(super) standing: Packet<S>,
     integrator: AnyIntegrator<S>,
     pub(super) strikes: Strikes<S>,
+    pub(super) grip: Grip<S>,
 }
 
 configured!([S: Scalar, L: Law<S>] SharedAxis<S, L> {
-    object, integrator; coordination, observed, ledger, standing, strikes
+    object, integrator; coordination, observed, ledger, standing, strikes, grip
 });
 
 /// What is the same for all axes in a tick.
 pub(super) struct Tick<'a, S: Scalar, L> {
     pub(super) law: &'a L,
     pub(super) contact: &'a AnyRendering<S>,
+    /// Limits of the device's forces.
+    pub(super) guard: &'a Guard<S>,
     pub(super) fixture: Option<Fixture<S>>,
     /// The coordination acts in this tick.
     pub(super) engaged: bool,
     pub(super) age_ticks: u32,
     /// Control period T_c, s.
     pub(super) period_s: S,
+}
+
+/// What a device can feel along an axis in a tick.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Felt<S> {
+    /// Force that it was commanded last, N.
+    pub(super) commanded: S,
+    /// Share of the contact's force that it feels, where that may be less than 1: the clutch's.
+    pub(super) share: Option<S>,
+}
+
+impl<S: Scalar> Felt<S> {
+    /// What the device would feel of a contact force on the copy, N.
+    #[inline(always)]
+    fn of(self, contact_force: S) -> S {
+        self.share.map_or(contact_force, |share| share * contact_force)
+    }
+
+    /// The contact force on the copy whose reaction the device can give, N; none if it can give that of this one.
+    #[inline(always)]
+    fn cut(self, guard: &Guard<S>, asked: S) -> Option<S> {
+        let felt = self.of(asked);
+        let given = guard.reaction(self.commanded, felt);
+        if given == felt {
+            return None;
+        }
+        // What is no number goes to the copy as none: the peer stops.
+        Some(self.share.map_or(given, |share| given.ratio(share)) + (asked - asked))
+    }
+}
+
+/// The copy's half change of velocity (m/s) under a push and other ports, and that push, N: one solve, or two where what can only push
+/// would pull.
+#[inline(always)]
+fn pushed<S: Scalar>(midpoint: &Midpoint<S>, velocity: S, push: Pushes<S>, others: Port<S>) -> (S, S) {
+    let half_change = midpoint.half_change(velocity, push.port + others);
+    let force = push.port.at(velocity + half_change);
+    if force * push.toward < S::ZERO {
+        return (midpoint.half_change(velocity, others), S::ZERO);
+    }
+    (half_change, force)
+}
+
+/// What one solve of a tick is given beside the coordination's port.
+struct Solving<'a, S: Scalar> {
+    midpoint: &'a Midpoint<S>,
+    /// The copy's as the tick begins, m/s.
+    velocity: S,
+    press: Press<S>,
+    fixture: Option<Pushes<S>>,
+    felt: Felt<S>,
+    guard: &'a Guard<S>,
+    period_s: S,
+}
+
+impl<S: Scalar> Solving<'_, S> {
+    /// The copy's half change of velocity (m/s) and the contact's force (N) where the limits cut this one; none where they do not.
+    ///
+    /// Of all forces that the spring could have, the one that is given is the nearest: the more it pushes, the more the copy yields.
+    #[cold]
+    #[inline(never)]
+    fn give_way(self, grip: &mut Grip<S>, coordination: Port<S>, asked: S) -> Option<(S, S)> {
+        let given = self.felt.cut(self.guard, asked)?;
+        let fixture = self.fixture.unwrap_or_default();
+        let others = coordination + Port::of_force(given);
+        let (half_change, _) = pushed(self.midpoint, self.velocity, fixture, others);
+        let Port { impedance, .. } = self.press.port;
+        let missing = self.press.port.at(self.velocity + half_change) - given;
+        grip.slide(missing, given, impedance, self.period_s);
+        Some((half_change, given))
+    }
+}
+
+/// [`Solving::give_way`] where forces are found in stages.
+#[cold]
+#[inline(never)]
+fn give_way_in_stages<S: Scalar>(
+    grip: &mut Grip<S>,
+    spring: &Contact<S>,
+    felt: (Felt<S>, &Guard<S>),
+    touch: Touch<S>,
+    period_s: S,
+) -> Touch<S> {
+    let (felt, guard) = felt;
+    let Some(given) = felt.cut(guard, touch.felt) else { return touch };
+    let [_, impedance] = spring.impedances();
+    grip.slide(touch.felt - given, given, impedance, period_s);
+    Touch { pushing: given, felt: given }
 }
 
 impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
@@ -84,6 +180,7 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
             standing: Packet::default(),
             integrator,
             strikes: Strikes::default(),
+            grip: Grip::default(),
         }
     }
 
@@ -91,6 +188,7 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
     pub(super) fn engage(&mut self, law: &L, contact: &AnyRendering<S>, position: S) {
         self.object = Motion::at(contact.clear_of(position));
         self.strikes = Strikes::default();
+        self.grip = Grip::default();
         self.integrator.rest();
         self.coordination = law.start(self.object);
         self.ledger = Ledger::default();
@@ -122,35 +220,49 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
         law.receive(&mut self.coordination, packet);
     }
 
+    /// The device as the contact's spring sees it, less what that has slipped, of which a part goes back.
+    fn gripped(&mut self, tick: &Tick<'_, S, L>, device: Motion<S>) -> Motion<S> {
+        if self.grip.is_firm() {
+            return device;
+        }
+        tick.contact.spring().recover(&mut self.grip, device.position - self.object.position);
+        Motion { position: device.position - self.grip.slip_m(), ..device }
+    }
+
     /// Contact, coordination and the copy's motion through one tick: in stages, as the papers have it, or in one solve. The force on
-    /// the copy whose reaction the device feels, N; none if it left the range of numbers. `PLAIN`: there is no fixture.
+    /// the copy whose reaction the device feels, N; none if it left the range of numbers. `PLAIN`: there is no fixture, no clutch, and
+    /// nothing has slipped before.
     #[inline(always)]
     pub(super) fn advance<const PLAIN: bool>(
         &mut self,
         tick: &Tick<'_, S, L>,
         device: Motion<S>,
-        commanded: S,
+        felt: Felt<S>,
     ) -> Option<S> {
-        let Tick { law, contact, fixture, engaged, age_ticks, period_s } = *tick;
-        let (object, next, felt, coupled) = if let AnyIntegrator::Midpoint(midpoint, carries) = &mut self.integrator {
-            let (object, press) = contact.press(&mut self.strikes, device, self.object, commanded);
+        let Tick { law, contact, guard, fixture, engaged, age_ticks, period_s } = *tick;
+        let gripped = if PLAIN { device } else { self.gripped(tick, device) };
+        let (object, next, force, coupled) = if let AnyIntegrator::Midpoint(midpoint, carries) = &mut self.integrator {
+            let (object, press) = contact.press(&mut self.strikes, gripped, self.object, felt.commanded);
             let seen = Observation { local: object, contact_force: self.observed.contact_force, age_ticks };
             let (mut half_change, mut contact_force) = (S::ZERO, S::ZERO);
+            let grip = &mut self.grip;
             let mut solve = |coordination: Port<S>| {
-                if let Some(fixture) = fixture.filter(|_| !PLAIN) {
-                    let contact = Pushes { port: press.port, toward: press.toward };
-                    contact_force = fixture::solve_both(contact, fixture.pushes(object), |ports| {
+                let contact = Pushes { port: press.port, toward: press.toward };
+                let fixture = if PLAIN { None } else { fixture.map(|fixture| fixture.pushes(object)) };
+                if let Some(fixture) = fixture {
+                    contact_force = fixture::solve_both(contact, fixture, |ports| {
                         half_change = midpoint.half_change(object.velocity, ports + coordination);
                         object.velocity + half_change
                     });
-                    return object.velocity + half_change;
+                } else {
+                    (half_change, contact_force) = pushed(midpoint, object.velocity, contact, coordination);
                 }
-                half_change = midpoint.half_change(object.velocity, press.port + coordination);
-                contact_force = press.port.at(object.velocity + half_change);
-                if contact_force * press.toward < S::ZERO {
-                    // What can only push does not pull.
-                    contact_force = S::ZERO;
-                    half_change = midpoint.half_change(object.velocity, coordination);
+                if !guard.is_free(felt.of(contact_force)) {
+                    let velocity = object.velocity;
+                    let solving = Solving { midpoint, velocity, press, fixture, felt, guard, period_s };
+                    if let Some(cut) = solving.give_way(grip, coordination, contact_force) {
+                        (half_change, contact_force) = cut;
+                    }
                 }
                 object.velocity + half_change
             };
@@ -162,7 +274,10 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
             };
             (object, midpoint.advance(carries, object, half_change), contact_force + press.pulse, coupled)
         } else {
-            let (object, touch) = contact.touch(&mut self.strikes, device, self.object, commanded);
+            let (object, mut touch) = contact.touch(&mut self.strikes, gripped, self.object, felt.commanded);
+            if !guard.is_free(felt.of(touch.felt)) {
+                touch = give_way_in_stages(&mut self.grip, contact.spring(), (felt, guard), touch, period_s);
+            }
             let seen = Observation { local: object, contact_force: touch.felt, age_ticks };
             let coupled = if engaged && !L::PORTS_ONLY {
                 law.couple(&mut self.coordination, &seen, Staged(object.velocity))
@@ -171,7 +286,7 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
             };
             (object, self.integrator.step(object, touch.pushing + coupled.force), touch.felt, coupled)
         };
-        self.end([device, object, next], felt, &coupled, period_s)
+        self.end([device, object, next], force, &coupled, period_s)
     }
 
     /// Ends a tick in which the device and the copy were there, and after which the copy is next.
@@ -200,27 +315,54 @@ struct Together<S, const N: usize> {
     means: [S; N],
 }
 
+/// Solves until every axis pushes as its limits have it, at the most: all that three axes can need.
+const TRIES: usize = 27;
+
+impl<S: Scalar> Press<S> {
+    /// The force (N) that the contact has on a copy of this mean velocity (m/s), and what the limits give of it.
+    fn limited(&self, felt: &Felt<S>, guard: &Guard<S>, mean: S) -> (S, S) {
+        let asked = self.port.at(mean);
+        (asked, felt.cut(guard, asked).unwrap_or(asked))
+    }
+}
+
 /// [`SharedAxis::advance`] of all axes in one solve, where a fixture couples them.
 pub(super) fn advance_together<S: Scalar, L: Law<S>, const N: usize>(
     axes: &mut [SharedAxis<S, L>; N],
     tick: &Tick<'_, S, L>,
     oblique: &Oblique<S, N>,
     devices: [Motion<S>; N],
-    commanded: [S; N],
+    felt: [Felt<S>; N],
 ) -> Option<[S; N]> {
     let (mut objects, mut presses) = ([Motion::REST; N], [Press::default(); N]);
-    let sensed = devices.into_iter().zip(commanded);
-    for (axis, ((device, commanded), (object, press))) in
+    let sensed = devices.into_iter().zip(&felt);
+    for (axis, ((device, felt), (object, press))) in
         axes.iter_mut().zip(sensed.zip(objects.iter_mut().zip(&mut presses)))
     {
-        (*object, *press) = tick.contact.press(&mut axis.strikes, device, axis.object, commanded);
+        let gripped = axis.gripped(tick, device);
+        (*object, *press) = tick.contact.press(&mut axis.strikes, gripped, axis.object, felt.commanded);
     }
     let solve = |laws: [Port<S>; N]| {
-        let mut ports = laws;
-        for (port, press) in ports.iter_mut().zip(&presses) {
-            *port = *port + press.port;
+        let mut pushing = presses.map(|press| press.port);
+        let mut means = [S::ZERO; N];
+        for _ in 0..TRIES {
+            let mut ports = laws;
+            for (port, pushing) in ports.iter_mut().zip(&pushing) {
+                *port = *port + *pushing;
+            }
+            means = oblique.mean_velocity(objects, &VectorPort::of_axes(ports));
+            // The first that does not push as it can is set right, and all are solved for again: with least indices first that ends (Murty
+            // 1974), for each force falls with its velocity.
+            let asked = presses.iter().zip(&felt).zip(means);
+            let wrong = pushing.iter_mut().zip(asked).find_map(|(pushing, ((press, felt), mean))| {
+                let (force, given) = press.limited(felt, tick.guard, mean);
+                let right = if given == force { press.port } else { Port::of_force(given) };
+                (*pushing != right).then_some((pushing, right))
+            });
+            let Some((pushing, right)) = wrong else { break };
+            *pushing = right;
         }
-        oblique.mean_velocity(objects, &VectorPort::of_axes(ports))
+        means
     };
     let mut together = Together { ports: [Port::default(); N], means: [S::ZERO; N] };
     let mut coupled = objects.map(|object| Coupled { desired: object, ..Coupled::default() });
@@ -229,23 +371,26 @@ pub(super) fn advance_together<S: Scalar, L: Law<S>, const N: usize>(
     } else {
         together.means = solve(together.ports);
     }
-    let (mut felt, mut finite) = ([S::ZERO; N], true);
+    let (mut forces, mut finite) = ([S::ZERO; N], true);
     let seen = devices.into_iter().zip(objects).zip(presses.into_iter().zip(coupled));
-    for (axis, ((felt, mean), ((device, object), (press, coupled)))) in
-        axes.iter_mut().zip(felt.iter_mut().zip(together.means).zip(seen))
+    for ((axis, felt), ((put, mean), ((device, object), (press, coupled)))) in
+        axes.iter_mut().zip(&felt).zip(forces.iter_mut().zip(together.means).zip(seen))
     {
         let next = match &mut axis.integrator {
             AnyIntegrator::Midpoint(midpoint, carries) => midpoint.advance(carries, object, mean - object.velocity),
             // Refused where there is a fixture.
             _ => object,
         };
-        let force = press.port.at(mean) + press.pulse;
-        match axis.end([device, object, next], force, &coupled, tick.period_s) {
-            Some(force) => *felt = force,
+        let (asked, given) = press.limited(felt, tick.guard, mean);
+        if given != asked {
+            axis.grip.slide(asked - given, given, press.port.impedance, tick.period_s);
+        }
+        match axis.end([device, object, next], given + press.pulse, &coupled, tick.period_s) {
+            Some(force) => *put = force,
             None => finite = false,
         }
     }
-    finite.then_some(felt)
+    finite.then_some(forces)
 }
 
 /// The axes that remain, the motion of their copies (m, m/s), and the forces of their laws.

@@ -218,9 +218,12 @@ fn check_axes<S: Scalar, const SHARED: usize, const N: usize, K: Kinematics<S, N
         let most = safety.max_force_n * (1.0 + 1e-6);
         for (force, before) in forces.into_iter().zip(before) {
             prop_assert!(force.is_finite() && force.abs() <= most, "force {force}");
-            // Only off goes at once.
-            let slow = (force - before).abs() <= step + 1e-6 * most;
-            prop_assert!(slow || peer.mode() != Mode::Armed, "from {before} to {force}");
+            // Toward zero it goes at once, away from it slowly.
+            let slow = (before.min(0.0)..=before.max(0.0)).contains(&force) || {
+                let from = if force > 0.0 { before.max(0.0) } else { before.min(0.0) };
+                (force - from).abs() <= step + 1e-6 * most
+            };
+            prop_assert!(slow, "from {before} to {force}");
         }
         before = forces;
         if peer.mode() == Mode::Armed {

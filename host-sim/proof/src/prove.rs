@@ -1,8 +1,8 @@
 //! What is claimed of a tick, in which scenes and from which states, and whether it holds.
 //!
-//! **Claims**, of `hear`, `exchange` and `tick` after whatever came before: every force is a number within ±`safety.max_force_n` and no
-//! further than `safety.max_slew_n_per_s`·T_c (and the rounding of that sum) from the one before, or the motors are off and every force
-//! is 0; every duty is within `motor.max_duty`; what is sent is finite. Since a tick begins where these hold, and ends where they hold,
+//! **Claims**, of `hear`, `exchange` and `tick` after whatever came before: every force is a number within ±`safety.max_force_n` and by no more
+//! than `safety.max_slew_n_per_s`·T_c (and the rounding of that sum) farther from zero than the one before was on that side, or the motors are
+//! off and every force is 0; every duty is within `motor.max_duty`; what is sent is finite. Since a tick begins where these hold, and ends where they hold,
 //! they hold for ever.
 //!
 //! **For every number**: readings are any bits; counts any there are; packets any finite numbers. Of the state, last forces are
@@ -18,7 +18,7 @@ use haptic_core::device::encoder::Counts;
 use haptic_core::device::kinematics::{AnyKinematics, Kinematics};
 use haptic_core::device::{AXES, Reading};
 use haptic_core::law::{Law, LawInfo, Packet};
-use haptic_core::num::{Motion, StateVector};
+use haptic_core::num::{Motion, Scalar as _, StateVector};
 use haptic_core::peer::{Actuators, Peer, Sensors};
 use haptic_core::safety::{Command, Mode};
 use haptic_core::schema::Schema;
@@ -51,7 +51,7 @@ pub type Tick<L, const SHARED: usize = 1, const N: usize = AXES, K = AnyKinemati
 pub enum Broken {
     /// A force beyond its limit, or none that is a number.
     Force(Range),
-    /// A change of force beyond its limit.
+    /// A growth of force beyond its limit: by how much it changed.
     Slew(Range),
     /// A force while the motors are off.
     Off,
@@ -95,7 +95,7 @@ pub struct Proved {
     pub paths: usize,
     /// Largest force on any, N.
     pub widest_n: f64,
-    /// Largest change of force, N.
+    /// Largest growth of a force away from zero, N.
     pub widest_step_n: f64,
     /// The first scene in which something does not hold, as it differs from the defaults, and what.
     pub broken: Option<(String, Broken)>,
@@ -358,9 +358,14 @@ fn one_tick<L: Law<Number>, const SHARED: usize, const N: usize, K: Kinematics<N
                 if mode == Mode::Armed {
                     claim(!range.nan && range.most() <= most, Broken::Force(range));
                     let change = (force - last).range();
-                    claim(!change.nan && change.most() <= step_n + rounding, Broken::Slew(change));
+                    // What changes little grows little; of the rest each side of zero has its own.
+                    let [up, down] =
+                        [last.max(Number::ZERO), last.min(Number::ZERO)].map(|from| (force - from).range());
+                    let grew_n = change.most().min(up.hi.max(-down.lo));
+                    let known = !(change.nan || up.nan || down.nan);
+                    claim(known && grew_n <= step_n + rounding, Broken::Slew(change));
                     proved.widest_n = proved.widest_n.max(range.most());
-                    proved.widest_step_n = proved.widest_step_n.max(change.most());
+                    proved.widest_step_n = proved.widest_step_n.max(grew_n);
                 } else {
                     claim(range == Range::point(0.0) && !actuators.enable, Broken::Off);
                 }

@@ -11,6 +11,7 @@ use std::sync::Arc;
 use haptic_core::contact::{RenderingName, Side};
 use haptic_core::device::AXES;
 use haptic_core::device::current::{self, CurrentLoop};
+use haptic_core::device::kinematics::KinematicsName;
 use haptic_core::device::motor::Duty;
 use haptic_core::device::velocity::VelocityName;
 use haptic_core::num::Motion;
@@ -22,6 +23,7 @@ use crate::Error;
 use crate::network::fitted::Like;
 use crate::network::trace::NetworkTrace;
 use crate::peers::{Builds, DynPeer, Laws};
+use crate::plant::{self, Beyond};
 use crate::user::{Trace, User, UserSettings};
 
 mod linear;
@@ -240,6 +242,8 @@ pub struct Scene {
     pub users: [User; 2],
     /// Settings of one end alone, by key: `peer.1.…` and `peer.2.…`, of [`OWN`].
     own: [OwnKeys; 2],
+    /// Devices are what they are at home, and linear: [`Scene::linear`].
+    at_home: bool,
     /// A recording of what the network did (`network.trace`), instead of what its table would draw.
     pub network_trace: Option<Arc<NetworkTrace>>,
 }
@@ -506,6 +510,11 @@ impl Scene {
         Ok(())
     }
 
+    /// Whether its devices are taken for what their mechanisms are at home, as the linear analysis has them.
+    pub(crate) fn is_at_home(&self) -> bool {
+        self.at_home
+    }
+
     /// Whether the inertia of a device's joints couples its axes.
     pub fn is_coupled(&self) -> bool {
         self.devices().iter().any(|device| device.joint_inertia > 0.0)
@@ -531,6 +540,47 @@ impl Scene {
             ),
             () => Ok(()),
         }
+    }
+
+    /// An arm takes its device nowhere that the links do not reach, nor where the peer would stop it.
+    fn check_reach(&self) -> Result<(), Error> {
+        for (end, (peer, user)) in self.peers().iter().zip(&self.users).enumerate() {
+            let (profile, number, model) = (&user.settings.user, end + 1, peer.kinematics.model);
+            let length_m = profile.reach_m.abs() + profile.tremor_m;
+            if profile.arm_stiffness_n_per_m == 0.0 || length_m == 0.0 || model == KinematicsName::Direct {
+                continue;
+            }
+            let toward = if end == 0 { 1.0_f64 } else { -1.0 } * profile.reach_m.signum();
+            let direction = user.direction();
+            let way_m = direction.map(|part| toward * length_m * part);
+            // Down to what is said, so that it is allowed.
+            let most_m = |share: f64| (1e4 * (share * length_m - profile.tremor_m)).floor() / 1e4;
+            let farthest = direction.map(f64::abs).into_iter().fold(0.0, f64::max);
+            if farthest * length_m > peer.safety.workspace_m {
+                return Err(format!(
+                    "user.{number}.reach_m = {} is not allowed with safety.workspace_m = {}: it leads {:.1} mm from home along an axis, in this \
+                     direction it must be at most {:.4} m",
+                    profile.reach_m,
+                    peer.safety.workspace_m,
+                    1e3 * farthest * length_m,
+                    most_m(peer.safety.workspace_m / (farthest * length_m))
+                )
+                .into());
+            }
+            if let Some(Beyond { share, why }) = plant::beyond(peer, &self.world.plant, way_m) {
+                let place = way_m.iter().take(peer.axis.count as usize).map(|part| format!("{:.1}", 1e3 * part));
+                return Err(format!(
+                    "user.{number}.reach_m = {} is not allowed with kinematics.model = \"{}\": at ({}) mm from home {why}; in this direction it must \
+                     be at most {:.4} m",
+                    profile.reach_m,
+                    model.name(),
+                    place.collect::<Vec<_>>().join(", "),
+                    most_m(share)
+                )
+                .into());
+            }
+        }
+        Ok(())
     }
 
     /// Whether the object is shared along several axes.
@@ -598,6 +648,7 @@ impl Scene {
             .and_then(|()| self.check_winding())
             .and_then(|()| self.check_scale())
             .and_then(|()| self.check_joint_inertia())
+            .and_then(|()| self.check_reach())
             .map_err(|said| Error::at(place, said))
     }
 

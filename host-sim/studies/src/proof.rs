@@ -62,7 +62,7 @@ pub fn columns(rows: &[Row]) -> Columns {
 pub fn report(table: &Columns) -> String {
     let safety = Settings::default().safety;
     format!(
-        "Every way through a tick, from any state, with any reading and any finite packet: forces stay within {} N and change by no\n\
+        "Every way through a tick, from any state, with any reading and any finite packet: forces stay within {} N and grow by no\n\
          more than {} N in a tick of 1 ms (and its rounding), or are off; duties stay within motor.max_duty; what is sent is finite\n\n\
          {table}\n\
          (any law): what the law does not matter, for it gives any number, infinite or none, in each tick.",

@@ -4,5 +4,5 @@ mod felt;
 mod gas;
 mod impact;
 mod peer;
-mod setup;
+pub(crate) mod setup;
 mod shape;

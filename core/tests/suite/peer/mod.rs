@@ -4,6 +4,7 @@ mod clutch;
 mod encoders;
 mod envelope;
 mod fixture;
+mod limits;
 mod midpoint;
 mod parting;
 mod safety;

@@ -114,7 +114,8 @@ fn a_force_too_long_at_its_limit() {
         last = bench.at(0.1, 0.0);
         ticks += 1;
     }
-    assert_eq!(ticks, settings.safety.saturated_ticks);
+    // 20 N a tick: it stands at 40 N from the second one on.
+    assert_eq!(ticks, settings.safety.saturated_ticks + 1);
     bench.assert_stopped(last, Fault::ForceSaturated);
 }
 
@@ -279,7 +280,7 @@ fn an_encoder_that_is_stuck_under_a_gentle_force() {
     settings.coordination.comm = "power";
     (settings.safety.max_force_n, settings.safety.max_slew_n_per_s) = (3.0, 60.0);
     let mut bench = Bench::armed(&settings);
-    let (mut ticks, first) = (0, 0.0_f32);
+    let (mut ticks, mut low, mut high) = (0, 0.0_f32, 0.0_f32);
     let mut changed = None;
     while bench.peer.mode() == Mode::Armed && ticks < 200 {
         if bench.peer.packet_due() {
@@ -288,7 +289,8 @@ fn an_encoder_that_is_stuck_under_a_gentle_force() {
         }
         ticks += 1;
         let force = bench.read(Reading::Counts([Counts(7); 2])).forces[0];
-        if (force - first).abs() > 1.5 && changed.is_none() {
+        (low, high) = (low.min(force), high.max(force));
+        if high - low > 1.5 && changed.is_none() {
             changed = Some(ticks);
         }
     }
@@ -344,19 +346,24 @@ fn a_blow_is_taken() {
     assert_eq!(bench.peer.mode(), Mode::Armed);
 }
 
-/// The slew limit holds from tick to tick, and does not touch a force that moves slower.
+/// The slew limit holds from tick to tick for a force that grows, on either side of zero. One that falls does so at once.
 #[test]
 fn forces_slew() {
     let mut settings = Settings::default();
     settings.safety.max_slew_n_per_s = 1000.0;
     settings.contact.stiffness_n_per_m = 5000.0;
     let mut bench = Bench::armed(&settings);
-    let mut last = 0.0_f32;
-    for (tick, position) in [0.001, 0.004, 0.004, -0.002, -0.0021].into_iter().cycle().take(40).enumerate() {
+    let (mut last, mut fell) = (0.0_f32, 0.0_f32);
+    for (tick, position) in
+        [0.001, 0.004, 0.004, 0.004, 0.004, -0.002, -0.0021].into_iter().cycle().take(40).enumerate()
+    {
         let [force, _] = bench.at(position, 0.0).forces;
-        assert!((force - last).abs() <= 1.0 + 1e-6, "tick {tick}: {last} to {force}");
+        let from = if force > 0.0 { last.max(0.0) } else { last.min(0.0) };
+        assert!(force.abs() <= from.abs() + 1.0 + 1e-6, "tick {tick}: {last} to {force}");
+        fell = fell.max((last - force).abs());
         last = force;
     }
+    assert!(fell > 2.0, "{fell} N at once");
 }
 
 /// Arming puts the object where the device is, so that nothing jerks.

@@ -76,7 +76,7 @@ fn the_radius_of_coupled_axes_is_the_growth_of_a_long_run_along_the_direction_it
                 "kinematics.right_home_rad=1.3",
                 "kinematics.distal_m=0.16",
                 "device.joint_inertia=0.002",
-                "user.1.pulse_n=1e-9",
+                "user.1.pulse_n=1e-12",
                 "user.1.pulse_s=0.01",
                 "user.1.pulse_every_s=100",
                 "user.1.direction_rad=0.5",

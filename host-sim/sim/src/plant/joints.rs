@@ -45,9 +45,19 @@ impl Joints {
         }
     }
 
+    /// Where the hand is with the joints there (m or rad), m from where it is at home, and how they move each other.
+    pub(super) fn at<const N: usize>(&self, joints: [f64; N]) -> ([f64; N], Pose<N>) {
+        let (hand, jacobian) = self.kinematics.forward(joints);
+        (hand, Pose(jacobian))
+    }
+
     /// Joint positions at which the axes are where `axes` says.
     fn inverse<const N: usize>(&self, axes: [Motion<f64>; N]) -> [f64; N] {
-        let mut joints = [0.0; N];
+        self.inverse_from([0.0; N], axes)
+    }
+
+    /// Joint positions at which the axes are where `axes` says, looked for from those positions on.
+    pub(super) fn inverse_from<const N: usize>(&self, mut joints: [f64; N], axes: [Motion<f64>; N]) -> [f64; N] {
         for _ in 0..30 {
             let (hand, jacobian) = self.kinematics.forward(joints);
             let step = solve(jacobian, from_fn(|axis| axes[axis].position - hand[axis]));
@@ -63,21 +73,25 @@ impl Joints {
 
     /// Where the encoders are, counts; from 0 where the device is built.
     pub(super) fn counts<const N: usize>(&self, axes: [Motion<f64>; N]) -> [i64; N] {
-        self.inverse(axes).map(|joint| (joint * self.counts_per_unit).floor() as i64)
+        self.counted(self.inverse(axes))
     }
 
-    /// The encoders of a device that is built here.
-    pub(super) fn encoders<const N: usize>(&self, settings: &Settings, axes: [Motion<f64>; N]) -> Encoders<N> {
-        Encoders::new(settings, self.counts_per_unit, self.counts(axes))
+    /// [`Joints::counts`] of joints that are there, m or rad.
+    pub(super) fn counted<const N: usize>(&self, joints: [f64; N]) -> [i64; N] {
+        joints.map(|joint| (joint * self.counts_per_unit).floor() as i64)
     }
 
-    /// Forces on the axes (N) that the duties give.
-    pub(super) fn forces<const N: usize>(&self, axes: [Motion<f64>; N], duties: [Duty; N]) -> [f64; N] {
-        let torques = duties.map(|duty| {
+    /// The encoders of a device whose joints are at these counts.
+    pub(super) fn encoders<const N: usize>(&self, settings: &Settings, at: [i64; N]) -> Encoders<N> {
+        Encoders::new(settings, self.counts_per_unit, at)
+    }
+
+    /// Forces of the joints (N or N·m) that the duties give.
+    pub(super) fn torques<const N: usize>(&self, duties: [Duty; N]) -> [f64; N] {
+        duties.map(|duty| {
             let stepped = (f64::from(duty.0) / self.duty_step).round() * self.duty_step;
             self.motor.joint_force(Duty(stepped as i16))
-        });
-        self.pose(axes).forces(torques)
+        })
     }
 
     /// J⁻¹, `[joint][axis]`, where every joint is zero.
@@ -94,7 +108,11 @@ impl Joints {
 
     /// Positions of the joints (m or rad) as the peer knows them.
     pub(super) fn seen<const N: usize>(&self, axes: [Motion<f64>; N]) -> [f64; N] {
-        let joints = self.inverse(axes);
+        self.told(self.inverse(axes))
+    }
+
+    /// [`Joints::seen`] of joints that are there, m or rad.
+    pub(super) fn told<const N: usize>(&self, joints: [f64; N]) -> [f64; N] {
         if !self.encoder {
             return joints;
         }
@@ -115,6 +133,30 @@ impl<const N: usize> Pose<N> {
     /// Forces on the axes (N) that those of the joints give: Jᵀ·F = τ solved for F.
     pub(super) fn forces(&self, joints: [f64; N]) -> [f64; N] {
         solve(from_fn(|row| from_fn(|column| self.0[column][row])), joints)
+    }
+
+    /// Forces of the joints that act on the axes like these (N): τ = Jᵀ·F.
+    pub(super) fn torques(&self, forces: [f64; N]) -> [f64; N] {
+        from_fn(|joint| (0..N).map(|axis| self.0[axis][joint] * forces[axis]).sum())
+    }
+
+    /// Velocities of the axes (m/s) that joints at these speeds give: ẋ = J·q̇.
+    pub(super) fn velocities(&self, joints: [f64; N]) -> [f64; N] {
+        self.0.map(|row| row.iter().zip(&joints).map(|(share, speed)| share * speed).sum())
+    }
+
+    /// Accelerations of joints of this inertia under these forces, with a mass (kg) at the hand: (J_m·1 + m·Jᵀ·J)·q̈ = τ solved for q̈.
+    pub(super) fn accelerations(&self, mass: f64, inertia: f64, torques: [f64; N]) -> [f64; N] {
+        let weighs = |row: usize, column: usize| {
+            let at_hand: f64 = (0..N).map(|axis| self.0[axis][row] * self.0[axis][column]).sum();
+            mass * at_hand + if row == column { inertia } else { 0.0 }
+        };
+        solve(from_fn(|row| from_fn(|column| weighs(row, column))), torques)
+    }
+
+    /// Whether the mechanism reports that its pose is singular: then no direction is reached.
+    pub(super) fn is_singular(&self) -> bool {
+        self.0.as_flattened().iter().all(|share| *share == 0.0)
     }
 }
 

@@ -8,25 +8,32 @@
 //! Imperfections, each only when the scene asks: Coulomb friction, encoder counts, motor duty and its saturation, PWM
 //! steps, windings behind a bridge (`drive`, `winding`): then the tick is advanced PWM period by PWM period, each with the
 //! mean force that flowed, the back-EMF at its start, and the geometry of the tick's start. Damping is the same along all axes and in every
-//! pose, and so is the mass (a Cartesian device) unless the joints have an inertia of their own (`principal`); a five-bar's joints are
-//! found by inverse kinematics.
+//! pose, and so is the mass (a Cartesian device).
+//!
+//! A five-bar and an arm live in their joints (`linkage`): what they cannot reach there is not, and forces go by the Jacobian. A capstan's
+//! Jacobian is one constant, so that its joint is its axis. For the analysis of a linear scene ([`Scene::linear`]) a mechanism
+//! is what it is at home, exact and linear, and what its joints weigh couples the axes (`principal`).
 
 mod drive;
 mod encoders;
 mod joints;
 mod linear;
+mod linkage;
 mod principal;
+mod reach;
 mod wall;
 mod winding;
 
 use std::array::from_fn;
 
 use encoders::Encoders;
+use haptic_core::device::kinematics::KinematicsName;
 use haptic_core::device::{AXES, Reading, current::periods_per_tick, stage::Measured};
 use haptic_core::num::{Motion, Scalar};
 use haptic_core::peer::{Actuators, Sensors};
 use haptic_core::settings::{Refused, Scale, Settings};
 use joints::{Joints, Pose};
+use linkage::{Body, Linkage};
 use principal::Principal;
 use wall::{Moving, Wall};
 
@@ -35,6 +42,7 @@ use crate::user::User;
 
 pub use drive::{Converter, Drive};
 pub use linear::Linear;
+pub(crate) use reach::{Beyond, beyond};
 pub use winding::{Flow, Winding};
 
 /// The motors of a device that has windings.
@@ -55,7 +63,8 @@ struct Windings<const N: usize> {
 pub struct Held<const N: usize = AXES> {
     /// Forces on the axes beside the motors', N.
     pushes: [f64; N],
-    pose: Pose<N>,
+    /// Of a device that does not live in its joints.
+    pose: Option<Pose<N>>,
 }
 
 /// A device of `N` axes, its user's hand on it.
@@ -72,6 +81,8 @@ pub struct Plant<const N: usize = AXES> {
     linear: Linear,
     /// What advances all axes of a device whose mass couples them.
     principal: Option<Principal<N>>,
+    /// The joints of a device that lives in them.
+    linkage: Option<Linkage<N>>,
     wall: Option<Wall>,
     windings: Option<Windings<N>>,
     axes_in_use: usize,
@@ -107,6 +118,7 @@ impl<const N: usize> Plant<N> {
         let toward = if index == 0 { 1.0 } else { -1.0 };
         let moving_mass_kg = device.mass_kg + profile.arm_mass_kg;
         let settings = &scene.peers()[index];
+        let turns = matches!(settings.kinematics.model, KinematicsName::FiveBar | KinematicsName::Arm);
         let joints = (world.plant.encoder || world.plant.motor).then(|| Joints::new(settings, &world.plant));
         let windings = (joints.as_ref()).filter(|_| world.plant.winding).map(|joints| Windings {
             drives: from_fn(|joint| {
@@ -114,7 +126,7 @@ impl<const N: usize> Plant<N> {
                 Drive::new(settings, &world.plant, seed).expect("a scene that was checked")
             }),
             periods: periods_per_tick(settings).expect("a scene that was checked"),
-            seen: joints.seen(scene.start(index)),
+            seen: if turns { [0.0; N] } else { joints.seen(scene.start(index)) },
             measured: None,
             supply_counts: world.plant.timer_counts(),
         });
@@ -132,7 +144,17 @@ impl<const N: usize> Plant<N> {
             Wall::new(place, gains, &Moving { mass: moving_mass_kg, damping, stiffness }, (step_s, late))
         });
         let moving = |mass_kg| Linear::new(mass_kg, damping, stiffness, late, step_s);
-        let principal = (device.joint_inertia > 0.0).then(|| {
+        let linkage = (turns && !scene.is_at_home()).then(|| {
+            let body = Body {
+                mass: moving_mass_kg,
+                damping,
+                stiffness,
+                inertia: device.joint_inertia,
+                friction: world.plant.coulomb_n,
+            };
+            Linkage::new(Joints::new(settings, &world.plant), body, scene.start(index), (step_s, late))
+        });
+        let principal = (device.joint_inertia > 0.0 && linkage.is_none()).then(|| {
             let inverse = Joints::new(settings, &world.plant).inverse_at_home();
             Principal::new(principal::in_the_task(inverse, moving_mass_kg, device.joint_inertia), moving)
         });
@@ -148,9 +170,11 @@ impl<const N: usize> Plant<N> {
             axes_in_use: scene.peer.axis.count as usize,
             friction_n: world.plant.coulomb_n,
             moving_mass_kg,
-            encoders: (joints.as_ref())
-                .filter(|joints| joints.encoder)
-                .map(|j| j.encoders(settings, scene.start(index))),
+            encoders: (joints.as_ref()).filter(|joints| joints.encoder).map(|joints| {
+                let counts = linkage.as_ref().map_or_else(|| joints.counts(scene.start(index)), |_| [0; N]);
+                joints.encoders(settings, counts)
+            }),
+            linkage,
             joints,
             fault: Some((world.plant.fault, world.plant.fault_at_s))
                 .filter(|(fault, _)| index == 0 && *fault != PlantFault::None),
@@ -171,6 +195,7 @@ impl<const N: usize> Plant<N> {
         let exact = self.joints.is_none() && self.windings.is_none() && self.scale == Scale::default();
         exact
             && self.principal.is_none()
+            && self.linkage.is_none()
             && self.fault.is_none()
             && self.friction_n == 0.0
             && self.wall.is_none()
@@ -202,6 +227,11 @@ impl<const N: usize> Plant<N> {
     pub fn moved(mut self, by_m: [f64; N]) -> Self {
         for (motion, by_m) in self.motions.iter_mut().zip(by_m) {
             motion.position += by_m;
+        }
+        if let Some(linkage) = &mut self.linkage {
+            linkage.displace(by_m);
+            self.motions = linkage.hold();
+            return self;
         }
         if let (Some(joints), Some(windings)) = (&self.joints, &mut self.windings) {
             windings.seen = joints.seen(self.motions);
@@ -275,7 +305,13 @@ impl<const N: usize> Plant<N> {
 
     fn turn(&mut self) {
         if let (Some(joints), Some(encoders)) = (&self.joints, &mut self.encoders) {
-            encoders.turn(joints.counts(self.motions));
+            encoders.turn(match &mut self.linkage {
+                Some(linkage) => {
+                    linkage.put(self.motions);
+                    joints.counted(linkage.turned().map(|joint| joint.position))
+                }
+                None => joints.counts(self.motions),
+            });
         }
     }
 
@@ -284,17 +320,19 @@ impl<const N: usize> Plant<N> {
     pub fn begin(&mut self, time_s: f64) -> Option<Held<N>> {
         self.fail_at(time_s);
         let joints = self.joints.as_ref().filter(|_| self.windings.is_some())?;
-        Some(Held { pushes: self.pushes(time_s), pose: joints.pose(self.motions) })
+        let pose = self.linkage.is_none().then(|| joints.pose(self.motions));
+        Some(Held { pushes: self.pushes(time_s), pose })
     }
 
     /// One PWM period under these voltages (timer counts; none where a bridge is off): what the current converters
     /// read. Without [`Held`] from [`Plant::begin`] nothing moves.
     pub fn period(&mut self, held: Option<&Held<N>>, voltages: [Option<i32>; N]) -> [u16; N] {
         let Some(mut windings) = self.windings.take() else { return [0; N] };
-        let speeds = held.map_or([0.0; N], |held| held.pose.speeds(self.motions));
+        let speeds = held.map_or([0.0; N], |held| self.speeds(held.pose.as_ref()));
         let flows: [_; N] = from_fn(|joint| windings.drives[joint].flow(voltages[joint], speeds[joint]));
         if let Some(Held { pushes, pose }) = held {
-            let motor = pose.forces(flows.map(|(_, force)| force));
+            let joints = flows.map(|(_, force)| force);
+            let motor = pose.map_or(joints, |pose| pose.forces(joints));
             self.advance(motor, motor, *pushes);
             self.turn();
         }
@@ -359,19 +397,50 @@ impl<const N: usize> Plant<N> {
         })
     }
 
+    /// Speeds of the joints, m/s or rad/s; none are known without a pose or joints of one's own.
+    fn speeds(&mut self, pose: Option<&Pose<N>>) -> [f64; N] {
+        match (&mut self.linkage, pose) {
+            (Some(linkage), _) => {
+                linkage.put(self.motions);
+                linkage.turned().map(|joint| joint.velocity)
+            }
+            (None, Some(pose)) => pose.speeds(self.motions),
+            (None, None) => [0.0; N],
+        }
+    }
+
     /// The hand and the motors, for a control period.
     fn drive<S: Scalar>(&mut self, pushes: [f64; N], actuators: &Actuators<S, N>) {
         let (Some(joints), Some(mut windings)) = (&self.joints, self.windings.take()) else {
-            let motor = match &self.joints {
-                Some(joints) if self.driven_by_duty => joints.forces(self.motions, actuators.duties),
-                _ => actuators.forces.map(|force| force.to_f64() / self.scale.force),
+            if let Some(linkage) = &mut self.linkage {
+                linkage.put(self.motions);
+            }
+            let forces = actuators.forces.map(|force| force.to_f64() / self.scale.force);
+            // Of a device that lives in its joints, torques.
+            let motor = match (&self.joints, &self.linkage) {
+                (Some(joints), Some(_)) if self.driven_by_duty => joints.torques(actuators.duties),
+                (Some(joints), None) if self.driven_by_duty => {
+                    joints.pose(self.motions).forces(joints.torques(actuators.duties))
+                }
+                (_, Some(linkage)) => linkage.torques(forces),
+                (_, None) => forces,
             };
             self.advance(self.motor_before, motor, pushes);
             self.motor_before = motor;
             return;
         };
-        let (pose, before) = (joints.pose(self.motions), windings.seen);
-        windings.seen = joints.seen(self.motions);
+        let before = windings.seen;
+        let pose = match &mut self.linkage {
+            Some(linkage) => {
+                linkage.put(self.motions);
+                windings.seen = joints.told(linkage.turned().map(|joint| joint.position));
+                None
+            }
+            None => {
+                windings.seen = joints.seen(self.motions);
+                Some(joints.pose(self.motions))
+            }
+        };
         for (joint, drive) in windings.drives.iter_mut().enumerate() {
             if actuators.enable && !actuators.open {
                 drive.command(actuators.duties[joint], (windings.seen[joint] - before[joint]) / self.period_s);
@@ -381,9 +450,9 @@ impl<const N: usize> Plant<N> {
         }
         self.motor_before = [0.0; N];
         for _ in 0..windings.periods {
-            let speeds = pose.speeds(self.motions);
+            let speeds = self.speeds(pose.as_ref());
             let joints = from_fn(|joint| windings.drives[joint].period(speeds[joint]));
-            let motor = pose.forces(joints);
+            let motor = pose.map_or(joints, |pose| pose.forces(joints));
             self.advance(motor, motor, pushes);
             for (mean, force) in self.motor_before.iter_mut().zip(motor) {
                 *mean += force / f64::from(windings.periods);
@@ -393,8 +462,17 @@ impl<const N: usize> Plant<N> {
         self.windings = Some(windings);
     }
 
-    /// Moves the axes by one step under the motors' forces before and now, and the user's.
+    /// Moves the axes by one step under the motors' forces before and now, and the user's. Of a device that lives in its joints the motors' are torques.
     fn advance(&mut self, before: [f64; N], now: [f64; N], pushes: [f64; N]) {
+        if let Some(linkage) = &mut self.linkage {
+            linkage.put(self.motions);
+            self.motions =
+                if self.held { linkage.hold() } else { linkage.advance(before, now, pushes, self.wall.as_ref()) };
+            if let Some(wall) = &mut self.wall {
+                wall.see(self.motions[0]);
+            }
+            return;
+        }
         if let Some(principal) = self.principal.as_ref().filter(|_| !self.held) {
             let with = |forces: [f64; N]| from_fn(|axis| forces[axis] + pushes[axis]);
             self.motions = principal.advance(self.motions, with(before), with(now));

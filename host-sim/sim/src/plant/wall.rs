@@ -9,7 +9,7 @@ use haptic_core::num::Motion;
 use super::linear::Linear;
 
 /// Longest step between two looks at which side of the wall the device is, s.
-const LOOK_S: f64 = 50e-6;
+pub(super) const LOOK_S: f64 = 50e-6;
 
 /// A wall along the free axis.
 #[derive(Clone, Debug)]
@@ -61,7 +61,7 @@ impl Wall {
     }
 
     /// Force of the wall on a device in this motion, N along the axis.
-    fn push(&self, at: Motion<f64>) -> f64 {
+    pub(super) fn push(&self, at: Motion<f64>) -> f64 {
         let depth = self.away * (at.position - self.at_m);
         let push = self.stiffness * depth + self.damping * self.away * at.velocity;
         if depth > 0.0 { -self.away * push.max(0.0) } else { 0.0 }
@@ -81,8 +81,13 @@ impl Wall {
                 self.pressed.advance(motion, force, force)
             };
         }
-        self.force_n = self.push(motion).abs();
+        self.see(motion);
         motion
+    }
+
+    /// Takes in where the device is that others have moved.
+    pub(super) fn see(&mut self, motion: Motion<f64>) {
+        self.force_n = self.push(motion).abs();
     }
 
     /// What it pushed with at the end of the last step, N toward the other peer.

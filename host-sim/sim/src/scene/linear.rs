@@ -14,6 +14,9 @@ impl Scene {
     /// contact, exact sensors and motors, and nobody pushing.
     pub fn linear(&self) -> Self {
         let mut linear = self.clone();
+        linear.at_home = true;
+        // Forces that are cut are not linear: as far out of the way as settings have them.
+        (linear.peer.safety.max_force_n, linear.peer.safety.max_slew_n_per_s) = (200.0, 1e6);
         linear.peer.contact.rendering = RenderingName::Continuous;
         linear.peer.contact.one_sided = false;
         linear.peer.contact.gap_m = 0.0;

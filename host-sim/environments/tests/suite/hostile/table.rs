@@ -124,7 +124,8 @@ where
             let armed = honest.peer.mode() == Mode::Armed;
             for (force_n, before_n) in actuators.forces.iter().zip(&mut honest.forces_n) {
                 assert!(f64::from(force_n.abs()) <= safety.max_force_n * (1.0 + 1e-6), "{force_n} N");
-                let step_n = f64::from((force_n - *before_n).abs());
+                let from_n = if *force_n > 0.0 { before_n.max(0.0) } else { before_n.min(0.0) };
+                let step_n = f64::from(force_n.abs() - from_n.abs());
                 let slew_n = safety.max_slew_n_per_s * period_s * (1.0 + 1e-5);
                 assert!(!armed || step_n <= slew_n, "a step of {step_n} N");
                 *before_n = *force_n;

@@ -1,0 +1,125 @@
+//! What limits do is passive: whatever cuts the force of a contact, the hand's work is never less than what device and copy have of it.
+
+use haptic_core::contact::{RenderingName, Side};
+use haptic_core::device::{AXES, Reading};
+use haptic_core::law::AnyLaw;
+use haptic_core::names::{Decode, FixtureName};
+use haptic_core::num::Motion;
+use haptic_core::object::IntegratorName;
+use haptic_core::peer::{Peer, Sensors};
+use haptic_core::safety::{Command, Mode};
+use haptic_core::settings::Settings;
+
+use crate::contact::setup::Random;
+
+const PERIOD_S: f64 = 1e-3;
+
+/// A board's limits as it is delivered, and a contact within what its sampling allows beside a device of 1 N·s/m: K_LC·T_c ≤ 4·√(B_LC·b).
+fn settings() -> Settings {
+    let mut settings = Settings::default();
+    settings.coordination.comm = "none";
+    settings.coordination.decode = Decode::Implicit;
+    (settings.object.integrator, settings.object.force_delay_ticks) = (IntegratorName::Midpoint, 0.0);
+    (settings.safety.max_force_n, settings.safety.max_slew_n_per_s) = (3.0, 60.0);
+    settings.safety.saturated_ticks = 10_000;
+    settings.safety.workspace_m = 1000.0;
+    settings
+}
+
+/// A mass with damping, m·v̇ + b·v = F, exactly, on both axes of a device.
+struct Device {
+    mass_kg: f64,
+    damping: f64,
+    axes: [Motion<f64>; AXES],
+    /// What its hand has done, J.
+    work_j: f64,
+}
+
+impl Device {
+    fn fly(&mut self, forces: [f64; AXES], pushes: [f64; AXES]) {
+        let gone = -(-PERIOD_S * self.damping / self.mass_kg).exp_m1();
+        let lasting_s = self.mass_kg / self.damping;
+        for (axis, (force, push)) in self.axes.iter_mut().zip(forces.into_iter().zip(pushes)) {
+            let end = (force + push) / self.damping;
+            let moved = end * PERIOD_S + (axis.velocity - end) * lasting_s * gone;
+            axis.velocity += (end - axis.velocity) * gone;
+            axis.position += moved;
+            self.work_j += push * moved;
+        }
+    }
+
+    fn energy_j(&self) -> f64 {
+        self.axes.iter().map(|axis| 0.5 * self.mass_kg * axis.velocity.powi(2)).sum()
+    }
+}
+
+/// What one run came to.
+#[derive(Debug, Default)]
+struct Found {
+    /// The least, at the end of any tick, of the hand's work less the energy of device and copy, J.
+    least_j: f64,
+    /// Of all that the hand did, one way or the other.
+    most_j: f64,
+    limited: u32,
+}
+
+/// A hand that pushes the device about at random, for so many ticks.
+fn shaken(settings: &Settings, random: &mut Random, ticks: u32) -> Found {
+    let mut peer = Peer::<f64, AnyLaw<f64>>::new(settings, [Motion::REST; AXES]).expect("good settings");
+    peer.command(Command::Arm);
+    let mut device = Device { mass_kg: 0.1, damping: 1.0, axes: [Motion::REST; AXES], work_j: 0.0 };
+    let mut found = Found::default();
+    let (mut pushes, mut last) = ([0.0; AXES], 0.0_f64);
+    let strength = random.scale(0.2, 8.0);
+    for _ in 0..ticks {
+        if random.unit() < 0.02 {
+            pushes = [strength * random.between(-1.0, 1.0), 0.5 * strength * random.between(-1.0, 1.0)];
+        }
+        let forces = peer.tick(&Sensors::of(Reading::Exact(device.axes))).forces;
+        assert_eq!(peer.mode(), Mode::Armed);
+        let seen = *peer.observed()[0];
+        // What the device feels is what the copy gets, in every tick.
+        assert!((forces[0] + seen.contact_force).abs() < 1e-12, "{} N, {} N", forces[0], seen.contact_force);
+        found.limited += u32::from(forces[0].abs() > last.abs() + 0.0599 || forces[0].abs() > 2.999);
+        last = forces[0];
+        let copy_j = 0.5 * settings.object.mass_kg * seen.object.velocity.powi(2);
+        found.least_j = found.least_j.min(device.work_j - device.energy_j() - copy_j);
+        found.most_j = found.most_j.max(device.work_j.abs());
+        device.fly(forces, if settings.axis.count == 1 { [pushes[0], 0.0] } else { pushes });
+    }
+    found
+}
+
+/// Two-sided, with play, one-sided and with impacts; with a guide or a wall at the copy; beside an axis that is held.
+#[test]
+fn no_contact_that_is_cut_gives_more_than_it_was_given() {
+    let (mut random, mut limited) = (Random(21), 0);
+    for run in 0..1000 {
+        let mut settings = settings();
+        settings.object.mass_kg = random.scale(0.05, 1.0);
+        settings.contact.stiffness_n_per_m = random.scale(100.0, 2500.0);
+        settings.safety.max_force_n = random.scale(0.5, 6.0);
+        settings.safety.max_slew_n_per_s = random.scale(10.0, 1000.0);
+        match run % 5 {
+            1 => settings.contact.gap_m = 0.002,
+            2 => settings.contact.one_sided = true,
+            3 => {
+                settings.contact.one_sided = true;
+                settings.contact.rendering = RenderingName::Impulsive;
+                settings.contact.restitution = random.unit();
+            }
+            4 => {
+                settings.fixture.kind = [FixtureName::Guide, FixtureName::ForbiddenAbove][run % 2];
+                settings.fixture.stiffness_n_per_m = random.scale(100.0, 1e4);
+                settings.fixture.position_m = 0.0;
+            }
+            _ => {}
+        }
+        settings.axis.count = 1 + (run % 2) as u32;
+        settings.contact.side = if random.unit() < 0.5 { Side::Left } else { Side::Right };
+        let found = shaken(&settings, &mut random, 2000);
+        limited += found.limited;
+        assert!(found.least_j > -1e-4 * found.most_j.max(1e-3), "run {run}: {found:?}, {:?}", settings.contact);
+    }
+    assert!(limited > 20_000, "{limited} ticks were limited");
+}
