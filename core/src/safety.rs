@@ -48,7 +48,7 @@ numbered! {
         4 ForceSaturated: "the force stood at safety.max_force_n, or a motor at motor.max_duty, for safety.saturated_ticks",
         5 PeerLost: "the other peer was silent for safety.peer_lost_s",
         6 TickOverrun: "a tick began before the last one ended",
-        7 Diverged: "the object or the coordination force left the range of numbers",
+        7 Diverged: "the object ran away, at more than four times safety.max_speed_m_per_s, or a number left its range",
         8 EncoderStuck: "a motor's force changed and its encoder did not count: safety.stuck_duty",
         9 Runaway: "the device ran away against its motor, or was struck: safety.max_hand_power_w",
         10 PeerDelayed: "what the other peer said was older than safety.max_delay_s for safety.peer_lost_s",
@@ -176,6 +176,8 @@ pub struct Guard<S> {
     free: S,
     /// Fastest motion while armed, m/s.
     pub max_speed: S,
+    /// Fastest that a copy of the object may be, m/s: four times as fast. What a device and its line are within their limits moves none faster.
+    pub fastest_copy: S,
     /// Largest distance of an axis from where the encoders were first read, m.
     pub workspace: S,
     /// Ticks that a force may stand at its limit before the peer faults, counted up while it does and down while not.
@@ -184,7 +186,7 @@ pub struct Guard<S> {
     pub silent_packets: u32,
 }
 
-configured!([S: Scalar] Guard<S> { max_force, max_step, free, max_speed, workspace, saturated_ticks, silent_packets });
+configured!([S: Scalar] Guard<S> { max_force, max_step, free, max_speed, fastest_copy, workspace, saturated_ticks, silent_packets });
 
 impl<S: Scalar> Guard<S> {
     /// The limits of the scene's table `safety`.
@@ -197,6 +199,7 @@ impl<S: Scalar> Guard<S> {
             max_step,
             free: max_force.min(max_step),
             max_speed: S::from_f64(safety.max_speed_m_per_s),
+            fastest_copy: S::from_f64(4.0 * safety.max_speed_m_per_s),
             workspace: S::from_f64(safety.workspace_m),
             saturated_ticks: safety.saturated_ticks,
             silent_packets: settings.timing.packet_periods(safety.peer_lost_s).max(1),

@@ -15,7 +15,8 @@
 //!
 //! What cannot be seen: a stuck encoder while nothing changes the force; one that counts too few or too many; one that
 //! counts the wrong way before any force acts. And a device pressed against a stop harder than that, or held by
-//! friction of as much, or struck with more power than `safety.max_hand_power_w`, looks broken without being so.
+//! friction of as much, or struck with more power than `safety.max_hand_power_w`, looks broken without being so; so does a contact far
+//! beyond its stability that chatters between small limits, 3 N at 4000 N/m, by less than two counts.
 
 use crate::device::kinematics::Joints;
 use crate::{device::motor::Duty, num::Scalar, settings::Settings};

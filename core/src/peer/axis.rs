@@ -286,13 +286,19 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
             };
             (object, self.integrator.step(object, touch.pushing + coupled.force), touch.felt, coupled)
         };
-        self.end([device, object, next], force, &coupled, period_s)
+        self.end(tick, [device, object, next], force, &coupled)
     }
 
     /// Ends a tick in which the device and the copy were there, and after which the copy is next.
     #[inline(always)]
-    fn end(&mut self, [device, object, next]: [Motion<S>; 3], felt: S, coupled: &Coupled<S>, period_s: S) -> Option<S> {
-        self.ledger.book(coupled, period_s);
+    fn end(
+        &mut self,
+        tick: &Tick<'_, S, L>,
+        [device, object, next]: [Motion<S>; 3],
+        felt: S,
+        coupled: &Coupled<S>,
+    ) -> Option<S> {
+        self.ledger.book(coupled, tick.period_s);
         self.observed = Observed {
             device,
             object,
@@ -300,7 +306,9 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
             contact_force: felt,
             coordination_force: coupled.force,
         };
-        if !(next.is_finite() && coupled.is_finite()) {
+        // No number is not slow.
+        let slow = next.velocity.abs() <= tick.guard.fastest_copy;
+        if !(slow && next.position.is_finite() && coupled.is_finite()) {
             return None;
         }
         self.object = next;
@@ -385,7 +393,7 @@ pub(super) fn advance_together<S: Scalar, L: Law<S>, const N: usize>(
         if given != asked {
             axis.grip.slide(asked - given, given, press.port.impedance, tick.period_s);
         }
-        match axis.end([device, object, next], given + press.pulse, &coupled, tick.period_s) {
+        match axis.end(tick, [device, object, next], given + press.pulse, &coupled) {
             Some(force) => *put = force,
             None => finite = false,
         }

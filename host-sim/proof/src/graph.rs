@@ -14,7 +14,7 @@ use std::collections::HashMap;
 use crate::range::{Float, Op, Range, at_least, below, of_two};
 
 /// Paths of one tick that are tried.
-pub(crate) const MOST_PATHS: usize = 200_000;
+pub(crate) const MOST_PATHS: usize = 1_000_000;
 
 /// Index of a node in the computation graph.
 pub(crate) type Place = u32;
@@ -425,7 +425,7 @@ pub struct Path<T> {
     pub escaped: bool,
 }
 
-/// Runs a piece of program in every way that it may go, and hands over what came of each. False: there are more than 200,000 of them.
+/// Runs a piece of program in every way that it may go, and hands over what came of each. False: there are more than 1,000,000 of them.
 pub fn explore<T>(run: impl Fn() -> T, mut each: impl FnMut(Path<T>)) -> bool {
     let mark = on(|graph| {
         graph.trail.clear();

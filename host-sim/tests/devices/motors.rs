@@ -10,8 +10,8 @@ use super::hand::{Hand, STEP_S};
 /// The linkage of the scene `plane`, m and rad.
 const BASE_M: f64 = 0.06;
 const PROXIMAL_M: f64 = 0.1;
-const DISTAL_M: f64 = 0.12;
-const HOME_RAD: [f64; 2] = [std::f64::consts::FRAC_PI_2, std::f64::consts::FRAC_PI_3];
+const DISTAL_M: f64 = 0.14;
+const HOME_RAD: [f64; 2] = [2.4, std::f64::consts::FRAC_PI_3];
 /// Step of differences, m.
 const DIFFERENCE_M: f64 = 1e-6;
 

@@ -10,7 +10,9 @@ use haptic_sim::{Laws, scenes};
 fn scene(keys: &[&str]) -> Scene {
     let base = ["plant.motor=true", "plant.winding=true", "plant.current_bits=16", "plant.current_noise_a=0"];
     let none = ["user.1.push_n=0", "user.2.push_n=0", "user.2.sine_n=0"];
-    let keys: Vec<String> = base.iter().chain(&none).chain(keys).map(|key| key.to_string()).collect();
+    // What limits take of a contact is passive, and would settle.
+    let unbound = ["safety.max_force_n=200", "safety.max_slew_n_per_s=1000000"];
+    let keys: Vec<String> = base.iter().chain(&none).chain(&unbound).chain(keys).map(|key| key.to_string()).collect();
     scenes::find(Laws::built_in(), Some(std::path::Path::new("paper-5.2-passive-wave-16ms")), &keys).unwrap()
 }
 

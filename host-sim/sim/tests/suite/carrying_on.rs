@@ -102,7 +102,7 @@ fn over(settings: &[&[&str]], network: Option<(&str, &str)>, ticks: u32) -> Got 
 #[test]
 fn a_hand_that_is_led_meets_no_wall() {
     const FAR: f64 = f64::MAX;
-    for (network, farther) in SHORT.into_iter().chain(LONG).zip([1.0, 1.1, 1.3, 1.6, FAR, FAR]) {
+    for (network, farther) in SHORT.into_iter().chain(LONG).zip([1.0, 1.1, 1.3, 1.8, FAR, FAR]) {
         let (mut carries, mut stands) = (Got::default(), Got::default());
         let mut both_m = [0.0; 2];
         for seed in 1..=SEEDS {

@@ -10,7 +10,7 @@ const PLAINLY = {
   3: "its device moved faster than it may",
   4: "its motor pushed as hard as it can, for too long",
   5: "it heard nothing of the other peer for too long",
-  7: "its object left the range of numbers",
+  7: "its object ran away",
   9: "its device ran away against its motor, or was struck",
   10: "what it heard of the other peer was too old",
   11: "it pushed the hand harder than it may, for too long",

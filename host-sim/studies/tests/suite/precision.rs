@@ -87,7 +87,12 @@ fn axes_that_are_pushed_alike_stray_as_one_does() {
 #[test]
 fn axes_that_joints_couple_have_a_worst_one() {
     for name in ["plane", "space"] {
-        let row = of(&scenes::load(Laws::built_in(), name).expect("built in"));
+        let mut scene = scenes::load(Laws::built_in(), name).expect("built in");
+        // Read and driven exactly: counts of an encoder hide what is rounded.
+        for key in ["plant.encoder=false", "plant.motor=false", "plant.winding=false", "axis.velocity=measured"] {
+            scene.apply_override(key).expect("a good key");
+        }
+        let row = of(&scene);
         assert!(row.axis.is_some() && row.faulted_after_s.is_none(), "{row:?}");
         assert!(row.f32.from_f64.position_m > 0.0 && row.f32.from_f64.position_m < 1e-4, "{row:?}");
         assert!(row.shadow.position_m > 0.0 && row.largest_position_m > 1e-3, "{row:?}");

@@ -60,6 +60,7 @@ where
             table.gone();
         }
         (0..if silent { 12_000 } else { 3_000 }).for_each(|_| table.step(None));
+        table.rest();
         assert!(table.holds(), "program {number}: somebody is not taken in again");
         for honest in &table.honest {
             most = [most[0].max(honest.force_most_n), most[1].max(honest.speed_most)];

@@ -20,6 +20,8 @@ const DELAY: usize = 4;
 
 /// Ticks from when motors went off to when somebody turns them on again.
 const OFF: u32 = 50;
+/// Most ticks until copies are at rest.
+const MOST_RESTING: u32 = 60_000;
 
 /// An honest peer with its device, and the hub's flow to it.
 pub(super) struct Honest<const SHARED: usize, const N: usize> {
@@ -176,6 +178,23 @@ where
             down.push_back(due.then(|| flow_of(port.back(), true, self.tick)));
         }
         self.tick += 1;
+    }
+
+    /// Goes on until the honest copies have moved by less than 1 mm/s for a second: a contact that slipped under what the hostile one pushed with
+    /// goes back at 50 mm/s.
+    pub(super) fn rest(&mut self) {
+        let mut still = 0;
+        for _ in 0..MOST_RESTING {
+            let slow = |honest: &Honest<SHARED, N>| {
+                honest.peer.observed().iter().all(|seen| seen.object.velocity.abs() < 1e-3)
+            };
+            let rests = self.honest.iter().all(slow);
+            still = if rests { still + 1 } else { 0 };
+            if still == 1_000 {
+                return;
+            }
+            self.step(None);
+        }
     }
 
     /// How far the honest copies are apart along the axis on which they are farthest, m.
