@@ -454,34 +454,15 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         if let Some(measured) = stage {
             self.judge(measured);
         }
-        if !self.fast_path {
-            return self.slow_path(pose.jacobian, stage);
-        }
-        self.render::<true>(&pose)
-    }
-
-    /// A tick that is not [`Peer::fast_path`]. Takes only the Jacobian: the pose's axes are in memory already.
-    #[cold]
-    #[inline(never)]
-    fn slow_path(&mut self, jacobian: [[S; N]; N], stage: Option<Measured<N>>) -> Actuators<S, N> {
-        if self.mode == Mode::Armed {
-            if !self.is_firm() {
-                self.firm_up();
-            }
-            return self.render::<false>(&Pose { axes: self.device, jacobian });
-        }
-        self.envelope.rest(&mut self.load);
-        for ((axis, slip), device) in self.shared_axes.iter_mut().zip(&self.slips).zip(self.device) {
-            axis.rest(slip.of(device));
-        }
-        if self.mode == Mode::Probing { self.push(stage) } else { Actuators::default() }
-    }
-
-    /// One control period of what the hand feels. `PLAIN`: clutch, fixture and slips are skipped, so that a peer with none pays for none.
-    #[inline(always)]
-    fn render<const PLAIN: bool>(&mut self, pose: &Pose<S, N>) -> Actuators<S, N> {
-        match self.advance::<PLAIN>(pose) {
-            Some(felt) => self.actuate::<PLAIN>(pose, felt),
+        let felt = if self.fast_path {
+            self.advance::<true>(&pose.axes)
+        } else if self.mode == Mode::Armed {
+            self.slow_path()
+        } else {
+            return self.unarmed(stage);
+        };
+        match felt {
+            Some(felt) => self.actuate(&pose, felt),
             None => {
                 self.trip(Fault::Diverged);
                 Actuators::default()
@@ -489,9 +470,31 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         }
     }
 
-    /// One tick of the copy along every shared axis: the force on it whose reaction the device feels, N, if all of them are numbers.
+    /// [`Peer::advance`] in an armed tick that is not [`Peer::fast_path`].
+    #[cold]
+    #[inline(never)]
+    fn slow_path(&mut self) -> Option<[S; SHARED]> {
+        if !self.is_firm() {
+            self.firm_up();
+        }
+        self.advance::<false>(&{ self.device })
+    }
+
+    /// A tick with motors that are off, or probed.
+    #[cold]
+    #[inline(never)]
+    fn unarmed(&mut self, stage: Option<Measured<N>>) -> Actuators<S, N> {
+        self.envelope.rest(&mut self.load);
+        for ((axis, slip), device) in self.shared_axes.iter_mut().zip(&self.slips).zip(self.device) {
+            axis.rest(slip.of(device));
+        }
+        if self.mode == Mode::Probing { self.push(stage) } else { Actuators::default() }
+    }
+
+    /// One tick of the copy along every shared axis, with devices there: the force on it whose reaction the device feels, N, if all of them
+    /// are numbers. `PLAIN`: clutch, fixture and slips are skipped, so that a peer with none pays for none.
     #[inline(always)]
-    fn advance<const PLAIN: bool>(&mut self, pose: &Pose<S, N>) -> Option<[S; SHARED]> {
+    fn advance<const PLAIN: bool>(&mut self, sensed: &[Motion<S>; N]) -> Option<[S; SHARED]> {
         let tick = Tick {
             law: &self.law,
             contact: &self.contact,
@@ -507,7 +510,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         {
             let mut devices = [Motion::REST; SHARED];
             let mut felt = [Felt { commanded: S::ZERO, share: None }; SHARED];
-            let sensed = pose.axes.iter().zip(&self.forces).zip(&mut self.slips);
+            let sensed = sensed.iter().zip(&self.forces).zip(&mut self.slips);
             for ((device, felt), ((sensed, force), slip)) in devices.iter_mut().zip(&mut felt).zip(sensed) {
                 *device = self.clutch.carry(slip, *sensed);
                 *felt = Felt { commanded: *force, share: Some(slip.ratio()) };
@@ -523,7 +526,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         let (mut finite, mut slipped) = (true, false);
         let mut slips = self.slips.iter_mut();
         for (axis, (felt, (device, commanded))) in
-            self.shared_axes.iter_mut().zip(felt.iter_mut().zip(pose.axes.iter().zip(&self.forces)))
+            self.shared_axes.iter_mut().zip(felt.iter_mut().zip(sensed.iter().zip(&self.forces)))
         {
             let slip = if PLAIN { None } else { slips.next() };
             let (device, share) = match slip {
@@ -660,7 +663,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
 
     /// The reaction of the contact on the shared axes and the hold of the others, within the limits.
     #[inline(always)]
-    fn actuate<const PLAIN: bool>(&mut self, pose: &Pose<S, N>, felt: [S; SHARED]) -> Actuators<S, N> {
+    fn actuate(&mut self, pose: &Pose<S, N>, felt: [S; SHARED]) -> Actuators<S, N> {
         let mut wanted = [S::ZERO; N];
         for (force, felt) in wanted.iter_mut().zip(&felt) {
             *force = -*felt;
@@ -668,7 +671,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         // Not `skip(1)`: the call behind it costs more than the hold itself.
         for (at, (force, motion)) in wanted.iter_mut().zip(&pose.axes).enumerate() {
             if at >= SHARED && at < self.axes {
-                *force = if PLAIN { self.hold.force(*motion) } else { self.held(at, *motion) };
+                *force = self.held(at, *motion);
             }
         }
         let mut at_limit = false;
@@ -733,6 +736,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
     }
 
     /// The force that holds an axis which may have slipped, N.
+    #[inline]
     fn held(&mut self, at: usize, motion: Motion<S>) -> S {
         self.grips.get_mut(at).map_or(S::ZERO, |grip| self.hold.gripped(grip, motion))
     }

@@ -48,7 +48,7 @@ impl<S: Scalar> Hold<S> {
     }
 
     /// The line slips: of the push against it as much is missing as `missing`, and `given` is what is left, N.
-    #[cold]
+    #[inline(always)]
     pub(crate) fn slide(&self, grip: &mut Grip<S>, missing: S, given: S) {
         let impedance = self.stiffness_n_per_m * self.period_s + self.damping_n_s_per_m;
         grip.slide(missing, given, impedance, self.period_s);

@@ -63,9 +63,12 @@ pub(super) struct End<S> {
 
 configured!([S: Scalar] End<S> { stiffness, kappa, impedance, root, force_to_wave, light, least, step, two });
 
-/// ρ of an end. Nothing here asks which of two it is: a tick has one way through it, whatever the lines' lengths are.
+/// ρ of an end. No number here is asked which of two it is: a tick has one way through it, whatever the lines weigh.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Share<S> {
+    /// What it would have with a line of so many ticks.
+    wanted: S,
+    ticks: i32,
     /// What the other end would have.
     far: S,
     /// Its own, which goes to the lesser of both.
@@ -97,7 +100,7 @@ impl<S: Scalar> End<S> {
     }
 
     /// ρ of a line so many ticks long.
-    #[inline]
+    #[inline(never)]
     fn wanted(&self, ticks: i32) -> S {
         let ticks = ticks.clamp(1, MOST_TICKS);
         let steps = (self.light + ticks / 2) / ticks;
@@ -106,12 +109,13 @@ impl<S: Scalar> End<S> {
 
     /// An end of a line that begins, so many ticks long.
     pub(super) fn start(&self, ticks: i32) -> Share<S> {
-        Share { far: S::ONE, own: self.wanted(ticks) }
+        let wanted = self.wanted(ticks);
+        Share { wanted, ticks, far: S::ONE, own: wanted }
     }
 
     /// What a packet says of this end: by how much the ρ that it would have is below 1; and where nothing reaches it, that much less than 2.
-    pub(super) fn says(&self, ticks: i32, is_cut_off: bool) -> S {
-        let less = S::ONE - self.wanted(ticks);
+    pub(super) fn says(&self, share: &Share<S>, is_cut_off: bool) -> S {
+        let less = S::ONE - share.wanted;
         if is_cut_off { self.two - less } else { less }
     }
 
@@ -124,7 +128,10 @@ impl<S: Scalar> End<S> {
     /// ρ that this end would have in this tick, of a line so many ticks long.
     #[inline]
     pub(super) fn own(&self, share: &mut Share<S>, ticks: i32) -> S {
-        let agreed = self.wanted(ticks).min(share.far);
+        if ticks != share.ticks {
+            (share.ticks, share.wanted) = (ticks, self.wanted(ticks));
+        }
+        let agreed = share.wanted.min(share.far);
         share.own = share.own + (agreed - share.own).limit(self.step);
         share.own
     }

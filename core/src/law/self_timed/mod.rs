@@ -200,7 +200,7 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
         let wave_integral = state.sent + state.fresh;
         Packet {
             motion: self.carry.says(&state.slip),
-            wave: self.end.says(state.outstanding.length, state.outstanding.is_cut_off),
+            wave: self.end.says(&state.share, state.outstanding.is_cut_off),
             wave_integral,
             energy_j: state.sent_j.total(),
             live_ticks: state.live,
