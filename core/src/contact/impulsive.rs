@@ -137,7 +137,7 @@ impl<S: Scalar> Impulsive<S> {
         state.owed = state.owed.max(S::ZERO);
         let asked = self.contact.past(self.rate * state.owed);
         // What is no number goes to the object as none: the peer stops.
-        let given = self.guard.reaction(commanded, asked) + (asked - asked);
+        let given = self.guard.reaction(commanded, asked) + S::ZERO * asked;
         if given != S::ZERO {
             state.recent = SETTLING + CHATTER;
             let impulse = self.period * given;

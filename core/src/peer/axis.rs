@@ -105,7 +105,7 @@ impl<S: Scalar> Felt<S> {
             return None;
         }
         // What is no number goes to the copy as none: the peer stops.
-        Some(self.share.map_or(given, |share| given.ratio(share)) + (asked - asked))
+        Some(self.share.map_or(given, |share| given.ratio(share)) + S::ZERO * asked)
     }
 }
 

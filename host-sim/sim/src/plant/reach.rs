@@ -41,7 +41,7 @@ fn reached<const N: usize>(settings: &Settings, plant: &PlantSettings, way_m: [f
         turned = joints.inverse_from(turned, way_m.map(|part| Motion::at(share * part)));
         let (hand, pose) = joints.at(turned);
         let off_m = hand.iter().zip(way_m).map(|(at, part)| (at - share * part).abs()).fold(0.0, f64::max);
-        if pose.is_singular() || !(off_m < NEAR_M) {
+        if pose.is_singular() || off_m.is_nan() || off_m >= NEAR_M {
             return f64::from(step - 1) / f64::from(STEPS);
         }
     }
