@@ -61,7 +61,7 @@ impl<S: Scalar> Contact<S> {
         };
         Self {
             impedance: S::from_f64(met_midway(contact.stiffness_n_per_m, contact.damping_n_s_per_m, settings)),
-            half_period: S::from_f64(0.5 * settings.timing.control_period_s),
+            half_period: S::from_f64(met_midway(1.0, 0.0, settings)),
             stiffness: S::from_f64(contact.stiffness_n_per_m),
             damping: S::from_f64(contact.damping_n_s_per_m),
             surface: match (contact.one_sided, contact.gap_m > 0.0) {

@@ -129,7 +129,9 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
         commanded: S,
     ) -> Option<S> {
         let Tick { law, contact, fixture, engaged, age_ticks, period_s } = *tick;
-        let (object, next, felt, coupled) = if let AnyIntegrator::Midpoint(midpoint, carries) = &mut self.integrator {
+        let (object, next, felt, coupled) = if let AnyIntegrator::Midpoint(midpoint, carries)
+        | AnyIntegrator::BackwardEuler(midpoint, carries) = &mut self.integrator
+        {
             let (object, press) = contact.press(&mut self.strikes, device, self.object, commanded);
             let seen = Observation { local: object, contact_force: self.observed.contact_force, age_ticks };
             let (mut half_change, mut contact_force) = (S::ZERO, S::ZERO);
@@ -232,7 +234,9 @@ pub(super) fn advance_together<S: Scalar, L: Law<S>, const N: usize>(
         axes.iter_mut().zip(felt.iter_mut().zip(together.means).zip(seen))
     {
         let next = match &mut axis.integrator {
-            AnyIntegrator::Midpoint(midpoint, carries) => midpoint.advance(carries, object, mean - object.velocity),
+            AnyIntegrator::Midpoint(midpoint, carries) | AnyIntegrator::BackwardEuler(midpoint, carries) => {
+                midpoint.advance(carries, object, mean - object.velocity)
+            }
             // Refused where there is a fixture.
             _ => object,
         };

@@ -125,15 +125,22 @@ fn the_closed_forms_solve_their_equations() {
 /// Symplectic: without damping the energy wobbles, within ωT, and does not grow with time.
 #[test]
 fn only_the_semi_implicit_integrator_keeps_energy_and_the_midpoint_rule_exactly() {
-    let [euler, semi, exact, midpoint] =
-        [IntegratorName::ForwardEuler, IntegratorName::SemiImplicit, IntegratorName::Exact, IntegratorName::Midpoint]
-            .map(|name| energy_error::<f64>(name, 1e-3));
+    let [euler, semi, exact, midpoint, backward] = [
+        IntegratorName::ForwardEuler,
+        IntegratorName::SemiImplicit,
+        IntegratorName::Exact,
+        IntegratorName::Midpoint,
+        IntegratorName::BackwardEuler,
+    ]
+    .map(|name| energy_error::<f64>(name, 1e-3));
     assert!(midpoint < 1e-12, "{midpoint}");
     let turn = (1000.0_f64 / 0.3).sqrt() * 1e-3;
     assert!(semi < turn, "{semi}");
     // Each tick multiplies the energy by 1 + K·T²/m, or by 1 + K·T²/2m where the step itself is exact.
     assert!((euler + 1.0).ln() / 500.0 / (turn * turn) > 0.95, "{euler}");
     assert!(((exact + 1.0).ln() / 500.0 / (turn * turn) - 0.5).abs() < 0.05, "{exact}");
+    // And by 1/(1 + (ωT)²) with backward Euler: of 500 motions 499 ticks apart, what is left.
+    assert!((1.0 - backward - (1.0 + turn * turn).powi(-499)).abs() < 1e-9, "{backward}");
 }
 
 #[test]

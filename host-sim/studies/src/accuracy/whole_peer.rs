@@ -21,7 +21,7 @@ pub(super) fn measure(processor: Processor) -> Result<Family, Refused<'static>> 
         .iter()
         .flat_map(|&integrator| Decode::ALL.iter().map(move |&decode| (integrator, decode)))
         // One solve decodes, or it is none.
-        .filter(|scheme| *scheme != (IntegratorName::Midpoint, Decode::Delayed))
+        .filter(|scheme| !(scheme.0.solves() && scheme.1 == Decode::Delayed))
         .flat_map(|(integrator, decode)| RATES.map(|ticks_per_ms| (integrator, decode, ticks_per_ms)))
         .collect();
     let measured = schemes
