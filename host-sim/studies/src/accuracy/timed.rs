@@ -25,8 +25,8 @@ const REPLAYS: u32 = 300;
 pub struct Timed {
     /// What is chosen.
     pub choice: String,
-    /// Control rate, kHz.
-    pub rate_khz: u32,
+    /// Control rate, ticks each millisecond.
+    pub ticks_per_ms: u32,
     /// RMS error of the copies' positions, m.
     pub position_m: f64,
     /// RMS error of the coordination force, N.
@@ -64,7 +64,7 @@ pub fn study() -> Result<Vec<Timed>, Refused<'static>> {
         let count = Processor::CortexM7.count(&format!("tick/{case}"), "f32");
         rows.push(Timed {
             choice: scheme.name(),
-            rate_khz: ticks_per_ms,
+            ticks_per_ms,
             position_m: deviation.position_rms_m,
             force_n: deviation.force_rms_n,
             ns: f64::from(ticks_per_ms) * tick_ns,
@@ -79,18 +79,21 @@ pub fn columns(rows: &[Timed]) -> Columns {
     Columns::of(rows)
         .value("choice", |row| row.choice.as_str())
         .means("integrator and decode of the passive wave, or the self-timed line with its integrator")
-        .value("rate_khz", |row| row.rate_khz)
+        .value("rate_khz", |row| row.ticks_per_ms)
         .means("control rate")
-        .head("kHz")
+        .head("rate")
         .significant("force_n", 2, |row| row.force_n)
         .means("RMS error of F_T")
-        .head("error of F_T N")
+        .head("error of F_T")
+        .shown_in("mN", 1e3)
         .significant("position_m", 2, |row| row.position_m)
         .means("RMS error of x_o")
-        .head("error of x_o m")
-        .number("ns", 0, |row| row.ns)
+        .head("of x_o")
+        .shown_in("µm", 1e6)
+        .number("time_s", 0, |row| 1e-9 * row.ns)
         .means("time of a millisecond of control of one peer on this machine, in f32")
-        .head("ns a ms")
+        .head("time a ms")
+        .shown_in("ns", 1e9)
         .value("instructions", |row| row.instructions)
         .means("instructions of a millisecond of control of one peer on a Cortex-M7, in f32; nothing where nobody has counted")
         .head("M7 instructions a ms")
