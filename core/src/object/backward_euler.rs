@@ -14,7 +14,7 @@
 //! stays paid.
 //!
 //! **What it costs**: it is of first order, and an oscillation of ω loses 1 − 1/√(1 + (ω·T_c)²) of its amplitude each tick, as from a damping ratio
-//! of ω·T_c/2: 3 % at 9 Hz and T_c = 1 ms. No instruction where it is not chosen, and none more where it is.
+//! of ω·T_c/2: 3 % at 9 Hz and T_c = 1 ms. No instruction where it is not chosen, and none more where it is (f32, Cortex-M7).
 //!
 //! Source: Hairer & Wanner, "Solving Ordinary Differential Equations II", 2nd ed., 1996, §IV.3. Units: N, N·s/m, m, m/s.
 
