@@ -9,7 +9,7 @@ use haptic_protocol::link::Error;
 use haptic_protocol::wire::{Flows, Message, Telemetry};
 use haptic_sim::device::Device;
 use haptic_sim::engine::{Actor, Out};
-use haptic_sim::measure::port::{ObjectPort, PortEnergy};
+use haptic_sim::measure::port::ObjectPort;
 use haptic_sim::measure::{LastHalf, Statistics};
 use haptic_sim::peers::Builds;
 use haptic_sim::run::AXIS_NAMES;
