@@ -91,6 +91,7 @@ words! {
         "semi-implicit" => SemiImplicit, "The new velocity moves the position.";
         "exact" => Exact, "The matrix exponential, for a held force.";
         "midpoint" => Midpoint, "One solve a tick for everything that pushes; makes no energy.";
+        "backward-euler" => BackwardEuler, "The same solve with forces as the tick ends: what is too stiff for the tick rests within it; takes energy.";
     }
 
     /// A virtual fixture at the object.

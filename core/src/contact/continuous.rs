@@ -42,14 +42,14 @@ pub struct Contact<S> {
     damping: S,
     /// K_LC·T_c/2 + B_LC, N·s/m.
     impedance: S,
-    /// T_c/2, s.
-    half_period: S,
+    /// T_c/2, or T_c with backward Euler, s.
+    meeting_s: S,
     surface: Surface<S>,
     /// How far from a device at rest an object is put, one-sided; 0 otherwise.
     clearance: S,
 }
 
-configured!([S: Scalar] Contact<S> { stiffness, damping, impedance, half_period, surface, clearance });
+configured!([S: Scalar] Contact<S> { stiffness, damping, impedance, meeting_s, surface, clearance });
 
 impl<S: Scalar> Contact<S> {
     /// The contact that the scene describes.
@@ -62,7 +62,7 @@ impl<S: Scalar> Contact<S> {
         };
         Self {
             impedance: S::from_f64(met_midway(contact.stiffness_n_per_m, contact.damping_n_s_per_m, settings)),
-            half_period: S::from_f64(0.5 * settings.timing.control_period_s),
+            meeting_s: S::from_f64(met_midway(1.0, 0.0, settings)),
             stiffness: S::from_f64(contact.stiffness_n_per_m),
             damping: S::from_f64(contact.damping_n_s_per_m),
             surface: match (contact.one_sided, contact.gap_m > 0.0) {
@@ -82,7 +82,7 @@ impl<S: Scalar> Contact<S> {
     /// This contact with another stiffness (N/m) and damping (N·s/m); surface and period stay.
     #[must_use]
     pub fn with_gains(self, stiffness: S, damping: S) -> Self {
-        Self { stiffness, damping, impedance: stiffness * self.half_period + damping, ..self }
+        Self { stiffness, damping, impedance: stiffness * self.meeting_s + damping, ..self }
     }
 
     /// How far a device at this distance (m) from the object is past the surface, where contact has a side; or how fast.
@@ -93,14 +93,14 @@ impl<S: Scalar> Contact<S> {
         }
     }
 
-    /// z of the contact as a port, and what it is where forces are found in stages, K_LC·T_c + B_LC, N·s/m: the slip that leaves the spring with the
-    /// limits' force is taken at the end of the tick there, and not in its middle.
-    pub(crate) fn impedances(&self) -> [S; 2] {
-        [self.impedance, self.impedance + self.stiffness * self.half_period]
+    /// K_LC·T_c + B_LC, N·s/m, its z where forces are found in stages: the slip that leaves the spring with the limits' force is taken at the end of
+    /// the tick there, and not in its middle.
+    pub(crate) fn staged_impedance(&self, period_s: S) -> S {
+        self.stiffness * period_s + self.damping
     }
 
     /// A tick of the way back of a slip, for a device at this distance (m) from the object ([`super::grip`]).
-    pub(crate) fn recover(&self, grip: &mut Grip<S>, distance: S) {
+    pub(crate) fn recover(&self, grip: &mut Grip<S>, distance: S, period_s: S) {
         let past = match self.surface {
             Surface::Held => distance,
             Surface::Play(gap) => distance - distance.limit(gap),
@@ -109,7 +109,7 @@ impl<S: Scalar> Contact<S> {
         if !matches!(self.surface, Surface::Held) {
             grip.part(past);
         }
-        grip.recover(past, self.stiffness, self.half_period + self.half_period);
+        grip.recover(past, self.stiffness, period_s);
     }
 
     /// How far the spring is pressed, m, if device and object touch.

@@ -37,7 +37,6 @@ pub mod wave;
 pub mod wave_compensator;
 pub mod wave_integral;
 
-use crate::names::IntegratorName;
 use crate::num::{Configured, Motion, Scalar, StateVector, visit_counter};
 use crate::object::port::{self, Port, Solve};
 use crate::settings::{Allowed, Refused, Settings};
@@ -93,9 +92,9 @@ pub struct Observation<S> {
     pub age_ticks: u32,
 }
 
-/// Refuses every order but the one in which the work of a force is exact; `allowed` says which and where.
+/// Refuses every order but those in which a force works with the way of the same tick; `allowed` says which and where.
 fn needs_midpoint(settings: &Settings, allowed: &'static str) -> Result<(), Refused<'static>> {
-    if settings.object.integrator == IntegratorName::Midpoint {
+    if settings.object.integrator.solves() {
         return Ok(());
     }
     Err(settings.refuses("object.integrator", Allowed::Only(allowed)))
@@ -149,7 +148,7 @@ pub trait Law<S: Scalar>: Configured + Copy + core::fmt::Debug + Send + Sync + '
     const LAWS: &'static [LawInfo];
     /// State of the law.
     type State: StateVector<S> + Copy + core::fmt::Debug + Send + Sync;
-    /// Whether the law needs `object.integrator = "midpoint"`: [`Law::build`] refuses any other.
+    /// Whether the law needs `object.integrator = "midpoint"` or `"backward-euler"`: [`Law::build`] refuses any other.
     const PORTS_ONLY: bool = false;
 
     /// The entry that the settings name, if it is this law's: one of [`Law::LAWS`], unless the laws are known only at run time.
@@ -331,7 +330,8 @@ pub struct Spring<S> {
     pub stiffness: S,
     /// Coordination damping B_T, N·s/m.
     pub damping: S,
-    /// Impedance κ = K_T·T_c/2 + B_T, N·s/m: by how much the mean force falls per m/s of the copy (THEORY §7).
+    /// Impedance κ = K_T·T_c/2 + B_T (K_T·T_c + B_T with backward Euler), N·s/m: by how much the mean force falls per m/s of the copy
+    /// (THEORY §7).
     pub impedance: S,
 }
 

@@ -54,9 +54,12 @@ pub(super) struct Tank<C> {
     fresh_j: C,
 }
 
-/// Refuses every order but the one in which the work of a force is exact.
+/// Refuses every order but those in which a force works with the way of the same tick.
 pub(super) fn needs_midpoint(settings: &Settings) -> Result<(), Refused<'static>> {
-    super::needs_midpoint(settings, "\"midpoint\" where coordination.comm is a law that pays for its energy")
+    super::needs_midpoint(
+        settings,
+        "\"midpoint\" or \"backward-euler\" where coordination.comm is a law that pays for its energy",
+    )
 }
 
 impl<C: Scalar> Tanks<C> {

@@ -8,30 +8,33 @@
 //!
 //! > F = K·(d + T_c·v/2) + B·v   from d > 0,   F = ½K·(d + T_c·v)   from d ≤ 0,   each only where that is a push.
 //!
+//! With backward Euler the place is that of the tick's end: K·(d + T_c·v) + B·v, and K·(d + T_c·v).
+//!
 //! It stores ½K·max(0, d)². From inside, the first is the midpoint of the spring, and F ≥ 0 gives back no more than is stored. A
 //! copy that crosses within a tick, from d₀ ≤ 0 to d₁ > 0, works ½K·d₁·(d₁ − d₀) ≥ ½K·d₁² against the second: at least what is stored
-//! then. So the wall makes no energy, at any stiffness and any speed.
+//! then. As the tick ends the wall pushes K·d₁, which works K·d₁·(d₁ − d₀) ≥ ½K·(d₁² − d₀²). So it makes no energy, at any stiffness and
+//! any speed.
 
 use crate::names::FixtureName;
 use crate::num::{Motion, Scalar};
 use crate::object::port::{Port, met_midway};
 use crate::settings::{Allowed, Refused, Settings};
 
-/// A guide or a wall at a place of the world.
+/// A guide or a wall at a place of the world, met midway through a tick (θ = ½), or as it ends ([`super::backward_euler`], θ = 1).
 #[derive(Clone, Copy, Debug)]
 pub struct Fixture<S> {
     /// Toward the place that is forbidden: 1, −1, or 0 for a guide.
     beyond: S,
     position: S,
     stiffness: S,
-    /// K·T_c/2 + B, N·s/m.
+    /// θ·K·T_c + B, N·s/m.
     impedance: S,
-    half_stiffness: S,
-    /// ½K·T_c, N·s/m.
+    /// θ·K, N/m, and θ·K·T_c, N·s/m: of a copy that enters.
+    entered: S,
     entering: S,
 }
 
-configured!([S: Scalar] Fixture<S> { beyond, position, stiffness, impedance, half_stiffness, entering });
+configured!([S: Scalar] Fixture<S> { beyond, position, stiffness, impedance, entered, entering });
 
 /// A port that may be one-sided, as a wall's is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -55,7 +58,7 @@ impl<S: Scalar> Fixture<S> {
     /// The fixture of the table `fixture`; `None` where `fixture.kind` is "none".
     ///
     /// # Errors
-    /// A fixture with another `object.integrator` than "midpoint".
+    /// A fixture with an `object.integrator` that does not solve for ports.
     pub fn build(settings: &Settings) -> Result<Option<Self>, Refused<'static>> {
         let fixture = &settings.fixture;
         let beyond = match fixture.kind {
@@ -64,19 +67,21 @@ impl<S: Scalar> Fixture<S> {
             FixtureName::ForbiddenAbove => 1.0,
             FixtureName::ForbiddenBelow => -1.0,
         };
-        if settings.object.integrator != crate::names::IntegratorName::Midpoint {
-            let only =
-                Allowed::Only("\"none\" unless object.integrator is \"midpoint\": it is solved for with the object");
+        if !settings.object.integrator.solves() {
+            let only = Allowed::Only(
+                "\"none\" unless object.integrator is \"midpoint\" or \"backward-euler\": it is solved for with the object",
+            );
             return Err(settings.refuses("fixture.kind", only));
         }
         let (stiffness, period) = (fixture.stiffness_n_per_m, settings.timing.control_period_s);
+        let part = settings.object.integrator.part_of_tick();
         Ok(Some(Self {
             beyond: S::from_f64(beyond),
             position: S::from_f64(fixture.position_m),
             stiffness: S::from_f64(stiffness),
             impedance: S::from_f64(met_midway(stiffness, fixture.damping_n_s_per_m, settings)),
-            half_stiffness: S::from_f64(0.5 * stiffness),
-            entering: S::from_f64(0.5 * period * stiffness),
+            entered: S::from_f64(part * stiffness),
+            entering: S::from_f64(part * period * stiffness),
         }))
     }
 
@@ -88,7 +93,7 @@ impl<S: Scalar> Fixture<S> {
         if self.beyond * away < S::ZERO || self.beyond == S::ZERO {
             from_inside
         } else {
-            Pushes { port: Port { force: self.half_stiffness * away, impedance: self.entering }, ..from_inside }
+            Pushes { port: Port { force: self.entered * away, impedance: self.entering }, ..from_inside }
         }
     }
 }

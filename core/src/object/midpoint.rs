@@ -6,6 +6,8 @@
 //!
 //! (THEORY §7). ½·m_O·ẋ_o² changes by exactly T_c·(ΣF·v − b_O·v²): what no damper takes is neither made nor lost, at any
 //! stiffness. Computed as the change 2(v − ẋ_o), which is small where v itself is not, and summed with its rounding.
+//!
+//! [`super::backward_euler`] is the same solve with other numbers: m_O/T_c for 2m_O/T_c, and ẋ_o ← v.
 
 use super::Integrator;
 use super::port::Port;
@@ -14,17 +16,19 @@ use crate::names::Decode;
 use crate::num::{Carry, Motion, Scalar, StateVector};
 use crate::settings::{Allowed, Refused, Settings};
 
-/// A mass that is moved by ports.
+/// A mass that is moved by ports, by the midpoint rule or by backward Euler.
 #[derive(Clone, Copy, Debug)]
 pub struct Midpoint<S> {
     period: S,
-    /// 2m_O/T_c, N·s/m.
+    /// m_O/(θ·T_c), N·s/m: 2m_O/T_c.
     inertia: S,
     /// b_O, N·s/m.
     damping: S,
+    /// 1/θ: change of velocity over v − ẋ_o, which is half of it.
+    whole: S,
 }
 
-configured!([S: Scalar] Midpoint<S> { period, inertia, damping });
+configured!([S: Scalar] Midpoint<S> { period, inertia, damping, whole });
 
 /// Rounding errors that position and velocity still owe; no state of the object.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -40,7 +44,7 @@ impl<S> StateVector<S> for Carries<S> {
 
 impl<S: Scalar> Midpoint<S> {
     /// Half of the velocity change of a tick under these ports, v − ẋ_o, m/s: mean velocity less the one that the
-    /// tick begins with.
+    /// tick begins with. The whole change with backward Euler.
     #[inline]
     pub fn half_change(&self, velocity: S, ports: Port<S>) -> S {
         let resistance = self.damping + ports.impedance;
@@ -52,7 +56,7 @@ impl<S: Scalar> Midpoint<S> {
     pub fn advance(&self, carries: &mut Carries<S>, motion: Motion<S>, half_change: S) -> Motion<S> {
         Motion {
             position: carries.position.add(motion.position, self.period * (motion.velocity + half_change)),
-            velocity: carries.velocity.add(motion.velocity, half_change + half_change),
+            velocity: carries.velocity.add(motion.velocity, self.whole * half_change),
         }
     }
 }
@@ -66,19 +70,21 @@ impl<S: Scalar> Model<S> for Midpoint<S> {
         if settings.coordination.decode != Decode::Implicit {
             return needs(
                 "coordination.decode",
-                "\"implicit\" where object.integrator is \"midpoint\": one solve decodes and moves",
+                "\"implicit\" where object.integrator is \"midpoint\" or \"backward-euler\": one solve decodes and moves",
             );
         }
         if object.force_delay_ticks != 0.0 {
             return needs(
                 "object.force_delay_ticks",
-                "0 where object.integrator is \"midpoint\": forces act in the tick they are solved for",
+                "0 where object.integrator is \"midpoint\" or \"backward-euler\": forces act in the tick they are solved for",
             );
         }
+        let part = object.integrator.part_of_tick();
         Ok(Self {
             period: S::from_f64(period),
-            inertia: S::from_f64(2.0 * object.mass_kg / period),
+            inertia: S::from_f64(object.mass_kg / part / period),
             damping: S::from_f64(object.damping_n_s_per_m),
+            whole: S::from_f64(1.0 / part),
         })
     }
 }

@@ -1,11 +1,12 @@
 //! The local copy of the shared virtual object (SVO): m_O·ẍ_o + b_O·ẋ_o = F, advanced by one tick.
 //!
-//! Staged integrators take a force that was computed before; [`midpoint`] solves for all forces and the motion at once. Staged forces
-//! may act late: with a delay of τ ticks (0…1) the old force acts for τ·T_c and the new one for the rest. A body that turns has a
-//! midpoint rule of its own, [`rigid`]. [`fixture`] is a guide or a wall at the copy, as another port. In the plane and in space ports
+//! Staged integrators take a force that was computed before; [`midpoint`] solves for all forces and the motion at once, and so does
+//! [`backward_euler`]. Staged forces may act late: with a delay of τ ticks (0…1) the old force acts for τ·T_c and the new one for the
+//! rest. A body that turns has a midpoint rule of its own, [`rigid`]. [`fixture`] is a guide or a wall at the copy, as another port. In the plane and in space ports
 //! are matrices ([`vector`]), a wall with friction has any normal ([`plane`]), and a body moves and turns at once ([`free_body`], which
 //! no peer uses yet). A new integrator is one file here, its `pub mod`, its name and one line in the list.
 
+pub mod backward_euler;
 pub mod euler;
 pub mod exact;
 pub mod fixture;
@@ -35,6 +36,22 @@ list! {
         SemiImplicit(euler::SemiImplicit<S>),
         Exact(exact::Exact<S>),
         Midpoint(midpoint::Midpoint<S>),
+        BackwardEuler(backward_euler::BackwardEuler<S>),
+    }
+}
+
+impl IntegratorName {
+    /// Whether everything that pushes on the copy is a [`Port`], solved for with the motion of the tick; else forces come one after the other.
+    pub const fn solves(self) -> bool {
+        matches!(self, Self::Midpoint | Self::BackwardEuler)
+    }
+
+    /// θ: through which part of a tick the copy and its springs have moved where their forces are taken.
+    pub(crate) const fn part_of_tick(self) -> f64 {
+        match self {
+            Self::BackwardEuler => 1.0,
+            _ => 0.5,
+        }
     }
 }
 
@@ -42,12 +59,12 @@ impl<S: Scalar> AnyIntegrator<S> {
     /// The copy's motion after one tick under this force (N) ([`Integrator::step`]).
     #[inline]
     pub fn step(&mut self, motion: Motion<S>, force: S) -> Motion<S> {
-        each!(self: ForwardEuler | SemiImplicit | Exact | Midpoint, model, before => model.step(before, motion, force))
+        each!(self: ForwardEuler | SemiImplicit | Exact | Midpoint | BackwardEuler, model, before => model.step(before, motion, force))
     }
 
     /// Forgets the force of the tick before, as after [`AnyIntegrator::build`].
     pub fn rest(&mut self) {
-        each!(self: ForwardEuler | SemiImplicit | Exact | Midpoint, _model, before => *before = Default::default());
+        each!(self: ForwardEuler | SemiImplicit | Exact | Midpoint | BackwardEuler, _model, before => *before = Default::default());
     }
 }
 

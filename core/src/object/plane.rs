@@ -28,20 +28,22 @@ pub struct Plane<S, const N: usize> {
     /// Distance of the wall from the origin along its normal, m.
     pub position: S,
     stiffness: S,
-    /// K·T_c/2 + B, N·s/m.
+    /// θ·K·T_c + B, N·s/m, with θ = ½, or 1 where forces are those as the tick ends.
     impedance: S,
-    half_stiffness: S,
-    /// ½K·T_c, N·s/m.
+    /// θ·K, N/m, and θ·K·T_c, N·s/m: of a body that enters.
+    entered: S,
     entering: S,
     /// B_f, N·s/m.
     drag: S,
     /// μ.
     friction: S,
+    /// 1 − θ: the mean velocity of a body that comes to rest in a tick, over what it begins with.
+    stopping: S,
     one_half: S,
 }
 
 configured!([S: Scalar, const N: usize] Plane<S, N> {
-    normal, position, stiffness, impedance, half_stiffness, entering, drag, friction, one_half
+    normal, position, stiffness, impedance, entered, entering, drag, friction, stopping, one_half
 });
 
 /// Stiffness, damping and friction of a wall.
@@ -71,17 +73,23 @@ pub struct WallContact<S, const N: usize> {
 impl<S: Scalar, const N: usize> Plane<S, N> {
     /// A wall that forbids what lies beyond `position_m` (m) along `normal` (not 0), with gains ≥ 0 and the control period (s).
     pub fn new(normal: [f64; N], position_m: f64, gains: &Gains, period_s: f64) -> Self {
+        Self::met_within(0.5, normal, position_m, gains, period_s)
+    }
+
+    /// The same, met through this part θ of a tick.
+    fn met_within(part: f64, normal: [f64; N], position_m: f64, gains: &Gains, period_s: f64) -> Self {
         let length = libm::sqrt(normal.iter().map(|part| part * part).sum());
         let stiffness = gains.stiffness_n_per_m;
         Self {
             normal: normal.map(|part| S::from_f64(part / length)),
             position: S::from_f64(position_m),
             stiffness: S::from_f64(stiffness),
-            impedance: S::from_f64(0.5 * period_s * stiffness + gains.damping_n_s_per_m),
-            half_stiffness: S::from_f64(0.5 * stiffness),
-            entering: S::from_f64(0.5 * period_s * stiffness),
+            impedance: S::from_f64(part * period_s * stiffness + gains.damping_n_s_per_m),
+            entered: S::from_f64(part * stiffness),
+            entering: S::from_f64(part * period_s * stiffness),
             drag: S::from_f64(gains.drag_n_s_per_m),
             friction: S::from_f64(gains.friction),
+            stopping: S::from_f64(1.0 - part),
             one_half: S::from_f64(0.5),
         }
     }
@@ -94,7 +102,7 @@ impl<S: Scalar, const N: usize> Plane<S, N> {
     /// Energy stored in the wall's spring ½K·max(0, d)², J.
     pub fn energy_j(&self, moving: &Moving<S, N>) -> S {
         let depth = self.depth(moving).max(S::ZERO);
-        self.half_stiffness * depth * depth
+        self.one_half * self.stiffness * depth * depth
     }
 
     /// What is left of a vector along the wall.
@@ -108,7 +116,7 @@ impl<S: Scalar, const N: usize> Plane<S, N> {
         if depth > S::ZERO {
             Port { force: -(self.stiffness * depth), impedance: self.impedance }
         } else {
-            Port { force: -(self.half_stiffness * depth), impedance: self.entering }
+            Port { force: -(self.entered * depth), impedance: self.entering }
         }
     }
 
@@ -153,7 +161,7 @@ impl<S: Scalar, const N: usize> Plane<S, N> {
             (needed, velocity, self.friction * push(velocity).max(S::ZERO))
         };
         // At rest along the wall at the end of the tick: the mean of that is half of what is there now. Or nowhere in all of it.
-        let stopping = self.tangential(moving.velocity()).map(|part| self.one_half * part);
+        let stopping = self.tangential(moving.velocity()).map(|part| self.stopping * part);
         for along_wall in [stopping, nothing] {
             let (needed, velocity, most) = holding(along_wall);
             let holds = push(velocity) >= S::ZERO && dot(needed, needed) <= most * most;
@@ -187,12 +195,13 @@ impl<S: Scalar, const N: usize> Oblique<S, N> {
     /// The fixture of the table `fixture`; `None` where `fixture.kind` is "none".
     ///
     /// # Errors
-    /// A fixture with another `object.integrator` than "midpoint".
+    /// A fixture with an `object.integrator` that does not solve for ports.
     pub fn build(settings: &Settings) -> Result<Option<Self>, Refused<'static>> {
         if Fixture::<S>::build(settings)?.is_none() {
             return Ok(None);
         }
         let (fixture, object, period_s) = (&settings.fixture, &settings.object, settings.timing.control_period_s);
+        let part = object.integrator.part_of_tick();
         let (sine, cosine) = libm::sincos(fixture.direction_rad);
         let (up, level) = libm::sincos(fixture.elevation_rad);
         let sign = if fixture.kind == FixtureName::ForbiddenBelow { -1.0 } else { 1.0 };
@@ -207,8 +216,8 @@ impl<S: Scalar, const N: usize> Oblique<S, N> {
             friction: fixture.friction,
         };
         Ok(Some(Self {
-            plane: Plane::new(normal, sign * fixture.position_m, &gains, period_s),
-            body: Body::new(object.mass_kg, object.damping_n_s_per_m, period_s),
+            plane: Plane::met_within(part, normal, sign * fixture.position_m, &gains, period_s),
+            body: Body::moved_within(part, object.mass_kg, object.damping_n_s_per_m, period_s),
             draws: fixture.kind == FixtureName::Guide,
         }))
     }

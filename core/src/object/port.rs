@@ -5,7 +5,7 @@
 //! > F = f − z·v,   z ≥ 0,
 //!
 //! and two ports that push on one copy are again a port: f and z add up (THEORY §7). [`super::midpoint`] solves for v once,
-//! whatever there is.
+//! whatever there is, and so does [`super::backward_euler`].
 
 use core::ops::Add;
 
@@ -21,9 +21,10 @@ pub struct Port<S> {
     pub impedance: S,
 }
 
-/// z of a spring (N/m) and damper (N·s/m) to a point that does not follow the copy: K·T_c/2 + B, N·s/m.
+/// z of a spring (N/m) and damper (N·s/m) to a point that does not follow the copy: K·T_c/2 + B, N·s/m, for a force as it is midway
+/// through the tick; K·T_c + B as the tick ends ([`super::backward_euler`]).
 pub(crate) fn met_midway(stiffness: f64, damping: f64, settings: &Settings) -> f64 {
-    0.5 * settings.timing.control_period_s * stiffness + damping
+    settings.object.integrator.part_of_tick() * settings.timing.control_period_s * stiffness + damping
 }
 
 impl<S: Scalar> Port<S> {

@@ -112,14 +112,17 @@ pub(super) fn solved<S: Scalar, const N: usize>(mut rows: [[S; N]; N], mut right
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body<S, const N: usize> {
     period: S,
-    /// 2m/T_c, N·s/m.
+    /// m/(θ·T_c), N·s/m: 2m/T_c, or m/T_c with backward Euler.
     inertia: S,
     /// b, N·s/m.
     damping: S,
+    /// θ, and 1/θ.
+    part: S,
+    whole: S,
     one_half: S,
 }
 
-configured!([S: Scalar, const N: usize] Body<S, N> { period, inertia, damping, one_half });
+configured!([S: Scalar, const N: usize] Body<S, N> { period, inertia, damping, part, whole, one_half });
 
 /// Position and velocity of a body along every axis, with the rounding errors that they still owe.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -150,10 +153,17 @@ impl<S: Scalar, const N: usize> StateVector<S> for Moving<S, N> {
 impl<S: Scalar, const N: usize> Body<S, N> {
     /// A body of this mass (kg, above 0) and damping (N·s/m), in ticks of `period_s` (s).
     pub fn new(mass_kg: f64, damping_n_s_per_m: f64, period_s: f64) -> Self {
+        Self::moved_within(0.5, mass_kg, damping_n_s_per_m, period_s)
+    }
+
+    /// The same, with its velocity taken through this part θ of a tick: ½ is the midpoint rule, 1 backward Euler.
+    pub(super) fn moved_within(part: f64, mass_kg: f64, damping_n_s_per_m: f64, period_s: f64) -> Self {
         Self {
             period: S::from_f64(period_s),
-            inertia: S::from_f64(2.0 * mass_kg / period_s),
+            inertia: S::from_f64(mass_kg / part / period_s),
             damping: S::from_f64(damping_n_s_per_m),
+            part: S::from_f64(part),
+            whole: S::from_f64(1.0 / part),
             one_half: S::from_f64(0.5),
         }
     }
@@ -178,15 +188,15 @@ impl<S: Scalar, const N: usize> Body<S, N> {
     /// Advances the body by one control period at this mean velocity, m/s.
     pub fn advance(&self, moving: &mut Moving<S, N>, mean_velocity: [S; N]) {
         for ((axis, [position, velocity]), mean) in moving.axes.iter_mut().zip(&mut moving.carries).zip(mean_velocity) {
-            let half_change = mean - axis.velocity;
+            let part_of_change = mean - axis.velocity;
             axis.position = position.add(axis.position, self.period * mean);
-            axis.velocity = velocity.add(axis.velocity, half_change + half_change);
+            axis.velocity = velocity.add(axis.velocity, self.whole * part_of_change);
         }
     }
 
     /// Kinetic energy of the body, J.
     pub fn energy_j(&self, moving: &Moving<S, N>) -> S {
         let velocity = moving.velocity();
-        self.one_half * self.one_half * self.inertia * self.period * dot(velocity, velocity)
+        self.one_half * self.part * self.inertia * self.period * dot(velocity, velocity)
     }
 }

@@ -163,8 +163,7 @@ fn give_way_in_stages<S: Scalar>(
 ) -> Touch<S> {
     let (felt, guard) = felt;
     let Some(given) = felt.cut(guard, touch.felt) else { return touch };
-    let [_, impedance] = spring.impedances();
-    grip.slide(touch.felt - given, given, impedance, period_s);
+    grip.slide(touch.felt - given, given, spring.staged_impedance(period_s), period_s);
     Touch { pushing: given, felt: given }
 }
 
@@ -225,7 +224,7 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
         if self.grip.is_firm() {
             return device;
         }
-        tick.contact.spring().recover(&mut self.grip, device.position - self.object.position);
+        tick.contact.spring().recover(&mut self.grip, device.position - self.object.position, tick.period_s);
         Motion { position: device.position - self.grip.slip_m(), ..device }
     }
 
@@ -241,7 +240,9 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
     ) -> Option<S> {
         let Tick { law, contact, guard, fixture, engaged, age_ticks, period_s } = *tick;
         let gripped = if PLAIN { device } else { self.gripped(tick, device) };
-        let (object, next, force, coupled) = if let AnyIntegrator::Midpoint(midpoint, carries) = &mut self.integrator {
+        let (object, next, force, coupled) = if let AnyIntegrator::Midpoint(midpoint, carries)
+        | AnyIntegrator::BackwardEuler(midpoint, carries) = &mut self.integrator
+        {
             let (object, press) = contact.press(&mut self.strikes, gripped, self.object, felt.commanded);
             let seen = Observation { local: object, contact_force: self.observed.contact_force, age_ticks };
             let (mut half_change, mut contact_force) = (S::ZERO, S::ZERO);
@@ -385,7 +386,9 @@ pub(super) fn advance_together<S: Scalar, L: Law<S>, const N: usize>(
         axes.iter_mut().zip(&felt).zip(forces.iter_mut().zip(together.means).zip(seen))
     {
         let next = match &mut axis.integrator {
-            AnyIntegrator::Midpoint(midpoint, carries) => midpoint.advance(carries, object, mean - object.velocity),
+            AnyIntegrator::Midpoint(midpoint, carries) | AnyIntegrator::BackwardEuler(midpoint, carries) => {
+                midpoint.advance(carries, object, mean - object.velocity)
+            }
             // Refused where there is a fixture.
             _ => object,
         };

@@ -3,7 +3,7 @@
 use haptic_core::names::{Decode, FixtureName, IntegratorName};
 use haptic_core::num::Motion;
 use haptic_core::object::fixture::{Fixture, Pushes, solve_both};
-use haptic_core::object::plane::{Gains, Plane};
+use haptic_core::object::plane::{Gains, Oblique, Plane};
 use haptic_core::object::port::Port;
 use haptic_core::object::vector::{Body, Moving, VectorPort};
 use haptic_core::settings::Settings;
@@ -148,6 +148,47 @@ fn along_one_axis_it_is_the_forbidden_region() {
         body.advance(&mut free, met.mean_velocity);
         assert!((free.axes[0].position - alone.position).abs() < 1e-10, "{tick}");
         assert!((free.axes[1].velocity - 0.1).abs() < 1e-15);
+    }
+}
+
+/// A copy that slides and bounces on an oblique wall with friction, moved by the midpoint rule and by backward Euler: what it and the wall hold never
+/// grows, and friction brings it to rest along the wall.
+#[test]
+fn an_oblique_wall_makes_no_energy_under_either_solve() {
+    for (integrator, part) in [(IntegratorName::Midpoint, 0.5), (IntegratorName::BackwardEuler, 1.0)] {
+        for stiffness in [1e3, 1e5, 1e7] {
+            let mut settings = Settings::default();
+            (settings.object.integrator, settings.object.force_delay_ticks) = (integrator, 0.0);
+            settings.coordination.decode = Decode::Implicit;
+            settings.axis.shared = 2;
+            let fixture = &mut settings.fixture;
+            (fixture.kind, fixture.position_m, fixture.direction_rad) = (FixtureName::ForbiddenAbove, 0.0, 0.7);
+            (fixture.stiffness_n_per_m, fixture.damping_n_s_per_m, fixture.friction) = (stiffness, 0.0, 0.5);
+            let mass = settings.object.mass_kg;
+            let (wall, normal) = (
+                Oblique::<f64, 2>::build(&settings).expect("good settings").expect("a wall"),
+                [0.7_f64.cos(), 0.7_f64.sin()],
+            );
+            let dot = |one: [f64; 2], other: [f64; 2]| one[0] * other[0] + one[1] * other[1];
+            let mut copy = [Motion { position: -1e-3, velocity: 0.3 }, Motion { position: 0.0, velocity: -0.1 }];
+            let (mut before, mut touched) = (f64::MAX, 0);
+            for tick in 0..4000 {
+                // 1 N into the wall.
+                let mean = wall.mean_velocity(copy, &pushed(normal));
+                for (axis, mean) in copy.iter_mut().zip(mean) {
+                    axis.position += PERIOD_S * mean;
+                    axis.velocity += (mean - axis.velocity) / part;
+                }
+                let (at, speed) = (copy.map(|axis| axis.position), copy.map(|axis| axis.velocity));
+                let depth = dot(normal, at).max(0.0);
+                let now = 0.5 * mass * dot(speed, speed) + 0.5 * stiffness * depth * depth - dot(normal, at);
+                assert!(now <= before + 1e-12, "{integrator:?}, {stiffness} N/m, tick {tick}: {now} J after {before}");
+                before = now;
+                touched += u32::from(depth > 0.0);
+            }
+            let along = dot([-normal[1], normal[0]], copy.map(|axis| axis.velocity));
+            assert!(touched > 500 && along.abs() < 1e-9, "{integrator:?}, {stiffness} N/m: {touched}, {along} m/s");
+        }
     }
 }
 

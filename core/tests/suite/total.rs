@@ -115,10 +115,11 @@ fn settings(draws: &[f64]) -> Settings {
     if law.sends != Sends::Waves {
         (settings.coordination.ledger, settings.coordination.drift_correction) = (false, false);
     }
-    if law.sends == Sends::Counters || law.budgets().next().is_some() {
+    let needs_ports = law.sends == Sends::Counters || law.budgets().next().is_some();
+    if needs_ports && !settings.object.integrator.solves() {
         settings.object.integrator = IntegratorName::Midpoint;
     }
-    if settings.object.integrator == IntegratorName::Midpoint {
+    if settings.object.integrator.solves() {
         settings.coordination.decode = Decode::Implicit;
         settings.object.force_delay_ticks = 0.0;
     } else {

@@ -6,7 +6,6 @@
 
 use haptic_core::law::Packet;
 use haptic_core::num::StateVector;
-use haptic_core::object::IntegratorName;
 use haptic_sim::scene::Scene;
 
 use super::lifted::constructed::{Constructed, Place, State, construct};
@@ -114,7 +113,7 @@ fn driven_order(linear: &Scene) -> Vec<Option<State>> {
     use State::*;
     let body = [DevicePosition, DeviceVelocity, DeviceForce, ObjectPosition, ObjectVelocity];
     // What is moved by ports remembers no force.
-    let staged = (linear.peer.object.integrator != IntegratorName::Midpoint).then_some(ObjectForce);
+    let staged = (!linear.peer.object.integrator.solves()).then_some(ObjectForce);
     let law: &[Option<State>] = match linear.peer.coordination.comm {
         // u_in lies before what is sent: it is overwritten by the exchange, so it is no state of the construction.
         "wave" | "passive-wave" => {

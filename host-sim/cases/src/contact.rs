@@ -58,7 +58,7 @@ pub fn run<S: Scalar>(test: Test, settings: &Settings) -> Vec<Motion<S>> {
         object = match (&mut integrator, test) {
             (integrator, Test::Push) => integrator.step(object, push),
             // Contact and object in one solve, as a peer does it.
-            (AnyIntegrator::Midpoint(midpoint, carries), _) => {
+            (AnyIntegrator::Midpoint(midpoint, carries) | AnyIntegrator::BackwardEuler(midpoint, carries), _) => {
                 let half = midpoint.half_change(object.velocity, contact.port(Motion::REST, object).port);
                 midpoint.advance(carries, object, half)
             }

@@ -85,6 +85,16 @@ pub const SCENES: &[Scene] = &[
             s.object.force_delay_ticks = 0.0;
         },
     ),
+    scene(
+        "implicit-backward-euler",
+        Some("implicit-midpoint"),
+        "the same solve, forces as the tick ends (backward Euler)",
+        |s| {
+            implicit(s);
+            s.object.integrator = IntegratorName::BackwardEuler;
+            s.object.force_delay_ticks = 0.0;
+        },
+    ),
     scene("passive-mean", Some("implicit-forward-euler"), "mean of a packet instead of the filter", |s| {
         implicit(s);
         s.coordination.comm = "passive-mean";
@@ -101,6 +111,12 @@ pub const SCENES: &[Scene] = &[
     scene("self-timed", Some("implicit-midpoint"), "a line with a time of its own instead of the filter", |s| {
         implicit(s);
         s.object.integrator = IntegratorName::Midpoint;
+        s.object.force_delay_ticks = 0.0;
+        s.coordination.comm = "self-timed";
+    }),
+    scene("self-timed-backward-euler", Some("self-timed"), "the same solve, forces as the tick ends", |s| {
+        implicit(s);
+        s.object.integrator = IntegratorName::BackwardEuler;
         s.object.force_delay_ticks = 0.0;
         s.coordination.comm = "self-timed";
     }),

@@ -1,12 +1,12 @@
 //! `host-sim accuracy`: speed against error, for every numerical choice; and what each model adds to a scene.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use haptic_sim::{scene::Scene, scenes};
 use haptic_studies::accuracy;
 use haptic_studies::accuracy::counts::{Processor, SCALARS, cost_columns, costs};
-use haptic_studies::accuracy::{picture, rigid};
+use haptic_studies::accuracy::{picture, rigid, timed};
 use haptic_studies::precision::{columns, measure};
 use haptic_studies::{force, transparency};
 use rayon::prelude::*;
@@ -31,6 +31,8 @@ super::commands! {
     Question {
         /// How far f32 and fixed point stray from f64, scene by scene.
         Precision(Precision),
+        /// Error and time of every integrator, decode and control rate, on this machine.
+        Time(Timing),
         /// What a free rigid body keeps of energy and angular momentum, by number type and step.
         Rigid(Rigid),
         /// The force that is commanded beside the force that comes: a duty alone, and the current loop, with the hand moving.
@@ -117,6 +119,27 @@ impl Precision {
         let rows = rows.concat();
         writeln!(ui, "Largest difference from f64 so far; steps are of the number type at the largest position\n");
         ui.result(&columns(&rows))
+    }
+}
+
+#[derive(Debug, Args)]
+pub(in crate::cli) struct Timing {
+    /// Also write the table into this page, between the lines that are there for it.
+    #[arg(long, value_name = "FILE")]
+    page: Option<PathBuf>,
+}
+
+impl Timing {
+    fn run(&self, ui: &Ui) -> Result<(), Failure> {
+        ui.only_built_in("accuracy time compares");
+        let (rows, _) = ui.work(1, "schemes", |_| Ok::<_, Failure>(timed::study()?))?;
+        let table = timed::columns(&rows);
+        writeln!(ui, "A millisecond of control of one peer in f32: how wrong it is, and how long it takes here\n");
+        ui.result(&table)?;
+        if let Some(file) = &self.page {
+            ui.rewrite(file, timed::LINES, &format!("```text\n{table}```"))?;
+        }
+        Ok(())
     }
 }
 

@@ -177,6 +177,12 @@ fn kinds(ui: &Ui) -> Vec<TableKind> {
             precision::columns(&[]),
         ),
         TableKind::new(
+            "accuracy-time",
+            "`accuracy time --json`",
+            "a scheme at a control rate",
+            accuracy::timed::columns(&[]),
+        ),
+        TableKind::new(
             "accuracy-rigid",
             "`accuracy rigid --json`",
             "a number type at a step",

@@ -3,8 +3,6 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use haptic_io::Kind;
-use haptic_plot::write_file;
 use haptic_studies::campaign::laws::page;
 use haptic_studies::proof;
 use rayon::prelude::*;
@@ -44,12 +42,7 @@ impl Prove {
         let report = proof::report(&table);
         writeln!(ui, "{report}");
         if let Some(file) = &self.page {
-            let refused = |cause: Failure| format!("--page {}: {cause}", file.display());
-            let old = haptic_io::text(file, page::MOST).map_err(|cause| refused(cause.into()))?;
-            let page =
-                page::with(&old, page::PROOFS, &proof::section(&report)).map_err(|cause| refused(cause.into()))?;
-            write_file(file, "Markdown", page.as_bytes(), Kind::Named)?;
-            ui.wrote(std::slice::from_ref(file));
+            ui.rewrite(file, page::PROOFS, &proof::section(&report))?;
         }
         Ok(())
     }

@@ -13,11 +13,12 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use serde_json::Value;
 
-use haptic_io::escaped;
+use haptic_io::{Kind, escaped};
 use haptic_live::devices::Outside;
-use haptic_plot::Print;
+use haptic_plot::{Print, write_file};
 use haptic_report::{Columns, Files, Provenance, word};
 use haptic_sim::Laws;
+use haptic_studies::campaign::laws::page;
 
 use super::number::number;
 
@@ -178,6 +179,16 @@ impl Ui {
     /// A table of the result, and a blank line.
     pub(super) fn table(&self, table: &impl fmt::Display) {
         writeln!(self, "{table}");
+    }
+
+    /// Writes what is new of a page between two lines of it.
+    pub(super) fn rewrite(&self, file: &PathBuf, lines: [&str; 2], text: &str) -> Result<(), Failure> {
+        let refused = |cause: Failure| Failure::from(format!("--page {}: {cause}", file.display()));
+        let old = haptic_io::text(file, page::MOST).map_err(|cause| refused(cause.into()))?;
+        let page = page::with(&old, lines, text).map_err(|cause| refused(cause.into()))?;
+        write_file(file, "Markdown", page.as_bytes(), Kind::Named)?;
+        self.wrote(std::slice::from_ref(file));
+        Ok(())
     }
 
     pub(super) fn wrote(&self, files: &[PathBuf]) {

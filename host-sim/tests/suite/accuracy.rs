@@ -125,15 +125,22 @@ fn the_closed_forms_solve_their_equations() {
 /// Symplectic: without damping the energy wobbles, within ωT, and does not grow with time.
 #[test]
 fn only_the_semi_implicit_integrator_keeps_energy_and_the_midpoint_rule_exactly() {
-    let [euler, semi, exact, midpoint] =
-        [IntegratorName::ForwardEuler, IntegratorName::SemiImplicit, IntegratorName::Exact, IntegratorName::Midpoint]
-            .map(|name| energy_error::<f64>(name, 1e-3));
+    let [euler, semi, exact, midpoint, backward] = [
+        IntegratorName::ForwardEuler,
+        IntegratorName::SemiImplicit,
+        IntegratorName::Exact,
+        IntegratorName::Midpoint,
+        IntegratorName::BackwardEuler,
+    ]
+    .map(|name| energy_error::<f64>(name, 1e-3));
     assert!(midpoint < 1e-12, "{midpoint}");
     let turn = (1000.0_f64 / 0.3).sqrt() * 1e-3;
     assert!(semi < turn, "{semi}");
     // Each tick multiplies the energy by 1 + K·T²/m, or by 1 + K·T²/2m where the step itself is exact.
     assert!((euler + 1.0).ln() / 500.0 / (turn * turn) > 0.95, "{euler}");
     assert!(((exact + 1.0).ln() / 500.0 / (turn * turn) - 0.5).abs() < 0.05, "{exact}");
+    // And by 1/(1 + (ωT)²) with backward Euler: of 500 motions 499 ticks apart, what is left.
+    assert!((1.0 - backward - (1.0 + turn * turn).powi(-499)).abs() < 1e-9, "{backward}");
 }
 
 #[test]
@@ -171,6 +178,53 @@ fn the_pair_converges_to_continuous_control() {
             assert!((1.7..2.3).contains(&(slow / fast)), "{integrator:?} {decode:?}: {slow} {fast}");
         }
     }
+}
+
+/// Both solves come to one solution of the self-timed line, at first order: what its device's sampling costs. Its reference has an error of a thirty-second
+/// of that at 1 kHz.
+#[test]
+fn a_self_timed_line_converges_under_both_solves() {
+    let line = comparison("whole-peer", "self-timed", "N");
+    for integrator in ["midpoint", "backward-euler"] {
+        let error = |rate: u32| line.error_of(&format!("self-timed, {integrator}, {rate} kHz"));
+        for rate in [1, 2, 4] {
+            let ratio = error(rate) / error(2 * rate);
+            assert!((1.8..2.5).contains(&ratio), "{integrator}, {rate} kHz: {ratio}");
+        }
+    }
+    let [midpoint, backward] =
+        ["midpoint", "backward-euler"].map(|integrator| line.error_of(&format!("self-timed, {integrator}, 1 kHz")));
+    assert!((midpoint / backward - 1.0).abs() < 0.1, "{midpoint} {backward}");
+}
+
+/// Error and time beside each other: the errors are the family's, a tick takes time, twice as many ticks take twice as long; and a page gets the table.
+#[test]
+fn times_stand_beside_the_errors() {
+    let page = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("times.md");
+    std::fs::write(&page, "before\n<!-- times begin -->\nold\n<!-- times end -->\nafter\n").expect("a page");
+    let command = |arguments: &[&str]| {
+        let output = Command::new(env!("CARGO_BIN_EXE_host-sim")).args(["accuracy", "time"]).args(arguments).output();
+        let output = output.expect("host-sim runs");
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).expect("text")
+    };
+    let rows: Vec<Value> = serde_json::from_str(&command(&["--json"])).expect("rows");
+    let of = |choice: &str, rate: u64| {
+        let found = rows.iter().find(|row| row["choice"] == choice && row["rate_khz"] == rate);
+        found.unwrap_or_else(|| panic!("no {choice} at {rate} kHz in {rows:?}"))
+    };
+    let number = |row: &Value, name: &str| row[name].as_f64().unwrap_or_else(|| panic!("no {name} in {row}"));
+    for (choice, title) in [("midpoint, implicit", "coordination force"), ("self-timed, backward-euler", "self-timed")]
+    {
+        let known = comparison("whole-peer", title, "N").error_of(&format!("{choice}, 2 kHz"));
+        assert!((number(of(choice, 2), "force_n") / known - 1.0).abs() < 1e-12, "{choice}");
+        let [once, twice] = [1, 2].map(|rate| number(of(choice, rate), "time_s"));
+        assert!(once > 1e-9 && (twice / once - 2.0).abs() < 1e-9, "{choice}: {once} s, {twice} s");
+    }
+    command(&["--page", page.to_str().expect("a path")]);
+    let text = std::fs::read_to_string(page).expect("a page");
+    assert!(text.starts_with("before\n<!-- times begin -->\n```text\nchoice "), "{text}");
+    assert!(text.ends_with("```\n<!-- times end -->\nafter\n") && !text.contains("old"), "{text}");
 }
 
 /// The gain of y ← a·y + (1 − a)·u is (1 − a)/|1 − a·e^(−jωT)|; the impulse response must say the same.
@@ -236,12 +290,18 @@ fn the_insights_hold() {
     assert!(rounding.error_of("f32") < 0.02 * whole.error_of("f32"));
     assert!(rounding.error_of("f64") < 1e-12);
 
+    // What flies keeps its sums where they lose nothing.
+    let apart = comparison("number-type", "self-timed", "m");
+    assert!(apart.error_of("f32, sums in f64") < 0.25 * apart.error_of("f32, sums in f32"));
+    assert!(apart.error_of("f64") < 1e-12);
+
     let force = comparison("whole-peer", "force", "N");
     let good = force.error_of("semi-implicit, implicit, 1 kHz");
     assert!(good < force.error_of("forward-euler, delayed, 2 kHz"));
     assert!(good > 0.8 * force.error_of("forward-euler, delayed, 4 kHz"));
 
     let contact = comparison("integrator", "contact", "m");
+    assert!(contact.error_of("midpoint") < 0.1 * contact.error_of("backward-euler"));
     assert!(contact.error_of("semi-implicit") < contact.error_of("exact"));
     assert!(contact.error_of("exact") < contact.error_of("forward-euler"));
     let push = comparison("integrator", "push", "m");

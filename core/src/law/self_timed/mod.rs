@@ -111,7 +111,7 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
 
     fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
         let coordination = &settings.coordination;
-        needs_midpoint(settings, "\"midpoint\" where coordination.comm is \"self-timed\"")?;
+        needs_midpoint(settings, "\"midpoint\" or \"backward-euler\" where coordination.comm is \"self-timed\"")?;
         Ok(Self {
             end: End::build(settings, Carry::<S>::impedance(settings)),
             incoming: Incoming::build(settings),

@@ -85,6 +85,6 @@ fn what_it_needs_is_said() {
     let mut settings = settings("passivity-observer", &[]);
     settings.object.integrator = haptic_core::object::IntegratorName::Exact;
     let said = settings.check().expect_err("another order").to_string();
-    let wanted = "object.integrator = \"exact\" is not allowed: it must be \"midpoint\" where coordination.comm is a law that pays for its energy";
+    let wanted = "object.integrator = \"exact\" is not allowed: it must be \"midpoint\" or \"backward-euler\" where coordination.comm is a law that pays for its energy";
     assert_eq!(said, wanted);
 }

@@ -1,4 +1,5 @@
-//! The midpoint peer (THEORY §7): what a tick does to the energy of copy and springs, term by term, and what it refuses.
+//! The midpoint peer (THEORY §7), and backward Euler beside it: what a tick does to the energy of copy and springs, term by term, and
+//! what it refuses.
 
 use haptic_core::law::Packet;
 use haptic_core::law::wave::Decode;
@@ -33,9 +34,10 @@ fn inputs(tick: u32) -> (f64, Motion<f64>) {
 }
 
 /// Largest difference between the change of ½·m_O·ẋ_o² + ½·K_T·s² in a tick and T_c·(½u_in² − ½u_out² + F_LC·v − B_T·(w − v)² −
-/// b_O·v²), over the largest of its terms; each computed from what is observed, none from the peer's own account but the two
+/// b_O·v²), less (θ − ½)·(m_O·(Δẋ_o)² + K_T·(Δs)²) where forces are taken after θ of a tick, over the largest of its terms; each computed from what is observed, none from the peer's own account but the two
 /// wave powers.
 fn open_energy(settings: &Settings) -> f64 {
+    let part = if settings.object.integrator == IntegratorName::BackwardEuler { 1.0 } else { 0.5 };
     let (object, coordination) = (&settings.object, &settings.coordination);
     let period = settings.timing.control_period_s;
     let mut bench = Bench::<f64>::armed(settings);
@@ -56,7 +58,8 @@ fn open_energy(settings: &Settings) -> f64 {
             let stored = |copy: Motion<f64>, desired: f64| {
                 0.5 * coordination.stiffness_n_per_m * (desired - copy.position).powi(2)
             };
-            let mean = 0.5 * (copy.velocity + seen.object.velocity);
+            let mean = copy.velocity + part * (seen.object.velocity - copy.velocity);
+            let stretched = seen.desired.position - seen.object.position - (desired.position - copy.position);
             let rub = coordination.damping_n_s_per_m * (desired.velocity - mean).powi(2);
             let terms = [
                 kinetic(seen.object) - kinetic(copy),
@@ -66,6 +69,8 @@ fn open_energy(settings: &Settings) -> f64 {
                 -period * contact * mean,
                 period * rub,
                 period * object.damping_n_s_per_m * mean * mean,
+                (part - 0.5) * object.mass_kg * (seen.object.velocity - copy.velocity).powi(2),
+                (part - 0.5) * coordination.stiffness_n_per_m * stretched.powi(2),
             ];
             largest = terms.iter().fold(largest, |largest, term| largest.max(term.abs()));
             worst = worst.max(terms.iter().sum::<f64>().abs());
@@ -82,9 +87,15 @@ fn the_energy_of_a_tick_closes_to_rounding() {
         for (damping, impedance, mass, object_damping) in
             [(0.0, 1.0, 0.3, 0.0), (2.0, 10.0, 0.02, 0.5), (20.0, 200.0, 10.0, 3.0), (0.0, 70.0, 0.001, 0.0)]
         {
-            let settings = settings(stiffness, damping, impedance, mass, object_damping);
-            let open = open_energy(&settings);
-            assert!(open < 1e-11, "K_T {stiffness}, B_T {damping}, b {impedance}, m_O {mass}: {open:.1e} of a term");
+            for integrator in [IntegratorName::Midpoint, IntegratorName::BackwardEuler] {
+                let mut settings = settings(stiffness, damping, impedance, mass, object_damping);
+                settings.object.integrator = integrator;
+                let open = open_energy(&settings);
+                assert!(
+                    open < 1e-11,
+                    "{integrator:?}, K_T {stiffness}, B_T {damping}, b {impedance}, m_O {mass}: {open:.1e} of a term"
+                );
+            }
         }
     }
 }

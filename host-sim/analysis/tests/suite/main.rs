@@ -4,6 +4,7 @@
 mod advice;
 mod agreement;
 mod answers;
+mod backward_euler;
 mod bounds;
 mod envelope;
 mod finding;

@@ -83,7 +83,7 @@ pub(crate) fn scene(seed: u64) -> Scene {
         // A law that needs one solve.
         peer.object.integrator = IntegratorName::Midpoint;
     }
-    if peer.object.integrator == IntegratorName::Midpoint {
+    if peer.object.integrator.solves() {
         // What it needs.
         peer.coordination.decode = Decode::Implicit;
         peer.object.force_delay_ticks = 0.0;

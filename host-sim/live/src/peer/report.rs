@@ -89,8 +89,9 @@ pub struct AxisReport {
     pub(super) forces: Forces,
 }
 
-/// Energy through the ports of its coordination while armed, J, of all shared axes, and the most by which what came out exceeded what went
-/// in at the end of any tick.
+/// Energy through the ports of its coordination while armed, J, of all shared axes; the most by which what came out exceeded what went
+/// in, with both ports at the end of the same tick; and the verdict of it, the least balance E₀ + in − out with what its law began with (E₀): a
+/// peer whose law is passive is never below 0 but for rounding.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Ports {
     received_j: f64,
@@ -99,12 +100,14 @@ pub struct Ports {
     from_object_j: f64,
     stored_j: f64,
     made_j: f64,
+    least_balance_j: f64,
 }
 
-impl From<PortEnergy> for Ports {
-    fn from(energy: PortEnergy) -> Self {
+impl Ports {
+    /// Of a law that began with so much, J.
+    pub(super) fn of(energy: PortEnergy, start_j: f64) -> Self {
         let PortEnergy { received_j, sent_j, to_object_j, from_object_j, stored_j, made_j } = energy;
-        Self { received_j, sent_j, to_object_j, from_object_j, stored_j, made_j }
+        Self { received_j, sent_j, to_object_j, from_object_j, stored_j, made_j, least_balance_j: start_j - made_j }
     }
 }
 

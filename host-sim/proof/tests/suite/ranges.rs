@@ -198,7 +198,7 @@ fn courses_in_f32_end_on_a_path() {
             if ports {
                 settings.set("object.integrator", Value::Text("midpoint")).expect("a name");
             }
-            if settings.object.integrator == haptic_core::object::IntegratorName::Midpoint {
+            if settings.object.integrator.solves() {
                 settings.set("coordination.decode", Value::Text("implicit")).expect("a name");
                 settings.object.force_delay_ticks = 0.0;
             }

@@ -19,8 +19,8 @@ fn random_scenes(random: &mut Rng) -> Vec<Scene> {
     for _ in 0..3 * SCENES / OF_A_KIND {
         let names = ["power", "wave", "passive-wave", "passive-mean", "none", "self-timed"];
         let pick = |random: &mut Rng, count| random.below(count) as usize;
-        let integrator = ["forward-euler", "semi-implicit", "exact", "midpoint"][pick(random, 4)];
-        let midpoint = integrator == "midpoint";
+        let integrator = ["forward-euler", "semi-implicit", "exact", "midpoint", "backward-euler"][pick(random, 5)];
+        let midpoint = matches!(integrator, "midpoint" | "backward-euler");
         let law = names[pick(random, 6)];
         let mut kind = vec![
             format!("coordination.comm={law}"),

@@ -20,6 +20,7 @@ mod outcome;
 mod precision;
 mod self_timed;
 mod shared;
+mod stiff;
 mod tanks;
 mod unlike;
 mod winding;

@@ -226,7 +226,7 @@ fn energy_at_the_object_is_force_times_way() {
 /// integrates it.
 #[test]
 fn work_on_a_copy_is_its_kinetic_energy() {
-    for integrator in ["forward-euler", "semi-implicit", "exact", "midpoint"] {
+    for integrator in ["forward-euler", "semi-implicit", "exact", "midpoint", "backward-euler"] {
         let scene = scene(&[
             &format!("object.integrator={integrator}"),
             "object.force_delay_ticks=0",

@@ -2,15 +2,15 @@
 //!
 //! | module | chooses among | reference |
 //! |---|---|---|
-//! | `numbers` | f32, f64, I32F32 | continuous control (matrix exponential); the same peer in double-double |
-//! | `whole_peer` | integrator × decode × control rate | continuous control (matrix exponential) |
-//! | [`integrators`] | forward Euler, semi-implicit, exact | closed forms of a contact and of a push |
+//! | `numbers` | f32, f64, I32F32; where sums are kept ([`sums`]) | continuous control (matrix exponential); the same peer in double-double |
+//! | `whole_peer` | integrator × decode × control rate | continuous control (matrix exponential); of a self-timed [`line`] what it converges to |
+//! | [`integrators`] | forward Euler, semi-implicit, exact, midpoint, backward Euler | closed forms of a contact and of a push |
 //! | [`decodes`] | delayed, implicit | closed form of the line's end |
 //! | [`filters`] | exact, forward Euler, bilinear | the continuous filter |
 //! | [`mechanisms`] | micromath, libm; f32, f64, I32F32 | loop closure by Newton's method in double-double |
 //! | [`estimators`] | measured, difference, filtered, adaptive | the motion itself |
 //!
-//! Beside these choices of a peer stands [`rigid`]: what a free rigid body keeps.
+//! Beside these choices of a peer stand [`rigid`], what a free rigid body keeps, and [`timed`], errors with times of this machine.
 //!
 //! A family asks one question in one or more [`Comparison`]s; each has an error with its unit, instructions beside it, and
 //! a front of its own. Insights are sentences with the numbers of this run in them; what they claim, the tests hold.
@@ -21,11 +21,14 @@ pub mod decodes;
 pub mod estimators;
 pub mod filters;
 pub mod integrators;
+pub mod line;
 pub mod mechanisms;
 mod numbers;
 pub mod pair;
 pub mod picture;
 pub mod rigid;
+pub mod sums;
+pub mod timed;
 mod whole_peer;
 
 use haptic_core::settings::Refused;

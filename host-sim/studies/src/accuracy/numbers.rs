@@ -4,6 +4,8 @@
 //! is what a user gets; most of it is the control period's. The *rounding* alone, against the same peer in double-double
 //! ([`DoubleDouble`]), is what the number type adds. The device is simulated in f64 for all of them, which is most
 //! of what f64 itself shows. Unit: m, N.
+//!
+//! A board computes in f32 and keeps long sums in f64: what that mix is worth, a self-timed line says ([`super::sums`]).
 
 use haptic_core::num::{Fixed, Scalar};
 use haptic_core::{law::wave::Decode, object::IntegratorName, settings::Refused};
@@ -11,10 +13,11 @@ use haptic_report::significant;
 use haptic_sim::double_double::DoubleDouble;
 
 use super::pair::{self, Deviation, deviation};
-use super::{Comparison, Family, continuous, counts::Processor};
+use super::{Comparison, Family, continuous, counts::Processor, sums};
 
 /// The case whose ticks are counted: [`super::counts`].
 const CASE: &str = "tick/implicit-semi-implicit";
+const LINE: &str = "tick/self-timed";
 
 pub(super) fn measure(processor: Processor) -> Result<Family, Refused<'static>> {
     let scene = pair::scene(IntegratorName::SemiImplicit, Decode::Implicit, 1);
@@ -34,27 +37,51 @@ pub(super) fn measure(processor: Processor) -> Result<Family, Refused<'static>> 
     let compare = |title: &str, error: &str, unit, pick: fn(&[Deviation; 2]) -> f64| {
         Comparison::of(title, error, unit, &measured, pick)
     };
+    let line: Vec<_> = sums::errors()?
+        .into_iter()
+        .map(|(mix, scalar, errors)| (mix.to_owned(), errors, processor.count(LINE, scalar)))
+        .collect();
     let comparisons = vec![
         compare("rounding, position", "largest error of x_o", "m", |[_, rounding]| rounding.position_largest_m),
         compare("rounding, force", "largest error of F_T", "N", |[_, rounding]| rounding.force_largest_n),
         compare("whole error, position", "RMS error of x_o", "m", |[whole, _]| whole.position_rms_m),
         compare("whole error, force", "RMS error of F_T", "N", |[whole, _]| whole.force_rms_n),
+        Comparison::of(
+            "self-timed line, distance of the copies",
+            "largest error of x_o1 - x_o2",
+            "m",
+            &line,
+            |[apart, _]| *apart,
+        ),
+        Comparison::of(
+            "self-timed line, both copies",
+            "largest error of their mean position",
+            "m",
+            &line,
+            |[_, mean]| *mean,
+        ),
     ];
-    let [rounding, _, whole, _] = &comparisons[..] else { unreachable!("four comparisons were just made") };
+    let [rounding, _, whole, _, apart, _] = &comparisons[..] else { unreachable!("six comparisons were just made") };
     let insight = format!(
         "f32 rounds the shared object's position by {} m where the 1 ms control period alone costs {} m, {:.0} times as much: \
          the number type cannot be felt, so take the one the processor computes fastest (f64 takes {:.2} times the \
-         instructions of f32 here, I32F32 {:.1} times; cycles are for the hardware to tell).",
+         instructions of f32 here, I32F32 {:.1} times; cycles are for the hardware to tell). Long sums are another matter: within a minute a \
+         self-timed line in f32 has its copies {} m from where they belong to each other with its sums in f64, as it flies, and {} m with its sums in f32.",
         significant(rounding.error_of("f32"), 2),
         significant(whole.error_of("f32"), 2),
         whole.error_of("f32") / rounding.error_of("f32"),
         whole.instructions_of("f64") as f64 / whole.instructions_of("f32") as f64,
         whole.instructions_of("i32f32") as f64 / whole.instructions_of("f32") as f64,
+        significant(apart.error_of(sums::MIX), 2),
+        significant(apart.error_of(sums::SINGLE), 2),
     );
     Ok(Family {
         name: "number-type",
         title: "Number type of the whole peer",
-        motion: format!("{}; semi-implicit object, implicit decode", pair::MOTION),
+        motion: format!(
+            "{}; semi-implicit object, implicit decode. Self-timed line: any-network, both push 1 N and one 0.25 sin 3t N; 60 s",
+            pair::MOTION
+        ),
         reference: "the same peer in double-double (rounding) and continuous control, a matrix exponential in f64 (whole error)",
         instructions_per: "tick of a whole peer",
         comparisons,

@@ -6,7 +6,8 @@
 
 use haptic_core::{law::wave::Decode, object::IntegratorName, settings::Refused};
 use haptic_sim::peers::Number;
-use haptic_sim::{pair::Pair, scene::Scene};
+use haptic_sim::{Laws, pair::Pair, scene::Scene, scenes};
+use std::path::Path;
 
 use super::continuous::{SAMPLE_S, Sample};
 use super::{largest, rms};
@@ -33,6 +34,12 @@ pub fn scene(integrator: IntegratorName, decode: Decode, ticks_per_ms: u32) -> S
     }
     scene.users[0].settings.user.pulse_n = 1.0;
     scene
+}
+
+/// The scene `any-network` with a self-timed line of so many ticks of its own time.
+pub(super) fn any_network(credit_ticks: u32) -> Scene {
+    let set = [format!("coordination.credit_ticks={credit_ticks}")];
+    scenes::find(Laws::built_in(), Some(Path::new("any-network")), &set).expect("a built-in scene")
 }
 
 /// Runs a scene in `S`; one sample each millisecond.

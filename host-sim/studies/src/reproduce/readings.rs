@@ -29,7 +29,7 @@ impl Reading {
 
 /// How the copy is integrated, how late its forces are and how late the device's, in ticks.
 pub(super) fn readings() -> Vec<Reading> {
-    let integrators = IntegratorName::NAMES.iter().filter(|name| **name != IntegratorName::Midpoint.name());
+    let integrators = IntegratorName::ALL.iter().filter(|name| !name.solves()).map(|name| name.name());
     let late = ["0", "1"];
     let reading = |integrator: &str, object: &str, device: &str| Reading {
         name: format!("copy integrated {integrator}, its forces {object} ticks late, the device's {device}"),

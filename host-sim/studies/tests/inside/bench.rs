@@ -118,6 +118,36 @@ fn one_ladder_of_silence_for_all_laws_at_all_gains() {
     }
 }
 
+/// Finding 2: what single gains decided is tuned for every law alike. The stiffness that holds a model to the other copy, of which 1 N makes 10 mm at 100 N/m and
+/// not at 200; the damping with which four channels are stable over 40 ms and bursts of loss and without which they are not; and P+d is among the laws.
+#[test]
+fn what_single_gains_decide_is_tuned() {
+    let laws = Laws::built_in();
+    let law = |name: &str| asked_for(laws, name).expect("a law")[0];
+    let tuned = |name: &str, key: &str| {
+        let gains = protocol::gains(laws, law(name)).expect("gains");
+        gains.iter().any(|gain| gain.key == key && gain.share(200.0) > 0.0)
+    };
+    assert!(tuned("model-mediated", "model_mediated.correction_n_per_m"));
+    for key in ["coordination.damping_n_s_per_m", "four_channel.local_damping_n_s_per_m"] {
+        assert!(tuned("four-channel", key), "{key}");
+    }
+    assert!(tuned("p-plus-d", "coordination.stiffness_n_per_m"));
+    const LATE: &[Named] = &[(
+        "40 ms, bursts of 40 ms, 20 %",
+        &["network.one_way_delay_packets=40 ms", "network.loss=0.2", "network.loss_burst_packets=40 ms"],
+    )];
+    let late = &Network::named(LATE)[0];
+    let run = |gains: &str| {
+        let scene = late.over(&protocol::scene(laws, law("four-channel"), gains).expect("a scene")).expect("a network");
+        at_hand::run(&Motion::Against.of(&scene).expect("a motion"), 10.0, None).expect("a run").outcome
+    };
+    let [bare, damped] = [(2, 0), (6, 8)].map(|(damping, local)| {
+        run(&format!("coordination.damping_n_s_per_m={damping} four_channel.local_damping_n_s_per_m={local}"))
+    });
+    assert!(damped.is_stable() && !bare.is_stable(), "{:?}, {:?}", damped.reason, bare.reason);
+}
+
 /// Whatever is tuned has ends that the law takes, and a share of its range that comes back.
 #[test]
 fn every_gain_goes_from_end_to_end() {

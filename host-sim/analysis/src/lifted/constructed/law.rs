@@ -79,7 +79,7 @@ impl ConstructedPeer {
         self.a[(x_d, x_d)] = 1.0;
         self.f[(coordination_row, x_d)] = k;
         if softer < 1.0 {
-            let kappa = 0.5 * k * period + damping;
+            let kappa = self.within().unwrap_or(1.0) * k * period + damping;
             self.f[(coordination_row, force)] = 1.0 - softer - k * period * softer / (200.0 * kappa);
         }
         match coordination.decode {
@@ -93,7 +93,7 @@ impl ConstructedPeer {
                 self.g[(decoded, coordination_row)] = -1.0 / impedance;
                 self.b[(x_d, decoded)] = period;
                 // The spring as it is at the tick's end, or midway.
-                let through = if self.is_midway() { 0.5 * period } else { period };
+                let through = self.within().unwrap_or(1.0) * period;
                 self.g[(coordination_row, decoded)] = damping + k * through;
             }
         }

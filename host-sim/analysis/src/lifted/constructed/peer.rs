@@ -76,12 +76,12 @@ pub(super) struct ConstructedPeer {
 }
 
 /// How the forces of a tick meet the object.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum ForceTiming {
     /// As it was when the tick began.
     Before,
-    /// Where it is on average.
-    Midway,
+    /// Where it is after this part of the tick: midway, or as it ends.
+    Within(f64),
 }
 
 use Input::{Contact, Coordination, Mean};
@@ -105,7 +105,8 @@ impl ConstructedPeer {
         };
         let mut states = vec![DevicePosition, DeviceVelocity, DeviceForce, ObjectPosition, ObjectVelocity];
         let force_timing = match scene.peer.object.integrator {
-            IntegratorName::Midpoint => ForceTiming::Midway,
+            IntegratorName::Midpoint => ForceTiming::Within(0.5),
+            IntegratorName::BackwardEuler => ForceTiming::Within(1.0),
             _ => ForceTiming::Before,
         };
         if force_timing == ForceTiming::Before {
@@ -191,8 +192,8 @@ impl ConstructedPeer {
             IntegratorName::ForwardEuler => Held::forward_euler(mass, damping, late, period),
             IntegratorName::SemiImplicit => Held::semi_implicit(mass, damping, late, period),
             IntegratorName::Exact => Held::exact(mass, damping, 0.0, late, period),
-            IntegratorName::Midpoint => {
-                self.midway(mass, damping, period);
+            IntegratorName::Midpoint | IntegratorName::BackwardEuler => {
+                self.moved_by_ports(mass, damping, period);
                 return Some(());
             }
             #[allow(unreachable_patterns)]
@@ -202,36 +203,41 @@ impl ConstructedPeer {
         Some(())
     }
 
-    /// v = ẋ_o + T_c/(2m_O)·(F_LC + F_T − b_O·v), x_o ← x_o + T_c·v, ẋ_o ← 2v − ẋ_o.
-    fn midway(&mut self, mass: f64, damping: f64, period: f64) {
+    /// v = ẋ_o + θ·T_c/m_O·(F_LC + F_T − b_O·v), x_o ← x_o + T_c·v, ẋ_o ← ẋ_o + (v − ẋ_o)/θ: with θ = ½ the midpoint rule,
+    /// with 1 backward Euler.
+    fn moved_by_ports(&mut self, mass: f64, damping: f64, period: f64) {
+        let Some(part) = self.within() else { return };
         let [position, velocity] = [ObjectPosition, ObjectVelocity].map(|state| self.at(state));
         let mean = Mean as usize;
         self.f[(mean, velocity)] = 1.0;
         for force in [Contact, Coordination] {
-            self.g[(mean, force as usize)] = 0.5 * period / mass;
+            self.g[(mean, force as usize)] = part * period / mass;
         }
-        self.g[(mean, mean)] = -0.5 * period / mass * damping;
+        self.g[(mean, mean)] = -part * period / mass * damping;
         self.a[(position, position)] = 1.0;
         self.b[(position, mean)] = period;
-        self.a[(velocity, velocity)] = -1.0;
-        self.b[(velocity, mean)] = 2.0;
+        self.a[(velocity, velocity)] = 1.0 - 1.0 / part;
+        self.b[(velocity, mean)] = 1.0 / part;
     }
 
     /// What a force with this stiffness and damping toward the object takes from where the object is: −K·x_o − B·ẋ_o as the
-    /// tick begins, or both on average through the tick, −K·(x_o + T_c/2·v) − B·v.
+    /// tick begins, or both after a part of the tick, −K·(x_o + θ·T_c·v) − B·v.
     pub(super) fn resist(&mut self, force: Input, stiffness: f64, damping: f64, period: f64) {
         let [position, velocity] = [ObjectPosition, ObjectVelocity].map(|state| self.at(state));
         let row = force as usize;
         self.f[(row, position)] -= stiffness;
         match self.force_timing {
             ForceTiming::Before => self.f[(row, velocity)] -= damping,
-            ForceTiming::Midway => self.g[(row, Mean as usize)] -= stiffness * 0.5 * period + damping,
+            ForceTiming::Within(part) => self.g[(row, Mean as usize)] -= stiffness * part * period + damping,
         }
     }
 
-    /// Whether the object is moved by ports.
-    pub(super) fn is_midway(&self) -> bool {
-        self.force_timing == ForceTiming::Midway
+    /// θ, if the object is moved by ports: after which part of a tick forces are taken.
+    pub(super) fn within(&self) -> Option<f64> {
+        match self.force_timing {
+            ForceTiming::Before => None,
+            ForceTiming::Within(part) => Some(part),
+        }
     }
 
     /// F_LC = K_LC·(x_h − x_o) + B_LC·(ẋ_h − ẋ_o), with ẋ_h as the estimator gives it.

@@ -1,0 +1,84 @@
+//! Backward Euler: the second construction, scenes that are let go of, and the verdict beside runs at the limit of contact.
+
+use haptic_analysis::{Effort, Hands, Range, agreement, limit, verdict};
+use haptic_core::object::IntegratorName;
+use haptic_sim::run::{Options, run};
+use haptic_sim::scene::Scene;
+
+use crate::midpoint::midpoint;
+use crate::random::Random;
+
+fn backward_euler(law: &'static str, delay_packets: u32) -> Scene {
+    let mut scene = midpoint(law, delay_packets);
+    scene.peer.object.integrator = IntegratorName::BackwardEuler;
+    scene
+}
+
+#[test]
+fn both_constructions_say_the_same() {
+    for law in ["power", "wave", "passive-wave", "passive-mean", "self-timed", "none"] {
+        for (delay, ticks) in [(0, 1), (1, 8), (3, 5), (8, 1)] {
+            for stiffness in [600.0, 1e7] {
+                let mut scene = backward_euler(law, delay);
+                scene.peer.timing.ticks_per_packet = if law == "self-timed" { 1 } else { ticks };
+                scene.peer.object.damping_n_s_per_m = 0.7;
+                scene.peer.coordination.stiffness_n_per_m = stiffness;
+                if law == "self-timed" {
+                    scene.set_number("coordination.credit_ticks", f64::from(delay + 2)).expect("it is allowed");
+                }
+                for hands in [Hands::Both, Hands::One, Hands::None] {
+                    let difference =
+                        agreement(&scene.linear(), hands).expect("a good scene").expect("it has equations");
+                    let difference = difference.matrix.max(difference.spectral_radius);
+                    assert!(
+                        difference < 1e-9,
+                        "{law}, {delay} packets of {ticks} ticks, K_T {stiffness}, {hands:?}: {difference:.1e}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// Nobody's hand on the object, drawn as for the midpoint rule and stiffer.
+#[test]
+fn no_scene_that_is_let_go_of_is_unstable() {
+    let mut random = Random::new(13);
+    for number in 0..1000 {
+        let mut scene = backward_euler(random.one(&["passive-mean", "self-timed"]), random.whole(0, 20));
+        scene.peer.timing.ticks_per_packet = random.whole(1, 16);
+        scene.peer.timing.control_period_s = random.spread(1e-4, 5e-3);
+        scene.peer.coordination.stiffness_n_per_m = random.spread(10.0, 1e7);
+        scene.peer.coordination.damping_n_s_per_m = 20.0 * random.unit();
+        scene.peer.coordination.wave_impedance_n_s_per_m = random.spread(1.0, 200.0);
+        scene.peer.object.mass_kg = random.spread(1e-3, 10.0);
+        let radius = verdict(&scene.hands_off()).expect("a good scene").spectral_radius;
+        assert!(radius <= 1.0 + 1e-6, "scene {number}: {radius} of {:?}", scene.peer);
+    }
+}
+
+/// The stiffest contact by the analyser, by the device's own delay, and runs 5 % below it and so far above it that they show in 20 s: a hand that
+/// presses at its own past position is what no integrator makes passive.
+#[test]
+fn runs_agree_with_the_limit_of_contact() {
+    for delay_ticks in [0.0, 0.1, 0.5, 1.0] {
+        let mut scene = backward_euler("passive-mean", 1);
+        scene.peer.coordination.stiffness_n_per_m = 1e4;
+        scene.world.device.force_delay_ticks = delay_ticks;
+        let range = Range { key: "contact.stiffness_n_per_m".to_owned(), from: 100.0, to: 100_000.0 };
+        let found = limit(&scene, range, Effort::default()).expect("a good scene").crossings[0];
+        println!("delay of {delay_ticks} ticks: {found} N/m");
+        scene.apply_override("user.1.pulse_n=1").expect("a good override");
+        for (share, stable) in [(0.95, true), (1.3, false)] {
+            scene.peer.contact.stiffness_n_per_m = share * found;
+            let options = Options { duration_s: 20.0, record_every: 0 };
+            let outcome = run::<f64>(&scene, options, &|_| {}).expect("a good scene");
+            assert_eq!(
+                outcome.is_stable(),
+                stable,
+                "{share} of {found} N/m, {delay_ticks} ticks: {:?}",
+                outcome.reason
+            );
+        }
+    }
+}
