@@ -127,8 +127,11 @@ fn run<S: Scalar>(settings: &Settings) -> Result<Vec<[f64; 2]>, Refused<'static>
     Ok((0..(DURATION_S / period_s).round() as usize).map(tick).collect())
 }
 
-/// Largest errors of x_o1 − x_o2 and of the mean of both, m, by what is computed in and the number type whose ticks are counted.
-pub fn errors() -> Result<Vec<(&'static str, &'static str, [f64; 2])>, Refused<'static>> {
+/// What is computed in, the number type whose ticks are counted, and largest errors of x_o1 − x_o2 and of the mean of both, m.
+type Errors = (&'static str, &'static str, [f64; 2]);
+
+/// The errors of each mix.
+pub fn errors() -> Result<Vec<Errors>, Refused<'static>> {
     // A line that follows the network would do so in each row in another way: its credit is stated.
     let settings = pair::any_network(2 * DELAY).peer;
     let exact = run::<DoubleDouble>(&settings)?;
