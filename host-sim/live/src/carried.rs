@@ -159,6 +159,16 @@ impl Carried {
         });
     }
 
+    /// Adds to a batch what has waited for long enough, as far as there is room.
+    pub(crate) fn release(&self, came: &mut ReceivedBatch) {
+        let (now, mut carrier) = (Instant::now(), self.paths.lock());
+        while came.has_room()
+            && let Some(datagram) = carrier.release(now)
+        {
+            came.add(self.address, &datagram);
+        }
+    }
+
     /// Where a datagram of the link's goes now.
     pub(crate) fn say(&self, datagram: &[u8], mut each: impl FnMut(SocketAddr, &[u8])) -> bool {
         self.paths.lock().send(Instant::now(), datagram, &mut |to, bytes| each(written(to, self.mapped), bytes))

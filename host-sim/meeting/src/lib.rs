@@ -14,6 +14,7 @@ pub mod agreement;
 pub mod carrier;
 mod error;
 pub mod frame;
+mod hold;
 mod ice;
 pub mod invite;
 mod paths;

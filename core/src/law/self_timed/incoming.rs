@@ -12,7 +12,8 @@
 //! lost in bursts is stood through: a line that bridged it would be slow where nothing is lost) adds half as many samples as it stood, for the other end stands as long and adds its half, and [`SPARE`]
 //! more; at first no more than [`LEAST_AT_ONCE`], then twice as many each time: 200 ms of delay are learned in six round
 //! trips. A sample less costs energy: where for a [`WINDOW_S`] nothing stood and more than [`KEPT`] samples were always left, half
-//! of what is left over goes, two samples in a tick, if averaging has saved what that costs and the line is nearly at rest.
+//! of what is left over goes, each over [`SLICES`] ticks, so that hands feel no step, if averaging has saved what that costs and the line is
+//! nearly at rest.
 
 use super::events::Events;
 use crate::law::Packet;
@@ -42,8 +43,10 @@ const IMPATIENT: u32 = 100 * STANDING;
 /// Samples that may be added at once after a quiet time, and at most.
 const LEAST_AT_ONCE: i32 = 4;
 const MOST_AT_ONCE: i32 = 128;
-/// The largest wave at which two samples may come out in one tick, √W.
+/// The largest wave at which more than one sample may come out in a tick, √W.
 const NEARLY_AT_REST: f64 = 0.25;
+/// Ticks over which a sample more comes out: each takes one and a slice.
+const SLICES: i32 = 16;
 /// By how much the counter of a peer that begins anew jumps: more than a line can ever hold.
 pub(super) const ANEW: u32 = 1 << 20;
 
@@ -62,12 +65,14 @@ pub(super) struct Incoming<C> {
     /// [`NEARLY_AT_REST`].
     nearly_at_rest: C,
     half: C,
+    /// 1/[`SLICES`].
+    slice: C,
     /// Ticks without a packet after which nothing comes any more.
     gap: u32,
 }
 
 configured!([C: Scalar] Incoming<C> {
-    period_s, credit, follows, kept, window, nearly_at_rest, half, gap
+    period_s, credit, follows, kept, window, nearly_at_rest, half, slice, gap
 });
 
 /// The other end's counters, as they came.
@@ -103,8 +108,9 @@ pub(super) struct Outstanding<C> {
     /// Fewest samples left in this window, and ticks of it.
     fewest: i32,
     watched: u32,
-    /// Samples by which the line is to be made shorter.
+    /// Samples by which the line is to be made shorter, and slices of the next of them that have come out.
     surplus: i32,
+    sliced: i32,
 }
 
 impl<C: Scalar> Incoming<C> {
@@ -126,6 +132,7 @@ impl<C: Scalar> Incoming<C> {
             window: (WINDOW_S / timing.control_period_s) as u32,
             nearly_at_rest: C::from_f64(NEARLY_AT_REST),
             half: C::from_f64(0.5),
+            slice: C::from_f64(1.0 / f64::from(SLICES)),
             gap: longest.saturating_add(KEPT.cast_unsigned()),
         }
     }
@@ -190,15 +197,22 @@ impl<C: Scalar> Incoming<C> {
             state.last = C::ZERO;
             return None;
         }
-        let mean = state.integral.over(C::from_i32(state.samples) * self.period_s);
-        let taken = if self.follows { self.follow(state, mean) } else { 1 };
-        let wave = C::from_i32(taken) * mean;
+        if state.samples == 1 {
+            // Of the last what is left comes out.
+            state.sliced = 0;
+        }
+        let outstanding = C::from_i32(state.samples) - C::from_i32(state.sliced) * self.slice;
+        let mean = state.integral.over(outstanding * self.period_s);
+        let wave = if self.follows { self.follow(state, mean, outstanding) } else { mean };
         state.impatience = state.impatience.saturating_sub(1);
         // What comes out is what is booked, to the bit.
         let wave = S::of_counter(wave);
         state.last = wave.to_counter();
         state.integral = state.integral - self.period_s * state.last;
-        state.samples -= taken;
+        state.samples -= 1;
+        if state.sliced == SLICES {
+            (state.samples, state.sliced, state.surplus) = (state.samples - 1, 0, state.surplus - 1);
+        }
         state.account_j = state.account_j - self.price_j(state.last);
         Some(wave)
     }
@@ -209,9 +223,9 @@ impl<C: Scalar> Incoming<C> {
         self.half * self.period_s * wave * wave
     }
 
-    /// Samples that come out in this tick: two where the line is longer than it need be and can afford to be shorter.
+    /// What comes out in this tick: a slice more than the mean where the line is longer than it need be and can afford to be shorter.
     #[inline]
-    fn follow(&self, state: &mut Outstanding<C>, mean: C) -> i32 {
+    fn follow(&self, state: &mut Outstanding<C>, mean: C, outstanding: C) -> C {
         state.fewest = state.fewest.min(state.samples);
         state.watched += 1;
         if state.watched >= self.window {
@@ -220,13 +234,14 @@ impl<C: Scalar> Incoming<C> {
             (state.fewest, state.watched) = (i32::MAX, 0);
         }
         if state.surplus == 0 || state.samples < 2 || mean.abs() > self.nearly_at_rest {
-            return 1;
+            return mean;
         }
-        let left = C::from_i32(state.samples - 2) * self.price_j(mean);
-        if state.account_j - self.price_j(C::from_i32(2) * mean) < left {
-            return 1;
+        let more = mean + self.slice * mean;
+        let left = (outstanding - C::ONE - self.slice) * self.price_j(mean);
+        if state.account_j - self.price_j(more) < left {
+            return mean;
         }
-        state.surplus -= 1;
-        2
+        state.sliced += 1;
+        more
     }
 }

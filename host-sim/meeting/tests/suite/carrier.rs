@@ -139,4 +139,14 @@ fn a_path_of_80_ms_changes_to_one_of_16_without_a_gap() {
     world.run(10_000);
     assert_eq!((world.ways(), world.lost(0), world.lost(1)), ([Way::Direct; 2], 0, 0));
     none_twice(&world);
+    for home in &world.homes {
+        // 80 ms one way by the relay, 8 directly: never more than two datagrams in a ms, and those in order.
+        assert!(home.took.iter().all(|(.., took)| (8..=81).contains(took)), "no longer than by the relay");
+        let falls = |pair: &[(u64, u64, u64)]| pair[1].2 + 1 < pair[0].2 || pair[1].1 != pair[0].1 + 1;
+        assert_eq!(home.took.windows(2).filter(|pair| falls(pair)).count(), 0, "a delay falls by 1 ms at a time");
+        let last = home.took.iter().rposition(|(.., took)| *took > 8).expect("it was longer");
+        let first = home.took.iter().position(|(.., took)| *took < 80).expect("it becomes shorter");
+        let slid_ms = home.took[last].0 - home.took[first].0;
+        assert!((1400..=1480).contains(&slid_ms), "72 ms, a ms in 20: {slid_ms} ms");
+    }
 }

@@ -34,6 +34,8 @@ pub(crate) struct Home {
     next: u16,
     /// Flow that came, by number: how often.
     pub(crate) came: BTreeMap<u64, u32>,
+    /// The same in the order in which it came: when, its number, and how long it took, ms.
+    pub(crate) took: Vec<(u64, u64, u64)>,
     pub(crate) sent: u64,
     pub(crate) ways: Vec<(u64, Way)>,
 }
@@ -48,6 +50,13 @@ impl Home {
         });
         self.lets_in.insert((port, to));
         SocketAddr::new(self.outer, port)
+    }
+
+    /// Flow has come: the number of it, and how long it took.
+    fn takes(&mut self, ms: u64, bytes: &[u8]) {
+        let [number, sent_ms] = [8, 16].map(|at: usize| u64::from_le_bytes(bytes[at..at + 8].try_into().unwrap()));
+        *self.came.entry(number).or_default() += 1;
+        self.took.push((ms, number, ms - sent_ms));
     }
 
     /// The router forgets, and gives other ports from now on.
@@ -88,7 +97,7 @@ impl World {
         let home = |side: u8| {
             let inner: SocketAddr = "192.168.1.10:40000".parse().unwrap();
             let config = Config { key: Key::new([9; 32]), side, meet, bases: vec![inner], mapped: None, relay_only };
-            let (maps, lets_in, came, ways) = Default::default();
+            let (maps, lets_in, came, took, ways) = Default::default();
             Home {
                 carrier: Carrier::new(config, &Key::new([side + 1; 32]), start),
                 router: routers[usize::from(side)],
@@ -98,6 +107,7 @@ impl World {
                 lets_in,
                 next: 50_000,
                 came,
+                took,
                 sent: 0,
                 ways,
             }
@@ -153,19 +163,22 @@ impl World {
                 continue;
             }
             if home.carrier.hear(now, from, &bytes, &mut |to, bytes| sent.push((to, bytes.to_vec()))) {
-                let number = u64::from_le_bytes(bytes[8..16].try_into().unwrap());
-                *home.came.entry(number).or_default() += 1;
+                home.takes(self.ms, &bytes);
             }
             self.leave(side, sent);
         }
         for side in 0..2 {
             let (home, mut sent) = (&mut self.homes[side], Vec::new());
+            while let Some(bytes) = home.carrier.release(now) {
+                home.takes(self.ms, &bytes);
+            }
             let mut send = |to, bytes: &[u8]| sent.push((to, bytes.to_vec()));
             home.carrier.poll(now, &mut send);
             if home.carrier.way() != Way::Nowhere {
                 let mut flow = [0; 88];
                 flow[..2].copy_from_slice(&[VERSION, 3]);
                 flow[8..16].copy_from_slice(&home.sent.to_le_bytes());
+                flow[16..24].copy_from_slice(&self.ms.to_le_bytes());
                 home.carrier.send(now, &flow, &mut send);
                 home.sent += 1;
             }
