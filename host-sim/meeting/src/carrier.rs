@@ -75,6 +75,8 @@ pub struct PathReport {
     pub way: Way,
     /// The direct path stays within a local network.
     pub lan: bool,
+    /// The outer address that a router passes on to this end, as it was told to.
+    pub mapped: Option<SocketAddr>,
     /// The path by the meeting place.
     pub relayed: PathFigures,
     /// The path from end to end.
@@ -186,10 +188,20 @@ impl Carrier {
         self.changes.pop_front()
     }
 
+    /// A router passes this outer address on to the socket, from now on.
+    pub fn add_mapped(&mut self, mapped: SocketAddr) {
+        if self.config.mapped.replace(mapped) != Some(mapped)
+            && let Some(ice) = self.ice()
+        {
+            ice.add_seen(mapped);
+        }
+    }
+
     /// What there is to say of the paths.
     pub fn report(&self) -> PathReport {
         let [relayed, direct] = [0, 1].map(|at: usize| self.paths.of[at].figures());
-        PathReport { way: self.way, lan: self.is_lan(), relayed, direct, ..self.report.clone() }
+        let (way, lan, mapped) = (self.way, self.is_lan(), self.config.mapped);
+        PathReport { way, lan, mapped, relayed, direct, ..self.report.clone() }
     }
 
     fn us(&self, now: Instant) -> u64 {

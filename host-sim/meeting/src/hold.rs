@@ -12,9 +12,9 @@ use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
 /// A hold shrinks by a ms in so many.
-pub(crate) const SLIDE: u32 = 20;
+const SLIDE: u32 = 20;
 /// Nothing is held for longer: a relay that takes so much longer is no line for a hand.
-pub(crate) const MOST: Duration = Duration::from_millis(200);
+const MOST: Duration = Duration::from_millis(200);
 /// Datagrams that wait at once: a packet each tick for [`MOST`], and half as many again.
 const ROOM: usize = 300;
 /// How long a signal's time counts, at least; twice as long at the most.

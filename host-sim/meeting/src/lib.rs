@@ -17,6 +17,7 @@ pub mod frame;
 mod hold;
 mod ice;
 pub mod invite;
+pub mod mapping;
 mod paths;
 pub mod place;
 pub mod seat;

@@ -9,7 +9,7 @@ fn run(hold: &mut Hold, took_ms: [u64; 2], ms: std::ops::Range<u64>, start: Inst
         let now = start + Duration::from_millis(at);
         for (direct, took_ms) in [false, true].into_iter().zip(took_ms) {
             // The other end's clock is an hour ahead.
-            hold.took(now, direct, 1000 * (3_600_000 + at - took_ms.min(at)), 1000 * at);
+            hold.took(now, direct, 1000 * (3_600_000 + at - took_ms), 1000 * at);
         }
         while let Some(datagram) = hold.release(now) {
             left.push((u64::from_le_bytes(datagram.try_into().unwrap()), at));
@@ -27,7 +27,11 @@ fn a_path_that_became_shorter_is_as_long_as_before_and_then_slowly_as_short_as_i
     assert!(run(&mut hold, [40, 8], 0..100, start).iter().all(|(came, left)| came == left), "nothing to wait for");
     hold.is_relayed();
     let left = run(&mut hold, [40, 8], 100..1000, start);
-    assert_eq!(left.iter().map(|(came, _)| *came).collect::<Vec<_>>(), (100..1000).collect::<Vec<_>>(), "in order, all");
+    assert_eq!(
+        left.iter().map(|(came, _)| *came).collect::<Vec<_>>(),
+        (100..1000).collect::<Vec<_>>(),
+        "in order, all"
+    );
     for (came, left) in left {
         // 32 ms less a ms in 20 of what has gone by since the first left, as a staircase of ms.
         let exact = (32.0 - (left as f64 - 132.0) / 20.0).clamp(0.0, 32.0);
