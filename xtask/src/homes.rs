@@ -16,7 +16,7 @@ pub(crate) fn obstacle() -> Option<String> {
     ip.or_else(|| setup::program("nft", "nftables")).or_else(|| {
         let name = "haptic-homes-probe";
         let made = run::succeeds(&mut command("ip", &["netns", "add", name]));
-        let rules = "table ip probe { chain c { type nat hook postrouting priority 100; masquerade; } }";
+        let rules = "table ip probe { chain c { type nat hook postrouting priority 100; masquerade; }; }";
         let works = made && run::succeeds(&mut command("ip", &["netns", "exec", name, "nft", rules]));
         let _ = run::succeeds(&mut command("ip", &["netns", "del", name]));
         (!works).then(|| "this machine lets nobody make network namespaces with routers in them".to_owned())

@@ -112,6 +112,21 @@ impl ReceivedBatch {
         self.waited.truncate(kept);
     }
 
+    /// Whether one more can be added.
+    pub(super) fn has_room(&self) -> bool {
+        self.from.len() < MOST
+    }
+
+    /// Adds what came before and was kept, as far as there is room.
+    pub(super) fn add(&mut self, from: SocketAddr, datagram: &[u8]) {
+        if let Some(room) = self.room.get_mut(self.from.len()) {
+            let length = datagram.len().min(ROOM);
+            room[..length].copy_from_slice(&datagram[..length]);
+            self.from.push((from, length));
+            self.waited.push(Duration::ZERO);
+        }
+    }
+
     /// What came, oldest first, and where from.
     pub fn each(&mut self) -> impl ExactSizeIterator<Item = (SocketAddr, &mut [u8])> {
         self.from.iter().zip(self.room.iter_mut()).map(|((from, length), room)| (*from, &mut room[..*length]))

@@ -8,6 +8,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use haptic_meeting::carrier::{Carrier, Change, Config, PathReport};
+use haptic_meeting::mapping::{Mapping, PORT};
 use haptic_protocol::key::Key;
 use haptic_sim::key_file::entropy;
 
@@ -31,6 +32,8 @@ pub struct Meeting {
     pub relay_only: bool,
     /// An outer address that a router passes on to this end, where somebody has told it to.
     pub mapped: Option<SocketAddr>,
+    /// Which router is asked to pass a port on; none, and it is the one that the system sends by, where that can be known.
+    pub router: Option<SocketAddr>,
 }
 
 /// The paths of a carried endpoint, as they are now.
@@ -61,6 +64,66 @@ pub(crate) struct Carried {
     pub(crate) address: SocketAddr,
     mapped: bool,
     polled: Mutex<Option<Instant>>,
+    asking: Option<Mutex<Asking>>,
+}
+
+/// A router that is asked to pass a port on, by a socket that hears nobody else.
+#[derive(Debug)]
+struct Asking {
+    socket: UdpSocket,
+    router: SocketAddr,
+    mapping: Mapping,
+}
+
+impl Asking {
+    /// None where there is no router, or none of IPv4.
+    fn new(router: Option<SocketAddr>, bases: &[SocketAddr]) -> Option<Self> {
+        let router = router.or_else(router_of_this_machine)?;
+        let own = bases.iter().find_map(|base| if let SocketAddr::V4(v4) = base { Some(*v4) } else { None })?;
+        // Who stays on this machine needs no port of a router outside.
+        let reaches = router.ip().is_loopback() == own.ip().is_loopback();
+        let socket = UdpSocket::bind((*own.ip(), 0)).ok().filter(|_| reaches)?;
+        socket.connect(router).and_then(|()| socket.set_nonblocking(true)).ok()?;
+        let mapping = Mapping::new(router, own, &Key::new(entropy().ok()?), Instant::now());
+        Some(Self { socket, router, mapping })
+    }
+
+    fn send(&self, questions: Vec<Vec<u8>>) {
+        // A router that cannot be asked says nothing.
+        questions.iter().for_each(|question| drop(self.socket.send(question)));
+    }
+
+    /// Asks what is due and takes what has come; the outer address.
+    fn poll(&mut self, now: Instant) -> Option<SocketAddr> {
+        let questions = self.mapping.poll(now);
+        self.send(questions);
+        let mut room = [0; 256];
+        // A few at once, whoever sends more.
+        for _ in 0..4 {
+            let Ok(length) = self.socket.recv(&mut room) else { break };
+            self.mapping.hear(now, self.router, &room[..length]);
+        }
+        self.mapping.outer(now)
+    }
+}
+
+impl Drop for Asking {
+    fn drop(&mut self) {
+        let last = self.mapping.goodbye();
+        self.send(last);
+    }
+}
+
+/// The router by which this machine reaches the world, as Linux tells it; elsewhere nobody is asked.
+fn router_of_this_machine() -> Option<SocketAddr> {
+    let table = std::fs::read_to_string("/proc/net/route").ok()?;
+    let router = table.lines().skip(1).find_map(|line| {
+        let mut words = line.split_whitespace().skip(1);
+        let (to, by) = (words.next()?, u32::from_str_radix(words.next()?, 16).ok()?);
+        // The number is the address as memory has it.
+        (to == "00000000" && by != 0).then(|| Ipv4Addr::from(by.to_ne_bytes()))
+    })?;
+    Some(SocketAddr::new(router.into(), PORT))
 }
 
 /// The address of a host and a port, which may be a name.
@@ -127,11 +190,13 @@ impl Carried {
             true => world.filter_map(|to| Some(SocketAddr::new(own_towards(towards(to))?, own.port()))).collect(),
             false => vec![canonical(own)],
         };
-        let Meeting { relay_only, mapped: outer, .. } = *meeting;
+        let Meeting { relay_only, mapped: outer, router, .. } = *meeting;
+        let asks = !relay_only && outer.is_none();
+        let asking = asks.then(|| Asking::new(router, &bases)).flatten().map(Mutex::new);
         let config = Config { key, side, meet: place, bases, mapped: outer, relay_only };
         let carrier = Carrier::new(config, &Key::new(entropy()?), Instant::now());
         let (paths, polled) = (Paths(Arc::new(Mutex::new(carrier))), Mutex::new(None));
-        Ok(Self { paths, address: place, mapped, polled })
+        Ok(Self { paths, address: place, mapped, polled, asking })
     }
 
     fn send_by<'a>(&self, socket: &'a UdpSocket) -> impl FnMut(SocketAddr, &[u8]) + 'a {
@@ -146,7 +211,13 @@ impl Carried {
         let mut polled = self.polled.lock().unwrap_or_else(PoisonError::into_inner);
         if polled.is_none_or(|at| now.saturating_duration_since(at) >= EVERY) {
             *polled = Some(now);
-            self.paths.lock().poll(now, &mut self.send_by(socket));
+            let asking = self.asking.as_ref().map(|asking| asking.lock().unwrap_or_else(PoisonError::into_inner));
+            let outer = asking.and_then(|mut asking| asking.poll(now));
+            let mut carrier = self.paths.lock();
+            if let Some(outer) = outer {
+                carrier.add_mapped(outer);
+            }
+            carrier.poll(now, &mut self.send_by(socket));
         }
     }
 
@@ -157,6 +228,16 @@ impl Carried {
             let at = now.checked_sub(waited).unwrap_or(now);
             carrier.hear(at, canonical(from), datagram, &mut send).then_some(self.address)
         });
+    }
+
+    /// Adds to a batch what has waited for long enough, as far as there is room.
+    pub(crate) fn release(&self, came: &mut ReceivedBatch) {
+        let (now, mut carrier) = (Instant::now(), self.paths.lock());
+        while came.has_room()
+            && let Some(datagram) = carrier.release(now)
+        {
+            came.add(self.address, &datagram);
+        }
     }
 
     /// Where a datagram of the link's goes now.

@@ -335,15 +335,17 @@ impl Endpoint {
         if let Some(carried) = &self.carried {
             carried.poll(&self.socket);
         }
-        let Err(cause) = came.take(&self.socket) else {
-            if let Some(carried) = &self.carried {
-                carried.sift(came, &self.socket);
-            }
-            return Ok(true);
-        };
-        came.clear();
+        let took = came.take(&self.socket);
+        if took.is_err() {
+            came.clear();
+        }
+        if let Some(carried) = &self.carried {
+            carried.sift(came, &self.socket);
+            carried.release(came);
+        }
+        let Err(cause) = took else { return Ok(true) };
         match cause.kind() {
-            ErrorKind::WouldBlock | ErrorKind::TimedOut => Ok(self.answers),
+            ErrorKind::WouldBlock | ErrorKind::TimedOut => Ok(self.answers || came.each().len() > 0),
             kind if PASSING.contains(&kind) => Ok(true),
             _ => Err(format!("the socket on {} failed: {cause}", self.address).into()),
         }

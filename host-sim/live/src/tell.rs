@@ -48,7 +48,8 @@ impl PathSecond {
         Self { way: report.way, lan: report.lan, round_trip_ms, p99_ms, lost }
     }
 
-    fn words(&self) -> String {
+    /// In words.
+    pub fn words(&self) -> String {
         let near = if self.lan { "LAN" } else { "direct" };
         let way = match self.way {
             Way::Nowhere => return "no path".to_owned(),
@@ -100,7 +101,8 @@ pub struct Second {
 }
 
 impl Second {
-    fn words(&self) -> String {
+    /// In words.
+    pub fn words(&self) -> String {
         let Self { done_s, of_s, state, partner, .. } = self;
         // A bar of ten.
         let full = (10.0 * done_s / of_s).clamp(0.0, 10.0) as usize;

@@ -4,7 +4,8 @@
 //! the session (`paths.rs` says when, and when back). What comes is told apart by its first byte ([`crate::frame`]): signals, STUN and
 //! welcomes are for the carrier, sealed datagrams for the link, and only from the meeting place or from an address that has proved itself.
 //! Where both paths bring the same datagram, byte for byte, the second is counted as a copy and goes no further; all else the
-//! link judges itself, for only it can.
+//! link judges itself, for only it can. What comes directly after flow has come by the relay waits for a while (`hold.rs`), so that a line becomes shorter
+//! slowly; [`Carrier::release`] gives it.
 //!
 //! **Signals** go every `DIRECT_EVERY` directly where no flow does, else every `BESIDE_FLOW`; by the relay every `RELAY_EVERY`, or `RELAY_RESTS` while it rests.
 //! **A direct path that dies** is missed by flow (`paths.rs`); after `RESTART` ICE begins anew, and again after twice as long, up to `LONGEST_RESTART`.
@@ -20,8 +21,9 @@ use serde::Serialize;
 
 use crate::Send;
 use crate::frame::Frame;
+use crate::hold::Hold;
 use crate::ice::{CONSENT, Ice, Origin, is_local};
-use crate::paths::{PathFigures, Paths, Way};
+use crate::paths::{DEAF, PathFigures, Paths, Way};
 use crate::seat::Seat;
 use crate::signal::{Instance, MOST_ADDRESSES, Sealer, Signal, open};
 
@@ -73,6 +75,8 @@ pub struct PathReport {
     pub way: Way,
     /// The direct path stays within a local network.
     pub lan: bool,
+    /// The outer address that a router passes on to this end, as it was told to.
+    pub mapped: Option<SocketAddr>,
     /// The path by the meeting place.
     pub relayed: PathFigures,
     /// The path from end to end.
@@ -118,6 +122,9 @@ pub struct Carrier {
     other: Option<Other>,
     retired: Vec<Instance>,
     paths: Paths,
+    hold: Hold,
+    /// When flow came directly last.
+    flow_heard: Option<Instant>,
     relay_heard: Instant,
     flowed: Option<Instant>,
     /// Where flow goes directly, as far as it does.
@@ -150,6 +157,8 @@ impl Carrier {
             other: None,
             retired: Vec::new(),
             paths: Paths::new(now),
+            hold: Hold::default(),
+            flow_heard: None,
             relay_heard: now,
             flowed: None,
             flows_to: None,
@@ -179,10 +188,20 @@ impl Carrier {
         self.changes.pop_front()
     }
 
+    /// A router passes this outer address on to the socket, from now on.
+    pub fn add_mapped(&mut self, mapped: SocketAddr) {
+        if self.config.mapped.replace(mapped) != Some(mapped)
+            && let Some(ice) = self.ice()
+        {
+            ice.add_seen(mapped);
+        }
+    }
+
     /// What there is to say of the paths.
     pub fn report(&self) -> PathReport {
         let [relayed, direct] = [0, 1].map(|at: usize| self.paths.of[at].figures());
-        PathReport { way: self.way, lan: self.is_lan(), relayed, direct, ..self.report.clone() }
+        let (way, lan, mapped) = (self.way, self.is_lan(), self.config.mapped);
+        PathReport { way, lan, mapped, relayed, direct, ..self.report.clone() }
     }
 
     fn us(&self, now: Instant) -> u64 {
@@ -241,16 +260,31 @@ impl Carrier {
             Frame::Signal if self.signal(now, from, datagram, send).is_some() => return false,
             Frame::Sealed if by_relay => {
                 self.relay_heard = now;
-                return self.is_new(datagram, false);
+                let new = self.is_new(datagram, false);
+                if new && self.flow_heard.is_none_or(|at| now.saturating_duration_since(at) > DEAF) {
+                    self.hold.is_relayed();
+                }
+                return new;
             }
             Frame::Sealed if self.is_proved(now, from) => {
                 self.paths.heard(now, false);
-                return self.is_new(datagram, true);
+                self.flow_heard = Some(now);
+                return !self.hold.takes(now, datagram) && self.is_new(datagram, true);
             }
             _ => {}
         }
         self.report.strangers += 1;
         false
+    }
+
+    /// What has waited for long enough and is for the link, oldest first; none: nothing has by now.
+    pub fn release(&mut self, now: Instant) -> Option<Vec<u8>> {
+        while let Some(datagram) = self.hold.release(now) {
+            if self.is_new(&datagram, true) {
+                return Some(datagram);
+            }
+        }
+        None
     }
 
     fn is_proved(&self, now: Instant, from: SocketAddr) -> bool {
@@ -302,6 +336,7 @@ impl Carrier {
         let now_us = now.saturating_duration_since(self.start).as_micros() as u64 + 1;
         let away_us = (signal.echo_us > 0).then(|| now_us.saturating_sub(signal.echo_us));
         path.came(signal.count, away_us.map(|us| us.saturating_sub(signal.held_us.into())));
+        self.hold.took(now, !by_relay, signal.sent_us, now_us);
         if by_relay {
             self.relay_heard = now;
         } else {
@@ -342,6 +377,7 @@ impl Carrier {
             self.retired.push(before.instance);
         }
         self.paths.of.iter_mut().for_each(|path| path.forget());
+        (self.hold, self.flow_heard) = Default::default();
         let own = self.instance;
         let instances = if self.config.side == 0 { [own, instance] } else { [instance, own] };
         let origin = Origin { key: self.config.key.clone(), side: self.config.side, instances };

@@ -38,9 +38,12 @@ pub(super) struct MeetingArgs {
     /// Keep what was agreed on in a new key file, for --meet with --key-file from then on.
     #[arg(long, value_name = "FILE")]
     keep: Option<PathBuf>,
-    /// An outer address that the router of this home passes on to this end's port, as it was told to: needed at a router that gives out ports at random.
+    /// An outer address that the router of this home passes on to this end's port, as it was told to, where the router cannot be asked for one.
     #[arg(long, value_name = "ADDRESS:PORT")]
     mapped: Option<SocketAddr>,
+    /// The router that is asked (PCP, NAT-PMP) to pass a port on; without it the one that this machine sends by.
+    #[arg(long, value_name = "ADDRESS:PORT", conflicts_with_all = ["mapped", "relay_only"])]
+    router: Option<SocketAddr>,
     /// Stay on the relay, so that the partner learns no address of this end.
     #[arg(long)]
     relay_only: bool,
@@ -54,16 +57,16 @@ impl MeetingArgs {
 
     /// Comes to a key, where there is none yet: waits for who has the link, or uses it. None where nobody is to be met.
     pub(super) fn agree(&self, ui: &Ui, stop: &Stop, own: Option<(&Path, u8)>) -> Result<Option<Met>, Failure> {
-        if (self.relay_only || self.mapped.is_some()) && !self.is_given()
+        if (self.relay_only || self.mapped.is_some() || self.router.is_some()) && !self.is_given()
             || self.keep.is_some() && !self.invite && self.accept.is_none()
         {
             return Err(
-                "--relay-only and --mapped are for a meeting (--meet or --accept), and --keep for --invite or --accept"
+                "--relay-only, --mapped and --router are for a meeting (--meet or --accept), and --keep for --invite or --accept"
                     .into(),
             );
         }
-        let (relay_only, mapped) = (self.relay_only, self.mapped);
-        let at = |place: &str| Ok::<_, Failure>(Meeting { place: resolve(place)?, relay_only, mapped });
+        let (relay_only, mapped, router) = (self.relay_only, self.mapped, self.router);
+        let at = |place: &str| Ok::<_, Failure>(Meeting { place: resolve(place)?, relay_only, mapped, router });
         let (number, key, meeting) = match (&self.accept, &self.meet, own) {
             (Some(link), ..) => {
                 let invite = Invite::parse(link).map_err(|wrong| format!("--accept {link}: {wrong}"))?;

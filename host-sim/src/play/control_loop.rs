@@ -171,7 +171,7 @@ pub(super) fn exchange(
         }
     }
     if let Some(news) = shown.news() {
-        contents.tell(news);
+        contents.tell_news(news);
     }
     waiting.drain(..).for_each(|sample| contents.put(sample));
     contents.status = Status {

@@ -59,7 +59,8 @@ pub(super) struct Contents {
     wanted: Option<Request>,
     answers: VecDeque<(u64, String)>,
     /// What holds, for every window, and how often that has changed.
-    announced: (String, u64),
+    /// And other news; of each, which of all that was announced it was.
+    announced: [(String, u64); 2],
     samples: VecDeque<Sample>,
     /// Tick of the first sample that is kept.
     first: u32,
@@ -78,7 +79,7 @@ impl Contents {
             commands: VecDeque::from([Command::Partner(partner)]),
             wanted: None,
             answers: VecDeque::new(),
-            announced: (String::new(), 0),
+            announced: Default::default(),
             samples: VecDeque::new(),
             first: 0,
             status: Status::default(),
@@ -130,17 +131,25 @@ impl Contents {
         self.answers.remove(at).map(|(_, text)| text)
     }
 
-    /// Sends a text to every window.
+    /// Sends what holds to every window.
     pub(super) fn tell(&mut self, text: String) {
-        self.announced = (text, self.announced.1 + 1);
+        self.announced[0] = (text, self.announced() + 1);
     }
 
-    /// What holds, if that is news to who has come to `edition`.
-    pub(super) fn announced_since(&self, edition: &mut u64) -> Option<String> {
-        let (text, now) = &self.announced;
-        let news = edition != now;
-        *edition = *now;
-        news.then(|| text.clone())
+    /// Sends other news to every window.
+    pub(super) fn tell_news(&mut self, text: String) {
+        self.announced[1] = (text, self.announced() + 1);
+    }
+
+    fn announced(&self) -> u64 {
+        self.announced[0].1.max(self.announced[1].1)
+    }
+
+    /// What holds and the news, as far as they are new to who has come to `edition`.
+    pub(super) fn announced_since(&self, edition: &mut u64) -> Vec<String> {
+        let before = std::mem::replace(edition, self.announced());
+        let new = self.announced.iter().filter(|(_, at)| *at > before);
+        new.map(|(text, _)| text.clone()).collect()
     }
 
     /// Lays down a sample.

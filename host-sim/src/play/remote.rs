@@ -14,6 +14,7 @@ use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use haptic_core::law::Sends;
 use haptic_core::num::Motion;
 use haptic_core::safety::{Command as Order, Mode};
 use haptic_live::batch::{MOST, OutgoingBatch, ReceivedBatch};
@@ -23,6 +24,7 @@ use haptic_live::endpoint::Endpoint;
 use haptic_live::recording::recorder::Recorder;
 use haptic_live::tell::{Manner, PathSecond, Teller};
 use haptic_live::watch::{TELLING_S, Watch};
+use haptic_meeting::Way;
 use haptic_protocol::key::Key;
 use haptic_protocol::path::Path;
 use haptic_protocol::wire::{Flows, Message, Telemetry};
@@ -30,6 +32,7 @@ use haptic_sim::device::Device;
 use haptic_sim::node::{Node, Transmit as _};
 use haptic_sim::peers::Builds;
 use haptic_sim::{key_file::entropy, scene::Scene};
+use serde_json::json;
 
 use super::environment::{ARMED, Command, Environment, FAULT, OFF, Sample, Standing, WAITS, number_of};
 use super::hand::Hand;
@@ -39,6 +42,8 @@ use crate::Error;
 
 /// How much of a tick goes to what has come, so that no flood of datagrams holds it up.
 const LISTENS: Duration = Duration::from_micros(300);
+/// Windows are told of the path every so many ticks, and when it changes.
+const NEWS: u64 = 1000;
 /// How long one's own positions are kept, ticks: longer than telemetry is on its way.
 const KEPT: usize = 4000;
 
@@ -134,6 +139,8 @@ where
     watch: Option<Watch>,
     /// Says every change of path, where the other one is met somewhere.
     paths: Option<(Paths, Teller)>,
+    /// What windows are to be told of it.
+    news: Option<String>,
 }
 
 impl<const SHARED: usize, const N: usize> Remote<SHARED, N>
@@ -165,6 +172,7 @@ where
             restarts: 0,
             cut: false,
             watch: None,
+            news: None,
             scene,
         })
     }
@@ -216,6 +224,32 @@ where
 
     fn device(&self) -> [Motion<f64>; SHARED] {
         first(self.node.motions())
+    }
+
+    /// Which path flow takes, what it is like, and what the line can hold, before anybody pushes.
+    fn path_news(&self, path: &PathSecond) -> String {
+        let peer = &self.scene.peer;
+        let (coordination, most_s) = (&peer.coordination, peer.safety.max_delay_s);
+        let one_way_s = self.node.line.link.clock().round_trip_us().map(|us| 0.5e-6 * f64::from(us));
+        let too_far = one_way_s.is_some_and(|one_way_s| one_way_s > most_s);
+        let holds = match one_way_s {
+            _ if path.way == Way::Nowhere => "nothing gets through".to_owned(),
+            None => String::new(),
+            Some(one_way_s) if too_far => format!(
+                "{:.0} ms one way is too far: what is older than {:.0} ms is not taken (safety.max_delay_s)",
+                1e3 * one_way_s,
+                1e3 * most_s
+            ),
+            // Two springs, and the line between them (docs/networks.md).
+            Some(one_way_s) if self.scene.law().sends == Sends::Counters => {
+                let line = one_way_s / coordination.wave_impedance_n_s_per_m;
+                let mm = 1e3 * (2.0 / coordination.stiffness_n_per_m + line);
+                format!("each newton between the hands holds the copies {mm:.1} mm apart or more")
+            }
+            Some(one_way_s) => format!("{:.0} ms one way", 1e3 * one_way_s),
+        };
+        let bad = too_far || path.way == Way::Nowhere;
+        json!({ "path": { "says": path.words(), "holds": holds, "bad": bad } }).to_string()
     }
 
     fn sample(&mut self) -> Sample {
@@ -307,17 +341,24 @@ where
         if let Some(watch) = watch {
             watch.ticked(now_ns, node);
         }
-        if let Some((paths, teller)) = &self.paths
-            && let Some(change) = paths.take_change()
-        {
-            let PathSecond { round_trip_ms, p99_ms, lost, .. } = PathSecond::of(&paths.report());
-            let (way, lan) = (change.way, change.lan);
-            teller.path(now_ns / 1_000, &PathSecond { way, lan, round_trip_ms, p99_ms, lost });
+        if let Some((paths, teller)) = &self.paths {
+            let change = paths.take_change();
+            if let Some(change) = change {
+                let (way, lan) = (change.way, change.lan);
+                teller.path(now_ns / 1_000, &PathSecond { way, lan, ..PathSecond::of(&paths.report()) });
+            }
+            if change.is_some() || self.tick.is_multiple_of(NEWS) {
+                self.news = Some(self.path_news(&PathSecond::of(&paths.report())));
+            }
         }
         self.was.truncate(KEPT - 1);
-        self.was.push_front(f64::from(node.observed().object.position));
+        self.was.push_front(f64::from(self.node.observed().object.position));
         self.tick += 1;
         Ok(self.sample())
+    }
+
+    fn news(&mut self) -> Option<String> {
+        self.news.take()
     }
 
     fn record(&mut self, recorder: Arc<Recorder>) {

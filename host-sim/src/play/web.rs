@@ -407,7 +407,7 @@ pub(super) fn picture(contents: &mut Contents, window: u64, edition: &mut u64, f
     let numbers = samples.flat_map(|sample| sample[..columns].iter().chain(sample.last()));
     bytes.extend(numbers.flat_map(|number| number.to_le_bytes()));
     let mut answers = vec![Message::Binary(bytes.into())];
-    answers.extend(contents.announced_since(edition).map(Message::text));
+    answers.extend(contents.announced_since(edition).into_iter().map(Message::text));
     answers.extend(std::iter::from_fn(|| contents.answer_for(window)).map(Message::text));
     answers
 }

@@ -28,11 +28,12 @@ fn fresh(name: &str) -> PathBuf {
 #[test]
 fn a_link_is_all_that_the_other_side_needs_and_it_serves_once() {
     let (meet, place) = meet("127.0.0.1:0");
-    let (key, recording) = (fresh("kept.key"), fresh("one.mcap"));
-    let [kept, recorded] = [&key, &recording].map(|path| path.to_str().expect("a name").to_owned());
+    let (key, recordings) = (fresh("kept.key"), ["one", "two"].map(|name| fresh(&format!("{name}.mcap"))));
+    let [kept, recorded, other] =
+        [&key, &recordings[0], &recordings[1]].map(|path| path.to_str().expect("a name").to_owned());
     let one = peer(host_sim(), 4, &["--invite", "--meet", &place, "--keep", &kept, "--record", &recorded]);
     let link = one.says("haptic://");
-    let two = peer(host_sim(), 4, &["--accept", &link]);
+    let two = peer(host_sim(), 4, &["--accept", &link, "--record", &other]);
     one.says("a key is agreed on");
     // Whoever has the link now has nothing.
     let mut thief = host_sim();
@@ -67,6 +68,12 @@ fn a_link_is_all_that_the_other_side_needs_and_it_serves_once() {
         text.lines().count() > changes + 3 && text.lines().next().is_some_and(|line| line.contains("direct_p99_s")),
         "{text}"
     );
+    // The recordings of both homes have one clock, as on a LAN: this machine's, to within half of a round trip and some.
+    let merged = host_sim().args(["merge", "--json", &recorded, &other]).output().expect("it runs");
+    let merged: serde_json::Value = serde_json::from_slice(&merged.stdout).expect("JSON");
+    let number = |name: &str| merged[name].as_f64().unwrap_or(f64::NAN);
+    assert!(number("instants") > 2000.0 && number("largest_true_discrepancy_mm") < 5.0, "{merged}");
+    assert!(number("same_machine_less_this_us").abs() <= number("clock_error_us"), "{merged}");
     meet.interrupt();
     let (good, said) = meet.end();
     let counts: serde_json::Value = serde_json::from_str(&said).expect("JSON");

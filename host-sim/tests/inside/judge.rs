@@ -111,7 +111,7 @@ fn a_gain_outside_its_region_asks_first() {
         let (mut edition, mut scene) = (0, None);
         loop {
             let mut contents = mailbox.lock();
-            let told = contents.announced_since(&mut edition).unwrap_or_default();
+            let told = contents.announced_since(&mut edition).concat();
             if let Some(Request::Scene(wanted)) = contents.take_wanted() {
                 scene = Some(wanted);
             }

@@ -49,8 +49,15 @@ fn answers_go_to_who_asked_and_news_to_everybody_once() {
     contents.tell("all".into());
     assert_eq!((contents.answer_for(2).as_deref(), contents.answer_for(2)), (Some("two"), None));
     let mut edition = 0;
-    assert_eq!(contents.announced_since(&mut edition).as_deref(), Some("all"));
-    assert_eq!(contents.announced_since(&mut edition), None);
+    assert_eq!(contents.announced_since(&mut edition), ["all"]);
+    assert!(contents.announced_since(&mut edition).is_empty());
+    // What holds is not lost under news, and who comes late gets both.
+    contents.tell_news("path".into());
+    contents.tell("other".into());
+    assert_eq!(contents.announced_since(&mut edition), ["other", "path"]);
+    contents.tell_news("another path".into());
+    assert_eq!(contents.announced_since(&mut edition), ["another path"]);
+    assert_eq!(contents.announced_since(&mut 0), ["other", "another path"]);
     (0..3 * MOST).for_each(|_| contents.answer(9, "unread".into()));
     assert!(contents.answers.len() <= MOST);
     // Whoever fetches nothing pushes out no other's answers, several of them neither.

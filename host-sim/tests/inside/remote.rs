@@ -127,3 +127,38 @@ fn two_ends_hold_one_object_in_the_plane() {
     // Peer 2 decodes where copy 1 is.
     assert!((two[ACROSS + 7] - one[ACROSS + OBJECT]).abs() < 1e-3, "{one:?} {two:?}");
 }
+
+/// Two ends meet on this machine: windows are told which path it is, and what the line can hold.
+#[test]
+fn windows_are_told_of_the_path_and_of_what_the_line_can_hold() {
+    let meet = haptic_live::meet::Meet::open("127.0.0.1:0".parse().expect("an address")).expect("a socket");
+    let meeting = Meeting { place: meet.address(), relay_only: false, mapped: None, router: None };
+    let stop = haptic_live::endpoint::Stop::default();
+    std::thread::scope(|scope| {
+        scope.spawn(|| meet.run(60.0, &stop));
+        let mut ends = [1, 2].map(|number| {
+            let scene = scenes::load(Laws::built_in(), "any-network").expect("a scene");
+            let end = End::meeting(&meeting, Key::new([7; Key::LEN]), number).expect("a socket");
+            One::new(scene, end).expect("an end")
+        });
+        let start = Instant::now();
+        let mut told = [Vec::new(), Vec::new()];
+        let is_told = |news: &Vec<String>| {
+            let last = news.last().map(String::as_str).unwrap_or_default();
+            last.contains("\"says\":\"LAN") && last.contains("each newton") && last.contains("\"bad\":false")
+        };
+        while !told.iter().all(is_told) {
+            assert!(start.elapsed() < Duration::from_secs(30), "{told:?}");
+            for (end, told) in ends.iter_mut().zip(&mut told) {
+                end.step().expect("a tick");
+                told.extend(end.news());
+            }
+            std::thread::sleep(Duration::from_micros(900));
+        }
+        for told in &told {
+            assert!(told.iter().any(|news| news.contains("\"bad\":true") && news.contains("no path")), "{told:?}");
+            assert!(told.iter().any(|news| news.contains("relayed") || news.contains("relay beside it")), "{told:?}");
+        }
+        stop.ask();
+    });
+}

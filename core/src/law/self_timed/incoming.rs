@@ -14,7 +14,8 @@
 //! lost in bursts is stood through: a line that bridged it would be slow where nothing is lost) adds half as many samples as it stood, for the other end stands as long and adds its half, and [`SPARE`]
 //! more; at first no more than [`LEAST_AT_ONCE`], then twice as many each time: 200 ms of delay are learned in six round
 //! trips. A sample less costs energy: where for a [`WINDOW_S`] nothing stood and more than [`KEPT`] samples were always left, half
-//! of what is left over goes, two samples in a tick, if averaging has saved what that costs and the line is nearly at rest.
+//! of what is left over goes, each over [`SLICES`] ticks, so that hands feel no step, if averaging has saved what that costs and the line is
+//! nearly at rest.
 
 use super::events::Events;
 use crate::law::Packet;
@@ -44,10 +45,12 @@ const IMPATIENT: u32 = 100 * STANDING;
 /// Samples that may be added at once after a quiet time, and at most.
 const LEAST_AT_ONCE: i32 = 4;
 const MOST_AT_ONCE: i32 = 128;
-/// The largest wave at which two samples may come out in one tick, √W.
+/// The largest wave at which more than one sample may come out in a tick, √W.
 const NEARLY_AT_REST: f64 = 0.25;
 /// What a line begins with beside what came, once and for all, J: the last bit of a sum of a million joules, several times.
 const ROUNDING_J: f64 = 5e-10;
+/// Ticks over which a sample more comes out: each takes one and a slice.
+const SLICES: i32 = 16;
 /// By how much the counter of a peer that begins anew jumps: more than a line can ever hold.
 pub(super) const ANEW: u32 = 1 << 20;
 
@@ -71,12 +74,14 @@ pub(super) struct Incoming<C> {
     rounding_j: C,
     /// ρ₀; 1 where b stays what it is.
     least: C,
+    /// 1/[`SLICES`].
+    slice: C,
     /// Ticks without a packet after which nothing comes any more.
     gap: u32,
 }
 
 configured!([C: Scalar] Incoming<C> {
-    period_s, credit, follows, kept, window, nearly_at_rest, half_period_s, rounding_j, least, gap
+    period_s, credit, follows, kept, window, nearly_at_rest, half_period_s, rounding_j, least, slice, gap
 });
 
 /// The other end's counters, as they came.
@@ -113,8 +118,9 @@ pub(super) struct Outstanding<C> {
     /// Fewest samples left in this window, and ticks of it.
     fewest: i32,
     watched: u32,
-    /// Samples by which the line is to be made shorter.
+    /// Samples by which the line is to be made shorter, and slices of the next of them that have come out.
     surplus: i32,
+    sliced: i32,
 }
 
 impl<C: Scalar> Incoming<C> {
@@ -138,6 +144,7 @@ impl<C: Scalar> Incoming<C> {
             half_period_s: C::from_f64(0.5 * timing.control_period_s),
             rounding_j: C::from_f64(ROUNDING_J),
             least: C::from_f64(super::mass::least(settings)),
+            slice: C::from_f64(1.0 / f64::from(SLICES)),
             gap: longest.saturating_add(KEPT.cast_unsigned()),
         }
     }
@@ -202,18 +209,25 @@ impl<C: Scalar> Incoming<C> {
             return None;
         }
         state.is_cut_off = false;
-        let samples = C::from_i32(state.samples);
-        let mean = state.integral.over(samples * self.period_s);
-        let share = self.share(state, samples * self.price_j(mean), own)?;
+        if state.samples == 1 {
+            // Of the last what is left comes out.
+            state.sliced = 0;
+        }
+        let outstanding = C::from_i32(state.samples) - C::from_i32(state.sliced) * self.slice;
+        let mean = state.integral.over(outstanding * self.period_s);
+        let share = self.share(state, outstanding * self.price_j(mean), own)?;
         let paid = share.to_counter();
-        let taken = if self.follows { self.follow(state, mean, paid) } else { 1 };
-        let wave = if taken > 1 { mean + mean } else { mean };
+        let wave = if self.follows { self.follow(state, mean, [outstanding, paid]) } else { mean };
         state.impatience = state.impatience.saturating_sub(1);
         // What comes out is what is booked, to the bit.
         let wave = S::of_counter(wave);
         state.last = wave.to_counter();
         state.integral = state.integral - self.period_s * state.last;
-        state.samples -= taken;
+        state.samples -= 1;
+        if state.sliced == SLICES {
+            (state.sliced, state.surplus) = (0, state.surplus - 1);
+            (state.samples, state.length) = (state.samples - 1, state.length - 1);
+        }
         state.account_j = state.account_j - paid * self.price_j(state.last);
         Some([wave, share])
     }
@@ -250,9 +264,9 @@ impl<C: Scalar> Incoming<C> {
         self.half_period_s * wave * wave
     }
 
-    /// Samples that come out in this tick: two where the line is longer than it need be and can afford to be shorter.
+    /// What comes out in this tick: a slice more than the mean where the line is longer than it need be and can afford to be shorter.
     #[inline]
-    fn follow(&self, state: &mut Outstanding<C>, mean: C, share: C) -> i32 {
+    fn follow(&self, state: &mut Outstanding<C>, mean: C, [outstanding, share]: [C; 2]) -> C {
         state.fewest = state.fewest.min(state.samples);
         state.watched += 1;
         if state.watched >= self.window {
@@ -261,14 +275,14 @@ impl<C: Scalar> Incoming<C> {
             (state.fewest, state.watched) = (i32::MAX, 0);
         }
         if state.surplus == 0 || state.samples < 2 || mean.abs() > self.nearly_at_rest {
-            return 1;
+            return mean;
         }
-        let left = C::from_i32(state.samples - 2) * self.price_j(mean);
-        if state.account_j < share * (self.price_j(C::from_i32(2) * mean) + left) {
-            return 1;
+        let more = mean + self.slice * mean;
+        let left = (outstanding - C::ONE - self.slice) * self.price_j(mean);
+        if state.account_j < share * (self.price_j(more) + left) {
+            return mean;
         }
-        state.surplus -= 1;
-        state.length -= 1;
-        2
+        state.sliced += 1;
+        more
     }
 }

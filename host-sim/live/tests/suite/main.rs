@@ -2,5 +2,6 @@
 
 mod endpoint;
 mod fuzz;
+mod mapping;
 mod restarts;
 mod two_homes;

@@ -83,6 +83,9 @@ impl World {
         for side in 0..2 {
             let (mut sent, carrier) = (Vec::new(), &mut self.carriers[side]);
             let mut send = |to, bytes: &[u8]| sent.push((to, bytes.to_vec()));
+            while let Some(mut bytes) = carrier.release(now) {
+                let _ = self.nodes[side].receive(now_us, &mut bytes);
+            }
             carrier.poll(now, &mut send);
             self.nodes[side].tick(now_us, |bytes| _ = carrier.send(now, bytes, &mut send));
             let from = self.at[side];
@@ -131,10 +134,13 @@ fn a_change_of_path_is_a_small_step_and_nothing_ends() {
         1e3 * shorter_m
     );
     let steady_n = relayed_n.max(direct_n);
-    // 0.01 N steadily, 0.41 at a change: the line makes up for 32 ms at once.
-    assert!(steady_n < 0.02 && shorter_n.max(longer_n) < 0.5, "a change of path is a step of less than 0.5 N");
+    // 0.013 N steadily, 0.018 to the shorter path, 0.38 to the longer: a line to which nothing comes for 47 ms stands, and goes on in a step.
+    assert!(steady_n < 0.02 && shorter_n < 0.05, "a path that becomes shorter is no step");
+    assert!(longer_n < 0.5, "a path that ends is a step of less than 0.5 N");
     assert!(direct_m < relayed_m, "the shorter line is nearer");
-    assert!(shorter_m.max(longer_m) <= 1.5 * relayed_m, "copies stay within what the longer path leaves");
+    assert!(shorter_m <= 1.1 * relayed_m, "copies stay within what the longer path leaves");
+    // Nothing comes for 47 ms there, which the copies go apart for.
+    assert!(longer_m <= 2.0 * relayed_m, "copies stay within twice what the longer path leaves");
     for (node, carrier) in world.nodes.iter().zip(&world.carriers) {
         let lost = |notice: &Notice| matches!(notice, Notice::Lost | Notice::Disengaged);
         assert!(node.peer.mode() == Mode::Armed && !node.line.notices.iter().any(|(_, notice)| lost(notice)));

@@ -5,5 +5,6 @@ mod attacks;
 mod carrier;
 mod frame;
 mod invite;
+mod mapping;
 mod place;
 mod world;

@@ -29,6 +29,9 @@ import { Timeline } from "./timeline.js";
 /** @typedef {import("./settings.js").Question} Question */
 /** @typedef {{ number: number, fault: string | null, told: { name: string, there: boolean, status: string, said: [string, string][] } }} Board */
 
+/** Where two homes are met: the path in words, what the line can hold, and whether that is nothing.
+ * @typedef {{ says: string, holds: string, bad: boolean }} Path */
+
 const still = matchMedia("(prefers-reduced-motion: reduce)");
 
 /** No sample yet: everything that the program has. */
@@ -121,7 +124,7 @@ const connect = () =>
     },
   });
 
-/** @param {{ hello?: Hello, holds?: Holds, refused?: string, ask?: Question, boards?: Board[], join?: Parameters<typeof showJoin>[0] }} message */
+/** @param {{ hello?: Hello, holds?: Holds, refused?: string, ask?: Question, boards?: Board[], join?: Parameters<typeof showJoin>[0], path?: Path }} message */
 function told(message) {
   if (message.boards) {
     message.boards.forEach(showBoard);
@@ -131,12 +134,24 @@ function told(message) {
     showJoin(message.join);
     return;
   }
+  if (message.path) {
+    showPath(message.path);
+    return;
+  }
   stale = true;
   if (message.hello) greeted(message.hello);
   if (message.holds) show(message.holds);
   if (message.refused !== undefined) element("refused").textContent = message.refused;
   if (message.ask) question(message.ask);
   if (!message.hello) answered(message);
+}
+
+/** Which way the line goes to the other home, how good it is, and what it can hold. @param {Path} path */
+function showPath({ says, holds, bad }) {
+  const path = element("path");
+  path.hidden = false;
+  path.classList.toggle("bad", bad);
+  write(path, holds ? `${says}; ${holds}` : says);
 }
 
 /** @param {Hello} greeting */
