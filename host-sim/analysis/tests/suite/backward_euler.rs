@@ -69,7 +69,7 @@ fn runs_agree_with_the_limit_of_contact() {
         let found = limit(&scene, range, Effort::default()).expect("a good scene").crossings[0];
         println!("delay of {delay_ticks} ticks: {found} N/m");
         scene.apply_override("user.1.pulse_n=1").expect("a good override");
-        for (share, stable) in [(0.95, true), (1.3, false)] {
+        for (share, stable) in [(0.95, true), (1.5, false)] {
             scene.peer.contact.stiffness_n_per_m = share * found;
             let options = Options { duration_s: 20.0, record_every: 0 };
             let outcome = run::<f64>(&scene, options, &|_| {}).expect("a good scene");
