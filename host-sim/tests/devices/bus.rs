@@ -106,7 +106,9 @@ fn motors_and_a_five_bar_hold_an_object() {
         // 0.05 N at the hand is at most 0.1 m times that at a motor.
         let step_nm = largest_first_step(&world.asked, 0.1);
         println!("{name}: largest step of a torque in the first 100 ms {:.5} N·m", step_nm);
-        assert!(step_nm <= 0.005, "{step_nm} N·m");
+        // MIT tells places in steps of 0.04 mm, 0.04 N here, and takes torques in steps of 0.005 N·m.
+        let step_of_both_nm = if matches!(emulator, Bus::Mit(_)) { 0.005 } else { 0.0 };
+        assert!(step_nm <= 0.005 + step_of_both_nm, "{step_nm} N·m");
     }
 }
 

@@ -284,7 +284,7 @@ fn an_encoder_that_is_stuck_under_a_gentle_force() {
     let mut changed = None;
     while bench.peer.mode() == Mode::Armed && ticks < 200 {
         if bench.peer.packet_due() {
-            bench.peer.hear(&[Packet { motion: Motion::at(0.5), ..Packet::default() }]);
+            bench.peer.hear(&[Packet { motion: Motion::at(0.1), ..Packet::default() }]);
             bench.peer.exchange();
         }
         ticks += 1;

@@ -65,6 +65,8 @@ fn runs_agree_with_the_limit_of_contact() {
         let mut scene = backward_euler("passive-mean", 1);
         scene.peer.coordination.stiffness_n_per_m = 1e4;
         scene.world.device.force_delay_ticks = delay_ticks;
+        // What limits take of a contact is passive: they would hold what grows.
+        (scene.peer.safety.max_force_n, scene.peer.safety.max_slew_n_per_s) = (200.0, 1e6);
         let range = Range { key: "contact.stiffness_n_per_m".to_owned(), from: 100.0, to: 100_000.0 };
         let found = limit(&scene, range, Effort::default()).expect("a good scene").crossings[0];
         println!("delay of {delay_ticks} ticks: {found} N/m");

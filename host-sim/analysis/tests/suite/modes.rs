@@ -208,7 +208,7 @@ fn growth(scene: &Scene) -> f64 {
     first.peer.visit(&mut |number: &mut f64| {
         // Position, velocity of the object, and then all else.
         if numbers == 1 {
-            *number = 1e-4;
+            *number = 1e-14;
         }
         numbers += 1;
     });
