@@ -3,7 +3,7 @@
 //! | module | chooses among | reference |
 //! |---|---|---|
 //! | `numbers` | f32, f64, I32F32; where sums are kept ([`sums`]) | continuous control (matrix exponential); the same peer in double-double |
-//! | `whole_peer` | integrator × decode × control rate | continuous control (matrix exponential); of a self-timed [`line`] what it converges to |
+//! | `whole_peer` | integrator × decode × control rate | continuous control (matrix exponential); of a self-timed [`mod@line`] what it converges to |
 //! | [`integrators`] | forward Euler, semi-implicit, exact, midpoint, backward Euler | closed forms of a contact and of a push |
 //! | [`decodes`] | delayed, implicit | closed form of the line's end |
 //! | [`filters`] | exact, forward Euler, bilinear | the continuous filter |

@@ -1,6 +1,6 @@
-//! Error and time: every scheme of [`super::whole_peer`] with what a millisecond of control of one peer takes on this machine.
+//! Error and time: every scheme of `whole_peer` with what a millisecond of control of one peer takes on this machine.
 //!
-//! Time is the least of [`REPLAYS`] replays of the recording whose instructions are counted (`haptic_cases`): what interrupts a machine makes a
+//! Time is the least of `REPLAYS` replays of the recording whose instructions are counted (`haptic_cases`): what interrupts a machine makes a
 //! replay longer and never shorter. In f32, an eighth of an exchange in each tick; of a program as it was built, so ask a release build.
 //! Unit: m, N, ns, instructions.
 
