@@ -12,8 +12,8 @@
 //! N lines of b that meet send 2/N·Σu − u_i back into each (see [`super::node`]), at most 3·U: a peer accepts that
 //! much, since its other end may be a hub ([`Bounds::beyond_a_junction`]); a hub accepts U.
 //!
-//! A line of [`Sends::Counters`] sends its slip and how fast it goes on beside them ([`super::self_timed`]), and for a wave a flag, and by how
-//! much less its impedance should be. Where that falls to ρ·b its waves keep the unit of b, and a pull of F is one of F/ρ in them: such a line is
+//! A line of [`Sends::Counters`] sends its slip and how fast it goes on beside them ([`super::self_timed`]), and for a wave by how much
+//! less its impedance should be, or 2 less that where it hears nothing. Where that falls to ρ·b its waves keep the unit of b, and a pull of F is one of F/ρ in them: such a line is
 //! bounded with the least ρ that an end goes to, a quarter: U = (b·V + F/ρ₀)/√(2b). Whoever lies pushes with 760 N instead of 640 at the most,
 //! in `any-network`, before the limits of whoever is pushed.
 //!
@@ -72,7 +72,7 @@ impl Bounds {
             speed_m_per_s,
             wave: match sends {
                 Sends::Motion => f64::MAX,
-                // A flag, and a share.
+                // At most 2 ([`super::self_timed`]).
                 Sends::Counters => wave.max(2.0),
                 _ => wave,
             },
