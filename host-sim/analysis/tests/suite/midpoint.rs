@@ -47,7 +47,18 @@ fn no_scene_in_contact_is_unstable() {
 }
 
 /// Radius of the pair that nobody holds.
-fn released(scene: &Scene) -> f64 {
+/// This scene with rates, gains and a mass of their own, and a coordination spring up to so stiff, N/m.
+pub(crate) fn drawn(mut scene: Scene, random: &mut Random, stiffest_n_per_m: f64) -> Scene {
+    scene.peer.timing.ticks_per_packet = random.whole(1, 16);
+    scene.peer.timing.control_period_s = random.spread(1e-4, 5e-3);
+    scene.peer.coordination.stiffness_n_per_m = random.spread(10.0, stiffest_n_per_m);
+    scene.peer.coordination.damping_n_s_per_m = 20.0 * random.unit();
+    scene.peer.coordination.wave_impedance_n_s_per_m = random.spread(1.0, 200.0);
+    scene.peer.object.mass_kg = random.spread(1e-3, 10.0);
+    scene
+}
+
+pub(crate) fn released(scene: &Scene) -> f64 {
     verdict(&scene.hands_off()).expect("a good scene").spectral_radius
 }
 
@@ -56,13 +67,7 @@ fn released(scene: &Scene) -> f64 {
 fn no_scene_that_is_let_go_of_is_unstable() {
     let mut random = Random::new(11);
     for number in 0..3000 {
-        let mut scene = midpoint("passive-mean", random.whole(0, 20));
-        scene.peer.timing.ticks_per_packet = random.whole(1, 16);
-        scene.peer.timing.control_period_s = random.spread(1e-4, 5e-3);
-        scene.peer.coordination.stiffness_n_per_m = random.spread(10.0, 1e6);
-        scene.peer.coordination.damping_n_s_per_m = 20.0 * random.unit();
-        scene.peer.coordination.wave_impedance_n_s_per_m = random.spread(1.0, 200.0);
-        scene.peer.object.mass_kg = random.spread(1e-3, 10.0);
+        let scene = drawn(midpoint("passive-mean", random.whole(0, 20)), &mut random, 1e6);
         let radius = released(&scene);
         assert!(radius <= 1.0 + 1e-6, "scene {number}: {radius} of {:?}", scene.peer);
     }
