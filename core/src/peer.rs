@@ -431,6 +431,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         self.period(reading, overrun, stage, marks)
     }
 
+    #[inline(always)]
     fn period(
         &mut self,
         reading: Reading<S, N>,

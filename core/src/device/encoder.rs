@@ -120,7 +120,7 @@ impl<S: Scalar> Encoder<S> {
         match state.total.checked_add(raw * self.along) {
             Some(total) if raw.abs() <= self.max_step_counts => {
                 (state.total, state.last) = (total, counts);
-                Some(S::from_i32(total).ratio(self.counts_per_unit))
+                Some(S::from_i32(total).over(self.counts_per_unit))
             }
             _ => None,
         }

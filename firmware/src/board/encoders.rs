@@ -91,6 +91,10 @@ pub(crate) fn marks() -> [Marks; JOINTS] {
         let seen = timer.sr().read();
         // A flag goes off where 0 is written; what came since it was read stays.
         timer.sr().write_value(regs::SrGp16(!seen.0));
+        if !(seen.ccof(0) | seen.ccof(1) | seen.ccif(2)) {
+            // No channel rose twice, and no index came: so it is in most ticks.
+            return Marks::default();
+        }
         let index = seen.ccif(2).then(|| Counts(timer.ccr(2).read().ccr()));
         Marks::of([0, 1].map(|channel| seen.ccif(channel)), [0, 1].map(|channel| seen.ccof(channel)), index)
     })
