@@ -55,7 +55,7 @@ pub fn fronts(points: &[Point]) -> Figure {
         caption: "Of every law the best gains that the same search found under three bounds of what a hand alone feels, on networks apart from these; the \
                   worst of the test networks. Thin: the fronts of all others. Lower and further left is better."
             .to_owned(),
-        columns: 2,
+        columns: 3,
         share_x: true,
         share_y: ShareY::All,
         panels: laws.iter().enumerate().map(panel).collect(),
