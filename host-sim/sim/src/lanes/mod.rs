@@ -19,4 +19,4 @@ mod pairs;
 mod run;
 
 pub use self::pairs::Pairs;
-pub use self::run::{InLanes, run};
+pub use self::run::{InLanes, run, run_from};

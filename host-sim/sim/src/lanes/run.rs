@@ -10,8 +10,9 @@ use crate::peers::{Builds, Number};
 use crate::run::{Accounts, Options, Outcome, Run, Ticked};
 use crate::scene::Scene;
 
-/// Fewest scenes that are worth lanes.
-const FEWEST: usize = 3;
+/// Fewest scenes that are worth lanes: a tick of all costs as much as so many scenes' alone, whether or not each lane has one. In `f64` that was 12 with
+/// SSE2, 10 with AVX2 and 3 with AVX-512, whose masks choose between numbers without a branch (docs/speed.md).
+const FEWEST: usize = if cfg!(target_feature = "avx512f") { 3 } else { 12 };
 
 /// A number type in which scenes can be run in lanes.
 pub trait InLanes: Run {
@@ -31,16 +32,28 @@ impl InLanes for f64 {
 /// # Errors
 /// The first key of the first refused scene that is out of range or impossible beside the others.
 pub fn run<S: InLanes>(scenes: &[Scene], duration_s: f64) -> Result<Vec<Outcome>, Refused<'static>> {
+    run_from::<S>(FEWEST, scenes, duration_s)
+}
+
+/// [`run`] that takes so many scenes of a kind, or more, for worth lanes.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_from<S: InLanes>(
+    fewest: usize,
+    scenes: &[Scene],
+    duration_s: f64,
+) -> Result<Vec<Outcome>, Refused<'static>> {
     let options = Options { duration_s, record_every: 0 };
     let (groups, mut alone) = kinds(scenes);
     let mut outcomes: Vec<Option<Outcome>> = scenes.iter().map(|_| None).collect();
     for group in groups {
-        if group.len() < FEWEST {
+        if group.len() < fewest {
             alone.extend(group);
             continue;
         }
         let members: Vec<&Scene> = group.iter().map(|at| &scenes[*at]).collect();
-        let together = of_axes!(members[0], run_group::<S::Lanes>(&members, options))?;
+        let together = of_axes!(members[0], run_group::<S::Lanes>(&members, options, fewest))?;
         for (at, outcome) in group.into_iter().zip(together) {
             match outcome {
                 Some(outcome) => outcomes[at] = Some(outcome),
@@ -58,6 +71,7 @@ pub fn run<S: InLanes>(scenes: &[Scene], duration_s: f64) -> Result<Vec<Outcome>
 fn run_group<S: Lanes + Builds<SHARED, N>, const SHARED: usize, const N: usize>(
     scenes: &[&Scene],
     options: Options,
+    fewest: usize,
 ) -> Result<Vec<Option<Outcome>>, Refused<'static>> {
     let ticks = options.ticks(scenes[0]);
     let mut pairs = Pairs::<S, SHARED, N>::new(scenes)?;
@@ -68,7 +82,7 @@ fn run_group<S: Lanes + Builds<SHARED, N>, const SHARED: usize, const N: usize>(
         pairs.step(&mut |at, peer| account.ticked(at, Ticked::of(peer)));
         pairs.hash();
         account.measure();
-        if (some & !lanes_left()).count_ones() < FEWEST as u32 {
+        if (some & !lanes_left()).count_ones() < fewest as u32 {
             // The rest is faster alone.
             return Ok(scenes.iter().map(|_| None).collect());
         }
