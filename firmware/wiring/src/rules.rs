@@ -172,7 +172,22 @@ fn kept_off(netlist: &Netlist, nets: &[Net]) -> Vec<String> {
         matches!((netlist.part[part].kind.as_str(), name), ("bridge", "nSLEEP") | ("gate", "A" | "B"))
     };
     let must = nets.iter().filter(|net| net.pins.iter().any(enables));
-    must.filter(|net| !net.pins.iter().any(|pin| grounded(pin)))
+    let mut wrong: Vec<String> = must
+        .filter(|net| !net.pins.iter().any(|pin| grounded(pin)))
         .map(|net| format!("{}: no resistor holds it low while the chip is in reset", net.name))
-        .collect()
+        .collect();
+    // Low is all of the current backwards to an amplifier: what enables it must fall with the timer's outputs (board/gate.rs).
+    let kind = |pin: &String| (netlist.part[split(pin).0].kind.clone(), split(pin).1.to_owned());
+    let has =
+        |net: &Net, of: &str, name: &str| net.pins.iter().any(|pin| kind(pin) == (of.to_owned(), name.to_owned()));
+    let gated = ["PF3", "PE14"].iter().all(|input| {
+        nets.iter().any(|net| has(net, "board", input) && (has(net, "gate", "A") || has(net, "gate", "B")))
+    });
+    let enabled = nets.iter().filter(|net| has(net, "amplifier", "ENABLE"));
+    wrong.extend(
+        enabled
+            .filter(|net| !(gated && has(net, "gate", "Y") && has(net, "board", "PD15")))
+            .map(|net| format!("{}: no gate of PF3 and PE14, seen by PD15, enables the amplifiers", net.name)),
+    );
+    wrong
 }

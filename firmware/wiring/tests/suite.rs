@@ -149,6 +149,16 @@ fn each_rule_sees_what_breaks_it() {
             "enable of the bridges: no resistor holds it low",
         ),
         (r#""N1.PE14", "R6.1", "U5.B""#, r#""N1.PE14", "U5.B""#, "gate, second input: no resistor holds it low"),
+        (
+            r#""N1.PD15", "U5.Y", "A1.ENABLE", "A2.ENABLE"]"#,
+            r#""N1.PD15", "U5.Y"]"#,
+            "amplifiers: A1.ENABLE has no wire",
+        ),
+        (
+            r#""N1.PF3", "R5.1", "U5.A""#,
+            r#""N1.PF3", "R5.1", "A1.ENABLE""#,
+            "no gate of PF3 and PE14, seen by PD15, enables the amplifiers",
+        ),
         (r#""G1.-", "ST1.2""#, r#""ST1.2""#, "ST1 does not join the ground of the board and that of the supply"),
         (r#""N1.PA3", "U3.OUT""#, r#""N1.PA3", "U3.IN-""#, "U3.IN- is in"),
         (r#"for = ["U5"]"#, "for = []", "U5 is on 0 lines of the parts list"),
@@ -200,6 +210,42 @@ fn values_give_what_firmware_and_guide_reckon_with() {
     assert!((seconds(24.0) - 3.7).abs() < 0.1, "{}", seconds(24.0));
     // What the resistor across them turns to heat at 30 V is less than half of what it bears.
     assert!(30.0_f64.powi(2) / of("R2") < 0.5);
+}
+
+/// Nets that a part other than these joins to the supply's plus: fuse, contact, diode or wire, however it is turned.
+fn fed(netlist: &Netlist, without: &str) -> BTreeSet<String> {
+    let nets = netlist.nets("bridges");
+    let leads = |part: &str| matches!(netlist.part[part].kind.as_str(), "fuse" | "contact" | "diode" | "wire");
+    let mut fed: BTreeSet<String> = BTreeSet::from(["supply".to_owned()]);
+    loop {
+        let parts: BTreeSet<&str> = nets
+            .iter()
+            .filter(|net| fed.contains(&net.name))
+            .flat_map(|net| &net.pins)
+            .map(|pin| split(pin).0)
+            .collect();
+        let on = |net: &&haptic_wiring::netlist::Net| {
+            let joins = |part: &str| part != without && leads(part) && parts.contains(part);
+            net.pins.iter().any(|pin| joins(split(pin).0))
+        };
+        let next: Vec<String> = nets.iter().filter(on).map(|net| net.name.clone()).collect();
+        let before = fed.len();
+        fed.extend(next);
+        if fed.len() == before {
+            return fed;
+        }
+    }
+}
+
+#[test]
+fn the_supply_comes_to_the_motors_through_fuse_second_contact_and_diode_alone() {
+    let netlist = netlist();
+    assert!(fed(&netlist, "").contains("VM"));
+    for part in ["F1", "S2", "D1"] {
+        assert!(!fed(&netlist, part).contains("VM"), "without {part}");
+    }
+    // The first contact has no part in it: each does its work without the other.
+    assert!(fed(&netlist, "S1").contains("VM") && !fed(&netlist, "").contains("3.3 V"));
 }
 
 #[test]
