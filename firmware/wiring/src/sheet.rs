@@ -85,7 +85,7 @@ pub struct Body {
 pub struct Drawing {
     /// Of the whole.
     pub size: (f64, f64),
-    /// Where the pins are, by their names, with the net's wire at each of those that have a line.
+    /// Where the pins are, by their names.
     pub pins: Vec<(String, (f64, f64))>,
     /// Parts.
     pub bodies: Vec<Body>,
@@ -243,11 +243,10 @@ fn item(
     }
     if board {
         // In the order of the nets, as their lines go on.
-        let order = |port: &Port| port.net.map_or(usize::MAX, |net| (net, &nets[net]).0);
-        ports.sort_by_key(order);
+        ports.sort_by_key(|port| port.net.unwrap_or(usize::MAX));
     }
     if symbol != Symbol::Box && (count(&ports, Side::Left) > 1 || count(&ports, Side::Right) > 1) {
-        // Both ends to one channel: a line each way needs the other side, which has a lane of its own only for boxes.
+        // Its symbol lies between its ends.
         return Err(format!("{}: both ends of {part} are on one side; put it into another column", sheet.file));
     }
     let turned = symbol != Symbol::Box && ports.iter().any(|port| port.side == Side::Right && first_end(&port.pin));
