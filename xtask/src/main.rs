@@ -5,6 +5,7 @@
 mod bench;
 mod board;
 mod count;
+mod drawings;
 mod fuzz;
 mod homes;
 mod kept;
@@ -41,7 +42,7 @@ struct Chore {
     run: fn(&Options<'_>) -> Result<(), Failure>,
 }
 
-const CHORES: [Chore; 24] = [
+const CHORES: [Chore; 25] = [
     Chore {
         name: "setup",
         options: "",
@@ -118,6 +119,14 @@ wire (protocol): instructions-cortex-m7.txt in each. Each count may differ by 2 
   --json     print one JSON document; files are written only with --out
   --out      folder for CSV and pictures [default: out/board]",
         run: board::board,
+    },
+    Chore {
+        name: "drawings",
+        options: " [--check]",
+        does: "Draws the sheets of docs/assembly.md from the board's netlist, and writes that page's tables",
+        more: "From firmware/wiring/netlist.toml, which must break none of the rules in firmware/wiring/src/rules.rs.
+  --check   change nothing; fail if a drawing or a table would change",
+        run: |given| drawings::drawings(given.flag("--check")),
     },
     Chore {
         name: "fuzz",

@@ -19,7 +19,7 @@
 //!
 //! When amplifiers are disabled by the program, commands stay at no current for a tick more ([`shut`]): they have a millisecond to let go.
 //! A break cannot wait: it takes the commands in the same instant as PE14. An amplifier that is slower to let go than it is to follow
-//! must take a line that does not change for no current; docs/hardware.md asks for one of the two.
+//! must take a line that does not change for no current; docs/assembly.md asks for one of the two.
 
 use firmware_parts::image::JOINTS;
 use haptic_core::device::motor::Duty;

@@ -1,6 +1,6 @@
 //! The board: NUCLEO-H743ZI2 with two encoders and two motor bridges, or three (feature `three-axes`). The only folder that knows the chip.
 //!
-//! docs/hardware.md has the wiring. Ethernet is the Nucleo's own.
+//! docs/assembly.md has the wiring. Ethernet is the Nucleo's own.
 //!
 //! Interrupt priorities, most urgent first: 0 current loop, 1 tick, 2 bell, 3 supervisor, 4 time driver, 5 Ethernet, 6 network executor,
 //! thread: storage. A critical section masks 2 and everything below it, never the loop or the tick.

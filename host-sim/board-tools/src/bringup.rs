@@ -96,7 +96,7 @@ type Step<'a> = (&'static str, fn(&mut BringUp<'a>) -> Result<String, Error>, &'
 
 fn steps<'a>() -> [Step<'a>; 12] {
     [
-        ("light", BringUp::light, "docs/hardware.md, \"Flash, run, log\" and \"Give it its keys\""),
+        ("light", BringUp::light, "docs/assembly.md, step 1"),
         (
             "emergency stop",
             BringUp::stop_is_seen,

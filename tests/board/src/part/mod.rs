@@ -59,7 +59,7 @@ pub const MOTORS: usize = 3;
 /// What the wiring has for a gate between PF3, PE14 and the amplifiers' enable, whose output goes back to PD15.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Gate {
-    /// An AND of both, as docs/hardware.md wants it.
+    /// An AND of both, as docs/assembly.md wants it.
     #[default]
     Both,
     /// PF3 alone: there is no gate.

@@ -1,0 +1,65 @@
+//! The tables of docs/assembly.md, between marks that name them.
+
+use crate::netlist::{Netlist, Sheet, split};
+
+/// A page with its tables as the netlist says.
+///
+/// # Errors
+/// It lacks the marks of a table.
+pub fn filled(page: &str, netlist: &Netlist) -> Result<String, String> {
+    let mut page = between(page, "parts", &parts(netlist))?;
+    for sheet in &netlist.sheet {
+        page = between(&page, &sheet.file, &wires(netlist, sheet))?;
+    }
+    Ok(page)
+}
+
+fn between(page: &str, table: &str, rows: &str) -> Result<String, String> {
+    let (begin, end) =
+        (format!("<!-- {table}: written by cargo xtask drawings -->\n"), format!("<!-- end of {table} -->"));
+    let missing = || format!("docs/assembly.md has no marks of {table}");
+    let (before, rest) = page.split_once(&begin).ok_or_else(missing)?;
+    let (_, after) = rest.split_once(&end).ok_or_else(missing)?;
+    Ok(format!("{before}{begin}{rows}{end}{after}"))
+}
+
+fn parts(netlist: &Netlist) -> String {
+    let mut rows =
+        "| parts | what it must be | fits, by its data sheet | or | about, € |\n|---|---|---|---|---|\n".to_owned();
+    for buy in &netlist.buy {
+        let euros = if buy.euros == 0 { "–".to_owned() } else { buy.euros.to_string() };
+        rows += &format!("| {} | {} | {} | {} | {euros} |\n", buy.parts.join(", "), buy.what, buy.number, buy.second);
+    }
+    rows
+}
+
+/// A row for each wire of a sheet that is there: from the board where it begins at one.
+fn wires(netlist: &Netlist, sheet: &Sheet) -> String {
+    let mut rows = "| from | chip | signal | to | wire |\n|---|---|---|---|---|\n".to_owned();
+    let here = |pin: &&String| sheet.columns.iter().flatten().any(|part| part == split(pin).0);
+    for net in netlist.nets(&sheet.build) {
+        let (boards, others): (Vec<&String>, Vec<&String>) =
+            net.pins.iter().filter(here).partition(|pin| netlist.part[split(pin).0].kind == "board");
+        if boards.len() + others.len() < 2 && !net.rail || others.is_empty() {
+            continue;
+        }
+        let (from, chip) = match boards.first() {
+            Some(pin) => {
+                let (part, name) = split(pin);
+                let place = netlist.place(name).unwrap_or_default();
+                let chip = netlist.board.pins.iter().find(|chip| chip.pin == name);
+                (format!("{part} {place}"), chip.map_or("–".to_owned(), |chip| format!("{name}, {}", chip.does)))
+            }
+            None => (spelled(others[0]), "–".to_owned()),
+        };
+        let rest = &others[usize::from(boards.is_empty())..];
+        let to = rest.iter().map(|pin| spelled(pin)).collect::<Vec<_>>().join(", ");
+        let to = if to.is_empty() { "the rest of this net, on the other sheets".to_owned() } else { to };
+        rows += &format!("| {from} | {chip} | {} | {to} | {} |\n", net.name, net.colour);
+    }
+    rows
+}
+
+fn spelled(pin: &str) -> String {
+    pin.replacen('.', " ", 1)
+}
