@@ -431,8 +431,26 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         self.period(reading, overrun, stage, marks)
     }
 
+    /// [`Peer::tick`] compiled into its caller, for an interrupt that is the only one: no register is saved twice.
     #[inline(always)]
+    pub fn tick_in_place(&mut self, sensors: &Sensors<S, N>) -> Actuators<S, N> {
+        let Sensors { reading, overrun, stage, marks } = *sensors;
+        self.whole_period(reading, overrun, stage, marks)
+    }
+
+    #[inline(never)]
     fn period(
+        &mut self,
+        reading: Reading<S, N>,
+        overrun: bool,
+        stage: Option<Measured<N>>,
+        marks: Option<[Marks; N]>,
+    ) -> Actuators<S, N> {
+        self.whole_period(reading, overrun, stage, marks)
+    }
+
+    #[inline(always)]
+    fn whole_period(
         &mut self,
         reading: Reading<S, N>,
         overrun: bool,

@@ -183,7 +183,7 @@ impl Loop {
         // Not in the longest tick, that of an exchange: what encoders show is kept for the next one.
         let marks = (!due || self.peer.ticks_per_packet() == 1).then(encoders::marks);
         let sensors = Sensors { reading: Reading::Counts(counts), overrun: self.overrun, stage, marks };
-        let actuators = self.peer.tick(&sensors);
+        let actuators = self.peer.tick_in_place(&sensors);
         if actuators.enable || actuators.open {
             self.drive(&actuators, counts);
             if actuators.enable {
