@@ -120,10 +120,15 @@ impl Lab {
         run("ip", &format!("netns exec {router_name} nft -f -"), Some(&rules));
     }
 
-    fn exec(&self, of: &str) -> Command {
+    /// A program there.
+    pub(crate) fn program(&self, of: &str, program: &str) -> Command {
         let mut command = Command::new("ip");
-        command.args(["netns", "exec", &self.name(of), HOST_SIM]);
+        command.args(["netns", "exec", &self.name(of), program]);
         command
+    }
+
+    fn exec(&self, of: &str) -> Command {
+        self.program(of, HOST_SIM)
     }
 
     /// The meeting place opens.
@@ -158,6 +163,18 @@ impl Lab {
             run("ip", &format!("netns exec {router} nft -f -"), Some(rules));
         } else {
             run("ip", &format!("netns exec {router} nft delete table inet cut"), None);
+        }
+    }
+
+    /// Both routers lose so many of a hundred datagrams that they pass on, whatever way those go.
+    pub(crate) fn loses(&self, of_a_hundred: u32) {
+        let rules = format!(
+            "table inet lossy {{
+                chain lossy {{ type filter hook forward priority -5; meta l4proto udp numgen random mod 100 < {of_a_hundred} drop; }}
+            }}"
+        );
+        for router in ["ra", "rb"] {
+            run("ip", &format!("netns exec {} nft -f -", self.name(router)), Some(&rules));
         }
     }
 
