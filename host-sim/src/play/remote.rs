@@ -66,6 +66,7 @@ pub(crate) struct End {
 impl fmt::Display for End {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.join {
+            Some(place) if self.meets() => write!(f, "peer {}, met at {place}", 3 - self.number),
             Some(join) => write!(f, "peer {} at {join}", 3 - self.number),
             None => write!(f, "peer {}, which joins at {}", 3 - self.number, self.endpoint.address),
         }

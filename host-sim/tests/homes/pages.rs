@@ -102,8 +102,7 @@ impl Person {
 
     /// Ends; its report, and what it saw and what was recorded of the path, change by change.
     fn ends(self, folder: &Path, number: usize) -> Ended {
-        let Self { play, recording, mut browser, window, seen } = self;
-        browser.picture(&window, &folder.join(format!("{number}.png")));
+        let Self { play, recording, browser, window, seen } = self;
         let complaints = browser.complaints(&[&window]);
         assert!(complaints.is_empty(), "{complaints:?}");
         play.interrupt();
@@ -166,6 +165,9 @@ fn hold(mut people: [Person; 2], folder: &Path, seconds: f64, mut meanwhile: imp
     }
     // Half-way between two hands that are alike.
     assert!((5.0..20.0).contains(&(went[1] - went[0])), "the cube went from {} to {} mm", went[0], went[1]);
+    for (person, name) in [(&mut *one, "1.png"), (&mut *two, "2.png")] {
+        person.browser.picture(&person.window, &folder.join(name));
+    }
     let [one, two] = people;
     let ended = [one.ends(folder, 1), two.ends(folder, 2)];
     for ended in &ended {
@@ -174,16 +176,17 @@ fn hold(mut people: [Person; 2], folder: &Path, seconds: f64, mut meanwhile: imp
         let mut recorded = changes(recorded.iter().map(String::as_str)).into_iter();
         let true_ones = seen.iter().all(|path| recorded.by_ref().any(|other| other == *path));
         assert!(true_ones, "the page said {seen:?}, the recording has {:?}", ended.recorded);
+        // Who ends last misses the other one, and tells it to no page.
+        let recorded = changes(ended.recorded.iter().map(String::as_str));
+        assert!(recorded.iter().rev().take(2).any(|path| Some(path) == seen.last()), "{seen:?}, {recorded:?}");
         let way = ended.report["path"]["way"].as_str().expect("a way");
-        let last = seen.last().expect("a path");
-        let said = if last.contains("beside") {
-            "both"
-        } else if *last == "LAN" {
-            "direct"
-        } else {
-            last
+        let last = match recorded[recorded.len() - 1] {
+            "no path" => "nowhere",
+            "LAN" => "direct",
+            beside if beside.contains("beside") => "both",
+            other => other,
         };
-        assert_eq!(said, way, "{}", ended.report);
+        assert_eq!(last, way, "{}", ended.report);
         eprintln!("{seen:?}, {}", ended.report["path"]);
     }
     let [one, two] = ended.each_ref().map(|ended| text(&ended.recording));
