@@ -328,7 +328,11 @@ function report(modes, people, isCut, partner) {
           : "the program has the other hands";
   const [now, bad] = sentence({
     fault: fault < 0 ? undefined : { peer: fault + 1, why: plainly((modes[fault] ?? 0) - fault_base, faults) },
-    waits: !modes.some((mode) => mode === waits) ? undefined : keptFromArming ? "a better line: this scene is unstable on it" : `${other}`,
+    waits: !modes.some((mode) => mode === waits)
+      ? undefined
+      : keptFromArming
+        ? "a better line: this scene is unstable on it"
+        : `${other}`,
     off: modes.includes(0),
     cut,
     told: timeline.past ? undefined : shown.status?.(),
