@@ -23,8 +23,8 @@ pub(crate) fn obstacle() -> Option<String> {
     })
 }
 
-/// Runs the tests behind routers, one after the other.
+/// Runs the tests behind routers, one after the other; that of two people takes as long as `HAPTIC_HOMES_S` says, s.
 pub(crate) fn homes() -> Result<(), Failure> {
-    let test = ["test", "--locked", "--package", "host-sim", "--test", "homes", "--", "routers", "--ignored"];
+    let test = ["test", "--locked", "--package", "host-sim", "--test", "homes", "--", "routers", "pages", "--ignored"];
     run::run(cargo(&test).args(["--test-threads", "1"]))
 }

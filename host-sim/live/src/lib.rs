@@ -12,6 +12,7 @@ pub mod invitation;
 pub mod measuring;
 pub mod meet;
 pub mod operator;
+pub mod path_watch;
 pub mod peer;
 pub mod quantiles;
 pub mod recording;

@@ -65,14 +65,12 @@ where
 {
     /// Keeps the motors off until the verdict lets them be armed. Once they are, they stay so.
     fn heed_verdict(&mut self) {
-        let (Some(judging), mode) = (&mut self.judging, self.node.peer.mode()) else { return };
-        if let Some(words) = judging.look(self.now_us, mode == Mode::Armed) {
+        let Some(judging) = &mut self.judging else { return };
+        if let Some(words) = judging.heed(self.now_us, &mut self.node, false) {
             self.watch.teller.words(words);
         }
-        if mode == Mode::Disarmed && self.node.is_halted() == judging.lets_arm() {
-            self.node.halt(!judging.lets_arm());
-        }
-        let refused = mode == Mode::Disarmed && self.node.armed_ticks == 0 && judging.refuses().is_some();
+        let refused =
+            self.node.peer.mode() == Mode::Disarmed && self.node.armed_ticks == 0 && judging.refuses().is_some();
         self.refused_us = refused.then(|| self.refused_us.unwrap_or(self.now_us));
     }
 
@@ -134,7 +132,7 @@ where
             let wall_n = node.wall_n();
             self.whole.see(tick, [decoded_m, wall_n, wall_n * wall_n]);
         }
-        self.watch.ticked_under(now_ns, node, self.judging.as_ref());
+        self.watch.ticked(now_ns, node, self.judging.as_ref());
         if let Some((from, why)) = self.impossible.take(self.now_us) {
             self.watch.teller.words(wrong(from, &why));
         }

@@ -17,6 +17,10 @@ use std::fmt;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
+use haptic_core::safety::Mode;
+use haptic_protocol::wire::{Flows, Message};
+use haptic_sim::device::Device;
+use haptic_sim::node::Node;
 use serde::Serialize;
 
 use crate::Error;
@@ -67,7 +71,7 @@ impl fmt::Debug for Judge {
 
 /// What is asked and answered while a peer runs.
 #[derive(Debug)]
-pub(crate) struct Judging {
+pub struct Judging {
     asks: SyncSender<[f64; 2]>,
     answers: Receiver<Verdict>,
     unless: Option<&'static str>,
@@ -86,7 +90,10 @@ pub(crate) struct Judging {
 
 impl Judging {
     /// With a thread of the judge's own; of a control period of `period_s`, s.
-    pub(crate) fn start(judge: &Judge, period_s: f64) -> Result<Self, Error> {
+    ///
+    /// # Errors
+    /// The system gives no thread.
+    pub fn start(judge: &Judge, period_s: f64) -> Result<Self, Error> {
         let ((asks, asked), (answer, answers)) = (sync_channel(1), sync_channel(1));
         let find = Arc::clone(&judge.find);
         let work = move || {
@@ -113,7 +120,7 @@ impl Judging {
     }
 
     /// Takes the newest times of a probe and its reply, µs: sent, received there, answered there, back.
-    pub(crate) fn see(&mut self, exchange: Option<[u64; 4]>) {
+    pub fn see(&mut self, exchange: Option<[u64; 4]>) {
         let Some([sent, there, answered, back]) = exchange.filter(|_| exchange != self.exchange) else { return };
         self.exchange = exchange;
         if self.round_trips_s.len() == KEPT {
@@ -140,8 +147,28 @@ impl Judging {
         (sorted.len() >= LEAST).then(|| [sorted[left_out], sorted[last - left_out]])
     }
 
+    /// Keeps the motors of a peer off until the verdict lets them be armed, and while a person has `stopped` them; once they are armed, a verdict
+    /// leaves them so. To be called before each tick, at `now_us` of the peer's clock, µs; what is to be said of the verdict, if that is new.
+    pub fn heed<const SHARED: usize, const N: usize, D: Device<f32, N>>(
+        &mut self,
+        now_us: u64,
+        node: &mut Node<SHARED, N, D>,
+        stopped: bool,
+    ) -> Option<String>
+    where
+        Flows<SHARED>: Into<Message>,
+    {
+        let mode = node.peer.mode();
+        let words = self.look(now_us, mode == Mode::Armed);
+        let held = stopped || !self.lets_arm();
+        if mode == Mode::Disarmed && node.is_halted() != held {
+            node.halt(held);
+        }
+        words
+    }
+
     /// Looks for an answer, and asks anew where the network has moved; what is to be said of it. `armed` is what the peer is.
-    pub(crate) fn look(&mut self, now_us: u64, armed: bool) -> Option<String> {
+    fn look(&mut self, now_us: u64, armed: bool) -> Option<String> {
         let answer = self.answers.try_recv().ok();
         self.waits &= answer.is_none();
         if let Some(range_s) = self.range_s().filter(|_| !self.waits) {
@@ -173,12 +200,12 @@ impl Judging {
     }
 
     /// Why the peer is not to arm, if its scene is unstable.
-    pub(crate) fn refuses(&self) -> Option<&Verdict> {
+    pub fn refuses(&self) -> Option<&Verdict> {
         self.verdict.as_ref().filter(|verdict| verdict.stable == Some(false) && self.unless.is_some())
     }
 
     /// Whether the peer may be armed.
-    pub(crate) fn lets_arm(&self) -> bool {
+    pub fn lets_arm(&self) -> bool {
         self.verdict.is_some() && self.refuses().is_none()
     }
 }

@@ -16,6 +16,7 @@ use serde::Serialize;
 use super::carried::{Meeting, Paths};
 use super::devices::DeviceOptions;
 use super::discrepancy::{PositionHistory, Sum};
+use super::path_watch::PathWatch;
 use super::tell::{Manner, PathSecond, Second, Teller};
 use super::verdict::{Judge, Judging};
 use crate::Error;
@@ -117,14 +118,11 @@ pub fn who(number: u8) -> String {
     format!("peer {number}")
 }
 
-/// The channels that a recording of peer `number` of this scene has.
-pub fn channels(scene: &Scene, number: u8) -> Vec<Channel> {
-    ticks::channels(&format!("peer_{number}"), scene.peer.axis.shared as usize)
-}
-
-/// [`channels`], and that of its paths.
-fn path_channels(scene: &Scene, number: u8) -> Vec<Channel> {
-    channels(scene, number).into_iter().chain([ticks::path_channel(&format!("peer_{number}"))]).collect()
+/// The channels that a recording of peer `number` of this scene has; the last is that of its paths, where it `meets` the other one somewhere.
+pub fn channels(scene: &Scene, number: u8, meets: bool) -> Vec<Channel> {
+    let of = format!("peer_{number}");
+    let paths = meets.then(|| ticks::path_channel(&of));
+    ticks::channels(&of, scene.peer.axis.shared as usize).into_iter().chain(paths).collect()
 }
 
 /// Records and reports what a peer does.
@@ -151,8 +149,8 @@ pub struct Watch {
     of_this: [u32; 2],
     all_ticks: u64,
     reported: u64,
-    /// The paths of a line that is carried, and the channel of their rows.
-    paths: Option<(Paths, u16)>,
+    /// The paths of a line that is carried.
+    paths: Option<PathWatch>,
 }
 
 impl Watch {
@@ -165,15 +163,18 @@ impl Watch {
         partner: String,
         (ticks, paths): (u64, Option<Paths>),
     ) -> Result<Self, Error> {
-        let of_peer = channels(scene, number);
-        let last = of_peer.len() as u16;
-        let channels = if paths.is_some() { path_channels(scene, number) } else { of_peer };
+        let channels = channels(scene, number, paths.is_some());
         let recorder = wanted.recorder(&who(number), start, channels)?.map(Arc::new);
-        let paths = paths.map(|paths| (paths, last));
+        let axes = scene.peer.axis.shared as usize;
+        let paths = paths.map(PathWatch::new).map(|paths| match &recorder {
+            Some(recorder) => paths.recording(Arc::clone(recorder), ticks::paths(axes)),
+            None => paths,
+        });
         Ok(Self { partner, ticks, paths, ..Self::of(recorder, scene, wanted.manner) })
     }
 
-    /// Of a peer whose rows go into a recording whose first channels are [`channels`], on the clock of its endpoint; nothing is said.
+    /// Of a peer whose rows go into a recording whose first channels are [`channels`], on the clock of its endpoint; nothing is said, and paths
+    /// are not looked at ([`PathWatch`]).
     pub fn recording(recorder: Arc<Recorder>, scene: &Scene) -> Self {
         Self::of(Some(recorder), scene, Manner::Quiet)
     }
@@ -236,19 +237,8 @@ impl Watch {
         }
     }
 
-    /// A tick is over, of a peer whose scene nobody judges.
-    pub fn ticked<const SHARED: usize, const N: usize, D: Device<f32, N>>(
-        &mut self,
-        now_ns: u64,
-        node: &Node<SHARED, N, D>,
-    ) where
-        Flows<SHARED>: Into<Message>,
-    {
-        self.ticked_under(now_ns, node, None);
-    }
-
     /// A tick is over.
-    pub(crate) fn ticked_under<const SHARED: usize, const N: usize, D: Device<f32, N>>(
+    pub fn ticked<const SHARED: usize, const N: usize, D: Device<f32, N>>(
         &mut self,
         now_ns: u64,
         node: &Node<SHARED, N, D>,
@@ -280,21 +270,11 @@ impl Watch {
             self.teller.notice(*time_us, "", notice);
         }
         self.reported = line.noticed;
-        self.look_at_paths(now_ns);
+        if let Some(paths) = &self.paths {
+            paths.look(now_ns, &self.teller);
+        }
         if f64::from(self.of_this[0]) * self.period_s >= 1.0 {
             self.second(now_ns, node, judging);
-        }
-    }
-
-    /// Says and records every change of path.
-    fn look_at_paths(&mut self, now_ns: u64) {
-        let Some((paths, channel)) = &self.paths else { return };
-        while let Some(change) = paths.take_change() {
-            let ago_ns = change.at.elapsed().as_nanos() as u64;
-            let at_ns = now_ns.saturating_sub(ago_ns);
-            self.record(*channel, at_ns, &ticks::path(at_ns, change.way, change.lan, &paths.report()));
-            let of = PathSecond::of(&paths.report());
-            self.teller.path(at_ns / 1_000, &PathSecond { way: change.way, lan: change.lan, ..of });
         }
     }
 
@@ -317,10 +297,7 @@ impl Watch {
         let stable = judging.and_then(|judging| judging.verdict.as_ref()?.stable);
         let stands = [missing, number(stable.map(|stable| f64::from(u8::from(stable))))];
         self.record(ticks::SECONDS, now_ns, &[&of_clock[..], &values, &stands].concat());
-        let report = self.paths.as_ref().map(|(paths, channel)| (paths.report(), *channel));
-        if let Some((report, channel)) = &report {
-            self.record(*channel, now_ns, &ticks::path(now_ns, report.way, report.lan, report));
-        }
+        let report = self.paths.as_ref().map(|paths| paths.second(now_ns));
         let mm = |metres: Option<f64>| metres.map(|metres| 1e3 * metres);
         let (state, fault) = match node.peer.mode() {
             Mode::Faulted(fault) => ("faulted", Some(format!("fault {}: {}", fault.number(), fault.explain()))),
@@ -343,7 +320,7 @@ impl Watch {
             clock_error_us: relation.map(|relation| 1e6 * relation.error_s(time_s)),
             live_share: link.is_up().then_some(live_share),
             stable,
-            path: report.as_ref().map(|(report, _)| PathSecond::of(report)),
+            path: report.as_ref().map(PathSecond::of),
             fault,
         });
     }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::Args;
-use haptic_analysis::{Finding, Question, find, measured};
+use haptic_analysis::{Finding, Hand, Question, find, measured};
 use haptic_environments::cooperative::MOST_USERS;
 use haptic_environments::live::hub;
 use haptic_live::endpoint::{Span, Stop};
@@ -72,7 +72,7 @@ impl Peer {
         let scene = self.scene.over(number, &self.device.beneath(number))?.load(ui)?;
         let span = Span { duration_s: self.time.seconds, patience_s: self.patience.patience_s };
         let provenance = ui.provenance().settings(scene.settings()).with("peer", number);
-        let judge = Some(judge(scene.clone(), self.anyway));
+        let judge = Some(judge(scene.clone(), None, self.anyway));
         let wanted = LiveOptions { judge, device, meeting, ..self.watching.wanted(provenance) };
         let report = peer::run(&scene, key, number, [listen, connect], span, &wanted, &stop)?;
         ui.live_report(self.watching.json_lines, &format!("peer {number}"), &report)?;
@@ -111,13 +111,14 @@ impl Hub {
     }
 }
 
-/// What is asked of a peer's scene; a verdict on more packets takes seconds, and arming waits for it.
-const QUESTION: Question = Question { hand: None, for_every_mode: true, most_packets: 40 };
+/// Packets in flight that are still judged of a peer's scene; a verdict on more takes seconds, and arming waits for it.
+const MOST_PACKETS: usize = 40;
 
-/// Who judges this scene at measured delays, and lets it arm anyway or not.
-fn judge(scene: Scene, anyway: bool) -> Judge {
+/// Who judges this scene at measured delays, with a hand that may take either device if there is one, and lets it arm anyway or not.
+pub(super) fn judge(scene: Scene, hand: Option<Hand>, anyway: bool) -> Judge {
+    let question = Question { hand, for_every_mode: true, most_packets: MOST_PACKETS };
     let find = move |one_way_s: [f64; 2]| {
-        let found = find(&measured(&scene, one_way_s), QUESTION);
+        let found = find(&measured(&scene, one_way_s), question);
         let Finding { stable, spectral_radius, text, instead, not_judged } = found;
         Verdict { one_way_ms: one_way_s.map(|s| 1e3 * s), stable, spectral_radius, text, instead, not_judged }
     };

@@ -14,11 +14,13 @@ use serde_json::json;
 use super::board::address;
 use super::device::DeviceArgs;
 use super::flags::{RecordTo, choice, seconds};
+use super::live::judge;
 use super::meeting::{MeetingArgs, Met};
 use super::recordings::load;
 use super::{Failure, SceneArgs, Ui};
 use crate::play::{
-    At, Boards, End, EnvironmentKind, Model, Opened, OpenedPage, Page, Place, Role, Shown, measure, moving_picture,
+    At, Boards, End, EnvironmentKind, HAND, Model, Opened, OpenedPage, Page, Place, Role, Shown, measure,
+    moving_picture,
 };
 
 /// How long each run of `--measure` takes where nobody says, s.
@@ -58,6 +60,9 @@ pub(super) struct Play {
     meeting: MeetingArgs,
     #[command(flatten)]
     device: DeviceArgs,
+    /// One peer only: arm also where the scene is unstable at the delays that are measured; without it, such an end waits for a better network.
+    #[arg(long)]
+    anyway: bool,
     /// Port on 127.0.0.1, and of `--lan`; 0 is any.
     #[arg(long, default_value_t = 0)]
     port: u16,
@@ -102,6 +107,13 @@ impl Play {
                 self.fitted(ui, &self.scene.over(end.number, &self.device.beneath(end.number))?)?
             }
             _ => (scene, provenance),
+        };
+        let shown = match shown {
+            Shown::Remote(end) => {
+                let hand = end.has_the_pages_hand().then_some(HAND);
+                Shown::Remote(Box::new(end.with_judge(judge(scene.clone(), hand, self.anyway))))
+            }
+            other => other,
         };
         let hands = match &shown {
             Shown::Here(_) => vec![1, 2],
@@ -170,10 +182,13 @@ impl Play {
         }
         let device = self.device.wanted(ui)?;
         let remote = self.meeting.is_given() || self.listen.or(self.join).is_some();
-        if !remote && !matches!(device.kind, Kind::Simulated) {
-            return Err(
-                "--device is for one peer of two: --listen, --join, --invite or --accept say where the other is".into(),
-            );
+        let is_device = !matches!(device.kind, Kind::Simulated);
+        if !remote && (is_device || self.anyway) {
+            let flag = if is_device { "--device" } else { "--anyway" };
+            return Err(format!(
+                "{flag} is for one peer of two: --listen, --join, --invite or --accept say where the other is"
+            )
+            .into());
         }
         let own = self.key_file.as_deref().zip(self.number);
         if let Some(Met { number, key, meeting }) = self.meeting.agree(ui, stop, own)? {

@@ -15,7 +15,7 @@ use haptic_live::recording::mcap::Channel;
 use haptic_live::recording::recorder::Recorder;
 use serde::Serialize;
 
-use super::environment::{Command, Environment, MOST, Opening, Sample};
+use super::environment::{Command, Environment, LineReport, MOST, Opening, Sample};
 use super::kinds::EnvironmentKind;
 use super::mailbox::{Contents, Mailbox, Request, Status};
 use super::partner::Model;
@@ -26,7 +26,7 @@ use crate::Error;
 const SLEPT: Duration = Duration::from_millis(500);
 
 /// How well the control loop kept time.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub(crate) struct Kept {
     /// Number of ticks that were kept.
     pub(crate) ticks: u64,
@@ -38,6 +38,9 @@ pub(crate) struct Kept {
     pub(crate) slept: u64,
     /// The thread runs at a real-time priority.
     pub(crate) realtime_priority: bool,
+    /// What there was to see of a line to another process.
+    #[serde(flatten)]
+    pub(crate) line: Option<LineReport>,
 }
 
 /// Where what is shown is recorded.
@@ -86,7 +89,7 @@ pub(super) fn run(
         waiting.push_back(sample);
     }
     let Punctuality { ticks, missed: late, worst_us, realtime_priority, .. } = ticker.kept;
-    Ok(Kept { ticks, late, worst_us, slept, realtime_priority })
+    Ok(Kept { ticks, late, worst_us, slept, realtime_priority, line: shown.environment.line() })
 }
 
 /// What a recording holds: of every environment that a page can show the time, and every sample while it is shown.

@@ -9,7 +9,10 @@ use std::sync::Arc;
 
 use haptic_core::safety::Mode;
 use haptic_live::recording::recorder::Recorder;
+use haptic_live::verdict::Verdict;
+use haptic_meeting::carrier::PathReport;
 use haptic_sim::scene::Scene;
+use serde::Serialize;
 
 use super::boards_line::Line;
 use super::partner::Model;
@@ -81,6 +84,20 @@ pub(super) struct Standing {
     pub(super) partner: u8,
 }
 
+/// What a report has of the line to a partner elsewhere, as a `peer`'s has it.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct LineReport {
+    /// Smoothed; null while it is not known.
+    pub(super) round_trip_us: Option<u32>,
+    /// Which way it went, and what both ways were like; absent where the other one was called at an address.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) path: Option<PathReport>,
+    /// What the scene is at the delays that were measured last.
+    pub(super) verdict: Option<Verdict>,
+    /// Every change of that, and when, s.
+    pub(super) verdicts: Vec<(f64, String)>,
+}
+
 /// Something that a page's hands act on.
 pub(super) trait Environment {
     /// Does what acts without a question.
@@ -107,6 +124,12 @@ pub(super) trait Environment {
 
     /// It is recorded from now on: what a recording of it has beside its samples it puts there itself, into channels that come first.
     fn record(&mut self, _recorder: Arc<Recorder>) {}
+
+    /// What there is to report of a line to another process, where there is one.
+    fn line(&self) -> Option<LineReport> {
+        None
+    }
+
     /// Nothing changes before it is started anew: it is not stepped, and what was seen last stays.
     fn stands(&self) -> bool {
         false

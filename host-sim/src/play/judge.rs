@@ -23,14 +23,12 @@ use super::orders::apply;
 use super::session::same_but_for_network;
 use crate::Error;
 
+/// A hand of the page's, as an analysis has it.
+pub(crate) const HAND: Hand = Hand { stiffness_n_per_m: STIFFNESS, damping_n_s_per_m: DAMPING };
 /// Packets in flight that are still judged.
 const MOST_PACKETS: usize = 120;
 /// What is asked of a scene: the hand is one of the page's on a device.
-const QUESTION: Question = Question {
-    hand: Some(Hand { stiffness_n_per_m: STIFFNESS, damping_n_s_per_m: DAMPING }),
-    for_every_mode: false,
-    most_packets: MOST_PACKETS,
-};
+const QUESTION: Question = Question { hand: Some(HAND), for_every_mode: false, most_packets: MOST_PACKETS };
 
 /// Longest refusal, characters.
 pub(super) const LONGEST_REFUSAL: usize = 1000;

@@ -66,6 +66,7 @@ mod web;
 
 pub(crate) use boards::{Boards, Place};
 pub(crate) use control_loop::channels;
+pub(crate) use judge::HAND;
 pub(crate) use kinds::EnvironmentKind;
 pub(crate) use measure::measure;
 pub(crate) use moving_picture::moving_picture;

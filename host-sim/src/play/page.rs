@@ -90,7 +90,7 @@ impl Recorded {
             // As a peer without a page records itself.
             Shown::Remote(end) => Self {
                 who: watch::who(end.number),
-                own: watch::channels(scene, end.number),
+                own: watch::channels(scene, end.number, end.meets()),
                 topic: "/page/ticks",
                 start: Some(end.start()),
             },

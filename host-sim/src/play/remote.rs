@@ -18,11 +18,14 @@ use haptic_core::law::Sends;
 use haptic_core::num::Motion;
 use haptic_core::safety::{Command as Order, Mode};
 use haptic_live::batch::{MOST, OutgoingBatch, ReceivedBatch};
-use haptic_live::carried::{Meeting, Paths};
+use haptic_live::carried::Meeting;
 use haptic_live::devices::{DeviceOptions, Kind};
 use haptic_live::endpoint::Endpoint;
+use haptic_live::path_watch::PathWatch;
 use haptic_live::recording::recorder::Recorder;
+use haptic_live::recording::ticks;
 use haptic_live::tell::{Manner, PathSecond, Teller};
+use haptic_live::verdict::{Judge, Judging};
 use haptic_live::watch::{TELLING_S, Watch};
 use haptic_meeting::Way;
 use haptic_protocol::key::Key;
@@ -34,7 +37,7 @@ use haptic_sim::peers::Builds;
 use haptic_sim::{key_file::entropy, scene::Scene};
 use serde_json::json;
 
-use super::environment::{ARMED, Command, Environment, FAULT, OFF, Sample, Standing, WAITS, number_of};
+use super::environment::{ARMED, Command, Environment, FAULT, LineReport, OFF, Sample, Standing, WAITS, number_of};
 use super::hand::Hand;
 use super::pair_columns::sample;
 use super::session::{PERIOD_S, Side, first, on_device};
@@ -56,11 +59,14 @@ pub(crate) struct End {
     /// Where the other listens; none, and it calls here.
     join: Option<SocketAddr>,
     device: DeviceOptions,
+    /// Who says whether it may arm over the line that it measures; nobody, and it does.
+    judge: Option<Judge>,
 }
 
 impl fmt::Display for End {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.join {
+            Some(place) if self.meets() => write!(f, "peer {}, met at {place}", 3 - self.number),
             Some(join) => write!(f, "peer {} at {join}", 3 - self.number),
             None => write!(f, "peer {}, which joins at {}", 3 - self.number, self.endpoint.address),
         }
@@ -73,9 +79,18 @@ impl End {
         self.endpoint.start()
     }
 
+    fn new(key: Key, number: u8, endpoint: Endpoint, join: Option<SocketAddr>) -> Self {
+        Self { key, number, endpoint, join, device: DeviceOptions::default(), judge: None }
+    }
+
+    /// Whether it meets the other one at a place.
+    pub(super) fn meets(&self) -> bool {
+        self.endpoint.paths().is_some()
+    }
+
     /// The end that the other one joins.
     pub(crate) fn listening(at: SocketAddr, key: Key, number: u8) -> Result<Self, Error> {
-        Ok(Self { key, number, endpoint: Endpoint::polled(at)?, join: None, device: DeviceOptions::default() })
+        Ok(Self::new(key, number, Endpoint::polled(at)?, None))
     }
 
     /// The end that joins the other one.
@@ -83,18 +98,23 @@ impl End {
         let any = if to.is_ipv4() { Ipv4Addr::UNSPECIFIED.into() } else { Ipv6Addr::UNSPECIFIED.into() };
         let endpoint = Endpoint::polled(SocketAddr::new(any, 0))?;
         endpoint.reaches(to)?;
-        Ok(Self { key, number, endpoint, join: Some(to), device: DeviceOptions::default() })
+        Ok(Self::new(key, number, endpoint, Some(to)))
     }
 
     /// The end that meets the other one at a place.
     pub(crate) fn meeting(meeting: &Meeting, key: Key, number: u8) -> Result<Self, Error> {
         let endpoint = Endpoint::carried(None, meeting, key.clone(), number - 1)?;
-        Ok(Self { key, number, endpoint, join: Some(meeting.place), device: DeviceOptions::default() })
+        Ok(Self::new(key, number, endpoint, Some(meeting.place)))
     }
 
     /// This end, with the hand at this device.
     pub(crate) fn with_device(self, device: DeviceOptions) -> Self {
         Self { device, ..self }
+    }
+
+    /// This end, which arms only where the judge lets it, as a `peer` does.
+    pub(crate) fn with_judge(self, judge: Judge) -> Self {
+        Self { judge: Some(judge), ..self }
     }
 
     /// Whether its hand is the page's.
@@ -137,9 +157,15 @@ where
     cut: bool,
     /// Records it as a peer without a page is recorded.
     watch: Option<Watch>,
-    /// Says every change of path, where the other one is met somewhere.
-    paths: Option<(Paths, Teller)>,
-    /// What windows are to be told of it.
+    /// Says what is not seen in a sample.
+    teller: Teller,
+    /// Its paths, where the other one is met somewhere.
+    paths: Option<PathWatch>,
+    /// Whether it may arm.
+    judging: Option<Judging>,
+    /// A person has stopped it.
+    stopped: bool,
+    /// What windows are to be told of the line.
     news: Option<String>,
 }
 
@@ -150,11 +176,15 @@ where
 {
     /// Calls, and arms when the other one is there.
     pub(super) fn new(scene: Scene, end: End) -> Result<Self, Error> {
-        let End { key, number, endpoint, join, device } = end;
+        let End { key, number, endpoint, join, device, judge } = end;
+        let judging = judge.map(|judge| Judging::start(&judge, PERIOD_S)).transpose()?;
         // A device that is really there is read at every tick from here on, so it is the last of what may take time.
         let (device, _) = device.open(&scene, number)?;
         Ok(Self {
-            paths: endpoint.paths().map(|paths| (paths, Teller::new(Manner::Words))),
+            paths: endpoint.paths().map(PathWatch::new),
+            teller: Teller::new(Manner::Words),
+            judging,
+            stopped: false,
             node: Node::with_device(&scene, number, key, entropy()?, device)?.telling_every(TELLING_S),
             own: usize::from(number) - 1,
             endpoint,
@@ -180,7 +210,7 @@ where
     /// Takes what has come.
     fn listen(&mut self) -> Result<(), Error> {
         let until = Instant::now() + LISTENS;
-        let Self { node, endpoint, join, path, came, going, cut, heard, watch, .. } = self;
+        let Self { node, endpoint, join, path, came, going, cut, heard, watch, judging, .. } = self;
         let mut said = None;
         while Instant::now() < until && endpoint.take(came)? {
             let waited: [Duration; MOST] = from_fn(|at| came.waited().get(at).copied().unwrap_or_default());
@@ -196,6 +226,9 @@ where
                 // What is refused is counted by the link.
                 let Ok(flow) = taken else { continue };
                 *heard += u64::from(flow.is_some());
+                if let Some(judging) = judging {
+                    judging.see(node.line.link.clock().newest());
+                }
                 if let Some(watch) = watch {
                     watch.heard(now_ns, &node.line, flow.is_some());
                 }
@@ -226,14 +259,15 @@ where
         first(self.node.motions())
     }
 
-    /// Which path flow takes, what it is like, and what the line can hold, before anybody pushes.
-    fn path_news(&self, path: &PathSecond) -> String {
+    /// Which path flow takes, what it is like, and what the line can hold, before anybody pushes; none while nothing is known.
+    fn line_news(&self) -> Option<String> {
+        let path = self.paths.as_ref().map(|paths| PathSecond::of(&paths.report()));
         let peer = &self.scene.peer;
         let (coordination, most_s) = (&peer.coordination, peer.safety.max_delay_s);
         let one_way_s = self.node.line.link.clock().round_trip_us().map(|us| 0.5e-6 * f64::from(us));
         let too_far = one_way_s.is_some_and(|one_way_s| one_way_s > most_s);
         let holds = match one_way_s {
-            _ if path.way == Way::Nowhere => "nothing gets through".to_owned(),
+            _ if path.is_some_and(|path| path.way == Way::Nowhere) => "nothing gets through".to_owned(),
             None => String::new(),
             Some(one_way_s) if too_far => format!(
                 "{:.0} ms one way is too far: what is older than {:.0} ms is not taken (safety.max_delay_s)",
@@ -248,8 +282,20 @@ where
             }
             Some(one_way_s) => format!("{:.0} ms one way", 1e3 * one_way_s),
         };
-        let bad = too_far || path.way == Way::Nowhere;
-        json!({ "path": { "says": path.words(), "holds": holds, "bad": bad } }).to_string()
+        let judged = self.judging.as_ref().and_then(|judging| judging.verdict.as_ref());
+        let verdict = judged.map(|verdict| {
+            let [least, most] = verdict.one_way_ms;
+            format!("at {least:.1} to {most:.1} ms one way this scene is {}", verdict.text)
+        });
+        // A peer that is not to arm says why; one that nothing reaches has nothing else to say.
+        let held = self.judging.as_ref().is_some_and(|judging| judging.refuses().is_some());
+        let nowhere = path.is_some_and(|path| path.way == Way::Nowhere);
+        let bad = too_far || nowhere || judged.is_some_and(|verdict| verdict.stable == Some(false));
+        let round_trip = || one_way_s.map(|one_way_s| format!("round trip {:.1} ms", 2e3 * one_way_s));
+        let says = path.map(|path| path.words()).or_else(round_trip)?;
+        let holds: Vec<String> =
+            verdict.filter(|_| !nowhere).into_iter().chain([holds]).filter(|said| !said.is_empty()).collect();
+        Some(json!({ "path": { "says": says, "holds": holds.join("; "), "bad": bad, "held": held } }).to_string())
     }
 
     fn sample(&mut self) -> Sample {
@@ -294,12 +340,16 @@ where
 {
     fn command(&mut self, command: Command) -> Result<(), Error> {
         match command {
-            Command::Stop => self.node.halt(true),
+            Command::Stop => {
+                self.stopped = true;
+                self.node.halt(true);
+            }
             Command::Start => {
                 if matches!(self.node.peer.mode(), Mode::Faulted(_)) {
                     self.node.peer.command(Order::Clear);
                 }
-                self.node.halt(false);
+                self.stopped = false;
+                self.node.halt(self.judging.as_ref().is_some_and(|judging| !judging.lets_arm()));
                 self.hand = Hand::default();
                 self.restarts += 1;
             }
@@ -330,8 +380,11 @@ where
         self.listen()?;
         self.pull_n = self.hand.pull(self.tick, self.device(), PERIOD_S);
         self.node.pull(on_device(self.pull_n, self.node.motions()));
-        let Self { node, endpoint, join, path, going, cut, watch, .. } = self;
+        let Self { node, endpoint, join, path, going, cut, watch, teller, paths, judging, stopped, .. } = self;
         let now_ns = endpoint.now_ns();
+        let words = judging.as_mut().and_then(|judging| judging.heed(now_ns / 1_000, node, *stopped));
+        let judged = words.is_some();
+        words.into_iter().for_each(|words| teller.words(words));
         node.tick(now_ns / 1_000, |bytes| {
             if let Some(to) = join.or_else(|| path.of(bytes, None)).filter(|_| !*cut) {
                 endpoint.say(going, to, bytes);
@@ -339,17 +392,15 @@ where
         });
         endpoint.flush(going);
         if let Some(watch) = watch {
-            watch.ticked(now_ns, node);
+            watch.ticked(now_ns, node, judging.as_ref());
         }
-        if let Some((paths, teller)) = &self.paths {
-            let change = paths.take_change();
-            if let Some(change) = change {
-                let (way, lan) = (change.way, change.lan);
-                teller.path(now_ns / 1_000, &PathSecond { way, lan, ..PathSecond::of(&paths.report()) });
-            }
-            if change.is_some() || self.tick.is_multiple_of(NEWS) {
-                self.news = Some(self.path_news(&PathSecond::of(&paths.report())));
-            }
+        let changed = paths.as_ref().is_some_and(|paths| paths.look(now_ns, teller));
+        let due = self.tick.is_multiple_of(NEWS);
+        if let Some(paths) = paths.as_ref().filter(|_| due) {
+            paths.second(now_ns);
+        }
+        if due || changed || judged {
+            self.news = self.line_news();
         }
         self.was.truncate(KEPT - 1);
         self.was.push_front(f64::from(self.node.observed().object.position));
@@ -362,14 +413,27 @@ where
     }
 
     fn record(&mut self, recorder: Arc<Recorder>) {
+        let channel = ticks::paths(self.scene.peer.axis.shared as usize);
+        self.paths = self.paths.take().map(|paths| paths.recording(Arc::clone(&recorder), channel));
         self.watch = Some(Watch::recording(recorder, &self.scene));
+    }
+
+    fn line(&self) -> Option<LineReport> {
+        let judging = self.judging.as_ref();
+        Some(LineReport {
+            round_trip_us: self.node.line.link.clock().round_trip_us(),
+            path: self.paths.as_ref().map(PathWatch::report),
+            verdict: judging.and_then(|judging| judging.verdict.clone()),
+            verdicts: judging.map(|judging| judging.said.clone()).unwrap_or_default(),
+        })
     }
 
     fn standing(&self) -> Standing {
         let link = &self.node.line.link;
         let own = match (self.node.gone(), number_of(self.node.peer.mode())) {
             (Some(gone), _) => FAULT + gone.fault as u8,
-            (None, OFF) if !self.node.is_halted() => WAITS,
+            // A verdict that does not let it arm is waited out, too.
+            (None, OFF) if !self.stopped => WAITS,
             (None, mode) => mode,
         };
         let other = match self.partner_state.filter(|_| link.is_up()).map(|partner_state| partner_state.telemetry) {

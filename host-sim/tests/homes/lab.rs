@@ -43,16 +43,7 @@ pub(crate) struct Lab {
 impl Lab {
     /// Homes behind these routers; with `v6` each has a network of IPv6 as well, behind a firewall that keeps states.
     pub(crate) fn new(routers: [Router; 2], v6: [bool; 2]) -> Self {
-        static MADE: AtomicU32 = AtomicU32::new(0);
-        let prefix = format!("homes{}-{}-", std::process::id(), MADE.fetch_add(1, Ordering::Relaxed));
-        let mut lab = Self { prefix, place: None };
-        for name in ["net", "ra", "rb", "a", "b"] {
-            run("ip", &format!("netns add {}{name}", lab.prefix), None);
-            lab.ip(name, "link set lo up");
-        }
-        lab.ip("net", "link add br0 type bridge");
-        lab.ip("net", "link set br0 up");
-        lab.ip("net", "addr add 203.0.113.1/24 dev br0");
+        let mut lab = Self::bare();
         for (home, host) in [("a", 11), ("b", 12)] {
             lab.home(home, host, routers[host - 11], v6[host - 11]);
         }
@@ -60,6 +51,68 @@ impl Lab {
             // Until addresses of the links have been found to be nobody else's, no neighbour is found.
             std::thread::sleep(std::time::Duration::from_millis(2500));
         }
+        lab.opens();
+        lab
+    }
+
+    /// Namespaces, and a network outside that nobody is on but the meeting place.
+    fn bare() -> Self {
+        static MADE: AtomicU32 = AtomicU32::new(0);
+        let prefix = format!("homes{}-{}-", std::process::id(), MADE.fetch_add(1, Ordering::Relaxed));
+        let lab = Self { prefix, place: None };
+        for name in ["net", "ra", "rb", "a", "b"] {
+            run("ip", &format!("netns add {}{name}", lab.prefix), None);
+            lab.ip(name, "link set lo up");
+        }
+        lab.ip("net", "link add br0 type bridge");
+        lab.ip("net", "link set br0 up");
+        lab.ip("net", "addr add 203.0.113.1/24 dev br0");
+        lab
+    }
+
+    /// Both homes behind one router, which keeps them apart: each has a port of it, 40001 and 40002, and what one of them sends to the other's comes back in
+    /// where the router knows hairpins.
+    pub(crate) fn behind_one(hairpin: bool) -> Self {
+        let mut lab = Self::bare();
+        let router = lab.name("ra");
+        run("ip", &format!("link add wan netns {router} type veth peer name wa netns {}", lab.name("net")), None);
+        lab.ip("net", "link set wa master br0 up");
+        lab.ip("ra", "link set wan up");
+        lab.ip("ra", "addr add 203.0.113.11/24 dev wan");
+        for (home, net) in [("a", 1), ("b", 2)] {
+            run(
+                "ip",
+                &format!("link add lan{net} netns {router} type veth peer name eth netns {}", lab.name(home)),
+                None,
+            );
+            lab.ip("ra", &format!("link set lan{net} up"));
+            lab.ip(home, "link set eth up");
+            lab.ip("ra", &format!("addr add 192.168.{net}.1/24 dev lan{net}"));
+            lab.ip(home, &format!("addr add 192.168.{net}.10/24 dev eth"));
+            lab.ip(home, &format!("route add default via 192.168.{net}.1"));
+        }
+        run("ip", &format!("netns exec {router} sysctl -qw net.ipv4.ip_forward=1"), None);
+        // Who comes back in comes as from the router, so that the answer goes through it, too.
+        let (comes, back) = if hairpin {
+            ("", "oifname { lan1, lan2 } ct status dnat snat to 203.0.113.11;")
+        } else {
+            ("iifname wan", "")
+        };
+        let rules = format!(
+            "table ip nat {{
+                chain post {{ type nat hook postrouting priority 100; oifname wan masquerade; {back} }}
+                chain pre {{ type nat hook prerouting priority -100;
+                    {comes} ip daddr 203.0.113.11 udp dport 40001 dnat to 192.168.1.10:{PORT};
+                    {comes} ip daddr 203.0.113.11 udp dport 40002 dnat to 192.168.2.10:{PORT};
+                }}
+            }}
+            table inet wall {{
+                chain input {{ type filter hook input priority 0; iifname wan ct state established,related accept; iifname wan udp dport != 0 drop; }}
+                chain through {{ type filter hook forward priority 0; ct state established,related accept; ct status dnat accept;
+                    iifname wan drop; oifname {{ lan1, lan2 }} drop; }}
+            }}"
+        );
+        run("ip", &format!("netns exec {router} nft -f -"), Some(&rules));
         lab.opens();
         lab
     }
@@ -120,10 +173,15 @@ impl Lab {
         run("ip", &format!("netns exec {router_name} nft -f -"), Some(&rules));
     }
 
-    fn exec(&self, of: &str) -> Command {
+    /// A program there.
+    pub(crate) fn program(&self, of: &str, program: &str) -> Command {
         let mut command = Command::new("ip");
-        command.args(["netns", "exec", &self.name(of), HOST_SIM]);
+        command.args(["netns", "exec", &self.name(of), program]);
         command
+    }
+
+    fn exec(&self, of: &str) -> Command {
+        self.program(of, HOST_SIM)
     }
 
     /// The meeting place opens.
@@ -158,6 +216,18 @@ impl Lab {
             run("ip", &format!("netns exec {router} nft -f -"), Some(rules));
         } else {
             run("ip", &format!("netns exec {router} nft delete table inet cut"), None);
+        }
+    }
+
+    /// Both routers lose so many of a hundred datagrams that they pass on, whatever way those go.
+    pub(crate) fn loses(&self, of_a_hundred: u32) {
+        let rules = format!(
+            "table inet lossy {{
+                chain lossy {{ type filter hook forward priority -5; meta l4proto udp numgen random mod 100 < {of_a_hundred} drop; }}
+            }}"
+        );
+        for router in ["ra", "rb"] {
+            run("ip", &format!("netns exec {} nft -f -", self.name(router)), Some(&rules));
         }
     }
 

@@ -101,6 +101,22 @@ fn a_port_that_a_router_was_told_to_pass_on_is_enough() {
 
 #[test]
 #[ignore = "needs root, ip and nft: cargo xtask homes"]
+fn behind_one_router_that_keeps_them_apart_they_meet_by_its_hairpin_or_by_the_relay() {
+    let key = key("hairpin");
+    let key = key.to_str().expect("a name");
+    let meets = ["--meet", PLACE, "--key-file", key];
+    for hairpin in [true, false] {
+        let lab = Lab::behind_one(hairpin);
+        let of = |home, number, outer| {
+            lab.peer(home, SECONDS, &[&meets[..], &["--number", number, "--mapped", outer]].concat())
+        };
+        let ends = [of("a", "1", "203.0.113.11:40001"), of("b", "2", "203.0.113.11:40002")];
+        ends.map(Running::report).iter().for_each(if hairpin { is_direct } else { is_relayed });
+    }
+}
+
+#[test]
+#[ignore = "needs root, ip and nft: cargo xtask homes"]
 fn a_path_that_is_cut_and_given_back_changes_the_flow_twice() {
     let mut lab = Lab::new([Router::Kept; 2], [false; 2]);
     let told = meet(&mut lab, "cut", 20, |lab| {

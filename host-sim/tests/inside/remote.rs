@@ -1,3 +1,4 @@
+use haptic_live::verdict::Verdict;
 use haptic_sim::{Laws, scenes};
 
 use super::*;
@@ -161,4 +162,68 @@ fn windows_are_told_of_the_path_and_of_what_the_line_can_hold() {
         }
         stop.ask();
     });
+}
+
+/// Two ends over whose line a judge finds their scene unstable.
+fn judged_unstable(unless: Option<&'static str>) -> [One; 2] {
+    let key = || Key::new([7; Key::LEN]);
+    let scene = || scenes::load(Laws::built_in(), "any-network").expect("a scene");
+    let verdict = |one_way_s: [f64; 2]| Verdict {
+        one_way_ms: one_way_s.map(|s| 1e3 * s),
+        stable: Some(false),
+        text: "unstable: lower something".to_owned(),
+        ..Verdict::default()
+    };
+    let judge = Judge { find: Arc::new(verdict), unless };
+    let listening = End::listening("127.0.0.1:0".parse().expect("an address"), key(), 1).expect("a socket");
+    let joining = End::joining(listening.endpoint.address, key(), 2).expect("a socket");
+    [listening, joining].map(|end| One::new(scene(), end.with_judge(judge.clone())).expect("an end"))
+}
+
+/// Who shares a line over which the scene is unstable is told so, and stays off, whatever a person starts.
+#[test]
+fn an_end_does_not_arm_where_its_scene_is_unstable_at_the_delays_measured() {
+    let mut ends = judged_unstable(Some("say anyway"));
+    let news = |end: &mut One| {
+        let news: serde_json::Value = serde_json::from_str(&end.news()?).expect("JSON");
+        Some(news["path"].clone())
+    };
+    let mut told = [None, None];
+    let start = Instant::now();
+    while !told.iter().flatten().all(|told: &serde_json::Value| told["held"] == true) || told.contains(&None) {
+        until(&mut ends, [Some(0.02), None], |_| true);
+        for (end, told) in ends.iter_mut().zip(&mut told) {
+            *told = news(end).or(told.take());
+        }
+        assert!(start.elapsed() < Duration::from_secs(30), "{told:?}");
+    }
+    for told in told.into_iter().flatten() {
+        let holds = told["holds"].as_str().expect("words");
+        assert!(holds.contains("unstable: lower something") && told["bad"] == true, "{told}");
+        assert!(told["says"].as_str().is_some_and(|says| says.starts_with("round trip")), "{told}");
+    }
+    ends[0].command(Command::Start).expect("it starts");
+    for _ in 0..1000 {
+        until(&mut ends, [Some(0.02), None], |_| true);
+        assert!(ends.iter().all(|end| end.node.armed_ticks == 0 && end.standing().modes[end.own] == WAITS));
+    }
+    let line = ends[0].line().expect("a line");
+    assert!(line.path.is_none() && line.verdict.is_some_and(|verdict| verdict.stable == Some(false)));
+    assert_eq!(line.verdicts.len(), 1);
+}
+
+/// With the leave to, it arms; and a person's stop holds under any verdict.
+#[test]
+fn an_end_that_is_to_arm_anyway_does_and_stops_when_it_is_told_to() {
+    let mut ends = judged_unstable(None);
+    let start = Instant::now();
+    while ends.each_ref().map(|end| end.standing().modes) != [[ARMED; 2]; 2] {
+        until(&mut ends, [None; 2], |_| true);
+        assert!(start.elapsed() < Duration::from_secs(30));
+    }
+    ends[0].command(Command::Stop).expect("it stops");
+    for _ in 0..500 {
+        until(&mut ends, [None; 2], |_| true);
+        assert_eq!(ends[0].standing().modes[0], OFF);
+    }
 }

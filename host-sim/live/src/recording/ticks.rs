@@ -5,7 +5,6 @@ use haptic_core::peer::Observed;
 use haptic_core::safety::Mode;
 use haptic_core::sample::{OfAxis, OfPeer, Quantities, SAMPLE};
 
-use haptic_meeting::Way;
 use haptic_meeting::carrier::PathReport;
 use haptic_protocol::{link::Link, wire::Sample};
 use haptic_sim::quantities::{self, Named};
@@ -77,13 +76,13 @@ pub fn path_channel(of: &str) -> Channel {
 }
 
 /// A row of [`PATH`].
-pub fn path(time_ns: u64, way: Way, lan: bool, report: &PathReport) -> [f64; PATH.len()] {
+pub fn path(time_ns: u64, report: &PathReport) -> [f64; PATH.len()] {
     let of = [report.relayed, report.direct].map(|path| {
         let figures = [1e-3 * path.round_trip_ms, 1e-3 * path.p99_ms, path.lost];
         if path.signals > 0 { figures } else { [f64::NAN; 3] }
     });
     let [[relayed, relayed_p99, relayed_lost], [direct, direct_p99, direct_lost]] = of;
-    let (time_s, way, lan) = (time_ns as f64 * 1e-9, way.number().into(), u8::from(lan).into());
+    let (time_s, way, lan) = (time_ns as f64 * 1e-9, report.way.number().into(), u8::from(report.lan).into());
     let copies = report.copies as f64;
     [time_s, way, lan, relayed, relayed_p99, relayed_lost, direct, direct_p99, direct_lost, copies]
 }
@@ -129,6 +128,11 @@ pub const TICKS: u16 = 0;
 pub const EXCHANGES: u16 = 1;
 /// Index of the seconds in [`channels`].
 pub const SECONDS: u16 = 2;
+
+/// Index of the paths of a peer that shares so many axes: they follow [`channels`].
+pub fn paths(axes: usize) -> u16 {
+    SECONDS + axes as u16
+}
 
 /// The channels of a board that shares so many axes, as its operator records them: [`TICKS`] as the board tells them, with when each
 /// was sealed, and [`EXCHANGES`]; ticks of each further axis.

@@ -29,8 +29,8 @@ import { Timeline } from "./timeline.js";
 /** @typedef {import("./settings.js").Question} Question */
 /** @typedef {{ number: number, fault: string | null, told: { name: string, there: boolean, status: string, said: [string, string][] } }} Board */
 
-/** Where two homes are met: the path in words, what the line can hold, and whether that is nothing.
- * @typedef {{ says: string, holds: string, bad: boolean }} Path */
+/** The line to a partner elsewhere: the path or the round trip in words, what the line can hold, whether that is nothing, and whether this end is kept from arming by it.
+ * @typedef {{ says: string, holds: string, bad: boolean, held: boolean }} Path */
 
 const still = matchMedia("(prefers-reduced-motion: reduce)");
 
@@ -147,12 +147,16 @@ function told(message) {
 }
 
 /** Which way the line goes to the other home, how good it is, and what it can hold. @param {Path} path */
-function showPath({ says, holds, bad }) {
+function showPath({ says, holds, bad, held }) {
+  keptFromArming = held;
   const path = element("path");
   path.hidden = false;
   path.classList.toggle("bad", bad);
   write(path, holds ? `${says}; ${holds}` : says);
 }
+
+/** This end does not arm over so long a line. */
+let keptFromArming = false;
 
 /** @param {Hello} greeting */
 function greeted(greeting) {
@@ -324,7 +328,11 @@ function report(modes, people, isCut, partner) {
           : "the program has the other hands";
   const [now, bad] = sentence({
     fault: fault < 0 ? undefined : { peer: fault + 1, why: plainly((modes[fault] ?? 0) - fault_base, faults) },
-    waits: modes.some((mode) => mode === waits) ? `${other}` : undefined,
+    waits: !modes.some((mode) => mode === waits)
+      ? undefined
+      : keptFromArming
+        ? "a better line: this scene is unstable on it"
+        : `${other}`,
     off: modes.includes(0),
     cut,
     told: timeline.past ? undefined : shown.status?.(),

@@ -1,14 +1,14 @@
-//! As much of a browser's debugging protocol as a test needs: the WebSocket that the page has anyway, and JSON.
+//! As much of a browser's debugging protocol as a test needs: JSON over two pipes, which reach a browser in any network namespace.
 //!
 //! Chromium without a screen, with a profile of its own. `CHROMIUM` names another binary than the one on the path.
 
-use std::net::TcpStream;
+use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, ChildStdin, Command, Stdio};
+use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
-use tungstenite::{Message, WebSocket};
 
 /// Longest that a browser may take to start, and a page to come to what is waited for.
 const PATIENCE: Duration = Duration::from_secs(30);
@@ -17,7 +17,9 @@ const PATIENCE: Duration = Duration::from_secs(30);
 pub(super) struct Browser {
     child: Child,
     profile: PathBuf,
-    socket: WebSocket<TcpStream>,
+    says: ChildStdin,
+    /// What it says, each a message.
+    said: Receiver<Vec<u8>>,
     calls: u64,
     events: Vec<Value>,
 }
@@ -28,38 +30,50 @@ pub(super) struct Window(String);
 impl Browser {
     /// Starts it, with a profile in this folder.
     pub(super) fn start(profile: PathBuf) -> Self {
+        Self::start_by(Command::new("sh"), profile)
+    }
+
+    /// Starts it by a shell that somebody has prepared, with a profile in this folder.
+    pub(super) fn start_by(mut shell: Command, profile: PathBuf) -> Self {
         let binary = std::env::var("CHROMIUM").unwrap_or_else(|_| "chromium".into());
         let _ = std::fs::remove_dir_all(&profile);
         std::fs::create_dir_all(&profile).expect("a folder");
-        let child = Command::new(&binary)
-            .args(["--headless=new", "--no-sandbox", "--remote-debugging-port=0", "--no-first-run", "--disable-gpu"])
+        // It reads what it is told from 3, and answers on 4.
+        let mut child = shell
+            .args(["-c", "exec \"$0\" \"$@\" 3<&0 4>&1 </dev/null >/dev/null", &binary])
+            .args(["--headless=new", "--no-sandbox", "--remote-debugging-pipe", "--no-first-run", "--disable-gpu"])
             .args(["--disable-dev-shm-usage", "--disable-background-networking", "--disable-component-update"])
             .args(["--disable-sync", "--hide-scrollbars", "--window-size=1000,1200", "--touch-events=enabled"])
             .args(["about:blank", &format!("--user-data-dir={}", profile.display())])
-            .stdout(Stdio::null())
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn()
-            .unwrap_or_else(|cause| {
-                panic!(
-                    "{binary}: {cause}: install Debian's chromium, as `cargo xtask test` does, or name one in CHROMIUM"
-                )
-            });
-        // Port and path are in this file once it listens.
-        let said = profile.join("DevToolsActivePort");
-        let start = Instant::now();
-        let (port, path) = loop {
-            let text = std::fs::read_to_string(&said).unwrap_or_default();
-            if let Some((port, path)) = text.trim().split_once('\n') {
-                break (port.to_owned(), path.to_owned());
-            }
-            assert!(start.elapsed() < PATIENCE, "{binary} does not listen");
-            std::thread::sleep(Duration::from_millis(20));
-        };
-        let stream = TcpStream::connect(format!("127.0.0.1:{port}")).expect("the browser listens");
-        stream.set_read_timeout(Some(PATIENCE)).expect("a timeout");
-        let (socket, _) =
-            tungstenite::client(format!("ws://127.0.0.1:{port}{path}"), stream).expect("the browser talks");
-        Self { child, profile, socket, calls: 0, events: Vec::new() }
+            .expect("a shell runs");
+        let (says, answers) = (child.stdin.take().expect("a pipe"), child.stdout.take().expect("a pipe"));
+        let (put, said) = channel();
+        std::thread::spawn(move || {
+            let messages = BufReader::new(answers).split(0).map_while(Result::ok);
+            messages.for_each(|message| drop(put.send(message)));
+        });
+        let mut browser = Self { child, profile, says, said, calls: 0, events: Vec::new() };
+        let there = browser.tell(&json!({ "id": 0, "method": "Browser.getVersion" })) && browser.hear().is_some();
+        assert!(
+            there,
+            "{binary} says nothing: install Debian's chromium, as `cargo xtask test` does, or name one in CHROMIUM"
+        );
+        browser
+    }
+
+    /// Sends a message; whether the browser is there.
+    fn tell(&mut self, message: &Value) -> bool {
+        self.says.write_all(format!("{message}\0").as_bytes()).and_then(|()| self.says.flush()).is_ok()
+    }
+
+    /// The next message, if one comes.
+    fn hear(&mut self) -> Option<Value> {
+        let message = self.said.recv_timeout(PATIENCE).ok()?;
+        Some(serde_json::from_slice(&message).expect("JSON"))
     }
 
     fn send(&mut self, session: Option<&str>, method: &str, params: &Value) -> Value {
@@ -68,10 +82,9 @@ impl Browser {
         if let Some(session) = session {
             call["sessionId"] = session.into();
         }
-        self.socket.send(Message::text(call.to_string())).expect("the browser listens");
+        assert!(self.tell(&call), "the browser listens");
         loop {
-            let Message::Text(text) = self.socket.read().expect("the browser answers") else { continue };
-            let mut said: Value = serde_json::from_str(&text).expect("JSON");
+            let mut said = self.hear().expect("the browser answers");
             if said["id"] == self.calls {
                 assert!(said["error"].is_null(), "{method}: {}", said["error"]);
                 return said["result"].take();
@@ -216,7 +229,7 @@ impl Browser {
 impl Drop for Browser {
     fn drop(&mut self) {
         // Asked to, it ends its own processes as well; killed, it would leave them.
-        let _ = self.socket.send(Message::text(json!({ "id": 0, "method": "Browser.close" }).to_string()));
+        self.tell(&json!({ "id": 0, "method": "Browser.close" }));
         for _ in 0..200 {
             if !matches!(self.child.try_wait(), Ok(None)) {
                 break;
@@ -227,6 +240,25 @@ impl Drop for Browser {
         let _ = self.child.wait();
         let _ = std::fs::remove_dir_all(&self.profile);
     }
+}
+
+/// The middle of an element, pixels.
+pub(super) fn middle(browser: &mut Browser, window: &Window, id: &str) -> [f64; 2] {
+    let expression = format!(
+        "(() => {{ const r = document.getElementById('{id}').getBoundingClientRect(); \
+         return [r.x + r.width / 2, r.y + r.height / 2]; }})()"
+    );
+    browser.numbers(window, &expression)
+}
+
+/// Moves a pressed mouse by so many mm of the scene, as a hand does, in 40 frames.
+pub(super) fn drag(browser: &mut Browser, window: &Window, [x, y]: [f64; 2], mm: f64) -> [f64; 2] {
+    let [per_mm] = browser.numbers(window, "[scene.getScreenCTM().a]");
+    for step in 1..=40 {
+        browser.mouse(window, "mouseMoved", [x + per_mm * mm * f64::from(step) / 40.0, y]);
+        std::thread::sleep(Duration::from_millis(16));
+    }
+    [x + per_mm * mm, y]
 }
 
 fn from_base64(text: &str) -> Vec<u8> {

@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStderr, Command};
 use std::time::{Duration, Instant};
 
-use devtools::{Browser, Window};
+use devtools::{Browser, Window, drag, middle};
 use serde_json::json;
 use socket::Socket;
 
@@ -84,15 +84,6 @@ fn folder() -> PathBuf {
     folder
 }
 
-/// The middle of an element, pixels.
-fn middle(browser: &mut Browser, window: &Window, id: &str) -> [f64; 2] {
-    let expression = format!(
-        "(() => {{ const r = document.getElementById('{id}').getBoundingClientRect(); \
-         return [r.x + r.width / 2, r.y + r.height / 2]; }})()"
-    );
-    browser.numbers(window, &expression)
-}
-
 fn click(browser: &mut Browser, window: &Window, id: &str) {
     browser.evaluate(window, &format!("document.getElementById('{id}').click()"));
 }
@@ -111,16 +102,6 @@ fn set(browser: &mut Browser, window: &Window, id: &str, value: &str) {
         json!(value)
     );
     browser.evaluate(window, &expression);
-}
-
-/// Moves a pressed mouse by so many mm of the scene, as a hand does, in 40 frames.
-fn drag(browser: &mut Browser, window: &Window, [x, y]: [f64; 2], mm: f64) -> [f64; 2] {
-    let [per_mm] = browser.numbers(window, "[scene.getScreenCTM().a]");
-    for step in 1..=40 {
-        browser.mouse(window, "mouseMoved", [x + per_mm * mm * f64::from(step) / 40.0, y]);
-        std::thread::sleep(Duration::from_millis(16));
-    }
-    [x + per_mm * mm, y]
 }
 
 /// Asked to end, it closes its windows, reports its ticks and says so with status 0.
