@@ -5,6 +5,8 @@ Columns and figures of merit carry their unit at the end of their name: `_m`, `_
 
 from ._native import (
     Journal,
+    LivePeer,
+    LiveState,
     Pair,
     Peer,
     Run,
@@ -14,6 +16,7 @@ from ._native import (
     __version__,
     add_law,
     advice,
+    generate_key,
     keys,
     limit,
     run,
@@ -23,6 +26,8 @@ from ._native import (
 
 __all__ = [
     "Journal",
+    "LivePeer",
+    "LiveState",
     "Pair",
     "Peer",
     "Run",
@@ -32,6 +37,7 @@ __all__ = [
     "__version__",
     "add_law",
     "advice",
+    "generate_key",
     "keys",
     "limit",
     "run",

@@ -2,24 +2,18 @@
 
 use std::net::{Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
-use std::sync::Arc;
 
 use clap::Args;
-use haptic_analysis::{Finding, Question, find, measured};
 use haptic_environments::cooperative::MOST_USERS;
 use haptic_environments::live::hub;
 use haptic_live::endpoint::{Span, Stop};
-use haptic_live::peer;
-use haptic_live::verdict::{Judge, Verdict};
 use haptic_live::watch::LiveOptions;
-use haptic_protocol::key::Role;
-use haptic_sim::key_file;
-use haptic_sim::scene::Scene;
 
 use super::device::DeviceArgs;
 use super::flags::{End, LiveTime, Patience, Watching};
 use super::meeting::{MeetingArgs, Met};
 use super::{Failure, SceneArgs, Ui, ui::Unsuccessful};
+use crate::live_peer::LivePeer;
 
 #[derive(Debug, Args)]
 #[command(mut_arg("scene", |scene| scene.default_value("any-network")))]
@@ -66,15 +60,15 @@ impl Peer {
         let listen = self.listen.unwrap_or((Ipv4Addr::UNSPECIFIED, 0).into());
         let (number, key, connect, meeting) = match (met, own, self.connect) {
             (Some(Met { number, key, meeting }), ..) => (number, key, meeting.place, Some(meeting)),
-            (None, Some((file, number)), Some(connect)) => (number, key_file::read(file, Role::Peers)?, connect, None),
+            (None, Some((file, number)), Some(connect)) => (number, LivePeer::key(file)?, connect, None),
             (None, ..) => return Err("a peer needs --number, --listen, --connect and --key-file".into()),
         };
         let scene = self.scene.over(number, &self.device.beneath(number))?.load(ui)?;
         let span = Span { duration_s: self.time.seconds, patience_s: self.patience.patience_s };
-        let provenance = ui.provenance().settings(scene.settings()).with("peer", number);
-        let judge = Some(judge(scene.clone(), self.anyway));
-        let wanted = LiveOptions { judge, device, meeting, ..self.watching.wanted(provenance) };
-        let report = peer::run(&scene, key, number, [listen, connect], span, &wanted, &stop)?;
+        let anyway = if self.anyway { Ok(()) } else { Err("with --anyway it does") };
+        let peer = LivePeer { scene, number, key, ends: [listen, connect], span, anyway };
+        let wanted = LiveOptions { device, meeting, ..self.watching.wanted(peer.provenance(ui.provenance())) };
+        let report = peer.run(wanted, &stop)?;
         ui.live_report(self.watching.json_lines, &format!("peer {number}"), &report)?;
         let unstable =
             report.verdict.filter(|_| report.refused).map(|verdict| format!("never armed: {}", verdict.text));
@@ -109,17 +103,4 @@ impl Hub {
         let report = hub::run(&scene, &key, users.into(), listen, span, &wanted, &Stop::on_signals()?)?;
         ui.live_report(self.watching.json_lines, "hub", &report)
     }
-}
-
-/// What is asked of a peer's scene; a verdict on more packets takes seconds, and arming waits for it.
-const QUESTION: Question = Question { hand: None, for_every_mode: true, most_packets: 40 };
-
-/// Who judges this scene at measured delays, and lets it arm anyway or not.
-fn judge(scene: Scene, anyway: bool) -> Judge {
-    let find = move |one_way_s: [f64; 2]| {
-        let found = find(&measured(&scene, one_way_s), QUESTION);
-        let Finding { stable, spectral_radius, text, instead, not_judged } = found;
-        Verdict { one_way_ms: one_way_s.map(|s| 1e3 * s), stable, spectral_radius, text, instead, not_judged }
-    };
-    Judge { find: Arc::new(find), unless: (!anyway).then_some("with --anyway it does") }
 }
