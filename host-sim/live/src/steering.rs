@@ -141,3 +141,7 @@ impl Steering {
 fn held<T>(lock: &Mutex<T>) -> MutexGuard<'_, T> {
     lock.lock().unwrap_or_else(PoisonError::into_inner)
 }
+
+#[cfg(test)]
+#[path = "../tests/inside/steering.rs"]
+mod tests;

@@ -22,7 +22,9 @@ from ._native import (
     run,
     scenes,
     stability,
+    unit,
 )
+from .tables import to_pandas, to_xarray
 
 __all__ = [
     "Journal",
@@ -43,4 +45,7 @@ __all__ = [
     "run",
     "scenes",
     "stability",
+    "to_pandas",
+    "to_xarray",
+    "unit",
 ]

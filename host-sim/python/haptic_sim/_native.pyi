@@ -1,5 +1,5 @@
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Literal, Protocol, final, overload
 
 import numpy as np
@@ -9,6 +9,7 @@ _Scalar = Literal["f32", "f64", "i32f32"]
 _Value = bool | int | float | str
 _Path = str | os.PathLike[str]
 _Runs = list[tuple[int, list[int]]]
+_Progress = Callable[[int, int], object]
 _Forces = Sequence[float] | NDArray[np.float64]
 
 __all__ = [
@@ -30,6 +31,7 @@ __all__ = [
     "run",
     "scenes",
     "stability",
+    "unit",
 ]
 
 __version__: str
@@ -64,6 +66,7 @@ class Scene:
 class Run:
     """What a run gave, as `host-sim cooperate` tells it."""
 
+    def _repr_html_(self) -> str: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
     @property
     def columns(self) -> dict[str, NDArray[np.float64]]:
@@ -117,6 +120,7 @@ class Run:
 class Stability:
     """The verdict on a scene in every mode that it can enter."""
 
+    def _repr_html_(self) -> str: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
     @property
     def stable(self) -> bool:
@@ -276,11 +280,14 @@ class Sweep:
     def scene_at(self, point: int) -> Scene:
         """The scene of a point, with the first seed."""
 
-    def run(self, folder: _Path | None = None, threads: int = 0) -> dict[str, NDArray[Any]]:
+    def run(
+        self, folder: _Path | None = None, threads: int = 0, progress: _Progress | None = None
+    ) -> dict[str, NDArray[Any]]:
         """Runs everything on so many threads (0: as many as there are cores) and gives the table by column, a row a run.
 
         With a folder it is kept there as `host-sim sweep --out` keeps it: what is there already is not run again, and in the end
         `sweep.csv` and `sweep.parquet` stand there. Raises OSError where that is another sweep's folder, or cannot be written.
+        `progress` is told now and then how many runs are done, and of how many.
         """
 
     def open(self, folder: _Path) -> Journal:
@@ -505,11 +512,18 @@ def keys() -> dict[str, dict[str, Any]]:
 def limit(scene: Scene, key: str, first: float, last: float) -> list[float]:
     """The values of a key between two ends at which the scene becomes stable or unstable, every mode considered."""
 
-def run(scene: Scene, seconds: float = 20.0, scalar: _Scalar = "f64", every: int | None = None) -> Run:
+def run(
+    scene: Scene,
+    seconds: float = 20.0,
+    scalar: _Scalar = "f64",
+    every: int | None = None,
+    progress: _Progress | None = None,
+) -> Run:
     """Runs a scene for so many simulated seconds.
 
     `scalar` is the number type of the peers: f32 as the board, f64, or i32f32 (fixed point). Every `every`-th tick is recorded, 0 for
-    none; without it at most about 100,000 rows are, as the command line has it. Other Python threads go on meanwhile.
+    none; without it at most about 100,000 rows are, as the command line has it. `progress` is told now and then how many ticks are done, and of
+    how many. Other Python threads go on meanwhile.
     """
 
 def scenes() -> list[str]:
@@ -517,3 +531,6 @@ def scenes() -> list[str]:
 
 def stability(scene: Scene) -> Stability:
     """Is this scene stable, and by how much? Of the linear scene behind it: both hands on, one, none."""
+
+def unit(name: str) -> str:
+    """The unit of a column or a figure of merit, by the end of its name; empty of what has none: a count, a ratio, a flag, words."""

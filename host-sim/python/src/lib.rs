@@ -26,6 +26,8 @@ mod _native {
     #[allow(non_upper_case_globals)]
     const __version__: &str = env!("CARGO_PKG_VERSION");
     #[pymodule_export]
+    use super::columns::unit;
+    #[pymodule_export]
     use super::law::add_law;
     #[pymodule_export]
     use super::live::{LivePeer, LiveState, generate_key};

@@ -2,6 +2,7 @@
 
 import gc
 import os
+import pathlib
 import signal
 import socket
 import subprocess
@@ -79,7 +80,7 @@ class Handle:
 
 
 def test_two_peers_hold_one_object_and_a_recording_is_read_back(line, tmp_path, host_sim):
-    """2 N from each side: where statics say, in one process; what was recorded says the same."""
+    """1 N from each side: where statics say, in one process; what was recorded says the same."""
     record = tmp_path / "one.mcap"
     # Fingers that damp: the scene's own device alone swings for seconds.
     settings = {"device.damping_n_s_per_m": 5.0}
@@ -313,3 +314,34 @@ def test_a_law_in_python_is_not_asked_in_a_tick(line):
     haptic_sim.add_law(Nothing())
     with pytest.raises(ValueError, match="not allowed in a live peer"):
         haptic_sim.LivePeer({"coordination.comm": "nothing-live"}, 1, **line[0])
+
+
+def blocks():
+    page = (pathlib.Path(__file__).parents[3] / "docs/python.md").read_text()
+    return [block.split("```")[0] for block in page.split("```python\n")[1:]]
+
+
+def test_the_pages_two_peers_run(tmp_path):
+    (code,) = [block for block in blocks() if "LivePeer(" in block]
+    for port, free in zip(("127.0.0.1:7001", "127.0.0.1:7002"), ports()):
+        assert code.count(port) == 2
+        code = code.replace(port, free)
+    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0, done.stderr
+    assert "armed" in done.stdout and (tmp_path / "left.mcap").exists()
+
+
+def test_the_pages_device_is_one(line, tmp_path):
+    """As it stands there it is armed, and mypy takes it for a device."""
+    (code,) = [block for block in blocks() if "class Handle" in block]
+    file = tmp_path / "handle.py"
+    file.write_text(
+        f'{code}\nimport haptic_sim\nhaptic_sim.LivePeer({{}}, 1, listen="", connect="", key="", device=Handle()).close()\n'
+    )
+    done = subprocess.run([sys.executable, "-m", "mypy", str(file)], capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    made: dict = {}
+    exec(code, made)
+    with haptic_sim.LivePeer("any-network", 1, device=made["Handle"](), settings=SOFT, **line[0]) as peer:
+        with haptic_sim.LivePeer("any-network", 2, settings=SOFT, **line[1]):
+            assert peer.wait_armed(20)
