@@ -3,6 +3,7 @@
 
 mod cli;
 mod error;
+pub mod live_peer;
 mod play;
 
 pub use cli::{Cli, provenance};

@@ -174,7 +174,7 @@ pub fn stand_back(niceness: i32) {
 /// How long a run is once everybody is there, and how long to wait for that, s.
 #[derive(Clone, Copy)]
 pub struct Span {
-    /// How long it lasts once everybody is there, s.
+    /// How long it lasts once everybody is there, s; infinite until it is stopped: what is a mean of the last half is of the whole then.
     pub duration_s: f64,
     /// Longest wait until everybody is there, s.
     pub patience_s: f64,

@@ -18,6 +18,7 @@ pub mod quantiles;
 pub mod recording;
 pub mod refused;
 pub mod relay;
+pub mod steering;
 pub mod tell;
 pub mod trials;
 pub mod verdict;

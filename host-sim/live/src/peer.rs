@@ -1,9 +1,9 @@
 //! One peer in real time: a [`Node`] on an endpoint. What was heard in a packet period goes into the exchange at its end, newest
 //! flow only. It arms when the other one is there and, where somebody judges its scene ([`super::verdict`]), when the verdict lets it.
 
-use std::{net::SocketAddr, time::Duration};
+use std::{net::SocketAddr, sync::Arc, time::Duration};
 
-use haptic_core::safety::Mode;
+use haptic_core::safety::{Command, Mode};
 use haptic_protocol::key::Key;
 use haptic_protocol::link::Error;
 use haptic_protocol::wire::{Flows, Message, Telemetry};
@@ -19,6 +19,7 @@ use haptic_sim::{key_file::entropy, node::Node, of_axes, scene::Scene};
 mod report;
 
 use super::endpoint::{Endpoint, Live, Span, Stop, Ticker};
+use super::steering::{Steering, Wanted};
 use super::verdict::Judging;
 use super::watch::{LiveOptions, TELLING_S, Watch};
 use crate::refused::{Refused, is_telling, wrong};
@@ -57,21 +58,44 @@ struct LivePeer<const SHARED: usize, const N: usize> {
     duration_s: f64,
     /// Tick of the newest telemetry.
     reported_tick: Option<u32>,
+    /// Who steers it, and what was wanted last.
+    steering: Option<(Arc<Steering>, Wanted)>,
+    /// Since when it is wanted armed, µs.
+    wanted_us: Option<u64>,
 }
 
 impl<const SHARED: usize, const N: usize> LivePeer<SHARED, N>
 where
     Flows<SHARED>: Into<Message>,
 {
-    /// Keeps the motors off until the verdict lets them be armed. Once they are, they stay so.
-    fn heed_verdict(&mut self) {
-        let Some(judging) = &mut self.judging else { return };
-        if let Some(words) = judging.heed(self.now_us, &mut self.node, false) {
+    /// Keeps the motors off until the verdict, and whoever steers, let them be armed. Once they are, no verdict turns them off.
+    fn heed(&mut self) {
+        let held = self.steer();
+        if let Some(words) = self.judging.as_mut().and_then(|judging| judging.heed(self.now_us, &mut self.node, held)) {
             self.watch.teller.words(words);
         }
-        let refused =
-            self.node.peer.mode() == Mode::Disarmed && self.node.armed_ticks == 0 && judging.refuses().is_some();
+        let mode = self.node.peer.mode();
+        let unjudged = self.judging.is_none() && mode == Mode::Disarmed && self.node.is_halted() != held;
+        if unjudged || mode == Mode::Armed && held {
+            self.node.halt(held);
+        }
+        let refuses = self.judging.as_ref().is_some_and(|judging| judging.refuses().is_some());
+        let refused = mode == Mode::Disarmed && self.node.armed_ticks == 0 && refuses;
         self.refused_us = refused.then(|| self.refused_us.unwrap_or(self.now_us));
+    }
+
+    /// Does what is wanted; whether its motors are to be off.
+    fn steer(&mut self) -> bool {
+        let Some((steering, last)) = &mut self.steering else { return false };
+        let wanted = steering.order().unwrap_or(*last);
+        self.node.hold_clutch(wanted.clutch);
+        self.node.pull(std::array::from_fn(|axis| wanted.pull_n.get(axis).copied().unwrap_or_default()));
+        if wanted.clears != last.clears {
+            self.node.peer.command(Command::Clear);
+        }
+        *last = wanted;
+        self.wanted_us = wanted.armed.then(|| self.wanted_us.unwrap_or(self.now_us));
+        !wanted.armed
     }
 
     fn differs_in(&self, table: &str) -> String {
@@ -108,9 +132,9 @@ where
 
     fn act(&mut self, now_ns: u64, out: &mut Out<'_, SocketAddr, [u8]>) {
         self.now_us = now_ns / 1_000;
-        self.heed_verdict();
+        self.heed();
         let node = &mut self.node;
-        node.tick(self.now_us, |bytes| out(self.connect, bytes));
+        let actuators = node.tick(self.now_us, |bytes| out(self.connect, bytes));
         if let (None, Some(gone)) = (self.gone_us, node.gone()) {
             self.gone_us = Some(self.now_us);
             self.watch.teller.words(format!("the motors are off: {gone}"));
@@ -133,6 +157,10 @@ where
             self.whole.see(tick, [decoded_m, wall_n, wall_n * wall_n]);
         }
         self.watch.ticked(now_ns, node, self.judging.as_ref());
+        if let Some((steering, _)) = &self.steering {
+            let forces = if actuators.enable { actuators.forces } else { [0.0; N] };
+            steering.leave(now_ns, (&*node, forces), (&self.watch, self.judging.as_ref()));
+        }
         if let Some((from, why)) = self.impossible.take(self.now_us) {
             self.watch.teller.words(wrong(from, &why));
         }
@@ -162,6 +190,10 @@ where
             return Some(self.differs_in(table));
         }
         if self.refused_us.is_some() || self.gone_us.is_some() {
+            return None;
+        }
+        let wanted_us = self.wanted_us?;
+        if self.now_us < wanted_us.saturating_add((1e6 * patience_s) as u64) && wanted_us > 0 {
             return None;
         }
         let off = |said: &Telemetry| said.mode == 0;
@@ -223,6 +255,8 @@ where
 {
     let period_s = scene.peer.timing.control_period_s;
     let ticks = (duration_s / period_s).round() as u64;
+    // What has no end has no last half.
+    let measured = if duration_s.is_finite() { ticks } else { 0 };
     let endpoint = match &wanted.meeting {
         Some(meeting) => Endpoint::carried(Some(listen), meeting, key.clone(), number - 1)?,
         None => Endpoint::polled(listen)?,
@@ -230,7 +264,7 @@ where
     endpoint.reaches(connect)?;
     // Last of what may take time: from here on the device is read at every tick.
     let judging = wanted.judge.as_ref().map(|judge| Judging::start(judge, period_s)).transpose()?;
-    let watch = Watch::new(wanted, scene, number, endpoint.start(), connect.to_string(), (ticks, endpoint.paths()))?;
+    let watch = Watch::new(wanted, scene, number, endpoint.start(), connect.to_string(), (measured, endpoint.paths()))?;
     let (device, seen_device) = wanted.device.open(scene, number)?;
     let node =
         Node::with_device(scene, number, key, entropy, device)?.telling_every(TELLING_S).beginning_after(AFTER_US);
@@ -240,12 +274,14 @@ where
         duration_s,
         watch,
         reported_tick: None,
+        steering: wanted.steering.as_ref().map(|steering| (steering.clone(), steering.wanted())),
+        wanted_us: Some(0),
         node,
         connect,
         patience_s,
         ticks,
-        halves: [LastHalf::new(ticks); SHARED],
-        whole: LastHalf::new(ticks),
+        halves: [LastHalf::new(measured); SHARED],
+        whole: LastHalf::new(measured),
         ports: [ObjectPort::new(period_s, scene.peer.coordination.stiffness_n_per_m); SHARED],
         refusal: None,
         impossible: Refused::default(),
@@ -253,6 +289,9 @@ where
         gone_us: None,
         now_us: 0,
     };
+    if let Some(steering) = &wanted.steering {
+        steering.begin();
+    }
     let ticker = Ticker::realtime(Duration::from_secs_f64(period_s));
     let punctuality = endpoint.run(ticker, patience_s, stop, &mut peer)?;
     let LivePeer { node, halves, whole, ports, watch, judging, refused_us, .. } = peer;

@@ -72,7 +72,7 @@ pub struct Second {
     pub time_s: f64,
     /// Of an experiment whose length is known, what is over, s, and its length, s.
     pub done_s: f64,
-    /// Length of the whole experiment, s.
+    /// Length of the whole experiment, s; 0 of one that goes on until it is stopped.
     pub of_s: f64,
     /// `calling`, `waiting`, `refused`, `armed`, `faulted`.
     pub state: &'static str,

@@ -17,6 +17,7 @@ use super::carried::{Meeting, Paths};
 use super::devices::DeviceOptions;
 use super::discrepancy::{PositionHistory, Sum};
 use super::path_watch::PathWatch;
+use super::steering::Steering;
 use super::tell::{Manner, PathSecond, Second, Teller};
 use super::verdict::{Judge, Judging};
 use crate::Error;
@@ -44,6 +45,8 @@ pub struct LiveOptions {
     pub device: DeviceOptions,
     /// Where a peer meets the other one, which it does not call at an address.
     pub meeting: Option<Meeting>,
+    /// Who reads and steers a peer from this process; without it a peer arms by itself.
+    pub steering: Option<Arc<Steering>>,
 }
 
 impl LiveOptions {
@@ -118,6 +121,35 @@ pub fn who(number: u8) -> String {
     format!("peer {number}")
 }
 
+/// What a peer is at: `calling`, `waiting`, `refused`, `armed`, `faulted`.
+pub(crate) fn state<const SHARED: usize, const N: usize, D: Device<f32, N>>(
+    node: &Node<SHARED, N, D>,
+    judging: Option<&Judging>,
+) -> &'static str
+where
+    Flows<SHARED>: Into<Message>,
+{
+    match node.peer.mode() {
+        Mode::Faulted(_) => "faulted",
+        _ if node.gone().is_some() => "faulted",
+        Mode::Armed if node.is_moving() => "armed",
+        Mode::Disarmed if judging.is_some_and(|judging| judging.refuses().is_some()) => "refused",
+        _ if node.line.link.is_up() => "waiting",
+        _ => "calling",
+    }
+}
+
+/// What stopped a peer, or its device, in words.
+pub(crate) fn fault<const SHARED: usize, const N: usize, D: Device<f32, N>>(node: &Node<SHARED, N, D>) -> Option<String>
+where
+    Flows<SHARED>: Into<Message>,
+{
+    match node.peer.mode() {
+        Mode::Faulted(fault) => Some(format!("fault {}: {}", fault.number(), fault.explain())),
+        _ => node.gone().map(ToString::to_string),
+    }
+}
+
 /// The channels that a recording of peer `number` of this scene has; the last is that of its paths, where it `meets` the other one somewhere.
 pub fn channels(scene: &Scene, number: u8, meets: bool) -> Vec<Channel> {
     let of = format!("peer_{number}");
@@ -149,6 +181,8 @@ pub struct Watch {
     of_this: [u32; 2],
     all_ticks: u64,
     reported: u64,
+    /// The newest second.
+    pub(crate) newest: Option<Second>,
     /// The paths of a line that is carried.
     paths: Option<PathWatch>,
 }
@@ -200,6 +234,7 @@ impl Watch {
             of_this: [0; 2],
             all_ticks: 0,
             reported: 0,
+            newest: None,
             paths: None,
         }
     }
@@ -299,19 +334,11 @@ impl Watch {
         self.record(ticks::SECONDS, now_ns, &[&of_clock[..], &values, &stands].concat());
         let report = self.paths.as_ref().map(|paths| paths.second(now_ns));
         let mm = |metres: Option<f64>| metres.map(|metres| 1e3 * metres);
-        let (state, fault) = match node.peer.mode() {
-            Mode::Faulted(fault) => ("faulted", Some(format!("fault {}: {}", fault.number(), fault.explain()))),
-            _ if let Some(gone) = node.gone() => ("faulted", Some(gone.to_string())),
-            Mode::Armed if node.is_moving() => ("armed", None),
-            Mode::Disarmed if judging.is_some_and(|judging| judging.refuses().is_some()) => ("refused", None),
-            _ if link.is_up() => ("waiting", None),
-            _ => ("calling", None),
-        };
-        self.teller.second(Second {
+        let second = Second {
             time_s,
             done_s: node.armed_ticks as f64 * self.period_s,
             of_s: self.ticks as f64 * self.period_s,
-            state,
+            state: state(node, judging),
             partner: self.partner.clone(),
             round_trip_us: link.clock().round_trip_us(),
             true_discrepancy_mm: mm(sum.rms_m()),
@@ -321,8 +348,10 @@ impl Watch {
             live_share: link.is_up().then_some(live_share),
             stable,
             path: report.as_ref().map(PathSecond::of),
-            fault,
-        });
+            fault: fault(node),
+        };
+        self.newest = Some(second.clone());
+        self.teller.second(second);
     }
 
     /// What there was to see; the recording is closed.

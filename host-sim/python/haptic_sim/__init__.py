@@ -5,6 +5,8 @@ Columns and figures of merit carry their unit at the end of their name: `_m`, `_
 
 from ._native import (
     Journal,
+    LivePeer,
+    LiveState,
     Pair,
     Peer,
     Run,
@@ -14,15 +16,20 @@ from ._native import (
     __version__,
     add_law,
     advice,
+    generate_key,
     keys,
     limit,
     run,
     scenes,
     stability,
+    unit,
 )
+from .tables import to_pandas, to_xarray
 
 __all__ = [
     "Journal",
+    "LivePeer",
+    "LiveState",
     "Pair",
     "Peer",
     "Run",
@@ -32,9 +39,13 @@ __all__ = [
     "__version__",
     "add_law",
     "advice",
+    "generate_key",
     "keys",
     "limit",
     "run",
     "scenes",
     "stability",
+    "to_pandas",
+    "to_xarray",
+    "unit",
 ]

@@ -1,5 +1,5 @@
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Literal, Protocol, final, overload
 
 import numpy as np
@@ -9,10 +9,13 @@ _Scalar = Literal["f32", "f64", "i32f32"]
 _Value = bool | int | float | str
 _Path = str | os.PathLike[str]
 _Runs = list[tuple[int, list[int]]]
+_Progress = Callable[[int, int], object]
 _Forces = Sequence[float] | NDArray[np.float64]
 
 __all__ = [
     "Journal",
+    "LivePeer",
+    "LiveState",
     "Pair",
     "Peer",
     "Run",
@@ -22,11 +25,13 @@ __all__ = [
     "__version__",
     "add_law",
     "advice",
+    "generate_key",
     "keys",
     "limit",
     "run",
     "scenes",
     "stability",
+    "unit",
 ]
 
 __version__: str
@@ -61,6 +66,7 @@ class Scene:
 class Run:
     """What a run gave, as `host-sim cooperate` tells it."""
 
+    def _repr_html_(self) -> str: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
     @property
     def columns(self) -> dict[str, NDArray[np.float64]]:
@@ -114,6 +120,7 @@ class Run:
 class Stability:
     """The verdict on a scene in every mode that it can enter."""
 
+    def _repr_html_(self) -> str: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
     @property
     def stable(self) -> bool:
@@ -273,11 +280,14 @@ class Sweep:
     def scene_at(self, point: int) -> Scene:
         """The scene of a point, with the first seed."""
 
-    def run(self, folder: _Path | None = None, threads: int = 0) -> dict[str, NDArray[Any]]:
+    def run(
+        self, folder: _Path | None = None, threads: int = 0, progress: _Progress | None = None
+    ) -> dict[str, NDArray[Any]]:
         """Runs everything on so many threads (0: as many as there are cores) and gives the table by column, a row a run.
 
         With a folder it is kept there as `host-sim sweep --out` keeps it: what is there already is not run again, and in the end
         `sweep.csv` and `sweep.parquet` stand there. Raises OSError where that is another sweep's folder, or cannot be written.
+        `progress` is told now and then how many runs are done, and of how many.
         """
 
     def open(self, folder: _Path) -> Journal:
@@ -308,6 +318,158 @@ class Journal:
     def __exit__(self, *_error: object) -> None: ...
 
 _Numbers = Sequence[float] | NDArray[Any]
+
+class _Device(Protocol):
+    """A slow device in Python: asked 200 times a second at most, in a thread of its own (docs/python.md).
+
+    `read` gives where the hand is along each axis (m), or that and how fast it moves (m/s). Beside it may be `axes` (1 without it), `name`,
+    `max_force_n`, `workspace_m` (of each axis), and `is_homed`; without `lets_go_s`, how long it holds a force after the last `write`, or
+    without being homed, it is not armed.
+    """
+
+    def read(self) -> Iterable[float] | tuple[Iterable[float], Iterable[float]]: ...
+    def write(self, force_n: tuple[float, ...], /) -> object: ...
+
+_Along = float | tuple[float, ...]
+
+@final
+class LiveState:
+    """What a live peer was at its newest tick. Along several shared axes each quantity is a tuple; places and forces are of the shared world."""
+
+    @property
+    def time_s(self) -> float:
+        """Time since the peer began, s."""
+
+    @property
+    def tick(self) -> int:
+        """Control periods in which its hand moved."""
+
+    @property
+    def mode(self) -> Literal["calling", "waiting", "held", "refused", "armed", "faulted"]:
+        """calling, waiting (for the other end, a verdict or arming), refused, armed, faulted; held while it is not wanted armed."""
+
+    @property
+    def fault(self) -> str | None:
+        """What stopped it."""
+
+    @property
+    def hand_m(self) -> _Along:
+        """Where the hand is, m."""
+
+    @property
+    def hand_m_per_s(self) -> _Along:
+        """How fast it moves, m/s."""
+
+    @property
+    def object_m(self) -> _Along:
+        """Where this peer's copy of the object is, m."""
+
+    @property
+    def object_m_per_s(self) -> _Along:
+        """How fast it moves, m/s."""
+
+    @property
+    def peer_m(self) -> _Along:
+        """Where the other peer's copy is, as far as this one knows: what the coordination acts upon, m."""
+
+    @property
+    def peer_m_per_s(self) -> _Along:
+        """How fast that moves, m/s."""
+
+    @property
+    def force_n(self) -> _Along:
+        """Force at the hand, as the peer commands it, N; 0 while its motors are off."""
+
+    @property
+    def contact_force_n(self) -> _Along:
+        """Force of contact on the copy, N."""
+
+    @property
+    def coordination_force_n(self) -> _Along:
+        """Force of coordination on the copy, N."""
+
+@final
+class LivePeer:
+    """A peer in real time: `host-sim peer` in a native thread of its own, with no Python in its tick, read and steered from here at any rate.
+
+    `scene` is a Scene, the name of a built-in one, a file, or a dict of settings over the recommended scene; `number` 1 (left) or 2
+    (right); `listen` and `connect` are where this end and the other one are, `key` is the key file that both have (`generate_key`).
+    `device` is what `--device` takes, or an object with `read` and `write` (docs/python.md); what else is told of it has the names of the
+    command's flags, as device_axes. Without `seconds` it goes on until it is stopped, and the means of its report are of the whole run.
+    With `arm=False` it waits for `arm()`. What ends the object lets go.
+
+    Raises ValueError for what is not allowed, and OSError for a file or an address that cannot be opened.
+    """
+
+    def __new__(
+        cls,
+        scene: Scene | _Path | dict[str, _Value],
+        number: int,
+        *,
+        listen: str,
+        connect: str,
+        key: _Path,
+        device: str | _Device | None = None,
+        settings: dict[str, _Value] | None = None,
+        seconds: float | None = None,
+        patience_s: float = 30.0,
+        anyway: bool = False,
+        arm: bool = True,
+        record: _Path | None = None,
+        **device_settings: bool | float | str | Sequence[float] | Sequence[str],
+    ) -> LivePeer: ...
+    @property
+    def state(self) -> LiveState:
+        """What it was at its newest tick."""
+
+    @property
+    def second(self) -> dict[str, Any] | None:
+        """What its newest whole second was, and what was measured of the line in it: as `host-sim peer --json-lines` says it; None before."""
+
+    @property
+    def verdict(self) -> dict[str, Any] | None:
+        """What its scene is at the delays that were measured: stable, spectral_radius, one_way_ms, text, instead, not_judged; None before."""
+
+    @property
+    def running(self) -> bool:
+        """Whether it has not ended."""
+
+    @property
+    def report(self) -> dict[str, Any] | None:
+        """What `host-sim peer --json` reports at the end; None while it runs. Raises RuntimeError if the run failed."""
+
+    @property
+    def clutch(self) -> bool:
+        """Whether the clutch is held open from here; the device's own button opens it, too."""
+
+    @clutch.setter
+    def clutch(self, value: bool, /) -> None: ...
+    def arm(self) -> None:
+        """Arms it as soon as it may: the other end is there, and the verdict lets it. After a fault this forgets the fault."""
+
+    def disarm(self) -> None:
+        """Turns its motors off, from the next tick on; the line stays, and `arm()` goes on."""
+
+    def push(self, force_n: float | _Forces) -> None:
+        """Has the hand at a simulated device push with this force beside what the scene's user does, N toward positive x, until told otherwise."""
+
+    def wait_armed(self, timeout_s: float | None = None) -> bool:
+        """Waits until it is armed and both ends are live; False if the time is over first. Raises RuntimeError if the run failed meanwhile."""
+
+    def wait(self, timeout_s: float | None = None) -> bool:
+        """Waits until it has ended; False if the time is over first. Raises RuntimeError if the run failed."""
+
+    def stop(self) -> dict[str, Any] | None:
+        """Lets go, tells the other end, and gives the report. Raises RuntimeError if the run failed."""
+
+    def close(self) -> None:
+        """Lets go and tells the other end, whatever came of the run."""
+
+    def __enter__(self) -> LivePeer: ...
+    def __exit__(self, kind: object, error: object, traceback: object, /) -> None: ...
+
+def generate_key(file: _Path) -> None:
+    """Makes a new key file for two peers; an existing file is left alone. Copy it to the other end over a way that you trust."""
 
 class _Law(Protocol):
     """A coordination law in Python: what it is told are tuples of floats, and what it answers are numbers (docs/python.md)."""
@@ -350,11 +512,18 @@ def keys() -> dict[str, dict[str, Any]]:
 def limit(scene: Scene, key: str, first: float, last: float) -> list[float]:
     """The values of a key between two ends at which the scene becomes stable or unstable, every mode considered."""
 
-def run(scene: Scene, seconds: float = 20.0, scalar: _Scalar = "f64", every: int | None = None) -> Run:
+def run(
+    scene: Scene,
+    seconds: float = 20.0,
+    scalar: _Scalar = "f64",
+    every: int | None = None,
+    progress: _Progress | None = None,
+) -> Run:
     """Runs a scene for so many simulated seconds.
 
     `scalar` is the number type of the peers: f32 as the board, f64, or i32f32 (fixed point). Every `every`-th tick is recorded, 0 for
-    none; without it at most about 100,000 rows are, as the command line has it. Other Python threads go on meanwhile.
+    none; without it at most about 100,000 rows are, as the command line has it. `progress` is told now and then how many ticks are done, and of
+    how many. Other Python threads go on meanwhile.
     """
 
 def scenes() -> list[str]:
@@ -362,3 +531,6 @@ def scenes() -> list[str]:
 
 def stability(scene: Scene) -> Stability:
     """Is this scene stable, and by how much? Of the linear scene behind it: both hands on, one, none."""
+
+def unit(name: str) -> str:
+    """The unit of a column or a figure of merit, by the end of its name; empty of what has none: a count, a ratio, a flag, words."""

@@ -1,9 +1,15 @@
 //! Columns of a table as NumPy arrays.
 
-use haptic_report::{Cell, Columns, Values};
+use haptic_report::{Cell, Column, Columns, Values};
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+
+/// The unit of a column or a figure of merit, by the end of its name; empty of what has none: a count, a ratio, a flag, words.
+#[pyfunction]
+pub(crate) fn unit(name: &str) -> &'static str {
+    Column::numbers(name, "", Vec::new()).unit()
+}
 
 /// Every column by name: numbers as float64, which take over the column's memory; counts as int64; yes and no as bool; what may be
 /// missing as float64 with NaN; `texts`, and anything else, as objects, `None` where there is nothing.

@@ -5,7 +5,9 @@
 //! Recorded columns become NumPy arrays without a copy. What is refused is a `ValueError` with the command line's own sentence.
 
 mod columns;
+mod device;
 mod law;
+mod live;
 mod pair;
 mod peer;
 mod push;
@@ -24,7 +26,11 @@ mod _native {
     #[allow(non_upper_case_globals)]
     const __version__: &str = env!("CARGO_PKG_VERSION");
     #[pymodule_export]
+    use super::columns::unit;
+    #[pymodule_export]
     use super::law::add_law;
+    #[pymodule_export]
+    use super::live::{LivePeer, LiveState, generate_key};
     #[pymodule_export]
     use super::pair::Pair;
     #[pymodule_export]

@@ -18,7 +18,7 @@ const PART: usize = 1 << 16;
 const LARGEST_N: f64 = 1000.0;
 
 /// A force that is no number is refused, and none that no hand has.
-fn check(forces: &[f64]) -> PyResult<()> {
+pub(crate) fn check(forces: &[f64]) -> PyResult<()> {
     let wrong = forces.iter().find(|force| force.is_nan() || force.abs() > LARGEST_N);
     wrong.map_or(Ok(()), |force| {
         let must = format!("it must be a number from -{LARGEST_N} to {LARGEST_N} N");

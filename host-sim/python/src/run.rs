@@ -9,7 +9,7 @@ use pyo3::types::{PyDict, PyTuple};
 
 use crate::columns::to_python;
 use crate::scene::Scene;
-use crate::work::{here, refused};
+use crate::work::{Progress, here, here_telling, refused};
 
 /// Most rows of a table: five hours at 1 kHz.
 pub(crate) const MOST_ROWS: usize = 20_000_000;
@@ -29,6 +29,14 @@ pub(crate) fn check_seconds(seconds: f64, scene: &haptic_sim::Scene) -> PyResult
     }
     let must = format!("it must be a number from {period_s} (one control period) to {LONGEST_S} s");
     Err(refused(format!("seconds = {seconds} is not allowed: {must}")))
+}
+
+/// Names and what they are, as a table of HTML.
+pub(crate) fn html(title: &str, rows: &[(String, String)]) -> String {
+    let escape = |text: &str| text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
+    let row = |(name, is): &(String, String)| format!("<tr><th>{}</th><td>{}</td></tr>", escape(name), escape(is));
+    let rows: String = rows.iter().map(row).collect();
+    format!("<table><caption>{title}</caption>{rows}</table>")
 }
 
 /// What a run gave, as `host-sim cooperate` tells it.
@@ -132,6 +140,22 @@ impl Run {
         (slf.get_type().getattr("_of")?, (PyTuple::new(py, held)?,)).into_pyobject(py)
     }
 
+    /// Its verdict and its figures of merit as a table, for notebooks.
+    fn _repr_html_(&self, py: Python<'_>) -> PyResult<String> {
+        let mut rows = vec![("verdict".to_owned(), self.verdict.to_owned())];
+        rows.extend(self.reason.iter().map(|reason| ("reason".to_owned(), reason.clone())));
+        rows.push(("spectral radius, both hands on".to_owned(), format!("{:.9}", self.spectral_radius)));
+        if !self.unstable_modes.is_empty() {
+            rows.push(("unstable with hands on".to_owned(), self.unstable_modes.join("; ")));
+        }
+        for (name, merit) in self.merits.bind(py) {
+            let merit: Option<f64> = merit.extract()?;
+            rows.push((name.to_string(), merit.map_or_else(|| "none".to_owned(), |merit| format!("{merit:.6}"))));
+        }
+        rows.extend([("ticks".to_owned(), self.ticks.to_string()), ("state hash".to_owned(), self.state_hash.clone())]);
+        Ok(html("Run", &rows))
+    }
+
     fn __repr__(&self) -> String {
         let reason = self.reason.as_ref().map_or_else(String::new, |reason| format!(": {reason}"));
         let modes = match self.unstable_modes.as_slice() {
@@ -145,10 +169,18 @@ impl Run {
 /// Runs a scene for so many simulated seconds.
 ///
 /// `scalar` is the number type of the peers: f32 as the board, f64, or i32f32 (fixed point). Every `every`-th tick is recorded, 0 for
-/// none; without it at most about 100,000 rows are, as the command line has it. Other Python threads go on meanwhile.
+/// none; without it at most about 100,000 rows are, as the command line has it. `progress` is told now and then how many ticks are done, and of
+/// how many. Other Python threads go on meanwhile.
 #[pyfunction]
-#[pyo3(signature = (scene, seconds = 20.0, scalar = "f64", every = None))]
-pub(crate) fn run(py: Python<'_>, scene: &Scene, seconds: f64, scalar: &str, every: Option<i64>) -> PyResult<Run> {
+#[pyo3(signature = (scene, seconds = 20.0, scalar = "f64", every = None, progress = None))]
+pub(crate) fn run(
+    py: Python<'_>,
+    scene: &Scene,
+    seconds: f64,
+    scalar: &str,
+    every: Option<i64>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Run> {
     let asked = scene.clone();
     let scene = here(py, move |_| asked.checked().cloned())?;
     check_seconds(seconds, &scene)?;
@@ -167,15 +199,23 @@ pub(crate) fn run(py: Python<'_>, scene: &Scene, seconds: f64, scalar: &str, eve
         )));
     }
     let scalar = scalar.to_owned();
-    let conclusion = here(py, move |go_on| {
-        let go_on = |_| go_on();
+    let ticks = options.ticks(&scene);
+    let progress = Progress::new(progress, ticks);
+    let own = progress.clone();
+    let conclusion = here_telling(py, &progress, move |go_on| {
+        let go_on = |done| {
+            own.is_at(done);
+            go_on()
+        };
         let outcome = match scalar.as_str() {
             "f32" => run_while::<f32>(&scene, options, &go_on),
             "f64" => run_while::<f64>(&scene, options, &go_on),
             "i32f32" => run_while::<Fixed>(&scene, options, &go_on),
             other => return Err(unknown_scalar(other)),
         };
-        conclude(&scene, outcome.map_err(refused)?).map_err(refused)
+        let outcome = outcome.map_err(refused)?;
+        own.is_at(outcome.ticks);
+        conclude(&scene, outcome).map_err(refused)
     })?;
     let Conclusion { outcome, analysis } = conclusion;
     let merits = PyDict::new(py);

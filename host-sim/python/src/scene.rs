@@ -31,7 +31,7 @@ impl Scene {
         Ok(&self.scene)
     }
 
-    fn put(&mut self, key: &str, value: &Bound<'_, PyAny>) -> PyResult<()> {
+    pub(crate) fn put(&mut self, key: &str, value: &Bound<'_, PyAny>) -> PyResult<()> {
         let value = to_toml(key, value)?;
         let before = self.scene.laws;
         if self.scene.set(key, &value, "scene", None).is_ok() {

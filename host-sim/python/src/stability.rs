@@ -4,6 +4,7 @@ use haptic_analysis::{Effort, Range};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
+use crate::run::html;
 use crate::scene::Scene;
 use crate::work::{here, refused};
 
@@ -33,6 +34,16 @@ impl Stability {
         let held = ["stable", "spectral_radius", "modes", "not_judged"].map(|name| slf.getattr(name));
         let held = held.into_iter().collect::<PyResult<Vec<_>>>()?;
         (slf.get_type().getattr("_of")?, PyTuple::new(py, held)?).into_pyobject(py)
+    }
+
+    /// Every mode with its spectral radius, as a table for notebooks.
+    fn _repr_html_(&self, py: Python<'_>) -> PyResult<String> {
+        let mut rows = vec![("stable".to_owned(), if self.stable { "yes" } else { "NO" }.to_owned())];
+        for (mode, radius) in self.modes.bind(py) {
+            rows.push((format!("hands on: {mode}"), format!("{:.9}", radius.extract::<f64>()?)));
+        }
+        rows.extend(self.not_judged.iter().map(|left_out| ("not judged".to_owned(), left_out.clone())));
+        Ok(html("Stability", &rows))
     }
 
     fn __repr__(&self) -> String {

@@ -17,7 +17,7 @@ use pyo3::types::{PyBytes, PyDict, PyString, PyTuple};
 use crate::columns::to_python;
 use crate::run::check_seconds;
 use crate::scene::{Scene, meant, to_toml};
-use crate::work::{here, on_threads, refused};
+use crate::work::{Progress, here, on_threads, refused};
 
 /// Columns that are texts, also where there is none.
 const TEXTS: &[&str] = &["reason", "unstable_modes"];
@@ -90,14 +90,20 @@ impl Sweep {
         runs: Runs,
         threads: usize,
         journal: Option<Arc<sweep::Journal>>,
+        tell: Option<Py<PyAny>>,
     ) -> PyResult<Vec<Row>> {
         let sweep = self.sweep.clone();
-        on_threads(py, threads, move |go_on| {
+        let progress = Progress::new(tell, runs.iter().map(|(_, seeds)| seeds.len() as u64).sum());
+        let own = progress.clone();
+        on_threads(py, threads, &progress, move |go_on| {
             let unwritten = AtomicBool::new(false);
             let keep = |rows: &[Row]| match go_on() {
-                true => journal.as_ref().map_or(Ok(()), |journal| journal.append(rows)).inspect_err(|_| {
-                    unwritten.store(true, Ordering::Relaxed);
-                }),
+                true => {
+                    own.add(rows.len() as u64);
+                    journal.as_ref().map_or(Ok(()), |journal| journal.append(rows)).inspect_err(|_| {
+                        unwritten.store(true, Ordering::Relaxed);
+                    })
+                }
                 // Who said so tells why.
                 false => Err("stopped".into()),
             };
@@ -152,7 +158,7 @@ impl Sweep {
         }
         let sweep = Arc::new(sweep::Sweep { scene, axes, sample: drawn, seeds, seconds });
         let asked = sweep.clone();
-        on_threads(py, 0, move |_| asked.check().map_err(refused))?;
+        on_threads(py, 0, &Progress::default(), move |_| asked.check().map_err(refused))?;
         Ok(Self { sweep, over, sample })
     }
 
@@ -194,16 +200,23 @@ impl Sweep {
     ///
     /// With a folder it is kept there as `host-sim sweep --out` keeps it: what is there already is not run again, and in the end
     /// `sweep.csv` and `sweep.parquet` stand there. Raises OSError where that is another sweep's folder, or cannot be written.
-    #[pyo3(signature = (folder = None, threads = 0))]
-    fn run<'py>(&self, py: Python<'py>, folder: Option<PathBuf>, threads: usize) -> PyResult<Bound<'py, PyDict>> {
+    /// `progress` is told now and then how many runs are done, and of how many.
+    #[pyo3(signature = (folder = None, threads = 0, progress = None))]
+    fn run<'py>(
+        &self,
+        py: Python<'py>,
+        folder: Option<PathBuf>,
+        threads: usize,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
         let Some(folder) = folder else {
             let all: BTreeSet<usize> = (0..self.sweep.points()).collect();
-            let mut rows = self.rows_of(py, self.sweep.missing(&all, &[]), threads, None)?;
+            let mut rows = self.rows_of(py, self.sweep.missing(&all, &[]), threads, None, progress)?;
             self.sweep.sort(&mut rows);
             return to_python(py, self.sweep.columns(&rows), TEXTS);
         };
         let mut journal = self.open(folder)?;
-        let new = self.rows_of(py, journal.missing(), threads, journal.file.clone())?;
+        let new = self.rows_of(py, journal.missing(), threads, journal.file.clone(), progress)?;
         journal.rows.extend(new);
         journal.finish(py)
     }
@@ -222,7 +235,7 @@ impl Sweep {
         if let Some((point, _)) = runs.iter().find(|(point, _)| *point >= points) {
             return Err(refused(format!("point = {point} is not allowed: there are {points}, from 0")));
         }
-        let rows = self.rows_of(py, runs, threads, None)?;
+        let rows = self.rows_of(py, runs, threads, None, None)?;
         Ok(PyBytes::new(py, &Row::lines(&rows).map_err(refused)?))
     }
 

@@ -70,6 +70,8 @@ pub struct Node<const SHARED: usize = 1, const N: usize = AXES, D = Plant<N>> {
     halted: bool,
     /// Its clutch is open.
     clutched: bool,
+    /// Somebody holds it open, whatever the device's own button does.
+    clutch_is_held: bool,
     /// Its end of the sealed line to the other node.
     pub line: Line<SHARED>,
     period_s: f64,
@@ -224,6 +226,7 @@ where
             gone: None,
             halted: false,
             clutched: false,
+            clutch_is_held: false,
             line,
             period_s,
             ticks: 0,
@@ -306,7 +309,7 @@ where
         self.ticks = self.ticks.wrapping_add(1);
         let clutched = self.begun
             && self.peer.mode() == Mode::Armed
-            && self.device.clutches(self.armed_ticks as f64 * self.period_s);
+            && (self.clutch_is_held || self.device.clutches(self.armed_ticks as f64 * self.period_s));
         if clutched != self.clutched {
             self.clutched = clutched;
             self.peer.command(if clutched { Command::Clutch } else { Command::Release });
@@ -338,6 +341,11 @@ where
         if halted {
             self.peer.command(Command::Disarm);
         }
+    }
+
+    /// Holds its clutch open while it is armed, or leaves that to the device again.
+    pub fn hold_clutch(&mut self, open: bool) {
+        self.clutch_is_held = open;
     }
 
     /// Lets other forces act on a simulated device beside the user's from the next tick on: along each axis, N toward positive x, y, z.

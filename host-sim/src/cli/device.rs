@@ -2,22 +2,15 @@
 
 use std::net::SocketAddr;
 
-use clap::Args;
+use clap::{Args, Parser};
 use haptic_live::devices::{AXES, DeviceOptions, Kind, haply, mit};
 
 use super::flags::number;
-use super::{Failure, Ui};
+use super::{Failure, Ui, refusal};
+use crate::live_peer::OF_A_HAND;
 
 /// Names of a device's axes.
 const NAMES: [&str; AXES] = ["x", "y", "z"];
-/// What a peer with a device in a person's hand is limited to where nobody says otherwise.
-const OF_A_HAND: [(&str, f64); 5] = [
-    ("safety.max_force_n", 3.0),
-    ("safety.max_slew_n_per_s", 60.0),
-    ("safety.max_rms_power_w", 5.0),
-    ("safety.max_hand_power_w", 5.0),
-    ("safety.max_speed_m_per_s", 0.5),
-];
 
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Device")]
@@ -107,6 +100,23 @@ fn place(text: &str) -> Result<Place, String> {
     let number = |word: &str| word.parse().ok().filter(|place: &f64| place.abs() <= 10.0);
     let found: Option<Vec<f64>> = text.split(',').map(number).collect();
     found.and_then(|found| found.try_into().ok()).ok_or_else(|| "three numbers within ±10, as 0,-0.1,0.15".to_owned())
+}
+
+/// These flags alone.
+#[derive(Debug, Parser)]
+#[command(no_binary_name = true, disable_help_flag = true)]
+struct Alone {
+    #[command(flatten)]
+    device: DeviceArgs,
+}
+
+/// A device by the words that follow `peer`, from `--device` on: for a face that has no command line.
+///
+/// # Errors
+/// A word that is not known, or a value that is not allowed.
+pub fn device_options(words: &[String]) -> Result<DeviceOptions, Failure> {
+    let alone = Alone::try_parse_from(words).map_err(|error| refusal(&error))?;
+    alone.device.wanted(&Ui::new(false, haptic_sim::Laws::built_in()))
 }
 
 impl DeviceArgs {

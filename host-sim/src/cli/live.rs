@@ -2,24 +2,18 @@
 
 use std::net::{Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
-use std::sync::Arc;
 
 use clap::Args;
-use haptic_analysis::{Finding, Hand, Question, find, measured};
 use haptic_environments::cooperative::MOST_USERS;
 use haptic_environments::live::hub;
 use haptic_live::endpoint::{Span, Stop};
-use haptic_live::peer;
-use haptic_live::verdict::{Judge, Verdict};
 use haptic_live::watch::LiveOptions;
-use haptic_protocol::key::Role;
-use haptic_sim::key_file;
-use haptic_sim::scene::Scene;
 
 use super::device::DeviceArgs;
 use super::flags::{End, LiveTime, Patience, Watching};
 use super::meeting::{MeetingArgs, Met};
 use super::{Failure, SceneArgs, Ui, ui::Unsuccessful};
+use crate::live_peer::LivePeer;
 
 #[derive(Debug, Args)]
 #[command(mut_arg("scene", |scene| scene.default_value("any-network")))]
@@ -66,15 +60,14 @@ impl Peer {
         let listen = self.listen.unwrap_or((Ipv4Addr::UNSPECIFIED, 0).into());
         let (number, key, connect, meeting) = match (met, own, self.connect) {
             (Some(Met { number, key, meeting }), ..) => (number, key, meeting.place, Some(meeting)),
-            (None, Some((file, number)), Some(connect)) => (number, key_file::read(file, Role::Peers)?, connect, None),
+            (None, Some((file, number)), Some(connect)) => (number, LivePeer::key(file)?, connect, None),
             (None, ..) => return Err("a peer needs --number, --listen, --connect and --key-file".into()),
         };
         let scene = self.scene.over(number, &self.device.beneath(number))?.load(ui)?;
         let span = Span { duration_s: self.time.seconds, patience_s: self.patience.patience_s };
-        let provenance = ui.provenance().settings(scene.settings()).with("peer", number);
-        let judge = Some(judge(scene.clone(), None, self.anyway));
-        let wanted = LiveOptions { judge, device, meeting, ..self.watching.wanted(provenance) };
-        let report = peer::run(&scene, key, number, [listen, connect], span, &wanted, &stop)?;
+        let peer = LivePeer { scene, number, key, ends: [listen, connect], span, anyway: allowed(self.anyway) };
+        let wanted = LiveOptions { device, meeting, ..self.watching.wanted(peer.provenance(ui.provenance())) };
+        let report = peer.run(wanted, &stop)?;
         ui.live_report(self.watching.json_lines, &format!("peer {number}"), &report)?;
         let unstable =
             report.verdict.filter(|_| report.refused).map(|verdict| format!("never armed: {}", verdict.text));
@@ -111,16 +104,7 @@ impl Hub {
     }
 }
 
-/// Packets in flight that are still judged of a peer's scene; a verdict on more takes seconds, and arming waits for it.
-const MOST_PACKETS: usize = 40;
-
-/// Who judges this scene at measured delays, with a hand that may take either device if there is one, and lets it arm anyway or not.
-pub(super) fn judge(scene: Scene, hand: Option<Hand>, anyway: bool) -> Judge {
-    let question = Question { hand, for_every_mode: true, most_packets: MOST_PACKETS };
-    let find = move |one_way_s: [f64; 2]| {
-        let found = find(&measured(&scene, one_way_s), question);
-        let Finding { stable, spectral_radius, text, instead, not_judged } = found;
-        Verdict { one_way_ms: one_way_s.map(|s| 1e3 * s), stable, spectral_radius, text, instead, not_judged }
-    };
-    Judge { find: Arc::new(find), unless: (!anyway).then_some("with --anyway it does") }
+/// Whether a scene that is unstable may be armed: where `--anyway` is given, or else what to say.
+pub(super) fn allowed(anyway: bool) -> Result<(), &'static str> {
+    if anyway { Ok(()) } else { Err("with --anyway it does") }
 }

@@ -40,6 +40,7 @@ use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, FromArgMatches, Parser};
 use clap_complete::Shell;
 
+pub use device::device_options;
 use flags::SceneArgs;
 use haptic_live::devices::{Opens, Outside as OutsideDevice};
 use haptic_report::Columns;

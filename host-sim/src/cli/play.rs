@@ -14,10 +14,11 @@ use serde_json::json;
 use super::board::address;
 use super::device::DeviceArgs;
 use super::flags::{RecordTo, choice, seconds};
-use super::live::judge;
+use super::live::allowed;
 use super::meeting::{MeetingArgs, Met};
 use super::recordings::load;
 use super::{Failure, SceneArgs, Ui};
+use crate::live_peer::judge;
 use crate::play::{
     At, Boards, End, EnvironmentKind, HAND, Model, Opened, OpenedPage, Page, Place, Role, Shown, measure,
     moving_picture,
@@ -111,7 +112,7 @@ impl Play {
         let shown = match shown {
             Shown::Remote(end) => {
                 let hand = end.has_the_pages_hand().then_some(HAND);
-                Shown::Remote(Box::new(end.with_judge(judge(scene.clone(), hand, self.anyway))))
+                Shown::Remote(Box::new(end.with_judge(judge(scene.clone(), hand, allowed(self.anyway)))))
             }
             other => other,
         };

@@ -11,6 +11,7 @@
 //! | [`haply`] | an Inverse3 behind Haply's local WebSocket service, 3.5 or newer |
 //! | [`moteus`] | one to three moteus motors on a CAN bus, which drive the scene's mechanism |
 //! | [`mit`] | one to three Damiao or T-Motor motors that take MIT's frame, likewise |
+//! | [`slow`] | what a program gives that asks a device in plain calls, 200 times a second at most |
 //!
 //! Whoever has another device adds it by a name of its own ([`Outside`]).
 
@@ -22,6 +23,7 @@ mod mechanism;
 pub mod mit;
 pub mod moteus;
 mod motors;
+pub mod slow;
 pub mod steps;
 mod threaded;
 
@@ -138,6 +140,19 @@ pub struct Outside {
     pub open: Opens,
 }
 
+/// Opens a device that a program in this process has, with what else is told of it.
+#[derive(Clone)]
+pub struct Own(pub Arc<Makes>);
+
+/// Makes the port of such a device.
+pub type Makes = dyn Fn(&DeviceOptions) -> Result<Box<dyn Port>, Error> + Send + Sync;
+
+impl std::fmt::Debug for Own {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("a device of the program")
+    }
+}
+
 impl std::fmt::Debug for Outside {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(self.name)
@@ -208,6 +223,8 @@ pub enum Kind {
     Mit(String),
     /// An adapter from outside, and where its device is.
     Outside(Outside, String),
+    /// A device that a program in this process has.
+    Own(Own),
 }
 
 /// The device that a peer is to have, and what is told about it.
@@ -271,6 +288,7 @@ impl DeviceOptions {
             Kind::Moteus(at) => Box::new(moteus::open(at, self, settings)?),
             Kind::Mit(at) => Box::new(mit::open(at, self, settings)?),
             Kind::Outside(outside, at) => (outside.open)(at, self)?,
+            Kind::Own(Own(make)) => make(self)?,
         }))
     }
 

@@ -3,7 +3,8 @@
 //! The tick leaves an order and takes the newest reading; both locks are held for a copy, and the tick only tries them. The thread asks the
 //! device once a tick, or after [`BEAT`] without one, by its [`Line`].
 //!
-//! **Letting go.** An order that is older than readings may be is none. Whoever is dropped lets go first. A process that is killed says
+//! **Letting go.** An order that is older than readings may be is none. Whoever is dropped lets go first; a device that keeps its thread
+//! waiting for longer than [`PATIENCE`] is left to it, and let go of when it answers. A process that is killed says
 //! nothing more: that the device then lets go by itself is what [`Port::stay_silent`] tries.
 
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -19,6 +20,8 @@ use crate::Error;
 
 /// After so long without a tick of the peer the device is asked nevertheless.
 const BEAT: Duration = Duration::from_millis(5);
+/// How long whoever ends waits for the device to be let go of.
+const PATIENCE: Duration = Duration::from_secs(1);
 /// How long the line may take to say what acts after a silence.
 const ANSWER: Duration = Duration::from_secs(2);
 
@@ -199,7 +202,12 @@ impl Drop for Threaded {
     fn drop(&mut self) {
         self.desk.ends.store(true, Ordering::Relaxed);
         self.wake();
-        if let Some(thread) = self.thread.take() {
+        let Some(thread) = self.thread.take() else { return };
+        let by = Instant::now() + PATIENCE;
+        while !thread.is_finished() && Instant::now() < by {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        if thread.is_finished() {
             let _ = thread.join();
         }
     }
