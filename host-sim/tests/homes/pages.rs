@@ -18,7 +18,7 @@ use super::peers::{HOST_SIM, Running};
 /// How a page and a recording call the paths, the longer before what it begins with.
 const PATHS: [&str; 6] = ["no path", "relayed", "direct, relay beside it", "LAN, relay beside it", "direct", "LAN"];
 /// How long two people behind routers hold it, s, where `HAPTIC_HOMES_S` does not say.
-const SECONDS: f64 = 120.0;
+const SECONDS: f64 = 40.0;
 
 /// A new folder of one test.
 fn folder(name: &str) -> PathBuf {
