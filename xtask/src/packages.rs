@@ -68,7 +68,8 @@ pub(crate) fn sdist(source: &Path, place: &Path) -> Result<PathBuf, Failure> {
 
 /// Unpacks them beside, and says where.
 fn unpacked(packed: &Path, place: &Path) -> Result<PathBuf, Failure> {
-    run(command("tar", &["--extract", "--gzip", "--file"]).arg(packed).arg("--directory").arg(place))?;
+    // As new as they are here: with the times that they were packed with, cargo takes what an older archive left for them.
+    run(command("tar", &["-m", "--extract", "--gzip", "--file"]).arg(packed).arg("--directory").arg(place))?;
     let name = packed.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let folder = place.join(name.trim_end_matches(".tar.gz"));
     run::read(&folder.join("PKG-INFO")).map(|_| folder)
