@@ -21,7 +21,7 @@ mod report;
 use super::endpoint::{Endpoint, Live, Span, Stop, Ticker};
 use super::steering::{Steering, Wanted};
 use super::verdict::Judging;
-use super::watch::{LiveOptions, TELLING_S, Watch};
+use super::watch::{LiveOptions, TELLING_S, Watch, fault};
 use crate::refused::{Refused, is_telling, wrong};
 pub use report::{AxisReport, Forces, Ports, RemoteReport, Report, notice_texts};
 
@@ -321,10 +321,7 @@ where
         wall_force_n: (scene.users[usize::from(number == 2)].has_wall())
             .then(|| Statistics::of_moments(wall, wall_squared)),
         port_energy: Ports::of(energies.sum(), start_j),
-        fault: match node.peer.mode() {
-            Mode::Faulted(fault) => Some(format!("fault {}: {}", fault.number(), fault.explain())),
-            _ => node.gone().map(ToString::to_string),
-        },
+        fault: fault(&node),
         verdict,
         verdicts,
         refused: refused_us.is_some(),

@@ -46,7 +46,6 @@ fn no_scene_in_contact_is_unstable() {
     }
 }
 
-/// Radius of the pair that nobody holds.
 /// This scene with rates, gains and a mass of their own, and a coordination spring up to so stiff, N/m.
 pub(crate) fn drawn(mut scene: Scene, random: &mut Random, stiffest_n_per_m: f64) -> Scene {
     scene.peer.timing.ticks_per_packet = random.whole(1, 16);
@@ -58,6 +57,7 @@ pub(crate) fn drawn(mut scene: Scene, random: &mut Random, stiffest_n_per_m: f64
     scene
 }
 
+/// Radius of the pair that nobody holds.
 pub(crate) fn released(scene: &Scene) -> f64 {
     verdict(&scene.hands_off()).expect("a good scene").spectral_radius
 }
