@@ -3,6 +3,7 @@
 
 pub mod addresses;
 pub mod batch;
+pub mod bridge;
 pub mod carried;
 pub mod devices;
 pub mod discrepancy;

@@ -5,12 +5,16 @@
 //!   (link)     (X25519 under the secret)            └── direct, as soon as ICE has found a way
 //! ```
 //!
+//! Above a carrier is the link of this end, or a [`bridge`] to a board whose link is its own.
+//!
 //! Nothing here opens a socket or reads a clock: bytes and `now` in, bytes and their addresses out (`haptic-live` has the sockets). The sealed
 //! datagrams of [`haptic_protocol`] pass through as they are; whoever carries them cannot read them.
 //!
 #![forbid(unsafe_code)]
 
 pub mod agreement;
+mod allowance;
+pub mod bridge;
 pub mod carrier;
 mod error;
 pub mod frame;

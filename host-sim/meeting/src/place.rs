@@ -17,6 +17,9 @@ use haptic_protocol::key::Key;
 use serde::Serialize;
 use subtle::ConstantTimeEq;
 
+pub use crate::allowance::{BURST, LEAST, RATE};
+
+use crate::allowance::Allowance;
 use crate::frame::{Frame, Join, LONGEST, Welcome, address_bytes};
 use crate::{Send, stun};
 
@@ -24,12 +27,6 @@ use crate::{Send, stun};
 pub const MOST_ROOMS: usize = 4096;
 /// Seats of one host: a home, or a few behind one router of a provider.
 pub const MOST_SEATS: u16 = 8;
-/// Bytes each second that a seat passes on: 2,000 flows of 88 bytes, and what the carriers say.
-pub const RATE: f64 = 200_000.0;
-/// How many bytes at once.
-pub const BURST: f64 = 50_000.0;
-/// The least that a datagram counts, bytes.
-pub const LEAST: usize = 88;
 /// Without a join for so long a seat is free.
 pub const SILENCE: Duration = Duration::from_secs(30);
 /// How long a cookie is the newest; it is good for as long again.
@@ -43,9 +40,8 @@ struct Taken {
     address: SocketAddr,
     token: [u8; 16],
     joined: Instant,
-    /// Bytes that may be passed on yet, and when that was counted.
-    left: f64,
-    counted: Instant,
+    /// What may be passed on yet.
+    allowance: Allowance,
 }
 
 /// What a meeting place has done so far.
@@ -154,7 +150,7 @@ impl Place {
         }
         let seats = self.rooms.entry(join.room).or_default();
         let (address, token) = (from, join.token);
-        let taken = seats[side].get_or_insert(Taken { address, token, joined: now, left: BURST, counted: now });
+        let taken = seats[side].get_or_insert(Taken { address, token, joined: now, allowance: Allowance::new(now) });
         if !bool::from(taken.token.ct_eq(&join.token)) {
             return false;
         }
@@ -201,15 +197,10 @@ impl Place {
             return None;
         };
         let (own, to) = if side == 0 { (first, second.address) } else { (second, first.address) };
-        let since_s = now.saturating_duration_since(own.counted).as_secs_f64();
-        own.left = (own.left + RATE * since_s).min(BURST);
-        own.counted = now;
-        let cost = bytes.max(LEAST) as f64;
-        if own.left < cost {
+        if !own.allowance.takes(now, bytes) {
             self.counts.over_rate += 1;
             return None;
         }
-        own.left -= cost;
         self.counts.passed += 1;
         self.counts.bytes += bytes as u64;
         Some(to)

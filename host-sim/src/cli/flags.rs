@@ -226,6 +226,24 @@ pub(super) struct LiveTime {
 pub(super) struct Watching {
     #[command(flatten)]
     record: RecordTo,
+    #[command(flatten)]
+    pub(super) telling: Telling,
+}
+
+impl Watching {
+    /// As the live commands take it.
+    pub(super) fn wanted(&self, provenance: Provenance) -> LiveOptions {
+        LiveOptions {
+            record: self.record.record.clone().map(|file| (file, provenance)),
+            manner: self.telling.manner(),
+            ..LiveOptions::default()
+        }
+    }
+}
+
+/// What a live command says while it runs.
+#[derive(Clone, Copy, Debug, Args)]
+pub(super) struct Telling {
     /// Say nothing while it runs; without it, a line each second and what happens in between.
     #[arg(long)]
     quiet: bool,
@@ -234,18 +252,12 @@ pub(super) struct Watching {
     pub(super) json_lines: bool,
 }
 
-impl Watching {
-    /// As the live commands take it.
-    pub(super) fn wanted(&self, provenance: Provenance) -> LiveOptions {
-        let manner = match (self.json_lines, self.quiet) {
+impl Telling {
+    pub(super) fn manner(self) -> Manner {
+        match (self.json_lines, self.quiet) {
             (true, _) => Manner::Json,
             (_, true) => Manner::Quiet,
             _ => Manner::Words,
-        };
-        LiveOptions {
-            record: self.record.record.clone().map(|file| (file, provenance)),
-            manner,
-            ..LiveOptions::default()
         }
     }
 }
@@ -309,7 +321,7 @@ pub(super) fn seconds(text: &str) -> Result<f64, Failure> {
 }
 
 /// A time by the clock on the command line.
-fn live_seconds(text: &str) -> Result<f64, Failure> {
+pub(super) fn live_seconds(text: &str) -> Result<f64, Failure> {
     up_to(LONGEST_LIVE_S, text)
 }
 

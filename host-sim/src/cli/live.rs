@@ -68,7 +68,7 @@ impl Peer {
         let peer = LivePeer { scene, number, key, ends: [listen, connect], span, anyway: allowed(self.anyway) };
         let wanted = LiveOptions { device, meeting, ..self.watching.wanted(peer.provenance(ui.provenance())) };
         let report = peer.run(wanted, &stop)?;
-        ui.live_report(self.watching.json_lines, &format!("peer {number}"), &report)?;
+        ui.live_report(self.watching.telling.json_lines, &format!("peer {number}"), &report)?;
         let unstable =
             report.verdict.filter(|_| report.refused).map(|verdict| format!("never armed: {}", verdict.text));
         report.fault.or(unstable).map_or(Ok(()), |why| Err(Unsuccessful(why).into()))
@@ -100,7 +100,7 @@ impl Hub {
         ui.status(format_args!("hub for {users} peers listens on {listen}"));
         let wanted = self.watching.wanted(ui.provenance().settings(scene.settings()).with("users", users));
         let report = hub::run(&scene, &key, users.into(), listen, span, &wanted, &Stop::on_signals()?)?;
-        ui.live_report(self.watching.json_lines, "hub", &report)
+        ui.live_report(self.watching.telling.json_lines, "hub", &report)
     }
 }
 

@@ -38,6 +38,14 @@ pub(super) struct MeetingArgs {
     /// Keep what was agreed on in a new key file, for --meet with --key-file from then on.
     #[arg(long, value_name = "FILE")]
     keep: Option<PathBuf>,
+    #[command(flatten)]
+    shown: Shown,
+}
+
+/// How an end that is met lets itself be reached.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Meeting")]
+pub(super) struct Shown {
     /// An outer address that the router of this home passes on to this end's port, as it was told to, where the router cannot be asked for one.
     #[arg(long, value_name = "ADDRESS:PORT")]
     mapped: Option<SocketAddr>,
@@ -49,6 +57,18 @@ pub(super) struct MeetingArgs {
     relay_only: bool,
 }
 
+impl Shown {
+    fn is_given(&self) -> bool {
+        self.relay_only || self.mapped.is_some() || self.router.is_some()
+    }
+
+    /// A meeting at this place.
+    pub(super) fn at(&self, place: &str) -> Result<Meeting, Failure> {
+        let Self { relay_only, mapped, router } = *self;
+        Ok(Meeting { place: resolve(place)?, relay_only, mapped, router })
+    }
+}
+
 impl MeetingArgs {
     /// Whether the other end is met, and not called.
     pub(super) fn is_given(&self) -> bool {
@@ -57,16 +77,13 @@ impl MeetingArgs {
 
     /// Comes to a key, where there is none yet: waits for who has the link, or uses it. None where nobody is to be met.
     pub(super) fn agree(&self, ui: &Ui, stop: &Stop, own: Option<(&Path, u8)>) -> Result<Option<Met>, Failure> {
-        if (self.relay_only || self.mapped.is_some() || self.router.is_some()) && !self.is_given()
-            || self.keep.is_some() && !self.invite && self.accept.is_none()
-        {
+        if self.shown.is_given() && !self.is_given() || self.keep.is_some() && !self.invite && self.accept.is_none() {
             return Err(
                 "--relay-only, --mapped and --router are for a meeting (--meet or --accept), and --keep for --invite or --accept"
                     .into(),
             );
         }
-        let (relay_only, mapped, router) = (self.relay_only, self.mapped, self.router);
-        let at = |place: &str| Ok::<_, Failure>(Meeting { place: resolve(place)?, relay_only, mapped, router });
+        let at = |place: &str| self.shown.at(place);
         let (number, key, meeting) = match (&self.accept, &self.meet, own) {
             (Some(link), ..) => {
                 let invite = Invite::parse(link).map_err(|wrong| format!("--accept {link}: {wrong}"))?;

@@ -5,11 +5,11 @@ use std::process::Command;
 
 use super::peers::{HOST_SIM, Running, peer};
 
-fn host_sim() -> Command {
+pub(crate) fn host_sim() -> Command {
     Command::new(HOST_SIM)
 }
 
-fn meet(listen: &str) -> (Running, String) {
+pub(crate) fn meet(listen: &str) -> (Running, String) {
     let mut command = host_sim();
     command.args(["meet", "--json", "--listen", listen]);
     let meet = Running::start(command);
@@ -19,7 +19,7 @@ fn meet(listen: &str) -> (Running, String) {
 }
 
 /// A path that is not there yet.
-fn fresh(name: &str) -> PathBuf {
+pub(crate) fn fresh(name: &str) -> PathBuf {
     let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("homes-{name}"));
     let _ = std::fs::remove_file(&path);
     path
@@ -55,6 +55,14 @@ fn a_link_is_all_that_the_other_side_needs_and_it_serves_once() {
     }
     // What was agreed on is kept as a key file, and every change of path is in the recording.
     assert_eq!(std::fs::read_to_string(&key).expect("a key file").trim().len(), 64);
+    // A board takes it as it takes any (`cargo xtask provision` has its two keys made into this image).
+    let (operator, image) = (fresh("kept-operator.key"), fresh("kept.bin"));
+    assert!(
+        host_sim().args(["key", "generate", "--operator"]).arg(&operator).output().expect("it runs").status.success()
+    );
+    let files = [key.as_os_str(), "--operator-key-file".as_ref(), operator.as_os_str(), image.as_os_str()];
+    let made = host_sim().args(["key", "image", "--key-file"]).args(files).output().expect("it runs");
+    assert!(made.status.success() && image.exists(), "{}", String::from_utf8_lossy(&made.stderr));
     let (table, paths) = (fresh("one.csv"), fresh("one-paths.csv"));
     let mut convert = host_sim();
     convert.args(["convert", &recorded]).arg(&table);

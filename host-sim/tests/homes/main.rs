@@ -1,5 +1,6 @@
 //! Two homes, one link, as processes: on loopback in every run, and behind routers in network namespaces where the machine has them (`cargo xtask homes`).
 
+mod bridge;
 #[path = "../suite/play/devtools.rs"]
 #[expect(dead_code, reason = "two people need less of a browser than the page's own tests")]
 mod devtools;

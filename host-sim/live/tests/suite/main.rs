@@ -1,7 +1,9 @@
 //! Peers in real time: the runner of live actors, and restarts in virtual time.
 
+mod bridge;
 mod endpoint;
 mod fuzz;
 mod mapping;
 mod restarts;
 mod two_homes;
+mod world;

@@ -2,6 +2,7 @@
 
 mod agreement;
 mod attacks;
+mod bridge;
 mod carrier;
 mod frame;
 mod invite;

@@ -1,5 +1,6 @@
 //! `host-sim board`: a PC beside a board.
 
+mod bridge;
 mod bringup;
 mod calibrate;
 mod operator;
@@ -24,6 +25,8 @@ super::commands! {
         /// What a board's encoders and motors are, found together with the person at it; leaves a settings file.
         #[command(subcommand)]
         Calibrate(calibrate::Calibrate),
+        /// Reach a partner far away for a board: this PC stands beside it and carries its sealed datagrams to a meeting, unopened.
+        Bridge(bridge::Bridging),
         /// What one peer of a scene reads, for the same peer on another processor.
         Record(Record),
     }

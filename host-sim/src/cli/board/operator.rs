@@ -55,9 +55,14 @@ pub(in crate::cli) struct Operate {
     lines: Vec<String>,
 }
 
-/// An address with or without a port.
+/// The address of a board's operator's port, with or without it.
 pub(in crate::cli) fn address(text: &str) -> Result<SocketAddr, Failure> {
-    let address = text.parse::<IpAddr>().map(|address| SocketAddr::new(address, PORT));
+    address_at(text, PORT)
+}
+
+/// An address with or without a port, which is this one then.
+pub(super) fn address_at(text: &str, port: u16) -> Result<SocketAddr, Failure> {
+    let address = text.parse::<IpAddr>().map(|address| SocketAddr::new(address, port));
     address.or_else(|_| text.parse()).map_err(|_| format!("{text} is no address: it must be like 192.168.77.1").into())
 }
 
