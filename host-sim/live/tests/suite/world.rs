@@ -80,8 +80,8 @@ impl World {
             apart_m,
             force_n,
         };
-        for side in 0..2 {
-            world.begin(side, boards[side], side as u8 + 1);
+        for (side, board) in boards.into_iter().enumerate() {
+            world.begin(side, board, side as u8 + 1);
         }
         world
     }
