@@ -1,5 +1,5 @@
 //! Two homes with the same private network behind a router each, and a meeting place outside: five network namespaces of this machine, made for one
-//! test and removed after it. Routers are the kernel's, by nftables.
+//! test and removed after it. Routers are the kernel's, by nftables. A board may be beside the PC of a home, on a network that nobody else is on.
 
 use std::process::Command;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -37,8 +37,12 @@ fn run(program: &str, words: &str, input: Option<&str>) {
 pub(crate) struct Lab {
     /// What its namespaces' names begin with.
     prefix: String,
+    namespaces: Vec<&'static str>,
     place: Option<Running>,
 }
+
+/// A board beside a PC, and that PC there.
+pub(crate) const BESIDE: [&str; 2] = ["192.168.77.1:7701", "192.168.77.10:7701"];
 
 impl Lab {
     /// Homes behind these routers; with `v6` each has a network of IPv6 as well, behind a firewall that keeps states.
@@ -59,15 +63,32 @@ impl Lab {
     fn bare() -> Self {
         static MADE: AtomicU32 = AtomicU32::new(0);
         let prefix = format!("homes{}-{}-", std::process::id(), MADE.fetch_add(1, Ordering::Relaxed));
-        let lab = Self { prefix, place: None };
-        for name in ["net", "ra", "rb", "a", "b"] {
-            run("ip", &format!("netns add {}{name}", lab.prefix), None);
-            lab.ip(name, "link set lo up");
-        }
+        let mut lab = Self { prefix, namespaces: Vec::new(), place: None };
+        ["net", "ra", "rb", "a", "b"].into_iter().for_each(|name| lab.namespace(name));
         lab.ip("net", "link add br0 type bridge");
         lab.ip("net", "link set br0 up");
         lab.ip("net", "addr add 203.0.113.1/24 dev br0");
         lab
+    }
+
+    fn namespace(&mut self, name: &'static str) {
+        run("ip", &format!("netns add {}{name}", self.prefix), None);
+        self.namespaces.push(name);
+        self.ip(name, "link set lo up");
+    }
+
+    /// A board beside the PC at home `a`: its network has the two, and leads nowhere.
+    pub(crate) fn puts_a_board_beside(&mut self) {
+        self.namespace("board");
+        run(
+            "ip",
+            &format!("link add eth netns {} type veth peer name beside netns {}", self.name("board"), self.name("a")),
+            None,
+        );
+        for (at, link, host) in [("board", "eth", 1), ("a", "beside", 10)] {
+            self.ip(at, &format!("link set {link} up"));
+            self.ip(at, &format!("addr add 192.168.77.{host}/24 dev {link}"));
+        }
     }
 
     /// Both homes behind one router, which keeps them apart: each has a port of it, 40001 and 40002, and what one of them sends to the other's comes back in
@@ -180,7 +201,8 @@ impl Lab {
         command
     }
 
-    fn exec(&self, of: &str) -> Command {
+    /// This program there.
+    pub(crate) fn exec(&self, of: &str) -> Command {
         self.program(of, HOST_SIM)
     }
 
@@ -241,7 +263,7 @@ impl Lab {
 impl Drop for Lab {
     fn drop(&mut self) {
         self.closes();
-        for name in ["net", "ra", "rb", "a", "b"] {
+        for name in &self.namespaces {
             let _ = Command::new("ip").args(["netns", "del", &self.name(name)]).status();
         }
     }

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use std::process::Command;
 use std::time::Duration;
 
-use super::lab::{Lab, PLACE, Router};
-use super::peers::{HOST_SIM, Running, Told};
+use super::lab::{BESIDE, Lab, PLACE, Router};
+use super::peers::{HOST_SIM, Running, Told, peer};
 
 /// A packet each tick for so long.
 const SECONDS: u32 = 10;
@@ -167,5 +167,49 @@ fn a_meeting_place_that_is_killed_ends_no_direct_flow_and_is_found_again_by_a_re
         assert_eq!(told.way(), "relayed", "{:?}", told.ways);
         let missing = told.number("/datagrams_missing");
         assert!((200.0..=2000.0).contains(&missing), "{missing} missing of half a second or so: {}", told.report);
+    }
+}
+
+#[test]
+#[ignore = "needs root, ip and nft: cargo xtask homes"]
+fn a_board_on_a_network_of_its_own_is_reached_through_the_pc_beside_it() {
+    for (name, routers) in [("board-kept", [Router::Kept; 2]), ("board-symmetric", [Router::Symmetric; 2])] {
+        let mut lab = Lab::new(routers, [false; 2]);
+        lab.puts_a_board_beside();
+        let (key, [board, pc]) = (key(name), BESIDE);
+        let key = key.to_str().expect("a name");
+        let mut bridge = lab.exec("a");
+        bridge.args([
+            "board",
+            "bridge",
+            "--json-lines",
+            "--board",
+            board,
+            "--number",
+            "1",
+            "--meet",
+            PLACE,
+            "--key-file",
+            key,
+        ]);
+        let bridge = Running::start(bridge);
+        bridge.says("carries board 1");
+        let ends = ["--number", "1", "--listen", board, "--connect", pc, "--key-file", key];
+        let board = peer(lab.exec("board"), SECONDS, &ends);
+        let far = lab.peer("b", SECONDS, &["--number", "2", "--meet", PLACE, "--key-file", key]);
+        let [board, far] = [board, far].map(Running::report);
+        let is_what = if routers[0] == Router::Kept { is_direct } else { is_relayed };
+        is_what(&far);
+        for told in [&board, &far] {
+            assert!(told.report["fault"].is_null(), "{}", told.report);
+            assert!(told.number("/ticks") >= f64::from(SECONDS) * 1e3 - 1.0, "{}", told.report);
+            assert_eq!(told.number("/datagrams_missing"), 0.0, "{}", told.report);
+        }
+        bridge.interrupt();
+        let carried = bridge.report();
+        eprintln!("{name}: {:?} {}", carried.ways, carried.report);
+        let count = |count: &str| carried.number(&format!("/{count}"));
+        assert!(count("from_board") > 9999.0 && count("to_board") > 9999.0, "{}", carried.report);
+        assert_eq!(["strangers", "other_kinds", "too_long", "over_rate"].map(count), [0.0; 4], "{}", carried.report);
     }
 }

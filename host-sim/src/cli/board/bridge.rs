@@ -37,9 +37,9 @@ pub(in crate::cli) struct Bridging {
     #[arg(long, value_name = "S", value_parser = live_seconds)]
     seconds: Option<f64>,
     #[command(flatten)]
-    shown: Shown,
-    #[command(flatten)]
     telling: Telling,
+    #[command(flatten)]
+    shown: Shown,
 }
 
 impl Bridging {
