@@ -1,0 +1,91 @@
+"""LeRobot's own programs with both plugins: over loopback, in real time; a leader that presses a follower against a wall, simulated at both ends."""
+
+import lerobot.scripts.lerobot_record as lerobot_record
+import lerobot.scripts.lerobot_replay as lerobot_replay
+import lerobot.scripts.lerobot_teleoperate as lerobot_teleoperate
+import numpy as np
+import pytest
+from conftest import flags, ticks
+from lerobot.datasets import LeRobotDataset
+
+# The leader reaches 0.1 m of the world within 2 s; there is a wall at 0.05 m.
+SCENE = {"scene": "leader-follower-wall"}
+FPS, SECONDS = 60, 6
+
+
+def column(dataset, feature, name):
+    names = dataset.features[feature]["names"]
+    return np.array([row[names.index(name)] for row in dataset.hf_dataset.with_format(None)[feature]])
+
+
+def at_the_end(numbers):
+    return float(np.mean(numbers[-FPS // 2 :]))
+
+
+def test_teleoperate_takes_the_follower_to_the_wall(line, tmp_path, program):
+    """Its loop runs as it is, by the types that it found; what the peers recorded at 1 kHz shows the follower moved, and pushed back."""
+    kept = [tmp_path / "leader.mcap", tmp_path / "follower.mcap"]
+    program(
+        lerobot_teleoperate,
+        *flags("teleop", {"type": "haptic_leader", **line[0], **SCENE, "record": kept[0]}),
+        *flags("robot", {"type": "haptic_follower", **line[1], **SCENE, "record": kept[1]}),
+        f"--fps={FPS}",
+        f"--teleop_time_s={SECONDS}",
+    )
+    leader, follower = map(ticks, kept)
+    for table in (leader, follower):
+        assert table["mode"].iloc[-1] == 0 or table["mode"].isin([1]).any()
+        assert len(table) > 900 * (SECONDS - 1) and not table["fault"].any()
+    assert follower["device_m"].abs().max() > 0.04
+
+
+def test_a_data_set_is_what_the_peers_recorded(line, tmp_path, program):
+    """Recorded by LeRobot and read back by it; then replayed, without the leader."""
+    kept, root = [tmp_path / "leader.mcap", tmp_path / "follower.mcap"], tmp_path / "set"
+    program(
+        lerobot_record,
+        *flags("teleop", {"type": "haptic_leader", **line[0], **SCENE, "record": kept[0]}),
+        *flags("robot", {"type": "haptic_follower", **line[1], **SCENE, "record": kept[1]}),
+        *flags("dataset", {"repo_id": "lab/wall", "root": root, "fps": FPS, "num_episodes": 1, "episode_time_s": SECONDS}),
+        *flags("dataset", {"single_task": "Press on the wall", "push_to_hub": "false", "no_stamp": "true"}),
+        "--play_sounds=false",
+    )
+    dataset = LeRobotDataset("lab/wall", root=root)
+    assert dataset.num_frames > 0.9 * FPS * SECONDS and dataset.fps == FPS
+    leader, follower = map(ticks, kept)
+    print("frames", dataset.num_frames)
+
+    # Each frame is a tick of the follower's own recording, by its time: places, speeds and forces.
+    times = column(dataset, "observation.state", "time_s")
+    rows = follower["time_s"].searchsorted(times - 5e-4)
+    seen = follower.iloc[rows]
+    assert np.abs(seen["time_s"].to_numpy() - times).max() < 1e-5
+    for name, kept_name in (("x.pos", "device_m"), ("x.vel", "device_m_per_s")):
+        assert column(dataset, "observation.state", name) == pytest.approx(seen[kept_name].to_numpy(), abs=1e-7), name
+    force = column(dataset, "observation.state", "x.force")
+    assert force == pytest.approx(-seen["contact_n"].to_numpy(), abs=1e-5)
+
+    # Each action is a tick of the leader's: places there are in the order of ticks, some 17 ms apart.
+    place = column(dataset, "action", "x.pos")
+    moving = np.flatnonzero(np.abs(np.diff(place)) > 1e-5)
+    found = [np.flatnonzero(leader["device_m"].to_numpy(dtype=np.float32) == np.float32(place[frame])) for frame in moving]
+    assert len(moving) > FPS and all(len(ticks) for ticks in found)
+    assert (np.diff([ticks[0] for ticks in found]) > 0).mean() > 0.9
+    # What the follower meets is what the leader feels, at rest.
+    felt = column(dataset, "action", "x.force")
+    print("felt", at_the_end(felt), "met", at_the_end(force))
+    assert at_the_end(force) > 1.0
+    assert at_the_end(felt) == pytest.approx(-at_the_end(force), rel=0.1)
+
+    # The follower alone, led by what was recorded.
+    again = tmp_path / "again.mcap"
+    program(
+        lerobot_replay,
+        *flags("robot", {"type": "haptic_follower", **SCENE, "led_by": "actions", "record": again}),
+        *flags("dataset", {"repo_id": "lab/wall", "root": root, "episode": 0}),
+        "--play_sounds=false",
+    )
+    replayed = ticks(again)
+    place = column(dataset, "observation.state", "x.pos")
+    print("replay", replayed["device_m"].iloc[-800:-300].mean(), at_the_end(place), replayed["contact_n"].iloc[-800:-300].mean(), -at_the_end(force))
+    assert not replayed["fault"].any()
