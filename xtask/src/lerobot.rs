@@ -45,7 +45,12 @@ pub(crate) fn check(wheel: &Path) -> Result<(), Failure> {
     };
     // As they stand there: LeRobot asks for PyTorch, for which the tests have a stand-in.
     let requirements = format!("{FOLDER}/requirements.txt");
-    let python = environment_of(&interpreter, &run::root().join("target/lerobot"), &requirements, &["--no-deps"])?;
+    let python = environment_of(
+        &interpreter,
+        &run::root().join("target/lerobot"),
+        &requirements,
+        &["--no-deps", "--no-compile"],
+    )?;
     let packages = ["lerobot_robot_haptic", "lerobot_teleoperator_haptic"].map(|name| format!("{FOLDER}/{name}"));
     let own = ["--force-reinstall", "--no-deps", "--no-index", "--no-build-isolation"];
     run(pip(&python).args(own).arg(wheel).args(&packages))?;

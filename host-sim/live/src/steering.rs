@@ -30,7 +30,7 @@ pub struct Wanted {
     pub clutch: bool,
     /// Forces on a simulated device beside its user's: along each axis, N toward positive x, y, z.
     pub pull_n: [f64; AXES],
-    /// Where a hand at a simulated device is to be, along each axis, m toward positive x, y, z; none, and it has let go.
+    /// Where a hand at a simulated device is to be, along each axis, m of the device's own; none, and it has let go.
     pub hand_m: Option<[f64; AXES]>,
     /// How often that was said so far.
     pub moves: u64,

@@ -464,8 +464,9 @@ impl LivePeer {
         Ok(())
     }
 
-    /// Has a hand at a simulated device go there, m of the shared world, or let go with None: from where the device is, at most 0.5 m/s fast, by a
-    /// spring of 200 N/m and a damper of 12 N·s/m that pull with at most 10 N. Places that are told 60 times a second make a smooth motion.
+    /// Has a hand at a simulated device go there, m of the device's own (of the shared world, where `scale.position` is 1), or let go with None: from
+    /// where the device is, at most 0.5 m/s fast, by a spring of 200 N/m and a damper of 12 N·s/m that pull with at most 10 N. Places that are told
+    /// 60 times a second make a smooth motion.
     #[pyo3(signature = (position_m, /))]
     fn move_hand(&self, py: Python<'_>, position_m: Option<Along>) -> PyResult<()> {
         if !self.is_simulated {

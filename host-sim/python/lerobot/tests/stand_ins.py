@@ -1,21 +1,20 @@
-"""Stand-ins for those libraries of LeRobot's that are too large for a test: PyTorch, torchvision, OpenCV and PyAV, some 3 GB as PyPI has them.
+"""Stand-ins for those libraries of LeRobot's that are too large for a test: PyTorch, torchvision and OpenCV, gigabytes as PyPI has them.
 
 LeRobot's loops need them for images and networks alone, but import them at the top. A stand-in gives a class of its own for each name that is
 asked of it, which can be inherited from, named in annotations, and used as a decorator; nothing can be computed with it. Numbers read from a
 data set would be tensors: here `torch.tensor` gives NumPy's arrays, which convert to float as tensors do. All else is the real thing, from PyPI:
-the loops, processors, configurations, the discovery of plugins, and the data set's writer and reader with pandas, PyArrow and datasets.
+the loops, processors, configurations, the discovery of plugins, and the data set's writer and reader with pandas, PyArrow, datasets and PyAV.
 """
 
 import abc
 import importlib.abc
 import importlib.machinery
-import importlib.metadata
 import sys
 import types
 
 import numpy as np
 
-NAMES = ("torch", "torchvision", "cv2", "av")
+NAMES = ("torch", "torchvision", "cv2")
 
 
 class _Name(abc.ABCMeta):
@@ -63,23 +62,7 @@ class _Module(types.ModuleType):
         return _named(self, name)
 
 
-class _Installed(importlib.metadata.Distribution):
-    """What says that a package is installed, for LeRobot asks before it imports PyAV."""
-
-    def __init__(self, name):
-        self._name = name
-
-    def read_text(self, filename):
-        return f"Name: {self._name}\nVersion: 0\n" if filename == "METADATA" else None
-
-    def locate_file(self, path):
-        raise FileNotFoundError(path)
-
-
 class _Finder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
-    def find_distributions(self, context):
-        return [_Installed("av")] if context.name == "av" else []
-
     def find_spec(self, name, path=None, target=None):
         if name.split(".")[0] in NAMES:
             return importlib.machinery.ModuleSpec(name, self, is_package=True)

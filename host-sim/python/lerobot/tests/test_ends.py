@@ -83,7 +83,7 @@ def test_disconnect_lets_go_and_tells_the_other_end(both):
     until(lambda: leader.get_action()["x.force"] < -0.5)
     peer = follower.end.held()
     follower.disconnect()
-    assert not follower.is_connected and not peer.running and peer.state.force_n == 0.0
+    assert not follower.is_connected and not peer.running
     # The other end's copy is pushed by nothing any more.
     until(lambda: abs(leader.end.held().state.coordination_force_n) < 1e-6, 3.0)
     with pytest.raises(DeviceNotConnectedError, match="not connected"):
@@ -134,7 +134,7 @@ def test_a_leader_that_is_far_is_what_the_followers_peer_knows(line):
                 far.get_action()
                 time.sleep(0.01)
 
-        with pytest.raises(DeviceNotConnectedError, match="is gone: nothing has come from|is armed no more"):
+        with pytest.raises(DeviceNotConnectedError, match="is gone: nothing has come from"):
             reads_on()
     far.disconnect()
     assert not far.is_connected

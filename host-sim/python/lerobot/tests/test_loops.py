@@ -9,7 +9,10 @@ from conftest import flags, ticks
 from lerobot.datasets import LeRobotDataset
 
 # The leader reaches 0.1 m of the world within 2 s; there is a wall at 0.05 m.
-SCENE = {"scene": "leader-follower-wall"}
+SCENE = {"scene": "leader-follower-wall", "settings": "{user.1.reach_m: 0.02, user.1.reach_s: 2.0}"}
+WALL_M = 0.05
+# Of the hand that replays, at the leader's device, whose places and forces are scaled alike.
+HAND_N_PER_M = 200.0
 FPS, SECONDS = 60, 6
 
 
@@ -34,9 +37,12 @@ def test_teleoperate_takes_the_follower_to_the_wall(line, tmp_path, program):
     )
     leader, follower = map(ticks, kept)
     for table in (leader, follower):
-        assert table["mode"].iloc[-1] == 0 or table["mode"].isin([1]).any()
-        assert len(table) > 900 * (SECONDS - 1) and not table["fault"].any()
-    assert follower["device_m"].abs().max() > 0.04
+        assert (table["mode"] == 1).sum() > 900 * (SECONDS - 1) and not table["fault"].any()
+    armed = [table[table["mode"] == 1] for table in (leader, follower)]
+    assert armed[1]["device_m"].iloc[-500:].mean() > WALL_M
+    # The same at both ends, as statics have it.
+    pushed = [table["contact_n"].iloc[-500:].mean() for table in armed]
+    assert pushed[0] > 2.0 and pushed[1] == pytest.approx(-pushed[0], rel=0.1)
 
 
 def test_a_data_set_is_what_the_peers_recorded(line, tmp_path, program):
@@ -51,15 +57,14 @@ def test_a_data_set_is_what_the_peers_recorded(line, tmp_path, program):
         "--play_sounds=false",
     )
     dataset = LeRobotDataset("lab/wall", root=root)
-    assert dataset.num_frames > 0.9 * FPS * SECONDS and dataset.fps == FPS
+    assert dataset.num_frames > 0.8 * FPS * SECONDS and dataset.fps == FPS
     leader, follower = map(ticks, kept)
-    print("frames", dataset.num_frames)
 
     # Each frame is a tick of the follower's own recording, by its time: places, speeds and forces.
     times = column(dataset, "observation.state", "time_s")
-    rows = follower["time_s"].searchsorted(times - 5e-4)
-    seen = follower.iloc[rows]
-    assert np.abs(seen["time_s"].to_numpy() - times).max() < 1e-5
+    seen = follower.iloc[[int(np.abs(follower["time_s"] - time).argmin()) for time in times]]
+    # As near as the data set's own numbers are: single precision, 0.5 µs at 8 s.
+    assert np.abs(seen["time_s"].to_numpy() - times).max() < 1e-6
     for name, kept_name in (("x.pos", "device_m"), ("x.vel", "device_m_per_s")):
         assert column(dataset, "observation.state", name) == pytest.approx(seen[kept_name].to_numpy(), abs=1e-7), name
     force = column(dataset, "observation.state", "x.force")
@@ -73,7 +78,6 @@ def test_a_data_set_is_what_the_peers_recorded(line, tmp_path, program):
     assert (np.diff([ticks[0] for ticks in found]) > 0).mean() > 0.9
     # What the follower meets is what the leader feels, at rest.
     felt = column(dataset, "action", "x.force")
-    print("felt", at_the_end(felt), "met", at_the_end(force))
     assert at_the_end(force) > 1.0
     assert at_the_end(felt) == pytest.approx(-at_the_end(force), rel=0.1)
 
@@ -86,6 +90,14 @@ def test_a_data_set_is_what_the_peers_recorded(line, tmp_path, program):
         "--play_sounds=false",
     )
     replayed = ticks(again)
-    place = column(dataset, "observation.state", "x.pos")
-    print("replay", replayed["device_m"].iloc[-800:-300].mean(), at_the_end(place), replayed["contact_n"].iloc[-800:-300].mean(), -at_the_end(force))
     assert not replayed["fault"].any()
+    moved = replayed[replayed["mode"] == 1].iloc[-500:]
+    # It comes back to the wall. What is between leader and wall is a spring of F over its way there; the replaying hand is one more behind it.
+    assert moved["device_m"].mean() == pytest.approx(at_the_end(column(dataset, "observation.state", "x.pos")), abs=3e-3)
+    line_n_per_m = at_the_end(force) / (at_the_end(column(dataset, "action", "x.pos")) - WALL_M)
+    pressed = at_the_end(force) * HAND_N_PER_M / (HAND_N_PER_M + line_n_per_m)
+    assert -moved["contact_n"].mean() == pytest.approx(pressed, rel=0.2)
+    # The figures of docs/lerobot.md, shown by `pytest -s`.
+    at = [at_the_end(column(dataset, "observation.state", "x.pos")), moved["device_m"].mean()]
+    forces = [at_the_end(force), -at_the_end(felt), -moved["contact_n"].mean(), pressed]
+    print(f"frames {dataset.num_frames}; met, felt, replayed, as statics have it: {forces} N; recorded, replayed at {at} m")

@@ -38,7 +38,7 @@ class EndConfig:
     device_settings: dict[str, Any] = field(default_factory=dict)
     # A recording of every tick beside LeRobot's own at 60 Hz: a file that ends in .mcap.
     record: str | None = None
-    # How long the first reading waits until both ends are armed, s.
+    # How long a follower's connection, and a leader's first reading, wait until both ends are armed, s.
     wait_s: float = 30.0
 
 

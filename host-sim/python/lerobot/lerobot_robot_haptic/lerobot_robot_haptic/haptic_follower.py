@@ -47,9 +47,11 @@ class HapticFollower(Robot):
     def __init__(self, config: HapticFollowerConfig) -> None:
         super().__init__(config)
         self.config = config
-        self.end = End(config, str(self))
+        self.end = End(config, f"{self.name} {config.id}" if config.id else self.name)
         # Who leads it in a replay.
         self.leader: haptic_sim.LivePeer | None = None
+        # Metres of the world to a metre of that leader's device.
+        self._leader_scale = 1.0
         self.cameras = make_cameras_from_configs(config.cameras)
 
     @cached_property
@@ -72,7 +74,7 @@ class HapticFollower(Robot):
         return True
 
     def connect(self, calibrate: bool = True) -> None:
-        """Holds the peer, which arms when the other end is there; the first observation waits for that."""
+        """Holds the peer, and waits until both ends are armed: the leader is connected first, as LeRobot's programs do."""
         try:
             if self.config.led_by == "actions":
                 self._open_led()
@@ -80,6 +82,7 @@ class HapticFollower(Robot):
                 self.end.open(2)
             for camera in self.cameras.values():
                 camera.connect()
+            self.end.state()
         except BaseException:
             if self.is_connected:
                 self.disconnect()
@@ -95,6 +98,7 @@ class HapticFollower(Robot):
             self.end.open(2, listen=here, connect=there, key=key)
             users_own = {f"user.1.{does}": 0.0 for does in _NOTHING}
             scene = haptic_sim.Scene(self.config.scene, {**self.config.settings, **users_own})
+            self._leader_scale = float(scene["peer.1.scale.position"])
             self.leader = haptic_sim.LivePeer(
                 scene, 1, listen=there, connect=here, key=key, patience_s=self.config.wait_s
             )
@@ -122,7 +126,8 @@ class HapticFollower(Robot):
         self.end.state()
         wanted = places(self.end.axes, action)
         if self.leader is not None:
-            self.leader.move_hand(wanted[0] if len(wanted) == 1 else wanted)
+            own = [place / self._leader_scale for place in wanted]
+            self.leader.move_hand(own[0] if len(own) == 1 else own)
         return action
 
     def disconnect(self) -> None:

@@ -28,7 +28,7 @@ class HapticLeader(Teleoperator):
     def __init__(self, config: HapticLeaderConfig) -> None:
         super().__init__(config)
         self.config = config
-        self.end = End(config, str(self))
+        self.end = End(config, f"{self.name} {config.id}" if config.id else self.name)
         self._is_far_connected = False
 
     @cached_property
@@ -50,7 +50,7 @@ class HapticLeader(Teleoperator):
     def connect(self, calibrate: bool = True) -> None:
         """Holds the peer, which arms when the other end is there; the first action waits for that."""
         if self._is_far_connected:
-            raise DeviceAlreadyConnectedError(f"{self} is connected already")
+            raise DeviceAlreadyConnectedError(f"{self.end.name} is connected already")
         if self.config.at == "far":
             self._is_far_connected = True
         else:
@@ -73,11 +73,12 @@ class HapticLeader(Teleoperator):
         ends = End.of_robots
         if len(ends) != 1:
             must = "a leader that is far is known by the one haptic_follower of this process"
-            raise DeviceNotConnectedError(f"{self} is not known: {must}, and {len(ends)} are connected")
+            raise DeviceNotConnectedError(f"{self.end.name} is not known: {must}, and {len(ends)} are connected")
         (robot,) = ends
         state, second = robot.state(), robot.held().second
-        if second is not None and second["state"] == "armed" and second["live_share"] == 0.0:
-            raise DeviceNotConnectedError(f"{self} is gone: nothing has come from {robot.config.connect} for a second")
+        # Of a whole second in which both ends were armed.
+        if second is not None and second["done_s"] >= 1.0 and not second["live_share"]:
+            raise DeviceNotConnectedError(f"{self.end.name} is gone: nothing has come from {robot.config.connect} for a second")
         pulled = along(robot.axes, state.coordination_force_n, "force")
         return {**along(robot.axes, state.peer_m, "pos"), **{key: -force for key, force in pulled.items()}}
 
