@@ -1,5 +1,5 @@
 //! The part of `cargo xtask python` that is about LeRobot: both packages of host-sim/python/lerobot as they are installed, and its own loops with
-//! them. It needs a newer Python than everything else here does, and has an environment of its own below target/.
+//! them. It needs a newer Python than all else here does, and has an environment of its own below target/.
 
 use std::path::{Path, PathBuf};
 
@@ -10,13 +10,12 @@ use crate::run::{self, Failure, command, run};
 /// Where the packages are, their tests, and the versions of what they need.
 const FOLDER: &str = "host-sim/python/lerobot";
 
-/// LeRobot's own lowest.
-const LOWEST: [u32; 2] = [3, 12];
+/// LeRobot's own lowest, and the highest for which what it needs is there in these versions.
+const FITTING: [&str; 2] = ["3.12", "3.13"];
 
-/// Names under which a Python that is new enough may be found: on the path, and where pyenv keeps them.
+/// Names under which a Python that fits may be found: on the path, and where pyenv keeps them.
 fn candidates() -> Vec<String> {
-    let mut names: Vec<String> =
-        ["python3", "python3.12", "python3.13", "python3.14"].iter().map(|&name| name.into()).collect();
+    let mut names: Vec<String> = ["python3", "python3.12", "python3.13"].iter().map(|&name| name.into()).collect();
     let home = std::env::var_os("HOME").map(|home| Path::new(&home).join(".pyenv"));
     let root = std::env::var_os("PYENV_ROOT").map(PathBuf::from).or(home);
     let versions = root.and_then(|root| root.join("versions").read_dir().ok());
@@ -26,10 +25,9 @@ fn candidates() -> Vec<String> {
     names
 }
 
-/// The first of them that runs and is new enough.
+/// The first of them that runs and fits.
 fn interpreter() -> Option<String> {
-    let [major, minor] = LOWEST;
-    let asks = format!("import sys; sys.exit(sys.version_info < ({major}, {minor}))");
+    let asks = format!("import sys; sys.exit('%d.%d' % sys.version_info[:2] not in {FITTING:?})");
     let fits = |name: &String| command(name, &["-c", &asks]).output().is_ok_and(|said| said.status.success());
     candidates().into_iter().find(fits)
 }
@@ -37,10 +35,8 @@ fn interpreter() -> Option<String> {
 /// Installs this wheel and both packages, and runs their tests.
 pub(crate) fn check(wheel: &Path) -> Result<(), Failure> {
     let Some(interpreter) = interpreter() else {
-        eprintln!(
-            "    NOT CHECKED: LeRobot's packages need Python {} or later, and there is none",
-            LOWEST.map(|n| n.to_string()).join(".")
-        );
+        let versions = FITTING.join(" or ");
+        eprintln!("    NOT CHECKED: LeRobot's packages need Python {versions}, and there is none");
         return Ok(());
     };
     // As they stand there: LeRobot asks for PyTorch, for which the tests have a stand-in.

@@ -1,5 +1,8 @@
 """LeRobot's own programs with both plugins: over loopback, in real time; a leader that presses a follower against a wall, simulated at both ends."""
 
+import os
+import subprocess
+
 import lerobot.scripts.lerobot_record as lerobot_record
 import lerobot.scripts.lerobot_replay as lerobot_replay
 import lerobot.scripts.lerobot_teleoperate as lerobot_teleoperate
@@ -43,6 +46,29 @@ def test_teleoperate_takes_the_follower_to_the_wall(line, tmp_path, program):
     # The same at both ends, as statics have it.
     pushed = [table["contact_n"].iloc[-500:].mean() for table in armed]
     assert pushed[0] > 2.0 and pushed[1] == pytest.approx(-pushed[0], rel=0.1)
+
+
+def test_a_leader_at_another_machine_is_recorded_by_what_came_of_it(line, tmp_path, program):
+    """The page's two machines, on loopback: `host-sim peer` with the leader, LeRobot with the follower alone."""
+    words = ["--number", 1, "--listen", line[0]["listen"], "--connect", line[0]["connect"], "--key-file", line[0]["key"]]
+    words += ["--scene", "leader-follower", "--seconds", 60, "--json"]
+    with subprocess.Popen([os.environ["HOST_SIM"], "peer", *map(str, words)], stdout=subprocess.DEVNULL) as leader:
+        try:
+            program(
+                lerobot_record,
+                *flags("teleop", {"type": "haptic_leader", "at": "far"}),
+                *flags("robot", {"type": "haptic_follower", **line[1]}),
+                *flags("dataset", {"repo_id": "lab/far", "root": tmp_path / "set", "fps": FPS, "num_episodes": 1}),
+                *flags("dataset", {"episode_time_s": 4, "single_task": "Reach out", "push_to_hub": "false", "no_stamp": "true"}),
+                "--play_sounds=false",
+            )
+        finally:
+            leader.kill()
+    dataset = LeRobotDataset("lab/far", root=tmp_path / "set")
+    # It reaches 0.1 m, and the follower with it, some milliseconds later.
+    led, followed = column(dataset, "action", "x.pos"), column(dataset, "observation.state", "x.pos")
+    assert led[0] < 0.02 and at_the_end(led) == pytest.approx(0.1, abs=0.02)
+    assert at_the_end(followed) == pytest.approx(at_the_end(led), abs=0.01)
 
 
 def test_a_data_set_is_what_the_peers_recorded(line, tmp_path, program):
