@@ -7,10 +7,21 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::board::target;
+use crate::lerobot;
 use crate::run::{self, Failure, cargo, command, run};
 
 /// Python in a virtual environment of this folder, with what the requirements name; made anew when they have changed.
 pub(crate) fn environment(folder: &Path, requirements: &str) -> Result<PathBuf, Failure> {
+    environment_of("python3", folder, requirements, &[])
+}
+
+/// The same of this Python, installed with these flags of pip's.
+pub(crate) fn environment_of(
+    interpreter: &str,
+    folder: &Path,
+    requirements: &str,
+    flags: &[&str],
+) -> Result<PathBuf, Failure> {
     let (wanted, there) = (run::root().join(requirements), folder.join("requirements.txt"));
     let python = folder.join("python/bin/python");
     let text = run::read(&wanted)?;
@@ -18,13 +29,13 @@ pub(crate) fn environment(folder: &Path, requirements: &str) -> Result<PathBuf, 
         return Ok(python);
     }
     let place = folder.join("python");
-    run(&mut command("python3", &["-m", "venv", "--clear", &place.to_string_lossy()]))?;
-    run(pip(&python).arg("--requirement").arg(&wanted))?;
+    run(&mut command(interpreter, &["-m", "venv", "--clear", &place.to_string_lossy()]))?;
+    run(pip(&python).args(flags).arg("--requirement").arg(&wanted))?;
     fs::write(&there, text).map_err(|cause| Failure::new(format!("cannot write {}: {cause}", there.display())))?;
     Ok(python)
 }
 
-fn pip(python: &Path) -> std::process::Command {
+pub(crate) fn pip(python: &Path) -> std::process::Command {
     command(&python.to_string_lossy(), &["-m", "pip", "install", "--quiet", "--disable-pip-version-check"])
 }
 
@@ -53,9 +64,10 @@ pub(crate) fn python() -> Result<(), Failure> {
     // Of the build that the tests have made, as the command line is below: any build computes the same bits.
     let wheel = wheel(run::root(), &run::root().join("target/python"), "dev")?;
     let python = own_environment()?;
-    run(pip(&python).args(["--force-reinstall", "--no-deps", "--no-index"]).arg(wheel))?;
+    run(pip(&python).args(["--force-reinstall", "--no-deps", "--no-index"]).arg(&wheel))?;
     run(&mut cargo(&["build", "--locked", "--package", "host-sim"]))?;
     let mut tests = command(&python.to_string_lossy(), &["-m", "pytest", "--quiet", "-p", "no:cacheprovider"]);
     tests.env("HOST_SIM", target().join("debug/host-sim"));
-    run(tests.arg("host-sim/python/tests"))
+    run(tests.arg("host-sim/python/tests"))?;
+    lerobot::check(&wheel)
 }

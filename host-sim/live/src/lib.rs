@@ -9,6 +9,7 @@ pub mod devices;
 pub mod discrepancy;
 pub mod endpoint;
 mod error;
+pub mod hand;
 pub mod invitation;
 pub mod measuring;
 pub mod meet;

@@ -1,9 +1,9 @@
 //! One peer in real time: a [`Node`] on an endpoint. What was heard in a packet period goes into the exchange at its end, newest
 //! flow only. It arms when the other one is there and, where somebody judges its scene ([`super::verdict`]), when the verdict lets it.
 
-use std::{net::SocketAddr, sync::Arc, time::Duration};
+use std::{net::SocketAddr, time::Duration};
 
-use haptic_core::safety::{Command, Mode};
+use haptic_core::safety::Mode;
 use haptic_protocol::key::Key;
 use haptic_protocol::link::Error;
 use haptic_protocol::wire::{Flows, Message, Telemetry};
@@ -19,7 +19,7 @@ use haptic_sim::{key_file::entropy, node::Node, of_axes, scene::Scene};
 mod report;
 
 use super::endpoint::{Endpoint, Live, Span, Stop, Ticker};
-use super::steering::{Steering, Wanted};
+use super::steering::Steered;
 use super::verdict::Judging;
 use super::watch::{LiveOptions, TELLING_S, Watch, fault};
 use crate::refused::{Refused, is_telling, wrong};
@@ -32,6 +32,8 @@ struct LivePeer<const SHARED: usize, const N: usize> {
     node: Node<SHARED, N, Box<dyn Device<f32, N>>>,
     connect: SocketAddr,
     patience_s: f64,
+    /// A tick, s.
+    period_s: f64,
     /// Ticks of the experiment.
     ticks: u64,
     /// Along each axis |x_o − x_d|, F_T, F_LC and its square.
@@ -58,8 +60,8 @@ struct LivePeer<const SHARED: usize, const N: usize> {
     duration_s: f64,
     /// Tick of the newest telemetry.
     reported_tick: Option<u32>,
-    /// Who steers it, and what was wanted last.
-    steering: Option<(Arc<Steering>, Wanted)>,
+    /// Who steers it.
+    steering: Option<Steered<SHARED>>,
     /// Since when it is wanted armed, µs.
     wanted_us: Option<u64>,
 }
@@ -86,14 +88,8 @@ where
 
     /// Does what is wanted; whether its motors are to be off.
     fn steer(&mut self) -> bool {
-        let Some((steering, last)) = &mut self.steering else { return false };
-        let wanted = steering.order().unwrap_or(*last);
-        self.node.hold_clutch(wanted.clutch);
-        self.node.pull(std::array::from_fn(|axis| wanted.pull_n.get(axis).copied().unwrap_or_default()));
-        if wanted.clears != last.clears {
-            self.node.peer.command(Command::Clear);
-        }
-        *last = wanted;
+        let Some(steered) = &mut self.steering else { return false };
+        let wanted = steered.heed(&mut self.node, self.period_s);
         self.wanted_us = wanted.armed.then(|| self.wanted_us.unwrap_or(self.now_us));
         !wanted.armed
     }
@@ -157,7 +153,7 @@ where
             self.whole.see(tick, [decoded_m, wall_n, wall_n * wall_n]);
         }
         self.watch.ticked(now_ns, node, self.judging.as_ref());
-        if let Some((steering, _)) = &self.steering {
+        if let Some(Steered { steering, .. }) = &self.steering {
             let forces = if actuators.enable { actuators.forces } else { [0.0; N] };
             steering.leave(now_ns, (&*node, forces), (&self.watch, self.judging.as_ref()));
         }
@@ -274,11 +270,12 @@ where
         duration_s,
         watch,
         reported_tick: None,
-        steering: wanted.steering.as_ref().map(|steering| (steering.clone(), steering.wanted())),
+        steering: wanted.steering.clone().map(Steered::new),
         wanted_us: Some(0),
         node,
         connect,
         patience_s,
+        period_s,
         ticks,
         halves: [LastHalf::new(measured); SHARED],
         whole: LastHalf::new(measured),

@@ -6,15 +6,17 @@
 //! A peer that is steered arms when that is wanted, the other end is there and the verdict lets it; its patience counts from when that was
 //! wanted. What is wanted is no way around a guard: a fault stays until somebody clears it, and a device that has gone stays gone.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use haptic_core::num::Motion;
 use haptic_core::peer::Observed;
-use haptic_core::safety::Mode;
+use haptic_core::safety::{Command, Mode};
 use haptic_protocol::wire::{Flows, Message};
 use haptic_sim::device::Device;
 use haptic_sim::node::Node;
 
 use crate::devices::AXES;
+use crate::hand::Hand;
 use crate::tell::Second;
 use crate::verdict::{Judging, Verdict};
 use crate::watch::{Watch, fault, state};
@@ -28,6 +30,10 @@ pub struct Wanted {
     pub clutch: bool,
     /// Forces on a simulated device beside its user's: along each axis, N toward positive x, y, z.
     pub pull_n: [f64; AXES],
+    /// Where a hand at a simulated device is to be, along each axis, m of the device's own; none, and it has let go.
+    pub hand_m: Option<[f64; AXES]>,
+    /// How often that was said so far.
+    pub moves: u64,
     /// How often faults were to be forgotten so far.
     pub clears: u64,
 }
@@ -35,8 +41,59 @@ pub struct Wanted {
 impl Wanted {
     /// Armed, or not yet; nothing else.
     pub fn new(armed: bool) -> Self {
-        Self { armed, clutch: false, pull_n: [0.0; AXES], clears: 0 }
+        Self { armed, clutch: false, pull_n: [0.0; AXES], hand_m: None, moves: 0, clears: 0 }
     }
+}
+
+/// Who steers a peer, seen from its tick: what was wanted last, and the hand that is moved.
+pub(crate) struct Steered<const SHARED: usize> {
+    pub(crate) steering: Arc<Steering>,
+    wanted: Wanted,
+    hand: Hand<SHARED>,
+    ticks: u64,
+}
+
+impl<const SHARED: usize> Steered<SHARED> {
+    pub(crate) fn new(steering: Arc<Steering>) -> Self {
+        let wanted = steering.wanted();
+        Self { steering, wanted, hand: Hand::default(), ticks: 0 }
+    }
+
+    /// Does what is wanted in this tick, but for arming, and says what that is. The hand takes the device where that is when its motors go on,
+    /// and goes from there to where it is to be.
+    pub(crate) fn heed<const N: usize, D: Device<f32, N>>(
+        &mut self,
+        node: &mut Node<SHARED, N, D>,
+        period_s: f64,
+    ) -> Wanted
+    where
+        Flows<SHARED>: Into<Message>,
+    {
+        let before = self.wanted;
+        self.wanted = self.steering.order().unwrap_or(before);
+        self.ticks += 1;
+        let motions: [Motion<f64>; SHARED] = first(node.motions(), Motion::REST);
+        let is_armed = node.peer.mode() == Mode::Armed;
+        if !is_armed || self.wanted.hand_m.is_none() {
+            self.hand = Hand::default();
+        } else if self.wanted.moves != before.moves || self.hand.holds().is_none() {
+            let to = self.wanted.hand_m.map(|to| first(to, 0.0));
+            self.hand.point(self.ticks, to, motions.map(|axis| axis.position));
+        }
+        let pulled = self.hand.pull(self.ticks, motions, period_s);
+        let (pushed, pulled): ([f64; N], [f64; N]) = (first(self.wanted.pull_n, 0.0), first(pulled, 0.0));
+        node.pull(std::array::from_fn(|axis| pushed[axis] + pulled[axis]));
+        node.hold_clutch(self.wanted.clutch);
+        if self.wanted.clears != before.clears {
+            node.peer.command(Command::Clear);
+        }
+        self.wanted
+    }
+}
+
+/// As many of these as there are axes; `otherwise` beyond them.
+fn first<T: Copy, const N: usize>(of: impl AsRef<[T]>, otherwise: T) -> [T; N] {
+    std::array::from_fn(|axis| of.as_ref().get(axis).copied().unwrap_or(otherwise))
 }
 
 /// What a peer was at its newest tick.

@@ -453,6 +453,12 @@ class LivePeer:
     def push(self, force_n: float | _Forces) -> None:
         """Has the hand at a simulated device push with this force beside what the scene's user does, N toward positive x, until told otherwise."""
 
+    def move_hand(self, position_m: float | _Forces | None, /) -> None:
+        """Has a hand at a simulated device go there, m of the device's own (of the shared world, where `scale.position` is 1), or let go with None: from
+        where the device is, at most 0.5 m/s fast, by a spring of 200 N/m and a damper of 12 N·s/m that pull with at most 10 N. Places that are told
+        60 times a second make a smooth motion.
+        """
+
     def wait_armed(self, timeout_s: float | None = None) -> bool:
         """Waits until it is armed and both ends are live; False if the time is over first. Raises RuntimeError if the run failed meanwhile."""
 

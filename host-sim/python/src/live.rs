@@ -34,6 +34,9 @@ const LOOK: Duration = Duration::from_millis(5);
 /// Longest that somebody may be asked to wait, s: 100 years.
 const LONGEST_S: f64 = 3.2e9;
 
+/// Farthest from the middle that a hand is told to go, m.
+const FARTHEST_M: f64 = 10.0;
+
 /// Why a peer did not begin, or ended.
 enum Why {
     /// The system said so, of a file or a socket.
@@ -458,6 +461,31 @@ impl LivePeer {
         force_n.along("force_n", &mut forces[..self.axes])?;
         check(&forces)?;
         py.detach(|| self.held.steering.want(|wanted| wanted.pull_n = forces));
+        Ok(())
+    }
+
+    /// Has a hand at a simulated device go there, m of the device's own (of the shared world, where `scale.position` is 1), or let go with None: from
+    /// where the device is, at most 0.5 m/s fast, by a spring of 200 N/m and a damper of 12 N·s/m that pull with at most 10 N. Places that are told
+    /// 60 times a second make a smooth motion.
+    #[pyo3(signature = (position_m, /))]
+    fn move_hand(&self, py: Python<'_>, position_m: Option<Along>) -> PyResult<()> {
+        if !self.is_simulated {
+            return Err(refused("move_hand is for a simulated device: one that is really there has a hand of its own"));
+        }
+        let place = position_m.map(|given| -> PyResult<_> {
+            let mut place = [0.0; MOST_AXES];
+            given.along("position_m", &mut place[..self.axes])?;
+            let wrong = place.iter().find(|at| !(-FARTHEST_M..=FARTHEST_M).contains(*at));
+            let must = format!("it must be a number from -{FARTHEST_M} to {FARTHEST_M} m");
+            wrong.map_or(Ok(place), |at| Err(refused(format!("position = {at} is not allowed: {must}"))))
+        });
+        let place = place.transpose()?;
+        py.detach(|| {
+            self.held.steering.want(|wanted| {
+                wanted.hand_m = place;
+                wanted.moves += 1;
+            });
+        });
         Ok(())
     }
 

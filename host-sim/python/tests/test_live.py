@@ -145,6 +145,30 @@ def test_it_waits_for_arm_and_lets_go_on_disarm(line):
             assert one.state.force_n == 0.0 and one.state.mode == "armed"
 
 
+def test_a_hand_goes_where_it_is_told(line):
+    """As places come 60 times a second: there with the object, and back against a hand that stays where it is."""
+    with haptic_sim.LivePeer("any-network", 1, **line[0]) as one, haptic_sim.LivePeer("any-network", 2, **line[1]) as two:
+        assert one.wait_armed(20) and two.wait_armed(20)
+        for wrong in (float("nan"), -11.0, (0.0, 0.0)):
+            with pytest.raises(ValueError, match="position.* is not allowed"):
+                one.move_hand(wrong)
+        seen = []
+        for frame in range(120):
+            one.move_hand(-0.05 * min(frame / 60, 1.0))
+            seen.append(one.state.hand_m)
+            time.sleep(1 / 60)
+        assert seen[-1] == pytest.approx(-0.05, abs=1e-3)
+        # At no time was there a jump.
+        assert max(abs(later - sooner) for sooner, later in zip(seen, seen[1:])) < 0.01
+        two.move_hand(two.state.hand_m)
+        one.move_hand(0.02)
+        until(lambda: one.state.force_n < -0.5 and two.state.force_n > 0.5, 5.0)
+        one.move_hand(None)
+        two.move_hand(None)
+        time.sleep(0.5)
+        assert one.state.fault is None and two.state.fault is None
+
+
 OTHER = """
     import sys, time, haptic_sim
     listen, connect, key = sys.argv[1:]
@@ -298,6 +322,8 @@ def test_refusals(line, tmp_path):
     with haptic_sim.LivePeer("any-network", 1, device=Handle(), settings=SOFT, **end) as peer:
         with pytest.raises(ValueError, match="push is for a simulated device"):
             peer.push(1.0)
+        with pytest.raises(ValueError, match="move_hand is for a simulated device"):
+            peer.move_hand(0.0)
 
 
 WRITTEN = """

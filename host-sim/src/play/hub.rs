@@ -5,11 +5,11 @@ use haptic_sim::network::link::Route;
 use haptic_sim::scene::Scene;
 
 use super::environment::{ARMED, Column, number_of};
-use super::hand::Hand;
 use super::partner::{Model, Partner};
 use super::session::{PERIOD_S, first, on_device};
 use super::shared_environment::{Held, Play};
 use crate::Error;
+use haptic_live::hand::Hand;
 
 /// Number of hands on the object.
 const HANDS: usize = 4;

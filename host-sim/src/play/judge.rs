@@ -16,12 +16,12 @@ use haptic_live::endpoint::stand_back;
 use haptic_sim::scene::{Jitter, Scene};
 use serde_json::json;
 
-use super::hand::{DAMPING, STIFFNESS};
 use super::kinds::EnvironmentKind;
 use super::mailbox::{Mailbox, Request};
 use super::orders::apply;
 use super::session::same_but_for_network;
 use crate::Error;
+use haptic_live::hand::{DAMPING, STIFFNESS};
 
 /// A hand of the page's, as an analysis has it.
 pub(crate) const HAND: Hand = Hand { stiffness_n_per_m: STIFFNESS, damping_n_s_per_m: DAMPING };

@@ -3,7 +3,7 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | [`hand`] | a pointer becomes a hand: spring and damper, play-out |
+//! | [`haptic_live::hand`] | a pointer becomes a hand: spring and damper, play-out |
 //! | [`partner`] | who holds the other hand while nobody else does |
 //! | [`environment`] | what is stepped and drawn, whatever it is |
 //! | [`kinds`] | which there are |
@@ -38,7 +38,6 @@ mod connections;
 mod control_loop;
 mod doors;
 mod environment;
-mod hand;
 mod hub;
 mod judge;
 mod kinds;

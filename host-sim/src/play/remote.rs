@@ -38,10 +38,10 @@ use haptic_sim::{key_file::entropy, scene::Scene};
 use serde_json::json;
 
 use super::environment::{ARMED, Command, Environment, FAULT, LineReport, OFF, Sample, Standing, WAITS, number_of};
-use super::hand::Hand;
 use super::pair_columns::sample;
 use super::session::{PERIOD_S, Side, first, on_device};
 use crate::Error;
+use haptic_live::hand::Hand;
 
 /// How much of a tick goes to what has come, so that no flood of datagrams holds it up.
 const LISTENS: Duration = Duration::from_micros(300);

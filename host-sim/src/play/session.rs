@@ -22,10 +22,10 @@ use haptic_sim::plant::Plant;
 use haptic_sim::{DynPeer, peers::Builds, scene::Scene};
 
 use super::environment::{ARMED, Command, Environment, Sample, Standing, number_of};
-use super::hand::Hand;
 use super::pair_columns::sample;
 use super::partner::{Model, Partner};
 use crate::Error;
+use haptic_live::hand::Hand;
 
 /// Farthest that a device goes from the middle, m.
 pub(crate) const REACH_M: f64 = 0.12;

@@ -17,10 +17,10 @@ use haptic_sim::{key_file::entropy, network::link::Route, scene::Scene};
 use serde_json::{Value, json};
 
 use super::environment::Column;
-use super::hand::Hand;
 use super::session::PERIOD_S;
 use super::shared_environment::{Held, Play, scene_route};
 use crate::Error;
+use haptic_live::hand::Hand;
 
 /// What there is to be felt, and the number of its server.
 const ROOM: &str = include_str!("../../sim/scenes/worlds/room.toml");

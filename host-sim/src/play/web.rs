@@ -48,7 +48,6 @@ use tungstenite::{Error, Message, WebSocket};
 use super::connections::{Connections, Pass};
 use super::doors::{Doors, Way};
 use super::environment::{FAULT, WAITS};
-use super::hand;
 use super::judge::Ask;
 use super::kinds::EnvironmentKind;
 use super::mailbox::{Contents, Mailbox, Pointed};
@@ -60,6 +59,7 @@ use super::partner::Model;
 use super::qr::Code;
 use super::roles::{Keys, Rights, Role};
 use super::session::{PERIOD_S, REACH_M};
+use haptic_live::hand;
 
 pub(super) const FILES: &[(&str, &str, &str)] = &[
     ("/", "text/html; charset=utf-8", include_str!("site/index.html")),

@@ -165,7 +165,7 @@ fn a_device_stays_within_its_travel() {
     let mut session = session("any-network", Model::Absent);
     let sample = carry(&mut session, 6000, Some(0.2));
     // Both ends push back: the devices hold one object.
-    let most = REACH_M + crate::play::hand::STRENGTH / END_STIFFNESS;
+    let most = REACH_M + haptic_live::hand::STRENGTH / END_STIFFNESS;
     assert!((REACH_M..most).contains(&column(&sample, "device_1")), "{sample:?}");
 }
 

@@ -1,4 +1,5 @@
-//! A pointer becomes a hand: a spring and a damper from where the pointer is to the device (a virtual coupling).
+//! A pointer becomes a hand: a spring and a damper from where the pointer is to the device (a virtual coupling). So does what else says 60
+//! times a second where a hand at a simulated device is to be ([`crate::steering`]).
 //!
 //! A mouse cannot be pushed back. What its user gets instead of a force is the distance between pointer and device, which
 //! *is* the force, over the stiffness. Pointers come 60 times a second, in steps, and not quite evenly: taken as they come
@@ -14,21 +15,21 @@ use std::collections::VecDeque;
 use haptic_core::num::Motion;
 
 /// Stiffness, N/m: 5 mm is 1 N.
-pub(crate) const STIFFNESS: f64 = 200.0;
+pub const STIFFNESS: f64 = 200.0;
 /// Damping, N·s/m, between pointer and device: without the pointer's speed in it a drag at 0.1 m/s would feel like 1.2 N.
-pub(crate) const DAMPING: f64 = 12.0;
+pub const DAMPING: f64 = 12.0;
 /// A hand's strength, N.
-pub(crate) const STRENGTH: f64 = 10.0;
+pub const STRENGTH: f64 = 10.0;
 /// Play-out, ticks: one frame of 60 Hz, and half of the next.
 const DELAY: u64 = 24;
 /// Fastest hand, m/s: how a frame that came too late is made good.
-const FASTEST: f64 = 0.5;
+pub const FASTEST: f64 = 0.5;
 /// Share of its speed that a hand takes on in a tick: a jump of a few ticks is no blow through the damper.
 const AGILITY: f64 = 0.1;
 
 /// A hand that follows a pointer along `N` axes.
 #[derive(Clone, Debug)]
-pub(super) struct Hand<const N: usize = 1> {
+pub struct Hand<const N: usize = 1> {
     /// Where the pointer was, m, and when it said so, in ticks.
     path: VecDeque<(u64, [f64; N])>,
     at: [f64; N],
@@ -49,7 +50,7 @@ fn within<const N: usize>(vector: [f64; N], most: f64) -> [f64; N] {
 
 impl<const N: usize> Hand<N> {
     /// The pointer says where it is (m), or that it has let go. A hand takes the device where that is.
-    pub(super) fn point(&mut self, tick: u64, pointer: Option<[f64; N]>, device: [f64; N]) {
+    pub fn point(&mut self, tick: u64, pointer: Option<[f64; N]>, device: [f64; N]) {
         match pointer {
             None => self.path.clear(),
             Some(at) => {
@@ -62,12 +63,12 @@ impl<const N: usize> Hand<N> {
     }
 
     /// Where the hand is, m, if it holds.
-    pub(super) fn holds(&self) -> Option<[f64; N]> {
+    pub fn holds(&self) -> Option<[f64; N]> {
         (!self.path.is_empty()).then_some(self.at)
     }
 
     /// Force (N) on a device where it is (m) and as fast as it moves (m/s), in a tick of `period` (s).
-    pub(super) fn pull(&mut self, tick: u64, device: [Motion<f64>; N], period: f64) -> [f64; N] {
+    pub fn pull(&mut self, tick: u64, device: [Motion<f64>; N], period: f64) -> [f64; N] {
         let then = tick.saturating_sub(DELAY);
         while self.path.get(1).is_some_and(|next| next.0 <= then) {
             self.path.pop_front();
@@ -93,5 +94,5 @@ impl<const N: usize> Hand<N> {
 }
 
 #[cfg(test)]
-#[path = "../../tests/inside/hand.rs"]
+#[path = "../tests/inside/hand.rs"]
 mod tests;

@@ -1,0 +1,56 @@
+//! The part of `cargo xtask python` that is about LeRobot: both packages of host-sim/python/lerobot as they are installed, and its own loops with
+//! them. It needs a newer Python than all else here does, and has an environment of its own below target/.
+
+use std::path::{Path, PathBuf};
+
+use crate::board::target;
+use crate::python::{environment_of, pip};
+use crate::run::{self, Failure, command, run};
+
+/// Where the packages are, their tests, and the versions of what they need.
+const FOLDER: &str = "host-sim/python/lerobot";
+
+/// LeRobot's own lowest, and the highest for which what it needs is there in these versions.
+const FITTING: [&str; 2] = ["3.12", "3.13"];
+
+/// Names under which a Python that fits may be found: on the path, and where pyenv keeps them.
+fn candidates() -> Vec<String> {
+    let mut names: Vec<String> = ["python3", "python3.12", "python3.13"].iter().map(|&name| name.into()).collect();
+    let home = std::env::var_os("HOME").map(|home| Path::new(&home).join(".pyenv"));
+    let root = std::env::var_os("PYENV_ROOT").map(PathBuf::from).or(home);
+    let versions = root.and_then(|root| root.join("versions").read_dir().ok());
+    let mut kept: Vec<PathBuf> = versions.into_iter().flatten().flatten().map(|entry| entry.path()).collect();
+    kept.sort();
+    names.extend(kept.iter().map(|version| version.join("bin/python3").to_string_lossy().into_owned()));
+    names
+}
+
+/// The first of them that runs and fits.
+fn interpreter() -> Option<String> {
+    let asks = format!("import sys; sys.exit('%d.%d' % sys.version_info[:2] not in {FITTING:?})");
+    let fits = |name: &String| command(name, &["-c", &asks]).output().is_ok_and(|said| said.status.success());
+    candidates().into_iter().find(fits)
+}
+
+/// Installs this wheel and both packages, and runs their tests.
+pub(crate) fn check(wheel: &Path) -> Result<(), Failure> {
+    let Some(interpreter) = interpreter() else {
+        let versions = FITTING.join(" or ");
+        eprintln!("    NOT CHECKED: LeRobot's packages need Python {versions}, and there is none");
+        return Ok(());
+    };
+    // As they stand there: LeRobot asks for PyTorch, for which the tests have a stand-in.
+    let requirements = format!("{FOLDER}/requirements.txt");
+    let python = environment_of(
+        &interpreter,
+        &run::root().join("target/lerobot"),
+        &requirements,
+        &["--no-deps", "--no-compile"],
+    )?;
+    let packages = ["lerobot_robot_haptic", "lerobot_teleoperator_haptic"].map(|name| format!("{FOLDER}/{name}"));
+    let own = ["--force-reinstall", "--no-deps", "--no-index", "--no-build-isolation"];
+    run(pip(&python).args(own).arg(wheel).args(&packages))?;
+    let mut tests = command(&python.to_string_lossy(), &["-m", "pytest", "--quiet", "-p", "no:cacheprovider"]);
+    tests.env("HOST_SIM", target().join("debug/host-sim"));
+    run(tests.arg(format!("{FOLDER}/tests")))
+}
