@@ -97,19 +97,19 @@ fn kinds(ui: &Ui) -> Vec<TableKind> {
         TableKind::new("study", "study.csv, study.parquet", "a run", studied(|study| study.columns(&[]))),
         TableKind::new(
             "study-points",
-            "points.csv, points.parquet of `study`; `study --json`, points",
+            "study-points.csv, study-points.parquet; `study --json`, points",
             "an entrant over a network at a point of the grid",
             studied(|study| study.summary(&[])),
         ),
         TableKind::new(
             "study-best",
-            "best.csv, best.parquet of `study`; `study --json`, best",
+            "study-best.csv, study-best.parquet; `study --json`, best",
             "an entrant on a network",
             studied(|study| study.answer_columns(&[], &GOAL)),
         ),
         TableKind::new(
             "study-pairs",
-            "pairs.csv, pairs.parquet of `study`; `study --json`, pairs",
+            "study-pairs.csv, study-pairs.parquet; `study --json`, pairs",
             "two entrants on a network, or on all that they have in common",
             studied(|study| study.pair_columns(&[])),
         ),

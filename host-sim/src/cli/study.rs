@@ -132,18 +132,18 @@ impl Study {
         let out = self.out.in_folder(folder.to_owned()).unless_told(COLUMN_MM);
         let goal_told = question.clone().with("best", METRICS[goal.metric].name()).with("at_most", bounds(goal));
         let best = study.answer_columns(answers, goal);
-        let mut files = ui.files(&out, "study", "best", &goal_told, |files| {
+        let mut files = ui.files(&out, "study", "study-best", &goal_told, |files| {
             files.csv(&best)?;
             files.parquet(&best)?;
             for (number, figure) in (1..).zip(study.figures(rows, answers, goal)) {
-                let name = if number > 1 { Some(format!("best-figure-{number}")) } else { None };
+                let name = if number > 1 { Some(format!("study-best-figure-{number}")) } else { None };
                 files.figure(name.as_deref(), &figure)?;
             }
             Ok(())
         })?;
         let pairs = study.pair_columns(&study.pairs(rows, answers, goal));
         let points = study.summary(rows);
-        for (name, table) in [("pairs", pairs), ("points", points)] {
+        for (name, table) in [("study-pairs", pairs), ("study-points", points)] {
             files.extend(ui.files(&out, "study", name, &goal_told, |files| {
                 files.csv(&table)?;
                 files.parquet(&table)

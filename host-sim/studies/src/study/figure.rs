@@ -25,6 +25,8 @@ const BLACK: usize = 6;
 const DASHES: [Dash; 4] = [Dash::Solid, Dash::Dashed, Dash::DashDot, Dash::Dotted];
 /// From this ratio of its ends on an axis is logarithmic.
 const DECADE: f64 = 10.0;
+/// Width of the line that goes through what may not be taken, too.
+const THIN: f64 = 1.0;
 /// Part of a name's room that the entrants beside each other fill.
 const BESIDE: f64 = 0.6;
 
@@ -120,17 +122,22 @@ impl Study {
             let beside = BESIDE * ((entrant as f64 + 0.5) / drawn.spots.len() as f64 - 0.5);
             let x = |spot: &Spot| if let Along::Names(_) = along { spot.x + beside } else { spot.x };
             let at = |spot: &Spot| (x(spot), spot.found.mean);
+            let allowed = || spots.iter().filter(|spot| spot.allowed);
             if let Along::Numbers(_) = along {
                 let runs = || spots.chunk_by(|one, other| one.allowed && other.allowed).filter(|run| run[0].allowed);
                 bands.push(Series::region("", color, runs().flat_map(strips).collect()));
+                // A thin line through all, rings included, so that the dash tells whose they are.
+                marks.push(Series::dashed("", color, dash, spots.iter().map(at).collect()).wide(THIN));
                 let line = |run: &[Spot]| run.iter().map(at).chain([(f64::NAN, f64::NAN)]).collect::<Vec<_>>();
                 marks.push(Series::dashed(name, color, dash, runs().flat_map(line).collect()));
                 let best = spots.iter().filter(|spot| spot.best).map(at).collect();
                 marks.push(Series::dots("", color, best, Vec::new()));
             } else {
+                let number = (entrant + 1).to_string();
                 let interval = |spot: &Spot| (x(spot), spot.found.mean, spot.found.within_95.unwrap_or(0.0));
-                let allowed = spots.iter().filter(|spot| spot.allowed).map(interval).collect();
-                marks.push(Series::intervals(name, color, allowed));
+                marks.push(Series::intervals(format!("{number}: {name}"), color, allowed().map(interval).collect()));
+                let numbers = allowed().map(|_| number.clone()).collect();
+                marks.push(Series::dots("", color, allowed().map(at).collect(), numbers));
             }
             let rings = spots.iter().filter(|spot| !spot.allowed).map(at).collect();
             marks.push(Series::rings("", color, rings));
@@ -152,58 +159,60 @@ impl Study {
 
     /// A figure of these panels, with names in the first one.
     fn sheet(&self, mut panels: Vec<Panel>, goal: &Goal) -> Figure {
-        let means = || panels.iter().flat_map(|panel| &panel.series).flat_map(means);
-        let log_y = is_wide(means());
+        let series = || panels.iter().flat_map(|panel| &panel.series);
+        let means = || series().flat_map(means);
+        // A stroke that reaches 0 has no end on a logarithmic axis; a band is cut.
+        let log_y = is_wide(means()) && series().flat_map(strokes).all(|end| end > 0.0);
         let [low, high] = [f64::min, f64::max].map(|pick| means().reduce(pick));
-        let bands = panels.iter().flat_map(|panel| &panel.series).flat_map(edges);
-        let bands = bands.filter(|edge| edge.is_finite() && (!log_y || *edge > 0.0));
         let y_range = low.zip(high).map(|(low, high)| {
-            // An interval may go far down on a logarithmic axis: half of the least mean is low enough.
             let lowest = if log_y { low / 2.0 } else { f64::NEG_INFINITY };
-            let (low, high) = bands.fold((low, high), |(low, high), edge| (low.min(edge.max(lowest)), high.max(edge)));
+            let ends = series().flat_map(|series| strokes(series).into_iter().chain(edges(series)));
+            let (low, high) = ends.fold((low, high), |(low, high), end| (low.min(end.max(lowest)), high.max(end)));
             let by = 0.06 * (high - low);
             if log_y { (low / 1.2, high * 1.2) } else { (low - by, high + by) }
         });
-        let ringed = panels.iter().flat_map(|panel| &panel.series).any(|series| is_ring(series) && count(series) > 0);
+        let is_ring = |series: &Series| matches!(&series.shape, Shape::Rings(points) if !points.is_empty());
+        let (ringed, banded) = (series().any(is_ring), panels.iter().all(|panel| panel.categories.is_empty()));
         for (at, panel) in panels.iter_mut().enumerate() {
             (panel.log_y, panel.y_range) = (log_y, y_range);
+            panel.series.iter_mut().filter(|_| log_y).for_each(cut);
             if at > 0 {
                 panel.series.iter_mut().for_each(|series| series.label.clear());
             } else if ringed {
                 panel.series.push(Series::rings("may not be taken", BLACK, Vec::new()));
             }
         }
-        let (seeds, half) = (self.seeds(), self.seeds() / 2);
-        let judged = match half {
-            0 => "one seed".to_owned(),
-            _ => format!("chosen on {half} seeds and judged on the other {}", seeds - half),
-        };
-        let bounds = goal
-            .bounds
-            .iter()
-            .map(|bound| format!(", {} above {}", METRICS[bound.metric].name().replace('_', " "), bound.most));
-        let bounds: String = bounds.collect();
-        let rings = if ringed {
-            format!(
-                " Rings: not stable in a run or in every mode, where a hand lets go{bounds}; without a mark no run has the figure."
-            )
-        } else {
-            String::new()
-        };
-        let best = if self.grid().axes.is_empty() { "Dots" } else { "Bands" };
-        let dots =
-            if self.grid().axes.is_empty() { String::new() } else { format!(" Dots: the best points, {judged}.") };
         Figure {
-            caption: format!(
-                "{best}: means of {seeds} seeds of {} s with their 95 % intervals.{dots}{rings}",
-                self.seconds()
-            ),
-            columns: if panels.len() > 1 && !self.grid().axes.is_empty() { 2 } else { 1 },
-            share_x: !self.grid().axes.is_empty(),
+            caption: self.caption(goal, ringed, banded),
+            columns: if panels.len() > 1 && banded { 2 } else { 1 },
+            share_x: banded,
             share_y: ShareY::All,
             panels,
             ..Figure::default()
         }
+    }
+
+    /// What the reader sees.
+    fn caption(&self, goal: &Goal, ringed: bool, banded: bool) -> String {
+        let seeds = self.seeds();
+        let mut text = format!(
+            "Means of {seeds} seeds, {} s each, with their 95 % intervals (Student){}.",
+            self.seconds(),
+            if banded { " as bands" } else { "" }
+        );
+        if banded {
+            text += " Dots: the best points";
+            text += &if seeds > 1 { format!(", chosen on {} of the seeds.", seeds / 2) } else { ".".to_owned() };
+        }
+        if ringed {
+            text += " Rings: unstable in a run, or where a hand lets go";
+            for bound in &goal.bounds {
+                let name = label(&METRICS[bound.metric].name());
+                text += &format!(", or {} above {}", name[..1].to_lowercase() + &name[1..], bound.most);
+            }
+            text += ".";
+        }
+        text + " Without a mark: a run failed."
     }
 }
 
@@ -224,10 +233,19 @@ fn is_wide(numbers: impl Iterator<Item = f64> + Clone) -> bool {
 fn strips(run: &[Spot]) -> Vec<Strip> {
     let side = |spot: &Spot| {
         let within = spot.found.within_95.unwrap_or(0.0);
-        // On a logarithmic axis an interval that reaches 0 goes to the lower edge.
-        (spot.x, (spot.found.mean - within).max(f64::MIN_POSITIVE.copysign(spot.found.mean)), spot.found.mean + within)
+        (spot.x, spot.found.mean - within, spot.found.mean + within)
     };
     run.windows(2).map(|pair| Strip { left: side(&pair[0]), right: side(&pair[1]) }).collect()
+}
+
+/// Of a band what a logarithmic axis can show: what reaches 0 goes to its lower edge.
+fn cut(series: &mut Series) {
+    let Shape::Region(strips) = &mut series.shape else { return };
+    for strip in strips {
+        for side in [&mut strip.left, &mut strip.right] {
+            side.1 = side.1.max(f64::MIN_POSITIVE);
+        }
+    }
 }
 
 /// The means that a series shows.
@@ -240,21 +258,14 @@ fn means(series: &Series) -> Vec<f64> {
     means.into_iter().filter(|mean| mean.is_finite()).collect()
 }
 
-/// The ends of the intervals that a series shows.
+/// The ends of the intervals that a series shows as strokes.
+fn strokes(series: &Series) -> Vec<f64> {
+    let Shape::Intervals(points) = &series.shape else { return Vec::new() };
+    points.iter().flat_map(|(_, y, within)| [y - within, y + within]).collect()
+}
+
+/// The edges of its bands.
 fn edges(series: &Series) -> Vec<f64> {
-    match &series.shape {
-        Shape::Intervals(points) => points.iter().flat_map(|(_, y, within)| [y - within, y + within]).collect(),
-        Shape::Region(strips) => {
-            strips.iter().flat_map(|strip| [strip.left, strip.right]).flat_map(|(_, low, high)| [low, high]).collect()
-        }
-        _ => Vec::new(),
-    }
-}
-
-fn is_ring(series: &Series) -> bool {
-    matches!(series.shape, Shape::Rings(_))
-}
-
-fn count(series: &Series) -> usize {
-    if let Shape::Rings(points) = &series.shape { points.len() } else { 0 }
+    let Shape::Region(strips) = &series.shape else { return Vec::new() };
+    strips.iter().flat_map(|strip| [strip.left, strip.right]).flat_map(|(_, low, high)| [low, high]).collect()
 }

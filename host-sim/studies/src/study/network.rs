@@ -43,14 +43,16 @@ impl Over {
         Self { name: OWN.to_owned(), network: None }
     }
 
-    /// The network of this name, or all of them.
+    /// The network of this name, strokes for blanks or not, or all of them.
     ///
     /// # Errors
     /// A name that no network has.
     pub fn of(text: &str) -> Result<Vec<Self>, Error> {
         let over = |network: Network| Self { name: network.name.clone(), network: Some(network) };
         let all = named();
-        match (text, all.iter().find(|(name, _)| *name == text)) {
+        // In a shell a name is easier to type with strokes for blanks.
+        let typed = |name: &str| name.replace(' ', "-");
+        match (text, all.iter().find(|(name, _)| typed(name) == typed(text))) {
             (OWN, _) => Ok(vec![Self::own()]),
             (ALL, _) => Ok(std::iter::once(Self::own()).chain(Network::named(&all).into_iter().map(over)).collect()),
             (_, Some(network)) => Ok(Network::named(&[*network]).into_iter().map(over).collect()),
