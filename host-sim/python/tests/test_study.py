@@ -34,8 +34,8 @@ def test_the_best_point_is_that_of_the_rows():
     found = asked().run()
     rows, told = found.rows, found.best()
     merit, seed = rows["true_discrepancy_mm"], rows["seed"]
-    for at, (entrant, network) in enumerate(zip(told["entrant"], told["network"])):
-        here = (rows["entrant"] == entrant) & (rows["network"] == network)
+    for at, (entrant, network) in enumerate(zip(told["entrant"], told["network_name"])):
+        here = (rows["entrant"] == entrant) & (rows["network_name"] == network)
         allowed = {}
         for gain in np.unique(rows["coordination.stiffness_n_per_m"][here]):
             point = here & (rows["coordination.stiffness_n_per_m"] == gain)

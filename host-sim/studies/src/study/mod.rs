@@ -161,7 +161,3 @@ impl Study {
         with_traces(self.grid().varied(provenance), traces)
     }
 }
-
-#[cfg(test)]
-#[path = "../../tests/inside/study.rs"]
-mod tests;

@@ -11,12 +11,13 @@ use crate::sweep::{METRICS, Row, of_points, of_runs};
 const POINT: &str =
     "which point, from 0: an entrant over a network at a point of the grid, which varies fastest, then the networks";
 const ENTRANT: &str = "the scene or law, with its own settings";
+/// Not `network`: a document nests keys that are varied, such as `network.loss`, below it.
 const NETWORK: &str = "the network; own: as each scene has it";
 
 impl Study {
     /// Columns that say which point it is.
     fn of_place<'a, R>(&self, rows: Rows<'a, R>, point: impl Fn(&R) -> usize + Copy) -> Rows<'a, R> {
-        let rows = rows.value("point", move |row| point(row)).means(POINT).data_only();
+        let rows = rows.value("point", point).means(POINT).data_only();
         let rows = self.of_names(rows, move |row| self.place(point(row)));
         self.grid().of_keys(rows, move |row| Some(self.place(point(row)).grid))
     }
@@ -25,8 +26,9 @@ impl Study {
     fn of_names<'a, R>(&self, rows: Rows<'a, R>, place: impl Fn(&R) -> Place + Copy) -> Rows<'a, R> {
         rows.value("entrant", move |row| self.entrants[place(row).entrant].name.as_str())
             .means(ENTRANT)
-            .value("network", move |row| self.networks[place(row).network].name.as_str())
+            .value("network_name", move |row| self.networks[place(row).network].name.as_str())
             .means(NETWORK)
+            .head("network")
     }
 
     /// Every run.
@@ -108,8 +110,9 @@ impl Study {
             .means("a scene or law, at its best point on each network")
             .value("entrant", name(1))
             .means("another one, at its own best points")
-            .value("network", network)
+            .value("network_name", network)
             .means("the network, or all on which both have a point that may be taken")
+            .head("network")
             .value("common_networks", |pair| pair.common.len())
             .means("networks on which both have such a point: nothing else is compared")
             .head("common")

@@ -1,16 +1,19 @@
 //! Answers against a table made by hand, the rule of common networks, and runs that are a sweep's.
 
-use haptic_sim::peers::Laws;
-use haptic_sim::scenes;
+use std::path::Path;
 
-use super::answers::{Bound, Counts, Goal, metric};
-use super::*;
-use crate::compare::Comparison;
-use crate::sweep::{METRICS, Row};
+use haptic_sim::peers::Laws;
+use haptic_sim::scene::Scene;
+use haptic_sim::scenes;
+use haptic_studies::compare::Comparison;
+use haptic_studies::entrant::Entrant;
+use haptic_studies::study::answers::{Bound, Counts, Goal, metric};
+use haptic_studies::study::{Over, Place, Study};
+use haptic_studies::sweep::{Axis, METRICS, Plan, Row, Sweep};
 
 fn scene(name: &str, set: &[&str]) -> Scene {
     let set: Vec<String> = set.iter().map(|text| (*text).to_owned()).collect();
-    scenes::find(Laws::built_in(), Some(std::path::Path::new(name)), &set).expect("a scene")
+    scenes::find(Laws::built_in(), Some(Path::new(name)), &set).expect("a scene")
 }
 
 fn entrant(name: &str) -> Entrant {
