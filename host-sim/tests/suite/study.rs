@@ -112,7 +112,10 @@ fn bad_ones_are_refused() {
     refused(&[], &["SCENE|LAW"]);
     refused(&["wafe"], &["wafe is neither a file nor a built-in scene", "the laws are power, p-plus-d, wave,"]);
     refused(&["wave", "--over", "object.mas_kg=1,2"], &["did you mean object.mass_kg?"]);
-    refused(&["wave", "--network", "los 5 %"], &["no network called \"los 5 %\"", "did you mean \"loss 5 %\"?", "\"all\""]);
+    refused(
+        &["wave", "--network", "los 5 %"],
+        &["no network called \"los 5 %\"", "did you mean \"loss 5 %\"?", "\"all\""],
+    );
     refused(&["wave", "--network", "loss-5-%", "--over", "network.loss=0,0.1"], &["\"loss 5 %\" rules it"]);
     refused(&["wave", "--best", "force"], &["they are true_discrepancy_mm,"]);
     refused(&["wave", "--at-most", "energy_made_mj"], &["write it as NAME=MOST"]);
