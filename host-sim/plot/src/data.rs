@@ -55,6 +55,7 @@ fn rows(panel: &Panel, series: &Series, axes: &Axes, width: f64) -> Vec<Row> {
             let name = |at: usize| names.get(at).cloned().unwrap_or_default();
             points.iter().enumerate().map(|(at, point)| (name(at), plain(point).1)).collect()
         }
+        Shape::Rings(points) => points.iter().map(plain).collect(),
         Shape::Bars(points) => {
             let name = |x: f64| panel.categories.get(x.round() as usize).cloned().unwrap_or_default();
             points.iter().map(|point| (name(point.0), plain(point).1)).collect()

@@ -84,7 +84,7 @@ pub(crate) fn below(panel: &Panel, top: f64, (left, right): (f64, f64)) -> (Vec<
     let widest = labelled(panel).map(|series| SAMPLE + font::width(&series.label, SIZE)).fold(1.0, f64::max);
     let count = labelled(panel).count();
     let columns = (((right - left) / (widest + SAMPLE)) as usize).clamp(1, count.max(1));
-    let rows = count.div_ceil(columns).max(1);
+    let rows = count.div_ceil(columns);
     let place = |at: usize| {
         (left + (right - left) * (at / rows) as f64 / columns as f64, top + LINE * ((at % rows) as f64 + 1.0))
     };
@@ -97,21 +97,24 @@ fn labelled(panel: &Panel) -> impl Iterator<Item = &Series> {
 }
 
 /// A sample of a series and its label, which begin at this point of the base line.
-fn entry(series: &Series, (left, base): Point) -> [Mark; 2] {
+fn entry(series: &Series, (left, base): Point) -> Vec<Mark> {
     let (color, middle) = (color(series.color), base - 7.0);
     let square = Frame { left: left + 8.0, top: middle - 8.0, right: left + 32.0, bottom: middle + 8.0 };
     let stroke = |dash: Dash| {
         let points = vec![(left, middle), (left + SAMPLE - 10.0, middle)];
         Mark::Line { points, color, width: series.width, dash }
     };
-    let sample = match &series.shape {
-        Shape::Line { dash, .. } => stroke(*dash),
-        Shape::Steps(_) => stroke(Dash::Solid),
-        Shape::Dots { .. } | Shape::Intervals(_) => Mark::Disc { at: (left + 20.0, middle), radius: panel::DOT, color },
-        Shape::Bars(_) => Mark::Fill { frames: vec![square], color, opacity: 1.0 },
-        Shape::Region(_) => Mark::Fill { frames: vec![square], color, opacity: panel::TINT },
+    let at = (left + 20.0, middle);
+    let mut marks = match &series.shape {
+        Shape::Line { dash, .. } => vec![stroke(*dash)],
+        Shape::Steps(_) => vec![stroke(Dash::Solid)],
+        Shape::Dots { .. } | Shape::Intervals(_) => vec![Mark::Disc { at, radius: panel::DOT, color }],
+        Shape::Rings(_) => panel::ring(at, color).to_vec(),
+        Shape::Bars(_) => vec![Mark::Fill { frames: vec![square], color, opacity: 1.0 }],
+        Shape::Region(_) => vec![Mark::Fill { frames: vec![square], color, opacity: panel::TINT }],
     };
-    [sample, Mark::text((left + SAMPLE, base), Anchor::Start, SIZE, INK, &series.label)]
+    marks.push(Mark::text((left + SAMPLE, base), Anchor::Start, SIZE, INK, &series.label));
+    marks
 }
 
 #[cfg(test)]

@@ -141,6 +141,8 @@ pub enum Shape {
         /// Names written beside the dots, in the same order; may be empty or shorter.
         names: Vec<String>,
     },
+    /// Separate rings: what is there but does not count, so that no colour has to tell.
+    Rings(Vec<(f64, f64)>),
     /// Bars from zero to y, at x = number of the category, with the value written at the end. Bars of several series
     /// at the same x stand side by side.
     Bars(Vec<(f64, f64)>),
@@ -178,6 +180,11 @@ impl Series {
     /// Dots with the names in `names` beside them.
     pub fn dots(label: impl Into<String>, color: usize, points: Vec<(f64, f64)>, names: Vec<String>) -> Self {
         Self::new(label, color, Shape::Dots { points, names })
+    }
+
+    /// Rings around nothing, for points that do not count.
+    pub fn rings(label: impl Into<String>, color: usize, points: Vec<(f64, f64)>) -> Self {
+        Self::new(label, color, Shape::Rings(points))
     }
 
     /// Values with their intervals: (x, y, half of the interval).

@@ -9,7 +9,7 @@
 //! A region is tinted between straight edges, which are those that its outline is drawn along.
 
 use super::range::Axes;
-use super::sheet::{Anchor, Dash, FAINT, Frame, GRID, INK, Mark, PAPER, Point, color};
+use super::sheet::{Anchor, Dash, FAINT, Frame, GRID, INK, Mark, PAPER, Point, Rgb, color};
 use super::{Panel, Series, Shape, Strip, font, significant, trace};
 
 /// Width of the lines of series.
@@ -47,6 +47,7 @@ pub(crate) fn draw(panel: &Panel, axes: &Axes, frame: &Frame, x_ticks: &[f64], y
             Shape::Line { points, dash } => canvas.line(&ends(canvas.pixels(points)), series, *dash),
             Shape::Steps(points) => canvas.line(&trace::steps(&ends(canvas.pixels(points))), series, Dash::Solid),
             Shape::Dots { points, .. } => canvas.dots(points, series.color),
+            Shape::Rings(points) => canvas.rings(points, series.color),
             Shape::Intervals(points) => canvas.intervals(points, series),
             Shape::Bars(_) | Shape::Region(_) => {}
         }
@@ -176,9 +177,19 @@ impl Canvas<'_> {
         self.dots(&points.iter().map(|(x, y, _)| (*x, *y)).collect::<Vec<_>>(), series.color);
     }
 
+    fn visible(&self, points: &[(f64, f64)]) -> Vec<Point> {
+        self.pixels(points).into_iter().filter(|p| self.frame.contains(*p)).collect()
+    }
+
     fn dots(&mut self, points: &[(f64, f64)], number: usize) {
-        let visible: Vec<Point> = self.pixels(points).into_iter().filter(|p| self.frame.contains(*p)).collect();
+        let visible = self.visible(points);
         self.out.marks.extend(visible.iter().map(|at| Mark::Disc { at: *at, radius: DOT, color: color(number) }));
+        self.out.obstacles.extend(visible);
+    }
+
+    fn rings(&mut self, points: &[(f64, f64)], number: usize) {
+        let visible = self.visible(points);
+        self.out.marks.extend(visible.iter().flat_map(|at| ring(*at, color(number))));
         self.out.obstacles.extend(visible);
     }
 
@@ -211,6 +222,11 @@ impl Canvas<'_> {
         }
         taken.iter().for_each(|area| self.out.obstacles.extend(lattice(area)));
     }
+}
+
+/// A ring: a disc with the sheet's colour inside.
+pub(crate) fn ring(at: Point, color: Rgb) -> [Mark; 2] {
+    [Mark::Disc { at, radius: DOT, color }, Mark::Disc { at, radius: DOT - STROKE, color: PAPER }]
 }
 
 /// Colour and points of a series of bars.

@@ -60,8 +60,10 @@ fn found_x(panel: &Panel) -> Range {
     }
     let range = extent(panel.series.iter().flat_map(span).map(|(x, _)| x), panel.log_x)?;
     // Dots and bars need room beside the outermost ones; lines and regions end at the frame.
-    let separate =
-        panel.series.iter().any(|s| matches!(s.shape, Shape::Dots { .. } | Shape::Intervals(_) | Shape::Bars(_)));
+    let separate = panel
+        .series
+        .iter()
+        .any(|s| matches!(s.shape, Shape::Dots { .. } | Shape::Rings(_) | Shape::Intervals(_) | Shape::Bars(_)));
     Some(margin(range, panel.log_x, if separate { (0.1, 0.1) } else { (0.0, 0.0) }))
 }
 
@@ -103,7 +105,7 @@ fn hull(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
 fn span(series: &Series) -> Vec<(f64, f64)> {
     match &series.shape {
         Shape::Line { points, .. } | Shape::Dots { points, .. } => points.clone(),
-        Shape::Steps(points) | Shape::Bars(points) => points.clone(),
+        Shape::Steps(points) | Shape::Bars(points) | Shape::Rings(points) => points.clone(),
         Shape::Intervals(points) => {
             points.iter().flat_map(|(x, y, within)| [(*x, y - within), (*x, *y), (*x, y + within)]).collect()
         }

@@ -4,6 +4,7 @@ Columns and figures of merit carry their unit at the end of their name: `_m`, `_
 """
 
 from ._native import (
+    Findings,
     Journal,
     LivePeer,
     LiveState,
@@ -12,6 +13,7 @@ from ._native import (
     Run,
     Scene,
     Stability,
+    Study,
     Sweep,
     __version__,
     add_law,
@@ -27,6 +29,7 @@ from ._native import (
 from .tables import to_pandas, to_xarray
 
 __all__ = [
+    "Findings",
     "Journal",
     "LivePeer",
     "LiveState",
@@ -35,6 +38,7 @@ __all__ = [
     "Run",
     "Scene",
     "Stability",
+    "Study",
     "Sweep",
     "__version__",
     "add_law",

@@ -1,4 +1,5 @@
 import os
+import pathlib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Literal, Protocol, final, overload
 
@@ -13,6 +14,7 @@ _Progress = Callable[[int, int], object]
 _Forces = Sequence[float] | NDArray[np.float64]
 
 __all__ = [
+    "Findings",
     "Journal",
     "LivePeer",
     "LiveState",
@@ -21,6 +23,7 @@ __all__ = [
     "Run",
     "Scene",
     "Stability",
+    "Study",
     "Sweep",
     "__version__",
     "add_law",
@@ -297,6 +300,87 @@ class Sweep:
         """Does these runs, each a point with its seeds, and gives their rows as lines for `Journal.append`."""
 
     def __reduce__(self) -> tuple[Any, ...]: ...
+
+@final
+class Study:
+    """Scenes or laws over keys, networks and seeds: which is best where, under which bounds, and how sure that is; the question of `host-sim
+    study`.
+
+    `entrants` are texts as the command line takes them ("wave", "any-network,object.mass_kg=0.1", a law at its own gains or a scene), or
+    a dict from names to scenes. `networks` are names ("own", as each scene has it; "all"), or paths of recordings. Axes and sample are those
+    of `Sweep`, and may be left out. Every point is run for `seconds` in f64 with the same `seeds`: the first half chooses the best point,
+    the other half says how good it is.
+
+    Raises ValueError for what there is not, and for a value or a combination that is not allowed at any point.
+    """
+
+    def __new__(
+        cls,
+        entrants: str | Sequence[str] | dict[str, Scene | _Path],
+        over: dict[str, str | Sequence[_Value]] | list[str] | None = None,
+        networks: _Path | Sequence[_Path] | None = None,
+        sample: dict[str, str | Sequence[_Value]] | list[str] | None = None,
+        points: int | None = None,
+        design: Literal["sobol", "latin-hypercube"] = "sobol",
+        sample_seed: int = 1,
+        seeds: int = 20,
+        seconds: float = 20.0,
+    ) -> Study: ...
+    @property
+    def points(self) -> int:
+        """How many points there are: entrants times networks times points of the grid."""
+
+    @property
+    def runs(self) -> int:
+        """How many runs: points times seeds."""
+
+    @staticmethod
+    def network_names() -> list[str]:
+        """The names that `networks` takes beside "all"."""
+
+    def run(self, folder: _Path | None = None, threads: int = 0, progress: _Progress | None = None) -> Findings:
+        """Runs everything on so many threads (0: as many as there are cores).
+
+        With a folder it is kept there as `host-sim study --out` keeps it: what is there already is not run again, and in the end
+        `study.csv` and `study.parquet` stand there. Raises OSError where that is another study's folder, or cannot be written.
+        `progress` is told now and then how many runs are done, and of how many.
+        """
+
+@final
+class Findings:
+    """What a study found."""
+
+    @property
+    def rows(self) -> dict[str, NDArray[Any]]:
+        """Every run by column, a row a run, with every mode's verdict."""
+
+    @property
+    def points(self) -> dict[str, NDArray[Any]]:
+        """Every point by column: means over all seeds, with half of their 95 % intervals."""
+
+    def best(
+        self, best: str = "true_discrepancy_mm", at_most: dict[str, float] | None = None
+    ) -> dict[str, NDArray[Any]]:
+        """Of each entrant on each network the point with the least of a figure of merit, among those that are stable in every run and every
+        mode and of which no run is beyond a bound (`at_most`: figures of merit and numbers); what seeds say of it that did not choose it.
+        """
+
+    def pairs(
+        self, best: str = "true_discrepancy_mm", at_most: dict[str, float] | None = None
+    ) -> dict[str, NDArray[Any]]:
+        """The best points of every two entrants beside each other, seed by seed, on networks where both have one."""
+
+    def draw(
+        self,
+        folder: _Path,
+        name: str = "best",
+        best: str = "true_discrepancy_mm",
+        at_most: dict[str, float] | None = None,
+        width_mm: float = 88.0,
+    ) -> list[pathlib.Path]:
+        """Writes the figure as `name` with .svg, .pdf and .png into a folder, `width_mm` wide (88 is a column of most journals, 180 a page);
+        gives the paths. Nothing is overwritten.
+        """
 
 @final
 class Journal:

@@ -15,6 +15,7 @@ mod raised;
 mod run;
 mod scene;
 mod stability;
+mod study;
 mod sweep;
 mod work;
 
@@ -41,6 +42,8 @@ mod _native {
     use super::scene::{Scene, keys, scenes};
     #[pymodule_export]
     use super::stability::{Stability, advice, limit, stability};
+    #[pymodule_export]
+    use super::study::{Findings, Study};
     #[pymodule_export]
     use super::sweep::{Journal, Sweep};
 }

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use haptic_core::names::Choice;
 use haptic_report::Provenance;
 use haptic_studies::sweep;
-use haptic_studies::sweep::{Axis, Design, Row, Sample, Spread};
+use haptic_studies::sweep::{Axis, Design, Plan, Row, Sample, Spread, Todo};
 use host_sim::provenance;
 use pyo3::exceptions::{PyOSError, PyRuntimeError};
 use pyo3::prelude::*;
@@ -20,10 +20,7 @@ use crate::scene::{Scene, meant, to_toml};
 use crate::work::{Progress, here, on_threads, refused};
 
 /// Columns that are texts, also where there is none.
-const TEXTS: &[&str] = &["reason", "unstable_modes"];
-
-/// Runs of a point: which, and its seeds.
-type Runs = Vec<(usize, Vec<u32>)>;
+pub(crate) const TEXTS: &[&str] = &["reason", "unstable_modes"];
 
 /// A scene over its keys and over seeds, the question that `host-sim sweep` asks.
 ///
@@ -41,7 +38,7 @@ pub(crate) struct Sweep {
 }
 
 /// `KEY=VALUES` of a mapping from keys to texts or sequences, or of texts that say so already.
-fn written(of: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<String>> {
+pub(crate) fn written(of: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<String>> {
     let Some(of) = of else { return Ok(Vec::new()) };
     let Ok(mapping) = of.cast::<PyDict>() else { return of.extract() };
     let one = |(key, values): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
@@ -78,38 +75,75 @@ fn alike(question: &Provenance) -> Vec<String> {
 }
 
 /// What a folder of rows has to say.
-fn failed(cause: impl ToString) -> PyErr {
+pub(crate) fn failed(cause: impl ToString) -> PyErr {
     PyOSError::new_err(cause.to_string())
 }
 
-impl Sweep {
-    /// Does these runs; `keep` gets every row as soon as it is there.
-    fn rows_of(
-        &self,
-        py: Python<'_>,
-        runs: Runs,
-        threads: usize,
-        journal: Option<Arc<sweep::Journal>>,
-        tell: Option<Py<PyAny>>,
-    ) -> PyResult<Vec<Row>> {
-        let sweep = self.sweep.clone();
-        let progress = Progress::new(tell, runs.iter().map(|(_, seeds)| seeds.len() as u64).sum());
-        let own = progress.clone();
-        on_threads(py, threads, &progress, move |go_on| {
-            let unwritten = AtomicBool::new(false);
-            let keep = |rows: &[Row]| match go_on() {
-                true => {
-                    own.add(rows.len() as u64);
-                    journal.as_ref().map_or(Ok(()), |journal| journal.append(rows)).inspect_err(|_| {
-                        unwritten.store(true, Ordering::Relaxed);
-                    })
-                }
-                // Who said so tells why.
-                false => Err("stopped".into()),
-            };
-            let wrong = |cause| if unwritten.load(Ordering::Relaxed) { failed(cause) } else { refused(cause) };
-            sweep.run_these(runs, &keep).map_err(wrong)
-        })
+/// Does these runs; `journal` gets every row as soon as it is there.
+pub(crate) fn rows_of(
+    py: Python<'_>,
+    plan: &Arc<impl Plan + Send + 'static>,
+    runs: Todo,
+    threads: usize,
+    journal: Option<Arc<sweep::Journal>>,
+    tell: Option<Py<PyAny>>,
+) -> PyResult<Vec<Row>> {
+    let plan = plan.clone();
+    let progress = Progress::new(tell, runs.iter().map(|(_, seeds)| seeds.len() as u64).sum());
+    let own = progress.clone();
+    on_threads(py, threads, &progress, move |go_on| {
+        let unwritten = AtomicBool::new(false);
+        let keep = |rows: &[Row]| match go_on() {
+            true => {
+                own.add(rows.len() as u64);
+                journal.as_ref().map_or(Ok(()), |journal| journal.append(rows)).inspect_err(|_| {
+                    unwritten.store(true, Ordering::Relaxed);
+                })
+            }
+            // Who said so tells why.
+            false => Err("stopped".into()),
+        };
+        let wrong = |cause| if unwritten.load(Ordering::Relaxed) { failed(cause) } else { refused(cause) };
+        plan.run_these(runs, &keep).map_err(wrong)
+    })
+}
+
+/// Axes and sample as they were written, seeds checked.
+pub(crate) struct Grid {
+    pub(crate) axes: Vec<Axis>,
+    pub(crate) sample: Option<Sample>,
+}
+
+impl Grid {
+    pub(crate) fn of(
+        over: &[String],
+        sample: &[String],
+        points: Option<usize>,
+        design: &str,
+        sample_seed: u32,
+        seeds: u32,
+    ) -> PyResult<Self> {
+        if !(1..=100_000).contains(&seeds) {
+            return Err(refused(format!("seeds = {seeds} is not allowed: it must be a whole number from 1 to 100000")));
+        }
+        let wrong = |text: &str, cause: haptic_studies::Error| refused(format!("{text}: {cause}"));
+        let axes = over.iter().map(|text| text.parse::<Axis>().map_err(|cause| wrong(text, cause)));
+        let axes = axes.collect::<PyResult<Vec<_>>>()?;
+        let spreads = sample.iter().map(|text| text.parse::<Spread>().map_err(|cause| wrong(text, cause)));
+        let spreads = spreads.collect::<PyResult<Vec<_>>>()?;
+        let design = Design::from_name(design).ok_or_else(|| {
+            refused(format!(
+                "design = \"{design}\" is not allowed: it must be one of \"{}\"",
+                Design::NAMES.join("\", \"")
+            ))
+        })?;
+        let sample = match (points, spreads.is_empty()) {
+            (Some(points), false) => Some(Sample::new(design, points, sample_seed, spreads).map_err(refused)?),
+            (None, true) => None,
+            (Some(_), true) => return Err(refused("points is not allowed without sample")),
+            (None, false) => return Err(refused("sample needs points: how many there are")),
+        };
+        Ok(Self { axes, sample })
     }
 }
 
@@ -133,26 +167,7 @@ impl Sweep {
     ) -> PyResult<Self> {
         let (scene, over, sample) = (meant(scene)?, written(over)?, written(sample)?);
         check_seconds(seconds, &scene)?;
-        if !(1..=100_000).contains(&seeds) {
-            return Err(refused(format!("seeds = {seeds} is not allowed: it must be a whole number from 1 to 100000")));
-        }
-        let wrong = |text: &str, cause: haptic_studies::Error| refused(format!("{text}: {cause}"));
-        let axes = over.iter().map(|text| text.parse::<Axis>().map_err(|cause| wrong(text, cause)));
-        let axes = axes.collect::<PyResult<Vec<_>>>()?;
-        let spreads = sample.iter().map(|text| text.parse::<Spread>().map_err(|cause| wrong(text, cause)));
-        let spreads = spreads.collect::<PyResult<Vec<_>>>()?;
-        let design = Design::from_name(design).ok_or_else(|| {
-            refused(format!(
-                "design = \"{design}\" is not allowed: it must be one of \"{}\"",
-                Design::NAMES.join("\", \"")
-            ))
-        })?;
-        let drawn = match (points, spreads.is_empty()) {
-            (Some(points), false) => Some(Sample::new(design, points, sample_seed, spreads).map_err(refused)?),
-            (None, true) => None,
-            (Some(_), true) => return Err(refused("points is not allowed without sample")),
-            (None, false) => return Err(refused("sample needs points: how many there are")),
-        };
+        let Grid { axes, sample: drawn } = Grid::of(&over, &sample, points, design, sample_seed, seeds)?;
         if axes.is_empty() && drawn.is_none() {
             return Err(refused("a sweep needs keys: over or sample"));
         }
@@ -211,12 +226,12 @@ impl Sweep {
     ) -> PyResult<Bound<'py, PyDict>> {
         let Some(folder) = folder else {
             let all: BTreeSet<usize> = (0..self.sweep.points()).collect();
-            let mut rows = self.rows_of(py, self.sweep.missing(&all, &[]), threads, None, progress)?;
+            let mut rows = rows_of(py, &self.sweep, self.sweep.missing(&all, &[]), threads, None, progress)?;
             self.sweep.sort(&mut rows);
             return to_python(py, self.sweep.columns(&rows), TEXTS);
         };
         let mut journal = self.open(folder)?;
-        let new = self.rows_of(py, journal.missing(), threads, journal.file.clone(), progress)?;
+        let new = rows_of(py, &self.sweep, journal.missing(), threads, journal.file.clone(), progress)?;
         journal.rows.extend(new);
         journal.finish(py)
     }
@@ -224,18 +239,18 @@ impl Sweep {
     /// Goes on with the sweep in this folder, or begins it there; for who hands its runs to others.
     fn open(&self, folder: PathBuf) -> PyResult<Journal> {
         let question = self.question()?;
-        let (file, rows) = sweep::Journal::open(&folder, &question, (1, 1)).map_err(failed)?;
+        let (file, rows) = sweep::Journal::open(&folder, "sweep", &question, (1, 1)).map_err(failed)?;
         Ok(Journal { sweep: self.sweep.clone(), question, folder, file: Some(Arc::new(file)), rows })
     }
 
     /// Does these runs, each a point with its seeds, and gives their rows as lines for `Journal.append`.
     #[pyo3(signature = (runs, threads = 1))]
-    fn rows<'py>(&self, py: Python<'py>, runs: Runs, threads: usize) -> PyResult<Bound<'py, PyBytes>> {
+    fn rows<'py>(&self, py: Python<'py>, runs: Todo, threads: usize) -> PyResult<Bound<'py, PyBytes>> {
         let points = self.sweep.points();
         if let Some((point, _)) = runs.iter().find(|(point, _)| *point >= points) {
             return Err(refused(format!("point = {point} is not allowed: there are {points}, from 0")));
         }
-        let rows = self.rows_of(py, runs, threads, None, None)?;
+        let rows = rows_of(py, &self.sweep, runs, threads, None, None)?;
         Ok(PyBytes::new(py, &Row::lines(&rows).map_err(refused)?))
     }
 
@@ -282,7 +297,7 @@ pub(crate) struct Journal {
 #[pymethods]
 impl Journal {
     /// The runs that are not there yet: points, each with its seeds.
-    fn missing(&self) -> Runs {
+    fn missing(&self) -> Todo {
         let all = (0..self.sweep.points()).collect();
         self.sweep.missing(&all, &self.rows)
     }
@@ -305,7 +320,7 @@ impl Journal {
         let file = self.file.take().ok_or_else(closed)?;
         self.sweep.sort(&mut self.rows);
         let columns = self.sweep.columns(&self.rows);
-        sweep::write(&self.folder, &columns, &self.question).map_err(failed)?;
+        sweep::write(&self.folder, "sweep", &columns, &self.question).map_err(failed)?;
         file.finish().map_err(failed)?;
         to_python(py, columns, TEXTS)
     }

@@ -177,6 +177,16 @@ pub fn numbered(name: &str, number: usize) -> String {
     format!("{rest}_{number}{}", &name[rest.len()..])
 }
 
+/// What a name is called on an axis, with its unit: `coordination.stiffness_n_per_m` is `Stiffness (N/m)`.
+pub fn label(name: &str) -> String {
+    let (rest, unit) = split_unit(name.rsplit('.').next().unwrap_or(name));
+    let rest = rest.replace('_', " ");
+    let mut letters = rest.chars();
+    let first = letters.next().map(|letter| letter.to_uppercase().to_string()).unwrap_or_default();
+    let unit = if unit.is_empty() { String::new() } else { format!(" ({unit})") };
+    format!("{first}{}{unit}", letters.as_str())
+}
+
 /// What stands in a column.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Values {

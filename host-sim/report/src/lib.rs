@@ -8,6 +8,6 @@
 mod columns;
 pub mod files;
 
-pub use columns::{Cell, Column, Columns, Rows, Values, numbered, word};
+pub use columns::{Cell, Column, Columns, Rows, Values, label, numbered, word};
 pub use files::{Files, Provenance};
 pub use haptic_plot::{Error, significant};

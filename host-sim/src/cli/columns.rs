@@ -13,7 +13,9 @@ use haptic_report::{Column, Columns};
 use haptic_sim::network::trace;
 use haptic_sim::{run::Account, scene::Scene};
 use haptic_studies::compare::Comparison;
+use haptic_studies::entrant::Entrant;
 use haptic_studies::reproduce::{paper, published};
+use haptic_studies::study::{Over, Study, answers::Goal};
 use haptic_studies::sweep;
 use haptic_studies::sweep::{Row, Sweep};
 use haptic_studies::{accuracy, architectures, bench, campaign, force, precision, reproduce, transparency};
@@ -76,6 +78,10 @@ impl TableKind {
 fn kinds(ui: &Ui) -> Vec<TableKind> {
     let scene = Scene::new(ui.laws);
     let axes = vec![sweep::Axis { key: KEY.to_owned(), values: Vec::new() }];
+    let example = Entrant { name: String::new(), scene: scene.clone() };
+    let studied = Study::new(vec![example], vec![Over::own()], &axes, None, 1, 0.0).ok();
+    let studied = |table: fn(&Study) -> Columns| studied.as_ref().map_or(Columns::default(), table);
+    const GOAL: Goal = Goal { metric: 0, bounds: Vec::new() };
     let swept = Sweep { scene, axes, sample: None, seeds: 1, seconds: 0.0 };
     let compared = Comparison { entrants: Vec::new(), seeds: 1, seconds: 0.0 };
     let axis = |of: &str| Axis { range: Range { key: format!("{KEY} of {of}"), from: 0.0, to: 0.0 }, count: 0 };
@@ -88,6 +94,25 @@ fn kinds(ui: &Ui) -> Vec<TableKind> {
         TableKind::new("sweep", "sweep.csv, sweep.parquet", "a run", swept.columns(&[])),
         TableKind::new("sweep-rows", "rows-I-of-N.csv", "a run, as they ended", Row::columns()),
         TableKind::new("sweep-points", "`sweep --json`, points", "a point", swept.summary(&[])),
+        TableKind::new("study", "study.csv, study.parquet", "a run", studied(|study| study.columns(&[]))),
+        TableKind::new(
+            "study-points",
+            "study-points.csv, study-points.parquet; `study --json`, points",
+            "an entrant over a network at a point of the grid",
+            studied(|study| study.summary(&[])),
+        ),
+        TableKind::new(
+            "study-best",
+            "study-best.csv, study-best.parquet; `study --json`, best",
+            "an entrant on a network",
+            studied(|study| study.answer_columns(&[], &GOAL)),
+        ),
+        TableKind::new(
+            "study-pairs",
+            "study-pairs.csv, study-pairs.parquet; `study --json`, pairs",
+            "two entrants on a network, or on all that they have in common",
+            studied(|study| study.pair_columns(&[])),
+        ),
         TableKind::new(
             "compare",
             "compare.csv, compare.parquet",

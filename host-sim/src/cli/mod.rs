@@ -15,7 +15,9 @@ mod compare;
 mod cooperate;
 mod device;
 mod devices;
+mod entrants;
 mod flags;
+mod grid;
 mod key;
 mod listing;
 mod listings;
@@ -31,6 +33,7 @@ mod recordings;
 mod reproduce;
 mod shared;
 mod stability;
+mod study;
 mod sweep;
 mod ui;
 
@@ -105,6 +108,8 @@ commands! {
         Campaign(campaign::Campaign),
         /// Laws beside each other, fairly: tuned by one search under the same bounds, tested on other networks; goes on where it was stopped.
         Bench(bench::Bench),
+        /// Scenes or laws over ranges of their keys, networks and seeds: which is best where, and how sure that is; goes on where it was stopped.
+        Study(study::Study),
         /// A scene over ranges of its keys and over seeds: a row a run, means with their intervals; goes on where it was stopped.
         Sweep(sweep::Sweep),
         /// Two or more scenes or laws with the same seeds: paired differences with their intervals.

@@ -67,6 +67,11 @@ impl Out {
         Self { out: Some(folder), ..self.clone() }
     }
 
+    /// The same with figures of this width, mm, unless another was asked for.
+    pub(super) fn unless_told(&self, width_mm: f64) -> Self {
+        Self { width_mm: self.width_mm.or(Some(width_mm)), ..self.clone() }
+    }
+
     fn print(&self) -> Print {
         let usual = Print::default();
         Print { width_mm: self.width_mm.unwrap_or(usual.width_mm), font_pt: self.font_pt.unwrap_or(usual.font_pt) }

@@ -7,24 +7,14 @@
 //! **Nothing is chosen**: where a run of either scene has no such figure there is no difference, but the reason; the runs themselves are
 //! all there as rows. No interval where every seed gave the same runs, nor of a single seed.
 
-use rayon::prelude::*;
-
 use haptic_plot::{Dash, Figure, Panel, Series};
-use haptic_report::Columns;
+use haptic_report::{Columns, label};
 use haptic_sim::scene::Scene;
 
 use super::Error;
+use super::entrant::Entrant;
 use super::estimate::Estimate;
-use super::sweep::{METRICS, Metric, Row, all_same, of_runs};
-
-/// A scene that is compared.
-#[derive(Clone, Debug)]
-pub struct Entrant {
-    /// Name of the scene in reports.
-    pub name: String,
-    /// The scene that is run.
-    pub scene: Scene,
-}
+use super::sweep::{METRICS, Plan, Row, all_same, of_runs};
 
 /// Scenes, seeds and duration of a comparison.
 #[derive(Clone, Debug)]
@@ -53,31 +43,36 @@ pub struct Difference {
 }
 
 impl Difference {
-    /// Whether the interval leaves out 0; where there is none because nothing is random, whether they differ.
+    /// Whether they differ, as [`Paired::differs`].
     pub fn differs(&self) -> Option<bool> {
-        self.difference.map(|found| found.mean.abs() > found.within_95.unwrap_or(0.0))
+        Paired { means: self.means, difference: self.difference }.differs()
+    }
+}
+
+/// A point is a scene; the first seed is the first scene's.
+impl Plan for Comparison {
+    fn points(&self) -> usize {
+        self.entrants.len()
+    }
+
+    fn scene_at(&self, point: usize) -> Result<Scene, Error> {
+        Ok(self.entrants[point].scene.clone())
+    }
+
+    fn first_seed(&self) -> u32 {
+        self.entrants.first().map_or(0, |entrant| entrant.scene.world.network.seed)
+    }
+
+    fn seeds(&self) -> u32 {
+        self.seeds
+    }
+
+    fn seconds(&self) -> f64 {
+        self.seconds
     }
 }
 
 impl Comparison {
-    /// Runs every scene with every seed; rows by scene ([`Row::point`], from 0) and seed.
-    ///
-    /// # Errors
-    /// A scene that cannot be built or run.
-    pub fn run(&self, done: &(dyn Fn() + Sync)) -> Result<Vec<Row>, Error> {
-        let analyses = self.entrants.par_iter().map(|entrant| haptic_analysis::Analysis::of(&entrant.scene));
-        let analyses = analyses.collect::<Result<Vec<_>, _>>()?;
-        let first = self.entrants.first().map_or(0, |entrant| entrant.scene.world.network.seed);
-        let jobs = (0..self.entrants.len()).flat_map(|at| (0..self.seeds).map(move |later| (at, later)));
-        let job = |(at, later): (usize, u32)| {
-            let scene = &self.entrants[at].scene;
-            let row = Row::of_run(at, first.wrapping_add(later), scene, &analyses[at], self.seconds);
-            done();
-            row
-        };
-        jobs.collect::<Vec<_>>().into_par_iter().map(job).collect()
-    }
-
     /// Every scene after the first beside it, in all figures of merit.
     pub fn differences(&self, rows: &[Row]) -> Vec<Difference> {
         let runs: Vec<&[Row]> = rows.chunk_by(|one, other| one.point == other.point).collect();
@@ -139,7 +134,7 @@ impl Comparison {
             let failed = of.iter().filter(|one| one.difference.is_none()).count();
             let zero = vec![(-0.6, 0.0), (others as f64 - 0.4, 0.0)];
             Panel {
-                y_label: label(&METRICS[*metric]),
+                y_label: label(&METRICS[*metric].name()),
                 categories: self.entrants[1..].iter().map(|entrant| entrant.name.replace(',', ", ")).collect(),
                 note: (failed > 0).then(|| format!("{failed} without: a run failed")),
                 series: vec![
@@ -163,33 +158,51 @@ impl Comparison {
     }
 }
 
-/// A figure of merit on an axis.
-fn label(metric: &Metric) -> String {
-    let unit = if metric.unit.is_empty() { String::new() } else { format!(" ({})", metric.unit.replace("_per_", "/")) };
-    let mut name = format!("{}{unit}", metric.stem.replace('_', " ")).replace("(n)", "(N)").replace("/n)", "/N)");
-    name[..1].make_ascii_uppercase();
-    name
+/// A figure of merit of two sets of runs, seed by seed: their means, and how the second differs from the first, where every run has it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Paired {
+    /// Means over the seeds.
+    pub means: [Option<f64>; 2],
+    /// The second less the first; without an interval where every seed gave the same runs.
+    pub difference: Option<Estimate>,
+}
+
+impl Paired {
+    /// Over one pair of runs of the same seeds, or the mean over several.
+    pub fn of(pairs: &[[&[Row]; 2]], metric: usize) -> Self {
+        let seeds = pairs.iter().flatten().map(|runs| runs.len()).min().unwrap_or(0);
+        let value = |which: usize, seed: usize| {
+            pairs.iter().map(|pair| pair[which][seed].metrics[metric]).sum::<f64>() / pairs.len() as f64
+        };
+        let values = [0, 1].map(|which| {
+            let values: Vec<f64> = (0..seeds).map(|seed| value(which, seed)).collect();
+            Some(values).filter(|values| !values.is_empty() && !values.iter().any(|value| value.is_nan()))
+        });
+        let sure = pairs.iter().flatten().all(|runs| all_same(runs));
+        let difference = values[0].as_ref().zip(values[1].as_ref()).map(|(first, this)| {
+            let differences: Vec<f64> = this.iter().zip(first).map(|(this, first)| this - first).collect();
+            let found = Estimate::of(&differences);
+            Estimate { within_95: found.within_95.filter(|_| !sure), ..found }
+        });
+        Self { means: values.map(|values| values.map(|values| Estimate::of(&values).mean)), difference }
+    }
+
+    /// Whether the interval leaves out 0; where there is none because nothing is random, whether they differ.
+    pub fn differs(&self) -> Option<bool> {
+        self.difference.map(|found| found.mean.abs() > found.within_95.unwrap_or(0.0))
+    }
 }
 
 /// One figure of merit of two scenes' runs, seed by seed.
 fn difference(runs: [&[Row]; 2], entrant: usize, metric: usize) -> Difference {
-    let values = runs.map(|runs| {
-        let values: Vec<f64> = runs.iter().map(|run| run.metrics[metric]).collect();
-        (!values.iter().any(|value| value.is_nan())).then_some(values)
-    });
-    let sure = runs.into_iter().all(all_same);
-    let difference = values[0].as_ref().zip(values[1].as_ref()).map(|(first, this)| {
-        let differences: Vec<f64> = this.iter().zip(first).map(|(this, first)| this - first).collect();
-        let found = Estimate::of(&differences);
-        Estimate { within_95: found.within_95.filter(|_| !sure), ..found }
-    });
+    let paired = Paired::of(&[runs], metric);
     let failed = || runs.into_iter().flatten().find(|run| run.metrics[metric].is_nan() && !run.reason.is_empty());
     Difference {
         entrant,
         metric,
-        means: values.map(|values| values.map(|values| Estimate::of(&values).mean)),
-        reason: if difference.is_some() { None } else { failed().map(|run| run.reason.clone()) },
-        difference,
+        means: paired.means,
+        reason: if paired.difference.is_some() { None } else { failed().map(|run| run.reason.clone()) },
+        difference: paired.difference,
     }
 }
 

@@ -6,6 +6,7 @@ pub mod architectures;
 pub mod bench;
 pub mod campaign;
 pub mod compare;
+pub mod entrant;
 mod error;
 pub mod estimate;
 pub mod figures;
@@ -14,6 +15,7 @@ pub mod precision;
 pub mod proof;
 pub mod record;
 pub mod reproduce;
+pub mod study;
 pub mod sweep;
 pub mod transparency;
 

@@ -26,4 +26,5 @@ mod reproduce;
 mod signals;
 mod squash;
 mod static_scene;
+mod study;
 mod sweep;

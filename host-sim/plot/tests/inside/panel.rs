@@ -48,3 +48,19 @@ fn an_interval_is_drawn_to_its_ends() {
     let discs = marks.iter().filter_map(|mark| if let Mark::Disc { at, .. } = mark { Some(at.1) } else { None });
     assert_eq!(discs.collect::<Vec<_>>(), [at(3.0), at(4.0)]);
 }
+
+/// A ring is hollow: what lies behind it is covered by the sheet's colour, and a legend shows it as it is drawn.
+#[test]
+fn a_ring_is_hollow() {
+    let panel = Panel { series: vec![Series::rings("let go", 0, vec![(0.0, 1.0), (1.0, 2.0)])], ..Panel::default() };
+    let axes = crate::range::resolve(&crate::Figure { panels: vec![panel.clone()], ..Default::default() })[0];
+    assert!(axes.x.lo < 0.0 && axes.x.hi > 1.0, "{axes:?}");
+    let frame = Frame { left: 0.0, top: 0.0, right: 100.0, bottom: 100.0 };
+    let discs = |marks: Vec<Mark>| -> Vec<(Rgb, f64)> {
+        let disc = |mark| if let Mark::Disc { radius, color, .. } = mark { Some((color, radius)) } else { None };
+        marks.into_iter().filter_map(disc).collect()
+    };
+    let ring = [(color(0), DOT), (PAPER, DOT - STROKE)];
+    assert_eq!(discs(draw(&panel, &axes, &frame, &[], &[]).marks), [ring, ring].concat());
+    assert_eq!(discs(crate::legend::marks(&panel, frame)), ring);
+}

@@ -104,8 +104,8 @@ impl Bench {
     /// A folder of another bench, a file that cannot be written, a scene that cannot be built at the gains that its law declares.
     pub fn run(&self, folder: Option<(&Path, &Provenance)>, step: Step<'_>) -> Result<Found, Error> {
         let opened = folder.map(|(folder, question)| {
-            let (tunings, tuned) = Journal::open(folder, question, (1, 1))?;
-            let (runs, run) = Journal::open(folder, question, (1, 1))?;
+            let (tunings, tuned) = Journal::open(folder, "bench", question, (1, 1))?;
+            let (runs, run) = Journal::open(folder, "bench", question, (1, 1))?;
             Ok::<_, Error>((Kept { tunings, runs }, tuned, run))
         });
         let (kept, tuned, run) = match opened.transpose()? {

@@ -67,6 +67,18 @@ impl Network {
         Ok(Self { name, settings: delay.into_iter().collect(), trace: Some(Arc::new(trace)) })
     }
 
+    /// The file that was recorded, of one that was.
+    pub fn trace_file(&self) -> Option<&Path> {
+        self.trace.as_ref().map(|trace| trace.file.as_path())
+    }
+
+    /// What it does to this key of a scene is all there is: it sets it, or a recording takes its place.
+    pub fn rules(&self, key: &str) -> bool {
+        let set = self.settings.iter().any(|setting| setting.split_once('=').is_some_and(|(name, _)| name == key));
+        let beside_a_recording = ["network.playout_packets", "network.clock_drift_ppm"];
+        set || (self.trace.is_some() && key.starts_with("network.") && !beside_a_recording.contains(&key))
+    }
+
     /// The scene over it.
     ///
     /// # Errors

@@ -55,7 +55,6 @@ pub struct Run {
 }
 
 impl Kept for Run {
-    const STUDY: &'static str = "bench";
     const ROWS: &'static str = "runs";
     type Key = (String, String, String, String, u32);
 

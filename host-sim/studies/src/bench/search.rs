@@ -70,7 +70,6 @@ pub struct Tuning {
 }
 
 impl Kept for Tuning {
-    const STUDY: &'static str = "bench";
     const ROWS: &'static str = "tunings";
     type Key = (String, usize);
 

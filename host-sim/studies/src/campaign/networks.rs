@@ -13,7 +13,7 @@ use crate::Error;
 pub(crate) type Named = (&'static str, &'static [&'static str]);
 
 /// Networks: name and settings.
-pub(super) const IMPAIRMENTS: &[Named] = &[
+pub(crate) const IMPAIRMENTS: &[Named] = &[
     ("none", &[]),
     ("loss 5 %", &["network.loss=0.05"]),
     ("loss 10 %", &["network.loss=0.1"]),

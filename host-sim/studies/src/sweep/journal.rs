@@ -2,7 +2,7 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | `sweep.toml` | the question: the scene, and in its table `[made]` what is varied, seeds, time, version and commit |
+//! | `sweep.toml`, `study.toml`, … | the question: the scene, and in its table `[made]` what is varied, seeds, time, version and commit |
 //! | `rows-I-of-N.csv` | the runs of shard I of N, a line each, in the order in which they ended |
 //!
 //! What they are called, and what a row is, the rows say themselves ([`Kept`]).
@@ -30,8 +30,6 @@ use crate::Error;
 
 /// A row that a [`Journal`] keeps: fields, in the order of the heading, none of them a list of unknown length.
 pub trait Kept: Serialize + DeserializeOwned {
-    /// What is asked, for an error, and the name of the file that holds the question: `sweep`, `sweep.toml`.
-    const STUDY: &'static str;
     /// How the files of rows are called: `rows`, and then `-I-of-N.csv`.
     const ROWS: &'static str;
     /// What tells a row from the others of the study, in their order.
@@ -60,13 +58,19 @@ pub struct Journal<R = Row> {
 }
 
 impl<R: Kept> Journal<R> {
-    /// Goes on with the study in this folder, or begins it there; returns every row that is there. `shard` is I and N.
+    /// Goes on with the study in this folder, or begins it there; returns every row that is there. `study` is what is asked, for an error,
+    /// and the name of the file that holds the question (`sweep`, `sweep.toml`), `shard` is I and N.
     ///
     /// # Errors
-    /// The folder holds another sweep, or a file cannot be read or written.
-    pub fn open(folder: &Path, question: &Provenance, shard: (usize, usize)) -> Result<(Self, Vec<R>), Error> {
+    /// The folder holds another question, or a file cannot be read or written.
+    pub fn open(
+        folder: &Path,
+        study: &str,
+        question: &Provenance,
+        shard: (usize, usize),
+    ) -> Result<(Self, Vec<R>), Error> {
         fs::create_dir_all(folder).map_err(haptic_sim::Error::cannot("make", &folder.display()))?;
-        same_question(folder, &question.toml(), R::STUDY)?;
+        same_question(folder, &question.toml(), study)?;
         let path = folder.join(format!("{}-{}-of-{}.csv", R::ROWS, shard.0, shard.1));
         let failed = haptic_sim::Error::cannot::<std::io::Error>("write", &path.display());
         let mut file = haptic_io::append(&path).map_err(&failed)?;
@@ -109,13 +113,13 @@ impl<R: Kept> Journal<R> {
     }
 }
 
-/// The rows as `sweep.csv` and `sweep.parquet` in this folder, each whole or as it was before; returns the paths of what the folder
+/// The rows as `STUDY.csv` and `STUDY.parquet` in this folder, each whole or as it was before; returns the paths of what the folder
 /// holds then. One process at a time does so: the one that holds the only journal of all points.
 ///
 /// # Errors
 /// A file cannot be written.
-pub fn write(folder: &Path, rows: &Columns, question: &Provenance) -> Result<Vec<PathBuf>, Error> {
-    let [csv, parquet, toml] = ["sweep.csv", "sweep.parquet", "sweep.toml"].map(|name| folder.join(name));
+pub fn write(folder: &Path, study: &str, rows: &Columns, question: &Provenance) -> Result<Vec<PathBuf>, Error> {
+    let [csv, parquet, toml] = ["csv", "parquet", "toml"].map(|ending| folder.join(format!("{study}.{ending}")));
     write_csv(rows, &csv, Kind::Named)?;
     write_parquet(rows, &parquet, &question.toml(), Kind::Named)?;
     Ok(vec![csv, parquet, toml])

@@ -1,7 +1,9 @@
 //! What one run of a sweep gave, and the columns of it.
 
+use haptic_analysis::{Analysis, Conclusion};
 use haptic_report::{Column, Columns, Rows};
-use haptic_sim::run::Verdict;
+use haptic_sim::run::{Outcome, Verdict};
+use haptic_sim::scene::Scene;
 use serde::{Deserialize, Serialize};
 
 use super::journal::{self, Kept};
@@ -40,6 +42,21 @@ pub(crate) const EVERY_MODE: &str = "whether the scene is stable with both hands
 pub(super) const UNSTABLE_MODES: &str = "which of these are not: whose hands are on (both, one, none)";
 
 impl Row {
+    /// What came of the run of a scene.
+    pub(super) fn of(point: usize, scene: &Scene, analysis: &Analysis, outcome: Outcome) -> Self {
+        let Conclusion { outcome, analysis } = Conclusion::new(scene, outcome, analysis.clone());
+        Self {
+            point,
+            seed: scene.world.network.seed,
+            verdict: outcome.verdict().name().to_owned(),
+            reason: outcome.reason.map_or_else(String::new, |reason| reason.to_string()),
+            spectral_radius: analysis.verdict.spectral_radius,
+            unstable_modes: analysis.judged.unstable_modes().join("; "),
+            metrics: METRICS.map(|metric| (metric.of)(&outcome).unwrap_or(f64::NAN)),
+            state_hash: format!("{:016x}", outcome.hash),
+        }
+    }
+
     /// Whether the scene is stable in every mode that it can enter.
     pub fn every_mode_stable(&self) -> bool {
         self.unstable_modes.is_empty()
@@ -72,7 +89,6 @@ impl Row {
 }
 
 impl Kept for Row {
-    const STUDY: &'static str = "sweep";
     const ROWS: &'static str = "rows";
     type Key = (usize, u32);
 

@@ -6,3 +6,4 @@ mod costs;
 mod force;
 mod precision;
 mod record;
+mod study;

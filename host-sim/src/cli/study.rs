@@ -1,0 +1,160 @@
+//! `host-sim study`: scenes or laws over keys, networks and seeds: which is best where, under which bounds, and how sure that is.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use haptic_report::Provenance;
+use haptic_studies::study::answers::{Answer, Bound, Goal, metric};
+use haptic_studies::study::{OWN, Over, Study as Asked};
+use haptic_studies::sweep::{METRICS, Plan, Row, tag};
+use serde_json::json;
+
+use super::entrants::EntrantArgs;
+use super::flags::{Out, Time};
+use super::grid::{GridArgs, run};
+use super::{Failure, Ui};
+
+/// Most rows of a table that are printed for people.
+const MOST_SHOWN: usize = 60;
+/// Width of the figures unless another is asked for: a column of most journals, mm.
+const COLUMN_MM: f64 = 88.0;
+
+#[derive(Debug, Args)]
+#[command(mut_arg("seeds", |arg| arg.default_value("20").help("Runs of every point, with the first seed and those after it; the first half chooses, the other half judges")))]
+pub(super) struct Study {
+    /// Built-in scenes, scene files, or laws, each with settings of its own.
+    #[arg(required = true, value_name = "SCENE|LAW[,TABLE.KEY=VALUE…]")]
+    scenes: Vec<String>,
+    #[command(flatten)]
+    entrants: EntrantArgs,
+    /// A network that all are run over, by name; `own`, as each scene has it; or `all`. May be repeated; `own` without it.
+    #[arg(long, value_name = "NAME|all", value_parser = networks)]
+    network: Vec<Networks>,
+    /// A network that was measured: a file of `irtt client -o`, or of `network trace` or `network measure`; may be repeated.
+    #[arg(long, value_name = "FILE")]
+    trace: Vec<PathBuf>,
+    #[command(flatten)]
+    grid: GridArgs,
+    /// Figure of merit that is to be least.
+    #[arg(long, value_name = "NAME", default_value = "true_discrepancy_mm", value_parser = metric)]
+    best: usize,
+    /// A figure of merit, and the most that it may be in any run; may be repeated.
+    #[arg(long, value_name = "NAME=MOST")]
+    at_most: Vec<Bound>,
+    #[command(flatten)]
+    time: Time,
+    #[command(flatten)]
+    out: Out,
+}
+
+/// Networks of a name.
+type Networks = Box<[Over]>;
+
+fn networks(text: &str) -> Result<Networks, haptic_studies::Error> {
+    Over::of(text).map(Vec::into_boxed_slice)
+}
+
+impl Study {
+    pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
+        let study = self.study(ui)?;
+        let question = study.question(ui.provenance())?;
+        let folder = ui.writes(&self.out).then(|| self.folder(&question));
+        let mut done = run(ui, &study, "study", folder.clone(), &question, self.grid.shard)?;
+        let mut files = done.finish(&study, "study", &question, |rows| study.columns(rows))?;
+        let goal = Goal { metric: self.best, bounds: self.at_most.clone() };
+        let answers = study.answers(&done.rows, &goal);
+        let whole = done.rows.len() == study.runs();
+        if let Some(folder) = folder.filter(|_| whole) {
+            files.extend(self.files(ui, &folder, &question, &study, &done.rows, &answers, &goal)?);
+        }
+        let pairs = study.pairs(&done.rows, &answers, &goal);
+        let (best, beside) = (study.answer_columns(&answers, &goal), study.pair_columns(&pairs));
+        ui.document_of(
+            &question,
+            &json!({
+                "best": best, "pairs": beside, "points": study.summary(&done.rows), "runs": done.rows.len(),
+                "of_runs": study.runs(), "new_runs": done.new, "not_stable_runs": done.failed(), "wall_s": done.wall_s,
+                "files": files,
+            }),
+        )?;
+        writeln!(ui, "Least {}{}, judged on seeds that did not choose\n", METRICS[goal.metric].name(), bounds(&goal));
+        for table in [best, beside].iter().filter(|table| !table.is_empty()) {
+            if table.len() <= MOST_SHOWN {
+                ui.table(table);
+            } else {
+                writeln!(ui, "{} rows: too many to print\n", table.len());
+            }
+        }
+        let (runs, all, failed) = (done.rows.len(), study.runs(), done.failed());
+        writeln!(
+            ui,
+            "{runs} runs of {all}, {failed} of them not stable; {} new ones in {:.1} s",
+            done.new, done.wall_s
+        );
+        ui.wrote(&files);
+        Ok(())
+    }
+
+    /// What is asked.
+    fn study(&self, ui: &Ui) -> Result<Asked, Failure> {
+        let entrants = self.entrants.load(ui, &self.scenes, self.time)?;
+        let mut networks: Vec<Over> = self.network.iter().flatten().cloned().collect();
+        for trace in &self.trace {
+            networks.push(Over::of_trace(trace).map_err(|error| format!("--trace: {error}"))?);
+        }
+        if networks.is_empty() {
+            networks = Over::of(OWN)?;
+        }
+        let (grid, sample) = (&self.grid, self.grid.sample()?);
+        let study = Asked::new(entrants, networks, &grid.over, sample.as_ref(), grid.seeds, self.time.seconds)?;
+        study.check()?;
+        Ok(study)
+    }
+
+    /// Where it is kept: one folder for a question, so that asking again goes on.
+    fn folder(&self, question: &Provenance) -> PathBuf {
+        let usual = || Path::new("out/study").join(tag(question));
+        self.out.out.clone().unwrap_or_else(usual)
+    }
+
+    /// Tables and figures of the answers, in the folder of the study.
+    #[allow(clippy::too_many_arguments)]
+    fn files(
+        &self,
+        ui: &Ui,
+        folder: &Path,
+        question: &Provenance,
+        study: &Asked,
+        rows: &[Row],
+        answers: &[Answer],
+        goal: &Goal,
+    ) -> Result<Vec<PathBuf>, Failure> {
+        let out = self.out.in_folder(folder.to_owned()).unless_told(COLUMN_MM);
+        let goal_told = question.clone().with("best", METRICS[goal.metric].name()).with("at_most", bounds(goal));
+        let best = study.answer_columns(answers, goal);
+        let mut files = ui.files(&out, "study", "study-best", &goal_told, |files| {
+            files.csv(&best)?;
+            files.parquet(&best)?;
+            for (number, figure) in (1..).zip(study.figures(rows, answers, goal)) {
+                let name = if number > 1 { Some(format!("study-best-figure-{number}")) } else { None };
+                files.figure(name.as_deref(), &figure)?;
+            }
+            Ok(())
+        })?;
+        let pairs = study.pair_columns(&study.pairs(rows, answers, goal));
+        let points = study.summary(rows);
+        for (name, table) in [("study-pairs", pairs), ("study-points", points)] {
+            files.extend(ui.files(&out, "study", name, &goal_told, |files| {
+                files.csv(&table)?;
+                files.parquet(&table)
+            })?);
+        }
+        Ok(files)
+    }
+}
+
+/// The bounds of what may be taken, after a comma.
+fn bounds(goal: &Goal) -> String {
+    let bound = |bound: &Bound| format!(", {} at most {} in any run", METRICS[bound.metric].name(), bound.most);
+    goal.bounds.iter().map(bound).collect()
+}
