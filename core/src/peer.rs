@@ -424,38 +424,21 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
     }
 
     /// One control period: sensors in, forces out.
-    #[inline(always)]
-    pub fn tick(&mut self, sensors: &Sensors<S, N>) -> Actuators<S, N> {
-        // One by one, so that what is not there need not be put into memory either.
-        let Sensors { reading, overrun, stage, marks } = *sensors;
-        self.period(reading, overrun, stage, marks)
-    }
-
-    /// [`Peer::tick`] compiled into its caller, for an interrupt that is the only one: no register is saved twice.
-    #[inline(always)]
-    pub fn tick_in_place(&mut self, sensors: &Sensors<S, N>) -> Actuators<S, N> {
-        let Sensors { reading, overrun, stage, marks } = *sensors;
-        self.whole_period(reading, overrun, stage, marks)
-    }
-
     #[inline(never)]
-    fn period(
-        &mut self,
-        reading: Reading<S, N>,
-        overrun: bool,
-        stage: Option<Measured<N>>,
-        marks: Option<[Marks; N]>,
-    ) -> Actuators<S, N> {
-        self.whole_period(reading, overrun, stage, marks)
+    pub fn tick(&mut self, sensors: &Sensors<S, N>) -> Actuators<S, N> {
+        let Sensors { reading, overrun, stage, marks } = sensors;
+        self.tick_in_place(*reading, *overrun, stage.as_ref(), marks.as_ref())
     }
 
+    /// [`Peer::tick`] compiled into its caller, for an interrupt that is the only one: no register is saved twice. What [`Sensors`] are made
+    /// of comes one by one, so that what is not there need not be put into memory either.
     #[inline(always)]
-    fn whole_period(
+    pub fn tick_in_place(
         &mut self,
         reading: Reading<S, N>,
         overrun: bool,
-        stage: Option<Measured<N>>,
-        marks: Option<[Marks; N]>,
+        stage: Option<&Measured<N>>,
+        marks: Option<&[Marks; N]>,
     ) -> Actuators<S, N> {
         self.until_packet = match self.until_packet {
             0 => self.ticks_per_packet - 1,
@@ -502,7 +485,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
     /// A tick with motors that are off, or probed.
     #[cold]
     #[inline(never)]
-    fn unarmed(&mut self, stage: Option<Measured<N>>) -> Actuators<S, N> {
+    fn unarmed(&mut self, stage: Option<&Measured<N>>) -> Actuators<S, N> {
         self.envelope.rest(&mut self.load);
         for ((axis, slip), device) in self.shared_axes.iter_mut().zip(&self.slips).zip(self.device) {
             axis.rest(slip.of(device));
@@ -567,7 +550,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
 
     /// Trips on a fault that the power stage shows. Not inlined: a peer without a stage would pay for its registers.
     #[inline(never)]
-    fn judge(&mut self, measured: Measured<N>) {
+    fn judge(&mut self, measured: &Measured<N>) {
         let driven = match self.mode {
             Mode::Armed if self.has_encoders() => Driven::Whole,
             Mode::Armed => Driven::Alone,
@@ -576,15 +559,15 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         };
         let joints = &self.joints;
         let counts = || joints.each_ref().map(|joint| joint.encoder.total);
-        if let Some(fault) = self.stage_watch.step(&mut self.stage, &measured, self.asked, driven, counts) {
+        if let Some(fault) = self.stage_watch.step(&mut self.stage, measured, self.asked, driven, counts) {
             self.trip(fault);
         }
     }
 
     /// One tick of a probe; disarmed when it is over.
     #[cold]
-    fn push(&mut self, stage: Option<Measured<N>>) -> Actuators<S, N> {
-        match self.probing.step(self.joints.iter().map(|joint| joint.encoder.total), stage) {
+    fn push(&mut self, stage: Option<&Measured<N>>) -> Actuators<S, N> {
+        match self.probing.step(self.joints.iter().map(|joint| joint.encoder.total), stage.copied()) {
             Some(Push { duties, enable, open }) => Actuators { duties, enable, open, ..Actuators::default() },
             None => {
                 self.enter(Mode::Disarmed);
@@ -595,7 +578,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
 
     /// The pose of the device, or the fault that leaves it unknown.
     #[inline]
-    fn sense(&mut self, reading: Reading<S, N>, marks: Option<[Marks; N]>) -> Result<Pose<S, N>, Fault> {
+    fn sense(&mut self, reading: Reading<S, N>, marks: Option<&[Marks; N]>) -> Result<Pose<S, N>, Fault> {
         let pose = match reading {
             Reading::Exact(mut axes) => {
                 for (at, (axis, joint)) in axes.iter_mut().zip(&mut self.joints).enumerate() {
@@ -610,18 +593,21 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
             }
             Reading::Counts(counts) => {
                 let mut joints = [Motion::REST; N];
-                for ((motion, joint), counts) in joints.iter_mut().zip(&mut self.joints).zip(&counts).take(self.axes) {
-                    let first = !joint.encoder.primed;
-                    let position = self.encoder.step(&mut joint.encoder, *counts).ok_or(Fault::EncoderJump)?;
-                    *motion = Motion::at(position);
-                    if first {
-                        joint.velocity.start(*motion);
+                let each = joints.iter_mut().zip(&mut self.joints).zip(counts);
+                for (at, ((motion, joint), counts)) in each.enumerate() {
+                    if at < self.axes {
+                        let first = !joint.encoder.primed;
+                        let position = self.encoder.step(&mut joint.encoder, counts).ok_or(Fault::EncoderJump)?;
+                        *motion = Motion::at(position);
+                        if first {
+                            joint.velocity.start(*motion);
+                        }
+                        motion.velocity = joint.velocity.step(*motion);
                     }
-                    motion.velocity = joint.velocity.step(*motion);
                 }
                 if let Some(marks) = marks {
                     let joints = self.joints.each_ref().map(|joint| &joint.encoder);
-                    if Encoder::<S>::heeds(joints, &marks) {
+                    if Encoder::<S>::heeds(joints, marks) {
                         self.heed(marks)?;
                     }
                 }
@@ -652,9 +638,9 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
 
     /// Checks what encoders show beside their counts; while disarmed, the index sets where the joint is.
     #[inline(never)]
-    fn heed(&mut self, marks: [Marks; N]) -> Result<(), Fault> {
+    fn heed(&mut self, marks: &[Marks; N]) -> Result<(), Fault> {
         let may_move = self.mode == Mode::Disarmed;
-        for (joint, marks) in self.joints.iter_mut().zip(&marks).take(self.axes) {
+        for (joint, marks) in self.joints.iter_mut().zip(marks).take(self.axes) {
             if self.encoder.heed(&mut joint.encoder, marks, may_move)? {
                 joint.velocity.start(Motion::at(self.encoder.position(&joint.encoder)));
             }

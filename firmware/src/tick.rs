@@ -16,10 +16,11 @@ use firmware_parts::exchange::{Producer, Reader, Writer};
 use firmware_parts::image::{JOINTS, Peer, SHARED};
 use firmware_parts::record::{self, Record, digest, joints};
 use firmware_parts::signals::Signals;
+use haptic_core::device::Reading;
+use haptic_core::device::encoder::{Counts, Marks};
 use haptic_core::device::probe::{Outcome, Probe};
-use haptic_core::device::{Reading, encoder::Counts};
 use haptic_core::law::Packet;
-use haptic_core::peer::{Actuators, Sensors};
+use haptic_core::peer::Actuators;
 use haptic_core::safety::{Command, Fault, Mode};
 use haptic_core::sample::OfAxis;
 
@@ -181,16 +182,16 @@ impl Loop {
         }
 
         // Not in the longest tick, that of an exchange: what encoders show is kept for the next one.
-        let marks = (!due || self.peer.ticks_per_packet() == 1).then(encoders::marks);
-        let sensors = Sensors { reading: Reading::Counts(counts), overrun: self.overrun, stage, marks };
-        let actuators = self.peer.tick_in_place(&sensors);
+        let mut marks = None;
+        if !due || self.peer.ticks_per_packet() == 1 {
+            encoders::see(marks.insert([Marks::default(); JOINTS]));
+        }
+        let reading = Reading::Counts(counts);
+        let actuators = self.peer.tick_in_place(reading, self.overrun, stage.as_ref(), marks.as_ref());
         if actuators.enable || actuators.open {
             self.drive(&actuators, counts);
             if actuators.enable {
-                flags |= record::ENABLED;
-            }
-            if self.peer.is_engaged() {
-                flags |= record::ENGAGED;
+                flags |= if self.peer.is_engaged() { record::ENABLED | record::ENGAGED } else { record::ENABLED };
             }
         } else {
             if self.driving && self.power.is_none() {
@@ -215,7 +216,7 @@ impl Loop {
                 // Without room it is lost: whoever misses it sees it by the numbers.
                 let _ = self.side.records.put(|record| {
                     let (counts, duties) = (joints(counts, axis), joints(actuators.duties, axis));
-                    let (stage, number) = (current::reported(stage), axis as u8);
+                    let (stage, number) = (current::reported(stage.as_ref()), axis as u8);
                     let of = record::Tick { tick, axis: number, counts, duties, stage, mode, flags, digest };
                     let did = OfAxis::new(seen[axis], ledgers[axis]);
                     record.fill(&of, incoming.map(|packets| &packets[axis]), &did);

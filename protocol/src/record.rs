@@ -67,7 +67,7 @@ pub const ENGAGED: u8 = 32;
 
 /// What is the same of every record of a tick.
 #[derive(Clone, Copy, Debug)]
-pub struct Tick {
+pub struct Tick<'a> {
     /// Since boot.
     pub tick: u32,
     /// The shared axis, from 0.
@@ -77,7 +77,7 @@ pub struct Tick {
     /// As above.
     pub duties: [Duty; 2],
     /// What the power stage measured; none without a current loop.
-    pub stage: Option<Measured>,
+    pub stage: Option<&'a Measured>,
     /// After the tick.
     pub mode: Mode,
     /// [`ENABLED`] and the others.
@@ -126,7 +126,7 @@ impl<const MORE: usize> Default for Record<MORE> {
 impl Record {
     /// What a tick read and did, of one shared axis.
     #[inline(always)]
-    pub fn fill(&mut self, of: &Tick, incoming: Option<&Packet<f32>>, axis: &OfAxis<'_, f32>) {
+    pub fn fill(&mut self, of: &Tick<'_>, incoming: Option<&Packet<f32>>, axis: &OfAxis<'_, f32>) {
         self.fill_with(of, incoming, |record| sample::each(axis, |word, number| record.put(word, number)));
     }
 
@@ -153,7 +153,7 @@ impl Record {
 impl<const MORE: usize> Record<MORE> {
     /// The same; `quantities` puts those of the axis.
     #[inline(always)]
-    pub fn fill_with(&mut self, of: &Tick, incoming: Option<&Packet<f32>>, quantities: impl FnOnce(&mut Self)) {
+    pub fn fill_with(&mut self, of: &Tick<'_>, incoming: Option<&Packet<f32>>, quantities: impl FnOnce(&mut Self)) {
         let Tick { tick, axis, counts, duties, stage, mode, flags, digest } = *of;
         let halves = |[low, high]: [u16; 2]| u32::from(low) | u32::from(high) << 16;
         // One after the other, and what may be absent in a branch of its own: an array of all of them, or a default, would go by way of
@@ -180,7 +180,7 @@ impl<const MORE: usize> Record<MORE> {
         quantities(self);
         let Self(words, _) = self;
         words[word::DIGEST] = digest;
-        if let Some(Measured { motors: [one, two], supply_mv, supply_counts }) = stage {
+        if let Some(&Measured { motors: [one, two], supply_mv, supply_counts }) = stage {
             let signed = |numbers: [i16; 2]| halves(numbers.map(i16::cast_unsigned));
             words[word::STAGE] = signed([one.mean, one.last]);
             words[word::STAGE + 1] = signed([one.voltage, two.mean]);

@@ -132,11 +132,10 @@ impl<S: Scalar> Coupled<S> {
         Self { desired, force, power_in: power.max(S::ZERO), power_out: (-power).max(S::ZERO) }
     }
 
-    /// Whether force and powers are finite.
+    /// Force and powers in one sum, which is finite only if its terms are.
     #[inline]
-    pub fn is_finite(&self) -> bool {
-        // One test for three: a sum is finite only if its terms are.
-        (self.force + self.power_in + self.power_out).is_finite()
+    pub(crate) fn sum(&self) -> S {
+        self.force + self.power_in + self.power_out
     }
 }
 
@@ -273,7 +272,8 @@ macro_rules! laws {
             fn receive(&self, state: &mut Self::State, packet: Packet<S>) {
                 match (self, state) { $( (Self::$Variant(law), AnyLawState::$Variant(state)) => law.receive(state, packet), )+ _ => {} }
             }
-            #[inline]
+            // Compiled into its caller as it stands, where each copy is made only for the law that needs it.
+            #[inline(always)]
             fn couple(&self, state: &mut Self::State, observed: &Observation<S>, solve: impl Solve<S>) -> Coupled<S> {
                 match (self, state) { $(
                     (Self::$Variant(_), AnyLawState::$Variant(_)) if <$law as Law<S>>::PORTS_ONLY && solve.is_staged() => Coupled::none(observed.local),

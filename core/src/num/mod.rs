@@ -5,6 +5,7 @@
 #[macro_use]
 mod configured;
 mod scalar;
+mod sin_cos;
 mod sqrt;
 mod state;
 

@@ -56,7 +56,7 @@ pub trait Scalar:
     fn bits(self) -> u64;
     /// Square root, correctly rounded, [`Fixed`] to a step; a negative argument gives 0.
     fn sqrt(self) -> Self;
-    /// Sine and cosine of an angle in rad: error < 1 ulp (`libm`); [`Fixed`] < 2⁻³¹ up to 2²¹ rad.
+    /// Sine and cosine of an angle in rad: error < 1 ulp, of `f32` up to 4·10⁸ rad and no number beyond; [`Fixed`] < 2⁻³¹ up to 2²¹ rad.
     fn sin_cos(self) -> (Self, Self);
     /// Sine and cosine of an angle in rad; for `f32` by `micromath`, with an error ≤ 1.1e-3 at a fraction of the cost.
     fn sin_cos_fast(self) -> (Self, Self) {
@@ -171,7 +171,7 @@ macro_rules! float_scalar {
     };
 }
 
-float_scalar!(f32, "f32", super::sqrt::sqrt, libm::sincosf {
+float_scalar!(f32, "f32", super::sqrt::sqrt, super::sin_cos::sin_cos {
     #[inline]
     fn sin_cos_fast(self) -> (Self, Self) {
         micromath::F32Ext::sin_cos(self)

@@ -2,7 +2,7 @@
 //!
 //! | file | asks |
 //! |---|---|
-//! | [`fixed`] | does arithmetic in fixed point round and saturate as it says? |
+//! | [`fixed`], [`sin_cos`] | does arithmetic round and saturate as it says? |
 //! | [`total`] | is every tick of every scene defined, and within its limits? |
 //! | [`bounds`] | does what another end may say follow from the limits? |
 //! | [`law`], [`copies`], [`tank`], [`deadband`], [`node`] | does every law keep its promise? |
@@ -25,6 +25,7 @@ mod plane;
 mod probe;
 mod rigid;
 mod setup;
+mod sin_cos;
 mod tank;
 mod total;
 mod winding;

@@ -58,7 +58,7 @@ impl Power {
 }
 
 /// What a record tells of what was measured.
-pub(crate) fn reported(_: Option<Measured<JOINTS>>) -> Option<Measured> {
+pub(crate) fn reported(_: Option<&Measured<JOINTS>>) -> Option<&'static Measured> {
     None
 }
 

@@ -297,7 +297,7 @@ impl Power {
 }
 
 /// What a record tells of it.
-pub(crate) fn reported(measured: Option<Measured>) -> Option<Measured> {
+pub(crate) fn reported(measured: Option<&Measured>) -> Option<&Measured> {
     measured
 }
 

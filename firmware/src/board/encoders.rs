@@ -84,18 +84,28 @@ pub(crate) fn read() -> [Counts; JOINTS] {
     timers().map(|timer| Counts(timer.cnt().read().cnt()))
 }
 
-/// What the encoders showed since this was asked last.
+/// What the encoders showed since this was asked last, into `marks` that show nothing.
 #[inline(always)]
-pub(crate) fn marks() -> [Marks; JOINTS] {
-    timers().map(|timer| {
+pub(crate) fn see(marks: &mut [Marks; JOINTS]) {
+    let seen = timers().map(|timer| {
         let seen = timer.sr().read();
         // A flag goes off where 0 is written; what came since it was read stays.
         timer.sr().write_value(regs::SrGp16(!seen.0));
-        if !(seen.ccof(0) | seen.ccof(1) | seen.ccif(2)) {
-            // No channel rose twice, and no index came: so it is in most ticks.
-            return Marks::default();
-        }
+        seen
+    });
+    // In most ticks no channel rose twice, and no index came.
+    if seen.iter().any(|seen| seen.ccof(0) | seen.ccof(1) | seen.ccif(2)) {
+        mark(marks, seen);
+    }
+}
+
+/// The marks that these flags mean.
+#[cold]
+#[inline(never)]
+#[unsafe(link_section = ".itcm.marks")]
+fn mark(marks: &mut [Marks; JOINTS], seen: [regs::SrGp16; JOINTS]) {
+    for ((marks, timer), seen) in marks.iter_mut().zip(timers()).zip(seen) {
         let index = seen.ccif(2).then(|| Counts(timer.ccr(2).read().ccr()));
-        Marks::of([0, 1].map(|channel| seen.ccif(channel)), [0, 1].map(|channel| seen.ccof(channel)), index)
-    })
+        *marks = Marks::of([0, 1].map(|channel| seen.ccif(channel)), [0, 1].map(|channel| seen.ccof(channel)), index);
+    }
 }

@@ -16,7 +16,7 @@ fn peer(position: f32) -> Peer<f32, AnyLaw<f32>> {
 }
 
 /// A tick of a peer that is disarmed, with nothing in it but these.
-fn tick(peer: &mut Peer<f32, AnyLaw<f32>>, tick: u32, flags: u8) -> Tick {
+fn tick(peer: &mut Peer<f32, AnyLaw<f32>>, tick: u32, flags: u8) -> Tick<'static> {
     let (counts, duties, digest) = ([Counts(0x1234), Counts(0xABCD)], [Duty::OFF; 2], digest(peer));
     Tick { tick, axis: 0, counts, duties, stage: None, mode: peer.mode(), flags, digest }
 }
@@ -75,7 +75,7 @@ fn a_packet_that_came_in_comes_out_whole() {
 fn what_the_stage_measured_comes_out_whole() {
     let motors = [Flow { mean: -1, last: 2, voltage: -3 }, Flow { mean: 4, last: -5, voltage: i16::MIN }];
     let stage = Measured { motors, supply_mv: 24_000, supply_counts: 6000 };
-    for stage in [Some(stage), None] {
+    for stage in [Some(&stage), None] {
         let mut peer = peer(0.0);
         let mut record = Record::default();
         record.fill(
@@ -83,7 +83,7 @@ fn what_the_stage_measured_comes_out_whole() {
             None,
             &OfAxis::new(peer.observed()[0], peer.ledger()[0]),
         );
-        assert_eq!(Record::from_bytes(&record.bytes()).unwrap().stage(), stage);
+        assert_eq!(Record::from_bytes(&record.bytes()).unwrap().stage().as_ref(), stage);
     }
 }
 
