@@ -3,7 +3,7 @@
 //! It opens nothing: a sealed datagram goes on as it came, byte for byte, one for one. So whoever is here can drop and delay, and the two ends judge all else themselves.
 //!
 //! **From the board** goes what comes from its one address, port included, is of the sealed wire by its first byte, and is no longer than the wire's longest.
-//! **To the board** goes the same of what the carrier has, while the board has said something itself within [`CONSENT`]: a wrong address is not written to.
+//! **To the board** goes the same of what the carrier has, while the board has said something itself within `CONSENT`: a wrong address is not written to.
 //! **Either way** passes what a seat of a meeting place passes on ([`RATE`](crate::place::RATE)). What does not pass is counted by why.
 
 use std::net::SocketAddr;

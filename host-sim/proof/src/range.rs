@@ -213,8 +213,12 @@ pub(crate) fn of_two<F: Float>(op: Op, a: Range, b: Range) -> Range {
         // A sine of less than one unit in the last place too much may be above 1.
         Op::Sin | Op::Cos => {
             let most = 1.0 + 2.0 * F::EPSILON;
-            let part = if a.has_numbers() { Range::of(-most, most) } else { Range::EMPTY };
-            part.with_nan(nan || a.has_infinity())
+            if !a.has_numbers() {
+                return Range::EMPTY.with_nan(nan);
+            }
+            // Of an infinite angle it is no number, nor of one too far from 0 for its type.
+            let far = [a.lo, a.hi].iter().any(|end| !F::from_f64(*end).sin_cos().0.is_finite());
+            Range::of(-most, most).with_nan(nan || far)
         }
         Op::ToCounter => a,
         Op::OfCounter => a.each(a.nan, |a| F::from_f64(a).to_f64()),
