@@ -3,7 +3,7 @@
 //!
 //! A mouse cannot be pushed back. What its user gets instead of a force is the distance between pointer and device, which
 //! *is* the force, over the stiffness. Pointers come 60 times a second, in steps, and not quite evenly: taken as they come
-//! they rattle by 0.1 N. So they are played out [`DELAY`] late, straight from one to the next, as packets are on a line that jitters;
+//! they rattle by 0.1 N. So they are played out `DELAY` late, straight from one to the next, as packets are on a line that jitters;
 //! then a drag at constant speed has no ripple at all.
 //!
 //! The force is formed once a tick and held through it. SI units; positive is to the right, away from the person, and up. Of several axes

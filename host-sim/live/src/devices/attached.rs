@@ -46,6 +46,8 @@ pub struct Attached<P, const N: usize> {
     max_speed_m_per_s: f64,
     clutch: u8,
     newest: Sensed,
+    /// When this end last looked.
+    looked: Option<Instant>,
     /// Share of the force that is left of it, from the age of the newest reading.
     share: f64,
     seen: Option<Seen>,
@@ -143,6 +145,7 @@ impl<P: Port, const N: usize> Attached<P, N> {
             clutch,
             newest,
             share: 0.0,
+            looked: None,
             seen: None,
         })
     }
@@ -196,6 +199,15 @@ fn share(age: Duration, silent: Duration) -> f64 {
 
 impl<P: Port, const N: usize> Device<f32, N> for Attached<P, N> {
     fn look(&mut self) -> Result<(), Gone> {
+        // An end that stood still goes on with a fresh reading and with forces of before, at a device that has let go meanwhile.
+        let before = self.looked.replace(Instant::now());
+        if let Some(stood) = before.map(|before| before.elapsed()).filter(|stood| *stood > self.silent) {
+            let [stood, allowed] = [stood, self.silent].map(|time| 1e3 * time.as_secs_f64());
+            return Err(Gone::new(
+                DeviceFault::LetGo,
+                format!("this end stood still for {stood:.0} ms, of {allowed:.0} allowed"),
+            ));
+        }
         if let Some(sensed) = self.port.read()? {
             self.take(sensed)?;
         }

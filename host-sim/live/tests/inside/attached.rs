@@ -132,6 +132,22 @@ fn a_force_fades_with_the_age_of_its_reading() {
     assert_eq!(told.borrow().forces.last(), Some(&Some([0.0; AXES])));
 }
 
+/// A process that was stopped for longer than the device waits, and whose device tells of itself before the tick is asked for, does not go on.
+#[test]
+fn an_end_that_stood_still_does_not_go_on() {
+    let options = DeviceOptions { silent_s: 0.02, ..DeviceOptions::default() };
+    let (mut device, told) = attach(able(), &options, &[]).expect("a device");
+    // How long it takes until the first tick is nobody's pause.
+    std::thread::sleep(Duration::from_millis(30));
+    told.borrow_mut().sensed = Some(at([0.1, 0.2, 0.3], Duration::ZERO));
+    device.look().expect("the first tick");
+    std::thread::sleep(Duration::from_millis(30));
+    told.borrow_mut().sensed = Some(at([0.1, 0.2, 0.3], Duration::ZERO));
+    let gone = device.look().expect_err("a pause");
+    assert_eq!(gone.fault, DeviceFault::LetGo);
+    assert!(gone.cause.contains("stood still for 3") && gone.cause.contains("of 20 allowed"), "{gone}");
+}
+
 #[test]
 fn what_no_hand_can_do_is_no_reading() {
     let jumps = [[0.15, 0.2, 0.3], [f64::NAN, 0.2, 0.3]];
