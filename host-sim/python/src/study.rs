@@ -26,8 +26,6 @@ use crate::work::{Progress, here, on_threads, refused};
 
 /// Columns of answers and pairs that are texts, also where there is none.
 const ANSWER_TEXTS: &[&str] = &["reason", "without"];
-/// What is to be least unless another figure of merit is named.
-const BEST: &str = "true_discrepancy_mm";
 
 /// Scenes or laws over keys, networks and seeds: which is best where, under which bounds, and how sure that is; the question of `host-sim
 /// study`.
@@ -215,7 +213,7 @@ impl Findings {
 
     /// Of each entrant on each network the point with the least of a figure of merit, among those that are stable in every run and every
     /// mode and of which no run is beyond a bound (`at_most`: figures of merit and numbers); what seeds say of it that did not choose it.
-    #[pyo3(signature = (best = BEST, at_most = None))]
+    #[pyo3(signature = (best = "true_discrepancy_mm", at_most = None))]
     fn best<'py>(
         &self,
         py: Python<'py>,
@@ -227,7 +225,7 @@ impl Findings {
     }
 
     /// The best points of every two entrants beside each other, seed by seed, on networks where both have one.
-    #[pyo3(signature = (best = BEST, at_most = None))]
+    #[pyo3(signature = (best = "true_discrepancy_mm", at_most = None))]
     fn pairs<'py>(
         &self,
         py: Python<'py>,
@@ -240,7 +238,7 @@ impl Findings {
 
     /// Writes the figure as `name` with .svg, .pdf and .png into a folder, `width_mm` wide (88 is a column of most journals, 180 a page);
     /// gives the paths. Nothing is overwritten.
-    #[pyo3(signature = (folder, name = "best", best = BEST, at_most = None, width_mm = 88.0))]
+    #[pyo3(signature = (folder, name = "best", best = "true_discrepancy_mm", at_most = None, width_mm = 88.0))]
     fn draw(
         &self,
         folder: PathBuf,

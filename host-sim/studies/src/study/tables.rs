@@ -102,7 +102,8 @@ impl Study {
         let without = |pair: &Pair| {
             let asked = pair.network.map_or(0..self.networks.len(), |at| at..at + 1);
             let missing = asked.filter(|at| !pair.common.contains(at)).map(|at| self.networks[at].name.as_str());
-            Some(missing.collect::<Vec<_>>().join("; ")).filter(|names| !names.is_empty())
+            // Text where all have all of them, too: what a file has a column as does not depend on what was found.
+            missing.collect::<Vec<_>>().join("; ")
         };
         let mean = |which: usize| move |pair: &Pair| pair.paired.means[which];
         Columns::of(pairs)
