@@ -22,8 +22,7 @@
 //! drawn to the other's, is the rest, which goes at c whatever pulls: nothing goes round a loop.
 //!
 //! **Without a jolt.** Where the line begins or ceases to go, or goes faster than a hand can make it go ([`JOLT_M_PER_S2`]), the point goes on as it
-//! went: r takes up the difference, and then goes to where it should be with one pole ([`STANDING_S`], [`LIVE_S`]). While it stands, A falls by no more than
-//! [`WANING_N_PER_S`] for as long as the tank pays for it, and does not spend what is in the tank faster than in [`SPENDING_S`] beyond that.
+//! went: r takes up the difference, and then goes to where it should be with one pole ([`STANDING_S`], [`LIVE_S`]).
 //!
 //! **Passive by its own account.** A tick of it costs F_T·ė·T_c, whatever F_T comes to be at most A²·T_c/4D. So A is kept within
 //! ±√(4·D·E/T_c) of a tank E, which begins with E₀, pays what a tick costs, and takes what it brings and what the damper B_T took. E is
@@ -53,7 +52,7 @@ pub(super) const FADE: Key = Key::number(
 );
 pub(super) const RETURN: Key = Key::number(
     "coordination.carry_return_s",
-    0.044,
+    0.05,
     [0.001, 100.0],
     "s",
     "Self-timed line: time in which both ends come together again, where they have gone different ways.",
@@ -67,9 +66,9 @@ pub(super) const ENERGY: Key = Key::number(
 );
 
 /// D of an end that hears the other one, as a multiple of that of an end that hears nothing.
-const HEARD: f64 = 1.5;
+const HEARD: f64 = 2.0;
 /// How much faster an end that hears nothing comes back to where the other one should be.
-const BLIND: f64 = 9.0;
+const BLIND: f64 = 8.0;
 /// D of a live end, as a multiple of κ of its spring.
 const LIVE: f64 = 200.0;
 /// How long ago "lately" is, s.
@@ -77,17 +76,13 @@ const LATELY_S: f64 = 0.004;
 /// The most force that goes on while an end stands, N: what a hand pushes with, and not a jolt.
 const MOST_N: f64 = 10.0;
 /// Fastest way to the other end's slip while the line is live, and while it stands, m/s.
-const LIVE_M_PER_S: f64 = 0.3;
+const LIVE_M_PER_S: f64 = 0.1;
 const STANDING_M_PER_S: f64 = 1.0;
 /// Time constants of r while the line stands, and while it is live, s.
 const STANDING_S: f64 = 0.002;
-const LIVE_S: f64 = 0.0105;
+const LIVE_S: f64 = 0.011;
 /// What a line's speed changes by, and is no jolt, m/s².
 const JOLT_M_PER_S2: f64 = 3.0;
-/// By how much A falls while an end stands, N/s.
-const WANING_N_PER_S: f64 = 120.0;
-/// Time in which a tank may be spent, s.
-const SPENDING_S: f64 = 0.005;
 /// Slips are told modulo this, m: of two that are less than half of it apart the difference is known, however far both have gone.
 pub(crate) const MODULUS_M: f64 = 16.0;
 /// Share of the speed that a packet may say.
@@ -158,9 +153,6 @@ pub(super) struct Carry<S: Scalar> {
     most_n: S,
     /// What a tick changes of the line's speed and is no jolt, m/s.
     jolt_m_per_s: S,
-    /// By how much A falls in a tick, N, and √(T_c/[`SPENDING_S`]).
-    waning_n: S,
-    spending: S,
     capital_j: S,
     most_j: S,
     /// The fastest that a packet may say, m/s.
@@ -170,7 +162,7 @@ pub(super) struct Carry<S: Scalar> {
 
 configured!([S: Scalar] Carry<S> {
     period_s, kappa, spring_damping, blind, hears, live, elastic_m_per_n, left, new, back, blind_back, live_m_per_s,
-    standing_m_per_s, most_n, jolt_m_per_s, waning_n, spending, capital_j, most_j, within_m_per_s, half_m
+    standing_m_per_s, most_n, jolt_m_per_s, capital_j, most_j, within_m_per_s, half_m
 });
 
 /// What an end knows of the other one's slip.
@@ -201,9 +193,8 @@ pub(super) struct Slip<S: Scalar> {
     lately_m_per_s: S,
     /// w + ė, m/s.
     goes_m_per_s: S,
-    /// r, m/s, and |A| of the tick before while it stands, N.
+    /// r, m/s.
     rate_m_per_s: S,
-    drive: S,
     /// It stood in the tick before.
     stood: bool,
     /// E, J.
@@ -254,8 +245,6 @@ impl<S: Scalar> Carry<S> {
             standing_m_per_s: number(STANDING_M_PER_S),
             most_n: number(MOST_N),
             jolt_m_per_s: number(JOLT_M_PER_S2 * period_s),
-            waning_n: number(WANING_N_PER_S * period_s),
-            spending: number(libm::sqrt(period_s / SPENDING_S)),
             capital_j: number(capital_j),
             most_j: number(capital_j.max(CAP_J)),
             within_m_per_s: number(WITHIN * fastest),
@@ -361,8 +350,7 @@ impl<S: Scalar> Carry<S> {
     /// The spring of this tick, which begins with this pull, N.
     #[inline]
     pub(super) fn tie(&self, slip: &mut Slip<S>, doing: Doing, pull: S) -> Tied<S> {
-        let stops = doing != Doing::Live && !core::mem::replace(&mut slip.stood, true);
-        if stops {
+        if doing != Doing::Live && !core::mem::replace(&mut slip.stood, true) {
             slip.rate_m_per_s = slip.goes_m_per_s;
         }
         let (series, force, goal) = match doing {
@@ -379,11 +367,7 @@ impl<S: Scalar> Carry<S> {
         };
         let Series { damping, inverse, stiff, impedance, allows, soon } = *series;
         slip.rate_m_per_s = slip.rate_m_per_s + soon * (goal - slip.rate_m_per_s);
-        let most = (allows * slip.tank_j).sqrt();
-        let lasting =
-            if slip.stood && !stops { (self.spending * most).max(slip.drive - self.waning_n).min(most) } else { most };
-        let drive = (force + damping * slip.rate_m_per_s).limit(lasting);
-        slip.drive = drive.abs();
+        let drive = (force + damping * slip.rate_m_per_s).limit((allows * slip.tank_j).sqrt());
         let pull = stiff * pull + (S::ONE - stiff) * drive;
         Tied { drive, inverse, pull, impedance }
     }
