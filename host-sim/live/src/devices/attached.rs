@@ -179,6 +179,15 @@ impl<P: Port, const N: usize> Attached<P, N> {
         Ok(())
     }
 
+    /// The fault, with what the milliseconds are of, where a time is longer than readings may be old.
+    fn within(&self, time: Duration, fault: DeviceFault, of: impl FnOnce(String) -> String) -> Result<(), Gone> {
+        if time <= self.silent {
+            return Ok(());
+        }
+        let [ms, allowed] = [time, self.silent].map(|time| format!("{:.0}", 1e3 * time.as_secs_f64()));
+        Err(Gone::new(fault, format!("{}, of {allowed} allowed", of(ms))))
+    }
+
     fn write(&mut self, actuators: &Actuators<f32, N>) {
         let share = self.share / self.scale.force;
         let force_n = actuators.enable.then(|| {
@@ -199,27 +208,17 @@ fn share(age: Duration, silent: Duration) -> f64 {
 
 impl<P: Port, const N: usize> Device<f32, N> for Attached<P, N> {
     fn look(&mut self) -> Result<(), Gone> {
-        // An end that stood still goes on with a fresh reading and with forces of before, at a device that has let go meanwhile.
+        // An end that stood still would go on with a fresh reading and with forces of before, at a device that has let go meanwhile.
         let before = self.looked.replace(Instant::now());
-        if let Some(stood) = before.map(|before| before.elapsed()).filter(|stood| *stood > self.silent) {
-            let [stood, allowed] = [stood, self.silent].map(|time| 1e3 * time.as_secs_f64());
-            return Err(Gone::new(
-                DeviceFault::LetGo,
-                format!("this end stood still for {stood:.0} ms, of {allowed:.0} allowed"),
-            ));
-        }
+        let stood = before.map_or(Duration::ZERO, |before| before.elapsed());
+        self.within(stood, DeviceFault::LetGo, |ms| format!("this end stood still for {ms} ms"))?;
         if let Some(sensed) = self.port.read()? {
             self.take(sensed)?;
         }
         let age = self.newest.between[0].elapsed();
         self.share = share(age, self.silent);
-        if age <= self.silent {
-            return Ok(());
-        }
-        let [age, allowed] = [age, self.silent].map(|time| 1e3 * time.as_secs_f64());
-        let cause =
-            format!("the newest reading of {} is {age:.0} ms old, of {allowed:.0} allowed", self.port.abilities().name);
-        Err(Gone::new(DeviceFault::Silent, cause))
+        let name = &self.port.abilities().name;
+        self.within(age, DeviceFault::Silent, |ms| format!("the newest reading of {name} is {ms} ms old"))
     }
 
     fn sensors(&self) -> Sensors<f32, N> {
