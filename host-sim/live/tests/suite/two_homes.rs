@@ -48,3 +48,20 @@ pub(crate) fn change_paths(boards: [bool; 2], longer_most_n: f64) -> World {
 fn a_change_of_path_is_a_small_step_and_nothing_ends() {
     change_paths([false; 2], 0.8);
 }
+
+/// The step to a longer path depends on what the hands do when the shorter one dies: twelve moments of a second.
+#[test]
+fn a_path_that_dies_at_any_moment_ends_nothing() {
+    let [mut most_n, mut most_m] = [0.0_f64; 2];
+    for moment in 0..12 {
+        let mut world = World::new([false; 2]);
+        world.run(9500 + 87 * moment);
+        assert_eq!(world.ways(), [Way::Direct; 2]);
+        world.cut = true;
+        let [jump_n, apart_m] = world.run(6000);
+        assert!(world.ways() == [Way::Relayed; 2] && world.are_together() && !world.have_parted());
+        [most_n, most_m] = [most_n.max(jump_n), most_m.max(apart_m)];
+    }
+    eprintln!("to relayed, at the worst of twelve moments: {most_n:.2} N in a tick, {:.1} mm apart", 1e3 * most_m);
+    assert!(most_n < 1.6 && most_m < 5.2e-3, "{most_n} N, {most_m} m");
+}
