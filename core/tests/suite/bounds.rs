@@ -57,7 +57,13 @@ proptest! {
         let mut state = law.start(Motion::REST);
         let (mut local, mut heard) = (Motion::REST, Packet::<f64>::default());
         let (mut speed, mut force, mut said) = (0.0_f64, 0.0_f64, Vec::new());
-        for (number, tick) in ticks.iter().enumerate() {
+        // Between a line with a time of its own and its spring lies a slip, part of which is elastic: how fast the line goes is had from its place.
+        let elastic_m_per_n =
+            1e-3 / (200.0 * (0.5e-3 * settings.coordination.stiffness_n_per_m + settings.coordination.damping_n_s_per_m));
+        let (mut slipped, mut place) = (0.0, None::<f64>);
+        // Where the line is after the last tick is seen in one more.
+        let after = Tick { velocity: 0.0, hears: None, is_lost: true };
+        for (number, tick) in ticks.iter().chain([&after]).enumerate() {
             if let Some((wave, ticks)) = tick.hears {
                 let ticks = u32::from(ticks);
                 heard.wave = wave;
@@ -74,14 +80,20 @@ proptest! {
             let seen = Observation { local, contact_force: 0.0, age_ticks: 0 };
             let coupled = law.couple(&mut state, &seen, |_: Port<f64>| tick.velocity);
             local = Motion { position: local.position + 1e-3 * tick.velocity, velocity: tick.velocity };
+            if sends == Sends::Counters {
+                let now = coupled.desired.position - slipped;
+                speed = place.map_or(speed, |before| speed.max((now - before).abs() / 1e-3));
+                place = Some(now);
+                slipped = law.send(&state, local).motion.position - elastic_m_per_n * coupled.force;
+            }
             speed = speed.max(coupled.desired.velocity.abs());
             force = force.max(coupled.force.abs());
             if (number + 1).is_multiple_of(ticks_per_packet as usize) && !tick.is_lost {
                 said.push(law.send(&state, local));
             }
         }
-        // Rounding of the law's own constants.
-        let more = 1.0 + 1e-12;
+        // Rounding of the law's own constants, and of a step of the line.
+        let more = 1.0 + 1e-9;
         (settings.safety.max_speed_m_per_s, settings.safety.max_force_n) = (more * speed, more * force);
         let bounds = Bounds::build(&settings, sends);
         let mut newest = None;

@@ -221,9 +221,9 @@ fn two_processes_share_a_plane_and_space() {
             }
             assert!((number(live, "decoded_discrepancy_mm") / squares.sqrt() - 1.0).abs() < 0.01, "{live}");
             let energy = &live["port_energy"];
-            assert!(number(energy, "made_j") < 0.005, "{live}");
+            assert!(number(energy, "made_j") < 0.03, "{live}");
             // What each axis began with, less what was made at the worst.
-            let left_j = 0.005 * axes.len() as f64 - number(energy, "made_j");
+            let left_j = 0.03 * axes.len() as f64 - number(energy, "made_j");
             assert!((number(energy, "least_balance_j") - left_j).abs() < 1e-12 && left_j > 0.0, "{live}");
         }
         // The rows of every axis: what pulls in the last half of them is what the report says.

@@ -4,14 +4,14 @@
 //! Between the line's end and the spring lies a **slip** e, F_T = K_T·(x_d + e − x_o) + B_T·(w + ė − v). It moves like a damper that
 //! something drives, in series with the spring:
 //!
-//! > ė = (A − F_T)/D
+//! > ė = (A − F_T)/D,   A = F + D·r
 //!
-//! | the end | D | A |
-//! |---|---|---|
-//! | stands, and has not heard of the other end's slip yet | ∞ | |
-//! | stands, and hears nothing | `coordination.carry_damping_n_s_per_m` | F̄ + D·(w̄ + [`BLIND`]·c) |
-//! | stands, and hears the other end, which stands | [`HEARD`] times it | F̄ + D·(w_far + c) |
-//! | is live | [`LIVE`] times κ | F₋ + D·c |
+//! | the end | D | F | r goes to |
+//! |---|---|---|---|
+//! | stands, and has not heard of the other end's slip yet | ∞ | | |
+//! | stands, and hears nothing | `coordination.carry_damping_n_s_per_m` | F̄ | w̄ + [`BLIND`]·c |
+//! | stands, and hears the other end, which stands | [`HEARD`] times it | F̄ | w_far + c |
+//! | is live | [`LIVE`] times κ | F₋ | c |
 //!
 //! with F̄ and w̄ the force (within [`MOST_N`]) and the line's velocity lately (one pole of [`LATELY_S`]), of which w̄ fades while the end
 //! stands, F₋ the force of the tick before, w_far how fast the other end's point goes, as its newest packet said, and
@@ -21,9 +21,14 @@
 //! makes a spring of stiffness D/T_c, 1 % of the compliance of K_T: that part of e, −F₋·T_c/D, is the end's own. What is told of e, and
 //! drawn to the other's, is the rest, which goes at c whatever pulls: nothing goes round a loop.
 //!
-//! **Passive by its own account.** A tick of it costs F_T·ė·T_c, whatever F_T comes to be at most A²·T_c/4D. So A is kept within
-//! ±√(4·D·E/T_c) of a tank E, which begins with E₀, pays what a tick costs, and takes what it brings and what the damper B_T took. E is
-//! never below 0; an empty tank leaves a damper. Nothing is solved twice, and nothing switches.
+//! **Without a jolt.** Where the line begins or ceases to go, or goes faster than a hand can make it go ([`JOLT_M_PER_S2`]), the point goes on as it
+//! went: r takes up the difference, and then goes to where it should be with one pole ([`STANDING_S`], [`LIVE_S`]).
+//!
+//! **Passive by its own account.** A tick of it costs F_T·ė·T_c, whatever F_T comes to be at most A²·T_c/4D. A tank E begins with E₀, pays what a
+//! tick costs, and takes what it brings and what the damper B_T took. Where it may not pay, E < A²·T_c/4D, an end that stands has a D that is
+//! larger by as much: an empty tank leaves a wall, which what pulls harder than A softens and fills (one that left a damper would let two hands
+//! that push against each other part the ends). A live end, whose D is the line's, has an A that is smaller by the root of it. E is never below 0, nothing
+//! is solved twice, and nothing switches.
 //!
 //! With `coordination.carry_damping_n_s_per_m = 0` D is infinite: e stays 0, and an end that stands is a wall (THEORY §8).
 
@@ -42,7 +47,7 @@ pub(super) const DAMPING: Key = Key::number(
 );
 pub(super) const FADE: Key = Key::number(
     "coordination.carry_s",
-    0.5,
+    0.35,
     [0.001, 100.0],
     "s",
     "Self-timed line, where nothing comes: time in which going on as before fades.",
@@ -56,14 +61,14 @@ pub(super) const RETURN: Key = Key::number(
 );
 pub(super) const ENERGY: Key = Key::number(
     "coordination.carry_energy_j",
-    0.005,
+    0.03,
     [0.0, 1.0],
     "J",
     "Self-timed line: what carrying on may give at most before it has taken anything, at each end.",
 );
 
 /// D of an end that hears the other one, as a multiple of that of an end that hears nothing.
-const HEARD: f64 = 2.0;
+const HEARD: f64 = 1.6;
 /// How much faster an end that hears nothing comes back to where the other one should be.
 const BLIND: f64 = 8.0;
 /// D of a live end, as a multiple of κ of its spring.
@@ -73,8 +78,15 @@ const LATELY_S: f64 = 0.004;
 /// The most force that goes on while an end stands, N: what a hand pushes with, and not a jolt.
 const MOST_N: f64 = 10.0;
 /// Fastest way to the other end's slip while the line is live, and while it stands, m/s.
-const LIVE_M_PER_S: f64 = 0.1;
+const LIVE_M_PER_S: f64 = 0.3;
 const STANDING_M_PER_S: f64 = 1.0;
+/// Time constants of r while the line stands, and while it is live, s.
+const STANDING_S: f64 = 0.002;
+const LIVE_S: f64 = 0.011;
+/// And at most this share of τ_c: from τ_c on the loop of both slips would swing over a long delay.
+const SOONER: f64 = 0.25;
+/// What a line's speed changes by, and is no jolt, m/s².
+const JOLT_M_PER_S2: f64 = 2.5;
 /// Slips are told modulo this, m: of two that are less than half of it apart the difference is known, however far both have gone.
 pub(crate) const MODULUS_M: f64 = 16.0;
 /// Share of the speed that a packet may say.
@@ -103,19 +115,22 @@ struct Series<S> {
     stiff: S,
     /// z, N·s/m.
     impedance: S,
-    /// 4D/T_c: A² that a joule allows.
-    allows: S,
+    /// T_c/4D: what a tick may cost at most, as a share of A², J/N².
+    costs: S,
+    /// Share of its way that r goes in a tick.
+    soon: S,
 }
 
-configured!([S: Scalar] Series<S> { damping, inverse, stiff, impedance, allows });
+configured!([S: Scalar] Series<S> { damping, inverse, stiff, impedance, costs, soon });
 
 impl<S: Scalar> Series<S> {
-    /// Of a damping D, N·s/m, and κ, in a period of T_c, s; D = 0 for a wall.
-    fn build(damping: f64, kappa: f64, period_s: f64) -> Self {
+    /// Of a damping D, N·s/m, and κ, in a period of T_c, s, with a time constant of r, s; D = 0 for a wall.
+    fn build(damping: f64, kappa: f64, [period_s, soon_s]: [f64; 2]) -> Self {
         let (inverse, stiff) = if damping == 0.0 { (0.0, 1.0) } else { (1.0 / damping, damping / (damping + kappa)) };
-        let numbers = [damping, inverse, stiff, stiff * kappa, 4.0 * damping / period_s];
-        let [damping, inverse, stiff, impedance, allows] = numbers.map(S::from_f64);
-        Self { damping, inverse, stiff, impedance, allows }
+        let soon = 1.0 - libm::exp(-period_s / soon_s);
+        let numbers = [damping, inverse, stiff, stiff * kappa, 0.25 * period_s * inverse, soon];
+        let [damping, inverse, stiff, impedance, costs, soon] = numbers.map(S::from_f64);
+        Self { damping, inverse, stiff, impedance, costs, soon }
     }
 }
 
@@ -140,6 +155,8 @@ pub(super) struct Carry<S: Scalar> {
     live_m_per_s: S,
     standing_m_per_s: S,
     most_n: S,
+    /// What a tick changes of the line's speed and is no jolt, m/s.
+    jolt_m_per_s: S,
     capital_j: S,
     most_j: S,
     /// The fastest that a packet may say, m/s.
@@ -149,7 +166,7 @@ pub(super) struct Carry<S: Scalar> {
 
 configured!([S: Scalar] Carry<S> {
     period_s, kappa, spring_damping, blind, hears, live, elastic_m_per_n, left, new, back, blind_back, live_m_per_s,
-    standing_m_per_s, most_n, capital_j, most_j, within_m_per_s, half_m
+    standing_m_per_s, most_n, jolt_m_per_s, capital_j, most_j, within_m_per_s, half_m
 });
 
 /// What an end knows of the other one's slip.
@@ -180,6 +197,10 @@ pub(super) struct Slip<S: Scalar> {
     lately_m_per_s: S,
     /// w + ė, m/s.
     goes_m_per_s: S,
+    /// r, m/s.
+    rate_m_per_s: S,
+    /// It stood in the tick before.
+    stood: bool,
     /// E, J.
     tank_j: S,
     /// It has begun, or begun anew, and heard nothing of the other end's slip since.
@@ -209,6 +230,7 @@ pub(super) struct Tied<S> {
 impl<S: Scalar> Carry<S> {
     pub(super) fn build(settings: &Settings) -> Self {
         let (period_s, damping) = (settings.timing.control_period_s, settings.own(&DAMPING));
+        let return_s = settings.own(&RETURN);
         let (live, kappa) = (Self::live(settings), Spring::<S>::impedance(settings));
         let (capital_j, fastest) = (settings.own(&ENERGY), settings.in_the_world().safety.max_speed_m_per_s);
         let number = S::from_f64;
@@ -216,17 +238,18 @@ impl<S: Scalar> Carry<S> {
             period_s: number(period_s),
             spring_damping: number(settings.coordination.damping_n_s_per_m),
             kappa: number(kappa),
-            blind: Series::build(damping, kappa, period_s),
-            hears: Series::build(HEARD * damping, kappa, period_s),
-            live: Series::build(live, kappa, period_s),
+            blind: Series::build(damping, kappa, [period_s, STANDING_S]),
+            hears: Series::build(HEARD * damping, kappa, [period_s, STANDING_S]),
+            live: Series::build(live, kappa, [period_s, LIVE_S.min(SOONER * return_s)]),
             elastic_m_per_n: number(if damping > 0.0 { period_s / live } else { 0.0 }),
             left: number(libm::exp(-period_s / settings.own(&FADE))),
             new: number(1.0 - libm::exp(-period_s / LATELY_S)),
-            back: number(0.5 / settings.own(&RETURN)),
-            blind_back: number(BLIND * 0.5 / settings.own(&RETURN)),
+            back: number(0.5 / return_s),
+            blind_back: number(BLIND * 0.5 / return_s),
             live_m_per_s: number(LIVE_M_PER_S),
             standing_m_per_s: number(STANDING_M_PER_S),
             most_n: number(MOST_N),
+            jolt_m_per_s: number(JOLT_M_PER_S2 * period_s),
             capital_j: number(capital_j),
             most_j: number(capital_j.max(CAP_J)),
             within_m_per_s: number(WITHIN * fastest),
@@ -237,7 +260,7 @@ impl<S: Scalar> Carry<S> {
     /// Impedance of a live end's spring, z, N·s/m.
     pub(super) fn impedance(settings: &Settings) -> f64 {
         let kappa = Spring::<S>::impedance(settings);
-        Series::<f64>::build(Self::live(settings), kappa, settings.timing.control_period_s).impedance
+        Series::<f64>::build(Self::live(settings), kappa, [settings.timing.control_period_s, LIVE_S]).impedance
     }
 
     /// D of a live end, N·s/m; 0 for a wall.
@@ -318,26 +341,49 @@ impl<S: Scalar> Carry<S> {
         }
     }
 
+    /// A tick in which the line goes, by `more` faster than in the one before, m/s, or, where it stood in that, as `line` says for a force (N) that it
+    /// pulls with: the point goes on as it went at first.
+    #[inline]
+    pub(super) fn goes(&self, slip: &mut Slip<S>, more: S, line: impl FnOnce(S) -> S) {
+        slip.rate_m_per_s = if core::mem::replace(&mut slip.stood, false) {
+            slip.goes_m_per_s - line(slip.force)
+        } else {
+            slip.rate_m_per_s - (more - more.limit(self.jolt_m_per_s))
+        };
+    }
+
     /// The spring of this tick, which begins with this pull, N.
     #[inline]
     pub(super) fn tie(&self, slip: &mut Slip<S>, doing: Doing, pull: S) -> Tied<S> {
-        let (series, base) = match doing {
-            Doing::Live => {
-                let back = (self.back * slip.ahead_m).limit(self.live_m_per_s);
-                (&self.live, slip.force + self.live.damping * back)
-            }
+        if doing != Doing::Live && !core::mem::replace(&mut slip.stood, true) {
+            slip.rate_m_per_s = slip.goes_m_per_s;
+        }
+        let (series, force, goal) = match doing {
+            Doing::Live => (&self.live, slip.force, (self.back * slip.ahead_m).limit(self.live_m_per_s)),
             Doing::Hears => {
                 let back = (self.back * slip.ahead_m).limit(self.standing_m_per_s);
-                (&self.hears, slip.lately_force.limit(self.most_n) + self.hears.damping * (slip.far_m_per_s + back))
+                (&self.hears, slip.lately_force.limit(self.most_n), slip.far_m_per_s + back)
             }
             Doing::Blind => {
                 let back = (self.blind_back * (slip.ahead_m + slip.coasted_m)).limit(self.standing_m_per_s);
-                (&self.blind, slip.lately_force.limit(self.most_n) + self.blind.damping * (slip.lately_m_per_s + back))
+                (&self.blind, slip.lately_force.limit(self.most_n), slip.lately_m_per_s + back)
             }
             Doing::Alone => return Tied { drive: S::ZERO, inverse: S::ZERO, pull, impedance: self.kappa },
         };
-        let Series { inverse, stiff, impedance, .. } = *series;
-        let drive = base.limit((series.allows * slip.tank_j).sqrt());
+        let Series { damping, mut inverse, mut stiff, mut impedance, costs, soon } = *series;
+        slip.rate_m_per_s = slip.rate_m_per_s + soon * (goal - slip.rate_m_per_s);
+        let mut drive = force + damping * slip.rate_m_per_s;
+        let most_j = costs * drive * drive;
+        if most_j > slip.tank_j {
+            let share = slip.tank_j.over(most_j);
+            if doing == Doing::Live {
+                drive = share.sqrt() * drive;
+            } else {
+                inverse = share * inverse;
+                stiff = S::ONE.over(S::ONE + self.kappa * inverse);
+                impedance = stiff * self.kappa;
+            }
+        }
         let pull = stiff * pull + (S::ONE - stiff) * drive;
         Tied { drive, inverse, pull, impedance }
     }

@@ -123,6 +123,14 @@ pub(super) struct Outstanding<C> {
     sliced: i32,
 }
 
+impl<C> Outstanding<C> {
+    /// It has stood lately although packets came.
+    #[inline]
+    pub(super) fn stood_lately(&self) -> bool {
+        self.impatience > 0
+    }
+}
+
 impl<C: Scalar> Incoming<C> {
     pub(super) fn build(settings: &Settings) -> Self {
         let timing = &settings.timing;

@@ -142,6 +142,18 @@ impl<S: Scalar> End<S> {
         self.stiffness * stretch
     }
 
+    /// How much faster the line goes where a wave comes in that is so much more, √W, at ρ = 1 and the same force, m/s.
+    #[inline]
+    pub(super) fn faster(&self, more: S) -> S {
+        self.force_to_wave * more
+    }
+
+    /// How fast the line goes, m/s, with a wave coming in, √W, that is paid for at this ρ, while its spring pulls with this force, N.
+    #[inline(never)]
+    pub(super) fn freely(&self, [wave_in, paid]: [S; 2], force: S) -> S {
+        (self.root * wave_in - force.over(paid)).over(self.impedance)
+    }
+
     /// A tick with a wave coming in, √W, which is paid for at this ρ, and in which the spring begins with this pull, N.
     #[inline]
     pub(super) fn meet(&self, pull: S, [wave_in, paid]: [S; 2], solve: impl Solve<S>) -> Met<S> {

@@ -170,6 +170,7 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
         let pull = self.end.pull(S::of_counter(anchor - observed.local.position.to_counter()));
         let position = S::of_counter(anchor);
         let own = self.end.own(&mut state.share, state.outstanding.length);
+        let before = S::of_counter(state.outstanding.last);
         let Some([wave_in, share]) = self.incoming.emit(&mut state.outstanding, own) else {
             self.incoming.stand(&mut state.outstanding, observed.age_ticks, state.told > S::ONE);
             state.announced.stood = state.announced.stood.saturating_add(1);
@@ -179,6 +180,9 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
             let velocity = self.carry.went(&mut state.slip, doing, &tied, &ended);
             return Coupled { desired: Motion { position, velocity }, force: ended.force, ..Coupled::default() };
         };
+        let freely = |force| self.end.freely([wave_in, share], force);
+        let more = if state.outstanding.stood_lately() { self.end.faster(wave_in - before) } else { S::ZERO };
+        self.carry.goes(&mut state.slip, more, freely);
         let tied = self.carry.tie(&mut state.slip, Doing::Live, pull);
         let Met { ended, wave_out } = self.end.meet(tied.pull, [wave_in, share], solve);
         let (taken, given) = (wave_in.to_counter(), wave_out.to_counter());

@@ -204,7 +204,7 @@ fn of_events(together: f64, threshold: f64) -> Settings {
 fn whatever_is_not_worth_a_packet_makes_no_energy_and_no_drift() {
     for (together, threshold) in [(1.0, 0.01), (9.0, 0.2), (40.0, 0.2), (9.0, 0.001), (9.0, 100.0)] {
         let settings = of_events(together, threshold);
-        is_passive_and_does_not_drift::<f64>(&settings, 20, 1e-7);
+        is_passive_and_does_not_drift::<f64>(&settings, 20, 2e-6);
         is_passive_and_does_not_drift::<f32>(&settings, 5, 2e-6);
     }
 }
@@ -418,7 +418,7 @@ fn a_slip_may_go_as_far_as_it_likes() {
         turned += u32::from((told - last).abs() > 8.0);
         last = told;
         let force = couple.benches[0].peer.observed()[0].coordination_force;
-        assert!(tick < 200 || force.abs() < 8.0, "tick {tick}: {force} N");
+        assert!(tick < 200 || force.abs() < 9.0, "tick {tick}: {force} N");
     }
     assert!(turned > 0, "it went beyond what is told: {last} m");
     (0..4_000).for_each(|_| couple.step([Motion::at(10.0); 2]));

@@ -10,7 +10,7 @@ use super::world::{World, beside};
 fn a_board_behind_a_pc_keeps_its_line_while_the_path_is_found_dies_and_comes_back() {
     for boards in [[true, false], [false, true], [true, true]] {
         // A millisecond more between each board and its PC, each way.
-        let world = change_paths(boards, 0.9);
+        let world = change_paths(boards, 0.1);
         for (side, bridge) in world.bridges.iter().enumerate() {
             let Some(Counts { from_board, to_board, arrivals, .. }) = bridge.as_ref().map(|bridge| bridge.counts)
             else {
@@ -53,7 +53,7 @@ fn a_board_that_starts_anew_is_met_again_as_a_peer_is() {
         let mut world = World::new([board, false]);
         world.run(8000);
         world.restart(0);
-        let [jump_n, _] = world.run(8000);
+        let [jump_n, ..] = world.run(8000);
         assert!(world.are_together() && world.have_parted(), "let go of, and met again");
         assert_eq!(world.ways(), [Way::Direct; 2], "no path has changed");
         jump_n
@@ -72,9 +72,9 @@ fn a_pc_that_is_killed_is_a_silence_and_its_next_run_goes_on() {
             let mut world = World::new([board, false]);
             world.run(8000);
             world.kill(0);
-            let [gone_n, _] = world.run(gone_ms);
+            let [gone_n, ..] = world.run(gone_ms);
             world.begin(0, board, 77);
-            let [back_n, _] = world.run(12_000);
+            let [back_n, ..] = world.run(12_000);
             let (ways, together, parted) = (world.ways(), world.are_together(), world.have_parted());
             assert_eq!(ways, [Way::Direct; 2], "the path is found again");
             eprintln!("gone for {gone_ms} ms, behind a bridge {board}: {gone_n:.3} N a tick, and back {back_n:.3} N");

@@ -21,6 +21,11 @@ const DIRECT_MS: u64 = 8;
 /// Between a board and the PC beside it, ms.
 const BESIDE_MS: u64 = 1;
 
+/// One hand moves the object to and fro, the other one goes along; both push against each other, those of the cooperation paper's §5.2.
+pub(crate) const LED: &[&str] = &["user.1.sine_n=2", "user.1.sine_rad_per_s=6.283"];
+pub(crate) const AGAINST: &[&str] =
+    &["user.1.push_n=1", "user.2.push_n=1", "user.2.sine_n=0.25", "user.2.sine_rad_per_s=3"];
+
 /// A board's own network: its address, and that of the PC beside it.
 pub(crate) fn beside(side: usize) -> [SocketAddr; 2] {
     [1, 10].map(|host| SocketAddr::from(([192, 168, 70 + side as u8, host], 7701)))
@@ -44,16 +49,22 @@ pub(crate) struct World {
     pub(crate) bridges: [Option<Bridge>; 2],
     under_way: Vec<(u64, SocketAddr, SocketAddr, Vec<u8>)>,
     pub(crate) cut: bool,
-    /// Largest change of F_T in a tick, N, and largest distance of the copies, m, since they were last asked for.
-    jump_n: f64,
+    /// Largest change in a tick of F_T and of what a hand feels, N, and largest distance of the copies, m, since they were last asked for.
+    jumps_n: [f64; 2],
     apart_m: f64,
-    force_n: [f64; 2],
+    /// F_T and what the hand feels at either end, N.
+    forces_n: [[f64; 2]; 2],
 }
 
 impl World {
     pub(crate) fn new(boards: [bool; 2]) -> Self {
+        Self::with(LED, boards)
+    }
+
+    /// With what the hands do.
+    pub(crate) fn with(hands: &[&str], boards: [bool; 2]) -> Self {
         let mut scene = scenes::load(Laws::built_in(), "any-network").expect("built in");
-        for key in ["user.1.sine_n=2", "user.1.sine_rad_per_s=6.283", "safety.max_delay_s=0.25"] {
+        for key in hands.iter().chain(&["safety.max_delay_s=0.25"]) {
             scene.apply_override(key).expect("a good override");
         }
         let start = Instant::now();
@@ -61,7 +72,7 @@ impl World {
             ["203.0.113.1:4000", "203.0.113.11:4001", "203.0.113.12:4001"].map(|at| at.parse().expect("an address"));
         let node = |number: u8| Node::build(&scene, number, key(), [number; 32]).expect("a peer");
         let (nodes, under_way) = ([node(1), node(2)], Vec::new());
-        let (cut, jump_n, apart_m, force_n) = (false, 0.0, 0.0, [0.0; 2]);
+        let (cut, jumps_n, apart_m, forces_n) = (false, [0.0; 2], 0.0, [[0.0; 2]; 2]);
         let (place, bridges) = (Place::new(&Key::new([3; 32]), start), [None, None]);
         let (at, carriers) = ([one, two], [None, None]);
         let mut world = Self {
@@ -76,9 +87,9 @@ impl World {
             bridges,
             under_way,
             cut,
-            jump_n,
+            jumps_n,
             apart_m,
-            force_n,
+            forces_n,
         };
         for (side, board) in boards.into_iter().enumerate() {
             world.begin(side, board, side as u8 + 1);
@@ -103,7 +114,7 @@ impl World {
     pub(crate) fn restart(&mut self, side: usize) {
         let number = side as u8 + 1;
         self.nodes[side] = Node::build(&self.scene, number, key(), [number + 100; 32]).expect("a peer");
-        self.force_n[side] = 0.0;
+        self.forces_n[side] = [0.0; 2];
     }
 
     fn now(&self) -> Instant {
@@ -191,19 +202,23 @@ impl World {
                 own.for_each(|bytes| _ = carrier.send(now, bytes, send));
             });
             said.iter().filter(|_| is_board).for_each(|bytes| self.post(board, pc, bytes));
-            let force_n = f64::from(self.nodes[side].observed().coordination_force);
-            let before_n = std::mem::replace(&mut self.force_n[side], force_n);
-            self.jump_n = self.jump_n.max((force_n - before_n).abs());
+            let seen = self.nodes[side].observed();
+            let forces_n = [seen.coordination_force, seen.contact_force].map(f64::from);
+            let before_n = std::mem::replace(&mut self.forces_n[side], forces_n);
+            for (jump_n, (now_n, before_n)) in self.jumps_n.iter_mut().zip(forces_n.into_iter().zip(before_n)) {
+                *jump_n = jump_n.max((now_n - before_n).abs());
+            }
         }
         let [one, two] = self.nodes.each_ref().map(|node| f64::from(node.observed().object.position));
         self.apart_m = self.apart_m.max((one - two).abs());
     }
 
-    /// Goes on for so long; the largest change of force in a tick, N, and distance of the copies, m.
-    pub(crate) fn run(&mut self, ms: u64) -> [f64; 2] {
-        (self.jump_n, self.apart_m) = (0.0, 0.0);
+    /// Goes on for so long; the largest change in a tick of F_T and of what a hand feels, N, and distance of the copies, m.
+    pub(crate) fn run(&mut self, ms: u64) -> [f64; 3] {
+        (self.jumps_n, self.apart_m) = ([0.0; 2], 0.0);
         (0..ms).for_each(|_| self.step());
-        [self.jump_n, self.apart_m]
+        let [force_n, hand_n] = self.jumps_n;
+        [force_n, hand_n, self.apart_m]
     }
 
     pub(crate) fn ways(&self) -> [Way; 2] {

@@ -5,6 +5,8 @@ use haptic_sim::pair::Pair;
 use haptic_sim::{Laws, Scene, scenes};
 use rayon::prelude::*;
 
+use super::capital_j;
+
 /// Loss, and the mean length of a burst, ms: packets go each millisecond.
 const SHORT: [(&str, &str); 3] = [("0.05", "40"), ("0.2", "40"), ("0.5", "40")];
 const LONG: [(&str, &str); 3] = [("0.05", "100"), ("0.2", "100"), ("0.5", "100")];
@@ -55,8 +57,9 @@ struct Got {
     compared: usize,
     /// Where both copies are in the end, m.
     way_m: f64,
-    /// The most that either hand felt, N, and F_T.
+    /// The most that either hand felt, N, its largest change in a tick, and the most F_T.
     most_hand_n: f64,
+    most_jump_n: f64,
     most_force_n: f64,
     stopped: u32,
 }
@@ -64,7 +67,7 @@ struct Got {
 /// Adds what a run comes to; |x_o1 − x_o2| at each tick after the first half, m.
 fn run(scene: &Scene, ticks: u32, got: &mut Got) -> Vec<f64> {
     let mut pair = Pair::<f32>::new(scene).expect("a good scene");
-    let (mut apart_m, mut way_m) = (Vec::new(), 0.0);
+    let (mut apart_m, mut way_m, mut felt_n) = (Vec::new(), 0.0, [0.0; 2]);
     for tick in 0..ticks {
         pair.step();
         if pair.fault().is_some() {
@@ -76,8 +79,10 @@ fn run(scene: &Scene, ticks: u32, got: &mut Got) -> Vec<f64> {
             apart_m.push((seen[0].object.position - seen[1].object.position).abs());
         }
         way_m = 0.5 * (seen[0].object.position + seen[1].object.position);
-        for seen in seen {
+        for (seen, felt_n) in seen.into_iter().zip(&mut felt_n) {
             got.most_hand_n = got.most_hand_n.max(seen.contact_force.abs());
+            got.most_jump_n = got.most_jump_n.max((seen.contact_force - *felt_n).abs());
+            *felt_n = seen.contact_force;
             got.most_force_n = got.most_force_n.max(seen.coordination_force.abs());
         }
     }
@@ -151,6 +156,15 @@ fn a_push_against_each_other_holds() {
     }
 }
 
+/// Two hands that push against each other hardly part ends whose tanks begin with nothing: an empty one is a wall. One that was a damper let the
+/// copies go 6 to 8 mm apart, and stopped two runs of eight.
+#[test]
+fn an_empty_tank_parts_nobody() {
+    let got = over(&[AGAINST, &["coordination.carry_energy_j=0"]], Some(LONG[2]), 60_000);
+    println!("{got:?}");
+    assert!(got.true_mm < 3.5 && got.stopped == 0, "{got:?}");
+}
+
 /// Over every network: what is lost is made good for as long as one looks, and at no tick has an end done more to its copy, ∫F_T·v, than came out of the line
 /// less what went into it, and E₀. Ten minutes of each; an hour: `MINUTES=60 cargo test --release -p haptic-sim --test suite nothing_drifts`.
 #[test]
@@ -175,7 +189,7 @@ fn nothing_drifts_and_nothing_is_made() {
             scene.world.network
         );
         assert!(last < 1.2 * first + 0.05, "{first} mm, then {last} mm: {:?}", scene.world.network);
-        assert!(least_j >= -0.005 - 1e-9, "{least_j} J: {:?}", scene.world.network);
+        assert!(least_j >= -capital_j(scene) - 1e-9, "{least_j} J: {:?}", scene.world.network);
     });
 }
 

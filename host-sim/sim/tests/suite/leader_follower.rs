@@ -6,6 +6,8 @@ use haptic_sim::run::{Options, Outcome, run};
 use haptic_sim::scene::Scene;
 use haptic_sim::scenes;
 
+use super::capital_j;
+
 const SCENES: [&str; 2] = ["leader-follower", "leader-follower-wall"];
 /// 120 ± 40 ms each way with 1 % loss, as the scenes have it; and a round trip of 160 ms without.
 const NETWORKS: [&[&str]; 2] = [&[], &["network.jitter=none", "network.loss=0"]];
@@ -21,7 +23,7 @@ fn passive_and_bounded(scene: &Scene, duration_s: f64) -> Outcome {
     let made_mj = outcome.peer_energy_made_mj().unwrap();
     assert!(outcome.bounded && outcome.fault.is_none(), "{:?}", outcome.reason);
     // No more than its law begins with.
-    assert!(made_mj <= 5.0 + 1e-6, "a peer made energy: {made_mj} mJ");
+    assert!(made_mj <= 1e3 * capital_j(scene) + 1e-6, "a peer made energy: {made_mj} mJ");
     assert!(outcome.energy_made_mj() <= 1e-6, "the line made energy: {} mJ", outcome.energy_made_mj());
     outcome
 }

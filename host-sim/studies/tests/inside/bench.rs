@@ -202,8 +202,8 @@ fn the_balance_of_the_link_tells_who_makes_energy() {
     };
     let [made, kept] = [least("power", "coordination.stiffness_n_per_m=1500"), least("self-timed", "")];
     assert!(made < -0.1, "{made} J");
-    // 5 mJ at each end.
-    assert!(kept >= -0.010_001, "{kept} J");
+    // 30 mJ at each end.
+    assert!(kept >= -0.060_001, "{kept} J");
 }
 
 /// Each motion is what its line of the page says, and nobody stops under a law that holds.
