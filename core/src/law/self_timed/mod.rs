@@ -170,7 +170,8 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
         let pull = self.end.pull(S::of_counter(anchor - observed.local.position.to_counter()));
         let position = S::of_counter(anchor);
         let own = self.end.own(&mut state.share, state.outstanding.length);
-        let Some([wave_in, share]) = self.incoming.emit(&mut state.outstanding, own) else {
+        let (wave_in, share) = self.incoming.emit(&mut state.outstanding, own);
+        if share == S::ZERO {
             self.incoming.stand(&mut state.outstanding, observed.age_ticks, state.told > S::ONE);
             state.announced.stood = state.announced.stood.saturating_add(1);
             let doing = self.carry.stands(&state.slip, state.outstanding.is_cut_off);
@@ -178,7 +179,7 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
             let ended = Terminal::stand(tied.pull, tied.impedance, solve);
             let velocity = self.carry.went(&mut state.slip, doing, &tied, &ended);
             return Coupled { desired: Motion { position, velocity }, force: ended.force, ..Coupled::default() };
-        };
+        }
         let tied = self.carry.tie(&mut state.slip, Doing::Live, pull);
         let Met { ended, wave_out } = self.end.meet(tied.pull, [wave_in, share], solve);
         let (taken, given) = (wave_in.to_counter(), wave_out.to_counter());
