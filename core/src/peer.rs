@@ -14,7 +14,7 @@ mod axis;
 mod exchange;
 
 use crate::contact::{AnyRendering, Grip, Impacts};
-use crate::device::encoder::{Encoder, EncoderState, Marks};
+use crate::device::encoder::{Encoder, EncoderState, Marks, Shown};
 use crate::device::envelope::{self, Envelope, Load};
 use crate::device::kinematics::{AnyKinematics, AnySpatial, Kinematics, Pose};
 use crate::device::motor::{Duty, Motor};
@@ -138,8 +138,8 @@ pub struct Peer<S: Scalar, L: Law<S>, const SHARED: usize = 1, const N: usize = 
     hold: Hold<S>,
     motor: Motor<S>,
     contact: AnyRendering<S>,
-    kinematics: K,
     joints: [Joint<S>; N],
+    kinematics: K,
     ticks_per_packet: u32,
     /// Axes, and joints, in use. Per-tick loops still run over all `N`: a run-time bound makes the compiler spill
     /// poses and forces to memory.
@@ -427,7 +427,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
     #[inline(never)]
     pub fn tick(&mut self, sensors: &Sensors<S, N>) -> Actuators<S, N> {
         let Sensors { reading, overrun, stage, marks } = sensors;
-        self.tick_in_place(*reading, *overrun, stage.as_ref(), marks.as_ref())
+        self.tick_in_place(*reading, *overrun, stage, marks.as_ref().map_or(Shown::Unknown, Shown::Marks))
     }
 
     /// [`Peer::tick`] compiled into its caller, for an interrupt that is the only one: no register is saved twice. What [`Sensors`] are made
@@ -437,14 +437,14 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         &mut self,
         reading: Reading<S, N>,
         overrun: bool,
-        stage: Option<&Measured<N>>,
-        marks: Option<&[Marks; N]>,
+        stage: &Option<Measured<N>>,
+        shown: Shown<'_, N>,
     ) -> Actuators<S, N> {
         self.until_packet = match self.until_packet {
             0 => self.ticks_per_packet - 1,
             more => more - 1,
         };
-        let sensed = if overrun { Err(Fault::TickOverrun) } else { self.sense(reading, marks) };
+        let sensed = if overrun { Err(Fault::TickOverrun) } else { self.sense(reading, shown) };
         let pose = match sensed {
             Ok(pose) => pose,
             Err(fault) => {
@@ -456,20 +456,24 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         if let Some(measured) = stage {
             self.judge(measured);
         }
+        // Not one question for both: what the slow one gives in memory would be there for both.
         let felt = if self.fast_path {
-            self.advance::<true>(&pose.axes)
-        } else if self.mode == Mode::Armed {
-            self.slow_path()
-        } else {
-            return self.unarmed(stage);
-        };
-        match felt {
-            Some(felt) => self.actuate(&pose, felt),
-            None => {
+            let Some(felt) = self.advance::<true>(&pose.axes) else {
                 self.trip(Fault::Diverged);
-                Actuators::default()
-            }
-        }
+                return Actuators::default();
+            };
+            felt
+        } else if self.mode == Mode::Armed {
+            let Some(felt) = self.slow_path() else {
+                self.trip(Fault::Diverged);
+                return Actuators::default();
+            };
+            felt
+        } else {
+            let Actuators { forces, duties, enable, open } = self.unarmed(stage.as_ref());
+            return Actuators { forces, duties, enable, open };
+        };
+        self.actuate(&pose, felt)
     }
 
     /// [`Peer::advance`] in an armed tick that is not [`Peer::fast_path`].
@@ -506,6 +510,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
             age_ticks: self.age_ticks,
             period_s: self.period_s,
         };
+        self.age_ticks = self.age_ticks.saturating_add(1);
         if SHARED > 1
             && !PLAIN
             && let Some(oblique) = &self.oblique
@@ -521,11 +526,10 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
             for (force, slip) in forces.iter_mut().zip(&self.slips) {
                 *force = slip.ratio() * *force;
             }
-            self.age_ticks = self.age_ticks.saturating_add(1);
             return Some(forces);
         }
         let mut felt = [S::ZERO; SHARED];
-        let (mut finite, mut slipped) = (true, false);
+        let mut finite = true;
         let mut slips = self.slips.iter_mut();
         for (axis, (felt, (device, commanded))) in
             self.shared_axes.iter_mut().zip(felt.iter_mut().zip(sensed.iter().zip(&self.forces)))
@@ -537,14 +541,14 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
             };
             match axis.advance::<PLAIN>(&tick, device, Felt { commanded: *commanded, share }) {
                 Some(force) => *felt = share.map_or(force, |share| share * force),
+                // With several axes all of them go on to the end of the tick.
+                None if SHARED == 1 => return None,
                 None => finite = false,
             }
-            slipped |= !axis.grip.is_firm();
+            if !axis.grip.is_firm() {
+                self.fast_path = false;
+            }
         }
-        if slipped {
-            self.fast_path = false;
-        }
-        self.age_ticks = self.age_ticks.saturating_add(1);
         finite.then_some(felt)
     }
 
@@ -578,7 +582,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
 
     /// The pose of the device, or the fault that leaves it unknown.
     #[inline]
-    fn sense(&mut self, reading: Reading<S, N>, marks: Option<&[Marks; N]>) -> Result<Pose<S, N>, Fault> {
+    fn sense(&mut self, reading: Reading<S, N>, shown: Shown<'_, N>) -> Result<Pose<S, N>, Fault> {
         let pose = match reading {
             Reading::Exact(mut axes) => {
                 for (at, (axis, joint)) in axes.iter_mut().zip(&mut self.joints).enumerate() {
@@ -605,11 +609,9 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
                         motion.velocity = joint.velocity.step(*motion);
                     }
                 }
-                if let Some(marks) = marks {
-                    let joints = self.joints.each_ref().map(|joint| &joint.encoder);
-                    if Encoder::<S>::heeds(joints, marks) {
-                        self.heed(marks)?;
-                    }
+                let encoders = self.joints.each_ref().map(|joint| &joint.encoder);
+                if let Some(marks) = Encoder::<S>::heeds(encoders, shown) {
+                    self.heed(marks)?;
                 }
                 let Pose { mut axes, jacobian } = self.kinematics.forward(joints);
                 for (axis, home) in axes.iter_mut().zip(&self.home) {
@@ -618,16 +620,15 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
                 Pose { axes, jacobian }
             }
         };
-        let mut within = true;
         for (at, (axis, home)) in pose.axes.iter().zip(&self.home).enumerate() {
-            if at < self.axes {
-                // No number passes neither comparison.
-                within &= axis.velocity.abs() <= self.guard.max_speed
-                    && (axis.position - *home).abs() <= self.guard.workspace;
+            // No number passes neither comparison.
+            if at < self.axes
+                && !(axis.velocity.abs() <= self.guard.max_speed
+                    && (axis.position - *home).abs() <= self.guard.workspace)
+            {
+                self.doubt(pose.axes)?;
+                break;
             }
-        }
-        if !within {
-            self.doubt(pose.axes)?;
         }
         if SHARED > 1 && self.mode == Mode::Armed && pose.is_singular() {
             // Who renders in more than one direction has to be able to push in all of them.
@@ -747,11 +748,14 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
     }
 
     /// Every fourth tick, and not in the one that is the longest: whether a joint's encoder does not count.
-    #[inline(never)]
+    #[inline(always)]
     fn is_stuck(&mut self, duties: [Duty; N]) -> bool {
-        let joints = self.joints.iter().zip(&mut self.still).zip(duties).take(self.axes);
-        joints
-            .fold(false, |stuck, ((joint, still), duty)| self.watch.is_stuck(still, joint.encoder.total, duty) || stuck)
+        for (at, ((joint, still), duty)) in self.joints.iter().zip(&mut self.still).zip(duties).enumerate() {
+            if at < self.axes && self.watch.is_stuck(still, joint.encoder.total, duty) {
+                return true;
+            }
+        }
+        false
     }
 
     /// Exact readings have no encoder to doubt.

@@ -22,6 +22,8 @@ use loom::{
 
 use core::sync::atomic::Ordering;
 
+use crate::order::{ACQUIRE, BOTH, RELEASE, kept};
+
 /// Loom's interface, on memory.
 #[cfg(not(feature = "loom"))]
 #[derive(Debug)]
@@ -53,7 +55,7 @@ pub struct Latest<T> {
     free: AtomicU8,
 }
 
-// SAFETY: a slot is touched only by the side that owns its index, and indices change hands by acquire-release swaps.
+// SAFETY: a slot is touched only by the side that owns its index, and indices change hands by swaps that keep the order of both sides.
 unsafe impl<T: Send> Sync for Latest<T> {}
 
 impl<T: Copy> Latest<T> {
@@ -85,6 +87,15 @@ impl<T> Latest<T> {
             _ => &self.slots.2,
         }
     }
+
+    /// Gives a slot away, and the index of the one that comes back.
+    #[inline]
+    fn swap(&self, own: u8) -> u8 {
+        kept();
+        let free = self.free.swap(own, BOTH);
+        kept();
+        free & INDEX
+    }
 }
 
 /// The side that publishes.
@@ -109,7 +120,7 @@ impl<T> Writer<'_, T> {
     pub fn fill(&mut self, fill: impl FnOnce(&mut T) -> bool) {
         // SAFETY: the index `own` is this side's alone.
         if self.cell.slot(self.own).with_mut(|slot| fill(unsafe { &mut *slot })) {
-            self.own = self.cell.free.swap(self.own | FRESH, Ordering::AcqRel) & INDEX;
+            self.own = self.cell.swap(self.own | FRESH);
         }
     }
 }
@@ -128,7 +139,7 @@ impl<T> Reader<'_, T> {
         if self.cell.free.load(Ordering::Relaxed) & FRESH == 0 {
             return false;
         }
-        self.front = self.cell.free.swap(self.front, Ordering::AcqRel) & INDEX;
+        self.front = self.cell.swap(self.front);
         true
     }
 
@@ -208,12 +219,15 @@ impl<T: Copy, const N: usize> Producer<'_, T, N> {
     #[inline]
     pub fn put(&mut self, make: impl FnOnce(&mut T)) -> bool {
         let head = self.queue.head.load(Ordering::Relaxed);
-        if head.wrapping_sub(self.queue.tail.load(Ordering::Acquire)) >= N as u32 {
+        let tail = self.queue.tail.load(ACQUIRE);
+        kept();
+        if head.wrapping_sub(tail) >= N as u32 {
             return false;
         }
         // SAFETY: the reader gave this slot back, and sees it again only after the store below.
         self.queue.slot(head).with_mut(|slot| make(unsafe { &mut *slot }));
-        self.queue.head.store(head.wrapping_add(1), Ordering::Release);
+        kept();
+        self.queue.head.store(head.wrapping_add(1), RELEASE);
         true
     }
 }
@@ -228,12 +242,15 @@ impl<T: Copy, const N: usize> Consumer<'_, T, N> {
     /// Takes the oldest value, if there is one.
     pub fn take(&mut self) -> Option<T> {
         let tail = self.queue.tail.load(Ordering::Relaxed);
-        if tail == self.queue.head.load(Ordering::Acquire) {
+        let head = self.queue.head.load(ACQUIRE);
+        kept();
+        if tail == head {
             return None;
         }
         // SAFETY: the writer handed this slot over, and writes it again only after the store below.
         let value = self.queue.slot(tail).with(|slot| unsafe { *slot });
-        self.queue.tail.store(tail.wrapping_add(1), Ordering::Release);
+        kept();
+        self.queue.tail.store(tail.wrapping_add(1), RELEASE);
         Some(value)
     }
 }

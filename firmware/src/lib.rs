@@ -14,6 +14,7 @@ pub mod kept;
 pub mod keys;
 pub mod mac;
 pub mod operator;
+mod order;
 pub mod signals;
 pub mod status;
 pub mod store;

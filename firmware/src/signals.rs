@@ -12,6 +12,8 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use haptic_core::safety::{Command, Mode};
 use haptic_protocol::{link::Stage, record};
 
+use crate::order::{ACQUIRE, RELEASE, kept};
+
 /// What fits in a word.
 pub trait Coded: Copy {
     /// As a number; a word that nothing was stored in is 0.
@@ -143,18 +145,31 @@ impl<T: Coded> Word<T> {
 
     /// The value that it holds, loaded before anything that follows (acquire).
     pub fn acquire(&self) -> T {
-        T::decode(self.0.load(Ordering::Acquire))
+        let code = self.0.load(ACQUIRE);
+        kept();
+        T::decode(code)
     }
 
     /// Whether it holds something else than another, before anything that follows is done.
     #[inline]
     pub fn differs(&self, other: &Self) -> bool {
-        self.0.load(Ordering::Acquire) != other.0.load(Ordering::Relaxed)
+        let code = self.0.load(ACQUIRE);
+        kept();
+        code != other.0.load(Ordering::Relaxed)
     }
 
     /// Holds this from now on, after all that came before is done.
     pub fn release(&self, value: T) {
-        self.0.store(value.code(), Ordering::Release);
+        kept();
+        self.0.store(value.code(), RELEASE);
+    }
+}
+
+impl Word<Mode> {
+    /// [`Word::set`] of the mode that has this code ([`record::mode_code`]).
+    #[inline]
+    pub fn set_code(&self, code: u32) {
+        self.0.store(code, Ordering::Relaxed);
     }
 }
 

@@ -17,7 +17,8 @@ use firmware_parts::image::{JOINTS, Peer, SHARED};
 use firmware_parts::record::{self, Record, digest, joints};
 use firmware_parts::signals::Signals;
 use haptic_core::device::Reading;
-use haptic_core::device::encoder::{Counts, Marks};
+use haptic_core::device::encoder::{Counts, Shown};
+use haptic_core::device::motor::Duty;
 use haptic_core::device::probe::{Outcome, Probe};
 use haptic_core::law::Packet;
 use haptic_core::peer::Actuators;
@@ -136,7 +137,11 @@ impl Loop {
     #[inline(always)]
     fn period(&mut self) {
         let began = pace::begin();
-        let stage = self.power.as_ref().and_then(|power| self.side.stage.measured(power));
+        let (mut stage, mut missed) = (None, false);
+        if let Some(power) = &self.power {
+            stage = self.side.stage.measured(power);
+            missed = stage.is_none();
+        }
         deadman::wind();
         let counts = encoders::read();
         self.tick = self.tick.wrapping_add(1);
@@ -145,7 +150,7 @@ impl Loop {
         if self.outputs && !bridges::live() {
             self.broken();
         }
-        if self.power.is_some() && stage.is_none() {
+        if missed {
             self.peer.trip(Fault::LoopMissed);
         }
         if self.side.signals.disarm.get() {
@@ -182,16 +187,23 @@ impl Loop {
         }
 
         // Not in the longest tick, that of an exchange: what encoders show is kept for the next one.
-        let mut marks = None;
-        if !due || self.peer.ticks_per_packet() == 1 {
-            encoders::see(marks.insert([Marks::default(); JOINTS]));
-        }
-        let reading = Reading::Counts(counts);
-        let actuators = self.peer.tick_in_place(reading, self.overrun, stage.as_ref(), marks.as_ref());
+        let marks;
+        let shown = if due && self.peer.ticks_per_packet() > 1 {
+            Shown::Unknown
+        } else if let Some(seen) = encoders::see() {
+            marks = encoders::marks(seen);
+            Shown::Marks(&marks)
+        } else {
+            Shown::Nothing
+        };
+        let actuators = self.peer.tick_in_place(Reading::Counts(counts), self.overrun, &stage, shown);
         if actuators.enable || actuators.open {
             self.drive(&actuators, counts);
             if actuators.enable {
-                flags |= if self.peer.is_engaged() { record::ENABLED | record::ENGAGED } else { record::ENABLED };
+                flags |= record::ENABLED;
+                if self.peer.is_engaged() {
+                    flags |= record::ENGAGED;
+                }
             }
         } else {
             if self.driving && self.power.is_none() {
@@ -204,10 +216,11 @@ impl Loop {
             self.judge();
         }
 
-        self.side.signals.mode.set(self.peer.mode());
+        let mode = record::mode_code(self.peer.mode());
+        self.side.signals.mode.set_code(mode);
         self.side.signals.ticks.set(self.tick);
         if self.record_due() {
-            let (tick, mode, digest) = (self.tick, self.peer.mode(), digest(&mut self.peer));
+            let (tick, digest) = (self.tick, digest(&mut self.peer));
             let (seen, ledgers) = (self.peer.observed(), self.peer.ledger());
             let heard = flags & record::RECEIVED != 0;
             let incoming = heard.then(|| &self.side.incoming.get().packets);
@@ -247,7 +260,7 @@ impl Loop {
         } else {
             if self.awake == gate::SEEN && actuators.enable {
                 bridges::amplify(actuators.duties);
-            } else if !self.enable_amplifiers(actuators) {
+            } else if !self.enable_amplifiers(actuators.duties, actuators.enable) {
                 return;
             }
             true
@@ -266,9 +279,9 @@ impl Loop {
     /// ticks later: what is enabled without a gate needs its command until it has let go.
     #[cold]
     #[unsafe(link_section = ".itcm.gate")]
-    fn enable_amplifiers(&mut self, actuators: &Actuators<f32, JOINTS>) -> bool {
-        self.awake = if actuators.enable { self.awake + 1 } else { 0 };
-        let works = gate::step(self.awake, actuators.duties);
+    fn enable_amplifiers(&mut self, duties: [Duty; JOINTS], enable: bool) -> bool {
+        self.awake = if enable { self.awake + 1 } else { 0 };
+        let works = gate::step(self.awake, duties);
         if !works {
             (self.awake, self.outputs) = (0, false);
             self.peer.trip(Fault::EnableGate);

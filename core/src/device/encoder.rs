@@ -44,11 +44,25 @@ pub struct Marks {
 }
 
 impl Marks {
+    /// Of an encoder that showed nothing.
+    const NONE: Self = Self { lone: false, index: None };
+
     /// The marks of an encoder, from which of its channels A and B rose (`once`), and rose again after that (`again`).
     #[inline(always)]
     pub fn of(once: [bool; 2], again: [bool; 2], index: Option<Counts>) -> Self {
         Self { lone: again[0] & !once[1] | again[1] & !once[0], index }
     }
+}
+
+/// What the encoders of a device showed beside their counts.
+#[derive(Clone, Copy, Debug)]
+pub enum Shown<'a, const N: usize> {
+    /// The hardware does not report it, or was not asked in this tick.
+    Unknown,
+    /// No marks.
+    Nothing,
+    /// These, of which any may show nothing.
+    Marks(&'a [Marks; N]),
 }
 
 /// What one encoder has seen so far.
@@ -131,12 +145,25 @@ impl<S: Scalar> Encoder<S> {
         S::from_i32(state.total).ratio(self.counts_per_unit)
     }
 
-    /// Whether [`Encoder::heed`] is needed for any of the encoders; in most ticks it would change nothing.
+    /// The marks for [`Encoder::heed`], if it is needed for any of the encoders; in most ticks it would change nothing.
     #[inline(always)]
-    pub fn heeds<const N: usize>(states: [&EncoderState; N], marks: &[Marks; N]) -> bool {
+    pub fn heeds<'a, const N: usize>(states: [&EncoderState; N], shown: Shown<'a, N>) -> Option<&'a [Marks; N]> {
         let calm = Patience::default();
-        let shown = marks.iter().fold(false, |heeds, marks| heeds | marks.lone | marks.index.is_some());
-        states.into_iter().fold(shown, |heeds, state| heeds | (state.lone != calm))
+        let is_calm = || states.iter().fold(true, |calm_all, state| calm_all & (state.lone == calm));
+        match shown {
+            Shown::Unknown => None,
+            Shown::Nothing => {
+                if is_calm() {
+                    None
+                } else {
+                    Some(const { &[Marks::NONE; N] })
+                }
+            }
+            Shown::Marks(marks) => {
+                let none = marks.iter().fold(true, |none, marks| none & !marks.lone & marks.index.is_none());
+                if none && is_calm() { None } else { Some(marks) }
+            }
+        }
     }
 
     /// Processes the marks that came with the reading just taken. The first index sets the joint's position there to

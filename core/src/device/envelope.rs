@@ -54,13 +54,14 @@ impl<S: Scalar> Envelope<S> {
         let given = power.max(S::ZERO);
         load.force = self.leaky.after(load.force, total(forces.map(|force| force * force)));
         load.power = self.leaky.after(load.power, given * given);
-        if load.force > self.force {
-            Some(Fault::ForceTooLong)
-        } else if load.power > self.power {
-            Some(Fault::PowerTooLong)
-        } else {
-            None
-        }
+        if load.force > self.force || load.power > self.power { Some(self.fault(load)) } else { None }
+    }
+
+    /// The fault of a load of which one is too much.
+    #[cold]
+    #[inline(never)]
+    fn fault(&self, load: &Load<S>) -> Fault {
+        if load.force > self.force { Fault::ForceTooLong } else { Fault::PowerTooLong }
     }
 }
 

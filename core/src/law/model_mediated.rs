@@ -298,6 +298,8 @@ impl<S: Scalar> Law<S> for ModelMediated<S> {
         *state = ModelMediatedState { account: state.account, live: state.live, ..self.start(local) };
     }
 
+    // Not inlined: the other laws of a list would save the registers that this one needs.
+    #[inline(never)]
     fn receive(&self, state: &mut ModelMediatedState<S>, packet: Packet<S>) {
         let (energy, ticks) = (packet.energy_j, packet.live_ticks);
         // The first packet brings no past.

@@ -192,6 +192,8 @@ impl<S: Scalar> Law<S> for WaveIntegral<S> {
         *state = WaveIntegralState { sent, fresh, ticks, phase, energy_j, ..self.start(local) };
     }
 
+    // Not inlined: the other laws of a list would save the registers that this one needs.
+    #[inline(never)]
     fn receive(&self, state: &mut WaveIntegralState<S>, packet: Packet<S>) {
         let Packet { wave_integral: integral, energy_j, live_ticks: ticks, .. } = packet;
         let heard = Heard { ticks, integral, energy_j };

@@ -210,7 +210,14 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
         if !packet.is_finite() {
             return Packet { motion: Motion::at(self.object.position), ..Packet::default() };
         }
-        if engaged { packet } else { law.idle(packet, self.object) }
+        if engaged { packet } else { self.idle(law, packet) }
+    }
+
+    /// The packet of a peer that is not engaged.
+    #[cold]
+    #[inline(never)]
+    fn idle(&self, law: &L, packet: Packet<S>) -> Packet<S> {
+        law.idle(packet, self.object)
     }
 
     /// Gives the law the packet that stands, of which this share still counts.

@@ -200,8 +200,16 @@ pub(crate) fn init(timer: Peri<'static, TIM1>, pins: Pins) {
 pub(crate) fn amplify(duties: [Duty; JOINTS]) {
     for (bridge, duty) in duties.into_iter().enumerate() {
         let leg = bridge * CHANNELS / JOINTS;
-        pac::TIM1.ccr(leg).write(|w| w.set_ccr((i32::from(MIDDLE) + counts(duty, MIDDLE)) as u16));
+        pac::TIM1.ccr(leg).write(|w| w.0 = share(duty));
     }
+}
+
+/// The middle and [`counts`] of a duty's share of it: both in one division, of a number that is never negative.
+#[inline(always)]
+fn share(duty: Duty) -> u32 {
+    const FULL: i32 = Duty::FULL_SCALE as i32;
+    const MIDDLE: i32 = self::MIDDLE as i32;
+    (2 * MIDDLE * i32::from(duty.0) + (2 * MIDDLE + 1) * FULL).cast_unsigned() / (2 * FULL.cast_unsigned())
 }
 
 /// PE14, the amplifiers' gate's own input, from the next period on: high while the outputs are on, or low.

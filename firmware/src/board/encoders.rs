@@ -84,28 +84,41 @@ pub(crate) fn read() -> [Counts; JOINTS] {
     timers().map(|timer| Counts(timer.cnt().read().cnt()))
 }
 
-/// What the encoders showed since this was asked last, into `marks` that show nothing.
+/// The flags of what the encoders showed since this was asked last; none where they mean no mark, as in most ticks.
 #[inline(always)]
-pub(crate) fn see(marks: &mut [Marks; JOINTS]) {
+pub(crate) fn see() -> Option<[regs::SrGp16; JOINTS]> {
     let seen = timers().map(|timer| {
         let seen = timer.sr().read();
         // A flag goes off where 0 is written; what came since it was read stays.
         timer.sr().write_value(regs::SrGp16(!seen.0));
         seen
     });
-    // In most ticks no channel rose twice, and no index came.
-    if seen.iter().any(|seen| seen.ccof(0) | seen.ccof(1) | seen.ccif(2)) {
-        mark(marks, seen);
-    }
+    seen.chunks(2).any(shows).then_some(seen)
+}
+
+/// Whether one of two timers shows an index, or a channel that rose twice beside one that did not rise: [`Marks::of`], of both at once.
+#[inline(always)]
+fn shows(pair: &[regs::SrGp16]) -> bool {
+    const INDEX: u32 = 1 << 3;
+    const A: u32 = 1 << 1;
+    const B: u32 = 1 << 2;
+    /// From the flag of a channel that rose to the one that it rose again.
+    const AGAIN: u32 = 8;
+    let of_both = |flag: u32| flag | flag << 16;
+    let flags = pair.iter().fold(0, |flags: u32, seen| flags << 16 | seen.0);
+    let other_rose = flags >> 1 & of_both(A) | flags << 1 & of_both(B);
+    flags & of_both(INDEX) | flags >> AGAIN & of_both(A | B) & !other_rose != 0
 }
 
 /// The marks that these flags mean.
 #[cold]
 #[inline(never)]
 #[unsafe(link_section = ".itcm.marks")]
-fn mark(marks: &mut [Marks; JOINTS], seen: [regs::SrGp16; JOINTS]) {
+pub(crate) fn marks(seen: [regs::SrGp16; JOINTS]) -> [Marks; JOINTS] {
+    let mut marks = [Marks::default(); JOINTS];
     for ((marks, timer), seen) in marks.iter_mut().zip(timers()).zip(seen) {
         let index = seen.ccif(2).then(|| Counts(timer.ccr(2).read().ccr()));
         *marks = Marks::of([0, 1].map(|channel| seen.ccif(channel)), [0, 1].map(|channel| seen.ccof(channel)), index);
     }
+    marks
 }

@@ -1,6 +1,6 @@
 //! Records: bytes and back, and a digest that misses nothing.
 
-use firmware_parts::record::{ENABLED, RECEIVED, Record, SENT, Tick, digest, joints};
+use firmware_parts::record::{ENABLED, RECEIVED, Record, SENT, Tick, digest, joints, mode_code};
 use haptic_core::device::AXES;
 use haptic_core::device::stage::{Flow, Measured};
 use haptic_core::device::{encoder::Counts, motor::Duty};
@@ -18,7 +18,7 @@ fn peer(position: f32) -> Peer<f32, AnyLaw<f32>> {
 /// A tick of a peer that is disarmed, with nothing in it but these.
 fn tick(peer: &mut Peer<f32, AnyLaw<f32>>, tick: u32, flags: u8) -> Tick<'static> {
     let (counts, duties, digest) = ([Counts(0x1234), Counts(0xABCD)], [Duty::OFF; 2], digest(peer));
-    Tick { tick, axis: 0, counts, duties, stage: None, mode: peer.mode(), flags, digest }
+    Tick { tick, axis: 0, counts, duties, stage: None, mode: mode_code(peer.mode()), flags, digest }
 }
 
 #[test]

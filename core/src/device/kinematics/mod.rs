@@ -125,9 +125,16 @@ macro_rules! mechanisms {
             }
 
             /// The pose for these joint motions ([`Kinematics::forward`]).
-            #[inline]
+            // Compiled into its caller as it stands, where the copies below still are copies.
+            #[inline(always)]
             pub fn forward(&self, joints: [Motion<S>; $N]) -> Pose<S, $N> {
-                match self { $( Self::$Variant(model) => model.forward(joints) ),+ }
+                // Copies for each: what one mechanism is handed or gives in memory would be there for all.
+                match self { $( Self::$Variant(model) => {
+                    let mut own = [Motion::REST; $N];
+                    own.copy_from_slice(&joints);
+                    let Pose { axes, jacobian } = model.forward(own);
+                    Pose { axes, jacobian }
+                } ),+ }
             }
         }
 
@@ -148,7 +155,7 @@ macro_rules! mechanisms {
         }
 
         impl<S: Scalar> Kinematics<S, $N> for $Any<S> {
-            #[inline]
+            #[inline(always)]
             fn forward(&self, joints: [Motion<S>; $N]) -> Pose<S, $N> {
                 self.forward(joints)
             }

@@ -162,11 +162,11 @@ impl<C: Scalar> Incoming<C> {
     pub(super) fn receive<S: Scalar<Counter = C>>(&self, state: &mut Outstanding<C>, packet: &Packet<S>) -> bool {
         let Packet { wave_integral: integral, energy_j, live_ticks: live, .. } = *packet;
         let heard = Counters { live, integral, energy_j };
-        let Some(before) = state.heard else {
+        let Some(newest) = &mut state.heard else {
             *state = self.begin(heard);
             return true;
         };
-        let new = heard.live.wrapping_sub(before.live).cast_signed();
+        let new = heard.live.wrapping_sub(newest.live).cast_signed();
         if new > (ANEW / 2).cast_signed() {
             *state = self.begin(heard);
             return true;
@@ -175,7 +175,7 @@ impl<C: Scalar> Incoming<C> {
             return false;
         }
         if new > 0 {
-            state.heard = Some(heard);
+            let before = core::mem::replace(newest, heard);
             state.samples = state.samples.saturating_add(new);
             state.integral = state.integral + (heard.integral - before.integral);
             state.account_j = state.account_j + (heard.energy_j - before.energy_j);
@@ -209,12 +209,12 @@ impl<C: Scalar> Incoming<C> {
         }
     }
 
-    /// u_in of this tick, √W, and the ρ that it is paid for at, `own` or less; none: the line stands. Once in the image, not once for each kind of
-    /// tick: it is 250 bytes of ITCM.
+    /// u_in of this tick, √W, and the ρ that it is paid for at, `own` or less, which is 0 where the line stands: two numbers come back in registers.
+    /// Once in the image, not once for each kind of tick: it is 400 bytes of ITCM.
     #[inline(never)]
-    pub(super) fn emit<S: Scalar<Counter = C>>(&self, state: &mut Outstanding<C>, own: S) -> Option<[S; 2]> {
+    pub(super) fn emit<S: Scalar<Counter = C>>(&self, state: &mut Outstanding<C>, own: S) -> (S, S) {
         if state.samples <= 0 {
-            return None;
+            return (S::ZERO, S::ZERO);
         }
         state.is_cut_off = false;
         if state.samples == 1 {
@@ -223,7 +223,9 @@ impl<C: Scalar> Incoming<C> {
         }
         let outstanding = C::from_i32(state.samples) - C::from_i32(state.sliced) * self.slice;
         let mean = state.integral.over(outstanding * self.period_s);
-        let share = self.share(state, outstanding * self.price_j(mean), own)?;
+        let Some(share) = self.share(state, outstanding * self.price_j(mean), own) else {
+            return (S::ZERO, S::ZERO);
+        };
         let paid = share.to_counter();
         let wave = if self.follows { self.follow(state, mean, [outstanding, paid]) } else { mean };
         state.impatience = state.impatience.saturating_sub(1);
@@ -237,7 +239,7 @@ impl<C: Scalar> Incoming<C> {
             (state.samples, state.length) = (state.samples - 1, state.length - 1);
         }
         state.account_j = state.account_j - paid * self.price_j(state.last);
-        Some([wave, share])
+        (wave, share)
     }
 
     /// A tick in which nothing came out; `far_is_cut_off`: the other end says that nothing reaches it.
