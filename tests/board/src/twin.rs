@@ -250,7 +250,8 @@ fn replay_from(settings: &Settings, records: &[Record], begin: impl Fn(&mut Peer
             let stage = board.stage();
             let actuators = peer.tick(&Sensors { overrun, stage, ..Sensors::of(Reading::Counts(counts)) });
             let (mut record, digest) = (Record::default(), digest(&mut peer));
-            let (tick, mode, flags, duties) = (board.tick(), peer.mode(), board.flags(), actuators.duties);
+            let (tick, flags, duties) = (board.tick(), board.flags(), actuators.duties);
+            let mode = record::mode_code(peer.mode());
             let of = record::Tick { tick, axis: 0, counts, duties, stage: stage.as_ref(), mode, flags, digest };
             record.fill(&of, incoming.as_ref(), &OfAxis::new(peer.observed()[0], peer.ledger()[0]));
             record == *board

@@ -200,7 +200,7 @@ pub(super) struct Slip<S: Scalar> {
     /// r, m/s.
     rate_m_per_s: S,
     /// It stood in the tick before.
-    stood: bool,
+    pub(super) stood: bool,
     /// E, J.
     tank_j: S,
     /// It has begun, or begun anew, and heard nothing of the other end's slip since.
@@ -341,15 +341,17 @@ impl<S: Scalar> Carry<S> {
         }
     }
 
-    /// A tick in which the line goes, by `more` faster than in the one before, m/s, or, where it stood in that, as `line` says for a force (N) that it
-    /// pulls with: the point goes on as it went at first.
+    /// The line goes on after it stood, as fast as `line` says for a force (N) that it pulls with: the point goes on as it went.
     #[inline]
-    pub(super) fn goes(&self, slip: &mut Slip<S>, more: S, line: impl FnOnce(S) -> S) {
-        slip.rate_m_per_s = if core::mem::replace(&mut slip.stood, false) {
-            slip.goes_m_per_s - line(slip.force)
-        } else {
-            slip.rate_m_per_s - (more - more.limit(self.jolt_m_per_s))
-        };
+    pub(super) fn goes(&self, slip: &mut Slip<S>, line: impl FnOnce(S) -> S) {
+        slip.stood = false;
+        slip.rate_m_per_s = slip.goes_m_per_s - line(slip.force);
+    }
+
+    /// The line goes faster than in the tick before, m/s: what of it is a jolt the point does not do at once.
+    #[inline]
+    pub(super) fn jolts(&self, slip: &mut Slip<S>, more: S) {
+        slip.rate_m_per_s = slip.rate_m_per_s - (more - more.max(-self.jolt_m_per_s).min(self.jolt_m_per_s));
     }
 
     /// The spring of this tick, which begins with this pull, N.

@@ -149,7 +149,7 @@ impl<S: Scalar> End<S> {
     }
 
     /// How fast the line goes, m/s, with a wave coming in, √W, that is paid for at this ρ, while its spring pulls with this force, N.
-    #[inline(never)]
+    #[inline]
     pub(super) fn freely(&self, [wave_in, paid]: [S; 2], force: S) -> S {
         (self.root * wave_in - force.over(paid)).over(self.impedance)
     }

@@ -170,7 +170,7 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
         let pull = self.end.pull(S::of_counter(anchor - observed.local.position.to_counter()));
         let position = S::of_counter(anchor);
         let own = self.end.own(&mut state.share, state.outstanding.length);
-        let before = S::of_counter(state.outstanding.last);
+        let before = state.outstanding.last;
         let (wave_in, share) = self.incoming.emit(&mut state.outstanding, own);
         if share == S::ZERO {
             self.incoming.stand(&mut state.outstanding, observed.age_ticks, state.told > S::ONE);
@@ -181,9 +181,11 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
             let velocity = self.carry.went(&mut state.slip, doing, &tied, &ended);
             return Coupled { desired: Motion { position, velocity }, force: ended.force, ..Coupled::default() };
         }
-        let freely = |force| self.end.freely([wave_in, share], force);
-        let more = if state.outstanding.stood_lately() { self.end.faster(wave_in - before) } else { S::ZERO };
-        self.carry.goes(&mut state.slip, more, freely);
+        if state.slip.stood {
+            self.carry.goes(&mut state.slip, |force| self.end.freely([wave_in, share], force));
+        } else if state.outstanding.stood_lately() {
+            self.carry.jolts(&mut state.slip, self.end.faster(wave_in - S::of_counter(before)));
+        }
         let tied = self.carry.tie(&mut state.slip, Doing::Live, pull);
         let Met { ended, wave_out } = self.end.meet(tied.pull, [wave_in, share], solve);
         let (taken, given) = (wave_in.to_counter(), wave_out.to_counter());
