@@ -123,6 +123,7 @@ fn an_integrator_that_solves_is_refused() {
     for integrator in [IntegratorName::Midpoint, IntegratorName::BackwardEuler] {
         let mut settings = settings();
         (settings.object.integrator, settings.coordination.decode) = (integrator, Decode::Implicit);
+        settings.object.force_delay_ticks = 0.0;
         let refused = settings.check().expect_err("there is no copy").to_string();
         assert!(refused.starts_with("object.integrator = ") && refused.contains("at_device"), "{refused}");
     }
