@@ -163,7 +163,7 @@ pub struct Peer<S: Scalar, L: Law<S>, const SHARED: usize = 1, const N: usize = 
     quiet: u32,
     /// Plain, and nothing has slipped: only contact and coordination to compute, as in most ticks.
     fast_path: bool,
-    /// Armed with the clutch closed and no fixture.
+    /// Armed with the clutch closed, no fixture, and a copy beside the device.
     plain: bool,
     clutch: Clutch<S>,
     slips: [Slip<S>; SHARED],
@@ -173,12 +173,14 @@ pub struct Peer<S: Scalar, L: Law<S>, const SHARED: usize = 1, const N: usize = 
     oblique: Option<Oblique<S, SHARED>>,
     /// What has slipped of the axes that are held.
     grips: [Grip<S>; N],
+    /// The law's force acts on the device itself.
+    at_device: bool,
 }
 
 configured!([S: Scalar] Joint<S> { velocity; encoder });
 configured!([S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Configured] Peer<S, L, SHARED, N, K> {
     shared_axes, device, period_s, home, encoder, guard, watch, envelope, hold, motor, contact, kinematics, joints,
-    ticks_per_packet, axes, law, degradation, stage_watch, clutch, fixture, oblique;
+    ticks_per_packet, axes, law, degradation, stage_watch, clutch, fixture, oblique, at_device;
     forces, load, mode, until_packet, engagement, age_ticks, delayed, saturated, asked, still, stage, probing, quiet,
     fast_path, plain, slips, grips
 });
@@ -248,6 +250,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
             contact,
             law,
             degradation,
+            at_device: law.acts_on_device(),
             guard: Guard::build(world),
             watch: Watch::build(world),
             envelope: Envelope::build(world),
@@ -286,6 +289,9 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         for ((axis, slip), device) in self.shared_axes.iter_mut().zip(&mut self.slips).zip(self.device) {
             slip.close();
             axis.engage(&self.law, &self.contact, slip.of(device).position);
+            if self.at_device {
+                axis.object = Motion::at(slip.of(device).position);
+            }
         }
         self.forces = [S::ZERO; N];
         self.grips = [Grip::default(); N];
@@ -345,7 +351,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
     /// Goes into a mode.
     fn enter(&mut self, mode: Mode) {
         self.mode = mode;
-        let free = self.fixture.is_none() && (SHARED == 1 || self.oblique.is_none());
+        let free = self.fixture.is_none() && (SHARED == 1 || self.oblique.is_none()) && !self.at_device;
         self.plain = mode == Mode::Armed && free && self.slips.iter().all(Slip::is_none);
         self.fast_path = self.plain && self.is_firm();
     }
@@ -506,6 +512,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
             contact: &self.contact,
             guard: &self.guard,
             fixture: if PLAIN { None } else { self.fixture },
+            at_device: !PLAIN && self.at_device,
             engaged: self.engagement.is_engaged(),
             age_ticks: self.age_ticks,
             period_s: self.period_s,

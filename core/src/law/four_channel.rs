@@ -19,13 +19,17 @@
 //! **Promises** nothing: positions are sent, so that nothing drifts while it is stable, but a push that comes back late makes energy, the more the larger λ is.
 //! What arrives does work on the copy at once and is booked as energy from the network.
 //!
+//! **At the device** (`four_channel.at_device`), as Lawrence has it, there is no copy between hand and law: the motion is the device's own, and F_T acts on the
+//! device ([`Law::acts_on_device`]). What a hand pushes with is not measured there, so that none is sent; told is the force that acts, as the limits let it
+//! through. With no spring (K_T = B_T = 0) and λ = 1 that is a device which is told a force and tells where it is, and no more: what a PC's peer drives.
+//!
 //! Where the copy is moved by ports its contact is solved together with the law, which learns F_LC from how the copy moved,
 //! F_LC = (2m_O/T_c)·(v − ẋ_o) + b_O·v − F_T, in time for what is sent; its own hand it then feeds back a tick late.
 
 use super::{Coupled, Law, LawInfo, Observation, Packet, Sends, Spring};
 use crate::num::{Motion, Scalar, StateVector};
 use crate::object::{Port, Solve};
-use crate::settings::{Key, Refused, Settings};
+use crate::settings::{Allowed, Key, Refused, Settings};
 
 const REMOTE: Key = Key::number(
     "four_channel.remote_force",
@@ -49,6 +53,12 @@ const DAMPING: Key = Key::number(
     "Four channels: damper d of the copy to the ground (local controller).",
 );
 
+const AT_DEVICE: Key = Key::flag(
+    "four_channel.at_device",
+    false,
+    "Four channels: there is no copy, and the law's force acts on the device itself; told is the force that acts.",
+);
+
 /// A spring to where the other copy is, and the forces of both hands.
 #[derive(Clone, Copy, Debug)]
 pub struct FourChannel<S> {
@@ -63,9 +73,10 @@ pub struct FourChannel<S> {
     damping: S,
     /// d, N·s/m.
     ground: S,
+    at_device: bool,
 }
 
-configured!([S: Scalar] FourChannel<S> { spring, remote, local, inertia, damping, ground });
+configured!([S: Scalar] FourChannel<S> { spring, remote, local, inertia, damping, ground, at_device });
 
 /// The other peer's motion and hand force as last received, and the own hand's force, which is sent.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -99,7 +110,7 @@ impl<S: Scalar> Law<S> for FourChannel<S> {
     const LAWS: &'static [LawInfo] = &[LawInfo {
         name: "four-channel",
         sends: Sends::Motion,
-        keys: &[REMOTE, LOCAL, DAMPING],
+        keys: &[REMOTE, LOCAL, DAMPING, AT_DEVICE],
         // Transparent at 1, without delay; at 8 ms each way stable to some 0.4. Without local damping it is so on few networks that lose or jitter.
         gains: &[
             "coordination.stiffness_n_per_m=310",
@@ -114,6 +125,11 @@ impl<S: Scalar> Law<S> for FourChannel<S> {
 
     fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
         let object = &settings.object;
+        let at_device = settings.own(&AT_DEVICE) != 0.0;
+        if at_device && object.integrator.solves() {
+            let staged = Allowed::Only("\"forward-euler\", \"semi-implicit\" or \"exact\" with four_channel.at_device");
+            return Err(settings.refuses("object.integrator", staged));
+        }
         Ok(Self {
             spring: Spring::build(settings),
             remote: S::from_f64(settings.own(&REMOTE)),
@@ -121,6 +137,7 @@ impl<S: Scalar> Law<S> for FourChannel<S> {
             inertia: S::from_f64(2.0 * object.mass_kg / settings.timing.control_period_s),
             damping: S::from_f64(object.damping_n_s_per_m),
             ground: S::from_f64(settings.own(&DAMPING)),
+            at_device,
         })
     }
 
@@ -156,6 +173,19 @@ impl<S: Scalar> Law<S> for FourChannel<S> {
     }
 
     fn send(&self, state: &FourChannelState<S>, local: Motion<S>) -> Packet<S> {
-        Packet { motion: local, wave: state.own_force, ..Packet::default() }
+        let packet = Packet { motion: local, ..Packet::default() };
+        if self.at_device {
+            return Packet { wave_integral: (-state.own_force).to_counter(), ..packet };
+        }
+        Packet { wave: state.own_force, ..packet }
+    }
+
+    fn acts_on_device(&self) -> bool {
+        self.at_device
+    }
+
+    /// What does not act on a device is none.
+    fn idle(&self, packet: Packet<S>, local: Motion<S>) -> Packet<S> {
+        Packet { motion: Motion::at(local.position), wave: S::ZERO, wave_integral: S::Counter::ZERO, ..packet }
     }
 }

@@ -55,7 +55,7 @@ pub struct Packet<S: Scalar> {
     /// Energy that the sender has given to the network since arming, up to its last tick, J: of its waves, or from its
     /// tank. The peer fills it in from its [`ledger`], unless the law has.
     pub energy_j: S::Counter,
-    /// Integral of the sender's outgoing wave over the same time, √W·s.
+    /// Integral of the sender's outgoing wave over the same time, √W·s; of [`four_channel`] at a device the force that acts on it, N.
     pub wave_integral: S::Counter,
     /// Ticks that the sender's sums cover; of [`self_timed`] its live ticks, else those since the law began; wraps.
     pub live_ticks: u32,
@@ -188,6 +188,11 @@ pub trait Law<S: Scalar>: Configured + Copy + core::fmt::Debug + Send + Sync + '
     fn speaks(&self, _state: &Self::State, _packet: &Packet<S>) -> bool {
         true
     }
+    /// Whether its force acts on the device itself: there is no copy then but the device, which is what the law observes, and beside it as the
+    /// force of contact the reaction of what acts on the device by now. Such a law refuses integrators that solve.
+    fn acts_on_device(&self) -> bool {
+        false
+    }
     /// Takes note that `packet` goes out, where [`event::LONGEST`] allows silence.
     fn spoke(&self, _state: &mut Self::State, _packet: &Packet<S>) {}
     /// What goes out instead of `packet` from a peer that is not engaged, and whose copy is `local`: at rest where that stands, so that a
@@ -289,6 +294,9 @@ macro_rules! laws {
             }
             fn spoke(&self, state: &mut Self::State, packet: &Packet<S>) {
                 match (self, state) { $( (Self::$Variant(law), AnyLawState::$Variant(state)) => law.spoke(state, packet), )+ _ => {} }
+            }
+            fn acts_on_device(&self) -> bool {
+                match self { $( Self::$Variant(law) => Law::<S>::acts_on_device(law) ),+ }
             }
             fn idle(&self, packet: Packet<S>, local: Motion<S>) -> Packet<S> {
                 match self { $( Self::$Variant(law) => Law::<S>::idle(law, packet, local) ),+ }

@@ -73,6 +73,8 @@ pub(super) struct Tick<'a, S: Scalar, L> {
     /// Limits of the device's forces.
     pub(super) guard: &'a Guard<S>,
     pub(super) fixture: Option<Fixture<S>>,
+    /// The law's force acts on the device, which is the copy ([`Law::acts_on_device`]).
+    pub(super) at_device: bool,
     /// The coordination acts in this tick.
     pub(super) engaged: bool,
     pub(super) age_ticks: u32,
@@ -245,7 +247,7 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
         device: Motion<S>,
         felt: Felt<S>,
     ) -> Option<S> {
-        let Tick { law, contact, guard, fixture, engaged, age_ticks, period_s } = *tick;
+        let Tick { law, contact, guard, fixture, at_device, engaged, age_ticks, period_s } = *tick;
         let gripped = if PLAIN { device } else { self.gripped(tick, device) };
         let (object, next, force, coupled) = if let AnyIntegrator::Midpoint(midpoint, carries)
         | AnyIntegrator::BackwardEuler(midpoint, carries) = &mut self.integrator
@@ -288,8 +290,12 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
             let (half_change, contact_force) = solved;
             (object, midpoint.advance(carries, object, half_change), contact_force + press.pulse, coupled)
         } else {
-            let (object, mut touch) = contact.touch(&mut self.strikes, gripped, self.object, felt.commanded);
-            if !guard.is_free(felt.of(touch.felt)) {
+            let (object, mut touch) = if at_device {
+                (gripped, Touch { pushing: S::ZERO, felt: -felt.commanded })
+            } else {
+                contact.touch(&mut self.strikes, gripped, self.object, felt.commanded)
+            };
+            if !at_device && !guard.is_free(felt.of(touch.felt)) {
                 touch = give_way_in_stages(&mut self.grip, contact.spring(), (felt, guard), touch, period_s);
             }
             let seen = Observation { local: object, contact_force: touch.felt, age_ticks };
@@ -298,7 +304,11 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
             } else {
                 Coupled::none(object)
             };
-            (object, self.integrator.step(object, touch.pushing + coupled.force), touch.felt, coupled)
+            if at_device {
+                (object, object, -coupled.force, coupled)
+            } else {
+                (object, self.integrator.step(object, touch.pushing + coupled.force), touch.felt, coupled)
+            }
         };
         self.end(tick, [device, object, next], force, &coupled)
     }

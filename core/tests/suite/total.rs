@@ -122,6 +122,7 @@ fn settings(draws: &[f64]) -> Settings {
     if settings.object.integrator.solves() {
         settings.coordination.decode = Decode::Implicit;
         settings.object.force_delay_ticks = 0.0;
+        settings.set("four_channel.at_device", Value::Flag(false)).expect("a flag");
     } else {
         settings.fixture.kind = FixtureName::None;
     }

@@ -152,7 +152,7 @@ impl<const SHARED: usize> Line<SHARED> {
     }
 
     /// When the newest datagram was sealed, µs of this end's clock: by the common clock, or, before that is known, half of its age ago.
-    fn sealed_us(&self, now_us: u64) -> u64 {
+    pub fn sealed_us(&self, now_us: u64) -> u64 {
         let offset_us = self.link.clock().offset_us(now_us);
         let sealed_us =
             offset_us.and_then(|offset_us| self.link.sealed_us().checked_add_signed(offset_us.saturating_neg()));

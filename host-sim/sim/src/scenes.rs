@@ -29,8 +29,16 @@ pub const ALL: &[(&str, &str)] = scenes![
 ];
 
 /// Name and text of the others, which only their name finds.
-const OTHERS: &[(&str, &str)] =
-    scenes!["impulsive", "any-network", "hub", "leader-follower", "leader-follower-wall", "plane", "space"];
+const OTHERS: &[(&str, &str)] = scenes![
+    "impulsive",
+    "any-network",
+    "board-device",
+    "hub",
+    "leader-follower",
+    "leader-follower-wall",
+    "plane",
+    "space"
+];
 
 /// Every built-in scene, as its name and its text.
 pub fn known() -> impl Iterator<Item = &'static (&'static str, &'static str)> {

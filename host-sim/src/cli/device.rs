@@ -1,11 +1,14 @@
 //! The flags of a device that is really there: what is told about it, which is in no table of the scene.
 
 use std::net::SocketAddr;
+use std::path::PathBuf;
 
 use clap::{Args, Parser};
-use haptic_live::devices::{AXES, DeviceOptions, Kind, haply, mit};
+use haptic_live::devices::{AXES, DeviceOptions, Kind, board, haply, mit};
+use haptic_protocol::key::Role;
+use haptic_sim::key_file;
 
-use super::flags::number;
+use super::flags::{SceneArgs, number};
 use super::{Failure, Ui, refusal};
 use crate::live_peer::OF_A_HAND;
 
@@ -16,7 +19,8 @@ const NAMES: [&str; AXES] = ["x", "y", "z"];
 #[command(next_help_heading = "Device")]
 pub(super) struct DeviceArgs {
     /// The device of this peer: `simulated`, the scene's; `haply[:ADDRESS:PORT]`, an Inverse3 behind its local service; `moteus:BUS` or
-    /// `mit:BUS`, motors on a CAN bus: a serial port with an fdcanusb, as /dev/ttyACM0, or an interface, as can0.
+    /// `mit:BUS`, motors on a CAN bus: a serial port with an fdcanusb, as /dev/ttyACM0, or an interface, as can0; `board:ADDRESS:PORT`, a board
+    /// that was told the scene `board-device`.
     #[arg(long, value_name = "KIND[:PLACE]", default_value = "simulated")]
     device: String,
     /// Which of several devices, by its own name; the first without it.
@@ -47,6 +51,15 @@ pub(super) struct DeviceArgs {
     /// Motors with MIT's frame: their type.
     #[arg(long, value_name = "TYPE", value_parser = model)]
     device_model: Option<mit::Model>,
+    /// A board: the file of the key that it shares with its peer.
+    #[arg(long, value_name = "FILE")]
+    device_key_file: Option<PathBuf>,
+    /// A board: where its flow is listened to, and so where it sends it.
+    #[arg(long, value_name = "ADDRESS:PORT", default_value = "0.0.0.0:7701")]
+    device_listen: SocketAddr,
+    /// A board: the scene that it was told.
+    #[arg(long, value_name = "NAME|FILE", default_value = board::SCENE)]
+    device_scene: PathBuf,
     /// The device is homed, by your word: for one that does not say so itself.
     #[arg(long)]
     device_homed: bool,
@@ -141,9 +154,20 @@ impl DeviceArgs {
             }
             "moteus" => bus().map(Kind::Moteus),
             "mit" => bus().map(Kind::Mit),
+            "board" => {
+                let at: SocketAddr =
+                    at.parse().map_err(|cause| failed(&format!("{at}: {cause}, as 192.168.77.1:7701 is one")))?;
+                let file = self.device_key_file.as_ref().ok_or_else(|| failed(&"it needs --device-key-file"))?;
+                let key = key_file::read(file, Role::Peers)?;
+                let scene = Box::new(SceneArgs::of(&self.device_scene).load(ui)?);
+                Ok(Kind::Board(Box::new(board::Told { at, listen: self.device_listen, key, scene })))
+            }
             _ => {
                 let own: Vec<_> = ui.devices.iter().map(|outside| format!(", {}[:PLACE]", outside.name)).collect();
-                Err(failed(&format!("it is simulated, haply[:ADDRESS:PORT], moteus:BUS, mit:BUS{}", own.concat())))
+                Err(failed(&format!(
+                    "it is simulated, haply[:ADDRESS:PORT], moteus:BUS, mit:BUS, board:ADDRESS:PORT{}",
+                    own.concat()
+                )))
             }
         }
     }

@@ -48,6 +48,11 @@ pub(super) struct SceneArgs {
 }
 
 impl SceneArgs {
+    /// This scene, as it is.
+    pub(super) fn of(scene: &Path) -> Self {
+        Self { scene: Some(scene.to_owned()), set: Vec::new(), seed: None }
+    }
+
     /// Whether nothing is said of the scene.
     pub(super) fn is_plain(&self) -> bool {
         self.scene.is_none() && self.set.is_empty() && self.seed.is_none()

@@ -4,6 +4,7 @@
 //! A device lets go when its peer is late, and a peer when its device is: who shares two cores with a browser is. So these are a program of their own,
 //! and one test at a time ([`alone`]).
 
+mod board;
 mod bus;
 mod emulator;
 mod hand;

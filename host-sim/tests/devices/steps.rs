@@ -18,7 +18,7 @@ use crate::program::{Keys, free, host_sim, report};
 const DISTANCE_M: f64 = 0.02;
 
 /// Goes through the steps; the hand does what it is asked to. Whether all passed, the report, and what was said.
-fn steps(flags: &[String], more: &[&str], reach: impl Fn(f64)) -> (bool, Value, String) {
+pub(crate) fn steps(flags: &[String], more: &[&str], reach: impl Fn(f64)) -> (bool, Value, String) {
     steps_of(host_sim(&[]), flags, more, reach)
 }
 

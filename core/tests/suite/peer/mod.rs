@@ -1,5 +1,6 @@
 //! A peer through its entries alone: what makes it stop, what makes it start again, and what its forces do meanwhile.
 
+mod at_device;
 mod backward_euler;
 mod clutch;
 mod encoders;

@@ -11,11 +11,13 @@
 //! | [`haply`] | an Inverse3 behind Haply's local WebSocket service, 3.5 or newer |
 //! | [`moteus`] | one to three moteus motors on a CAN bus, which drive the scene's mechanism |
 //! | [`mit`] | one to three Damiao or T-Motor motors that take MIT's frame, likewise |
+//! | [`board`] | a board of this project, as the other peer of its sealed line |
 //! | [`slow`] | what a program gives that asks a device in plain calls, 200 times a second at most |
 //!
 //! Whoever has another device adds it by a name of its own ([`Outside`]).
 
 mod attached;
+pub mod board;
 mod can;
 pub mod find;
 pub mod haply;
@@ -221,6 +223,8 @@ pub enum Kind {
     Moteus(String),
     /// Motors that take MIT's frame, on the bus there.
     Mit(String),
+    /// A board that was told so.
+    Board(Box<board::Told>),
     /// An adapter from outside, and where its device is.
     Outside(Outside, String),
     /// A device that a program in this process has.
@@ -287,6 +291,7 @@ impl DeviceOptions {
             Kind::Haply(at) => Box::new(haply::open(*at, self.id.as_deref(), self.lets_go_s, silent)?),
             Kind::Moteus(at) => Box::new(moteus::open(at, self, settings)?),
             Kind::Mit(at) => Box::new(mit::open(at, self, settings)?),
+            Kind::Board(told) => board::open(told, silent)?,
             Kind::Outside(outside, at) => (outside.open)(at, self)?,
             Kind::Own(Own(make)) => make(self)?,
         }))
