@@ -372,12 +372,21 @@ class Study:
     def network_names() -> list[str]:
         """The names that `networks` takes beside "all"."""
 
-    def run(self, folder: _Path | None = None, threads: int = 0, progress: _Progress | None = None) -> Findings:
-        """Runs everything on so many threads (0: as many as there are cores).
+    def run(
+        self,
+        folder: _Path | None = None,
+        threads: int = 0,
+        progress: _Progress | None = None,
+        search: Literal["grid", "halving"] = "grid",
+        best: str = "true_discrepancy_mm",
+        at_most: dict[str, float] | None = None,
+    ) -> Findings:
+        """Runs everything on so many threads (0: as many as there are cores); or with `search="halving"` only what decides which points have the least
+        of `best` under the bounds `at_most`, which is then what may be asked of the findings.
 
         With a folder it is kept there as `host-sim study --out` keeps it: what is there already is not run again, and in the end
         `study.csv` and `study.parquet` stand there. Raises OSError where that is another study's folder, or cannot be written.
-        `progress` is told now and then how many runs are done, and of how many.
+        `progress` is told now and then how many runs are done, and of how many; a search may need fewer.
         """
 
 @final
