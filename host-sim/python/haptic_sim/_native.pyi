@@ -19,6 +19,7 @@ __all__ = [
     "LivePeer",
     "LiveState",
     "Pair",
+    "Pairs",
     "Peer",
     "Run",
     "Scene",
@@ -184,6 +185,39 @@ class Pair:
         """Which peer (1 or 2) stopped, and why."""
 
 @final
+class Pairs:
+    """Many pairs of one scene, stepped together in one call, on so many threads: each is a `Pair` with a seed of its own, to the last bit, and
+    begins anew when it is told to.
+
+    What is seen of a pair is the 22 numbers that `COLUMNS` names; along several axes a row of them for each. One thread at a time may step them.
+    """
+
+    COLUMNS: list[str]
+    def __new__(cls, scene: Scene, count: int, scalar: _Scalar = "f64", threads: int = 1) -> Pairs: ...
+    def __len__(self) -> int: ...
+    def begin(self, pairs: Sequence[int] | NDArray[np.integer[Any]], seeds: Sequence[int] | NDArray[np.integer[Any]]) -> None:
+        """Has these pairs (numbers from 0) begin anew, armed and at rest, each with its `network.seed`."""
+
+    def steps(self, forces_n: NDArray[np.float64], ticks: int = 1) -> NDArray[np.float64]:
+        """So many ticks of all pairs, 1,000,000 at the most, each with its row of `forces_n` held: (pairs, 2), user 1 and user 2, along several
+        axes (pairs, 2, axes). Gives what is seen after the last one: (pairs, 22), along several axes (pairs, axes, 22).
+        """
+
+    def seen(self) -> NDArray[np.float64]:
+        """What is seen now, as `steps` gives it."""
+
+    @property
+    def engaged(self) -> NDArray[np.bool_]:
+        """Which copies are coupled, (pairs, 2): not once a peer has stopped, nor while it hears nothing of the other one."""
+
+    @property
+    def faults(self) -> list[tuple[int, str] | None]:
+        """Of each pair which peer (1 or 2) stopped, and why."""
+
+    def state_hashes(self) -> list[int]:
+        """Of each pair what `Pair.state_hash` gives."""
+
+@final
 class Peer:
     """One peer of a scene, armed, for a program that has device, hand and network of its own: another simulator, or a trial of one's own.
 
@@ -338,12 +372,21 @@ class Study:
     def network_names() -> list[str]:
         """The names that `networks` takes beside "all"."""
 
-    def run(self, folder: _Path | None = None, threads: int = 0, progress: _Progress | None = None) -> Findings:
-        """Runs everything on so many threads (0: as many as there are cores).
+    def run(
+        self,
+        folder: _Path | None = None,
+        threads: int = 0,
+        progress: _Progress | None = None,
+        search: Literal["grid", "halving"] = "grid",
+        best: str = "true_discrepancy_mm",
+        at_most: dict[str, float] | None = None,
+    ) -> Findings:
+        """Runs everything on so many threads (0: as many as there are cores); or with `search="halving"` only what decides which points have the least
+        of `best` under the bounds `at_most`, which is then what may be asked of the findings.
 
         With a folder it is kept there as `host-sim study --out` keeps it: what is there already is not run again, and in the end
         `study.csv` and `study.parquet` stand there. Raises OSError where that is another study's folder, or cannot be written.
-        `progress` is told now and then how many runs are done, and of how many.
+        `progress` is told now and then how many runs are done, and of how many; a search may need fewer.
         """
 
 @final

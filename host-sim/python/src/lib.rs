@@ -9,6 +9,7 @@ mod device;
 mod law;
 mod live;
 mod pair;
+mod pairs;
 mod peer;
 mod push;
 mod raised;
@@ -34,6 +35,8 @@ mod _native {
     use super::live::{LivePeer, LiveState, generate_key};
     #[pymodule_export]
     use super::pair::Pair;
+    #[pymodule_export]
+    use super::pairs::Pairs;
     #[pymodule_export]
     use super::peer::Peer;
     #[pymodule_export]

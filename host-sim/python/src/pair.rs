@@ -25,9 +25,15 @@ use crate::work::{here, refused};
 const WIDTH: usize = 2 * SAMPLE.count(Reach::Steps);
 
 /// Two peers of any number type that share the object along any axes.
-trait Steps: Send {
-    /// One tick with these forces toward the other peer, N: user 1's along each axis, then user 2's. Gives [`WIDTH`] numbers for each axis.
-    fn advance(&mut self, forces_n: &[f64], row: &mut [f64]);
+pub(crate) trait Steps: Send {
+    /// One tick with these forces toward the other peer, N: user 1's along each axis, then user 2's.
+    fn advance(&mut self, forces_n: &[f64]);
+    /// What is seen of both peers along each axis, at this level.
+    fn see(&self, reach: Reach, put: &mut dyn FnMut(f64));
+    /// What each peer's motors press with along a shared axis, N.
+    fn motors_n(&self, axis: usize) -> [f64; 2];
+    /// Which of the copies are coupled.
+    fn engaged(&self) -> [bool; 2];
     fn ticks(&self) -> u64;
     fn time_s(&self) -> f64;
     fn stopped(&self) -> Option<(usize, String)>;
@@ -35,22 +41,31 @@ trait Steps: Send {
 }
 
 impl<S: Builds<SHARED, N>, const SHARED: usize, const N: usize> Steps for pair::Pair<S, Plant<N>, SHARED, N> {
-    fn advance(&mut self, forces_n: &[f64], row: &mut [f64]) {
+    fn advance(&mut self, forces_n: &[f64]) {
         // Peer 2's hand pushes the opposite way, along the first axis toward negative x.
         for ((side, forces), toward) in self.sides_mut().zip(forces_n.chunks_exact(SHARED)).zip([1.0, -1.0]) {
             side.plant.pull(from_fn(|axis| forces.get(axis).map_or(0.0, |force| toward * force)));
         }
         self.step();
-        let seen = (0..SHARED).flat_map(|axis| {
-            self.sides().into_iter().flat_map(move |side| {
+    }
+
+    fn see(&self, reach: Reach, put: &mut dyn FnMut(f64)) {
+        for axis in 0..SHARED {
+            for side in self.sides() {
                 let (observed, ledger) = (side.peer.observed()[axis].map(S::to_f64), side.peer.ledger()[axis]);
                 let [received_j, sent_j] = [ledger.received_j(), ledger.sent_j()].map(S::to_f64);
-                SAMPLE
-                    .reaching(Reach::Steps)
-                    .map(move |quantity| (quantity.get)(&OfAxis { observed: &observed, received_j, sent_j }))
-            })
-        });
-        row.iter_mut().zip(seen).for_each(|(to, number)| *to = number);
+                let of = OfAxis { observed: &observed, received_j, sent_j };
+                SAMPLE.reaching(reach).for_each(|quantity| put((quantity.get)(&of)));
+            }
+        }
+    }
+
+    fn motors_n(&self, axis: usize) -> [f64; 2] {
+        self.sides().map(|side| side.actuators().forces[axis].to_f64())
+    }
+
+    fn engaged(&self) -> [bool; 2] {
+        self.sides().map(|side| side.peer.is_engaged())
     }
 
     fn ticks(&self) -> u64 {
@@ -70,13 +85,24 @@ impl<S: Builds<SHARED, N>, const SHARED: usize, const N: usize> Steps for pair::
     }
 }
 
-type Shared = Arc<Mutex<dyn Steps>>;
-
 fn built<S: Builds<SHARED, N>, const SHARED: usize, const N: usize>(
     scene: &haptic_sim::Scene,
-) -> Result<Shared, Refused<'static>> {
-    Ok(Arc::new(Mutex::new(pair::Pair::<S, Plant<N>, SHARED, N>::build(scene)?)))
+) -> Result<Box<dyn Steps>, Refused<'static>> {
+    Ok(Box::new(pair::Pair::<S, Plant<N>, SHARED, N>::build(scene)?))
 }
+
+/// Both peers of this scene, armed and at rest, in this number type.
+pub(crate) fn of_scene(scene: &haptic_sim::Scene, scalar: &str) -> PyResult<Box<dyn Steps>> {
+    let pair = match scalar {
+        "f32" => of_axes!(scene, built::<f32>(scene)),
+        "f64" => of_axes!(scene, built::<f64>(scene)),
+        "i32f32" => of_axes!(scene, built::<Fixed>(scene)),
+        other => return Err(unknown_scalar(other)),
+    };
+    pair.map_err(refused)
+}
+
+type Shared = Arc<Mutex<Box<dyn Steps>>>;
 
 /// Two peers in a scene, stepped by the tick; what the scene's users do, they do as well.
 ///
@@ -91,7 +117,7 @@ pub(crate) struct Pair {
 }
 
 /// The pair, unless a call that was interrupted still has it.
-fn own(pair: &Mutex<dyn Steps>) -> PyResult<MutexGuard<'_, dyn Steps + 'static>> {
+fn own(pair: &Mutex<Box<dyn Steps>>) -> PyResult<MutexGuard<'_, Box<dyn Steps>>> {
     match pair.try_lock() {
         Ok(own) => Ok(own),
         Err(TryLockError::Poisoned(own)) => Ok(own.into_inner()),
@@ -107,7 +133,9 @@ impl Pair {
         let forces = &of_tick(pushes, self.axes())?[..2 * self.axes()];
         let raised = Raised::default();
         let mut pair = own(&self.pair)?;
-        raised.during(|| pair.advance(forces, row));
+        raised.during(|| pair.advance(forces));
+        let mut to = row.iter_mut();
+        pair.see(Reach::Steps, &mut |number| to.next().into_iter().for_each(|to| *to = number));
         raised.take().map_or(Ok(()), Err)
     }
 
@@ -122,7 +150,7 @@ impl Pair {
     }
 
     fn look<T>(&self, at: impl FnOnce(&dyn Steps) -> T) -> PyResult<T> {
-        Ok(at(&*own(&self.pair)?))
+        Ok(at(&**own(&self.pair)?))
     }
 }
 
@@ -134,13 +162,8 @@ impl Pair {
         let (scene, scalar) = (scene.clone(), scalar.to_owned());
         here(py, move |_| {
             let scene = scene.checked()?;
-            let pair = match scalar.as_str() {
-                "f32" => of_axes!(scene, built::<f32>(scene)),
-                "f64" => of_axes!(scene, built::<f64>(scene)),
-                "i32f32" => of_axes!(scene, built::<Fixed>(scene)),
-                other => return Err(unknown_scalar(other)),
-            };
-            Ok(Self { pair: pair.map_err(refused)?, seen: [scene.peer.axis.shared as usize, WIDTH] })
+            let pair = Arc::new(Mutex::new(of_scene(scene, &scalar)?));
+            Ok(Self { pair, seen: [scene.peer.axis.shared as usize, WIDTH] })
         })
     }
 
@@ -196,9 +219,8 @@ impl Pair {
                 if at % 8 == 7 && !go_on() {
                     break;
                 }
-                let row = flat.len();
-                flat.resize(row + axes * WIDTH, 0.0);
-                pair.advance(of, &mut flat[row..]);
+                pair.advance(of);
+                pair.see(Reach::Steps, &mut |number| flat.push(number));
             }
             Ok(flat)
         })?;

@@ -4,15 +4,17 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use haptic_core::names::Choice;
 use haptic_plot::Print;
 use haptic_report::{Files, Provenance};
 use haptic_sim::Laws;
 use haptic_studies::entrant::Entrant;
 use haptic_studies::study;
 use haptic_studies::study::answers::{Answer, Goal, metric};
+use haptic_studies::study::halving::Search;
 use haptic_studies::study::{OWN, Over};
 use haptic_studies::sweep;
-use haptic_studies::sweep::{METRICS, Plan, Row};
+use haptic_studies::sweep::{Keep, METRICS, Plan, Row};
 use host_sim::provenance;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
@@ -21,7 +23,7 @@ use crate::columns::to_python;
 use crate::law::laws;
 use crate::run::check_seconds;
 use crate::scene::meant;
-use crate::sweep::{Grid, TEXTS, failed, rows_of, written};
+use crate::sweep::{Grid, TEXTS, failed, kept, rows_of, written};
 use crate::work::{Progress, here, on_threads, refused};
 
 /// Columns of answers and pairs that are texts, also where there is none.
@@ -142,33 +144,61 @@ impl Study {
         Over::names().collect()
     }
 
-    /// Runs everything on so many threads (0: as many as there are cores).
+    /// Runs everything on so many threads (0: as many as there are cores); or with `search="halving"` only what decides which points have the least
+    /// of `best` under the bounds `at_most`, which is then what may be asked of the findings.
     ///
     /// With a folder it is kept there as `host-sim study --out` keeps it: what is there already is not run again, and in the end
     /// `study.csv` and `study.parquet` stand there. Raises OSError where that is another study's folder, or cannot be written.
-    /// `progress` is told now and then how many runs are done, and of how many.
-    #[pyo3(signature = (folder = None, threads = 0, progress = None))]
+    /// `progress` is told now and then how many runs are done, and of how many; a search may need fewer.
+    #[pyo3(signature = (
+        folder = None, threads = 0, progress = None, search = "grid", best = "true_discrepancy_mm", at_most = None
+    ))]
+    #[allow(clippy::too_many_arguments)]
     fn run(
         &self,
         py: Python<'_>,
         folder: Option<PathBuf>,
         threads: usize,
         progress: Option<Py<PyAny>>,
+        search: &str,
+        best: &str,
+        at_most: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Findings> {
+        let search = Search::from_name(search).ok_or_else(|| {
+            refused(format!("search = {search:?} is not allowed: it must be one of {:?}", Search::NAMES))
+        })?;
+        let goal = goal(best, at_most)?;
         let question = self.study.question(provenance()).map_err(refused)?;
         let opened = folder.as_ref().map(|folder| sweep::Journal::open(folder, "study", &question, (1, 1)));
-        let (journal, mut rows) = match opened.transpose().map_err(failed)? {
+        let (journal, there) = match opened.transpose().map_err(failed)? {
             Some((journal, rows)) => (Some(Arc::new(journal)), rows),
             None => (None, Vec::new()),
         };
-        let all: BTreeSet<usize> = (0..self.study.points()).collect();
-        rows.extend(rows_of(py, &self.study, self.study.missing(&all, &rows), threads, journal.clone(), progress)?);
-        self.study.sort(&mut rows);
+        let (rows, searched) = match search {
+            Search::Grid => {
+                let (mut rows, all) = (there, (0..self.study.points()).collect::<BTreeSet<usize>>());
+                let missing = self.study.missing(&all, &rows);
+                rows.extend(rows_of(py, &self.study, missing, threads, journal.clone(), progress)?);
+                self.study.sort(&mut rows);
+                (rows, None)
+            }
+            Search::Halving => {
+                let most = self.study.runs().saturating_sub(there.len()) as u64;
+                let goal_of = goal.clone();
+                let of = move |study: &study::Study, keep: Keep<'_>| study.search(&goal_of, there, keep);
+                let found = kept(py, &self.study, most, threads, journal.clone(), progress, of)?;
+                (found.rows, Some(goal))
+            }
+        };
+        let question = match &searched {
+            Some(goal) => goal.told(question.with("search", search.name())),
+            None => question,
+        };
         if let Some((folder, journal)) = folder.zip(journal) {
             sweep::write(&folder, "study", &self.study.columns(&rows), &question).map_err(failed)?;
             journal.finish().map_err(failed)?;
         }
-        Ok(Findings { study: self.study.clone(), question, rows })
+        Ok(Findings { study: self.study.clone(), question, rows, searched })
     }
 
     fn __repr__(&self) -> String {
@@ -187,12 +217,22 @@ pub(crate) struct Findings {
     study: Arc<study::Study>,
     question: Provenance,
     rows: Vec<Row>,
+    /// For what it was searched, if not everything was run.
+    searched: Option<Goal>,
 }
 
 impl Findings {
     fn answered(&self, best: &str, at_most: Option<&Bound<'_, PyDict>>) -> PyResult<(Goal, Vec<Answer>)> {
         let goal = goal(best, at_most)?;
-        let answers = self.study.answers(&self.rows, &goal);
+        let answers = match &self.searched {
+            None => self.study.answers(&self.rows, &goal),
+            Some(searched) if *searched == goal => self.study.searched_answers(&self.rows, &goal),
+            Some(searched) => {
+                let [asked, searched] = [&goal, searched].map(Goal::what);
+                let said = format!("the runs decide the least {searched}, not {asked}: run the study for that");
+                return Err(refused(said));
+            }
+        };
         Ok((goal, answers))
     }
 }

@@ -88,8 +88,22 @@ pub(crate) fn rows_of(
     journal: Option<Arc<sweep::Journal>>,
     tell: Option<Py<PyAny>>,
 ) -> PyResult<Vec<Row>> {
+    let count = runs.iter().map(|(_, seeds)| seeds.len() as u64).sum();
+    kept(py, plan, count, threads, journal, tell, move |plan, keep| plan.run_these(runs, keep))
+}
+
+/// What this work on a plan gives, at most so many runs, whose rows a journal keeps.
+pub(crate) fn kept<P: Plan + Send + 'static, T: Send + 'static>(
+    py: Python<'_>,
+    plan: &Arc<P>,
+    most: u64,
+    threads: usize,
+    journal: Option<Arc<sweep::Journal>>,
+    tell: Option<Py<PyAny>>,
+    work: impl FnOnce(&P, sweep::Keep<'_>) -> Result<T, haptic_studies::Error> + Send + 'static,
+) -> PyResult<T> {
     let plan = plan.clone();
-    let progress = Progress::new(tell, runs.iter().map(|(_, seeds)| seeds.len() as u64).sum());
+    let progress = Progress::new(tell, most);
     let own = progress.clone();
     on_threads(py, threads, &progress, move |go_on| {
         let unwritten = AtomicBool::new(false);
@@ -104,7 +118,7 @@ pub(crate) fn rows_of(
             false => Err("stopped".into()),
         };
         let wrong = |cause| if unwritten.load(Ordering::Relaxed) { failed(cause) } else { refused(cause) };
-        plan.run_these(runs, &keep).map_err(wrong)
+        work(&plan, &keep).map_err(wrong)
     })
 }
 

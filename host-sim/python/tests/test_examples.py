@@ -41,3 +41,10 @@ def test_mujoco_device(tmp_path):
         assert abs(sign * (hand - held) - contact_mm) < 0.01
     (apart,) = re.findall(r"apart: (\S+) mm", told)
     assert float(apart) < 1.0
+
+
+def test_carry(tmp_path):
+    told = said("carry", tmp_path, "0.2")
+    rewards = dict(re.findall(r"(\w+) +(-\S+) m, summed", told))
+    assert float(rewards["steering"]) > 0.5 * float(rewards["steady"])
+    assert [line.split()[0] for line in told.splitlines()[3:]] == ["1", "16", "256"]

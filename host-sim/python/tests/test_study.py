@@ -61,6 +61,27 @@ def test_a_folder_goes_on_and_a_figure_is_drawn(tmp_path, host_sim):
         haptic_sim.Study(LAWS, OVER, seconds=1.0).run(tmp_path)
 
 
+def test_a_search_is_the_command_lines_and_the_grids(tmp_path, host_sim):
+    """Fewer runs, and the grid's best points; the folder is one for both, and another question than the searched one is refused."""
+    most = {"peak_hand_force_n": 3.0}
+    host_sim("study", *LAWS, *TYPED, *TIMES, "--at-most", "peak_hand_force_n=3", "--search", "halving", "--out", tmp_path)
+    found = asked().run(search="halving", at_most=most)
+    same(found.rows, tmp_path / "study.parquet")
+    same(found.best(at_most=most), tmp_path / "study-best.parquet")
+    same(found.pairs(at_most=most), tmp_path / "study-pairs.parquet")
+    assert len(found.rows["seed"]) < 48
+    again = asked().run(tmp_path, search="halving", at_most=most)
+    assert np.array_equal(again.rows["state_hash"], found.rows["state_hash"])
+    grid = asked().run(tmp_path)
+    assert len(grid.rows["seed"]) == 48
+    for name in ("entrant", "network_name", "coordination.stiffness_n_per_m", "mean", "seeds"):
+        np.testing.assert_array_equal(grid.best(at_most=most)[name], found.best(at_most=most)[name], name)
+    with pytest.raises(ValueError, match="the runs decide the least true_discrepancy_mm, peak_hand_force_n at most 3 in any run, not"):
+        found.best()
+    with pytest.raises(ValueError, match=r'search = "race" is not allowed: it must be one of \["grid", "halving"\]'):
+        asked().run(search="race")
+
+
 @pytest.mark.parametrize(
     "entrants, arguments, says",
     [

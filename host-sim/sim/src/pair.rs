@@ -80,6 +80,11 @@ impl<S: Scalar, D: Device<S, N>, const SHARED: usize, const N: usize> Side<S, D,
     pub fn delivered(&self) -> u64 {
         self.inbox.delivered
     }
+
+    /// What its newest tick commanded.
+    pub fn actuators(&self) -> &Actuators<S, N> {
+        &self.actuators
+    }
 }
 
 /// Both packets are made before either is taken in: a network without delay delivers within the tick.
@@ -143,6 +148,15 @@ pub struct PeerTick<'a, S: Scalar, const SHARED: usize = 1, const N: usize = AXE
     pub actuators: &'a Actuators<S, N>,
     /// The peer as the tick left it.
     pub peer: &'a mut dyn DynPeer<S, SHARED, N>,
+}
+
+impl<S: Scalar, const SHARED: usize, const N: usize> PeerTick<'_, S, SHARED, N> {
+    /// What the motors press with along each shared axis, N.
+    #[inline]
+    pub fn motors_n(&self) -> [S::Counter; SHARED] {
+        // The shared axes are a device's first ones.
+        std::array::from_fn(|axis| self.actuators.forces[axis].to_counter())
+    }
 }
 
 /// Two peers on one network, computing in `S`, that share the object along `SHARED` axes of devices of `N`.

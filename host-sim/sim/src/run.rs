@@ -119,7 +119,10 @@ fn run_in<S: Run + Builds<SHARED, N>, const SHARED: usize, const N: usize>(
     let mut accounts = Accounts::<SHARED>::new(scene, ticks, options);
     let mut hash = HASH_SEED;
     for tick in 0..ticks {
-        pair.step_watched(&mut |seen| accounts.ticked(seen.number - 1, Ticked::of(seen.peer)));
+        pair.step_watched(&mut |seen| {
+            accounts.ticked(seen.number - 1, Ticked::of(seen.peer));
+            accounts.pressed(seen.number - 1, seen.motors_n());
+        });
         hash = pair.hash(hash);
         accounts.period();
         if let Some(each) = each {

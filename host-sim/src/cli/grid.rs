@@ -1,10 +1,12 @@
 //! What is run point by point: its axes, sample, seeds and shard as flags, and the folder that it goes on in.
 
 use std::collections::BTreeSet;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use haptic_report::{Columns, Provenance};
+use haptic_studies::study::Study;
+use haptic_studies::study::answers::Goal;
 use haptic_studies::sweep;
 use haptic_studies::sweep::{Axis, Design, Journal, Plan, Row, Sample, Spread};
 
@@ -51,6 +53,8 @@ pub(super) struct Done {
     /// How many of them were run now, and how long that took, s.
     pub(super) new: usize,
     pub(super) wall_s: f64,
+    /// Nothing is to be run any more.
+    pub(super) whole: bool,
     folder: Option<PathBuf>,
     journal: Option<Journal>,
 }
@@ -64,10 +68,7 @@ pub(super) fn run(
     question: &Provenance,
     shard: (usize, usize),
 ) -> Result<Done, Failure> {
-    let (journal, there) = match &folder {
-        Some(folder) => Journal::open(folder, name, question, shard).map(|(journal, rows)| (Some(journal), rows))?,
-        None => (None, Vec::new()),
-    };
+    let (journal, there) = opened(folder.as_deref(), name, question, shard)?;
     let all: BTreeSet<usize> = plan.points_of(shard).collect();
     let new: usize = plan.missing(&all, &there).iter().map(|(_, seeds)| seeds.len()).sum();
     let (rows, wall_s) = ui.work(new, name, |step| {
@@ -76,7 +77,39 @@ pub(super) fn run(
             journal.as_ref().map_or(Ok(()), |journal| journal.append(row))
         })
     })?;
-    Ok(Done { rows, new, wall_s, folder, journal })
+    let whole = rows.len() == plan.runs();
+    Ok(Done { rows, new, wall_s, whole, folder, journal })
+}
+
+/// Runs what decides a study's best points, instead of all; in a folder it goes on where it was stopped.
+pub(super) fn search(
+    ui: &Ui,
+    study: &Study,
+    goal: &Goal,
+    folder: Option<PathBuf>,
+    question: &Provenance,
+) -> Result<Done, Failure> {
+    let (journal, there) = opened(folder.as_deref(), "study", question, (1, 1))?;
+    // At most so many: it ends earlier.
+    let (found, wall_s) = ui.work(study.runs().saturating_sub(there.len()), "study", |step| {
+        study.search(goal, there, &|row| {
+            row.iter().for_each(|_| step());
+            journal.as_ref().map_or(Ok(()), |journal| journal.append(row))
+        })
+    })?;
+    Ok(Done { rows: found.rows, new: found.new, wall_s, whole: true, folder, journal })
+}
+
+/// The journal of a folder and the rows that it holds; nothing of none.
+fn opened(
+    folder: Option<&Path>,
+    name: &str,
+    question: &Provenance,
+    shard: (usize, usize),
+) -> Result<(Option<Journal>, Vec<Row>), Failure> {
+    let Some(folder) = folder else { return Ok((None, Vec::new())) };
+    let (journal, rows) = Journal::open(folder, name, question, shard)?;
+    Ok((Some(journal), rows))
 }
 
 impl Done {
@@ -85,16 +118,15 @@ impl Done {
         self.rows.iter().filter(|row| !row.reason.is_empty()).count()
     }
 
-    /// Has the rows reach the disk, and this table of them if they are all that the plan has; returns the files.
+    /// Has the rows reach the disk, and this table of them if they are all that is to be run; returns the files.
     pub(super) fn finish(
         &mut self,
-        plan: &impl Plan,
         name: &str,
         question: &Provenance,
         table: impl FnOnce(&[Row]) -> Columns,
     ) -> Result<Vec<PathBuf>, Failure> {
         let files = match &self.folder {
-            Some(folder) if self.rows.len() == plan.runs() => sweep::write(folder, name, &table(&self.rows), question)?,
+            Some(folder) if self.whole => sweep::write(folder, name, &table(&self.rows), question)?,
             _ => Vec::new(),
         };
         if let Some(journal) = self.journal.take() {

@@ -3,15 +3,17 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use haptic_core::names::Choice;
 use haptic_report::Provenance;
 use haptic_studies::study::answers::{Answer, Bound, Goal, metric};
+use haptic_studies::study::halving::Search;
 use haptic_studies::study::{OWN, Over, Study as Asked};
-use haptic_studies::sweep::{METRICS, Plan, Row, tag};
+use haptic_studies::sweep::{Plan, Row, tag};
 use serde_json::json;
 
 use super::entrants::EntrantArgs;
-use super::flags::{Out, Time};
-use super::grid::{GridArgs, run};
+use super::flags::{Out, Time, choice};
+use super::grid::{GridArgs, run, search};
 use super::{Failure, Ui};
 
 /// Most rows of a table that are printed for people.
@@ -41,6 +43,10 @@ pub(super) struct Study {
     /// A figure of merit, and the most that it may be in any run; may be repeated.
     #[arg(long, value_name = "NAME=MOST")]
     at_most: Vec<Bound>,
+    /// Which runs are done: all (`grid`), or those that decide which point is best under these bounds (`halving`). Runs that are there are
+    /// taken by either.
+    #[arg(long, value_name = "SEARCH", default_value = "grid", value_parser = choice::<Search>())]
+    search: Search,
     #[command(flatten)]
     time: Time,
     #[command(flatten)]
@@ -59,13 +65,30 @@ impl Study {
         let study = self.study(ui)?;
         let question = study.question(ui.provenance())?;
         let folder = ui.writes(&self.out).then(|| self.folder(&question));
-        let mut done = run(ui, &study, "study", folder.clone(), &question, self.grid.shard)?;
-        let mut files = done.finish(&study, "study", &question, |rows| study.columns(rows))?;
         let goal = Goal { metric: self.best, bounds: self.at_most.clone() };
-        let answers = study.answers(&done.rows, &goal);
-        let whole = done.rows.len() == study.runs();
-        if let Some(folder) = folder.filter(|_| whole) {
-            files.extend(self.files(ui, &folder, &question, &study, &done.rows, &answers, &goal)?);
+        // What is run depends on the goal where not all is: then the files say both.
+        let (mut done, answers, asked, told) = match self.search {
+            Search::Grid => {
+                let done = run(ui, &study, "study", folder.clone(), &question, self.grid.shard)?;
+                let answers = study.answers(&done.rows, &goal);
+                (done, answers, question.clone(), question.clone())
+            }
+            Search::Halving => {
+                if self.grid.shard != (1, 1) {
+                    return Err(
+                        "--shard is not allowed with --search halving: it decides by the runs of all points".into()
+                    );
+                }
+                let done = search(ui, &study, &goal, folder.clone(), &question)?;
+                let answers = study.searched_answers(&done.rows, &goal);
+                let asked = question.clone().with("search", self.search.name());
+                let told = goal.told(asked.clone());
+                (done, answers, asked, told)
+            }
+        };
+        let mut files = done.finish("study", &told, |rows| study.columns(rows))?;
+        if let Some(folder) = folder.filter(|_| done.whole) {
+            files.extend(self.files(ui, &folder, &asked, &study, &done.rows, &answers, &goal)?);
         }
         let pairs = study.pairs(&done.rows, &answers, &goal);
         let (best, beside) = (study.answer_columns(&answers, &goal), study.pair_columns(&pairs));
@@ -77,7 +100,7 @@ impl Study {
                 "files": files,
             }),
         )?;
-        writeln!(ui, "Least {}{}, judged on seeds that did not choose\n", METRICS[goal.metric].name(), bounds(&goal));
+        writeln!(ui, "Least {}, judged on seeds that did not choose\n", goal.what());
         for table in [best, beside].iter().filter(|table| !table.is_empty()) {
             if table.len() <= MOST_SHOWN {
                 ui.table(table);
@@ -86,9 +109,11 @@ impl Study {
             }
         }
         let (runs, all, failed) = (done.rows.len(), study.runs(), done.failed());
+        let spared = all - runs;
+        let spared = if done.whole && spared > 0 { format!(", {spared} spared") } else { String::new() };
         writeln!(
             ui,
-            "{runs} runs of {all}, {failed} of them not stable; {} new ones in {:.1} s",
+            "{runs} runs of {all}{spared}, {failed} of them not stable; {} new ones in {:.1} s",
             done.new, done.wall_s
         );
         ui.wrote(&files);
@@ -130,7 +155,7 @@ impl Study {
         goal: &Goal,
     ) -> Result<Vec<PathBuf>, Failure> {
         let out = self.out.in_folder(folder.to_owned()).unless_told(COLUMN_MM);
-        let goal_told = question.clone().with("best", METRICS[goal.metric].name()).with("at_most", bounds(goal));
+        let goal_told = goal.told(question.clone());
         let best = study.answer_columns(answers, goal);
         let mut files = ui.files(&out, "study", "study-best", &goal_told, |files| {
             files.csv(&best)?;
@@ -151,10 +176,4 @@ impl Study {
         }
         Ok(files)
     }
-}
-
-/// The bounds of what may be taken, after a comma.
-fn bounds(goal: &Goal) -> String {
-    let bound = |bound: &Bound| format!(", {} at most {} in any run", METRICS[bound.metric].name(), bound.most);
-    goal.bounds.iter().map(bound).collect()
 }

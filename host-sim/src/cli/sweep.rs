@@ -42,7 +42,7 @@ impl Sweep {
         let question = sweep.question(ui.provenance())?;
         let folder = ui.writes(&self.out).then(|| self.folder(&question));
         let mut done = run(ui, &sweep, "sweep", folder, &question, self.grid.shard)?;
-        let files = done.finish(&sweep, "sweep", &question, |rows| sweep.columns(rows))?;
+        let files = done.finish("sweep", &question, |rows| sweep.columns(rows))?;
         let (rows, new, wall_s, failed) = (&done.rows, done.new, done.wall_s, done.failed());
         let summary = sweep.summary(rows);
         ui.document_of(

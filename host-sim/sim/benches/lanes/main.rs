@@ -58,7 +58,7 @@ fn of_type<S: InLanes>(scenes: &[Scene]) -> [Measured; 4] {
     let alone = rate(TICKS, || (0..TICKS).for_each(|_| pair.step()));
     assert_eq!(pair.fault(), None);
     let mut pairs = Pairs::<S::Lanes>::new(&members).expect("a built-in scene");
-    let side_by_side = rate(all, || (0..TICKS).for_each(|_| pairs.step(&mut |_, _| ())));
+    let side_by_side = rate(all, || (0..TICKS).for_each(|_| pairs.step(&mut |_| ())));
     assert_eq!(lanes_left(), 0);
     [
         measured("ticks, alone", alone),

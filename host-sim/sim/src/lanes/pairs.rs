@@ -11,7 +11,7 @@ use haptic_core::settings::Refused;
 use super::device::Plants;
 use super::number::{LANES, Lanes, leave, nobody_left, played, recorded, show};
 use crate::AXES;
-use crate::pair::{HASH_SEED, Pair, Side};
+use crate::pair::{HASH_SEED, Pair, PeerTick, Side};
 use crate::peers::{Builds, DynPeer, mixed};
 use crate::{plant::Plant, scene::Scene};
 
@@ -60,10 +60,10 @@ impl<S: Lanes, const SHARED: usize, const N: usize> Pairs<S, SHARED, N> {
         self.pair.packets_per_s()
     }
 
-    /// Advances all lanes by one control period; `each` gets every peer's index (0 or 1) and the peer after its tick.
+    /// Advances all lanes by one control period; `each` gets what every tick of either peer read and did.
     #[inline]
-    pub fn step(&mut self, each: &mut impl FnMut(usize, &dyn DynPeer<S, SHARED, N>)) {
-        self.pair.step_watched(&mut |seen| each(seen.number - 1, seen.peer));
+    pub fn step(&mut self, each: &mut impl FnMut(PeerTick<'_, S, SHARED, N>)) {
+        self.pair.step_watched(each);
     }
 
     /// Continues the hash of each lane's states ([`Pair::hash`]).

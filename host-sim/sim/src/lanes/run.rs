@@ -79,7 +79,10 @@ fn run_group<S: Lanes + Builds<SHARED, N>, const SHARED: usize, const N: usize>(
     let mut account = Accounts::<SHARED, F64s>::of_each(scenes[0], ticks, options, of);
     let some = (1_u32 << scenes.len()) - 1;
     for _ in 0..ticks {
-        pairs.step(&mut |at, peer| account.ticked(at, Ticked::of(peer)));
+        pairs.step(&mut |seen| {
+            account.ticked(seen.number - 1, Ticked::of(seen.peer));
+            account.pressed(seen.number - 1, seen.motors_n());
+        });
         pairs.hash();
         account.measure();
         if (some & !lanes_left()).count_ones() < fewest as u32 {

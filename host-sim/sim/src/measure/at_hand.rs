@@ -1,8 +1,8 @@
-//! A run as hands have it: what their motors press with, how far the object goes, and the energy of all that lies between the two copies.
+//! A run as hands have it: what their motors press with beside another run ([`super::hands`] has the largest force), how far the object
+//! goes, and the energy of all that lies between the two copies.
 //!
 //! | figure | what |
 //! |---|---|
-//! | peak, change | largest force of either motor, and its largest change from tick to tick: F_T is another force, of which contact lets through what it can |
 //! | error | root mean square of what either motor presses with less the same of another run of the same motion, over the whole run |
 //! | way | where both copies are in the end, their mean, in metres and over nothing |
 //! | least balance | least, over the ends of all ticks, of what both copies have put into their coordination less what they have got from it, J |
@@ -29,10 +29,6 @@ pub type Forces = Vec<[f32; 2]>;
 pub struct AtHand {
     /// Its verdict and other figures.
     pub outcome: Outcome,
-    /// Largest force at either hand, N.
-    pub peak_n: f64,
-    /// Largest change of it from tick to tick, N.
-    pub change_n: f64,
     /// Root mean square of the error of force at a hand, N; none without another run, or of one that stopped.
     pub error_rms_n: Option<f64>,
     /// Where both copies are in the end, their mean, m.
@@ -55,22 +51,18 @@ pub fn run(scene: &Scene, duration_s: f64, other: Option<&[[f32; 2]]>) -> Result
     let (period_s, stiffness) = (scene.peer.timing.control_period_s, scene.peer.coordination.stiffness_n_per_m);
     let mut ports = [ObjectPort::new(period_s, stiffness); 2];
     let mut forces = Forces::with_capacity(ticks as usize);
-    let (mut peak_n, mut change_n, mut least_balance_j, mut way_m) = (0.0_f64, 0.0_f64, 0.0_f64, 0.0);
+    let (mut least_balance_j, mut way_m) = (0.0_f64, 0.0);
     let mut now_n = [0.0; 2];
     for _ in 0..ticks {
-        let before_n = now_n;
         pair.step_watched(&mut |seen| {
             let at = seen.number - 1;
             let observed: Observed<f64> = *seen.peer.observed()[0];
             ports[at].see(&observed, [0.0; 2]);
             accounts.ticked(at, Ticked::of(seen.peer));
+            accounts.pressed(at, seen.motors_n());
             now_n[at] = seen.actuators.forces[0];
         });
         accounts.period();
-        for (now, before) in now_n.iter().zip(before_n) {
-            peak_n = peak_n.max(now.abs());
-            change_n = change_n.max((now - before).abs());
-        }
         least_balance_j = least_balance_j.min(ports.iter().map(ObjectPort::balance_j).sum());
         way_m = 0.5 * pair.sides().iter().map(|side| side.peer.observed()[0].object.position).sum::<f64>();
         forces.push(now_n.map(|force| force as f32));
@@ -86,5 +78,5 @@ pub fn run(scene: &Scene, duration_s: f64, other: Option<&[[f32; 2]]>) -> Result
         let sum: f64 = squares.map(|error| f64::from(error).powi(2)).sum();
         (sum / (2 * forces.len().max(1)) as f64).sqrt()
     });
-    Ok(AtHand { outcome, peak_n, change_n, error_rms_n, way_m, least_balance_j, forces })
+    Ok(AtHand { outcome, error_rms_n, way_m, least_balance_j, forces })
 }

@@ -4,6 +4,7 @@
 pub mod apparent_mass;
 pub mod at_hand;
 pub mod growth;
+pub mod hands;
 pub mod impedance;
 pub mod led;
 pub mod port;

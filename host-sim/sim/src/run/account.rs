@@ -10,6 +10,7 @@ use haptic_report::{Columns, numbered};
 
 use super::outcome::{AxisOutcome, Figures, Options};
 use crate::measure::growth::{Forces, Growth};
+use crate::measure::hands::Hands;
 use crate::measure::port::ObjectPort;
 use crate::measure::{Figure, LastHalf, Statistics};
 use crate::peers::DynPeer;
@@ -83,6 +84,7 @@ pub struct Account<F = f64> {
     made_j: F,
     halves: LastHalf<5, F>,
     forces: Forces<F>,
+    hands: Hands<1, F>,
     /// Of the square root of the copies' kinetic energy, an amplitude as a force is.
     energy: Growth<F>,
     stopped: Option<(usize, Fault, f64)>,
@@ -104,6 +106,7 @@ impl<F: Figure> Account<F> {
             made_j: F::ZERO,
             halves: LastHalf::new(ticks),
             forces: Forces::new(ticks),
+            hands: Hands::new(),
             energy: Growth::new(ticks),
             stopped: None,
             true_m: F::ZERO,
@@ -117,6 +120,12 @@ impl<F: Figure> Account<F> {
     pub fn ticked(&mut self, at: usize, ticked: Ticked<F>) {
         self.ports[at].see(&ticked.observed, [ticked.received_j, ticked.sent_j]);
         self.latest[at] = ticked;
+    }
+
+    /// Takes in what the motors of peer `at` press with along this axis in that tick, N.
+    #[inline]
+    pub(crate) fn pressed(&mut self, at: usize, force: F) {
+        self.hands.see(at, [force]);
     }
 
     /// A control period is over. After a fault nothing is averaged: what stands still would look good.
@@ -186,6 +195,7 @@ impl<F: Figure> Account<F> {
             made_j: of(self.made_j),
             halves: self.halves.map(of),
             forces: self.forces.map(of),
+            hands: self.hands.map(of),
             energy: self.energy.map(of),
             stopped: self.stopped,
             true_m: of(self.true_m),
@@ -276,6 +286,8 @@ impl Account {
             contact_force_n: contact,
             peak_coordination_force_n: self.forces.peak(),
             largest_jump_n: self.forces.largest_change(),
+            peak_hand_force_n: self.hands.peak_n(),
+            largest_hand_change_n: self.hands.change_n(),
             energy,
             made_j: self.made_j,
         };

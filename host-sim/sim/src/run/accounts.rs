@@ -9,6 +9,7 @@ use super::outcome::{AxisOutcome, Figures, Options, Outcome};
 use super::reason::Reason;
 use super::statics::{are_apart, compliance_m_per_n};
 use crate::measure::growth::Forces;
+use crate::measure::hands::Hands;
 use crate::measure::{Figure, LastHalf, Statistics};
 use crate::scene::Scene;
 
@@ -25,6 +26,7 @@ pub struct Accounts<const SHARED: usize = 1, F = f64> {
     largest_true_m: F,
     /// |F_T| of either peer, then how much it changed as a vector.
     forces: Forces<F>,
+    hands: Hands<SHARED, F>,
     largest_jump: F,
     last: [[F; SHARED]; 2],
 }
@@ -48,6 +50,7 @@ impl<const SHARED: usize, F: Figure> Accounts<SHARED, F> {
             true_m: F::ZERO,
             largest_true_m: F::ZERO,
             forces: Forces::new(ticks),
+            hands: Hands::new(),
             largest_jump: F::ZERO,
             last: [[F::ZERO; SHARED]; 2],
         }
@@ -58,6 +61,15 @@ impl<const SHARED: usize, F: Figure> Accounts<SHARED, F> {
     pub fn ticked(&mut self, at: usize, ticked: [Ticked<F>; SHARED]) {
         for (axis, ticked) in self.axes.iter_mut().zip(ticked) {
             axis.ticked(at, ticked);
+        }
+    }
+
+    /// Takes in what the motors of peer `at` press with along each axis in that tick, N; who never does has no figures of it.
+    #[inline]
+    pub fn pressed(&mut self, at: usize, forces: [F; SHARED]) {
+        self.axes.iter_mut().zip(forces).for_each(|(axis, force)| axis.pressed(at, force));
+        if SHARED > 1 {
+            self.hands.see(at, forces);
         }
     }
 
@@ -103,6 +115,7 @@ impl<const SHARED: usize, F: Figure> Accounts<SHARED, F> {
             true_m: of(self.true_m),
             largest_true_m: of(self.largest_true_m),
             forces: self.forces.map(of),
+            hands: self.hands.map(of),
             largest_jump: of(self.largest_jump),
             last: self.last.map(|force| force.map(of)),
         }
@@ -157,6 +170,8 @@ impl<const SHARED: usize> Accounts<SHARED> {
                 contact_force_n,
                 peak_coordination_force_n: self.forces.peak(),
                 largest_jump_n: self.largest_jump,
+                peak_hand_force_n: self.hands.peak_n(),
+                largest_hand_change_n: self.hands.change_n(),
                 energy: [0, 1].map(|at| axes.iter().map(|axis| axis.figures.energy[at]).sum()),
                 made_j: axes.iter().map(|axis| axis.figures.made_j).sum(),
             }

@@ -54,6 +54,10 @@ pub struct Figures {
     pub peak_coordination_force_n: f64,
     /// Largest change of either F_T from one tick to the next, N.
     pub largest_jump_n: f64,
+    /// Largest force that either peer's motors press its hand with, N; NaN where that was not seen, as of boards.
+    pub peak_hand_force_n: f64,
+    /// Largest change of that from one tick to the next, N; NaN likewise.
+    pub largest_hand_change_n: f64,
     /// Energy through the ports of the coordination of each peer, J.
     pub energy: [PortEnergy; 2],
     /// The most, at the end of any tick, that a peer had taken from the network beyond what the other one had given to it, J; along several

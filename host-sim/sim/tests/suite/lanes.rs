@@ -125,7 +125,7 @@ fn gains(name: &str, least: f64, most: f64) -> Vec<Scene> {
 fn scenes_that_differ_in_gains_stay_in_their_lanes_and_a_fault_takes_only_its_own_out() {
     let left = |scenes: &[Scene]| {
         let mut pairs = Pairs::<F64s>::new(&scenes.iter().collect::<Vec<_>>()).unwrap();
-        (0..20_000).for_each(|_| pairs.step(&mut |_, _| ()));
+        (0..20_000).for_each(|_| pairs.step(&mut |_| ()));
         lanes_left()
     };
     assert_eq!(left(&gains("matched-line", 2e4, 8e4)), 0);

@@ -5,6 +5,7 @@ mod double_double;
 mod engine;
 mod faults;
 mod fitted;
+mod hands;
 mod impulsive;
 mod irtt;
 mod lanes;

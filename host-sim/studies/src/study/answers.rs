@@ -11,6 +11,7 @@
 
 use std::str::FromStr;
 
+use haptic_report::Provenance;
 use haptic_sim::run::Verdict;
 
 use super::{Place, Study};
@@ -68,12 +69,14 @@ pub struct Counts {
     pub let_go: usize,
     /// Of the others, those of which a run is beyond a bound.
     pub beyond: usize,
+    /// Of the others, those that a search gave up as worse before they had all their seeds ([`super::halving`]).
+    pub given_up: usize,
 }
 
 impl Counts {
     /// Points that may be taken.
     pub fn allowed(&self) -> usize {
-        self.points - self.failed - self.let_go - self.beyond
+        self.points - self.failed - self.let_go - self.beyond - self.given_up
     }
 
     fn add(&mut self, standing: Standing) {
@@ -83,6 +86,7 @@ impl Counts {
             Standing::Failed => self.failed += 1,
             Standing::LetGo => self.let_go += 1,
             Standing::Beyond => self.beyond += 1,
+            Standing::GivenUp => self.given_up += 1,
         }
     }
 }
@@ -94,6 +98,7 @@ pub(super) enum Standing {
     Failed,
     LetGo,
     Beyond,
+    GivenUp,
 }
 
 /// An entrant on a network.
@@ -122,24 +127,43 @@ pub struct Best {
     pub as_good: Vec<usize>,
 }
 
-/// The runs of these seeds that choose, and those that judge.
-pub(super) fn halves(runs: &[Row]) -> (&[Row], &[Row]) {
-    let half = runs.len() / 2;
-    if half == 0 { (runs, runs) } else { runs.split_at(half) }
+/// How many of so many seeds choose; the others judge, and a single one does both.
+pub(super) fn choosing(seeds: u32) -> u32 {
+    (seeds / 2).max(1)
 }
 
-/// The runs of each point that has them all.
+/// The runs of these seeds that choose, and those that judge.
+pub(super) fn halves(runs: &[Row]) -> (&[Row], &[Row]) {
+    let (choose, judge) = runs.split_at(runs.len().min(choosing(runs.len() as u32) as usize));
+    if judge.is_empty() { (choose, choose) } else { (choose, judge) }
+}
+
+/// The runs that there are of each point.
 pub(super) fn by_point<'a>(study: &Study, rows: &'a [Row]) -> Vec<Option<&'a [Row]>> {
     let mut points = vec![None; study.points()];
     for runs in rows.chunk_by(|one, other| one.point == other.point) {
-        if runs.len() == study.seeds() as usize {
-            points[runs[0].point] = Some(runs);
-        }
+        points[runs[0].point] = Some(runs);
     }
     points
 }
 
 impl Goal {
+    /// What is to be least, and under which bounds: `NAME, NAME at most MOST in any run`.
+    pub fn what(&self) -> String {
+        METRICS[self.metric].name() + &self.bounds_told()
+    }
+
+    /// The bounds, each after a comma.
+    fn bounds_told(&self) -> String {
+        let bound = |bound: &Bound| format!(", {} at most {} in any run", METRICS[bound.metric].name(), bound.most);
+        self.bounds.iter().map(bound).collect()
+    }
+
+    /// With which figures of merit and bounds this is asked, for files of what was found.
+    pub fn told(&self, question: Provenance) -> Provenance {
+        question.with("best", METRICS[self.metric].name()).with("at_most", self.bounds_told())
+    }
+
     /// How a point stands whose runs these are.
     pub(super) fn standing(&self, runs: &[Row]) -> Standing {
         let has = |run: &Row, metric: usize| !run.metrics[metric].is_nan();
@@ -158,8 +182,18 @@ impl Goal {
 impl Study {
     /// The answer of every entrant on every network whose runs are all there; rows by point and seed.
     pub fn answers(&self, rows: &[Row], goal: &Goal) -> Vec<Answer> {
+        self.answers_of(rows, goal, self.seeds() as usize)
+    }
+
+    /// The answers of a [`Study::search`] for this goal, from what it has run.
+    pub fn searched_answers(&self, rows: &[Row], goal: &Goal) -> Vec<Answer> {
+        self.answers_of(rows, goal, 1)
+    }
+
+    /// The answer of every entrant on every network whose points have so many runs each.
+    fn answers_of(&self, rows: &[Row], goal: &Goal, least: usize) -> Vec<Answer> {
         let (points, grid) = (by_point(self, rows), self.grid().points().max(1));
-        let whole = |runs: &[Option<&[Row]>]| runs.iter().all(Option::is_some);
+        let whole = |runs: &[Option<&[Row]>]| runs.iter().all(|runs| runs.is_some_and(|runs| runs.len() >= least));
         let cells = points.chunks(grid).enumerate().filter(|(_, runs)| whole(runs));
         cells
             .map(|(cell, runs)| self.answer(cell * grid, &runs.iter().flatten().copied().collect::<Vec<_>>(), goal))
@@ -170,7 +204,11 @@ impl Study {
     fn answer(&self, first: usize, points: &[&[Row]], goal: &Goal) -> Answer {
         let Place { entrant, network, .. } = self.place(first);
         let mut counts = Counts::default();
-        let standings = points.iter().map(|runs| goal.standing(runs));
+        let all = self.seeds() as usize;
+        let standings = points.iter().map(|runs| match goal.standing(runs) {
+            Standing::Allowed if runs.len() < all => Standing::GivenUp,
+            other => other,
+        });
         let standings: Vec<Standing> = standings.inspect(|standing| counts.add(*standing)).collect();
         let allowed = || (0..points.len()).filter(|grid| standings[*grid] == Standing::Allowed);
         let chosen_by =

@@ -94,7 +94,8 @@ impl Study {
                 (0..self.networks.len()).map(panel).collect()
             }
         };
-        panels.chunks(PANELS).map(|panels| self.sheet(panels.to_vec(), goal)).collect()
+        let partial = found.runs.iter().flatten().any(|runs| runs.len() < self.seeds() as usize);
+        panels.chunks(PANELS).map(|panels| self.sheet(panels.to_vec(), goal, partial)).collect()
     }
 
     /// What is drawn of these points of the grid: the best one, else the least that may be taken, else the least.
@@ -158,7 +159,7 @@ impl Study {
     }
 
     /// A figure of these panels, with names in the first one.
-    fn sheet(&self, mut panels: Vec<Panel>, goal: &Goal) -> Figure {
+    fn sheet(&self, mut panels: Vec<Panel>, goal: &Goal, partial: bool) -> Figure {
         let series = || panels.iter().flat_map(|panel| &panel.series);
         let means = || series().flat_map(means);
         // A stroke that reaches 0 has no end on a logarithmic axis; a band is cut.
@@ -183,7 +184,7 @@ impl Study {
             }
         }
         Figure {
-            caption: self.caption(goal, ringed, banded),
+            caption: self.caption(goal, partial, ringed, banded),
             columns: if panels.len() > 1 && banded { 2 } else { 1 },
             share_x: banded,
             share_y: ShareY::All,
@@ -193,10 +194,11 @@ impl Study {
     }
 
     /// What the reader sees.
-    fn caption(&self, goal: &Goal, ringed: bool, banded: bool) -> String {
+    fn caption(&self, goal: &Goal, partial: bool, ringed: bool, banded: bool) -> String {
         let seeds = self.seeds();
         let mut text = format!(
-            "Means of {seeds} seeds, {} s each, with their 95 % intervals (Student){}.",
+            "Means of {}{seeds} seeds, {} s each, with their 95 % intervals (Student){}.",
+            if partial { "up to " } else { "" },
             self.seconds(),
             if banded { " as bands" } else { "" }
         );

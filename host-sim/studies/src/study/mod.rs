@@ -7,11 +7,13 @@
 //! | module | what |
 //! |---|---|
 //! | [`answers`] | of each entrant on each network the best point under bounds, judged on seeds that did not choose it |
+//! | [`halving`] | the search that finds them without all runs |
 //! | [`pairs`] | the entrants' best points beside each other, seed by seed, on networks where both have one |
 //! | [`figure`] | the same as a picture |
 
 pub mod answers;
 pub mod figure;
+pub mod halving;
 mod network;
 pub mod pairs;
 mod tables;

@@ -89,6 +89,9 @@ impl Study {
             .value("beyond_points", |answer| answer.counts.beyond)
             .means("of the others, those of which a run is beyond a bound")
             .data_only()
+            .value("given_up_points", |answer| answer.counts.given_up)
+            .means("of the others, those that a search gave up as worse before they had all their seeds")
+            .data_only()
             .value("reason", |answer| reason(answer.counts))
             .means("why other points may not be taken")
             .done()
@@ -143,6 +146,7 @@ fn reason(counts: Counts) -> Cell {
         (counts.failed, "not stable in a run"),
         (counts.let_go, "not in every mode"),
         (counts.beyond, "beyond a bound"),
+        (counts.given_up, "given up as worse"),
     ];
     let said = said.iter().filter(|(count, _)| *count > 0).map(|(count, why)| format!("{count} {why}"));
     Some(said.collect::<Vec<_>>().join(", ")).filter(|said| !said.is_empty()).into()

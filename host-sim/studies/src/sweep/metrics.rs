@@ -47,7 +47,7 @@ macro_rules! metrics {
 }
 
 /// All figures of merit. Those marked `whole` count in runs in which the copies came apart, too; the others only in stable runs.
-pub const METRICS: [Metric; 12] = metrics! {
+pub const METRICS: [Metric; 14] = metrics! {
     "true_discrepancy" "mm" true "mean of |x_o1 - x_o2| over the last half" |o| o.metric(|o| o.whole.true_discrepancy_mm);
     "largest_true_discrepancy" "mm" false "largest |x_o1 - x_o2| over the whole run" |o| o.metric(|o| o.whole.largest_true_discrepancy_mm);
     "true_discrepancy" "mm_per_n" false "mean of |x_o1 - x_o2| over that of the contact force, over the last half" |o| {
@@ -58,6 +58,10 @@ pub const METRICS: [Metric; 12] = metrics! {
     "coordination_force_sd" "n" false "standard deviation of F_T at peer 2 over the last half" |o| o.metric(|o| o.whole.coordination_force_n.sd);
     "peak_coordination_force" "n" true "largest |F_T| of either peer over the whole run" |o| o.metric(|o| o.whole.peak_coordination_force_n);
     "largest_jump" "n" false "largest change of either F_T from tick to tick" |o| o.metric(|o| o.whole.largest_jump_n);
+    "peak_hand_force" "n" false "largest force that either peer's motors press its hand with, over the whole run" |o| {
+        o.metric(|o| o.whole.peak_hand_force_n)
+    };
+    "largest_hand_change" "n" false "largest change of that force from one tick to the next" |o| o.metric(|o| o.whole.largest_hand_change_n);
     "energy_made" "mj" true "the most that the network had given beyond what it was given" |o| o.metric(Outcome::energy_made_mj);
     "peer_energy_made" "mj" false "the most that the worse peer's coordination had given beyond what it took" |o| {
         o.metric(Outcome::peer_energy_made_mj).flatten()

@@ -215,7 +215,8 @@ fn every_motion_runs() {
     for motion in motions::ALL {
         let found = at_hand::run(&motion.of(&scene).expect("a motion"), motion.duration_s(), None).expect("a run");
         assert!(found.outcome.fault.is_none(), "{}: {:?}", motion.name(), found.outcome.reason);
-        assert!(found.peak_n > 0.1, "{}: {} N", motion.name(), found.peak_n);
+        let peak_n = found.outcome.whole.peak_hand_force_n;
+        assert!(peak_n > 0.1, "{}: {peak_n} N", motion.name());
         let lets_go = motion == Motion::Contact;
         // A common push begins after 3 s.
         let opens = found.forces.iter().skip(3_100).filter(|force| force[0] == 0.0).count();

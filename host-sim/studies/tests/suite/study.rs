@@ -91,8 +91,8 @@ fn the_seeds_that_choose_do_not_judge() {
     assert!((best.judged.within_95.expect("an interval") - 12.706_204_736).abs() < 1e-6, "{best:?}");
     // Of 4 − 5 and 4.5 − 7 the mean is −1.75 ± 12.7 · 0.75: not told apart. What lets go is not asked.
     assert_eq!(best.as_good, [0, 1]);
-    assert_eq!(answers[0].counts, Counts { points: 3, failed: 0, let_go: 1, beyond: 0 });
-    assert_eq!(answers[3].counts, Counts { points: 3, failed: 2, let_go: 1, beyond: 0 });
+    assert_eq!(answers[0].counts, Counts { points: 3, failed: 0, let_go: 1, beyond: 0, given_up: 0 });
+    assert_eq!(answers[3].counts, Counts { points: 3, failed: 2, let_go: 1, beyond: 0, given_up: 0 });
     assert!(answers[3].best.is_none());
 }
 
@@ -103,7 +103,7 @@ fn a_bound_holds_in_every_run() {
     let answers = study.answers(&rows, &Goal { metric: 0, bounds });
     let place = |at: usize| answers[at].best.as_ref().map(|best| study.place(best.point).grid);
     assert_eq!(place(1), Some(2));
-    assert_eq!(answers[1].counts, Counts { points: 3, failed: 1, let_go: 0, beyond: 1 });
+    assert_eq!(answers[1].counts, Counts { points: 3, failed: 1, let_go: 0, beyond: 1, given_up: 0 });
     assert_eq!(study.answers(&rows, &GOAL)[1].best.as_ref().map(|best| study.place(best.point).grid), Some(1));
 }
 
