@@ -174,7 +174,7 @@ fn a_quantity_more_is_one_line() {
             counts: [Counts(1), Counts(2)],
             duties: [Duty(3), Duty(4)],
             stage: None,
-            mode: Mode::Armed,
+            mode: record::mode_code(Mode::Armed),
             flags: record::ENABLED,
             digest: 5,
         },
