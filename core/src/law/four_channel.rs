@@ -59,6 +59,9 @@ const AT_DEVICE: Key = Key::flag(
     "Four channels: there is no copy, and the law's force acts on the device itself; told is the force that acts.",
 );
 
+/// Share of what a packet may say.
+const WITHIN: f64 = 0.999;
+
 /// A spring to where the other copy is, and the forces of both hands.
 #[derive(Clone, Copy, Debug)]
 pub struct FourChannel<S> {
@@ -74,9 +77,11 @@ pub struct FourChannel<S> {
     /// d, N·s/m.
     ground: S,
     at_device: bool,
+    /// What may be told of a device that has left its workspace, or is too fast, m and m/s: the other end takes no more.
+    most_told: [S; 2],
 }
 
-configured!([S: Scalar] FourChannel<S> { spring, remote, local, inertia, damping, ground, at_device });
+configured!([S: Scalar] FourChannel<S> { spring, remote, local, inertia, damping, ground, at_device, most_told });
 
 /// The other peer's motion and hand force as last received, and the own hand's force, which is sent.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -106,6 +111,14 @@ impl<S: Scalar> FourChannel<S> {
     }
 }
 
+impl<S: Scalar> FourChannel<S> {
+    /// Motion of a device as a packet may say it.
+    fn told(&self, device: Motion<S>) -> Motion<S> {
+        let [position, velocity] = self.most_told;
+        Motion { position: device.position.limit(position), velocity: device.velocity.limit(velocity) }
+    }
+}
+
 impl<S: Scalar> Law<S> for FourChannel<S> {
     const LAWS: &'static [LawInfo] = &[LawInfo {
         name: "four-channel",
@@ -130,6 +143,7 @@ impl<S: Scalar> Law<S> for FourChannel<S> {
             let staged = Allowed::Only("\"forward-euler\", \"semi-implicit\" or \"exact\" with four_channel.at_device");
             return Err(settings.refuses("object.integrator", staged));
         }
+        let safety = settings.in_the_world().safety;
         Ok(Self {
             spring: Spring::build(settings),
             remote: S::from_f64(settings.own(&REMOTE)),
@@ -138,6 +152,7 @@ impl<S: Scalar> Law<S> for FourChannel<S> {
             damping: S::from_f64(object.damping_n_s_per_m),
             ground: S::from_f64(settings.own(&DAMPING)),
             at_device,
+            most_told: [2.0 * safety.workspace_m, safety.max_speed_m_per_s].map(|most| S::from_f64(WITHIN * most)),
         })
     }
 
@@ -173,11 +188,11 @@ impl<S: Scalar> Law<S> for FourChannel<S> {
     }
 
     fn send(&self, state: &FourChannelState<S>, local: Motion<S>) -> Packet<S> {
-        let packet = Packet { motion: local, ..Packet::default() };
         if self.at_device {
-            return Packet { wave_integral: (-state.own_force).to_counter(), ..packet };
+            let wave_integral = (-state.own_force).to_counter();
+            return Packet { motion: self.told(local), wave_integral, ..Packet::default() };
         }
-        Packet { wave: state.own_force, ..packet }
+        Packet { motion: local, wave: state.own_force, ..Packet::default() }
     }
 
     fn acts_on_device(&self) -> bool {
@@ -186,6 +201,7 @@ impl<S: Scalar> Law<S> for FourChannel<S> {
 
     /// What does not act on a device is none.
     fn idle(&self, packet: Packet<S>, local: Motion<S>) -> Packet<S> {
-        Packet { motion: Motion::at(local.position), wave: S::ZERO, wave_integral: S::Counter::ZERO, ..packet }
+        let motion = Motion::at(if self.at_device { self.told(local).position } else { local.position });
+        Packet { motion, wave: S::ZERO, wave_integral: S::Counter::ZERO, ..packet }
     }
 }

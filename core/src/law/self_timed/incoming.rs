@@ -107,6 +107,8 @@ pub(super) struct Outstanding<C> {
     pub(super) last: C,
     /// d₀: how long the line to this end is, ticks.
     pub(super) length: i32,
+    /// Nothing came out in the last tick.
+    pub(super) stands: bool,
     /// It stands because nothing reaches it.
     pub(super) is_cut_off: bool,
     /// Ticks that the line has stood since something came.
@@ -209,10 +211,11 @@ impl<C: Scalar> Incoming<C> {
         }
     }
 
-    /// u_in of this tick, √W, and the ρ that it is paid for at, `own` or less, which is 0 where the line stands: two numbers come back in registers.
+    /// u_in of this tick, √W, and the ρ that it is paid for at, `own` or less, unless the line now stands ([`Outstanding::stands`]): two numbers come back in registers.
     /// Once in the image, not once for each kind of tick: it is 400 bytes of ITCM.
     #[inline(never)]
     pub(super) fn emit<S: Scalar<Counter = C>>(&self, state: &mut Outstanding<C>, own: S) -> (S, S) {
+        state.stands = true;
         if state.samples <= 0 {
             return (S::ZERO, S::ZERO);
         }
@@ -226,6 +229,7 @@ impl<C: Scalar> Incoming<C> {
         let Some(share) = self.share(state, outstanding * self.price_j(mean), own) else {
             return (S::ZERO, S::ZERO);
         };
+        state.stands = false;
         let paid = share.to_counter();
         let wave = if self.follows { self.follow(state, mean, [outstanding, paid]) } else { mean };
         state.impatience = state.impatience.saturating_sub(1);

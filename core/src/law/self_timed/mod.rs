@@ -172,7 +172,7 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
         let own = self.end.own(&mut state.share, state.outstanding.length);
         let before = state.outstanding.last;
         let (wave_in, share) = self.incoming.emit(&mut state.outstanding, own);
-        if share == S::ZERO {
+        if state.outstanding.stands {
             self.incoming.stand(&mut state.outstanding, observed.age_ticks, state.told > S::ONE);
             state.announced.stood = state.announced.stood.saturating_add(1);
             let doing = self.carry.stands(&state.slip, state.outstanding.is_cut_off);

@@ -4,6 +4,7 @@ mod architectures;
 mod campaign;
 mod costs;
 mod force;
+mod halving;
 mod precision;
 mod record;
 mod study;
