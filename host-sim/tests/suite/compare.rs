@@ -35,7 +35,7 @@ fn against_itself_and_against_another() {
     let wave = "paper-5.2-wave-16ms,network.loss=0.2";
     let done = compare(&[wave, wave, "paper-5.2-wave-16ms,network.loss=0.1", "--seeds", "5"], &folder);
     let differences = done["differences"].as_array().expect("differences");
-    assert_eq!((done["runs"].as_u64(), differences.len()), (Some(15), 24));
+    assert_eq!((done["runs"].as_u64(), differences.len()), (Some(15), 28));
     let (mut told, mut zero) = (0, 0);
     for one in differences {
         let name = one["merit"].as_str().expect("a name");
