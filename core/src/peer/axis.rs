@@ -203,23 +203,32 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
     }
 
     /// What would be sent now.
+    #[inline]
     pub(super) fn outgoing(&self, law: &L, engaged: bool) -> Packet<S> {
+        // Asked first: what a cold call takes and gives in memory would be there in every packet.
+        if engaged { self.said(law) } else { self.idle(law) }
+    }
+
+    /// What a peer says that is engaged.
+    #[inline(always)]
+    fn said(&self, law: &L) -> Packet<S> {
         let mut packet = law.send(&self.coordination, self.object);
         // A law that needs it more finely than the ledger's number type has counted it itself.
         if packet.energy_j == S::Counter::ZERO {
             packet.energy_j = self.ledger.sent_j().to_counter();
         }
-        if !packet.is_finite() {
-            return Packet { motion: Motion::at(self.object.position), ..Packet::default() };
+        if packet.is_finite() {
+            packet
+        } else {
+            Packet { motion: Motion::at(self.object.position), ..Packet::default() }
         }
-        if engaged { packet } else { self.idle(law, packet) }
     }
 
     /// The packet of a peer that is not engaged.
     #[cold]
     #[inline(never)]
-    fn idle(&self, law: &L, packet: Packet<S>) -> Packet<S> {
-        law.idle(packet, self.object)
+    fn idle(&self, law: &L) -> Packet<S> {
+        law.idle(self.said(law), self.object)
     }
 
     /// Gives the law the packet that stands, of which this share still counts.

@@ -107,8 +107,6 @@ pub(super) struct Outstanding<C> {
     pub(super) last: C,
     /// d₀: how long the line to this end is, ticks.
     pub(super) length: i32,
-    /// Nothing came out in the last tick.
-    pub(super) stands: bool,
     /// It stands because nothing reaches it.
     pub(super) is_cut_off: bool,
     /// Ticks that the line has stood since something came.
@@ -211,13 +209,12 @@ impl<C: Scalar> Incoming<C> {
         }
     }
 
-    /// u_in of this tick, √W, and the ρ that it is paid for at, `own` or less, unless the line now stands ([`Outstanding::stands`]): two numbers come back in registers.
-    /// Once in the image, not once for each kind of tick: it is 400 bytes of ITCM.
+    /// The ρ, `own` or less, at which this tick's u_in is paid for, which is then [`Outstanding::last`]; none: the line stands. A flag and a number come back
+    /// in registers. Once in the image, not once for each kind of tick: it is 400 bytes of ITCM.
     #[inline(never)]
-    pub(super) fn emit<S: Scalar<Counter = C>>(&self, state: &mut Outstanding<C>, own: S) -> (S, S) {
-        state.stands = true;
+    pub(super) fn emit<S: Scalar<Counter = C>>(&self, state: &mut Outstanding<C>, own: S) -> Option<S> {
         if state.samples <= 0 {
-            return (S::ZERO, S::ZERO);
+            return None;
         }
         state.is_cut_off = false;
         if state.samples == 1 {
@@ -226,10 +223,7 @@ impl<C: Scalar> Incoming<C> {
         }
         let outstanding = C::from_i32(state.samples) - C::from_i32(state.sliced) * self.slice;
         let mean = state.integral.over(outstanding * self.period_s);
-        let Some(share) = self.share(state, outstanding * self.price_j(mean), own) else {
-            return (S::ZERO, S::ZERO);
-        };
-        state.stands = false;
+        let share = self.share(state, outstanding * self.price_j(mean), own)?;
         let paid = share.to_counter();
         let wave = if self.follows { self.follow(state, mean, [outstanding, paid]) } else { mean };
         state.impatience = state.impatience.saturating_sub(1);
@@ -243,7 +237,7 @@ impl<C: Scalar> Incoming<C> {
             (state.samples, state.length) = (state.samples - 1, state.length - 1);
         }
         state.account_j = state.account_j - paid * self.price_j(state.last);
-        (wave, share)
+        Some(share)
     }
 
     /// A tick in which nothing came out; `far_is_cut_off`: the other end says that nothing reaches it.
