@@ -309,7 +309,8 @@ pub(crate) fn stop_released() -> bool {
     pac::GPIOE.idr().read().idr(15) == pac::gpio::vals::Idr::HIGH
 }
 
-/// A duty in counts of which these are full scale, at most [`TOP`], rounded to the nearest (a tie cannot be).
+/// A duty in counts of which these are full scale, at most [`TOP`], rounded to the nearest (a tie cannot be). Only the current loop asks for it.
+#[cfg(not(feature = "three-axes"))]
 #[inline(always)]
 pub(crate) fn counts(duty: Duty, full_scale: u16) -> i32 {
     const FULL: i32 = Duty::FULL_SCALE as i32;
