@@ -31,6 +31,9 @@ use crate::settings::Settings;
 /// Largest number of ticks that a sum may cover, 2³², after which its counter wraps: 49 days at 1 kHz.
 pub const MOST_TICKS: f64 = 4_294_967_296.0;
 
+/// Share of a bound that a law says which would say more.
+pub(super) const WITHIN: f64 = 0.999;
+
 /// Factor by which several lines that meet may raise the speed and the wave of one.
 const JUNCTION: f64 = 3.0;
 

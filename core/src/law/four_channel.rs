@@ -26,6 +26,7 @@
 //! Where the copy is moved by ports its contact is solved together with the law, which learns F_LC from how the copy moved,
 //! F_LC = (2m_O/T_c)·(v − ẋ_o) + b_O·v − F_T, in time for what is sent; its own hand it then feeds back a tick late.
 
+use super::bounds::WITHIN;
 use super::{Coupled, Law, LawInfo, Observation, Packet, Sends, Spring};
 use crate::num::{Motion, Scalar, StateVector};
 use crate::object::{Port, Solve};
@@ -58,9 +59,6 @@ const AT_DEVICE: Key = Key::flag(
     false,
     "Four channels: there is no copy, and the law's force acts on the device itself; told is the force that acts.",
 );
-
-/// Share of what a packet may say.
-const WITHIN: f64 = 0.999;
 
 /// A spring to where the other copy is, and the forces of both hands.
 #[derive(Clone, Copy, Debug)]
@@ -109,9 +107,7 @@ impl<S: Scalar> FourChannel<S> {
     fn hands(&self, state: &FourChannelState<S>) -> S {
         self.remote * state.remote_force + self.local * state.own_force
     }
-}
 
-impl<S: Scalar> FourChannel<S> {
     /// Motion of a device as a packet may say it.
     fn told(&self, device: Motion<S>) -> Motion<S> {
         let [position, velocity] = self.most_told;

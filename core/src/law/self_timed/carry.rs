@@ -33,6 +33,7 @@
 //! With `coordination.carry_damping_n_s_per_m = 0` D is infinite: e stays 0, and an end that stands is a wall (THEORY §8).
 
 use crate::law::Spring;
+use crate::law::bounds::WITHIN;
 use crate::law::credit::CAP_J;
 use crate::law::terminal::Ended;
 use crate::num::{Motion, Scalar, StateVector};
@@ -89,8 +90,6 @@ const SOONER: f64 = 0.25;
 const JOLT_M_PER_S2: f64 = 2.5;
 /// Slips are told modulo this, m: of two that are less than half of it apart the difference is known, however far both have gone.
 pub(crate) const MODULUS_M: f64 = 16.0;
-/// Share of the speed that a packet may say.
-const WITHIN: f64 = 0.999;
 
 /// What the end of a line does in a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
