@@ -146,6 +146,8 @@ pub struct Peer<S: Scalar, L: Law<S>, const SHARED: usize = 1, const N: usize = 
     axes: usize,
     mode: Mode,
     until_packet: u32,
+    /// Since it was made.
+    ticks: u32,
     engagement: Engagement,
     /// Since the newest packet came.
     age_ticks: u32,
@@ -181,7 +183,7 @@ configured!([S: Scalar] Joint<S> { velocity; encoder });
 configured!([S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Configured] Peer<S, L, SHARED, N, K> {
     shared_axes, device, period_s, home, encoder, guard, watch, envelope, hold, motor, contact, kinematics, joints,
     ticks_per_packet, axes, law, degradation, stage_watch, clutch, fixture, oblique, at_device;
-    forces, load, mode, until_packet, engagement, age_ticks, delayed, saturated, asked, still, stage, probing, quiet,
+    forces, load, mode, until_packet, ticks, engagement, age_ticks, delayed, saturated, asked, still, stage, probing, quiet,
     fast_path, plain, slips, grips
 });
 
@@ -260,6 +262,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
             fast_path: false,
             plain: false,
             until_packet: 0,
+            ticks: 0,
             joints: device.map(|at| {
                 velocity.start(at);
                 Joint { encoder: EncoderState::default(), velocity }
@@ -424,6 +427,12 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         self.ticks_per_packet
     }
 
+    /// Whether the next [`Peer::tick`] is the longest, that of an exchange, or, where every tick has one, that in which the watch looks:
+    /// marks of encoders had better wait for the one after it.
+    pub fn is_busy(&self) -> bool {
+        if self.ticks_per_packet > 1 { self.packet_due() } else { Watch::<S>::looks(self.ticks.wrapping_add(1)) }
+    }
+
     /// Axes, and joints, in use.
     pub fn axes(&self) -> usize {
         self.axes
@@ -450,6 +459,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
             0 => self.ticks_per_packet - 1,
             more => more - 1,
         };
+        self.ticks = self.ticks.wrapping_add(1);
         let sensed = if overrun { Err(Fault::TickOverrun) } else { self.sense(reading, shown) };
         let pose = match sensed {
             Ok(pose) => pose,
@@ -722,7 +732,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
                 self.trip(Fault::Runaway);
                 return Actuators::default();
             }
-            if self.until_packet & 3 == 0 && self.is_stuck(duties) {
+            if Watch::<S>::looks(self.ticks) && self.is_stuck(duties) {
                 self.trip(Fault::EncoderStuck);
                 return Actuators::default();
             }
@@ -754,7 +764,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         self.grips.get_mut(at).map_or(S::ZERO, |grip| self.hold.gripped(grip, motion))
     }
 
-    /// Every fourth tick, and not in the one that is the longest: whether a joint's encoder does not count.
+    /// Where the watch looks: whether a joint's encoder does not count.
     #[inline(always)]
     fn is_stuck(&mut self, duties: [Duty; N]) -> bool {
         for (at, ((joint, still), duty)) in self.joints.iter().zip(&mut self.still).zip(duties).enumerate() {

@@ -186,9 +186,9 @@ impl Loop {
             });
         }
 
-        // Not in the longest tick, that of an exchange: what encoders show is kept for the next one.
+        // Not in the longest tick: what encoders show is kept for the next one.
         let marks;
-        let shown = if due && self.peer.ticks_per_packet() > 1 {
+        let shown = if self.peer.is_busy() {
             Shown::Unknown
         } else if let Some(seen) = encoders::see() {
             marks = encoders::marks(seen);

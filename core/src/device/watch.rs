@@ -5,8 +5,9 @@
 //! an edge, goes to and fro. So: since a joint's encoder last moved further than that, the duties of its motor may not have
 //! ranged over more than `safety.stuck_duty`, nor over more than half of what `safety.max_force_n` asks of it, or [`HELD_N`] if
 //! that is more: a device set to small forces is checked at small ones. With a stuck encoder the motors go off four to eight
-//! ticks after the force has changed by that. It is checked every fourth tick, counted back from the one before a packet is due:
-//! motion that comes back by then is not seen, a force that changes more slowly is; and a force has four ticks to move something.
+//! ticks after the force has changed by that. It is checked every fourth tick, of which none is that of an exchange where packets are a multiple
+//! of four ticks apart: motion that comes back by then is not seen, a force that changes more slowly is; and a force has four ticks to move
+//! something.
 //!
 //! **Runaway.** With an encoder that counts the wrong way, what the controller brakes gets faster. The hand then seems to
 //! feed the device a power P = −F·v that no hand has: more than `safety.max_hand_power_w` is not believed. Every tick.
@@ -58,7 +59,13 @@ impl<S: Scalar> Watch<S> {
         }
     }
 
-    /// Takes a joint's counts and duty every fourth tick: whether its force has changed too much for an encoder that
+    /// Whether it looks for what is stuck in this tick, the first of which is 1.
+    #[inline]
+    pub fn looks(tick: u32) -> bool {
+        tick & 3 == 0
+    }
+
+    /// Takes a joint's counts and duty where the watch [looks](Watch::looks): whether its force has changed too much for an encoder that
     /// does not count.
     #[inline]
     pub fn is_stuck(&self, still: &mut Still, counts: i32, Duty(duty): Duty) -> bool {

@@ -209,12 +209,12 @@ impl<C: Scalar> Incoming<C> {
         }
     }
 
-    /// The ρ, `own` or less, at which this tick's u_in is paid for, which is then [`Outstanding::last`]; none: the line stands. A flag and a number come back
-    /// in registers. Once in the image, not once for each kind of tick: it is 400 bytes of ITCM.
+    /// u_in of this tick, √W, and the ρ, `own` or less, at which it is paid for: ρ₀ or more, or 0, and the line stands. Two numbers come back in
+    /// registers. Once in the image, not once for each kind of tick: it is 400 bytes of ITCM.
     #[inline(never)]
-    pub(super) fn emit<S: Scalar<Counter = C>>(&self, state: &mut Outstanding<C>, own: S) -> Option<S> {
+    pub(super) fn emit<S: Scalar<Counter = C>>(&self, state: &mut Outstanding<C>, own: S) -> (S, S) {
         if state.samples <= 0 {
-            return None;
+            return (S::ZERO, S::ZERO);
         }
         state.is_cut_off = false;
         if state.samples == 1 {
@@ -223,7 +223,13 @@ impl<C: Scalar> Incoming<C> {
         }
         let outstanding = C::from_i32(state.samples) - C::from_i32(state.sliced) * self.slice;
         let mean = state.integral.over(outstanding * self.period_s);
-        let share = self.share(state, outstanding * self.price_j(mean), own)?;
+        let all_j = outstanding * self.price_j(mean);
+        if self.least * all_j > state.account_j {
+            return (S::ZERO, S::ZERO);
+        }
+        // Where all have the same ρ it pays by itself (Jensen). Nothing by nothing is no number, and no less than its own.
+        let pays = state.account_j.over(all_j.max(state.account_j));
+        let share = S::of_counter(pays.min(own.to_counter()).max(self.least));
         let paid = share.to_counter();
         let wave = if self.follows { self.follow(state, mean, [outstanding, paid]) } else { mean };
         state.impatience = state.impatience.saturating_sub(1);
@@ -237,7 +243,7 @@ impl<C: Scalar> Incoming<C> {
             (state.samples, state.length) = (state.samples - 1, state.length - 1);
         }
         state.account_j = state.account_j - paid * self.price_j(state.last);
-        Some(share)
+        (wave, share)
     }
 
     /// A tick in which nothing came out; `far_is_cut_off`: the other end says that nothing reaches it.
@@ -253,17 +259,6 @@ impl<C: Scalar> Incoming<C> {
         }
         state.fewest = 0;
         state.last = C::ZERO;
-    }
-
-    /// The ρ, `own` or less, at which what has come pays for all that is outstanding, which is this at ρ = 1, J; none where that is less than ρ₀.
-    #[inline]
-    fn share<S: Scalar<Counter = C>>(&self, state: &Outstanding<C>, all_j: C, own: S) -> Option<S> {
-        if self.least * all_j > state.account_j {
-            return None;
-        }
-        // Where all have the same ρ it pays by itself (Jensen). Nothing by nothing is no number, and no less than its own.
-        let paid = state.account_j.over(all_j.max(state.account_j));
-        Some(S::of_counter(paid.min(own.to_counter())))
     }
 
     /// Energy of this wave through one tick at ρ = 1, ½·T_c·u², J.

@@ -171,7 +171,8 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
         let position = S::of_counter(anchor);
         let own = self.end.own(&mut state.share, state.outstanding.length);
         let before = state.outstanding.last;
-        let Some(share) = self.incoming.emit(&mut state.outstanding, own) else {
+        let (wave_in, share) = self.incoming.emit(&mut state.outstanding, own);
+        if share == S::ZERO {
             self.incoming.stand(&mut state.outstanding, observed.age_ticks, state.told > S::ONE);
             state.announced.stood = state.announced.stood.saturating_add(1);
             let doing = self.carry.stands(&state.slip, state.outstanding.is_cut_off);
@@ -179,8 +180,7 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
             let ended = Terminal::stand(tied.pull, tied.impedance, solve);
             let velocity = self.carry.went(&mut state.slip, doing, &tied, &ended);
             return Coupled { desired: Motion { position, velocity }, force: ended.force, ..Coupled::default() };
-        };
-        let wave_in = S::of_counter(state.outstanding.last);
+        }
         if state.slip.stood {
             self.carry.goes(&mut state.slip, |force| self.end.freely([wave_in, share], force));
         } else if state.outstanding.stood_lately() {
