@@ -11,6 +11,25 @@ use super::capital_j;
 const SHORT: [(&str, &str); 3] = [("0.05", "40"), ("0.2", "40"), ("0.5", "40")];
 const LONG: [(&str, &str); 3] = [("0.05", "100"), ("0.2", "100"), ("0.5", "100")];
 
+/// The networks that the bench tests on and whose losses are no plain bursts (docs/bench.md), and others that are hostile.
+const OTHERS: [&[&str]; 10] = [
+    &[],
+    &["network.jitter=pareto", "network.jitter_s=0.004"],
+    &["network.one_way_delay_packets=20"],
+    &["network.delay_step_s=0.012", "network.delay_step_at_s=3"],
+    &["network.like=5g-campus", "network.one_way_delay_packets=4"],
+    &["network.like=starlink", "network.one_way_delay_packets=15"],
+    &["network.like=home-wifi", "network.one_way_delay_packets=0", "network.extra_delay_s=0.0008"],
+    &["network.jitter=gamma", "network.jitter_s=0.01", "network.loss=0.2"],
+    &[
+        "network.reorder=0.3",
+        "network.reorder_depth_packets=16",
+        "network.duplicate=0.2",
+        "network.clock_drift_ppm=200",
+    ],
+    &["network.one_way_delay_packets=90", "network.jitter=pareto", "network.jitter_s=0.004", "network.loss=0.1"],
+];
+
 /// Against each other, those of the cooperation paper's §5.2.
 const AGAINST: &[&str] = &["user.1.push_n=1", "user.2.push_n=1", "user.2.sine_n=0.25", "user.2.sine_rad_per_s=3"];
 /// Both the same way, 1 N from rest.
@@ -127,6 +146,19 @@ fn a_hand_that_is_led_meets_no_wall() {
     }
 }
 
+/// Wherever else packets come late or not at all, nobody who is led is stopped.
+#[test]
+fn a_hand_that_is_led_is_stopped_nowhere() {
+    for network in OTHERS {
+        let mut got = Got::default();
+        for seed in 1..=SEEDS {
+            run(&scene(&[LED, network], None, seed), 20_000, &mut got);
+        }
+        println!("{network:?}: {got:?}");
+        assert!(got.stopped == 0 && got.most_hand_n < 40.0, "{network:?}: {got:?}");
+    }
+}
+
 /// Pushed the same way, the object goes where it would, without a jolt.
 #[test]
 fn a_common_push_goes_on_through_bursts() {
@@ -170,18 +202,8 @@ fn an_empty_tank_parts_nobody() {
 #[test]
 fn nothing_drifts_and_nothing_is_made() {
     let minutes = std::env::var("MINUTES").map_or(10, |text| text.parse().expect("whole minutes"));
-    let hostile: [&[&str]; 3] = [
-        &["network.jitter=gamma", "network.jitter_s=0.01", "network.loss=0.2"],
-        &[
-            "network.reorder=0.3",
-            "network.reorder_depth_packets=16",
-            "network.duplicate=0.2",
-            "network.clock_drift_ppm=200",
-        ],
-        &["network.one_way_delay_packets=90", "network.jitter=pareto", "network.jitter_s=0.004", "network.loss=0.1"],
-    ];
     let bursts = SHORT.into_iter().chain(LONG).map(|network| scene(&[AGAINST], Some(network), 1));
-    let scenes: Vec<Scene> = bursts.chain(hostile.map(|network| scene(&[AGAINST, network], None, 1))).collect();
+    let scenes: Vec<Scene> = bursts.chain(OTHERS.map(|network| scene(&[AGAINST, network], None, 1))).collect();
     scenes.par_iter().for_each(|scene| {
         let [first, last, least_j] = drift(scene, minutes);
         println!(
