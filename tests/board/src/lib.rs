@@ -13,6 +13,7 @@
 //! | [`twin`] | the same scene in host-sim, in f32: what the boards must equal, bit for bit |
 //! | [`wire`] | the switch between boards and PC: delay, and whatever a bad network does |
 //! | [`partner`] | host-sim's live peer in place of the second board |
+//! | [`far`] | that peer far away, by the PC beside the board, a meeting place and a direct path |
 //! | [`pc`] | the operator's PC: ARP, and host-sim's operator |
 //! | [`node`] | one board on a thread of its own, stepped from outside |
 //! | [`power`] | power that goes while settings are saved |
@@ -30,6 +31,7 @@ pub mod bench;
 pub mod budget;
 pub mod cost;
 pub mod docs;
+pub mod far;
 pub mod image;
 pub mod log;
 pub mod node;

@@ -50,16 +50,18 @@ fn a_change_of_path_is_a_small_step_and_nothing_ends() {
 }
 
 /// The step to a longer path depends on what the hands do when the shorter one dies: twelve moments of a second, as hands are led, push against each
-/// other or shake. What the tank cannot pay for, 4 N on an object that goes at 0.3 m/s, is a step.
+/// other or shake. What the tank cannot pay for, 4 N on an object that goes at 0.3 m/s, is a step, and less of one with more in it.
 #[test]
 fn a_path_that_dies_at_any_moment_is_no_step() {
     const FASTER: &[&str] = &["user.1.sine_n=2", "user.1.sine_rad_per_s=12.566"];
     const HARDER: &[&str] = &["user.1.sine_n=4", "user.1.sine_rad_per_s=6.283"];
+    const PAID: &[&str] = &["user.1.sine_n=4", "user.1.sine_rad_per_s=6.283", "coordination.carry_energy_j=0.2"];
     for (hands, most) in [
         (LED, [0.1, 0.06, 1.7e-3]),
         (AGAINST, [0.1, 0.03, 1.1e-3]),
         (FASTER, [0.15, 0.1, 3.3e-3]),
         (HARDER, [2.8, 0.75, 9.5e-3]),
+        (PAID, [0.2, 0.12, 3.4e-3]),
     ] {
         let mut came = [0.0_f64; 3];
         for moment in 0..12 {

@@ -12,6 +12,7 @@
 //! | [`three_axes`] | do they along three shared axes? |
 //! | [`clutch`] | does a leader's clutch change the force by no more than its share? |
 //! | [`partner`] | is a board with host-sim's live peer as good as with a board? |
+//! | [`far`] | does it hold one object with a peer far away, by the PC beside it? |
 //! | [`bad_wire`], [`cable`] | what does a bad wire do, and none? |
 //! | [`faults`] (one of them an [`impostor`]), [`encoder_faults`], [`stop`], [`breaks`], [`deadman`], [`store`] | do outputs go off, and settings stay whole? |
 //! | [`budgets`], [`static_stack`], [`times`] | do flash, memory, stack, instructions and times keep to their budgets? |
@@ -27,6 +28,7 @@ mod clutch;
 mod current_loop;
 mod deadman;
 mod encoder_faults;
+mod far;
 mod faults;
 mod impostor;
 mod keys;
