@@ -7,6 +7,8 @@ use std::sync::Once;
 
 use plotters::style::{FontDesc, FontFamily, FontStyle, register_font};
 
+use super::sheet::LEAST;
+
 /// The name under which the font is registered with plotters.
 pub(crate) const NAME: &str = "report";
 /// (Ascender − descender) / em of this font: plotters sizes letters by the former, the sheet by the latter.
@@ -14,6 +16,8 @@ pub(crate) const LINE_PER_EM: f64 = 1.121;
 
 /// Em at which widths are measured, in whole pixels.
 const MEASURE: f64 = 500.0;
+/// Em of an index or a power, of that of its base.
+const SMALL: f64 = 0.75;
 /// Between words, in ems.
 const SPACE: f64 = 0.3;
 
@@ -81,19 +85,20 @@ pub(crate) fn words(text: &str, size: f64) -> (Vec<Word>, f64) {
     let mut words = Vec::new();
     let mut x = 0.0;
     for (level, run) in runs(text) {
-        // Em relative to the base letters, and height above their base line in base ems.
-        let (scale, rise) = match level {
-            Level::Base => (1.0, 0.0),
-            Level::Below => (0.75, -0.17),
-            Level::Above => (0.75, 0.38),
+        // Height above the base line, in ems of the base letters; indices and powers are smaller than these, as far as they can be read.
+        let rise = match level {
+            Level::Base => 0.0,
+            Level::Below => -0.17,
+            Level::Above => 0.38,
         };
+        let small = if level == Level::Base { size } else { (SMALL * size).max(LEAST.min(size)) };
         for (i, text) in run.split(' ').enumerate() {
             x += if i > 0 { SPACE * size } else { 0.0 };
             let guess = 0.5 * MEASURE * text.chars().count() as f64;
             let measured = font(MEASURE).box_size(text).map_or(guess, |(width, _)| f64::from(width));
-            let width = measured / MEASURE * scale * size;
+            let width = measured / MEASURE * small;
             if !text.is_empty() {
-                words.push(Word { text: text.to_owned(), x, width, rise: rise * size, size: scale * size });
+                words.push(Word { text: text.to_owned(), x, width, rise: rise * size, size: small });
             }
             x += width;
         }

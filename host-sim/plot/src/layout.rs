@@ -9,7 +9,7 @@
 use super::error::Cause;
 use super::range::{self, Axes};
 use super::scale::Scale;
-use super::sheet::{Anchor, Frame, INK, Mark, Print, Sheet, TICK, Text};
+use super::sheet::{Anchor, Frame, INK, LEAST, Mark, Print, Sheet, TICK, Text};
 use super::{Figure, Panel, ShareY, data, font, legend, panel};
 
 const MARGIN: f64 = 26.0;
@@ -49,7 +49,7 @@ pub(crate) fn sheet(figure: &Figure, print: Print) -> Result<Sheet, Cause> {
         if let Some(spot) = legend::place(inside, &slot.frame, &drawing.obstacles) {
             writer.0.extend(legend::marks(inside, spot.area));
         }
-        writer.around(panel, axes, slot);
+        writer.around(axes, slot);
     }
     let mut base = bottom + 6.0;
     for (panel, _) in figure.panels.iter().zip(&tall).filter(|(_, tall)| **tall) {
@@ -73,6 +73,9 @@ struct Slot {
     x_ticks: Vec<(f64, Vec<String>)>,
     y_ticks: Vec<(f64, String)>,
     heading: Vec<String>,
+    /// Lines of the labels along the axes.
+    x_label: Vec<String>,
+    y_label: Vec<String>,
     /// The left edge of the column's texts, so that labels below each other line up.
     label_left: f64,
     shows_x: bool,
@@ -80,19 +83,19 @@ struct Slot {
 }
 
 impl Slot {
-    fn below(&self, panel: &Panel) -> f64 {
+    fn below(&self) -> f64 {
         let lines = self.x_ticks.iter().map(|(_, lines)| lines.len()).max().unwrap_or(0) as f64;
-        if self.shows_x { 8.0 + LEADING * TICK * lines + room(&panel.x_label) } else { 0.0 }
+        if self.shows_x { 8.0 + LEADING * TICK * lines + room(&self.x_label) } else { 0.0 }
     }
 
-    fn beside(&self, panel: &Panel) -> f64 {
+    fn beside(&self) -> f64 {
         let widths = self.y_ticks.iter().map(|(_, text)| font::width(text, TICK));
-        if self.shows_y { 10.0 + widths.fold(0.0, f64::max) + room(&panel.y_label) } else { 0.0 }
+        if self.shows_y { 10.0 + widths.fold(0.0, f64::max) + room(&self.y_label) } else { 0.0 }
     }
 }
 
-fn room(label: &str) -> f64 {
-    if label.is_empty() { 0.0 } else { LEADING * LABEL + 4.0 }
+fn room(label: &[String]) -> f64 {
+    if label.is_empty() { 0.0 } else { LEADING * LABEL * label.len() as f64 + 4.0 }
 }
 
 /// All panels' slots, the first row starting at `top`, and where the last row ends.
@@ -122,6 +125,8 @@ fn slots(figure: &Figure, axes: &[Axes], top: f64, width: f64) -> (Vec<Slot>, f6
                 x_ticks: x_ticks(panel, &axis.x, rough),
                 y_ticks: axis.y.ticks((height / 58.0) as usize),
                 heading: font::wrap(&panel.title, HEADING, rough),
+                x_label: font::wrap(&panel.x_label, LEAST, rough),
+                y_label: font::wrap(&panel.y_label, LEAST, height),
                 shows_x: !repeats_x,
                 shows_y: !repeats_y,
             }
@@ -129,13 +134,11 @@ fn slots(figure: &Figure, axes: &[Axes], top: f64, width: f64) -> (Vec<Slot>, f6
         .collect();
 
     let beside: Vec<f64> = (0..columns)
-        .map(|column| {
-            slots.iter().zip(&figure.panels).skip(column).step_by(columns).map(|(s, p)| s.beside(p)).fold(0.0, f64::max)
-        })
+        .map(|column| slots.iter().skip(column).step_by(columns).map(Slot::beside).fold(0.0, f64::max))
         .collect();
     let width = ((room - beside.iter().sum::<f64>()) / columns as f64).max(60.0);
     let mut top = top;
-    for (row, (slots, panels)) in slots.chunks_mut(columns).zip(figure.panels.chunks(columns)).enumerate() {
+    for (row, slots) in slots.chunks_mut(columns).enumerate() {
         let heading = slots.iter().map(|s| s.heading.len()).max().unwrap_or(0) as f64;
         top += if row == 0 { 6.0 } else { 0.0 } + LEADING * HEADING * heading + 8.0;
         for (column, slot) in slots.iter_mut().enumerate() {
@@ -144,7 +147,7 @@ fn slots(figure: &Figure, axes: &[Axes], top: f64, width: f64) -> (Vec<Slot>, f6
             slot.label_left = left - beside.get(column).copied().unwrap_or(0.0);
             slot.frame = Frame { left, top: top.round(), right: (left + width).round(), bottom: top.round() + height };
         }
-        let below = slots.iter().zip(panels).map(|(s, p)| s.below(p)).fold(0.0, f64::max);
+        let below = slots.iter().map(Slot::below).fold(0.0, f64::max);
         top = top.round() + height + below + if row + 1 < rows { GAP / 2.0 } else { 0.0 };
     }
     (slots, top)
@@ -202,7 +205,7 @@ impl Writer {
     }
 
     /// Heading, tick texts and labels around a frame.
-    fn around(&mut self, panel: &Panel, axes: &Axes, slot: &Slot) {
+    fn around(&mut self, axes: &Axes, slot: &Slot) {
         let frame = &slot.frame;
         let centre = (frame.left + frame.right) / 2.0;
         for (i, line) in slot.heading.iter().rev().enumerate() {
@@ -216,24 +219,28 @@ impl Writer {
                     self.text((x, y), Anchor::Middle, TICK, line);
                 }
             }
-            let y = frame.bottom + slot.below(panel) - 6.0;
-            self.text((centre, y), Anchor::Middle, fitted(&panel.x_label, frame.width()), &panel.x_label);
+            let (last, size) = (frame.bottom + slot.below() - 6.0, fitted(&slot.x_label, frame.width()));
+            for (i, line) in slot.x_label.iter().rev().enumerate() {
+                self.text((centre, last - LEADING * LABEL * i as f64), Anchor::Middle, size, line);
+            }
         }
         if slot.shows_y {
             for (value, text) in &slot.y_ticks {
                 let y = frame.bottom - axes.y.fraction(*value) * frame.height();
                 self.text((frame.left - 10.0, y + 0.35 * TICK), Anchor::End, TICK, text);
             }
-            let at = (slot.label_left + LABEL - 2.0, (frame.top + frame.bottom) / 2.0);
-            let (size, text) = (fitted(&panel.y_label, frame.height()), panel.y_label.clone());
-            if !text.is_empty() {
-                self.0.push(Mark::Text(Text { at, anchor: Anchor::Middle, size, color: INK, upward: true, text }));
+            let (middle, size) = ((frame.top + frame.bottom) / 2.0, fitted(&slot.y_label, frame.height()));
+            for (i, line) in slot.y_label.iter().enumerate() {
+                let at = (slot.label_left + LABEL - 2.0 + LEADING * LABEL * i as f64, middle);
+                let text = Text { at, anchor: Anchor::Middle, size, color: INK, upward: true, text: line.clone() };
+                self.0.push(Mark::Text(text));
             }
         }
     }
 }
 
-/// The size at which a label fits along its axis, down to 16 pixels.
-fn fitted(label: &str, length: f64) -> f64 {
-    (LABEL * (length / font::width(label, LABEL).max(1.0)).min(1.0)).max(16.0)
+/// The size at which every line of a label fits along its axis, as far as it can be read.
+fn fitted(label: &[String], length: f64) -> f64 {
+    let widest = label.iter().map(|line| font::width(line, LABEL)).fold(1.0, f64::max);
+    (LABEL * (length / widest).min(1.0)).max(LEAST)
 }

@@ -13,7 +13,11 @@ pub(crate) type Rgb = (u8, u8, u8);
 pub const WIDTH: f64 = 1600.0;
 
 /// Em of the letters at the ticks, in pixels: what a size in points is of.
-pub(crate) const TICK: f64 = 20.0;
+pub(crate) const TICK: f64 = 22.0;
+
+/// Em of the smallest letters, indices and powers included, in pixels: 6 points where letters at the ticks have 7, as on a sheet of
+/// [`WIDTH`] that is 180 mm wide. Less is hard to read in print.
+pub(crate) const LEAST: f64 = 18.9;
 
 /// Millimetres in a point.
 const MM_PER_PT: f64 = 25.4 / 72.0;

@@ -56,7 +56,7 @@ pub(super) struct Out {
     /// Width of figures in print, mm: 88 for a column, 180 for a page.
     #[arg(long, value_name = "MM", value_parser = number(60.0..=400.0, "mm"))]
     width_mm: Option<f64>,
-    /// Size of the letters at the ticks of figures, points; 6.4 without it.
+    /// Size of the letters at the ticks of figures, points; 7 without it.
     #[arg(long, value_name = "PT", value_parser = number(5.0..=14.0, "pt"))]
     font_pt: Option<f64>,
 }

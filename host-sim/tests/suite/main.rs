@@ -13,6 +13,7 @@ mod examples;
 mod flood;
 mod hub;
 mod key_files;
+mod letters;
 mod live;
 mod live_verdict;
 mod one_way;

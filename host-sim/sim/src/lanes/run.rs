@@ -18,14 +18,26 @@ const FEWEST: usize = if cfg!(target_feature = "avx512f") { 3 } else { 12 };
 pub trait InLanes: Run {
     /// The type that holds a number for each lane.
     type Lanes: Lanes<Alone = Self> + Number;
+    /// [`run_group`] in these lanes. Compiled here, once and optimised, and not wherever it is called.
+    #[doc(hidden)]
+    fn run_group(scenes: &[&Scene], options: Options, fewest: usize) -> Result<Vec<Option<Outcome>>, Refused<'static>>;
 }
 
-impl InLanes for f32 {
-    type Lanes = F32s;
+macro_rules! in_lanes {
+    ($($Number:ty: $Lanes:ty),+) => {
+        $(impl InLanes for $Number {
+            type Lanes = $Lanes;
+            fn run_group(
+                scenes: &[&Scene],
+                options: Options,
+                fewest: usize,
+            ) -> Result<Vec<Option<Outcome>>, Refused<'static>> {
+                of_axes!(scenes[0], run_group::<$Lanes>(scenes, options, fewest))
+            }
+        })+
+    };
 }
-impl InLanes for f64 {
-    type Lanes = F64s;
-}
+in_lanes!(f32: F32s, f64: F64s);
 
 /// Runs all scenes for `duration_s` (s); gives, to the last bit, what [`crate::run::run`] does for each; nothing is recorded.
 ///
@@ -53,7 +65,7 @@ pub fn run_from<S: InLanes>(
             continue;
         }
         let members: Vec<&Scene> = group.iter().map(|at| &scenes[*at]).collect();
-        let together = of_axes!(members[0], run_group::<S::Lanes>(&members, options, fewest))?;
+        let together = S::run_group(&members, options, fewest)?;
         for (at, outcome) in group.into_iter().zip(together) {
             match outcome {
                 Some(outcome) => outcomes[at] = Some(outcome),
