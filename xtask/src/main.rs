@@ -21,6 +21,7 @@ mod qemu;
 mod readme;
 mod recordings;
 mod release;
+mod rig;
 mod rooms;
 mod run;
 mod setup;
@@ -43,7 +44,7 @@ struct Chore {
     run: fn(&Options<'_>) -> Result<(), Failure>,
 }
 
-const CHORES: [Chore; 25] = [
+const CHORES: [Chore; 26] = [
     Chore {
         name: "setup",
         options: "",
@@ -226,6 +227,15 @@ qemu-system-arm if apt-get can; without it says so, and fails where CI is set.",
         more: "A run in memory and two live peers. The versions of tests/recordings/requirements.txt are installed into a virtual
 environment below target/ when they have changed; it needs Python 3 with venv and, then, the registry.",
         run: |_| recordings::recordings(),
+    },
+    Chore {
+        name: "rig",
+        options: " [--page]",
+        does: "Says what two bare boards and wires between them are to show on silicon",
+        more: "One NUCLEO-H743ZI2 runs the release image, the other plays device, faults and logic analyser: wires, what is driven,
+what is measured, and what it must be. Nothing is run: the second board's image is not written yet.
+  --page   write docs/silicon.md, which says what has met silicon, when, with which image",
+        run: |given| rig::rig(given.flag("--page")),
     },
     Chore {
         name: "rooms",

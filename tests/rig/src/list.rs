@@ -1,0 +1,169 @@
+//! The tests. Names of pins are the chip's; firmware/wiring/netlist.toml says where each is on the connectors.
+
+/// One thing that is asked of silicon.
+#[derive(Clone, Copy, Debug)]
+pub struct Test {
+    /// Its name, and the anchor of its line on the page.
+    pub name: &'static str,
+    /// Its wires.
+    pub wires: &'static [Wire],
+    /// What the rig, or the PC, does.
+    pub drives: &'static str,
+    /// What is measured, and by whom.
+    pub measures: &'static str,
+    /// What it must be, with its unit.
+    pub bound: &'static str,
+    /// Where the bound stands.
+    pub from: &'static str,
+    /// How long it takes, s.
+    pub seconds: u32,
+    /// The tests in tests/board/tests/boards that ask a virtual board for the same, or for the nearest to it; none where there is nothing near.
+    pub virtual_board: Option<&'static str>,
+}
+
+/// A wire between the two boards.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wire {
+    /// The rig drives this pin of the board, by the pin of the same name.
+    Drives(&'static str),
+    /// The rig looks at this pin of the board, by the pin of the same name.
+    Sees(&'static str),
+    /// The rig's analogue output PA5 to this pin of the board.
+    Analogue(&'static str),
+}
+
+use Wire::{Analogue, Drives, Sees};
+
+/// All of them, from the harmless on.
+pub const TESTS: [Test; 13] = [
+    Test {
+        name: "tick-duration",
+        wires: &[],
+        drives: "nothing: the board runs disarmed, then armed, with a peer",
+        measures: "the board's own count of its cycles: `time duration`",
+        bound: "below 24,000 cycles of 480 MHz",
+        from: "assembly.md, gate 1",
+        seconds: 120,
+        virtual_board: Some("times.rs"),
+    },
+    Test {
+        name: "tick-spacing",
+        wires: &[Drives("PC6"), Drives("PC7"), Drives("PD15"), Drives("PE15"), Sees("PE9"), Sees("PE14"), Sees("PF3")],
+        drives: "the encoder, so that every tick changes the pulses; the gate's output",
+        measures: "periods of PE9 from one change of its pulses to the next; beside it the board's own `time spacing`",
+        bound: "20 periods of 50 µs each time; 100 cycles of 480 MHz",
+        from: "assembly.md, gate 1",
+        seconds: 120,
+        virtual_board: Some("times.rs"),
+    },
+    Test {
+        name: "dead-man",
+        wires: &[Drives("PC6"), Drives("PC7"), Drives("PD15"), Drives("PE15"), Sees("PE9"), Sees("PE14"), Sees("PF3")],
+        drives: "the encoder; the probe stops the tick's timer, 100 times, armed anew each time",
+        measures: "from the last change of PE9's pulses, less the 46 µs that it comes after its tick, to PE14 low",
+        bound: "below 2.0 ms each time",
+        from: "hardware.md, Safety",
+        seconds: 600,
+        virtual_board: Some("deadman.rs"),
+    },
+    Test {
+        name: "break-by-fault",
+        wires: &[Drives("PE6"), Drives("PD15"), Drives("PE15"), Sees("PE14"), Sees("PF3")],
+        drives: "the bridges' fault line low, 1,000 times, armed anew each time",
+        measures: "from the line low to PE14 low, both captured at 240 MHz",
+        bound: "below 1.27 µs: 1 µs beyond the filter's 0.27",
+        from: "hardware.md, Breaks",
+        seconds: 3600,
+        virtual_board: Some("breaks.rs"),
+    },
+    Test {
+        name: "break-by-stop",
+        wires: &[Drives("PE15"), Drives("PD15"), Sees("PE14"), Sees("PF3")],
+        drives: "the emergency stop's first contact open, 1,000 times, armed anew each time",
+        measures: "from the line low to PE14 low, both captured at 240 MHz",
+        bound: "below 1.27 µs: 1 µs beyond the filter's 0.27",
+        from: "hardware.md, Breaks",
+        seconds: 3600,
+        virtual_board: Some("breaks.rs"),
+    },
+    Test {
+        name: "amplifiers-gate",
+        wires: &[Drives("PD15"), Drives("PE15"), Sees("PE14"), Sees("PF3"), Sees("PE9")],
+        drives: "PD15 as a gate would that is wired to PF3 alone, to PE14 alone, that never opens, that is always open",
+        measures: "what the board says, and the pulses of PE9 while PD15 is high",
+        bound: "fault 31, and no current asked for but by a gate that works",
+        from: "hardware.md, Drives",
+        seconds: 60,
+        virtual_board: Some("amplifiers.rs"),
+    },
+    Test {
+        name: "encoder-counts",
+        wires: &[Drives("PC6"), Drives("PC7"), Drives("PD12"), Drives("PD13")],
+        drives: "both encoders, ten million edges each way, up to 3 MHz",
+        measures: "counts that the board reports in its records",
+        bound: "every count, to 1",
+        from: "assembly.md, Parts",
+        seconds: 300,
+        virtual_board: Some("same_bits.rs"),
+    },
+    Test {
+        name: "encoder-faults",
+        wires: &[Drives("PC6"), Drives("PC7"), Drives("PC8"), Drives("PE15")],
+        drives: "the encoder with a wire that is cut, an index at a wrong count, a jump",
+        measures: "what the board says, and how soon PE14 is low",
+        bound: "faults 22, 20 and 2",
+        from: "hardware.md, table of faults",
+        seconds: 60,
+        virtual_board: Some("encoder_faults.rs"),
+    },
+    Test {
+        name: "converter-codes",
+        wires: &[Analogue("PA3"), Analogue("PC0"), Analogue("PB1")],
+        drives: "a slow ramp over the whole range through 10 kΩ and 10 µF, finer than its own 12 bits, to one input after the other",
+        measures: "codes of the board's converter that never come, in a row",
+        bound: "no gap above 8 codes of 65,536",
+        from: "hardware.md, after a start",
+        seconds: 900,
+        virtual_board: Some("one_board.rs"),
+    },
+    Test {
+        name: "supply-behind-the-stop",
+        wires: &[Analogue("PB1"), Drives("PE15")],
+        drives: "the supply's divider from 24 V down, as 1000 µF and 2.2 kΩ do once the second contact opens, and as without it",
+        measures: "what `bringup` says of either",
+        bound: "below 4.5 V within 10 s passes, and nothing else",
+        from: "assembly.md, gate 2",
+        seconds: 60,
+        virtual_board: Some("calibrate.rs"),
+    },
+    Test {
+        name: "halt-while-armed",
+        wires: &[Drives("PC6"), Drives("PC7"), Drives("PD15"), Drives("PE15"), Sees("PE9"), Sees("PE14"), Sees("PF3")],
+        drives: "the probe halts the processor of an armed board, 100 times",
+        measures: "from the last pulse of PE9 to PE14 low, and whether it stays so",
+        bound: "below 50 µs: one period",
+        from: "hardware.md, Drives",
+        seconds: 600,
+        virtual_board: Some("breaks.rs"),
+    },
+    Test {
+        name: "same-bits",
+        wires: &[Drives("PC6"), Drives("PC7"), Drives("PD15"), Drives("PE15"), Sees("PE9"), Sees("PE14"), Sees("PF3")],
+        drives: "a device: a mass under the board's force, from PE9's pulses, and a hand that pushes",
+        measures: "every record of the board, computed again by the simulator from what the board read",
+        bound: "every bit of 60,000 ticks",
+        from: "hardware.md, Appendix B",
+        seconds: 90,
+        virtual_board: Some("same_bits.rs"),
+    },
+    Test {
+        name: "soak",
+        wires: &[Drives("PC6"), Drives("PC7"), Drives("PD15"), Drives("PE15"), Sees("PE9"), Sees("PE14"), Sees("PF3")],
+        drives: "the device of same-bits, armed for a day",
+        measures: "ticks missed, faults, restarts, and bits that differ",
+        bound: "none in 24 h",
+        from: "issue 32",
+        seconds: 86_400,
+        virtual_board: None,
+    },
+];

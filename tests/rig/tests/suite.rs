@@ -1,0 +1,67 @@
+//! The list against the netlist, the tests that it names, and the pages.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use haptic_rig::list::{TESTS, Wire};
+use haptic_rig::page;
+
+fn place(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(name)
+}
+
+fn text(name: &str) -> String {
+    std::fs::read_to_string(place(name)).unwrap_or_else(|cause| panic!("{name}: {cause}"))
+}
+
+/// How the netlist says what a pin of the board is: its line, which has `is = "output"` and the like.
+fn line_of<'a>(netlist: &'a str, pin: &str) -> &'a str {
+    let begins = format!("{{ pin = \"{pin}\",");
+    netlist.lines().find(|line| line.trim().starts_with(&begins)).unwrap_or_else(|| panic!("no {pin} in the netlist"))
+}
+
+#[test]
+fn each_wire_ends_at_a_pin_that_takes_or_drives_what_goes_along_it() {
+    let netlist = text("firmware/wiring/netlist.toml");
+    for test in TESTS {
+        for wire in test.wires {
+            let (pin, is) = match wire {
+                Wire::Drives(pin) => (pin, "input"),
+                Wire::Sees(pin) => (pin, "output"),
+                Wire::Analogue(pin) => (pin, "analogue"),
+            };
+            let line = line_of(&netlist, pin);
+            assert!(line.contains(&format!("is = \"{is}\"")), "{}: {wire:?}: {line}", test.name);
+        }
+    }
+}
+
+#[test]
+fn each_test_has_a_name_of_its_own_and_what_it_names_is_there() {
+    let names: BTreeSet<&str> = TESTS.iter().map(|test| test.name).collect();
+    assert_eq!(names.len(), TESTS.len());
+    for test in TESTS {
+        assert!(test.seconds > 0 && !test.bound.is_empty(), "{}", test.name);
+        if let Some(file) = test.virtual_board {
+            assert!(place("tests/board/tests/boards").join(file).is_file(), "{}: {file}", test.name);
+        }
+    }
+}
+
+#[test]
+fn the_page_is_what_the_list_says() {
+    assert!(text("docs/silicon.md") == page::silicon(), "`cargo xtask rig --page` writes docs/silicon.md");
+}
+
+#[test]
+fn each_link_to_the_page_has_its_line_and_each_test_but_the_soak_a_link() {
+    let page = text("docs/silicon.md");
+    let pages = text("docs/hardware.md") + &text("docs/assembly.md");
+    let linked: BTreeSet<&str> = pages.split("silicon.md#").skip(1).filter_map(|rest| rest.split(')').next()).collect();
+    for name in &linked {
+        assert!(page.contains(&format!("<a id=\"{name}\">")), "{name} has no line");
+    }
+    for test in TESTS.iter().filter(|test| test.name != "soak") {
+        assert!(linked.contains(test.name), "nothing links to {}", test.name);
+    }
+}
