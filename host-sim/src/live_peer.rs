@@ -6,6 +6,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use haptic_analysis::{Finding, Hand, Question, find, measured};
+use haptic_live::devices::Kind;
 use haptic_live::endpoint::{Span, Stop};
 use haptic_live::peer::{self, Report};
 use haptic_live::verdict::{Judge, Verdict};
@@ -69,7 +70,8 @@ impl LivePeer {
     /// It did not begin, or nobody was there.
     pub fn run(self, wanted: LiveOptions, stop: &Stop) -> Result<Report, haptic_live::Error> {
         let Self { scene, number, key, ends, span, anyway } = self;
-        let judge = Some(judge(scene.clone(), None, anyway));
+        let is_simulated = matches!(wanted.device.kind, Kind::Simulated);
+        let judge = Some(judge(scene.clone(), None, is_simulated, anyway));
         peer::run(&scene, key, number, ends, span, &LiveOptions { judge, ..wanted }, stop)
     }
 
@@ -79,12 +81,18 @@ impl LivePeer {
     }
 }
 
-/// Who judges this scene at measured delays, with a hand that may take either device if there is one, and lets it arm anyway or not.
-pub(crate) fn judge(scene: Scene, hand: Option<Hand>, anyway: Result<(), &'static str>) -> Judge {
+/// What a verdict leaves out of a device that the scene does not simulate: the scene's has a tick of delay at the most.
+const DEVICE_S_OWN: &str = "how late and how often the device itself is heard";
+
+/// Who judges this scene at measured delays, with a hand that may take either device if there is one, of an end whose device is the scene's or
+/// another, and lets it arm anyway or not.
+pub(crate) fn judge(scene: Scene, hand: Option<Hand>, is_simulated: bool, anyway: Result<(), &'static str>) -> Judge {
     let question = Question { hand, for_every_mode: true, most_packets: MOST_PACKETS };
+    let left_out = (!is_simulated).then_some(DEVICE_S_OWN);
     let find = move |one_way_s: [f64; 2]| {
         let found = find(&measured(&scene, one_way_s), question);
-        let Finding { stable, spectral_radius, text, instead, not_judged } = found;
+        let Finding { stable, spectral_radius, text, instead, mut not_judged } = found;
+        not_judged.extend(left_out);
         Verdict { one_way_ms: one_way_s.map(|s| 1e3 * s), stable, spectral_radius, text, instead, not_judged }
     };
     Judge { find: Arc::new(find), unless: anyway.err() }

@@ -22,8 +22,7 @@ fn open(at: &str, _: &DeviceOptions) -> Result<Box<dyn Port>, Error> {
     line.set_nonblocking(true).and_then(|()| line.set_nodelay(true)).map_err(|cause| cause.to_string())?;
     let (name, lets_go_s, max_force_n) = (format!("handle at {at}"), Some(0.02), Some(5.0));
     let abilities = Abilities { name, axes: 1, max_force_n, is_homed: true, lets_go_s, ..Abilities::default() };
-    let (line, text, asked) = (BufReader::new(line), String::new(), VecDeque::new());
-    Ok(Box::new(Handle { abilities, line, text, asked, newest: None }))
+    Ok(Box::new(Handle { abilities, line: BufReader::new(line), text: String::new(), asked: [].into(), newest: None }))
 }
 
 impl Port for Handle {

@@ -44,8 +44,8 @@ enum Fault {
 }
 
 /// The hand at the board's device, and what the board did to it.
-struct World {
-    hand: Hand<1>,
+pub(super) struct World {
+    pub(super) hand: Hand<1>,
     fault: Fault,
     /// Time, s, and force, N, of each tick.
     asked: Vec<(f64, [f64; 1])>,
@@ -95,7 +95,7 @@ impl Device<f32, AXES> for Handle {
 }
 
 /// A board that is armed by whoever speaks to it, as its operator would have armed it before, until this is dropped.
-struct Lab {
+pub(super) struct Lab {
     handle: Handle,
     /// Its address, and where its flow goes.
     ends: [String; 2],
@@ -111,7 +111,7 @@ fn scene(set: &[&str]) -> Scene {
 
 impl Lab {
     /// Board `number` of this key, whose settings differ so from the scene's, with a hand that trembles.
-    fn start(key: &str, number: u8, set: &[&str], tremor_m: f64) -> Self {
+    pub(super) fn start(key: &str, number: u8, set: &[&str], tremor_m: f64) -> Self {
         let ends = [free(), free()];
         let key = key_file::read(Path::new(key), Role::Peers).expect("a key");
         let hand = Hand::new(tremor_m);
@@ -147,19 +147,19 @@ impl Lab {
         Self { handle, ends, stop, thread: Some(std::thread::spawn(run)) }
     }
 
-    fn world(&self) -> MutexGuard<'_, World> {
+    pub(super) fn world(&self) -> MutexGuard<'_, World> {
         self.handle.world()
     }
 
     /// What is said of it on a command line.
-    fn flags(&self, key: &str) -> Vec<String> {
+    pub(super) fn flags(&self, key: &str) -> Vec<String> {
         let device = format!("board:{}", self.ends[0]);
         let all = ["--device", &device, "--device-listen", &self.ends[1], "--device-key-file", key];
         all.map(str::to_owned).to_vec()
     }
 
     /// Mean force of the last so many seconds, N.
-    fn mean_n(&self, for_s: f64) -> f64 {
+    pub(super) fn mean_n(&self, for_s: f64) -> f64 {
         let world = self.world();
         let now_s = world.hand.time_s();
         let last: Vec<f64> = world.asked.iter().filter(|(at, _)| *at > now_s - for_s).map(|(_, [n])| *n).collect();

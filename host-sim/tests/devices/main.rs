@@ -7,7 +7,9 @@
 mod board;
 mod bus;
 mod emulator;
+mod ends;
 mod hand;
+mod hub;
 mod mit;
 mod moteus;
 mod motors;
@@ -168,6 +170,9 @@ fn a_device_and_a_simulated_one_hold_one_object() {
             println!("{scene}: {most_mm:.3} mm apart at most, {felt_n:?} N, round trip {}", live["round_trip_us"]);
             apart_m = 1e-3 * number(&live, "true_discrepancy_mm");
             assert!(most_mm < 2.0 && number(&live, "ticks") == 8_000.0, "{live}");
+            // The verdict before arming says that it leaves a device of one's own out; of the simulated one it leaves nothing out.
+            let left_out = live["verdict"]["not_judged"].to_string().contains("how late and how often the device");
+            assert_eq!(left_out, live["device"] != Value::Null, "{live}");
         }
         for axis in 0..axes {
             // What the copies are apart, the springs are not stretched by; along every axis in proportion.
