@@ -19,7 +19,7 @@ use serde_json::Value;
 
 use super::hand::{HAND_N_PER_M, Hand};
 use super::steps::steps;
-use super::{BUSY_S, Running, SILENT_S, alone, largest_first_step, number, peer};
+use super::{BUSY_S, LOSSY, Running, SILENT_S, alone, largest_first_step, number, peer, relay, sets};
 use crate::program::{Keys, free, host_sim, report, signal};
 
 const TICK: Duration = Duration::from_millis(1);
@@ -193,17 +193,13 @@ const HANDS: [&str; 6] = [
     "user.1.arm_damping_n_s_per_m=8",
 ];
 
-fn hands() -> impl Iterator<Item = &'static str> {
-    HANDS.iter().flat_map(|setting| ["--set", setting])
-}
-
 /// A peer at this board and another one, armed.
 fn pair(lab: &Lab, key: &str, seconds: &str, more: &[&str]) -> [Running; 2] {
     let [one, two] = [free(), free()];
     let live = |number, listen: &str, connect: &str| {
         let mut command =
             host_sim(&["peer", "--json", "--scene", "any-network", "--number", number, "--key-file", key]);
-        command.args(["--listen", listen, "--connect", connect, "--seconds", seconds]).args(hands());
+        command.args(["--listen", listen, "--connect", connect, "--seconds", seconds]).args(sets(&HANDS));
         command
     };
     let mut first = live("1", &one, &two);
@@ -239,33 +235,27 @@ fn a_board_passes_ten_steps() {
     assert!(!passed && said.contains("step 6, watchdog: "), "{said}");
 }
 
-/// The network: 8 ms each way, 20 % of the packets lost, five in a row.
-const NETWORK: [&str; 3] = ["network.one_way_delay_packets=8", "network.loss=0.2", "network.loss_burst_packets=5"];
 /// The simulated hand that reaches as the one at the board does.
 const REACHES: [&str; 4] =
     ["user.1.push_n=0", "user.1.arm_stiffness_n_per_m=300", "user.1.reach_m=0.02", "user.1.reach_s=1"];
 
-fn sets<'a>(settings: impl IntoIterator<Item = &'a &'a str>) -> Vec<&'a str> {
-    settings.into_iter().flat_map(|setting| ["--set", *setting]).collect()
-}
-
 /// How far apart the copies of two live peers were in the last half of 8 s over a lossy relay, mm, and by how much that may be wrong: the first has
 /// these flags beside; `meanwhile` is done once both are armed.
 fn apart_mm(key: &str, first: &[String], meanwhile: impl FnOnce()) -> [f64; 2] {
-    let network = sets(&NETWORK);
-    let (one, two, relay) = (free(), free(), [free(), free()]);
-    let mut lossy = host_sim(&["network", "relay", "--json", "--scene", "any-network", "--seconds", "68"]);
-    lossy.args(["--listen-1", &relay[0], "--listen-2", &relay[1], "--peer-1", &one, "--peer-2", &two]).args(&network);
-    let lossy = lossy.spawn().expect("host-sim runs");
+    let (one, two, between) = (free(), free(), [free(), free()]);
+    let lossy = relay("any-network", 68.0, &between, [&one, &two], sets(&LOSSY));
     let live = |number, listen: &str, connect: &str| {
         let mut command =
             host_sim(&["peer", "--json", "--scene", "any-network", "--number", number, "--key-file", key]);
-        command.args(["--listen", listen, "--connect", connect, "--seconds", "8"]).args(&network).args(hands());
+        command
+            .args(["--listen", listen, "--connect", connect, "--seconds", "8"])
+            .args(sets(&LOSSY))
+            .args(sets(&HANDS));
         command
     };
-    let mut near = live("1", &one, &relay[0]);
+    let mut near = live("1", &one, &between[0]);
     near.args(first);
-    let mut peers = [near, live("2", &two, &relay[1])].map(Running::start);
+    let mut peers = [near, live("2", &two, &between[1])].map(Running::start);
     peers.iter_mut().for_each(|peer| peer.until(" s  armed, "));
     meanwhile();
     let found = peers.map(|peer| {
@@ -286,7 +276,7 @@ fn a_board_and_a_simulated_device_hold_one_object() {
     let _alone = alone();
     let keys = Keys::new("board-pair", 0);
     let key = keys.file(0);
-    let simulated: Vec<String> = sets(&REACHES).into_iter().map(str::to_owned).collect();
+    let simulated: Vec<String> = sets(&REACHES).map(str::to_owned).collect();
     let [simulated_mm, _] = apart_mm(&key, &simulated, || {});
     let lab = Lab::start(&key, 1, &[], 0.0);
     let more = [&WITHIN[..], &["--device-silent-s", "0.2"]].concat().into_iter().map(str::to_owned);

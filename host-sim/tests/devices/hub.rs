@@ -6,7 +6,7 @@ use std::time::Duration;
 use serde_json::Value;
 
 use super::emulator::{Emulator, Fault};
-use super::{BUSY_S, HAND_N_PER_M, Running, SILENT_S, alone, mean, number};
+use super::{BUSY_S, HAND_N_PER_M, Running, SILENT_S, alone, mean, number, relay, sets};
 use crate::program::{Keys, free, host_sim, report, signal};
 
 const REACH_M: f64 = 0.015;
@@ -23,10 +23,6 @@ const HOLD_ON: [&str; 7] = [
     "user.2.arm_stiffness_n_per_m=300",
     "user.2.arm_damping_n_s_per_m=8",
 ];
-
-fn sets<'a>(settings: &'a [&'a str]) -> impl Iterator<Item = &'a str> {
-    settings.iter().flat_map(|setting| ["--set", *setting])
-}
 
 /// A hub for three, and where it listens.
 fn hub(keys: &Keys) -> (Running, String) {
@@ -95,13 +91,11 @@ fn ended(hub: Running, others: [Running; 2]) -> Value {
 #[test]
 fn three_hold_one_object_and_one_is_at_a_device() {
     let _alone = alone();
-    let (keys, relay, own) = (Keys::new("devices-hub", 3), [free(), free()], free());
+    let (keys, between, own) = (Keys::new("devices-hub", 3), [free(), free()], free());
     let (hub, address) = hub(&keys);
-    let mut lossy = host_sim(&["network", "relay", "--json", "--scene", "any-network", "--seconds", "72"]);
-    lossy.args(["--listen-1", &relay[0], "--listen-2", &relay[1], "--peer-1", &own, "--peer-2", &address]);
-    let lossy = lossy.args(sets(&PATH)).spawn().expect("host-sim runs");
+    let lossy = relay("any-network", 72.0, &between, [&own, &address], sets(&PATH));
     let emulator = Emulator::start(0.0);
-    let mut first = on(&keys, 1, &own, &relay[0]);
+    let mut first = on(&keys, 1, &own, &between[0]);
     first.args(device(&emulator));
     let mut first = Running::start(first);
     let mut others = simulated(&keys, &address);

@@ -40,6 +40,8 @@ const SETTINGS: [&str; 6] = [
     "user.2.arm_damping_n_s_per_m=8",
     "device.force_delay_ticks=1",
 ];
+/// A network that loses packets: 8 ms each way, a fifth lost, five in a row.
+const LOSSY: [&str; 3] = ["network.one_way_delay_packets=8", "network.loss=0.2", "network.loss_burst_packets=5"];
 /// A reading may be this old, s: `--device-silent-s` by default.
 const SILENT_S: f64 = 0.05;
 /// What a busy machine may take until a thread runs, s.
@@ -101,8 +103,26 @@ impl Running {
 fn peer(scene: &str, number: &str, listen: &str, connect: &str, key: &str) -> Command {
     let mut command = host_sim(&["peer", "--json", "--scene", scene, "--number", number, "--key-file", key]);
     command.args(["--listen", listen, "--connect", connect]);
-    command.args(SETTINGS.iter().flat_map(|setting| ["--set", setting]));
+    command.args(sets(&SETTINGS));
     command
+}
+
+/// What a command is given for these settings.
+fn sets(settings: impl IntoIterator<Item = &'static &'static str>) -> impl Iterator<Item = &'static str> {
+    settings.into_iter().flat_map(|setting| ["--set", *setting])
+}
+
+/// A network between these two peers that listens here for either; for longer than they run, and no longer.
+fn relay(
+    scene: &str,
+    seconds: f64,
+    listen: &[String; 2],
+    [one, two]: [&str; 2],
+    network: impl Iterator<Item = &'static str>,
+) -> Child {
+    let mut command = host_sim(&["network", "relay", "--json", "--scene", scene, "--seconds", &seconds.to_string()]);
+    command.args(["--listen-1", &listen[0], "--listen-2", &listen[1], "--peer-1", one, "--peer-2", two]).args(network);
+    command.spawn().expect("host-sim runs")
 }
 
 /// Two peers, the first one at the emulated device, armed.

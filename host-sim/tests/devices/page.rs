@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use super::emulator::{Emulator, Fault};
 use super::hand::HAND_N_PER_M;
-use super::{BUSY_S, Running, SETTINGS, SILENT_S, alone, mean, number, peer};
+use super::{BUSY_S, Running, SETTINGS, SILENT_S, alone, mean, number, peer, sets};
 use crate::program::{Keys, free, host_sim, signal};
 
 /// How far the hand at the device reaches, m, and the scene's contact, N/m.
@@ -23,7 +23,7 @@ fn a_page_s_device_holds_an_object_and_lets_go() {
     let mut page =
         host_sim(&["play", "--scene", "any-network", "--listen", &one, "--key-file", &key, "--seconds", "60"]);
     page.args(["--device", &device, "--device-lets-go-s", "0.02", "--device-origin-m", "0,0,0"]);
-    page.args(SETTINGS.iter().flat_map(|setting| ["--set", setting]));
+    page.args(sets(&SETTINGS));
     let mut second = peer("any-network", "2", &two, &one, &key);
     second.args(["--seconds", "60"]);
     let [mut page, mut second] = [page, second].map(Running::start);

@@ -7,11 +7,9 @@ use std::time::Duration;
 use serde_json::Value;
 
 use super::ends::{End, Kind};
-use super::{Running, alone, number, peer};
+use super::{LOSSY, Running, alone, number, peer, relay, sets};
 use crate::program::{Keys, free, host_sim, report, signal};
 
-/// The network: 8 ms each way, 20 % of the packets lost, five in a row.
-const NETWORK: [&str; 3] = ["network.one_way_delay_packets=8", "network.loss=0.2", "network.loss_burst_packets=5"];
 /// Both hands as the emulators have them: one reaches, the other holds on; and what a person's hand is limited to at either end.
 const HANDS: [&str; 13] = [
     "device.mass_kg=0.3",
@@ -42,22 +40,20 @@ fn hold(scene: &str, kinds: [Kind; 2]) {
     let seconds = std::env::var("DEVICES_SECONDS").unwrap_or_else(|_| "8".to_owned());
     let set = || {
         let within = WITHIN.iter().filter(|_| kinds.contains(&Kind::Board));
-        NETWORK.iter().chain(&HANDS).chain(within).flat_map(|setting| ["--set", *setting])
+        sets(LOSSY.iter().chain(&HANDS).chain(within))
     };
-    let (keys, relay) = (Keys::new(&format!("devices-{name}"), 0), [free(), free()]);
+    let (keys, between) = (Keys::new(&format!("devices-{name}"), 0), [free(), free()]);
     let (one, two, key) = (free(), free(), keys.file(0));
-    // Longer than the peers and no longer: it ends where the test does not come to end it.
-    let relayed_s = (seconds.parse::<f64>().expect("seconds") + 60.0).to_string();
-    let mut lossy = host_sim(&["network", "relay", "--json", "--scene", scene, "--seconds", &relayed_s]);
-    lossy.args(["--listen-1", &relay[0], "--listen-2", &relay[1], "--peer-1", &one, "--peer-2", &two]);
-    let lossy = lossy.args(set()).spawn().expect("host-sim runs");
+    // It ends where the test does not come to end it, too.
+    let relayed_s = seconds.parse::<f64>().expect("seconds") + 60.0;
+    let lossy = relay(scene, relayed_s, &between, [&one, &two], set());
     let ends = [1, 2].map(|number| End::start(kinds[usize::from(number) - 1], &key, number));
     let live = |number: &str, listen: &str, connect: &str, end: &End| {
         let mut command = peer(scene, number, listen, connect, &key);
         command.args(end.flags()).args(["--seconds", &seconds]).args(set());
         Running::start(command)
     };
-    let mut peers = [live("1", &one, &relay[0], &ends[0]), live("2", &two, &relay[1], &ends[1])];
+    let mut peers = [live("1", &one, &between[0], &ends[0]), live("2", &two, &between[1], &ends[1])];
     peers.iter_mut().for_each(|peer| peer.until(" s  armed, "));
     ends[0].reach(REACH_M);
     std::thread::sleep(Duration::from_secs(3));

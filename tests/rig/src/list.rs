@@ -34,6 +34,10 @@ pub enum Wire {
 
 use Wire::{Analogue, Drives, Sees};
 
+/// What an armed board needs, and shows: an encoder, the gate's output, a closed stop; pulses, outputs and enable.
+const ARMED: &[Wire] =
+    &[Drives("PC6"), Drives("PC7"), Drives("PD15"), Drives("PE15"), Sees("PE9"), Sees("PE14"), Sees("PF3")];
+
 /// All of them, from the harmless on.
 pub const TESTS: [Test; 13] = [
     Test {
@@ -48,7 +52,7 @@ pub const TESTS: [Test; 13] = [
     },
     Test {
         name: "tick-spacing",
-        wires: &[Drives("PC6"), Drives("PC7"), Drives("PD15"), Drives("PE15"), Sees("PE9"), Sees("PE14"), Sees("PF3")],
+        wires: ARMED,
         drives: "the encoder, so that every tick changes the pulses; the gate's output",
         measures: "periods of PE9 from one change of its pulses to the next; beside it the board's own `time spacing`",
         bound: "20 periods of 50 µs each time; 100 cycles of 480 MHz",
@@ -58,7 +62,7 @@ pub const TESTS: [Test; 13] = [
     },
     Test {
         name: "dead-man",
-        wires: &[Drives("PC6"), Drives("PC7"), Drives("PD15"), Drives("PE15"), Sees("PE9"), Sees("PE14"), Sees("PF3")],
+        wires: ARMED,
         drives: "the encoder; the probe stops the tick's timer, 100 times, armed anew each time",
         measures: "from the last change of PE9's pulses, less the 46 µs that it comes after its tick, to PE14 low",
         bound: "below 2.0 ms each time",
@@ -138,7 +142,7 @@ pub const TESTS: [Test; 13] = [
     },
     Test {
         name: "halt-while-armed",
-        wires: &[Drives("PC6"), Drives("PC7"), Drives("PD15"), Drives("PE15"), Sees("PE9"), Sees("PE14"), Sees("PF3")],
+        wires: ARMED,
         drives: "the probe halts the processor of an armed board, 100 times",
         measures: "from the last pulse of PE9 to PE14 low, and whether it stays so",
         bound: "below 50 µs: one period",
@@ -148,7 +152,7 @@ pub const TESTS: [Test; 13] = [
     },
     Test {
         name: "same-bits",
-        wires: &[Drives("PC6"), Drives("PC7"), Drives("PD15"), Drives("PE15"), Sees("PE9"), Sees("PE14"), Sees("PF3")],
+        wires: ARMED,
         drives: "a device: a mass under the board's force, from PE9's pulses, and a hand that pushes",
         measures: "every record of the board, computed again by the simulator from what the board read",
         bound: "every bit of 60,000 ticks",
@@ -158,7 +162,7 @@ pub const TESTS: [Test; 13] = [
     },
     Test {
         name: "soak",
-        wires: &[Drives("PC6"), Drives("PC7"), Drives("PD15"), Drives("PE15"), Sees("PE9"), Sees("PE14"), Sees("PF3")],
+        wires: ARMED,
         drives: "the device of same-bits, armed for a day",
         measures: "ticks missed, faults, restarts, and bits that differ",
         bound: "none in 24 h",
