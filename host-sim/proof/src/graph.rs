@@ -4,17 +4,21 @@
 //! **The same operation on the same numbers is the same node**, so that what is learnt of a difference once holds wherever it is taken again. A comparison
 //! that ranges leave open is answered both ways, one after the other ([`explore`]): the tick runs once for every sequence of answers,
 //! depth first. An answer **narrows** what it was about, and what that was computed from: of a < b, a is below the largest b. Where a
-//! contradiction comes of it, no number goes that way and the path is no path.
+//! contradiction comes of it, no number goes that way: the path is no path, and nothing more is asked on it.
 //!
 //! Narrowing only ever takes away what cannot be; where it does nothing the result is wider, never wrong.
 
 use std::cell::RefCell;
-use std::collections::HashMap;
+
+use rustc_hash::FxHashMap;
 
 use crate::range::{Float, Op, Range, at_least, below, of_two};
 
-/// Paths of one tick that are tried.
-pub(crate) const MOST_PATHS: usize = 1_000_000;
+mod course;
+
+use course::{Answers, Told, told};
+pub(crate) use course::{MOST_PATHS, one_way};
+pub use course::{Path, explore};
 
 /// Index of a node in the computation graph.
 pub(crate) type Place = u32;
@@ -30,30 +34,27 @@ struct Node {
     from: From,
 }
 
+/// Where a number is from, which is what it is found again by.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum From {
-    Constant,
+    Constant(u64),
     Unknown,
-    Computed(Op, Place, Place),
+    Computed(Key),
 }
 
-/// Who answers what ranges leave open.
-enum Answers {
-    /// As written, then yes.
-    Script,
-    /// As written, then by chance.
-    Chance(u64),
-}
+/// What was done, to which, and whether in f64.
+type Key = (Op, Place, Place, bool);
 
 /// The computation graph of a thread.
 struct Graph {
     nodes: Vec<Node>,
-    constants: HashMap<u64, Place>,
-    computed: HashMap<(Op, Place, Place, bool), Place>,
-    /// What narrowing has changed since the last mark.
+    constants: FxHashMap<u64, Place>,
+    computed: FxHashMap<Key, Place>,
+    /// What narrowing has changed.
     trail: Vec<(Place, Range, f64)>,
-    script: Vec<bool>,
-    asked: usize,
+    /// What was told on this path, and how much of it this run was told again.
+    told: Vec<Told>,
+    again: usize,
     answers: Answers,
     impossible: bool,
     /// Whole numbers stand for every whole number.
@@ -76,12 +77,12 @@ impl Graph {
     fn new() -> Self {
         let mut graph = Self {
             nodes: Vec::new(),
-            constants: HashMap::new(),
-            computed: HashMap::new(),
+            constants: FxHashMap::default(),
+            computed: FxHashMap::default(),
             trail: Vec::new(),
-            script: Vec::new(),
-            asked: 0,
-            answers: Answers::Script,
+            told: Vec::new(),
+            again: 0,
+            answers: Answers::BOTH,
             impossible: false,
             any_whole: false,
             escaped: false,
@@ -99,11 +100,12 @@ impl Graph {
     }
 
     fn constant(&mut self, number: f64) -> Place {
-        if let Some(place) = self.constants.get(&number.to_bits()) {
+        let bits = number.to_bits();
+        if let Some(place) = self.constants.get(&bits) {
             return *place;
         }
-        let place = self.push(Range::point(number), From::Constant);
-        self.constants.insert(number.to_bits(), place);
+        let place = self.push(Range::point(number), From::Constant(bits));
+        self.constants.insert(bits, place);
         place
     }
 
@@ -112,7 +114,7 @@ impl Graph {
     }
 
     fn is_constant(&self, place: Place) -> bool {
-        self.nodes[place as usize].from == From::Constant
+        matches!(self.nodes[place as usize].from, From::Constant(_))
     }
 
     fn compute<F: Float>(&mut self, op: Op, a: Place, b: Place) -> Place {
@@ -147,7 +149,7 @@ impl Graph {
             self.narrow::<F>(place, range, 0);
             return place;
         }
-        let place = self.push(range, From::Computed(op, a, b));
+        let place = self.push(range, From::Computed(key));
         self.nodes[place as usize].away = away;
         self.computed.insert(key, place);
         place
@@ -156,7 +158,7 @@ impl Graph {
     /// What a − b is if a is the sum or the difference of b and another number, to rounding: nearly that number; or if a is the larger or the
     /// smaller of two, of which each has its own difference.
     fn regained<F: Float>(&self, a: Place, b: Place) -> Range {
-        let From::Computed(op, one, two) = self.nodes[a as usize].from else { return Range::ANY };
+        let From::Computed((op, one, two, _)) = self.nodes[a as usize].from else { return Range::ANY };
         if matches!(op, Op::Max | Op::Min) && !(self.range(one).nan || self.range(two).nan || self.range(b).nan) {
             let [one, two] =
                 [one, two].map(|of| of_two::<F>(Op::Sub, self.range(of), self.range(b)).and(self.regained::<F>(of, b)));
@@ -192,7 +194,7 @@ impl Graph {
         if !range.has_numbers() {
             range = Range { nan: range.nan, ..Range::EMPTY };
         }
-        if range == old || from == From::Constant && !range.is_empty() {
+        if range == old || matches!(from, From::Constant(_)) && !range.is_empty() {
             return;
         }
         if range.is_empty() {
@@ -201,7 +203,7 @@ impl Graph {
         }
         self.trail.push((place, old, away));
         self.nodes[place as usize].range = range;
-        let From::Computed(op, a, b) = from else { return };
+        let From::Computed((op, a, b, _)) = from else { return };
         if depth < 16 {
             self.narrow_operands::<F>(op, [a, b], range, depth + 1);
         }
@@ -248,30 +250,6 @@ impl Graph {
         }
     }
 
-    /// One of two answers that may both be.
-    fn decide(&mut self, yes: bool, no: bool) -> bool {
-        if !(yes && no) {
-            return yes;
-        }
-        if let Some(answer) = self.script.get(self.asked) {
-            self.asked += 1;
-            return *answer;
-        }
-        let answer = match &mut self.answers {
-            Answers::Script => true,
-            Answers::Chance(state) => {
-                // Marsaglia's xorshift.
-                *state ^= *state << 13;
-                *state ^= *state >> 7;
-                *state ^= *state << 17;
-                *state & 1 == 1
-            }
-        };
-        self.script.push(answer);
-        self.asked += 1;
-        answer
-    }
-
     fn compare<F: Float>(&mut self, a: Place, b: Place, strict: bool) -> bool {
         let (of_a, of_b) = (self.range(a), self.range(b));
         let numbers = of_a.has_numbers() && of_b.has_numbers();
@@ -303,18 +281,6 @@ impl Graph {
         self.narrow::<F>(less, Range::of(f64::NEG_INFINITY, hi), 0);
         self.narrow::<F>(more, Range::of(lo, f64::INFINITY), 0);
     }
-
-    /// Everything since the mark is forgotten.
-    fn back_to(&mut self, mark: usize) {
-        while let Some((place, range, away)) = self.trail.pop() {
-            let node = &mut self.nodes[place as usize];
-            (node.range, node.away) = (range, away);
-        }
-        self.nodes.truncate(mark);
-        self.computed.clear();
-        self.constants.retain(|_, place| (*place as usize) < mark);
-        (self.asked, self.impossible) = (0, false);
-    }
 }
 
 fn between<F: Float>(lo: f64, hi: f64) -> Range {
@@ -325,27 +291,27 @@ fn between<F: Float>(lo: f64, hi: f64) -> Range {
 }
 
 pub(crate) fn constant(number: f64) -> Place {
-    on(|graph| graph.constant(number))
+    told(|graph| graph.constant(number))
 }
 
 pub(crate) fn unknown(range: Range) -> Place {
-    on(|graph| graph.push(range, From::Unknown))
+    told(|graph| graph.push(range, From::Unknown))
 }
 
 pub(crate) fn range(place: Place) -> Range {
-    on(|graph| graph.range(place))
+    told(|graph| graph.range(place))
 }
 
 pub(crate) fn compute<F: Float>(op: Op, a: Place, b: Place) -> Place {
-    on(|graph| graph.compute::<F>(op, a, b))
+    told(|graph| graph.compute::<F>(op, a, b))
 }
 
 pub(crate) fn less<F: Float>(a: Place, b: Place, strict: bool) -> bool {
-    on(|graph| graph.compare::<F>(a, b, strict))
+    told(|graph| graph.compare::<F>(a, b, strict))
 }
 
 pub(crate) fn equal<F: Float>(a: Place, b: Place) -> bool {
-    on(|graph| {
+    told(|graph| {
         let (of_a, of_b) = (graph.range(a), graph.range(b));
         let both = Range { nan: false, ..of_a.and(of_b) };
         let same = a == b || of_a.is_point() && of_b.is_point() && both.has_numbers();
@@ -359,7 +325,7 @@ pub(crate) fn equal<F: Float>(a: Place, b: Place) -> bool {
 }
 
 pub(crate) fn is_finite<F: Float>(place: Place) -> bool {
-    on(|graph| {
+    told(|graph| {
         let range = graph.range(place);
         let finite = Range::finite::<F>();
         let answer = graph.decide(range.and(finite).has_numbers(), !range.is_finite());
@@ -372,7 +338,7 @@ pub(crate) fn is_finite<F: Float>(place: Place) -> bool {
 
 /// A whole number that is a constant while things are built, and afterwards any.
 pub(crate) fn whole<F: Float>(value: i32) -> Place {
-    on(|graph| {
+    told(|graph| {
         let of = |value: i32| F::from_i32(value).to_f64();
         if graph.any_whole {
             graph.push(Range::of(of(i32::MIN), of(i32::MAX)), From::Unknown)
@@ -384,25 +350,23 @@ pub(crate) fn whole<F: Float>(value: i32) -> Place {
 
 /// The number itself, if there is only one; otherwise it is noted that it was taken out of its type.
 pub(crate) fn taken_out(place: Place) -> f64 {
-    on(|graph| {
-        let range = graph.range(place);
-        if range.is_point() && !range.is_empty() {
-            return if range.nan { f64::NAN } else { range.lo };
-        }
-        graph.escaped = true;
-        0.0
-    })
+    let range = range(place);
+    if range.is_point() && !range.is_empty() {
+        return if range.nan { f64::NAN } else { range.lo };
+    }
+    on(|graph| graph.escaped = true);
+    0.0
 }
 
 /// One of the ends of a code, which a motor is given.
 pub(crate) fn code<F: Float>(place: Place) -> i32 {
+    let range = range(place);
+    let [least, most] = [range.lo, range.hi].map(|end| F::from_f64(end).round_to_i32());
     on(|graph| {
-        let range = graph.range(place);
-        let [least, most] = [range.lo, range.hi].map(|end| F::from_f64(end).round_to_i32());
         graph.codes = graph.codes.or(Range::of(f64::from(least), f64::from(most)));
         graph.codes.nan |= range.nan;
-        if graph.decide(true, least != most) { most } else { least }
-    })
+    });
+    if told(|graph| graph.decide(true, least != most)) { most } else { least }
 }
 
 /// Whether whole numbers stand for any.
@@ -415,86 +379,18 @@ pub fn begin() {
     on(|graph| *graph = Graph::new());
 }
 
-/// What a way to go through a piece of program came to.
-pub struct Path<T> {
-    /// Its result on this path.
-    pub gave: T,
-    /// Codes that motors were given on it.
-    pub codes: Range,
-    /// A number was taken out of its type.
-    pub escaped: bool,
-}
-
-/// Runs a piece of program in every way that it may go, and hands over what came of each. False: there are more than 1,000,000 of them.
-pub fn explore<T>(run: impl Fn() -> T, mut each: impl FnMut(Path<T>)) -> bool {
-    let mark = on(|graph| {
-        graph.trail.clear();
-        graph.script.clear();
-        graph.answers = Answers::Script;
-        graph.nodes.len()
-    });
-    for _ in 0..MOST_PATHS {
-        on(|graph| {
-            graph.back_to(mark);
-            (graph.escaped, graph.codes) = (false, Range::EMPTY);
-        });
-        let gave = run();
-        let (codes, escaped, impossible) = on(|graph| (graph.codes, graph.escaped, graph.impossible));
-        if !impossible {
-            each(Path { gave, codes, escaped });
-        }
-        let done = on(|graph| {
-            // The last question that was answered yes is answered no.
-            let Some(last) = graph.script.iter().rposition(|answer| *answer) else { return true };
-            graph.script.truncate(last);
-            graph.script.push(false);
-            false
-        });
-        if done {
-            on(|graph| graph.back_to(mark));
-            return true;
-        }
-    }
-    false
-}
-
-/// Runs a piece of program in one way, by chance, until `good` is what came of it; the last answer is the first that is changed. None
-/// after so many tries.
-pub(crate) fn one_way<T>(seed: u64, tries: usize, run: impl Fn() -> T, good: impl Fn(&T) -> bool) -> Option<T> {
-    let mark = on(|graph| {
-        graph.trail.clear();
-        graph.script.clear();
-        graph.answers = Answers::Chance(seed | 1);
-        graph.nodes.len()
-    });
-    for _ in 0..tries {
-        on(|graph| graph.back_to(mark));
-        let gave = run();
-        let (impossible, asked) = on(|graph| (graph.impossible, graph.asked));
-        if !impossible && good(&gave) {
-            return Some(gave);
-        }
-        on(|graph| {
-            graph.script.truncate(asked);
-            let last = graph.script.pop();
-            graph.script.extend(last.map(|answer| !answer));
-        });
-    }
-    None
-}
-
 /// Of everything that was computed since the graph began, nothing is known any more but that these lie in these ranges; what was
 /// constant stays. So whatever holds of a program that goes on from here holds for any numbers in its state.
 pub(crate) fn forget(but: &[(Place, Range)]) {
     on(|graph| {
         graph.trail.clear();
         graph.computed.clear();
-        for node in graph.nodes.iter_mut().filter(|node| node.from != From::Constant) {
+        for node in graph.nodes.iter_mut().filter(|node| !matches!(node.from, From::Constant(_))) {
             *node = Node { range: Range::ANY, away: 0.0, from: From::Unknown };
         }
         for (place, range) in but {
             let node = &mut graph.nodes[*place as usize];
-            if node.from != From::Constant {
+            if !matches!(node.from, From::Constant(_)) {
                 node.range = *range;
             }
         }
