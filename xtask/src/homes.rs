@@ -1,7 +1,7 @@
 //! `cargo xtask homes`: two homes behind routers in network namespaces of this machine, with `host-sim` as it is built for tests.
 
 use crate::run::{self, Failure, command, everything};
-use crate::setup;
+use crate::{page, setup};
 
 /// Why it cannot be tried here, if so; installs `ip` and `nft` where that is all that is missing.
 pub(crate) fn obstacle() -> Option<String> {
@@ -25,6 +25,7 @@ pub(crate) fn obstacle() -> Option<String> {
 
 /// Runs the tests behind routers, one after the other; that of two people takes as long as `HAPTIC_HOMES_S` says, s.
 pub(crate) fn homes() -> Result<(), Failure> {
+    page::browser()?;
     // As all tests are built, so that nothing is built twice.
     let chosen = ["--exclude", "board-bench", "--test", "homes", "--", "routers", "pages", "--ignored"];
     run::run(everything("test").args(chosen).args(["--test-threads", "1"]))

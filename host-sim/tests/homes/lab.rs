@@ -51,10 +51,6 @@ impl Lab {
         for (home, host) in [("a", 11), ("b", 12)] {
             lab.home(home, host, routers[host - 11], v6[host - 11]);
         }
-        if v6.contains(&true) {
-            // Until addresses of the links have been found to be nobody else's, no neighbour is found.
-            std::thread::sleep(std::time::Duration::from_millis(2500));
-        }
         lab.opens();
         lab
     }
@@ -74,6 +70,9 @@ impl Lab {
     fn namespace(&mut self, name: &'static str) {
         run("ip", &format!("netns add {}{name}", self.prefix), None);
         self.namespaces.push(name);
+        // Nobody asks whether an address is another's: a browser that is told of one two seconds later gives up what it is loading.
+        let name_of = self.name(name);
+        run("ip", &format!("netns exec {name_of} sysctl -qw net.ipv6.conf.default.accept_dad=0"), None);
         self.ip(name, "link set lo up");
     }
 
