@@ -56,6 +56,8 @@ pub struct Inputs {
     pub edges: Vec<Edge>,
     /// What the PC says at USART3.
     pub said: Vec<u8>,
+    /// What the converter's inputs (PA3, PC0, PB1) read at the trigger that has just come, if one has.
+    pub reads: Option<[u16; 3]>,
     /// Instructions to watch from now on.
     pub watch: Vec<u64>,
     /// Instructions to watch no more.
@@ -232,6 +234,9 @@ impl Driver<Nucleo> for Stepper {
         }
         part.play(stop.at, inputs.edges);
         part.console(&inputs.said);
+        if let Some(reads) = inputs.reads {
+            part.convert(stop.at, reads);
+        }
         if !inputs.frames.is_empty() {
             part.deliver(stop.at, inputs.frames);
         }

@@ -16,6 +16,7 @@
 //! | `asked` | the largest command since this was asked last, while PD15 and PF3 were high: counts of 6000 either way |
 //! | `cut JOINT A\|B`, `mend` | a wire of an encoder is off, or all are on again |
 //! | `volts N` | the analogue output, of 4095 |
+//! | `ramp FROM TO MS` | the analogue output goes from one to the other, a step every so many ms; the answer comes at the end |
 //! | `button down\|up` | the board's blue button |
 //!
 //! Times are counts of 240 MHz. Nothing here panics, whatever comes in: the image is linked without a panic.
@@ -101,6 +102,8 @@ pub enum Order {
     Mend,
     /// The analogue output, of 4095.
     Volts(u16),
+    /// The analogue output goes from one to the other, a step every so many ms.
+    Ramp(u16, u16, u32),
     /// The board's blue button is down.
     Button(bool),
 }
@@ -155,13 +158,22 @@ impl Order {
             (b"asked", b"") => Self::Asked,
             (b"cut", which) => Self::Cut(joint(which)?, second(word())?),
             (b"mend", b"") => Self::Mend,
-            (b"volts", share) => Self::Volts(u16::try_from(number(share)?).ok().filter(|share| *share < 4096)?),
+            (b"volts", share) => Self::Volts(volts(share)?),
+            (b"ramp", from) => {
+                let (from, to) = (volts(from)?, volts(word())?);
+                Self::Ramp(from, to, number(word())?)
+            }
             (b"button", b"down") => Self::Button(true),
             (b"button", b"up") => Self::Button(false),
             _ => return None,
         };
         word().is_empty().then_some(order)
     }
+}
+
+/// What the analogue output can be.
+fn volts(word: &[u8]) -> Option<u16> {
+    u16::try_from(number(word)?).ok().filter(|share| *share < 4096)
 }
 
 fn upward(word: &[u8]) -> Option<bool> {
@@ -256,6 +268,8 @@ mod tests {
             ("cut 1 B", Some(Order::Cut(0, true))),
             ("volts 4095", Some(Order::Volts(4095))),
             ("volts 4096", None),
+            ("ramp 10 4095 2", Some(Order::Ramp(10, 4095, 2))),
+            ("ramp 10 4096 2", None),
             ("turn 3 1 up", None),
             ("pulses", None),
             ("pulses -1", None),

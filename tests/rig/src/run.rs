@@ -15,6 +15,11 @@ pub trait Boards {
     fn wait_ms(&mut self, ms: u64);
     /// The probe stops the timer of the board's tick.
     fn stop_ticks(&mut self);
+    /// The probe halts the board's processor, and lets it go on after so many ms.
+    fn halt(&mut self, ms: u64);
+    /// What the converter read for both currents in every tick that came since this was asked last, in codes from the middle, if the board's
+    /// settings say that these are of its current loop's full scale.
+    fn codes(&mut self) -> [Vec<i16>; 2];
     /// Waits until a board that started anew answers its operator.
     fn meet(&mut self);
     /// Every tick is recorded from here on; the counters of both encoders in the last one that was.
@@ -48,6 +53,11 @@ pub fn run(boards: &mut dyn Boards, test: &Test, extent: Extent) -> Option<Outco
         "amplifiers-gate" => gate(boards),
         "encoder-counts" => encoder_counts(boards, times(10_000_000, 20_000)),
         "encoder-faults" => encoder_faults(boards),
+        "converter-codes" => {
+            let (from, to) = if extent == Extent::Whole { (0, 4095) } else { (2552, 2568) };
+            converter_codes(boards, from, to, u64::from(times(200, 20)))
+        }
+        "halt-while-armed" => halt(boards, times(100, 3)),
         "same-bits" => same_bits(boards, times(60_000, 1000)),
         _ => return None,
     })
@@ -299,6 +309,70 @@ fn encoder_fails(boards: &mut dyn Boards) -> Outcome {
         boards.ask("clear");
     }
     Ok(found + "outputs off each time")
+}
+
+/// Slow enough for 10 kΩ and 10 µF to make of the rig's 4096 levels what lies between: no code is left out.
+fn converter_codes(boards: &mut dyn Boards, from: u16, to: u16, ms: u64) -> Outcome {
+    // Records have the converter's own codes where full scale is the sensor's.
+    for setting in ["motor.drive current-loop", "motor.max_duty 0.9", "motor.full_scale_a 5.5"] {
+        set(boards, setting)?;
+    }
+    boards.counts();
+    rig(boards, &format!("volts {from}"))?;
+    boards.wait_ms(1500);
+    boards.codes();
+    boards.order(&format!("ramp {from} {to} {ms}"));
+    let mut seen = [Vec::new(), Vec::new()];
+    for _ in 0..(u64::from(to - from) * ms + 500) / 100 {
+        boards.wait_ms(100);
+        seen.iter_mut().zip(boards.codes()).for_each(|(seen, codes)| seen.extend(codes));
+    }
+    let answer = boards.answer();
+    // No current, and a supply that a board takes: it stays.
+    rig(boards, "volts 2048")?;
+    boards.wait_ms(1500);
+    boards.ask("clear");
+    for setting in ["motor.full_scale_a 5", "motor.max_duty 0.95", "motor.drive amplifier"] {
+        set(boards, setting)?;
+    }
+    if answer != "ok" {
+        return Err(format!("the rig says to `ramp`: {answer}"));
+    }
+    let [one, two] = seen.map(|codes| gap(codes, i32::from(to - from) * 16));
+    let figures = |(step, span): (i32, i32)| format!("{} codes missing in a row at the most, of {span}", step - 1);
+    judge(
+        [one, two].iter().all(|(gap, span)| *gap <= 9 && *span >= i32::from(to - from) * 15),
+        format!("PA3 {}; PC0 {}", figures(one), figures(two)),
+    )
+}
+
+/// The largest step from one code to the next that was seen, and how far the outermost are apart; nothing that leaves the board's numbers.
+fn gap(mut codes: Vec<i16>, most: i32) -> (i32, i32) {
+    codes.sort_unstable();
+    let step = codes.windows(2).map(|pair| i32::from(pair[1]) - i32::from(pair[0])).max().unwrap_or(most);
+    let span = codes.last().zip(codes.first()).map_or(0, |(last, first)| i32::from(*last) - i32::from(*first));
+    (step, span)
+}
+
+/// Half a period of the outputs, and more: they end with the processor.
+const PERIOD: u32 = 50 * 240;
+
+/// A halted processor leaves no output on.
+fn halt(boards: &mut dyn Boards, times: u32) -> Outcome {
+    let (mut least, mut most) = (u32::MAX, 0);
+    for _ in 0..times {
+        shaken(boards)?;
+        boards.order("watch 20");
+        boards.wait_ms(2);
+        boards.halt(5);
+        let answer = boards.answer();
+        let [edge, _] = numbers(&answer).ok_or(format!("the rig says to `watch`: {answer}"))?;
+        (least, most) = (least.min(edge), most.max(edge));
+        rig(boards, "device held")?;
+        board(boards, "disarm")?;
+        boards.wait_ms(5);
+    }
+    judge(most < PERIOD, format!("{} to {} ns after the last pulse, {times} times", ns(least), ns(most)))
 }
 
 /// A device that the board drives and a hand pushes: every record is what the simulator makes of its inputs.

@@ -395,16 +395,21 @@ impl Part {
     pub fn period(&mut self, at: VirtualNanos, motors: &mut Motors) {
         let bridges = self.bridges(at);
         let (reads, counts, indexes) = motors.period(at.0, &bridges);
-        let triggers = self.chip.advanced[0].trigger2_output().1;
-        if triggers != core::mem::replace(&mut self.triggers, triggers) {
-            let (_, mut context) = self.chip.bus_mut().drive(at, self.slots.adc1);
-            self.converter.sample(reads, &mut context);
-        }
+        self.convert(at, reads);
         let moves = counts.into_iter().zip(indexes);
         for ((encoder, slot), (counts, index)) in self.encoders.iter_mut().zip(self.slots.encoders).zip(moves) {
             let (_, mut context) = self.chip.bus_mut().drive(at, slot);
             encoder.turn_within(counts, PERIOD_SPREAD_NS, &mut context);
             encoder.pass(index);
+        }
+    }
+
+    /// The converter's inputs (PA3, PC0, PB1) have read this if the bridges' timer has triggered it since this was called last.
+    pub fn convert(&mut self, at: VirtualNanos, reads: [u16; 3]) {
+        let triggers = self.chip.advanced[0].trigger2_output().1;
+        if triggers != core::mem::replace(&mut self.triggers, triggers) {
+            let (_, mut context) = self.chip.bus_mut().drive(at, self.slots.adc1);
+            self.converter.sample(reads, &mut context);
         }
     }
 

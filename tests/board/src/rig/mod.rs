@@ -31,6 +31,10 @@ const FINE_NS: u64 = 50;
 const STEP_NS: u64 = 50_000;
 /// A step while the board's tick stands and its reset is waited for, ns.
 const STOPPED_NS: u64 = 1000;
+/// 10 kΩ and 10 µF, ns.
+const SLOW_NS: f64 = 1e8;
+/// DBGMCU_APB2FZ1, and its bit that stops TIM1 while a debugger halts the core, and so turns its outputs off (RM0433 §60.5.8).
+const FROZEN: (u64, u32) = (0x5C00_104C, 1);
 /// TIM6_CR1, and a timer that does not run.
 const TICK_STANDS: (u64, u32) = (0x4000_1000, 0);
 
@@ -72,6 +76,14 @@ pub struct Rigged {
     heard: Vec<u8>,
     lines: Vec<String>,
     analogue: u16,
+    /// What is behind 10 kΩ and 10 µF of it, of 4095, at the board's three analogue inputs; as long as it is 0 they read what they read without.
+    volts: f64,
+    /// The board's processor is halted, and its timer's outputs with it, or not.
+    halted: Option<bool>,
+    /// How long it was halted so far, ns.
+    lag_ns: u64,
+    /// Records whose codes have been asked for.
+    coded: usize,
     now_ns: u64,
     /// The PC has been served up to here, ms.
     served: u64,
@@ -97,6 +109,10 @@ impl Rigged {
             heard: Vec::new(),
             lines: Vec::new(),
             analogue: 0,
+            volts: 0.0,
+            halted: None,
+            lag_ns: 0,
+            coded: 0,
             now_ns: 1000,
             served: 0,
         };
@@ -139,21 +155,20 @@ impl Rigged {
 
     fn step(&mut self) {
         let length = if self.measuring { FINE_NS } else { self.step_ns };
-        let until = self.update.map_or(self.now_ns + length, |update| update.min(self.now_ns + length));
-        self.board.run(until, std::mem::take(&mut self.board_inputs));
-        let before = self.stopped.resets;
-        self.stopped = self.board.wait();
-        if before != self.stopped.resets {
-            self.step_ns = STEP_NS;
+        let update = self.update.filter(|_| self.halted.is_none());
+        let until = update.map_or(self.now_ns + length, |update| update.min(self.now_ns + length));
+        self.volts += (f64::from(self.analogue) - self.volts) * (until - self.now_ns) as f64 / SLOW_NS;
+        let updates = update == Some(until);
+        match self.halted {
+            Some(off) => {
+                // Neither its processor nor what DBGMCU stops goes on.
+                self.lag_ns += until - self.now_ns;
+                self.stopped.bridges.outputs &= !off;
+                self.stopped.frames.clear();
+            }
+            None => self.run_board(until, updates),
         }
-        let updates = self.update == Some(until);
         let mut edges = self.legs.see(until, &self.stopped.bridges, updates);
-        // Once it runs, its periods are as long as a step; after a reset it begins anew.
-        self.update = match self.update.filter(|_| before == self.stopped.resets) {
-            Some(update) if updates => Some(update + STEP_NS),
-            Some(update) => Some(update),
-            None => self.stopped.update,
-        };
         let enable = self.stopped.bridges.enable;
         if enable != core::mem::replace(&mut self.enabled, enable) {
             edges.push(Edge { at: until, place: ENABLE, high: enable });
@@ -171,6 +186,32 @@ impl Rigged {
         self.analogue = rig.analogue;
         self.now_ns = until;
         self.serve();
+    }
+
+    /// The board goes on; its own clock is behind by as long as it was halted.
+    fn run_board(&mut self, until: u64, updates: bool) {
+        if self.volts > 0.0 {
+            let code = (self.volts * 16.0).round().min(65_535.0) as u16;
+            self.board_inputs.reads = Some([code; 3]);
+        }
+        for edge in &mut self.board_inputs.edges {
+            edge.at -= self.lag_ns;
+        }
+        self.board.run(until - self.lag_ns, std::mem::take(&mut self.board_inputs));
+        let before = self.stopped.resets;
+        self.stopped = self.board.wait();
+        for (at, _) in &mut self.stopped.frames {
+            *at += self.lag_ns;
+        }
+        if before != self.stopped.resets {
+            self.step_ns = STEP_NS;
+        }
+        // Once it runs, its periods are as long as a step; after a reset it begins anew.
+        self.update = match self.update.filter(|_| before == self.stopped.resets) {
+            Some(update) if updates => Some(update + STEP_NS),
+            Some(update) => Some(update),
+            None => self.stopped.update.map(|update| update + self.lag_ns),
+        };
     }
 
     /// What the rig did in the step that ends now reaches the board, and the rig's own inputs.
@@ -276,6 +317,28 @@ impl Boards for Rigged {
         let (address, standing) = TICK_STANDS;
         self.spoil(address, standing);
         self.step_ns = STOPPED_NS;
+    }
+
+    fn halt(&mut self, ms: u64) {
+        self.board_inputs.peek.push(FROZEN.0);
+        self.step();
+        let frozen = self.stopped.peeked.first().is_some_and(|word| word & FROZEN.1 != 0);
+        self.halted = Some(frozen);
+        self.step_ns = STOPPED_NS;
+        self.step();
+        self.step_ns = STEP_NS;
+        let begun = self.lag_ns;
+        self.wait_ms(ms);
+        self.halted = None;
+        self.update = self.update.map(|update| update + STOPPED_NS + self.lag_ns - begun);
+    }
+
+    fn codes(&mut self) -> [Vec<i16>; 2] {
+        let records = &self.pc.records[0];
+        let new = records[self.coded.min(records.len())..].iter().filter_map(Record::stage);
+        let codes = new.map(|stage| stage.motors.map(|flow| flow.last)).collect::<Vec<_>>();
+        self.coded = records.len();
+        [0, 1].map(|input| codes.iter().map(|codes| codes[input]).collect())
     }
 
     fn meet(&mut self) {

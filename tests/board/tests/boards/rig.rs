@@ -4,6 +4,8 @@ use board_bench::rig::{self, Rigged};
 use haptic_rig::list::{TESTS, Test, Virtual};
 use haptic_rig::run::{self, Boards, Extent, Outcome};
 
+/// DBGMCU_APB2FZ1 that lets TIM1 go on while a debugger halts the core.
+const GOES_ON: (u64, u32) = (0x5C00_104C, 0);
 /// TIM6_ARR, and a period of 1.05 ms in its counts.
 const LONGER: (u64, u32) = (0x4000_102C, 62_999);
 
@@ -14,7 +16,7 @@ fn test(rigged: &mut Rigged, name: &str) -> Outcome {
 }
 
 #[test]
-fn ticks_that_come_too_late_are_found_and_a_line_that_is_pulled_for_nothing_is_told() {
+fn what_is_wrong_with_a_board_is_found() {
     let mut rigged = rig::start().expect("both take it");
     rigged.order("volts 1234");
     assert_eq!(rigged.answer(), "ok");
@@ -23,6 +25,10 @@ fn ticks_that_come_too_late_are_found_and_a_line_that_is_pulled_for_nothing_is_t
     assert_eq!(rigged.answer(), "error PE14 is low already");
     rigged.order("watch 3");
     assert_eq!(rigged.answer(), "error PE14 did not fall");
+    rigged.spoil(GOES_ON.0, GOES_ON.1);
+    let found = test(&mut rigged, "halt-while-armed");
+    assert!(found.as_ref().is_err_and(|why| why.contains("PE14 did not fall")), "{found:?}");
+    assert_eq!(rigged.ask("disarm"), "ok disarmed");
     rigged.spoil(LONGER.0, LONGER.1);
     let found = test(&mut rigged, "tick-spacing");
     assert!(found.as_ref().is_err_and(|why| why.contains(" 0 of them 20 periods after the last")), "{found:?}");

@@ -28,6 +28,8 @@ enum Job {
     Watch(u32),
     /// A line is pulled after so many steps: by then whoever looks on has seen the light.
     Pull(Line, u32),
+    /// The analogue output goes from the first to the second, a step every so many steps of 50 µs; so many are left.
+    Ramp(u16, u16, u32, u32),
 }
 
 struct Rig {
@@ -122,7 +124,13 @@ impl Rig {
                 let line = *line;
                 self.end(pull(line));
             }
-            Job::Pull(_, left) => *left -= 1,
+            Job::Pull(_, left) | Job::Ramp(.., left @ 1..) => *left -= 1,
+            Job::Ramp(now, to, ..) if now == to => self.end(Text::of("ok")),
+            Job::Ramp(now, to, every, left) => {
+                *now = if *now < *to { now.saturating_add(1) } else { now.saturating_sub(1) };
+                *left = *every;
+                pins::volts(*now);
+            }
         }
     }
 
@@ -184,6 +192,12 @@ impl Rig {
             }
             Some(Order::Mend) => self.wires = [[true; 2]; 2],
             Some(Order::Volts(share)) => pins::volts(share),
+            Some(Order::Ramp(from, to, ms)) => {
+                let every = ms.saturating_mul(STEPS_PER_MS);
+                pins::volts(from);
+                self.job = Job::Ramp(from, to, every, every);
+                return;
+            }
             Some(Order::Button(down)) => pins::button(down),
             None => answer = Text::of("error no such order"),
         }
