@@ -38,7 +38,7 @@ fn sum(image: &Path) -> Option<String> {
     let mut hasher = DefaultHasher::new();
     for image in image.parent()?.read_dir().ok()?.flatten().map(|entry| entry.path()) {
         let name = image.file_name()?.to_str()?;
-        if matches!(name, "firmware" | "firmware-three-axes") {
+        if matches!(name, "firmware" | "firmware-three-axes" | "rig") {
             (name, fs::read(&image).ok()?).hash(&mut hasher);
         }
     }

@@ -230,12 +230,13 @@ environment below target/ when they have changed; it needs Python 3 with venv an
     },
     Chore {
         name: "rig",
-        options: " [--page]",
-        does: "Says what two bare boards and wires between them are to show on silicon",
+        options: " [--page] [--virtual]",
+        does: "Says what two bare boards and wires between them are to show on silicon, or runs it on two virtual ones",
         more: "One NUCLEO-H743ZI2 runs the release image, the other plays device, faults and logic analyser: wires, what is driven,
-what is measured, and what it must be. Nothing is run: the second board's image is not written yet.
-  --page   write docs/silicon.md, which says what has met silicon, when, with which image",
-        run: |given| rig::rig(given.flag("--page")),
+what is measured, and what it must be.
+  --page     write docs/silicon.md, which says what has met silicon, when, with which image
+  --virtual  run both images on virtual boards, wired pin to pin, and each test that these can; the first time it builds an emulator",
+        run: |given| rig::rig(given.flag("--page"), given.flag("--virtual")),
     },
     Chore {
         name: "rooms",

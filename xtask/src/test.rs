@@ -10,7 +10,7 @@ use std::time::Instant;
 
 use crate::run::{self, Failure, cargo, everything, run, step};
 use crate::setup::{self, Ready, THUMB_TARGET};
-use crate::{board, count, homes, kept, no_panic, packages, page, python, qemu, recordings, sums};
+use crate::{board, count, homes, kept, no_panic, packages, page, python, qemu, recordings, rig, sums};
 
 /// Runs every step.
 pub(crate) fn test() -> Result<(), Failure> {
@@ -62,7 +62,10 @@ pub(crate) fn test() -> Result<(), Failure> {
                 );
                 Ok(())
             }
-            None => virtual_board(&image),
+            None => {
+                step("rig, virtual", || rig::on_virtual_boards(&ready, &image))?;
+                virtual_board(&image)
+            }
         }
     })?;
     passed(start);
@@ -79,6 +82,7 @@ pub(crate) fn calls(ready: &Ready) -> Vec<Command> {
         calls.push(lints_of_image(ready, features));
         calls.extend(no_panic::proofs(ready, features));
     }
+    calls.extend(["build", "clippy"].map(|what| rig::build(ready, what)));
     calls
 }
 
@@ -149,14 +153,15 @@ pub(crate) fn second_opinion(ready: &Ready) -> Result<(), Failure> {
     }
 }
 
-/// What the lints of what builds on a PC do not reach: both images.
+/// What the lints of what builds on a PC do not reach: the images.
 fn lints_of_images(ready: &Ready) -> Result<(), Failure> {
     if ready.fallback {
         // Debian's toolchain has no clippy of its own.
         eprintln!("    NOT CHECKED: the images, their toolchain is Debian's");
         return Ok(());
     }
-    board::IMAGES.into_iter().try_for_each(|features| run(&mut lints_of_image(ready, features)))
+    board::IMAGES.into_iter().try_for_each(|features| run(&mut lints_of_image(ready, features)))?;
+    run(rig::build(ready, "clippy").args(["--", "-D", "warnings"]))
 }
 
 /// Clippy on the image with these features.
@@ -169,7 +174,9 @@ pub(crate) fn lints_of_image(ready: &Ready, features: &[&str]) -> Command {
 /// Only the release image on virtual boards.
 pub(crate) fn board_test() -> Result<(), Failure> {
     let ready = step("set-up", setup::setup)?;
-    step("virtual board", || virtual_board(&board::images(&ready)?))
+    let image = board::images(&ready)?;
+    step("rig, virtual", || rig::on_virtual_boards(&ready, &image))?;
+    step("virtual board", || virtual_board(&image))
 }
 
 /// The release image on virtual boards: last, because its emulator takes minutes to build.

@@ -20,6 +20,7 @@
 //! | [`docs`] | tables of docs/hardware.md that tests write |
 //! | [`log`] | what a board logged |
 //! | [`image`] | the release image: built, found, its symbols |
+//! | [`rig`] | a board and the rig beside it (tests/rig), both virtual, wired pin to pin |
 //! | [`part`] | the chip: an emulated STM32H743 with our models of Ethernet, watchdogs and encoders in it |
 //!
 //! What is emulated and what is not: instructions, interrupts, priorities, timers and their filters, flash and memory
@@ -40,6 +41,7 @@ pub mod partner;
 pub mod pc;
 pub mod power;
 pub mod reviewed;
+pub mod rig;
 pub mod stack;
 pub mod trial;
 pub mod twin;

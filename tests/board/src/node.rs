@@ -8,7 +8,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 
-use rigless::emulator::{Driver, Hit, Host, Settled, Start, Stop, Watch, run};
+use rigless::emulator::{AccessKind, Driver, Hit, Host, Settled, Start, Stop, Watch, run};
 use rigless::mcu::Operate;
 use rigless::session::Session;
 use rigless::soc::Width;
@@ -16,6 +16,7 @@ use rigless::time::VirtualNanos;
 
 use crate::image::Firmware;
 use crate::part::motors::Motors;
+use crate::part::pins::{self, Edge};
 use crate::part::{Bridges, Gate, MOTORS, Nucleo, Part};
 
 /// What comes in at a stop, before the board goes on.
@@ -51,6 +52,12 @@ pub struct Inputs {
     pub peek: Vec<u64>,
     /// Words put into memory or flash, as a fault would: address and value.
     pub poke: Vec<(u64, u32)>,
+    /// Levels that pins take while it goes on, in order.
+    pub edges: Vec<Edge>,
+    /// What the PC says at USART3.
+    pub said: Vec<u8>,
+    /// What the converter's inputs (PA3, PC0, PB1) read at the trigger that has just come, if one has.
+    pub reads: Option<[u16; 3]>,
     /// Instructions to watch from now on.
     pub watch: Vec<u64>,
     /// Instructions to watch no more.
@@ -72,6 +79,14 @@ pub struct Stopped {
     pub resets: usize,
     /// What the words asked for held when the board went on.
     pub peeked: Vec<u32>,
+    /// When the bridges' timer updates next, ns.
+    pub update: Option<u64>,
+    /// Of a rig: levels that its program gave to pins, what it said at USART3, and its analogue output, of 4095.
+    pub edges: Vec<Edge>,
+    /// See [`Stopped::edges`].
+    pub heard: Vec<u8>,
+    /// See [`Stopped::edges`].
+    pub analogue: u16,
 }
 
 /// What the emulator could not do, or did although nobody modelled it: a test must not pass because of it.
@@ -86,7 +101,7 @@ pub struct Report {
 }
 
 enum Order {
-    Run(u64, Inputs),
+    Run(u64, Box<Inputs>),
     Finish,
 }
 
@@ -112,6 +127,8 @@ struct Stepper {
     broken: Option<u64>,
     /// Resets that the timer's phase is known for.
     resets: usize,
+    /// What a rig's program gave to pins since the last stop; none of any other board.
+    edges: Option<Vec<Edge>>,
 }
 
 /// A PWM period, ns.
@@ -137,8 +154,12 @@ impl Stepper {
 
 impl Driver<Nucleo> for Stepper {
     fn on_settled(&mut self, _: &mut Session<Nucleo>, _: &mut dyn Host, settled: Settled) {
-        if let Settled::Hit(hit) = settled {
-            self.hits.push(hit);
+        match (settled, &mut self.edges) {
+            (Settled::Hit(hit), _) => self.hits.push(hit),
+            (Settled::Access { access, value }, Some(edges)) if access.kind == AccessKind::Write => {
+                edges.extend(pins::written(access.virtual_time.0, access.address, value));
+            }
+            _ => {}
         }
     }
 
@@ -160,9 +181,14 @@ impl Driver<Nucleo> for Stepper {
             hits: std::mem::take(&mut self.hits),
             peeked: std::mem::take(&mut self.peeked),
             resets,
+            update: part.next_update(stop.at),
+            edges: self.edges.as_mut().map_or_else(Vec::new, std::mem::take),
+            heard: part.console(&[]),
+            analogue: part.analogue(stop.at),
         };
         self.stops.send(stopped).ok()?;
         let Ok(Order::Run(until, inputs)) = self.orders.recv() else { return None };
+        let inputs = *inputs;
         if let Some(cable) = inputs.cable {
             part.mac.plug(stop.at, cable);
         }
@@ -206,6 +232,11 @@ impl Driver<Nucleo> for Stepper {
         if let Some(counts) = inputs.counts {
             part.turn(stop.at, counts);
         }
+        part.play(stop.at, inputs.edges);
+        part.console(&inputs.said);
+        if let Some(reads) = inputs.reads {
+            part.convert(stop.at, reads);
+        }
         if !inputs.frames.is_empty() {
             part.deliver(stop.at, inputs.frames);
         }
@@ -221,6 +252,10 @@ impl Driver<Nucleo> for Stepper {
         self.peeked = inputs.peek.into_iter().map(&mut word).collect();
         for (address, value) in inputs.poke {
             let flash = (0x0800_0000..0x0820_0000).contains(&address);
+            if address >= 0x4000_0000 {
+                part.write(stop.at, address, Width::W32, value.into()).expect("the register is there");
+                continue;
+            }
             let outcome = if flash {
                 host.program(address, Width::W32, value.into())
             } else {
@@ -241,10 +276,22 @@ impl Driver<Nucleo> for Stepper {
 impl Node {
     /// Board `number` (1 or 2) with the image, at the instant power came on.
     pub fn new(firmware: Arc<Firmware>, number: usize) -> Self {
+        Self::start(firmware, number, false)
+    }
+
+    /// A rig with its image, and the PC at its serial port, at the instant power came on.
+    pub fn rig(image: Arc<Firmware>) -> Self {
+        Self::start(image, 1, true)
+    }
+
+    fn start(firmware: Arc<Firmware>, number: usize, rig: bool) -> Self {
         let (orders, their_orders) = channel();
         let (their_stops, stops) = channel();
         let thread = std::thread::spawn(move || {
-            let board = Nucleo::new(number).expect("the emulator knows this part");
+            let mut board = Nucleo::new(number).expect("the emulator knows this part");
+            if rig {
+                board.part.attach_console();
+            }
             let session = Session::new(Box::new(board), 0, VirtualNanos(1000)).expect("a session");
             let stepper = Stepper {
                 orders: their_orders,
@@ -256,6 +303,7 @@ impl Node {
                 until: 0,
                 broken: None,
                 resets: 0,
+                edges: rig.then(Vec::new),
             };
             let images = std::slice::from_ref(&firmware.image);
             let mut finished = run(session, &Start::new(images), stepper).expect("the emulator runs the image");
@@ -269,7 +317,7 @@ impl Node {
 
     /// Lets the board run until `until_ns`; [`Node::wait`] says when it is there.
     pub fn run(&self, until_ns: u64, inputs: Inputs) {
-        self.orders.send(Order::Run(until_ns, inputs)).expect("the board runs");
+        self.orders.send(Order::Run(until_ns, Box::new(inputs))).expect("the board runs");
     }
 
     /// Waits for the stop.

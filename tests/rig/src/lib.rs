@@ -1,10 +1,26 @@
-//! What two bare Nucleos and a cable are to show on silicon: each test, its wires, what it drives and measures, its bound; and
-//! docs/silicon.md, which is made of that.
+//! What two bare Nucleos and wires are to show on silicon: each test, its wires, what it drives and measures, its bound; who runs them;
+//! and docs/silicon.md, which is made of that.
 //!
-//! One board is under test, with the release image; the other, the rig, plays device, faults and logic analyser. Wires go straight through:
-//! each joins the pin of one name of both boards, but for the analogue ones. Nobody has run any of it yet, and the rig's image is
-//! not written: the list says what each test would do.
+//! One board is under test, with the release image; the other, the rig, plays device, faults and logic analyser with the image in
+//! `src/image`. Nobody has run any of it on silicon yet: `cargo xtask rig --virtual` runs both images on virtual boards.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`order`] | what the PC tells the rig over its serial port, and how the rig answers |
+//! | [`pulses`] | what the rig makes of the edges that it captures |
+//! | [`device`] | the device that the rig plays |
+//! | [`list`] | the tests |
+//! | [`run`] | who runs them |
+//! | [`page`] | the list as text |
+#![cfg_attr(target_os = "none", no_std)]
 #![forbid(unsafe_code)]
 
+pub mod device;
+#[cfg(not(target_os = "none"))]
 pub mod list;
+pub mod order;
+#[cfg(not(target_os = "none"))]
 pub mod page;
+pub mod pulses;
+#[cfg(not(target_os = "none"))]
+pub mod run;

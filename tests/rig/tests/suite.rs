@@ -27,11 +27,30 @@ fn each_wire_ends_at_a_pin_that_takes_or_drives_what_goes_along_it() {
         for wire in test.wires {
             let (pin, is) = match wire {
                 Wire::Drives(pin) => (pin, "input"),
-                Wire::Sees(pin) => (pin, "output"),
+                Wire::Sees(pin, _) => (pin, "output"),
                 Wire::Analogue(pin) => (pin, "analogue"),
+                Wire::Back(..) | Wire::Button => continue,
             };
             let line = line_of(&netlist, pin);
             assert!(line.contains(&format!("is = \"{is}\"")), "{}: {wire:?}: {line}", test.name);
+        }
+    }
+}
+
+/// The table of the image's pins has every pin of its own that a wire ends at.
+#[test]
+fn each_pin_of_the_rig_is_one_that_its_image_names() {
+    let image = text("tests/rig/src/image/main.rs");
+    for wire in TESTS.iter().flat_map(|test| test.wires) {
+        let pins = match wire {
+            Wire::Drives(pin) => vec![*pin],
+            Wire::Sees(_, rig) => vec![*rig],
+            Wire::Back(pin, rig) => vec![*pin, *rig],
+            Wire::Analogue(_) => vec!["PA4"],
+            Wire::Button => vec!["PD14"],
+        };
+        for pin in pins {
+            assert!(image.contains(pin), "{wire:?}: {pin}");
         }
     }
 }

@@ -33,6 +33,9 @@ pub struct EncoderTimer {
     /// Edges that are left when the index comes, and whether it is there.
     index: Option<usize>,
     at_index: bool,
+    /// Levels that the timer's inputs are to take, each at an instant (ns), and the event of the next.
+    played: VecDeque<(u64, Channel, Level)>,
+    playing: Option<EventId>,
 }
 
 impl EncoderTimer {
@@ -46,7 +49,25 @@ impl EncoderTimer {
             next: None,
             index: None,
             at_index: false,
+            played: VecDeque::new(),
+            playing: None,
         }
+    }
+
+    /// A channel's input takes a level at an instant (ns), or as soon after as the one before it does.
+    pub fn play(&mut self, at: u64, channel: u8, level: Level, context: &mut DeviceContext<'_>) {
+        let at = self.played.back().map_or(at, |(before, ..)| at.max(*before));
+        self.played.push_back((at, Channel::new(channel).expect("a channel of the timer"), level));
+        if self.playing.is_none() {
+            self.playing = Some(context.schedule(VirtualNanos(at.max(context.now().0))));
+        }
+    }
+
+    fn played(&mut self, registers: &mut RegisterFile, context: &mut DeviceContext<'_>) {
+        while let Some((_, channel, level)) = self.played.pop_front_if(|(at, ..)| *at <= context.now().0) {
+            self.timer.drive_input(channel, level, registers, context);
+        }
+        self.playing = self.played.front().map(|(at, ..)| context.schedule(VirtualNanos(*at)));
     }
 
     /// Where the encoder will be once all its edges are out, counts.
@@ -87,6 +108,8 @@ impl EncoderTimer {
         self.position = self.target();
         self.pending.clear();
         self.next = None;
+        self.played.clear();
+        self.playing = None;
     }
 
     fn levels(position: i64) -> [Level; 2] {
@@ -138,6 +161,8 @@ impl Device for EncoderTimer {
             if !self.pending.is_empty() {
                 self.schedule(c);
             }
+        } else if self.playing == Some(event) {
+            self.played(f, c);
         } else {
             Device::on_event(&mut self.timer, event, f, c);
         }

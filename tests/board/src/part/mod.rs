@@ -9,6 +9,8 @@
 //! | [`wwdg`] | the window watchdog |
 //! | [`converter`] | the injected group of ADC1 |
 //! | [`motors`] | what hangs at the bridges: host-sim's plant and windings |
+//! | [`pins`] | pins by name, and which timer's input each leads to |
+//! | `serial` | the PC behind the ST-LINK, at USART3 |
 //!
 //! On the board: 8 MHz from the ST-LINK, the strap, the emergency stop's contact, the bridges' fault line, the blue button.
 
@@ -18,6 +20,8 @@ pub mod ethernet;
 pub mod iwdg;
 pub mod motors;
 pub mod oscillator;
+pub mod pins;
+mod serial;
 pub mod wwdg;
 
 use std::num::{NonZeroU32, NonZeroU64};
@@ -29,10 +33,11 @@ use rigless::machine::{Board, Target};
 use rigless::mcu::{Mcu, Operate};
 use rigless::snapshot::Store;
 use rigless::soc::stm32h743::Stm32h743;
-use rigless::soc::stm32h743::peripherals::gpio::Pin;
+use rigless::soc::stm32h743::peripherals::gpio::Gpio;
 use rigless::soc::stm32h743::peripherals::rcc::{CLOCK_FAILURE, Rcc};
 use rigless::soc::stm32h743::peripherals::rng::{self, Rng};
 use rigless::soc::stm32h743::peripherals::tim::{ADVANCED_TIMERS, BreakInput, BreakSource, Tim};
+use rigless::soc::stm32h743::peripherals::usart;
 use rigless::soc::{Bus, Error, Width};
 use rigless::time::VirtualNanos;
 
@@ -42,6 +47,8 @@ use ethernet::{Dma, Mac};
 use iwdg::Iwdg;
 use motors::Motors;
 use oscillator::Missing;
+use pins::{Edge, Place};
+use serial::Console;
 use wwdg::Wwdg;
 
 /// Core clock, Hz; one instruction a cycle is assumed.
@@ -164,6 +171,8 @@ pub struct Part {
     button_pressed: bool,
     strap_to_ground: bool,
     noise_works: bool,
+    /// A PC is at USART3.
+    console: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -176,17 +185,15 @@ struct Slots {
     wwdg: usize,
     adc1: usize,
     encoders: [usize; MOTORS],
-    gpio_c: usize,
-    gpio_d: usize,
-    gpio_e: usize,
-    gpio_g: usize,
+    /// Ports A to G.
+    gpio: [usize; 7],
     tim1: usize,
     rng: usize,
+    usart3: usize,
 }
 
-const fn pin(index: u8) -> Pin {
-    Pin::new(index).expect("ports have 16 pins")
-}
+/// USART3 among the emulator's ports.
+const USART3: usize = 2;
 
 impl Part {
     fn new(strap_to_ground: bool) -> Result<Self, Error> {
@@ -201,12 +208,18 @@ impl Part {
             wwdg: slot("WWDG")?,
             adc1: slot("ADC1")?,
             encoders: [slot("TIM3")?, slot("TIM4")?, slot("TIM2")?],
-            gpio_c: slot("GPIOC")?,
-            gpio_d: slot("GPIOD")?,
-            gpio_e: slot("GPIOE")?,
-            gpio_g: slot("GPIOG")?,
+            gpio: [
+                slot("GPIOA")?,
+                slot("GPIOB")?,
+                slot("GPIOC")?,
+                slot("GPIOD")?,
+                slot("GPIOE")?,
+                slot("GPIOF")?,
+                slot("GPIOG")?,
+            ],
             tim1: slot("TIM1")?,
             rng: slot("RNG")?,
+            usart3: slot(usart::INSTANCES[USART3])?,
         };
         let (mac, dma) = ethernet::pair();
         let encoders = [1, 2, 0].map(EncoderTimer::new);
@@ -228,6 +241,7 @@ impl Part {
             button_pressed: false,
             strap_to_ground,
             noise_works: true,
+            console: false,
         };
         // The emulator leaves to the part what breaks a timer.
         part.chip.advanced[0] =
@@ -241,39 +255,66 @@ impl Part {
 
     /// Puts on the pins what the wiring holds there.
     fn wire(&mut self, at: VirtualNanos) {
-        let Slots { gpio_c, gpio_d, gpio_e, gpio_g, tim1, .. } = self.slots;
         // An open strap is pulled up by the chip; ground is ground.
-        let strap = self.strap_to_ground.then_some(Level::Low);
-        let mut port = core::mem::take(&mut self.chip.gpio[6]);
-        let (registers, mut context) = self.chip.bus_mut().drive(at, gpio_g);
-        port.drive(pin(12), strap, registers, &mut context);
-        self.chip.gpio[6] = port;
+        self.drive(at, Place::of("PG12"), self.strap_to_ground.then_some(false));
         // The blue button connects to 3.3 V while it is pressed, and is pulled down while it is not.
-        let button = if self.button_pressed { Level::High } else { Level::Low };
-        let mut port = core::mem::take(&mut self.chip.gpio[2]);
-        let (registers, mut context) = self.chip.bus_mut().drive(at, gpio_c);
-        port.drive(pin(13), Some(button), registers, &mut context);
-        self.chip.gpio[2] = port;
+        self.drive(at, Place::of("PC13"), Some(self.button_pressed));
         // The output of the amplifiers' gate.
-        let gate = if self.gate_passes { Level::High } else { Level::Low };
-        let mut port = core::mem::take(&mut self.chip.gpio[3]);
-        let (registers, mut context) = self.chip.bus_mut().drive(at, gpio_d);
-        port.drive(pin(15), Some(gate), registers, &mut context);
-        self.chip.gpio[3] = port;
+        self.drive(at, Place::of("PD15"), Some(self.gate_passes));
         // The contact of the emergency stop connects to 3.3 V while it is not pressed.
-        let stop = if self.stop_released { Level::High } else { Level::Low };
-        let mut port = core::mem::take(&mut self.chip.gpio[4]);
-        let (registers, mut context) = self.chip.bus_mut().drive(at, gpio_e);
-        port.drive(pin(15), Some(stop), registers, &mut context);
-        self.chip.gpio[4] = port;
+        self.drive(at, Place::of("PE15"), Some(self.stop_released));
+        let stop = pins::level(self.stop_released);
         // There is no wiring from a pin to a timer's break inputs in the emulator: this is it.
         let mut timer = core::mem::replace(&mut self.chip.advanced[0], Tim::new(ADVANCED_TIMERS[0]));
-        let (registers, mut context) = self.chip.bus_mut().drive(at, tim1);
+        let (registers, mut context) = self.chip.bus_mut().drive(at, self.slots.tim1);
         timer.drive_break_source(BreakInput::First, BreakSource::Pin, stop, registers, &mut context);
         // Pulled up by the chip, pulled down by a bridge that reports a fault.
         let fault = if self.bridge_fails { Level::Low } else { Level::High };
         timer.drive_break_source(BreakInput::Second, BreakSource::Pin, fault, registers, &mut context);
         self.chip.advanced[0] = timer;
+    }
+
+    /// What the outside drives on a pin; `None`: nothing.
+    fn drive(&mut self, at: VirtualNanos, place: Place, high: Option<bool>) {
+        let port = usize::from(place.port);
+        let mut pins = core::mem::take(&mut self.chip.gpio[port]);
+        let (registers, mut context) = self.chip.bus_mut().drive(at, self.slots.gpio[port]);
+        pins.drive(place.pin(), high.map(pins::level), registers, &mut context);
+        self.chip.gpio[port] = pins;
+    }
+
+    /// Pins take levels, from `at` on: those that lead to a timer's input where the image has them do so at their instants.
+    pub fn play(&mut self, at: VirtualNanos, edges: impl IntoIterator<Item = Edge>) {
+        for Edge { at: then, place, high } in edges {
+            self.drive(at, place, Some(high));
+            let Some((timer, channel, function)) = pins::input(place) else { continue };
+            let port = self.slots.gpio[usize::from(place.port)];
+            let (registers, _) = self.chip.bus_mut().drive(at, port);
+            if Gpio::function(place.pin(), registers) == Some(function) {
+                let (_, mut context) = self.chip.bus_mut().drive(at, self.slots.encoders[timer]);
+                self.encoders[timer].play(then, channel, pins::level(high), &mut context);
+            }
+        }
+    }
+
+    /// A PC is at USART3 from now on.
+    pub fn attach_console(&mut self) {
+        self.chip.usart[USART3].attach(Console::default());
+        self.console = true;
+    }
+
+    /// The PC at USART3 says this, and gives what it has heard.
+    pub fn console(&mut self, says: &[u8]) -> Vec<u8> {
+        let console = self.chip.usart[USART3].chip_mut::<Console>();
+        console.map_or_else(Vec::new, |console| {
+            console.said.extend(says);
+            core::mem::take(&mut console.heard)
+        })
+    }
+
+    /// The first analogue output, of 4095.
+    pub fn analogue(&mut self, at: VirtualNanos) -> u16 {
+        self.peek(at, 0x4000_7408, Width::W32).unwrap_or(0) as u16
     }
 
     /// Presses or releases the emergency stop.
@@ -354,16 +395,21 @@ impl Part {
     pub fn period(&mut self, at: VirtualNanos, motors: &mut Motors) {
         let bridges = self.bridges(at);
         let (reads, counts, indexes) = motors.period(at.0, &bridges);
-        let triggers = self.chip.advanced[0].trigger2_output().1;
-        if triggers != core::mem::replace(&mut self.triggers, triggers) {
-            let (_, mut context) = self.chip.bus_mut().drive(at, self.slots.adc1);
-            self.converter.sample(reads, &mut context);
-        }
+        self.convert(at, reads);
         let moves = counts.into_iter().zip(indexes);
         for ((encoder, slot), (counts, index)) in self.encoders.iter_mut().zip(self.slots.encoders).zip(moves) {
             let (_, mut context) = self.chip.bus_mut().drive(at, slot);
             encoder.turn_within(counts, PERIOD_SPREAD_NS, &mut context);
             encoder.pass(index);
+        }
+    }
+
+    /// The converter's inputs (PA3, PC0, PB1) have read this if the bridges' timer has triggered it since this was called last.
+    pub fn convert(&mut self, at: VirtualNanos, reads: [u16; 3]) {
+        let triggers = self.chip.advanced[0].trigger2_output().1;
+        if triggers != core::mem::replace(&mut self.triggers, triggers) {
+            let (_, mut context) = self.chip.bus_mut().drive(at, self.slots.adc1);
+            self.converter.sample(reads, &mut context);
         }
     }
 
@@ -431,6 +477,12 @@ impl Mcu for Part {
         // Of the models only the wire's has something outside of its own accesses and events.
         let (registers, mut context) = self.chip.bus_mut().drive(now, self.slots.dma);
         Device::poll(&mut self.dma, registers, &mut context);
+        if self.console {
+            let mut port = core::mem::take(&mut self.chip.usart[USART3]);
+            let (registers, mut context) = self.chip.bus_mut().drive(now, self.slots.usart3);
+            Device::poll(&mut port, registers, &mut context);
+            self.chip.usart[USART3] = port;
+        }
     }
     fn split(&mut self, slot: usize) -> (&mut Bus, Option<&mut dyn ErasedDevice>) {
         if slot == self.slots.rcc && self.missing.wanted {

@@ -36,6 +36,7 @@ mod one_board;
 mod papers_comms;
 mod partner;
 mod recordings;
+mod rig;
 mod same_bits;
 mod static_stack;
 mod stop;

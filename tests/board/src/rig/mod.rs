@@ -1,0 +1,377 @@
+//! Two virtual boards wired pin to pin: the release image on one, the rig's image on the other, and the PC that talks to both.
+//!
+//! Time goes in steps: the board under test first, and then the rig, which so sees the board's edges at their own instants. What the rig does reaches
+//! the board at the end of its step. A step is 50 µs, and ends where the board's timer updates; 50 ns while the rig's light says that it is
+//! measuring, so that a break is measured late by a step at the most, and never early.
+
+mod legs;
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use firmware_parts::record::Record;
+use haptic_core::device::encoder::Counts;
+use haptic_core::names::MotorDrive;
+use haptic_core::safety::Mode;
+use haptic_rig::run::{self, Boards};
+use legs::Legs;
+
+use crate::bench::PERIOD_NS;
+use crate::image::{self, Firmware};
+use crate::node::{Inputs, Node, Report, Stopped};
+use crate::part::Gate;
+use crate::part::pins::{Edge, Place};
+use crate::pc::{Pc, keys_in_flash, operator_key, peers_key};
+use crate::twin::replay_alone;
+use crate::wire::{Line, PC, Wire};
+
+/// A step, ns, while the rig measures and while it does not: a period of the board's pulses.
+const FINE_NS: u64 = 50;
+const STEP_NS: u64 = 50_000;
+/// A step while the board's tick stands and its reset is waited for, ns.
+const STOPPED_NS: u64 = 1000;
+/// 10 kΩ and 10 µF, ns.
+const SLOW_NS: f64 = 1e8;
+/// DBGMCU_APB2FZ1, and its bit that stops TIM1 while a debugger halts the core, and so turns its outputs off (RM0433 §60.5.8).
+const FROZEN: (u64, u32) = (0x5C00_104C, 1);
+/// TIM6_CR1, and a timer that does not run.
+const TICK_STANDS: (u64, u32) = (0x4000_1000, 0);
+
+/// Pins of the rig that go to pins of the same name.
+const ENCODERS: [Place; 5] =
+    [Place::of("PC6"), Place::of("PC7"), Place::of("PC8"), Place::of("PD12"), Place::of("PD13")];
+const GATE: Place = Place::of("PD15");
+const STOP: Place = Place::of("PE15");
+const FAULT: Place = Place::of("PE6");
+const ENABLE: Place = Place::of("PF3");
+/// The rig's pin that goes to the board's blue button, and its light.
+const BUTTON: Place = Place::of("PD14");
+const LIGHT: Place = Place::of("PE1");
+/// The rig's pins at which it captures the stop and the fault line.
+const STOP_BACK: Place = Place::of("PB11");
+const FAULT_BACK: Place = Place::of("PB3");
+
+/// Both boards and the PC.
+pub struct Rigged {
+    board: Node,
+    rig: Node,
+    board_inputs: Inputs,
+    rig_inputs: Inputs,
+    wire: Wire,
+    /// The PC, as operator of the board.
+    pub pc: Pc,
+    /// What the board did at the last stop.
+    pub stopped: Stopped,
+    legs: Legs,
+    /// When the board's timer updates next, ns.
+    update: Option<u64>,
+    enabled: bool,
+    measuring: bool,
+    /// How long a step is while the rig does not measure, ns.
+    step_ns: u64,
+    /// What the rig has on the pins of encoders.
+    levels: BTreeMap<Place, bool>,
+    /// Bytes from the rig that are no line yet.
+    heard: Vec<u8>,
+    lines: Vec<String>,
+    analogue: u16,
+    /// What is behind 10 kΩ and 10 µF of it, of 4095, at the board's three analogue inputs; as long as it is 0 they read what they read without.
+    volts: f64,
+    /// The board's processor is halted, and its timer's outputs with it, or not.
+    halted: Option<bool>,
+    /// How long it was halted so far, ns.
+    lag_ns: u64,
+    /// Records whose codes have been asked for.
+    coded: usize,
+    now_ns: u64,
+    /// The PC has been served up to here, ms.
+    served: u64,
+}
+
+impl Rigged {
+    /// Both at power-on, run until the board knows the PC.
+    pub fn start(firmware: &Arc<Firmware>, image: &Arc<Firmware>) -> Self {
+        let mut rigged = Self {
+            board: Node::new(firmware.clone(), 1),
+            rig: Node::rig(image.clone()),
+            board_inputs: Inputs { poke: keys_in_flash(&peers_key(), &operator_key()), ..Inputs::default() },
+            rig_inputs: Inputs::default(),
+            wire: Wire::new(Line::default()),
+            pc: Pc::default(),
+            stopped: Stopped::default(),
+            legs: Legs::default(),
+            update: None,
+            enabled: false,
+            measuring: false,
+            step_ns: STEP_NS,
+            levels: BTreeMap::new(),
+            heard: Vec::new(),
+            lines: Vec::new(),
+            analogue: 0,
+            volts: 0.0,
+            halted: None,
+            lag_ns: 0,
+            coded: 0,
+            now_ns: 1000,
+            served: 0,
+        };
+        rigged.wait_ms(60);
+        rigged.greet();
+        rigged
+    }
+
+    /// Until the board, which has just started, and the PC know each other.
+    ///
+    /// # Panics
+    /// They do not meet within two seconds.
+    fn greet(&mut self) {
+        for ms in 0..2000 {
+            if ms % 100 == 0 {
+                self.wire.send(PC, self.now_ns, &Pc::resolve(1));
+            }
+            self.wait_ms(1);
+            if self.pc.reaches(1) {
+                return;
+            }
+        }
+        panic!("the board and its operator do not meet");
+    }
+
+    /// Virtual time, ns.
+    pub fn now_ns(&self) -> u64 {
+        self.now_ns
+    }
+
+    /// The analogue output of the rig, of 4095.
+    pub fn analogue(&self) -> u16 {
+        self.analogue
+    }
+
+    /// Puts a word into a register of the board, as something that is wrong there would.
+    pub fn spoil(&mut self, address: u64, value: u32) {
+        self.board_inputs.poke.push((address, value));
+    }
+
+    fn step(&mut self) {
+        let length = if self.measuring { FINE_NS } else { self.step_ns };
+        let update = self.update.filter(|_| self.halted.is_none());
+        let until = update.map_or(self.now_ns + length, |update| update.min(self.now_ns + length));
+        self.volts += (f64::from(self.analogue) - self.volts) * (until - self.now_ns) as f64 / SLOW_NS;
+        let updates = update == Some(until);
+        match self.halted {
+            Some(off) => {
+                // Neither its processor nor what DBGMCU stops goes on.
+                self.lag_ns += until - self.now_ns;
+                self.stopped.bridges.outputs &= !off;
+                self.stopped.frames.clear();
+            }
+            None => self.run_board(until, updates),
+        }
+        let mut edges = self.legs.see(until, &self.stopped.bridges, updates);
+        let enable = self.stopped.bridges.enable;
+        if enable != core::mem::replace(&mut self.enabled, enable) {
+            edges.push(Edge { at: until, place: ENABLE, high: enable });
+        }
+        for (at, frame) in &self.stopped.frames {
+            self.wire.send(0, *at, frame);
+        }
+        self.rig_inputs.edges.extend(edges);
+        self.rig.run(until, std::mem::take(&mut self.rig_inputs));
+        let rig = self.rig.wait();
+        for edge in rig.edges {
+            self.route(edge, until);
+        }
+        self.hear(&rig.heard);
+        self.analogue = rig.analogue;
+        self.now_ns = until;
+        self.serve();
+    }
+
+    /// The board goes on; its own clock is behind by as long as it was halted.
+    fn run_board(&mut self, until: u64, updates: bool) {
+        if self.volts > 0.0 {
+            let code = (self.volts * 16.0).round().min(65_535.0) as u16;
+            self.board_inputs.reads = Some([code; 3]);
+        }
+        for edge in &mut self.board_inputs.edges {
+            edge.at -= self.lag_ns;
+        }
+        self.board.run(until - self.lag_ns, std::mem::take(&mut self.board_inputs));
+        let before = self.stopped.resets;
+        self.stopped = self.board.wait();
+        for (at, _) in &mut self.stopped.frames {
+            *at += self.lag_ns;
+        }
+        if before != self.stopped.resets {
+            self.step_ns = STEP_NS;
+        }
+        // Once it runs, its periods are as long as a step; after a reset it begins anew.
+        self.update = match self.update.filter(|_| before == self.stopped.resets) {
+            Some(update) if updates => Some(update + STEP_NS),
+            Some(update) => Some(update),
+            None => self.stopped.update.map(|update| update + self.lag_ns),
+        };
+    }
+
+    /// What the rig did in the step that ends now reaches the board, and the rig's own inputs.
+    fn route(&mut self, edge: Edge, until: u64) {
+        let Edge { at, place, high } = edge;
+        let (board, back) = (&mut self.board_inputs, &mut self.rig_inputs.edges);
+        match place {
+            GATE => board.gate = Some(if high { Gate::AlwaysOpen } else { Gate::NeverOpens }),
+            STOP => {
+                board.press = Some(!high);
+                back.push(Edge { at: until, place: STOP_BACK, high });
+            }
+            FAULT => {
+                board.bridge_fails = Some(!high);
+                back.push(Edge { at: until, place: FAULT_BACK, high });
+            }
+            BUTTON => board.button = Some(high),
+            LIGHT => self.measuring = high,
+            _ if ENCODERS.contains(&place) => {
+                self.levels.insert(place, high);
+                board.edges.push(Edge { at: until + (at - self.now_ns), ..edge });
+            }
+            _ => {}
+        }
+    }
+
+    fn hear(&mut self, bytes: &[u8]) {
+        for byte in bytes {
+            match byte {
+                b'\n' => self.lines.push(String::from_utf8_lossy(&std::mem::take(&mut self.heard)).into_owned()),
+                byte => self.heard.push(*byte),
+            }
+        }
+    }
+
+    /// The PC talks and listens once a millisecond.
+    fn serve(&mut self) {
+        let now = self.now_ns;
+        if now / PERIOD_NS == self.served {
+            return;
+        }
+        self.served = now / PERIOD_NS;
+        for frame in self.wire.receive(PC, now) {
+            if let Some(answer) = self.pc.hear(now, &frame) {
+                self.wire.send(PC, now, &answer);
+            }
+        }
+        for frame in self.pc.talk(now, 1) {
+            self.wire.send(PC, now, &frame);
+        }
+        self.board_inputs.frames.extend(self.wire.receive(0, now));
+    }
+
+    /// Ends the run: what the emulator could not do, of the board and of the rig.
+    pub fn finish(self) -> [Report; 2] {
+        [self.board.finish(), self.rig.finish()]
+    }
+}
+
+/// Where the rig's image is, beside the release image.
+pub fn image() -> PathBuf {
+    image::path().with_file_name("rig")
+}
+
+/// Both at power-on, the board told of amplifiers.
+///
+/// # Errors
+/// What one of them did not take.
+pub fn start() -> Result<Rigged, String> {
+    let mut rigged = Rigged::start(&Arc::new(Firmware::release()), &Arc::new(Firmware::read(&image())));
+    run::set_up(&mut rigged)?;
+    Ok(rigged)
+}
+
+impl Boards for Rigged {
+    fn ask(&mut self, line: &str) -> String {
+        let before = self.pc.answers[0].len();
+        self.pc.say(1, line);
+        for _ in 0..1000 {
+            self.wait_ms(1);
+            if let Some(answer) = self.pc.answers[0].get(before) {
+                return answer.clone();
+            }
+        }
+        panic!("the board does not answer {line:?}");
+    }
+
+    fn order(&mut self, line: &str) {
+        self.rig_inputs.said.extend(line.bytes().chain([b'\n']));
+    }
+
+    fn answer(&mut self) -> String {
+        for _ in 0..5000 {
+            if !self.lines.is_empty() {
+                return self.lines.remove(0);
+            }
+            self.wait_ms(1);
+        }
+        panic!("the rig does not answer");
+    }
+
+    fn stop_ticks(&mut self) {
+        let (address, standing) = TICK_STANDS;
+        self.spoil(address, standing);
+        self.step_ns = STOPPED_NS;
+    }
+
+    fn halt(&mut self, ms: u64) {
+        self.board_inputs.peek.push(FROZEN.0);
+        self.step();
+        let frozen = self.stopped.peeked.first().is_some_and(|word| word & FROZEN.1 != 0);
+        self.halted = Some(frozen);
+        self.step_ns = STOPPED_NS;
+        self.step();
+        self.step_ns = STEP_NS;
+        let begun = self.lag_ns;
+        self.wait_ms(ms);
+        self.halted = None;
+        self.update = self.update.map(|update| update + STOPPED_NS + self.lag_ns - begun);
+    }
+
+    fn codes(&mut self) -> [Vec<i16>; 2] {
+        let records = &self.pc.records[0];
+        let new = records[self.coded.min(records.len())..].iter().filter_map(Record::stage);
+        let codes = new.map(|stage| stage.motors.map(|flow| flow.last)).collect::<Vec<_>>();
+        self.coded = records.len();
+        [0, 1].map(|input| codes.iter().map(|codes| codes[input]).collect())
+    }
+
+    fn meet(&mut self) {
+        self.wait_ms(1300);
+        // The board's timers see again what the rig has left on their pins.
+        let levels = self.levels.iter().map(|(place, high)| Edge { at: self.now_ns, place: *place, high: *high });
+        self.board_inputs.edges.extend(levels);
+        self.greet();
+    }
+
+    fn counts(&mut self) -> [u16; 2] {
+        if self.pc.records[0].is_empty() {
+            assert!(self.ask("stream 1").starts_with("ok"), "it streams");
+        }
+        self.wait_ms(20);
+        self.pc.records[0].last().map_or([0; 2], |record| record.counts().map(|Counts(counts)| counts))
+    }
+
+    fn same(&mut self) -> [u64; 2] {
+        self.wait_ms(40);
+        let records = &self.pc.records[0];
+        let armed = |record: &Record| record.mode() == Mode::Armed;
+        let end = records.iter().rposition(armed).map_or(0, |last| last + 1);
+        let begin = records[..end].iter().rposition(|record| !armed(record)).map_or(0, |last| last + 1);
+        let mut settings = firmware_parts::kept::defaults();
+        settings.motor.drive = MotorDrive::Amplifier;
+        [replay_alone(&settings, &records[begin..end]).ticks, (end - begin) as u64]
+    }
+
+    fn wait_ms(&mut self, ms: u64) {
+        let until = self.now_ns + ms * PERIOD_NS;
+        while self.now_ns < until {
+            self.step();
+        }
+    }
+}

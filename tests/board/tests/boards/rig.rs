@@ -1,0 +1,36 @@
+//! What the rig measures is what is there: where the board is wrong, its test fails. `cargo xtask rig --virtual` runs the tests themselves.
+
+use board_bench::rig::{self, Rigged};
+use haptic_rig::list::{TESTS, Test, Virtual};
+use haptic_rig::run::{self, Boards, Extent, Outcome};
+
+/// DBGMCU_APB2FZ1 that lets TIM1 go on while a debugger halts the core.
+const GOES_ON: (u64, u32) = (0x5C00_104C, 0);
+/// TIM6_ARR, and a period of 1.05 ms in its counts.
+const LONGER: (u64, u32) = (0x4000_102C, 62_999);
+
+fn test(rigged: &mut Rigged, name: &str) -> Outcome {
+    let test: &Test = TESTS.iter().find(|test| test.name == name).expect("the list has it");
+    assert!(matches!(test.virtual_rig, Virtual::Runs(_)));
+    run::run(rigged, test, Extent::Virtual).expect("somebody wrote it down")
+}
+
+#[test]
+fn what_is_wrong_with_a_board_is_found() {
+    let mut rigged = rig::start().expect("both take it");
+    rigged.order("volts 1234");
+    assert_eq!(rigged.answer(), "ok");
+    assert_eq!(rigged.analogue(), 1234);
+    rigged.order("pull stop");
+    assert_eq!(rigged.answer(), "error PE14 is low already");
+    rigged.order("watch 3");
+    assert_eq!(rigged.answer(), "error PE14 did not fall");
+    rigged.spoil(GOES_ON.0, GOES_ON.1);
+    let found = test(&mut rigged, "halt-while-armed");
+    assert!(found.as_ref().is_err_and(|why| why.contains("PE14 did not fall")), "{found:?}");
+    assert_eq!(rigged.ask("disarm"), "ok disarmed");
+    rigged.spoil(LONGER.0, LONGER.1);
+    let found = test(&mut rigged, "tick-spacing");
+    assert!(found.as_ref().is_err_and(|why| why.contains(" 0 of them 20 periods after the last")), "{found:?}");
+    rigged.finish();
+}

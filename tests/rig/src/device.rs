@@ -1,0 +1,169 @@
+//! The device that the rig plays: a mass with friction like a fluid's, moved by what the board commands, in steps of 50 µs; and where its
+//! encoder is.
+//!
+//! It is the device that a board's default settings describe: 40 N at full current, 200 000 counts a metre.
+
+use crate::order::Moves;
+use crate::pulses::TICK;
+
+/// Mass, kg, and damping, N·s/m.
+const MASS_KG: f32 = 0.1;
+const DAMPING_N_S_PER_M: f32 = 1.0;
+/// Force at full current, N.
+const FULL_N: f32 = 40.0;
+/// Counts of the encoder for a metre.
+const COUNTS_PER_M: f32 = 200_000.0;
+/// A step, s.
+const STEP_S: f32 = 50e-6;
+/// How far a sweep goes, counts to either side.
+const SPAN: i32 = 400;
+/// Fastest that it moves, counts in a step.
+pub const FASTEST: i32 = 16;
+
+/// A device on one axis.
+#[derive(Clone, Copy, Debug)]
+pub struct Device {
+    /// What moves it.
+    moves: Moves,
+    position_m: f32,
+    velocity_m_per_s: f32,
+    /// What a hand pushes with, N.
+    push_n: f32,
+    /// Where the encoder is, counts.
+    counts: i32,
+    /// Of what moves by itself: steps since it moved last, and which way it goes.
+    waited: u32,
+    upward: bool,
+    middle: i32,
+}
+
+impl Default for Device {
+    fn default() -> Self {
+        Self {
+            moves: Moves::Held,
+            position_m: 0.0,
+            velocity_m_per_s: 0.0,
+            push_n: 0.0,
+            counts: 0,
+            waited: 0,
+            upward: true,
+            middle: 0,
+        }
+    }
+}
+
+impl Device {
+    /// From here on this moves it, from rest.
+    pub fn moved_by(&mut self, moves: Moves) {
+        *self = Self {
+            moves,
+            position_m: self.counts as f32 / COUNTS_PER_M,
+            counts: self.counts,
+            middle: self.counts,
+            ..Self::default()
+        };
+    }
+
+    /// A hand pushes with so many mN from here on.
+    pub fn push(&mut self, milli_n: u32, upward: bool) {
+        self.push_n = milli_n as f32 * if upward { 1e-3 } else { -1e-3 };
+    }
+
+    /// Its encoder was turned by so many counts.
+    pub fn turned(&mut self, counts: i32) {
+        self.counts = self.counts.wrapping_add(counts);
+        self.moved_by(Moves::Held);
+    }
+
+    /// 50 µs under a command, as a share of full current: by how many counts the encoder moves.
+    pub fn step(&mut self, share: f32) -> i32 {
+        let before = self.counts;
+        match self.moves {
+            Moves::Held => {}
+            Moves::Free => {
+                let force_n = share * FULL_N + self.push_n - DAMPING_N_S_PER_M * self.velocity_m_per_s;
+                self.velocity_m_per_s += force_n * (STEP_S / MASS_KG);
+                self.position_m += self.velocity_m_per_s * STEP_S;
+                // A cast takes what is beyond an integer, and what is no number, to one.
+                let there = (self.position_m * COUNTS_PER_M) as i32;
+                // Not `clamp`, which panics where its ends are the wrong way round.
+                self.counts = there.max(before.saturating_sub(FASTEST)).min(before.saturating_add(FASTEST));
+            }
+            Moves::Sweep(every) => {
+                self.waited += 1;
+                if self.waited >= every {
+                    self.waited = 0;
+                    self.counts = self.counts.wrapping_add(if self.upward { 1 } else { -1 });
+                    let beyond = self.counts.wrapping_sub(self.middle);
+                    self.upward = if self.upward { beyond < SPAN } else { beyond <= -SPAN };
+                }
+            }
+            Moves::Shake(counts) => {
+                self.waited += 1;
+                if self.waited >= TICK {
+                    self.waited = 0;
+                    let counts = counts.min(FASTEST.unsigned_abs()).cast_signed();
+                    self.counts = self.counts.wrapping_add(if self.upward { counts } else { -counts });
+                    self.upward = !self.upward;
+                }
+            }
+        }
+        self.counts.wrapping_sub(before)
+    }
+}
+
+/// Levels of an encoder's channels A and B where it is at this count: A rises first on the way up.
+pub fn levels(counts: i32) -> [bool; 2] {
+    match counts & 3 {
+        0 => [false, false],
+        1 => [true, false],
+        2 => [true, true],
+        _ => [false, true],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A step of force from rest: x = ½·F/m·t², less what the damping takes.
+    #[test]
+    fn a_free_device_goes_where_the_force_sends_it() {
+        let mut device = Device::default();
+        device.moved_by(Moves::Free);
+        let counts: i32 = (0..200).map(|_| device.step(0.02)).sum();
+        let (time_s, decay) = (0.01_f64, 10.0_f64);
+        // v∞·(t - (1 - e^(-t·b/m))·m/b), of 0.8 N against 1 N·s/m.
+        let metres = 0.8 * (time_s - (1.0 - (-decay * time_s).exp()) / decay);
+        assert!((f64::from(counts) - metres * 200_000.0).abs() < 0.01 * metres * 200_000.0, "{counts}");
+    }
+
+    #[test]
+    fn a_sweep_stays_within_its_span_and_moves_in_every_tick() {
+        let mut device = Device::default();
+        device.moved_by(Moves::Sweep(4));
+        let mut at = 0_i32;
+        for _ in 0..5000 {
+            let before = at;
+            at += (0..20).map(|_| device.step(0.0)).sum::<i32>();
+            assert!(at.abs() <= SPAN && (at - before).abs() <= 5, "{at}");
+        }
+    }
+
+    #[test]
+    fn a_shake_is_elsewhere_in_every_tick_and_comes_back() {
+        let mut device = Device::default();
+        device.moved_by(Moves::Shake(10));
+        let moved: Vec<i32> = (0..6).map(|_| (0..TICK).map(|_| device.step(0.0)).sum()).collect();
+        assert_eq!(moved, [10, -10, 10, -10, 10, -10]);
+    }
+
+    #[test]
+    fn one_channel_changes_with_every_count() {
+        for counts in -9..9 {
+            let ([a, b], [next_a, next_b]) = (levels(counts), levels(counts + 1));
+            assert_eq!(u8::from(a != next_a) + u8::from(b != next_b), 1, "{counts}");
+        }
+        assert_eq!([levels(1), levels(-1)], [[true, false], [false, true]]);
+    }
+}
