@@ -168,6 +168,12 @@ pub trait Law<S: Scalar>: Configured + Copy + core::fmt::Debug + Send + Sync + '
     }
     /// Takes in the other peer's packet, which is held until the next.
     fn receive(&self, state: &mut Self::State, packet: Packet<S>);
+    /// Whether [`Law::receive`] only stores signals of the packet where its [`StateVector`] visits them, so that to receive it again changes
+    /// nothing, and nothing depends on how old it is: scenes with such a law are simulated side by side although other packets of theirs are
+    /// lost.
+    fn only_holds(&self) -> bool {
+        false
+    }
     /// One tick: the coordination force on the local copy, N, from what is observed and what was received.
     ///
     /// A law gives `solve` its [`Port`], a force affine in the copy's velocity, and gets that velocity (m/s) back; its
@@ -294,6 +300,9 @@ macro_rules! laws {
             }
             fn spoke(&self, state: &mut Self::State, packet: &Packet<S>) {
                 match (self, state) { $( (Self::$Variant(law), AnyLawState::$Variant(state)) => law.spoke(state, packet), )+ _ => {} }
+            }
+            fn only_holds(&self) -> bool {
+                match self { $( Self::$Variant(law) => Law::<S>::only_holds(law) ),+ }
             }
             fn acts_on_device(&self) -> bool {
                 match self { $( Self::$Variant(law) => Law::<S>::acts_on_device(law) ),+ }

@@ -50,6 +50,10 @@ impl<S: Scalar> Law<S> for PPlusD<S> {
         *desired = Motion::at(packet.motion.position);
     }
 
+    fn only_holds(&self) -> bool {
+        true
+    }
+
     #[inline]
     fn couple(&self, desired: &mut Motion<S>, observed: &Observation<S>, solve: impl Solve<S>) -> Coupled<S> {
         // What is sent is a position: between two packets the far end of the spring stands, and no energy crosses.

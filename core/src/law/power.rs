@@ -40,6 +40,10 @@ impl<S: Scalar> Law<S> for Power<S> {
         *desired = packet.motion;
     }
 
+    fn only_holds(&self) -> bool {
+        true
+    }
+
     #[inline]
     fn couple(&self, desired: &mut Motion<S>, observed: &Observation<S>, solve: impl Solve<S>) -> Coupled<S> {
         Coupled::toward(*desired, self.spring.force(*desired, observed.local, solve))

@@ -124,6 +124,10 @@ impl<S: Scalar> Law<S> for RemoteDynamicProxy<S> {
         state.remote = packet.motion;
     }
 
+    fn only_holds(&self) -> bool {
+        true
+    }
+
     #[inline]
     fn couple(&self, state: &mut ProxyState<S>, observed: &Observation<S>, solve: impl Solve<S>) -> Coupled<S> {
         let (proxy, remote) = (state.proxy, state.remote);

@@ -172,6 +172,10 @@ impl<S: Scalar, D: Decimator<S>> Law<S> for Line<S, D> {
         }
     }
 
+    fn only_holds(&self) -> bool {
+        self.credit.is_none()
+    }
+
     #[inline]
     fn couple(
         &self,

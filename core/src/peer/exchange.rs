@@ -111,6 +111,20 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         }
     }
 
+    /// Whether packets are only held ([`Law::only_holds`]).
+    pub fn only_holds(&self) -> bool {
+        self.law.only_holds()
+    }
+
+    /// These packets as the law would receive them if only this share of them counted ([`Law::fade`]).
+    pub fn faded(&self, share: S, packets: &[Packet<S>; SHARED]) -> [Packet<S>; SHARED] {
+        let mut faded = *packets;
+        for (packet, axis) in faded.iter_mut().zip(&self.shared_axes) {
+            *packet = self.law.fade(share, *packet, axis.object);
+        }
+        faded
+    }
+
     /// Gives the law the packets that stand, as far as they still count.
     #[inline(never)]
     fn fade(&mut self) {

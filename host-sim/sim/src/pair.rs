@@ -16,13 +16,62 @@ use crate::network::link::{Inbox, Numbered, Route};
 use crate::peers::{Builds, DynPeer, Number};
 use crate::{network::rule::Direction, plant::Plant, scene::Scene};
 
+/// What takes in the packets for a peer until its next tick.
+pub trait Mailbox<S: Scalar, const SHARED: usize, const N: usize> {
+    /// Takes a packet that came at `now_ns`, ns.
+    fn put(&mut self, now_ns: u64, packet: &Numbered<[Packet<S>; SHARED]>);
+    /// Lets the peer hear what has come by `now_ns` (ns), and count the silence if an exchange of packets is due; gives what it heard.
+    fn hand_over(
+        &mut self,
+        now_ns: u64,
+        due: bool,
+        peer: &mut dyn DynPeer<S, SHARED, N>,
+    ) -> Option<[Packet<S>; SHARED]>;
+    /// Packets that the peer has taken in.
+    fn delivered(&self) -> u64;
+}
+
+impl<S: Scalar, const SHARED: usize, const N: usize> Mailbox<S, SHARED, N> for Inbox<[Packet<S>; SHARED]> {
+    #[inline]
+    fn put(&mut self, now_ns: u64, packet: &Numbered<[Packet<S>; SHARED]>) {
+        Self::put(self, now_ns, *packet);
+    }
+
+    #[inline]
+    fn hand_over(
+        &mut self,
+        now_ns: u64,
+        due: bool,
+        peer: &mut dyn DynPeer<S, SHARED, N>,
+    ) -> Option<[Packet<S>; SHARED]> {
+        let taken = self.take(now_ns);
+        if let Some(packets) = &taken {
+            peer.hear(packets);
+        }
+        if due {
+            peer.listen();
+        }
+        taken
+    }
+
+    fn delivered(&self) -> u64 {
+        self.delivered
+    }
+}
+
 /// One peer with its device, for an engine: it shares the object along `SHARED` axes of a device of `N`.
-pub struct Side<S: Scalar, D = Plant, const SHARED: usize = 1, const N: usize = AXES> {
+pub struct Side<
+    S: Scalar,
+    D = Plant,
+    const SHARED: usize = 1,
+    const N: usize = AXES,
+    I: Mailbox<S, SHARED, N> = Inbox<[Packet<S>; SHARED]>,
+> {
     /// The peer, whatever its law.
     pub peer: Box<dyn DynPeer<S, SHARED, N>>,
     /// The peer's device and user.
     pub plant: D,
-    inbox: Inbox<[Packet<S>; SHARED]>,
+    inbox: I,
     /// Index of the seat that its packets are sent to.
     to: usize,
     /// Packet periods so far: the number of the next packet.
@@ -55,13 +104,28 @@ impl<S: Builds<SHARED, N>, D: Device<S, N>, const SHARED: usize, const N: usize>
 
 impl<S: Scalar, D: Device<S, N>, const SHARED: usize, const N: usize> Side<S, D, SHARED, N> {
     /// This peer, which is armed, at this device.
-    pub(crate) fn of(scene: &Scene, mut peer: Box<dyn DynPeer<S, SHARED, N>>, plant: D, to: usize) -> Self {
+    pub(crate) fn of(scene: &Scene, peer: Box<dyn DynPeer<S, SHARED, N>>, plant: D, to: usize) -> Self {
+        Self::with_mailbox(scene, peer, plant, to, Inbox::new(scene, 1))
+    }
+}
+
+impl<S: Scalar, D: Device<S, N>, const SHARED: usize, const N: usize, I: Mailbox<S, SHARED, N>>
+    Side<S, D, SHARED, N, I>
+{
+    /// This peer, which is armed, at this device, with this mailbox.
+    pub(crate) fn with_mailbox(
+        scene: &Scene,
+        mut peer: Box<dyn DynPeer<S, SHARED, N>>,
+        plant: D,
+        to: usize,
+        inbox: I,
+    ) -> Self {
         peer.command(Command::Arm);
         Self {
             sensors: plant.sensors(),
             peer,
             plant,
-            inbox: Inbox::new(scene, 1),
+            inbox,
             to,
             number: 0,
             sent: 0,
@@ -78,7 +142,7 @@ impl<S: Scalar, D: Device<S, N>, const SHARED: usize, const N: usize> Side<S, D,
 
     /// Packets that the peer has taken in.
     pub fn delivered(&self) -> u64 {
-        self.inbox.delivered
+        self.inbox.delivered()
     }
 
     /// What its newest tick commanded.
@@ -88,13 +152,15 @@ impl<S: Scalar, D: Device<S, N>, const SHARED: usize, const N: usize> Side<S, D,
 }
 
 /// Both packets are made before either is taken in: a network without delay delivers within the tick.
-impl<S: Scalar, D: Device<S, N>, const SHARED: usize, const N: usize> Actor<usize> for Side<S, D, SHARED, N> {
+impl<S: Scalar, D: Device<S, N>, const SHARED: usize, const N: usize, I: Mailbox<S, SHARED, N>> Actor<usize>
+    for Side<S, D, SHARED, N, I>
+{
     type Packet = Numbered<[Packet<S>; SHARED]>;
 
     #[inline]
     fn hear(&mut self, now_ns: u64, _: usize, packet: &mut Self::Packet, _: &mut Out<'_, usize, Self::Packet>) {
         self.delay_ns = now_ns.saturating_sub(packet.number * self.packet_ns);
-        self.inbox.put(now_ns, *packet);
+        self.inbox.put(now_ns, packet);
     }
 
     #[inline]
@@ -110,15 +176,11 @@ impl<S: Scalar, D: Device<S, N>, const SHARED: usize, const N: usize> Actor<usiz
 
     #[inline]
     fn act(&mut self, now_ns: u64, _: &mut Out<'_, usize, Self::Packet>) {
+        self.exchanged = self.peer.packet_due();
         // In most ticks nothing: a packet of sixteen lanes is not copied then.
         self.heard = None;
-        if let Some(packets) = self.inbox.take(now_ns) {
-            self.peer.hear(&packets);
+        if let Some(packets) = self.inbox.hand_over(now_ns, self.exchanged, &mut *self.peer) {
             self.heard = Some(packets);
-        }
-        self.exchanged = self.peer.packet_due();
-        if self.exchanged {
-            self.peer.listen();
         }
         let time_s = (now_ns / self.period_ns) as f64 * self.period_s;
         let clutched = self.plant.clutches(time_s);
@@ -160,8 +222,14 @@ impl<S: Scalar, const SHARED: usize, const N: usize> PeerTick<'_, S, SHARED, N> 
 }
 
 /// Two peers on one network, computing in `S`, that share the object along `SHARED` axes of devices of `N`.
-pub struct Pair<S: Scalar, D: Device<S, N> = Plant, const SHARED: usize = 1, const N: usize = AXES> {
-    engine: Engine<Side<S, D, SHARED, N>>,
+pub struct Pair<
+    S: Scalar,
+    D: Device<S, N> = Plant,
+    const SHARED: usize = 1,
+    const N: usize = AXES,
+    I: Mailbox<S, SHARED, N> = Inbox<[Packet<S>; SHARED]>,
+> {
+    engine: Engine<Side<S, D, SHARED, N, I>>,
     period_s: f64,
 }
 
@@ -208,22 +276,34 @@ impl<S: Builds<SHARED, N>, D: Device<S, N>, const SHARED: usize, const N: usize>
 impl<S: Scalar, D: Device<S, N>, const SHARED: usize, const N: usize> Pair<S, D, SHARED, N> {
     /// These two, on the network of the scene.
     pub(crate) fn of(scene: &Scene, sides: [Side<S, D, SHARED, N>; 2]) -> Self {
+        Self::with_routes(scene, sides, |direction| Route::of_scene(scene, direction, 0))
+    }
+}
+
+impl<S: Scalar, D: Device<S, N>, const SHARED: usize, const N: usize, I: Mailbox<S, SHARED, N>>
+    Pair<S, D, SHARED, N, I>
+{
+    /// These two of the scene, with this route in each direction.
+    pub(crate) fn with_routes(
+        scene: &Scene,
+        sides: [Side<S, D, SHARED, N, I>; 2],
+        route: impl Fn(Direction) -> Route,
+    ) -> Self {
         let [first, mut second] = sides.map(Seat::new);
         second.period = 1.0 + 1e-6 * scene.world.network.clock_drift_ppm;
-        let direction = |from| if from == 0 { Direction::OneToTwo } else { Direction::TwoToOne };
-        let route = |from, _| Route::of_scene(scene, direction(from), 0);
+        let route = |from, _| route(if from == 0 { Direction::OneToTwo } else { Direction::TwoToOne });
         let engine = Engine::new(scene.peer.timing.control_period_ns(), vec![first, second], route);
         Self { engine, period_s: scene.peer.timing.control_period_s }
     }
 
     /// Peer 1 (left) and peer 2 (right).
     #[inline]
-    pub fn sides(&self) -> [&Side<S, D, SHARED, N>; 2] {
+    pub fn sides(&self) -> [&Side<S, D, SHARED, N, I>; 2] {
         [0, 1].map(|at| &self.engine.seats[at].actor)
     }
 
     /// Both sides, to be changed.
-    pub fn sides_mut(&mut self) -> impl Iterator<Item = &mut Side<S, D, SHARED, N>> {
+    pub fn sides_mut(&mut self) -> impl Iterator<Item = &mut Side<S, D, SHARED, N, I>> {
         self.engine.seats.iter_mut().map(|seat| &mut seat.actor)
     }
 

@@ -33,11 +33,11 @@ pub(crate) fn mixed(hash: u64, word: u64) -> u64 {
 
 /// Declares [`DynPeer`] once: methods that [`Peer`] has under the same names, and those that are the trait's own.
 macro_rules! dyn_peer {
-    ($( $(#[$doc:meta])* fn $name:ident($self:ident: $receiver:ty $(, $argument:ident: $type:ty)?) $(-> $out:ty)?; )+) => {
+    ($( $(#[$doc:meta])* fn $name:ident($self:ident: $receiver:ty $(, $argument:ident: $type:ty)*) $(-> $out:ty)?; )+) => {
         /// One haptic peer, configuration and state, that shares the object along `SHARED` axes of a device of `N`, whatever its law and
         /// mechanism: the methods of `haptic_core::peer`.
         pub trait DynPeer<S: Scalar, const SHARED: usize = 1, const N: usize = AXES>: Configured + Debug + Send + Sync {
-            $( $(#[$doc])* fn $name($self: $receiver $(, $argument: $type)?) $(-> $out)?; )+
+            $( $(#[$doc])* fn $name($self: $receiver $(, $argument: $type)*) $(-> $out)?; )+
             /// A control period whole, for who brings devices and network himself: takes in what has come of the other peer since the
             /// period before; gives what the actuators do, and what to send, if anything. A clone is a saved state.
             fn step(
@@ -63,7 +63,7 @@ macro_rules! dyn_peer {
         where
             K: Kinematics<S, N>,
         {
-            $( fn $name($self: $receiver $(, $argument: $type)?) $(-> $out)? { Peer::$name($self $(, $argument)?) } )+
+            $( fn $name($self: $receiver $(, $argument: $type)*) $(-> $out)? { Peer::$name($self $(, $argument)*) } )+
             fn visit_state(&mut self, each: &mut dyn FnMut(&mut S)) {
                 self.visit(&mut |number| each(number));
             }
@@ -90,6 +90,10 @@ dyn_peer! {
     fn speak(self: &mut Self) -> Option<[Packet<S>; SHARED]>;
     /// The second half of an exchange: counts silence.
     fn listen(self: &mut Self);
+    /// Whether the law only holds packets.
+    fn only_holds(self: &Self) -> bool;
+    /// These packets as the law would receive them if only this share of them counted.
+    fn faded(self: &Self, share: S, packets: &[Packet<S>; SHARED]) -> [Packet<S>; SHARED];
     /// The packets that the peer would send now.
     fn outgoing(self: &Self) -> [Packet<S>; SHARED];
     /// Whether an exchange is due before the next tick.

@@ -303,6 +303,20 @@ impl Scene {
         settings
     }
 
+    /// Whether what becomes of packets is drawn from `network.seed`.
+    pub fn draws_packets(&self) -> bool {
+        let Network { like, jitter, loss, reorder, duplicate, corrupt, .. } = self.world.network;
+        let varies = like != Like::None || jitter != Jitter::None;
+        self.network_trace.is_none() && (varies || [loss, reorder, duplicate, corrupt].iter().any(|share| *share > 0.0))
+    }
+
+    /// Whether runs with other seeds may be other runs: something is drawn, what becomes of packets or the noise of the power stage's
+    /// converters, or the law is not one of core's, which draws nothing.
+    pub fn draws(&self) -> bool {
+        let from_outside = || self.laws.outside().any(|name| name == self.peer.coordination.comm);
+        self.draws_packets() || self.world.plant.winding || from_outside()
+    }
+
     /// A hash (FNV-1a, 32 bits) of all settings but the network's seed, to tell scenes from each other.
     pub fn fingerprint(&self) -> u32 {
         let settings = self.settings();

@@ -19,7 +19,8 @@ use crate::measure::Figure;
 
 /// Number of scenes that are stepped side by side, one in each lane.
 pub const LANES: usize = 16;
-const ALL: u32 = (1 << LANES) - 1;
+/// Every lane, as a bit mask.
+pub(super) const ALL: u32 = (1 << LANES) - 1;
 
 /// The source of the numbers that [`Scalar::from_f64`] makes.
 enum ConstantSource {
@@ -314,6 +315,15 @@ macro_rules! lanes {
             fn each_bits(self) -> [u64; LANES] {
                 self.lanes().map(|number| u64::from(number.to_bits()))
             }
+            #[inline(always)]
+            fn of_alone(numbers: &[$Alone; LANES]) -> Self {
+                Self::of(|lane| numbers[lane])
+            }
+            #[inline(always)]
+            fn chosen(lanes: u32, yes: Self, no: Self) -> Self {
+                let (yes, no) = (yes.lanes(), no.lanes());
+                Self::of(|lane| if lanes >> lane & 1 == 1 { yes[lane] } else { no[lane] })
+            }
         }
     };
 }
@@ -324,6 +334,10 @@ pub trait Lanes: Scalar<Counter = F64s> {
     type Alone: Scalar;
     /// [`Scalar::bits`] of each lane's number.
     fn each_bits(self) -> [u64; LANES];
+    /// These numbers, one a lane.
+    fn of_alone(numbers: &[Self::Alone; LANES]) -> Self;
+    /// One number in these lanes, the other in the rest.
+    fn chosen(lanes: u32, yes: Self, no: Self) -> Self;
 }
 
 lanes! {

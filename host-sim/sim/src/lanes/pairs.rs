@@ -1,4 +1,4 @@
-//! Pairs of peers of all lanes on one network, and how such a peer is built: as each scene's alone, number by number.
+//! Pairs of peers of all lanes, and how such a peer is built: as each scene's alone, number by number.
 //!
 //! **Checked**: a peer hands over everything that it was built with ([`Configured`](haptic_core::num::Configured)). A lane stays only if
 //! that is, in its bits, what its scene's peer hands over alone; so what is counted in whole numbers, or is another model, cannot pass for
@@ -9,15 +9,18 @@ use std::array::from_fn;
 use haptic_core::settings::Refused;
 
 use super::device::Plants;
+use super::kinds::is_one_network;
+use super::mailbox::LaneMailbox;
 use super::number::{LANES, Lanes, leave, nobody_left, played, recorded, show};
 use crate::AXES;
+use crate::network::link::Route;
 use crate::pair::{HASH_SEED, Pair, PeerTick, Side};
 use crate::peers::{Builds, DynPeer, mixed};
 use crate::{plant::Plant, scene::Scene};
 
-/// Pairs of peers side by side, one pair in each lane, on one network.
+/// Pairs of peers side by side, one pair in each lane.
 pub struct Pairs<S: Lanes, const SHARED: usize = 1, const N: usize = AXES> {
-    pair: Pair<S, Plants<N>, SHARED, N>,
+    pair: Pair<S, Plants<N>, SHARED, N, LaneMailbox<S, SHARED>>,
     hashes: [u64; LANES],
     /// The states that are hashed next.
     words: Vec<S>,
@@ -34,6 +37,8 @@ impl<S: Lanes + Builds<SHARED, N>, const SHARED: usize, const N: usize> Pairs<S,
     /// There is no scene.
     pub fn new(scenes: &[&Scene]) -> Result<Self, Refused<'static>> {
         nobody_left();
+        let one = scenes.iter().all(|scene| is_one_network(scene, scenes[0]));
+        let own = scenes;
         let scenes: [&Scene; LANES] = from_fn(|lane| scenes[lane.min(scenes.len() - 1)]);
         let side = |index, to| {
             // Moved by nothing, as those of a pair alone are: −0 m becomes 0 m.
@@ -44,10 +49,14 @@ impl<S: Lanes + Builds<SHARED, N>, const SHARED: usize, const N: usize> Pairs<S,
                 let [one, other] = [*scene, *first].map(|scene| &scene.users[index]);
                 one.settings == other.settings && one.trace == other.trace
             });
-            Ok::<_, Refused<'static>>(Side::of(first, peer, Plants::new(plants, alike), to))
+            let mailbox = LaneMailbox::new(own, index, one)?;
+            Ok::<_, Refused<'static>>(Side::with_mailbox(first, peer, Plants::new(plants, alike), to, mailbox))
         };
         Ok(Self {
-            pair: Pair::of(scenes[0], [side(0, 1)?, side(1, 0)?]),
+            // Where each lane has its own network, the mailboxes are these.
+            pair: Pair::with_routes(scenes[0], [side(0, 1)?, side(1, 0)?], |direction| {
+                if one { Route::of_scene(scenes[0], direction, 0) } else { Route::default() }
+            }),
             hashes: [HASH_SEED; LANES],
             words: Vec::new(),
         })

@@ -135,6 +135,72 @@ fn scenes_that_differ_in_gains_stay_in_their_lanes_and_a_fault_takes_only_its_ow
     same::<f64>(&gains("paper-5.1-passive-wave-16ms", 2124.0, 8496.0));
 }
 
+/// Four gains with four seeds each, on a network as these settings say.
+fn gains_and_seeds(settings: &[&str]) -> Vec<Scene> {
+    let of = |lane: usize| {
+        let mut scene = scenes::load(Laws::built_in(), "paper-5.2-wave-16ms").expect("a built-in scene");
+        let own = [
+            format!("coordination.stiffness_n_per_m={}", 100.0 * (1 + lane / 4) as f64),
+            format!("network.seed={}", 7 + lane % 4),
+        ];
+        for setting in settings.iter().copied().chain(own.iter().map(String::as_str)) {
+            scene.apply_override(setting).expect("a good override");
+        }
+        scene
+    };
+    (0..LANES).map(of).collect()
+}
+
+/// Laws that only hold packets have lanes with seeds of their own: what is lost or late in one comes in another, and fades in each by itself.
+#[test]
+fn lanes_whose_packets_are_lost_and_late_at_other_times_have_the_bits_that_they_have_alone() {
+    let networks: [&[&str]; 4] = [
+        &["network.loss=0.1"],
+        &["network.loss=0.45", "safety.fade_s=0.0", "safety.disengage_s=0.4"],
+        &["network.jitter=pareto", "network.jitter_s=0.01", "network.reorder=0.2", "network.duplicate=0.2"],
+        &["network.like=home-wifi", "timing.ticks_per_packet=3", "network.clock_drift_ppm=5000"],
+    ];
+    for law in ["power", "p-plus-d", "wave", "passive-wave", "passive-mean"] {
+        let law = format!("coordination.comm={law}");
+        for network in networks {
+            let scenes = gains_and_seeds(&[&[law.as_str()], network].concat());
+            let mut pairs = Pairs::<F64s>::new(&scenes.iter().collect::<Vec<_>>()).unwrap();
+            (0..1000).for_each(|_| pairs.step(&mut |_| ()));
+            // Jumps of what is late may reach a limit.
+            assert!(lanes_left().count_ones() <= 2, "{law} {network:?}");
+            let mut hashes: Vec<u64> =
+                lanes::run::<f64>(&scenes, SECONDS).unwrap().iter().map(|outcome| outcome.hash).collect();
+            hashes.sort_unstable();
+            hashes.dedup();
+            assert_eq!(hashes.len(), LANES, "{law} {network:?}");
+            same::<f32>(&scenes);
+            same::<f64>(&scenes);
+        }
+    }
+}
+
+/// A silence that lets go of the other peer takes its lane alone out.
+#[test]
+fn a_lane_that_is_let_go_of_leaves() {
+    let scenes = gains_and_seeds(&["network.loss=0.35", "safety.fade_s=0.0", "safety.disengage_s=0.04"]);
+    let mut pairs = Pairs::<F64s>::new(&scenes.iter().collect::<Vec<_>>()).unwrap();
+    (0..300).for_each(|_| pairs.step(&mut |_| ()));
+    let left = lanes_left().count_ones();
+    assert!(left > 0 && left < LANES as u32, "{left}");
+    same::<f64>(&scenes);
+}
+
+#[test]
+fn what_draws_nothing_is_the_same_with_every_seed() {
+    let quiet = gains_and_seeds(&["network.extra_delay_s=0.003"]);
+    assert!(quiet.iter().all(|scene| !scene.draws()));
+    let outcomes = lanes::run::<f64>(&quiet[..4], SECONDS).unwrap();
+    assert!(outcomes.iter().all(|outcome| printed(outcome) == printed(&outcomes[0])));
+    for random in ["network.loss=0.1", "network.jitter=uniform", "network.like=starlink", "network.corrupt=0.1"] {
+        assert!(gains_and_seeds(&[random])[0].draws(), "{random}");
+    }
+}
+
 /// What a law keeps in counters is each lane's own, too; gains, losses and what is in the tank differ.
 #[test]
 fn laws_with_energy_tanks_have_the_bits_that_they_have_alone() {

@@ -1,8 +1,8 @@
 //! Anything that is run point by point, every point with the same seeds: a sweep, a comparison, a study.
 //!
 //! **The same rows** come of any number of threads, any order and any shard (points I − 1, I − 1 + N, …), to the last bit; the spectral
-//! radius alone depends on the processor, by some 10⁻¹⁵ of itself. Points that differ in what is no network are run side by side
-//! ([`haptic_sim::lanes`]), which changes no bit.
+//! radius alone depends on the processor, by some 10⁻¹⁵ of itself. Points and seeds are run side by side ([`haptic_sim::lanes`]),
+//! which changes no bit; a point that draws nothing is run with one seed, for all of them are the same.
 
 use std::collections::BTreeSet;
 
@@ -10,13 +10,20 @@ use rayon::prelude::*;
 
 use haptic_analysis::Analysis;
 use haptic_sim::lanes::{self, number::LANES};
+use haptic_sim::run::Outcome;
 use haptic_sim::scene::Scene;
 
 use super::row::Row;
 use crate::Error;
 
-/// Runs that are to be done: a point, and its seeds.
-pub type Todo = Vec<(usize, Vec<u32>)>;
+/// A batch has the points of so many times as many runs as go side by side, or more: of what is left over there is little.
+const BATCH: usize = 4;
+
+/// A point, and the seeds with which it is to be run.
+type Lacking = (usize, Vec<u32>);
+
+/// Runs that are to be done.
+pub type Todo = Vec<Lacking>;
 
 /// Who gets every row as soon as it is there, and ends it all by refusing one.
 pub type Keep<'a> = &'a (dyn Fn(&[Row]) -> Result<(), Error> + Sync);
@@ -66,10 +73,17 @@ pub trait Plan: Sync {
     /// # Errors
     /// A scene that cannot be run, or what `keep` refuses.
     fn run_these(&self, runs: Todo, keep: Keep<'_>) -> Result<Vec<Row>, Error> {
-        // Points side by side, as far as every core has some.
-        let lanes = (runs.len() / rayon::current_num_threads()).clamp(1, LANES);
-        let beside = |some: &[(usize, Vec<u32>)]| run_beside(self, some, keep);
-        let rows: Vec<Vec<Row>> = runs.par_chunks(lanes).map(beside).collect::<Result<_, _>>()?;
+        // Runs side by side, as far as every core has some.
+        let all: usize = runs.iter().map(|(_, seeds)| seeds.len()).sum();
+        let lanes = (all / rayon::current_num_threads()).clamp(1, LANES);
+        let mut batch = 0;
+        let goes_on = |(_, seeds): &Lacking, _: &Lacking| {
+            batch = if batch + seeds.len() < BATCH * lanes { batch + seeds.len() } else { 0 };
+            batch > 0
+        };
+        let together = runs.chunk_by(goes_on).collect::<Vec<_>>();
+        let beside = |some: &&[Lacking]| run_beside(self, some, lanes, keep);
+        let rows: Vec<Vec<Row>> = together.par_iter().map(beside).collect::<Result<_, _>>()?;
         Ok(rows.into_iter().flatten().collect())
     }
 
@@ -84,36 +98,58 @@ pub trait Plan: Sync {
         let seeds = || (0..self.seeds()).map(|later| self.first_seed().wrapping_add(later));
         let missing = |point: usize| seeds().filter(|seed| !done.contains(&(point, *seed))).collect();
         let all = points.iter().map(|point| (*point, missing(*point)));
-        all.filter(|(_, seeds): &(_, Vec<u32>)| !seeds.is_empty()).collect()
+        all.filter(|(_, seeds): &Lacking| !seeds.is_empty()).collect()
     }
 }
 
-/// Runs these points, seed by seed, with the seeds that each lacks.
-fn run_beside(plan: &(impl Plan + ?Sized), todo: &[(usize, Vec<u32>)], keep: Keep<'_>) -> Result<Vec<Row>, Error> {
-    let of = |(point, seeds): &(usize, Vec<u32>)| {
-        let scene = plan.scene_at(*point)?;
-        let analysis = Analysis::of(&scene)?;
-        Ok::<_, Error>((*point, seeds.iter().copied().collect::<BTreeSet<u32>>(), scene, analysis))
-    };
-    let points = todo.iter().map(of).collect::<Result<Vec<_>, _>>()?;
-    let seeds: BTreeSet<u32> = todo.iter().flat_map(|(_, seeds)| seeds).copied().collect();
-    let mut rows = Vec::new();
-    for seed in seeds {
-        let lacking = || points.iter().filter(|(_, seeds, ..)| seeds.contains(&seed));
-        let with_seed = |scene: &Scene| {
-            let mut scene = scene.clone();
-            scene.world.network.seed = seed;
+/// A point that is run: its number, the scene that its runs have in common, and what is known of it without a run.
+struct Point {
+    number: usize,
+    scene: Scene,
+    analysis: Analysis,
+}
+
+/// A run, and the seeds with which it is the same: all of a scene that draws nothing.
+struct Same<'a> {
+    point: &'a Point,
+    scenes: Vec<Scene>,
+}
+
+impl<'a> Same<'a> {
+    /// The runs of a point with these seeds.
+    fn of(point: &'a Point, seeds: &[u32]) -> Vec<Self> {
+        let with_seed = |seed: &u32| {
+            let mut scene = point.scene.clone();
+            scene.world.network.seed = *seed;
             scene
         };
-        let scenes: Vec<Scene> = lacking().map(|(.., scene, _)| with_seed(scene)).collect();
-        let outcomes = lanes::run::<f64>(&scenes, plan.seconds())?;
-        let finished = lacking().zip(&scenes).zip(outcomes);
-        let row = |(((point, .., analysis), scene), outcome): ((&(usize, _, _, Analysis), &Scene), _)| {
-            Row::of(*point, scene, analysis, outcome)
-        };
-        let new: Vec<Row> = finished.map(row).collect();
-        keep(&new)?;
-        rows.extend(new);
+        let each = if point.scene.draws() { 1 } else { seeds.len() };
+        seeds.chunks(each).map(|seeds| Self { point, scenes: seeds.iter().map(with_seed).collect() }).collect()
     }
-    Ok(rows)
+
+    /// Its rows.
+    fn rows(&self, outcome: &Outcome) -> impl Iterator<Item = Row> {
+        let Point { number, analysis, .. } = self.point;
+        self.scenes.iter().map(|scene| Row::of(*number, scene, analysis, outcome.clone()))
+    }
+}
+
+/// Runs these points with the seeds that each lacks, so many runs side by side.
+fn run_beside(plan: &(impl Plan + ?Sized), todo: &[Lacking], lanes: usize, keep: Keep<'_>) -> Result<Vec<Row>, Error> {
+    let of = |(number, _): &(usize, _)| {
+        let scene = plan.scene_at(*number)?;
+        Ok::<_, Error>(Point { number: *number, analysis: Analysis::of(&scene)?, scene })
+    };
+    let points = todo.par_iter().map(of).collect::<Result<Vec<_>, _>>()?;
+    let seeds = todo.iter().map(|(_, seeds)| seeds.as_slice());
+    let runs: Vec<Same<'_>> = points.iter().zip(seeds).flat_map(|(point, seeds)| Same::of(point, seeds)).collect();
+    let beside = |runs: &[Same<'_>]| {
+        let scenes: Vec<Scene> = runs.iter().map(|run| run.scenes[0].clone()).collect();
+        let outcomes = lanes::run::<f64>(&scenes, plan.seconds())?;
+        let new: Vec<Row> = runs.iter().zip(&outcomes).flat_map(|(run, outcome)| run.rows(outcome)).collect();
+        keep(&new)?;
+        Ok(new)
+    };
+    let rows: Vec<Vec<Row>> = runs.par_chunks(lanes).map(beside).collect::<Result<_, Error>>()?;
+    Ok(rows.into_iter().flatten().collect())
 }

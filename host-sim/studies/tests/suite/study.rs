@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use haptic_sim::peers::Laws;
+use haptic_sim::run::{Options, run};
 use haptic_sim::scene::Scene;
 use haptic_sim::scenes;
 use haptic_studies::compare::Comparison;
@@ -192,4 +193,29 @@ fn what_cannot_be_asked_is_refused() {
     assert!(bound("force=3").starts_with("they are true_discrepancy_mm, "));
     assert!(bound("true_discrepancy_mm").starts_with("write it as NAME=MOST"));
     assert!(bound("true_discrepancy_mm=much").contains("must be a number"));
+}
+
+/// Runs of several points and seeds go side by side; rows are those of each run alone, and those of seeds from which nothing is drawn are the
+/// same but for the seed.
+#[test]
+fn rows_are_those_of_each_run_alone() {
+    for (loss, draws) in [("network.loss=0.2", true), ("network.extra_delay_s=0.001", false)] {
+        let mut entrant = entrant("paper-5.2-wave-16ms");
+        entrant.scene.apply_override(loss).expect("a good override");
+        let axis = "coordination.stiffness_n_per_m=100,200,300,400,500".parse().expect("an axis");
+        let study = Study::new(vec![entrant], over(&["own"]), &[axis], None, 7, 1.0).expect("a study");
+        let rows = study.run(0..study.points(), Vec::new(), &|_| Ok(())).expect("rows");
+        assert_eq!(rows.len(), 35);
+        for row in &rows {
+            let mut scene = study.scene_at(row.point).expect("a scene");
+            scene.world.network.seed = row.seed;
+            let options = Options { duration_s: 1.0, record_every: 0 };
+            let alone = run::<f64>(&scene, options, &|_| ()).expect("a run");
+            assert_eq!(row.state_hash, format!("{:016x}", alone.hash), "{loss} {} {}", row.point, row.seed);
+        }
+        let mut hashes: Vec<&str> = rows.iter().map(|row| row.state_hash.as_str()).collect();
+        hashes.sort_unstable();
+        hashes.dedup();
+        assert_eq!(hashes.len(), if draws { 35 } else { 5 });
+    }
 }
