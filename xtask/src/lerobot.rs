@@ -34,11 +34,12 @@ fn interpreter() -> Option<String> {
 
 /// Installs this wheel and both packages, and runs their tests.
 pub(crate) fn check(wheel: &Path) -> Result<(), Failure> {
-    let Some(interpreter) = interpreter() else {
-        let versions = FITTING.join(" or ");
-        eprintln!("    NOT CHECKED: LeRobot's packages need Python {versions}, and there is none");
-        return Ok(());
-    };
+    let interpreter = interpreter().ok_or_else(|| {
+        Failure::new(format!(
+            "LeRobot's packages need Python {}, and there is none: install Debian 13's python3.13-venv, or one by pyenv",
+            FITTING.join(" or ")
+        ))
+    })?;
     // As they stand there: LeRobot asks for PyTorch, for which the tests have a stand-in.
     let requirements = format!("{FOLDER}/requirements.txt");
     let python = environment_of(

@@ -197,7 +197,7 @@ there. Two files with one key are refused: who holds the peers' could arm the bo
         more: "The tests in host-sim/python/tests: every bit, errors, sweeps on two processes of which one is killed, examples, and every
 table of the program read by pandas and Arrow. The versions of host-sim/python/requirements.txt are installed into a virtual environment
 below target/ when they have changed; it needs Python 3.11 with venv and, then, the registry. LeRobot's own loops with the packages in
-host-sim/python/lerobot likewise, in the versions of its requirements.txt, where there is a Python 3.12 or 3.13 (pyenv's, too).",
+host-sim/python/lerobot likewise, in the versions of its requirements.txt; they need Python 3.12 or 3.13 (pyenv's, too).",
         run: |_| python::python(),
     },
     Chore {
