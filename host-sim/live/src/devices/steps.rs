@@ -31,6 +31,9 @@ pub const CREEP_M: f64 = 0.002;
 /// How far a push may move it, m.
 pub const TRAVEL_M: f64 = 0.02;
 const TICK: Duration = Duration::from_millis(1);
+/// How long it is let go of between two pushes, and how long it may take to tell where it is then.
+const REST: Duration = Duration::from_millis(200);
+const RETURNS: Duration = Duration::from_secs(2);
 /// How far off the distance may be that is told, and the sum of its speeds, as a share.
 const SCALE_OFF: f64 = 0.2;
 const SPEED_OFF: f64 = 0.1;
@@ -289,14 +292,21 @@ impl<'a> Trial<'a> {
         Ok(format!("of {pushes:.4}, {left:.4} was left after {silence_ms:.0} ms of silence"))
     }
 
-    /// Lets go for a while, whatever was before.
+    /// Lets go for a while, whatever was before, and for as long as it takes until the device tells a place again: a line that was silent may have
+    /// to come up first.
     fn rest(&mut self) -> Result<(), Error> {
-        let until = Instant::now() + Duration::from_millis(200);
-        while Instant::now() < until {
+        let begun = Instant::now();
+        loop {
             self.port.write(None);
             std::thread::sleep(TICK);
+            let told = self.port.read().map_err(|gone| gone.to_string())?;
+            if begun.elapsed() >= REST && told.is_some_and(|told| told.between[0] >= begun) {
+                return Ok(());
+            }
+            if begun.elapsed() >= RETURNS {
+                return Err(format!("let go of, it has told no new place for {} s", RETURNS.as_secs()).into());
+            }
         }
-        self.port.read().map(drop).map_err(|gone| gone.to_string().into())
     }
 
     fn sign(&mut self) -> Result<String, Error> {
@@ -360,3 +370,7 @@ impl<'a> Trial<'a> {
         Ok(format!("on a spring of {stiffness} N/m it stayed within {far_mm:.2} mm"))
     }
 }
+
+#[cfg(test)]
+#[path = "../../tests/inside/steps.rs"]
+mod tests;
