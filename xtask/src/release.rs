@@ -47,6 +47,15 @@ pub(crate) fn release(given: &Options<'_>) -> Result<(), Failure> {
     step("command line", || run(&mut here(&["build", "--locked", "--release"])))?;
     let machine = format!("{}-{}", env::consts::ARCH, env::consts::OS);
     give(built.join("release/host-sim"), &format!("host-sim-{tag}-{machine}"))?;
+    for level in WIDER.iter().filter(|_| env::consts::ARCH == "x86_64" && cfg!(unix)) {
+        // Added to the flags that the project has for every x86-64.
+        let flags = format!("target.'cfg(target_arch = \"x86_64\")'.rustflags=['-Ctarget-cpu={level}']");
+        let folder = built.join(level);
+        let mut build = here(&["--config", &flags, "build", "--locked", "--release"]);
+        step(level, || run(build.env("CARGO_TARGET_DIR", &folder)))?;
+        // The other one looks for it under this name.
+        give(folder.join("release/host-sim"), &format!("host-sim-{tag}-{machine}-{level}"))?;
+    }
     step("wheel", || python::wheel(&source, &folder, "release").map(drop))?;
     step("sources", || {
         let sources = packages::sdist(&source, &built.join("sdist"))?;
@@ -85,6 +94,8 @@ pub(crate) fn release(given: &Options<'_>) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Levels of x86-64 that the command line is built for once more each (host-sim/src/cli/vectors.rs).
+const WIDER: [&str; 2] = ["x86-64-v3", "x86-64-v4"];
 /// The sums' own file.
 const SUMS: &str = "SHA256SUMS";
 /// Version of cargo-cyclonedx.

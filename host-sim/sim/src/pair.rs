@@ -201,7 +201,7 @@ pub struct PeerTick<'a, S: Scalar, const SHARED: usize = 1, const N: usize = AXE
     /// Number of the peer, 1 or 2.
     pub number: usize,
     /// Packets that the peer heard before the tick, one for each shared axis.
-    pub heard: Option<[Packet<S>; SHARED]>,
+    pub heard: Option<&'a [Packet<S>; SHARED]>,
     /// Whether an exchange of packets was due before the tick.
     pub exchanged: bool,
     /// What the tick read.
@@ -341,7 +341,7 @@ impl<S: Scalar, D: Device<S, N>, const SHARED: usize, const N: usize, I: Mailbox
         self.engine.step(&mut |turn| {
             let Side { heard, exchanged, sensors, actuators, peer, .. } = &mut turn.seats[turn.seat].actor;
             if turn.turn == Turn::Acted {
-                let (heard, exchanged) = (*heard, *exchanged);
+                let (heard, exchanged) = (heard.as_ref(), *exchanged);
                 each(PeerTick { number: turn.seat + 1, heard, exchanged, sensors, actuators, peer: &mut **peer });
             }
         });
@@ -358,6 +358,12 @@ impl<S: Scalar, D: Device<S, N>, const SHARED: usize, const N: usize, I: Mailbox
     /// A hash (FNV-1a over 64-bit words) of the bits of both peers' dynamic states, continued from `seed`.
     pub fn hash(&self, seed: u64) -> u64 {
         self.sides().iter().fold(seed, |hash, side| side.peer.hash(hash))
+    }
+
+    /// [`Pair::hash`] without a copy of the peers, for who asks at every tick.
+    #[inline]
+    pub fn hash_in_place(&mut self, seed: u64) -> u64 {
+        self.sides_mut().fold(seed, |hash, side| side.peer.hash_in_place(hash))
     }
 }
 

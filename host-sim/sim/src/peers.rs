@@ -55,6 +55,8 @@ macro_rules! dyn_peer {
             fn visit_state(&mut self, each: &mut dyn FnMut(&mut S));
             /// A hash (FNV-1a over 64-bit words) of the bits of the dynamic state, continued from `seed`.
             fn hash(&self, seed: u64) -> u64;
+            /// [`DynPeer::hash`] without a copy of the peer.
+            fn hash_in_place(&mut self, seed: u64) -> u64;
             /// A copy of the peer with its whole state.
             fn boxed(&self) -> Box<dyn DynPeer<S, SHARED, N>>;
         }
@@ -68,8 +70,11 @@ macro_rules! dyn_peer {
                 self.visit(&mut |number| each(number));
             }
             fn hash(&self, seed: u64) -> u64 {
+                { *self }.hash_in_place(seed)
+            }
+            fn hash_in_place(&mut self, seed: u64) -> u64 {
                 let mut hash = seed;
-                { *self }.visit(&mut |number: &mut S| hash = mixed(hash, number.bits()));
+                self.visit(&mut |number: &mut S| hash = mixed(hash, number.bits()));
                 hash
             }
             fn boxed(&self) -> Box<dyn DynPeer<S, SHARED, N>> {

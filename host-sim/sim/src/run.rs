@@ -123,7 +123,7 @@ fn run_in<S: Run + Builds<SHARED, N>, const SHARED: usize, const N: usize>(
             accounts.ticked(seen.number - 1, Ticked::of(seen.peer));
             accounts.pressed(seen.number - 1, seen.motors_n());
         });
-        hash = pair.hash(hash);
+        hash = pair.hash_in_place(hash);
         accounts.period();
         if let Some(each) = each {
             accounts.rows().enumerate().for_each(|(axis, row)| each(axis, &row));

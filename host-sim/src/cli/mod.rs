@@ -36,6 +36,7 @@ mod stability;
 mod study;
 mod sweep;
 mod ui;
+mod vectors;
 
 use std::{error::Error, ffi::OsString, process::ExitCode};
 
@@ -247,6 +248,7 @@ impl Cli {
 
     /// Runs the command line of this process.
     pub fn main(self) -> ExitCode {
+        vectors::become_widest();
         let mut words: Vec<OsString> = std::env::args_os().collect();
         let first = words.iter().skip(1).position(|word| word != "--json").map_or(1, |at| at + 1);
         if let Some((old, new)) = words.get(first).and_then(|word| word.to_str()).and_then(moved) {

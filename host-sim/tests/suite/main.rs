@@ -29,3 +29,4 @@ mod squash;
 mod static_scene;
 mod study;
 mod sweep;
+mod vectors;

@@ -22,8 +22,6 @@ use crate::{plant::Plant, scene::Scene};
 pub struct Pairs<S: Lanes, const SHARED: usize = 1, const N: usize = AXES> {
     pair: Pair<S, Plants<N>, SHARED, N, LaneMailbox<S, SHARED>>,
     hashes: [u64; LANES],
-    /// The states that are hashed next.
-    words: Vec<S>,
 }
 
 impl<S: Lanes + Builds<SHARED, N>, const SHARED: usize, const N: usize> Pairs<S, SHARED, N> {
@@ -58,7 +56,6 @@ impl<S: Lanes + Builds<SHARED, N>, const SHARED: usize, const N: usize> Pairs<S,
                 if one { Route::of_scene(scenes[0], direction, 0) } else { Route::default() }
             }),
             hashes: [HASH_SEED; LANES],
-            words: Vec::new(),
         })
     }
 }
@@ -78,17 +75,13 @@ impl<S: Lanes, const SHARED: usize, const N: usize> Pairs<S, SHARED, N> {
     /// Continues the hash of each lane's states ([`Pair::hash`]).
     #[inline]
     pub fn hash(&mut self) {
-        let words = &mut self.words;
-        words.clear();
+        let hashes = &mut self.hashes;
         for side in self.pair.sides_mut() {
-            side.peer.visit_state(&mut |number| words.push(*number));
+            side.peer.visit_state(&mut |number| {
+                let bits = number.each_bits();
+                *hashes = from_fn(|lane| mixed(hashes[lane], bits[lane]));
+            });
         }
-        let mut hashes = self.hashes;
-        for word in words {
-            let bits = word.each_bits();
-            hashes = from_fn(|lane| mixed(hashes[lane], bits[lane]));
-        }
-        self.hashes = hashes;
     }
 
     /// The hash of each lane so far.

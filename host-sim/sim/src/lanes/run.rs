@@ -10,9 +10,9 @@ use crate::peers::{Builds, Number};
 use crate::run::{Accounts, Options, Outcome, Run, Ticked};
 use crate::scene::Scene;
 
-/// Fewest scenes that are worth lanes: a tick of all costs as much as so many scenes' alone, whether or not each lane has one. In `f64` that was 12 with
-/// SSE2, 10 with AVX2 and 3 with AVX-512, whose masks choose between numbers without a branch (docs/speed.md).
-const FEWEST: usize = if cfg!(target_feature = "avx512f") { 3 } else { 12 };
+/// Fewest scenes that are worth lanes: a tick of all costs as much as so many scenes' alone, whether or not each lane has one. AVX-512 has masks, which
+/// choose between numbers without a branch (docs/speed.md).
+const FEWEST: usize = if cfg!(target_feature = "avx512f") { 3 } else { 9 };
 
 /// A number type in which scenes can be run in lanes.
 pub trait InLanes: Run {

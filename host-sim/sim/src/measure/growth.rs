@@ -16,7 +16,7 @@ impl<F: Figure> Growth<F> {
     }
 
     /// Takes in a value of a tick, 0 or more; what is no finite number counts as infinite.
-    #[inline]
+    #[inline(always)]
     pub fn see(&mut self, tick: u64, value: F) {
         let largest = &mut self.largest[((tick / self.window) as usize).min(7)];
         *largest = largest.larger(value.or_infinite());
@@ -59,7 +59,7 @@ impl<F: Figure> Forces<F> {
     }
 
     /// Takes in the forces of a tick, N; as many in every tick.
-    #[inline]
+    #[inline(always)]
     pub fn see(&mut self, tick: u64, forces: impl IntoIterator<Item = F>) {
         for (at, force) in forces.into_iter().enumerate() {
             if at == self.last.len() {

@@ -22,7 +22,7 @@ impl<const SHARED: usize, F: Figure> Hands<SHARED, F> {
     }
 
     /// Takes in what the motors of peer `at` (0 or 1) press with in a tick, N.
-    #[inline]
+    #[inline(always)]
     pub fn see(&mut self, at: usize, forces: [F; SHARED]) {
         let mut changes = forces;
         changes.iter_mut().zip(self.last[at]).for_each(|(change, last)| *change = *change - last);

@@ -86,7 +86,7 @@ impl<F: Figure> ObjectPort<F> {
 
     /// Takes in motions and force of the next tick, and what has come from the network and gone to it by its end, J; with them the work of the
     /// tick before is known. Where less has come or gone than before, the peer was armed anew, and so is what it has made.
-    #[inline]
+    #[inline(always)]
     pub fn see(&mut self, seen: &Observed<F>, [received_j, sent_j]: [F; 2]) {
         let now = [seen.coordination_force, seen.object.velocity, received_j, sent_j];
         let before = self.before.replace(now);

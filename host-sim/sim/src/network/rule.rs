@@ -11,6 +11,9 @@ use crate::scene::{Network, Scene};
 pub use super::trace::{Arrival, Direction, NetworkTrace, nanoseconds, seconds};
 pub use crate::scene::Jitter;
 
+/// The copy of a packet that is neither late nor broken.
+const IN_TIME: Arrival = Arrival { delay_ns: 0, corrupt: false };
+
 /// What becomes of a packet.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Fate {
@@ -31,7 +34,7 @@ impl Fate {
     /// The copies that arrive.
     pub fn copies(self) -> Vec<Arrival> {
         match self {
-            Self::Pass => vec![Arrival { delay_ns: 0, corrupt: false }],
+            Self::Pass => vec![IN_TIME],
             Self::Drop => Vec::new(),
             Self::Copies(copies) => copies,
         }
@@ -180,7 +183,7 @@ impl Rule for SeededRule {
             queued = self.free_s - sent_s;
         }
         let copies = 1 + usize::from(self.rng.chance(network.duplicate));
-        let copy = |_| {
+        let mut copy = |_| {
             let mut delay_s = queued + self.held_back(number) + self.delay(sent_s);
             if self.rng.chance(network.reorder) {
                 delay_s += f64::from(network.reorder_depth_packets) * self.packet_s * self.rng.unit();
@@ -188,6 +191,11 @@ impl Rule for SeededRule {
             // No packet arrives before the constant delay is over, whatever steps are asked for.
             Arrival { delay_ns: nanoseconds(delay_s.max(0.0)), corrupt: self.rng.chance(network.corrupt) }
         };
+        if copies == 1 {
+            let one = copy(0);
+            // Most packets are not late: nothing is allocated for them.
+            return if one == IN_TIME { Fate::Pass } else { Fate::Copies(vec![one]) };
+        }
         Fate::Copies((0..copies).map(copy).collect())
     }
 }

@@ -42,7 +42,7 @@ pub struct Ticked<F = f64> {
 impl<F: Figure> Ticked<F> {
     /// From motions and forces of a tick, the energy from and to the network so far (J), the mode, and whether the law
     /// acts (the peer is engaged).
-    #[inline]
+    #[inline(always)]
     pub fn new<S: Scalar<Counter = F>>(
         observed: &Observed<S>,
         [received_j, sent_j]: [S; 2],
@@ -59,7 +59,7 @@ impl<F: Figure> Ticked<F> {
     }
 
     /// The state of a simulated peer after a tick, along each shared axis.
-    #[inline]
+    #[inline(always)]
     pub fn of<S: Scalar<Counter = F>, const SHARED: usize, const N: usize>(
         peer: &dyn DynPeer<S, SHARED, N>,
     ) -> [Self; SHARED] {
@@ -116,20 +116,20 @@ impl<F: Figure> Account<F> {
     }
 
     /// Takes in a tick of peer `at` (0 or 1).
-    #[inline]
+    #[inline(always)]
     pub fn ticked(&mut self, at: usize, ticked: Ticked<F>) {
         self.ports[at].see(&ticked.observed, [ticked.received_j, ticked.sent_j]);
         self.latest[at] = ticked;
     }
 
     /// Takes in what the motors of peer `at` press with along this axis in that tick, N.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn pressed(&mut self, at: usize, force: F) {
         self.hands.see(at, [force]);
     }
 
     /// A control period is over. After a fault nothing is averaged: what stands still would look good.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn measure(&mut self) {
         let [first, second] = self.latest.each_ref().map(|ticked| &ticked.observed);
         self.true_m = (first.object.position - second.object.position).abs();

@@ -57,7 +57,7 @@ impl<const SHARED: usize, F: Figure> Accounts<SHARED, F> {
     }
 
     /// Takes in a tick of peer `at` (0 or 1) along each axis.
-    #[inline]
+    #[inline(always)]
     pub fn ticked(&mut self, at: usize, ticked: [Ticked<F>; SHARED]) {
         for (axis, ticked) in self.axes.iter_mut().zip(ticked) {
             axis.ticked(at, ticked);
@@ -65,7 +65,7 @@ impl<const SHARED: usize, F: Figure> Accounts<SHARED, F> {
     }
 
     /// Takes in what the motors of peer `at` press with along each axis in that tick, N; who never does has no figures of it.
-    #[inline]
+    #[inline(always)]
     pub fn pressed(&mut self, at: usize, forces: [F; SHARED]) {
         self.axes.iter_mut().zip(forces).for_each(|(axis, force)| axis.pressed(at, force));
         if SHARED > 1 {
@@ -74,7 +74,7 @@ impl<const SHARED: usize, F: Figure> Accounts<SHARED, F> {
     }
 
     /// A control period is over.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn measure(&mut self) {
         self.axes.iter_mut().for_each(Account::measure);
         if SHARED > 1 {

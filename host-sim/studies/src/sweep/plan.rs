@@ -16,9 +16,6 @@ use haptic_sim::scene::Scene;
 use super::row::Row;
 use crate::Error;
 
-/// A batch has the points of so many times as many runs as go side by side, or more: of what is left over there is little.
-const BATCH: usize = 4;
-
 /// A point, and the seeds with which it is to be run.
 type Lacking = (usize, Vec<u32>);
 
@@ -76,14 +73,8 @@ pub trait Plan: Sync {
         // Runs side by side, as far as every core has some.
         let all: usize = runs.iter().map(|(_, seeds)| seeds.len()).sum();
         let lanes = (all / rayon::current_num_threads()).clamp(1, LANES);
-        let mut batch = 0;
-        let goes_on = |(_, seeds): &Lacking, _: &Lacking| {
-            batch = if batch + seeds.len() < BATCH * lanes { batch + seeds.len() } else { 0 };
-            batch > 0
-        };
-        let together = runs.chunk_by(goes_on).collect::<Vec<_>>();
-        let beside = |some: &&[Lacking]| run_beside(self, some, lanes, keep);
-        let rows: Vec<Vec<Row>> = together.par_iter().map(beside).collect::<Result<_, _>>()?;
+        let beside = |some: &[Lacking]| run_beside(self, some, lanes, keep);
+        let rows: Vec<Vec<Row>> = runs.par_chunks(LANES).map(beside).collect::<Result<_, _>>()?;
         Ok(rows.into_iter().flatten().collect())
     }
 
@@ -142,7 +133,9 @@ fn run_beside(plan: &(impl Plan + ?Sized), todo: &[Lacking], lanes: usize, keep:
     };
     let points = todo.par_iter().map(of).collect::<Result<Vec<_>, _>>()?;
     let seeds = todo.iter().map(|(_, seeds)| seeds.as_slice());
-    let runs: Vec<Same<'_>> = points.iter().zip(seeds).flat_map(|(point, seeds)| Same::of(point, seeds)).collect();
+    let mut runs: Vec<Same<'_>> = points.iter().zip(seeds).flat_map(|(point, seeds)| Same::of(point, seeds)).collect();
+    // Seed by seed: most laws have lanes for points of one seed alone.
+    runs.sort_by_key(|run| run.scenes[0].world.network.seed);
     let beside = |runs: &[Same<'_>]| {
         let scenes: Vec<Scene> = runs.iter().map(|run| run.scenes[0].clone()).collect();
         let outcomes = lanes::run::<f64>(&scenes, plan.seconds())?;
