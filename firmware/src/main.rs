@@ -1,4 +1,4 @@
-//! The image for the NUCLEO-H743ZI2: boot order and priorities, nothing else.
+//! The image for a board of [`boards`]: boot order and priorities, nothing else.
 //!
 //! Boot: motors off → why did we start → settings → tick → watchdog and supervisor → network. The tick runs, disarmed,
 //! from the third step on; a network that never comes up stops nothing but itself.
@@ -11,6 +11,8 @@ fn main() {
 
 #[cfg(target_os = "none")]
 mod board;
+#[cfg(target_os = "none")]
+mod boards;
 #[cfg(target_os = "none")]
 mod console;
 #[cfg(target_os = "none")]

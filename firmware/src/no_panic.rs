@@ -19,6 +19,8 @@ fn main() {
 #[cfg(target_os = "none")]
 mod board;
 #[cfg(target_os = "none")]
+mod boards;
+#[cfg(target_os = "none")]
 mod tick;
 
 #[cfg(target_os = "none")]

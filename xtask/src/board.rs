@@ -10,8 +10,11 @@ use crate::options::Options;
 use crate::run::{self, Failure, cargo, run, step};
 use crate::setup::{self, Ready, THUMB_TARGET};
 
-/// What cargo is given for either image: that for one shared axis, and that for three.
-pub(crate) const IMAGES: [&[&str]; 2] = [&[], &["--features", "three-axes"]];
+/// What cargo is given for each image: that for one shared axis, that for three, and that for the second board.
+pub(crate) const IMAGES: [&[&str]; 3] =
+    [&[], &["--features", "three-axes"], &["--no-default-features", "--features", "nucleo-h753zi"]];
+/// What those beside the first are called there.
+pub(crate) const BESIDES: [&str; 2] = ["firmware-three-axes", "firmware-nucleo-h753zi"];
 /// Longest run, s.
 const MOST_SECONDS: f64 = 3600.0;
 
@@ -67,11 +70,13 @@ pub(crate) fn image(ready: &Ready) -> Result<PathBuf, Failure> {
     built(&mut build(ready, IMAGES[0]))
 }
 
-/// Builds the image for three axes, which is put beside the other one, and that one again: both come out under one name.
+/// Builds the other images, which are put beside the first, and that one again: all come out under one name.
 pub(crate) fn images(ready: &Ready) -> Result<PathBuf, Failure> {
-    let several = built(&mut build(ready, IMAGES[1]))?;
-    let place = several.with_file_name("firmware-three-axes");
-    fs::copy(&several, &place).map_err(|cause| Failure::new(format!("cannot write {}: {cause}", place.display())))?;
+    for (features, name) in IMAGES[1..].iter().zip(BESIDES) {
+        let other = built(&mut build(ready, features))?;
+        let place = other.with_file_name(name);
+        fs::copy(&other, &place).map_err(|cause| Failure::new(format!("cannot write {}: {cause}", place.display())))?;
+    }
     image(ready)
 }
 

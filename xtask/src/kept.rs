@@ -7,12 +7,11 @@ use std::fs;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 
-use crate::board::target;
+use crate::board::{BESIDES, target};
 use crate::run::{self, Failure, command};
 
 /// What else decides: how all is compiled, and the page that tests compare their tables with.
-const BESIDES: [&str; 5] =
-    ["Cargo.toml", "Cargo.lock", ".cargo/config.toml", "rust-toolchain.toml", "docs/hardware.md"];
+const FILES: [&str; 5] = ["Cargo.toml", "Cargo.lock", ".cargo/config.toml", "rust-toolchain.toml", "docs/hardware.md"];
 
 /// Where it is kept.
 fn place() -> PathBuf {
@@ -38,13 +37,13 @@ fn sum(image: &Path) -> Option<String> {
     let mut hasher = DefaultHasher::new();
     for image in image.parent()?.read_dir().ok()?.flatten().map(|entry| entry.path()) {
         let name = image.file_name()?.to_str()?;
-        if matches!(name, "firmware" | "firmware-three-axes" | "rig") {
+        if ["firmware", "rig"].into_iter().chain(BESIDES).any(|known| known == name) {
             (name, fs::read(&image).ok()?).hash(&mut hasher);
         }
     }
     let made_of = fs::read_to_string(target().join("debug/libboard_bench.d")).ok()?;
     let mut files: Vec<PathBuf> = made_of.split_whitespace().skip(1).map(PathBuf::from).collect();
-    files.extend(BESIDES.map(|file| run::root().join(file)));
+    files.extend(FILES.map(|file| run::root().join(file)));
     let mut folders = vec![run::root().join("tests/board/tests")];
     while let Some(folder) = folders.pop() {
         for path in folder.read_dir().ok()?.flatten().map(|entry| entry.path()) {

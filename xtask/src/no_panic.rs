@@ -25,7 +25,7 @@ pub(crate) fn proofs(ready: &Ready, image: &[&str]) -> [Command; 2] {
 /// What the linker says of code that no place is for: the tick's, outside ITCM.
 const ASTRAY: &str = ") is being placed in '.text";
 
-/// Links it with and without the mistake, of either image.
+/// Links it with and without the mistake, of each image.
 pub(crate) fn no_panic(ready: &Ready) -> Result<(), Failure> {
     board::IMAGES.into_iter().try_for_each(|image| of_image(proofs(ready, image)))
 }

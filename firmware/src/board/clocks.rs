@@ -14,6 +14,8 @@ use embassy_stm32::rcc::{
 };
 use embassy_stm32::{Config, pac, time::Hertz};
 
+use crate::boards::EXTERNAL_HZ;
+
 /// Frequency of the core, Hz.
 pub(crate) const CORE_HZ: u32 = 2 * TIMERS_HZ;
 pub(crate) const TIMERS_HZ: u32 = 240_000_000;
@@ -22,6 +24,8 @@ pub(crate) const PERIPHERALS_HZ: u32 = TIMERS_HZ / 2;
 
 /// Looks at the external clock until it must be there: one or two seconds on the 64 MHz of the start.
 const LOOKS: u32 = 8_000_000;
+
+const _: () = assert!(EXTERNAL_HZ == 8_000_000, "the dividers below are for 8 MHz");
 
 /// Waits for the external clock, and says whether it came. The ST-LINK may need longer to start than the chip does.
 pub(crate) fn external() -> bool {
@@ -40,11 +44,13 @@ pub(crate) fn config(external: bool) -> Config {
     let rcc = &mut config.rcc;
     rcc.hsi = Some(HSIPrescaler::DIV1);
     rcc.csi = true;
-    rcc.hse = external.then_some(Hse { freq: Hertz(8_000_000), mode: HseMode::Bypass });
+    rcc.hse = external.then_some(Hse { freq: Hertz(EXTERNAL_HZ), mode: HseMode::Bypass });
     rcc.pll1 = Some(Pll {
         source: if external { PllSource::HSE } else { PllSource::HSI },
         prediv: if external { PllPreDiv::DIV2 } else { PllPreDiv::DIV16 },
         mul: PllMul::MUL240,
+        // The driver knows of it for this chip alone.
+        #[cfg(feature = "nucleo-h743zi2")]
         fracn: None,
         divp: Some(PllDiv::DIV2),
         divq: Some(PllDiv::DIV8),

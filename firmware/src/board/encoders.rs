@@ -12,19 +12,29 @@
 
 use embassy_stm32::gpio::{AfType, Flex, Pull};
 use embassy_stm32::pac::timer::{TimGp16, regs, vals};
+#[cfg(feature = "three-axes")]
+use embassy_stm32::peripherals::{PA5, PB3, PB10, TIM2};
 use embassy_stm32::peripherals::{PC6, PC7, PC8, PD12, PD13, PD14, TIM3, TIM4};
 use embassy_stm32::timer::qei::{Config, Qei};
 use embassy_stm32::{Peri, pac};
 use firmware_parts::image::JOINTS;
 use haptic_core::{device::encoder::Counts, device::encoder::Marks};
 
-/// Starts both counters, at 0.
-pub(crate) fn init(
-    one: Peri<'static, TIM3>,
-    (a1, b1, index1): (Peri<'static, PC6>, Peri<'static, PC7>, Peri<'static, PC8>),
-    two: Peri<'static, TIM4>,
-    (a2, b2, index2): (Peri<'static, PD12>, Peri<'static, PD13>, Peri<'static, PD14>),
-) {
+/// An encoder's timer, and its pins: A, B, index.
+type Encoder<T, A, B, I> = (Peri<'static, T>, Peri<'static, A>, Peri<'static, B>, Peri<'static, I>);
+
+/// Each encoder's.
+pub(crate) struct Pins {
+    pub(crate) one: Encoder<TIM3, PC6, PC7, PC8>,
+    pub(crate) two: Encoder<TIM4, PD12, PD13, PD14>,
+    #[cfg(feature = "three-axes")]
+    pub(crate) three: Encoder<TIM2, PA5, PB3, PB10>,
+}
+
+/// Starts all counters, at 0.
+pub(crate) fn init(pins: Pins) {
+    let (one, a1, b1, index1) = pins.one;
+    let (two, a2, b2, index2) = pins.two;
     let config = Config { ch1_pull: Pull::None, ch2_pull: Pull::None, ..Config::default() };
     // Dropping a counter would stop its clock: they run until the power goes.
     core::mem::forget(Qei::new(one, a1, b1, config));
@@ -32,18 +42,13 @@ pub(crate) fn init(
     // Alternate function 2 of both.
     look(pac::TIM3, Flex::new(index1), 2);
     look(pac::TIM4, Flex::new(index2), 2);
+    #[cfg(feature = "three-axes")]
+    init_third(pins.three);
 }
 
 /// Starts the third one, of whose counter the lower half counts.
 #[cfg(feature = "three-axes")]
-pub(crate) fn init_third(
-    timer: Peri<'static, embassy_stm32::peripherals::TIM2>,
-    (a, b, index): (
-        Peri<'static, embassy_stm32::peripherals::PA5>,
-        Peri<'static, embassy_stm32::peripherals::PB3>,
-        Peri<'static, embassy_stm32::peripherals::PB10>,
-    ),
-) {
+fn init_third((timer, a, b, index): Encoder<TIM2, PA5, PB3, PB10>) {
     let config = Config { ch1_pull: Pull::None, ch2_pull: Pull::None, ..Config::default() };
     core::mem::forget(Qei::new(timer, a, b, config));
     let [.., third] = timers();

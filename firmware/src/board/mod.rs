@@ -1,4 +1,4 @@
-//! The board: NUCLEO-H743ZI2 with two encoders and two motor bridges, or three (feature `three-axes`). The only folder that knows the chip.
+//! The chip, an STM32H743 or H753, and what is at its pins. The only folder that knows it; [`crate::boards`] knows which pin is wired to what.
 //!
 //! docs/assembly.md has the wiring. Ethernet is the Nucleo's own.
 //!
@@ -24,8 +24,11 @@ mod uptime;
 
 use embassy_stm32::gpio::{Input, Level, Output, Pull, Speed};
 use embassy_stm32::interrupt::{self, InterruptExt, Priority};
-use embassy_stm32::{Peri, peripherals::TIM6, wdg::IndependentWatchdog};
+use embassy_stm32::peripherals::{FLASH, IWDG1, PB0, PB14, PC13, PG12, RNG, TIM1, TIM6};
+use embassy_stm32::{Peri, wdg::IndependentWatchdog};
 use haptic_protocol::wire::PeerId;
+
+use crate::boards;
 
 /// The number of this board in the pair, by its strap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, defmt::Format)]
@@ -56,7 +59,7 @@ pub(crate) struct Board {
     /// The 1 kHz timer, not yet running.
     pub(crate) pace: Peri<'static, TIM6>,
     /// The watchdog, not yet running.
-    pub(crate) watchdog: IndependentWatchdog<'static, embassy_stm32::peripherals::IWDG1>,
+    pub(crate) watchdog: IndependentWatchdog<'static, IWDG1>,
     pub(crate) flash: flash::Settings,
     pub(crate) ethernet: ethernet::Pins,
     /// The blue one; high while pressed.
@@ -65,6 +68,25 @@ pub(crate) struct Board {
     pub(crate) alive: Output<'static>,
     /// Lit while the motors are on.
     pub(crate) armed: Output<'static>,
+}
+
+/// What a board says of its pins.
+pub(crate) struct Wiring {
+    pub(crate) bridges: (Peri<'static, TIM1>, bridges::Pins),
+    pub(crate) encoders: encoders::Pins,
+    pub(crate) flash: Peri<'static, FLASH>,
+    pub(crate) random: Peri<'static, RNG>,
+    pub(crate) pace: Peri<'static, TIM6>,
+    pub(crate) watchdog: Peri<'static, IWDG1>,
+    /// To ground: board 2.
+    pub(crate) strap: Peri<'static, PG12>,
+    /// The blue one.
+    pub(crate) button: Peri<'static, PC13>,
+    /// The green light.
+    pub(crate) alive: Peri<'static, PB0>,
+    /// The red light.
+    pub(crate) armed: Peri<'static, PB14>,
+    pub(crate) ethernet: ethernet::Pins,
 }
 
 /// Milliseconds without a sign of life after which the watchdog resets the chip, and with it turns the outputs off.
@@ -78,62 +100,32 @@ pub(crate) fn init() -> Board {
     // Nothing placed in ITCM has been called yet: main does this first.
     memory::load_itcm();
     let external = clocks::external();
-    let p = embassy_stm32::init(clocks::config(external));
-    bridges::init(
-        p.TIM1,
-        bridges::Pins {
-            #[cfg(not(feature = "three-axes"))]
-            legs: bridges::Legs { bridge_1: (p.PE9, p.PE11), bridge_2: (p.PE13, p.PE14) },
-            #[cfg(feature = "three-axes")]
-            legs: bridges::Legs {
-                bridge_1: (p.PE9, p.PE8),
-                bridge_2: (p.PE11, p.PE10),
-                bridge_3: (p.PE13, p.PE12),
-                gate: p.PE14,
-            },
-            enable: p.PF3,
-            stop: p.PE15,
-            fault: p.PE6,
-            gate: p.PD15,
-        },
-    );
+    let w = boards::wiring(embassy_stm32::init(clocks::config(external)));
+    let (timer, pins) = w.bridges;
+    bridges::init(timer, pins);
     breaks::connect(external);
     current::init();
     uptime::put_right();
     memory::protect();
-    encoders::init(p.TIM3, (p.PC6, p.PC7, p.PC8), p.TIM4, (p.PD12, p.PD13, p.PD14));
-    #[cfg(feature = "three-axes")]
-    encoders::init_third(p.TIM2, (p.PA5, p.PB3, p.PB10));
+    encoders::init(w.encoders);
     // All interrupts come out of reset at priority 0, the current loop's own.
     interrupt::TIM5.set_priority(Priority::P4);
     interrupt::ETH.set_priority(Priority::P5);
-    let mut flash = flash::Settings::new(p.FLASH);
-    random::start(p.RNG, flash.count_boot());
-    let strap = Input::new(p.PG12, Pull::Up);
+    let mut flash = flash::Settings::new(w.flash);
+    random::start(w.random, flash.count_boot());
+    let strap = Input::new(w.strap, Pull::Up);
     // The pull-up charges the pin within a microsecond; give it ten.
     cortex_m::asm::delay(4_800);
     Board {
         number: if strap.is_high() { Number::One } else { Number::Two },
         unfit: breaks::unfit(external),
-        pace: p.TIM6,
-        watchdog: IndependentWatchdog::new(p.IWDG1, WATCHDOG_MS * 1000),
+        pace: w.pace,
+        watchdog: IndependentWatchdog::new(w.watchdog, WATCHDOG_MS * 1000),
         flash,
-        ethernet: ethernet::Pins {
-            eth: p.ETH,
-            sma: p.ETH_SMA,
-            ref_clk: p.PA1,
-            mdio: p.PA2,
-            crs: p.PA7,
-            tx_d1: p.PB13,
-            mdc: p.PC1,
-            rx_d0: p.PC4,
-            rx_d1: p.PC5,
-            tx_en: p.PG11,
-            tx_d0: p.PG13,
-        },
+        ethernet: w.ethernet,
         // Pulled down on the Nucleo, too: without it nothing is pressed.
-        button: Input::new(p.PC13, Pull::Down),
-        alive: Output::new(p.PB0, Level::Low, Speed::Low),
-        armed: Output::new(p.PB14, Level::Low, Speed::Low),
+        button: Input::new(w.button, Pull::Down),
+        alive: Output::new(w.alive, Level::Low, Speed::Low),
+        armed: Output::new(w.armed, Level::Low, Speed::Low),
     }
 }

@@ -72,6 +72,11 @@ impl Firmware {
         Self::read(&path().with_file_name("firmware-three-axes"))
     }
 
+    /// The image for the NUCLEO-H753ZI, which lies beside it.
+    pub fn second_board() -> Self {
+        Self::read(&path().with_file_name("firmware-nucleo-h753zi"))
+    }
+
     /// The address of a function or static.
     pub fn address(&self, symbol: &str) -> u64 {
         self.symbols.get(symbol).unwrap_or_else(|| panic!("the image has no {symbol}")).0

@@ -3,13 +3,14 @@
 use std::process::ExitCode;
 use std::time::Instant;
 
+use board_bench::image::Firmware;
 use board_bench::{reviewed, rig};
 use haptic_rig::list::{TESTS, Virtual};
 use haptic_rig::run::{self, Extent};
 
 fn main() -> ExitCode {
     let begun = Instant::now();
-    let mut rigged = match rig::start() {
+    let mut rigged = match rig::start(Firmware::release()) {
         Ok(rigged) => rigged,
         Err(why) => {
             eprintln!("rig: {why}");

@@ -30,7 +30,7 @@ use crate::wire::{Line, PC, Wire};
 const FINE_NS: u64 = 50;
 const STEP_NS: u64 = 50_000;
 /// A step while the board's tick stands and its reset is waited for, ns.
-const STOPPED_NS: u64 = 1000;
+const STOPPED_NS: u64 = 5000;
 /// 10 kΩ and 10 µF, ns.
 const SLOW_NS: f64 = 1e8;
 /// DBGMCU_APB2FZ1, and its bit that stops TIM1 while a debugger halts the core, and so turns its outputs off (RM0433 §60.5.8).
@@ -276,12 +276,12 @@ pub fn image() -> PathBuf {
     image::path().with_file_name("rig")
 }
 
-/// Both at power-on, the board told of amplifiers.
+/// Both at power-on, the board with this image and told of amplifiers.
 ///
 /// # Errors
 /// What one of them did not take.
-pub fn start() -> Result<Rigged, String> {
-    let mut rigged = Rigged::start(&Arc::new(Firmware::release()), &Arc::new(Firmware::read(&image())));
+pub fn start(firmware: Firmware) -> Result<Rigged, String> {
+    let mut rigged = Rigged::start(&Arc::new(firmware), &Arc::new(Firmware::read(&image())));
     run::set_up(&mut rigged)?;
     Ok(rigged)
 }
@@ -350,9 +350,8 @@ impl Boards for Rigged {
     }
 
     fn counts(&mut self) -> [u16; 2] {
-        if self.pc.records[0].is_empty() {
-            assert!(self.ask("stream 1").starts_with("ok"), "it streams");
-        }
+        // A board that started anew has to be told again.
+        assert!(self.ask("stream 1").starts_with("ok"), "it streams");
         self.wait_ms(20);
         self.pc.records[0].last().map_or([0; 2], |record| record.counts().map(|Counts(counts)| counts))
     }

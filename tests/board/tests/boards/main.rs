@@ -9,6 +9,8 @@
 //! | [`ceiling`] | are limits raised by who is at the board only? |
 //! | [`calibrate`] | do host-sim's calibrations find what a board's device is? |
 //! | [`same_bits`], [`papers_comms`], [`current_loop`] | do two boards compute what host-sim computes? |
+//! | [`rig`] | does the rig (tests/rig) find what is wrong with a board? |
+//! | [`second_board`] | does the other board's image do what the first's does? |
 //! | [`three_axes`] | do they along three shared axes? |
 //! | [`clutch`] | does a leader's clutch change the force by no more than its share? |
 //! | [`partner`] | is a board with host-sim's live peer as good as with a board? |
@@ -38,6 +40,7 @@ mod partner;
 mod recordings;
 mod rig;
 mod same_bits;
+mod second_board;
 mod static_stack;
 mod stop;
 mod store;

@@ -1,5 +1,7 @@
 //! What the rig measures is what is there: where the board is wrong, its test fails. `cargo xtask rig --virtual` runs the tests themselves.
 
+use board_bench::image::Firmware;
+use board_bench::reviewed;
 use board_bench::rig::{self, Rigged};
 use haptic_rig::list::{TESTS, Test, Virtual};
 use haptic_rig::run::{self, Boards, Extent, Outcome};
@@ -9,7 +11,7 @@ const GOES_ON: (u64, u32) = (0x5C00_104C, 0);
 /// TIM6_ARR, and a period of 1.05 ms in its counts.
 const LONGER: (u64, u32) = (0x4000_102C, 62_999);
 
-fn test(rigged: &mut Rigged, name: &str) -> Outcome {
+pub(crate) fn test(rigged: &mut Rigged, name: &str) -> Outcome {
     let test: &Test = TESTS.iter().find(|test| test.name == name).expect("the list has it");
     assert!(matches!(test.virtual_rig, Virtual::Runs(_)));
     run::run(rigged, test, Extent::Virtual).expect("somebody wrote it down")
@@ -17,7 +19,7 @@ fn test(rigged: &mut Rigged, name: &str) -> Outcome {
 
 #[test]
 fn what_is_wrong_with_a_board_is_found() {
-    let mut rigged = rig::start().expect("both take it");
+    let mut rigged = rig::start(Firmware::release()).expect("both take it");
     rigged.order("volts 1234");
     assert_eq!(rigged.answer(), "ok");
     assert_eq!(rigged.analogue(), 1234);
@@ -32,5 +34,5 @@ fn what_is_wrong_with_a_board_is_found() {
     rigged.spoil(LONGER.0, LONGER.1);
     let found = test(&mut rigged, "tick-spacing");
     assert!(found.as_ref().is_err_and(|why| why.contains(" 0 of them 20 periods after the last")), "{found:?}");
-    rigged.finish();
+    rigged.finish().iter().for_each(reviewed::check);
 }

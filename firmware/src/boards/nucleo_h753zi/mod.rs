@@ -1,0 +1,62 @@
+//! The NUCLEO-H753ZI (MB1364, the same printed board): an STM32H753ZIT6, which is the H743's die with CRYP and HASH besides; nothing here uses them.
+//!
+//! It is wired as the NUCLEO-H743ZI2 is, by a table of its own.
+//! Numbers of connectors are in firmware/wiring/netlist.toml and docs/assembly.md.
+
+use embassy_stm32::Peripherals;
+
+use crate::board::{Wiring, bridges, encoders, ethernet};
+
+/// The external clock, Hz: of the ST-LINK, at the pin that a crystal would be at.
+pub(crate) const EXTERNAL_HZ: u32 = 8_000_000;
+
+/// What is wired to which pin.
+pub(crate) fn wiring(p: Peripherals) -> Wiring {
+    Wiring {
+        bridges: (
+            p.TIM1,
+            bridges::Pins {
+                #[cfg(not(feature = "three-axes"))]
+                legs: bridges::Legs { bridge_1: (p.PE9, p.PE11), bridge_2: (p.PE13, p.PE14) },
+                #[cfg(feature = "three-axes")]
+                legs: bridges::Legs {
+                    bridge_1: (p.PE9, p.PE8),
+                    bridge_2: (p.PE11, p.PE10),
+                    bridge_3: (p.PE13, p.PE12),
+                    gate: p.PE14,
+                },
+                enable: p.PF3,
+                stop: p.PE15,
+                fault: p.PE6,
+                gate: p.PD15,
+            },
+        ),
+        encoders: encoders::Pins {
+            one: (p.TIM3, p.PC6, p.PC7, p.PC8),
+            two: (p.TIM4, p.PD12, p.PD13, p.PD14),
+            #[cfg(feature = "three-axes")]
+            three: (p.TIM2, p.PA5, p.PB3, p.PB10),
+        },
+        flash: p.FLASH,
+        random: p.RNG,
+        pace: p.TIM6,
+        watchdog: p.IWDG1,
+        strap: p.PG12,
+        button: p.PC13,
+        alive: p.PB0,
+        armed: p.PB14,
+        ethernet: ethernet::Pins {
+            eth: p.ETH,
+            sma: p.ETH_SMA,
+            ref_clk: p.PA1,
+            mdio: p.PA2,
+            crs: p.PA7,
+            tx_d1: p.PB13,
+            mdc: p.PC1,
+            rx_d0: p.PC4,
+            rx_d1: p.PC5,
+            tx_en: p.PG11,
+            tx_d0: p.PG13,
+        },
+    }
+}
