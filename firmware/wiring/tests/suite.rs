@@ -19,17 +19,20 @@ fn netlist() -> Netlist {
     Netlist::parse(&text("netlist.toml")).unwrap()
 }
 
-/// Pins of the chip that board/mod.rs takes for an image: `p.PE9`, unless what it stands in is of the other image.
-fn taken(three: bool) -> BTreeSet<String> {
+/// The boards, by their folders: both are wired as the netlist says.
+const BOARDS: [&str; 2] = ["nucleo_h743zi2", "nucleo_h753zi"];
+
+/// Pins of the chip that a board's table takes for an image: `p.PE9`, unless what it stands in is of the other image.
+fn taken(folder: &str, three: bool) -> BTreeSet<String> {
     let mut pins = BTreeSet::new();
     // What is asked of the next statement, and how deep in brackets that has gone.
     let (mut left_out, mut depth) = (false, 0);
-    for line in text("../src/board/mod.rs").lines().map(str::trim) {
+    for line in text(&format!("../src/boards/{folder}/mod.rs")).lines().map(str::trim) {
         if line.starts_with("#[cfg(") {
             let wanted = match line {
                 "#[cfg(feature = \"three-axes\")]" => three,
                 "#[cfg(not(feature = \"three-axes\"))]" => !three,
-                other => panic!("board/mod.rs has a condition that this test does not know: {other}"),
+                other => panic!("{folder} has a condition that this test does not know: {other}"),
             };
             (left_out, depth) = (!wanted, 0);
             continue;
@@ -75,13 +78,15 @@ fn each_pin_that_the_firmware_uses_is_in_the_netlist_and_no_other() {
         .map(str::to_owned)
         .collect();
     for (image, three) in [(Image::Two, false), (Image::Three, true)] {
-        let mut uses = taken(three);
-        if !three {
-            uses.extend(converted.clone());
-        }
         let has: BTreeSet<String> =
             netlist.board.pins.iter().filter(|pin| pin.image.has(image)).map(|pin| pin.pin.clone()).collect();
-        assert_eq!(has, uses, "{image:?}");
+        for folder in BOARDS {
+            let mut uses = taken(folder, three);
+            if !three {
+                uses.extend(converted.clone());
+            }
+            assert_eq!(has, uses, "{folder}, {image:?}");
+        }
     }
     assert_eq!(netlist.board.pins.len(), netlist.board.pins.iter().map(|pin| &pin.pin).collect::<BTreeSet<_>>().len());
 }
@@ -109,7 +114,7 @@ fn pulls_are_those_that_the_firmware_switches_on() {
     said(&bridges, "stop.set_as_af_unchecked(1, AfType::input(Pull::Down))");
     said(&bridges, "fault.set_as_af_unchecked(1, AfType::input(Pull::Up))");
     said(&bridges, "Input::new(pins.gate, Pull::Down)");
-    said(&board, "Input::new(p.PG12, Pull::Up)");
+    said(&board, "Input::new(w.strap, Pull::Up)");
     assert_eq!(["PE15", "PE6", "PD15", "PG12"].map(pull), [Pull::Down, Pull::Up, Pull::Down, Pull::Up].map(Some));
     // An input that bears 5 V has none.
     assert!(encoders.contains("Pull::None") && !encoders.contains("Pull::Up") && !encoders.contains("Pull::Down"));
