@@ -29,11 +29,11 @@ const HANDS: [&str; 13] = [
 /// What a board's workspace makes its peer say.
 const WITHIN: [&str; 2] = ["peer.1.safety.workspace_m=0.2", "peer.2.safety.workspace_m=0.2"];
 const REACH_M: f64 = 0.02;
-/// How far off the true discrepancy may be from what the simulator says, as a share.
+/// How far off the true discrepancy may be from what the simulator says, as a share, beside what clocks leave unknown.
 const SHARE: f64 = 0.2;
 
-/// Both devices in this scene hold one object: no fault, and the copies as far apart as the simulator says of such a network. The hands have come to
-/// rest in the half that counts, so that what the clocks leave unknown, the error that is printed, is of their way there.
+/// Both devices in this scene hold one object: no fault, and the copies as far apart as the simulator says of such a network, or further by what
+/// the peers' clocks leave unknown.
 fn hold(scene: &str, kinds: [Kind; 2]) {
     let _alone = alone();
     let name = format!("{:?}-{:?}", kinds[0], kinds[1]).to_lowercase();
@@ -74,7 +74,7 @@ fn hold(scene: &str, kinds: [Kind; 2]) {
     for (_, live, _) in &ended {
         let [apart_mm, error_mm] = ["true_discrepancy_mm", "true_discrepancy_error_mm"].map(|key| number(live, key));
         println!("  {apart_mm:.4} mm apart, clocks ±{error_mm:.4}; by the simulator {wanted_mm:.4}");
-        assert!((apart_mm - wanted_mm).abs() <= SHARE * wanted_mm, "{apart_mm} mm, and not {wanted_mm}");
+        assert!((apart_mm - wanted_mm).abs() <= SHARE * wanted_mm + error_mm, "{apart_mm} mm, and not {wanted_mm}");
     }
 }
 

@@ -157,25 +157,20 @@ impl<C: Scalar> Incoming<C> {
         }
     }
 
-    /// Takes in the counters of a packet. The first, or a jump: both ends begin anew, and this one not before the other one is `engaged`: what is
-    /// emitted to an end that has not begun would be in the line beside what both begin with. False if it is older than the newest.
+    /// Takes in the counters of a packet. The first, or a jump: both ends begin anew. False if it is older than the newest.
     #[inline]
-    pub(super) fn receive<S: Scalar<Counter = C>>(
-        &self,
-        state: &mut Outstanding<C>,
-        packet: &Packet<S>,
-        engaged: bool,
-    ) -> bool {
+    pub(super) fn receive<S: Scalar<Counter = C>>(&self, state: &mut Outstanding<C>, packet: &Packet<S>) -> bool {
         let Packet { wave_integral: integral, energy_j, live_ticks: live, .. } = *packet;
         let heard = Counters { live, integral, energy_j };
-        let jumps = |newest: Counters<C>| heard.live.wrapping_sub(newest.live).cast_signed() > (ANEW / 2).cast_signed();
-        let Some(newest) = state.heard.as_mut().filter(|newest| !jumps(**newest)) else {
-            if engaged {
-                *state = self.begin(heard);
-            }
+        let Some(newest) = &mut state.heard else {
+            *state = self.begin(heard);
             return true;
         };
         let new = heard.live.wrapping_sub(newest.live).cast_signed();
+        if new > (ANEW / 2).cast_signed() {
+            *state = self.begin(heard);
+            return true;
+        }
         if new < 0 {
             return false;
         }

@@ -11,8 +11,8 @@
 //! exchanged the same waves are as far apart as when they began. These sums are `f64` in every number type, whose last bit at a
 //! metre is 10⁻¹⁶: all roundings of an hour come to 10⁻¹³ m. That of energies is compensated, for it has to pay to the last bit.
 //!
-//! Nothing is live before a packet of an engaged end has come; what the other end sent before that (at most d₀ samples, both at rest) is
-//! not in the line.
+//! Nothing is live before a packet has come; what the other end sent before that (at most d₀ samples, both at rest) is not in
+//! the line.
 //!
 //! Which packets are worth sending, `events` says.
 //!
@@ -141,13 +141,12 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
     }
 
     fn receive(&self, state: &mut Self::State, packet: Packet<S>) {
-        let engaged = packet.wave >= -self.half;
-        if !self.incoming.receive(&mut state.outstanding, &packet, engaged) {
+        if !self.incoming.receive(&mut state.outstanding, &packet) {
             return;
         }
         state.told = packet.wave;
         self.end.hear(&mut state.share, packet.wave);
-        if !engaged {
+        if state.told < -self.half {
             self.carry.hear_idle(&mut state.slip);
         } else {
             let less = self.carry.hear(&mut state.slip, packet.motion);

@@ -448,35 +448,6 @@ fn the_delay_is_the_credit_whatever_the_networks_is() {
     }
 }
 
-/// Two ends that call each other before either is engaged, as they do over a link, begin with d₀ samples each and no more, whichever hears the other
-/// first: once nothing comes any more, an end has emitted d₀ samples more than it has heard of.
-#[test]
-fn a_line_begins_with_the_samples_of_both_ends_and_no_more() {
-    for (delays, credit) in [([9, 9], 16), ([3, 15], 16), ([15, 3], 12), ([0, 0], 8)] {
-        let mut couple = Couple::<f64>::new(&settings(f64::from(credit)), 1);
-        for (direction, delay) in couple.directions.iter_mut().zip(delays) {
-            *direction = Direction { delay, jitter: 0.0, loss: 0.0, twice: 0.0, ..Direction::new(1) };
-        }
-        couple.benches.iter_mut().for_each(|bench| bench.peer.part());
-        let mut heard = [0; 2];
-        for tick in 0..600 {
-            let sent = couple.benches.each_ref().map(|bench| bench.peer.outgoing()[0]);
-            for at in 0..2 {
-                let incoming = couple.directions[at].cross(tick, Some(sent[1 - at]).filter(|_| tick < 300));
-                let bench = &mut couple.benches[at];
-                if let Some(packet) = incoming {
-                    heard[at] = packet.live_ticks;
-                    bench.peer.hear(&[packet]);
-                }
-                bench.peer.exchange();
-                bench.at(0.0, 0.0);
-            }
-        }
-        let more = [0, 1].map(|at| couple.benches[at].peer.outgoing()[0].live_ticks - heard[at]);
-        assert_eq!(more, [credit; 2], "delays {delays:?}");
-    }
-}
-
 /// One peer disengages and begins anew; the other sees its counters jump and begins anew with it: the line goes on.
 #[test]
 fn a_peer_that_begins_anew_takes_the_other_with_it() {
