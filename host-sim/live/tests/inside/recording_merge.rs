@@ -1,6 +1,7 @@
 //! Recordings whose copies, clocks and networks are known, written and read as any are.
 
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 use haptic_sim::quantities;
 
@@ -24,7 +25,10 @@ fn recorded(
     channels: Vec<Channel>,
     rows: impl Fn(&mut dyn FnMut(u16, Vec<f64>)),
 ) -> Recording {
-    let path: PathBuf = std::env::temp_dir().join(format!("haptic-{name}-{}.mcap", std::process::id()));
+    // Tests beside each other record under the same names.
+    static MADE: AtomicU32 = AtomicU32::new(0);
+    let (process, made) = (std::process::id(), MADE.fetch_add(1, Ordering::Relaxed));
+    let path: PathBuf = std::env::temp_dir().join(format!("haptic-{name}-{process}-{made}.mcap"));
     let _ = std::fs::remove_file(&path);
     let recorder = Recorder::create(&path, origin, channels).expect("a file");
     let mut at = 0;
