@@ -39,7 +39,7 @@ pub(crate) fn test() -> Result<(), Failure> {
     step("instructions of one tick", || match count::obstacle() {
         None => count::ticks(false),
         Some(obstacle) => {
-            eprintln!("    NOT CHECKED: {obstacle}");
+            run::not_checked(&obstacle);
             Ok(())
         }
     })?;
@@ -48,7 +48,7 @@ pub(crate) fn test() -> Result<(), Failure> {
     step("two homes behind routers", || match homes::obstacle() {
         None => homes::homes(),
         Some(obstacle) => {
-            eprintln!("    NOT CHECKED: {obstacle}");
+            run::not_checked(&obstacle);
             Ok(())
         }
     })?;
@@ -62,10 +62,7 @@ pub(crate) fn test() -> Result<(), Failure> {
                 );
                 Ok(())
             }
-            None => {
-                step("rig, virtual", || rig::on_virtual_boards(&ready, &image))?;
-                virtual_board(&image)
-            }
+            None => virtual_board(&ready, &image),
         }
     })?;
     passed(start);
@@ -145,11 +142,7 @@ pub(crate) fn interleavings() -> Command {
 pub(crate) fn second_opinion(ready: &Ready) -> Result<(), Failure> {
     match qemu::obstacle() {
         None => qemu::qemu(ready),
-        Some(obstacle) if std::env::var_os("CI").is_some() => Err(Failure::new(obstacle)),
-        Some(obstacle) => {
-            eprintln!("    NOT CHECKED: {obstacle}");
-            Ok(())
-        }
+        Some(obstacle) => run::due_in_ci(obstacle),
     }
 }
 
@@ -157,7 +150,7 @@ pub(crate) fn second_opinion(ready: &Ready) -> Result<(), Failure> {
 fn lints_of_images(ready: &Ready) -> Result<(), Failure> {
     if ready.fallback {
         // Debian's toolchain has no clippy of its own.
-        eprintln!("    NOT CHECKED: the images, their toolchain is Debian's");
+        run::not_checked("the images, their toolchain is Debian's");
         return Ok(());
     }
     board::IMAGES.into_iter().try_for_each(|features| run(&mut lints_of_image(ready, features)))?;
@@ -174,13 +167,12 @@ pub(crate) fn lints_of_image(ready: &Ready, features: &[&str]) -> Command {
 /// Only the release image on virtual boards.
 pub(crate) fn board_test() -> Result<(), Failure> {
     let ready = step("set-up", setup::setup)?;
-    let image = board::images(&ready)?;
-    step("rig, virtual", || rig::on_virtual_boards(&ready, &image))?;
-    step("virtual board", || virtual_board(&image))
+    step("virtual board", || virtual_board(&ready, &board::images(&ready)?))
 }
 
-/// The release image on virtual boards: last, because its emulator takes minutes to build.
-fn virtual_board(image: &Path) -> Result<(), Failure> {
+/// The release image on virtual boards, beside the rig's first: last, because their emulator takes minutes to build.
+fn virtual_board(ready: &Ready, image: &Path) -> Result<(), Failure> {
+    step("rig, virtual", || rig::on_virtual_boards(ready, image))?;
     run(&mut board::bench(&["test"], image))?;
     kept::keep(image)
 }

@@ -71,8 +71,7 @@ impl Lab {
         run("ip", &format!("netns add {}{name}", self.prefix), None);
         self.namespaces.push(name);
         // Nobody asks whether an address is another's: a browser that is told of one two seconds later gives up what it is loading.
-        let name_of = self.name(name);
-        run("ip", &format!("netns exec {name_of} sysctl -qw net.ipv6.conf.default.accept_dad=0"), None);
+        self.sysctl(name, "net.ipv6.conf.default.accept_dad=0");
         self.ip(name, "link set lo up");
     }
 
@@ -111,7 +110,7 @@ impl Lab {
             lab.ip(home, &format!("addr add 192.168.{net}.10/24 dev eth"));
             lab.ip(home, &format!("route add default via 192.168.{net}.1"));
         }
-        run("ip", &format!("netns exec {router} sysctl -qw net.ipv4.ip_forward=1"), None);
+        lab.sysctl("ra", "net.ipv4.ip_forward=1");
         // Who comes back in comes as from the router, so that the answer goes through it, too.
         let (comes, back) = if hairpin {
             ("", "oifname { lan1, lan2 } ct status dnat snat to 203.0.113.11;")
@@ -145,6 +144,10 @@ impl Lab {
         run("ip", &format!("-n {} {words}", self.name(of)), None);
     }
 
+    fn sysctl(&self, of: &str, settings: &str) {
+        run("ip", &format!("netns exec {} sysctl -qw {settings}", self.name(of)), None);
+    }
+
     fn home(&self, home: &str, host: usize, router: Router, v6: bool) {
         let (router_name, net, inner) = (self.name(&format!("r{home}")), self.name("net"), self.name(home));
         let r = format!("r{home}");
@@ -158,8 +161,7 @@ impl Lab {
         self.ip(&r, "addr add 192.168.1.1/24 dev lan");
         self.ip(home, "addr add 192.168.1.10/24 dev eth");
         self.ip(home, "route add default via 192.168.1.1");
-        let forward = "sysctl -qw net.ipv4.ip_forward=1 net.ipv6.conf.all.forwarding=1";
-        run("ip", &format!("netns exec {router_name} {forward}"), None);
+        self.sysctl(&r, "net.ipv4.ip_forward=1 net.ipv6.conf.all.forwarding=1");
         if v6 {
             self.ip(&r, &format!("addr add 2001:db8:ffff::{host}/64 dev wan nodad"));
             self.ip(&r, &format!("addr add 2001:db8:{home}::1/64 dev lan nodad"));

@@ -186,16 +186,21 @@ fn breaks(boards: &mut dyn Boards, line: &str, times: u32) -> Outcome {
 const AFTER_TICK: u32 = 46 * 240;
 const DEAD_MAN: u32 = 2000 * 240;
 
+/// An armed board is stopped while the rig watches: how long after the last pulse of PE9 its PE14 fell, and after the last that changed.
+fn watched(boards: &mut dyn Boards, stop: impl FnOnce(&mut dyn Boards)) -> Result<[u32; 2], String> {
+    shaken(boards)?;
+    boards.order("watch 20");
+    boards.wait_ms(2);
+    stop(boards);
+    let answer = boards.answer();
+    numbers(&answer).ok_or(format!("the rig says to `watch`: {answer}"))
+}
+
 /// PE14 falls soon enough after the last tick.
 fn dead_man(boards: &mut dyn Boards, times: u32) -> Outcome {
     let (mut least, mut most) = (u32::MAX, 0);
     for _ in 0..times {
-        shaken(boards)?;
-        boards.order("watch 20");
-        boards.wait_ms(2);
-        boards.stop_ticks();
-        let answer = boards.answer();
-        let [_, change] = numbers(&answer).ok_or(format!("the rig says to `watch`: {answer}"))?;
+        let [_, change] = watched(boards, |boards| boards.stop_ticks())?;
         let took = change.wrapping_add(AFTER_TICK);
         (least, most) = (least.min(took), most.max(took));
         rig(boards, "device held")?;
@@ -361,12 +366,7 @@ const PERIOD: u32 = 50 * 240;
 fn halt(boards: &mut dyn Boards, times: u32) -> Outcome {
     let (mut least, mut most) = (u32::MAX, 0);
     for _ in 0..times {
-        shaken(boards)?;
-        boards.order("watch 20");
-        boards.wait_ms(2);
-        boards.halt(5);
-        let answer = boards.answer();
-        let [edge, _] = numbers(&answer).ok_or(format!("the rig says to `watch`: {answer}"))?;
+        let [edge, _] = watched(boards, |boards| boards.halt(5))?;
         (least, most) = (least.min(edge), most.max(edge));
         rig(boards, "device held")?;
         board(boards, "disarm")?;
