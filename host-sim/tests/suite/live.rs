@@ -6,6 +6,8 @@ use std::process::{Child, Command, Stdio};
 
 use serde_json::{Value, json};
 
+use super::program::free;
+
 /// Both users push toward each other and hold: what is measured does not hang on when each peer began.
 const SCENE: [&str; 8] = [
     "coordination.comm=passive-mean",
@@ -33,12 +35,6 @@ fn document(command: &mut Command) -> Value {
     let output = command.output().expect("host-sim runs");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     serde_json::from_slice(&output.stdout).expect("one JSON document and nothing else")
-}
-
-/// Addresses that were free a moment ago.
-fn addresses<const N: usize>() -> [String; N] {
-    let sockets = [(); N].map(|()| UdpSocket::bind("127.0.0.1:0").expect("a socket on loopback"));
-    sockets.map(|socket| socket.local_addr().expect("its address").to_string())
 }
 
 /// A folder of the test's own, with a key in it, and a scene that has every key as it is by default.
@@ -114,7 +110,7 @@ fn may_run_in_real_time() -> bool {
 #[test]
 fn two_processes_hold_what_the_run_in_memory_holds() {
     let folder = folder("two-processes");
-    let [one, two] = addresses();
+    let [one, two] = [(); 2].map(|()| free());
     let peers = [peer(&folder, "1", &one, &two), peer(&folder, "2", &two, &one)];
     // Loopback takes no time, and what came is taken at the end of a packet period.
     let mut memory = host_sim(&["cooperate", "--json", "--seconds", SECONDS]);
@@ -153,7 +149,7 @@ fn the_readmes_pair_holds_wherever_it_is() {
     };
     let delays = [None, Some((2, 0.0)), Some((4, 0.0)), Some((6, 0.0)), Some((4, 0.003))];
     let pairs = delays.map(|delay| {
-        let [one, two, for_one, for_two] = addresses();
+        let [one, two, for_one, for_two] = [(); 4].map(|()| free());
         let relay = delay.map(|(ms, jitter_s)| {
             let network = [
                 format!("network.one_way_delay_packets={ms}"),
@@ -190,7 +186,7 @@ fn two_processes_share_a_plane_and_space() {
     let folder = folder("several-axes");
     let key = folder.join("key").display().to_string();
     for (scene, axes) in [("plane", &["x", "y"][..]), ("space", &["x", "y", "z"])] {
-        let [one, two] = addresses();
+        let [one, two] = [(); 2].map(|()| free());
         let recording = folder.join(format!("{scene}.mcap")).display().to_string();
         let peer = |number: &str, listen: &str, connect: &str, more: &[&str]| {
             host_sim(&["peer", "--json", "--scene", scene, "--seconds", SECONDS, "--number", number])
@@ -253,7 +249,7 @@ fn two_processes_share_a_plane_and_space() {
 #[test]
 fn another_number_of_shared_axes_is_told_at_both_ends() {
     let folder = folder("other-axes");
-    let [one, two] = addresses();
+    let [one, two] = [(); 2].map(|()| free());
     let peer = |number: &str, scene: &str, listen: &str, connect: &str| {
         host_sim(&["peer", "--number", number, "--scene", scene, "--listen", listen, "--connect", connect])
             .args(["--patience-s", "10", "--quiet", "--key-file"])
@@ -277,7 +273,7 @@ fn another_number_of_shared_axes_is_told_at_both_ends() {
 fn an_end_of_another_version_is_named() {
     let folder = folder("another-version");
     let old = UdpSocket::bind("127.0.0.1:0").expect("a socket on loopback");
-    let [own] = addresses();
+    let own = free();
     let mut waiting = host_sim(&["peer", "--number", "1", "--listen", &own, "--patience-s", "1", "--connect"])
         .arg(old.local_addr().expect("its address").to_string())
         .arg("--key-file")
@@ -314,7 +310,7 @@ fn a_recorded_network_between_two_processes_is_the_one_in_memory() {
         host_sim(&["network", "trace", "--seconds", "5"]).args(network).arg(&trace).stdout(Stdio::null()).status();
     assert!(recorded.expect("host-sim runs").success());
 
-    let [one, two, for_one, for_two] = addresses();
+    let [one, two, for_one, for_two] = [(); 4].map(|()| free());
     let relay =
         host_sim(&["network", "relay", "--json", "--seconds", "6", "--listen-1", &for_one, "--listen-2", &for_two])
             .args(["--peer-1", &one, "--peer-2", &two, "--trace", &trace])
@@ -348,7 +344,7 @@ fn a_recorded_network_between_two_processes_is_the_one_in_memory() {
 fn a_mismatch_of_settings_is_told_at_both_ends() {
     let folder = folder("mismatch");
     for wait_ms in [0, 400] {
-        let [one, two] = addresses();
+        let [one, two] = [(); 2].map(|()| free());
         let peer = |number: &str, listen: &str, connect: &str, more: &[&str]| {
             host_sim(&["peer", "--number", number, "--listen", listen, "--connect", connect, "--patience-s", "10"])
                 .arg("--key-file")
@@ -379,7 +375,7 @@ fn two_of_one_number_and_two_with_different_keys_are_told_apart() {
         (["1", "1"], [&folder, &folder], "has the number of this end, or is this end"),
         (["1", "2"], [&folder, &other], "holds another key: give both ends of a line the same one"),
     ] {
-        let [one, two] = addresses();
+        let [one, two] = [(); 2].map(|()| free());
         let peer = |at: usize, listen: &str, connect: &str| {
             host_sim(&[
                 "peer",
@@ -467,7 +463,7 @@ fn leader_and_follower(folder: &Path, keys: &[String], at: usize, seconds: u32) 
         more(command.args(["--json", "--scene", "leader-follower-wall"]).args(&keys));
         command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("host-sim runs")
     };
-    let [one, two, for_one, for_two] = addresses();
+    let [one, two, for_one, for_two] = [(); 4].map(|()| free());
     let (relayed, seconds) = ((seconds + 4).to_string(), seconds.to_string());
     let listen = ["network", "relay", "--seconds", &relayed, "--listen-1", &for_one, "--listen-2", &for_two];
     let relay = spawn(&listen, &mut |relay| _ = relay.args(["--peer-1", &one, "--peer-2", &two]));

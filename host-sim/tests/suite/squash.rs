@@ -3,6 +3,8 @@
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
+use super::program::free;
+
 const PROGRAM: &str = env!("CARGO_BIN_EXE_host-sim");
 
 #[test]
@@ -53,12 +55,6 @@ impl Folder {
     }
 }
 
-/// Addresses that are free now.
-fn free_addresses() -> [String; 4] {
-    let sockets = [(); 4].map(|()| std::net::UdpSocket::bind("127.0.0.1:0").unwrap());
-    sockets.map(|socket| socket.local_addr().unwrap().to_string())
-}
-
 /// One process of a game.
 fn join(number: usize, addresses: &[&String], key: &Path, seconds: &str) -> Child {
     let addresses = addresses.iter().map(|address| address.as_str()).collect::<Vec<_>>().join(",");
@@ -74,7 +70,7 @@ fn join(number: usize, addresses: &[&String], key: &Path, seconds: &str) -> Chil
 
 /// What the server and three players report of a game of 8 s, each a process of its own.
 fn game(key: &Path) -> [serde_json::Value; 4] {
-    let addresses = free_addresses();
+    let addresses = [(); 4].map(|()| free());
     let addresses = addresses.each_ref();
     let games = [0, 1, 2, 3].map(|number| join(number, &addresses, key, if number == 0 { "9" } else { "8" }));
     games.map(|game| {
@@ -119,7 +115,7 @@ fn processes_play_over_udp_and_agree() {
 fn whoever_meets_nobody_says_so_and_what_to_check() {
     let folder = Folder::new("nobody");
     let [right, wrong] = ["right", "wrong"].map(|name| folder.key(name));
-    let [server, one, two, elsewhere] = free_addresses();
+    let [server, one, two, elsewhere] = [(); 4].map(|()| free());
     let games = [
         join(0, &[&server, &one, &two], &right, "1"),
         join(1, &[&server, &one, &two], &wrong, "1"),

@@ -1,16 +1,14 @@
 //! A network that is measured: over a relay with known delays and losses, and what answers alone would say.
 
-use std::net::SocketAddr;
-
 use haptic_sim::network::link::Route;
 use haptic_sim::network::rule::Fate;
 
 use super::*;
 use crate::relay::{self, End};
 
-fn free() -> SocketAddr {
-    UdpSocket::bind(("127.0.0.1", 0)).and_then(|socket| socket.local_addr()).expect("a free port")
-}
+#[path = "../../../tests/suite/program/free.rs"]
+mod free;
+use free::free;
 
 const MS: u64 = 1_000_000;
 

@@ -1,8 +1,8 @@
 //! host-sim as a user runs it: programs, addresses and keys, for every test that starts processes with lines of their own.
 
 pub(crate) mod built;
+mod free;
 
-use std::net::UdpSocket;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
@@ -17,8 +17,7 @@ pub(crate) fn host_sim(arguments: &[&str]) -> Command {
 
 /// An address on loopback that nobody listens on.
 pub(crate) fn free() -> String {
-    let socket = UdpSocket::bind("127.0.0.1:0").expect("a socket");
-    socket.local_addr().expect("an address").to_string()
+    free::free().to_string()
 }
 
 /// The key of a server or a hub, and those of its lines; the folder that they lie in.

@@ -16,6 +16,11 @@ use haptic_sim::node::{Line, Transmit as _};
 use haptic_sim::rng::Rng;
 use haptic_sim::scene::Scene;
 
+#[path = "../../../../tests/suite/program/free.rs"]
+mod free;
+
+use free::free;
+
 use super::program::Program;
 use super::{asked, scene};
 
@@ -59,7 +64,7 @@ fn hostile(scene: &Scene, key: Key, hub: SocketAddr, over: &AtomicBool) -> u64 {
 #[test]
 fn two_hundred_programs_at_a_live_hub() {
     let (scene, key) = (scene("any-network", &["user.1.push_n=0.3"]), Key::new([0x5a; Key::LEN]));
-    let address = UdpSocket::bind("127.0.0.1:0").and_then(|socket| socket.local_addr()).expect("a free address");
+    let address = free();
     let (quiet, stop) = (LiveOptions { manner: Manner::Quiet, ..LiveOptions::default() }, Stop::default());
     let over = AtomicBool::new(false);
     let span = |duration_s: f64| Span { duration_s, patience_s: 20.0 };
