@@ -6,14 +6,14 @@
 //! for from the sender's counter of energy, or comes out at the one that this pays for ([`super::mass`]). No sample, or samples of which the
 //! sender says that they have less energy than any impedance may have: the line stands, and nothing is counted.
 //!
-//! Each end begins with d₀ samples of zero to its credit. Their number never changes by itself: in line time the line is one
+//! Each end begins with d₀ samples of zero to its credit, whichever hears the other one first. Their number never changes by itself: in line time the line is one
 //! of constant delay, whatever the network does.
 //!
 //! **Following the network** (`coordination.credit_ticks = 0`, beginning with [`FIRST_S`]). A zero sample more costs nothing. An
 //! end that stands for more than a tenth of the time although packets come, there and at the other end ([`Outstanding::impatience`]; what is
 //! lost in bursts is stood through: a line that bridged it would be slow where nothing is lost) adds half as many samples as it stood, for the other end stands as long and adds its half, and [`SPARE`]
-//! more; at first no more than [`LEAST_AT_ONCE`], then twice as many each time: 200 ms of delay are learned in six round
-//! trips. A sample less costs energy: where for a [`WINDOW_S`] nothing stood and more than [`KEPT`] samples were always left, half
+//! more. Where a line begins, whose hands rest, it adds them at once ([`FIRST_AT_ONCE`]): a delay is learned in one round trip. After a quiet time it
+//! adds no more than [`LEAST_AT_ONCE`], then twice as many each time. A sample less costs energy: where for a [`WINDOW_S`] nothing stood and more than [`KEPT`] samples were always left, half
 //! of what is left over goes, each over [`SLICES`] ticks, so that hands feel no step, if averaging has saved what that costs and the line is
 //! nearly at rest.
 
@@ -45,14 +45,22 @@ const IMPATIENT: u32 = 100 * STANDING;
 /// Samples that may be added at once after a quiet time, and at most.
 const LEAST_AT_ONCE: i32 = 4;
 const MOST_AT_ONCE: i32 = 128;
+/// And where a line begins: half of a round trip of a second.
+const FIRST_AT_ONCE: i32 = 512;
 /// The largest wave at which more than one sample may come out in a tick, √W.
 const NEARLY_AT_REST: f64 = 0.25;
 /// What a line begins with beside what came, once and for all, J: the last bit of a sum of a million joules, several times.
 const ROUNDING_J: f64 = 5e-10;
 /// Ticks over which a sample more comes out: each takes one and a slice.
 const SLICES: i32 = 16;
-/// By how much the counter of a peer that begins anew jumps: more than a line can ever hold.
-pub(super) const ANEW: u32 = 1 << 20;
+/// Counters of live ticks begin at a multiple of this; that of a peer that begins anew jumps to the next but one, further than a line can ever hold.
+const ANEW: u32 = 1 << 20;
+
+/// Where the counter of a peer goes on that begins anew after `live` ticks.
+#[inline]
+pub(super) fn anew(live: u32) -> u32 {
+    (live | (ANEW - 1)).wrapping_add(1 + ANEW)
+}
 
 /// How samples come out.
 #[derive(Clone, Copy, Debug)]
@@ -157,18 +165,24 @@ impl<C: Scalar> Incoming<C> {
         }
     }
 
-    /// Takes in the counters of a packet. The first, or a jump: both ends begin anew. False if it is older than the newest.
+    /// Takes in the counters of a packet, after `own` live ticks of this end. The first, or a jump: both ends begin anew. False if it is older than
+    /// the newest.
     #[inline]
-    pub(super) fn receive<S: Scalar<Counter = C>>(&self, state: &mut Outstanding<C>, packet: &Packet<S>) -> bool {
+    pub(super) fn receive<S: Scalar<Counter = C>>(
+        &self,
+        state: &mut Outstanding<C>,
+        packet: &Packet<S>,
+        own: u32,
+    ) -> bool {
         let Packet { wave_integral: integral, energy_j, live_ticks: live, .. } = *packet;
         let heard = Counters { live, integral, energy_j };
         let Some(newest) = &mut state.heard else {
-            *state = self.begin(heard);
+            *state = self.begin(heard, own);
             return true;
         };
         let new = heard.live.wrapping_sub(newest.live).cast_signed();
         if new > (ANEW / 2).cast_signed() {
-            *state = self.begin(heard);
+            *state = self.begin(heard, own);
             return true;
         }
         if new < 0 {
@@ -197,16 +211,26 @@ impl<C: Scalar> Incoming<C> {
         Outstanding { length: self.credit, ..Outstanding::default() }
     }
 
-    fn begin(&self, heard: Counters<C>) -> Outstanding<C> {
+    /// A line begins here, with what the other end has said of itself, after `own` live ticks. It holds d₀ samples of each end, whichever heard the
+    /// other first: what this end has emitted of its own already is under way or counted, and what the other one had emitted when it said so is
+    /// counted nowhere else.
+    fn begin(&self, heard: Counters<C>, own: u32) -> Outstanding<C> {
         Outstanding {
             heard: Some(heard),
-            samples: self.credit,
+            samples: self.credit + self.of_credit(heard.live) - self.of_credit(own),
             length: self.credit,
             account_j: self.rounding_j,
-            reach: LEAST_AT_ONCE,
+            reach: FIRST_AT_ONCE,
             fewest: i32::MAX,
             ..Outstanding::default()
         }
+    }
+
+    /// How many of the samples that an end begins with are out after so many live ticks; none where it has emitted others since, on a line before this.
+    #[inline]
+    fn of_credit(&self, live: u32) -> i32 {
+        let emitted = (live % ANEW).cast_signed();
+        if emitted > self.credit { 0 } else { emitted }
     }
 
     /// u_in of this tick, √W, and the ρ, `own` or less, at which it is paid for: ρ₀ or more, or 0, and the line stands. Two numbers come back in

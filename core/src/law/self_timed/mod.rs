@@ -26,7 +26,7 @@ mod mass;
 
 use carry::{Carry, DAMPING, Doing, ENERGY, FADE, MODULUS_M, RETURN, Slip};
 use events::{Announced, Events, THRESHOLD, TOGETHER};
-use incoming::{ANEW, CREDIT, Incoming, Outstanding};
+use incoming::{CREDIT, Incoming, Outstanding, anew};
 use mass::{End, MASS, Met, Share};
 
 pub(super) use mass::least as least_share;
@@ -136,12 +136,11 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
     fn restart(&self, state: &mut Self::State, local: Motion<S>) {
         let SelfTimedState { sent, fresh, sent_j, live, .. } = *state;
         let slip = self.carry.restart(&state.slip);
-        let live = live.wrapping_add(ANEW);
-        *state = SelfTimedState { sent, fresh, sent_j, live, slip, ..self.start(local) };
+        *state = SelfTimedState { sent, fresh, sent_j, live: anew(live), slip, ..self.start(local) };
     }
 
     fn receive(&self, state: &mut Self::State, packet: Packet<S>) {
-        if !self.incoming.receive(&mut state.outstanding, &packet) {
+        if !self.incoming.receive(&mut state.outstanding, &packet, state.live) {
             return;
         }
         state.told = packet.wave;

@@ -164,7 +164,7 @@ fn is_passive_and_does_not_drift<S: Scalar>(settings: &Settings, seeds: u64, rou
         for direction in &mut couple.directions {
             (direction.loss, direction.burst) = (0.0, 0);
         }
-        for _ in 0..4000 {
+        for _ in 0..6000 {
             couple.step([Motion::REST; 2]);
         }
         // Slips come together while the tank pays for it: here both hands hold what they have.
@@ -445,6 +445,38 @@ fn the_delay_is_the_credit_whatever_the_networks_is() {
         });
         // Sent with the packet after its tick, and heard after the delay.
         assert_eq!(felt, Some(delay + 1), "delay {delay}");
+    }
+}
+
+/// Two ends that call each other before either is engaged, as they do over a link, begin with d₀ samples each and no more, whichever hears the other
+/// first and however much later: once nothing comes any more, an end has emitted d₀ samples more than it has heard of.
+#[test]
+fn a_line_begins_with_the_samples_of_both_ends_and_no_more() {
+    let cases =
+        [([9, 9], 16, 0), ([3, 15], 16, 0), ([15, 3], 12, 0), ([0, 0], 8, 0), ([9, 9], 16, 12), ([5, 9], 16, 90)];
+    for (delays, credit, late) in cases {
+        let mut couple = Couple::<f64>::new(&settings(f64::from(credit)), 1);
+        for (direction, delay) in couple.directions.iter_mut().zip(delays) {
+            *direction = Direction { delay, jitter: 0.0, loss: 0.0, twice: 0.0, ..Direction::new(1) };
+        }
+        couple.benches.iter_mut().for_each(|bench| bench.peer.part());
+        let (mut heard, heard_at) = ([0; 2], [late..300, 0..300]);
+        for tick in 0..600 {
+            let sent = couple.benches.each_ref().map(|bench| bench.peer.outgoing()[0]);
+            for at in 0..2 {
+                let incoming =
+                    couple.directions[at].cross(tick, Some(sent[1 - at]).filter(|_| heard_at[at].contains(&tick)));
+                let bench = &mut couple.benches[at];
+                if let Some(packet) = incoming {
+                    heard[at] = packet.live_ticks;
+                    bench.peer.hear(&[packet]);
+                }
+                bench.peer.exchange();
+                bench.at(0.0, 0.0);
+            }
+        }
+        let more = [0, 1].map(|at| couple.benches[at].peer.outgoing()[0].live_ticks - heard[at]);
+        assert_eq!(more, [credit; 2], "delays {delays:?}, the first deaf for {late} ticks");
     }
 }
 

@@ -181,8 +181,8 @@ fn a_start_under_delay_is_the_start_in_memory() {
         assert!((met.held_m - held_m).abs() < 0.05 * held_m + 2e-4, "{delay_ms} ms: {met:?}, not {held_m} m");
         assert!((met.last_m - last_m).abs() < 1e-4, "{delay_ms} ms: {met:?}, not {last_m} m");
         // Where the line is when they begin makes it less; and while it learns a long delay its ends stand and carry on by what they
-        // hear, which comes at other times: 1.45 times as far over 240 ms.
-        assert!(met.largest_m < 1.7 * largest_m + 2e-4, "{delay_ms} ms: {met:?}, not {largest_m} m");
+        // hear, which comes at other times: 1.8 times as far over 450 ms, 0.7 times over 240.
+        assert!(met.largest_m < 1.9 * largest_m + 2e-4, "{delay_ms} ms: {met:?}, not {largest_m} m");
         // By a clock that both know, but for what lies between two packets.
         let [one, two] = met.began_us;
         assert!(one.abs_diff(two) <= 2_000, "{delay_ms} ms: {met:?}");
