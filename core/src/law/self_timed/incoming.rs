@@ -217,7 +217,7 @@ impl<C: Scalar> Incoming<C> {
     fn begin(&self, heard: Counters<C>, own: u32) -> Outstanding<C> {
         Outstanding {
             heard: Some(heard),
-            samples: self.credit + self.of_credit(heard.live) - self.of_credit(own),
+            samples: (self.credit + self.of_first(heard.live) - self.of_first(own)).max(0),
             length: self.credit,
             account_j: self.rounding_j,
             reach: FIRST_AT_ONCE,
@@ -226,11 +226,12 @@ impl<C: Scalar> Incoming<C> {
         }
     }
 
-    /// How many of the samples that an end begins with are out after so many live ticks; none where it has emitted others since, on a line before this.
+    /// How many of the first samples of a line are out after so many live ticks: at most those of both ends, which one end has where it heard the
+    /// other one last. None where it has emitted more, on a line before this.
     #[inline]
-    fn of_credit(&self, live: u32) -> i32 {
+    fn of_first(&self, live: u32) -> i32 {
         let emitted = (live % ANEW).cast_signed();
-        if emitted > self.credit { 0 } else { emitted }
+        if emitted > 2 * self.credit { 0 } else { emitted }
     }
 
     /// u_in of this tick, √W, and the ρ, `own` or less, at which it is paid for: ρ₀ or more, or 0, and the line stands. Two numbers come back in

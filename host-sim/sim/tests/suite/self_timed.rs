@@ -267,15 +267,21 @@ fn fewer_packets_cost_the_delay_of_the_samples_beyond_the_spare_ones() {
 }
 
 #[test]
-fn a_hundred_packets_a_second_hold_the_object_within_a_tenth_of_a_thousand() {
-    // Without delay the line becomes as short as with a packet a tick; with much, N − 1 ticks are little of it.
-    let networks: [&[&str]; 3] = [&[], &["network.one_way_delay_packets=0"], &["network.one_way_delay_packets=48"]];
-    for (motion, network) in networks.map(|network| (PUSHES, network)).into_iter().chain([(LED, &[][..])]) {
+fn a_hundred_packets_a_second_hold_the_object_nearly_as_a_thousand_do() {
+    // Without delay the line becomes as short as with a packet a tick; over 48 ms it is N − 1 ticks longer, of some 60; over 104 ms that is little of it.
+    let networks: [(&[&str], f64); 4] = [
+        (&[], 1.1),
+        (&["network.one_way_delay_packets=0"], 1.1),
+        (&["network.one_way_delay_packets=48"], 1.14),
+        (&["network.one_way_delay_packets=104"], 1.1),
+    ];
+    let pushes = networks.map(|(network, most)| (PUSHES, network, most));
+    for (motion, network, most) in pushes.into_iter().chain([(LED, &[][..], 1.1)]) {
         let each_tick = outcome(&[motion, network]);
         let of_events = outcome(&[motion, network, &["event.longest_s=0.05"]]);
         assert!(of_events.is_stable() && of_events.packets_per_s < 120.0, "{} packets/s", of_events.packets_per_s);
         let ratio = of_events.whole.true_discrepancy_mm / each_tick.whole.true_discrepancy_mm;
-        assert!((0.9..1.1).contains(&ratio), "{ratio}");
+        assert!((0.9..most).contains(&ratio), "{network:?}: {ratio}");
         assert!(of_events.energy_made_mj() <= 1e-6);
     }
     let at_rest = outcome(&[&["event.longest_s=0.05"]]);
