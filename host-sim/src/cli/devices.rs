@@ -13,12 +13,16 @@ use haptic_report::Columns;
 use serde_json::json;
 
 use super::device::DeviceArgs;
+use super::emulate::Emulate;
 use super::flags::number;
 use super::{Failure, SceneArgs, Ui};
 
 #[derive(Debug, Args)]
 #[command(mut_arg("scene", |scene| scene.default_value("any-network")))]
+#[command(args_conflicts_with_subcommands = true)]
 pub(super) struct Devices {
+    #[command(subcommand)]
+    instead: Option<Instead>,
     /// Look there as well: ADDRESS:PORT of Haply's service, a serial port, a CAN interface.
     #[arg(long, value_name = "PLACE")]
     look_at: Vec<String>,
@@ -37,6 +41,13 @@ pub(super) struct Devices {
     settings: Option<PathBuf>,
 }
 
+super::commands! {
+    Instead {
+        /// A device that is not there, to attach in the place of one: its protocol on the real transport, a hand on it, and faults to plant.
+        Emulate(Emulate),
+    }
+}
+
 /// Asks on standard error, hears on standard input.
 fn please(task: &str) -> Result<(), haptic_live::Error> {
     haptic_io::say(format_args!("{task}; then press Enter"));
@@ -50,6 +61,9 @@ fn please(task: &str) -> Result<(), haptic_live::Error> {
 impl Devices {
     /// Lists what is attached; with `--device`, goes through the ten steps with it.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
+        if let Some(instead) = &self.instead {
+            return instead.run(ui);
+        }
         let options = self.device.wanted(ui)?;
         let beneath = self.device.beneath(self.number);
         let scene = self.scene.over(self.number, &beneath)?.load(ui)?;

@@ -15,6 +15,7 @@ mod compare;
 mod cooperate;
 mod device;
 mod devices;
+mod emulate;
 mod entrants;
 mod flags;
 mod grid;
@@ -122,6 +123,7 @@ commands! {
         /// One peer in real time over UDP, sealed; run two of them.
         Peer(live::Peer),
         /// What is attached to this machine, and ten steps to try one of them by, the smallest force first; writes what a scene needs of it.
+        /// `devices emulate` is a device where none is.
         Devices(devices::Devices),
         /// Where 2 to 16 live peers hold one object: their wave lines meet in the lossless node, over UDP, sealed.
         Hub(live::Hub),

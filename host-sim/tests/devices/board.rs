@@ -11,13 +11,13 @@ use std::time::{Duration, Instant};
 use haptic_core::device::{AXES, Reading};
 use haptic_core::num::Motion;
 use haptic_core::peer::{Actuators, Sensors};
+use haptic_emulators::hand::{HAND_N_PER_M, Hand};
 use haptic_protocol::key::Role;
 use haptic_sim::device::Device;
 use haptic_sim::node::Node;
 use haptic_sim::{Laws, Scene, key_file};
 use serde_json::Value;
 
-use super::hand::{HAND_N_PER_M, Hand};
 use super::steps::steps;
 use super::{BUSY_S, LOSSY, Running, SILENT_S, alone, largest_first_step, number, peer, relay, sets};
 use crate::program::{Keys, free, host_sim, report, signal};

@@ -3,10 +3,12 @@
 use std::sync::MutexGuard;
 use std::time::{Duration, Instant};
 
+use haptic_emulators::motors::{Fault, World};
+use haptic_emulators::{Emulated as _, mit, moteus};
 use serde_json::Value;
 
-use super::motors::{Fault, World};
-use super::{BUSY_S, Running, SILENT_S, alone, armed, largest_first_step, mit, moteus, number, peer};
+use super::emulated::{self, fdcanusb};
+use super::{BUSY_S, Running, SILENT_S, alone, armed, largest_first_step, number, peer};
 use crate::program::{Keys, free, signal};
 
 /// The motors' own watchdog, s.
@@ -28,14 +30,10 @@ impl Bus {
 
     /// Flags of a peer that has them.
     pub(crate) fn flags(&self) -> Vec<String> {
-        let (device, motors, more) = match self {
-            Self::Moteus(moteus::Emulator { at, .. }) => (format!("moteus:{}", at.display()), moteus::MOTORS, &[][..]),
-            Self::Mit(mit::Emulator { at, .. }) => {
-                (format!("mit:{}", at.display()), mit::MOTORS, &["--device-model", "dm4310", "--device-homed"][..])
-            }
-        };
-        let own = ["--device", &device, "--device-motors", motors, "--device-max-torque-nm", "1.5"];
-        own.iter().chain(more).map(|flag| (*flag).to_owned()).collect()
+        match self {
+            Self::Moteus(emulator) => emulator.words(),
+            Self::Mit(emulator) => emulator.words(),
+        }
     }
 }
 
@@ -66,9 +64,9 @@ fn motors_and_a_five_bar_hold_an_object() {
     const CONTACT_N_PER_M: f64 = 1000.0;
     let reach_m = [0.015, -0.01];
     for (name, emulator) in [
-        ("moteus behind an fdcanusb", Bus::Moteus(moteus::Emulator::serial(0.0))),
-        ("moteus", Bus::Moteus(moteus::Emulator::messages("moteus", 0.0))),
-        ("MIT", Bus::Mit(mit::Emulator::start("mit", 0.2))),
+        ("moteus behind an fdcanusb", Bus::Moteus(fdcanusb())),
+        ("moteus", Bus::Moteus(emulated::moteus("moteus"))),
+        ("MIT", Bus::Mit(emulated::mit("mit", 0.2))),
     ] {
         let peers = pair(
             &format!("motors-{}", name.len()),
@@ -137,8 +135,8 @@ fn each_fault_of_motors_cuts_the_force_and_is_named() {
     for (is_mit, fault, numbered, words) in moteus.into_iter().chain(mit) {
         let name = format!("motors-{is_mit}-{fault:?}");
         let emulator = match is_mit {
-            true => Bus::Mit(mit::Emulator::start(&name, WATCHDOG_S)),
-            false => Bus::Moteus(moteus::Emulator::serial(0.0)),
+            true => Bus::Mit(emulated::mit(&name, WATCHDOG_S)),
+            false => Bus::Moteus(fdcanusb()),
         };
         let [first, second] = pair(&name, "60", &emulator, &[]);
         emulator.world().hand.reach([0.02, 0.0]);
@@ -168,8 +166,8 @@ fn motors_let_go_when_their_peer_is_killed_or_stopped() {
     for (how, is_mit) in [("KILL", false), ("STOP", false), ("KILL", true), ("STOP", true)] {
         let name = format!("motors-{how}-{is_mit}");
         let emulator = match is_mit {
-            true => Bus::Mit(mit::Emulator::start(&name, WATCHDOG_S)),
-            false => Bus::Moteus(moteus::Emulator::serial(0.0)),
+            true => Bus::Mit(emulated::mit(&name, WATCHDOG_S)),
+            false => Bus::Moteus(fdcanusb()),
         };
         let [mut first, mut second] = pair(&name, "60", &emulator, &[]);
         emulator.world().hand.reach([0.02, 0.0]);
@@ -230,8 +228,7 @@ fn motors_that_must_not_be_armed_are_refused_by_name() {
         assert!(!output.status.success(), "{said}");
         said
     };
-    let [moteus, mit] =
-        [Bus::Moteus(moteus::Emulator::serial(0.0)), Bus::Mit(mit::Emulator::start("motors-refused", WATCHDOG_S))];
+    let [moteus, mit] = [Bus::Moteus(fdcanusb()), Bus::Mit(emulated::mit("motors-refused", WATCHDOG_S))];
     for (emulator, fault, words) in [
         (&moteus, Fault::Holds, "motor 1 does not let go after its watchdog: servo.timeout_mode is 10"),
         (&moteus, Fault::Relative, "is not calibrated"),

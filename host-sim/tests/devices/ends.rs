@@ -1,9 +1,10 @@
 //! An end of a line with a device of any kind: the emulator of each, by what they have in common.
 
+use haptic_emulators::inverse3::Emulator;
+
 use super::board::Lab;
 use super::bus::Bus;
-use super::emulator::Emulator;
-use super::{mit, moteus};
+use super::emulated::{self, fdcanusb, haply};
 
 /// The emulators, by the names of their adapters.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,9 +27,9 @@ impl End {
     /// The hand does not tremble, and a force stands for 0.2 s, which a busy machine may take to speak again.
     pub(crate) fn start(kind: Kind, key: &str, number: u8) -> Self {
         match kind {
-            Kind::Haply => Self::Haply(Emulator::start(0.0)),
-            Kind::Moteus => Self::Motors(Bus::Moteus(moteus::Emulator::serial(0.0))),
-            Kind::Mit => Self::Motors(Bus::Mit(mit::Emulator::start(&format!("end-{number}-mit"), 0.2))),
+            Kind::Haply => Self::Haply(haply(0.0)),
+            Kind::Moteus => Self::Motors(Bus::Moteus(fdcanusb())),
+            Kind::Mit => Self::Motors(Bus::Mit(emulated::mit(&format!("end-{number}-mit"), 0.2))),
             Kind::Board => Self::Board(Lab::start(key, number, &[], 0.0), key.to_owned()),
         }
     }

@@ -3,9 +3,10 @@
 use std::process::Command;
 use std::time::Duration;
 
+use haptic_emulators::inverse3::{Emulator, Fault};
 use serde_json::Value;
 
-use super::emulator::{Emulator, Fault};
+use super::emulated::haply;
 use super::{BUSY_S, HAND_N_PER_M, Running, SILENT_S, alone, mean, number, relay, sets};
 use crate::program::{Keys, free, host_sim, report, signal};
 
@@ -94,7 +95,7 @@ fn three_hold_one_object_and_one_is_at_a_device() {
     let (keys, between, own) = (Keys::new("devices-hub", 3), [free(), free()], free());
     let (hub, address) = hub(&keys);
     let lossy = relay("any-network", 72.0, &between, [&own, &address], sets(&PATH));
-    let emulator = Emulator::start(0.0);
+    let emulator = haply(0.0);
     let mut first = on(&keys, 1, &own, &between[0]);
     first.args(device(&emulator));
     let mut first = Running::start(first);
@@ -124,7 +125,7 @@ fn a_page_at_a_hub_has_a_device() {
     let _alone = alone();
     let keys = Keys::new("devices-hub-page", 3);
     let (hub, address) = hub(&keys);
-    let emulator = Emulator::start(0.0);
+    let emulator = haply(0.0);
     let mut page = host_sim(&["play", "--scene", "any-network", "--join", &address, "--number", "1"]);
     page.args(["--key-file", &keys.file(1), "--seconds", "60"]).args(device(&emulator)).args(sets(&HOLD_ON));
     let mut page = Running::start(page);

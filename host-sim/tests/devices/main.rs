@@ -6,13 +6,11 @@
 
 mod board;
 mod bus;
-mod emulator;
+mod emulate;
+mod emulated;
 mod ends;
-mod hand;
 mod hub;
-mod mit;
-mod moteus;
-mod motors;
+mod lines;
 mod page;
 #[path = "../suite/program/mod.rs"]
 mod program;
@@ -25,10 +23,11 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use haptic_emulators::hand::HAND_N_PER_M;
+use haptic_emulators::inverse3::{Emulator, Fault, HOLDS_S};
 use serde_json::Value;
 
-use emulator::{Emulator, Fault, HOLDS_S};
-use hand::HAND_N_PER_M;
+use emulated::haply;
 use program::{Keys, free, host_sim, signal};
 
 /// What the device has, in the place of the simulated one, and what the other hand does: it holds on.
@@ -173,14 +172,14 @@ fn a_device_and_a_simulated_one_hold_one_object() {
     // reports have that along the first alone, so there it does not tremble.
     for (scene, mapped, first, axes, tremor_m) in [("any-network", "x,y,z", 0, 1, 1e-3), ("space", "y,-x,z", 1, 3, 0.0)]
     {
-        let emulator = Emulator::start(tremor_m);
+        let emulator = haply(tremor_m);
         let more = ["--device-axes", mapped, "--device-origin-m", "0,0,0", "--device-silent-s", "0.2"];
         let peers = pair(&format!("devices-{scene}"), scene, "8", &emulator, &more);
         emulator.world().reach(reach_m);
         std::thread::sleep(Duration::from_millis(4_500));
         let (asked, now_s) = {
             let world = emulator.world();
-            (world.asked.clone(), world.time_s())
+            (world.asked.to_vec(), world.time_s())
         };
         let felt_n = mean(&asked, now_s, 1.0);
         let mut apart_m = 0.0;
@@ -223,7 +222,7 @@ fn each_fault_of_a_device_cuts_the_force_and_is_named() {
         (Fault::Uncalibrated, 24, "is not calibrated"),
     ];
     for (fault, numbered, words) in faults {
-        let emulator = Emulator::start(1e-3);
+        let emulator = haply(1e-3);
         let peers = pair(&format!("devices-{fault:?}"), "any-network", "60", &emulator, &[]);
         emulator.world().reach([0.02, 0.0, 0.0]);
         std::thread::sleep(Duration::from_millis(1_500));
@@ -253,7 +252,7 @@ fn each_fault_of_a_device_cuts_the_force_and_is_named() {
 #[test]
 fn a_device_lets_go_when_its_peer_is_killed() {
     let _alone = alone();
-    let emulator = Emulator::start(1e-3);
+    let emulator = haply(1e-3);
     let [mut first, mut second] = pair("devices-killed", "any-network", "60", &emulator, &[]);
     emulator.world().reach([0.02, 0.0, 0.0]);
     std::thread::sleep(Duration::from_millis(1_500));
@@ -285,7 +284,7 @@ fn a_device_that_must_not_be_armed_is_refused_by_name() {
         said
     };
     let known = ["--device-lets-go-s", "0.02"];
-    let emulator = Emulator::start(1e-3);
+    let emulator = haply(1e-3);
     let haply = format!("haply:{}", emulator.at);
     let said = refusal(&haply, &[]);
     assert!(said.contains("how long Inverse3 049D holds a force"), "{said}");

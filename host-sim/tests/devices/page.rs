@@ -2,8 +2,10 @@
 
 use std::time::Duration;
 
-use super::emulator::{Emulator, Fault};
-use super::hand::HAND_N_PER_M;
+use haptic_emulators::hand::HAND_N_PER_M;
+use haptic_emulators::inverse3::Fault;
+
+use super::emulated::haply;
 use super::{BUSY_S, Running, SETTINGS, SILENT_S, alone, mean, number, peer, sets};
 use crate::program::{Keys, free, host_sim, signal};
 
@@ -16,7 +18,7 @@ const CONTACT_N_PER_M: f64 = 1000.0;
 #[test]
 fn a_page_s_device_holds_an_object_and_lets_go() {
     let _alone = alone();
-    let emulator = Emulator::start(0.0);
+    let emulator = haply(0.0);
     let (keys, one, two) = (Keys::new("devices-page", 0), free(), free());
     let device = format!("haply:{}", emulator.at);
     let key = keys.file(0);
@@ -59,7 +61,7 @@ fn a_page_s_device_holds_an_object_and_lets_go() {
 #[test]
 fn a_device_needs_one_peer_of_two() {
     let _alone = alone();
-    let emulator = Emulator::start(0.0);
+    let emulator = haply(0.0);
     let device = format!("haply:{}", emulator.at);
     let keys = Keys::new("devices-page-refused", 0);
     let (key, listen) = (keys.file(0), free());

@@ -6,12 +6,13 @@ use std::process::{Command, Stdio};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
+use haptic_emulators::hand::{Hand, STEP_S};
+use haptic_emulators::{inverse3, motors};
 use serde_json::Value;
 
+use super::alone;
 use super::bus::Bus;
-use super::emulator::Emulator;
-use super::hand::{Hand, STEP_S};
-use super::{alone, emulator, mit, moteus, motors};
+use super::emulated::{self, fdcanusb, haply};
 use crate::program::built::built;
 use crate::program::{Keys, free, host_sim, report};
 
@@ -49,7 +50,7 @@ fn a_good_device_passes_ten_steps() {
     let _alone = alone();
     let file = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("steps.toml");
     let named = file.display().to_string();
-    for bus in [Bus::Moteus(moteus::Emulator::serial(0.0)), Bus::Mit(mit::Emulator::start("steps-mit", 0.1))] {
+    for bus in [Bus::Moteus(fdcanusb()), Bus::Mit(emulated::mit("steps-mit", 0.1))] {
         let _ = std::fs::remove_file(&file);
         let flags = bus.flags();
         let (passed, told, said) =
@@ -60,7 +61,7 @@ fn a_good_device_passes_ten_steps() {
         let ran = report({ scene }.spawn().expect("host-sim runs"));
         assert!(ran["ticks"].as_f64() == Some(100.0), "{ran}");
     }
-    let haply = Emulator::start(0.0);
+    let haply = haply(0.0);
     let flags = ["--device".to_owned(), format!("haply:{}", haply.at)];
     let more = ["--device-lets-go-s", "0.02", "--scene", "space"];
     let (passed, _, said) = steps(&flags, &more, |by_m| haply.world().reach([by_m, 0.0, 0.0]));
@@ -76,7 +77,7 @@ fn what_is_wrong_with_a_device_is_found_by_its_step() {
         (motors::Fault::NoWatchdog, "step 6, watchdog: "),
         (motors::Fault::WrongSign, "step 7, sign: pushed toward +x it went toward −x"),
     ] {
-        let bus = Bus::Moteus(moteus::Emulator::serial(0.0));
+        let bus = Bus::Moteus(fdcanusb());
         bus.world().fail(fault);
         let (passed, _, said) = steps(&bus.flags(), &["--scene", "plane"], |by_m| bus.world().hand.reach([by_m, 0.0]));
         assert!(!passed && said.contains(words), "{fault:?}: {said}");
@@ -84,10 +85,10 @@ fn what_is_wrong_with_a_device_is_found_by_its_step() {
         bus.world().fail(motors::Fault::None);
     }
     for (fault, words) in [
-        (emulator::Fault::NoWatchdog, "step 6, watchdog: "),
-        (emulator::Fault::WrongSign, "step 7, sign: pushed toward +x it went toward −x"),
+        (inverse3::Fault::NoWatchdog, "step 6, watchdog: "),
+        (inverse3::Fault::WrongSign, "step 7, sign: pushed toward +x it went toward −x"),
     ] {
-        let haply = Emulator::start(0.0);
+        let haply = haply(0.0);
         haply.world().fail(fault);
         let flags = ["--device".to_owned(), format!("haply:{}", haply.at)];
         let more = ["--device-lets-go-s", "0.02", "--scene", "space"];
@@ -95,7 +96,7 @@ fn what_is_wrong_with_a_device_is_found_by_its_step() {
         assert!(!passed && said.contains(words), "{fault:?}: {said}");
     }
     // Moved the other way, its x is turned.
-    let bus = Bus::Moteus(moteus::Emulator::serial(0.0));
+    let bus = Bus::Moteus(fdcanusb());
     let (passed, _, said) = steps(&bus.flags(), &["--scene", "plane"], |by_m| bus.world().hand.reach([-by_m, 0.0]));
     assert!(!passed && said.contains("step 4, scale: ") && said.contains("points the other way"), "{said}");
     assert!(bus.world().asked.iter().all(|(_, torques)| *torques == [0.0; 2]), "no force before the watchdog's step");
@@ -105,7 +106,7 @@ fn what_is_wrong_with_a_device_is_found_by_its_step() {
 #[test]
 fn what_is_attached_is_listed() {
     let _alone = alone();
-    let (bus, haply) = (moteus::Emulator::serial(0.0), Emulator::start(0.0));
+    let (bus, haply) = (fdcanusb(), haply(0.0));
     let (at, service) = (bus.at.display().to_string(), haply.at.to_string());
     let told =
         host_sim(&["devices", "--json", "--look-at", &at, "--look-at", &service]).output().expect("host-sim runs");

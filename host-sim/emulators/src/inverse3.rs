@@ -8,13 +8,31 @@ use std::time::Duration;
 use serde_json::{Value, json};
 use tungstenite::{Message, WebSocket, accept};
 
+use super::asked::Asked;
 use super::hand::{Hand, STEP_S};
+use super::{Emulated, Seen, named};
 
-/// For so long a force stands without a new one, s. The vendor says "applied once and forgotten", and no number.
-pub(crate) const HOLDS_S: f64 = 0.02;
+/// For so long a force stands without a new one unless it is told otherwise, s. The vendor says "applied once and forgotten", and no number.
+pub const HOLDS_S: f64 = 0.02;
+/// Its faults by name.
+pub const FAULTS: [(&str, Fault); 11] = [
+    ("none", Fault::None),
+    ("silent", Fault::Silent),
+    ("late", Fault::Late),
+    ("not-a-number", Fault::NotANumber),
+    ("jump", Fault::Jump),
+    ("closes", Fault::Closes),
+    ("wrong-sign", Fault::WrongSign),
+    ("no-watchdog", Fault::NoWatchdog),
+    ("uncalibrated", Fault::Uncalibrated),
+    ("older", Fault::Older),
+    ("preset", Fault::Preset),
+];
+
 /// What the service can do wrong.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Fault {
+pub enum Fault {
+    /// Nothing.
     #[default]
     None,
     /// It hears and says nothing.
@@ -40,22 +58,25 @@ pub(crate) enum Fault {
 }
 
 /// The mechanism with the hand on it, in the device's frame.
-pub(crate) struct World {
+pub struct World {
     hand: Hand<3>,
     force_n: [f64; 3],
     until_s: f64,
-    pub(crate) fault: Fault,
-    /// Every force that was asked for, and when.
-    pub(crate) asked: Vec<(f64, [f64; 3])>,
+    /// How long a force stands, s.
+    holds_s: f64,
+    fault: Fault,
+    /// Forces that were asked for, and when.
+    pub asked: Asked<3>,
 }
 
 impl World {
-    pub(crate) fn time_s(&self) -> f64 {
+    /// Since it began, s.
+    pub fn time_s(&self) -> f64 {
         self.hand.time_s()
     }
 
     /// Brings it to now; the force that acts then, N.
-    pub(crate) fn advance(&mut self) -> [f64; 3] {
+    pub fn advance(&mut self) -> [f64; 3] {
         let now_s = self.time_s();
         let sign = if self.fault == Fault::WrongSign { -1.0 } else { 1.0 };
         while self.hand.now_s < now_s {
@@ -68,12 +89,12 @@ impl World {
     }
 
     /// The hand begins to reach there.
-    pub(crate) fn reach(&mut self, reach_m: [f64; 3]) {
+    pub fn reach(&mut self, reach_m: [f64; 3]) {
         self.hand.reach(reach_m);
     }
 
     /// Plants a fault; when, s.
-    pub(crate) fn fail(&mut self, fault: Fault) -> f64 {
+    pub fn fail(&mut self, fault: Fault) -> f64 {
         self.fault = fault;
         self.time_s()
     }
@@ -95,7 +116,7 @@ impl World {
                 "status": { "calibrated": self.fault != Fault::Uncalibrated, "in_use": true, "power_supply": true, "ready": true } }],
             "verse_grip": [],
             "wireless_verse_grip": [{ "device_id": "61548",
-                "state": { "hall": 0, "buttons": { "a": false, "b": false, "c": false }, "battery_level": 0.9 } }],
+                "state": { "hall": 0, "buttons": { "a": self.hand.presses(), "b": false, "c": false }, "battery_level": 0.9 } }],
         });
         if self.fault == Fault::Older {
             told.as_object_mut().expect("an object").remove("session_id");
@@ -104,55 +125,90 @@ impl World {
     }
 }
 
-/// A service that listens, until the test ends.
-pub(crate) struct Emulator {
-    pub(crate) at: SocketAddr,
+/// A service that listens, as long as the process lives.
+pub struct Emulator {
+    /// Where it listens.
+    pub at: SocketAddr,
     world: Arc<Mutex<World>>,
 }
 
 impl Emulator {
-    pub(crate) fn start(tremor_m: f64) -> Self {
-        let listener = TcpListener::bind("127.0.0.1:0").expect("a socket on loopback");
-        let at = listener.local_addr().expect("its address");
-        let world = Arc::new(Mutex::new(World {
-            hand: Hand::new(tremor_m),
-            force_n: [0.0; 3],
-            until_s: 0.0,
-            fault: Fault::None,
-            asked: Vec::new(),
-        }));
+    /// Listens there, port 0 is any, with this hand on a device that holds a force for so long, s.
+    ///
+    /// # Errors
+    /// Nobody may listen there.
+    pub fn start(at: SocketAddr, hand: Hand<3>, holds_s: f64) -> std::io::Result<Self> {
+        let listener = TcpListener::bind(at)?;
+        let at = listener.local_addr()?;
+        let asked = Asked::default();
+        let world = World { hand, force_n: [0.0; 3], until_s: 0.0, holds_s, fault: Fault::None, asked };
+        let world = Arc::new(Mutex::new(world));
         let served = world.clone();
         std::thread::spawn(move || {
             for stream in listener.incoming().flatten() {
                 let _ = stream.set_nodelay(true);
-                if let Ok(socket) = accept(stream) {
-                    serve(socket, &served);
-                }
+                let served = served.clone();
+                // One that says nothing keeps nobody else from it.
+                std::thread::spawn(move || {
+                    if let Ok(socket) = accept(stream) {
+                        serve(socket, &served);
+                    }
+                });
             }
         });
-        Self { at, world }
+        Ok(Self { at, world })
     }
 
-    pub(crate) fn world(&self) -> MutexGuard<'_, World> {
-        self.world.lock().expect("the emulator goes on")
+    /// Its world, which stands still while this is held.
+    pub fn world(&self) -> MutexGuard<'_, World> {
+        locked(&self.world)
     }
+}
+
+impl Emulated for Emulator {
+    fn words(&self) -> Vec<String> {
+        let holds_s = self.world().holds_s.to_string();
+        vec!["--device".to_owned(), format!("haply:{}", self.at), "--device-lets-go-s".to_owned(), holds_s]
+    }
+
+    fn plant(&self, fault: &str) -> Option<f64> {
+        named(&FAULTS, fault).map(|fault| self.world().fail(fault))
+    }
+
+    fn look(&self) -> Seen {
+        let mut world = self.world();
+        let force_n = world.advance().to_vec();
+        Seen {
+            time_s: world.time_s(),
+            place_m: world.hand.position_m.to_vec(),
+            force_n,
+            orders: world.asked.count(),
+            last_push_s: world.asked.last_push_s(),
+        }
+    }
+}
+
+/// Only a test that fails while it holds the world leaves it as it should not be.
+fn locked(world: &Mutex<World>) -> MutexGuard<'_, World> {
+    world.lock().expect("the emulator goes on")
 }
 
 /// Serves one client until its line is closed, or until the service closes it.
 fn serve(mut socket: WebSocket<TcpStream>, world: &Mutex<World>) {
-    let first = world.lock().expect("the test goes on").told();
+    let first = locked(world).told();
     let _ = socket.send(Message::text(first.to_string()));
     while let Ok(message) = socket.read() {
         let heard: Value = serde_json::from_str(message.to_text().unwrap_or_default()).unwrap_or_default();
         let device = &heard["inverse3"][0];
         let vector = &device["commands"]["set_cursor_force"]["vector"];
         let (fault, told) = {
-            let mut world = world.lock().expect("the test goes on");
+            let mut world = locked(world);
             world.advance();
+            world.hand.wake();
             if let [Some(x), Some(y), Some(z)] = ["x", "y", "z"].map(|axis| vector[axis].as_f64()) {
                 let now_s = world.time_s();
-                (world.force_n, world.until_s) = ([x, y, z], now_s + HOLDS_S);
-                world.asked.push((now_s, [x, y, z]));
+                (world.force_n, world.until_s) = ([x, y, z], now_s + world.holds_s);
+                world.asked.push(now_s, [x, y, z]);
             }
             (world.fault, world.told())
         };

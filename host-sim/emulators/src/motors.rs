@@ -3,9 +3,17 @@
 //! The joints' angles are from the hand's place by inverse kinematics (two triangles), and the force of torques on it is by virtual work,
 //! F = Σ τ·∂q/∂x, with differences: neither is the forward kinematics that the peer computes.
 
+use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard};
 
+use super::Seen;
+use super::asked::Asked;
 use super::hand::{Hand, STEP_S};
+
+/// The second motor turns against its joint.
+const MOTORS: &str = "1,-2";
+/// The largest torque that a peer may ask of each, N·m.
+const MOST_NM: &str = "1.5";
 
 /// The linkage of the scene `plane`, m and rad.
 const BASE_M: f64 = 0.06;
@@ -17,7 +25,8 @@ const DIFFERENCE_M: f64 = 1e-6;
 
 /// What motors and their bus can do wrong.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Fault {
+pub enum Fault {
+    /// Nothing.
     #[default]
     None,
     /// They hear and say nothing.
@@ -59,8 +68,9 @@ pub(crate) struct Motor {
 }
 
 /// Two motors, their linkage, and the hand.
-pub(crate) struct World {
-    pub(crate) hand: Hand<2>,
+pub struct World {
+    /// The hand at the tip.
+    pub hand: Hand<2>,
     pub(crate) motors: [Motor; 2],
     /// +1 of a motor that turns counter-clockwise, as the linkage counts.
     signs: [f64; 2],
@@ -69,10 +79,10 @@ pub(crate) struct World {
     /// Its number where a motor let go by itself.
     lets_go: u8,
     pub(crate) fault: Fault,
-    /// Every pair of torques that was asked for, and when.
-    pub(crate) asked: Vec<(f64, [f64; 2])>,
+    /// Pairs of torques that were asked for, and when.
+    pub asked: Asked<2>,
     /// A motor was asked to pull by itself, by gains or an integrator.
-    pub(crate) pulled: bool,
+    pub pulled: bool,
 }
 
 /// Angles of the proximal links with the tip there, from the middle of the base: elbows outward.
@@ -99,15 +109,15 @@ fn home() -> [f64; 2] {
 }
 
 impl World {
-    pub(crate) fn shared(signs: [f64; 2], lets_go: u8, tremor_m: f64) -> Arc<Mutex<Self>> {
+    pub(crate) fn shared(signs: [f64; 2], lets_go: u8, hand: Hand<2>) -> Arc<Mutex<Self>> {
         Arc::new(Mutex::new(Self {
-            hand: Hand::new(tremor_m),
+            hand,
             motors: [Motor { torque_nm: 0.0, until_s: f64::INFINITY, mode: 0 }; 2],
             signs,
             home_m: home(),
             lets_go,
             fault: Fault::None,
-            asked: Vec::new(),
+            asked: Asked::default(),
             pulled: false,
         }))
     }
@@ -139,8 +149,14 @@ impl World {
         [self.angles(self.hand.position_m)[joint] + off, speed]
     }
 
+    /// Somebody has said something to a motor: brings it to now.
+    pub(crate) fn hear(&mut self) {
+        self.advance();
+        self.hand.wake();
+    }
+
     /// Brings it to now; the force that acts on the hand then, N.
-    pub(crate) fn advance(&mut self) -> [f64; 2] {
+    pub fn advance(&mut self) -> [f64; 2] {
         let now_s = self.hand.time_s();
         let sign = if self.fault == Fault::WrongSign { -1.0 } else { 1.0 };
         let mut force_n = self.force();
@@ -174,14 +190,33 @@ impl World {
     pub(crate) fn ask(&mut self, joint: usize, mode: u8, torque_nm: f64, until_s: f64) {
         self.motors[joint] = Motor { torque_nm, until_s, mode };
         let torques = self.motors.map(|motor| motor.torque_nm);
-        self.asked.push((self.hand.time_s(), torques));
+        self.asked.push(self.hand.time_s(), torques);
+    }
+
+    /// How it is now.
+    pub(crate) fn look(&mut self) -> Seen {
+        let force_n = self.advance().to_vec();
+        Seen {
+            time_s: self.hand.time_s(),
+            place_m: self.hand.position_m.to_vec(),
+            force_n,
+            orders: self.asked.count(),
+            last_push_s: self.asked.last_push_s(),
+        }
     }
 
     /// Plants a fault; when, s.
-    pub(crate) fn fail(&mut self, fault: Fault) -> f64 {
+    pub fn fail(&mut self, fault: Fault) -> f64 {
         self.fault = fault;
         self.hand.time_s()
     }
+}
+
+/// The words by which `host-sim` opens them on the bus there.
+pub(crate) fn words(kind: &str, at: &Path, more: &[&str]) -> Vec<String> {
+    let device = format!("{kind}:{}", at.display());
+    let own = ["--device", &device, "--device-motors", MOTORS, "--device-max-torque-nm", MOST_NM];
+    own.iter().chain(more).map(|word| (*word).to_owned()).collect()
 }
 
 /// The world of an emulator, which goes on in a thread of its own.

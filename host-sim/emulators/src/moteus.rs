@@ -1,23 +1,28 @@
-//! Two emulated moteus motors behind an fdcanusb on a pseudo-terminal, or on a socket that carries a bus's frames: the public register map as far
-//! as a torque loop needs it, read here by itself, byte for byte.
+//! Two emulated moteus motors: the public register map as far as a torque loop needs it, read here by itself, byte for byte.
 
-use std::fs::File;
-use std::io::{BufRead, BufReader, Write};
-use std::os::fd::OwnedFd;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard};
-use std::time::Duration;
 
-use rustix::net::{
-    AddressFamily, RecvFlags, SendFlags, SocketAddrUnix, SocketFlags, SocketType, accept_with, bind, listen, recv,
-    send, socket_with,
-};
-use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
+use super::carrier::{Place, Served, carry};
+use super::hand::Hand;
+use super::motors::{Fault, World, locked, words};
+use super::{Emulated, Seen, named};
 
-use super::motors::{Fault, World, locked};
-
-/// The second motor turns against its joint.
-pub(crate) const MOTORS: &str = "1,-2";
+/// Their faults by name.
+pub const FAULTS: [(&str, Fault); 12] = [
+    ("none", Fault::None),
+    ("silent", Fault::Silent),
+    ("late", Fault::Late),
+    ("not-a-number", Fault::NotANumber),
+    ("jump", Fault::Jump),
+    ("unplugged", Fault::Unplugged),
+    ("wrong-sign", Fault::WrongSign),
+    ("no-watchdog", Fault::NoWatchdog),
+    ("too-warm", Fault::TooWarm),
+    ("over-voltage", Fault::OverVoltage),
+    ("holds", Fault::Holds),
+    ("relative", Fault::Relative),
+];
 /// Modes: stopped, fault, position, timeout.
 const STOPPED: u8 = 0;
 const FAULT: u8 = 1;
@@ -172,124 +177,49 @@ fn answer(world: &mut World, console: &mut String, joint: usize, mut bytes: &[u8
     (!reads.is_empty()).then_some(reply)
 }
 
-/// An adapter with two motors, until the test ends.
-pub(crate) struct Emulator {
+/// A bus with two motors, as long as the process lives.
+pub struct Emulator {
     /// What `--device` opens.
-    pub(crate) at: PathBuf,
+    pub at: PathBuf,
     world: Arc<Mutex<World>>,
+    _bus: Served,
 }
 
 impl Emulator {
-    /// Behind an fdcanusb.
-    pub(crate) fn serial(tremor_m: f64) -> Self {
-        let master = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC).expect("a pseudo-terminal");
-        grantpt(&master).and_then(|()| unlockpt(&master)).expect("its other end");
-        let name = ptsname(&master, Vec::new()).expect("its name").into_string().expect("a path");
-        // Held open, so that the adapter outlives its clients.
-        let held = File::options().read(true).write(true).open(&name).expect("its other end");
-        let mut raw = rustix::termios::tcgetattr(&held).expect("its settings");
-        raw.make_raw();
-        rustix::termios::tcsetattr(&held, rustix::termios::OptionalActions::Now, &raw).expect("its settings");
-        let world = World::shared([1.0, -1.0], TIMEOUT, tremor_m);
-        let served = world.clone();
-        std::thread::spawn(move || serve_lines(File::from(master), held, &served));
-        Self { at: name.into(), world }
-    }
-
-    /// On a bus whose frames a socket carries as SocketCAN's does.
-    pub(crate) fn messages(name: &str, tremor_m: f64) -> Self {
-        let world = World::shared([1.0, -1.0], TIMEOUT, tremor_m);
+    /// On a bus there, with this hand.
+    ///
+    /// # Errors
+    /// There cannot be a bus there.
+    pub fn start(place: &Place, hand: Hand<2>) -> std::io::Result<Self> {
+        let world = World::shared([1.0, -1.0], TIMEOUT, hand);
         let served = world.clone();
         let mut consoles = [const { String::new() }; 2];
-        let at = carry(name, world.clone(), move |id, data| {
-            let joint = (id & 0x7f) as usize;
+        let bus = carry(place, world.clone(), move |id, data| {
+            let joint = ((id & 0x7f) as usize).checked_sub(1)?;
             let mut world = locked(&served);
-            world.advance();
-            let reply = answer(&mut world, consoles.get_mut(joint.checked_sub(1)?)?, joint - 1, data)?;
+            world.hear();
+            let reply = answer(&mut world, consoles.get_mut(joint)?, joint, data)?;
             Some(((id & 0x7f) << 8, reply))
-        });
-        Self { at, world }
+        })?;
+        Ok(Self { at: bus.at.clone(), world, _bus: bus })
     }
 
-    pub(crate) fn world(&self) -> MutexGuard<'_, World> {
+    /// Its world, which stands still while this is held.
+    pub fn world(&self) -> MutexGuard<'_, World> {
         locked(&self.world)
     }
 }
 
-fn serve_lines(mut port: File, held: File, world: &Mutex<World>) {
-    let mut consoles = [const { String::new() }; 2];
-    for line in BufReader::new(port.try_clone().expect("the port")).split(b'\n').map_while(Result::ok) {
-        let line = String::from_utf8_lossy(&line).into_owned();
-        let mut words = line.strip_prefix("can send ").unwrap_or_default().split(' ');
-        let (Some(id), Some(hex)) = (words.next(), words.next()) else { continue };
-        let Ok(id) = u32::from_str_radix(id, 16) else { continue };
-        let bytes: Vec<u8> =
-            (0..hex.len() / 2).filter_map(|at| u8::from_str_radix(&hex[2 * at..2 * at + 2], 16).ok()).collect();
-        let joint = (id & 0x7f) as usize;
-        let reply = {
-            let mut world = locked(world);
-            world.advance();
-            match (world.fault, joint.checked_sub(1)) {
-                (Fault::Silent, _) | (_, None) => None,
-                (Fault::Unplugged, _) => break,
-                (_, Some(at)) => consoles.get_mut(at).and_then(|console| answer(&mut world, console, at, &bytes)),
-            }
-        };
-        if locked(world).fault == Fault::Late {
-            std::thread::sleep(Duration::from_millis(100));
-        }
-        let hex: String = reply.iter().flatten().map(|byte| format!("{byte:02X}")).collect();
-        let answered =
-            if reply.is_some() { format!("OK\r\nrcv {:x} {hex} E B F\r\n", joint << 8) } else { "OK\r\n".to_owned() };
-        let _ = port.write_all(answered.as_bytes());
+impl Emulated for Emulator {
+    fn words(&self) -> Vec<String> {
+        words("moteus", &self.at, &[])
     }
-    // Both ends go: who has it open reads its end.
-    drop((port, held));
-}
 
-/// Listens at a socket of this name in a folder of this test program's own, and answers the frames of one client after another.
-pub(crate) fn carry(
-    name: &str,
-    world: Arc<Mutex<World>>,
-    mut answers: impl FnMut(u32, &[u8]) -> Option<(u32, Vec<u8>)> + Send + 'static,
-) -> PathBuf {
-    let at = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}-{}.can", std::process::id()));
-    let _ = std::fs::remove_file(&at);
-    let listener =
-        socket_with(AddressFamily::UNIX, SocketType::SEQPACKET, SocketFlags::CLOEXEC, None).expect("a socket");
-    bind(&listener, &SocketAddrUnix::new(&at).expect("a short name"))
-        .and_then(|()| listen(&listener, 4))
-        .expect("it listens");
-    std::thread::spawn(move || {
-        while let Ok(client) = accept_with(&listener, SocketFlags::CLOEXEC) {
-            serve_messages(&client, &world, &mut answers);
-        }
-    });
-    at
-}
+    fn plant(&self, fault: &str) -> Option<f64> {
+        named(&FAULTS, fault).map(|fault| self.world().fail(fault))
+    }
 
-fn serve_messages(
-    client: &OwnedFd,
-    world: &Mutex<World>,
-    answers: &mut impl FnMut(u32, &[u8]) -> Option<(u32, Vec<u8>)>,
-) {
-    let mut message = [0; 72];
-    while let Ok((_, len)) = recv(client, &mut message, RecvFlags::empty()) {
-        let fault = locked(world).fault;
-        if len == 0 || fault == Fault::Unplugged {
-            return;
-        }
-        let id = u32::from_ne_bytes([message[0], message[1], message[2], message[3]]);
-        let reply = answers(id & 0x1fff_ffff, &message[8..8 + usize::from(message[4])]);
-        if fault == Fault::Late {
-            std::thread::sleep(Duration::from_millis(100));
-        }
-        let Some((to, data)) = reply.filter(|_| fault != Fault::Silent) else { continue };
-        let mut answer = [0; 72];
-        answer[..4].copy_from_slice(&(to | if to > 0x7ff { 1 << 31 } else { 0 }).to_ne_bytes());
-        answer[4] = data.len() as u8;
-        answer[8..8 + data.len()].copy_from_slice(&data);
-        // As long as the question's: of both kinds there is one length.
-        let _ = send(client, &answer[..len], SendFlags::NOSIGNAL);
+    fn look(&self) -> Seen {
+        self.world().look()
     }
 }

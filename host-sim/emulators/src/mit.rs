@@ -1,14 +1,29 @@
-//! Two emulated Damiao motors (DM4310) on a bus whose frames a socket carries as SocketCAN's does: MIT's frame, enabling, and the registers that
-//! are asked for.
+//! Two emulated Damiao motors (DM4310): MIT's frame, enabling, and the registers that are asked for.
 
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard};
 
-use super::moteus::carry;
-use super::motors::{Fault, Motor, World, locked};
+use super::carrier::{Place, Served, carry};
+use super::hand::Hand;
+use super::motors::{Fault, Motor, World, locked, words};
+use super::{Emulated, Seen, named};
 
-/// The second motor turns against its joint.
-pub(crate) const MOTORS: &str = "1,-2";
+/// After so long without a frame they disable themselves unless it is told otherwise, s.
+pub const TIMEOUT_AFTER_S: f64 = 0.05;
+/// Their faults by name.
+pub const FAULTS: [(&str, Fault); 11] = [
+    ("none", Fault::None),
+    ("silent", Fault::Silent),
+    ("late", Fault::Late),
+    ("jump", Fault::Jump),
+    ("unplugged", Fault::Unplugged),
+    ("wrong-sign", Fault::WrongSign),
+    ("no-watchdog", Fault::NoWatchdog),
+    ("too-warm", Fault::TooWarm),
+    ("over-voltage", Fault::OverVoltage),
+    ("never", Fault::Never),
+    ("other-ranges", Fault::OtherRanges),
+];
 /// What the register TIMEOUT counts, s.
 const TIMEOUT_S: f64 = 50e-6;
 /// Ends of position, speed and torque: rad, rad/s, N·m.
@@ -81,21 +96,25 @@ fn register(world: &World, which: u8, timeout_s: f64) -> [u8; 4] {
     }
 }
 
-/// A bus with two motors, until the test ends.
-pub(crate) struct Emulator {
+/// A bus with two motors, as long as the process lives.
+pub struct Emulator {
     /// What `--device` opens.
-    pub(crate) at: PathBuf,
+    pub at: PathBuf,
     world: Arc<Mutex<World>>,
+    _bus: Served,
 }
 
 impl Emulator {
-    /// Motors that disable themselves after so long without a frame.
-    pub(crate) fn start(name: &str, timeout_s: f64) -> Self {
-        let world = World::shared([1.0, -1.0], LOST, 0.0);
+    /// On a bus there, with this hand; the motors disable themselves after so long without a frame, s.
+    ///
+    /// # Errors
+    /// There cannot be a bus there.
+    pub fn start(place: &Place, hand: Hand<2>, timeout_s: f64) -> std::io::Result<Self> {
+        let world = World::shared([1.0, -1.0], LOST, hand);
         let served = world.clone();
-        let at = carry(name, world.clone(), move |id, data| {
+        let bus = carry(place, world.clone(), move |id, data| {
             let mut world = locked(&served);
-            world.advance();
+            world.hear();
             match (id, data) {
                 (0x7ff, [who @ 1..=2, 0, 0x33, which, ..]) => {
                     let value = register(&world, *which, timeout_s);
@@ -109,11 +128,26 @@ impl Emulator {
                 }
                 _ => None,
             }
-        });
-        Self { at, world }
+        })?;
+        Ok(Self { at: bus.at.clone(), world, _bus: bus })
     }
 
-    pub(crate) fn world(&self) -> MutexGuard<'_, World> {
+    /// Its world, which stands still while this is held.
+    pub fn world(&self) -> MutexGuard<'_, World> {
         locked(&self.world)
+    }
+}
+
+impl Emulated for Emulator {
+    fn words(&self) -> Vec<String> {
+        words("mit", &self.at, &["--device-model", "dm4310", "--device-homed"])
+    }
+
+    fn plant(&self, fault: &str) -> Option<f64> {
+        named(&FAULTS, fault).map(|fault| self.world().fail(fault))
+    }
+
+    fn look(&self) -> Seen {
+        self.world().look()
     }
 }
