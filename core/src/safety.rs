@@ -67,6 +67,11 @@ numbered! {
         // 23 to 30 are those of devices at a PC (host-sim/live), 32 to 63 reasons of a board to start anew.
         31 EnableGate: "the gate that enables the amplifiers did not follow its inputs: look at it, and at the wire that shows its output",
         64 LoopMissed: "the current loop missed a period: its converter or the converter's trigger failed",
+        65 DriveSilent: "a motor's own controller did not answer for 4 ticks, and may have lost count: look at its bus and its supply",
+        66 DriveFailed: "a motor's own controller reported a fault of its own: `status` says which",
+        67 DriveTooWarm: "a motor's own controller was too warm",
+        68 DriveBusOff: "the board went off the bus of a motor's own controller: look at its wires and its ends",
+        69 DriveLetGo: "a motor's own controller stopped without being told to: its watchdog heard no command, or somebody else commands it",
     }
 }
 
@@ -82,6 +87,7 @@ impl Fault {
                 | Self::LostCounts
                 | Self::EncoderImplausible
                 | Self::EncoderWire
+                | Self::DriveSilent
         )
     }
 

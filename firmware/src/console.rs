@@ -18,13 +18,13 @@ use firmware_parts::signals::{Button, Saving, Signals};
 use firmware_parts::{hold, kept::Kept, status};
 use haptic_core::contact::{Contact, Side};
 use haptic_core::device::probe::{Outcome, Probe};
-use haptic_core::names::MotorDrive;
 use haptic_core::safety::{Command, Mode};
 use haptic_core::settings::{Allowed, Refused, SetError, Settings};
 use haptic_core::{device::velocity::VelocityName, num::Motion};
 use haptic_protocol::lines::Line;
 
-use crate::board::{Number, bridges, clocks::CORE_HZ, current::Power, pace};
+use crate::board::drive::{Drive, Fitted};
+use crate::board::{Number, bridges, clocks::CORE_HZ, pace};
 use crate::storage::{self, Origin};
 use crate::tick::Plan;
 use crate::{fault::Cause, flow, telemetry::Telemetry};
@@ -88,11 +88,7 @@ pub(crate) fn plan(settings: &Settings, number: Number) -> Result<Plan, Refused<
     let mut device = [Motion::REST; JOINTS];
     device[0] = Motion::at(clear);
     let peer = Peer::build(&settings, device)?;
-    let power = match settings.motor.drive {
-        MotorDrive::CurrentLoop => Some(Power::build(&settings)?),
-        MotorDrive::Amplifier => None,
-    };
-    Ok(Plan { peer, power, device: 0 })
+    Ok(Plan { peer, drive: Fitted::plan(&settings)?, device: 0 })
 }
 
 /// Why the answer is `error`.
@@ -247,6 +243,10 @@ impl Console {
         ] {
             write!(to, "{name} {} ", word.get())?;
         }
+        let [now, last] = Fitted::says(signals);
+        if let Some(why) = last.or(now) {
+            write!(to, "{why}; ")?;
+        }
         let (stage, saves) = (status::stage(signals.stage.get()), signals.saves.get());
         let saving = match signals.saving.get() {
             Saving::Busy => ", saving",
@@ -315,6 +315,8 @@ impl Console {
             Err(No::Clear("the emergency stop was pressed"))
         } else if !bridges::stop_released() {
             Err(No::Because("the emergency stop is pressed, or not connected"))
+        } else if let [Some(why), _] = Fitted::says(self.signals) {
+            Err(No::Because(why))
         } else if self.signals.saving.acquire() == Saving::Busy {
             Err(No::Because("the settings are being saved"))
         } else {

@@ -9,7 +9,7 @@ use haptic_core::device::velocity::VelocityName;
 use haptic_core::names::{KinematicsName, MotorDrive};
 use haptic_core::settings::{Allowed, Refused, SetError, Settings, Value};
 
-use crate::image::{JOINTS, SHARED};
+use crate::image::{CURRENT_LOOP, JOINTS, SHARED};
 
 /// Where this board and the others are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -42,6 +42,8 @@ pub fn defaults() -> Settings {
         (settings.axis.count, settings.axis.shared) = (JOINTS as u32, SHARED as u32);
         settings.kinematics.model = KinematicsName::Arm;
         settings.coordination.comm = "passive-wave";
+    }
+    if !CURRENT_LOOP {
         settings.motor.drive = MotorDrive::Amplifier;
     }
     settings.axis.velocity = VelocityName::Filtered;

@@ -13,6 +13,7 @@ pub mod image;
 pub mod kept;
 pub mod keys;
 pub mod mac;
+pub mod moteus;
 pub mod operator;
 mod order;
 pub mod signals;

@@ -45,7 +45,7 @@ mod image {
     use haptic_core::settings::Settings;
     use static_cell::StaticCell;
 
-    use crate::board::current::{self, Order, Stage, Sums};
+    use crate::board::drive::{Drive, Fitted};
     use crate::board::{self, pace};
     use crate::console::{self, Console};
     use crate::tick::{Outgoing, Plan, RECORDS, Received};
@@ -98,12 +98,9 @@ mod image {
         let (outgoing_in, outgoing) = shared!(Latest<Outgoing>, Latest::new(Outgoing::default()));
         let (records_in, records) = shared!(Queue<Record, RECORDS>, Queue::default());
         let (probes, probes_out) = shared!(Latest<(u32, Probe<f32>)>, Latest::new((0, Probe::default())));
-        let (orders_in, orders) = shared!(Latest<Order>, Latest::new(Order::default()));
-        let (sums_in, sums) = shared!(Latest<Sums>, Latest::new(Sums::default()));
         let (probed_in, probed) = shared!(Latest<Outcome>, Latest::new(Outcome::default()));
-        current::prepare(orders, sums_in);
         tick::prepare(tick::Side {
-            stage: Stage::new(orders_in, sums),
+            drive: Fitted::start(&SIGNALS),
             plans: plans_out,
             incoming: incoming_out,
             outgoing: outgoing_in,

@@ -1,4 +1,4 @@
-//! The tick: the 1 kHz interrupt that reads the encoders, runs the peer and commands the bridges.
+//! The tick: the 1 kHz interrupt that reads the joints, runs the peer and commands the drive.
 //!
 //! **Deadline**: 1 ms from entry to exit; it needs a few microseconds. A tick that has not ended when the next is due is
 //! seen at its end and handed to the next, which latches [`haptic_core::safety::Fault::TickOverrun`]: motors off. One that
@@ -7,8 +7,8 @@
 //! **Rules**: above every critical section, and below nothing but the current loop; code in ITCM, data in DTCM. No lock, no log, no
 //! allocation, no executor, no await; what it shares with tasks is in [`Side`]. It cannot panic.
 //!
-//! Order, as in host-sim's harness: encoders; operator's orders, probes and a new scene at packet boundaries, stopping at once;
-//! what has come; exchange; tick; bridges; record.
+//! Order, as in host-sim's harness: joints; operator's orders, probes and a new scene at packet boundaries, stopping at once;
+//! what has come; exchange; tick; drive; record.
 
 use core::mem::MaybeUninit;
 
@@ -17,23 +17,21 @@ use firmware_parts::image::{JOINTS, Peer, SHARED};
 use firmware_parts::record::{self, Record, digest, joints};
 use firmware_parts::signals::Signals;
 use haptic_core::device::Reading;
-use haptic_core::device::encoder::{Counts, Shown};
-use haptic_core::device::motor::Duty;
+use haptic_core::device::encoder::Shown;
 use haptic_core::device::probe::{Outcome, Probe};
 use haptic_core::law::Packet;
-use haptic_core::peer::Actuators;
-use haptic_core::safety::{Command, Fault, Mode};
+use haptic_core::safety::{Command, Mode};
 use haptic_core::sample::OfAxis;
 
-use crate::board::current::{self, Power, Stage};
-use crate::board::{bridges, deadman, encoders, gate, pace};
+use crate::board::drive::{self, Drive, Fitted, Sensed};
+use crate::board::{current, deadman, pace};
 
 /// What to run: built and checked by a task, swapped in by the tick.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Plan {
     pub(crate) peer: Peer,
-    /// The current loop; none where amplifiers make the current.
-    pub(crate) power: Option<Power>,
+    /// What the drive is to know of the settings.
+    pub(crate) drive: drive::Plan,
     /// Changes whenever the settings of encoders, mechanism or motors do: signs are then to be checked again.
     pub(crate) device: u32,
 }
@@ -61,8 +59,7 @@ pub(crate) const RECORDS: usize = if SHARED == 1 { 64 } else { 128 };
 
 /// The tick's side of what it shares with the tasks.
 pub(crate) struct Side {
-    /// The current loop's interrupt.
-    pub(crate) stage: Stage,
+    pub(crate) drive: Fitted,
     /// New scenes, taken while disarmed.
     pub(crate) plans: Reader<'static, Plan>,
     pub(crate) incoming: Reader<'static, Received>,
@@ -82,16 +79,10 @@ struct Loop {
     /// A probe was begun, and its outcome is not reported yet.
     probing: bool,
     peer: Peer,
-    power: Option<Power>,
+    plan: drive::Plan,
     tick: u32,
     life: u32,
     until_record: u32,
-    /// The bridges are driven, or waking.
-    driving: bool,
-    /// Ticks since they were to be enabled, until they are awake: [`bridges::WAKE_TICKS`] and one, of amplifiers [`gate::SEEN`].
-    awake: u32,
-    /// Their outputs were turned on.
-    outputs: bool,
     overrun: bool,
 }
 
@@ -105,13 +96,10 @@ pub(crate) fn prepare(side: Side) {
         device: plan.device,
         probing: false,
         peer: plan.peer,
-        power: plan.power,
+        plan: plan.drive,
         tick: 0,
         life: 0,
         until_record: 0,
-        driving: false,
-        awake: 0,
-        outputs: false,
         overrun: false,
         side,
     };
@@ -137,21 +125,16 @@ impl Loop {
     #[inline(always)]
     fn period(&mut self) {
         let began = pace::begin();
-        let (mut stage, mut missed) = (None, false);
-        if let Some(power) = &self.power {
-            stage = self.side.stage.measured(power);
-            missed = stage.is_none();
-        }
         deadman::wind();
-        let counts = encoders::read();
+        let Sensed { counts, stage, fault } = self.side.drive.sense(&self.plan);
         self.tick = self.tick.wrapping_add(1);
         let mut flags = if self.overrun { record::OVERRUN } else { 0 };
 
-        if self.outputs && !bridges::live() {
+        if self.side.drive.went_off() {
             self.broken();
         }
-        if missed {
-            self.peer.trip(Fault::LoopMissed);
+        if let Some(fault) = fault {
+            self.peer.trip(fault);
         }
         if self.side.signals.disarm.get() {
             self.stop();
@@ -190,15 +173,17 @@ impl Loop {
         let marks;
         let shown = if self.peer.is_busy() {
             Shown::Unknown
-        } else if let Some(seen) = encoders::see() {
-            marks = encoders::marks(seen);
+        } else if let Some(seen) = self.side.drive.marks() {
+            marks = seen;
             Shown::Marks(&marks)
         } else {
             Shown::Nothing
         };
         let actuators = self.peer.tick_in_place(Reading::Counts(counts), self.overrun, &stage, shown);
         if actuators.enable || actuators.open {
-            self.drive(&actuators, counts);
+            if let Err(fault) = self.side.drive.act(&self.plan, &actuators, counts) {
+                self.peer.trip(fault);
+            }
             if actuators.enable {
                 flags |= record::ENABLED;
                 if self.peer.is_engaged() {
@@ -206,13 +191,7 @@ impl Loop {
                 }
             }
         } else {
-            if self.driving && self.power.is_none() {
-                gate::shut();
-            } else {
-                bridges::off();
-            }
-            self.side.stage.rest(counts);
-            (self.driving, self.awake, self.outputs) = (false, 0, false);
+            self.side.drive.rest(&self.plan, counts);
             self.judge();
         }
 
@@ -243,65 +222,17 @@ impl Loop {
         pace::end(began, self.tick, flags);
     }
 
-    /// What the peer wants, onto the bridges. The outputs of those are on when they have been enabled for long enough to be awake, and while
-    /// a probe looks whether what is not enabled stays off. Of amplifiers it is the other way round: outputs are on, at no current, before
-    /// they are enabled ([`gate`]).
-    #[inline(always)]
-    fn drive(&mut self, actuators: &Actuators<f32, JOINTS>, counts: [Counts; JOINTS]) {
-        if !self.driving {
-            self.driving = true;
-            bridges::forget();
-        }
-        let outputs = if let Some(power) = &self.power {
-            self.awake = if actuators.enable { (self.awake + 1).min(bridges::WAKE_TICKS + 1) } else { 0 };
-            self.side.stage.act(power, actuators, counts);
-            bridges::enable(actuators.enable);
-            !actuators.enable || self.awake > bridges::WAKE_TICKS
-        } else {
-            if self.awake == gate::SEEN && actuators.enable {
-                bridges::amplify(actuators.duties);
-            } else if !self.enable_amplifiers(actuators.duties, actuators.enable) {
-                return;
-            }
-            true
-        };
-        if outputs != self.outputs {
-            self.outputs = outputs;
-            if outputs {
-                bridges::on();
-            } else {
-                bridges::rest();
-            }
-        }
-    }
-
-    /// A tick of enabling amplifiers; false: their gate does not work, and they are disabled. The outputs go off as after any other fault, two
-    /// ticks later: what is enabled without a gate needs its command until it has let go.
-    #[cold]
-    #[unsafe(link_section = ".itcm.gate")]
-    fn enable_amplifiers(&mut self, duties: [Duty; JOINTS], enable: bool) -> bool {
-        self.awake = if enable { self.awake + 1 } else { 0 };
-        let works = gate::step(self.awake, duties);
-        if !works {
-            (self.awake, self.outputs) = (0, false);
-            self.peer.trip(Fault::EnableGate);
-        }
-        works
-    }
-
-    /// The outputs went off by themselves: motors off, and the cause kept.
+    /// The drive went off by itself: motors off, and the cause kept.
     #[cold]
     #[unsafe(link_section = ".itcm.broken")]
     fn broken(&mut self) {
         self.stop();
-        // PE14 fell with the outputs, and nobody has taken the enable line yet.
-        if self.power.is_none() && bridges::gate_passes() {
-            self.peer.trip(Fault::EnableGate);
+        let cut = self.side.drive.cut(&self.plan);
+        if cut.by_stop {
+            self.side.signals.emergency.set(true);
         }
-        match bridges::cut() {
-            bridges::Cut::Stop => self.side.signals.emergency.set(true),
-            bridges::Cut::Bridge => self.peer.trip(Fault::BridgeFailed),
-            bridges::Cut::Chip => self.peer.trip(Fault::ChipFailed),
+        if let Some(fault) = cut.fault {
+            self.peer.trip(fault);
         }
     }
 
@@ -322,7 +253,7 @@ impl Loop {
         if new {
             let plan = self.side.plans.get();
             self.peer = plan.peer;
-            self.power = plan.power;
+            self.plan = plan.drive;
             if plan.device != self.device {
                 self.device = plan.device;
                 self.passed = [false; JOINTS];

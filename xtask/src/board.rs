@@ -10,11 +10,15 @@ use crate::options::Options;
 use crate::run::{self, Failure, cargo, run, step};
 use crate::setup::{self, Ready, THUMB_TARGET};
 
-/// What cargo is given for each image: that for one shared axis, that for three, and that for the second board.
-pub(crate) const IMAGES: [&[&str]; 3] =
-    [&[], &["--features", "three-axes"], &["--no-default-features", "--features", "nucleo-h753zi"]];
+/// What cargo is given for each image: that for one shared axis, that for three, that for the second board, and that for a moteus.
+pub(crate) const IMAGES: [&[&str]; 4] = [
+    &[],
+    &["--features", "three-axes"],
+    &["--no-default-features", "--features", "nucleo-h753zi"],
+    &["--features", "moteus"],
+];
 /// What those beside the first are called there.
-pub(crate) const BESIDES: [&str; 2] = ["firmware-three-axes", "firmware-nucleo-h753zi"];
+pub(crate) const BESIDES: [&str; 3] = ["firmware-three-axes", "firmware-nucleo-h753zi", "firmware-moteus"];
 /// Longest run, s.
 const MOST_SECONDS: f64 = 3600.0;
 

@@ -11,9 +11,7 @@ use haptic_core::device::{encoder::Counts, stage::Measured};
 use haptic_core::peer::Actuators;
 use haptic_core::settings::{Allowed, Refused, Settings};
 
-/// PWM periods in a tick, and runs that are remembered: there are none.
-pub(crate) const PERIODS: u32 = 0;
-pub(crate) const RING: u32 = 1;
+pub(crate) use super::no_loop::{PERIODS, RING, Run, init, reported, run, runs};
 
 /// What the tick would tell the loop.
 #[derive(Clone, Copy, Debug, Default)]
@@ -27,25 +25,7 @@ pub(crate) struct Sums {}
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Power(Infallible);
 
-/// One run of the loop: there is none.
-pub(crate) struct Run {
-    pub(crate) began: u32,
-    pub(crate) ended: u32,
-    pub(crate) late: u32,
-    pub(crate) first: bool,
-}
-
-pub(crate) fn init() {}
-
 pub(crate) fn prepare(_: Reader<'static, Order>, _: Writer<'static, Sums>) {}
-
-pub(crate) fn runs() -> u32 {
-    0
-}
-
-pub(crate) fn run(_: u32) -> Run {
-    Run { began: 0, ended: 0, late: 0, first: true }
-}
 
 impl Power {
     /// Refuses any drive but amplifiers: there is no current loop.
@@ -55,11 +35,6 @@ impl Power {
         let allowed = Allowed::Only("amplifier, because the image for three axes has no current loop");
         Err(Refused { key, value, allowed, unit: "" })
     }
-}
-
-/// What a record tells of what was measured.
-pub(crate) fn reported(_: Option<&Measured<JOINTS>>) -> Option<&'static Measured> {
-    None
 }
 
 /// The tick's side of the power stage.

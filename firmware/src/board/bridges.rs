@@ -1,7 +1,7 @@
 //! Two motor bridges on one advanced timer, or three (feature `three-axes`), and the three things that keep them off.
 //!
 //! Unipolar: each leg of a bridge is a channel of its own, around half of the period, one as much longer as the other is shorter; no
-//! voltage is both legs alike, and no ripple. 20 kHz, centre-aligned: 240 MHz / (2 · 6000); [`COUNTS`] = 6000 are all of the supply. The dead time is
+//! voltage is both legs alike, and no ripple. 20 kHz, centre-aligned: 240 MHz / (2 · 6000); [`TOP`] = 6000 are all of the supply. The dead time is
 //! the drivers' own. What is written acts from the next period on, which begins where both legs are high: there the timer updates.
 //!
 //! Three motors have amplifiers, and a channel each with its complement; the fourth channel is their gate. Timer, breaks and all that keeps
@@ -26,31 +26,20 @@
 
 use core::sync::atomic::{AtomicBool, Ordering, compiler_fence};
 
-use embassy_stm32::gpio::{AfType, Flex, Input, Level, Output, OutputType, Pull, Speed};
+use embassy_stm32::gpio::{AfType, Flex, Input, Level, Output, Pull, Speed};
 use embassy_stm32::pac::timer::vals::{Cms, OcmGp};
-use embassy_stm32::peripherals::{PD15, PE6, PE9, PE11, PE13, PE14, PE15, PF3, TIM1};
-use embassy_stm32::{Peri, pac, pac::timer::regs::BdtrAdv, timer::low_level::Timer, timer::simple_pwm::PwmPin};
-#[cfg(feature = "three-axes")]
-use embassy_stm32::{
-    peripherals::{PE8, PE10, PE12},
-    timer::complementary_pwm::ComplementaryPwmPin,
-};
-use firmware_parts::image::JOINTS;
-use haptic_core::device::{current::PWM_HZ, motor::Duty};
+use embassy_stm32::peripherals::{PD15, PE6, PE15, PF3, TIM1};
+use embassy_stm32::{Peri, pac, pac::timer::regs::BdtrAdv, timer::low_level::Timer};
+use haptic_core::device::current::PWM_HZ;
 
-use super::clocks::TIMERS_HZ;
+use super::{clocks::TIMERS_HZ, legs};
 
 /// Counts from the bottom of the period to its top: a leg that is high all the time, and a voltage that is all of the supply.
-#[cfg(not(feature = "three-axes"))]
-pub(crate) const COUNTS: u16 = TOP;
-const TOP: u16 = (TIMERS_HZ / PWM_HZ / 2) as u16;
+pub(super) const TOP: u16 = (TIMERS_HZ / PWM_HZ / 2) as u16;
 /// Half of the time: no voltage, and all of an amplifier's current beyond it.
-const MIDDLE: u16 = TOP / 2;
-/// The channels of the timer that are legs.
-const CHANNELS: usize = if cfg!(feature = "three-axes") { JOINTS } else { 2 * JOINTS };
-/// The channel that lets amplifiers be enabled, and what it is compared with then: more than the counter ever is.
-const GATE: usize = 3;
-const GATE_OPEN: u16 = TOP + 1;
+pub(super) const MIDDLE: u16 = TOP / 2;
+/// The channel that lets amplifiers be enabled.
+pub(super) const GATE: usize = 3;
 
 /// 8 samples at an eighth of the timer's clock: BKF and BK2F.
 const FILTER: u32 = 0b1001;
@@ -73,10 +62,11 @@ const ENABLE_RESET: u32 = ENABLE_SET << 16;
 pub(crate) const OFF: [(u32, u32); 2] = [(0x5802_1418, ENABLE_RESET), (0x4001_0044, BDTR_OFF)];
 
 /// Ticks from enabling the bridges to driving them. They need a millisecond to wake, and may report a fault meanwhile (DRV8874).
+#[cfg(not(feature = "moteus"))]
 pub(crate) const WAKE_TICKS: u32 = 2;
 
 /// Outputs were turned on, and not off since: whoever writes voltages without being asked may do so.
-static DRIVEN: AtomicBool = AtomicBool::new(false);
+pub(super) static DRIVEN: AtomicBool = AtomicBool::new(false);
 
 /// What turned the outputs off without a command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -89,49 +79,8 @@ pub(crate) enum Cut {
     Chip,
 }
 
-/// Pins of each bridge's two legs.
-#[cfg(not(feature = "three-axes"))]
-pub(crate) struct Legs {
-    pub(crate) bridge_1: (Peri<'static, PE9>, Peri<'static, PE11>),
-    pub(crate) bridge_2: (Peri<'static, PE13>, Peri<'static, PE14>),
-}
-
-#[cfg(not(feature = "three-axes"))]
-impl Legs {
-    fn connect(self) {
-        let ((one_a, one_b), (two_a, two_b)) = (self.bridge_1, self.bridge_2);
-        core::mem::forget(PwmPin::new(one_a, OutputType::PushPull));
-        core::mem::forget(PwmPin::new(one_b, OutputType::PushPull));
-        core::mem::forget(PwmPin::new(two_a, OutputType::PushPull));
-        core::mem::forget(PwmPin::new(two_b, OutputType::PushPull));
-    }
-}
-
-/// Each bridge's two: an output and its complement.
-#[cfg(feature = "three-axes")]
-pub(crate) struct Legs {
-    pub(crate) bridge_1: (Peri<'static, PE9>, Peri<'static, PE8>),
-    pub(crate) bridge_2: (Peri<'static, PE11>, Peri<'static, PE10>),
-    pub(crate) bridge_3: (Peri<'static, PE13>, Peri<'static, PE12>),
-    pub(crate) gate: Peri<'static, PE14>,
-}
-
-#[cfg(feature = "three-axes")]
-impl Legs {
-    fn connect(self) {
-        let ((one_a, one_b), (two_a, two_b), (three_a, three_b)) = (self.bridge_1, self.bridge_2, self.bridge_3);
-        core::mem::forget(PwmPin::new(one_a, OutputType::PushPull));
-        core::mem::forget(PwmPin::new(two_a, OutputType::PushPull));
-        core::mem::forget(PwmPin::new(three_a, OutputType::PushPull));
-        core::mem::forget(ComplementaryPwmPin::new(one_b, OutputType::PushPull));
-        core::mem::forget(ComplementaryPwmPin::new(two_b, OutputType::PushPull));
-        core::mem::forget(ComplementaryPwmPin::new(three_b, OutputType::PushPull));
-        core::mem::forget(PwmPin::new(self.gate, OutputType::PushPull));
-    }
-}
-
 pub(crate) struct Pins {
-    pub(crate) legs: Legs,
+    pub(crate) legs: legs::Legs,
     pub(crate) enable: Peri<'static, PF3>,
     pub(crate) stop: Peri<'static, PE15>,
     pub(crate) fault: Peri<'static, PE6>,
@@ -168,7 +117,7 @@ pub(crate) fn init(timer: Peri<'static, TIM1>, pins: Pins) {
             w.set_ocm(channel % 2, OcmGp::PWM_MODE1);
             w.set_ocpe(channel % 2, true);
         });
-        let leg = channel < CHANNELS;
+        let leg = channel < legs::CHANNELS;
         tim.ccr(channel).write(|w| w.set_ccr(if leg { MIDDLE } else { 0 }));
         tim.ccer().modify(|w| {
             w.set_cce(channel, true);
@@ -193,45 +142,6 @@ pub(crate) fn init(timer: Peri<'static, TIM1>, pins: Pins) {
     core::mem::forget(fault);
     // A wire that is off is a gate that never opens.
     core::mem::forget(Input::new(pins.gate, Pull::Down));
-}
-
-/// Duties as shares of their full current to amplifiers, by the first legs.
-#[inline(always)]
-pub(crate) fn amplify(duties: [Duty; JOINTS]) {
-    for (bridge, duty) in duties.into_iter().enumerate() {
-        let leg = bridge * CHANNELS / JOINTS;
-        pac::TIM1.ccr(leg).write(|w| w.0 = share(duty));
-    }
-}
-
-/// The middle and [`counts`] of a duty's share of it: both in one division, of a number that is never negative.
-#[inline(always)]
-fn share(duty: Duty) -> u32 {
-    const FULL: i32 = Duty::FULL_SCALE as i32;
-    const MIDDLE: i32 = self::MIDDLE as i32;
-    (2 * MIDDLE * i32::from(duty.0) + (2 * MIDDLE + 1) * FULL).cast_unsigned() / (2 * FULL.cast_unsigned())
-}
-
-/// PE14, the amplifiers' gate's own input, from the next period on: high while the outputs are on, or low.
-#[inline(always)]
-pub(crate) fn gate(open: bool) {
-    pac::TIM1.ccr(GATE).write(|w| w.set_ccr(if open { GATE_OPEN } else { 0 }));
-}
-
-/// Whether the output of the amplifiers' gate is high.
-pub(crate) fn gate_passes() -> bool {
-    pac::GPIOD.idr().read().idr(15) == pac::gpio::vals::Idr::HIGH
-}
-
-/// The voltage of a bridge, at most [`COUNTS`] either way: the difference of its legs. Of an odd count the first leg has the half more.
-#[cfg(not(feature = "three-axes"))]
-#[inline(always)]
-pub(crate) fn voltage(bridge: usize, counts: i32) {
-    let second = counts >> 1;
-    let legs = [i32::from(MIDDLE) + counts - second, i32::from(MIDDLE) - second];
-    for (leg, compare) in (2 * bridge..).zip(legs) {
-        pac::TIM1.ccr(leg).write(|w| w.set_ccr(compare as u16));
-    }
 }
 
 /// What broke before is forgotten: before driving begins.
@@ -265,7 +175,7 @@ pub(crate) fn rest() {
     DRIVEN.store(false, Ordering::Relaxed);
     compiler_fence(Ordering::SeqCst);
     pac::TIM1.bdtr().write_value(BdtrAdv(BDTR_OFF));
-    for channel in 0..CHANNELS {
+    for channel in 0..legs::CHANNELS {
         pac::TIM1.ccr(channel).write(|w| w.set_ccr(MIDDLE));
     }
 }
@@ -291,13 +201,6 @@ pub(crate) fn off() {
     compiler_fence(Ordering::SeqCst);
 }
 
-/// Whether the outputs were turned on, and not off since: what the current loop asks.
-#[cfg(not(feature = "three-axes"))]
-#[inline(always)]
-pub(crate) fn driven() -> bool {
-    DRIVEN.load(Ordering::Relaxed)
-}
-
 /// Whether the timer's outputs are on; a break turns them off without asking.
 #[inline(always)]
 pub(crate) fn live() -> bool {
@@ -307,14 +210,4 @@ pub(crate) fn live() -> bool {
 /// Whether the emergency stop's contact is closed.
 pub(crate) fn stop_released() -> bool {
     pac::GPIOE.idr().read().idr(15) == pac::gpio::vals::Idr::HIGH
-}
-
-/// A duty in counts of which these are full scale, at most [`TOP`], rounded to the nearest (a tie cannot be). Only the current loop asks for it.
-#[cfg(not(feature = "three-axes"))]
-#[inline(always)]
-pub(crate) fn counts(duty: Duty, full_scale: u16) -> i32 {
-    const FULL: i32 = Duty::FULL_SCALE as i32;
-    let twice = 2 * i32::from(duty.0) * i32::from(full_scale);
-    // |twice| ≤ 2·32768·6000 < 2³¹, and the quotient lies within ±6000: no overflow, and no leg beyond its ends.
-    (twice + if twice < 0 { -FULL } else { FULL }) / (2 * FULL)
 }

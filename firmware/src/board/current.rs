@@ -29,7 +29,7 @@ use haptic_core::device::{AXES, encoder::Counts, motor::Duty};
 use haptic_core::peer::Actuators;
 use haptic_core::settings::{Refused, Settings};
 
-use super::bridges;
+use super::legs;
 
 /// What the pins PA3, PC0 and PB1 are to the converter: currents of motors 1 and 2, the supply over [`DIVIDER`].
 const CHANNELS: [u8; AXES + 1] = [15, 10, 5];
@@ -249,7 +249,7 @@ impl Loop {
 
         self.orders.fetch();
         let order = self.orders.get();
-        let drives = bridges::driven();
+        let drives = legs::driven();
         self.supply = adc.jdr(AXES).read().jdata();
         self.voltages = self.next;
         for joint in 0..AXES {
@@ -264,7 +264,7 @@ impl Loop {
                 }
             };
             if drives {
-                bridges::voltage(joint, self.next[joint]);
+                legs::voltage(joint, self.next[joint]);
             }
         }
     }
@@ -289,7 +289,7 @@ impl Power {
         let unit_per_count = 1.0 / Joints::of(settings).counts_per_unit;
         let unit_per_count = if settings.encoder.reversed { -unit_per_count } else { unit_per_count };
         Ok(Self {
-            design: CurrentLoop::build(settings, bridges::COUNTS)?,
+            design: CurrentLoop::build(settings, legs::COUNTS)?,
             sensor: Sensor::build(settings, BITS),
             speed_per_count: (unit_per_count / TICK_S) as f32,
         })
@@ -367,7 +367,7 @@ impl Stage {
     fn said(&mut self, motors: [Flow; AXES], supply_read: u32) -> Measured {
         // 65535 · 36300 < 2³²: to the nearest mV, of which a step of the converter is half.
         self.supply_mv = (supply_read * SUPPLY_MV + (1 << (BITS - 1))) >> BITS;
-        Measured { motors, supply_mv: self.supply_mv as u16, supply_counts: bridges::COUNTS }
+        Measured { motors, supply_mv: self.supply_mv as u16, supply_counts: legs::COUNTS }
     }
 
     /// What the bridges are to do, from the next period on; the interrupt runs, if it did not.
@@ -377,7 +377,7 @@ impl Stage {
         for (joint, wanted) in wanted.iter_mut().enumerate() {
             let duty = actuators.duties[joint];
             *wanted = if actuators.open {
-                MotorRequest::Voltage(bridges::counts(duty, bridges::COUNTS))
+                MotorRequest::Voltage(legs::counts(duty, legs::COUNTS))
             } else {
                 let moved = counts[joint].0.wrapping_sub(self.counts[joint].0).cast_signed();
                 MotorRequest::Current(

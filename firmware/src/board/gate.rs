@@ -24,14 +24,14 @@
 use firmware_parts::image::JOINTS;
 use haptic_core::device::motor::Duty;
 
-use super::bridges;
+use super::{bridges, legs};
 
 /// The tick in which all was seen; in those after it there is nothing left to try.
 pub(crate) const SEEN: u32 = 5;
 
 /// One tick of the table, by its number; 0: not to be enabled. False: the gate is not what it should be, and nothing is enabled.
 pub(crate) fn step(tick: u32, duties: [Duty; JOINTS]) -> bool {
-    let works = bridges::gate_passes() == (tick == SEEN);
+    let works = legs::gate_passes() == (tick == SEEN);
     put(if works { tick } else { 0 }, duties);
     works
 }
@@ -47,6 +47,6 @@ pub(crate) fn shut() {
 #[unsafe(link_section = ".itcm.gate")]
 fn put(tick: u32, duties: [Duty; JOINTS]) {
     bridges::enable(tick >= 3);
-    bridges::gate(tick == 1 || tick >= 4);
-    bridges::amplify(if tick >= 4 { duties } else { [Duty::OFF; JOINTS] });
+    legs::gate(tick == 1 || tick >= 4);
+    legs::amplify(if tick >= 4 { duties } else { [Duty::OFF; JOINTS] });
 }

@@ -9,13 +9,21 @@ mod breaks;
 pub(crate) mod bridges;
 pub(crate) mod clocks;
 #[cfg_attr(feature = "three-axes", path = "amplifiers.rs")]
+#[cfg_attr(feature = "moteus", path = "no_loop.rs")]
 pub(crate) mod current;
 pub(crate) mod deadman;
+pub(crate) mod drive;
+#[cfg(not(feature = "moteus"))]
 pub(crate) mod encoders;
 pub(crate) mod ethernet;
 pub(crate) mod flash;
+#[cfg(not(feature = "moteus"))]
 pub(crate) mod gate;
+#[cfg_attr(feature = "moteus", path = "no_legs.rs")]
+pub(crate) mod legs;
 pub(crate) mod memory;
+#[cfg(feature = "three-axes")]
+mod no_loop;
 pub(crate) mod pace;
 pub(crate) mod random;
 pub(crate) mod reset;
@@ -73,7 +81,10 @@ pub(crate) struct Board {
 /// What a board says of its pins.
 pub(crate) struct Wiring {
     pub(crate) bridges: (Peri<'static, TIM1>, bridges::Pins),
+    #[cfg(not(feature = "moteus"))]
     pub(crate) encoders: encoders::Pins,
+    #[cfg(feature = "moteus")]
+    pub(crate) can: drive::fdcan::Pins,
     pub(crate) flash: Peri<'static, FLASH>,
     pub(crate) random: Peri<'static, RNG>,
     pub(crate) pace: Peri<'static, TIM6>,
@@ -107,7 +118,10 @@ pub(crate) fn init() -> Board {
     current::init();
     uptime::put_right();
     memory::protect();
+    #[cfg(not(feature = "moteus"))]
     encoders::init(w.encoders);
+    #[cfg(feature = "moteus")]
+    drive::fdcan::start(w.can);
     // All interrupts come out of reset at priority 0, the current loop's own.
     interrupt::TIM5.set_priority(Priority::P4);
     interrupt::ETH.set_priority(Priority::P5);

@@ -8,6 +8,7 @@ mod hold;
 mod kept;
 mod keys;
 mod mac;
+mod moteus;
 mod operator;
 mod record;
 mod signals;

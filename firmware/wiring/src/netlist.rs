@@ -80,7 +80,7 @@ pub enum Pull {
     Down,
 }
 
-/// Whose pin it is: that of the image for one or two motors, for three, or of both.
+/// Whose pin it is: that of the image for one or two motors, for three, of both, for a moteus, or of all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Image {
@@ -88,14 +88,18 @@ pub enum Image {
     Two,
     /// Three motors.
     Three,
-    /// Either.
+    /// Either of these.
     Both,
+    /// A motor with a controller of its own.
+    Moteus,
+    /// Any.
+    All,
 }
 
 impl Image {
     /// Whether what is of `self` is of that image, too.
     pub fn has(self, image: Self) -> bool {
-        self == Self::Both || self == image
+        self == Self::All || self == image || (self == Self::Both && image != Self::Moteus)
     }
 }
 

@@ -23,7 +23,8 @@ fn netlist() -> Netlist {
 const BOARDS: [&str; 2] = ["nucleo_h743zi2", "nucleo_h753zi"];
 
 /// Pins of the chip that a board's table takes for an image: `p.PE9`, unless what it stands in is of the other image.
-fn taken(folder: &str, three: bool) -> BTreeSet<String> {
+fn taken(folder: &str, image: Image) -> BTreeSet<String> {
+    let (three, moteus) = (image == Image::Three, image == Image::Moteus);
     let mut pins = BTreeSet::new();
     // What is asked of the next statement, and how deep in brackets that has gone.
     let (mut left_out, mut depth) = (false, 0);
@@ -31,7 +32,9 @@ fn taken(folder: &str, three: bool) -> BTreeSet<String> {
         if line.starts_with("#[cfg(") {
             let wanted = match line {
                 "#[cfg(feature = \"three-axes\")]" => three,
-                "#[cfg(not(feature = \"three-axes\"))]" => !three,
+                "#[cfg(feature = \"moteus\")]" => moteus,
+                "#[cfg(not(feature = \"moteus\"))]" => !moteus,
+                "#[cfg(not(any(feature = \"three-axes\", feature = \"moteus\")))]" => !three && !moteus,
                 other => panic!("{folder} has a condition that this test does not know: {other}"),
             };
             (left_out, depth) = (!wanted, 0);
@@ -77,12 +80,12 @@ fn each_pin_that_the_firmware_uses_is_in_the_netlist_and_no_other() {
         })
         .map(str::to_owned)
         .collect();
-    for (image, three) in [(Image::Two, false), (Image::Three, true)] {
+    for image in [Image::Two, Image::Three, Image::Moteus] {
         let has: BTreeSet<String> =
             netlist.board.pins.iter().filter(|pin| pin.image.has(image)).map(|pin| pin.pin.clone()).collect();
         for folder in BOARDS {
-            let mut uses = taken(folder, three);
-            if !three {
+            let mut uses = taken(folder, image);
+            if image == Image::Two {
                 uses.extend(converted.clone());
             }
             assert_eq!(has, uses, "{folder}, {image:?}");
@@ -115,7 +118,10 @@ fn pulls_are_those_that_the_firmware_switches_on() {
     said(&bridges, "fault.set_as_af_unchecked(1, AfType::input(Pull::Up))");
     said(&bridges, "Input::new(pins.gate, Pull::Down)");
     said(&board, "Input::new(w.strap, Pull::Up)");
-    assert_eq!(["PE15", "PE6", "PD15", "PG12"].map(pull), [Pull::Down, Pull::Up, Pull::Down, Pull::Up].map(Some));
+    let can = text("../src/board/drive/fdcan.rs");
+    said(&can, "rx.set_as_af_unchecked(9, AfType::input(Pull::Up))");
+    let pulls = [Pull::Down, Pull::Up, Pull::Down, Pull::Up, Pull::Up];
+    assert_eq!(["PE15", "PE6", "PD15", "PG12", "PD0"].map(pull), pulls.map(Some));
     // An input that bears 5 V has none.
     assert!(encoders.contains("Pull::None") && !encoders.contains("Pull::Up") && !encoders.contains("Pull::Down"));
     let five = netlist.board.pins.iter().filter(|pin| pin.is == Is::Input && pin.volts == Some(5.0));
@@ -356,7 +362,7 @@ fn the_lines_of_a_drawing_join_what_the_netlist_joins() {
 #[test]
 fn every_wire_is_on_a_drawing() {
     let netlist = netlist();
-    for build in ["bare", "bridges", "amplifiers", "three"] {
+    for build in ["bare", "bridges", "amplifiers", "three", "moteus"] {
         // Supply, stop and the first two encoders are wired alike in all builds with motors: drawn once.
         let drawn = |part: &str, other: &str| {
             netlist.sheet.iter().any(|sheet| {

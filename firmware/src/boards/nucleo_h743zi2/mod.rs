@@ -5,7 +5,11 @@
 
 use embassy_stm32::Peripherals;
 
-use crate::board::{Wiring, bridges, encoders, ethernet};
+#[cfg(feature = "moteus")]
+use crate::board::drive;
+#[cfg(not(feature = "moteus"))]
+use crate::board::encoders;
+use crate::board::{Wiring, bridges, ethernet, legs};
 
 /// The external clock, Hz: of the ST-LINK, at the pin that a crystal would be at.
 pub(crate) const EXTERNAL_HZ: u32 = 8_000_000;
@@ -16,21 +20,26 @@ pub(crate) fn wiring(p: Peripherals) -> Wiring {
         bridges: (
             p.TIM1,
             bridges::Pins {
-                #[cfg(not(feature = "three-axes"))]
-                legs: bridges::Legs { bridge_1: (p.PE9, p.PE11), bridge_2: (p.PE13, p.PE14) },
+                #[cfg(not(any(feature = "three-axes", feature = "moteus")))]
+                legs: legs::Legs { bridge_1: (p.PE9, p.PE11), bridge_2: (p.PE13, p.PE14) },
                 #[cfg(feature = "three-axes")]
-                legs: bridges::Legs {
+                legs: legs::Legs {
                     bridge_1: (p.PE9, p.PE8),
                     bridge_2: (p.PE11, p.PE10),
                     bridge_3: (p.PE13, p.PE12),
                     gate: p.PE14,
                 },
+                #[cfg(feature = "moteus")]
+                legs: legs::Legs,
                 enable: p.PF3,
                 stop: p.PE15,
                 fault: p.PE6,
                 gate: p.PD15,
             },
         ),
+        #[cfg(feature = "moteus")]
+        can: drive::fdcan::Pins { can: p.FDCAN1, rx: p.PD0, tx: p.PD1 },
+        #[cfg(not(feature = "moteus"))]
         encoders: encoders::Pins {
             one: (p.TIM3, p.PC6, p.PC7, p.PC8),
             two: (p.TIM4, p.PD12, p.PD13, p.PD14),

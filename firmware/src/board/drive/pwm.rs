@@ -1,0 +1,148 @@
+//! Bridges or amplifiers behind the PWM, with quadrature encoders: [`bridges`], [`encoders`], the loop in [`current`], the order in [`gate`].
+
+use firmware_parts::exchange::Latest;
+use firmware_parts::image::JOINTS;
+use firmware_parts::signals::Signals;
+use haptic_core::device::encoder::{Counts, Marks};
+use haptic_core::device::motor::Duty;
+use haptic_core::names::MotorDrive;
+use haptic_core::peer::Actuators;
+use haptic_core::safety::Fault;
+use haptic_core::settings::{Refused, Settings};
+use static_cell::StaticCell;
+
+use super::{Cut, Drive, Sensed};
+use crate::board::current::{self, Order, Power, Stage, Sums};
+use crate::board::{bridges, encoders, gate, legs};
+
+/// Two bridges with a current loop, or amplifiers.
+pub(crate) struct Pwm {
+    /// The current loop's interrupt.
+    stage: Stage,
+    /// Bridges or amplifiers are driven, or waking.
+    driving: bool,
+    /// Ticks since they were to be enabled, until they are awake: [`bridges::WAKE_TICKS`] and one, of amplifiers [`gate::SEEN`].
+    awake: u32,
+    /// Their outputs were turned on.
+    outputs: bool,
+}
+
+impl Drive for Pwm {
+    /// The current loop; none where amplifiers make the current.
+    type Plan = Option<Power>;
+
+    fn plan(settings: &Settings) -> Result<Self::Plan, Refused<'static>> {
+        match settings.motor.drive {
+            MotorDrive::CurrentLoop => Power::build(settings).map(Some),
+            MotorDrive::Amplifier => Ok(None),
+        }
+    }
+
+    fn start(_: &'static Signals) -> Self {
+        static ORDERS: StaticCell<Latest<Order>> = StaticCell::new();
+        static SUMS: StaticCell<Latest<Sums>> = StaticCell::new();
+        let (orders_in, orders) = ORDERS.init_with(|| Latest::new(Order::default())).split();
+        let (sums_in, sums) = SUMS.init_with(|| Latest::new(Sums::default())).split();
+        current::prepare(orders, sums_in);
+        Self { stage: Stage::new(orders_in, sums), driving: false, awake: 0, outputs: false }
+    }
+
+    fn says(_: &Signals) -> [Option<&'static str>; 2] {
+        [None; 2]
+    }
+
+    #[inline(always)]
+    fn sense(&mut self, plan: &Self::Plan) -> Sensed {
+        let (mut stage, mut fault) = (None, None);
+        if let Some(power) = plan {
+            stage = self.stage.measured(power);
+            fault = if stage.is_none() { Some(Fault::LoopMissed) } else { None };
+        }
+        Sensed { counts: encoders::read(), stage, fault }
+    }
+
+    #[inline(always)]
+    fn marks(&mut self) -> Option<[Marks; JOINTS]> {
+        encoders::see().map(encoders::marks)
+    }
+
+    #[inline(always)]
+    fn went_off(&self) -> bool {
+        self.outputs && !bridges::live()
+    }
+
+    fn cut(&self, plan: &Self::Plan) -> Cut {
+        let (by_stop, fault) = match bridges::cut() {
+            bridges::Cut::Stop => (true, None),
+            bridges::Cut::Bridge => (false, Some(Fault::BridgeFailed)),
+            bridges::Cut::Chip => (false, Some(Fault::ChipFailed)),
+        };
+        // PE14 fell with the outputs, and nobody has taken the enable line yet.
+        let passes = plan.is_none() && legs::gate_passes();
+        Cut { by_stop, fault: if passes { Some(Fault::EnableGate) } else { fault } }
+    }
+
+    /// The outputs of bridges are on when they have been enabled for long enough to be awake, and while a probe looks whether what is not
+    /// enabled stays off. Of amplifiers it is the other way round: outputs are on, at no current, before they are enabled ([`gate`]).
+    #[inline(always)]
+    fn act(
+        &mut self,
+        plan: &Self::Plan,
+        actuators: &Actuators<f32, JOINTS>,
+        counts: [Counts; JOINTS],
+    ) -> Result<(), Fault> {
+        if !self.driving {
+            self.driving = true;
+            bridges::forget();
+        }
+        let outputs = if let Some(power) = plan {
+            self.awake = if actuators.enable { (self.awake + 1).min(bridges::WAKE_TICKS + 1) } else { 0 };
+            self.stage.act(power, actuators, counts);
+            bridges::enable(actuators.enable);
+            !actuators.enable || self.awake > bridges::WAKE_TICKS
+        } else {
+            if self.awake == gate::SEEN && actuators.enable {
+                legs::amplify(actuators.duties);
+            } else {
+                self.enable_amplifiers(actuators.duties, actuators.enable)?;
+            }
+            true
+        };
+        if outputs != self.outputs {
+            self.outputs = outputs;
+            if outputs {
+                bridges::on();
+            } else {
+                bridges::rest();
+            }
+        }
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn rest(&mut self, plan: &Self::Plan, counts: [Counts; JOINTS]) {
+        if self.driving && plan.is_none() {
+            gate::shut();
+        } else {
+            bridges::off();
+        }
+        self.stage.rest(counts);
+        (self.driving, self.awake, self.outputs) = (false, 0, false);
+    }
+}
+
+impl Pwm {
+    /// A tick of enabling amplifiers; an error: their gate does not work, and they are disabled. The outputs go off as after any other fault,
+    /// two ticks later: what is enabled without a gate needs its command until it has let go.
+    #[cold]
+    #[inline(never)]
+    #[unsafe(link_section = ".itcm.gate")]
+    fn enable_amplifiers(&mut self, duties: [Duty; JOINTS], enable: bool) -> Result<(), Fault> {
+        self.awake = if enable { self.awake + 1 } else { 0 };
+        if gate::step(self.awake, duties) {
+            return Ok(());
+        }
+        (self.awake, self.outputs) = (0, false);
+        Err(Fault::EnableGate)
+    }
+}

@@ -1,0 +1,31 @@
+//! What others ask of the current loop where there is none: the chip measures nothing.
+
+use firmware_parts::image::JOINTS;
+use haptic_core::device::stage::Measured;
+
+/// PWM periods in a tick, and runs that are remembered: there are none.
+pub(crate) const PERIODS: u32 = 0;
+pub(crate) const RING: u32 = 1;
+
+/// One run of the loop: there is none.
+pub(crate) struct Run {
+    pub(crate) began: u32,
+    pub(crate) ended: u32,
+    pub(crate) late: u32,
+    pub(crate) first: bool,
+}
+
+pub(crate) fn init() {}
+
+pub(crate) fn runs() -> u32 {
+    0
+}
+
+pub(crate) fn run(_: u32) -> Run {
+    Run { began: 0, ended: 0, late: 0, first: true }
+}
+
+/// What a record tells of what was measured.
+pub(crate) fn reported(_: Option<&Measured<JOINTS>>) -> Option<&'static Measured> {
+    None
+}
