@@ -268,12 +268,12 @@ fn fewer_packets_cost_the_delay_of_the_samples_beyond_the_spare_ones() {
 
 #[test]
 fn a_hundred_packets_a_second_hold_the_object_nearly_as_a_thousand_do() {
-    // Without delay the line becomes as short as with a packet a tick; over 48 ms it is N − 1 ticks longer, of some 60; over 104 ms that is little of it.
+    // Without delay the line becomes as short as with a packet a tick; over 48 ms it is N − 1 ticks longer, of some 60; over 200 ms that is little of it.
     let networks: [(&[&str], f64); 4] = [
         (&[], 1.1),
         (&["network.one_way_delay_packets=0"], 1.1),
         (&["network.one_way_delay_packets=48"], 1.14),
-        (&["network.one_way_delay_packets=104"], 1.1),
+        (&["network.one_way_delay_packets=200"], 1.1),
     ];
     let pushes = networks.map(|(network, most)| (PUSHES, network, most));
     for (motion, network, most) in pushes.into_iter().chain([(LED, &[][..], 1.1)]) {
