@@ -250,7 +250,7 @@ impl Cli {
 
     /// Runs the command line of this process.
     pub fn main(self) -> ExitCode {
-        vectors::become_widest();
+        let vectors = vectors::widest();
         let mut words: Vec<OsString> = std::env::args_os().collect();
         let first = words.iter().skip(1).position(|word| word != "--json").map_or(1, |at| at + 1);
         if let Some((old, new)) = words.get(first).and_then(|word| word.to_str()).and_then(moved) {
@@ -260,9 +260,10 @@ impl Cli {
         }
         let mut ui = Ui::new(words.iter().any(|word| word == "--json"), self.laws);
         ui.devices.clone_from(&self.devices);
-        let outcome = match listed(&ui, &words) {
-            Some(outcome) => outcome,
-            None => match self.command().try_get_matches_from(&words) {
+        let outcome = match (vectors, listed(&ui, &words)) {
+            (Err(refused), _) => Err(refused),
+            (Ok(()), Some(outcome)) => outcome,
+            (Ok(()), None) => match self.command().try_get_matches_from(&words) {
                 Ok(matches) => self.run(&ui, &matches),
                 // Help and version are no errors.
                 Err(answer) if !answer.use_stderr() => {

@@ -2,16 +2,36 @@
 //! is compiled where it runs.
 //!
 //! Named as this one and its level, `host-sim-x86-64-v4`. Both compute the same bits. `HOST_SIM_VECTORS` names the widest level that is
-//! taken: `x86-64-v3`, or `compiled` for none. Why another program and no function of this one: docs/speed.md.
+//! taken: `x86-64-v4`, `x86-64-v3`, or `compiled` for none. Why another program and no function of this one: docs/speed.md.
+
+use super::Failure;
+
+/// What names the widest level.
+const MOST: &str = "HOST_SIM_VECTORS";
+/// That no wider program is taken.
+const COMPILED: &str = "compiled";
 
 /// Becomes the program for the widest vectors of this processor; returns where there is none, or it does not start.
+///
+/// # Errors
+/// A widest level that is none.
+pub(super) fn widest() -> Result<(), Failure> {
+    let most = std::env::var_os(MOST).unwrap_or_default();
+    let level = most.to_str().filter(|most| ["", V4, V3, COMPILED].contains(most));
+    let level = level.ok_or_else(|| {
+        let most = most.to_string_lossy();
+        format!("{MOST} = {most:?} is not allowed: it must be {V4}, {V3} or {COMPILED}, or not be set")
+    })?;
+    become_widest(level);
+    Ok(())
+}
+
 #[cfg(all(unix, target_arch = "x86_64"))]
-pub(super) fn become_widest() {
+fn become_widest(most: &str) {
     use std::os::unix::process::CommandExt as _;
 
     let (Ok(program), mut words) = (std::env::current_exe(), std::env::args_os()) else { return };
     let (Some(file), Some(word)) = (program.file_name(), words.next()) else { return };
-    let most = std::env::var("HOST_SIM_VECTORS").unwrap_or_default();
     for Level { name, is_there, is_this } in LEVELS.iter().skip_while(|level| !most.is_empty() && level.name != most) {
         if *is_this {
             return;
@@ -28,9 +48,13 @@ pub(super) fn become_widest() {
 
 /// Other systems and processors have one program.
 #[cfg(not(all(unix, target_arch = "x86_64")))]
-pub(super) fn become_widest() {}
+fn become_widest(_most: &str) {}
 
-/// A level of the psABI of x86-64.
+/// Levels of the psABI of x86-64.
+const V4: &str = "x86-64-v4";
+const V3: &str = "x86-64-v3";
+
+/// A level.
 #[cfg(all(unix, target_arch = "x86_64"))]
 struct Level {
     name: &'static str,
@@ -42,8 +66,8 @@ struct Level {
 /// The levels that make a difference, the widest first.
 #[cfg(all(unix, target_arch = "x86_64"))]
 const LEVELS: [Level; 2] = [
-    Level { name: "x86-64-v4", is_there: has_v4, is_this: cfg!(target_feature = "avx512vl") },
-    Level { name: "x86-64-v3", is_there: has_v3, is_this: cfg!(target_feature = "avx2") },
+    Level { name: V4, is_there: has_v4, is_this: cfg!(target_feature = "avx512vl") },
+    Level { name: V3, is_there: has_v3, is_this: cfg!(target_feature = "avx2") },
 ];
 
 #[cfg(all(unix, target_arch = "x86_64"))]
