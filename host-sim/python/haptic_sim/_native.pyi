@@ -399,7 +399,7 @@ class Findings:
 
     @property
     def points(self) -> dict[str, NDArray[Any]]:
-        """Every point by column: means over all seeds, with half of their 95 % intervals."""
+        """Every point by column: means over all its seeds, with half of their 95 % intervals; 0 runs where a search left it out."""
 
     def best(
         self, best: str = "true_discrepancy_mm", at_most: dict[str, float] | None = None

@@ -11,7 +11,7 @@ use haptic_sim::Laws;
 use haptic_studies::entrant::Entrant;
 use haptic_studies::study;
 use haptic_studies::study::answers::{Answer, Goal, metric};
-use haptic_studies::study::halving::Search;
+use haptic_studies::study::halving::{LeftOut, Search};
 use haptic_studies::study::{OWN, Over};
 use haptic_studies::sweep;
 use haptic_studies::sweep::{Keep, METRICS, Plan, Row};
@@ -27,7 +27,7 @@ use crate::sweep::{Grid, TEXTS, failed, kept, rows_of, written};
 use crate::work::{Progress, here, on_threads, refused};
 
 /// Columns of answers and pairs that are texts, also where there is none.
-const ANSWER_TEXTS: &[&str] = &["reason", "without"];
+const ANSWER_TEXTS: &[&str] = &["next", "reason", "without"];
 
 /// Scenes or laws over keys, networks and seeds: which is best where, under which bounds, and how sure that is; the question of `host-sim
 /// study`.
@@ -185,13 +185,13 @@ impl Study {
             Search::Halving => {
                 let most = self.study.runs().saturating_sub(there.len()) as u64;
                 let goal_of = goal.clone();
-                let of = move |study: &study::Study, keep: Keep<'_>| study.search(&goal_of, there, keep);
+                let of = move |study: &study::Study, keep: Keep<'_>| study.search(&goal_of, (1, 1), there, keep);
                 let found = kept(py, &self.study, most, threads, journal.clone(), progress, of)?;
-                (found.rows, Some(goal))
+                (found.rows, Some((goal, found.left_out)))
             }
         };
         let question = match &searched {
-            Some(goal) => goal.told(question.with("search", search.name())),
+            Some((goal, _)) => goal.told(question.with("search", search.name())),
             None => question,
         };
         if let Some((folder, journal)) = folder.zip(journal) {
@@ -217,8 +217,8 @@ pub(crate) struct Findings {
     study: Arc<study::Study>,
     question: Provenance,
     rows: Vec<Row>,
-    /// For what it was searched, if not everything was run.
-    searched: Option<Goal>,
+    /// For what it was searched, if not everything was run, and the points that were left out.
+    searched: Option<(Goal, Vec<LeftOut>)>,
 }
 
 impl Findings {
@@ -226,8 +226,8 @@ impl Findings {
         let goal = goal(best, at_most)?;
         let answers = match &self.searched {
             None => self.study.answers(&self.rows, &goal),
-            Some(searched) if *searched == goal => self.study.searched_answers(&self.rows, &goal),
-            Some(searched) => {
+            Some((searched, left_out)) if *searched == goal => self.study.searched_answers(&self.rows, left_out, &goal),
+            Some((searched, _)) => {
                 let [asked, searched] = [&goal, searched].map(Goal::what);
                 let said = format!("the runs decide the least {searched}, not {asked}: run the study for that");
                 return Err(refused(said));
@@ -245,10 +245,11 @@ impl Findings {
         to_python(py, self.study.columns(&self.rows), TEXTS)
     }
 
-    /// Every point by column: means over all seeds, with half of their 95 % intervals.
+    /// Every point by column: means over all its seeds, with half of their 95 % intervals; 0 runs where a search left it out.
     #[getter]
     fn points<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        to_python(py, self.study.summary(&self.rows), TEXTS)
+        let left_out = self.searched.as_ref().map_or(&[][..], |(_, left_out)| left_out);
+        to_python(py, self.study.summary(&self.rows, left_out), TEXTS)
     }
 
     /// Of each entrant on each network the point with the least of a figure of merit, among those that are stable in every run and every

@@ -70,6 +70,10 @@ def test_a_search_is_the_command_lines_and_the_grids(tmp_path, host_sim):
     same(found.best(at_most=most), tmp_path / "study-best.parquet")
     same(found.pairs(at_most=most), tmp_path / "study-pairs.parquet")
     assert len(found.rows["seed"]) < 48
+    # What is not stable in every mode was not run, and says so.
+    unrun = found.points["runs"] == 0
+    assert unrun.any() and not found.points["every_mode_stable"][unrun].any()
+    assert all(reason.startswith("not run: ") for reason in found.points["reason"][unrun])
     again = asked().run(tmp_path, search="halving", at_most=most)
     assert np.array_equal(again.rows["state_hash"], found.rows["state_hash"])
     grid = asked().run(tmp_path)

@@ -99,7 +99,7 @@ fn kinds(ui: &Ui) -> Vec<TableKind> {
             "study-points",
             "study-points.csv, study-points.parquet; `study --json`, points",
             "an entrant over a network at a point of the grid",
-            studied(|study| study.summary(&[])),
+            studied(|study| study.summary(&[], &[])),
         ),
         TableKind::new(
             "study-best",

@@ -7,6 +7,7 @@ use clap::Args;
 use haptic_report::{Columns, Provenance};
 use haptic_studies::study::Study;
 use haptic_studies::study::answers::Goal;
+use haptic_studies::study::halving::LeftOut;
 use haptic_studies::sweep;
 use haptic_studies::sweep::{Axis, Design, Journal, Plan, Row, Sample, Spread};
 
@@ -34,7 +35,8 @@ pub(super) struct GridArgs {
     /// Runs of every point, with the scene's seed and those after it.
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub(super) seeds: u32,
-    /// Only the points of shard I of N; without it all, those that shards have done in the same folder included.
+    /// Only the points of shard I of N, of a search the entrants on networks; without it all, those that shards have done in the same folder
+    /// included.
     #[arg(long, default_value = "1/1", value_name = "I/N", value_parser = shard, requires = "out")]
     pub(super) shard: (usize, usize),
 }
@@ -81,23 +83,26 @@ pub(super) fn run(
     Ok(Done { rows, new, wall_s, whole, folder, journal })
 }
 
-/// Runs what decides a study's best points, instead of all; in a folder it goes on where it was stopped.
+/// Runs what decides the best points of a shard of a study's cells, instead of all; in a folder it goes on where it was stopped. Tells also which
+/// points are left out.
 pub(super) fn search(
     ui: &Ui,
     study: &Study,
     goal: &Goal,
     folder: Option<PathBuf>,
     question: &Provenance,
-) -> Result<Done, Failure> {
-    let (journal, there) = opened(folder.as_deref(), "study", question, (1, 1))?;
+    shard: (usize, usize),
+) -> Result<(Done, Vec<LeftOut>), Failure> {
+    let (journal, there) = opened(folder.as_deref(), "study", question, shard)?;
     // At most so many: it ends earlier.
     let (found, wall_s) = ui.work(study.runs().saturating_sub(there.len()), "study", |step| {
-        study.search(goal, there, &|row| {
+        study.search(goal, shard, there, &|row| {
             row.iter().for_each(|_| step());
             journal.as_ref().map_or(Ok(()), |journal| journal.append(row))
         })
     })?;
-    Ok(Done { rows: found.rows, new: found.new, wall_s, whole: true, folder, journal })
+    let done = Done { rows: found.rows, new: found.new, wall_s, whole: shard == (1, 1), folder, journal };
+    Ok((done, found.left_out))
 }
 
 /// The journal of a folder and the rows that it holds; nothing of none.

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use haptic_core::names::Choice;
-use haptic_report::Provenance;
+use haptic_report::{Columns, Provenance};
 use haptic_studies::study::answers::{Answer, Bound, Goal, metric};
 use haptic_studies::study::halving::Search;
 use haptic_studies::study::{OWN, Over, Study as Asked};
@@ -67,35 +67,31 @@ impl Study {
         let folder = ui.writes(&self.out).then(|| self.folder(&question));
         let goal = Goal { metric: self.best, bounds: self.at_most.clone() };
         // What is run depends on the goal where not all is: then the files say both.
-        let (mut done, answers, asked, told) = match self.search {
+        let (mut done, left_out, answers, asked, told) = match self.search {
             Search::Grid => {
                 let done = run(ui, &study, "study", folder.clone(), &question, self.grid.shard)?;
                 let answers = study.answers(&done.rows, &goal);
-                (done, answers, question.clone(), question.clone())
+                (done, Vec::new(), answers, question.clone(), question.clone())
             }
             Search::Halving => {
-                if self.grid.shard != (1, 1) {
-                    return Err(
-                        "--shard is not allowed with --search halving: it decides by the runs of all points".into()
-                    );
-                }
-                let done = search(ui, &study, &goal, folder.clone(), &question)?;
-                let answers = study.searched_answers(&done.rows, &goal);
+                let (done, left_out) = search(ui, &study, &goal, folder.clone(), &question, self.grid.shard)?;
+                let answers = study.searched_answers(&done.rows, &left_out, &goal);
                 let asked = question.clone().with("search", self.search.name());
                 let told = goal.told(asked.clone());
-                (done, answers, asked, told)
+                (done, left_out, answers, asked, told)
             }
         };
+        let points = study.summary(&done.rows, &left_out);
         let mut files = done.finish("study", &told, |rows| study.columns(rows))?;
         if let Some(folder) = folder.filter(|_| done.whole) {
-            files.extend(self.files(ui, &folder, &asked, &study, &done.rows, &answers, &goal)?);
+            files.extend(self.files(ui, &folder, &asked, &study, &done.rows, &answers, &points, &goal)?);
         }
         let pairs = study.pairs(&done.rows, &answers, &goal);
         let (best, beside) = (study.answer_columns(&answers, &goal), study.pair_columns(&pairs));
         ui.document_of(
             &question,
             &json!({
-                "best": best, "pairs": beside, "points": study.summary(&done.rows), "runs": done.rows.len(),
+                "best": best, "pairs": beside, "points": points, "points_not_run": left_out.len(), "runs": done.rows.len(),
                 "of_runs": study.runs(), "new_runs": done.new, "not_stable_runs": done.failed(), "wall_s": done.wall_s,
                 "files": files,
             }),
@@ -110,7 +106,10 @@ impl Study {
         }
         let (runs, all, failed) = (done.rows.len(), study.runs(), done.failed());
         let spared = all - runs;
-        let spared = if done.whole && spared > 0 { format!(", {spared} spared") } else { String::new() };
+        let mut spared = if done.whole && spared > 0 { format!(", {spared} spared") } else { String::new() };
+        if !left_out.is_empty() {
+            spared += &format!(", {} points not run because not stable in every mode", left_out.len());
+        }
         writeln!(
             ui,
             "{runs} runs of {all}{spared}, {failed} of them not stable; {} new ones in {:.1} s",
@@ -152,6 +151,7 @@ impl Study {
         study: &Asked,
         rows: &[Row],
         answers: &[Answer],
+        points: &Columns,
         goal: &Goal,
     ) -> Result<Vec<PathBuf>, Failure> {
         let out = self.out.in_folder(folder.to_owned()).unless_told(COLUMN_MM);
@@ -167,11 +167,10 @@ impl Study {
             Ok(())
         })?;
         let pairs = study.pair_columns(&study.pairs(rows, answers, goal));
-        let points = study.summary(rows);
-        for (name, table) in [("study-pairs", pairs), ("study-points", points)] {
+        for (name, table) in [("study-pairs", &pairs), ("study-points", points)] {
             files.extend(ui.files(&out, "study", name, &goal_told, |files| {
-                files.csv(&table)?;
-                files.parquet(&table)
+                files.csv(table)?;
+                files.parquet(table)
             })?);
         }
         Ok(files)

@@ -80,6 +80,24 @@ fn stopped_and_in_shards_it_is_the_same() {
     }
 }
 
+/// The search in shards, each of which decides for the entrants on networks that are its own: the same tables to the last bit.
+#[test]
+fn a_search_in_shards_is_the_same() {
+    let (whole, parts) = (folder("searched"), folder("searched-parts"));
+    let search = ["--search", "halving"];
+    let done = study(&whole, &search);
+    for shard in ["2/3", "1/3", "3/3"] {
+        study(&parts, &[&search[..], &["--shard", shard]].concat());
+        assert!(!parts.join("study.csv").exists(), "{shard}");
+    }
+    let after = study(&parts, &search);
+    assert_eq!((&after["new_runs"], &after["runs"]), (&0.into(), &done["runs"]));
+    for name in ["study.csv", "study-best.csv", "study-pairs.csv", "study-points.csv"] {
+        assert!(!text(&whole, name).is_empty());
+        assert_eq!(text(&whole, name), text(&parts, name), "{name}");
+    }
+}
+
 /// One scene on its own network: the rows of `sweep`.
 #[test]
 fn of_one_scene_it_is_a_sweep() {

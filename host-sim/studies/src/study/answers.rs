@@ -7,6 +7,9 @@
 //! says how good it is. A single seed does both. The interval is Student's over the seeds that judge; there is none where every seed gave
 //! the same run.
 //!
+//! **The next** is the point that comes closest to the best one, and how far from it it is: over the seeds that judge, or where a search gave it up
+//! over the choosing seeds that it had, which favour the best one.
+//!
 //! **As good** are the points that may be taken and whose paired difference from the best, on the seeds that judge, does not leave out 0.
 
 use std::str::FromStr;
@@ -14,6 +17,7 @@ use std::str::FromStr;
 use haptic_report::Provenance;
 use haptic_sim::run::Verdict;
 
+use super::halving::LeftOut;
 use super::{Place, Study};
 use crate::Error;
 use crate::compare::Paired;
@@ -125,6 +129,21 @@ pub struct Best {
     pub seeds: usize,
     /// Points that are as good, this one included: indices of the grid.
     pub as_good: Vec<usize>,
+    /// The runner-up, where there is another point that may be taken, or that a search gave up as worse.
+    pub next: Option<Next>,
+}
+
+/// The point that comes closest to the best one by the seeds that choose.
+#[derive(Clone, Debug)]
+pub struct Next {
+    /// Index of the grid.
+    pub grid: usize,
+    /// Its figure less the best one's, seed by seed.
+    pub difference: Estimate,
+    /// Over how many seeds.
+    pub seeds: usize,
+    /// Whether they judge; else a search gave it up after so many of those that choose.
+    pub judged: bool,
 }
 
 /// How many of so many seeds choose; the others judge, and a single one does both.
@@ -182,17 +201,19 @@ impl Goal {
 impl Study {
     /// The answer of every entrant on every network whose runs are all there; rows by point and seed.
     pub fn answers(&self, rows: &[Row], goal: &Goal) -> Vec<Answer> {
-        self.answers_of(rows, goal, self.seeds() as usize)
+        self.answers_of(by_point(self, rows), goal, self.seeds() as usize)
     }
 
-    /// The answers of a [`Study::search`] for this goal, from what it has run.
-    pub fn searched_answers(&self, rows: &[Row], goal: &Goal) -> Vec<Answer> {
-        self.answers_of(rows, goal, 1)
+    /// The answers of a [`Study::search`] for this goal, from what it has run and what it has left out.
+    pub fn searched_answers(&self, rows: &[Row], left_out: &[LeftOut], goal: &Goal) -> Vec<Answer> {
+        let mut points = by_point(self, rows);
+        left_out.iter().for_each(|one| points[one.point] = Some(&[]));
+        self.answers_of(points, goal, 0)
     }
 
     /// The answer of every entrant on every network whose points have so many runs each.
-    fn answers_of(&self, rows: &[Row], goal: &Goal, least: usize) -> Vec<Answer> {
-        let (points, grid) = (by_point(self, rows), self.grid().points().max(1));
+    fn answers_of(&self, points: Vec<Option<&[Row]>>, goal: &Goal, least: usize) -> Vec<Answer> {
+        let grid = self.grid().points().max(1);
         let whole = |runs: &[Option<&[Row]>]| runs.iter().all(|runs| runs.is_some_and(|runs| runs.len() >= least));
         let cells = points.chunks(grid).enumerate().filter(|(_, runs)| whole(runs));
         cells
@@ -200,12 +221,13 @@ impl Study {
             .collect()
     }
 
-    /// The answer of the entrant on the network whose first point this is.
+    /// The answer of the entrant on the network whose first point this is; a point without runs was left out.
     fn answer(&self, first: usize, points: &[&[Row]], goal: &Goal) -> Answer {
         let Place { entrant, network, .. } = self.place(first);
         let mut counts = Counts::default();
         let all = self.seeds() as usize;
         let standings = points.iter().map(|runs| match goal.standing(runs) {
+            _ if runs.is_empty() => Standing::LetGo,
             Standing::Allowed if runs.len() < all => Standing::GivenUp,
             other => other,
         });
@@ -221,8 +243,32 @@ impl Study {
                 *grid == best || paired.differs() == Some(false)
             };
             let as_good = allowed().filter(same).collect();
-            Some(Best { point: first + best, judged: estimate(judge, goal.metric)?, seeds: judge.len(), as_good })
+            let others = (0..points.len())
+                .filter(|grid| *grid != best && matches!(standings[*grid], Standing::Allowed | Standing::GivenUp));
+            let next = next(points, best, others, goal.metric, all);
+            let judged = estimate(judge, goal.metric)?;
+            Some(Best { point: first + best, judged, seeds: judge.len(), as_good, next })
         });
         Answer { entrant, network, counts, best }
     }
+}
+
+/// Which of the others comes closest to the best one; they have all seeds, or the first few of those that choose.
+fn next(
+    points: &[&[Row]],
+    best: usize,
+    others: impl Iterator<Item = usize>,
+    metric: usize,
+    all: usize,
+) -> Option<Next> {
+    // Of pairs of runs as far as both have them.
+    let further = |best: &[Row], runs: &[Row]| Paired::of(&[[best, runs]], metric).difference;
+    let (choose, judge) = halves(points[best]);
+    let is_judged = |grid: usize| points[grid].len() == all;
+    let chosen = |grid: usize| if is_judged(grid) { halves(points[grid]).0 } else { points[grid] };
+    let by = |grid: usize| further(choose, chosen(grid)).map_or(f64::NAN, |found| found.mean);
+    let grid = others.min_by(|one, other| by(*one).total_cmp(&by(*other)))?;
+    let judged = is_judged(grid);
+    let (of, runs) = if judged { (judge, halves(points[grid]).1) } else { (choose, points[grid]) };
+    Some(Next { grid, difference: further(of, runs)?, seeds: runs.len(), judged })
 }

@@ -60,6 +60,15 @@ struct Found<'a> {
     goal: &'a Goal,
 }
 
+/// What a search has not run.
+#[derive(Clone, Copy)]
+struct Spared {
+    /// Some runs of a point.
+    some: bool,
+    /// All runs of one.
+    all: bool,
+}
+
 impl Study {
     /// The figures, of so many panels each that they can be read.
     pub fn figures(&self, rows: &[Row], answers: &[Answer], goal: &Goal) -> Vec<Figure> {
@@ -94,8 +103,11 @@ impl Study {
                 (0..self.networks.len()).map(panel).collect()
             }
         };
-        let partial = found.runs.iter().flatten().any(|runs| runs.len() < self.seeds() as usize);
-        panels.chunks(PANELS).map(|panels| self.sheet(panels.to_vec(), goal, partial)).collect()
+        let spared = Spared {
+            some: found.runs.iter().flatten().any(|runs| runs.len() < self.seeds() as usize),
+            all: found.runs.iter().any(Option::is_none),
+        };
+        panels.chunks(PANELS).map(|panels| self.sheet(panels.to_vec(), goal, spared)).collect()
     }
 
     /// What is drawn of these points of the grid: the best one, else the least that may be taken, else the least.
@@ -159,7 +171,7 @@ impl Study {
     }
 
     /// A figure of these panels, with names in the first one.
-    fn sheet(&self, mut panels: Vec<Panel>, goal: &Goal, partial: bool) -> Figure {
+    fn sheet(&self, mut panels: Vec<Panel>, goal: &Goal, spared: Spared) -> Figure {
         let series = || panels.iter().flat_map(|panel| &panel.series);
         let means = || series().flat_map(means);
         // A stroke that reaches 0 has no end on a logarithmic axis; a band is cut.
@@ -184,7 +196,7 @@ impl Study {
             }
         }
         Figure {
-            caption: self.caption(goal, partial, ringed, banded),
+            caption: self.caption(goal, spared, ringed, banded),
             columns: if panels.len() > 1 && banded { 2 } else { 1 },
             share_x: banded,
             share_y: ShareY::All,
@@ -194,11 +206,11 @@ impl Study {
     }
 
     /// What the reader sees.
-    fn caption(&self, goal: &Goal, partial: bool, ringed: bool, banded: bool) -> String {
+    fn caption(&self, goal: &Goal, spared: Spared, ringed: bool, banded: bool) -> String {
         let seeds = self.seeds();
         let mut text = format!(
             "Means of {}{seeds} seeds, {} s each, with their 95 % intervals (Student){}.",
-            if partial { "up to " } else { "" },
+            if spared.some { "up to " } else { "" },
             self.seconds(),
             if banded { " as bands" } else { "" }
         );
@@ -214,7 +226,11 @@ impl Study {
             }
             text += ".";
         }
-        text + " Without a mark: a run failed."
+        text += " Without a mark: a run failed";
+        if spared.all {
+            text += ", or not run because not stable in every mode";
+        }
+        text + "."
     }
 }
 

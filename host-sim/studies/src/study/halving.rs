@@ -1,25 +1,31 @@
 //! Successive halving: seeds go to the points between which they still have to decide.
 //!
-//! Of each entrant on each network all points are run with one of the seeds that choose, then those that are left with two, four, eight and so
-//! on. After each round goes what may not be taken, which no further seed could change; and of the others, ranked by their means so far, those
+//! A **cell** is an entrant on a network. What the analyser says is not stable in every mode may not be taken, and is not run. All other points
+//! of a cell are run with one of the seeds that choose, then those that are left with two, four, eight and so on. After each round goes what may not be taken, which no further seed could change; and of the others, ranked by their means so far, those
 //! of the worse half that the seeds tell from the best one (their paired difference leaves out 0 in its 95 % interval, as in [`Paired`]). Those
 //! left when all seeds that choose are spent are run with those that judge. If none of them may be taken then, who went last comes back: where
 //! the whole grid has a point that may be taken, so has this.
 //!
-//! **The same whatever is there**: a round decides by its own seeds, not by runs that another question left in the folder.
+//! **The same whatever is there**: a round decides by its own seeds, not by runs that another question left in the folder; and a cell by its
+//! own runs, so that shard I of N is the cells I − 1, I − 1 + N, ….
+//!
+//! **What is promised**: the point, mean and interval of the grid, unless the point that is best over all choosing seeds was told from another one
+//! by the first of them. How often that was, and how many runs there are of the grid's, law by law: `tests/data/halving.txt`.
 //!
 //! The halves: Jamieson and Talwalkar, *Non-stochastic best arm identification and hyperparameter optimization* (AISTATS 2016); only what is told
 //! from the best one goes: Maron and Moore, *Hoeffding races* (NIPS 1993), here with Student's interval of pairs.
 
 use std::collections::BTreeMap;
 
+use haptic_analysis::Analysis;
 use haptic_core::names::Choice;
+use rayon::prelude::*;
 
 use super::Study;
 use super::answers::{Goal, Standing, choosing};
 use crate::Error;
 use crate::compare::Paired;
-use crate::sweep::{Keep, Plan, Row, Todo, estimate};
+use crate::sweep::{Keep, Plan, Row, Todo, estimate, unstable_modes};
 
 /// Which runs a study does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,11 +41,22 @@ impl Choice for Search {
     const ALL: &'static [Self] = &[Self::Grid, Self::Halving];
 }
 
+/// A point that a search did not run.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LeftOut {
+    /// Which point it is.
+    pub point: usize,
+    /// The modes in which it is not stable.
+    pub unstable_modes: String,
+}
+
 /// What a search has run.
 #[derive(Clone, Debug)]
 pub struct Searched {
     /// The runs that it decided by, by point and seed.
     pub rows: Vec<Row>,
+    /// The points that it did not run, in their order.
+    pub left_out: Vec<LeftOut>,
     /// How many of them were not there before.
     pub new: usize,
 }
@@ -133,16 +150,25 @@ fn rounds(choosing: u32) -> impl Iterator<Item = u32> {
 }
 
 impl Study {
-    /// Runs what decides the best point of each entrant on each network, all cores at work; of `there` it takes what it needs.
+    /// Runs what decides the best point of each entrant on each network of shard I of N, all cores at work; of `there` it takes what it needs.
     ///
     /// # Errors
     /// A scene that cannot be run, or what `keep` refuses.
-    pub fn search(&self, goal: &Goal, there: Vec<Row>, keep: Keep<'_>) -> Result<Searched, Error> {
+    pub fn search(
+        &self,
+        goal: &Goal,
+        (shard, shards): (usize, usize),
+        there: Vec<Row>,
+        keep: Keep<'_>,
+    ) -> Result<Searched, Error> {
         let mut runs = Runs { study: self, rows: BTreeMap::new(), asked: BTreeMap::new(), keep, new: 0 };
         runs.add(there);
         let (all, grid) = ((0..self.points()).collect::<Vec<_>>(), self.grid().points().max(1));
-        let mut cells: Vec<Cell> =
-            all.chunks(grid).map(|points| Cell { live: points.to_vec(), gone: Vec::new() }).collect();
+        let mine: Vec<&[usize]> = all.chunks(grid).skip(shard - 1).step_by(shards).collect();
+        let left_out = self.left_out(&mine.concat())?;
+        let is_run = |point: &usize| left_out.binary_search_by_key(point, |one| one.point).is_err();
+        let cell = |points: &&[usize]| Cell { live: points.iter().copied().filter(is_run).collect(), gone: Vec::new() };
+        let mut cells: Vec<Cell> = mine.iter().map(cell).collect();
         for seeds in rounds(choosing(self.seeds())) {
             runs.extend(cells.iter().flat_map(|cell| cell.live.iter().copied()), seeds)?;
             cells.iter_mut().for_each(|cell| cell.decide(&runs, seeds, goal));
@@ -152,6 +178,16 @@ impl Study {
             cells.retain_mut(|cell| !cell.is_decided(&runs, goal));
         }
         let rows = runs.asked.iter().flat_map(|(point, seeds)| runs.of(*point, *seeds)).collect();
-        Ok(Searched { rows, new: runs.new })
+        Ok(Searched { rows, left_out, new: runs.new })
+    }
+
+    /// Those of these points, in their order, that the analyser says are not stable in every mode.
+    fn left_out(&self, points: &[usize]) -> Result<Vec<LeftOut>, Error> {
+        let of = |point: &usize| {
+            let unstable_modes = unstable_modes(&Analysis::of(&self.scene_at(*point)?)?);
+            Ok((!unstable_modes.is_empty()).then_some(LeftOut { point: *point, unstable_modes }))
+        };
+        let found = points.par_iter().map(of).collect::<Result<Vec<Option<LeftOut>>, Error>>()?;
+        Ok(found.into_iter().flatten().collect())
     }
 }

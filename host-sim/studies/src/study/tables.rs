@@ -2,10 +2,11 @@
 
 use haptic_report::{Cell, Columns, Rows};
 
-use super::answers::{Answer, Counts, Goal};
+use super::answers::{Answer, Counts, Goal, Next};
+use super::halving::LeftOut;
 use super::pairs::Pair;
 use super::{Place, Study};
-use crate::sweep::{METRICS, Row, of_points, of_runs};
+use crate::sweep::{METRICS, Row, Summed, of_points, of_runs};
 
 /// What the number of a point means.
 const POINT: &str =
@@ -36,10 +37,16 @@ impl Study {
         of_runs(self.of_place(Columns::of(rows), |row| row.point))
     }
 
-    /// Every point: means over all seeds.
-    pub fn summary(&self, rows: &[Row]) -> Columns {
-        let points: Vec<&[Row]> = rows.chunk_by(|one, other| one.point == other.point).collect();
-        of_points(self.of_place(Columns::of(&points), |runs| runs[0].point))
+    /// Every point: means over all seeds that it has, and those that a search has left out.
+    pub fn summary(&self, rows: &[Row], left_out: &[LeftOut]) -> Columns {
+        let mut points = Summed::each(rows);
+        points.extend(left_out.iter().map(|LeftOut { point, unstable_modes }| Summed {
+            point: *point,
+            runs: &[],
+            unstable_modes,
+        }));
+        points.sort_by_key(|one| one.point);
+        of_points(self.of_place(Columns::of(&points), |one| one.point))
     }
 
     /// The best points.
@@ -54,6 +61,9 @@ impl Study {
             self.grid().keys().next().zip(at).map(|(_, at)| self.grid().cell(*at, 0))
         };
         let seeds = |answer: &Answer| answer.best.as_ref().map(|best| best.seeds);
+        fn next(answer: &Answer) -> Option<&Next> {
+            answer.best.as_ref()?.next.as_ref()
+        }
         self.grid()
             .of_keys(rows, grid)
             .value("merit", |_| METRICS[goal.metric].name())
@@ -75,6 +85,21 @@ impl Study {
             .value("as_good_to", |answer| end(answer, true))
             .means("and at the last")
             .head("to")
+            .value("next", |answer| next(answer).map(|next| self.grid().values(next.grid).join(", ")))
+            .means("values of the keys at the point that comes closest to the best one by the seeds that choose")
+            .data_only()
+            .significant("next_difference", 3, |answer| next(answer).map(|next| next.difference.mean))
+            .means("its figure less the best one's, over the same seeds")
+            .data_only()
+            .significant("next_difference_95", 2, |answer| next(answer)?.difference.within_95)
+            .means("half of the 95 % interval of the paired differences (Student)")
+            .data_only()
+            .value("next_seeds", |answer| next(answer).map(|next| next.seeds))
+            .means("over how many seeds")
+            .data_only()
+            .value("next_judged", |answer| next(answer).map(|next| next.judged))
+            .means("whether they judge; else a search gave the point up after so many of those that choose, which favour the best one")
+            .data_only()
             .value("points", |answer| answer.counts.points)
             .means("points of the grid")
             .value("allowed_points", |answer| answer.counts.allowed())
@@ -84,7 +109,7 @@ impl Study {
             .means("those of which a run is not stable")
             .data_only()
             .value("let_go_points", |answer| answer.counts.let_go)
-            .means("of the others, those that are not stable in every mode")
+            .means("of the others, those that are not stable in every mode; a search does not run them, and counts them all here")
             .data_only()
             .value("beyond_points", |answer| answer.counts.beyond)
             .means("of the others, those of which a run is beyond a bound")

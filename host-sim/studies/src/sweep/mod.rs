@@ -36,9 +36,9 @@ pub use self::journal::{Journal, Kept, write};
 pub use self::metrics::{METRICS, Metric};
 pub use self::plan::{Keep, Plan, Todo};
 pub use self::row::Row;
-pub(crate) use self::row::{EVERY_MODE, of_runs};
+pub(crate) use self::row::{EVERY_MODE, of_runs, unstable_modes};
 pub use self::sample::{Design, MOST_KEYS, Sample, Spread};
-pub(crate) use self::summary::{all_same, estimate, of_points};
+pub(crate) use self::summary::{Summed, all_same, estimate, of_points};
 
 /// Most runs of a sweep: their rows are held in memory, some 300 bytes each.
 pub const MOST_RUNS: usize = 10_000_000;
@@ -104,7 +104,7 @@ impl Sweep {
     }
 
     /// The value of each of them at a point.
-    fn values(&self, point: usize) -> Vec<String> {
+    pub(crate) fn values(&self, point: usize) -> Vec<String> {
         let mut rest = point / self.sampled();
         let digit = |axis: &Axis| {
             let at = rest % axis.values.len();
@@ -206,9 +206,9 @@ impl Sweep {
 
     /// Every point as a table: means over the seeds, with half of their 95 % interval.
     pub fn summary(&self, rows: &[Row]) -> Columns {
-        let points: Vec<&[Row]> = rows.chunk_by(|one, other| one.point == other.point).collect();
-        let columns = Columns::of(&points).value("point", |runs| runs[0].point).means(POINT);
-        of_points(self.of_keys(columns, |runs| Some(runs[0].point)))
+        let points = Summed::each(rows);
+        let columns = Columns::of(&points).value("point", |point| point.point).means(POINT);
+        of_points(self.of_keys(columns, |point| Some(point.point)))
     }
 
     /// The value of a key at a point, as a cell of a table.

@@ -51,7 +51,7 @@ impl Row {
             verdict: outcome.verdict().name().to_owned(),
             reason: outcome.reason.map_or_else(String::new, |reason| reason.to_string()),
             spectral_radius: analysis.verdict.spectral_radius,
-            unstable_modes: analysis.judged.unstable_modes().join("; "),
+            unstable_modes: unstable_modes(&analysis),
             metrics: METRICS.map(|metric| (metric.of)(&outcome).unwrap_or(f64::NAN)),
             state_hash: format!("{:016x}", outcome.hash),
         }
@@ -86,6 +86,11 @@ impl Row {
     pub fn read(lines: &[u8]) -> impl Iterator<Item = csv::Result<Self>> {
         journal::read(lines)
     }
+}
+
+/// The modes in which a scene is not stable, as [`Row::unstable_modes`].
+pub(crate) fn unstable_modes(analysis: &Analysis) -> String {
+    analysis.judged.unstable_modes().join("; ")
 }
 
 impl Kept for Row {

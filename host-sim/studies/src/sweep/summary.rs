@@ -7,36 +7,64 @@ use super::metrics::METRICS;
 use super::row::{EVERY_MODE, Row, UNSTABLE_MODES};
 use crate::estimate::Estimate;
 
+/// The runs of a point.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Summed<'a> {
+    /// Which point it is.
+    pub(crate) point: usize,
+    /// Its runs; none of one that a search left out.
+    pub(crate) runs: &'a [Row],
+    /// Modes in which it is not stable, as [`Row::unstable_modes`].
+    pub(crate) unstable_modes: &'a str,
+}
+
+impl<'a> Summed<'a> {
+    /// Of rows in the order of their points, point by point.
+    pub(crate) fn each(rows: &'a [Row]) -> Vec<Self> {
+        let of = |runs: &'a [Row]| Self { point: runs[0].point, runs, unstable_modes: &runs[0].unstable_modes };
+        rows.chunk_by(|one, other| one.point == other.point).map(of).collect()
+    }
+
+    fn count(&self, verdict: Verdict) -> usize {
+        self.runs.iter().filter(|run| run.verdict == verdict.name()).count()
+    }
+
+    /// Why the first of the worst runs is not stable, or why there is none.
+    fn reason(&self) -> Option<String> {
+        let of = |verdict: Verdict| self.runs.iter().find(|run| run.verdict == verdict.name());
+        let worst = of(Verdict::Unstable).or(of(Verdict::Apart)).map(|run| run.reason.clone());
+        worst.or_else(|| {
+            self.runs.is_empty().then(|| format!("not run: not stable with these hands on: {}", self.unstable_modes))
+        })
+    }
+}
+
 /// What every point has, after the columns that say which it is.
-pub(crate) fn of_points<'a>(columns: Rows<'a, &'a [Row]>) -> Columns {
-    let count = |runs: &[Row], verdict: Verdict| runs.iter().filter(|run| run.verdict == verdict.name()).count();
+pub(crate) fn of_points<'a>(columns: Rows<'a, Summed<'a>>) -> Columns {
     let mut columns = columns
-        .value("runs", |runs| runs.len())
-        .means("runs of the point")
-        .value("unstable_runs", |runs| count(runs, Verdict::Unstable))
+        .value("runs", |point| point.runs.len())
+        .means("runs of the point; 0 where a search left it out, because it is not stable in every mode")
+        .value("unstable_runs", |point| point.count(Verdict::Unstable))
         .means("how many of them are not stable")
         .head("unstable")
-        .value("apart_runs", |runs| count(runs, Verdict::Apart))
+        .value("apart_runs", |point| point.count(Verdict::Apart))
         .means("in how many of them the copies came apart")
         .head("apart")
-        .value("every_mode_stable", |runs| runs[0].every_mode_stable())
+        .value("every_mode_stable", |point| point.unstable_modes.is_empty())
         .means(EVERY_MODE)
         .head("let go")
-        .value("unstable_modes", |runs| runs[0].unstable_modes())
+        .value("unstable_modes", |point| Some(point.unstable_modes).filter(|modes| !modes.is_empty()))
         .means(UNSTABLE_MODES)
         .data_only();
     for (at, metric) in METRICS.iter().enumerate() {
-        let of = |runs: &&[Row]| estimate(runs, at);
-        columns = columns.significant(metric.name(), 4, move |runs| of(runs).map(|found| found.mean));
+        let of = |point: &Summed<'_>| estimate(point.runs, at);
+        columns = columns.significant(metric.name(), 4, move |point| of(point).map(|found| found.mean));
         columns = metric.in_text(columns.means(metric.meaning));
-        columns = columns.significant(metric.name_95(), 2, move |runs| of(runs)?.within_95).head("±");
+        columns = columns.significant(metric.name_95(), 2, move |point| of(point)?.within_95).head("±");
         columns = metric.in_text(columns.means("half of its 95 % interval over the seeds (Student)"));
     }
-    let worst = |runs: &&[Row]| {
-        let of = |verdict: Verdict| runs.iter().find(|run| run.verdict == verdict.name());
-        of(Verdict::Unstable).or(of(Verdict::Apart)).map(|run| run.reason.clone())
-    };
-    columns.value("reason", worst).means("why the first of the worst runs is not stable").done()
+    let columns = columns.value("reason", Summed::reason);
+    columns.means("why the first of the worst runs is not stable, or why there is no run").done()
 }
 
 /// Whether every seed gave the same run.
@@ -44,10 +72,10 @@ pub(crate) fn all_same(runs: &[Row]) -> bool {
     runs.iter().all(|run| run.state_hash == runs[0].state_hash)
 }
 
-/// A figure of merit over the runs of a point, if every one of them has it.
+/// A figure of merit over the runs of a point, if it has some and every one of them has it.
 pub(crate) fn estimate(runs: &[Row], metric: usize) -> Option<Estimate> {
     let values: Vec<f64> = runs.iter().map(|run| run.metrics[metric]).collect();
-    if values.iter().any(|value| value.is_nan()) {
+    if values.is_empty() || values.iter().any(|value| value.is_nan()) {
         return None;
     }
     let found = Estimate::of(&values);

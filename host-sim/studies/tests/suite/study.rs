@@ -92,9 +92,16 @@ fn the_seeds_that_choose_do_not_judge() {
     assert!((best.judged.within_95.expect("an interval") - 12.706_204_736).abs() < 1e-6, "{best:?}");
     // Of 4 − 5 and 4.5 − 7 the mean is −1.75 ± 12.7 · 0.75: not told apart. What lets go is not asked.
     assert_eq!(best.as_good, [0, 1]);
+    let next = best.next.as_ref().expect("a runner-up");
+    assert_eq!((next.grid, next.seeds, next.judged, next.difference.mean), (1, 2, true, -1.75));
+    assert!((next.difference.within_95.expect("an interval") - 9.529_653_55).abs() < 1e-6, "{next:?}");
     assert_eq!(answers[0].counts, Counts { points: 3, failed: 0, let_go: 1, beyond: 0, given_up: 0 });
     assert_eq!(answers[3].counts, Counts { points: 3, failed: 2, let_go: 1, beyond: 0, given_up: 0 });
     assert!(answers[3].best.is_none());
+    // Nothing else may be taken there.
+    assert!(answers[1].best.as_ref().is_some_and(|best| best.next.is_none() == (answers[1].counts.allowed() == 1)));
+    let told = study.answer_columns(&answers, &GOAL).row(0);
+    assert_eq!((&told["next"], &told["next_seeds"], &told["next_judged"]), (&"200".into(), &2.into(), &true.into()));
 }
 
 #[test]
