@@ -11,6 +11,7 @@ mod error;
 pub mod estimate;
 pub mod figures;
 pub mod force;
+mod networks;
 pub mod precision;
 pub mod proof;
 pub mod record;

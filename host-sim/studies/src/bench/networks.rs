@@ -10,7 +10,7 @@ use haptic_sim::network::rule::NetworkTrace;
 use haptic_sim::scene::Scene;
 
 use crate::Error;
-use crate::campaign::networks::{self, Named};
+use crate::networks::{self, Named};
 
 /// Networks to tune on. On the first and the last, which are constant, what a hand feels is bounded.
 pub const TUNING: &[Named] = &[
@@ -70,6 +70,11 @@ impl Network {
     /// The file that was recorded, of one that was.
     pub fn trace_file(&self) -> Option<&Path> {
         self.trace.as_ref().map(|trace| trace.file.as_path())
+    }
+
+    /// Whether it says anything.
+    pub(crate) fn sets(&self) -> bool {
+        self.trace.is_some() || !self.settings.is_empty()
     }
 
     /// What it does to this key of a scene is all there is: it sets it, or a recording takes its place.

@@ -1,9 +1,12 @@
-//! The test of some gains: every motion over every test network, with every seed, measured at the hand.
+//! The test of some gains: every motion over every test network, with every seed, measured at the hand. A motion is a [`Study`] of one scene.
+
+use std::sync::LazyLock;
 
 use haptic_core::names::Choice;
 use haptic_core::settings::LawInfo;
 use haptic_sim::measure::at_hand;
 use haptic_sim::run::Outcome;
+use haptic_sim::scene::Scene;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -12,8 +15,12 @@ use super::search::Tuning;
 use super::tables::{self, heading};
 use super::{Bench, Step, networks, protocol};
 use crate::Error;
-use crate::campaign::networks::is_random;
-use crate::sweep::Kept;
+use crate::entrant::Entrant;
+use crate::study::{Over, Study};
+use crate::sweep::{Kept, Plan};
+
+/// First seed; those of the tuning networks are others.
+const SEED: u32 = 1;
 
 /// One run. What is no number there is NaN: of a run in which a peer stopped, all but what was measured until then.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -74,7 +81,7 @@ impl Kept for Run {
 pub fn test(
     bench: &Bench,
     law: &LawInfo,
-    point: &str,
+    gains: &str,
     tuning: &Tuning,
     there: Vec<Run>,
     keep: &(dyn Fn(&[Run]) -> Result<(), Error> + Sync),
@@ -82,35 +89,28 @@ pub fn test(
 ) -> Result<Vec<Run>, Error> {
     let scene = protocol::scene(bench.laws, law, &tuning.gains)?;
     let of_motion = |motion: Motion| {
-        let mut jobs = Vec::new();
-        for network in &bench.networks {
-            let over = motion.of(&network.over(&scene)?)?;
-            let seeds = if is_random(&over) { bench.seeds } else { 1 };
-            for seed in 1..=seeds {
-                let mut over = over.clone();
-                over.world.network.seed = seed;
-                let is_it = |run: &&Run| run.motion == motion.name() && run.network == network.name && run.seed == seed;
-                jobs.push((over, network.name.as_str(), there.iter().find(is_it)));
-            }
-        }
-        let duration_s = motion.duration_s();
-        let free = match jobs.iter().all(|(.., known)| known.is_some()) {
-            true => None,
-            false => Some(at_hand::run(&motion.of(&networks::perfect(&scene)?)?, duration_s, None)?),
-        };
-        let run = |(over, network, known): (_, &str, Option<&Run>)| {
-            if let Some(known) = known {
+        let mut entrant = Entrant { name: motion.name().to_owned(), scene: motion.of(&scene)? };
+        entrant.scene.world.network.seed = SEED;
+        let over = bench.networks.iter().map(Over::from).collect();
+        let study = Study::new(vec![entrant], over, &[], None, bench.seeds, motion.duration_s())?;
+        // What a hand feels without a network; not where all runs are there.
+        let free = LazyLock::new(|| Ok(at_hand::run(&motion.of(&networks::perfect(&scene)?)?, study.seconds(), None)?));
+        let run = |point: usize, over: &Scene| {
+            let (network, seed) = (study.networks[study.place(point).network].name.as_str(), over.world.network.seed);
+            let is_it = |run: &&Run| run.motion == motion.name() && run.network == network && run.seed == seed;
+            if let Some(known) = there.iter().find(is_it) {
                 return Ok(known.clone());
             }
-            let free = free.as_ref().filter(|free| free.outcome.fault.is_none()).map(|free| free.forces.as_slice());
-            let found = at_hand::run(&over, duration_s, free)?;
-            let row = row([law.name, point, motion.name(), network], over.world.network.seed, &found, motion);
+            let free = free.as_ref().map_err(|error: &Error| error.to_string())?;
+            let forces = Some(free).filter(|free| free.outcome.fault.is_none()).map(|free| free.forces.as_slice());
+            let found = at_hand::run(over, study.seconds(), forces)?;
+            let row = row([law.name, gains, motion.name(), network], seed, &found, motion);
             keep(std::slice::from_ref(&row))?;
-            Ok::<_, Error>(row)
+            Ok(row)
         };
-        let runs = jobs.into_iter().map(run).collect::<Result<Vec<_>, _>>()?;
+        let runs = study.each(&run)?;
         step();
-        Ok::<_, Error>(runs)
+        Ok::<_, Error>(runs.into_iter().flatten().collect::<Vec<_>>())
     };
     let runs = ALL.into_par_iter().map(of_motion).collect::<Result<Vec<_>, _>>()?;
     Ok(runs.into_iter().flatten().collect())

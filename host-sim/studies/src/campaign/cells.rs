@@ -14,7 +14,9 @@ use haptic_sim::run::{Options, Outcome, Verdict, run};
 use haptic_sim::scene::Scene;
 use haptic_sim::{of_axes, user::Trace, user::User};
 
-use super::networks;
+use crate::entrant::Entrant;
+use crate::study::{Place, Study};
+use crate::sweep::Plan;
 use crate::{Error, estimate::Estimate};
 
 /// Simulated time of a run, s.
@@ -171,39 +173,33 @@ fn is_passive(scene: &Scene) -> bool {
     scene.peer.coordination.ledger || scene.law().promises.contains(&Promise::Passive)
 }
 
-/// How far a common push gets on the scene's own network, m, if no peer stops.
-pub(super) fn free_displacement_m(scene: &Scene) -> Result<Option<f64>, Refused<'static>> {
-    Ok(push(scene)?.map(|push| push.displacement_m))
-}
-
-/// Runs every cell (law, network, its scene over that network, [`free_displacement_m`] of its scene on its own) in parallel; the order and
-/// every bit are the same on any number of threads.
-pub(super) fn run_all(cells: Vec<(String, &str, Scene, Option<f64>)>, periods: u32) -> Result<Vec<Cell>, Error> {
-    let seeds = |scene: &Scene| if networks::is_random(scene) { SEEDS } else { 1 };
-    let jobs: Vec<(&Scene, u32)> =
-        cells.iter().flat_map(|(_, _, scene, _)| (0..seeds(scene)).map(move |later| (scene, later))).collect();
-    let job = |(scene, later): (&Scene, u32)| {
-        let mut scene = scene.clone();
-        scene.world.network.seed = scene.world.network.seed.wrapping_add(later);
-        let outcome = run::<f64>(&scene, Options { duration_s: DURATION_S, record_every: 0 }, &|_| {})?;
-        Ok::<_, Error>((outcome, push(&scene)?))
+/// Every cell of a study, scene by scene, network by network; with a swing of so many periods of what is stable, 0 for none.
+pub(super) fn of(study: &Study, periods: u32) -> Result<Vec<Cell>, Error> {
+    let free = |entrant: &Entrant| Ok(push(&entrant.scene)?.map(|push| push.displacement_m));
+    let free_m = study.entrants.par_iter().map(free).collect::<Result<Vec<Option<f64>>, Error>>()?;
+    let job = |_, scene: &Scene| {
+        let outcome = run::<f64>(scene, Options { duration_s: study.seconds(), record_every: 0 }, &|_| {})?;
+        Ok((outcome, push(scene)?))
     };
-    let runs: Vec<(Outcome, Option<PushOutcome>)> = jobs.into_par_iter().map(job).collect::<Result<_, _>>()?;
-    let mut runs = runs.into_iter();
-    let mut done = Vec::new();
-    for &(ref law, network, ref scene, free_displacement_m) in &cells {
-        let (outcomes, pushes) = runs.by_ref().take(seeds(scene) as usize).unzip();
-        let (law, network, passive) = (law.clone(), network.to_owned(), is_passive(scene));
-        done.push((scene, Cell { law, network, passive, outcomes, swing: None, pushes, free_displacement_m }));
-    }
-    let swung = |(scene, mut cell): (&Scene, Cell)| {
+    let cell = |(point, runs): (usize, Vec<(Outcome, Option<PushOutcome>)>)| {
+        let (scene, Place { entrant, network, .. }) = (study.scene_at(point)?, study.place(point));
+        let (outcomes, pushes) = runs.into_iter().unzip();
+        let mut cell = Cell {
+            law: study.entrants[entrant].name.clone(),
+            network: study.networks[network].name.clone(),
+            passive: is_passive(&scene),
+            outcomes,
+            swing: None,
+            pushes,
+            free_displacement_m: free_m[entrant],
+        };
         if periods > 0 && cell.is_stable() {
             let timing = &scene.peer.timing;
             let own_s = timing.packet_period_s() * f64::from(scene.world.network.one_way_delay_packets);
-            let swing = felt(scene, periods)?;
+            let swing = felt(&scene, periods)?;
             cell.swing = Some(Felt { delay_s: swing.delay_s - own_s, ..swing });
         }
         Ok(cell)
     };
-    done.into_par_iter().map(swung).collect()
+    study.each(&job)?.into_par_iter().enumerate().map(cell).collect()
 }

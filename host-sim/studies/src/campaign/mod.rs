@@ -3,6 +3,8 @@
 //! The forces are those of the cooperation paper's §5.2 and the peers those of the paper's gains, with the implicit decode
 //! and no object delay, so that what breaks is the network's doing.
 //!
+//! It is a [`Study`] of the laws' scenes over the networks that measures more of a run than a row of a sweep has.
+//!
 //! **Nothing is chosen**: where the network draws random numbers a cell is [`SEEDS`] runs, of the scene's seed and those after it, else one. If a
 //! single one of them failed the cell has no figures; of copies that came apart only the figures that say how far are kept.
 //!
@@ -30,7 +32,6 @@
 
 mod cells;
 pub mod laws;
-pub(crate) mod networks;
 pub mod sending;
 
 use haptic_core::law::Sends;
@@ -41,8 +42,10 @@ use haptic_sim::run::{Outcome, Verdict};
 use haptic_sim::scene::Scene;
 use haptic_sim::{scenes, user::User};
 
-use self::networks::Named;
 use super::Error;
+use crate::entrant::Entrant;
+use crate::networks::{self, Named};
+use crate::study::{Over, Study};
 
 pub use self::cells::{Cell, DURATION_S, PUSH_N, PUSH_S, REST_S, SEEDS};
 
@@ -140,24 +143,17 @@ const PEERS: [&str; 3] =
 /// Periods of the swing: losses average out.
 const PERIODS: u32 = 60;
 
-/// Runs every one of these scenes over every network.
-fn over_networks(scenes: &[(String, Scene)], networks: &[Named], periods: u32) -> Result<Vec<Cell>, Error> {
-    let mut cells = Vec::new();
-    for (law, scene) in scenes {
-        let free_displacement_m = cells::free_displacement_m(scene)?;
-        for (network, settings) in networks {
-            cells.push((law.clone(), *network, networks::over(scene, settings)?, free_displacement_m));
-        }
-    }
-    cells::run_all(cells, periods)
+/// The study of these scenes over these networks; periods of the swing, 0 for none.
+fn over_networks(entrants: Vec<Entrant>, networks: &[Named], periods: u32) -> Result<Vec<Cell>, Error> {
+    cells::of(&Study::new(entrants, Over::each(networks), &[], None, SEEDS, DURATION_S)?, periods)
 }
 
 /// The scenes of these ways to hold the copies together, and of every law from outside the crate that sends something.
-fn scenes(laws: Laws, named: &[Named]) -> Result<Vec<(String, Scene)>, Error> {
+fn scenes(laws: Laws, named: &[Named]) -> Result<Vec<Entrant>, Error> {
     let scene = |(law, settings): (&str, Vec<String>)| {
         let mut scene = scenes::load(laws, BASE)?;
         PEERS.into_iter().chain(settings.iter().map(String::as_str)).try_for_each(|set| scene.apply_override(set))?;
-        Ok((law.to_owned(), scene))
+        Ok(Entrant { name: law.to_owned(), scene })
     };
     with_outside(laws, named).into_iter().map(scene).collect()
 }
@@ -167,11 +163,12 @@ fn scenes(laws: Laws, named: &[Named]) -> Result<Vec<(String, Scene)>, Error> {
 /// # Errors
 /// A scene that cannot be built or run.
 pub fn campaign(laws: Laws) -> Result<Vec<Cell>, Error> {
-    over_networks(&scenes(laws, &COMMS)?, networks::IMPAIRMENTS, 0)
+    over_networks(scenes(laws, &COMMS)?, networks::IMPAIRMENTS, 0)
 }
 
 /// The campaign of one scene as it is, called `name`: its peers, its packets, its network where an impairment says
-/// nothing, its users if any of them does something, else those of the paper's §5.2.
+/// nothing, its users if any of them does something, else those of the paper's §5.2. A recording is that of its own network alone: an
+/// impairment takes its place.
 ///
 /// # Errors
 /// A scene that cannot be built or run.
@@ -180,7 +177,7 @@ pub fn of_scene(laws: Laws, name: &str, scene: &Scene) -> Result<Vec<Cell>, Erro
     if !scene.users.iter().any(User::acts) {
         scene.users = scenes::load(laws, BASE)?.users;
     }
-    over_networks(&[(name.to_owned(), scene)], networks::IMPAIRMENTS, 0)
+    over_networks(vec![Entrant { name: name.to_owned(), scene }], networks::IMPAIRMENTS, 0)
 }
 
 /// What every way to hold the copies together costs, network by network.
@@ -188,7 +185,7 @@ pub fn of_scene(laws: Laws, name: &str, scene: &Scene) -> Result<Vec<Cell>, Erro
 /// # Errors
 /// A scene that cannot be built or run.
 pub fn costs(laws: Laws) -> Result<Vec<Cell>, Error> {
-    let mut cells = over_networks(&scenes(laws, &CHOICES)?, networks::FEW, PERIODS)?;
+    let mut cells = over_networks(scenes(laws, &CHOICES)?, networks::FEW, PERIODS)?;
     cells.sort_by_key(|cell| networks::FEW.iter().position(|(name, _)| *name == cell.network));
     Ok(cells)
 }

@@ -10,9 +10,10 @@ use haptic_sim::peers::Laws;
 use haptic_sim::run::Outcome;
 use haptic_sim::scenes;
 
-use super::networks::{self, Named};
 use super::{Cell, over_networks};
 use crate::Error;
+use crate::entrant::Entrant;
+use crate::networks::{self, Named};
 
 /// Packets that are enough, /s and each way.
 pub const MOST_PACKETS: f64 = 120.0;
@@ -120,10 +121,13 @@ pub(super) fn rows(laws: Laws, (motion, users): Named, networks: &[Named], along
         _ => 0.0,
     };
     let scenes = std::iter::once(None).chain(along.iter().map(|together| Some(*together)));
-    let named = scenes.map(|together| Ok((motion.to_owned(), scene(together)?)));
-    let named = named.collect::<Result<Vec<_>, Error>>()?;
+    let entrant = |together: Option<u32>| {
+        let name = together.map_or_else(|| motion.to_owned(), |together| format!("{motion}, {together} together"));
+        Ok(Entrant { name, scene: scene(together)? })
+    };
+    let entrants = scenes.map(entrant).collect::<Result<Vec<_>, Error>>()?;
     // Scene by scene, network by network.
-    let mut cells = over_networks(&named, networks, 0)?.into_iter();
+    let mut cells = over_networks(entrants, networks, 0)?.into_iter();
     let each: Vec<Cell> = cells.by_ref().take(networks.len()).collect();
     let together = along.iter().flat_map(|together| each.iter().map(move |cell| (*together, cell)));
     Ok(together

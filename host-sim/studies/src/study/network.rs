@@ -6,7 +6,7 @@ use haptic_sim::scene::{Scene, nearest};
 
 use crate::Error;
 use crate::bench::networks::{Network, TEST, TUNING};
-use crate::campaign::networks::{IMPAIRMENTS, Named};
+use crate::networks::{IMPAIRMENTS, Named};
 
 /// What each entrant's own network is called.
 pub const OWN: &str = "own";
@@ -19,6 +19,12 @@ pub struct Over {
     /// Its name.
     pub name: String,
     network: Option<Network>,
+}
+
+impl From<&Network> for Over {
+    fn from(network: &Network) -> Self {
+        Self { name: network.name.clone(), network: Some(network.clone()) }
+    }
 }
 
 /// Those that have a name, each once. One that sets nothing is the entrant's own.
@@ -43,19 +49,24 @@ impl Over {
         Self { name: OWN.to_owned(), network: None }
     }
 
+    /// Those of a list; one that sets nothing is each entrant's own.
+    pub(crate) fn each(list: &[Named]) -> Vec<Self> {
+        let of = |network: Network| Self { name: network.name.clone(), network: network.sets().then_some(network) };
+        Network::named(list).into_iter().map(of).collect()
+    }
+
     /// The network of this name, strokes for blanks or not, or all of them.
     ///
     /// # Errors
     /// A name that no network has.
     pub fn of(text: &str) -> Result<Vec<Self>, Error> {
-        let over = |network: Network| Self { name: network.name.clone(), network: Some(network) };
         let all = named();
         // In a shell a name is easier to type with strokes for blanks.
         let typed = |name: &str| name.replace(' ', "-");
         match (text, all.iter().find(|(name, _)| typed(name) == typed(text))) {
             (OWN, _) => Ok(vec![Self::own()]),
-            (ALL, _) => Ok(std::iter::once(Self::own()).chain(Network::named(&all).into_iter().map(over)).collect()),
-            (_, Some(network)) => Ok(Network::named(&[*network]).into_iter().map(over).collect()),
+            (ALL, _) => Ok(std::iter::once(Self::own()).chain(Self::each(&all)).collect()),
+            (_, Some(network)) => Ok(Self::each(&[*network])),
             (_, None) => {
                 let hint = nearest(text, Self::names()).map(|near| format!("did you mean {near:?}? "));
                 let names: Vec<String> = Self::names().chain([ALL]).map(|name| format!("{name:?}")).collect();

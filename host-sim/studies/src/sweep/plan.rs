@@ -65,6 +65,26 @@ pub trait Plan: Sync {
         Ok(rows)
     }
 
+    /// What a job gives of every point with every seed, all cores at work: by point, and by seed. Where the network draws nothing, with the first seed
+    /// alone.
+    ///
+    /// # Errors
+    /// A scene that cannot be run.
+    fn each<T: Send>(&self, job: &(dyn Fn(usize, &Scene) -> Result<T, Error> + Sync)) -> Result<Vec<Vec<T>>, Error> {
+        let scenes = (0..self.points()).map(|point| self.scene_at(point)).collect::<Result<Vec<Scene>, Error>>()?;
+        let seeds = |scene: &Scene| if scene.draws_packets() { self.seeds() } else { 1 };
+        let all = scenes.iter().enumerate();
+        let runs: Vec<(usize, &Scene, u32)> =
+            all.flat_map(|(point, scene)| (0..seeds(scene)).map(move |later| (point, scene, later))).collect();
+        let run = |(point, scene, later): (usize, &Scene, u32)| {
+            let mut scene = scene.clone();
+            scene.world.network.seed = self.first_seed().wrapping_add(later);
+            job(point, &scene)
+        };
+        let mut found = runs.into_par_iter().map(run).collect::<Result<Vec<T>, Error>>()?.into_iter();
+        Ok(scenes.iter().map(|scene| found.by_ref().take(seeds(scene) as usize).collect()).collect())
+    }
+
     /// Runs these seeds of these points, all cores at work, in any order.
     ///
     /// # Errors

@@ -10,7 +10,7 @@ use super::motions::Motion;
 use super::search::{best, tune};
 use super::*;
 use crate::campaign::laws::{LADDER, asked_for};
-use crate::campaign::networks::Named;
+use crate::networks::Named;
 
 const FEW: &[Named] =
     &[("8 ms", &[]), ("bursts of 40 ms, 20 %", &["network.loss=0.2", "network.loss_burst_packets=40 ms"])];

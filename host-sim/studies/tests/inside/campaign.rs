@@ -12,7 +12,7 @@ fn base(overrides: &[&str]) -> Scene {
 }
 
 fn cells(scene: &Scene, networks: &[Named]) -> Vec<Cell> {
-    over_networks(&[("one".to_owned(), scene.clone())], networks, 0).expect("runs")
+    over_networks(vec![Entrant { name: "one".to_owned(), scene: scene.clone() }], networks, 0).expect("runs")
 }
 
 /// A burst of 40 ms is 5 packets of 8 ms, or 40 of 1 ms; so with every network there is.
@@ -98,7 +98,7 @@ fn the_way_is_that_of_the_scenes_own_network() {
 fn the_self_timed_row_is_any_network() {
     let laws = Laws::built_in();
     let rows = scenes(laws, &COMMS).expect("good scenes");
-    let (_, row) = rows.iter().find(|(name, _)| name == "self-timed").expect("a row");
+    let row = &rows.iter().find(|row| row.name == "self-timed").expect("a row").scene;
     let scene = scenes::load(laws, "any-network").expect("a built-in scene");
     assert_eq!(row.peer, scene.peer);
     let delay = |scene: &Scene| scene.world.network.one_way_delay_packets;

@@ -200,7 +200,8 @@ fn every_promise_is_kept_on_the_worst_networks() {
     let chosen = asked_for(laws, "all").expect("laws");
     let mut promised = 0;
     for scene in law_scenes(laws, &chosen, None, &[]).expect("scenes") {
-        let cells = over_networks(&[(scene.law().name.to_owned(), scene.clone())], &worst, 0).expect("runs");
+        let entrant = Entrant { name: scene.law().name.to_owned(), scene: scene.clone() };
+        let cells = over_networks(vec![entrant], &worst, 0).expect("runs");
         for kept in promises::kept(&scene, &cells, &worst).expect("a verdict") {
             assert!(kept.kept, "{}: {kept:?}", scene.law().name);
             promised += 1;

@@ -35,10 +35,11 @@ use haptic_sim::user::User;
 use self::promises::Kept;
 use self::stability::Stability;
 use self::touch::Touch;
-use super::networks::{self, Named};
 use super::{BASE, Cell, over_networks};
 use crate::Error;
 use crate::accuracy::counts::Processor;
+use crate::entrant::Entrant;
+use crate::networks::{self, Named};
 
 /// Peers that break nothing by themselves: one solve a tick, so that what a copy does is the law's and the network's doing.
 pub const SOLVED: [&str; 3] =
@@ -139,7 +140,7 @@ pub fn bench(laws: Laws, scenes: &[Scene], done: &dyn Fn()) -> Result<Vec<Row>, 
 fn over(laws: Laws, scenes: &[Scene], networks: &[Named], done: &dyn Fn()) -> Result<Vec<Row>, Error> {
     let row = |scene: &Scene| {
         let law = laws.all().iter().find(|law| law.name == scene.law().name).unwrap_or(scene.law());
-        let cells = over_networks(&[(law.name.to_owned(), scene.clone())], networks, 0)?;
+        let cells = over_networks(vec![Entrant { name: law.name.to_owned(), scene: scene.clone() }], networks, 0)?;
         let stable = cells[0].is_stable();
         let (stability, touch) = rayon::join(
             || stability::judged(scene, stable).map_err(|why| why.to_string()),

@@ -16,8 +16,8 @@ use haptic_sim::scene::Scene;
 use haptic_sim::user::{Trace, User};
 
 use super::super::Cell;
-use super::super::networks::{self, Named};
 use crate::Error;
+use crate::networks::{self, Named};
 
 /// Above this a channel makes energy; sums of some 10⁴ products round by less.
 const ROUNDING_MJ: f64 = 1e-6;

@@ -1,10 +1,8 @@
-//! The networks of the campaign.
+//! Networks by name: those of the campaign, which studies take as well, and how a scene is put over one.
 //!
 //! What a table of a scene counts in packets may be given in milliseconds here (`network.loss_burst_packets=40 ms`): it is as many
 //! packets as the scene sends in that time, so that a network is the same for every packet period.
 
-use haptic_sim::network::fitted::Like;
-use haptic_sim::network::rule::Jitter;
 use haptic_sim::scene::Scene;
 
 use crate::Error;
@@ -70,7 +68,7 @@ pub(crate) const IMPAIRMENTS: &[Named] = &[
 ];
 
 /// Networks of the costs.
-pub(super) const FEW: &[Named] = &[("no loss", &[]), ("20 % lost", &["network.loss=0.2"])];
+pub(crate) const FEW: &[Named] = &[("no loss", &[]), ("20 % lost", &["network.loss=0.2"])];
 
 /// The scene over this network.
 pub(crate) fn over(scene: &Scene, settings: &[&str]) -> Result<Scene, Error> {
@@ -89,19 +87,11 @@ pub(crate) fn over(scene: &Scene, settings: &[&str]) -> Result<Scene, Error> {
     Ok(scene)
 }
 
-/// Whether another seed gives another run.
-pub(crate) fn is_random(scene: &Scene) -> bool {
-    let network = &scene.world.network;
-    let chances = [network.loss, network.reorder, network.duplicate, network.corrupt];
-    let drawn = network.jitter != Jitter::None || network.like != Like::None;
-    scene.network_trace.is_none() && (drawn || chances.iter().any(|chance| *chance > 0.0))
-}
-
 /// Whether every packet arrives, in order and all equally late, each direction by itself.
-pub(super) fn is_constant(scene: &Scene) -> bool {
+pub(crate) fn is_constant(scene: &Scene) -> bool {
     let network = &scene.world.network;
     let changes = [network.delay_step_s, network.bandwidth_bit_per_s, network.clock_drift_ppm];
-    !is_random(scene)
+    !scene.draws_packets()
         && scene.network_trace.is_none()
         && network.reverse_block_packets <= 1
         && changes.iter().all(|change| *change == 0.0)
