@@ -54,9 +54,21 @@ pub(crate) fn wheel(source: &Path, folder: &Path, profile: &str) -> Result<PathB
     let failed = |cause| Failure::new(format!("cannot put the wheel into {}: {cause}", folder.display()));
     let mut files = fs::read_dir(&built).map_err(failed)?.flatten();
     let new = files.next().ok_or_else(|| Failure::new("maturin made no wheel"))?.path();
-    let wheel = folder.join(new.file_name().unwrap_or_default());
+    let name = new.file_name().unwrap_or_default().to_string_lossy();
+    is_for_others(&name)?;
+    let wheel = folder.join(&*name);
     fs::rename(&new, &wheel).and_then(|()| fs::remove_dir(&built)).map_err(failed)?;
     Ok(wheel)
+}
+
+/// A wheel that says `linux` is of this machine alone, and no registry takes it: maturin says `manylinux` and the glibc that it needs at least where
+/// nothing but what every Linux has is linked.
+fn is_for_others(name: &str) -> Result<(), Failure> {
+    let system = name.trim_end_matches(".whl").rsplit('-').next().unwrap_or_default();
+    if system.starts_with("linux") {
+        return Err(Failure::new(format!("{name} is for this machine alone: it links what not every Linux has")));
+    }
+    Ok(())
 }
 
 /// Builds the wheel, installs it, and has host-sim/python/tests compare what it gives with the command line's word.
@@ -70,4 +82,17 @@ pub(crate) fn python() -> Result<(), Failure> {
     tests.env("HOST_SIM", target().join("debug/host-sim"));
     run(tests.arg("host-sim/python/tests"))?;
     lerobot::check(&wheel)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wheel_of_one_machine_is_refused() {
+        assert!(is_for_others("haptic_sim-0.1.0-cp311-abi3-manylinux_2_35_x86_64.whl").is_ok());
+        assert!(is_for_others("haptic_sim-0.1.0-cp311-abi3-macosx_11_0_arm64.whl").is_ok());
+        let said = is_for_others("haptic_sim-0.1.0-cp311-abi3-linux_x86_64.whl").expect_err("refused").to_string();
+        assert!(said.contains("linux_x86_64.whl is for this machine alone"), "{said}");
+    }
 }
