@@ -243,10 +243,6 @@ impl Console {
         ] {
             write!(to, "{name} {} ", word.get())?;
         }
-        let [now, last] = Fitted::says(signals);
-        if let Some(why) = last.or(now) {
-            write!(to, "{why}; ")?;
-        }
         let (stage, saves) = (status::stage(signals.stage.get()), signals.saves.get());
         let saving = match signals.saving.get() {
             Saving::Busy => ", saving",
@@ -254,6 +250,10 @@ impl Console {
             Saving::Done => "",
         };
         write!(to, "refused {}; link {stage}; ", signals.refused.get())?;
+        let [now, last] = Fitted::says(signals);
+        if let Some(why) = last.or(now) {
+            write!(to, "{why}; ")?;
+        }
         if signals.let_go.get() {
             to.write_str("motors off: the operator was silent; ")?;
         } else if mode == Mode::Armed && signals.patience.get() == 0 {

@@ -72,6 +72,11 @@ impl Firmware {
         Self::read(&path().with_file_name("firmware-three-axes"))
     }
 
+    /// The image for a moteus under test, which lies beside it.
+    pub fn moteus() -> Self {
+        Self::read(&path().with_file_name("firmware-moteus"))
+    }
+
     /// The image for the NUCLEO-H753ZI, which lies beside it.
     pub fn second_board() -> Self {
         Self::read(&path().with_file_name("firmware-nucleo-h753zi"))

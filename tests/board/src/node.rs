@@ -15,6 +15,8 @@ use rigless::soc::Width;
 use rigless::time::VirtualNanos;
 
 use crate::image::Firmware;
+use crate::part::fdcan::BusFault;
+use crate::part::moteus::{Controller, Planted};
 use crate::part::motors::Motors;
 use crate::part::pins::{self, Edge};
 use crate::part::{Bridges, Gate, MOTORS, Nucleo, Part};
@@ -34,6 +36,12 @@ pub struct Inputs {
     pub bridge_fails: Option<bool>,
     /// The amplifiers' enable is wired another way.
     pub gate: Option<Gate>,
+    /// What is wrong with the CAN bus from now on, and errors that its sender has counted already.
+    pub bus: Option<(BusFault, u32)>,
+    /// What the motor's controller there does wrong from now on.
+    pub controller: Option<Planted>,
+    /// Counts of the joint for a revolution of that controller's output.
+    pub counts_per_rev: Option<f64>,
     /// So many triggers do not reach the converter.
     pub misses: Option<u32>,
     /// The chip's supply dips below what its voltage detector is set to.
@@ -73,6 +81,8 @@ pub struct Stopped {
     pub frames: Vec<(u64, Vec<u8>)>,
     /// What the bridges are commanded.
     pub bridges: Bridges,
+    /// The motor's controller at the CAN bus, whether the image knows of one or not.
+    pub controller: Controller,
     /// Watched instructions that were reached.
     pub hits: Vec<Hit>,
     /// Number of resets so far.
@@ -178,6 +188,7 @@ impl Driver<Nucleo> for Stepper {
             at: stop.at.0,
             frames: std::mem::take(&mut part.dma.sent),
             bridges: part.bridges(stop.at),
+            controller: part.can.controller,
             hits: std::mem::take(&mut self.hits),
             peeked: std::mem::take(&mut self.peeked),
             resets,
@@ -206,6 +217,15 @@ impl Driver<Nucleo> for Stepper {
         }
         if let Some(gate) = inputs.gate {
             part.wire_gate(stop.at, gate);
+        }
+        if let Some((fault, errors)) = inputs.bus {
+            (part.can.fault, part.can.errors) = (fault, errors);
+        }
+        if let Some(planted) = inputs.controller {
+            part.can.controller.planted = planted;
+        }
+        if let Some(counts) = inputs.counts_per_rev {
+            part.can.controller.counts_per_rev = counts;
         }
         if let Some(misses) = inputs.misses {
             part.converter.misses = misses;

@@ -86,9 +86,22 @@ pub fn closed_loop_given(scene: &Scene, boards: [Armed<'_>; 2]) -> Equal {
 /// # Panics
 /// host-sim refuses the scene.
 pub fn closed_loop_ordered(scene: &Scene, boards: [Armed<'_>; 2], orders: &[(usize, u64, Command)]) -> Equal {
+    closed_loop_read(scene, boards, orders, [false; 2])
+}
+
+/// [`closed_loop_given`] of boards of which some hear from a motor's controller where the joint was a tick ago (`late`).
+///
+/// # Panics
+/// host-sim refuses the scene.
+pub fn closed_loop_late(scene: &Scene, boards: [Armed<'_>; 2], late: [bool; 2]) -> Equal {
+    closed_loop_read(scene, boards, &[], late)
+}
+
+fn closed_loop_read(scene: &Scene, boards: [Armed<'_>; 2], orders: &[(usize, u64, Command)], late: [bool; 2]) -> Equal {
     let mut pair = Pair::<f32>::new(scene).expect("the boards took it");
     // Nobody is there until he is heard.
     pair.sides_mut().for_each(|side| side.peer.part());
+    let mut before_last = pair.sides().map(|side| side.plant.sensors::<f32>());
     let begin = boards.iter().map(|board| board.standing).max().unwrap_or(0) as u64;
     let before = boards.map(|board| begin - board.standing as u64);
     let ticks = boards.iter().zip(before).map(|(board, before)| board.records.len() as u64 + before).min().unwrap_or(0);
@@ -113,7 +126,10 @@ pub fn closed_loop_ordered(scene: &Scene, boards: [Armed<'_>; 2], orders: &[(usi
                 for (_, _, order) in orders.iter().filter(|(board, before, _)| (*board, *before) == (at, tick)) {
                     side.peer.command(*order);
                 }
-                let sensors = side.plant.sensors::<f32>();
+                let mut sensors = side.plant.sensors::<f32>();
+                if late[at] {
+                    std::mem::swap(&mut sensors, &mut before_last[at]);
+                }
                 let actuators = side.peer.tick(&sensors);
                 if let Some(moving) = tick.checked_sub(begin) {
                     side.plant.step(moving as f64 * scene.peer.timing.control_period_s, &actuators);

@@ -90,7 +90,7 @@ pub(crate) fn is_off() -> bool {
     CAN.psr().read().bo()
 }
 
-/// Comes back after that, when 129 times 11 recessive bits have passed.
+/// Comes back after that, when 129 times 11 recessive bits have passed; nothing changes for one that is there.
 pub(crate) fn come_back() {
     CAN.cccr().write(|w| w.0 = DAR | FDOE | BRSE);
 }

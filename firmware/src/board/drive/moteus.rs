@@ -95,7 +95,7 @@ impl Drive for Moteus {
     fn rest(&mut self, _: &Self::Plan, _: [Counts; JOINTS]) {
         bridges::off();
         self.driving = false;
-        if self.motor.trouble() == Trouble::BusOff {
+        if self.motor.trouble() != Trouble::None {
             fdcan::come_back();
         }
         fdcan::send(QUESTION, self.motor.stop());

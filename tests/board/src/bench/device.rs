@@ -70,7 +70,12 @@ impl Device {
             motors.moves(begins_ns, time_s);
             return None;
         }
-        Some(motors.step(time_s, duties(bridges), bridges.currents().is_some()))
+        let (duties, enable) = if bridges.by_controller {
+            (motors.duties(bridges.torque_nm.unwrap_or(0.0)), bridges.torque_nm.is_some())
+        } else {
+            (duties(bridges), bridges.currents().is_some())
+        };
+        Some(motors.step(time_s, duties, enable))
     }
 }
 

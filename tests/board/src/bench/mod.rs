@@ -93,7 +93,20 @@ impl Bench {
     /// # Panics
     /// As [`Bench::start`].
     pub fn power_on(firmware: &Arc<Firmware>, boards: usize, line: Line, ms: u64, first: impl Fn(&mut Inputs)) -> Self {
-        let nodes: Vec<Node> = (1..=boards).map(|number| Node::new(firmware.clone(), number)).collect();
+        Self::of_images(&vec![firmware.clone(); boards], line, ms, first)
+    }
+
+    /// [`Bench::start`] of a board for each of these images.
+    ///
+    /// # Panics
+    /// As [`Bench::start`].
+    pub fn mixed(images: &[Arc<Firmware>], line: Line) -> Self {
+        Self::of_images(images, line, 58, |_| {})
+    }
+
+    fn of_images(images: &[Arc<Firmware>], line: Line, ms: u64, first: impl Fn(&mut Inputs)) -> Self {
+        let boards = images.len();
+        let nodes: Vec<Node> = (1..).zip(images).map(|(number, image)| Node::new(image.clone(), number)).collect();
         let each = || (0..boards).map(|_| Inputs::default()).collect::<Vec<_>>();
         let mut bench = Self {
             scene: for_boards(&Scene::default()),
@@ -101,8 +114,8 @@ impl Bench {
             loose: Vec::new(),
             stopped: nodes.iter().map(|_| Stopped::default()).collect(),
             inputs: each(),
-            meters: nodes.iter().map(|_| Meter::new(firmware, TICK)).collect(),
-            loops: nodes.iter().map(|_| Meter::new(firmware, LOOP)).collect(),
+            meters: images.iter().map(|image| Meter::new(image, TICK)).collect(),
+            loops: images.iter().map(|image| Meter::new(image, LOOP)).collect(),
             nodes,
             wire: Wire::new(line),
             pc: Pc::default(),
@@ -122,7 +135,7 @@ impl Bench {
             first(inputs);
         }
         bench.run_to(ms * PERIOD_NS);
-        bench.align(firmware);
+        bench.align_each(images);
         // The PHY is asked for its link every 500 ms: it is there the second time.
         for number in 1..=boards {
             bench.meet(number);
@@ -135,15 +148,22 @@ impl Bench {
     ///
     /// # Panics
     /// A board's tick does not run, or two boards' ticks are 0.1 ms apart.
-    pub fn align(&mut self, firmware: &Firmware) {
-        let entry = firmware.address("TIM6_DAC");
-        self.inputs.iter_mut().for_each(|inputs| inputs.watch.push(entry));
+    pub fn align(&mut self, firmware: &Arc<Firmware>) {
+        self.align_each(&vec![firmware.clone(); self.nodes.len()]);
+    }
+
+    fn align_each(&mut self, images: &[Arc<Firmware>]) {
+        let entries: Vec<u64> = images.iter().map(|image| image.address("TIM6_DAC")).collect();
+        let each = |entries: &[u64], inputs: &mut [Inputs], put: fn(&mut Inputs, u64)| {
+            inputs.iter_mut().zip(entries).for_each(|(inputs, entry)| put(inputs, *entry));
+        };
+        each(&entries, &mut self.inputs, |inputs, entry| inputs.watch.push(entry));
         self.run_to(self.now_ns + 2 * PERIOD_NS);
         let phases: Vec<u64> =
             (self.stopped.iter()).map(|stopped| stopped.hits.last().expect("the tick runs").at.0 % PERIOD_NS).collect();
         let spread = phases.iter().max().expect("a board") - phases.iter().min().expect("a board");
         assert!(spread < 100_000, "the boards' ticks are {spread} ns apart");
-        self.inputs.iter_mut().for_each(|inputs| inputs.unwatch.push(entry));
+        each(&entries, &mut self.inputs, |inputs, entry| inputs.unwatch.push(entry));
         let middle = (phases[0] + PERIOD_NS / 2) % PERIOD_NS;
         self.run_to((self.now_ns / PERIOD_NS + 1) * PERIOD_NS + middle);
     }

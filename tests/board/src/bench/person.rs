@@ -89,6 +89,7 @@ impl Bench {
         for (device, inputs) in self.devices.iter().flatten().zip(&mut self.inputs) {
             inputs.counts = Some(device.motors().turn());
             inputs.motors = Some(device.stage());
+            inputs.counts_per_rev = Some(scene.peer.encoder.counts_per_rev);
         }
         self.hold_buttons(true);
         for (index, settings) in scene.peers().iter().enumerate().take(self.nodes.len()) {

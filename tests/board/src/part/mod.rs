@@ -8,6 +8,8 @@
 //! | [`iwdg`] | the independent watchdog |
 //! | [`wwdg`] | the window watchdog |
 //! | [`converter`] | the injected group of ADC1 |
+//! | [`fdcan`] | FDCAN1, its message memory and the bus behind it |
+//! | [`moteus`] | the motor controller at that bus |
 //! | [`motors`] | what hangs at the bridges: host-sim's plant and windings |
 //! | [`pins`] | pins by name, and which timer's input each leads to |
 //! | `serial` | the PC behind the ST-LINK, at USART3 |
@@ -17,7 +19,9 @@
 pub mod converter;
 pub mod encoder;
 pub mod ethernet;
+pub mod fdcan;
 pub mod iwdg;
+pub mod moteus;
 pub mod motors;
 pub mod oscillator;
 pub mod pins;
@@ -38,12 +42,13 @@ use rigless::soc::stm32h743::peripherals::rcc::{CLOCK_FAILURE, Rcc};
 use rigless::soc::stm32h743::peripherals::rng::{self, Rng};
 use rigless::soc::stm32h743::peripherals::tim::{ADVANCED_TIMERS, BreakInput, BreakSource, Tim};
 use rigless::soc::stm32h743::peripherals::usart;
-use rigless::soc::{Bus, Error, Width};
+use rigless::soc::{Bus, Error, Gate as ClockGate, Width, Window};
 use rigless::time::VirtualNanos;
 
 use converter::Converter;
 use encoder::EncoderTimer;
 use ethernet::{Dma, Mac};
+use fdcan::{Fdcan, MessageMemory};
 use iwdg::Iwdg;
 use motors::Motors;
 use oscillator::Missing;
@@ -80,7 +85,7 @@ pub enum Gate {
 }
 
 /// What stands at the inputs of bridges or amplifiers, and at their enable line, at an instant.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bridges {
     /// Compare values of the timer's channels: the legs of bridge 1, and those of bridge 2; or the first legs of three, and the gate.
     pub compare: [u16; 4],
@@ -96,6 +101,10 @@ pub struct Bridges {
     pub fourth: bool,
     /// What the amplifiers' enable goes through.
     pub gate: Gate,
+    /// There is a motor with a controller of its own instead: it was spoken to.
+    pub by_controller: bool,
+    /// Its torque, N·m; none while its windings are free.
+    pub torque_nm: Option<f64>,
 }
 
 impl Bridges {
@@ -138,7 +147,7 @@ impl Bridges {
 
     /// Whether current can flow at all.
     pub fn on(&self) -> bool {
-        self.outputs && self.enable
+        if self.by_controller { self.torque_nm.is_some() } else { self.outputs && self.enable }
     }
 }
 
@@ -157,6 +166,9 @@ pub struct Part {
     pub wwdg: Wwdg,
     /// Converter ADC1 with the motors' currents.
     pub converter: Converter,
+    /// FDCAN1 with a motor's controller behind it.
+    pub can: Fdcan,
+    message_memory: MessageMemory,
     /// TIM3, TIM4 and TIM2 with an encoder each.
     pub encoders: [EncoderTimer; MOTORS],
     /// Pulses of TIM1's second trigger output so far.
@@ -184,6 +196,8 @@ struct Slots {
     iwdg: usize,
     wwdg: usize,
     adc1: usize,
+    can: usize,
+    message_memory: usize,
     encoders: [usize; MOTORS],
     /// Ports A to G.
     gpio: [usize; 7],
@@ -197,7 +211,10 @@ const USART3: usize = 2;
 
 impl Part {
     fn new(strap_to_ground: bool) -> Result<Self, Error> {
-        let chip = Stm32h743::new()?;
+        let mut chip = Stm32h743::new()?;
+        let memory = Window::new("FDCAN message memory", fdcan::MEMORY_AT, fdcan::MEMORY);
+        // One clock is on for both (RM0433 §8.7.46).
+        let message_memory = chip.bus_mut().add_window(memory.gated(ClockGate::by("RCC", "APB1HENR", "FDCANEN")))?;
         let slot = |name| chip.bus().slot(name);
         let slots = Slots {
             mac: slot("Ethernet_MAC")?,
@@ -207,6 +224,8 @@ impl Part {
             iwdg: slot("IWDG")?,
             wwdg: slot("WWDG")?,
             adc1: slot("ADC1")?,
+            can: slot("FDCAN1")?,
+            message_memory,
             encoders: [slot("TIM3")?, slot("TIM4")?, slot("TIM2")?],
             gpio: [
                 slot("GPIOA")?,
@@ -222,6 +241,8 @@ impl Part {
             usart3: slot(usart::INSTANCES[USART3])?,
         };
         let (mac, dma) = ethernet::pair();
+        let (can, mut memory) = fdcan::pair();
+        memory.layout = chip.bus().slots()[message_memory].peripheral().registers;
         let encoders = [1, 2, 0].map(EncoderTimer::new);
         let mut part = Self {
             chip,
@@ -230,6 +251,8 @@ impl Part {
             iwdg: Iwdg::default(),
             wwdg: Wwdg::default(),
             converter: Converter::default(),
+            can,
+            message_memory: memory,
             encoders,
             triggers: 0,
             slots,
@@ -415,6 +438,7 @@ impl Part {
 
     /// Moves the encoders to these counts, edge by edge, from `at` on.
     pub fn turn(&mut self, at: VirtualNanos, counts: [i64; MOTORS]) {
+        self.can.controller.counts = counts[0];
         for ((encoder, slot), counts) in self.encoders.iter_mut().zip(self.slots.encoders).zip(counts) {
             let (_, mut context) = self.chip.bus_mut().drive(at, slot);
             encoder.turn(counts, &mut context);
@@ -430,6 +454,7 @@ impl Part {
 
     /// What the bridges are commanded now.
     pub fn bridges(&mut self, at: VirtualNanos) -> Bridges {
+        let (by_controller, torque_nm) = (self.can.frames != [0; 2], self.can.controller.torque_nm(at.0));
         let mut peek = |address| self.peek(at, address, Width::W32).unwrap_or(0);
         let (mode, output) = (peek(0x5802_1400), peek(0x5802_1414));
         // Port E: mode and alternate function of pin 14.
@@ -446,6 +471,8 @@ impl Part {
             enable: mode >> 6 & 3 == 1 && output & 1 << 3 != 0,
             fourth: pins >> 28 & 3 == 2 && function >> 24 & 15 == 1 && channels & FOURTH != 0,
             gate: self.gate,
+            by_controller,
+            torque_nm,
         }
     }
 }
@@ -464,6 +491,7 @@ impl Mcu for Part {
         Device::reset(&mut self.iwdg);
         Device::reset(&mut self.wwdg);
         Device::reset(&mut self.converter);
+        Device::reset(&mut self.can);
         for encoder in &mut self.encoders {
             Device::reset(encoder);
         }
@@ -495,6 +523,8 @@ impl Mcu for Part {
             s if s == self.slots.iwdg => &mut self.iwdg,
             s if s == self.slots.wwdg => &mut self.wwdg,
             s if s == self.slots.adc1 => &mut self.converter,
+            s if s == self.slots.can => &mut self.can,
+            s if s == self.slots.message_memory => &mut self.message_memory,
             s if s == self.slots.encoders[0] => one,
             s if s == self.slots.encoders[1] => two,
             s if s == self.slots.encoders[2] => three,

@@ -5,6 +5,7 @@
 //! moves it once a control period under the duties that the bridges are commanded ([`Motors::step`]).
 
 use haptic_core::device::encoder::Counts;
+use haptic_core::device::kinematics::KinematicsName;
 use haptic_core::device::{AXES, Reading, motor::Duty};
 use haptic_core::num::Motion;
 use haptic_core::peer::Actuators;
@@ -50,6 +51,8 @@ pub struct Motors {
     supply_v: [f64; 2],
     /// That contact is open.
     cut: bool,
+    /// Torque at full current of a motor that turns as its controller counts, N·m.
+    full_nm: f64,
 }
 
 /// Volts at the end of the converter's range, through the divider.
@@ -68,7 +71,16 @@ impl Motors {
             _ => Body::Plane(Box::new(Plant::new(scene, index))),
         };
         let (has_stage, supply_v) = (has_loop(scene), [scene.world.plant.supply_v; 2]);
-        Self { body, counts: [0; MOTORS], read: [0; MOTORS], has_stage, held: None, next: None, supply_v, cut: false }
+        let (motor, encoder) = (&scene.peer.motor, &scene.peer.encoder);
+        // A slide is moved by a drum: as many metres a revolution as that has counts.
+        let drum_m = if scene.peer.kinematics.model == KinematicsName::Direct {
+            encoder.counts_per_rev / encoder.counts_per_m / std::f64::consts::TAU
+        } else {
+            1.0
+        };
+        let full_nm = motor.newton_or_newton_metre_per_a * motor.full_scale_a * drum_m;
+        let (held, next, cut) = (None, None, false);
+        Self { body, counts: [0; MOTORS], read: [0; MOTORS], has_stage, held, next, supply_v, cut, full_nm }
     }
 
     /// The emergency stop's second contact opens, or closes.
@@ -119,6 +131,12 @@ impl Motors {
             Body::Space(plant) => step(plant, time_s, duties, enable),
         }
         self.turn()
+    }
+
+    /// The duties of which this torque of its first motor (N·m) is the share.
+    pub fn duties(&self, torque_nm: f64) -> [Duty; MOTORS] {
+        let code = torque_nm / self.full_nm * f64::from(Duty::FULL_SCALE);
+        [Duty(code.round() as i16), Duty::OFF, Duty::OFF]
     }
 
     /// How fast it moves along its first axis, m/s.

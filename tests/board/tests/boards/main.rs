@@ -12,6 +12,7 @@
 //! | [`rig`] | does the rig (tests/rig) find what is wrong with a board? |
 //! | [`second_board`] | does the other board's image do what the first's does? |
 //! | [`three_axes`] | do they along three shared axes? |
+//! | [`moteus`] | does a board whose motor has a controller of its own do so, and let go of it? |
 //! | [`clutch`] | does a leader's clutch change the force by no more than its share? |
 //! | [`partner`] | is a board with host-sim's live peer as good as with a board? |
 //! | [`far`] | does it hold one object with a peer far away, by the PC beside it? |
@@ -34,6 +35,7 @@ mod far;
 mod faults;
 mod impostor;
 mod keys;
+mod moteus;
 mod one_board;
 mod papers_comms;
 mod partner;

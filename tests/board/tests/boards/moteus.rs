@@ -1,0 +1,221 @@
+//! A board whose motor has a controller of its own, a moteus on its CAN bus: it holds one cube with a board behind whose PWM amplifiers are, bit for
+//! bit what host-sim computes, and its motor is off within a stated time of whatever goes wrong, with the cause told.
+//!
+//! Longer: `HAPTIC_SECONDS=10 cargo test -p board-bench --test boards moteus::`, which runs the first of these over 10 s instead of 2.
+
+use std::sync::Arc;
+
+use board_bench::bench::Bench;
+use board_bench::cost::MedianAndMost;
+use board_bench::image::Firmware;
+use board_bench::node::Inputs;
+use board_bench::part::fdcan::BusFault;
+use board_bench::part::moteus::Planted;
+use board_bench::trial;
+use board_bench::twin::{self, Armed, Equal};
+use board_bench::wire::Line;
+use board_bench::{node::Report, reviewed};
+use firmware_parts::moteus::{LOST, WATCHDOG_MS};
+use haptic_sim::scene::Scene;
+
+use crate::breaks;
+
+/// GPIOD_MODER and GPIOD_AFRL.
+const PORT_D: [u64; 2] = [0x5802_0C00, 0x5802_0C20];
+
+fn scene() -> Scene {
+    breaks::scene(&[])
+}
+
+/// What a board with the usual image and one with a moteus computed, for so long.
+fn run(seconds: u64) -> (Equal, MedianAndMost, Vec<Report>) {
+    let scene = scene();
+    let images = [Firmware::release(), Firmware::moteus()].map(Arc::new);
+    let mut bench = Bench::mixed(&images, trial::line(&scene).expect("a wire can do it"));
+    bench.set_up(&scene).expect("the boards take the scene");
+    bench.arm();
+    bench.count_instructions();
+    bench.run_for_ms(1000 * seconds);
+    let instructions = MedianAndMost::of(bench.meters[1].ticks.iter().copied());
+    // What is still in the boards comes out.
+    bench.send(1, "stream off");
+    bench.send(2, "stream off");
+    bench.run_for_ms(100);
+    assert!(!bench.stopped[1].controller.pulled, "gains, an integrator, or a watchdog that never ends");
+    let whole = [1, 2].map(|number| bench.since_armed(number));
+    let length = whole.iter().map(|board| board.records.len() - board.standing).min().unwrap_or(0);
+    let boards = whole.map(|board| Armed { records: &board.records[..board.standing + length], ..board });
+    assert!(length as u64 >= 1000 * seconds, "only {length} ticks were recorded");
+    for board in boards {
+        assert!(board.records.windows(2).all(|two| two[1].tick() == two[0].tick() + 1), "telemetry lost ticks");
+    }
+    // They hold it: the cube moves, and both hands feel it.
+    let moved = boards
+        .map(|board| board.records.iter().map(|record| record.observed().object.position.abs()).fold(0.0, f32::max));
+    assert!(moved.iter().all(|moved| *moved > 0.001), "{moved:?}");
+    let equal = twin::closed_loop_late(&scene, boards, [false, true]);
+    // A board that heard in time would compute something else.
+    assert_ne!(twin::closed_loop_late(&scene, boards, [false, false]).first_difference, None);
+    (equal, instructions, bench.finish())
+}
+
+#[test]
+fn a_board_with_amplifiers_and_one_with_a_moteus_hold_one_cube() {
+    let seconds = std::env::var("HAPTIC_SECONDS").map_or(2, |seconds| seconds.parse().expect("seconds"));
+    let wall = std::time::Instant::now();
+    let (equal, instructions, reports) = run(seconds);
+    println!("{seconds} s in {:.0} s: {equal:?}, {instructions:?}", wall.elapsed().as_secs_f64());
+    assert_eq!(equal.first_difference, None);
+    assert!(instructions.max <= 1300, "{instructions:?}");
+    reports.iter().for_each(reviewed::check);
+}
+
+/// A board alone with a moteus, armed.
+fn armed() -> Bench {
+    let mut bench = breaks::armed(&Arc::new(Firmware::moteus()), &scene());
+    assert!(bench.stopped[0].bridges.on(), "its torque is on");
+    let pins = bench.peek(1, PORT_D);
+    assert_eq!((pins[0] & 15, pins[1] & 0xFF), (0b1010, 0x99), "PD0 and PD1 lead to FDCAN1");
+    bench
+}
+
+type Cause = fn(&mut Inputs);
+
+/// What goes wrong, what undoes it, within how many ms the torque is gone, and what is told.
+const CAUSES: [(&str, Cause, Cause, u64, &str); 11] = [
+    ("no supply", |i| i.controller = Some(Planted::Dead), mended, 1, "fault 65"),
+    ("answers nothing", |i| i.controller = Some(Planted::Mute), mended, LOST as u64 + 2, "fault 65"),
+    ("a wire of the bus is off", |i| i.bus = Some((BusFault::Open, 0)), mended, WATCHDOG_MS as u64 + 1, "fault 65"),
+    ("the bus is shorted", |i| i.bus = Some((BusFault::Shorted, 0)), mended, WATCHDOG_MS as u64 + 1, "fault 65"),
+    (
+        "the bus is shorted, after many errors",
+        |i| i.bus = Some((BusFault::Shorted, 248)),
+        mended,
+        WATCHDOG_MS as u64 + 1,
+        "fault 68",
+    ),
+    ("its fault 38", |i| i.controller = Some(Planted::Fails(38)), mended, 1, "fault 66"),
+    ("81 °C", |i| i.controller = Some(Planted::Warm(81)), mended, 3, "fault 67"),
+    ("56 V", |i| i.controller = Some(Planted::Supply(112)), mended, 3, "fault 19"),
+    ("a position that is none", |i| i.controller = Some(Planted::NotANumber), mended, 3, "fault 1 "),
+    ("it lets go", |i| i.controller = Some(Planted::LetsGo), mended, 1, "fault 69"),
+    (
+        "the emergency stop",
+        |i| i.press = Some(true),
+        |i| {
+            mended(i);
+            i.press = Some(false);
+        },
+        2,
+        "disarmed fault 0",
+    ),
+];
+
+fn mended(inputs: &mut Inputs) {
+    (inputs.controller, inputs.bus) = (Some(Planted::None), Some((BusFault::None, 0)));
+}
+
+/// What `status` says besides of some of them.
+fn explained(what: &str) -> &'static str {
+    match what {
+        "no supply" | "answers nothing" | "a wire of the bus is off" => "; the motor's controller does not answer: ",
+        "the bus is shorted" | "the bus is shorted, after many errors" => "; the board is off the motor's bus: ",
+        "its fault 38" => "; the motor's controller, its fault 38: too warm; ",
+        "56 V" => "; the motor's controller has less than motor.min_supply_v, or more than motor.max_supply_v; ",
+        _ => "",
+    }
+}
+
+#[test]
+fn the_torque_is_gone_within_its_time_and_the_cause_is_told() {
+    for (what, breaks, mends, within_ms, told) in CAUSES {
+        let mut bench = armed();
+        breaks(bench.input(1));
+        let begun = bench.now_ns();
+        while bench.stopped[0].bridges.on() {
+            bench.run_for_us(100);
+            assert!(bench.now_ns() <= begun + (within_ms + 1) * 1_000_000, "{what}: the torque stays");
+        }
+        let after_ms = (bench.now_ns() - begun) as f64 / 1e6;
+        println!("{what}: gone after {after_ms} ms");
+        assert!(after_ms <= within_ms as f64 + 0.1, "{what}: gone after {after_ms} ms");
+        bench.run_for_ms(40);
+        let status = bench.ask(1, "status");
+        assert!(status.contains(told) && status.contains(explained(what)), "{what}: {status}");
+        assert!(!bench.stopped[0].bridges.on(), "{what}: on again by itself");
+        // It is not armed while that lasts, and only after an order when it is over.
+        assert!(bench.ask(1, "arm").starts_with("error "), "{what}");
+        mends(bench.input(1));
+        bench.run_for_ms(20);
+        assert!(!bench.stopped[0].bridges.on(), "{what}: on again by itself");
+        assert_eq!(bench.ask(1, "clear"), "ok disarmed", "{what}");
+        let mut answer = bench.ask(1, "arm");
+        if answer.starts_with("error check first: ") {
+            assert_eq!(bench.check(1).map_err(|why| why.to_string()), Ok(()), "{what}");
+            answer = bench.ask(1, "arm");
+        }
+        assert_eq!(answer, "ok armed", "{what}");
+        bench.run_for_ms(20);
+        assert!(bench.stopped[0].bridges.on(), "{what}: on after clear and arm");
+        bench.finish().iter().for_each(reviewed::check);
+    }
+}
+
+/// Nothing that computes is needed for the controller to let go.
+#[test]
+fn a_board_that_stands_sends_nothing_and_the_motor_lets_go_by_itself() {
+    /// b .; b .
+    const FOR_EVER: u32 = 0xE7FE_E7FE;
+    let firmware = Arc::new(Firmware::moteus());
+    let mut bench = armed();
+    bench.input(1).poke.push((firmware.address("TIM6_DAC"), FOR_EVER));
+    let begun = bench.now_ns();
+    while bench.stopped[0].bridges.on() {
+        bench.run_for_us(100);
+        assert!(bench.now_ns() < begun + 20_000_000, "the torque stays");
+    }
+    let after_ns = bench.now_ns() - begun;
+    println!("gone {} ms after the tick stood still", after_ns as f64 / 1e6);
+    assert!(after_ns <= u64::from(WATCHDOG_MS) * 1_000_000 + 200_000, "{after_ns} ns");
+    bench.finish();
+}
+
+#[test]
+fn a_board_without_an_answering_motor_starts_and_is_not_armed() {
+    let firmware = Arc::new(Firmware::moteus());
+    let mut bench = Bench::power_on(&firmware, 1, Line::default(), 58, |inputs| {
+        inputs.controller = Some(Planted::Dead);
+    });
+    bench.set_up(&scene()).expect("the board takes it");
+    assert!(bench.ask(1, "status").contains(" disarmed fault 0 "), "silence is no fault before the first answer");
+    let why = "error the motor's controller does not answer: look at its supply, its bus, its identifier (1)";
+    assert_eq!([bench.ask(1, "check 1"), bench.ask(1, "arm")], [why, why]);
+    bench.input(1).controller = Some(Planted::None);
+    bench.run_for_ms(5);
+    assert_eq!(bench.check(1).map_err(|why| why.to_string()), Ok(()));
+    assert_eq!(bench.ask(1, "arm"), "ok armed");
+    bench.finish();
+}
+
+#[test]
+fn what_one_motor_cannot_do_is_refused() {
+    let firmware = Arc::new(Firmware::moteus());
+    let mut bench = Bench::start(&firmware, 1, Line::default());
+    bench.hold_buttons(true);
+    bench.run_for_ms(100);
+    for (set, back, says) in [
+        ("axis.count 2", "axis.count 1", "1, because the image for a moteus drives one motor"),
+        (
+            "motor.drive current-loop",
+            "motor.drive amplifier",
+            "amplifier, because a moteus makes the current of its torque by itself",
+        ),
+    ] {
+        assert!(bench.ask(1, &format!("set {set}")).starts_with("ok"), "{set}");
+        let refused = bench.ask(1, "apply");
+        assert!(refused.starts_with("error ") && refused.contains(says), "{set}: {refused}");
+        assert!(bench.ask(1, &format!("set {back}")).starts_with("ok"), "{back}");
+    }
+    assert_eq!(bench.ask(1, "apply"), "ok applied");
+    bench.finish();
+}
