@@ -8,7 +8,7 @@ use clap::{Args, ValueEnum};
 use haptic_emulators::hand::{Grip, Hand, Task};
 use haptic_emulators::{Emulated, Seen, inverse3};
 use haptic_live::devices::haply;
-use haptic_live::endpoint::Stop;
+use haptic_live::endpoint::{Stop, realtime};
 use haptic_sim::scene::Scene;
 use haptic_sim::user::User;
 use serde::Serialize;
@@ -129,6 +129,8 @@ impl Emulate {
         if let Some(planned) = self.faults.iter().find(|planned| !faults.contains(&planned.fault.as_str())) {
             return Err(format!("--fault {} is not allowed: it is one of {}", planned.fault, faults.join(", ")).into());
         }
+        // A device has a processor of its own: what serves here runs beside peers that have to be in time. Its threads inherit this.
+        realtime();
         let device = self.start(&self.scene.over(self.number, &self.beneath())?.load(ui)?)?;
         let words = device.words().join(" ");
         ui.status(format_args!("it serves; attach it with\n    {words}"));

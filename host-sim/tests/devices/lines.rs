@@ -70,8 +70,14 @@ fn ten_lines_hold_one_object_with_two_emulated_devices() {
     let (mut aside, mut peers) = (Vec::new(), Vec::new());
     // The first builds.
     for line in &lines[1..] {
-        let mut running = Running::start(program(line, &folder, &mut moved));
-        match line.split_whitespace().nth(1) {
+        let kind = line.split_whitespace().nth(1);
+        let mut command = program(line, &folder, &mut moved);
+        if kind == Some("devices") {
+            // It ends where the test does not come to end it, too.
+            command.args(["--seconds", "120"]);
+        }
+        let mut running = Running::start(command);
+        match kind {
             Some("key") => assert!(running.end().0),
             Some("peer") => peers.push(running),
             Some("devices") => {
@@ -108,7 +114,7 @@ fn two_inverse3s_hold_one_object_by_the_page_s_lines() {
         }
         let own = peers.len();
         let mut before = String::new();
-        peers.push(Running::start(program(line, &folder, |word| {
+        let mut command = program(line, &folder, |word| {
             let word = match before.as_str() {
                 "--listen" => places[own].clone(),
                 "--connect" => places[1 - own].clone(),
@@ -117,7 +123,12 @@ fn two_inverse3s_hold_one_object_by_the_page_s_lines() {
             };
             before.clone_from(&word);
             word
-        })));
+        });
+        // Both services run on this machine, beside other tests.
+        peers.push(Running::start({
+            command.args(["--device-silent-s", "0.2"]);
+            command
+        }));
     }
     let mut peers: [Running; 2] = peers.try_into().unwrap_or_else(|_| panic!("two peers"));
     peers.iter_mut().for_each(|peer| peer.until(" s  armed, "));
