@@ -118,8 +118,9 @@ fn mended(inputs: &mut Inputs) {
 /// What `status` says besides of some of them.
 fn explained(what: &str) -> &'static str {
     match what {
-        "no supply" | "answers nothing" | "a wire of the bus is off" => "; the motor's controller does not answer: ",
-        "the bus is shorted" | "the bus is shorted, after many errors" => "; the board is off the motor's bus: ",
+        "no supply" | "answers nothing" | "a wire of the bus is off" | "the bus is shorted" => {
+            "; the motor's controller does not answer: "
+        }
         "its fault 38" => "; the motor's controller, its fault 38: too warm; ",
         "56 V" => "; the motor's controller has less than motor.min_supply_v, or more than motor.max_supply_v; ",
         _ => "",
