@@ -126,7 +126,8 @@ impl Loop {
     fn period(&mut self) {
         let began = pace::begin();
         deadman::wind();
-        let Sensed { counts, stage, fault } = self.side.drive.sense(&self.plan);
+        let mut stage = None;
+        let Sensed { counts, fault } = self.side.drive.sense(&self.plan, &mut stage);
         self.tick = self.tick.wrapping_add(1);
         let mut flags = if self.overrun { record::OVERRUN } else { 0 };
 

@@ -232,9 +232,7 @@ fn fault_numbers_never_change() {
         Fault::DriveBusOff,
         Fault::DriveLetGo,
     ];
-    let numbers =
-        [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 31, 64, 65, 66, 67, 68, 69];
-    assert_eq!(faults.map(Fault::number), numbers);
+    assert!(faults.map(Fault::number).into_iter().eq((1..=22).chain([31]).chain(64..=69)));
     assert_eq!(Fault::ALL, faults);
     assert!((0..=255).all(|number| Fault::from_number(number).is_none_or(|fault| fault.number() == number)));
 }

@@ -464,9 +464,8 @@ fn a_line_begins_with_the_samples_of_both_ends_and_no_more() {
         couple.benches.iter_mut().for_each(|bench| bench.peer.part());
         // Twice deaf, each end for itself, and then not.
         let deaf = [(); 4].map(|()| (below(100.0), below(60.0)));
-        let hears = |at: usize, tick: u32| {
-            !deaf[2 * at..2 * at + 2].iter().any(|(from, long)| (*from..from + long).contains(&tick))
-        };
+        let hears =
+            |at: usize, tick: u32| !deaf[2 * at..][..2].iter().any(|(from, long)| (*from..from + long).contains(&tick));
         let mut heard = [0; 2];
         for tick in 0..1000 {
             let sent = couple.benches.each_ref().map(|bench| bench.peer.outgoing()[0]);
@@ -482,8 +481,8 @@ fn a_line_begins_with_the_samples_of_both_ends_and_no_more() {
             }
         }
         // Each life of an end counts from a multiple of 2²⁰ on.
-        let more =
-            [0, 1].map(|at| couple.benches[at].peer.outgoing()[0].live_ticks % (1 << 20) - heard[at] % (1 << 20));
+        let life = |ticks: u32| ticks % (1 << 20);
+        let more = [0, 1].map(|at| life(couple.benches[at].peer.outgoing()[0].live_ticks) - life(heard[at]));
         assert_eq!(more, [credit; 2], "seed {seed}: credit {credit}, deaf {deaf:?}");
     }
 }

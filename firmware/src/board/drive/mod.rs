@@ -38,8 +38,6 @@ pub(crate) type Plan = <Fitted as Drive>::Plan;
 pub(crate) struct Sensed {
     /// Where the joints are.
     pub(crate) counts: [Counts; JOINTS],
-    /// What its power stage measured since the tick before; none of a drive that does not tell.
-    pub(crate) stage: Option<Measured<JOINTS>>,
     /// What it has against itself: motors off.
     pub(crate) fault: Option<Fault>,
 }
@@ -69,8 +67,9 @@ pub(crate) trait Drive: Sized {
     /// What stands against driving it now, and what it turned the motors off for since they were last on; one sentence each, for a person.
     fn says(signals: &Signals) -> [Option<&'static str>; 2];
 
-    /// At the beginning of a tick: what it has read and measured.
-    fn sense(&mut self, plan: &Self::Plan) -> Sensed;
+    /// At the beginning of a tick: what it has read, and in `stage` what its power stage measured since the tick before; none of a drive that does
+    /// not tell.
+    fn sense(&mut self, plan: &Self::Plan, stage: &mut Option<Measured<JOINTS>>) -> Sensed;
 
     /// Marks that the encoders showed since this was asked last; none where there were none, as in most ticks.
     fn marks(&mut self) -> Option<[Marks; JOINTS]>;

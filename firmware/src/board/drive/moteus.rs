@@ -11,6 +11,7 @@ use firmware_parts::image::JOINTS;
 use firmware_parts::moteus::{Design, Motor, Told, Trouble};
 use firmware_parts::signals::Signals;
 use haptic_core::device::encoder::{Counts, Marks};
+use haptic_core::device::stage::Measured;
 use haptic_core::peer::Actuators;
 use haptic_core::safety::Fault;
 use haptic_core::settings::{Refused, Settings};
@@ -46,18 +47,18 @@ impl Drive for Moteus {
     }
 
     #[inline(always)]
-    fn sense(&mut self, plan: &Self::Plan) -> Sensed {
+    fn sense(&mut self, plan: &Self::Plan, _: &mut Option<Measured<JOINTS>>) -> Sensed {
         let answer = fdcan::newest(ANSWER).and_then(|words| Told::read(&words));
         let bus_off = fdcan::is_off();
         let fault = self.motor.hear(plan, answer, bus_off);
         let trouble = self.motor.trouble();
         self.signals.drive.set(trouble);
-        if fault.is_some() {
+        if fault.is_some() && self.driving {
             self.signals.drive_last.set(trouble);
         }
         let mut counts = [Counts(0); JOINTS];
         counts[0] = self.motor.counts();
-        Sensed { counts, stage: None, fault }
+        Sensed { counts, fault }
     }
 
     #[inline(always)]

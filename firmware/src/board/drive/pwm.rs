@@ -5,6 +5,7 @@ use firmware_parts::image::JOINTS;
 use firmware_parts::signals::Signals;
 use haptic_core::device::encoder::{Counts, Marks};
 use haptic_core::device::motor::Duty;
+use haptic_core::device::stage::Measured;
 use haptic_core::names::MotorDrive;
 use haptic_core::peer::Actuators;
 use haptic_core::safety::Fault;
@@ -52,13 +53,13 @@ impl Drive for Pwm {
     }
 
     #[inline(always)]
-    fn sense(&mut self, plan: &Self::Plan) -> Sensed {
-        let (mut stage, mut fault) = (None, None);
+    fn sense(&mut self, plan: &Self::Plan, stage: &mut Option<Measured<JOINTS>>) -> Sensed {
+        let mut fault = None;
         if let Some(power) = plan {
-            stage = self.stage.measured(power);
+            *stage = self.stage.measured(power);
             fault = if stage.is_none() { Some(Fault::LoopMissed) } else { None };
         }
-        Sensed { counts: encoders::read(), stage, fault }
+        Sensed { counts: encoders::read(), fault }
     }
 
     #[inline(always)]

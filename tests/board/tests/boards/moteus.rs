@@ -121,6 +121,7 @@ fn explained(what: &str) -> &'static str {
         "no supply" | "answers nothing" | "a wire of the bus is off" | "the bus is shorted" => {
             "; the motor's controller does not answer: "
         }
+        "the bus is shorted, after many errors" => "; the board is off the motor's bus: ",
         "its fault 38" => "; the motor's controller, its fault 38: too warm; ",
         "56 V" => "; the motor's controller has less than motor.min_supply_v, or more than motor.max_supply_v; ",
         _ => "",
