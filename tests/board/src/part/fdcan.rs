@@ -293,10 +293,11 @@ impl Device for Fdcan {
                 let ends = c.now().0 + think_ns + lasts_ns(answer.1, answer.2.len());
                 self.answering = Some((c.schedule(VirtualNanos(ends)), answer));
             }
-        } else if let Some((_, answer)) = self.answering.take_if(|(ends, _)| *ends == event) {
-            if self.control & INIT == 0 && self.fault == BusFault::None {
-                self.take(&answer, f, c);
-            }
+        } else if let Some((_, answer)) = self.answering.take_if(|(ends, _)| *ends == event)
+            && self.control & INIT == 0
+            && self.fault == BusFault::None
+        {
+            self.take(&answer, f, c);
         }
     }
     fn on_clock(&mut self, hz: u64, _: &mut RegisterFile, _: &mut DeviceContext<'_>) {
@@ -340,12 +341,12 @@ impl ErasedDevice for MessageMemory {
     }
     fn peek_window(&self, offset: u64, width: Width, _: VirtualNanos) -> Option<u64> {
         let words = self.words.lock().expect("nobody panics with it");
-        let word = words.get(offset as usize / 4).copied().filter(|_| width == Width::W32 && offset % 4 == 0);
+        let word = words.get(offset as usize / 4).copied().filter(|_| width == Width::W32 && offset.is_multiple_of(4));
         word.map(u64::from)
     }
     fn write_window(&mut self, offset: u64, width: Width, value: u64, c: &mut DeviceContext<'_>) {
         let mut words = self.words.lock().expect("nobody panics with it");
-        match words.get_mut(offset as usize / 4).filter(|_| width == Width::W32 && offset % 4 == 0) {
+        match words.get_mut(offset as usize / 4).filter(|_| width == Width::W32 && offset.is_multiple_of(4)) {
             Some(word) => *word = value as u32,
             None => c.tell("message memory", "it is written in whole words"),
         }

@@ -190,7 +190,8 @@ impl Controller {
         let free = |register| of(register) == Some(0.0);
         let watchdog_s = of(0x27).unwrap_or(f64::NAN);
         let place = of(0x20).unwrap_or(0.0);
-        self.pulled |= ![0x23, 0x24, 0x2B].into_iter().all(free) || !(watchdog_s > 0.0) || !place.is_nan();
+        self.pulled |=
+            ![0x23, 0x24, 0x2B].into_iter().all(free) || watchdog_s.is_nan() || watchdog_s <= 0.0 || !place.is_nan();
         let most = of(0x25).unwrap_or(f64::INFINITY);
         self.torque_nm = of(0x22).unwrap_or(0.0).clamp(-most, most);
         self.until_ns = now_ns + (1e9 * watchdog_s) as u64;
