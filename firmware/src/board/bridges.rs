@@ -117,7 +117,7 @@ pub(crate) fn init(timer: Peri<'static, TIM1>, pins: Pins) {
             w.set_ocm(channel % 2, OcmGp::PWM_MODE1);
             w.set_ocpe(channel % 2, true);
         });
-        let leg = channel < legs::CHANNELS;
+        let leg = legs::CHANNELS.contains(&channel);
         tim.ccr(channel).write(|w| w.set_ccr(if leg { MIDDLE } else { 0 }));
         tim.ccer().modify(|w| {
             w.set_cce(channel, true);
@@ -175,7 +175,7 @@ pub(crate) fn rest() {
     DRIVEN.store(false, Ordering::Relaxed);
     compiler_fence(Ordering::SeqCst);
     pac::TIM1.bdtr().write_value(BdtrAdv(BDTR_OFF));
-    for channel in 0..legs::CHANNELS {
+    for channel in legs::CHANNELS {
         pac::TIM1.ccr(channel).write(|w| w.set_ccr(MIDDLE));
     }
 }

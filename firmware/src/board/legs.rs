@@ -21,8 +21,10 @@ use super::bridges::{GATE, MIDDLE, TOP};
 /// A voltage that is all of the supply.
 #[cfg(not(feature = "three-axes"))]
 pub(crate) const COUNTS: u16 = TOP;
+/// How many legs a bridge has.
+const LEGS: usize = if cfg!(feature = "three-axes") { 1 } else { 2 };
 /// The channels of the timer that are legs.
-pub(super) const CHANNELS: usize = if cfg!(feature = "three-axes") { JOINTS } else { 2 * JOINTS };
+pub(super) const CHANNELS: core::ops::Range<usize> = 0..LEGS * JOINTS;
 /// What the gate's channel is compared with while it is open: more than the counter ever is.
 const GATE_OPEN: u16 = TOP + 1;
 
@@ -71,7 +73,7 @@ impl Legs {
 #[inline(always)]
 pub(crate) fn amplify(duties: [Duty; JOINTS]) {
     for (bridge, duty) in duties.into_iter().enumerate() {
-        let leg = bridge * CHANNELS / JOINTS;
+        let leg = bridge * LEGS;
         pac::TIM1.ccr(leg).write(|w| w.0 = share(duty));
     }
 }

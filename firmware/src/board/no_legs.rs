@@ -2,7 +2,7 @@
 //! breaks it.
 
 /// The channels of the timer that are legs: there are none.
-pub(super) const CHANNELS: usize = 0;
+pub(super) const CHANNELS: core::ops::Range<usize> = 0..0;
 
 /// No pins.
 pub(crate) struct Legs;

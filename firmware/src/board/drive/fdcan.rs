@@ -54,11 +54,10 @@ const FRAME: u32 = 1 << 21 | 1 << 20 | 14 << 16;
 
 /// Starts it: on the bus from 11 recessive bits on.
 pub(crate) fn start(pins: Pins) {
+    let Pins { can: _can, rx, tx } = pins;
     pac::RCC.d2ccip1r().modify(|w| w.set_fdcansel(pac::rcc::vals::Fdcansel::PLL1_Q));
-    // Nothing of it is dropped: its clock would stop.
-    core::mem::forget(pins.can);
     rcc::enable_and_reset::<FDCAN1>();
-    let (mut rx, mut tx) = (Flex::new(pins.rx), Flex::new(pins.tx));
+    let (mut rx, mut tx) = (Flex::new(rx), Flex::new(tx));
     // Alternate function 9 of both. Without a transceiver nothing holds the input, and low would be a bus that is jammed.
     rx.set_as_af_unchecked(9, AfType::input(Pull::Up));
     tx.set_as_af_unchecked(9, AfType::output(OutputType::PushPull, Speed::VeryHigh));
@@ -76,7 +75,7 @@ pub(crate) fn start(pins: Pins) {
     CAN.tdcr().write(|w| w.0 = before << 8);
     // No filter: frames of either kind of identifier go to FIFO 0, remote ones nowhere.
     CAN.gfc().write(|w| w.0 = 0b11);
-    CAN.rxfc(0).write(|w| w.0 = (PLACES as u32) << 16 | 4 * OUT_WORDS as u32);
+    CAN.rxfc(0).write(|w| w.0 = ((PLACES as u32) << 16) | (4 * OUT_WORDS as u32));
     // Data of 32 bytes in a place, of 48 in the buffer.
     CAN.rxesc().write(|w| w.0 = 0b101);
     CAN.txbc().write(|w| w.0 = 1 << 16);
@@ -103,7 +102,7 @@ pub(crate) fn newest(identifier: u32) -> Option<[u32; ANSWER_WORDS]> {
     if level == 0 {
         return None;
     }
-    let place = (status >> 8) as usize + level - 1 & (PLACES - 1);
+    let place = ((status >> 8) as usize + level - 1) & (PLACES - 1);
     let word = |at: usize| {
         // SAFETY: within the FIFO, whose places the controller writes only after they were let go.
         unsafe { MEMORY.add(OUT_WORDS + place * IN_WORDS + at).read_volatile() }
