@@ -3,8 +3,6 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use serde_json::Value;
-
 use super::steps::steps;
 use super::{BUSY_S, Running, alone, number, peer};
 use crate::program::{Keys, free, host_sim, signal};
@@ -19,14 +17,6 @@ fn emulator(arguments: &[&str]) -> (Running, Vec<String>) {
     let words = said.lines().find(|line| line.trim_start().starts_with("--device ")).expect("the words");
     let words = words.split_whitespace().map(str::to_owned).collect();
     (running, words)
-}
-
-/// What it saw, once it was asked to end.
-fn seen(running: Running) -> Value {
-    signal(&running.child, "INT");
-    let (ended, seen, said) = running.end();
-    assert!(ended, "{said}");
-    seen
 }
 
 /// A hand that the scene describes moves by itself; a peer at the device feels the other one, until the fault that was asked for is planted, and the
@@ -49,7 +39,7 @@ fn a_peer_holds_an_emulated_device_until_it_falls_silent() {
     signal(&second.child, "INT");
     let (_, other, said) = second.end();
     assert_eq!(number(&other["other"], "fault"), 23.0, "{said}\n{other}");
-    let seen = seen(device);
+    let seen = device.asked_to_end();
     // Two hands of 300 N/m and two contacts of 1000 N/m in a row, stretched by 20 mm.
     let wanted_n = 0.02 / (2.0 / 300.0 + 2.0 / 1000.0);
     let felt_n = number(&live["other"], "coordination_force_n").abs();
@@ -130,7 +120,7 @@ fn motors_let_go_after_their_own_time() {
     let asked = asked.expect("host-sim runs");
     let said = String::from_utf8_lossy(&asked.stderr).into_owned();
     assert!(said.contains("lets go within 100 ms"), "{said}");
-    assert_eq!(number(&seen(device), "orders"), 0.0, "nobody was there to move the hand");
+    assert_eq!(number(&device.asked_to_end(), "orders"), 0.0, "nobody was there to move the hand");
 }
 
 /// The page's way to try the ten steps without a device: its hand moves by itself, and whoever presses Enter waits for that.
@@ -147,5 +137,5 @@ fn a_hand_that_moves_by_itself_passes_the_ten_steps() {
     });
     println!("{said}");
     assert!(passed && told["passed"].as_array().map(Vec::len) == Some(10), "{said}\n{told}");
-    assert!(number(&seen(device), "orders") > 1_000.0);
+    assert!(number(&device.asked_to_end(), "orders") > 1_000.0);
 }

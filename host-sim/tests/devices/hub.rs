@@ -81,10 +81,7 @@ fn ended(hub: Running, others: [Running; 2]) -> Value {
     for (ended, live, said) in others.map(Running::end) {
         assert!(ended && live["fault"] == Value::Null, "{said}\n{live}");
     }
-    signal(&hub.child, "INT");
-    let (ended, seen, said) = hub.end();
-    assert!(ended, "{said}");
-    seen
+    hub.asked_to_end()
 }
 
 /// One at an Inverse3 behind a path that loses packets, two at simulated devices. When the device's service falls silent that peer lets go in time,
@@ -133,8 +130,6 @@ fn a_page_at_a_hub_has_a_device() {
     let mut others = simulated(&keys, &address);
     others.iter_mut().for_each(|peer| peer.until(" s  armed, "));
     reach(&emulator, &hub);
-    signal(&page.child, "INT");
-    let (ended_well, _, said) = page.end();
-    assert!(ended_well, "{said}");
+    page.asked_to_end();
     ended(hub, others);
 }

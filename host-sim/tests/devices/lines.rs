@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use super::emulated::haply;
 use super::{Running, alone, number};
-use crate::program::{free, host_sim, signal};
+use crate::program::{free, host_sim};
 
 const PAGE: &str = include_str!("../../../docs/devices.md");
 
@@ -89,12 +89,7 @@ fn ten_lines_hold_one_object_with_two_emulated_devices() {
     }
     let peers: [Running; 2] = peers.try_into().unwrap_or_else(|_| panic!("two peers"));
     held(peers, promised_mm(section));
-    let devices = aside.into_iter().map(|running| {
-        signal(&running.child, "INT");
-        let (ended, report, said) = running.end();
-        assert!(ended, "{said}");
-        report
-    });
+    let devices = aside.into_iter().map(Running::asked_to_end);
     let pushed = devices.filter(|report| report["orders"].as_u64().is_some_and(|orders| orders > 10_000)).count();
     assert_eq!(pushed, 2, "both devices were driven");
 }

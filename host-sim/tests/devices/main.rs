@@ -97,6 +97,14 @@ impl Running {
         let said = self.said.lock().expect("lines").join("\n");
         (output.status.success(), serde_json::from_slice(&output.stdout).unwrap_or_default(), said)
     }
+
+    /// Its report, once it was asked to end, and did so well.
+    fn asked_to_end(self) -> Value {
+        signal(&self.child, "INT");
+        let (ended, report, said) = self.end();
+        assert!(ended, "{said}");
+        report
+    }
 }
 
 fn peer(scene: &str, number: &str, listen: &str, connect: &str, key: &str) -> Command {
