@@ -1,5 +1,7 @@
 //! What a newcomer meets: three pictures with one control each and a workshop behind them, by keyboard alone.
 
+use std::time::{Duration, Instant};
+
 use serde_json::json;
 
 use super::{Browser, Play, Window, click, folder, set};
@@ -52,6 +54,12 @@ const BY_THE_LENS: &str = "(() => { const lens = document.querySelector('#delay-
      const marks = [...lens.querySelectorAll('.number')].map((e) => [Number(e.getAttribute('x')), Number(e.textContent.replace('−', '-'))]); \
      const [first, last] = [marks[0], marks.at(-1)]; const mm = (last[0] - first[0]) / (last[1] - first[1]); \
      return [Math.abs(x(2) - x(1)) / mm, mm]; })()";
+
+/// Keeps the longest arrow of hand 1 in pixels and the widest gap under the lens in millimetres that any frame showed.
+const FIRST_TOUCH: &str = "window.touch = [0, 0]; (function look() { \
+     const arrow = document.querySelector('#pair .peer1 .arrow.hand').getBoundingClientRect().width; \
+     const gap = parseFloat(document.querySelector('#pair .lens .gap').textContent) || 0; \
+     touch = [Math.max(touch[0], arrow), Math.max(touch[1], gap)]; requestAnimationFrame(look); })()";
 
 /// Nothing asked for, the page opens with two hands that pull an object apart. The lens enlarges the gap twenty times, beside a ruler that
 /// says so, and a later delay, set by keys, makes it wider.
@@ -182,12 +190,21 @@ fn the_workshop_says_what_acts() {
     // The picture's scene was its own.
     browser.wait(&one, "document.getElementById('delay').value === '8'");
 
-    // The first touch: four millimetres are an arrow, and a gap under the lens.
+    // The first touch: four millimetres are an arrow, and a gap under the lens. The object soon follows the hand, and both are small again: what
+    // was drawn in any frame counts, and the hand goes there and back until a machine that is busy has drawn one of them.
     tab_to(&mut browser, &one, "hand", false);
-    browser.press(&one, "ArrowRight", false);
-    browser.press(&one, "ArrowRight", false);
-    browser.wait(&one, "document.querySelector('#pair .peer1 .arrow.hand').getBoundingClientRect().width > 20");
-    browser.wait(&one, "parseFloat(document.querySelector('#pair .lens .gap').textContent) > 0");
+    browser.evaluate(&one, FIRST_TOUCH);
+    let start = Instant::now();
+    for key in ["ArrowRight", "ArrowLeft"].into_iter().cycle() {
+        browser.press(&one, key, false);
+        browser.press(&one, key, false);
+        std::thread::sleep(Duration::from_millis(300));
+        let [arrow, gap] = browser.numbers(&one, "touch");
+        if arrow > 20.0 && gap > 0.0 {
+            break;
+        }
+        assert!(start.elapsed() < Duration::from_secs(30), "an arrow of {arrow} pixels, a gap of {gap} mm");
+    }
     let plots = "[...document.querySelectorAll('#strips canvas')].slice(0, 2)";
     browser
         .wait(&one, &format!("{plots}.every((plot) => plot.getBoundingClientRect().bottom + scrollY <= innerHeight)"));
