@@ -6,15 +6,14 @@ use std::path::Path;
 use std::sync::Arc;
 
 use haptic_analysis::{Finding, Hand, Question, find, measured};
-use haptic_live::devices::Kind;
 use haptic_live::endpoint::{Span, Stop};
 use haptic_live::peer::{self, Report};
-use haptic_live::verdict::{Judge, Verdict};
+use haptic_live::verdict::{Judge, Measured, Verdict};
 use haptic_live::watch::LiveOptions;
 use haptic_protocol::key::{Key, Role};
 use haptic_report::Provenance;
 use haptic_sim::key_file;
-use haptic_sim::scene::Scene;
+use haptic_sim::scene::{PlantSettings, Scene};
 
 pub use crate::cli::device_options;
 
@@ -70,8 +69,7 @@ impl LivePeer {
     /// It did not begin, or nobody was there.
     pub fn run(self, wanted: LiveOptions, stop: &Stop) -> Result<Report, haptic_live::Error> {
         let Self { scene, number, key, ends, span, anyway } = self;
-        let is_simulated = matches!(wanted.device.kind, Kind::Simulated);
-        let judge = Some(judge(scene.clone(), None, is_simulated, anyway));
+        let judge = Some(judge(scene.clone(), number, None, anyway));
         peer::run(&scene, key, number, ends, span, &LiveOptions { judge, ..wanted }, stop)
     }
 
@@ -81,19 +79,44 @@ impl LivePeer {
     }
 }
 
-/// What a verdict leaves out of a device that the scene does not simulate: the scene's has a tick of delay at the most.
-const DEVICE_S_OWN: &str = "how late and how often the device itself is heard";
+/// What a verdict leaves out of a device that the scene does not simulate.
+const DEVICE_S_OWN: &str = "a delay of the device itself that changes from tick to tick";
 
-/// Who judges this scene at measured delays, with a hand that may take either device if there is one, of an end whose device is the scene's or
-/// another, and lets it arm anyway or not.
-pub(crate) fn judge(scene: Scene, hand: Option<Hand>, is_simulated: bool, anyway: Result<(), &'static str>) -> Judge {
+/// This scene where the device of peer `number` acts so many ticks after it was read. Its motors are its own: what the scene simulates of motors
+/// leaves their delay to the other end's device.
+fn with_device(mut scene: Scene, number: u8, ticks: u32) -> Result<Scene, haptic_sim::Error> {
+    scene.world.device.force_delay_ticks = scene.force_delay_ticks();
+    scene.world.plant = PlantSettings::default();
+    scene.set_number(&format!("peer.{number}.device.force_delay_ticks"), ticks.into())?;
+    Ok(scene)
+}
+
+/// Who judges this scene at measured delays, of the network and of a device at peer `number` that the scene does not simulate, with a hand that
+/// may take either device if there is one, and lets it arm anyway or not.
+pub(crate) fn judge(scene: Scene, number: u8, hand: Option<Hand>, anyway: Result<(), &'static str>) -> Judge {
     let question = Question { hand, for_every_mode: true, most_packets: MOST_PACKETS };
-    let left_out = (!is_simulated).then_some(DEVICE_S_OWN);
-    let find = move |one_way_s: [f64; 2]| {
-        let found = find(&measured(&scene, one_way_s), question);
+    let find = move |Measured { one_way_s, device_ticks }: Measured| {
+        let scene = measured(&scene, one_way_s);
+        let found = match device_ticks.map(|ticks| with_device(scene.clone(), number, ticks)) {
+            None => find(&scene, question),
+            Some(Ok(scene)) => find(&scene, question),
+            Some(Err(why)) => Finding { text: format!("not judged: {why}"), ..Finding::default() },
+        };
         let Finding { stable, spectral_radius, text, instead, mut not_judged } = found;
-        not_judged.extend(left_out);
-        Verdict { one_way_ms: one_way_s.map(|s| 1e3 * s), stable, spectral_radius, text, instead, not_judged }
+        not_judged.extend(device_ticks.map(|_| DEVICE_S_OWN));
+        Verdict {
+            one_way_ms: one_way_s.map(|s| 1e3 * s),
+            device_delay_ticks: device_ticks,
+            stable,
+            spectral_radius,
+            text,
+            instead,
+            not_judged,
+        }
     };
     Judge { find: Arc::new(find), unless: anyway.err() }
 }
+
+#[cfg(test)]
+#[path = "../tests/inside/live_peer.rs"]
+mod tests;

@@ -10,7 +10,7 @@ use haptic_sim::scene::Scene;
 
 use super::lifted::constructed::{Constructed, Place, State, construct};
 use super::lifted::delay::{delays_packets, delays_ticks};
-use super::lifted::driven::{OBJECT, TOO_LARGE};
+use super::lifted::driven::{TOO_LARGE, device_states};
 use super::lifted::pair::{hands_are_off, seat, seated_matrix};
 use super::lifted::{Lifted, prune};
 use super::modes::Hands;
@@ -77,15 +77,13 @@ fn objects(places: &[Place]) -> Vec<usize> {
 }
 
 fn compare(linear: &Scene, driven: &Lifted, constructed: &Constructed) -> f64 {
-    let locals = driven_order(linear);
     let in_flight = delays_packets(linear).iter().sum::<usize>() * packet();
-    let second = (driven.matrix.nrows() - in_flight) / 2;
+    let order = Order::new(linear, driven.matrix.nrows() - in_flight);
     let kept = prune::kept(&constructed.lifted.matrix, &objects(&constructed.places));
-    let same: Vec<Option<usize>> =
-        kept.iter().map(|at| driven_place(linear, constructed.places[*at], &locals, second)).collect();
+    let same: Vec<Option<usize>> = kept.iter().map(|at| order.place(linear, constructed.places[*at])).collect();
     let mut ours: Vec<usize> = same.iter().flatten().copied().collect();
     ours.sort_unstable();
-    if ours != prune::kept(&driven.matrix, &[OBJECT, second + OBJECT]) {
+    if ours != prune::kept(&driven.matrix, &order.objects) {
         return f64::INFINITY;
     }
     let pick = |matrix: &Matrix, places: &[usize]| {
@@ -108,10 +106,51 @@ fn compare(linear: &Scene, driven: &Lifted, constructed: &Constructed) -> f64 {
     difference / largest
 }
 
+/// Where the driven pair has what the construction has.
+struct Order {
+    /// Of each peer, core's order of its states, as far as they are known here.
+    locals: [Vec<Option<State>>; 2],
+    /// Where the states of each peer begin, and where they end.
+    starts: [usize; 3],
+    /// Where the position of each object is.
+    objects: [usize; 2],
+}
+
+impl Order {
+    /// Of a pair of so many states of both peers together, which differ in how long their devices hold a force back.
+    fn new(linear: &Scene, states: usize) -> Self {
+        let devices = [0, 1].map(|index| device_states(linear, index));
+        let second = (states + devices[0] - devices[1]) / 2;
+        let locals = [0, 1].map(|index| driven_order(linear, index));
+        Self { locals, starts: [0, second, states], objects: [devices[0], second + devices[1]] }
+    }
+
+    /// Where a place of the construction is in the driven pair.
+    fn place(&self, linear: &Scene, place: Place) -> Option<usize> {
+        match place {
+            Place::Local { peer, state } => {
+                self.locals[peer].iter().position(|known| *known == Some(state)).map(|at| self.starts[peer] + at)
+            }
+            Place::InFlight { to, slot, state } => {
+                let field = match state {
+                    State::ObjectPosition => 0,
+                    State::ObjectVelocity => 1,
+                    _ if linear.peer.coordination.comm == "self-timed" => 3,
+                    _ => 2,
+                };
+                let before = if to == 0 { 0 } else { delays_packets(linear)[0] };
+                Some(self.starts[2] + (before + slot) * packet() + field)
+            }
+        }
+    }
+}
+
 /// Core's order of a peer's states, as far as they are known here.
-fn driven_order(linear: &Scene) -> Vec<Option<State>> {
+fn driven_order(linear: &Scene, index: usize) -> Vec<Option<State>> {
     use State::*;
-    let body = [DevicePosition, DeviceVelocity, DeviceForce, ObjectPosition, ObjectVelocity];
+    let waiting = (0..linear.devices()[index].delay().0).map(DeviceWaiting);
+    let device = [DevicePosition, DeviceVelocity, DeviceForce].into_iter().chain(waiting);
+    let body = device.chain([ObjectPosition, ObjectVelocity]);
     // What is moved by ports remembers no force.
     let staged = (!linear.peer.object.integrator.solves()).then_some(ObjectForce);
     let law: &[Option<State>] = match linear.peer.coordination.comm {
@@ -128,7 +167,7 @@ fn driven_order(linear: &Scene) -> Vec<Option<State>> {
         _ => &[],
     };
     let estimator = [Some(LastReading), Some(FilteredVelocity)];
-    body.into_iter().chain(staged).map(Some).chain(law.iter().copied()).chain(estimator).collect()
+    body.chain(staged).map(Some).chain(law.iter().copied()).chain(estimator).collect()
 }
 
 /// Numbers in a packet: position, velocity, wave, and what else core has come to send.
@@ -136,23 +175,4 @@ fn packet() -> usize {
     let mut numbers = 0;
     Packet::<f64>::default().visit(&mut |_| numbers += 1);
     numbers
-}
-
-/// Where a place of the construction is in the driven pair.
-fn driven_place(linear: &Scene, place: Place, locals: &[Option<State>], second: usize) -> Option<usize> {
-    match place {
-        Place::Local { peer, state } => {
-            locals.iter().position(|known| *known == Some(state)).map(|at| peer * second + at)
-        }
-        Place::InFlight { to, slot, state } => {
-            let field = match state {
-                State::ObjectPosition => 0,
-                State::ObjectVelocity => 1,
-                _ if linear.peer.coordination.comm == "self-timed" => 3,
-                _ => 2,
-            };
-            let before = if to == 0 { 0 } else { delays_packets(linear)[0] };
-            Some(2 * second + (before + slot) * packet() + field)
-        }
-    }
 }

@@ -262,6 +262,7 @@ where
     let judging = wanted.judge.as_ref().map(|judge| Judging::start(judge, period_s)).transpose()?;
     let watch = Watch::new(wanted, scene, number, endpoint.start(), connect.to_string(), (measured, endpoint.paths()))?;
     let (device, seen_device) = wanted.device.open(scene, number)?;
+    let judging = judging.map(|judging| judging.of_device(seen_device.clone()));
     let node =
         Node::with_device(scene, number, key, entropy, device)?.telling_every(TELLING_S).beginning_after(AFTER_US);
     let mut peer = LivePeer {

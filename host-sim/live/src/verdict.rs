@@ -1,7 +1,7 @@
 //! Whether a peer may arm: what its scene is at the delays that its link measures, asked of whoever can say, before and while it is armed.
 //!
 //! **Measured**: half of the last 16 round trips, without an eighth of them at either end, which a busy machine makes; nothing counts of
-//! what was before a step. **Asked**: after 4 round trips, and again, a second after the last time at the earliest, when they
+//! what was before a step; and how late the device of this end is, where it is not the scene's ([`Seen::delay_ticks`]). **Asked**: after 4 round trips, and again, a second after the last time at the earliest, when they
 //! fill other ticks than those that were judged. **Said**: every change from stable to unstable and back.
 //!
 //! **Before it is armed** a peer waits for the first verdict, and as long as that is that the scene is unstable, unless it is to arm anyway;
@@ -24,6 +24,7 @@ use haptic_sim::node::Node;
 use serde::Serialize;
 
 use crate::Error;
+use crate::devices::Seen;
 use crate::endpoint::stand_back;
 
 /// Round trips that delays are taken from.
@@ -42,6 +43,8 @@ const NICENESS: i32 = 10;
 pub struct Verdict {
     /// Least and largest measured delay of one way, ms.
     pub one_way_ms: [f64; 2],
+    /// Ticks from sensing to force that the device of this end was judged with; none of the scene's own.
+    pub device_delay_ticks: Option<u32>,
     /// None where it was not judged.
     pub stable: Option<bool>,
     /// Largest spectral radius of a packet period.
@@ -54,11 +57,20 @@ pub struct Verdict {
     pub not_judged: Vec<&'static str>,
 }
 
+/// What a live end has measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measured {
+    /// Least and largest delay of one way, s.
+    pub one_way_s: [f64; 2],
+    /// Whole ticks from sensing to force at the device of this end ([`Seen::delay_ticks`]); none of the scene's own.
+    pub device_ticks: Option<u32>,
+}
+
 /// Who judges, and what comes of it.
 #[derive(Clone)]
 pub struct Judge {
-    /// Judges the scene at the least and largest delay of one way, s.
-    pub find: Arc<dyn Fn([f64; 2]) -> Verdict + Send + Sync>,
+    /// Judges the scene at what was measured.
+    pub find: Arc<dyn Fn(Measured) -> Verdict + Send + Sync>,
     /// How to have an unstable scene armed all the same; none, and it is.
     pub unless: Option<&'static str>,
 }
@@ -72,15 +84,17 @@ impl fmt::Debug for Judge {
 /// What is asked and answered while a peer runs.
 #[derive(Debug)]
 pub struct Judging {
-    asks: SyncSender<[f64; 2]>,
+    asks: SyncSender<Measured>,
     answers: Receiver<Verdict>,
     unless: Option<&'static str>,
     period_s: f64,
+    /// The device of this end, where it is not the scene's.
+    device: Option<Seen>,
     /// Times of the newest exchange, and its round trip and those before, s.
     exchange: Option<[u64; 4]>,
     round_trips_s: VecDeque<f64>,
-    /// When it was asked last, µs, and of round trips of how many ticks.
-    asked: Option<(u64, [u64; 2])>,
+    /// When it was asked last, µs, and of round trips and a device of how many ticks.
+    asked: Option<(u64, [u64; 2], Option<u32>)>,
     waits: bool,
     /// The newest one.
     pub verdict: Option<Verdict>,
@@ -109,14 +123,20 @@ impl Judging {
     }
 
     fn new(
-        asks: SyncSender<[f64; 2]>,
+        asks: SyncSender<Measured>,
         answers: Receiver<Verdict>,
         unless: Option<&'static str>,
         period_s: f64,
     ) -> Self {
         let (round_trips_s, said) = (VecDeque::with_capacity(KEPT), Vec::new());
-        let (exchange, asked, verdict) = (None, None, None);
-        Self { asks, answers, unless, period_s, exchange, round_trips_s, asked, waits: false, verdict, said }
+        let (device, exchange, asked, verdict) = (None, None, None, None);
+        Self { asks, answers, unless, period_s, device, exchange, round_trips_s, asked, waits: false, verdict, said }
+    }
+
+    /// With what is seen of the device of this end, where it is not the scene's: it is asked about the delay of that one too.
+    #[must_use]
+    pub fn of_device(self, device: Option<Seen>) -> Self {
+        Self { device, ..self }
     }
 
     /// Takes the newest times of a probe and its reply, µs: sent, received there, answered there, back.
@@ -171,12 +191,17 @@ impl Judging {
     fn look(&mut self, now_us: u64, armed: bool) -> Option<String> {
         let answer = self.answers.try_recv().ok();
         self.waits &= answer.is_none();
-        if let Some(range_s) = self.range_s().filter(|_| !self.waits) {
+        let due = !self.waits && self.asked.is_none_or(|(at_us, ..)| now_us >= at_us + AGAIN_US);
+        if let Some(range_s) = self.range_s().filter(|_| due) {
             let ticks = range_s.map(|round_trip_s| (round_trip_s / self.period_s).ceil() as u64);
-            let due = |(at_us, of)| ticks != of && now_us >= at_us + AGAIN_US;
-            if self.asked.is_none_or(due) && self.asks.try_send(range_s.map(|round_trip_s| 0.5 * round_trip_s)).is_ok()
-            {
-                (self.asked, self.waits) = (Some((now_us, ticks)), true);
+            let device_ticks = self.device.as_ref().map(|seen| seen.delay_ticks(self.period_s));
+            // Of a device that has not been read there is nothing to ask.
+            let known = device_ticks.is_none_or(|ticks| ticks.is_some());
+            let device_ticks = device_ticks.flatten();
+            let moved = self.asked.is_none_or(|(_, of, device)| (of, device) != (ticks, device_ticks));
+            let measured = Measured { one_way_s: range_s.map(|round_trip_s| 0.5 * round_trip_s), device_ticks };
+            if known && moved && self.asks.try_send(measured).is_ok() {
+                (self.asked, self.waits) = (Some((now_us, ticks, device_ticks)), true);
             }
         }
         let verdict = answer?;
@@ -189,14 +214,17 @@ impl Judging {
 
     /// The newest verdict in words, and what comes of it.
     fn words(&self, armed: bool) -> Option<String> {
-        let Verdict { one_way_ms: [least, most], stable, text, .. } = self.verdict.as_ref()?;
+        let Verdict { one_way_ms: [least, most], device_delay_ticks, stable, text, .. } = self.verdict.as_ref()?;
         let comes = match (stable, self.unless) {
             (Some(false), _) if armed => ". It stays armed",
             (Some(false), Some(unless)) => &format!(". It does not arm until the network is better; {unless}"),
             (Some(false), None) => ". It arms all the same",
             _ => "",
         };
-        Some(format!("the scene at {least:.2} to {most:.2} ms one way: {text}{comes}"))
+        let late = device_delay_ticks.map_or_else(String::new, |ticks| {
+            format!(", its device late by {ticks} tick{}", if ticks == 1 { "" } else { "s" })
+        });
+        Some(format!("the scene at {least:.2} to {most:.2} ms one way{late}: {text}{comes}"))
     }
 
     /// Why the peer is not to arm, if its scene is unstable.

@@ -48,6 +48,9 @@ super::commands! {
     }
 }
 
+/// The longest delay of a device that a scene has, ticks.
+const MOST_TICKS: f64 = 20.0;
+
 /// Asks on standard error, hears on standard input.
 fn please(task: &str) -> Result<(), haptic_live::Error> {
     haptic_io::say(format_args!("{task}; then press Enter"));
@@ -96,11 +99,11 @@ impl Devices {
 
     /// The settings of a scene for this device.
     fn table(&self, name: &str, health: Option<Health>, delay_ticks: f64, beneath: &[(&str, String)]) -> String {
-        // More than one tick of delay is not to be had in a scene: its verdict would be about another loop.
+        // More than so many ticks of delay are not to be had in a scene: its verdict would be about another loop.
         let (known, warning) = (
-            delay_ticks.min(1.0),
-            if delay_ticks > 1.0 {
-                "# An answer takes more than a tick: no scene has that, and a verdict is about another loop.\n"
+            delay_ticks.min(MOST_TICKS),
+            if delay_ticks > MOST_TICKS {
+                "# An answer takes more than 20 ticks: no scene has that, and a verdict is about another loop.\n"
             } else {
                 ""
             },

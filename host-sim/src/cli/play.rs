@@ -111,9 +111,8 @@ impl Play {
         };
         let shown = match shown {
             Shown::Remote(end) => {
-                let is_simulated = end.has_the_pages_hand();
-                let hand = is_simulated.then_some(HAND);
-                let judge = judge(scene.clone(), hand, is_simulated, allowed(self.anyway));
+                let hand = end.has_the_pages_hand().then_some(HAND);
+                let judge = judge(scene.clone(), end.number, hand, allowed(self.anyway));
                 Shown::Remote(Box::new(end.with_judge(judge)))
             }
             other => other,

@@ -179,7 +179,8 @@ where
         let End { key, number, endpoint, join, device, judge } = end;
         let judging = judge.map(|judge| Judging::start(&judge, PERIOD_S)).transpose()?;
         // A device that is really there is read at every tick from here on, so it is the last of what may take time.
-        let (device, _) = device.open(&scene, number)?;
+        let (device, seen) = device.open(&scene, number)?;
+        let judging = judging.map(|judging| judging.of_device(seen));
         Ok(Self {
             paths: endpoint.paths().map(PathWatch::new),
             teller: Teller::new(Manner::Words),

@@ -1,4 +1,4 @@
-use haptic_live::verdict::Verdict;
+use haptic_live::verdict::{Measured, Verdict};
 use haptic_sim::{Laws, scenes};
 
 use super::*;
@@ -168,8 +168,8 @@ fn windows_are_told_of_the_path_and_of_what_the_line_can_hold() {
 fn judged_unstable(unless: Option<&'static str>) -> [One; 2] {
     let key = || Key::new([7; Key::LEN]);
     let scene = || scenes::load(Laws::built_in(), "any-network").expect("a scene");
-    let verdict = |one_way_s: [f64; 2]| Verdict {
-        one_way_ms: one_way_s.map(|s| 1e3 * s),
+    let verdict = |measured: Measured| Verdict {
+        one_way_ms: measured.one_way_s.map(|s| 1e3 * s),
         stable: Some(false),
         text: "unstable: lower something".to_owned(),
         ..Verdict::default()

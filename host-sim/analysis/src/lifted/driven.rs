@@ -11,7 +11,7 @@
 //! **Counters.** A line with a time of its own counts what it has sent and heard. Such a peer is first left at rest on the
 //! scene's network until every tick is live, and starts each period with the counters it has then, and the packet that is due.
 //!
-//! **Order of the local state**: x_h, ẋ_h, motor force of the tick before, of each shared axis; then what `State::visit` visits (of each
+//! **Order of the local state**: x_h, ẋ_h, motor force of the tick before, and those that the device holds back, of each shared axis; then what `State::visit` visits (of each
 //! axis object, integrator, law; velocity estimators). Units: m, m/s, N, √W.
 
 use std::array::from_fn;
@@ -39,11 +39,11 @@ pub(crate) const TOO_LARGE: f64 = f64::from_bits((1023 + 250) << 52);
 /// How exactly a translation must come back to be a rest mode, m.
 const UNMOVED_M: f64 = 1e-12;
 
-/// States of the device along an axis: position, velocity, motor force of the tick before.
-const DEVICE_STATES: usize = 3;
-
-/// Where the position of the object stands in the local state of a peer that shares one axis.
-pub(crate) const OBJECT: usize = DEVICE_STATES;
+/// States of peer `index`'s device along an axis: position, velocity, motor force of the tick before, and those that it holds back. After them, in
+/// the local state of a peer that shares one axis, stands the position of the object.
+pub(crate) fn device_states(linear: &Scene, index: usize) -> usize {
+    3 + linear.devices()[index].delay().0
+}
 
 /// The answer of one peer to one packet period.
 #[derive(Clone, Debug)]
@@ -280,6 +280,8 @@ struct Seat<const SHARED: usize, const N: usize> {
     /// The tick before which the packet is heard.
     at_tick: usize,
     plant: Plant<N>,
+    /// Numbers of the device along an axis.
+    device_states: usize,
     local: Vec<f64>,
     packet: Vec<f64>,
     /// What arrives next at rest: the counters of a packet.
@@ -311,7 +313,8 @@ where
             device[axis] = Motion::at(1.0);
             *there = at(settings, device)?;
         }
-        let mut states = DEVICE_STATES * SHARED;
+        let device_states = device_states(linear, index);
+        let mut states = device_states * SHARED;
         armed.visit_state(&mut |_| states += 1);
         let mut numbers = 0;
         visit_all(&mut [Packet::default(); SHARED], |_| numbers += 1);
@@ -329,13 +332,13 @@ where
         };
         let ticks_per_packet = settings.timing.ticks_per_packet as usize;
         let (local, packet) = (vec![0.0; states], vec![0.0; numbers]);
-        Ok(Self { armed, there, ticks_per_packet, at_tick, plant, local, packet, due })
+        Ok(Self { armed, there, ticks_per_packet, at_tick, plant, device_states, local, packet, due })
     }
 
     /// The peer's share of the state, in the unit that is driven.
     fn loaded(&self) -> Box<dyn DynPeer<f64, SHARED, N>> {
         let mut state = self.armed.clone();
-        let mut numbers = self.local[DEVICE_STATES * SHARED..].iter();
+        let mut numbers = self.local[self.device_states * SHARED..].iter();
         state.visit_state(&mut |number| *number = numbers.next().copied().unwrap_or(0.0) * UNIT);
         state
     }
@@ -373,12 +376,8 @@ where
 
     fn period(&mut self, after: &mut [f64]) {
         let mut peer = self.loaded();
-        for ((motion, motor), [position, velocity, force]) in
-            self.plant.each_axis().zip(self.local.as_chunks::<DEVICE_STATES>().0).take(SHARED)
-        {
-            *motion = Motion { position: position * UNIT, velocity: velocity * UNIT };
-            *motor = force * UNIT;
-        }
+        let mut device = self.local.iter().map(|number| number * UNIT);
+        self.plant.visit_axes(SHARED, |number| *number = device.next().unwrap_or(0.0));
         let mut packets = self.due;
         let mut numbers = self.packet.iter();
         visit_all(&mut packets, |number| *number = numbers.next().copied().unwrap_or(0.0) * UNIT);
@@ -398,15 +397,13 @@ where
                 *after = if within { number / UNIT } else { f64::INFINITY };
             }
         };
-        for (motion, motor) in self.plant.each_axis().take(SHARED) {
-            [motion.position, motion.velocity, *motor].into_iter().for_each(&mut store);
-        }
+        self.plant.visit_axes(SHARED, |number| store(*number));
         peer.visit_state(&mut |number| store(*number));
     }
 
     fn translation(&mut self, axis: usize, local: &mut [f64]) -> usize {
-        local[DEVICE_STATES * axis] = 1.0;
-        let first = DEVICE_STATES * SHARED;
+        local[self.device_states * axis] = 1.0;
+        let first = self.device_states * SHARED;
         let mut numbers = local[first..].iter_mut();
         self.there[axis].visit_state(&mut |number| {
             if let Some(out) = numbers.next() {

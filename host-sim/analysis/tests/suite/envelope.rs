@@ -32,7 +32,7 @@ fn envelope(pair: &mut Pair<f64>, ticks: u64) -> f64 {
 }
 
 /// Whether the simulated pair settles; `None` where it does neither.
-fn settles(linear: &Scene, verdict: &Verdict, seed: u64) -> Option<bool> {
+pub(crate) fn settles(linear: &Scene, verdict: &Verdict, seed: u64) -> Option<bool> {
     let mut pair = Pair::<f64>::new(linear).unwrap();
     let mut random = Random::new(!seed);
     let mut random = || (random.unit() - 0.5) * 2.0_f64.powi(-200);

@@ -9,6 +9,7 @@ mod bounds;
 mod envelope;
 mod finding;
 mod hard_cases;
+mod held_back;
 mod midpoint;
 mod modes;
 mod oracle;

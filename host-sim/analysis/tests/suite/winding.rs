@@ -25,7 +25,7 @@ fn analysed(scene: &Scene) -> f64 {
 }
 
 /// Whether what a knock on both devices leaves dies away.
-fn settles(scene: &Scene, stiffness: f64) -> bool {
+pub(crate) fn settles(scene: &Scene, stiffness: f64) -> bool {
     let mut scene = scene.clone();
     scene.set_number("contact.stiffness_n_per_m", stiffness).unwrap();
     let mut pair = Pair::<f64>::new(&scene).unwrap();

@@ -16,8 +16,10 @@ use haptic_sim::{plant::Plant, scene::Scene};
 use super::engine::{DynamicsEngine, Pushed};
 use super::world::World;
 
-/// States of a device: position, velocity, motor force of the tick before.
-const DEVICE_STATES: usize = 3;
+/// States of a client's device: position, velocity, motor force of the tick before, and those that it holds back, of the device that holds back most.
+fn device_states(scene: &Scene) -> usize {
+    3 + scene.devices().iter().map(|device| device.delay().0).max().unwrap_or(0)
+}
 
 /// A client and its way to the engine.
 #[derive(Clone, Copy, Debug)]
@@ -63,7 +65,7 @@ pub fn verdict(scene: &Scene, lines: &[Line]) -> Result<Verdict, crate::Error> {
     // Without a spring to any arm everything together can stand anywhere.
     let free = scene.users.iter().all(|user| user.settings.user.arm_stiffness_n_per_m == 0.0);
     let rest_modes = if free { vec![period.translation()] } else { Vec::new() };
-    let devices: Vec<usize> = (0..lines.len()).map(|client| DEVICE_STATES * client).collect();
+    let devices: Vec<usize> = (0..lines.len()).map(|client| period.device * client).collect();
     Ok(Analyser::default().judge(Lifted { matrix, rest_modes }, &devices)?)
 }
 
@@ -81,6 +83,8 @@ struct Period {
     ticks: u32,
     /// Longest way down, packets.
     down: usize,
+    /// Numbers of each device.
+    device: usize,
     state: Vec<f64>,
 }
 
@@ -98,20 +102,22 @@ impl Period {
         for (user, line) in engine.users.iter_mut().zip(lines) {
             *user = Pushed { drag_n_s_per_m: line.gains.drag, ..Pushed::default() };
         }
+        let device = device_states(linear);
         Self {
             seats: lines.iter().enumerate().map(seat).collect(),
             engine,
             ticks: linear.peer.timing.ticks_per_packet,
             down,
-            state: vec![0.0; DEVICE_STATES * lines.len() + 2 * (1 + down) + up],
+            device,
+            state: vec![0.0; device * lines.len() + 2 * (1 + down) + up],
         }
     }
 
     /// Everything one metre away.
     fn translation(&self) -> Vec<f64> {
-        let (devices, motions) = (DEVICE_STATES * self.seats.len(), 2 * (1 + self.down));
+        let (devices, motions) = (self.device * self.seats.len(), 2 * (1 + self.down));
         let place = |at: usize| match at.checked_sub(devices) {
-            None => at.is_multiple_of(DEVICE_STATES),
+            None => at.is_multiple_of(self.device),
             Some(at) => at < motions && at.is_multiple_of(2),
         };
         (0..self.state.len()).map(|at| f64::from(u8::from(place(at)))).collect()
@@ -119,14 +125,14 @@ impl Period {
 
     /// Takes everything through one packet period.
     fn pass(&mut self) {
-        let (devices, rest) = self.state.split_at_mut(DEVICE_STATES * self.seats.len());
+        let (devices, rest) = self.state.split_at_mut(self.device * self.seats.len());
         let (motions, mut pushes) = rest.split_at_mut(2 * (1 + self.down));
         let mut broadcast: Vec<Motion<f64>> =
             motions.chunks_exact(2).map(|at| Motion { position: at[0], velocity: at[1] }).collect();
         self.engine.take_over(broadcast[0]);
-        for (seat, state) in self.seats.iter_mut().zip(devices.chunks_exact(DEVICE_STATES)) {
-            let (motion, motor) = seat.plant.free_axis();
-            (motion.position, motion.velocity, *motor) = (state[0], state[1], state[2]);
+        for (seat, state) in self.seats.iter_mut().zip(devices.chunks_exact(self.device)) {
+            let mut numbers = state.iter().copied();
+            seat.plant.visit_axes(1, |number| *number = numbers.next().unwrap_or(0.0));
         }
         for tick in 0..self.ticks {
             for (seat, user) in self.seats.iter_mut().zip(&mut self.engine.users) {
@@ -151,9 +157,9 @@ impl Period {
             }
             self.engine.step();
         }
-        for (seat, state) in self.seats.iter_mut().zip(devices.chunks_exact_mut(DEVICE_STATES)) {
-            let (motion, motor) = seat.plant.free_axis();
-            state.copy_from_slice(&[motion.position, motion.velocity, *motor]);
+        for (seat, state) in self.seats.iter_mut().zip(devices.chunks_exact_mut(self.device)) {
+            let mut numbers = state.iter_mut();
+            seat.plant.visit_axes(1, |number| numbers.next().into_iter().for_each(|to| *to = *number));
         }
         // What was newest is one packet older.
         broadcast.rotate_right(1);

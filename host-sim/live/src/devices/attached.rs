@@ -217,6 +217,7 @@ impl<P: Port, const N: usize> Device<f32, N> for Attached<P, N> {
         }
         let age = self.newest.between[0].elapsed();
         self.share = share(age, self.silent);
+        self.seen.iter().for_each(|seen| seen.act(age));
         let name = &self.port.abilities().name;
         self.within(age, DeviceFault::Silent, |ms| format!("the newest reading of {name} is {ms} ms old"))
     }

@@ -93,6 +93,9 @@ pub struct DeviceReport {
     name: String,
     /// From asking to hearing, µs.
     round_trip: Quantiles,
+    /// How long before its tick a reading was asked for, of every tick, µs: what lies between sensing and force where a command takes as long to
+    /// get there as a question.
+    age: Quantiles,
     /// How many round trips took up to so long, µs, and longer than the one before.
     histogram: Vec<(f64, u64)>,
     #[serde(flatten)]
@@ -101,12 +104,23 @@ pub struct DeviceReport {
 
 /// What is seen of a device while somebody drives it.
 #[derive(Clone, Debug, Default)]
-pub struct Seen(Arc<Mutex<(String, Times, Health)>>);
+pub struct Seen(Arc<Mutex<SoFar>>);
+
+#[derive(Debug, Default)]
+struct SoFar {
+    name: String,
+    round_trips: Times,
+    ages: Times,
+    health: Health,
+}
+
+/// What an age may be above whole ticks, of a tick: the tick's own jitter.
+const JITTER: f64 = 0.1;
 
 impl Seen {
     fn name(&self, name: &str) {
         if let Ok(mut seen) = self.0.lock() {
-            name.clone_into(&mut seen.0);
+            name.clone_into(&mut seen.name);
         }
     }
 
@@ -114,16 +128,31 @@ impl Seen {
     fn see(&self, took: Duration, health: Option<Health>) {
         // Nobody else holds it before the end.
         if let Ok(mut seen) = self.0.try_lock() {
-            seen.1.add(took.as_nanos() as u64);
-            seen.2 = health.unwrap_or(seen.2);
+            seen.round_trips.add(took.as_nanos() as u64);
+            seen.health = health.unwrap_or(seen.health);
         }
+    }
+
+    /// A tick acts on a reading of this age.
+    pub(crate) fn act(&self, age: Duration) {
+        if let Ok(mut seen) = self.0.try_lock() {
+            seen.ages.add(age.as_nanos() as u64);
+        }
+    }
+
+    /// Whole ticks of this period (s) from sensing to force, 1 at least, that nine in ten of all ticks so far did not exceed; none before there was one.
+    pub fn delay_ticks(&self, period_s: f64) -> Option<u32> {
+        let ages = self.0.lock().ok()?.ages.quantiles();
+        let ticks = (1e-6 * ages.p90_us / period_s - JITTER).ceil().max(1.0);
+        (ages.samples > 0).then_some(ticks as u32)
     }
 
     /// As a report has it.
     pub fn report(&self) -> Option<DeviceReport> {
         let seen = self.0.lock().ok()?;
-        let (name, times, health) = (seen.0.clone(), &seen.1, seen.2);
-        Some(DeviceReport { name, round_trip: times.quantiles(), histogram: times.histogram(), health })
+        let (name, times, health) = (seen.name.clone(), &seen.round_trips, seen.health);
+        let (round_trip, age) = (times.quantiles(), seen.ages.quantiles());
+        Some(DeviceReport { name, round_trip, age, histogram: times.histogram(), health })
     }
 }
 

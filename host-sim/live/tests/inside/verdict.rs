@@ -3,7 +3,7 @@ use super::*;
 /// A judge who answers when the test does, at a clock that is the test's.
 struct Bench {
     judging: Judging,
-    asked: Receiver<[f64; 2]>,
+    asked: Receiver<Measured>,
     answers: SyncSender<Verdict>,
     now_us: u64,
 }
@@ -26,7 +26,7 @@ impl Bench {
     /// What is asked now, ms one way.
     fn asks(&mut self, armed: bool) -> Option<[f64; 2]> {
         assert_eq!(self.judging.look(self.now_us, armed), None);
-        self.asked.try_recv().ok().map(|delays| delays.map(|s| 1e3 * s))
+        self.asked.try_recv().ok().map(|measured| measured.one_way_s.map(|s| 1e3 * s))
     }
 
     /// What is said of this answer.
@@ -156,4 +156,33 @@ fn a_thread_judges() {
         std::thread::sleep(std::time::Duration::from_millis(1));
     }
     close(judging.refuses().map(|verdict| verdict.one_way_ms), [2.5, 2.5]);
+}
+
+/// The device of this end is part of what is asked, once it has been read, and again when it has become later.
+#[test]
+fn it_asks_about_the_device_as_late_as_it_is_read() {
+    let mut bench = Bench::new(None);
+    let seen = Seen::default();
+    bench.judging = bench.judging.of_device(Some(seen.clone()));
+    bench.exchanges(LEAST, 4_000);
+    assert_eq!(bench.asks(false), None, "nobody has read it");
+    let ticks = |bench: &mut Bench| {
+        bench.judging.look(bench.now_us, false);
+        bench.asked.try_recv().ok().map(|measured| measured.device_ticks)
+    };
+    // What the next tick reads is asked for right after this one; a tick may come late by a little.
+    (0..95).for_each(|_| seen.act(std::time::Duration::from_micros(960)));
+    (0..5).for_each(|_| seen.act(std::time::Duration::from_micros(7_000)));
+    assert_eq!(ticks(&mut bench), Some(Some(1)));
+    let said = bench.judging.words(false);
+    assert_eq!(said, None, "there is no verdict yet");
+    let verdict =
+        Verdict { device_delay_ticks: Some(1), stable: Some(true), text: "as it is".to_owned(), ..Verdict::default() };
+    bench.answers.send(verdict).expect("it listens");
+    let said = bench.judging.look(bench.now_us, false);
+    assert_eq!(said.as_deref(), Some("the scene at 0.00 to 0.00 ms one way, its device late by 1 tick: as it is"));
+    (0..2_000).for_each(|_| seen.act(std::time::Duration::from_micros(2_400)));
+    assert_eq!(ticks(&mut bench), None, "not at once");
+    bench.waits();
+    assert_eq!(ticks(&mut bench), Some(Some(3)));
 }

@@ -1,7 +1,7 @@
 //! The simulated device (plant): one haptic device in the hand of its user.
 //!
 //! m·ẍ + b·ẋ + k·x = F_motor + F_user along every axis, advanced exactly (matrix exponential) for forces that are constant
-//! in pieces: the old motor force for τ of a tick, then the new one; the user's force, sampled at the start of the tick,
+//! in pieces: the old motor force for τ of a tick, then the new one, which a longer delay holds back for whole ticks; the user's force, sampled at the start of the tick,
 //! for the whole tick. k and parts of m and b are the user's arm, when the scene has one. Always f64, whatever the peer
 //! computes in: the world does not round.
 //!
@@ -25,6 +25,7 @@ mod wall;
 mod winding;
 
 use std::array::from_fn;
+use std::collections::VecDeque;
 
 use encoders::Encoders;
 use haptic_core::device::kinematics::KinematicsName;
@@ -99,6 +100,8 @@ pub struct Plant<const N: usize = AXES> {
     pulls_n: [f64; N],
     motions: [Motion<f64>; N],
     motor_before: [f64; N],
+    /// Motor forces that the device holds back for whole ticks, of which the first acts next.
+    waiting: VecDeque<[f64; N]>,
     /// How much larger than the device the world is in which a peer reads and drives it exactly.
     scale: Scale,
 }
@@ -132,9 +135,9 @@ impl<const N: usize> Plant<N> {
         });
         let period_s = scene.peer.timing.control_period_s;
         // With windings the steps are PWM periods, and nothing else is late.
-        let (step_s, late) = match &windings {
-            Some(windings) => (period_s / f64::from(windings.periods), 0.0),
-            None => (period_s, device.force_delay_ticks),
+        let (step_s, (waits, late)) = match &windings {
+            Some(windings) => (period_s / f64::from(windings.periods), (0, 0.0)),
+            None => (period_s, device.delay()),
         };
         let (damping, stiffness) =
             (device.damping_n_s_per_m + profile.arm_damping_n_s_per_m, profile.arm_stiffness_n_per_m);
@@ -184,12 +187,14 @@ impl<const N: usize> Plant<N> {
             pulls_n: [0.0; N],
             motions: scene.start(index),
             motor_before: [0.0; N],
+            waiting: VecDeque::from(vec![[0.0; N]; waits]),
             scale: settings.scale,
             user,
         }
     }
 
-    /// Neither joints nor windings, a scale, faults, friction, a wall or a clutch: its peer reads and drives it exactly, and nothing else.
+    /// Neither joints nor windings, a scale, faults, friction, a wall, a clutch or whole ticks of delay: its peer reads and drives it exactly, and
+    /// nothing else.
     pub(crate) fn is_bare(&self) -> bool {
         let profile = &self.user.settings.user;
         let exact = self.joints.is_none() && self.windings.is_none() && self.scale == Scale::default();
@@ -199,6 +204,7 @@ impl<const N: usize> Plant<N> {
             && self.fault.is_none()
             && self.friction_n == 0.0
             && self.wall.is_none()
+            && self.waiting.is_empty()
             && profile.clutch_for_s == 0.0
     }
 
@@ -265,6 +271,7 @@ impl<const N: usize> Plant<N> {
             motion.velocity = 0.0;
         }
         self.motor_before = [0.0; N];
+        self.waiting.iter_mut().for_each(|forces| *forces = [0.0; N]);
         if let Some(windings) = &mut self.windings {
             windings.drives.iter_mut().for_each(Drive::off);
         }
@@ -425,6 +432,13 @@ impl<const N: usize> Plant<N> {
                 (_, Some(linkage)) => linkage.torques(forces),
                 (_, None) => forces,
             };
+            let motor = match self.waiting.pop_front() {
+                Some(acts) => {
+                    self.waiting.push_back(motor);
+                    acts
+                }
+                None => motor,
+            };
             self.advance(self.motor_before, motor, pushes);
             self.motor_before = motor;
             return;
@@ -499,6 +513,16 @@ impl<const N: usize> Plant<N> {
     /// acts; of windings, the mean force of the tick before, which is over.
     pub fn free_axis(&mut self) -> (&mut Motion<f64>, &mut f64) {
         (&mut self.motions[0], &mut self.motor_before[0])
+    }
+
+    /// Visits what this plant is along each of its first axes: position (m), velocity (m/s), the motor force of the tick before, and those
+    /// that it holds back, of which the first acts next, N.
+    pub fn visit_axes(&mut self, axes: usize, mut visit: impl FnMut(&mut f64)) {
+        for axis in 0..axes.min(N) {
+            let motion = &mut self.motions[axis];
+            [&mut motion.position, &mut motion.velocity, &mut self.motor_before[axis]].into_iter().for_each(&mut visit);
+            self.waiting.iter_mut().for_each(|forces| visit(&mut forces[axis]));
+        }
     }
 
     /// Motion of every axis (m, m/s) and the motor force on it before (N), mutable.

@@ -4,6 +4,8 @@
 //! it owns the body and has come to rest at it (`GRIP_M`, `GRIP_M_PER_S`), so that how it grips does not depend on when
 //! the right comes; who carries reaches its share of the way and releases when it has rested for [`REST_S`].
 
+use std::collections::VecDeque;
+
 use haptic_core::{contact::Contact, num::Motion, object::AnyIntegrator};
 use haptic_sim::{plant::Linear, scene::Scene, user::minimum_jerk};
 
@@ -66,8 +68,11 @@ pub(super) struct Hand {
     goal: f64,
     /// The official copy as last seen, m: what one has released stands until there is news.
     known: f64,
-    /// Force on the body, N; the device feels its reaction a tick late, as far as the scene says.
+    /// Force on the body, N; the device feels its reaction late, as far as the scene says.
     pub(super) force: f64,
+    /// What the device felt in the tick before, N, and what it holds back, of which the first acts next.
+    felt: f64,
+    waiting: VecDeque<f64>,
 }
 
 impl Hand {
@@ -76,9 +81,10 @@ impl Hand {
         let (device, period_s) = (&scene.world.device, settings.timing.control_period_s);
         let (stiffness, damping) = (TASK.arm_stiffness_n_per_m[index], TASK.arm_damping_n_s_per_m[index]);
         let mass = device.mass_kg + TASK.arm_mass_kg;
+        let (waits, late) = device.delay();
         let integrator = AnyIntegrator::build(settings).expect("any integrator builds");
         Self {
-            plant: Linear::new(mass, device.damping_n_s_per_m + damping, stiffness, device.force_delay_ticks, period_s),
+            plant: Linear::new(mass, device.damping_n_s_per_m + damping, stiffness, late, period_s),
             stiffness,
             damping,
             device: Motion::REST,
@@ -90,6 +96,8 @@ impl Hand {
             goal,
             known: 0.0,
             force: 0.0,
+            felt: 0.0,
+            waiting: VecDeque::from(vec![0.0; waits]),
         }
     }
 
@@ -128,13 +136,21 @@ impl Hand {
             }
         }
         let (wanted, speed) = self.reach.at(time_s);
-        let (pull, felt) = (self.stiffness * wanted + self.damping * speed, self.force);
+        let pull = self.stiffness * wanted + self.damping * speed;
         self.force = 0.0;
         if matches!(self.doing, TaskState::Carries(_)) {
             self.force = self.contact.force(self.device, self.body);
             self.body = self.integrator.step(self.body, self.force);
         }
-        self.device = self.plant.advance(self.device, pull - felt, pull - self.force);
+        let feels = match self.waiting.pop_front() {
+            Some(acts) => {
+                self.waiting.push_back(self.force);
+                acts
+            }
+            None => self.force,
+        };
+        self.device = self.plant.advance(self.device, pull - self.felt, pull - feels);
+        self.felt = feels;
         lets_go
     }
 }

@@ -21,6 +21,8 @@ pub(crate) enum State {
     DeviceVelocity,
     /// Motor force of the tick before.
     DeviceForce,
+    /// A motor force that the device holds back, of which 0 acts next.
+    DeviceWaiting(usize),
     ObjectPosition,
     ObjectVelocity,
     /// F_LC + F_T of the tick before.
@@ -86,8 +88,8 @@ enum ForceTiming {
 
 use Input::{Contact, Coordination, Mean};
 use State::{
-    CoordinationForce, DesiredPosition, DesiredVelocity, DeviceForce, DevicePosition, DeviceVelocity, FilteredVelocity,
-    LastReading, ObjectForce, ObjectPosition, ObjectVelocity, Outgoing, Outstanding,
+    CoordinationForce, DesiredPosition, DesiredVelocity, DeviceForce, DevicePosition, DeviceVelocity, DeviceWaiting,
+    FilteredVelocity, LastReading, ObjectForce, ObjectPosition, ObjectVelocity, Outgoing, Outstanding,
 };
 
 impl ConstructedPeer {
@@ -103,7 +105,9 @@ impl ConstructedPeer {
             "none" => (false, vec![]),
             _ => return None,
         };
-        let mut states = vec![DevicePosition, DeviceVelocity, DeviceForce, ObjectPosition, ObjectVelocity];
+        let mut states = vec![DevicePosition, DeviceVelocity, DeviceForce];
+        states.extend((0..scene.devices()[index].delay().0).map(DeviceWaiting));
+        states.extend([ObjectPosition, ObjectVelocity]);
         let force_timing = match scene.peer.object.integrator {
             IntegratorName::Midpoint => ForceTiming::Within(0.5),
             IntegratorName::BackwardEuler => ForceTiming::Within(1.0),
@@ -179,10 +183,25 @@ impl ConstructedPeer {
             device.mass_kg + arm.arm_mass_kg,
             device.damping_n_s_per_m + arm.arm_damping_n_s_per_m,
             arm.arm_stiffness_n_per_m,
-            device.force_delay_ticks,
+            device.delay().1,
             scene.peer.timing.control_period_s,
         );
-        self.moves([DevicePosition, DeviceVelocity, DeviceForce], &held, &[(Contact, -1.0)]);
+        let Some(newest) = device.delay().0.checked_sub(1) else {
+            self.moves([DevicePosition, DeviceVelocity, DeviceForce], &held, &[(Contact, -1.0)]);
+            return;
+        };
+        // What is felt now acts when all that waits has.
+        self.moves([DevicePosition, DeviceVelocity, DeviceForce], &held, &[]);
+        let [position, velocity, force, next] =
+            [DevicePosition, DeviceVelocity, DeviceForce, DeviceWaiting(0)].map(|state| self.at(state));
+        (self.a[(position, next)], self.a[(velocity, next)]) = (held.now[0], held.now[1]);
+        self.a[(force, next)] = 1.0;
+        for at in 0..newest {
+            let (to, from) = (self.at(DeviceWaiting(at)), self.at(DeviceWaiting(at + 1)));
+            self.a[(to, from)] = 1.0;
+        }
+        let newest = self.at(DeviceWaiting(newest));
+        self.b[(newest, Contact as usize)] = -1.0;
     }
 
     fn object(&mut self, scene: &Scene) -> Option<()> {
