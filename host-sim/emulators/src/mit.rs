@@ -1,12 +1,8 @@
 //! Two emulated Damiao motors (DM4310): MIT's frame, enabling, and the registers that are asked for.
 
-use std::path::PathBuf;
-use std::sync::{Arc, Mutex, MutexGuard};
-
-use super::carrier::{Place, Served, carry};
+use super::carrier::Place;
 use super::hand::Hand;
-use super::motors::{Fault, Motor, World, locked, words};
-use super::{Emulated, Seen, named};
+use super::motors::{Emulator, Fault, Motor, Protocol, World};
 
 /// After so long without a frame they disable themselves unless it is told otherwise, s.
 pub const TIMEOUT_AFTER_S: f64 = 0.05;
@@ -96,58 +92,20 @@ fn register(world: &World, which: u8, timeout_s: f64) -> [u8; 4] {
     }
 }
 
-/// A bus with two motors, as long as the process lives.
-pub struct Emulator {
-    /// What `--device` opens.
-    pub at: PathBuf,
-    world: Arc<Mutex<World>>,
-    _bus: Served,
-}
-
-impl Emulator {
-    /// On a bus there, with this hand; the motors disable themselves after so long without a frame, s.
-    ///
-    /// # Errors
-    /// There cannot be a bus there.
-    pub fn start(place: &Place, hand: Hand<2>, timeout_s: f64) -> std::io::Result<Self> {
-        let world = World::shared([1.0, -1.0], LOST, hand);
-        let served = world.clone();
-        let bus = carry(place, world.clone(), move |id, data| {
-            let mut world = locked(&served);
-            world.hear();
-            match (id, data) {
-                (0x7ff, [who @ 1..=2, 0, 0x33, which, ..]) => {
-                    let value = register(&world, *which, timeout_s);
-                    Some((0x10 + u32::from(*who), [&[*who, 0, 0x33, *which], &value[..]].concat()))
-                }
-                (0x7ff, [who @ 1..=2, 0, 0xcc, ..]) => {
-                    Some((0x10 + u32::from(*who), state(&mut world, usize::from(*who) - 1)))
-                }
-                (1 | 2, data) => {
-                    Some((0x10 + id, answer(&mut world, id as usize - 1, data.try_into().ok()?, timeout_s)))
-                }
-                _ => None,
-            }
-        })?;
-        Ok(Self { at: bus.at.clone(), world, _bus: bus })
-    }
-
-    /// Its world, which stands still while this is held.
-    pub fn world(&self) -> MutexGuard<'_, World> {
-        locked(&self.world)
-    }
-}
-
-impl Emulated for Emulator {
-    fn words(&self) -> Vec<String> {
-        words("mit", &self.at, &["--device-model", "dm4310", "--device-homed"])
-    }
-
-    fn plant(&self, fault: &str) -> Option<f64> {
-        named(&FAULTS, fault).map(|fault| self.world().fail(fault))
-    }
-
-    fn look(&self) -> Seen {
-        self.world().look()
-    }
+/// Two motors on a bus there, with this hand, which disable themselves after so long without a frame, s.
+///
+/// # Errors
+/// There cannot be a bus there.
+pub fn start(place: &Place, hand: Hand<2>, timeout_s: f64) -> std::io::Result<Emulator> {
+    let protocol = Protocol { name: "mit", flags: &["--device-model", "dm4310", "--device-homed"], faults: &FAULTS };
+    let world = World::shared([1.0, -1.0], LOST, hand);
+    Emulator::start(place, protocol, world, move |world, id, data| match (id, data) {
+        (0x7ff, [who @ 1..=2, 0, 0x33, which, ..]) => {
+            let value = register(world, *which, timeout_s);
+            Some((0x10 + u32::from(*who), [&[*who, 0, 0x33, *which], &value[..]].concat()))
+        }
+        (0x7ff, [who @ 1..=2, 0, 0xcc, ..]) => Some((0x10 + u32::from(*who), state(world, usize::from(*who) - 1))),
+        (1 | 2, data) => Some((0x10 + id, answer(world, id as usize - 1, data.try_into().ok()?, timeout_s))),
+        _ => None,
+    })
 }

@@ -1,12 +1,8 @@
 //! Two emulated moteus motors: the public register map as far as a torque loop needs it, read here by itself, byte for byte.
 
-use std::path::PathBuf;
-use std::sync::{Arc, Mutex, MutexGuard};
-
-use super::carrier::{Place, Served, carry};
+use super::carrier::Place;
 use super::hand::Hand;
-use super::motors::{Fault, World, locked, words};
-use super::{Emulated, Seen, named};
+use super::motors::{Emulator, Fault, Protocol, World};
 
 /// Their faults by name.
 pub const FAULTS: [(&str, Fault); 12] = [
@@ -177,49 +173,16 @@ fn answer(world: &mut World, console: &mut String, joint: usize, mut bytes: &[u8
     (!reads.is_empty()).then_some(reply)
 }
 
-/// A bus with two motors, as long as the process lives.
-pub struct Emulator {
-    /// What `--device` opens.
-    pub at: PathBuf,
-    world: Arc<Mutex<World>>,
-    _bus: Served,
-}
-
-impl Emulator {
-    /// On a bus there, with this hand.
-    ///
-    /// # Errors
-    /// There cannot be a bus there.
-    pub fn start(place: &Place, hand: Hand<2>) -> std::io::Result<Self> {
-        let world = World::shared([1.0, -1.0], TIMEOUT, hand);
-        let served = world.clone();
-        let mut consoles = [const { String::new() }; 2];
-        let bus = carry(place, world.clone(), move |id, data| {
-            let joint = ((id & 0x7f) as usize).checked_sub(1)?;
-            let mut world = locked(&served);
-            world.hear();
-            let reply = answer(&mut world, consoles.get_mut(joint)?, joint, data)?;
-            Some(((id & 0x7f) << 8, reply))
-        })?;
-        Ok(Self { at: bus.at.clone(), world, _bus: bus })
-    }
-
-    /// Its world, which stands still while this is held.
-    pub fn world(&self) -> MutexGuard<'_, World> {
-        locked(&self.world)
-    }
-}
-
-impl Emulated for Emulator {
-    fn words(&self) -> Vec<String> {
-        words("moteus", &self.at, &[])
-    }
-
-    fn plant(&self, fault: &str) -> Option<f64> {
-        named(&FAULTS, fault).map(|fault| self.world().fail(fault))
-    }
-
-    fn look(&self) -> Seen {
-        self.world().look()
-    }
+/// Two motors on a bus there, with this hand.
+///
+/// # Errors
+/// There cannot be a bus there.
+pub fn start(place: &Place, hand: Hand<2>) -> std::io::Result<Emulator> {
+    let protocol = Protocol { name: "moteus", flags: &[], faults: &FAULTS };
+    let mut consoles = [const { String::new() }; 2];
+    Emulator::start(place, protocol, World::shared([1.0, -1.0], TIMEOUT, hand), move |world, id, data| {
+        let joint = ((id & 0x7f) as usize).checked_sub(1)?;
+        let reply = answer(world, consoles.get_mut(joint)?, joint, data)?;
+        Some(((id & 0x7f) << 8, reply))
+    })
 }

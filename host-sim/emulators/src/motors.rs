@@ -3,12 +3,13 @@
 //! The joints' angles are from the hand's place by inverse kinematics (two triangles), and the force of torques on it is by virtual work,
 //! F = Σ τ·∂q/∂x, with differences: neither is the forward kinematics that the peer computes.
 
-use std::path::Path;
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard};
 
-use super::Seen;
 use super::asked::Asked;
+use super::carrier::{Place, Served, carry};
 use super::hand::{Hand, STEP_S};
+use super::{Emulated, Seen, named};
 
 /// The second motor turns against its joint.
 const MOTORS: &str = "1,-2";
@@ -212,11 +213,61 @@ impl World {
     }
 }
 
-/// The words by which `host-sim` opens them on the bus there.
-pub(crate) fn words(kind: &str, at: &Path, more: &[&str]) -> Vec<String> {
-    let device = format!("{kind}:{}", at.display());
-    let own = ["--device", &device, "--device-motors", MOTORS, "--device-max-torque-nm", MOST_NM];
-    own.iter().chain(more).map(|word| (*word).to_owned()).collect()
+/// What an emulator's own protocol adds to it.
+pub(crate) struct Protocol {
+    /// The name of its adapter.
+    pub(crate) name: &'static str,
+    /// Flags of a peer's that it needs beside the motors'.
+    pub(crate) flags: &'static [&'static str],
+    pub(crate) faults: &'static [(&'static str, Fault)],
+}
+
+/// A bus with two motors, as long as the process lives.
+pub struct Emulator {
+    /// What `--device` opens.
+    pub at: PathBuf,
+    protocol: Protocol,
+    world: Arc<Mutex<World>>,
+    _bus: Served,
+}
+
+impl Emulator {
+    /// On a bus there, motors that answer so to a frame.
+    pub(crate) fn start(
+        place: &Place,
+        protocol: Protocol,
+        world: Arc<Mutex<World>>,
+        mut answers: impl FnMut(&mut World, u32, &[u8]) -> Option<(u32, Vec<u8>)> + Send + 'static,
+    ) -> std::io::Result<Self> {
+        let served = world.clone();
+        let bus = carry(place, world.clone(), move |id, data| {
+            let mut world = locked(&served);
+            world.hear();
+            answers(&mut world, id, data)
+        })?;
+        Ok(Self { at: bus.at.clone(), protocol, world, _bus: bus })
+    }
+
+    /// Its world, which stands still while this is held.
+    pub fn world(&self) -> MutexGuard<'_, World> {
+        locked(&self.world)
+    }
+}
+
+impl Emulated for Emulator {
+    fn words(&self) -> Vec<String> {
+        let device = format!("{}:{}", self.protocol.name, self.at.display());
+        let own = ["--device", &device, "--device-motors", MOTORS, "--device-max-torque-nm", MOST_NM];
+        own.iter().chain(self.protocol.flags).map(|word| (*word).to_owned()).collect()
+    }
+
+    fn plant(&self, fault: &str) -> Option<f64> {
+        named(self.protocol.faults, fault).map(|fault| self.world().fail(fault))
+    }
+
+    fn look(&self) -> Seen {
+        self.world().look()
+    }
 }
 
 /// The world of an emulator, which goes on in a thread of its own.

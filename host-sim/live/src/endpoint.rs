@@ -153,7 +153,16 @@ impl Ticker {
 
 /// Asks for a real-time priority for this thread, and says whether it got one.
 pub fn realtime() -> bool {
-    let priority = thread_priority::ThreadPriority::Crossplatform(50.try_into().unwrap_or_default());
+    fifo(50)
+}
+
+/// [`realtime`], beneath the ticks: for whoever a tick depends on, and must not keep it waiting.
+pub fn realtime_beneath() -> bool {
+    fifo(40)
+}
+
+fn fifo(priority: u8) -> bool {
+    let priority = thread_priority::ThreadPriority::Crossplatform(priority.try_into().unwrap_or_default());
     thread_priority::set_thread_priority_and_policy(
         thread_priority::thread_native_id(),
         priority,

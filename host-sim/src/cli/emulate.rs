@@ -8,7 +8,7 @@ use clap::{Args, ValueEnum};
 use haptic_emulators::hand::{Grip, Hand, Task};
 use haptic_emulators::{Emulated, Seen, inverse3};
 use haptic_live::devices::haply;
-use haptic_live::endpoint::{Stop, realtime};
+use haptic_live::endpoint::{Stop, realtime_beneath};
 use haptic_sim::scene::Scene;
 use haptic_sim::user::User;
 use serde::Serialize;
@@ -130,7 +130,7 @@ impl Emulate {
             return Err(format!("--fault {} is not allowed: it is one of {}", planned.fault, faults.join(", ")).into());
         }
         // A device has a processor of its own: what serves here runs beside peers that have to be in time. Its threads inherit this.
-        realtime();
+        realtime_beneath();
         let device = self.start(&self.scene.over(self.number, &self.beneath())?.load(ui)?)?;
         let words = device.words().join(" ");
         ui.status(format_args!("it serves; attach it with\n    {words}"));
@@ -232,14 +232,14 @@ mod motors {
                         );
                     }
                     let place = self.bus(Place::Serial(None));
-                    let served = moteus::Emulator::start(&place, self.hand(scene)?);
+                    let served = moteus::start(&place, self.hand(scene)?);
                     Box::new(served.map_err(|cause| self.refused(&said(&place), &cause))?)
                 }
                 Kind::Mit => {
                     let own = std::env::temp_dir().join(format!("haptic-mit-{}.can", std::process::id()));
                     let place = self.bus(Place::Socket(own));
                     let timeout_s = self.lets_go_s.unwrap_or(mit::TIMEOUT_AFTER_S);
-                    let served = mit::Emulator::start(&place, self.hand(scene)?, timeout_s);
+                    let served = mit::start(&place, self.hand(scene)?, timeout_s);
                     Box::new(served.map_err(|cause| self.refused(&said(&place), &cause))?)
                 }
             })

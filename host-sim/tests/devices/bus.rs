@@ -1,50 +1,26 @@
 //! A peer with emulated motors on a bus that drive a five-bar.
 
-use std::sync::MutexGuard;
 use std::time::{Duration, Instant};
 
-use haptic_emulators::motors::{Fault, World};
-use haptic_emulators::{Emulated as _, mit, moteus};
+use haptic_emulators::Emulated as _;
+use haptic_emulators::motors::{Emulator, Fault};
 use serde_json::Value;
 
 use super::emulated::{self, fdcanusb};
-use super::{BUSY_S, Running, SILENT_S, alone, armed, largest_first_step, number, peer};
+use super::{BUSY_S, Running, SILENT_S, armed, largest_first_step, number, peer, seat};
 use crate::program::{Keys, free, signal};
 
 /// The motors' own watchdog, s.
 const WATCHDOG_S: f64 = 0.05;
 
-/// Motors of either kind.
-pub(crate) enum Bus {
-    Moteus(moteus::Emulator),
-    Mit(mit::Emulator),
-}
-
-impl Bus {
-    pub(crate) fn world(&self) -> MutexGuard<'_, World> {
-        match self {
-            Self::Moteus(emulator) => emulator.world(),
-            Self::Mit(emulator) => emulator.world(),
-        }
-    }
-
-    /// Flags of a peer that has them.
-    pub(crate) fn flags(&self) -> Vec<String> {
-        match self {
-            Self::Moteus(emulator) => emulator.words(),
-            Self::Mit(emulator) => emulator.words(),
-        }
-    }
-}
-
-fn pair(name: &str, seconds: &str, bus: &Bus, more: &[&str]) -> [Running; 2] {
-    let flags = bus.flags();
+fn pair(name: &str, seconds: &str, bus: &Emulator, more: &[&str]) -> [Running; 2] {
+    let flags = bus.words();
     let flags: Vec<&str> = flags.iter().map(String::as_str).chain(more.iter().copied()).collect();
     armed(name, "plane", seconds, &flags)
 }
 
 /// Waits until the force on the hand is at least this, N.
-fn until_pushed(emulator: &Bus, least_n: f64) -> [f64; 2] {
+fn until_pushed(emulator: &Emulator, least_n: f64) -> [f64; 2] {
     let by = Instant::now() + Duration::from_secs(10);
     loop {
         let force_n = emulator.world().advance();
@@ -60,13 +36,13 @@ fn until_pushed(emulator: &Bus, least_n: f64) -> [f64; 2] {
 /// themselves, and the first force is no jump.
 #[test]
 fn motors_and_a_five_bar_hold_an_object() {
-    let _alone = alone();
+    let _seat = seat();
     const CONTACT_N_PER_M: f64 = 1000.0;
     let reach_m = [0.015, -0.01];
     for (name, emulator) in [
-        ("moteus behind an fdcanusb", Bus::Moteus(fdcanusb())),
-        ("moteus", Bus::Moteus(emulated::moteus("moteus"))),
-        ("MIT", Bus::Mit(emulated::mit("mit", 0.2))),
+        ("moteus behind an fdcanusb", fdcanusb()),
+        ("moteus", emulated::moteus("moteus")),
+        ("MIT", emulated::mit("mit", 0.2)),
     ] {
         let peers = pair(
             &format!("motors-{}", name.len()),
@@ -86,7 +62,7 @@ fn motors_and_a_five_bar_hold_an_object() {
                 println!("{name}: {felt_n:?} N, {}", live["device"]);
                 let device = &live["device"];
                 assert!(number(&device["round_trip"], "samples") > 3_000.0, "{device}");
-                let known = matches!(emulator, Bus::Moteus(_)).then_some(24.0);
+                let known = (name != "MIT").then_some(24.0);
                 assert_eq!(device["supply_v"][1].as_f64(), known, "{device}");
                 assert!((30.0..40.0).contains(&number(device, "warmest_c")), "{device}");
             }
@@ -95,7 +71,7 @@ fn motors_and_a_five_bar_hold_an_object() {
             let stretched_m = reach_m[axis] - f64::signum(reach_m[axis]) * apart_m[axis].abs();
             let wanted_n = -stretched_m / (2.0 / super::HAND_N_PER_M + 2.0 / CONTACT_N_PER_M);
             // A step of MIT's torque is 0.05 N at the hand.
-            let steps_n = if matches!(emulator, Bus::Mit(_)) { 0.05 } else { 0.0 };
+            let steps_n = if name == "MIT" { 0.05 } else { 0.0 };
             let off_n = (felt_n[axis] - wanted_n).abs();
             assert!(off_n < 0.05 * wanted_n.abs() + steps_n, "{name}, {axis}: {felt_n:?} N, {wanted_n} N in statics");
         }
@@ -105,7 +81,7 @@ fn motors_and_a_five_bar_hold_an_object() {
         let step_nm = largest_first_step(&world.asked, 0.1);
         println!("{name}: largest step of a torque in the first 100 ms {:.5} N·m", step_nm);
         // MIT tells places in steps of 0.04 mm, 0.04 N here, and takes torques in steps of 0.005 N·m.
-        let step_of_both_nm = if matches!(emulator, Bus::Mit(_)) { 0.005 } else { 0.0 };
+        let step_of_both_nm = if name == "MIT" { 0.005 } else { 0.0 };
         assert!(step_nm <= 0.005 + step_of_both_nm, "{step_nm} N·m");
     }
 }
@@ -113,7 +89,7 @@ fn motors_and_a_five_bar_hold_an_object() {
 /// Whatever the motors do wrong: no force after the time that is stated, and both ends say why.
 #[test]
 fn each_fault_of_motors_cuts_the_force_and_is_named() {
-    let _alone = alone();
+    let _seat = seat();
     let faults = [
         (Fault::Silent, 23, "of 50 allowed"),
         (Fault::Late, 23, "of 50 allowed"),
@@ -135,8 +111,8 @@ fn each_fault_of_motors_cuts_the_force_and_is_named() {
     for (is_mit, fault, numbered, words) in moteus.into_iter().chain(mit) {
         let name = format!("motors-{is_mit}-{fault:?}");
         let emulator = match is_mit {
-            true => Bus::Mit(emulated::mit(&name, WATCHDOG_S)),
-            false => Bus::Moteus(fdcanusb()),
+            true => emulated::mit(&name, WATCHDOG_S),
+            false => fdcanusb(),
         };
         let [first, second] = pair(&name, "60", &emulator, &[]);
         emulator.world().hand.reach([0.02, 0.0]);
@@ -162,12 +138,12 @@ fn each_fault_of_motors_cuts_the_force_and_is_named() {
 /// A process that is killed, or stopped, says nothing more: the motors let go after their own time. One that goes on stays off, without a jump.
 #[test]
 fn motors_let_go_when_their_peer_is_killed_or_stopped() {
-    let _alone = alone();
+    let _seat = seat();
     for (how, is_mit) in [("KILL", false), ("STOP", false), ("KILL", true), ("STOP", true)] {
         let name = format!("motors-{how}-{is_mit}");
         let emulator = match is_mit {
-            true => Bus::Mit(emulated::mit(&name, WATCHDOG_S)),
-            false => Bus::Moteus(fdcanusb()),
+            true => emulated::mit(&name, WATCHDOG_S),
+            false => fdcanusb(),
         };
         let [mut first, mut second] = pair(&name, "60", &emulator, &[]);
         emulator.world().hand.reach([0.02, 0.0]);
@@ -214,7 +190,7 @@ fn motors_let_go_when_their_peer_is_killed_or_stopped() {
 /// Motors that must not be armed are refused before anything is sent to the other peer, and told why.
 #[test]
 fn motors_that_must_not_be_armed_are_refused_by_name() {
-    let _alone = alone();
+    let _seat = seat();
     let keys = Keys::new("motors-refused", 0);
     let refusal = |scene: &str, flags: &[String], more: &[&str]| {
         // A flag that is there twice is refused by itself: the later replaces the first.
@@ -228,7 +204,7 @@ fn motors_that_must_not_be_armed_are_refused_by_name() {
         assert!(!output.status.success(), "{said}");
         said
     };
-    let [moteus, mit] = [Bus::Moteus(fdcanusb()), Bus::Mit(emulated::mit("motors-refused", WATCHDOG_S))];
+    let [moteus, mit] = [fdcanusb(), emulated::mit("motors-refused", WATCHDOG_S)];
     for (emulator, fault, words) in [
         (&moteus, Fault::Holds, "motor 1 does not let go after its watchdog: servo.timeout_mode is 10"),
         (&moteus, Fault::Relative, "is not calibrated"),
@@ -238,7 +214,7 @@ fn motors_that_must_not_be_armed_are_refused_by_name() {
         (&mit, Fault::Silent, "motor 1 does not answer"),
     ] {
         emulator.world().fail(fault);
-        let said = refusal("plane", &emulator.flags(), &[]);
+        let said = refusal("plane", &emulator.words(), &[]);
         assert!(said.contains(words), "{fault:?}: {said}");
         emulator.world().fail(Fault::None);
     }
@@ -253,10 +229,10 @@ fn motors_that_must_not_be_armed_are_refused_by_name() {
         (&moteus, "plane", &["--device", "moteus"], "its bus is not named"),
         (&mit, "plane", &["--device-model", "dm1"], "it is one of dm4310"),
     ] {
-        let said = refusal(scene, &emulator.flags(), more);
+        let said = refusal(scene, &emulator.words(), more);
         assert!(said.contains(words), "{more:?}: {said}");
     }
-    let homed: Vec<_> = mit.flags().into_iter().filter(|flag| flag != "--device-homed").collect();
+    let homed: Vec<_> = mit.words().into_iter().filter(|flag| flag != "--device-homed").collect();
     assert!(refusal("plane", &homed, &[]).contains("is not calibrated"));
     for emulator in [&moteus, &mit] {
         let world = emulator.world();

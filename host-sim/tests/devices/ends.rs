@@ -1,9 +1,8 @@
 //! An end of a line with a device of any kind: the emulator of each, by what they have in common.
 
-use haptic_emulators::inverse3::Emulator;
+use haptic_emulators::{Emulated as _, inverse3, motors};
 
 use super::board::Lab;
-use super::bus::Bus;
 use super::emulated::{self, fdcanusb, haply};
 
 /// The emulators, by the names of their adapters.
@@ -17,8 +16,8 @@ pub(crate) enum Kind {
 
 /// An emulated device and the hand on it.
 pub(crate) enum End {
-    Haply(Emulator),
-    Motors(Bus),
+    Haply(inverse3::Emulator),
+    Motors(motors::Emulator),
     /// A board, and the file of the key that it shares with its peer.
     Board(Lab, String),
 }
@@ -28,8 +27,8 @@ impl End {
     pub(crate) fn start(kind: Kind, key: &str, number: u8) -> Self {
         match kind {
             Kind::Haply => Self::Haply(haply(0.0)),
-            Kind::Moteus => Self::Motors(Bus::Moteus(fdcanusb())),
-            Kind::Mit => Self::Motors(Bus::Mit(emulated::mit(&format!("end-{number}-mit"), 0.2))),
+            Kind::Moteus => Self::Motors(fdcanusb()),
+            Kind::Mit => Self::Motors(emulated::mit(&format!("end-{number}-mit"), 0.2)),
             Kind::Board => Self::Board(Lab::start(key, number, &[], 0.0), key.to_owned()),
         }
     }
@@ -38,7 +37,12 @@ impl End {
     pub(crate) fn flags(&self) -> Vec<String> {
         let (mut flags, lets_go) = match self {
             Self::Haply(emulator) => (vec!["--device".to_owned(), format!("haply:{}", emulator.at)], Some("0.2")),
-            Self::Motors(bus) => (bus.flags(), matches!(bus, Bus::Moteus(_)).then_some("0.2")),
+            Self::Motors(bus) => {
+                let words = bus.words();
+                // MIT's motors have theirs in a register.
+                let lets_go = words[1].starts_with("moteus:").then_some("0.2");
+                (words, lets_go)
+            }
             Self::Board(lab, key) => (lab.flags(key), None),
         };
         flags.extend(lets_go.into_iter().flat_map(|time_s| ["--device-lets-go-s", time_s]).map(str::to_owned));

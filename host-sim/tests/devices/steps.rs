@@ -7,12 +7,11 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use haptic_emulators::hand::{Hand, STEP_S};
-use haptic_emulators::{inverse3, motors};
+use haptic_emulators::{Emulated as _, inverse3, motors};
 use serde_json::Value;
 
-use super::alone;
-use super::bus::Bus;
 use super::emulated::{self, fdcanusb, haply};
+use super::seat;
 use crate::program::built::built;
 use crate::program::{Keys, free, host_sim, report};
 
@@ -47,12 +46,12 @@ fn steps_of(mut command: Command, flags: &[String], more: &[&str], reach: impl F
 /// Every device passes, and leaves settings that a scene takes.
 #[test]
 fn a_good_device_passes_ten_steps() {
-    let _alone = alone();
+    let _seat = seat();
     let file = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("steps.toml");
     let named = file.display().to_string();
-    for bus in [Bus::Moteus(fdcanusb()), Bus::Mit(emulated::mit("steps-mit", 0.1))] {
+    for bus in [fdcanusb(), emulated::mit("steps-mit", 0.1)] {
         let _ = std::fs::remove_file(&file);
-        let flags = bus.flags();
+        let flags = bus.words();
         let (passed, told, said) =
             steps(&flags, &["--scene", "plane", "--settings", &named], |by_m| bus.world().hand.reach([by_m, 0.0]));
         println!("{said}");
@@ -72,14 +71,14 @@ fn a_good_device_passes_ten_steps() {
 /// What is wrong is found by the step that is to find it, and none comes after it.
 #[test]
 fn what_is_wrong_with_a_device_is_found_by_its_step() {
-    let _alone = alone();
+    let _seat = seat();
     for (fault, words) in [
         (motors::Fault::NoWatchdog, "step 6, watchdog: "),
         (motors::Fault::WrongSign, "step 7, sign: pushed toward +x it went toward −x"),
     ] {
-        let bus = Bus::Moteus(fdcanusb());
+        let bus = fdcanusb();
         bus.world().fail(fault);
-        let (passed, _, said) = steps(&bus.flags(), &["--scene", "plane"], |by_m| bus.world().hand.reach([by_m, 0.0]));
+        let (passed, _, said) = steps(&bus.words(), &["--scene", "plane"], |by_m| bus.world().hand.reach([by_m, 0.0]));
         assert!(!passed && said.contains(words), "{fault:?}: {said}");
         assert!(!said.contains("hold: passed"), "{fault:?}: {said}");
         bus.world().fail(motors::Fault::None);
@@ -96,8 +95,8 @@ fn what_is_wrong_with_a_device_is_found_by_its_step() {
         assert!(!passed && said.contains(words), "{fault:?}: {said}");
     }
     // Moved the other way, its x is turned.
-    let bus = Bus::Moteus(fdcanusb());
-    let (passed, _, said) = steps(&bus.flags(), &["--scene", "plane"], |by_m| bus.world().hand.reach([-by_m, 0.0]));
+    let bus = fdcanusb();
+    let (passed, _, said) = steps(&bus.words(), &["--scene", "plane"], |by_m| bus.world().hand.reach([-by_m, 0.0]));
     assert!(!passed && said.contains("step 4, scale: ") && said.contains("points the other way"), "{said}");
     assert!(bus.world().asked.iter().all(|(_, torques)| *torques == [0.0; 2]), "no force before the watchdog's step");
 }
@@ -105,7 +104,7 @@ fn what_is_wrong_with_a_device_is_found_by_its_step() {
 /// What is attached is listed by what it says of itself.
 #[test]
 fn what_is_attached_is_listed() {
-    let _alone = alone();
+    let _seat = seat();
     let (bus, haply) = (fdcanusb(), haply(0.0));
     let (at, service) = (bus.at.display().to_string(), haply.at.to_string());
     let told =
@@ -155,7 +154,7 @@ fn handle() -> (SocketAddr, Arc<Mutex<Hand<1>>>) {
 /// A device from a crate outside passes the ten steps, and a peer holds an object with it.
 #[test]
 fn a_device_from_outside_is_tried_and_driven() {
-    let _alone = alone();
+    let _seat = seat();
     let (program, (at, hand)) = (built().join("device"), handle());
     let outside = || {
         let mut command = Command::new(&program);

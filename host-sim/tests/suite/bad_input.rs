@@ -41,7 +41,7 @@ fn values_out_of_range() {
     refused_set("device.mass_kg=0", &["device.mass_kg = 0"]);
     refused_set("object.mass_kg=nan", &["object.mass_kg = NaN"]);
     refused_set("object.mass_kg=inf", &["object.mass_kg = inf"]);
-    refused_set("device.force_delay_ticks=1.5", &["device.force_delay_ticks = 1.5", "0 to 1 ticks"]);
+    refused_set("device.force_delay_ticks=20.5", &["device.force_delay_ticks = 20.5", "0 to 20 ticks"]);
     refused_set("object.force_delay_ticks=-0.1", &["object.force_delay_ticks = -0.1"]);
     refused_set("timing.control_period_s=0", &["timing.control_period_s = 0"]);
     refused_set("timing.ticks_per_packet=0", &["timing.ticks_per_packet = 0", "1 to 1000"]);

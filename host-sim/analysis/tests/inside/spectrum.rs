@@ -4,7 +4,7 @@ use nalgebra::{Complex, Schur};
 
 use super::*;
 use crate::figure4;
-use crate::lifted::driven::OBJECT;
+use crate::lifted::driven::device_states;
 use crate::lifted::pair::pair_matrix;
 use crate::lifted::{Lifted, prune, rest};
 use crate::matrix::rows;
@@ -153,8 +153,9 @@ fn lifted_matrices_have_the_same_radius_by_another_method() {
                 let mut scene = figure4::scene(law, delay);
                 scene.peer.contact.stiffness_n_per_m = contact;
                 scene.peer.coordination.stiffness_n_per_m = coordination;
-                let whole = pair_matrix(&scene.linear()).unwrap();
-                let kept = prune::kept(&whole.matrix, &[OBJECT]);
+                let linear = scene.linear();
+                let whole = pair_matrix(&linear).unwrap();
+                let kept = prune::kept(&whole.matrix, &[device_states(&linear, 0)]);
                 let mut lifted = Lifted::default();
                 prune::copy(&whole, &kept, &mut lifted);
                 rest::divide_out(&mut lifted);

@@ -32,6 +32,7 @@ use haptic_sim::{of_axes, scene::Scene};
 use super::threaded::stopped;
 use super::{AXES, Abilities, Port, Sensed};
 use crate::Error;
+use crate::endpoint::realtime_beneath;
 
 /// The scene of a board that is a device, where no other is named.
 pub const SCENE: &str = "board-device";
@@ -303,6 +304,7 @@ where
         let (talk, ends) = (Arc::new(Mutex::new(talk)), Arc::new(AtomicBool::new(false)));
         let (of_thread, until) = (talk.clone(), ends.clone());
         let run = move || {
+            realtime_beneath();
             while !until.load(Ordering::Relaxed) {
                 std::thread::sleep(BEAT);
                 let Ok(mut talk) = of_thread.lock() else { return };

@@ -6,7 +6,7 @@
 //! stands at the device itself is up to whoever wrote it, and to how long it says that it holds a force.
 //!
 //! **Limits.** A force stands for a period, 5 ms: the stiffest wall that is passive is 2·b/T, so 200 N/m by each 0.5 N·s/m of the device's own
-//! damping, and less by what the calls take. The scene's verdict is about the device that the scene has, and knows nothing of this.
+//! damping, and less by what the calls take. A live peer's verdict counts how old its readings are, and not for how long a force stands.
 
 use std::time::{Duration, Instant};
 
@@ -55,6 +55,9 @@ struct Slow<A> {
 }
 
 impl<A: Asked> Line for Slow<A> {
+    // Nobody knows what is called, nor for how long it computes.
+    const PROMPT: bool = false;
+
     fn exchange(&mut self, desk: &Desk) -> Result<(), Gone> {
         sleep_until(self.due);
         let asked = Instant::now();

@@ -1,7 +1,7 @@
 //! What adapters of devices that have to be waited for share: a thread of its own for each, and what it and the peer's tick exchange.
 //!
 //! The tick leaves an order and takes the newest reading; both locks are held for a copy, and the tick only tries them. The thread asks the
-//! device once a tick, or after [`BEAT`] without one, by its [`Line`].
+//! device once a tick, or after [`BEAT`] without one, by its [`Line`], at a real-time priority beneath the tick's where the system gives one.
 //!
 //! **Letting go.** An order that is older than readings may be is none. Whoever is dropped lets go first; a device that keeps its thread
 //! waiting for longer than [`PATIENCE`] is left to it, and let go of when it answers. A process that is killed says
@@ -17,6 +17,7 @@ use haptic_sim::device::{DeviceFault, Gone};
 
 use super::{AXES, Abilities, Health, Port, Sensed};
 use crate::Error;
+use crate::endpoint::realtime_beneath;
 
 /// After so long without a tick of the peer the device is asked nevertheless.
 const BEAT: Duration = Duration::from_millis(5);
@@ -95,6 +96,9 @@ impl Desk {
 
 /// The thread's end of the line to a device.
 pub(super) trait Line: Send + 'static {
+    /// Whether what it runs is short and our own, so that the thread may have a real-time priority.
+    const PROMPT: bool = true;
+
     /// Says the force of now, and hears where the device was.
     ///
     /// # Errors
@@ -143,7 +147,10 @@ impl Threaded {
     }
 }
 
-fn run(mut line: impl Line, desk: &Desk) {
+fn run<L: Line>(mut line: L, desk: &Desk) {
+    if L::PROMPT {
+        realtime_beneath();
+    }
     while !desk.ends() {
         park_timeout(BEAT);
         if let Some((until, asks)) = desk.silenced() {

@@ -143,7 +143,7 @@ fn a_late_tick_is_no_delay() {
 /// The judge of a real one has a thread, and ends with it.
 #[test]
 fn a_thread_judges() {
-    let find = |[least_s, most_s]: [f64; 2]| Verdict {
+    let find = |Measured { one_way_s: [least_s, most_s], .. }: Measured| Verdict {
         one_way_ms: [1e3 * least_s, 1e3 * most_s],
         stable: Some(most_s < 1e-3),
         ..Verdict::default()

@@ -150,7 +150,7 @@ fn too_stiff_is_replayed() {
              const at = r.x + r.width / 2; return r.width > 4 && at > box.x && at < box.right && r.y > box.y && r.bottom < box.bottom; }); })()",
         );
         assert_eq!(inside, true);
-        std::thread::sleep(std::time::Duration::from_millis(100));
+        std::thread::sleep(Duration::from_millis(100));
     }
     let apart = text(&mut browser, &one, "#stiff-picture .lens .gap");
     let mm: f64 = apart.split(' ').next().and_then(|number| number.parse().ok()).expect("millimetres");
