@@ -13,7 +13,7 @@ use haptic_live::watch::LiveOptions;
 use haptic_protocol::key::{Key, Role};
 use haptic_report::Provenance;
 use haptic_sim::key_file;
-use haptic_sim::scene::{PlantSettings, Scene};
+use haptic_sim::scene::{Device, PlantSettings, Scene};
 
 pub use crate::cli::device_options;
 
@@ -81,13 +81,16 @@ impl LivePeer {
 
 /// What a verdict leaves out of a device that the scene does not simulate.
 const DEVICE_S_OWN: &str = "a delay of the device itself that changes from tick to tick";
+/// And of one that is later than any in a scene.
+const LATER: &str = "what the device is late by beyond 20 ticks";
 
-/// This scene where the device of peer `number` acts so many ticks after it was read. Its motors are its own: what the scene simulates of motors
-/// leaves their delay to the other end's device.
+/// This scene where the device of peer `number` acts so many ticks after it was read, or as many as a scene has. Its motors are its own: what the
+/// scene simulates of motors leaves their delay to the other end's device.
 fn with_device(mut scene: Scene, number: u8, ticks: u32) -> Result<Scene, haptic_sim::Error> {
     scene.world.device.force_delay_ticks = scene.force_delay_ticks();
     scene.world.plant = PlantSettings::default();
-    scene.set_number(&format!("peer.{number}.device.force_delay_ticks"), ticks.into())?;
+    let ticks = f64::from(ticks).min(Device::MOST_DELAY_TICKS);
+    scene.set_number(&format!("peer.{number}.device.force_delay_ticks"), ticks)?;
     Ok(scene)
 }
 
@@ -104,6 +107,7 @@ pub(crate) fn judge(scene: Scene, number: u8, hand: Option<Hand>, anyway: Result
         };
         let Finding { stable, spectral_radius, text, instead, mut not_judged } = found;
         not_judged.extend(device_ticks.map(|_| DEVICE_S_OWN));
+        not_judged.extend(device_ticks.filter(|ticks| f64::from(*ticks) > Device::MOST_DELAY_TICKS).map(|_| LATER));
         Verdict {
             one_way_ms: one_way_s.map(|s| 1e3 * s),
             device_delay_ticks: device_ticks,

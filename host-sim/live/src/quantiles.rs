@@ -46,6 +46,17 @@ impl Times {
         self.largest_ns = self.largest_ns.max(ns);
     }
 
+    /// How many were added.
+    pub fn samples(&self) -> u64 {
+        self.bins.len()
+    }
+
+    /// As if none had been added.
+    pub fn clear(&mut self) {
+        self.bins.reset();
+        self.largest_ns = 0;
+    }
+
     /// How many took up to so long, µs, and longer than the one before: bins that double from 1 µs on, up to the longest time.
     pub fn histogram(&self) -> Vec<(f64, u64)> {
         let bins = self.bins.iter_log(1_000, 2.0);

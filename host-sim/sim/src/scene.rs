@@ -152,7 +152,7 @@ haptic_core::settings! {
     device: Device {
         mass_kg: f64 = 0.1, number(1e-4, 1e3), "kg", "Moving mass m_HD.";
         damping_n_s_per_m: f64 = 1.0, number(0.0, 1e4), "N·s/m", "Viscous damping b_HD.";
-        force_delay_ticks: f64 = 1.0, number(0.0, 20.0), "ticks",
+        force_delay_ticks: f64 = 1.0, number(0.0, Device::MOST_DELAY_TICKS), "ticks",
             "Delay from sensing to the new motor force, in control periods.";
         joint_inertia: f64 = 0.0, number(0.0, 1e3), "kg or kg·m²",
             "What slides or turns with every joint beside that, with axis.shared of 2 or 3: at the hand it weighs as the mechanism at home has it,              which couples the axes.";
@@ -230,6 +230,9 @@ impl PlantSettings {
 }
 
 impl Device {
+    /// The longest delay from sensing to force that a device may have, in control periods.
+    pub const MOST_DELAY_TICKS: f64 = 20.0;
+
     /// Its delay as whole control periods for which a force is held back, and the part of the next one that passes before it acts.
     pub fn delay(&self) -> (usize, f64) {
         let whole = (self.force_delay_ticks.ceil() - 1.0).max(0.0);

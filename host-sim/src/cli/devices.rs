@@ -48,9 +48,6 @@ super::commands! {
     }
 }
 
-/// The longest delay of a device that a scene has, ticks.
-const MOST_TICKS: f64 = 20.0;
-
 /// Asks on standard error, hears on standard input.
 fn please(task: &str) -> Result<(), haptic_live::Error> {
     haptic_io::say(format_args!("{task}; then press Enter"));
@@ -100,9 +97,10 @@ impl Devices {
     /// The settings of a scene for this device.
     fn table(&self, name: &str, health: Option<Health>, delay_ticks: f64, beneath: &[(&str, String)]) -> String {
         // More than so many ticks of delay are not to be had in a scene: its verdict would be about another loop.
+        let most_ticks = Device::MOST_DELAY_TICKS;
         let (known, warning) = (
-            delay_ticks.min(MOST_TICKS),
-            if delay_ticks > MOST_TICKS {
+            delay_ticks.min(most_ticks),
+            if delay_ticks > most_ticks {
                 "# An answer takes more than 20 ticks: no scene has that, and a verdict is about another loop.\n"
             } else {
                 ""

@@ -111,9 +111,16 @@ struct SoFar {
     name: String,
     round_trips: Times,
     ages: Times,
+    /// The newest ages, up to [`WINDOW`] of them, and what nine in ten did not exceed, µs.
+    newest: Times,
+    newest_us: Option<f64>,
     health: Health,
 }
 
+/// Ages that a delay is taken from: those of the last 1 to 4 s, and at the start of every 100 so far.
+const WINDOW: u64 = 4_000;
+const ENOUGH: u64 = 1_000;
+const STEP: u64 = 100;
 /// What an age may be above whole ticks, of a tick: the tick's own jitter.
 const JITTER: f64 = 0.1;
 
@@ -135,16 +142,24 @@ impl Seen {
 
     /// A tick acts on a reading of this age.
     pub(crate) fn act(&self, age: Duration) {
-        if let Ok(mut seen) = self.0.try_lock() {
-            seen.ages.add(age.as_nanos() as u64);
+        let Ok(mut seen) = self.0.try_lock() else { return };
+        let age_ns = age.as_nanos() as u64;
+        seen.ages.add(age_ns);
+        seen.newest.add(age_ns);
+        let (so_far, newest) = (seen.ages.samples(), seen.newest.samples());
+        if newest % STEP == 0 && (newest >= ENOUGH || so_far == newest) {
+            seen.newest_us = Some(seen.newest.quantiles().p90_us);
+        }
+        if newest == WINDOW {
+            seen.newest.clear();
         }
     }
 
-    /// Whole ticks of this period (s) from sensing to force, 1 at least, that nine in ten of all ticks so far did not exceed; none before there was one.
+    /// Whole ticks of this period (s) from sensing to force, 1 at least, that nine in ten of the newest readings did not exceed; none before there
+    /// were enough.
     pub fn delay_ticks(&self, period_s: f64) -> Option<u32> {
-        let ages = self.0.lock().ok()?.ages.quantiles();
-        let ticks = (1e-6 * ages.p90_us / period_s - JITTER).ceil().max(1.0);
-        (ages.samples > 0).then_some(ticks as u32)
+        let newest_us = self.0.lock().ok()?.newest_us?;
+        Some((1e-6 * newest_us / period_s - JITTER).ceil().max(1.0) as u32)
     }
 
     /// As a report has it.

@@ -185,4 +185,14 @@ fn it_asks_about_the_device_as_late_as_it_is_read() {
     assert_eq!(ticks(&mut bench), None, "not at once");
     bench.waits();
     assert_eq!(ticks(&mut bench), Some(Some(3)));
+    // Only the newest count: after a minute as well, a device that has become later is so within four seconds, and prompt again as soon.
+    (0..60_000).for_each(|_| seen.act(std::time::Duration::from_micros(2_400)));
+    for (age_us, late) in [(5_900, 6), (960, 1)] {
+        (0..4_000).for_each(|_| seen.act(std::time::Duration::from_micros(age_us)));
+        assert_eq!(seen.delay_ticks(1e-3), Some(late));
+    }
+    // A hiccup of a tenth of a second is none.
+    (0..100).for_each(|_| seen.act(std::time::Duration::from_micros(40_000)));
+    (0..2_000).for_each(|_| seen.act(std::time::Duration::from_micros(960)));
+    assert_eq!(seen.delay_ticks(1e-3), Some(1));
 }
