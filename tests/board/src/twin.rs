@@ -86,22 +86,30 @@ pub fn closed_loop_given(scene: &Scene, boards: [Armed<'_>; 2]) -> Equal {
 /// # Panics
 /// host-sim refuses the scene.
 pub fn closed_loop_ordered(scene: &Scene, boards: [Armed<'_>; 2], orders: &[(usize, u64, Command)]) -> Equal {
-    closed_loop_read(scene, boards, orders, [false; 2])
+    closed_loop_read([scene; 2], boards, orders, [false; 2])
 }
 
-/// [`closed_loop_given`] of boards of which some hear from a motor's controller where the joint was a tick ago (`late`).
+/// [`closed_loop_given`] of boards with devices of their own, a scene each, of which some hear from a motor's controller where the joint was a
+/// tick ago (`late`).
 ///
 /// # Panics
-/// host-sim refuses the scene.
-pub fn closed_loop_late(scene: &Scene, boards: [Armed<'_>; 2], late: [bool; 2]) -> Equal {
-    closed_loop_read(scene, boards, &[], late)
+/// host-sim refuses a scene.
+pub fn closed_loop_late(scenes: [&Scene; 2], boards: [Armed<'_>; 2], late: [bool; 2]) -> Equal {
+    closed_loop_read(scenes, boards, &[], late)
 }
 
-fn closed_loop_read(scene: &Scene, boards: [Armed<'_>; 2], orders: &[(usize, u64, Command)], late: [bool; 2]) -> Equal {
-    let mut pair = Pair::<f32>::new(scene).expect("the boards took it");
+fn closed_loop_read(
+    scenes: [&Scene; 2],
+    boards: [Armed<'_>; 2],
+    orders: &[(usize, u64, Command)],
+    late: [bool; 2],
+) -> Equal {
+    let mut pairs = scenes.map(|scene| Pair::<f32>::new(scene).expect("the boards took it"));
+    let mut sides = pairs.each_mut().map(Pair::sides_mut);
+    let mut sides = [0, 1].map(|at| sides[at].nth(at).expect("two sides"));
     // Nobody is there until he is heard.
-    pair.sides_mut().for_each(|side| side.peer.part());
-    let mut before_last = pair.sides().map(|side| side.plant.sensors::<f32>());
+    sides.iter_mut().for_each(|side| side.peer.part());
+    let mut before_last = sides.each_ref().map(|side| side.plant.sensors::<f32>());
     let begin = boards.iter().map(|board| board.standing).max().unwrap_or(0) as u64;
     let before = boards.map(|board| begin - board.standing as u64);
     let ticks = boards.iter().zip(before).map(|(board, before)| board.records.len() as u64 + before).min().unwrap_or(0);
@@ -109,7 +117,7 @@ fn closed_loop_read(scene: &Scene, boards: [Armed<'_>; 2], orders: &[(usize, u64
     compare(
         |tick| {
             let mut same = true;
-            for (at, (side, (board, before))) in pair.sides_mut().zip(boards.iter().zip(before)).enumerate() {
+            for (at, (side, (board, before))) in sides.iter_mut().zip(boards.iter().zip(before)).enumerate() {
                 // One board is armed some ticks before the other.
                 let Some(at_board) = tick.checked_sub(before) else { continue };
                 let board = &board.records[at_board as usize];
@@ -132,7 +140,7 @@ fn closed_loop_read(scene: &Scene, boards: [Armed<'_>; 2], orders: &[(usize, u64
                 }
                 let actuators = side.peer.tick(&sensors);
                 if let Some(moving) = tick.checked_sub(begin) {
-                    side.plant.step(moving as f64 * scene.peer.timing.control_period_s, &actuators);
+                    side.plant.step(moving as f64 * scenes[at].peer.timing.control_period_s, &actuators);
                 }
                 same &= sensors.reading == Reading::Counts(board.counts())
                     && digest(&mut *side.peer) == board.digest()

@@ -62,7 +62,7 @@ const ENABLE: Wire = Sees("PF3", "PF3");
 const ARMED: &[Wire] = &[Drives("PC6"), Drives("PC7"), Drives("PD15"), Drives("PE15"), PULSES, TIMER, ENABLE, Button];
 
 /// All of them, from the harmless on.
-pub const TESTS: [Test; 13] = [
+pub const TESTS: [Test; 14] = [
     Test {
         name: "tick-duration",
         wires: ARMED,
@@ -227,6 +227,17 @@ pub const TESTS: [Test; 13] = [
         seconds: 90,
         virtual_board: Some("same_bits.rs"),
         virtual_rig: Runs("1,000 ticks"),
+    },
+    Test {
+        name: "can-frames",
+        wires: &[],
+        drives: "a transceiver at each board, the bus between them: the board with the image for a moteus asks, the rig answers as the controller does",
+        measures: "bits of both rates and their sample points at the rig; answers that the board took, errors that either counted",
+        bound: "1 and 5 Mbit/s to 0.1 %, 60,000 answers, no error",
+        from: "hardware.md, Appendix C",
+        seconds: 60,
+        virtual_board: Some("moteus.rs"),
+        virtual_rig: Not("the rig's image has no CAN"),
     },
     Test {
         name: "soak",

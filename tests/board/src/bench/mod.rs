@@ -46,7 +46,8 @@ pub struct Bench {
     pub pc: Pc,
     /// Who stands in for board 2, if anyone.
     pub partner: Option<Partner>,
-    scene: Scene,
+    /// What each board runs, and the device that it is on: the same but for what boards of two images differ in.
+    scenes: Vec<Scene>,
     devices: Vec<Option<Device>>,
     /// The devices while nobody holds them; empty while somebody does.
     loose: Vec<Device>,
@@ -109,7 +110,7 @@ impl Bench {
         let nodes: Vec<Node> = (1..).zip(images).map(|(number, image)| Node::new(image.clone(), number)).collect();
         let each = || (0..boards).map(|_| Inputs::default()).collect::<Vec<_>>();
         let mut bench = Self {
-            scene: for_boards(&Scene::default()),
+            scenes: vec![for_boards(&Scene::default()); boards],
             devices: nodes.iter().map(|_| None).collect(),
             loose: Vec::new(),
             stopped: nodes.iter().map(|_| Stopped::default()).collect(),
@@ -250,10 +251,10 @@ impl Bench {
                 self.wire.send(1, self.now_ns, &frame);
             }
         }
-        let time_s = self.ticks as f64 * self.period_s;
         // Half a PWM period before the next tick.
         let begins_ns = self.now_ns + PERIOD_NS / 2 - 25_000;
         if !self.loose.is_empty() {
+            let time_s = self.ticks as f64 * self.period_s;
             for ((device, stopped), inputs) in self.loose.iter().zip(&self.stopped).zip(&mut self.inputs) {
                 let counts = device.step(time_s, &stopped.bridges, begins_ns);
                 inputs.counts = counts.or(inputs.counts);
@@ -268,8 +269,8 @@ impl Bench {
             }
         }
         let all_on = self.on.iter().copied().try_fold(0, |last: u64, on| Some(last.max(on?)));
-        // What moves by itself does so from the next tick on, and not from the one before.
-        let ahead = u64::from(has_loop(&self.scene));
+        // What moves by itself does so from the next tick on, and not from the one before: it is told a stop ahead.
+        let ahead = u64::from(self.scenes.iter().any(has_loop));
         let begins = |since: u64| self.stops + ahead == since + self.engaging.max(ahead);
         if self.begun.is_none() && all_on.is_some_and(begins) {
             self.begun = Some(self.stops + ahead);
@@ -281,6 +282,8 @@ impl Bench {
         for ((device, stopped), inputs) in self.devices.iter().zip(&self.stopped).zip(&mut self.inputs) {
             let Some(device) = device else { continue };
             moved = true;
+            let Some(period) = (self.ticks + u64::from(device.stage().is_some())).checked_sub(ahead) else { continue };
+            let time_s = period as f64 * self.period_s;
             inputs.counts = device.step(time_s, &stopped.bridges, begins_ns).or(inputs.counts);
         }
         self.ticks += u64::from(moved);

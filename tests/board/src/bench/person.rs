@@ -83,17 +83,27 @@ impl Bench {
     /// # Errors
     /// What a board says against a setting.
     pub fn set_up(&mut self, scene: &Scene) -> Result<(), Error> {
-        self.period_s = scene.peer.timing.control_period_s;
-        self.scene = scene.clone();
-        self.devices = (0..self.nodes.len()).map(|index| Some(Device::new(scene, index))).collect();
-        for (device, inputs) in self.devices.iter().flatten().zip(&mut self.inputs) {
+        self.set_up_each(&vec![scene.clone(); self.nodes.len()])
+    }
+
+    /// [`Bench::set_up`] of a scene for each board, which differ in what a device is and how it is driven.
+    ///
+    /// # Errors
+    /// As [`Bench::set_up`].
+    pub fn set_up_each(&mut self, scenes: &[Scene]) -> Result<(), Error> {
+        self.scenes = scenes.to_vec();
+        let (timing, boards) = (&self.scenes[0].peer.timing, self.scenes.iter().enumerate());
+        self.period_s = timing.control_period_s;
+        let ticks_per_packet = u64::from(timing.ticks_per_packet);
+        self.devices = boards.map(|(index, scene)| Some(Device::new(scene, index))).collect();
+        for ((device, scene), inputs) in self.devices.iter().flatten().zip(scenes).zip(&mut self.inputs) {
             inputs.counts = Some(device.motors().turn());
             inputs.motors = Some(device.stage());
             inputs.counts_per_rev = Some(scene.peer.encoder.counts_per_rev);
         }
         self.hold_buttons(true);
-        for (index, settings) in scene.peers().iter().enumerate().take(self.nodes.len()) {
-            for line in lines(settings) {
+        for (index, scene) in scenes.iter().enumerate() {
+            for line in lines(&scene.peers()[index]) {
                 let answer = self.ask(index + 1, &line);
                 if !answer.starts_with("ok") {
                     return Err(format!("board {}: {line}: {answer}", index + 1).into());
@@ -102,7 +112,7 @@ impl Bench {
         }
         self.hold_buttons(false);
         // The scene is taken at the next packet boundary, and the peers meet again under it.
-        self.run_for_ms(2 * u64::from(scene.peer.timing.ticks_per_packet));
+        self.run_for_ms(2 * ticks_per_packet);
         self.settle()
     }
 
@@ -112,9 +122,10 @@ impl Bench {
     /// They do not.
     fn settle(&mut self) -> Result<(), Error> {
         if self.nodes.len() == 2 {
-            let (timing, safety) = (&self.scene.peer.timing, &self.scene.peer.safety);
+            let scene = &self.scenes[0];
+            let (timing, safety) = (&scene.peer.timing, &scene.peer.safety);
             let steps = u64::from(timing.packet_periods(safety.disengage_s - safety.fade_s));
-            let delay = u64::from(self.scene.world.network.one_way_delay_packets);
+            let delay = u64::from(scene.world.network.one_way_delay_packets);
             // Twice what it takes without losses.
             self.engaging = u64::from(timing.ticks_per_packet) * (2 * steps + 2 * delay + 8);
             let met = (0..100).any(|_| {
@@ -131,13 +142,12 @@ impl Bench {
     /// Lets go of the devices: until [`Bench::take_hold`] they are `device` (as the scene has it, when `None`), nobody pushes
     /// them, and what moves them is their own board.
     pub fn let_go(&mut self, device: Option<&Scene>) {
-        let mut scene = device.unwrap_or(&self.scene).clone();
-        scene.users = Default::default();
+        let scenes = self.scenes.iter().map(|own| Scene { users: Default::default(), ..device.unwrap_or(own).clone() });
         let counts = |index: usize| {
             let now = self.loose.get(index).or(self.devices[index].as_ref());
             now.map_or([0; MOTORS], |device| device.motors().counts)
         };
-        self.loose = (0..self.nodes.len()).map(|i| Device::at(&scene, i, counts(i))).collect();
+        self.loose = scenes.enumerate().map(|(i, scene)| Device::at(&scene, i, counts(i))).collect();
         for (device, inputs) in self.loose.iter().zip(&mut self.inputs) {
             inputs.motors = Some(device.stage());
         }
@@ -213,7 +223,7 @@ impl Bench {
     pub fn mend(&mut self, number: usize) {
         let Some(device) = &mut self.devices[number - 1] else { return };
         let counts = device.motors().counts;
-        *device = Device::at(&self.scene, number - 1, counts);
+        *device = Device::at(&self.scenes[number - 1], number - 1, counts);
         self.inputs[number - 1].motors = Some(device.stage());
     }
 
@@ -239,7 +249,7 @@ impl Bench {
     pub fn check(&mut self, number: usize) -> Result<(), Error> {
         self.let_go(None);
         let mut outcome = Ok(());
-        for joint in 1..=self.scene.peer.axis.count {
+        for joint in 1..=self.scenes[number - 1].peer.axis.count {
             let begun = self.ask(number, &format!("check {joint}"));
             let answer = if begun.starts_with("ok") { self.probed(number) } else { begun };
             if !answer.contains("; agree: ") {
@@ -260,7 +270,7 @@ impl Bench {
             self.check(number).unwrap_or_else(|found| panic!("{found}"));
             assert_eq!(self.ask(number, "apply"), "ok applied");
         }
-        self.run_for_ms(2 * u64::from(self.scene.peer.timing.ticks_per_packet));
+        self.run_for_ms(2 * u64::from(self.scenes[0].peer.timing.ticks_per_packet));
         self.settle().unwrap_or_else(|found| panic!("{found}"));
         for number in 1..=self.nodes.len() {
             assert!(self.ask(number, "stream 1").starts_with("ok"));

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use board_bench::bench::{Bench, PERIOD_NS, STACK, for_boards};
 use board_bench::budget::Measured;
-use board_bench::cost::MedianAndMost;
+use board_bench::cost::{MedianAndMost, TICK};
 use board_bench::image::{self, Firmware};
 use board_bench::part::CORE_HZ;
 use board_bench::pc::{board_ip, board_mac, udp};
@@ -15,7 +15,7 @@ use board_bench::trial;
 use board_bench::wire::Line;
 use haptic_sim::scenes;
 
-use crate::{current_loop, three_axes};
+use crate::{current_loop, moteus, three_axes};
 
 /// Of the image's sections.
 fn memory(firmware: &Firmware, measured: &mut Measured) {
@@ -119,32 +119,55 @@ fn a_section_that_masks_interrupts_shows() {
     bench.finish();
 }
 
-/// The deepest paths of interrupts and tasks, and all of them on top of each other; gives the latter.
-fn static_stack(measured: &mut Measured) -> f64 {
-    let code = Code::read(&std::fs::read(image::path()).expect("the image is there"));
-    let mut stack = Stack::of(&code);
-    let mut deepest = |entry: &str| {
-        let path = stack.deepest(entry).unwrap_or_else(|why| panic!("the stack of {entry}: {why}"));
-        println!("{entry}: {path}");
-        path.bytes as f64
+/// The deepest paths of thread mode and of an image's interrupts, each told to `each`; all of them on top of each other.
+fn nested(code: &Code, mut each: impl FnMut(&str, f64)) -> f64 {
+    let mut stack = Stack::of(code);
+    let mut told = |entry: &str, name: &str| {
+        let bytes = deepest(&mut stack, entry);
+        each(name, bytes);
+        bytes
     };
-    let thread = deepest("Reset");
-    let mut all = thread;
-    for handler in &code.handlers {
-        let bytes = deepest(handler);
-        all += bytes + EXCEPTION_FRAME as f64;
-        measured.add(format!("static_stack_bytes.{handler}"), bytes);
-    }
-    measured.add("static_stack_bytes.thread", thread);
-    for (task, (_, size)) in code.tasks() {
-        measured.add(format!("static_stack_bytes.{task}"), deepest(&format!("task {task}")));
-        measured.add(format!("task_bytes.{task}"), size as f64);
-    }
-    measured.add("static_stack_bytes.all", all);
+    let thread = told("Reset", "thread");
+    let all = code.handlers.iter().fold(thread, |all, entry| all + told(entry, entry) + EXCEPTION_FRAME as f64);
     // Without the guard at its bottom and the words at its top.
     let whole = (STACK.end - STACK.start + 0x200) as f64;
     assert!(all <= 0.85 * whole, "{all} bytes of {whole} are more than leaves 15 % to spare");
     all
+}
+
+fn deepest(stack: &mut Stack<'_>, entry: &str) -> f64 {
+    let path = stack.deepest(entry).unwrap_or_else(|why| panic!("the stack of {entry}: {why}"));
+    println!("{entry}: {path}");
+    path.bytes as f64
+}
+
+/// The same and the tasks of the usual image; gives all of the former on top of each other.
+fn static_stack(measured: &mut Measured) -> f64 {
+    let code = Code::read(&std::fs::read(image::path()).expect("the image is there"));
+    let all = nested(&code, |name, bytes| measured.add(format!("static_stack_bytes.{name}"), bytes));
+    let mut stack = Stack::of(&code);
+    for (task, (_, size)) in code.tasks() {
+        measured.add(format!("static_stack_bytes.{task}"), deepest(&mut stack, &format!("task {task}")));
+        measured.add(format!("task_bytes.{task}"), size as f64);
+    }
+    measured.add("static_stack_bytes.all", all);
+    all
+}
+
+/// The image for a moteus: its tick beside a board with a current loop, its stack, its memory.
+fn of_a_moteus(measured: &mut Measured) {
+    let (equal, instructions, _) = moteus::run(&current_loop::scene(&[]), 1);
+    assert_eq!(equal.first_difference, None, "moteus");
+    measured.add("tick_instructions_median.moteus", instructions.median);
+    measured.add("tick_instructions_max.moteus", instructions.max);
+    let code = Code::read(&std::fs::read(image::path().with_file_name("firmware-moteus")).expect("it is beside it"));
+    let all = nested(&code, |name, bytes| {
+        if name == TICK {
+            measured.add("static_stack_bytes.TIM6_DAC.moteus", bytes);
+        }
+    });
+    measured.add("static_stack_bytes.all.moteus", all);
+    measured.add("itcm_bytes.moteus", Firmware::moteus().sections[".itcm"].1 as f64);
 }
 
 /// Two boards at work, every tick recorded and sent.
@@ -168,6 +191,7 @@ fn everything_is_within_its_budget() {
     stack(&firmware, &mut measured);
     flood(&firmware, &mut measured);
     instructions(&firmware, &mut measured);
+    of_a_moteus(&mut measured);
     for painted in ["stack_bytes.two-boards", "stack_bytes.flood"] {
         assert!(measured.of(painted) <= most, "{painted}: deeper than the {most} bytes that the image says");
     }

@@ -1,7 +1,8 @@
-//! A board whose motor has a controller of its own, a moteus on its CAN bus: it holds one cube with a board behind whose PWM amplifiers are, bit for
-//! bit what host-sim computes, and its motor is off within a stated time of whatever goes wrong, with the cause told.
+//! A board whose motor has a controller of its own, a moteus on its CAN bus: it holds one cube with a board behind whose PWM amplifiers are, and with
+//! one whose bridges the board's own current loop drives, bit for bit what host-sim computes; and its motor is off within a stated time of
+//! whatever goes wrong, with the cause told.
 //!
-//! Longer: `HAPTIC_SECONDS=10 cargo test -p board-bench --test boards moteus::`, which runs the first of these over 10 s instead of 2.
+//! Longer: `HAPTIC_SECONDS=10 cargo test -p board-bench --test boards hold_one_cube`, which runs both pairs over 10 s instead of 2.
 
 use std::sync::Arc;
 
@@ -18,7 +19,7 @@ use board_bench::{node::Report, reviewed};
 use firmware_parts::moteus::{LOST, WATCHDOG_MS};
 use haptic_sim::scene::Scene;
 
-use crate::breaks;
+use crate::{breaks, current_loop};
 
 /// GPIOD_MODER and GPIOD_AFRL.
 const PORT_D: [u64; 2] = [0x5802_0C00, 0x5802_0C20];
@@ -27,12 +28,12 @@ fn scene() -> Scene {
     breaks::scene(&[])
 }
 
-/// What a board with the usual image and one with a moteus computed, for so long.
-fn run(seconds: u64) -> (Equal, MedianAndMost, Vec<Report>) {
-    let scene = scene();
+/// What two boards computed, one that drives its motor by this other scene, and one with a moteus, for so long.
+pub(crate) fn run(other: &Scene, seconds: u64) -> (Equal, MedianAndMost, Vec<Report>) {
+    let scenes = [other, &scene()];
     let images = [Firmware::release(), Firmware::moteus()].map(Arc::new);
-    let mut bench = Bench::mixed(&images, trial::line(&scene).expect("a wire can do it"));
-    bench.set_up(&scene).expect("the boards take the scene");
+    let mut bench = Bench::mixed(&images, trial::line(other).expect("a wire can do it"));
+    bench.set_up_each(&scenes.map(Scene::clone)).expect("the boards take the scenes");
     bench.arm();
     bench.count_instructions();
     bench.run_for_ms(1000 * seconds);
@@ -53,21 +54,30 @@ fn run(seconds: u64) -> (Equal, MedianAndMost, Vec<Report>) {
     let moved = boards
         .map(|board| board.records.iter().map(|record| record.observed().object.position.abs()).fold(0.0, f32::max));
     assert!(moved.iter().all(|moved| *moved > 0.001), "{moved:?}");
-    let equal = twin::closed_loop_late(&scene, boards, [false, true]);
+    let equal = twin::closed_loop_late(scenes, boards, [false, true]);
     // A board that heard in time would compute something else.
-    assert_ne!(twin::closed_loop_late(&scene, boards, [false, false]).first_difference, None);
+    assert_ne!(twin::closed_loop_late(scenes, boards, [false, false]).first_difference, None);
     (equal, instructions, bench.finish())
 }
 
-#[test]
-fn a_board_with_amplifiers_and_one_with_a_moteus_hold_one_cube() {
+fn hold_one_cube(other: &Scene) {
     let seconds = std::env::var("HAPTIC_SECONDS").map_or(2, |seconds| seconds.parse().expect("seconds"));
     let wall = std::time::Instant::now();
-    let (equal, instructions, reports) = run(seconds);
+    let (equal, instructions, reports) = run(other, seconds);
     println!("{seconds} s in {:.0} s: {equal:?}, {instructions:?}", wall.elapsed().as_secs_f64());
     assert_eq!(equal.first_difference, None);
     assert!(instructions.max <= 1300, "{instructions:?}");
     reports.iter().for_each(reviewed::check);
+}
+
+#[test]
+fn a_board_with_amplifiers_and_one_with_a_moteus_hold_one_cube() {
+    hold_one_cube(&scene());
+}
+
+#[test]
+fn a_board_with_bridges_and_its_own_current_loop_and_one_with_a_moteus_hold_one_cube() {
+    hold_one_cube(&current_loop::scene(&[]));
 }
 
 /// A board alone with a moteus, armed.
