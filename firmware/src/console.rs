@@ -9,7 +9,7 @@
 
 use core::fmt::{self, Write};
 
-use embassy_time::{Duration, Timer};
+use embassy_time::{Duration, Instant, Timer};
 use firmware_parts::ceiling::{self, Above};
 use firmware_parts::exchange::{Reader, Writer};
 use firmware_parts::image::{JOINTS, Peer};
@@ -24,7 +24,7 @@ use haptic_core::{device::velocity::VelocityName, num::Motion};
 use haptic_protocol::lines::Line;
 
 use crate::board::drive::{Drive, Fitted};
-use crate::board::{Number, bridges, clocks::CORE_HZ, pace};
+use crate::board::{Number, bridges, clocks::CORE_HZ, pace, update};
 use crate::storage::{self, Origin};
 use crate::tick::Plan;
 use crate::{fault::Cause, flow, telemetry::Telemetry};
@@ -48,7 +48,12 @@ pub(crate) struct Console {
     pub(crate) signals: &'static Signals,
     pub(crate) probes: Writer<'static, (u32, Probe<f32>)>,
     pub(crate) probed: Reader<'static, Outcome>,
+    /// When the bootloader is due that was ordered.
+    pub(crate) leaves: Option<Instant>,
 }
+
+/// From the order to the bootloader: the answer is heard before.
+const LEAVES_AFTER: Duration = Duration::from_millis(500);
 
 /// Most ticks between two packets: orders are carried out at packets, and answered within 50 ms.
 const MAX_TICKS_PER_PACKET: u32 = 40;
@@ -226,6 +231,14 @@ impl Console {
                     write!(to, "{what} {}.{:02} %", share / 100, share % 100)?;
                 }
             }
+            Request::Update => {
+                self.disarmed()?;
+                if let Some(why) = update::obstacle() {
+                    return Err(No::Because(why));
+                }
+                self.leaves = Some(Instant::now() + LEAVES_AFTER);
+                write!(to, "ok in 0.5 s the bootloader of the ROM runs, on the board's own USB; its black button starts the image")?;
+            }
         }
         Ok(())
     }
@@ -309,6 +322,8 @@ impl Console {
     fn ready(&self) -> Result<(), No<'static>> {
         if let Some(why) = self.unfit {
             Err(No::Because(why))
+        } else if self.leaves.is_some() {
+            Err(No::Because("the board starts its bootloader"))
         } else if self.unacknowledged {
             Err(No::Clear(self.cause.stop.explain()))
         } else if self.signals.emergency.get() {
@@ -388,6 +403,14 @@ impl Console {
         self.applied = self.draft;
         flow::tell(self.draft.settings);
         Ok(())
+    }
+
+    /// Goes to the bootloader, if it is due and flash is not at work; nothing has turned motors on since it was ordered.
+    pub(crate) fn leave(&self) {
+        let due = self.leaves.is_some_and(|due| Instant::now() >= due);
+        if due && self.signals.saving.acquire() != Saving::Busy {
+            update::enter();
+        }
     }
 
     /// Waits for the tick. If it does not do what it was asked for, it must not do it later either.

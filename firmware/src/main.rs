@@ -137,6 +137,7 @@ mod image {
             signals: &SIGNALS,
             probes,
             probed,
+            leaves: None,
         };
         let telemetry = Telemetry::new(records, &SIGNALS);
         let net = net::start(board.ethernet, board.number, outgoing, incoming, telemetry, console);

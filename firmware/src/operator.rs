@@ -53,6 +53,8 @@ pub enum Request<'a> {
     Time(Whose, Time),
     /// How much of the processor both took.
     Load,
+    /// The bootloader in the ROM, for another image.
+    Update,
 }
 
 /// The interrupt that a time belongs to.
@@ -93,7 +95,7 @@ impl Misread {
             Self::Empty => "send one line of text",
             Self::Word => {
                 "the words are status, check, arm, disarm, clear, home, clutch, release, probe, probed, set, get, defaults, apply, save, stream, \
-                 capture, time"
+                 capture, time, update"
             }
             Self::Arguments => {
                 "the forms are arm, arm alone, check joint, probe joint pulse|swing|ramp|sine|winding duty seconds [hertz], \
@@ -131,6 +133,7 @@ pub fn parse(line: &str) -> Result<Request<'_>, Misread> {
         "save" => Some(Request::Save),
         "stream" => words.next().and_then(|n| if n == "off" { Some(0) } else { n.parse().ok() }).map(Request::Stream),
         "capture" => number(&mut words).map(Request::Capture),
+        "update" => Some(Request::Update),
         "time" => match words.next() {
             Some("load") => Some(Request::Load),
             Some("loop") => words.next().and_then(time).map(|time| Request::Time(Whose::CurrentLoop, time)),

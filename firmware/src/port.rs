@@ -100,6 +100,7 @@ pub(crate) async fn run(stack: Stack<'static>, console: Console, link: &'static 
             Ok(Err(_)) => port.console.signals.refused.count(),
             Err(_) => answers.tend(),
         }
+        port.console.leave();
         let now = Instant::now().as_micros();
         // Who is gone has not said no: his lease runs out.
         if port.link.is_up() {

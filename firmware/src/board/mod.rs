@@ -28,6 +28,7 @@ pub(crate) mod pace;
 pub(crate) mod random;
 pub(crate) mod reset;
 mod sections;
+pub(crate) mod update;
 mod uptime;
 
 use embassy_stm32::gpio::{Input, Level, Output, Pull, Speed};

@@ -14,6 +14,7 @@ fn lines_are_read_as_written() {
         (parse("clutch"), parse("release"), parse("clutch 1")),
         (Ok(Request::Clutch), Ok(Request::Release), Err(Misread::Arguments))
     );
+    assert_eq!((parse("update"), parse("update now")), (Ok(Request::Update), Err(Misread::Arguments)));
     assert_eq!(parse(" status "), Ok(Request::Status));
     assert_eq!(parse("set coordination.comm wave\r\n"), Ok(Request::Set("coordination.comm", Value::Text("wave"))));
     assert_eq!(parse("set object.mass_kg 0.3"), Ok(Request::Set("object.mass_kg", Value::Number(0.3))));

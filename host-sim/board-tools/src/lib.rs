@@ -1,10 +1,11 @@
-//! A PC's end of a board: its operator, what it records, its calibration, and the first hour with it.
+//! A PC's end of a board: its operator, what it records, its calibration, the first hour with it, and its image.
 #![forbid(unsafe_code)]
 
 pub mod bringup;
 pub mod calibrate;
 pub mod consent;
 mod error;
+pub mod image;
 pub mod operator;
 pub mod recording;
 pub mod status;

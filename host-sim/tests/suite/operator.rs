@@ -338,3 +338,46 @@ fn a_key_file_of_the_other_role_is_refused_by_name() {
     let (status, said) = run(&["key", "generate", &file, "--operator", "--line", "1", "--of", &peers]);
     assert!(status == Some(2) && said.contains("--operator"), "{said}");
 }
+
+/// A file with a stack and an entry at the beginning of flash, as a linker writes it: its head, one segment, eight bytes.
+fn image_file() -> Vec<u8> {
+    let words: [u32; 25] = [
+        0x464C_457F, 0x0001_0101, 0, 0, 0x0028_0002, 1, 0, 52, 0, 0, 0x0020_0034, 1, 0, 1, 84, 0x0800_0000, 0x0800_0000, 8,
+        8, 5, 4, 0x2000_C000, 0x0800_0299, 0, 0,
+    ];
+    words[..23].iter().flat_map(|word| word.to_le_bytes()).collect()
+}
+
+#[test]
+fn an_update_writes_its_bytes_and_says_what_is_next_and_what_is_no_image_asks_nothing() {
+    let folder = folder("operator-update");
+    let key = folder.join("a.key");
+    key_file::generate(&key, Role::Operator).unwrap();
+    let run = |board: SocketAddr, image: &Path| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_host-sim"));
+        command.args(["board", "update", "--board", &board.to_string(), "--key-file"]).arg(&key).arg("--image").arg(image);
+        let output = command.output().unwrap();
+        let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+        (output.status.code(), text(output.stdout), text(output.stderr))
+    };
+    let image = folder.join("haptic-v0.1.0.elf");
+    let bytes = folder.join("haptic-v0.1.0.elf.bin");
+    std::fs::write(&image, image_file()).unwrap();
+    let board = Board::start(key_file::read(&key, Role::Operator).unwrap(), 1.0);
+    let (status, said, told) = run(board.address, &image);
+    assert_eq!(status, Some(0), "{told}");
+    assert_eq!(said, format!("dfu-util -d 0483:df11 -a 0 -s 0x08000000 -D {}\n", bytes.display()));
+    assert!(told.starts_with("board 2: update\n"), "{told}");
+    let begin = [0x00, 0xC0, 0x00, 0x20, 0x99, 0x02, 0x00, 0x08];
+    assert_eq!(std::fs::read(&bytes).unwrap(), [&begin[..], &[0xFF; 24]].concat());
+
+    let nobody = UdpSocket::bind("127.0.0.1:0").unwrap();
+    nobody.set_nonblocking(true).unwrap();
+    let other = folder.join("notes.txt");
+    std::fs::write(&other, "no image").unwrap();
+    let (status, said, why) = run(nobody.local_addr().unwrap(), &other);
+    assert_eq!((status, said.as_str(), why.lines().count()), (Some(2), "", 1), "{why}");
+    assert!(why.contains("notes.txt: it is no image for a board: it must be an ELF file for ARM"), "{why}");
+    assert_eq!(nobody.recv_from(&mut [0; 64]).map_err(|cause| cause.kind()), Err(std::io::ErrorKind::WouldBlock));
+    assert!(!folder.join("notes.txt.bin").exists());
+}

@@ -19,6 +19,7 @@ use crate::part::fdcan::BusFault;
 use crate::part::moteus::{Controller, Planted};
 use crate::part::motors::Motors;
 use crate::part::pins::{self, Edge};
+use crate::part::rom;
 use crate::part::{Bridges, Gate, MOTORS, Nucleo, Part};
 
 /// What comes in at a stop, before the board goes on.
@@ -325,8 +326,8 @@ impl Node {
                 resets: 0,
                 edges: rig.then(Vec::new),
             };
-            let images = std::slice::from_ref(&firmware.image);
-            let mut finished = run(session, &Start::new(images), stepper).expect("the emulator runs the image");
+            let images = [firmware.image.clone(), rom::image()];
+            let mut finished = run(session, &Start::new(&images), stepper).expect("the emulator runs the image");
             report(&mut finished.session)
         });
         let node = Self { orders, stops, thread };

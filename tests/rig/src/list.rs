@@ -62,7 +62,7 @@ const ENABLE: Wire = Sees("PF3", "PF3");
 const ARMED: &[Wire] = &[Drives("PC6"), Drives("PC7"), Drives("PD15"), Drives("PE15"), PULSES, TIMER, ENABLE, Button];
 
 /// All of them, from the harmless on.
-pub const TESTS: [Test; 14] = [
+pub const TESTS: [Test; 15] = [
     Test {
         name: "tick-duration",
         wires: ARMED,
@@ -238,6 +238,17 @@ pub const TESTS: [Test; 14] = [
         seconds: 60,
         virtual_board: Some("moteus.rs"),
         virtual_rig: Not("the rig's image has no CAN"),
+    },
+    Test {
+        name: "bootloader",
+        wires: &[ENABLE],
+        drives: "`update`, said while disarmed, with a cable at CN13; then another image by dfu-util, and the black button",
+        measures: "how soon the PC finds 0483:df11, PF3 with 10 kΩ to ground meanwhile, what `status` says then",
+        bound: "within 5 s, never high, the new image with the old keys and settings",
+        from: "hardware.md, Another image",
+        seconds: 120,
+        virtual_board: Some("update.rs"),
+        virtual_rig: Not("the emulated ROM has no USB; update.rs goes there and back"),
     },
     Test {
         name: "soak",

@@ -7,6 +7,7 @@ mod calibrate_winding;
 #[allow(dead_code, unreachable_pub)] // What the board of another test says.
 mod format;
 mod hostile;
+mod image;
 mod lease;
 mod on_path;
 mod recording;

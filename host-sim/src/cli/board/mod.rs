@@ -4,6 +4,7 @@ mod bridge;
 mod bringup;
 mod calibrate;
 mod operator;
+mod update;
 
 use std::path::PathBuf;
 
@@ -27,6 +28,8 @@ super::commands! {
         Calibrate(calibrate::Calibrate),
         /// Reach a partner far away for a board: this PC stands beside it and carries its sealed datagrams to a meeting, unopened.
         Bridge(bridge::Bridging),
+        /// Another image for a board without a probe: its bytes beside the file, the board in its bootloader, and the command to go on with.
+        Update(update::Update),
         /// What one peer of a scene reads, for the same peer on another processor.
         Record(Record),
     }

@@ -11,6 +11,7 @@
 //! | [`fdcan`] | FDCAN1, its message memory and the bus behind it |
 //! | [`moteus`] | the motor controller at that bus |
 //! | [`motors`] | what hangs at the bridges: host-sim's plant and windings |
+//! | [`rom`] | the bootloader, for an image that goes there |
 //! | [`pins`] | pins by name, and which timer's input each leads to |
 //! | `serial` | the PC behind the ST-LINK, at USART3 |
 //!
@@ -25,6 +26,7 @@ pub mod moteus;
 pub mod motors;
 pub mod oscillator;
 pub mod pins;
+pub mod rom;
 mod serial;
 pub mod wwdg;
 

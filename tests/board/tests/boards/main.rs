@@ -18,6 +18,7 @@
 //! | [`far`] | does it hold one object with a peer far away, by the PC beside it? |
 //! | [`bad_wire`], [`cable`] | what does a bad wire do, and none? |
 //! | [`faults`] (one of them an [`impostor`]), [`encoder_faults`], [`stop`], [`breaks`], [`deadman`], [`store`] | do outputs go off, and settings stay whole? |
+//! | [`update`] | does an order lead to the ROM's bootloader, safely, and start what that is given? |
 //! | [`budgets`], [`static_stack`], [`times`] | do flash, memory, stack, instructions and times keep to their budgets? |
 
 mod amplifiers;
@@ -48,3 +49,4 @@ mod stop;
 mod store;
 mod three_axes;
 mod times;
+mod update;
