@@ -237,7 +237,10 @@ impl Console {
                     return Err(No::Because(why));
                 }
                 self.leaves = Some(Instant::now() + LEAVES_AFTER);
-                write!(to, "ok in 0.5 s the bootloader of the ROM runs, on the board's own USB; its black button starts the image")?;
+                write!(
+                    to,
+                    "ok in 0.5 s the bootloader of the ROM runs, on the board's own USB; its black button starts the image"
+                )?;
             }
         }
         Ok(())

@@ -31,7 +31,8 @@ static mut LEFT: MaybeUninit<[u32; 2]> = MaybeUninit::uninit();
 pub(crate) fn obstacle() -> Option<&'static str> {
     // The bit is set where software starts the watchdog.
     let by_software = pac::FLASH.optsr_cur().read().iwdg1_hw();
-    (!by_software).then_some("the chip's option bytes start the independent watchdog, which would end the bootloader (IWDG1_SW)")
+    (!by_software)
+        .then_some("the chip's option bytes start the independent watchdog, which would end the bootloader (IWDG1_SW)")
 }
 
 /// Motors off, and the bootloader.

@@ -342,8 +342,31 @@ fn a_key_file_of_the_other_role_is_refused_by_name() {
 /// A file with a stack and an entry at the beginning of flash, as a linker writes it: its head, one segment, eight bytes.
 fn image_file() -> Vec<u8> {
     let words: [u32; 25] = [
-        0x464C_457F, 0x0001_0101, 0, 0, 0x0028_0002, 1, 0, 52, 0, 0, 0x0020_0034, 1, 0, 1, 84, 0x0800_0000, 0x0800_0000, 8,
-        8, 5, 4, 0x2000_C000, 0x0800_0299, 0, 0,
+        0x464C_457F,
+        0x0001_0101,
+        0,
+        0,
+        0x0028_0002,
+        1,
+        0,
+        52,
+        0,
+        0,
+        0x0020_0034,
+        1,
+        0,
+        1,
+        84,
+        0x0800_0000,
+        0x0800_0000,
+        8,
+        8,
+        5,
+        4,
+        0x2000_C000,
+        0x0800_0299,
+        0,
+        0,
     ];
     words[..23].iter().flat_map(|word| word.to_le_bytes()).collect()
 }
@@ -355,7 +378,11 @@ fn an_update_writes_its_bytes_and_says_what_is_next_and_what_is_no_image_asks_no
     key_file::generate(&key, Role::Operator).unwrap();
     let run = |board: SocketAddr, image: &Path| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_host-sim"));
-        command.args(["board", "update", "--board", &board.to_string(), "--key-file"]).arg(&key).arg("--image").arg(image);
+        command
+            .args(["board", "update", "--board", &board.to_string(), "--key-file"])
+            .arg(&key)
+            .arg("--image")
+            .arg(image);
         let output = command.output().unwrap();
         let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
         (output.status.code(), text(output.stdout), text(output.stderr))

@@ -40,7 +40,9 @@ impl Update {
         ui.status(format_args!("board {}: {answer}", operator.number()));
         let next = format!("dfu-util -d 0483:df11 -a 0 -s {:#010x} -D {}", image::BANK_1.start, file.display());
         writeln!(ui, "{next}");
-        ui.status("then press the board's black button: it starts as at power-on, with the keys and the settings that it had");
+        ui.status(
+            "then press the board's black button: it starts as at power-on, with the keys and the settings that it had",
+        );
         ui.document(&json!({ "answer": answer, "next": next, "files": [&file] }))
     }
 }

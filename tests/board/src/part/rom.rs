@@ -24,5 +24,6 @@ const CODE: [u16; 15] = [
 pub(crate) fn image() -> Image {
     let words = [STACK, ENTRY | 1].map(u32::to_le_bytes).concat();
     let code = CODE.iter().flat_map(|half| half.to_le_bytes());
-    Image::new(Path::new("ROM"), words.into_iter().chain(code).collect(), Some(START.into())).expect("bytes at an address")
+    Image::new(Path::new("ROM"), words.into_iter().chain(code).collect(), Some(START.into()))
+        .expect("bytes at an address")
 }

@@ -38,7 +38,10 @@ fn an_order_leads_to_the_bootloader_and_only_while_disarmed() {
 
     assert_eq!(bench.ask(1, "disarm"), "ok disarmed");
     let answer = bench.ask(1, "update");
-    assert_eq!(answer, "ok in 0.5 s the bootloader of the ROM runs, on the board's own USB; its black button starts the image");
+    assert_eq!(
+        answer,
+        "ok in 0.5 s the bootloader of the ROM runs, on the board's own USB; its black button starts the image"
+    );
     // Until then nothing moves.
     for line in ["arm", "check 1"] {
         assert_eq!(bench.ask(1, line), "error the board starts its bootloader", "{line}");
@@ -65,7 +68,8 @@ fn an_order_leads_to_the_bootloader_and_only_while_disarmed() {
 
 #[test]
 fn what_the_bootloader_is_given_starts_and_finds_keys_and_settings() {
-    let bytes = haptic_board_tools::image::flash(&std::fs::read(image::path()).expect("it is there")).expect("an image");
+    let bytes =
+        haptic_board_tools::image::flash(&std::fs::read(image::path()).expect("it is there")).expect("an image");
     let mut bench = board(&Arc::new(Firmware::release()), &[]);
     for line in ["set safety.max_force_n 2.5", "apply", "save"] {
         assert!(bench.ask(1, line).starts_with("ok"), "{line}");
