@@ -10,6 +10,7 @@ use haptic_live::devices::Health;
 use haptic_live::devices::find::{Found, attached};
 use haptic_live::devices::steps::{PUSH_N, Trial};
 use haptic_report::Columns;
+use haptic_sim::scene::Device;
 use serde_json::json;
 
 use super::device::DeviceArgs;

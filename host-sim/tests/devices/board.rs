@@ -20,7 +20,7 @@ use haptic_sim::{Laws, Scene, key_file};
 use serde_json::Value;
 
 use super::steps::steps;
-use super::{BUSY_S, LOSSY, Running, SILENT_S, largest_first_step, number, peer, relay, seat, sets};
+use super::{BUSY_S, LOSSY, Running, SILENT_S, largest_first_step, number, peer, relay, sets};
 use crate::program::{Keys, free, host_sim, report, signal};
 
 const TICK: Duration = Duration::from_millis(1);
@@ -222,7 +222,6 @@ fn reach(lab: &Lab) {
 /// Either board passes, by what it tells of the force that acts.
 #[test]
 fn a_board_passes_ten_steps() {
-    let _seat = seat();
     let keys = Keys::new("board-steps", 0);
     for number in [1, 2] {
         let lab = Lab::start(&keys.file(0), number, &[], 0.0);
@@ -275,7 +274,6 @@ fn apart_mm(key: &str, first: &[String], meanwhile: impl FnOnce()) -> [f64; 2] {
 /// springs between them give in statics, and the copies are as far apart as those of two simulated devices.
 #[test]
 fn a_board_and_a_simulated_device_hold_one_object() {
-    let _seat = seat();
     let keys = Keys::new("board-pair", 0);
     let key = keys.file(0);
     let simulated: Vec<String> = sets(&REACHES).map(str::to_owned).collect();
@@ -304,7 +302,6 @@ fn a_board_and_a_simulated_device_hold_one_object() {
 /// others as `BOARD_STIFFNESS` says.
 #[test]
 fn a_contact_through_a_board_comes_to_rest() {
-    let _seat = seat();
     let keys = Keys::new("board-stiffness", 0);
     let all = std::env::var("BOARD_STIFFNESS").unwrap_or_else(|_| "1000".to_owned());
     for stiffness in all.split(',') {
@@ -330,7 +327,6 @@ fn a_contact_through_a_board_comes_to_rest() {
 /// Whatever goes wrong at the board or on the way: no force there after the time that is stated, and both ends of the pair say why.
 #[test]
 fn each_fault_of_a_board_cuts_the_force_and_is_named() {
-    let _seat = seat();
     let keys = Keys::new("board-faults", 0);
     let faults = [
         (Fault::Silent, 23, "ms old, of 50 allowed"),
@@ -365,7 +361,6 @@ fn each_fault_of_a_board_cuts_the_force_and_is_named() {
 /// A process that is killed, or stopped, says nothing more: the board's own ladder lets go. One that goes on stays off.
 #[test]
 fn a_board_lets_go_when_its_peer_is_killed_or_stopped() {
-    let _seat = seat();
     let keys = Keys::new("board-killed", 0);
     for name in ["KILL", "STOP"] {
         let lab = Lab::start(&keys.file(0), 1, &[], 1e-3);
@@ -396,7 +391,6 @@ fn a_board_lets_go_when_its_peer_is_killed_or_stopped() {
 /// Who may not be armed is refused by name, and told what to do.
 #[test]
 fn a_board_that_must_not_be_driven_is_refused_by_name() {
-    let _seat = seat();
     let keys = Keys::new("board-refused", 0);
     let key = keys.file(0);
     let refusal = |flags: &[String], more: &[&str]| {

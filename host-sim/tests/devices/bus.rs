@@ -7,7 +7,7 @@ use haptic_emulators::motors::{Emulator, Fault};
 use serde_json::Value;
 
 use super::emulated::{self, fdcanusb};
-use super::{BUSY_S, Running, SILENT_S, armed, largest_first_step, number, peer, seat};
+use super::{BUSY_S, Running, SILENT_S, armed, largest_first_step, number, peer};
 use crate::program::{Keys, free, signal};
 
 /// The motors' own watchdog, s.
@@ -36,7 +36,6 @@ fn until_pushed(emulator: &Emulator, least_n: f64) -> [f64; 2] {
 /// themselves, and the first force is no jump.
 #[test]
 fn motors_and_a_five_bar_hold_an_object() {
-    let _seat = seat();
     const CONTACT_N_PER_M: f64 = 1000.0;
     let reach_m = [0.015, -0.01];
     for (name, emulator) in [
@@ -89,7 +88,6 @@ fn motors_and_a_five_bar_hold_an_object() {
 /// Whatever the motors do wrong: no force after the time that is stated, and both ends say why.
 #[test]
 fn each_fault_of_motors_cuts_the_force_and_is_named() {
-    let _seat = seat();
     let faults = [
         (Fault::Silent, 23, "of 50 allowed"),
         (Fault::Late, 23, "of 50 allowed"),
@@ -138,7 +136,6 @@ fn each_fault_of_motors_cuts_the_force_and_is_named() {
 /// A process that is killed, or stopped, says nothing more: the motors let go after their own time. One that goes on stays off, without a jump.
 #[test]
 fn motors_let_go_when_their_peer_is_killed_or_stopped() {
-    let _seat = seat();
     for (how, is_mit) in [("KILL", false), ("STOP", false), ("KILL", true), ("STOP", true)] {
         let name = format!("motors-{how}-{is_mit}");
         let emulator = match is_mit {
@@ -190,7 +187,6 @@ fn motors_let_go_when_their_peer_is_killed_or_stopped() {
 /// Motors that must not be armed are refused before anything is sent to the other peer, and told why.
 #[test]
 fn motors_that_must_not_be_armed_are_refused_by_name() {
-    let _seat = seat();
     let keys = Keys::new("motors-refused", 0);
     let refusal = |scene: &str, flags: &[String], more: &[&str]| {
         // A flag that is there twice is refused by itself: the later replaces the first.

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use super::steps::steps;
-use super::{BUSY_S, Running, number, peer, seat};
+use super::{BUSY_S, Running, number, peer};
 use crate::program::{Keys, free, host_sim, signal};
 
 /// The program, once it serves; the words by which it is attached.
@@ -23,7 +23,6 @@ fn emulator(arguments: &[&str]) -> (Running, Vec<String>) {
 /// peer lets go and says why.
 #[test]
 fn a_peer_holds_an_emulated_device_until_it_falls_silent() {
-    let _seat = seat();
     let (keys, one, two) = (Keys::new("devices-emulate", 0), free(), free());
     let reaches = ["--set", "user.1.reach_m=0.02", "--rest-s", "4", "--fault", "silent@14", "--lets-go-s", "0.2"];
     let (device, words) = emulator(&[&["inverse3", "--at", "127.0.0.1:0"][..], &reaches].concat());
@@ -56,7 +55,6 @@ fn a_peer_holds_an_emulated_device_until_it_falls_silent() {
 /// Motors are found at the place that they were given, and the place is free again when they have gone; whatever else is there is left alone.
 #[test]
 fn motors_serve_at_a_place_and_leave_it() {
-    let _seat = seat();
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("emulate-{}", std::process::id()));
     let _ = std::fs::remove_dir_all(&folder);
     std::fs::create_dir_all(&folder).expect("a folder");
@@ -113,7 +111,6 @@ fn a_slip_is_told_in_one_sentence() {
 /// MIT motors disable themselves after the time that they were started with.
 #[test]
 fn motors_let_go_after_their_own_time() {
-    let _seat = seat();
     let (device, words) = emulator(&["mit", "--lets-go-s", "0.1"]);
     let mut asks = host_sim(&["devices", "--json", "--scene", "plane", "--distance-m", "0.02"]);
     let asked = asks.args(&words).args(["--device-silent-s", "0.2"]).stdin(std::process::Stdio::null()).output();
@@ -126,7 +123,6 @@ fn motors_let_go_after_their_own_time() {
 /// The page's way to try the ten steps without a device: its hand moves by itself, and whoever presses Enter waits for that.
 #[test]
 fn a_hand_that_moves_by_itself_passes_the_ten_steps() {
-    let _seat = seat();
     let (device, words) = emulator(&["moteus", "--set", "user.1.reach_m=0.02", "--rest-s", "8"]);
     let by = Instant::now() + Duration::from_secs(30);
     let (passed, told, said) = steps(&words, &["--scene", "plane"], |_| {

@@ -7,7 +7,7 @@ use haptic_emulators::inverse3::{Emulator, Fault};
 use serde_json::Value;
 
 use super::emulated::haply;
-use super::{BUSY_S, HAND_N_PER_M, Running, SILENT_S, mean, number, relay, seat, sets};
+use super::{BUSY_S, HAND_N_PER_M, Running, SILENT_S, mean, number, relay, sets};
 use crate::program::{Keys, free, host_sim, report, signal};
 
 const REACH_M: f64 = 0.015;
@@ -88,7 +88,6 @@ fn ended(hub: Running, others: [Running; 2]) -> Value {
 /// the hub hears why, and the others go on.
 #[test]
 fn three_hold_one_object_and_one_is_at_a_device() {
-    let _seat = seat();
     let (keys, between, own) = (Keys::new("devices-hub", 3), [free(), free()], free());
     let (hub, address) = hub(&keys);
     let lossy = relay("any-network", 72.0, &between, [&own, &address], sets(&PATH));
@@ -119,7 +118,6 @@ fn three_hold_one_object_and_one_is_at_a_device() {
 /// The page is an end like any: with its hand at the device it holds with the two others around a hub.
 #[test]
 fn a_page_at_a_hub_has_a_device() {
-    let _seat = seat();
     let keys = Keys::new("devices-hub-page", 3);
     let (hub, address) = hub(&keys);
     let emulator = haply(0.0);

@@ -7,7 +7,7 @@ use std::process::Command;
 use serde_json::Value;
 
 use super::emulated::haply;
-use super::{Running, number, seat};
+use super::{Running, number};
 use crate::program::{free, host_sim};
 
 const PAGE: &str = include_str!("../../../docs/devices.md");
@@ -58,7 +58,6 @@ fn held(peers: [Running; 2], most_mm: f64) {
 
 #[test]
 fn ten_lines_hold_one_object_with_two_emulated_devices() {
-    let _seat = seat();
     let (section, folder) = (section("Without a device, in ten lines"), folder("ten-lines"));
     let (lines, count) = shell(section);
     assert!(count <= 10, "{count} lines");
@@ -96,7 +95,6 @@ fn ten_lines_hold_one_object_with_two_emulated_devices() {
 
 #[test]
 fn two_inverse3s_hold_one_object_by_the_page_s_lines() {
-    let _seat = seat();
     let (section, folder) = (section("With two Inverse3s"), folder("two-inverse3s"));
     let (lines, count) = shell(section);
     assert!(count <= 10, "{count} lines");

@@ -2,7 +2,7 @@
 //! Programs on loopback, as a user runs them.
 //!
 //! A device lets go when its peer is late, and a peer when its device is: who shares two cores with a browser is. So these are a program of their own,
-//! and [`SEATS`] tests at a time.
+//! and what is in time has a real-time priority: a pair at its devices takes half of a core, so that as many tests run at once as there are cores.
 
 mod board;
 mod bus;
@@ -19,7 +19,7 @@ mod together;
 
 use std::io::{BufRead, BufReader};
 use std::process::{Child, ChildStderr, Command};
-use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
+use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
@@ -45,25 +45,8 @@ const SETTINGS: [&str; 8] = [
 const LOSSY: [&str; 3] = ["network.one_way_delay_packets=8", "network.loss=0.2", "network.loss_burst_packets=5"];
 /// A reading may be this old, s: `--device-silent-s` by default.
 const SILENT_S: f64 = 0.05;
-/// How many tests run at once: a pair at its devices takes half of a core.
-const SEATS: usize = 3;
 /// What a busy machine may take until a thread runs, s.
 const BUSY_S: f64 = 0.1;
-
-/// One of [`SEATS`] until it is dropped.
-fn seat() -> MutexGuard<'static, ()> {
-    static TAKEN: [Mutex<()>; SEATS] = [const { Mutex::new(()) }; SEATS];
-    loop {
-        for place in &TAKEN {
-            match place.try_lock() {
-                Ok(seat) => return seat,
-                Err(TryLockError::Poisoned(left)) => return left.into_inner(),
-                Err(TryLockError::WouldBlock) => {}
-            }
-        }
-        std::thread::sleep(Duration::from_millis(20));
-    }
-}
 
 /// The program of a peer, and what it says while it runs.
 struct Running {
@@ -186,11 +169,10 @@ fn mean(asked: &[(f64, [f64; 3])], until_s: f64, for_s: f64) -> [f64; 3] {
 /// both feel is what the springs between them give in statics, hand, contact, contact, hand, less what the copies are apart.
 #[test]
 fn a_device_and_a_simulated_one_hold_one_object() {
-    let _seat = seat();
     const CONTACT_N_PER_M: f64 = 1000.0;
     let reach_m = [0.02, -0.01, 0.015];
     // The scene's first axis is that of the device. By how far the hand trembles when the peers meet, their copies stay apart; of three axes
-    // reports have that along the first seat, so there it does not tremble.
+    // reports have that along the first so there it does not tremble.
     for (scene, mapped, first, axes, tremor_m) in [("any-network", "x,y,z", 0, 1, 1e-3), ("space", "y,-x,z", 1, 3, 0.0)]
     {
         let emulator = haply(tremor_m);
@@ -233,7 +215,6 @@ fn a_device_and_a_simulated_one_hold_one_object() {
 /// Whatever the service does wrong: no force after the time that is stated, and both ends say why.
 #[test]
 fn each_fault_of_a_device_cuts_the_force_and_is_named() {
-    let _seat = seat();
     let faults = [
         (Fault::Silent, 23, "ms old, of 50 allowed"),
         (Fault::Late, 23, "ms old, of 50 allowed"),
@@ -272,7 +253,6 @@ fn each_fault_of_a_device_cuts_the_force_and_is_named() {
 /// A process that is killed says nothing more: the device lets go after its own time.
 #[test]
 fn a_device_lets_go_when_its_peer_is_killed() {
-    let _seat = seat();
     let emulator = haply(1e-3);
     let [mut first, mut second] = pair("devices-killed", "any-network", "60", &emulator, &[]);
     emulator.world().reach([0.02, 0.0, 0.0]);
@@ -295,7 +275,6 @@ fn a_device_lets_go_when_its_peer_is_killed() {
 /// Who may not be armed is refused before anything is sent to the other peer, and told why.
 #[test]
 fn a_device_that_must_not_be_armed_is_refused_by_name() {
-    let _seat = seat();
     let keys = Keys::new("devices-refused", 0);
     let refusal = |device: &str, more: &[&str]| {
         let mut command = peer("any-network", "1", &free(), &free(), &keys.file(0));

@@ -6,7 +6,7 @@ use haptic_emulators::hand::HAND_N_PER_M;
 use haptic_emulators::inverse3::Fault;
 
 use super::emulated::haply;
-use super::{BUSY_S, Running, SETTINGS, SILENT_S, mean, number, peer, seat, sets};
+use super::{BUSY_S, Running, SETTINGS, SILENT_S, mean, number, peer, sets};
 use crate::program::{Keys, free, host_sim, signal};
 
 /// How far the hand at the device reaches, m, and the scene's contact, N/m.
@@ -17,7 +17,6 @@ const CONTACT_N_PER_M: f64 = 1000.0;
 /// falls silent its force is gone in time, and the other end learns why.
 #[test]
 fn a_page_s_device_holds_an_object_and_lets_go() {
-    let _seat = seat();
     let emulator = haply(0.0);
     let (keys, one, two) = (Keys::new("devices-page", 0), free(), free());
     let device = format!("haply:{}", emulator.at);
@@ -47,7 +46,7 @@ fn a_page_s_device_holds_an_object_and_lets_go() {
         assert!(last - failed_s < SILENT_S + BUSY_S, "a force {} s later", last - failed_s);
         assert_eq!(world.advance(), [0.0; 3]);
     }
-    // The page stays and says so; the other one goes on seat, and has been told.
+    // The page stays and says so; the other one goes on and has been told.
     std::thread::sleep(Duration::from_secs(1));
     signal(&second.child, "INT");
     let (_, live, said) = second.end();
@@ -58,7 +57,6 @@ fn a_page_s_device_holds_an_object_and_lets_go() {
 /// A device needs another end, and one that must not be armed is refused by name.
 #[test]
 fn a_device_needs_one_peer_of_two() {
-    let _seat = seat();
     let emulator = haply(0.0);
     let device = format!("haply:{}", emulator.at);
     let keys = Keys::new("devices-page-refused", 0);

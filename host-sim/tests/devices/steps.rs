@@ -11,7 +11,6 @@ use haptic_emulators::{Emulated as _, inverse3, motors};
 use serde_json::Value;
 
 use super::emulated::{self, fdcanusb, haply};
-use super::seat;
 use crate::program::built::built;
 use crate::program::{Keys, free, host_sim, report};
 
@@ -46,7 +45,6 @@ fn steps_of(mut command: Command, flags: &[String], more: &[&str], reach: impl F
 /// Every device passes, and leaves settings that a scene takes.
 #[test]
 fn a_good_device_passes_ten_steps() {
-    let _seat = seat();
     let file = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("steps.toml");
     let named = file.display().to_string();
     for bus in [fdcanusb(), emulated::mit("steps-mit", 0.1)] {
@@ -71,7 +69,6 @@ fn a_good_device_passes_ten_steps() {
 /// What is wrong is found by the step that is to find it, and none comes after it.
 #[test]
 fn what_is_wrong_with_a_device_is_found_by_its_step() {
-    let _seat = seat();
     for (fault, words) in [
         (motors::Fault::NoWatchdog, "step 6, watchdog: "),
         (motors::Fault::WrongSign, "step 7, sign: pushed toward +x it went toward −x"),
@@ -104,7 +101,6 @@ fn what_is_wrong_with_a_device_is_found_by_its_step() {
 /// What is attached is listed by what it says of itself.
 #[test]
 fn what_is_attached_is_listed() {
-    let _seat = seat();
     let (bus, haply) = (fdcanusb(), haply(0.0));
     let (at, service) = (bus.at.display().to_string(), haply.at.to_string());
     let told =
@@ -154,7 +150,6 @@ fn handle() -> (SocketAddr, Arc<Mutex<Hand<1>>>) {
 /// A device from a crate outside passes the ten steps, and a peer holds an object with it.
 #[test]
 fn a_device_from_outside_is_tried_and_driven() {
-    let _seat = seat();
     let (program, (at, hand)) = (built().join("device"), handle());
     let outside = || {
         let mut command = Command::new(&program);

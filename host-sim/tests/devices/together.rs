@@ -6,7 +6,7 @@ use std::time::Duration;
 use serde_json::Value;
 
 use super::ends::{End, Kind};
-use super::{LOSSY, Running, number, peer, relay, seat, sets};
+use super::{LOSSY, Running, number, peer, relay, sets};
 use crate::program::{Keys, free, host_sim, report, signal};
 
 /// Both hands as the emulators have them: one reaches, the other holds on; and what a person's hand is limited to at either end.
@@ -34,7 +34,6 @@ const SHARE: f64 = 0.2;
 /// Both devices in this scene hold one object: no fault, and the copies as far apart as the simulator says of such a network, or further by what
 /// the peers' clocks leave unknown.
 fn hold(scene: &str, kinds: [Kind; 2]) {
-    let _seat = seat();
     let name = format!("{:?}-{:?}", kinds[0], kinds[1]).to_lowercase();
     let seconds = std::env::var("DEVICES_SECONDS").unwrap_or_else(|_| "8".to_owned());
     let set = || {
