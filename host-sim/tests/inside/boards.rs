@@ -87,7 +87,11 @@ fn motors_are_on_only_while_a_person_looks() {
     boards.command(Command::Stop).expect("it stops");
     until(&mut boards, true, |boards, _| boards.standing().modes[0] == OFF);
     let lines = || said.lock().expect("a list").iter().filter(|line| *line != "status").cloned().collect::<Vec<_>>();
-    assert_eq!(lines(), ["arm", "stop"], "what waited behind a stop is forgotten");
+    // A busy machine may have carried some out before the stop was said; what waited behind it is forgotten.
+    let until_stop = lines();
+    let checks = until_stop.iter().filter(|line| *line == "check 1").count();
+    let told: Vec<_> = until_stop.iter().filter(|line| *line != "check 1").collect();
+    assert!(told == ["arm", "stop"] && checks < ANSWERS && until_stop.last() == told.last().copied(), "{until_stop:?}");
 
     boards.command(Command::Board(1, Line::Arm)).expect("it is said");
     until(&mut boards, true, |boards, _| boards.standing().modes[0] == ARMED);
@@ -95,7 +99,7 @@ fn motors_are_on_only_while_a_person_looks() {
     until(&mut boards, false, |boards, _| boards.standing().modes[0] == OFF);
     assert!(left.elapsed() >= SILENCE);
     drop(boards);
-    assert_eq!(lines(), ["arm", "stop", "arm", "stop", "stop", "stream off"]);
+    assert_eq!(lines()[until_stop.len()..], ["arm", "stop", "stop", "stream off"]);
 }
 
 /// Ticks that never come to their turn, and more answers than are shown.
