@@ -7,7 +7,7 @@
 //! | `<!-- first N lines of host-sim ARGUMENTS -->` | before a fenced block: where its output begins |
 //! | `<!-- table of host-sim ARGUMENTS -->` | before a Markdown table: the first table of its output |
 //! | `<!-- file PATH -->` | before a fenced block: a reviewed file of the repository |
-//! | `<!-- PATH from host-sim ARGUMENTS -->` | before a picture: the file that the command writes, copied to docs/ |
+//! | `<!-- PATH from host-sim ARGUMENTS -->` | before a picture: the file that the command writes, copied to where the picture is |
 //!
 //! Commands run in an empty folder, so that what they name does not depend on what others have written. Only commands whose
 //! output does not depend on the clock belong there. `--check` changes nothing, compares no pictures, and fails where a text
@@ -51,6 +51,11 @@ fn marker(line: &str) -> Option<&str> {
     line.trim().strip_prefix("<!-- ")?.strip_suffix(" -->")
 }
 
+/// The file of a picture, `![words](FILE)`.
+fn shown(line: &str) -> Option<&str> {
+    line.strip_prefix("![")?.strip_suffix(')')?.split_once("](").map(|(_, file)| file)
+}
+
 /// Replaces every block of a page by what its command prints now; its name, if that changes it.
 fn refresh(page: &Path, empty: &Path, check: bool) -> Result<Option<String>, Failure> {
     let name = page.strip_prefix(run::root()).unwrap_or(page).display().to_string();
@@ -67,11 +72,12 @@ fn refresh(page: &Path, empty: &Path, check: bool) -> Result<Option<String>, Fai
             None => (usize::MAX, command),
         };
         if let Some((picture, arguments)) = command.split_once(" from host-sim ") {
+            let shown = lines.peek().and_then(|line| shown(line));
+            let shown = shown.ok_or_else(|| Failure::new(format!("{name}: `{line}` is not followed by a picture")))?;
             if !check {
                 host_sim(empty, arguments)?;
-                let (from, name) = (empty.join(picture), Path::new(picture).file_name().unwrap_or_default());
-                std::fs::copy(&from, run::root().join("docs").join(name))
-                    .map_err(|cause| failed("copy", &from, &cause))?;
+                let (from, to) = (empty.join(picture), page.with_file_name(shown));
+                std::fs::copy(&from, to).map_err(|cause| failed("copy", &from, &cause))?;
             }
         } else if let Some(arguments) = command.strip_prefix("table of host-sim ") {
             let table = markdown(&host_sim(empty, arguments)?);
@@ -141,7 +147,13 @@ fn host_sim(empty: &Path, arguments: &str) -> Result<String, Failure> {
 
 #[cfg(test)]
 mod tests {
-    use super::markdown;
+    use super::{markdown, shown};
+
+    #[test]
+    fn a_picture_is_where_its_link_says() {
+        assert_eq!(shown("![a law, (or two)](../python/best.png)"), Some("../python/best.png"));
+        assert_eq!(["[no picture](a.png)", "words", "![a](b.png) and more"].map(shown), [None; 3]);
+    }
 
     #[test]
     fn an_aligned_table_becomes_markdown() {
