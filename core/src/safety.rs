@@ -72,6 +72,8 @@ numbered! {
         67 DriveTooWarm: "a motor's own controller was too warm",
         68 DriveBusOff: "the board went off the bus of a motor's own controller: look at its wires and its ends",
         69 DriveLetGo: "a motor's own controller stopped without being told to: its watchdog heard no command, or somebody else commands it",
+        70 EncoderSilent: "an encoder on SPI gave no whole reading three times in a row: `status` says which; look at its supply and its wires",
+        71 EncoderMagnet: "the field of an encoder's magnet was too weak or too strong three times in a row: `status` says which",
     }
 }
 
@@ -88,6 +90,8 @@ impl Fault {
                 | Self::EncoderImplausible
                 | Self::EncoderWire
                 | Self::DriveSilent
+                | Self::EncoderSilent
+                | Self::EncoderMagnet
         )
     }
 

@@ -2,7 +2,8 @@
 //!
 //! One image holds every law, for devices of one or two motors and one shared axis. The other one (feature `three-axes`) is for three
 //! motors and an object that is shared along all of their axes: it names its law and its kind of mechanism, and carries no other, so that
-//! what it has three of still fits into ITCM. A third one (feature `moteus`) has the first one's laws, for a motor with a controller of its own.
+//! what it has three of still fits into ITCM. A third one (feature `moteus`) has the first one's laws, for a motor with a controller of its own,
+//! and a fourth (feature `spi-encoders`) differs from the first in what reads its joints.
 
 #[cfg(not(feature = "three-axes"))]
 mod made_for {
@@ -33,6 +34,13 @@ mod made_for {
 }
 
 pub use made_for::{JOINTS, Law, Peer, SHARED};
+
+/// What a drive may say against being driven.
+#[cfg(feature = "spi-encoders")]
+pub use crate::as5047p::Trouble;
+/// What a drive may say against being driven.
+#[cfg(not(feature = "spi-encoders"))]
+pub use crate::moteus::Trouble;
 
 /// The image has a current loop.
 pub const CURRENT_LOOP: bool = !cfg!(any(feature = "three-axes", feature = "moteus"));

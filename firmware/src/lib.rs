@@ -3,6 +3,7 @@
 //! The rest of the package is the image itself (`main.rs`), for the STM32H743 only.
 #![no_std]
 
+pub mod as5047p;
 pub mod boots;
 pub mod button;
 pub mod ceiling;

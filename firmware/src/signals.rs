@@ -12,7 +12,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use haptic_core::safety::{Command, Mode};
 use haptic_protocol::{link::Stage, record};
 
-use crate::moteus::Trouble;
+use crate::image::Trouble;
 use crate::order::{ACQUIRE, RELEASE, kept};
 
 /// What fits in a word.
@@ -227,8 +227,8 @@ signals! {
     ticks: u32, "Ticks since boot. By the tick.";
     overruns: u32, "Ticks that were due before the one before them had ended. By the tick.";
     record_every: u32, "Every how-many-th tick leaves a record; 0: none. By telemetry.";
-    drive: Trouble, "What stands against driving a motor that has a controller of its own. By the tick.";
-    drive_last: Trouble, "What such a motor was turned off for since it was last on. By the tick.";
+    drive: Trouble, "What stands against driving, of a drive that says so. By the tick.";
+    drive_last: Trouble, "What such a drive was turned off for since it was last on. By the tick.";
     stage: Stage, "How far the link to the other peer is. By the network.";
     sent: u32, "Datagrams handed to the driver. By the network.";
     dropped: u32, "Datagrams dropped because the driver could not take them. By the network.";

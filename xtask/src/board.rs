@@ -10,15 +10,18 @@ use crate::options::Options;
 use crate::run::{self, Failure, cargo, run, step};
 use crate::setup::{self, Ready, THUMB_TARGET};
 
-/// What cargo is given for each image: that for one shared axis, that for three, that for the second board, and that for a moteus.
-pub(crate) const IMAGES: [&[&str]; 4] = [
+/// What cargo is given for each image: that for one shared axis, that for three, that for the second board, that for a moteus, and that for
+/// encoders on SPI.
+pub(crate) const IMAGES: [&[&str]; 5] = [
     &[],
     &["--features", "three-axes"],
     &["--no-default-features", "--features", "nucleo-h753zi"],
     &["--features", "moteus"],
+    &["--features", "spi-encoders"],
 ];
 /// What those beside the first are called there.
-pub(crate) const BESIDES: [&str; 3] = ["firmware-three-axes", "firmware-nucleo-h753zi", "firmware-moteus"];
+pub(crate) const BESIDES: [&str; 4] =
+    ["firmware-three-axes", "firmware-nucleo-h753zi", "firmware-moteus", "firmware-spi-encoders"];
 /// Longest run, s.
 const MOST_SECONDS: f64 = 3600.0;
 

@@ -97,9 +97,17 @@ pub const INDEX_COUNTS: i32 = 4;
 /// # Errors
 /// The key and the largest speed (m/s) that the counter can follow.
 pub fn check(settings: &Settings) -> Result<(), Refused<'static>> {
+    check_step(settings, i16::MAX as u32)
+}
+
+/// The same of a counter, or an angle, whose readings may be no further apart than that.
+///
+/// # Errors
+/// The key and the largest speed (m/s) that can be followed so.
+pub fn check_step(settings: &Settings, most_counts: u32) -> Result<(), Refused<'static>> {
     let Joints { counts_per_unit, most_per_m, .. } = Joints::of(settings);
     let counts_per_speed = SPEED_MARGIN * most_per_m * settings.timing.control_period_s * counts_per_unit;
-    let max = (f64::from(i16::MAX) - ROUNDING_COUNTS) / counts_per_speed;
+    let max = (f64::from(most_counts) - ROUNDING_COUNTS) / counts_per_speed;
     settings.within("encoder.max_speed_m_per_s", Allowed::Number { min: 0.0, max })
 }
 

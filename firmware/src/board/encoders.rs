@@ -18,7 +18,10 @@ use embassy_stm32::peripherals::{PC6, PC7, PC8, PD12, PD13, PD14, TIM3, TIM4};
 use embassy_stm32::timer::qei::{Config, Qei};
 use embassy_stm32::{Peri, pac};
 use firmware_parts::image::JOINTS;
-use haptic_core::{device::encoder::Counts, device::encoder::Marks};
+use firmware_parts::signals::Signals;
+use haptic_core::device::encoder::{Counts, Marks};
+use haptic_core::safety::Fault;
+use haptic_core::settings::{Refused, Settings};
 
 /// An encoder's timer, and its pins: A, B, index.
 type Encoder<T, A, B, I> = (Peri<'static, T>, Peri<'static, A>, Peri<'static, B>, Peri<'static, I>);
@@ -84,14 +87,46 @@ fn timers() -> [TimGp16; JOINTS] {
     [pac::TIM3, pac::TIM4, unsafe { TimGp16::from_ptr(pac::TIM2.as_ptr()) }]
 }
 
-#[inline(always)]
-pub(crate) fn read() -> [Counts; JOINTS] {
-    timers().map(|timer| Counts(timer.cnt().read().cnt()))
+/// What the settings make of them: nothing.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Plan;
+
+impl Plan {
+    pub(crate) fn build(_: &Settings) -> Result<Self, Refused<'static>> {
+        Ok(Self)
+    }
+}
+
+/// All of them. What is wrong with one shows in its marks and to the peer.
+pub(crate) struct Encoders;
+
+impl Encoders {
+    pub(crate) fn start(_: &'static Signals) -> Self {
+        Self
+    }
+
+    /// Nothing that the peer would not say.
+    pub(crate) fn says(_: &Signals) -> [Option<&'static str>; 2] {
+        [None; 2]
+    }
+
+    #[inline(always)]
+    pub(crate) fn forget(&self) {}
+
+    #[inline(always)]
+    pub(crate) fn read(&mut self, _: &Plan, _: bool, _: &mut Option<Fault>) -> [Counts; JOINTS] {
+        timers().map(|timer| Counts(timer.cnt().read().cnt()))
+    }
+
+    #[inline(always)]
+    pub(crate) fn marks(&mut self) -> Option<[Marks; JOINTS]> {
+        see().map(marks)
+    }
 }
 
 /// The flags of what the encoders showed since this was asked last; none where they mean no mark, as in most ticks.
 #[inline(always)]
-pub(crate) fn see() -> Option<[regs::SrGp16; JOINTS]> {
+fn see() -> Option<[regs::SrGp16; JOINTS]> {
     let seen = timers().map(|timer| {
         let seen = timer.sr().read();
         // A flag goes off where 0 is written; what came since it was read stays.
@@ -119,7 +154,7 @@ fn shows(pair: &[regs::SrGp16]) -> bool {
 #[cold]
 #[inline(never)]
 #[unsafe(link_section = ".itcm.marks")]
-pub(crate) fn marks(seen: [regs::SrGp16; JOINTS]) -> [Marks; JOINTS] {
+fn marks(seen: [regs::SrGp16; JOINTS]) -> [Marks; JOINTS] {
     let mut marks = [Marks::default(); JOINTS];
     for ((marks, timer), seen) in marks.iter_mut().zip(timers()).zip(seen) {
         let index = seen.ccif(2).then(|| Counts(timer.ccr(2).read().ccr()));

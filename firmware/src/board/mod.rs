@@ -14,6 +14,7 @@ pub(crate) mod current;
 pub(crate) mod deadman;
 pub(crate) mod drive;
 #[cfg(not(feature = "moteus"))]
+#[cfg_attr(feature = "spi-encoders", path = "spi_encoders.rs")]
 pub(crate) mod encoders;
 pub(crate) mod ethernet;
 pub(crate) mod flash;

@@ -1,5 +1,6 @@
 //! The parts of the image that need no chip, from outside.
 
+mod as5047p;
 mod button;
 mod ceiling;
 mod exchange;

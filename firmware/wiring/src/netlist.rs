@@ -80,16 +80,20 @@ pub enum Pull {
     Down,
 }
 
-/// Whose pin it is: that of the image for one or two motors, for three, of both, for a moteus, or of all.
+/// Whose pin it is: that of the image for one or two motors, for three, of both, for a moteus, for encoders on SPI, or of all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Image {
-    /// One or two motors.
+    /// One or two motors, whatever reads them.
     Two,
     /// Three motors.
     Three,
     /// Either of these.
     Both,
+    /// Either of these with quadrature encoders.
+    Quadrature,
+    /// One or two motors with encoders on SPI.
+    Spi,
     /// A motor with a controller of its own.
     Moteus,
     /// Any.
@@ -99,7 +103,13 @@ pub enum Image {
 impl Image {
     /// Whether what is of `self` is of that image, too.
     pub fn has(self, image: Self) -> bool {
-        self == Self::All || self == image || (self == Self::Both && image != Self::Moteus)
+        match self {
+            Self::All => true,
+            Self::Both => image != Self::Moteus,
+            Self::Two => matches!(image, Self::Two | Self::Spi),
+            Self::Quadrature => matches!(image, Self::Two | Self::Three),
+            _ => self == image,
+        }
     }
 }
 

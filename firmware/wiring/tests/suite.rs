@@ -24,7 +24,7 @@ const BOARDS: [&str; 2] = ["nucleo_h743zi2", "nucleo_h753zi"];
 
 /// Pins of the chip that a board's table takes for an image: `p.PE9`, unless what it stands in is of the other image.
 fn taken(folder: &str, image: Image) -> BTreeSet<String> {
-    let (three, moteus) = (image == Image::Three, image == Image::Moteus);
+    let (three, moteus, spi) = (image == Image::Three, image == Image::Moteus, image == Image::Spi);
     let mut pins = BTreeSet::new();
     // What is asked of the next statement, and how deep in brackets that has gone.
     let (mut left_out, mut depth) = (false, 0);
@@ -34,6 +34,9 @@ fn taken(folder: &str, image: Image) -> BTreeSet<String> {
                 "#[cfg(feature = \"three-axes\")]" => three,
                 "#[cfg(feature = \"moteus\")]" => moteus,
                 "#[cfg(not(feature = \"moteus\"))]" => !moteus,
+                "#[cfg(feature = \"spi-encoders\")]" => spi,
+                // Stands within what a moteus leaves out.
+                "#[cfg(not(feature = \"spi-encoders\"))]" => !spi && !moteus,
                 "#[cfg(not(any(feature = \"three-axes\", feature = \"moteus\")))]" => !three && !moteus,
                 other => panic!("{folder} has a condition that this test does not know: {other}"),
             };
@@ -80,12 +83,12 @@ fn each_pin_that_the_firmware_uses_is_in_the_netlist_and_no_other() {
         })
         .map(str::to_owned)
         .collect();
-    for image in [Image::Two, Image::Three, Image::Moteus] {
+    for image in [Image::Two, Image::Three, Image::Moteus, Image::Spi] {
         let has: BTreeSet<String> =
             netlist.board.pins.iter().filter(|pin| pin.image.has(image)).map(|pin| pin.pin.clone()).collect();
         for folder in BOARDS {
             let mut uses = taken(folder, image);
-            if image == Image::Two {
+            if matches!(image, Image::Two | Image::Spi) {
                 uses.extend(converted.clone());
             }
             assert_eq!(has, uses, "{folder}, {image:?}");
@@ -120,8 +123,9 @@ fn pulls_are_those_that_the_firmware_switches_on() {
     said(&board, "Input::new(w.strap, Pull::Up)");
     let can = text("../src/board/drive/fdcan.rs");
     said(&can, "rx.set_as_af_unchecked(9, AfType::input(Pull::Up))");
-    let pulls = [Pull::Down, Pull::Up, Pull::Down, Pull::Up, Pull::Up];
-    assert_eq!(["PE15", "PE6", "PD15", "PG12", "PD0"].map(pull), pulls.map(Some));
+    said(&text("../src/board/spi_encoders.rs"), "from.set_as_af_unchecked(function, AfType::input(Pull::Up))");
+    let pulls = [Pull::Down, Pull::Up, Pull::Down, Pull::Up, Pull::Up, Pull::Up, Pull::Up];
+    assert_eq!(["PE15", "PE6", "PD15", "PG12", "PD0", "PF8", "PC11"].map(pull), pulls.map(Some));
     // An input that bears 5 V has none.
     assert!(encoders.contains("Pull::None") && !encoders.contains("Pull::Up") && !encoders.contains("Pull::Down"));
     let five = netlist.board.pins.iter().filter(|pin| pin.is == Is::Input && pin.volts == Some(5.0));
@@ -362,7 +366,7 @@ fn the_lines_of_a_drawing_join_what_the_netlist_joins() {
 #[test]
 fn every_wire_is_on_a_drawing() {
     let netlist = netlist();
-    for build in ["bare", "bridges", "amplifiers", "three", "moteus"] {
+    for build in ["bare", "bridges", "amplifiers", "three", "moteus", "spi"] {
         // Supply, stop and the first two encoders are wired alike in all builds with motors: drawn once.
         let drawn = |part: &str, other: &str| {
             netlist.sheet.iter().any(|sheet| {

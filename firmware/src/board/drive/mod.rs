@@ -3,6 +3,7 @@
 //! | drive | makes the current | joints are read by | feature |
 //! |---|---|---|---|
 //! | `pwm` | the board's own loop, or an amplifier behind the PWM; `motor.drive` says which | quadrature counters | none |
+//! | `pwm` | the same | absolute encoders on SPI | `spi-encoders` |
 //! | `moteus` | a controller with its own loop, on a CAN bus | that controller's encoder | `moteus` |
 //!
 //! The tick knows this page only ([`Drive`]): it senses, asks whether the drive went off by itself, has it act, and lets it rest. An image has
@@ -95,6 +96,10 @@ pub(crate) trait Drive: Sized {
     fn rest(&mut self, plan: &Self::Plan, counts: [Counts; JOINTS]);
 }
 
+#[cfg(all(feature = "spi-encoders", any(feature = "moteus", feature = "three-axes")))]
+compile_error!(
+    "--features spi-encoders reads the joints of one or two motors behind the PWM, and goes with no other drive"
+);
 #[cfg(all(feature = "moteus", feature = "three-axes"))]
 compile_error!(
     "an image has one drive: --features moteus drives one motor, and --features three-axes is for three behind the PWM"

@@ -1,4 +1,4 @@
-//! Bridges or amplifiers behind the PWM, with quadrature encoders: [`bridges`], [`encoders`], the loop in [`current`], the order in [`gate`].
+//! Bridges or amplifiers behind the PWM, with the board's own encoders: [`bridges`], [`encoders`], the loop in [`current`], the order in [`gate`].
 
 use firmware_parts::exchange::Latest;
 use firmware_parts::image::JOINTS;
@@ -14,7 +14,8 @@ use static_cell::StaticCell;
 
 use super::{Cut, Drive, Sensed};
 use crate::board::current::{self, Order, Power, Stage, Sums};
-use crate::board::{bridges, encoders, gate, legs};
+use crate::board::encoders::{self, Encoders};
+use crate::board::{bridges, gate, legs};
 
 /// Two bridges with a current loop, or amplifiers.
 pub(crate) struct Pwm {
@@ -26,45 +27,55 @@ pub(crate) struct Pwm {
     awake: u32,
     /// Their outputs were turned on.
     outputs: bool,
+    encoders: Encoders,
+}
+
+/// What the settings make of it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Plan {
+    /// The current loop; none where amplifiers make the current.
+    power: Option<Power>,
+    encoders: encoders::Plan,
 }
 
 impl Drive for Pwm {
-    /// The current loop; none where amplifiers make the current.
-    type Plan = Option<Power>;
+    type Plan = Plan;
 
     fn plan(settings: &Settings) -> Result<Self::Plan, Refused<'static>> {
-        match settings.motor.drive {
-            MotorDrive::CurrentLoop => Power::build(settings).map(Some),
-            MotorDrive::Amplifier => Ok(None),
-        }
+        let power = match settings.motor.drive {
+            MotorDrive::CurrentLoop => Some(Power::build(settings)?),
+            MotorDrive::Amplifier => None,
+        };
+        Ok(Plan { power, encoders: encoders::Plan::build(settings)? })
     }
 
-    fn start(_: &'static Signals) -> Self {
+    fn start(signals: &'static Signals) -> Self {
         static ORDERS: StaticCell<Latest<Order>> = StaticCell::new();
         static SUMS: StaticCell<Latest<Sums>> = StaticCell::new();
         let (orders_in, orders) = ORDERS.init_with(|| Latest::new(Order::default())).split();
         let (sums_in, sums) = SUMS.init_with(|| Latest::new(Sums::default())).split();
         current::prepare(orders, sums_in);
-        Self { stage: Stage::new(orders_in, sums), driving: false, awake: 0, outputs: false }
+        let encoders = Encoders::start(signals);
+        Self { stage: Stage::new(orders_in, sums), driving: false, awake: 0, outputs: false, encoders }
     }
 
-    fn says(_: &Signals) -> [Option<&'static str>; 2] {
-        [None; 2]
+    fn says(signals: &Signals) -> [Option<&'static str>; 2] {
+        Encoders::says(signals)
     }
 
     #[inline(always)]
     fn sense(&mut self, plan: &Self::Plan, stage: &mut Option<Measured<JOINTS>>) -> Sensed {
         let mut fault = None;
-        if let Some(power) = plan {
+        if let Some(power) = &plan.power {
             *stage = self.stage.measured(power);
             fault = if stage.is_none() { Some(Fault::LoopMissed) } else { None };
         }
-        Sensed { counts: encoders::read(), fault }
+        Sensed { counts: self.encoders.read(&plan.encoders, self.driving, &mut fault), fault }
     }
 
     #[inline(always)]
     fn marks(&mut self) -> Option<[Marks; JOINTS]> {
-        encoders::see().map(encoders::marks)
+        self.encoders.marks()
     }
 
     #[inline(always)]
@@ -79,7 +90,7 @@ impl Drive for Pwm {
             bridges::Cut::Chip => (false, Some(Fault::ChipFailed)),
         };
         // PE14 fell with the outputs, and nobody has taken the enable line yet.
-        let passes = plan.is_none() && legs::gate_passes();
+        let passes = plan.power.is_none() && legs::gate_passes();
         Cut { by_stop, fault: if passes { Some(Fault::EnableGate) } else { fault } }
     }
 
@@ -94,9 +105,10 @@ impl Drive for Pwm {
     ) -> Result<(), Fault> {
         if !self.driving {
             self.driving = true;
+            self.encoders.forget();
             bridges::forget();
         }
-        let outputs = if let Some(power) = plan {
+        let outputs = if let Some(power) = &plan.power {
             self.awake = if actuators.enable { (self.awake + 1).min(bridges::WAKE_TICKS + 1) } else { 0 };
             self.stage.act(power, actuators, counts);
             bridges::enable(actuators.enable);
@@ -122,7 +134,7 @@ impl Drive for Pwm {
 
     #[inline(always)]
     fn rest(&mut self, plan: &Self::Plan, counts: [Counts; JOINTS]) {
-        if self.driving && plan.is_none() {
+        if self.driving && plan.power.is_none() {
             gate::shut();
         } else {
             bridges::off();

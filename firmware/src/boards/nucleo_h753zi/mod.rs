@@ -41,8 +41,14 @@ pub(crate) fn wiring(p: Peripherals) -> Wiring {
         can: drive::fdcan::Pins { can: p.FDCAN1, rx: p.PD0, tx: p.PD1 },
         #[cfg(not(feature = "moteus"))]
         encoders: encoders::Pins {
+            #[cfg(not(feature = "spi-encoders"))]
             one: (p.TIM3, p.PC6, p.PC7, p.PC8),
+            #[cfg(not(feature = "spi-encoders"))]
             two: (p.TIM4, p.PD12, p.PD13, p.PD14),
+            #[cfg(feature = "spi-encoders")]
+            one: (p.SPI5, p.PF7, p.PF8, p.PF9, p.PA4),
+            #[cfg(feature = "spi-encoders")]
+            two: (p.SPI3, p.PC10, p.PC11, p.PC12, p.PA15),
             #[cfg(feature = "three-axes")]
             three: (p.TIM2, p.PA5, p.PB3, p.PB10),
         },
