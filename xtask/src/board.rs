@@ -10,8 +10,7 @@ use crate::options::Options;
 use crate::run::{self, Failure, cargo, run, step};
 use crate::setup::{self, Ready, THUMB_TARGET};
 
-/// What cargo is given for each image: that for one shared axis, that for three, that for the second board, that for a moteus, and that for
-/// encoders on SPI.
+/// What cargo is given for each image: for one shared axis, for three, for the second board, for a moteus, for encoders on SPI.
 pub(crate) const IMAGES: [&[&str]; 5] = [
     &[],
     &["--features", "three-axes"],
