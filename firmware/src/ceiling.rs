@@ -26,7 +26,8 @@ pub struct Above {
     pub key: &'static str,
     /// The value that was asked for.
     pub value: Value<'static>,
-    ceiling: Value<'static>,
+    /// What the board was set to.
+    pub ceiling: Value<'static>,
 }
 
 impl fmt::Display for Above {

@@ -13,13 +13,14 @@ use embassy_time::{Duration, Instant, Timer};
 use firmware_parts::ceiling::{self, Above};
 use firmware_parts::exchange::{Reader, Writer};
 use firmware_parts::image::{JOINTS, Peer};
+use firmware_parts::kept::{HOLD_SWITCH, Kept};
 use firmware_parts::operator::{self, Misread, Request, Time, Whose};
 use firmware_parts::signals::{Button, Saving, Signals};
-use firmware_parts::{hold, kept::Kept, status};
+use firmware_parts::{hold, status};
 use haptic_core::contact::{Contact, Side};
 use haptic_core::device::probe::{Outcome, Probe};
 use haptic_core::safety::{Command, Mode};
-use haptic_core::settings::{Allowed, Refused, SetError, Settings};
+use haptic_core::settings::{Allowed, Refused, SetError, Settings, Value};
 use haptic_core::{device::velocity::VelocityName, num::Motion};
 use haptic_protocol::lines::Line;
 
@@ -38,7 +39,7 @@ pub(crate) struct Console {
     pub(crate) unfit: Option<&'static str>,
     pub(crate) origin: Origin,
     /// What the board started with, or what was applied last with its button held.
-    pub(crate) ceiling: &'static mut Settings,
+    pub(crate) ceiling: &'static mut Kept,
     pub(crate) applied: Kept,
     pub(crate) draft: Kept,
     /// [`Plan::device`] of what the tick runs.
@@ -196,7 +197,8 @@ impl Console {
                 write!(to, "ok {key} = {value}")?;
             }
             Request::Defaults => {
-                self.draft = Kept::default();
+                // What is wired stays wired.
+                self.draft = Kept { hold_switch: self.draft.hold_switch, ..Kept::default() };
                 write!(to, "ok the draft holds the defaults")?;
             }
             Request::Apply => {
@@ -270,6 +272,9 @@ impl Console {
         if let Some(why) = last.or(now) {
             write!(to, "{why}; ")?;
         }
+        if signals.released.get() {
+            to.write_str("motors off: the hold-to-run switch was released; ")?;
+        }
         if signals.let_go.get() {
             to.write_str("motors off: the operator was silent; ")?;
         } else if mode == Mode::Armed && signals.patience.get() == 0 {
@@ -308,6 +313,7 @@ impl Console {
         let ticks = self.applied.settings.safety.operator_lost_s / pace::PERIOD_S;
         self.signals.patience.set(if alone { 0 } else { hold::patience(ticks as u32) });
         self.signals.let_go.set(false);
+        self.signals.released.set(false);
         Ok(())
     }
 
@@ -333,6 +339,8 @@ impl Console {
             Err(No::Clear("the emergency stop was pressed"))
         } else if !bridges::stop_released() {
             Err(No::Because("the emergency stop is pressed, or not connected"))
+        } else if self.signals.by_switch.get() && !self.signals.held.get() {
+            Err(No::Because("hold the hold-to-run switch: it is open, not connected, or closed since before the start"))
         } else if let [Some(why), _] = Fitted::says(self.signals) {
             Err(No::Because(why))
         } else if self.signals.saving.acquire() == Saving::Busy {
@@ -388,7 +396,11 @@ impl Console {
         self.disarmed()?;
         let plan = plan(&self.draft.settings, self.number).map_err(No::Refused)?;
         let at_the_board = self.signals.button.get() == Button::Held;
-        for above in ceiling::above(&self.draft.settings, self.ceiling) {
+        if !at_the_board && self.ceiling.hold_switch && !self.draft.hold_switch {
+            let value = Value::Flag(false);
+            return Err(No::Above(Above { key: HOLD_SWITCH, value, ceiling: Value::Flag(true) }));
+        }
+        for above in ceiling::above(&self.draft.settings, &self.ceiling.settings) {
             if !at_the_board {
                 return Err(No::Above(above));
             }
@@ -396,7 +408,7 @@ impl Console {
             defmt::warn!("set at the board, beyond what it was: {=str} = {}", above.key, value);
         }
         if at_the_board {
-            *self.ceiling = self.draft.settings;
+            *self.ceiling = self.draft;
         }
         let (before, now) = (&self.applied.settings, &self.draft.settings);
         let same = (before.axis.count == now.axis.count)
@@ -404,6 +416,7 @@ impl Console {
         self.device = if same { self.device } else { self.device.wrapping_add(1) };
         self.plans.write(Plan { device: self.device, ..plan });
         self.applied = self.draft;
+        self.signals.by_switch.set(self.applied.hold_switch);
         flow::tell(self.draft.settings);
         Ok(())
     }

@@ -24,13 +24,15 @@ pub struct Addresses {
     pub peer: Option<Ipv4Addr>,
 }
 
-/// Settings and addresses that a board keeps.
+/// Settings, addresses, and what is wired, that a board keeps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Kept {
     /// The settings of the scene.
     pub settings: Settings,
     /// The addresses of the board.
     pub addresses: Addresses,
+    /// Motors run only while its hold-to-run switch is held ([`crate::switch`]).
+    pub hold_switch: bool,
 }
 
 /// The settings of a board that nobody has configured: the scene defaults, of a device that its image is for, with a
@@ -60,7 +62,7 @@ pub fn defaults() -> Settings {
 
 impl Default for Kept {
     fn default() -> Self {
-        Self { settings: defaults(), addresses: Addresses::default() }
+        Self { settings: defaults(), addresses: Addresses::default(), hold_switch: false }
     }
 }
 
@@ -89,6 +91,8 @@ const OWN: AddressKey = ("network.address", "strap", Allowed::Only("an address s
 const GATEWAY: AddressKey = ("network.gateway", "none", Allowed::Only("an address such as 192.168.77.254, or none"));
 const PEER: AddressKey = ("network.peer", "strap", Allowed::Only("an address such as 192.168.77.2, or strap"));
 const DHCP: &str = "network.dhcp";
+/// The key of [`Kept::hold_switch`].
+pub const HOLD_SWITCH: &str = "board.hold_switch";
 
 impl Addresses {
     fn of(&mut self, key: &str) -> Option<(&mut Option<Ipv4Addr>, AddressKey)> {
@@ -127,9 +131,9 @@ impl Addresses {
 }
 
 impl Kept {
-    /// Every key, in an order that lines can be read back in.
+    /// Every key, in an order that lines can be read back in. First what must hold whatever becomes of the others.
     pub fn keys() -> impl Iterator<Item = &'static str> {
-        Settings::keys().map(|key| key.name).chain([DHCP, OWN.0, GATEWAY.0, PEER.0])
+        [HOLD_SWITCH].into_iter().chain(Settings::keys().map(|key| key.name)).chain([DHCP, OWN.0, GATEWAY.0, PEER.0])
     }
 
     /// Sets the key, if it accepts the value; otherwise nothing changes.
@@ -137,6 +141,13 @@ impl Kept {
     /// # Errors
     /// A key that does not exist, or a value that it does not accept.
     pub fn set<'a>(&mut self, key: &str, value: Value<'a>) -> Result<(), SetError<'a>> {
+        if key == HOLD_SWITCH {
+            let Value::Flag(hold_switch) = value else {
+                return Err(SetError::Refused(Refused { key: HOLD_SWITCH, value, allowed: Allowed::Flag, unit: "" }));
+            };
+            self.hold_switch = hold_switch;
+            return Ok(());
+        }
         match self.settings.set(key, value) {
             Err(SetError::Unknown) => self.addresses.set(key, value),
             done => done,
@@ -145,6 +156,9 @@ impl Kept {
 
     /// The value of the key.
     pub fn get(&self, key: &str) -> Option<Spelled> {
+        if key == HOLD_SWITCH {
+            return Some(Spelled::Value(Value::Flag(self.hold_switch)));
+        }
         self.settings.get(key).map(Spelled::Value).or_else(|| self.addresses.get(key))
     }
 }

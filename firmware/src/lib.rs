@@ -20,6 +20,7 @@ mod order;
 pub mod signals;
 pub mod status;
 pub mod store;
+pub mod switch;
 pub mod times;
 
 pub use haptic_protocol::record;

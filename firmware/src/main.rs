@@ -42,11 +42,10 @@ mod image {
     use firmware_parts::exchange::{Latest, Queue};
     use firmware_parts::{kept::Kept, record::Record, signals::Signals};
     use haptic_core::device::probe::{Outcome, Probe};
-    use haptic_core::settings::Settings;
     use static_cell::StaticCell;
 
     use crate::board::drive::{Drive, Fitted};
-    use crate::board::{self, pace};
+    use crate::board::{self, pace, switch};
     use crate::console::{self, Console};
     use crate::tick::{Outgoing, Plan, RECORDS, Received};
     use crate::{fault, net, storage, supervisor, telemetry::Telemetry, tick};
@@ -109,6 +108,8 @@ mod image {
             probed: probed_in,
             signals: &SIGNALS,
         });
+        SIGNALS.by_switch.set(kept.hold_switch);
+        switch::start(board.switch, &SIGNALS);
         pace::start(board.pace);
 
         interrupt::UART4.set_priority(Priority::P3);
@@ -122,14 +123,14 @@ mod image {
             &SIGNALS
         )));
 
-        static CEILING: StaticCell<Settings> = StaticCell::new();
+        static CEILING: StaticCell<Kept> = StaticCell::new();
         let console = Console {
             number: board.number,
             cause,
             unacknowledged: cause.stop.latches(),
             unfit: board.unfit,
             origin,
-            ceiling: CEILING.init(kept.settings),
+            ceiling: CEILING.init(kept),
             applied: kept,
             draft: kept,
             device: 0,

@@ -234,4 +234,7 @@ signals! {
     dropped: u32, "Datagrams dropped because the driver could not take them. By the network.";
     received: u32, "Datagrams taken in. By the network.";
     refused: u32, "Datagrams refused: not authentic, or of no use; on the operator's port too. By the network.";
+    by_switch: bool, "Motors run only while the hold-to-run switch is held. By the console.";
+    held: bool, "It is held. By the bell, after every tick.";
+    released: bool, "The motors went off because it was released. Set by the bell, cleared by the console.";
 }

@@ -30,23 +30,23 @@ impl Origin {
     }
 }
 
-/// What is stored, if `fits` finds nothing against it; the defaults otherwise.
+/// What is stored, if `fits` finds nothing against it; the defaults otherwise, of which a hold-to-run switch that was there is left.
 pub(crate) fn load(flash: &flash::Settings, signals: &Signals, fits: impl Fn(&Kept) -> bool) -> (Store, Kept, Origin) {
     let store = Store::open(flash);
     signals.saves.set(store.generation());
     let (kept, origin) = match store.load(flash) {
         None => (Kept::default(), Origin::Defaults),
         Some(Ok(kept)) if fits(&kept) => (kept, Origin::Stored),
-        Some(Ok(_)) => {
+        Some(Ok(Kept { hold_switch, .. })) => {
             defmt::error!("the stored settings do not fit this image: defaults");
-            (Kept::default(), Origin::Refused)
+            (Kept { hold_switch, ..Kept::default() }, Origin::Refused)
         }
         Some(Err(unreadable)) => {
             defmt::error!(
                 "the stored settings have a line that means nothing: {=str}: defaults",
                 unreadable.line.as_str()
             );
-            (Kept::default(), Origin::Refused)
+            (Kept { hold_switch: unreadable.hold_switch, ..Kept::default() }, Origin::Refused)
         }
     };
     defmt::info!("settings {=u32}: {=str}", store.generation(), origin.explain());

@@ -57,6 +57,8 @@ pub struct Broken;
 pub struct Unreadable {
     /// The first line that means nothing.
     pub line: String<LINE>,
+    /// A line before it says that there is a hold-to-run switch.
+    pub hold_switch: bool,
 }
 
 /// The records that flash holds.
@@ -225,12 +227,12 @@ impl Store {
                 Some(b'\n') => {
                     let set = line.split_once(' ').map(|(key, value)| kept.set(key, Value::of_text(value)));
                     if !matches!(set, Some(Ok(()))) {
-                        return Some(Err(Unreadable { line }));
+                        return Some(Err(Unreadable { line, hold_switch: kept.hold_switch }));
                     }
                     line.clear();
                 }
                 Some(byte) if line.push(byte.into()).is_ok() => {}
-                _ => return Some(Err(Unreadable { line })),
+                _ => return Some(Err(Unreadable { line, hold_switch: kept.hold_switch })),
             }
         }
         Some(Ok(kept))

@@ -53,6 +53,9 @@ pub(crate) async fn run(
         if new != mode {
             let (before, after) = (mode.name(), new.name());
             defmt::info!("tick {=u32}: {=str} -> {=str}, fault {=u8}", now, before, after, new.fault_number());
+            if new == Mode::Disarmed && signals.released.get() {
+                defmt::warn!("the hold-to-run switch was released: off");
+            }
             let lit = matches!(new, Mode::Armed | Mode::Probing);
             armed.set_level(if lit { Level::High } else { Level::Low });
             mode = new;

@@ -29,12 +29,13 @@ pub(crate) mod pace;
 pub(crate) mod random;
 pub(crate) mod reset;
 mod sections;
+pub(crate) mod switch;
 pub(crate) mod update;
 mod uptime;
 
 use embassy_stm32::gpio::{Input, Level, Output, Pull, Speed};
 use embassy_stm32::interrupt::{self, InterruptExt, Priority};
-use embassy_stm32::peripherals::{FLASH, IWDG1, PB0, PB14, PC13, PG12, RNG, TIM1, TIM6};
+use embassy_stm32::peripherals::{FLASH, IWDG1, PB0, PB14, PC13, PG12, PG14, RNG, TIM1, TIM6};
 use embassy_stm32::{Peri, wdg::IndependentWatchdog};
 use haptic_protocol::wire::PeerId;
 
@@ -74,6 +75,8 @@ pub(crate) struct Board {
     pub(crate) ethernet: ethernet::Pins,
     /// The blue one; high while pressed.
     pub(crate) button: Input<'static>,
+    /// The hold-to-run switch, not yet looked at.
+    pub(crate) switch: Peri<'static, PG14>,
     /// Blinks while the supervisor runs.
     pub(crate) alive: Output<'static>,
     /// Lit while the motors are on.
@@ -95,6 +98,8 @@ pub(crate) struct Wiring {
     pub(crate) strap: Peri<'static, PG12>,
     /// The blue one.
     pub(crate) button: Peri<'static, PC13>,
+    /// The hold-to-run switch.
+    pub(crate) switch: Peri<'static, PG14>,
     /// The green light.
     pub(crate) alive: Peri<'static, PB0>,
     /// The red light.
@@ -141,6 +146,7 @@ pub(crate) fn init() -> Board {
         ethernet: w.ethernet,
         // Pulled down on the Nucleo, too: without it nothing is pressed.
         button: Input::new(w.button, Pull::Down),
+        switch: w.switch,
         alive: Output::new(w.alive, Level::Low, Speed::Low),
         armed: Output::new(w.armed, Level::Low, Speed::Low),
     }

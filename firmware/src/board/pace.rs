@@ -19,7 +19,7 @@ use haptic_core::device::current::PWM_HZ;
 
 use super::clocks::{CORE_HZ, TIMERS_HZ};
 use super::current::{self, Run};
-use super::deadman;
+use super::{deadman, switch};
 
 /// The control period that the timer makes, s.
 pub(crate) const PERIOD_S: f64 = 0.001;
@@ -124,6 +124,7 @@ pub(crate) async fn rung() {
 /// UART8 is not used as such; its interrupt is the bell.
 #[unsafe(no_mangle)]
 extern "C" fn UART8() {
+    switch::look();
     let [tick, began, ended, rest] = TOOK.each_ref().map(|word| word.load(Ordering::Relaxed));
     // A tick that came between is counted when it rings itself.
     if TOOK[0].load(Ordering::Relaxed) == tick {

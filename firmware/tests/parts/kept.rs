@@ -7,6 +7,7 @@ use haptic_core::settings::{SetError, Value};
 fn every_key_leads_back_to_what_was_set() {
     let mut kept = Kept::default();
     for (key, text) in [
+        ("board.hold_switch", "true"),
         ("network.dhcp", "true"),
         ("network.address", "10.1.2.3"),
         ("network.gateway", "10.1.2.254"),

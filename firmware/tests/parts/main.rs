@@ -15,4 +15,5 @@ mod record;
 mod signals;
 mod status;
 mod store;
+mod switch;
 mod times;

@@ -180,8 +180,11 @@ fn an_image_with_other_keys_reads_a_record_for_what_it_says() {
     // A key that is gone, a value that is not allowed any more, a line that is none: all of it, not a part.
     for line in ["object.colour red", "object.mass_kg -1", "object.mass_kg red", "nothing"] {
         let unreadable = write(&format!("safety.max_force_n 1\n{line}\n")).unwrap_err();
-        assert_eq!(unreadable.line.as_str(), line);
+        assert_eq!((unreadable.line.as_str(), unreadable.hold_switch), (line, false));
+        // A hold-to-run switch that was there is not forgotten.
+        assert!(write(&format!("board.hold_switch true\n{line}\n")).unwrap_err().hold_switch);
     }
+    assert_eq!(Kept::keys().next(), Some("board.hold_switch"), "first of all lines");
     let long = "x".repeat(200);
     assert!(write(&format!("{long}\n")).is_err());
 }
@@ -198,8 +201,14 @@ fn everything_fits_at_its_longest() {
             key.name.len() + 1 + names + 1
         })
         .chain(
-            ["network.dhcp false", "network.address 255.255.255.255", "network.gateway ", "network.peer "]
-                .map(str::len),
+            [
+                "board.hold_switch false",
+                "network.dhcp false",
+                "network.address 255.255.255.255",
+                "network.gateway ",
+                "network.peer ",
+            ]
+            .map(str::len),
         )
         .sum();
     let room = (SLOT as usize - 1) * BYTES;

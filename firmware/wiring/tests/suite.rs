@@ -121,11 +121,12 @@ fn pulls_are_those_that_the_firmware_switches_on() {
     said(&bridges, "fault.set_as_af_unchecked(1, AfType::input(Pull::Up))");
     said(&bridges, "Input::new(pins.gate, Pull::Down)");
     said(&board, "Input::new(w.strap, Pull::Up)");
+    said(&text("../src/board/switch.rs"), "Input::new(pin, Pull::Down)");
     let can = text("../src/board/drive/fdcan.rs");
     said(&can, "rx.set_as_af_unchecked(9, AfType::input(Pull::Up))");
     said(&text("../src/board/spi_encoders.rs"), "from.set_as_af_unchecked(function, AfType::input(Pull::Up))");
-    let pulls = [Pull::Down, Pull::Up, Pull::Down, Pull::Up, Pull::Up, Pull::Up, Pull::Up];
-    assert_eq!(["PE15", "PE6", "PD15", "PG12", "PD0", "PF8", "PC11"].map(pull), pulls.map(Some));
+    let pulls = [Pull::Down, Pull::Up, Pull::Down, Pull::Up, Pull::Down, Pull::Up, Pull::Up, Pull::Up];
+    assert_eq!(["PE15", "PE6", "PD15", "PG12", "PG14", "PD0", "PF8", "PC11"].map(pull), pulls.map(Some));
     // An input that bears 5 V has none.
     assert!(encoders.contains("Pull::None") && !encoders.contains("Pull::Up") && !encoders.contains("Pull::Down"));
     let five = netlist.board.pins.iter().filter(|pin| pin.is == Is::Input && pin.volts == Some(5.0));

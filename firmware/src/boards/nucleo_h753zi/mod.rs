@@ -58,6 +58,7 @@ pub(crate) fn wiring(p: Peripherals) -> Wiring {
         watchdog: p.IWDG1,
         strap: p.PG12,
         button: p.PC13,
+        switch: p.PG14,
         alive: p.PB0,
         armed: p.PB14,
         ethernet: ethernet::Pins {

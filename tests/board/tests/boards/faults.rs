@@ -14,7 +14,7 @@ use haptic_protocol::wire::Flow;
 use haptic_sim::scene::PlantFault;
 use haptic_sim::scenes;
 
-use crate::{amplifiers, breaks, impostor::Impostor};
+use crate::{amplifiers, breaks, impostor::Impostor, switch};
 
 /// Two instructions each: for ever, and one that is none.
 const FOR_EVER: u32 = 0xE7FE_E7FE;
@@ -27,6 +27,8 @@ struct Campaign {
     rows: Vec<String>,
     /// What the scene is besides; with windings where a current loop is.
     set: &'static [&'static str],
+    /// Board 1 has a hold-to-run switch, which is held.
+    by_switch: bool,
 }
 
 /// What a fault is to come to.
@@ -56,6 +58,10 @@ impl Campaign {
         }
         let mut bench = Bench::start(&self.firmware, boards, Line::default());
         bench.set_up(&for_boards(&scene)).expect("the boards take it");
+        if self.by_switch {
+            switch::demand(&mut bench);
+            switch::hold(&mut bench, true);
+        }
         bench.arm();
         bench.run_for_ms(100);
         bench
@@ -165,7 +171,8 @@ fn nothing(_: &mut Bench, _: &Firmware, _: u64) {}
 
 #[test]
 fn outputs_go_off_and_stay_off() {
-    let mut campaign = Campaign { firmware: Arc::new(Firmware::release()), rows: Vec::new(), set: &[] };
+    let mut campaign =
+        Campaign { firmware: Arc::new(Firmware::release()), rows: Vec::new(), set: &[], by_switch: false };
     let faulted = |off_within_ms, reported| Expected {
         off_within_ms: Some(off_within_ms),
         reported,
@@ -228,6 +235,13 @@ fn outputs_go_off_and_stay_off() {
     let back = |bench: &mut Bench, _: &Firmware, _: u64| bench.pc.away = false;
     let let_go = Expected { latched: false, ..faulted(200, "motors off: the operator was silent") };
     campaign.inject("operator silent (0.2 s)", 1, &let_go, &away, &back);
+
+    let released = |bench: &mut Bench, _: &Firmware, _: u64| switch::close(bench, false);
+    let held = |bench: &mut Bench, _: &Firmware, _: u64| switch::close(bench, true);
+    let let_go = Expected { latched: false, ..faulted(3, "motors off: the hold-to-run switch was released") };
+    campaign.by_switch = true;
+    campaign.inject("hold-to-run switch released (`board.hold_switch`)", 1, &let_go, &released, &held);
+    campaign.by_switch = false;
 
     let mut bytes = [0; Flow::LEN];
     let flow = Flow { engaged: true, tick: 1 << 20, ..Flow::default() };

@@ -17,7 +17,7 @@
 //! | [`partner`] | is a board with host-sim's live peer as good as with a board? |
 //! | [`far`] | does it hold one object with a peer far away, by the PC beside it? |
 //! | [`bad_wire`], [`cable`] | what does a bad wire do, and none? |
-//! | [`faults`] (one of them an [`impostor`]), [`encoder_faults`], [`stop`], [`breaks`], [`deadman`], [`store`] | do outputs go off, and settings stay whole? |
+//! | [`faults`] (one of them an [`impostor`]), [`encoder_faults`], [`stop`], [`switch`], [`breaks`], [`deadman`], [`store`] | do outputs go off, and settings stay whole? |
 //! | [`update`] | does an order lead to the ROM's bootloader, safely, and start what that is given? |
 //! | [`budgets`], [`static_stack`], [`times`] | do flash, memory, stack, instructions and times keep to their budgets? |
 
@@ -47,6 +47,7 @@ mod second_board;
 mod static_stack;
 mod stop;
 mod store;
+mod switch;
 mod three_axes;
 mod times;
 mod update;
