@@ -1,6 +1,6 @@
 //! Columns of a table as NumPy arrays.
 
-use haptic_report::{Cell, Column, Columns, Values};
+use haptic_report::{Cell, Column, Columns, Holds, Values};
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -11,42 +11,42 @@ pub(crate) fn unit(name: &str) -> &'static str {
     Column::numbers(name, "", Vec::new()).unit()
 }
 
-/// Every column by name: numbers as float64, which take over the column's memory; counts as int64; yes and no as bool; what may be
-/// missing as float64 with NaN; `texts`, and anything else, as objects, `None` where there is nothing.
-pub(crate) fn to_python<'py>(py: Python<'py>, columns: Columns, texts: &[&str]) -> PyResult<Bound<'py, PyDict>> {
+/// Every column by name, as what it was declared as: numbers as float64, NaN where there is none, a column of nothing else without a
+/// copy; counts as int64, yes and no as bool; texts and lists as objects, `None` where there is none. NumPy has no count and no flag
+/// that is missing: a column that lacks some has float64 for counts and objects for flags, as pandas reads them from Parquet.
+pub(crate) fn to_python(py: Python<'_>, columns: Columns) -> PyResult<Bound<'_, PyDict>> {
     let all = PyDict::new(py);
     for column in columns {
         let (name, values) = column.into_parts();
         match values {
             Values::Numbers(numbers) => all.set_item(name, numbers.into_pyarray(py))?,
-            Values::Cells(cells) => {
-                let array = if texts.contains(&name.as_str()) { objects(py, &cells)? } else { array(py, &cells)? };
-                all.set_item(name, array)?;
-            }
+            Values::Cells(holds, cells) => all.set_item(name, array(py, holds, &cells)?)?,
         }
     }
     Ok(all)
 }
 
-fn array<'py>(py: Python<'py>, cells: &[Cell]) -> PyResult<Bound<'py, PyAny>> {
+fn array<'py>(py: Python<'py>, holds: Holds, cells: &[Cell]) -> PyResult<Bound<'py, PyAny>> {
     let flag = |cell: &Cell| if let Cell::Flag(flag) = cell { Some(*flag) } else { None };
     let whole = |cell: &Cell| if let Cell::Whole(count) = cell { Some(*count) } else { None };
     let number = |cell: &Cell| match cell {
-        Cell::Empty => Some(f64::NAN),
-        Cell::Whole(count) => Some(*count as f64),
-        Cell::Number(number) => Some(*number),
-        _ => None,
+        Cell::Whole(count) => *count as f64,
+        Cell::Number(number) => *number,
+        _ => f64::NAN,
     };
-    if let Some(flags) = cells.iter().map(flag).collect::<Option<Vec<_>>>() {
-        return Ok(flags.into_pyarray(py).into_any());
-    }
-    if let Some(counts) = cells.iter().map(whole).collect::<Option<Vec<_>>>() {
-        return Ok(counts.into_pyarray(py).into_any());
-    }
-    if let Some(numbers) = cells.iter().map(number).collect::<Option<Vec<_>>>() {
-        return Ok(numbers.into_pyarray(py).into_any());
-    }
-    objects(py, cells)
+    let numbers = || cells.iter().map(number).collect::<Vec<f64>>().into_pyarray(py).into_any();
+    Ok(match holds {
+        Holds::Flags => match cells.iter().map(flag).collect::<Option<Vec<_>>>() {
+            Some(flags) => flags.into_pyarray(py).into_any(),
+            None => objects(py, cells)?,
+        },
+        Holds::Counts => match cells.iter().map(whole).collect::<Option<Vec<_>>>() {
+            Some(counts) => counts.into_pyarray(py).into_any(),
+            None => numbers(),
+        },
+        Holds::Numbers => numbers(),
+        Holds::Lists | Holds::Texts => objects(py, cells)?,
+    })
 }
 
 fn objects<'py>(py: Python<'py>, cells: &[Cell]) -> PyResult<Bound<'py, PyAny>> {

@@ -225,7 +225,7 @@ pub(crate) fn run(
     let (stable, verdict_name) = (outcome.is_stable(), outcome.verdict().name());
     let Outcome { reason, fault, fault_time_s, ticks, hash, axes, .. } = outcome;
     let axes: Vec<Py<PyDict>> =
-        axes.into_iter().map(|along| Ok(to_python(py, along.table, &[])?.unbind())).collect::<PyResult<_>>()?;
+        axes.into_iter().map(|along| Ok(to_python(py, along.table)?.unbind())).collect::<PyResult<_>>()?;
     Ok(Run {
         merits: merits.unbind(),
         stable,

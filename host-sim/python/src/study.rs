@@ -23,11 +23,8 @@ use crate::columns::to_python;
 use crate::law::laws;
 use crate::run::check_seconds;
 use crate::scene::meant;
-use crate::sweep::{Grid, TEXTS, failed, kept, rows_of, written};
+use crate::sweep::{Grid, failed, kept, rows_of, written};
 use crate::work::{Progress, here, on_threads, refused};
-
-/// Columns of answers and pairs that are texts, also where there is none.
-const ANSWER_TEXTS: &[&str] = &["next", "reason", "without"];
 
 /// Scenes or laws over keys, networks and seeds: which is best where, under which bounds, and how sure that is; the question of `host-sim
 /// study`.
@@ -242,14 +239,14 @@ impl Findings {
     /// Every run by column, a row a run, with every mode's verdict.
     #[getter]
     fn rows<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        to_python(py, self.study.columns(&self.rows), TEXTS)
+        to_python(py, self.study.columns(&self.rows))
     }
 
     /// Every point by column: means over all its seeds, with half of their 95 % intervals; 0 runs where a search left it out.
     #[getter]
     fn points<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let left_out = self.searched.as_ref().map_or(&[][..], |(_, left_out)| left_out);
-        to_python(py, self.study.summary(&self.rows, left_out), TEXTS)
+        to_python(py, self.study.summary(&self.rows, left_out))
     }
 
     /// Of each entrant on each network the point with the least of a figure of merit, among those that are stable in every run and every
@@ -262,7 +259,7 @@ impl Findings {
         at_most: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let (goal, answers) = self.answered(best, at_most)?;
-        to_python(py, self.study.answer_columns(&answers, &goal), ANSWER_TEXTS)
+        to_python(py, self.study.answer_columns(&answers, &goal))
     }
 
     /// The best points of every two entrants beside each other, seed by seed, on networks where both have one.
@@ -274,7 +271,7 @@ impl Findings {
         at_most: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let (goal, answers) = self.answered(best, at_most)?;
-        to_python(py, self.study.pair_columns(&self.study.pairs(&self.rows, &answers, &goal)), ANSWER_TEXTS)
+        to_python(py, self.study.pair_columns(&self.study.pairs(&self.rows, &answers, &goal)))
     }
 
     /// Writes the figure as `name` with .svg, .pdf and .png into a folder, `width_mm` wide (88 is a column of most journals, 180 a page);

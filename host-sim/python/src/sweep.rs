@@ -19,9 +19,6 @@ use crate::run::check_seconds;
 use crate::scene::{Scene, meant, to_toml};
 use crate::work::{Progress, here, on_threads, refused};
 
-/// Columns that are texts, also where there is none.
-pub(crate) const TEXTS: &[&str] = &["reason", "unstable_modes"];
-
 /// A scene over its keys and over seeds, the question that `host-sim sweep` asks.
 ///
 /// `over` is a grid: for each key its values, as a sequence or as the command line writes them ("200..20000:20:log", "0,0.1,0.3").
@@ -242,7 +239,7 @@ impl Sweep {
             let all: BTreeSet<usize> = (0..self.sweep.points()).collect();
             let mut rows = rows_of(py, &self.sweep, self.sweep.missing(&all, &[]), threads, None, progress)?;
             self.sweep.sort(&mut rows);
-            return to_python(py, self.sweep.columns(&rows), TEXTS);
+            return to_python(py, self.sweep.columns(&rows));
         };
         let mut journal = self.open(folder)?;
         let new = rows_of(py, &self.sweep, journal.missing(), threads, journal.file.clone(), progress)?;
@@ -336,7 +333,7 @@ impl Journal {
         let columns = self.sweep.columns(&self.rows);
         sweep::write(&self.folder, "sweep", &columns, &self.question).map_err(failed)?;
         file.finish().map_err(failed)?;
-        to_python(py, columns, TEXTS)
+        to_python(py, columns)
     }
 
     /// Lets others fill the folder.

@@ -34,11 +34,15 @@
 //!
 //! | cell | text | JSON | CSV | Parquet |
 //! |---|---|---|---|---|
-//! | nothing | `-` | null | empty | NaN |
-//! | yes or no | `yes`, `NO` | true, false | 1, 0 | 1, 0 |
+//! | nothing | `-` | null | empty | null |
+//! | yes or no | `yes`, `NO` | true, false | 1, 0 | BOOLEAN |
+//! | count | its digits | exact | all digits | INT64 |
 //! | number | its digits | exact, null for NaN | shortest that reads back | DOUBLE |
 //! | list of numbers | with commas | array | with blanks | text |
 //! | text | itself | string | string | text |
+//!
+//! **What a column holds** ([`Holds`]) follows from what it was declared of, and not from what stands in it: a column of reasons is
+//! one of texts also where nothing failed.
 //!
 //! In text a column whose filled cells are all numbers is set to the right, any other to the left. Widths count
 //! characters, so wide scripts and combining marks are not aligned.
@@ -68,36 +72,79 @@ pub enum Cell {
     Text(String),
 }
 
+/// What the filled cells of a column are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Holds {
+    /// Yes or no.
+    Flags,
+    /// Whole numbers.
+    Counts,
+    /// Numbers.
+    Numbers,
+    /// Several numbers each.
+    Lists,
+    /// Texts.
+    Texts,
+}
+
+impl Cell {
+    /// What a column of such cells holds; nothing of an empty one.
+    pub fn is(&self) -> Option<Holds> {
+        match self {
+            Self::Empty => None,
+            Self::Flag(_) => Some(Holds::Flags),
+            Self::Whole(_) => Some(Holds::Counts),
+            Self::Number(_) => Some(Holds::Numbers),
+            Self::List(_) => Some(Holds::Lists),
+            Self::Text(_) => Some(Holds::Texts),
+        }
+    }
+}
+
+/// What makes cells that are all of one sort.
+pub trait Typed: Into<Cell> {
+    /// Which that is.
+    const HOLDS: Holds;
+}
+
 macro_rules! cell_from {
-    ($($from:ty => $cell:expr),+ $(,)?) => {
+    ($($from:ty => $holds:ident $cell:expr),+ $(,)?) => {
         $(impl From<$from> for Cell {
             fn from(value: $from) -> Self {
                 $cell(value)
             }
+        }
+
+        impl Typed for $from {
+            const HOLDS: Holds = Holds::$holds;
         })+
     };
 }
 
 cell_from! {
-    bool => Cell::Flag,
-    f64 => Cell::Number,
-    f32 => |value| Cell::Number(f64::from(value)),
-    u8 => |value| Cell::Whole(i64::from(value)),
-    u16 => |value| Cell::Whole(i64::from(value)),
-    u32 => |value| Cell::Whole(i64::from(value)),
-    i32 => |value| Cell::Whole(i64::from(value)),
-    i64 => Cell::Whole,
-    u64 => |value| i64::try_from(value).map_or(Cell::Number(value as f64), Cell::Whole),
-    usize => |value| Cell::from(value as u64),
-    Vec<f64> => Cell::List,
-    String => Cell::Text,
-    &str => |value: &str| Cell::Text(value.to_owned()),
+    bool => Flags Cell::Flag,
+    f64 => Numbers Cell::Number,
+    f32 => Numbers |value| Cell::Number(f64::from(value)),
+    u8 => Counts |value| Cell::Whole(i64::from(value)),
+    u16 => Counts |value| Cell::Whole(i64::from(value)),
+    u32 => Counts |value| Cell::Whole(i64::from(value)),
+    i32 => Counts |value| Cell::Whole(i64::from(value)),
+    i64 => Counts Cell::Whole,
+    u64 => Counts |value| i64::try_from(value).map_or(Cell::Number(value as f64), Cell::Whole),
+    usize => Counts |value| Cell::from(value as u64),
+    Vec<f64> => Lists Cell::List,
+    String => Texts Cell::Text,
+    &str => Texts |value: &str| Cell::Text(value.to_owned()),
 }
 
 impl<T: Into<Cell>> From<Option<T>> for Cell {
     fn from(value: Option<T>) -> Self {
         value.map_or(Self::Empty, Into::into)
     }
+}
+
+impl<T: Typed> Typed for Option<T> {
+    const HOLDS: Holds = T::HOLDS;
 }
 
 /// How a number is written in text.
@@ -192,8 +239,8 @@ pub fn label(name: &str) -> String {
 pub enum Values {
     /// Numbers and nothing else.
     Numbers(Vec<f64>),
-    /// Cells of any kind.
-    Cells(Vec<Cell>),
+    /// Cells of this sort, or nothing.
+    Cells(Holds, Vec<Cell>),
 }
 
 /// One column: name, unit, meaning and values.
@@ -247,6 +294,11 @@ impl Column {
         &self.meaning
     }
 
+    /// What it is filled with.
+    pub fn values(&self) -> &Values {
+        &self.values
+    }
+
     /// Name and values, given away.
     pub fn into_parts(self) -> (String, Values) {
         (self.name, self.values)
@@ -255,7 +307,7 @@ impl Column {
     fn len(&self) -> usize {
         match &self.values {
             Values::Numbers(values) => values.len(),
-            Values::Cells(values) => values.len(),
+            Values::Cells(_, values) => values.len(),
         }
     }
 
@@ -263,7 +315,7 @@ impl Column {
     pub fn cell(&self, row: usize) -> Cell {
         match &self.values {
             Values::Numbers(values) => values.get(row).copied().into(),
-            Values::Cells(values) => values.get(row).cloned().unwrap_or(Cell::Empty),
+            Values::Cells(_, values) => values.get(row).cloned().unwrap_or(Cell::Empty),
         }
     }
 
@@ -298,9 +350,13 @@ pub struct Rows<'a, R> {
 }
 
 impl<'a, R> Rows<'a, R> {
-    fn with<C: Into<Cell>>(mut self, name: impl Into<String>, digits: Digits, cell: impl Fn(&'a R) -> C) -> Self {
+    fn with<C: Typed>(self, name: impl Into<String>, digits: Digits, cell: impl Fn(&'a R) -> C) -> Self {
+        self.declare(name.into(), digits, C::HOLDS, &|row| cell(row).into())
+    }
+
+    fn declare(mut self, name: String, digits: Digits, holds: Holds, cell: &dyn Fn(&'a R) -> Cell) -> Self {
         let rows = self.rows;
-        self.columns.declare(name.into(), digits, rows.len(), &|row| cell(&rows[row]).into());
+        self.columns.declare(name, digits, holds, rows.len(), &|row| cell(&rows[row]));
         self
     }
 
@@ -312,27 +368,32 @@ impl<'a, R> Rows<'a, R> {
     }
 
     /// A column of texts, flags, counts, or numbers with as many digits as they have.
-    pub fn value<C: Into<Cell>>(self, name: impl Into<String>, cell: impl Fn(&'a R) -> C) -> Self {
+    pub fn value<C: Typed>(self, name: impl Into<String>, cell: impl Fn(&'a R) -> C) -> Self {
         self.with(name, Digits::All, cell)
     }
 
+    /// A column whose cells are made one by one, and what it holds.
+    pub fn cells(self, name: impl Into<String>, holds: Holds, cell: impl Fn(&'a R) -> Cell) -> Self {
+        self.declare(name.into(), Digits::All, holds, &cell)
+    }
+
     /// A column of numbers with so many digits behind the point.
-    pub fn number<C: Into<Cell>>(self, name: impl Into<String>, digits: usize, cell: impl Fn(&'a R) -> C) -> Self {
+    pub fn number<C: Typed>(self, name: impl Into<String>, digits: usize, cell: impl Fn(&'a R) -> C) -> Self {
         self.with(name, Digits::Fixed(digits), cell)
     }
 
     /// A column of numbers with at least so many digits that count.
-    pub fn significant<C: Into<Cell>>(self, name: impl Into<String>, digits: usize, cell: impl Fn(&'a R) -> C) -> Self {
+    pub fn significant<C: Typed>(self, name: impl Into<String>, digits: usize, cell: impl Fn(&'a R) -> C) -> Self {
         self.with(name, Digits::Significant(digits), cell)
     }
 
     /// A column of powers of ten with so many digits behind the point.
-    pub fn power<C: Into<Cell>>(self, name: impl Into<String>, digits: usize, cell: impl Fn(&'a R) -> C) -> Self {
+    pub fn power<C: Typed>(self, name: impl Into<String>, digits: usize, cell: impl Fn(&'a R) -> C) -> Self {
         self.with(name, Digits::Power(digits), cell)
     }
 
     /// A column of differences, always with a sign.
-    pub fn signed<C: Into<Cell>>(self, name: impl Into<String>, cell: impl Fn(&'a R) -> C) -> Self {
+    pub fn signed<C: Typed>(self, name: impl Into<String>, cell: impl Fn(&'a R) -> C) -> Self {
         self.with(name, Digits::Signed, cell)
     }
 
@@ -381,7 +442,7 @@ impl Columns {
     }
 
     /// Columns of documents, an object each: a column for every field that is filled anywhere, in the order of their coming; one of
-    /// an object within is called by both names, with a dot between.
+    /// an object within is called by both names, with a dot between. It holds what its first filled cell is: nothing declares it.
     pub fn of_documents(documents: &[Value]) -> Self {
         let rows: Vec<Vec<(String, Cell)>> = documents.iter().map(|document| fields("", document)).collect();
         let mut names: Vec<&String> = Vec::new();
@@ -393,7 +454,10 @@ impl Columns {
         let cell = |row: &Vec<(String, Cell)>, wanted: &String| {
             row.iter().find(|(name, _)| name == wanted).map_or(Cell::Empty, |(_, cell)| cell.clone())
         };
-        let cells = |name: &String| Values::Cells(rows.iter().map(|row| cell(row, name)).collect());
+        let cells = |name: &String| {
+            let cells: Vec<Cell> = rows.iter().map(|row| cell(row, name)).collect();
+            Values::Cells(cells.iter().find_map(Cell::is).unwrap_or(Holds::Texts), cells)
+        };
         let column = |name: &String| Column::new(name.clone(), Digits::Short, cells(name));
         Self { columns: names.into_iter().map(column).collect() }
     }
@@ -412,8 +476,8 @@ impl Columns {
     }
 
     /// One column more, cell by cell. Not generic: compiled once and not for each of hundreds of columns.
-    fn declare(&mut self, name: String, digits: Digits, rows: usize, cell: &dyn Fn(usize) -> Cell) {
-        self.push(Column::new(name, digits, Values::Cells((0..rows).map(cell).collect())));
+    fn declare(&mut self, name: String, digits: Digits, holds: Holds, rows: usize, cell: &dyn Fn(usize) -> Cell) {
+        self.push(Column::new(name, digits, Values::Cells(holds, (0..rows).map(cell).collect())));
     }
 
     /// One column more.
@@ -434,7 +498,7 @@ impl Columns {
         for (column, value) in self.columns.iter_mut().zip(row) {
             match &mut column.values {
                 Values::Numbers(values) => values.push(*value),
-                Values::Cells(_) => panic!("column `{}` is none of numbers", column.name),
+                Values::Cells(..) => panic!("column `{}` is none of numbers", column.name),
             }
         }
     }
@@ -448,7 +512,7 @@ impl Columns {
     pub fn column(&self, name: &str) -> Option<&[f64]> {
         self.columns.iter().find(|column| column.name == name).and_then(|column| match &column.values {
             Values::Numbers(values) => Some(values.as_slice()),
-            Values::Cells(_) => None,
+            Values::Cells(..) => None,
         })
     }
 

@@ -1,8 +1,8 @@
 //! Files of a run: CSV for people, Parquet for programs, figures; each beside the settings that made it.
 //!
 //! CSV and Parquet keep every number exactly. CSV writes the shortest decimal that reads back to the same `f64` (`NaN`,
-//! `inf` and `-inf` by name; the payload of a NaN is not kept). Parquet stores a column as REQUIRED DOUBLE, bit for bit, or
-//! as text, compressed with Snappy, in row groups of [`ROW_GROUP_ROWS`] rows.
+//! `inf` and `-inf` by name; the payload of a NaN is not kept). Parquet stores a column as what it
+//! [`Holds`], numbers bit for bit, compressed with Snappy, in row groups of [`ROW_GROUP_ROWS`](super::ROW_GROUP_ROWS) rows.
 //!
 //! **What made them** ([`Provenance`]) stands in a file of the same name with the ending `.toml`, and inside Parquet, SVG and PDF. It
 //! is no comment in CSV: spreadsheets and PlotJuggler take a first line that is no heading for one, and the same data would
@@ -14,26 +14,18 @@
 
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
-use std::{collections::BTreeSet, fmt::Write, sync::Arc};
+use std::{collections::BTreeSet, fmt::Write};
 
 use chrono::{DateTime, SecondsFormat};
 use haptic_io::Kind;
 use haptic_plot::{Error, Figure, Print, paint, write_file};
-use parquet::basic::{Compression, LogicalType, Repetition, Type as PhysicalType};
-use parquet::data_type::{ByteArray, ByteArrayType, DoubleType};
-use parquet::{
-    errors::ParquetError, file::metadata::KeyValue, file::properties::WriterProperties,
-    file::writer::SerializedFileWriter, schema::types::Type,
-};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 use super::columns::{Cell, Column, Columns};
+use super::parquet_file::parquet;
 
 /// What an encoder said.
-type Cause = Box<dyn std::error::Error + Send + Sync>;
-
-/// Rows in one Parquet row group: 65 s at 1 kHz, half a megabyte for each column.
-pub const ROW_GROUP_ROWS: usize = 1 << 16;
+pub(super) type Cause = Box<dyn std::error::Error + Send + Sync>;
 
 /// Provenance of a file: the program, when it began, and all its settings.
 #[derive(Clone, Debug, PartialEq)]
@@ -247,7 +239,8 @@ pub fn write_parquet(columns: &Columns, path: &Path, provenance: &str, kind: Kin
     write_file(path, "Parquet", &bytes, kind)
 }
 
-fn distinct(columns: &Columns) -> Result<Vec<&Column>, Cause> {
+/// The columns of a file, each with a name of its own.
+pub(super) fn distinct(columns: &Columns) -> Result<Vec<&Column>, Cause> {
     let mut names = BTreeSet::new();
     match columns.data().find(|column| !names.insert(column.name())) {
         Some(column) => {
@@ -268,7 +261,8 @@ fn csv(columns: &Columns) -> Result<Vec<u8>, Cause> {
     Ok(writer.into_inner()?)
 }
 
-fn csv_cell(cell: Cell) -> String {
+/// A cell as CSV and texts of Parquet have it.
+pub(super) fn csv_cell(cell: Cell) -> String {
     match cell {
         Cell::Empty => String::new(),
         Cell::Flag(flag) => u8::from(flag).to_string(),
@@ -278,57 +272,4 @@ fn csv_cell(cell: Cell) -> String {
         Cell::List(numbers) => numbers.iter().map(|number| format!("{number:?}")).collect::<Vec<_>>().join(" "),
         Cell::Text(text) => text,
     }
-}
-
-/// A number, if there is one or nothing.
-fn number(cell: &Cell) -> Option<f64> {
-    match cell {
-        Cell::Empty => Some(f64::NAN),
-        Cell::Flag(flag) => Some(f64::from(u8::from(*flag))),
-        Cell::Whole(count) => Some(*count as f64),
-        Cell::Number(number) => Some(*number),
-        Cell::List(_) | Cell::Text(_) => None,
-    }
-}
-
-/// A table as Parquet, with what made it (`made`), and unit and meaning of every column (`unit.NAME`, `meaning.NAME`).
-fn parquet(columns: &Columns, provenance: &str) -> Result<Vec<u8>, ParquetError> {
-    let data = distinct(columns).map_err(|cause| ParquetError::General(cause.to_string()))?;
-    let is_text = |column: &Column| (0..columns.len()).any(|row| number(&column.cell(row)).is_none());
-    let field = |column: &&Column| {
-        let (kind, logical) = match is_text(column) {
-            true => (PhysicalType::BYTE_ARRAY, Some(LogicalType::String)),
-            false => (PhysicalType::DOUBLE, None),
-        };
-        let field = Type::primitive_type_builder(column.name(), kind).with_repetition(Repetition::REQUIRED);
-        field.with_logical_type(logical).build().map(Arc::new)
-    };
-    let fields = data.iter().map(field).collect::<Result<Vec<_>, _>>()?;
-    let schema = Arc::new(Type::group_type_builder("table").with_fields(fields).build()?);
-    let described = |column: &&Column| {
-        let about = [("unit", column.unit()), ("meaning", column.meaning())];
-        about.map(|(what, text)| KeyValue::new(format!("{what}.{}", column.name()), text.to_owned()))
-    };
-    let metadata =
-        std::iter::once(KeyValue::new("made".to_owned(), provenance.to_owned())).chain(data.iter().flat_map(described));
-    let properties = WriterProperties::builder().set_compression(Compression::SNAPPY);
-    let properties = properties.set_key_value_metadata(Some(metadata.collect())).build();
-    let mut writer = SerializedFileWriter::new(Vec::new(), schema, Arc::new(properties))?;
-    for start in (0..columns.len()).step_by(ROW_GROUP_ROWS) {
-        let mut group = writer.next_row_group()?;
-        for column in &data {
-            let cells = || (start..columns.len().min(start + ROW_GROUP_ROWS)).map(|row| column.cell(row));
-            let Some(mut chunk) = group.next_column()? else { continue };
-            if is_text(column) {
-                let texts: Vec<ByteArray> = cells().map(|cell| csv_cell(cell).into_bytes().into()).collect();
-                chunk.typed::<ByteArrayType>().write_batch(&texts, None, None)?;
-            } else {
-                let numbers: Vec<f64> = cells().filter_map(|cell| number(&cell)).collect();
-                chunk.typed::<DoubleType>().write_batch(&numbers, None, None)?;
-            }
-            chunk.close()?;
-        }
-        group.close()?;
-    }
-    writer.into_inner()
 }

@@ -271,6 +271,14 @@ pub const MOST: Most = Most::new(1 << 20, "a scene");
 const OWN: [&str; 7] =
     ["scale", "device", "fixture", "safety", "probe", "contact.stiffness_n_per_m", "contact.damping_n_s_per_m"];
 
+/// The value that the text of an override stands for: a number, what TOML says, else a name.
+pub fn value_of(text: &str) -> toml::Value {
+    // TOML has no `.25`, and people do.
+    let number = text.parse().ok().filter(|number: &f64| number.is_finite()).map(toml::Value::Float);
+    let told = || format!("v = {text}").parse::<toml::Table>().ok().and_then(|mut table| table.remove("v"));
+    number.or_else(told).unwrap_or_else(|| toml::Value::String(text.to_owned()))
+}
+
 /// The user (0 or 1) that a key belongs to, and its name in [`UserSettings`].
 fn users_key(key: &str) -> Option<(usize, String)> {
     let (user, rest) = key.strip_prefix("user.")?.split_once('.')?;
@@ -413,11 +421,7 @@ impl Scene {
     pub fn apply_override(&mut self, text: &str) -> Result<(), Error> {
         let (key, value) = text.split_once('=').ok_or_else(|| Error::at(text, "write it as table.key=value"))?;
         let (key, value) = (key.trim(), value.trim());
-        let parsed = format!("v = {value}").parse::<toml::Table>().ok().and_then(|mut table| table.remove("v"));
-        // TOML has no `.25`, and people do.
-        let number = || value.parse().ok().filter(|number: &f64| number.is_finite()).map(toml::Value::Float);
-        let parsed = parsed.or_else(number);
-        self.set(key, &parsed.unwrap_or_else(|| toml::Value::String(value.to_owned())), "override", None)
+        self.set(key, &value_of(value), "override", None)
     }
 
     /// Sets one key to a number, as a sweep does.

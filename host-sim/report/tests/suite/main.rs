@@ -1,9 +1,13 @@
 //! Columns as text, JSON, CSV and Parquet; files of a run, and what they say of it.
 
+use std::fs::File;
+use std::io::Write;
+
 use haptic_io::Kind;
 use haptic_plot::Figure;
-use haptic_report::files::{ROW_GROUP_ROWS, write_csv, write_parquet};
-use haptic_report::{Column, Columns, Error, Files, Provenance};
+use haptic_report::files::{write_csv, write_parquet};
+use haptic_report::{Cell, Column, Columns, Error, Files, Holds, Provenance, ROW_GROUP_ROWS};
+use parquet::basic::Type as PhysicalType;
 use parquet::file::metadata::KeyValue;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
@@ -160,11 +164,14 @@ fn read_csv(bytes: &[u8]) -> Columns {
     columns
 }
 
+fn reader(bytes: &[u8]) -> SerializedFileReader<File> {
+    let mut file = tempfile::tempfile().unwrap();
+    file.write_all(bytes).unwrap();
+    SerializedFileReader::new(file).unwrap()
+}
+
 fn read_parquet(bytes: &[u8]) -> (Columns, Option<Vec<KeyValue>>) {
-    let folder = tempdir().unwrap();
-    let path = folder.path().join("x.parquet");
-    std::fs::write(&path, bytes).unwrap();
-    let reader = SerializedFileReader::new(std::fs::File::open(path).unwrap()).unwrap();
+    let reader = reader(bytes);
     assert_eq!(
         reader.num_row_groups(),
         (reader.metadata().file_metadata().num_rows() as usize).div_ceil(ROW_GROUP_ROWS)
@@ -217,7 +224,7 @@ fn parquet_says_unit_and_meaning_of_every_column() {
     let folder = tempdir().unwrap();
     let path = folder.path().join("gains.parquet");
     write_parquet(&columns, &path, "", Kind::Named).unwrap();
-    let reader = SerializedFileReader::new(std::fs::File::open(path).unwrap()).unwrap();
+    let reader = SerializedFileReader::new(File::open(path).unwrap()).unwrap();
     let printed = reader.metadata().file_metadata().key_value_metadata().unwrap();
     let about = |key: String| printed.iter().find(|entry| entry.key == key)?.value.clone();
     for (column, unit) in columns.data().zip(["", "N/m", "N/m", "N", "N"]) {
@@ -233,8 +240,60 @@ fn words_and_nothing_are_written_too() {
     let rows = [("a", Some(true), Some(1.5)), ("b, c", None, None)];
     let columns = Columns::of(&rows).value("name", |r| r.0).value("stable", |r| r.1).value("x_m", |r| r.2).done();
     assert_eq!(String::from_utf8(csv(&columns).unwrap()).unwrap(), "name,stable,x_m\na,1,1.5\n\"b, c\",,\n");
-    assert!(!parquet(&columns, &provenance()).unwrap().is_empty());
     assert_eq!(csv(&Columns::default()).unwrap(), b"");
+}
+
+/// Physical type of each column of a Parquet file, and all its cells.
+fn stored(columns: &Columns) -> (Vec<PhysicalType>, Vec<Vec<Field>>) {
+    let reader = reader(&parquet(columns, &provenance()).unwrap());
+    let types = reader.metadata().file_metadata().schema_descr().columns().iter().map(|column| column.physical_type());
+    let rows = reader.get_row_iter(None).unwrap();
+    let cells = rows.map(|row| row.unwrap().get_column_iter().map(|(_, field)| field.clone()).collect());
+    (types.collect(), cells.collect())
+}
+
+/// A column is what it is declared as: the same type where all is there, some, nothing, and where there are no rows.
+#[test]
+fn a_column_of_parquet_is_what_it_is_declared_as() {
+    type Row = (&'static str, Option<&'static str>, Option<bool>, Option<u32>, Option<f64>, Vec<f64>);
+    let full: Row = ("a", Some("fell"), Some(true), Some(3), Some(0.5), vec![1.0, 2.5]);
+    let bare: Row = ("", None, None, None, None, vec![]);
+    for rows in [vec![full.clone(), bare.clone()], vec![bare.clone()], vec![full.clone()], vec![]] {
+        let columns = Columns::of(&rows)
+            .value("name", |row| row.0)
+            .value("reason", |row| row.1)
+            .value("judged", |row| row.2)
+            .value("seeds", |row| row.3)
+            .number("x_m", 1, |row| row.4)
+            .value("edges_m", |row| row.5.clone())
+            .cells("key", Holds::Flags, |row| row.2.into())
+            .done();
+        let (types, cells) = stored(&columns);
+        use PhysicalType::{BOOLEAN, BYTE_ARRAY, DOUBLE, INT64};
+        assert_eq!(types, [BYTE_ARRAY, BYTE_ARRAY, BOOLEAN, INT64, DOUBLE, BYTE_ARRAY, BOOLEAN]);
+        let text = |text: &str| Field::Str(text.to_owned());
+        let told = |row: &Row| match row.1 {
+            Some(reason) => vec![
+                text("a"),
+                text(reason),
+                Field::Bool(true),
+                Field::Long(3),
+                Field::Double(0.5),
+                text("1.0 2.5"),
+                Field::Bool(true),
+            ],
+            None => vec![text(""), Field::Null, Field::Null, Field::Null, Field::Null, text(""), Field::Null],
+        };
+        assert_eq!(cells, rows.iter().map(told).collect::<Vec<_>>());
+    }
+}
+
+/// A cell of another sort than its column is no file with a hole in it.
+#[test]
+fn a_cell_of_another_sort_is_refused() {
+    let columns = Columns::of(&[1.5]).cells("count", Holds::Counts, |row| Cell::Number(*row)).done();
+    let text = parquet(&columns, &provenance()).unwrap_err().to_string();
+    assert!(text.contains("column `count`: Number(1.5) is of another sort than the column"), "{text}");
 }
 
 #[test]

@@ -12,7 +12,7 @@ use haptic_analysis::{
 };
 use haptic_core::names::Choice;
 use haptic_core::num::Scalar;
-use haptic_report::{Cell, Columns};
+use haptic_report::Columns;
 use serde_json::json;
 
 use crate::cli::flags::{Out, choice};
@@ -58,8 +58,8 @@ impl Point {
         ui.document_of(&ui.provenance().settings(scene.settings()), &report)?;
         let rows: Vec<_> = (0..).zip(&judgement.modes).collect();
         let apart = |(at, _): &(usize, &Mode)| match &seconds {
-            Some(seconds) => Cell::Number(seconds[*at].matrix.max(seconds[*at].spectral_radius)),
-            None => "no equations for it".into(),
+            Some(seconds) => format!("{:.1e}", seconds[*at].matrix.max(seconds[*at].spectral_radius)),
+            None => "no equations for it".to_owned(),
         };
         let at_delay = |(_, mode): &(usize, &Mode)| match mode.at_delay_ticks {
             Some([to_first, to_second]) => format!("{to_first} and {to_second}"),
@@ -81,8 +81,7 @@ impl Point {
                 .head("worst direction"),
             None => table,
         };
-        let table =
-            table.power("second_construction_differs_by", 1, apart).head("second construction differs by").done();
+        let table = table.value("second_construction_differs_by", apart).head("second construction differs by").done();
         writeln!(ui, "{}: {}stable\n", self.scene.name(), if judgement.worst.stable { "" } else { "un" });
         writeln!(ui, "{table}\n{advice}\nNot judged: {}.", judgement.not_judged.join("; "));
         if judgement.worst.stable {

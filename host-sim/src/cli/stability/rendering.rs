@@ -7,7 +7,7 @@ use haptic_analysis::rendering::identify::{STIFFNESS_N_PER_M, identify, needs};
 use haptic_analysis::rendering::maps::{self, Curve, POINTS, Sweep};
 use haptic_analysis::rendering::{Body, Rendering as Setup, picture};
 use haptic_core::num::Scalar;
-use haptic_report::{Cell, Columns, significant};
+use haptic_report::{Columns, significant};
 use serde_json::json;
 
 use crate::cli::flags::Out;
@@ -123,15 +123,15 @@ fn curve_table(curves: &[Curve]) -> Columns {
         }
     };
     let crossings = |curve: &Curve, at: usize| match curve.points.get(at) {
-        Some(point) if point.largest_stiffness_n_per_m.is_none() => Cell::from("all"),
-        Some(point) => point.edges().into(),
-        None => Cell::Empty,
+        Some(point) if point.largest_stiffness_n_per_m.is_none() => Some("all".to_owned()),
+        Some(point) => Some(point.edges().iter().map(|edge| significant(*edge, 3)).collect::<Vec<_>>().join(", ")),
+        None => None,
     };
     let points = curves.first().map_or(&[][..], |curve| &curve.points);
     let every_fifth = points.iter().enumerate().step_by(5);
     let table = every_fifth.fold(Columns::of(curves).value("", name), |table, (at, point)| {
         let head = significant(1e3 * point.time_s, 3);
-        table.significant(head.clone(), 3, |curve| crossings(curve, at)).head(&head)
+        table.value(head.clone(), |curve| crossings(curve, at)).head(&head)
     });
     table.done()
 }

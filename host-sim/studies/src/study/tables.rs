@@ -1,6 +1,6 @@
 //! The tables of a study: every run, every point, the answers, and the pairs.
 
-use haptic_report::{Cell, Columns, Rows};
+use haptic_report::{Cell, Columns, Holds, Rows};
 
 use super::answers::{Answer, Counts, Goal, Next};
 use super::halving::LeftOut;
@@ -55,11 +55,13 @@ impl Study {
         let rows = self.of_names(Columns::of(answers), place);
         let grid = |answer: &Answer| answer.best.as_ref().map(|best| self.place(best.point).grid);
         // The ends of what is as good, along the first key.
+        let first = self.grid().keys().next().map(|key| self.grid().holds(key));
         let end = |answer: &Answer, last: bool| {
-            let as_good = &answer.best.as_ref()?.as_good;
+            let as_good = answer.best.as_ref().map_or(&[][..], |best| &best.as_good);
             let at = if last { as_good.last() } else { as_good.first() };
-            self.grid().keys().next().zip(at).map(|(_, at)| self.grid().cell(*at, 0))
+            first.zip(at).map_or(Cell::Empty, |(holds, at)| self.grid().cell(*at, 0, holds))
         };
+        let holds = first.unwrap_or(Holds::Texts);
         let seeds = |answer: &Answer| answer.best.as_ref().map(|best| best.seeds);
         fn next(answer: &Answer) -> Option<&Next> {
             answer.best.as_ref()?.next.as_ref()
@@ -79,10 +81,10 @@ impl Study {
             .value("as_good_points", |answer| answer.best.as_ref().map(|best| best.as_good.len()))
             .means("points that may be taken and are not told from the best one, itself included")
             .head("as good")
-            .value("as_good_from", |answer| end(answer, false))
+            .cells("as_good_from", holds, |answer| end(answer, false))
             .means("value of the first key at the first of them")
             .head("from")
-            .value("as_good_to", |answer| end(answer, true))
+            .cells("as_good_to", holds, |answer| end(answer, true))
             .means("and at the last")
             .head("to")
             .value("next", |answer| next(answer).map(|next| self.grid().values(next.grid).join(", ")))
@@ -130,7 +132,6 @@ impl Study {
         let without = |pair: &Pair| {
             let asked = pair.network.map_or(0..self.networks.len(), |at| at..at + 1);
             let missing = asked.filter(|at| !pair.common.contains(at)).map(|at| self.networks[at].name.as_str());
-            // Text where all have all of them, too: what a file has a column as does not depend on what was found.
             missing.collect::<Vec<_>>().join("; ")
         };
         let mean = |which: usize| move |pair: &Pair| pair.paired.means[which];
@@ -166,7 +167,7 @@ impl Study {
 }
 
 /// Why points may not be taken.
-fn reason(counts: Counts) -> Cell {
+fn reason(counts: Counts) -> Option<String> {
     let said = [
         (counts.failed, "not stable in a run"),
         (counts.let_go, "not in every mode"),
@@ -174,5 +175,5 @@ fn reason(counts: Counts) -> Cell {
         (counts.given_up, "given up as worse"),
     ];
     let said = said.iter().filter(|(count, _)| *count > 0).map(|(count, why)| format!("{count} {why}"));
-    Some(said.collect::<Vec<_>>().join(", ")).filter(|said| !said.is_empty()).into()
+    Some(said.collect::<Vec<_>>().join(", ")).filter(|said| !said.is_empty())
 }

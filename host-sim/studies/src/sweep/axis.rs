@@ -2,8 +2,8 @@
 
 use std::{collections::BTreeSet, str::FromStr};
 
-use haptic_core::settings::Value;
-use haptic_report::Cell;
+use haptic_report::{Cell, Holds};
+use haptic_sim::scene::value_of;
 
 use crate::Error;
 
@@ -32,12 +32,15 @@ pub struct Axis {
     pub values: Vec<String>,
 }
 
-/// A value that a scene file writes so, as a cell of a table.
-pub(super) fn cell(value: &str) -> Cell {
-    match Value::of_text(value) {
-        Value::Number(number) => number.into(),
-        Value::Flag(flag) => flag.into(),
-        Value::Text(text) => text.into(),
+/// A value that is written so, as a cell of a column that holds this.
+pub(super) fn cell(text: &str, holds: Holds) -> Cell {
+    let value = value_of(text);
+    let whole = value.as_integer();
+    match holds {
+        Holds::Flags => value.as_bool().into(),
+        Holds::Counts => whole.or(value.as_float().map(|number| number as i64)).into(),
+        Holds::Numbers => value.as_float().or(whole.map(|whole| whole as f64)).into(),
+        Holds::Lists | Holds::Texts => value.as_str().unwrap_or(text).into(),
     }
 }
 

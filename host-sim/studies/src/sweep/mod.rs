@@ -25,7 +25,8 @@ use rayon::prelude::*;
 use ring::digest::{SHA256, digest};
 
 use haptic_core::names::Choice;
-use haptic_report::{Cell, Columns, Provenance, Rows};
+use haptic_core::settings::{Allowed, Key};
+use haptic_report::{Cell, Columns, Holds, Provenance, Rows};
 use haptic_sim::scene::Scene;
 
 use self::row::POINT;
@@ -190,10 +191,10 @@ impl Sweep {
         mut rows: Rows<'a, R>,
         point: impl Fn(&R) -> Option<usize> + Copy,
     ) -> Rows<'a, R> {
-        let known = self.scene.keys();
         for (at, key) in self.keys().enumerate() {
-            let meaning = known.iter().find(|(name, _)| name == key).map_or("a key that is varied", |(_, key)| key.doc);
-            rows = rows.value(key, |row| point(row).map(|point| self.cell(point, at))).means(meaning);
+            let holds = self.holds(key);
+            let cell = |row: &R| point(row).map_or(Cell::Empty, |point| self.cell(point, at, holds));
+            rows = rows.cells(key, holds, cell).means(self.known(key).map_or("a key that is varied", |key| key.doc));
         }
         rows
     }
@@ -211,9 +212,25 @@ impl Sweep {
         of_points(self.of_keys(columns, |point| Some(point.point)))
     }
 
-    /// The value of a key at a point, as a cell of a table.
-    pub(crate) fn cell(&self, point: usize, key: usize) -> Cell {
-        axis::cell(&self.values(point)[key])
+    /// What a scene accepts for a key, be it one end's alone; nothing of one that names a file.
+    fn known(&self, key: &str) -> Option<Key> {
+        let of_both = key.strip_prefix("peer.").and_then(|own| own.split_once('.')).map_or(key, |(_, of_both)| of_both);
+        self.scene.keys().into_iter().find_map(|(name, known)| (name == of_both).then_some(known))
+    }
+
+    /// What a column of this key's values holds: what a scene accepts for it, and texts where that is not of one sort.
+    pub(crate) fn holds(&self, key: &str) -> Holds {
+        match self.known(key).map(|key| key.allowed) {
+            Some(Allowed::Number { .. }) => Holds::Numbers,
+            Some(Allowed::Whole { .. }) => Holds::Counts,
+            Some(Allowed::Flag) => Holds::Flags,
+            _ => Holds::Texts,
+        }
+    }
+
+    /// The value of a key at a point, as a cell of a column that holds this.
+    pub(crate) fn cell(&self, point: usize, key: usize, holds: Holds) -> Cell {
+        axis::cell(&self.values(point)[key], holds)
     }
 }
 
