@@ -7,12 +7,12 @@
 //! | [`protocol`] | the scene of all, bounds, ranges of gains |
 //! | [`networks`] | networks to tune on, others to test on |
 //! | [`motions`] | what the hands do |
-//! | [`search`] | the tuning of a law: random, then around the best |
+//! | [`search`] | the tuning of a law: a search of a study |
 //! | [`runs`] | the test of a law's gains: every motion over every network |
 //! | [`points`] | what the runs of some gains came to |
 //! | [`tables`], [`figure`], [`page`] | how it is shown |
 //!
-//! **The same rows** come of any number of threads, and of a bench that was stopped and goes on ([`Journal`]): a tuning depends on the seed and its
+//! **The same rows** come of any number of threads, and of a bench that was stopped and goes on ([`Book`]): a tuning depends on the seed and its
 //! number, and on what the law's own tunings before it have found; a run on nothing but its scene.
 
 pub mod figure;
@@ -34,10 +34,9 @@ use rayon::prelude::*;
 
 use self::networks::Network;
 use self::points::Point;
-use self::runs::Run;
 use self::search::Tuning;
 use crate::Error;
-use crate::sweep::Journal;
+use crate::sweep::Book;
 
 /// A bench: which laws, and how much of it.
 #[derive(Clone, Debug)]
@@ -65,12 +64,6 @@ pub struct Found {
     pub tunings: Vec<Tuning>,
     /// Gains that were tested: of each law its own, and the best within each bound.
     pub points: Vec<Point>,
-}
-
-/// Where a bench keeps what it has found so far.
-struct Kept {
-    tunings: Journal<Tuning>,
-    runs: Journal<Run>,
 }
 
 /// Work of a law that is done: a tuning, or the runs of a motion.
@@ -103,34 +96,19 @@ impl Bench {
     /// # Errors
     /// A folder of another bench, a file that cannot be written, a scene that cannot be built at the gains that its law declares.
     pub fn run(&self, folder: Option<(&Path, &Provenance)>, step: Step<'_>) -> Result<Found, Error> {
-        let opened = folder.map(|(folder, question)| {
-            let (tunings, tuned) = Journal::open(folder, "bench", question, (1, 1))?;
-            let (runs, run) = Journal::open(folder, "bench", question, (1, 1))?;
-            Ok::<_, Error>((Kept { tunings, runs }, tuned, run))
-        });
-        let (kept, tuned, run) = match opened.transpose()? {
-            Some((kept, tuned, run)) => (Some(kept), tuned, run),
-            None => (None, Vec::new(), Vec::new()),
-        };
-        let kept = kept.as_ref();
-        let keep_tunings = |rows: &[Tuning]| kept.map_or(Ok(()), |kept| kept.tunings.append(rows));
-        let keep_runs = |rows: &[Run]| kept.map_or(Ok(()), |kept| kept.runs.append(rows));
+        let (tunings, runs) = (Book::open(folder, "bench")?, Book::open(folder, "bench")?);
         let of_law = |law: &&'static LawInfo| {
-            let there = tuned.iter().filter(|tuning| tuning.law == law.name).cloned().collect();
-            let tunings = search::tune(self, law, there, &keep_tunings, step)?;
+            let found = search::tune(self, law, &tunings, step)?;
             let tested = |(name, tuning): (String, Tuning)| {
-                let there = run.iter().filter(|run| run.law == law.name && run.point == name).cloned().collect();
-                let runs = runs::test(self, law, &name, &tuning, there, &keep_runs, step)?;
+                let runs = runs::test(self, law, &name, &tuning, &runs, step)?;
                 Ok::<_, Error>(Point { law, name, tuning, runs })
             };
-            let points = search::chosen(&tunings).into_par_iter().map(tested).collect::<Result<Vec<_>, _>>()?;
-            Ok::<_, Error>((tunings, points))
+            let points = search::chosen(&found).into_par_iter().map(tested).collect::<Result<Vec<_>, _>>()?;
+            Ok::<_, Error>((found, points))
         };
         let found = self.chosen.par_iter().map(of_law).collect::<Result<Vec<_>, _>>()?;
-        if let Some(kept) = kept {
-            kept.tunings.finish()?;
-            kept.runs.finish()?;
-        }
+        tunings.finish()?;
+        runs.finish()?;
         let (tunings, points): (Vec<_>, Vec<_>) = found.into_iter().unzip();
         Ok(Found { tunings: tunings.into_iter().flatten().collect(), points: points.into_iter().flatten().collect() })
     }

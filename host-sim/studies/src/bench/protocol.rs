@@ -10,6 +10,7 @@ use haptic_sim::scene::Scene;
 
 use crate::Error;
 use crate::campaign::laws::law_scene;
+use crate::study::around::Gain;
 
 /// What is the same for all beside the campaign's scene: a packet a tick, 8 ms one way.
 pub const SCENE: [&str; 2] = ["timing.ticks_per_packet=1", "network.one_way_delay_packets=8"];
@@ -22,39 +23,6 @@ pub const FREQUENCIES_HZ: [f64; 3] = [0.2, 1.0, 5.0];
 pub const MOST_AT_5_HZ_N_S_PER_M: f64 = 100.0;
 /// The heaviest that the object may feel at 1 Hz, copies and line together, kg.
 pub const MOST_MASS_KG: f64 = 0.8;
-
-/// A gain and between which ends it is tuned, equal ratios alike.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Gain {
-    /// The key of a scene.
-    pub key: String,
-    /// Its ends.
-    pub ends: [f64; 2],
-    /// Whether it is a whole number.
-    pub whole: bool,
-}
-
-impl Gain {
-    /// The value at this share of the range, from 0 to 1, as a scene file writes it: four digits that count.
-    pub fn value(&self, share: f64) -> String {
-        let [low, high] = self.ends;
-        // libm: the same bits on every machine.
-        let value = low * libm::pow(high / low, share);
-        if self.whole { format!("{}", value.round()) } else { short(value) }
-    }
-
-    /// Where in the range this value lies; outside, its nearer end.
-    pub fn share(&self, value: f64) -> f64 {
-        let [low, high] = self.ends;
-        (libm::log(value / low) / libm::log(high / low)).clamp(0.0, 1.0)
-    }
-}
-
-/// Four digits that count.
-fn short(value: f64) -> String {
-    let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
-    format!("{rounded:?}")
-}
 
 /// Gains of the scene that every law may choose, and those of a line only laws that send waves.
 const COMMON: [(&str, f64, f64); 4] = [

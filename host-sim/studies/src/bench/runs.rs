@@ -17,7 +17,7 @@ use super::{Bench, Step, networks, protocol};
 use crate::Error;
 use crate::entrant::Entrant;
 use crate::study::{Over, Study};
-use crate::sweep::{Kept, Plan};
+use crate::sweep::{Book, Kept, Plan};
 
 /// First seed; those of the tuning networks are others.
 const SEED: u32 = 1;
@@ -74,17 +74,16 @@ impl Kept for Run {
     }
 }
 
-/// Every run of these gains of a law, in the order of motions, networks and seeds; what is `there` already is not run again.
+/// Every run of these gains of a law, in the order of motions, networks and seeds; what the book holds already is not run again.
 ///
 /// # Errors
-/// What `keep` refuses, or a scene that cannot be run.
+/// What the book cannot keep, or a scene that cannot be run.
 pub fn test(
     bench: &Bench,
     law: &LawInfo,
     gains: &str,
     tuning: &Tuning,
-    there: Vec<Run>,
-    keep: &(dyn Fn(&[Run]) -> Result<(), Error> + Sync),
+    book: &Book<Run>,
     step: Step<'_>,
 ) -> Result<Vec<Run>, Error> {
     let scene = protocol::scene(bench.laws, law, &tuning.gains)?;
@@ -97,16 +96,15 @@ pub fn test(
         let free = LazyLock::new(|| Ok(at_hand::run(&motion.of(&networks::perfect(&scene)?)?, study.seconds(), None)?));
         let run = |point: usize, over: &Scene| {
             let (network, seed) = (study.networks[study.place(point).network].name.as_str(), over.world.network.seed);
-            let is_it = |run: &&Run| run.motion == motion.name() && run.network == network && run.seed == seed;
-            if let Some(known) = there.iter().find(is_it) {
+            let names = [law.name, gains, motion.name(), network];
+            let [law, point, hands, over_network] = names.map(str::to_owned);
+            if let Some(known) = book.known(&(law, point, hands, over_network, seed)) {
                 return Ok(known.clone());
             }
             let free = free.as_ref().map_err(|error: &Error| error.to_string())?;
             let forces = Some(free).filter(|free| free.outcome.fault.is_none()).map(|free| free.forces.as_slice());
             let found = at_hand::run(over, study.seconds(), forces)?;
-            let row = row([law.name, gains, motion.name(), network], seed, &found, motion);
-            keep(std::slice::from_ref(&row))?;
-            Ok(row)
+            book.kept(row(names, seed, &found, motion))
         };
         let runs = study.each(&run)?;
         step();

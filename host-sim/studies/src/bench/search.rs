@@ -1,10 +1,4 @@
-//! The tuning of a law: so many tunings, the first its own gains, half of them random, the others around the best so far.
-//!
-//! | tunings | gains |
-//! |---|---|
-//! | number 0 | as the law declares them |
-//! | up to half of the budget | points of Sobol's sequence over the ranges of [`protocol::gains`] |
-//! | the rest, in five rounds | the best within one of the bounds, in turn, about half of its gains moved at random: by 0.15 of a range (standard deviation) at first, each round by 0.6 of the last |
+//! The tuning of a law: a search of a study ([`study::around`](crate::study::around)), of which a try is a tuning.
 //!
 //! A tuning **counts** whatever comes of it: gains that the law refuses, gains that are not stable, gains of which a hand feels too much. It is measured no
 //! further than what it fails first:
@@ -23,27 +17,20 @@ use haptic_analysis::{Hands, judge};
 use haptic_core::names::Choice;
 use haptic_core::settings::{LawInfo, Value};
 use haptic_sim::measure::led::felt;
-use haptic_sim::rng::Rng;
 use haptic_sim::run::{Options, Outcome, Verdict, run};
 use haptic_sim::scene::Scene;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::motions::Motion;
 use super::networks::{Network, TUNING};
-use super::protocol::{self, BOUNDS_N_S_PER_M, FREQUENCIES_HZ, Gain, MOST_AT_5_HZ_N_S_PER_M, MOST_MASS_KG};
+use super::protocol::{self, BOUNDS_N_S_PER_M, FREQUENCIES_HZ, MOST_AT_5_HZ_N_S_PER_M, MOST_MASS_KG};
 use super::tables::{self, heading};
 use super::{Bench, Step};
 use crate::Error;
 use crate::campaign::laws::stability::{GROWS, not_linear};
-use crate::sweep::{Design, Kept, Sample};
+use crate::study::around::{Around, Gain, Tried, best};
+use crate::sweep::{Book, Kept};
 
-/// Rounds of the search around the best.
-const ROUNDS: usize = 5;
-/// How far a gain is moved in the first of them (standard deviation), of its range.
-const STEP: f64 = 0.15;
-/// And by how much less in each next one.
-const SHRINK: f64 = 0.6;
 /// Time of the runs, s.
 const PUSHED_S: f64 = 6.0;
 const LED_S: f64 = 3.0;
@@ -94,8 +81,14 @@ impl Tuning {
     pub fn is_within(&self, bound_n_s_per_m: f64) -> bool {
         self.reason.is_empty() && self.worst_mm_per_n.is_finite() && self.excess(bound_n_s_per_m) == 0.0
     }
+}
 
-    /// What the search makes least within a bound: what is admitted before what is not, and that by how far it is from it.
+impl Tried for Tuning {
+    fn gains(&self) -> &str {
+        &self.gains
+    }
+
+    /// What is admitted before what is not, and that by how far it is from it.
     fn cost(&self, bound_n_s_per_m: f64) -> f64 {
         match () {
             () if self.is_within(bound_n_s_per_m) => self.worst_mm_per_n,
@@ -104,12 +97,6 @@ impl Tuning {
             () => 1e9 * (1.0 + self.excess(bound_n_s_per_m)),
         }
     }
-}
-
-/// The best within a bound, the first of equals.
-pub fn best(tunings: &[Tuning], bound_n_s_per_m: f64) -> Option<&Tuning> {
-    let cost = |tuning: &&Tuning| tuning.cost(bound_n_s_per_m);
-    tunings.iter().min_by(|one, other| cost(one).total_cmp(&cost(other)))
 }
 
 /// What is tested of a law: its own gains, and the best within each bound if there is any, by name.
@@ -127,80 +114,31 @@ pub fn point_name(bound_n_s_per_m: f64) -> String {
     format!("≤ {bound_n_s_per_m}")
 }
 
-/// Tunes a law, with what is `there` already; `keep` gets every new tuning.
+/// Tunes a law; what the book holds already is not measured again.
 ///
 /// # Errors
-/// What `keep` refuses, or a law that its own gains do not suit.
-pub fn tune(
-    bench: &Bench,
-    law: &'static LawInfo,
-    there: Vec<Tuning>,
-    keep: &(dyn Fn(&[Tuning]) -> Result<(), Error> + Sync),
-    step: Step<'_>,
-) -> Result<Vec<Tuning>, Error> {
+/// What the book cannot keep, or a law that its own gains do not suit.
+pub fn tune(bench: &Bench, law: &'static LawInfo, book: &Book<Tuning>, step: Step<'_>) -> Result<Vec<Tuning>, Error> {
     let gains = protocol::gains(bench.laws, law)?;
-    let own = protocol::scene(bench.laws, law, "")?;
-    let is_linear = is_linear(&own)?;
-    let spreads = gains.iter().map(|gain| format!("{}=0..1", gain.key).parse()).collect::<Result<Vec<_>, _>>()?;
-    let random = (bench.budget / 2).max(1);
-    let sample = Sample::new(Design::Sobol, random, bench.search_seed, spreads)?;
-    let mut tunings: Vec<Tuning> = Vec::new();
-    let tried = |texts: Vec<String>, tunings: &mut Vec<Tuning>| -> Result<(), Error> {
-        let first = tunings.len();
-        let tune = |(at, gains): (usize, String)| {
-            let number = first + at;
-            // What was found for other gains, as by another search, is no answer.
-            let known = there.iter().find(|tuning| tuning.number == number && tuning.gains == gains).cloned();
-            let tuning = match known {
-                Some(tuning) => tuning,
-                None => {
-                    let tuning = measured(bench, law, is_linear, number, gains)?;
-                    keep(std::slice::from_ref(&tuning))?;
-                    tuning
-                }
-            };
-            step();
-            Ok::<_, Error>(tuning)
-        };
-        let new = texts.into_par_iter().enumerate().map(tune).collect::<Result<Vec<_>, _>>()?;
-        tunings.extend(new);
-        Ok(())
+    let scene = protocol::scene(bench.laws, law, "")?;
+    let is_linear = is_linear(&scene)?;
+    let own = |gain: &Gain| match scene.get(&gain.key) {
+        Some(Value::Number(value)) => value,
+        _ => gain.ends[0],
     };
-    let at = |index: usize| {
-        let value = |(key, gain): (usize, &Gain)| format!("{}={}", gain.key, gain.value(sample.place(key, index)));
-        gains.iter().enumerate().map(value).collect::<Vec<_>>().join(" ")
-    };
-    tried(std::iter::once(String::new()).chain((1..random).map(at)).take(bench.budget).collect(), &mut tunings)?;
-    for round in 0..ROUNDS {
-        let left = bench.budget.saturating_sub(tunings.len());
-        let some = left.div_ceil(ROUNDS - round);
-        let around = |at: usize| {
-            let bound = BOUNDS_N_S_PER_M[at % BOUNDS_N_S_PER_M.len()];
-            let from = best(&tunings, bound).map_or("", |best| &best.gains);
-            let mut random = Rng::new(u64::from(bench.search_seed) << 32 ^ (tunings.len() + at) as u64);
-            moved(&gains, &own, from, STEP * SHRINK.powi(round as i32), &mut random)
+    let own: Vec<f64> = gains.iter().map(own).collect();
+    let (budget, seed) = (bench.budget, bench.search_seed);
+    let search = Around { gains: &gains, own: &own, bounds: &BOUNDS_N_S_PER_M, budget, seed };
+    search.search(&|number, gains| {
+        // What was found for other gains, as by another search, is no answer.
+        let known = book.known(&(law.name.to_owned(), number)).filter(|known| known.gains == gains);
+        let tuning = match known {
+            Some(known) => known.clone(),
+            None => book.kept(measured(bench, law, is_linear, number, gains)?)?,
         };
-        let texts: Vec<String> = (0..some).map(around).collect();
-        tried(texts, &mut tunings)?;
-    }
-    Ok(tunings)
-}
-
-/// These gains, about half of them moved by this share of their ranges (standard deviation), at least one.
-fn moved(gains: &[Gain], own: &Scene, from: &str, by: f64, random: &mut Rng) -> String {
-    let one = random.below(gains.len() as u64) as usize;
-    let of = |(at, gain): (usize, &Gain)| {
-        let set = from.split_whitespace().find_map(|setting| setting.strip_prefix(&gain.key)?.strip_prefix('='));
-        let value = match (set.and_then(|text| text.parse().ok()), own.get(&gain.key)) {
-            (Some(value), _) | (None, Some(Value::Number(value))) => value,
-            _ => gain.ends[0],
-        };
-        let (is_moved, way) = (random.chance(0.5) || at == one, random.normal());
-        let share = gain.share(value.max(gain.ends[0]));
-        let share = if is_moved { (share + by * way).clamp(0.0, 1.0) } else { share };
-        format!("{}={}", gain.key, gain.value(share))
-    };
-    gains.iter().enumerate().map(of).collect::<Vec<_>>().join(" ")
+        step();
+        Ok(tuning)
+    })
 }
 
 /// Whether the analyser's matrices say all of a law: of its own gains they do, and the run is not stable where they say it grows.

@@ -8,10 +8,12 @@
 //! |---|---|
 //! | [`answers`] | of each entrant on each network the best point under bounds, judged on seeds that did not choose it |
 //! | [`halving`] | the search that finds them without all runs |
+//! | [`around`] | the search between the points, which the [bench](crate::bench) tunes laws by |
 //! | [`pairs`] | the entrants' best points beside each other, seed by seed, on networks where both have one |
 //! | [`figure`] | the same as a picture |
 
 pub mod answers;
+pub mod around;
 pub mod figure;
 pub mod halving;
 mod network;

@@ -11,6 +11,7 @@
 //! which a kill may leave, is cut off by the process that goes on, and its run is done again. One process writes a file at a time, which
 //! a lock sees to where the file system has locks. Every file of the folder is read, so that shards know of each other's runs.
 
+use std::collections::BTreeMap;
 use std::fs::{self, File, TryLockError};
 use std::io::{ErrorKind, Write};
 use std::marker::PhantomData;
@@ -110,6 +111,48 @@ impl<R: Kept> Journal<R> {
     pub fn finish(&self) -> Result<(), Error> {
         let (file, _) = &*self.file.lock().unwrap_or_else(PoisonError::into_inner);
         Ok(file.sync_all().map_err(haptic_sim::Error::cannot("write", &self.path.display()))?)
+    }
+}
+
+/// Rows that are found one by one: those that a folder has, and new ones, which it keeps. Without a folder there are none, and nothing is kept.
+#[derive(Debug)]
+pub struct Book<R: Kept> {
+    there: BTreeMap<R::Key, R>,
+    journal: Option<Journal<R>>,
+}
+
+impl<R: Kept> Book<R> {
+    /// As [`Journal::open`], of a study that is in one piece.
+    ///
+    /// # Errors
+    /// The folder holds another question, or a file cannot be read or written.
+    pub fn open(folder: Option<(&Path, &Provenance)>, study: &str) -> Result<Self, Error> {
+        let opened =
+            folder.map(|(folder, question)| Journal::<R>::open(folder, study, question, (1, 1))).transpose()?;
+        let (journal, there) = opened.map_or((None, Vec::new()), |(journal, there)| (Some(journal), there));
+        Ok(Self { there: there.into_iter().map(|row| (row.key(), row)).collect(), journal })
+    }
+
+    /// The row that was there.
+    pub fn known(&self, key: &R::Key) -> Option<&R> {
+        self.there.get(key)
+    }
+
+    /// A new row, kept.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn kept(&self, row: R) -> Result<R, Error> {
+        self.journal.iter().try_for_each(|journal| journal.append(std::slice::from_ref(&row)))?;
+        Ok(row)
+    }
+
+    /// Has everything reach the disk.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn finish(&self) -> Result<(), Error> {
+        self.journal.iter().try_for_each(Journal::finish)
     }
 }
 

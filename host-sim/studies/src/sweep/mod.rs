@@ -33,7 +33,7 @@ use self::row::POINT;
 use super::Error;
 
 pub use self::axis::Axis;
-pub use self::journal::{Journal, Kept, write};
+pub use self::journal::{Book, Journal, Kept, write};
 pub use self::metrics::{METRICS, Metric};
 pub use self::plan::{Keep, Plan, Todo};
 pub use self::row::Row;

@@ -7,10 +7,12 @@ use haptic_core::names::Choice;
 use haptic_sim::measure::{at_hand, led::felt};
 
 use super::motions::Motion;
-use super::search::{best, tune};
+use super::runs::Run;
+use super::search::tune;
 use super::*;
 use crate::campaign::laws::{LADDER, asked_for};
 use crate::networks::Named;
+use crate::study::around::best;
 
 const FEW: &[Named] =
     &[("8 ms", &[]), ("bursts of 40 ms, 20 %", &["network.loss=0.2", "network.loss_burst_packets=40 ms"])];
@@ -22,17 +24,14 @@ fn bench(names: &str, budget: usize) -> Bench {
     Bench { laws, chosen, budget, seeds: 1, search_seed: 1, networks, traces: Vec::new() }
 }
 
-fn keep_none(_: &[Tuning]) -> Result<(), Error> {
-    Ok(())
-}
-
 /// Finding 3 and 10: within the same bound of what a hand feels, and the same number of tunings, the self-timed line is nearer than P+d by far, as the
 /// whole bench and 1,118 tunings of an auditor found.
 #[test]
 fn a_small_budget_finds_the_order_of_the_whole() {
     let bench = bench("self-timed,p-plus-d", 48);
+    let book = Book::open(None, "bench").expect("no folder");
     let tuned: Vec<Vec<Tuning>> =
-        bench.chosen.iter().map(|law| tune(&bench, law, Vec::new(), &keep_none, &|| ()).expect("tunings")).collect();
+        bench.chosen.iter().map(|law| tune(&bench, law, &book, &|| ()).expect("tunings")).collect();
     for bound in [25.0, 50.0] {
         let found =
             |of: &[Tuning]| best(of, bound).filter(|best| best.is_within(bound)).map(|best| best.worst_mm_per_n);
