@@ -8,9 +8,8 @@
 //! Invariants: a refused reading changes nothing, so that a reading after a glitch is measured against the last good
 //! one; the first reading after a default state is position zero.
 //!
-//! Limits: the total is exact to ±2³¹ counts, and refused beyond; in `f32` the position rounds to 24 bits (past 2²⁴
-//! counts, 84 m at the default resolution). Where the fastest plausible step exceeds 2¹⁵ − 1 counts the timer would wrap
-//! unseen, and nothing could tell: [`check`] refuses such settings. Whoever reads counts asks it first.
+//! Limits: the total is exact to ±2³¹ counts, and refused beyond; in `f32` the position rounds to 24 bits (past 2²⁴ counts, 84 m at the default
+//! resolution). Where the fastest plausible step exceeds 2¹⁵ − 1 counts the timer would wrap unseen: [`check`], asked first, refuses such settings.
 
 use crate::device::kinematics::{Joints, KinematicsName};
 use crate::num::Scalar;
@@ -91,8 +90,7 @@ pub const LONE_TICKS: u32 = 4;
 /// Tolerance of the index position, counts: the pulse is at most one period wide, and may be met from either side.
 pub const INDEX_COUNTS: i32 = 4;
 
-/// Refuses an encoder.max_speed_m_per_s at which the counter could wrap between two readings: a motion that fast would be
-/// taken for a slower one, the other way.
+/// Refuses an encoder.max_speed_m_per_s at which the counter could wrap between two readings: it would be taken for a slower one, the other way.
 ///
 /// # Errors
 /// The key and the largest speed (m/s) that the counter can follow.

@@ -77,6 +77,11 @@ impl Firmware {
         Self::read(&path().with_file_name("firmware-moteus"))
     }
 
+    /// The image for encoders on SPI under test, which lies beside it.
+    pub fn spi_encoders() -> Self {
+        Self::read(&path().with_file_name("firmware-spi-encoders"))
+    }
+
     /// The image for the NUCLEO-H753ZI, which lies beside it.
     pub fn second_board() -> Self {
         Self::read(&path().with_file_name("firmware-nucleo-h753zi"))

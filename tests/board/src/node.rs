@@ -15,6 +15,7 @@ use rigless::soc::Width;
 use rigless::time::VirtualNanos;
 
 use crate::image::Firmware;
+use crate::part::as5047p::{self, As5047p, ENCODERS};
 use crate::part::fdcan::BusFault;
 use crate::part::moteus::{Controller, Planted};
 use crate::part::motors::Motors;
@@ -43,6 +44,8 @@ pub struct Inputs {
     pub controller: Option<Planted>,
     /// Counts of the joint for a revolution of that controller's output.
     pub counts_per_rev: Option<f64>,
+    /// What is wrong with the encoder of a joint (from 0) on SPI from now on.
+    pub encoder: Option<(usize, as5047p::Planted)>,
     /// So many triggers do not reach the converter.
     pub misses: Option<u32>,
     /// The chip's supply dips below what its voltage detector is set to.
@@ -84,6 +87,8 @@ pub struct Stopped {
     pub bridges: Bridges,
     /// The motor's controller at the CAN bus, whether the image knows of one or not.
     pub controller: Controller,
+    /// The encoders on SPI, whether the image knows of them or not.
+    pub encoders: [As5047p; ENCODERS],
     /// Watched instructions that were reached.
     pub hits: Vec<Hit>,
     /// Number of resets so far.
@@ -190,6 +195,7 @@ impl Driver<Nucleo> for Stepper {
             frames: std::mem::take(&mut part.dma.sent),
             bridges: part.bridges(stop.at),
             controller: part.can.controller,
+            encoders: part.on_spi().map(|encoder| *encoder),
             hits: std::mem::take(&mut self.hits),
             peeked: std::mem::take(&mut self.peeked),
             resets,
@@ -227,6 +233,9 @@ impl Driver<Nucleo> for Stepper {
         }
         if let Some(counts) = inputs.counts_per_rev {
             part.can.controller.counts_per_rev = counts;
+        }
+        if let Some((joint, planted)) = inputs.encoder {
+            part.on_spi()[joint].planted = planted;
         }
         if let Some(misses) = inputs.misses {
             part.converter.misses = misses;

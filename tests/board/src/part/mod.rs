@@ -8,6 +8,7 @@
 //! | [`iwdg`] | the independent watchdog |
 //! | [`wwdg`] | the window watchdog |
 //! | [`converter`] | the injected group of ADC1 |
+//! | [`as5047p`] | an absolute encoder on each of two SPI |
 //! | [`fdcan`] | FDCAN1, its message memory and the bus behind it |
 //! | [`moteus`] | the motor controller at that bus |
 //! | [`motors`] | what hangs at the bridges: host-sim's plant and windings |
@@ -17,6 +18,7 @@
 //!
 //! On the board: 8 MHz from the ST-LINK, the strap, the emergency stop's contact, the bridges' fault line, the blue button.
 
+pub mod as5047p;
 pub mod converter;
 pub mod encoder;
 pub mod ethernet;
@@ -47,6 +49,7 @@ use rigless::soc::stm32h743::peripherals::usart;
 use rigless::soc::{Bus, Error, Gate as ClockGate, Width, Window};
 use rigless::time::VirtualNanos;
 
+use as5047p::{As5047p, ENCODERS};
 use converter::Converter;
 use encoder::EncoderTimer;
 use ethernet::{Dma, Mac};
@@ -273,6 +276,9 @@ impl Part {
             Tim::new(ADVANCED_TIMERS[0]).breaks_on("RCC", CLOCK_FAILURE).breaks_on("PWR", SUPPLY_LOW);
         // Two chips, two noises: theirs would be the same at every power-on.
         part.chip.rng = Rng::seeded(rng::RESET_AHB_HZ, rng::KERNEL_HZ, 1 + u64::from(strap_to_ground));
+        for (spi, pin, begins) in as5047p::ON {
+            part.chip.spi[spi].attach_selected(As5047p::new(begins), as5047p::select(pin));
+        }
         part.check()?;
         part.wire(VirtualNanos(0));
         Ok(part)
@@ -335,6 +341,12 @@ impl Part {
             console.said.extend(says);
             core::mem::take(&mut console.heard)
         })
+    }
+
+    /// The encoders on SPI.
+    pub fn on_spi(&mut self) -> [&mut As5047p; ENCODERS] {
+        let on = self.chip.spi.get_disjoint_mut(as5047p::ON.map(|(spi, ..)| spi)).expect("each has one of its own");
+        on.map(|spi| spi.chip_mut(0).expect("it was hung there"))
     }
 
     /// The first analogue output, of 4095.
@@ -421,6 +433,9 @@ impl Part {
         let bridges = self.bridges(at);
         let (reads, counts, indexes) = motors.period(at.0, &bridges);
         self.convert(at, reads);
+        // As the counters', whose edges of this period are still to come.
+        let begins = self.encoders.each_ref().map(EncoderTimer::target);
+        self.on_spi().into_iter().zip(begins).for_each(|(encoder, counts)| encoder.counts = counts);
         let moves = counts.into_iter().zip(indexes);
         for ((encoder, slot), (counts, index)) in self.encoders.iter_mut().zip(self.slots.encoders).zip(moves) {
             let (_, mut context) = self.chip.bus_mut().drive(at, slot);
@@ -441,6 +456,7 @@ impl Part {
     /// Moves the encoders to these counts, edge by edge, from `at` on.
     pub fn turn(&mut self, at: VirtualNanos, counts: [i64; MOTORS]) {
         self.can.controller.counts = counts[0];
+        self.on_spi().into_iter().zip(counts).for_each(|(encoder, counts)| encoder.counts = counts);
         for ((encoder, slot), counts) in self.encoders.iter_mut().zip(self.slots.encoders).zip(counts) {
             let (_, mut context) = self.chip.bus_mut().drive(at, slot);
             encoder.turn(counts, &mut context);

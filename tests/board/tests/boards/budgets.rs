@@ -15,7 +15,7 @@ use board_bench::trial;
 use board_bench::wire::Line;
 use haptic_sim::scenes;
 
-use crate::{current_loop, moteus, three_axes};
+use crate::{current_loop, moteus, spi_encoders, three_axes};
 
 /// Of the image's sections.
 fn memory(firmware: &Firmware, measured: &mut Measured) {
@@ -54,6 +54,11 @@ fn instructions(firmware: &Arc<Firmware>, measured: &mut Measured) {
     measured.add("tick_instructions_median.three-axes", three.median);
     measured.add("tick_instructions_max.three-axes", three.max);
     measured.add("itcm_bytes.three-axes", Firmware::three_axes().sections[".itcm"].1 as f64);
+    let (equal, instructions) = spi_encoders::run(1);
+    assert_eq!(equal.first_difference, None, "encoders on SPI");
+    measured.add("tick_instructions_median.spi-encoders", instructions.median);
+    measured.add("tick_instructions_max.spi-encoders", instructions.max);
+    measured.add("itcm_bytes.spi-encoders", Firmware::spi_encoders().sections[".itcm"].1 as f64);
     measured.add("loop_instructions_median", trial.loop_instructions.median);
     measured.add("loop_instructions_max", trial.loop_instructions.max);
 }

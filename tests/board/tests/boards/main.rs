@@ -13,6 +13,7 @@
 //! | [`second_board`] | does the other board's image do what the first's does? |
 //! | [`three_axes`] | do they along three shared axes? |
 //! | [`moteus`] | does a board whose motor has a controller of its own do so, and let go of it? |
+//! | [`spi_encoders`] | does a board with encoders on SPI do so, and see what goes wrong with them? |
 //! | [`clutch`] | does a leader's clutch change the force by no more than its share? |
 //! | [`partner`] | is a board with host-sim's live peer as good as with a board? |
 //! | [`far`] | does it hold one object with a peer far away, by the PC beside it? |
@@ -44,6 +45,7 @@ mod recordings;
 mod rig;
 mod same_bits;
 mod second_board;
+mod spi_encoders;
 mod static_stack;
 mod stop;
 mod store;
