@@ -24,8 +24,10 @@ const SYSCFGEN: u32 = 1 << 1;
 /// The processor's pointer to its vectors.
 const VTOR: u32 = 0xE000_ED08;
 
+/// Has a name in the image for debuggers and tests/board.
+#[unsafe(no_mangle)]
 #[unsafe(link_section = ".uninit.update")]
-static mut LEFT: MaybeUninit<[u32; 2]> = MaybeUninit::uninit();
+static mut LEFT_FOR_START: MaybeUninit<[u32; 2]> = MaybeUninit::uninit();
 
 /// Why it must not be entered, if so.
 pub(crate) fn obstacle() -> Option<&'static str> {
@@ -39,7 +41,7 @@ pub(crate) fn obstacle() -> Option<&'static str> {
 pub(crate) fn enter() -> ! {
     bridges::off();
     // SAFETY: nothing else uses these words.
-    unsafe { (&raw mut LEFT).cast::<[u32; 2]>().write_volatile(WANTED) };
+    unsafe { (&raw mut LEFT_FOR_START).cast::<[u32; 2]>().write_volatile(WANTED) };
     cortex_m::asm::dsb();
     SCB::sys_reset()
 }
@@ -62,7 +64,7 @@ unsafe extern "C" fn __pre_init() {
         "dsb", "isb",
         "bx r1",
         "1: bx lr",
-        left = sym LEFT,
+        left = sym LEFT_FOR_START,
         first_low = const WANTED[0] & 0xFFFF, first_high = const WANTED[0] >> 16,
         second_low = const WANTED[1] & 0xFFFF, second_high = const WANTED[1] >> 16,
         enable_low = const APB4ENR & 0xFFFF, enable_high = const APB4ENR >> 16, syscfg = const SYSCFGEN,

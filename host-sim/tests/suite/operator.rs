@@ -341,34 +341,10 @@ fn a_key_file_of_the_other_role_is_refused_by_name() {
 
 /// A file with a stack and an entry at the beginning of flash, as a linker writes it: its head, one segment, eight bytes.
 fn image_file() -> Vec<u8> {
-    let words: [u32; 25] = [
-        0x464C_457F,
-        0x0001_0101,
-        0,
-        0,
-        0x0028_0002,
-        1,
-        0,
-        52,
-        0,
-        0,
-        0x0020_0034,
-        1,
-        0,
-        1,
-        84,
-        0x0800_0000,
-        0x0800_0000,
-        8,
-        8,
-        5,
-        4,
-        0x2000_C000,
-        0x0800_0299,
-        0,
-        0,
-    ];
-    words[..23].iter().flat_map(|word| word.to_le_bytes()).collect()
+    let head = [0x464C_457F, 0x0001_0101, 0, 0, 0x0028_0002, 1, 0, 52, 0, 0, 0x0020_0034, 1, 0];
+    let segment = [1, 84, 0x0800_0000, 0x0800_0000, 8, 8, 5, 4];
+    let bytes = [0x2000_C000, 0x0800_0299_u32];
+    head.iter().chain(&segment).chain(&bytes).flat_map(|word| word.to_le_bytes()).collect()
 }
 
 #[test]

@@ -142,7 +142,11 @@ impl Bench {
     /// Lets go of the devices: until [`Bench::take_hold`] they are `device` (as the scene has it, when `None`), nobody pushes
     /// them, and what moves them is their own board.
     pub fn let_go(&mut self, device: Option<&Scene>) {
-        let scenes = self.scenes.iter().map(|own| Scene { users: Default::default(), ..device.unwrap_or(own).clone() });
+        let scenes = self.scenes.iter().map(|own| {
+            let mut scene = device.unwrap_or(own).clone();
+            scene.users = Default::default();
+            scene
+        });
         let counts = |index: usize| {
             let now = self.loose.get(index).or(self.devices[index].as_ref());
             now.map_or([0; MOTORS], |device| device.motors().counts)

@@ -107,11 +107,16 @@ impl<'a> Stack<'a> {
         let mut open = vec![self.code.find(entry).ok_or_else(|| format!("the image has no {entry}"))?];
         let mut seen = BTreeMap::new();
         while let Some(at) = open.pop() {
-            if seen.insert(at, self.name(at)).is_none() {
+            if seen.insert(at, self.name(at)).is_none() && !self.takes_none(at) {
                 open.extend(self.callees(at)?);
             }
         }
         Ok(seen)
+    }
+
+    /// Whether a line says that it never stands on the stack.
+    fn takes_none(&self, at: u64) -> bool {
+        self.lines.iter().any(|line| matches!(line, Line::AtMost(name, 0) if self.is(at, name)))
     }
 
     /// Functions whose address is taken and of which no line says who calls them.

@@ -52,7 +52,7 @@ fn an_order_leads_to_the_bootloader_and_only_while_disarmed() {
     assert_eq!(pins, [PORT_F.1]);
     assert!(!bridges.enable && !bridges.outputs, "{bridges:?}");
     // The ROM's own stack, and no word left that leads there again.
-    let left = firmware.address_ending("6update4LEFT");
+    let left = firmware.address("LEFT_FOR_START");
     assert_eq!(bench.peek(1, [u64::from(rom::STACK) - 4, left, left + 4]), [rom::STACK, 0, 0]);
     // No watchdog ends it.
     assert!(!comes_to_the_rom(&mut bench, 200) && bench.stopped[0].resets == 1);
