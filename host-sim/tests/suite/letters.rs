@@ -82,5 +82,5 @@ fn no_letter_of_a_figure_on_a_page_is_smaller_than_six_points() {
 
 #[test]
 fn no_letter_of_a_picture_of_the_docs_is_smaller_than_six_points() {
-    are_readable(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs"), 10);
+    are_readable(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs"), 11);
 }
