@@ -136,6 +136,7 @@ pub enum Symbol {
     Diode,
     Clamp,
     Contact,
+    Button,
     Star,
 }
 

@@ -118,6 +118,11 @@ fn drawn(body: &Body) -> String {
                 half,
             )
         }
+        // Open, and closed by what is pressed.
+        Symbol::Button => {
+            let (hinge, high, rest) = (x - 12.0, y - 9.0, x + 12.0);
+            (format!("M{a:.1} {y:.1}H{hinge:.1}L{:.1} {high:.1}M{rest:.1} {y:.1}H{b:.1}", x + 10.0), half)
+        }
         Symbol::Wire | Symbol::Box => {
             (format!("M{a:.1} {y:.1}H{b:.1}M{a:.1} {:.1}v8M{b:.1} {:.1}v8", y - 4.0, y - 4.0), half)
         }
