@@ -2,7 +2,7 @@
 //!
 //! CSV and Parquet keep every number exactly. CSV writes the shortest decimal that reads back to the same `f64` (`NaN`,
 //! `inf` and `-inf` by name; the payload of a NaN is not kept). Parquet stores a column as what it
-//! [`Holds`], numbers bit for bit, compressed with Snappy, in row groups of [`ROW_GROUP_ROWS`](super::ROW_GROUP_ROWS) rows.
+//! [`Holds`](super::Holds), numbers bit for bit, compressed with Snappy, in row groups of [`ROW_GROUP_ROWS`](super::ROW_GROUP_ROWS) rows.
 //!
 //! **What made them** ([`Provenance`]) stands in a file of the same name with the ending `.toml`, and inside Parquet, SVG and PDF. It
 //! is no comment in CSV: spreadsheets and PlotJuggler take a first line that is no heading for one, and the same data would
