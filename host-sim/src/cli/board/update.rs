@@ -4,13 +4,16 @@ use std::{net::SocketAddr, path::PathBuf};
 
 use clap::Args;
 use haptic_board_tools::{calibrate::board::say, image};
-use haptic_io::Kind;
+use haptic_io::{Kind, Most};
 use haptic_live::operator::Operator;
 use serde_json::json;
 
 use super::operator::address;
 use crate::cli::flags::KeyFile;
 use crate::cli::{Failure, Ui};
+
+/// An image with what a debugger wants of it has some 10 MB.
+const ELF: Most = Most::new(64 << 20, "an image");
 
 #[derive(Debug, Args)]
 #[command(mut_arg("key_file", |arg| arg.help("The operator's key file that the board was provisioned with (`host-sim key generate --operator`)")))]
@@ -29,7 +32,7 @@ impl Update {
     /// Writes the image's bytes beside it, has the board start its bootloader, and says what puts them into it.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let shown = self.image.display();
-        let elf = std::fs::read(&self.image).map_err(haptic_sim::Error::cannot("read", &shown))?;
+        let elf = haptic_io::read(&self.image, ELF).map_err(haptic_sim::Error::cannot("read", &shown))?;
         let bytes = image::flash(&elf).map_err(|why| format!("{shown}: {why}"))?;
         let mut file = self.image.clone().into_os_string();
         file.push(".bin");
