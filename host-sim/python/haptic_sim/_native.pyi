@@ -416,7 +416,7 @@ class Findings:
     def draw(
         self,
         folder: _Path,
-        name: str = "best",
+        name: str = "study-best",
         best: str = "true_discrepancy_mm",
         at_most: dict[str, float] | None = None,
         width_mm: float = 88.0,

@@ -276,7 +276,7 @@ impl Findings {
 
     /// Writes the figure as `name` with .svg, .pdf and .png into a folder, `width_mm` wide (88 is a column of most journals, 180 a page);
     /// gives the paths. Nothing is overwritten.
-    #[pyo3(signature = (folder, name = "best", best = "true_discrepancy_mm", at_most = None, width_mm = 88.0))]
+    #[pyo3(signature = (folder, name = "study-best", best = "true_discrepancy_mm", at_most = None, width_mm = 88.0))]
     fn draw(
         &self,
         folder: PathBuf,
@@ -294,7 +294,7 @@ impl Findings {
         let mut files = Files::new(&folder, name, self.question.clone());
         files.print(Print { width_mm, ..Print::default() });
         for (number, figure) in (1..).zip(self.study.figures(&self.rows, &answers, &goal)) {
-            let other = (number > 1).then(|| format!("{name}-{number}"));
+            let other = (number > 1).then(|| format!("{name}-figure-{number}"));
             files.figure(other.as_deref(), &figure).map_err(failed)?;
         }
         files.write().map_err(failed)

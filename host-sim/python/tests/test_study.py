@@ -54,6 +54,8 @@ def test_a_folder_goes_on_and_a_figure_is_drawn(tmp_path, host_sim):
     found = asked().run(tmp_path, progress=lambda at, total: done.append(total))
     assert set(done) == {24} and pyarrow.parquet.read_table(tmp_path / "study.parquet").num_rows == 48
     paths = found.draw(tmp_path / "figure")
+    # As the command line names it.
+    assert {path.stem for path in paths if path.suffix in (".svg", ".pdf", ".png")} == {"study-best"}
     assert {path.suffix for path in paths} == {".svg", ".pdf", ".png", ".toml"}
     scenes = {"soft": haptic_sim.Scene("any-network", {"user.1.push_n": 1.0}), "as it is": "any-network"}
     assert haptic_sim.Study(scenes, seeds=2, seconds=1.0).points == 2
