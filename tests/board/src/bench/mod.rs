@@ -369,6 +369,25 @@ impl Bench {
         Armed { records, standing: records.iter().take_while(|record| record.tick() < first).count() }
     }
 
+    /// Has what is still in both boards come out: no tick is told after this.
+    pub fn drain(&mut self) {
+        self.send(1, "stream off");
+        self.send(2, "stream off");
+        self.run_for_ms(100);
+    }
+
+    /// Of each of two boards as many ticks from the one that armed it as both have with their devices moving, `least` or more, without a gap.
+    pub fn both_since_armed(&self, least: u64) -> [Armed<'_>; 2] {
+        let whole = [1, 2].map(|number| self.since_armed(number));
+        let length = whole.iter().map(|board| board.records.len() - board.standing).min().unwrap_or(0);
+        assert!(length as u64 >= least, "only {length} ticks were recorded");
+        whole.map(|Armed { records, standing }| {
+            let records = &records[..standing + length];
+            assert!(records.windows(2).all(|two| two[1].tick() == two[0].tick() + 1), "telemetry lost ticks");
+            Armed { records, standing }
+        })
+    }
+
     /// The ticks of a board (1 or 2) along its further shared axes, every one, as it reported them.
     pub fn further(&self, number: usize) -> &[Record] {
         &self.pc.further[number - 1]

@@ -41,6 +41,22 @@ pub(crate) fn armed(firmware: &Arc<Firmware>, scene: &Scene) -> Bench {
     bench
 }
 
+/// Clears what stopped a board's motors, which turns nothing on, and arms it; whether signs had to be checked again, as after a reset or a fault
+/// that puts encoders in doubt.
+pub(crate) fn arm_again(bench: &mut Bench, what: &str) -> bool {
+    assert_eq!(bench.ask(1, "clear"), "ok disarmed", "{what}");
+    bench.run_for_ms(3);
+    assert!(!bench.stopped[0].bridges.on(), "{what}: clearing turned them on");
+    let mut answer = bench.ask(1, "arm");
+    let is_checked = answer.starts_with("error check first: ");
+    if is_checked {
+        assert_eq!(bench.check(1).map_err(|why| why.to_string()), Ok(()), "{what}");
+        answer = bench.ask(1, "arm");
+    }
+    assert_eq!(answer, "ok armed", "{what}");
+    is_checked
+}
+
 #[test]
 fn what_guards_the_outputs_is_set_and_locked() {
     let mut bench = armed(&Arc::new(Firmware::release()), &scene(&[]));

@@ -119,16 +119,7 @@ impl Campaign {
             refusal = answer.trim_start_matches("error ").to_owned();
             bench.run_for_ms(3);
             assert!(!bench.stopped[0].bridges.on(), "{what}: on although refused");
-            assert_eq!(bench.ask(1, "clear"), "ok disarmed", "{what}");
-            bench.run_for_ms(3);
-            assert!(!bench.stopped[0].bridges.on(), "{what}: clearing turned them on");
-            // After a reset, or a fault that puts encoders in doubt, signs are to be checked again.
-            let mut answer = bench.ask(1, "arm");
-            if answer.starts_with("error check first: ") {
-                assert_eq!(bench.check(1).map_err(|why| why.to_string()), Ok(()), "{what}");
-                answer = bench.ask(1, "arm");
-            }
-            assert_eq!(answer, "ok armed", "{what}");
+            breaks::arm_again(&mut bench, what);
             bench.run_for_ms(3);
             assert!(bench.stopped[0].bridges.on(), "{what}: on after clear and arm");
         }

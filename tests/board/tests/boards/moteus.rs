@@ -13,7 +13,7 @@ use board_bench::node::Inputs;
 use board_bench::part::fdcan::BusFault;
 use board_bench::part::moteus::Planted;
 use board_bench::trial;
-use board_bench::twin::{self, Armed, Equal};
+use board_bench::twin::{self, Equal};
 use board_bench::wire::Line;
 use board_bench::{node::Report, reviewed};
 use firmware_parts::moteus::{LOST, WATCHDOG_MS};
@@ -38,18 +38,9 @@ pub(crate) fn run(other: &Scene, seconds: u64) -> (Equal, MedianAndMost, Vec<Rep
     bench.count_instructions();
     bench.run_for_ms(1000 * seconds);
     let instructions = MedianAndMost::of(bench.meters[1].ticks.iter().copied());
-    // What is still in the boards comes out.
-    bench.send(1, "stream off");
-    bench.send(2, "stream off");
-    bench.run_for_ms(100);
+    bench.drain();
     assert!(!bench.stopped[1].controller.pulled, "gains, an integrator, or a watchdog that never ends");
-    let whole = [1, 2].map(|number| bench.since_armed(number));
-    let length = whole.iter().map(|board| board.records.len() - board.standing).min().unwrap_or(0);
-    let boards = whole.map(|board| Armed { records: &board.records[..board.standing + length], ..board });
-    assert!(length as u64 >= 1000 * seconds, "only {length} ticks were recorded");
-    for board in boards {
-        assert!(board.records.windows(2).all(|two| two[1].tick() == two[0].tick() + 1), "telemetry lost ticks");
-    }
+    let boards = bench.both_since_armed(1000 * seconds);
     // They hold it: the cube moves, and both hands feel it.
     let moved = boards
         .map(|board| board.records.iter().map(|record| record.observed().object.position.abs()).fold(0.0, f32::max));
@@ -160,13 +151,7 @@ fn the_torque_is_gone_within_its_time_and_the_cause_is_told() {
         mends(bench.input(1));
         bench.run_for_ms(20);
         assert!(!bench.stopped[0].bridges.on(), "{what}: on again by itself");
-        assert_eq!(bench.ask(1, "clear"), "ok disarmed", "{what}");
-        let mut answer = bench.ask(1, "arm");
-        if answer.starts_with("error check first: ") {
-            assert_eq!(bench.check(1).map_err(|why| why.to_string()), Ok(()), "{what}");
-            answer = bench.ask(1, "arm");
-        }
-        assert_eq!(answer, "ok armed", "{what}");
+        breaks::arm_again(&mut bench, what);
         bench.run_for_ms(20);
         assert!(bench.stopped[0].bridges.on(), "{what}: on after clear and arm");
         bench.finish().iter().for_each(reviewed::check);

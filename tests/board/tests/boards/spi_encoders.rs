@@ -12,7 +12,7 @@ use board_bench::image::Firmware;
 use board_bench::part::as5047p::Planted;
 use board_bench::reviewed;
 use board_bench::trial;
-use board_bench::twin::{self, Armed, Equal};
+use board_bench::twin::{self, Equal};
 use board_bench::wire::Line;
 use firmware_parts::as5047p::BAD;
 
@@ -36,16 +36,9 @@ pub(crate) fn run(seconds: u64) -> (Equal, MedianAndMost) {
     bench.count_instructions();
     bench.run_for_ms(1000 * seconds);
     let instructions = MedianAndMost::of(bench.meters[1].ticks.iter().copied());
-    // What is still in the boards comes out.
-    bench.send(1, "stream off");
-    bench.send(2, "stream off");
-    bench.run_for_ms(100);
-    let whole = [1, 2].map(|number| bench.since_armed(number));
-    let length = whole.iter().map(|board| board.records.len() - board.standing).min().unwrap_or(0);
-    let boards = whole.map(|board| Armed { records: &board.records[..board.standing + length], ..board });
-    assert!(length as u64 >= 1000 * seconds, "only {length} ticks were recorded");
+    bench.drain();
+    let boards = bench.both_since_armed(1000 * seconds);
     for board in boards {
-        assert!(board.records.windows(2).all(|two| two[1].tick() == two[0].tick() + 1), "telemetry lost ticks");
         // They hold it: the cube moves, and both hands feel it.
         let moved = board.records.iter().map(|record| record.observed().object.position.abs()).fold(0.0, f32::max);
         assert!(moved > 0.001, "{moved}");
@@ -154,11 +147,7 @@ fn the_motors_are_off_within_their_time_and_the_cause_is_told() {
         bench.input(1).encoder = Some((0, Planted::None));
         bench.run_for_ms(20);
         assert!(!bench.stopped[0].bridges.on(), "{what}: on again by itself");
-        assert_eq!(bench.ask(1, "clear"), "ok disarmed", "{what}");
-        // It may have lost count: signs are to be checked again.
-        assert!(bench.ask(1, "arm").starts_with("error check first: "), "{what}");
-        assert_eq!(bench.check(1).map_err(|why| why.to_string()), Ok(()), "{what}");
-        assert_eq!(bench.ask(1, "arm"), "ok armed", "{what}");
+        assert!(breaks::arm_again(&mut bench, what), "{what}: it may have lost count, and nobody checked signs again");
         bench.run_for_ms(20);
         assert!(bench.stopped[0].bridges.on(), "{what}: on after clear, check and arm");
         bench.finish().iter().for_each(reviewed::check);
