@@ -3,9 +3,9 @@
 //! The instruction cache is on; the data cache is off, so that the Ethernet DMA and the processor always see the same
 //! bytes. The tick does not miss it: its code is in ITCM and its data in DTCM, which have no cache. The MPU marks the
 //! Ethernet memory non-cacheable all the same, so that turning the data cache on stays harmless, makes ITCM read-only
-//! once filled, and puts a guard under the stack: an overflow is a fault, not a corrupted neighbour. Nothing is executed from the second
-//! bank of flash, where the settings are, and nothing is read from where external memories would be: the processor may read ahead
-//! in normal memory, and there none answers.
+//! once filled and the program in flash for good, and puts a guard under the stack: an overflow is a fault, not a corrupted neighbour.
+//! Nothing is executed from data or from the second bank of flash, where the settings are, and nothing is read from where external
+//! memories would be: the processor may read ahead in normal memory, and there none answers.
 
 use core::ptr::addr_of;
 
@@ -48,12 +48,17 @@ const NO_ACCESS: u32 = 1 << 28;
 const READ_ONLY: u32 = 0b110 << 24 | 0b001 << 19;
 /// Normal memory, not cacheable, readable and writable, never executed.
 const NOT_CACHED: u32 = 1 << 28 | 0b011 << 24 | 0b001 << 19;
+/// Read and execute only, through the instruction cache.
+const PROGRAM: u32 = 0b110 << 24 | 1 << 17;
 
 /// Sets up the MPU and the instruction cache.
 pub(crate) fn protect() {
+    // Where two overlap, the later decides: the guard lies in DTCM.
     let regions = [
+        Region { base: 0x2000_0000, size: 128 * 1024, attributes: NOT_CACHED },
         Region { base: addr_of!(_stack_guard) as u32, size: 256, attributes: NO_ACCESS },
         Region { base: 0, size: 64 * 1024, attributes: READ_ONLY },
+        Region { base: 0x0800_0000, size: 1024 * 1024, attributes: PROGRAM },
         Region { base: 0x2400_0000, size: 512 * 1024, attributes: NOT_CACHED },
         Region { base: 0x0810_0000, size: 1024 * 1024, attributes: NOT_CACHED },
         Region { base: 0x6000_0000, size: 512 * 1024 * 1024, attributes: NO_ACCESS },

@@ -83,29 +83,39 @@ fn what_a_start_leaves_in_the_chip() {
     docs::table("one_board", "| image for motors | of the chip | is |", &rows);
 }
 
-/// The two banks of flash are two memories to the MPU: what lies beside the settings is never executed, and the fault says that it was refused
-/// and not that it was no instruction.
+/// What lies beside the settings or in data is never executed, and the program is never written over; the fault says that it was refused and
+/// not that it was no instruction.
 #[test]
-fn nothing_is_executed_from_the_bank_of_settings() {
+fn what_is_no_program_is_not_executed_and_what_is_stays_as_it_is() {
     const BANK_2: u64 = 0x0810_0000;
-    // b . in the first word of a bank that is blank, and ldr.w pc, [pc] to it.
-    let first = [(BANK_2, 0xE7FE_E7FE)];
+    // The last words of DTCM, which nothing of the image lies in.
+    const DATA: u64 = 0x2001_FFF0;
+    // b .
+    let ahead = [(BANK_2, 0xE7FE_E7FE), (DATA, 0xE7FE_E7FE)];
     let firmware = Arc::new(Firmware::release());
-    let mut bench = Bench::start_with(&firmware, 1, Line::default(), &first);
-    let supervisor = firmware.address("UART4");
-    let words = [0xF000_F8DF, BANK_2 as u32 | 1];
-    bench.input(1).poke.extend((supervisor..).step_by(4).zip(words));
-    bench.run_for_ms(10);
-    assert!(bench.stopped[0].resets > 0, "at once, and not by a watchdog");
-    let sound = [0, 4].map(|offset| (supervisor + offset, firmware.word(supervisor + offset)));
-    bench.input(1).poke.extend(sound);
-    bench.run_for_ms(1300);
-    bench.align(&firmware);
-    bench.meet(1);
-    let status = bench.ask(1, "status");
-    // IACCVIOL alone.
-    assert!(status.contains("refused an instruction") && status.contains(", cfsr 0x1,"), "{status}");
-    bench.finish();
+    // ldr.w pc, [pc] to it; ldr r0, [pc] and str r0, [r0].
+    let goes = |to: u64| [0xF000_F8DF, to as u32 | 1];
+    // IACCVIOL alone; DACCVIOL, and its address is known.
+    for (what, words, cfsr) in [
+        ("the bank of settings", goes(BANK_2), "0x1"),
+        ("data", goes(DATA), "0x1"),
+        ("writing to the program", [0x6000_4800, 0x0800_0000], "0x82"),
+    ] {
+        let mut bench = Bench::start_with(&firmware, 1, Line::default(), &ahead);
+        let supervisor = firmware.address("UART4");
+        bench.input(1).poke.extend((supervisor..).step_by(4).zip(words));
+        bench.run_for_ms(10);
+        assert!(bench.stopped[0].resets > 0, "{what}: at once, and not by a watchdog");
+        let sound = [0, 4].map(|offset| (supervisor + offset, firmware.word(supervisor + offset)));
+        bench.input(1).poke.extend(sound);
+        bench.run_for_ms(1300);
+        bench.align(&firmware);
+        bench.meet(1);
+        let status = bench.ask(1, "status");
+        let refused = status.contains("refused an instruction") && status.contains(&format!(", cfsr {cfsr},"));
+        assert!(refused, "{what}: {status}");
+        bench.finish();
+    }
 }
 
 /// Why: the time driver began half a round ahead, so that time went back by 65 ms wherever somebody looked at it between the start of a
