@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use haptic_analysis::Analysis;
 use haptic_core::law::Promise;
 use haptic_core::safety::Fault;
 use haptic_core::settings::Refused;
@@ -16,7 +17,7 @@ use haptic_sim::{of_axes, user::Trace, user::User};
 
 use crate::entrant::Entrant;
 use crate::study::{Place, Study};
-use crate::sweep::Plan;
+use crate::sweep::{Plan, unstable_modes};
 use crate::{Error, estimate::Estimate};
 
 /// Simulated time of a run, s.
@@ -54,6 +55,8 @@ pub struct Cell {
     pub passive: bool,
     /// What the runs gave, seed by seed.
     pub outcomes: Vec<Outcome>,
+    /// The modes in which the scene over this network is not stable, as [`crate::sweep::Row::unstable_modes`].
+    pub unstable_modes: String,
     /// What a slow swing shows of a scene that is stable, its delay less the network's own; of [`super::costs`] only.
     pub swing: Option<Felt>,
     /// Common pushes, seed by seed; none of one in which a peer stopped.
@@ -189,6 +192,7 @@ pub(super) fn of(study: &Study, periods: u32) -> Result<Vec<Cell>, Error> {
             network: study.networks[network].name.clone(),
             passive: is_passive(&scene),
             outcomes,
+            unstable_modes: unstable_modes(&Analysis::of(&scene)?),
             swing: None,
             pushes,
             free_displacement_m: free_m[entrant],

@@ -11,6 +11,7 @@
 //! | column | what | ideal |
 //! |---|---|---|
 //! | verdict | the worst of the seeds, and how many of them had it | stable |
+//! | every mode | whether the analyser says stable with both hands on, one and none: nobody lets go in these runs | true |
 //! | true | mean of \|x_o1 − x_o2\| over the last half of [`DURATION_S`]: mean over the seeds and half of its 95 % interval (Student) | F/K_T + F·T/b |
 //! | worst | the largest of it at any instant of any seed | |
 //! | channel | what a peer took from the network over what the other one gave to it, worst direction and seed: above 1 the network makes energy, which is what a hand feels as an object that comes alive (THEORY §5) | ≤ 1 |
@@ -46,6 +47,7 @@ use super::Error;
 use crate::entrant::Entrant;
 use crate::networks::{self, Named};
 use crate::study::{Over, Study};
+use crate::sweep::{EVERY_MODE, UNSTABLE_MODES};
 
 pub use self::cells::{Cell, DURATION_S, PUSH_N, PUSH_S, REST_S, SEEDS};
 
@@ -197,6 +199,12 @@ fn runs<'a>(rows: Rows<'a, Cell>) -> Rows<'a, Cell> {
         .data_only()
         .value("verdict", Cell::verdict)
         .means("the worst of the seeds (stable, apart, NO), and how many of them had it")
+        .value("every_mode_stable", |cell| cell.unstable_modes.is_empty())
+        .means(EVERY_MODE)
+        .head("every mode")
+        .value("unstable_modes", |cell| Some(cell.unstable_modes.as_str()).filter(|modes| !modes.is_empty()))
+        .means(UNSTABLE_MODES)
+        .data_only()
         .number("true_discrepancy_mm", 2, |cell| cell.true_discrepancy_mm().map(|estimate| estimate.mean))
         .means("mean of |x_o1 - x_o2| over the last half, mean over the seeds")
         .head("true")

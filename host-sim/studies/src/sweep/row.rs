@@ -39,7 +39,7 @@ pub struct Row {
 pub(crate) const EVERY_MODE: &str = "whether the scene is stable with both hands on, one and none, at every delay that its network can have, \
                                      and at the walls that it can meet; of the run alone speaks stable";
 /// What `unstable_modes` means.
-pub(super) const UNSTABLE_MODES: &str = "which of these are not: whose hands are on (both, one, none)";
+pub(crate) const UNSTABLE_MODES: &str = "which of these are not: whose hands are on (both, one, none)";
 
 impl Row {
     /// What came of the run of a scene.
