@@ -93,7 +93,7 @@ commands! {
     Command {
         /// The cooperation paper's experiments, Figures 6-9 and its table of gains, beside the paper's own numbers.
         Paper(paper::Paper),
-        /// Every table and figure of both papers, with a verdict on each claim: matched, not matched and why, not testable.
+        /// Every table and figure of both papers, with a verdict on each claim: matched, holds in part, not matched, circular, not testable.
         Reproduce(reproduce::Reproduce),
         /// Hold it yourself: one object, two people in two browser windows or one and a partner, in real time on a page of this machine.
         Play(play::Play),

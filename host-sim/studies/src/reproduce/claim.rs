@@ -103,8 +103,9 @@ impl Claim {
     }
 }
 
-/// The claims of one paper.
-pub(super) fn of(paper: &'static str, claims: Vec<Claim>) -> Vec<Claim> {
+/// The claims of one paper, section by section.
+pub(super) fn of(paper: &'static str, mut claims: Vec<Claim>) -> Vec<Claim> {
+    claims.sort_by_key(|claim| claim.place.split(',').next());
     claims.into_iter().map(|claim| Claim { paper, ..claim }).collect()
 }
 
