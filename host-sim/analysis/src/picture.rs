@@ -36,7 +36,7 @@ pub fn region(title: &str, map: &Map) -> Figure {
 /// The cooperation paper's Figure 4.
 pub fn figure4(curves: &[(Curve, Map)]) -> Figure {
     let titles = ["(a) Power-domain", "(b) Traditional wave", "(c) Passive wave"];
-    let dashes = [Dash::Solid, Dash::Dashed, Dash::Dotted, Dash::Solid];
+    let dashes = [Dash::Solid, Dash::Dashed, Dash::Dotted, Dash::DashDot];
     let per_panel = figure4::DELAYS.len();
     let panel = |(title, curves): (&str, &[(Curve, Map)])| Panel {
         title: title.to_owned(),

@@ -21,6 +21,9 @@ const SMALL: f64 = 0.75;
 /// Between words, in ems.
 const SPACE: f64 = 0.3;
 
+/// A space at which no line is broken.
+const NO_BREAK: char = '\u{a0}';
+
 /// The font at an em of `size` pixels.
 pub(crate) fn font(size: f64) -> FontDesc<'static> {
     static REGISTERED: Once = Once::new();
@@ -92,7 +95,7 @@ pub(crate) fn words(text: &str, size: f64) -> (Vec<Word>, f64) {
             Level::Above => 0.38,
         };
         let small = if level == Level::Base { size } else { (SMALL * size).max(LEAST.min(size)) };
-        for (i, text) in run.split(' ').enumerate() {
+        for (i, text) in run.split([' ', NO_BREAK]).enumerate() {
             x += if i > 0 { SPACE * size } else { 0.0 };
             let guess = 0.5 * MEASURE * text.chars().count() as f64;
             let measured = font(MEASURE).box_size(text).map_or(guess, |(width, _)| f64::from(width));
@@ -111,10 +114,11 @@ pub(crate) fn width(text: &str, size: f64) -> f64 {
     words(text, size).1
 }
 
-/// The text in lines no wider than `limit`, broken at spaces; a single longer word stays whole.
+/// The text in lines no wider than `limit`, broken at spaces that may be broken; a single longer word stays whole.
 pub(crate) fn wrap(text: &str, size: f64, limit: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
-    for word in text.split_whitespace() {
+    let words = text.split(|letter: char| letter.is_whitespace() && letter != NO_BREAK);
+    for word in words.filter(|word| !word.is_empty()) {
         // A word that fits on no line may be broken after a hyphen.
         let parts: Vec<&str> = if width(word, size) > limit { word.split_inclusive('-').collect() } else { vec![word] };
         for (at, part) in parts.into_iter().enumerate() {

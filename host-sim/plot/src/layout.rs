@@ -3,8 +3,9 @@
 //! All frames of a sheet are equally large. A column is as far from its left neighbour as its own tick texts and label need; a row is as
 //! high as its headings and axis texts need. In a row that shares its vertical axis only the first panel carries its texts; of panels
 //! below each other with the same horizontal axis only the lowest does. If a legend would cover data, every vertical range of its group
-//! found from data is widened upwards once, until the legend is clear; a legend that would take more than a third of its panel, or that
-//! covers data in a range that was given, stands below all panels instead.
+//! found from data is widened upwards once, until the legend is clear; a legend that would take more than a third of its panel, that is
+//! wider than its panel, or that covers data in a range that was given, stands below all panels instead: of several, each under its axis'
+//! name. Where panels would be narrow, fewer stand beside each other, unless a row shares its axis.
 
 use super::error::Cause;
 use super::range::{self, Axes};
@@ -21,6 +22,8 @@ const CAPTION: f64 = 21.0;
 const LEADING: f64 = 1.3;
 /// Between two frames side by side, and two rows.
 const GAP: f64 = 46.0;
+/// Width of a sheet for each of its columns of panels, with what stands around them, where it is free to have fewer.
+const NARROWEST: f64 = 330.0;
 /// Share of a panel that a legend may take above the data.
 const TALL: f64 = 1.0 / 3.0;
 
@@ -47,13 +50,16 @@ pub(crate) fn sheet(figure: &Figure, print: Print) -> Result<Sheet, Cause> {
         // The note stays with its panel.
         let inside = if *tall { &Panel { series: Vec::new(), ..panel.clone() } } else { panel };
         if let Some(spot) = legend::place(inside, &slot.frame, &drawing.obstacles) {
-            writer.0.extend(legend::marks(inside, spot.area));
+            writer.0.extend(legend::marks(inside, &slot.frame, spot.area));
         }
         writer.around(axes, slot);
     }
     let mut base = bottom + 6.0;
-    for (panel, _) in figure.panels.iter().zip(&tall).filter(|(_, tall)| **tall) {
-        let (marks, end) = legend::below(panel, base, (MARGIN, width - MARGIN));
+    let below = figure.panels.iter().zip(&tall).filter(|(panel, tall)| **tall && legend::has_labels(panel));
+    let below: Vec<&Panel> = below.map(|(panel, _)| panel).collect();
+    for panel in &below {
+        let name = if below.len() > 1 { &*panel.y_label } else { "" };
+        let (marks, end) = legend::below(panel, name, base, (MARGIN, width - MARGIN));
         writer.0.extend(marks);
         base = end + 6.0;
     }
@@ -101,7 +107,8 @@ fn room(label: &[String]) -> f64 {
 /// All panels' slots, the first row starting at `top`, and where the last row ends.
 fn slots(figure: &Figure, axes: &[Axes], top: f64, width: f64) -> (Vec<Slot>, f64) {
     let count = figure.panels.len();
-    let columns = figure.columns.max(1).min(count.max(1));
+    let fitting = if figure.share_y == ShareY::Rows { count } else { (width / NARROWEST) as usize };
+    let columns = figure.columns.min(fitting).clamp(1, count.max(1));
     let rows = count.div_ceil(columns);
     let room = width - 2.0 * MARGIN - GAP * columns as f64;
     let height = (room / columns as f64 * if rows > 1 { 0.62 } else { 0.74 }).clamp(250.0, 640.0).round();
@@ -138,6 +145,12 @@ fn slots(figure: &Figure, axes: &[Axes], top: f64, width: f64) -> (Vec<Slot>, f6
         .collect();
     let width = ((room - beside.iter().sum::<f64>()) / columns as f64).max(60.0);
     let mut top = top;
+    // With what stands around them known, texts are broken anew where less is left than was thought.
+    for ((slot, panel), axis) in slots.iter_mut().zip(&figure.panels).zip(axes).filter(|_| width < rough) {
+        slot.x_ticks = x_ticks(panel, &axis.x, width);
+        slot.heading = font::wrap(&panel.title, HEADING, width + GAP / 2.0);
+        slot.x_label = font::wrap(&panel.x_label, LEAST, width);
+    }
     for (row, slots) in slots.chunks_mut(columns).enumerate() {
         let heading = slots.iter().map(|s| s.heading.len()).max().unwrap_or(0) as f64;
         top += if row == 0 { 6.0 } else { 0.0 } + LEADING * HEADING * heading + 8.0;
@@ -168,15 +181,21 @@ fn x_ticks(panel: &Panel, scale: &Scale, width: f64) -> Vec<(f64, Vec<String>)> 
         })
     };
     let most = (width / 75.0).min(12.0) as usize;
-    let ticks = (2..=most.max(2)).rev().map(|count| scale.ticks(count)).find(fits).unwrap_or_else(|| scale.ticks(1));
+    let ticks = (2..=most.max(2)).rev().map(|count| scale.ticks(count)).find(fits);
+    // Where no two fit beside each other there is one.
+    let ticks = ticks.unwrap_or_else(|| scale.ticks(1).into_iter().take(1).collect());
     ticks.into_iter().map(|(v, text)| (v, vec![text])).collect()
 }
 
-/// The height of its panel that each legend needs above the data, as a fraction; 0 where it finds room between them.
+/// The height of its panel that each legend needs above the data, as a fraction; 0 where it finds room between them, without end where its
+/// panel is too narrow.
 fn needs(figure: &Figure, axes: &[Axes], width: f64) -> Vec<f64> {
     let (slots, _) = slots(figure, axes, 0.0, width);
     let need = |((panel, axes), slot): ((&Panel, &Axes), &Slot)| {
         let drawing = panel::draw(panel, axes, &slot.frame, &[], &[]);
+        if legend::is_wide(panel, &slot.frame) {
+            return f64::INFINITY;
+        }
         let covers = legend::place(panel, &slot.frame, &drawing.obstacles).is_some_and(|spot| spot.covered > 0);
         if covers && !panel.off_scale { legend::headroom(panel, &slot.frame) } else { 0.0 }
     };

@@ -2,7 +2,8 @@
 //!
 //! The series with a label, then the panel's note, stand in one box. Of a raster of places inside the frame the box takes the one that
 //! covers the fewest obstacles (points of the drawn data), corners first. [`Spot::covered`] tells the layout when even that one covers
-//! data, so that it can make room above them, or write the series in columns below all panels ([`below`]).
+//! data, so that it can make room above them, or write the series in columns below all panels ([`below`]), as it does with a box that is
+//! wider than its panel.
 
 use super::sheet::{ALERT, Anchor, Dash, Frame, GRID, INK, Mark, PAPER, Point, color};
 use super::{Panel, Series, Shape, font, panel};
@@ -25,20 +26,37 @@ pub(crate) struct Spot {
     pub(crate) covered: usize,
 }
 
+/// The panel's note in lines that fit into its frame.
+fn note(panel: &Panel, frame: &Frame) -> Vec<String> {
+    let room = frame.width() - 2.0 * (CLEARANCE + PADDING);
+    panel.note.iter().flat_map(|note| font::wrap(note, SIZE, room)).collect()
+}
+
 /// Width and height of a panel's box; `None` if there is nothing to write.
-pub(crate) fn size(panel: &Panel) -> Option<(f64, f64)> {
+fn size(panel: &Panel, frame: &Frame) -> Option<(f64, f64)> {
     let labels = labelled(panel).map(|series| SAMPLE + font::width(&series.label, SIZE));
-    let note = panel.note.iter().map(|note| font::width(note, SIZE));
+    let note = note(panel, frame).into_iter().map(|line| font::width(&line, SIZE));
     let widths: Vec<f64> = labels.chain(note).collect();
     let widest = widths.iter().copied().reduce(f64::max)?;
     Some((widest + 2.0 * PADDING, widths.len() as f64 * LINE + 2.0 * PADDING - 4.0))
+}
+
+/// Whether a series of the panel has a label.
+pub(crate) fn has_labels(panel: &Panel) -> bool {
+    labelled(panel).next().is_some()
+}
+
+/// Whether the labels of the panel's series are too long for a box in it.
+pub(crate) fn is_wide(panel: &Panel, frame: &Frame) -> bool {
+    labelled(panel)
+        .any(|series| SAMPLE + font::width(&series.label, SIZE) + 2.0 * (PADDING + CLEARANCE) > frame.width())
 }
 
 /// The best place in the frame for the panel's box.
 pub(crate) fn place(panel: &Panel, frame: &Frame, obstacles: &[Point]) -> Option<Spot> {
     const COLUMNS: usize = 12;
     const ROWS: usize = 8;
-    let (width, height) = size(panel)?;
+    let (width, height) = size(panel, frame)?;
     let room = Frame {
         left: frame.left + CLEARANCE,
         top: frame.top + CLEARANCE,
@@ -61,11 +79,11 @@ pub(crate) fn place(panel: &Panel, frame: &Frame, obstacles: &[Point]) -> Option
 
 /// The height above the data that makes room for the panel's box, as a fraction of the frame.
 pub(crate) fn headroom(panel: &Panel, frame: &Frame) -> f64 {
-    size(panel).map_or(0.0, |(_, height)| (height + 2.0 * CLEARANCE) / frame.height())
+    size(panel, frame).map_or(0.0, |(_, height)| (height + 2.0 * CLEARANCE) / frame.height())
 }
 
-/// The box at its place.
-pub(crate) fn marks(panel: &Panel, area: Frame) -> Vec<Mark> {
+/// The box at its place in the frame.
+pub(crate) fn marks(panel: &Panel, frame: &Frame, area: Frame) -> Vec<Mark> {
     let mut marks = vec![
         Mark::Fill { frames: vec![area], color: PAPER, opacity: 0.88 },
         Mark::Line { points: area.outline(), color: GRID, width: 1.0, dash: Dash::Solid },
@@ -75,12 +93,22 @@ pub(crate) fn marks(panel: &Panel, area: Frame) -> Vec<Mark> {
         marks.extend(entry(series, (left, base)));
         base += LINE;
     }
-    marks.extend(panel.note.iter().map(|note| Mark::text((left, base), Anchor::Start, SIZE, ALERT, note)));
+    for line in note(panel, frame) {
+        marks.push(Mark::text((left, base), Anchor::Start, SIZE, ALERT, &line));
+        base += LINE;
+    }
     marks
 }
 
-/// The series with a label in columns, read downwards, from `top` on between two margins; and where they end.
-pub(crate) fn below(panel: &Panel, top: f64, (left, right): (f64, f64)) -> (Vec<Mark>, f64) {
+/// The series with a label in columns, read downwards, from `top` on between two margins, under the name of what they are of if it has
+/// one; and where they end.
+pub(crate) fn below(panel: &Panel, name: &str, top: f64, (left, right): (f64, f64)) -> (Vec<Mark>, f64) {
+    let mut marks = Vec::new();
+    let mut top = top;
+    if !name.is_empty() {
+        top += LINE;
+        marks.push(Mark::text((left, top), Anchor::Start, SIZE, INK, name));
+    }
     let widest = labelled(panel).map(|series| SAMPLE + font::width(&series.label, SIZE)).fold(1.0, f64::max);
     let count = labelled(panel).count();
     let columns = (((right - left) / (widest + SAMPLE)) as usize).clamp(1, count.max(1));
@@ -88,7 +116,7 @@ pub(crate) fn below(panel: &Panel, top: f64, (left, right): (f64, f64)) -> (Vec<
     let place = |at: usize| {
         (left + (right - left) * (at / rows) as f64 / columns as f64, top + LINE * ((at % rows) as f64 + 1.0))
     };
-    let marks = labelled(panel).enumerate().flat_map(|(at, series)| entry(series, place(at))).collect();
+    marks.extend(labelled(panel).enumerate().flat_map(|(at, series)| entry(series, place(at))));
     (marks, top + LINE * rows as f64)
 }
 

@@ -55,8 +55,10 @@ impl Scale {
 
     /// Labelled ticks inside the range, about `count` of them, with their texts.
     pub(crate) fn ticks(&self, count: usize) -> Vec<(f64, String)> {
-        let decades = if self.log { self.decade_ticks(count) } else { Vec::new() };
-        if decades.len() >= 2 { decades } else { self.even_ticks(count) }
+        // One tick is no scale: then more are asked for.
+        let two = |of: &dyn Fn(usize) -> Vec<(f64, String)>| (count..=3 * count + 3).map(of).find(|it| it.len() >= 2);
+        let decades = || two(&|count| self.decade_ticks(count)).filter(|_| self.log);
+        decades().or_else(|| two(&|count| self.even_ticks(count))).unwrap_or_default()
     }
 
     /// Unlabelled ticks at 2…9 times the powers of ten; none on a linear axis or over more than six decades.

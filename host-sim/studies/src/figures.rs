@@ -99,7 +99,7 @@ fn column(title: &str, outcome: &Outcome, peer: usize, look: Look) -> [Panel; 4]
             title,
             "Position (mm)",
             vec![
-                Series::line(label("hand"), 4, hand),
+                Series::dashed(label("hand"), 4, Dash::DashDot, hand),
                 Series::line(label("local copy"), 0, from_there(local, zero)),
                 Series::dashed(label("remote copy, decoded here"), 1, Dash::Dashed, decoded),
                 Series::dashed(label("remote copy, true"), 2, Dash::Dotted, remote),
@@ -110,7 +110,7 @@ fn column(title: &str, outcome: &Outcome, peer: usize, look: Look) -> [Panel; 4]
             "Force on the copy (N)",
             vec![
                 Series::line(label("coordination"), 0, force("coordination")),
-                Series::line(label("contact"), 4, force("contact")),
+                Series::dashed(label("contact"), 4, Dash::Dashed, force("contact")),
             ],
         ),
         panel("", "Discrepancy (mm)", discrepancies),
@@ -161,7 +161,8 @@ fn title(experiment: &Experiment) -> String {
         "passive-wave" => "Passive wave",
         other => other,
     };
-    format!("{name}, K_T = {} N/m", experiment.coordination_stiffness_n_per_m)
+    // What belongs together is not broken.
+    format!("{name}, K_T\u{a0}= {}\u{a0}N/m", experiment.coordination_stiffness_n_per_m)
 }
 
 /// Figures 6 to 9 of the cooperation paper and one of position coherency, each with its name.
@@ -194,12 +195,16 @@ pub fn paper(experiments: &[Experiment]) -> Vec<(&'static str, Figure)> {
     ]
 }
 
-/// Figure 8: coordination forces at peer 2.
+/// Figure 8: coordination forces at peer 2, each line broken as in the paper.
 fn forces(runs: &[&Experiment]) -> Figure {
+    let dashes = [Dash::DashDot, Dash::Dashed, Dash::Solid];
     let series = runs
         .iter()
+        .zip(dashes)
         .enumerate()
-        .map(|(at, one)| Series::line(title(one), at, over_time(&one.outcome, 0, "coordination_2_n", 1.0)))
+        .map(|(at, (one, dash))| {
+            Series::dashed(title(one), at, dash, over_time(&one.outcome, 0, "coordination_2_n", 1.0))
+        })
         .collect();
     Figure {
         title: "Figure 8: coordination force on the local copy at peer 2, 16 ms round trip".to_owned(),

@@ -289,7 +289,7 @@ pub fn figure(curves: &[Curve]) -> Figure {
             lines.iter().flat_map(move |(of, dash, name)| {
                 let label = if legend { format!("{} ms, {name}", curve.round_trip_ms) } else { String::new() };
                 [
-                    Series::dashed(label, colour, *dash, points(*of).collect()),
+                    Series::dashed(label, colour, *dash, points(*of).collect()).wide(1.6 + 1.4 * colour as f64),
                     Series::dots("", colour, runs(*of).collect(), Vec::new()),
                 ]
             })
@@ -321,7 +321,7 @@ pub fn figure(curves: &[Curve]) -> Figure {
     Figure {
         title: "What a leader and a follower feel of each other".to_owned(),
         caption: format!(
-            "Lines: analysed in frequency, dots: measured in time with a hand of up to {} mm/s, in the world's units; one colour a round trip. \
+            "Lines: analysed in frequency, dots: measured in time with a hand of up to {} mm/s, in the world's units; one colour and width a round trip. \
              What can be felt lies between the impedance of a far device that is held and of one that is alone. Errors are \
              |x_1 - x_2|/|x_1| and |F_1 - F_2|/|F_2|.",
             1e3 * SPEED_M_PER_S

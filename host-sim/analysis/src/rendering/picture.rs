@@ -10,19 +10,21 @@ use super::{Body, Place, Rendering};
 const STIFFNESS: (f64, f64) = (0.0, 1000.0);
 const TIME_MS: (f64, f64) = (0.0, 80.0);
 
-/// Name, colour and dash of a curve. Of two curves that lie on each other the second is dotted, so that both are seen.
+/// Name, colour and dash of a curve: objects solid, walls dashed, delays of the dynamics engine dash-dotted. Of two curves that lie on each
+/// other the second is dotted, so that both are seen.
 fn look(curve: &Curve) -> (String, usize, Dash) {
     let against = if curve.wall { "wall" } else { "object" };
     match curve.sweep {
-        Sweep::Period => (against.to_owned(), usize::from(!curve.wall), Dash::Solid),
+        Sweep::Period if curve.wall => (against.to_owned(), 0, Dash::Dashed),
+        Sweep::Period => (against.to_owned(), 1, Dash::Solid),
         Sweep::Delay(place) => {
-            let [solid, dotted] = match place {
-                _ if curve.wall => [0, 4],
-                Place::DeviceToCollision | Place::CollisionToDevice => [1, 6],
-                Place::CollisionToDynamics | Place::DynamicsToCollision => [2, 3],
+            let ([first_color, second_color], line) = match place {
+                _ if curve.wall => ([0, 4], Dash::Dashed),
+                Place::DeviceToCollision | Place::CollisionToDevice => ([1, 6], Dash::Solid),
+                Place::CollisionToDynamics | Place::DynamicsToCollision => ([2, 3], Dash::DashDot),
             };
             let first = matches!(place, Place::DeviceToCollision | Place::CollisionToDynamics);
-            let (color, dash) = if first { (solid, Dash::Solid) } else { (dotted, Dash::Dotted) };
+            let (color, dash) = if first { (first_color, line) } else { (second_color, Dash::Dotted) };
             (format!("{}, {against}", place.name()), color, dash)
         }
     }

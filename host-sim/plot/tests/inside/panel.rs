@@ -62,5 +62,5 @@ fn a_ring_is_hollow() {
     };
     let ring = [(color(0), DOT), (PAPER, DOT - STROKE)];
     assert_eq!(discs(draw(&panel, &axes, &frame, &[], &[]).marks), [ring, ring].concat());
-    assert_eq!(discs(crate::legend::marks(&panel, frame)), ring);
+    assert_eq!(discs(crate::legend::marks(&panel, &frame, frame)), ring);
 }

@@ -326,3 +326,60 @@ fn a_figure_fits_a_column_and_a_page() {
         assert!(String::from_utf8(svg).unwrap().contains(&format!(" width=\"{}mm\" ", print.width_mm)));
     }
 }
+
+/// A legend that is wider than its panel stands below, under its axis' name; a note is broken; neither lies on a neighbour.
+#[test]
+fn in_a_column_no_legend_is_wider_than_its_panel() {
+    let line: Vec<(f64, f64)> = (0..100).map(|i| (f64::from(i), f64::from(i % 9))).collect();
+    let panel = |at: usize, y_label: &str, label: &str| Panel {
+        title: "Passive wave, K_T\u{a0}= 10620\u{a0}N/m".to_owned(),
+        x_label: "Time (s)".to_owned(),
+        y_label: y_label.to_owned(),
+        note: (at == 1).then(|| "peer 1 stops at 2.95 s: Overspeed".to_owned()),
+        series: vec![Series::line(if at == 0 { label } else { "" }, 0, line.clone())],
+        ..Panel::default()
+    };
+    let rows =
+        [("Position (mm)", "remote copy, decoded here"), ("Force on the copy (N)", "coordination, at either end")];
+    let panels = rows.iter().flat_map(|(y_label, label)| (0..3).map(|at| panel(at, y_label, label))).collect();
+    let figure =
+        Figure { title: "Six panels".to_owned(), columns: 3, share_y: ShareY::Rows, panels, ..Figure::default() };
+    let column = sheet(&figure, Print { width_mm: 88.0, ..Print::default() });
+    assert_tidy(&column);
+    let lowest = |words: &str| {
+        let of = texts(&column).into_iter().filter(|text| text.text == words).map(|text| text.at.1);
+        of.fold(f64::NAN, f64::max)
+    };
+    let axis = lowest("Time (s)");
+    for (y_label, label) in rows {
+        assert!(
+            lowest(y_label) > axis && lowest(label) > lowest(y_label),
+            "{label} stands under {y_label}, below all panels"
+        );
+    }
+    assert!(texts(&column).iter().any(|text| text.text == "N/m" || text.text.ends_with("10620\u{a0}N/m")));
+    // On a page there is room inside.
+    assert!(texts(&sheet(&figure, Print::default())).iter().filter(|text| text.text == "Position (mm)").count() == 1);
+}
+
+/// Where a row shares nothing, a column of a journal has fewer panels side by side, and names of categories do not meet.
+#[test]
+fn in_a_column_fewer_panels_stand_side_by_side() {
+    let panel = Panel {
+        y_label: "Peak coordination force (N)".to_owned(),
+        categories: ["passive-mean", "self-timed"].map(str::to_owned).to_vec(),
+        series: vec![Series::intervals("", 0, vec![(0.0, -0.05, 0.06), (1.0, -0.18, 0.21)])],
+        ..Panel::default()
+    };
+    let figure = Figure { columns: 3, panels: vec![panel; 5], ..Figure::default() };
+    let column = sheet(&figure, Print { width_mm: 88.0, ..Print::default() });
+    assert_tidy(&column);
+    let lefts = |sheet: &Sheet| {
+        let mut lefts: Vec<i64> =
+            texts(sheet).iter().filter(|text| text.upward).map(|text| text.at.0.round() as i64).collect();
+        lefts.sort_unstable();
+        lefts.dedup();
+        lefts.len()
+    };
+    assert_eq!([lefts(&column), lefts(&sheet(&figure, Print::default()))], [2, 3]);
+}

@@ -56,3 +56,15 @@ fn significant_digits_keep_the_integer_part() {
     assert_eq!(significant(f64::NAN, 3), "NaN");
     assert_eq!(significant(f64::NEG_INFINITY, 0), "-inf");
 }
+
+/// One tick is no scale.
+#[test]
+fn an_axis_has_two_ticks_at_least() {
+    for (range, log, count) in
+        [((1.17, 9.73), false, 4), ((200.0, 45_000.0), true, 2), ((1.6, 9.0), true, 2), ((0.31, 0.39), false, 1)]
+    {
+        let ticks = Scale::new(range, log).ticks(count);
+        assert!(ticks.len() >= 2, "{range:?}: {ticks:?}");
+        assert!(ticks.iter().all(|(value, _)| (range.0..=range.1).contains(value)));
+    }
+}

@@ -84,7 +84,10 @@ fn dots(points: &[Point]) -> Vec<Series> {
     vec![Series::dashed("", 0, Dash::Dashed, front(points)), chosen(false, 1), chosen(true, 0)]
 }
 
-/// Choices that belong together as curves, each with its colour; names on the front only.
+/// How curves are broken, in turn; the second turn is drawn wider.
+const DASHES: [Dash; 4] = [Dash::Solid, Dash::Dashed, Dash::Dotted, Dash::DashDot];
+
+/// Choices that belong together as curves, each with its colour and its dash; names on the front only.
 fn curves(points: &[Point]) -> Vec<Series> {
     let mut names: Vec<&str> = points.iter().map(|point| point.series.as_str()).collect();
     names.dedup();
@@ -92,11 +95,15 @@ fn curves(points: &[Point]) -> Vec<Series> {
     let mut series: Vec<Series> = names
         .iter()
         .enumerate()
-        .map(|(color, name)| Series::line("", color, of(name).iter().map(place).collect()))
+        .map(|(color, name)| {
+            let line = of(name).iter().map(place).collect();
+            Series::dashed(*name, color, DASHES[color % DASHES.len()], line)
+                .wide(2.6 + 2.0 * (color / DASHES.len()) as f64)
+        })
         .collect();
     for (color, name) in names.iter().enumerate() {
         let labels = of(name).into_iter().map(|point| if point.on_front { point.label } else { String::new() });
-        series.push(Series::dots(*name, color, of(name).iter().map(place).collect(), labels.collect()));
+        series.push(Series::dots("", color, of(name).iter().map(place).collect(), labels.collect()));
     }
     series.push(Series::dashed("Pareto front", 6, Dash::Dashed, front(points)));
     series
@@ -116,7 +123,10 @@ fn short(text: &str) -> &str {
 /// What the marks mean; the colours of curves are in their own legend.
 fn legend(curves: bool, processor: Processor) -> String {
     let beaten = if curves { "" } else { "; orange dots: beaten" };
-    format!("Dashed: Pareto front{beaten}. Instructions of {}.", processor.label())
+    format!(
+        "Dashed in black, or in blue between named dots: Pareto front{beaten}. Instructions of {}.",
+        processor.label()
+    )
 }
 
 fn family(family: &Family, processor: Processor) -> Figure {
