@@ -230,13 +230,20 @@ environment below target/ when they have changed; it needs Python 3 with venv an
     },
     Chore {
         name: "rig",
-        options: " [--page] [--virtual]",
-        does: "Says what two bare boards and wires between them are to show on silicon, or runs it on two virtual ones",
+        options: " [--page] [--virtual] [--boards DUT,RIG --operator-key-file FILE] [--address ADDRESS] [--port PATH] [--only TEST]",
+        does: "Says what two bare boards and wires between them are to show on silicon, or runs it on them or on two virtual ones",
         more: "One NUCLEO-H743ZI2 runs the release image, the other plays device, faults and logic analyser: wires, what is driven,
-what is measured, and what it must be.
-  --page     write docs/silicon.md, which says what has met silicon, when, with which image
-  --virtual  run both images on virtual boards, wired pin to pin, and each test that these can; the first time it builds an emulator",
-        run: |given| rig::rig(given.flag("--page"), given.flag("--virtual")),
+what is measured, and what it must be. The runner is that of the virtual boards; the first time it builds an emulator.
+  --page               write docs/silicon.md, which says what has met silicon, when, with which image
+  --virtual            run both images on virtual boards, wired pin to pin, and each test that these can
+  --boards             run it on two boards, by the serial numbers of their probes (`probe-rs list`): that under test, which has its keys
+                       (provision), and the rig. Both are flashed; what came of each test is kept in tests/rig/silicon.txt, and the page
+                       written. Needs probe-rs and OpenOCD, which apt-get installs if it can
+  --operator-key-file  the operator's key of the board under test
+  --address            its address [default: 192.168.77.1]
+  --port               the rig's serial port [default: that of its probe in /dev/serial/by-id]
+  --only               one test alone",
+        run: rig::rig,
     },
     Chore {
         name: "rooms",

@@ -18,12 +18,35 @@ use crate::{board, setup};
 /// Where the log goes.
 const LOG: &str = "out/board.log";
 
-/// probe-rs, if it is there, on the project's chip.
-fn probe_rs(verb: &str) -> Result<Command, Failure> {
-    if !run::succeeds(&mut command("probe-rs", &["--version"])) {
-        return Err(Failure::new("probe-rs is missing: `cargo install probe-rs-tools --locked` installs it"));
+/// probe-rs is there.
+fn is_there() -> Result<(), Failure> {
+    if run::succeeds(&mut command("probe-rs", &["--version"])) {
+        return Ok(());
     }
+    Err(Failure::new("probe-rs is missing: `cargo install probe-rs-tools --locked` installs it"))
+}
+
+/// probe-rs, if it is there, on the project's chip.
+pub(crate) fn probe_rs(verb: &str) -> Result<Command, Failure> {
+    is_there()?;
     Ok(command("probe-rs", &[verb, "--chip", "STM32H743ZITx"]))
+}
+
+/// The probes that are connected, each as probe-rs takes it: VID:PID:SERIAL.
+pub(crate) fn connected() -> Result<Vec<String>, Failure> {
+    is_there()?;
+    Ok(probes(&run::output(&mut command("probe-rs", &["list"]))?))
+}
+
+/// The probes in what `probe-rs list` says, such as `[0]: STLink V3 -- 0483:374e:0042003A (ST-LINK)`.
+pub(crate) fn probes(list: &str) -> Vec<String> {
+    let words = list.lines().filter_map(|line| line.rsplit_once(" -- ")?.1.split(' ').next());
+    words.filter(|word| serial(word).is_some()).map(str::to_owned).collect()
+}
+
+/// The serial number of a probe.
+pub(crate) fn serial(probe: &str) -> Option<&str> {
+    probe.splitn(3, ':').nth(2).filter(|serial| !serial.is_empty())
 }
 
 /// Attaches without stopping or flashing the board; ends with Ctrl-C or when the probe is gone.

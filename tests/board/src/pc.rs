@@ -2,6 +2,7 @@
 //!
 //! The least that carries it: Ethernet II, ARP, IPv4 without options, UDP without checksum.
 
+use std::net::{SocketAddr, UdpSocket};
 use std::path::Path;
 
 use firmware_parts::record::{CODE, Record};
@@ -62,6 +63,8 @@ pub struct Pc {
     pub further: [Vec<Record>; 2],
     /// Says nothing to anybody.
     pub away: bool,
+    /// It only carries datagrams between board 1 and whoever wrote to this socket last.
+    carries: Option<(UdpSocket, Option<SocketAddr>)>,
     /// What is recorded of each board, as `host-sim board operator --record` does.
     recordings: [Option<(BoardTicks, Recorder)>; 2],
 }
@@ -118,6 +121,7 @@ impl Pc {
             records: Default::default(),
             further: Default::default(),
             away: false,
+            carries: None,
             recordings: Default::default(),
         }
     }
@@ -135,6 +139,11 @@ impl Pc {
         let recorder =
             Recorder::create(file, &origin, board_channels(number, axes)).expect("a file that is not there yet");
         self.recordings[usize::from(number - 1)] = Some((BoardTicks::new(1e-3, axes), recorder));
+    }
+
+    /// From here on it has no session of its own, and carries datagrams between board 1 and whoever writes to this socket, which must not block.
+    pub fn carry(&mut self, socket: UdpSocket) {
+        self.carries = Some((socket, None));
     }
 
     /// Closes what is recorded.
@@ -159,6 +168,14 @@ impl Pc {
     pub fn talk(&mut self, now_ns: u64, boards: usize) -> Vec<Vec<u8>> {
         let mut frames = Vec::new();
         if self.away {
+            return frames;
+        }
+        if let Some((socket, whom)) = &mut self.carries {
+            let mut bytes = [0; MAX_DATAGRAM];
+            while let Ok((length, from)) = socket.recv_from(&mut bytes) {
+                *whom = Some(from);
+                frames.push(udp((MAC, IP, OWN), (board_mac(1), board_ip(1), PORT), &bytes[..length]));
+            }
             return frames;
         }
         for (number, session) in (1..=boards).zip(&mut self.sessions) {
@@ -198,6 +215,11 @@ impl Pc {
         let length = usize::from(u16::from_be_bytes([frame[38], frame[39]]));
         let Some(payload) = frame.get(42..34 + length) else { return };
         if u16::from_be_bytes([source[0], source[1]]) != PORT {
+            return;
+        }
+        if let Some((socket, whom)) = &self.carries {
+            // One that is lost is no more than a network does.
+            whom.map(|whom| socket.send_to(payload, whom));
             return;
         }
         let session = &mut self.sessions[at];

@@ -11,6 +11,7 @@
 //! | [`device`] | the device that the rig plays |
 //! | [`list`] | the tests |
 //! | [`run`] | who runs them |
+//! | [`shown`] | what came of them on two boards, as kept |
 //! | [`page`] | the list as text |
 #![cfg_attr(target_os = "none", no_std)]
 #![forbid(unsafe_code)]
@@ -24,3 +25,5 @@ pub mod page;
 pub mod pulses;
 #[cfg(not(target_os = "none"))]
 pub mod run;
+#[cfg(not(target_os = "none"))]
+pub mod shown;

@@ -2,19 +2,27 @@
 
 use std::process::ExitCode;
 
-use haptic_rig::page;
+use haptic_rig::{page, shown};
 
 fn main() -> ExitCode {
     if !std::env::args().any(|word| word == "--page") {
         print!("{}", page::plan());
         return ExitCode::SUCCESS;
     }
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/silicon.md");
-    match std::fs::write(path, page::silicon()) {
+    match write() {
         Ok(()) => ExitCode::SUCCESS,
-        Err(cause) => {
-            eprintln!("cannot write {path}: {cause}");
+        Err(why) => {
+            eprintln!("{why}");
             ExitCode::FAILURE
         }
     }
+}
+
+/// The page of what was kept.
+fn write() -> Result<(), String> {
+    let kept = concat!(env!("CARGO_MANIFEST_DIR"), "/silicon.txt");
+    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/silicon.md");
+    let text = std::fs::read_to_string(kept).map_err(|cause| format!("cannot read {kept}: {cause}"))?;
+    let shown = shown::read(&text).map_err(|why| format!("{kept}: {why}"))?;
+    std::fs::write(page, page::silicon(&shown)).map_err(|cause| format!("cannot write {page}: {cause}"))
 }

@@ -8,7 +8,7 @@
 //! | `device held\|free\|sweep N\|shake N` | the encoder stands; follows the device that the board's pulses push; goes to and fro, a count every N periods; jumps by N counts every ms, to and fro |
 //! | `pulses N` | looks at N periods of PE9: how many changed, how many of these came elsewhere than 20 periods after the last |
 //! | `pull stop\|fault` | opens the emergency stop's contact, or pulls the bridges' fault line, until PE14 is low; how long that took |
-//! | `watch N` | waits N ms for PE14 to fall; how long after the last pulse of PE9 that was, and after the last that changed |
+//! | `watch N` | says that it begins, and waits N ms for PE14 to fall; then how long after the last pulse of PE9 that was, and after the last that changed |
 //! | `lines` | levels of PE14 and PF3 |
 //! | `turn JOINT N up\|down` | so many edges of an encoder, as fast as the program makes them |
 //! | `push N up\|down` | a hand pushes the free device with so many mN |

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use haptic_rig::list::{TESTS, Wire};
-use haptic_rig::page;
+use haptic_rig::{page, shown};
 
 fn place(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(name)
@@ -69,7 +69,20 @@ fn each_test_has_a_name_of_its_own_and_what_it_names_is_there() {
 
 #[test]
 fn the_page_is_what_the_list_says() {
-    assert!(text("docs/silicon.md") == page::silicon(), "`cargo xtask rig --page` writes docs/silicon.md");
+    let shown = shown::read(&text("tests/rig/silicon.txt")).expect("it is what was kept");
+    assert!(text("docs/silicon.md") == page::silicon(&shown), "`cargo xtask rig --page` writes docs/silicon.md");
+}
+
+#[test]
+fn what_two_boards_have_shown_is_on_the_page() {
+    let shown = shown::read("dead-man\tFAILED\t2026-12-24\tabc1234\t2100 µs").expect("a line");
+    let page = page::silicon(&shown);
+    assert!(page.contains("**1 of 15 tests have run on two boards; 0 passed.**"), "{page}");
+    assert!(
+        page.lines()
+            .any(|line| line.contains("dead-man") && line.ends_with("| **FAILED**, 2026-12-24, abc1234: 2100 µs |"))
+    );
+    assert_eq!(page.matches("| not yet |").count(), 14);
 }
 
 #[test]

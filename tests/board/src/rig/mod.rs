@@ -5,16 +5,16 @@
 //! measuring, so that a break is measured late by a step at the most, and never early.
 
 mod legs;
+pub mod openocd;
+pub mod port;
+pub mod table;
+mod told;
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use firmware_parts::record::Record;
-use haptic_core::device::encoder::Counts;
-use haptic_core::names::MotorDrive;
-use haptic_core::safety::Mode;
-use haptic_rig::run::{self, Boards};
+use haptic_rig::run::{self, Boards, Done, Outcome};
 use legs::Legs;
 
 use crate::bench::PERIOD_NS;
@@ -23,7 +23,6 @@ use crate::node::{Inputs, Node, Report, Stopped};
 use crate::part::Gate;
 use crate::part::pins::{Edge, Place};
 use crate::pc::{Pc, keys_in_flash, operator_key, peers_key};
-use crate::twin::replay_alone;
 use crate::wire::{Line, PC, Wire};
 
 /// A step, ns, while the rig measures and while it does not: a period of the board's pulses.
@@ -35,8 +34,6 @@ const STOPPED_NS: u64 = 5000;
 const SLOW_NS: f64 = 1e8;
 /// DBGMCU_APB2FZ1, and its bit that stops TIM1 while a debugger halts the core, and so turns its outputs off (RM0433 §60.5.8).
 const FROZEN: (u64, u32) = (0x5C00_104C, 1);
-/// TIM6_CR1, and a timer that does not run.
-const TICK_STANDS: (u64, u32) = (0x4000_1000, 0);
 
 /// Pins of the rig that go to pins of the same name.
 const ENCODERS: [Place; 5] =
@@ -72,9 +69,8 @@ pub struct Rigged {
     step_ns: u64,
     /// What the rig has on the pins of encoders.
     levels: BTreeMap<Place, bool>,
-    /// Bytes from the rig that are no line yet.
+    /// Bytes from the rig that nobody has taken yet.
     heard: Vec<u8>,
-    lines: Vec<String>,
     analogue: u16,
     /// What is behind 10 kΩ and 10 µF of it, of 4095, at the board's three analogue inputs; as long as it is 0 they read what they read without.
     volts: f64,
@@ -107,7 +103,6 @@ impl Rigged {
             step_ns: STEP_NS,
             levels: BTreeMap::new(),
             heard: Vec::new(),
-            lines: Vec::new(),
             analogue: 0,
             volts: 0.0,
             halted: None,
@@ -116,7 +111,7 @@ impl Rigged {
             now_ns: 1000,
             served: 0,
         };
-        rigged.wait_ms(60);
+        rigged.run_ms(60);
         rigged.greet();
         rigged
     }
@@ -130,12 +125,20 @@ impl Rigged {
             if ms % 100 == 0 {
                 self.wire.send(PC, self.now_ns, &Pc::resolve(1));
             }
-            self.wait_ms(1);
+            self.run_ms(1);
             if self.pc.reaches(1) {
                 return;
             }
         }
         panic!("the board and its operator do not meet");
+    }
+
+    /// Goes on for so long.
+    pub fn run_ms(&mut self, ms: u64) {
+        let until = self.now_ns + ms * PERIOD_NS;
+        while self.now_ns < until {
+            self.step();
+        }
     }
 
     /// Virtual time, ns.
@@ -182,7 +185,7 @@ impl Rigged {
         for edge in rig.edges {
             self.route(edge, until);
         }
-        self.hear(&rig.heard);
+        self.heard.extend(rig.heard);
         self.analogue = rig.analogue;
         self.now_ns = until;
         self.serve();
@@ -238,13 +241,14 @@ impl Rigged {
         }
     }
 
-    fn hear(&mut self, bytes: &[u8]) {
-        for byte in bytes {
-            match byte {
-                b'\n' => self.lines.push(String::from_utf8_lossy(&std::mem::take(&mut self.heard)).into_owned()),
-                byte => self.heard.push(*byte),
-            }
-        }
+    /// Bytes to the rig's serial port.
+    pub fn say(&mut self, bytes: &[u8]) {
+        self.rig_inputs.said.extend(bytes);
+    }
+
+    /// What has come from the rig's serial port since it was asked last.
+    pub fn heard(&mut self) -> Vec<u8> {
+        std::mem::take(&mut self.heard)
     }
 
     /// The PC talks and listens once a millisecond.
@@ -287,39 +291,45 @@ pub fn start(firmware: Firmware) -> Result<Rigged, String> {
 }
 
 impl Boards for Rigged {
-    fn ask(&mut self, line: &str) -> String {
+    fn ask(&mut self, line: &str) -> Outcome {
         let before = self.pc.answers[0].len();
         self.pc.say(1, line);
         for _ in 0..1000 {
-            self.wait_ms(1);
+            self.wait_ms(1)?;
             if let Some(answer) = self.pc.answers[0].get(before) {
-                return answer.clone();
+                return Ok(answer.clone());
             }
         }
-        panic!("the board does not answer {line:?}");
+        Err(format!("the board does not answer {line:?}"))
     }
 
-    fn order(&mut self, line: &str) {
-        self.rig_inputs.said.extend(line.bytes().chain([b'\n']));
+    fn order(&mut self, line: &str) -> Done {
+        self.say(format!("{line}\n").as_bytes());
+        Ok(())
     }
 
-    fn answer(&mut self) -> String {
-        for _ in 0..5000 {
-            if !self.lines.is_empty() {
-                return self.lines.remove(0);
+    fn answer(&mut self, within_ms: u64) -> Outcome {
+        for _ in 0..within_ms {
+            if let Some(line) = port::line(&mut self.heard) {
+                return Ok(line);
             }
-            self.wait_ms(1);
+            self.wait_ms(1)?;
         }
-        panic!("the rig does not answer");
+        Err("the rig does not answer".to_owned())
     }
 
-    fn stop_ticks(&mut self) {
-        let (address, standing) = TICK_STANDS;
+    fn probing_ms(&self) -> u64 {
+        20
+    }
+
+    fn stop_ticks(&mut self) -> Done {
+        let (address, standing) = openocd::TICK_STANDS;
         self.spoil(address, standing);
         self.step_ns = STOPPED_NS;
+        Ok(())
     }
 
-    fn halt(&mut self, ms: u64) {
+    fn halt(&mut self, ms: u64) -> Done {
         self.board_inputs.peek.push(FROZEN.0);
         self.step();
         let frozen = self.stopped.peeked.first().is_some_and(|word| word & FROZEN.1 != 0);
@@ -328,49 +338,42 @@ impl Boards for Rigged {
         self.step();
         self.step_ns = STEP_NS;
         let begun = self.lag_ns;
-        self.wait_ms(ms);
+        self.wait_ms(ms)?;
         self.halted = None;
         self.update = self.update.map(|update| update + STOPPED_NS + self.lag_ns - begun);
+        Ok(())
     }
 
     fn codes(&mut self) -> [Vec<i16>; 2] {
         let records = &self.pc.records[0];
-        let new = records[self.coded.min(records.len())..].iter().filter_map(Record::stage);
-        let codes = new.map(|stage| stage.motors.map(|flow| flow.last)).collect::<Vec<_>>();
+        let codes = told::codes(&records[self.coded.min(records.len())..]);
         self.coded = records.len();
-        [0, 1].map(|input| codes.iter().map(|codes| codes[input]).collect())
+        codes
     }
 
-    fn meet(&mut self) {
-        self.wait_ms(1300);
+    fn meet(&mut self) -> Done {
+        self.wait_ms(1300)?;
         // The board's timers see again what the rig has left on their pins.
         let levels = self.levels.iter().map(|(place, high)| Edge { at: self.now_ns, place: *place, high: *high });
         self.board_inputs.edges.extend(levels);
         self.greet();
+        Ok(())
     }
 
-    fn counts(&mut self) -> [u16; 2] {
+    fn counts(&mut self) -> Result<[u16; 2], String> {
         // A board that started anew has to be told again.
-        assert!(self.ask("stream 1").starts_with("ok"), "it streams");
-        self.wait_ms(20);
-        self.pc.records[0].last().map_or([0; 2], |record| record.counts().map(|Counts(counts)| counts))
+        self.ask("stream 1")?;
+        self.wait_ms(20)?;
+        told::counts(&self.pc.records[0])
     }
 
-    fn same(&mut self) -> [u64; 2] {
-        self.wait_ms(40);
-        let records = &self.pc.records[0];
-        let armed = |record: &Record| record.mode() == Mode::Armed;
-        let end = records.iter().rposition(armed).map_or(0, |last| last + 1);
-        let begin = records[..end].iter().rposition(|record| !armed(record)).map_or(0, |last| last + 1);
-        let mut settings = firmware_parts::kept::defaults();
-        settings.motor.drive = MotorDrive::Amplifier;
-        [replay_alone(&settings, &records[begin..end]).ticks, (end - begin) as u64]
+    fn same(&mut self) -> Result<[u64; 2], String> {
+        self.wait_ms(40)?;
+        Ok(told::same(&self.pc.records[0]))
     }
 
-    fn wait_ms(&mut self, ms: u64) {
-        let until = self.now_ns + ms * PERIOD_NS;
-        while self.now_ns < until {
-            self.step();
-        }
+    fn wait_ms(&mut self, ms: u64) -> Done {
+        self.run_ms(ms);
+        Ok(())
     }
 }

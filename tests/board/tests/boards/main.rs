@@ -9,7 +9,7 @@
 //! | [`ceiling`] | are limits raised by who is at the board only? |
 //! | [`calibrate`] | do host-sim's calibrations find what a board's device is? |
 //! | [`same_bits`], [`papers_comms`], [`current_loop`] | do two boards compute what host-sim computes? |
-//! | [`rig`] | does the rig (tests/rig) find what is wrong with a board? |
+//! | [`rig`], [`table`] | does the rig (tests/rig) find what is wrong with a board, and is the way to a table's the same? |
 //! | [`second_board`] | does the other board's image do what the first's does? |
 //! | [`three_axes`] | do they along three shared axes? |
 //! | [`moteus`] | does a board whose motor has a controller of its own do so, and let go of it? |
@@ -50,6 +50,7 @@ mod static_stack;
 mod stop;
 mod store;
 mod switch;
+mod table;
 mod three_axes;
 mod times;
 mod update;

@@ -162,7 +162,6 @@ impl Rig {
             Some(Order::Watch(ms)) => {
                 captures::wait_for_the_fall();
                 self.job = Job::Watch(ms.saturating_mul(STEPS_PER_MS));
-                return;
             }
             Some(Order::Lines) => {
                 answer = answer.number(pins::timer_drives().into()).number(pins::enabled().into());

@@ -1,0 +1,32 @@
+//! What a board's records say to the list of tests/rig, wherever they come from.
+
+use firmware_parts::record::Record;
+use haptic_core::device::encoder::Counts;
+use haptic_core::names::MotorDrive;
+use haptic_core::safety::Mode;
+
+use crate::twin::replay_alone;
+
+/// What the converter read for both currents, in codes from the middle.
+pub(super) fn codes(records: &[Record]) -> [Vec<i16>; 2] {
+    let stages = records.iter().filter_map(Record::stage);
+    let codes = stages.map(|stage| stage.motors.map(|flow| flow.last)).collect::<Vec<_>>();
+    [0, 1].map(|input| codes.iter().map(|codes| codes[input]).collect())
+}
+
+/// The counters of both encoders in the last record.
+pub(super) fn counts(records: &[Record]) -> Result<[u16; 2], String> {
+    let last = records.last().ok_or("the board streams no ticks")?;
+    Ok(last.counts().map(|Counts(counts)| counts))
+}
+
+/// Of the records since a board of default settings, but with amplifiers, was armed last: how many are what the simulator makes of their inputs, of
+/// how many.
+pub(super) fn same(records: &[Record]) -> [u64; 2] {
+    let armed = |record: &Record| record.mode() == Mode::Armed;
+    let end = records.iter().rposition(armed).map_or(0, |last| last + 1);
+    let begin = records[..end].iter().rposition(|record| !armed(record)).map_or(0, |last| last + 1);
+    let mut settings = firmware_parts::kept::defaults();
+    settings.motor.drive = MotorDrive::Amplifier;
+    [replay_alone(&settings, &records[begin..end]).ticks, (end - begin) as u64]
+}
