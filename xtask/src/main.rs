@@ -230,7 +230,7 @@ environment below target/ when they have changed; it needs Python 3 with venv an
     },
     Chore {
         name: "rig",
-        options: " [--page] [--virtual] [--boards DUT,RIG --operator-key-file FILE] [--address ADDRESS] [--port PATH] [--only TEST]",
+        options: " [--page] [--virtual] [--boards DUT,RIG --operator-key-file FILE] [--address ADDRESS] [--port PATH] [--only TEST] [--seconds S]",
         does: "Says what two bare boards and wires between them are to show on silicon, or runs it on them or on two virtual ones",
         more: "One NUCLEO-H743ZI2 runs the release image, the other plays device, faults and logic analyser: wires, what is driven,
 what is measured, and what it must be. The runner is that of the virtual boards; the first time it builds an emulator.
@@ -242,7 +242,8 @@ what is measured, and what it must be. The runner is that of the virtual boards;
   --operator-key-file  the operator's key of the board under test
   --address            its address [default: 192.168.77.1]
   --port               the rig's serial port [default: that of its probe in /dev/serial/by-id]
-  --only               one test alone",
+  --only               one test alone
+  --seconds            how long the soak takes, 1 to 604800 s [default: 86400; on virtual boards 5]",
         run: rig::rig,
     },
     Chore {

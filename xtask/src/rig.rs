@@ -24,7 +24,7 @@ pub(crate) fn rig(given: &Options<'_>) -> Result<(), Failure> {
     if given.flag("--virtual") {
         let ready = step("set-up", setup::setup)?;
         let firmware = step("image", || board::image(&ready))?;
-        return step("rig", || on_virtual_boards(&ready, &firmware, given.value("--only")));
+        return step("rig", || on_virtual_boards(&ready, &firmware, &which(given)));
     }
     if given.flag("--page") {
         return run(&mut rig_of(&["--", "--page"]));
@@ -118,7 +118,7 @@ fn on_a_table(given: &Options<'_>, boards: &str) -> Result<(), Failure> {
     let (of, day) = (said(&["describe", "--always", "--dirty", "--tags"], "git")?, said(&["-u", "+%F"], "date")?);
     let mut runner = bench(&["run", "--bin", "rigged"], &firmware);
     let board = format!("{}:7702", given.value("--address").unwrap_or(ADDRESS));
-    runner.arg("--").args(given.value("--only").into_iter().flat_map(|test| ["--only", test]));
+    runner.arg("--").args(which(given));
     runner.args(["table", "--board", &board, "--image", &of, "--day", &day]);
     runner.args(["--probe", probe::serial(&found.probes[0]).unwrap_or_default()]);
     runner.arg("--key").arg(here.join(key)).arg("--port").arg(&found.port);
@@ -134,14 +134,19 @@ fn reset(probe: &str) -> Command {
     command("openocd", &["-f", "board/st_nucleo_h743zi.cfg", "-c", &serial, "-c", "init; reset run; shutdown"])
 }
 
+/// Which tests, and how long a soak.
+fn which<'a>(given: &Options<'a>) -> Vec<&'a str> {
+    let given = ["--only", "--seconds"].map(|option| given.value(option).map(|value| [option, value]));
+    given.into_iter().flatten().flatten().collect()
+}
+
 /// Builds the rig's image and runs the list with the release image on one virtual board and that one on another.
-pub(crate) fn on_virtual_boards(ready: &Ready, firmware: &Path, only: Option<&str>) -> Result<(), Failure> {
+pub(crate) fn on_virtual_boards(ready: &Ready, firmware: &Path, which: &[&str]) -> Result<(), Failure> {
     let image = image(ready)?;
     if Some(image.parent()) != Some(firmware.parent()) {
         return Err(Failure::new(format!("{} is not beside {}", image.display(), firmware.display())));
     }
-    let only = only.into_iter().flat_map(|test| ["--", "--only", test]);
-    run(bench(&["run", "--bin", "rigged"], firmware).args(only))
+    run(bench(&["run", "--bin", "rigged"], firmware).arg("--").args(which))
 }
 
 /// Builds the rig's image, which links only if it cannot panic, and says where it is.

@@ -172,7 +172,7 @@ pub(crate) fn board_test() -> Result<(), Failure> {
 
 /// The release image on virtual boards, beside the rig's first: last, because their emulator takes minutes to build.
 fn virtual_board(ready: &Ready, image: &Path) -> Result<(), Failure> {
-    step("rig, virtual", || rig::on_virtual_boards(ready, image, None))?;
+    step("rig, virtual", || rig::on_virtual_boards(ready, image, &[]))?;
     run(&mut board::bench(&["test"], image))?;
     kept::keep(image)
 }

@@ -17,6 +17,8 @@
 //! | `cut JOINT A\|B`, `mend` | a wire of an encoder is off, or all are on again |
 //! | `volts N` | the analogue output, of 4095 |
 //! | `ramp FROM TO MS` | the analogue output goes from one to the other, a step every so many ms; the answer comes at the end |
+//! | `fall N MS` | the analogue output falls from N toward nothing as a capacitor does that has so many ms; it answers at once, and `volts` or `ramp` ends it |
+//! | `stop open\|closed` | the emergency stop's first contact |
 //! | `button down\|up` | the board's blue button |
 //!
 //! Times are counts of 240 MHz. Nothing here panics, whatever comes in: the image is linked without a panic.
@@ -104,6 +106,10 @@ pub enum Order {
     Volts(u16),
     /// The analogue output goes from one to the other, a step every so many ms.
     Ramp(u16, u16, u32),
+    /// It falls from there toward nothing, with a time constant of so many ms.
+    Fall(u16, u32),
+    /// The emergency stop's first contact is open.
+    Stop(bool),
     /// The board's blue button is down.
     Button(bool),
 }
@@ -163,6 +169,12 @@ impl Order {
                 let (from, to) = (volts(from)?, volts(word())?);
                 Self::Ramp(from, to, number(word())?)
             }
+            (b"fall", from) => {
+                let from = volts(from)?;
+                Self::Fall(from, number(word())?)
+            }
+            (b"stop", b"open") => Self::Stop(true),
+            (b"stop", b"closed") => Self::Stop(false),
             (b"button", b"down") => Self::Button(true),
             (b"button", b"up") => Self::Button(false),
             _ => return None,
@@ -270,6 +282,9 @@ mod tests {
             ("volts 4096", None),
             ("ramp 10 4095 2", Some(Order::Ramp(10, 4095, 2))),
             ("ramp 10 4096 2", None),
+            ("fall 2707 2200", Some(Order::Fall(2707, 2200))),
+            ("fall 4096 2200", None),
+            ("stop open", Some(Order::Stop(true))),
             ("turn 3 1 up", None),
             ("pulses", None),
             ("pulses -1", None),

@@ -22,6 +22,11 @@ pub trait Boards {
     /// What the converter read for both currents in every tick that came since this was asked last, in codes from the middle, if the board's
     /// settings say that these are of its current loop's full scale.
     fn codes(&mut self) -> [Vec<i16>; 2];
+    /// How often each has come since this was asked last: see [`Came`].
+    fn came(&mut self) -> Came;
+    /// What host-sim's bring-up says of the emergency stop: what was seen of it, or why it does not pass. These are the orders to the rig where a
+    /// person would press the stop, and release it.
+    fn stop_is_seen(&mut self, pressed: &[&str], released: &[&str]) -> Outcome;
     /// Waits until a board that started anew answers its operator.
     fn meet(&mut self) -> Done;
     /// Every tick is recorded from here on; the counters of both encoders in the last one that was.
@@ -36,6 +41,32 @@ pub type Outcome = Result<String, String>;
 /// Something was done, or why not.
 pub type Done = Result<(), String>;
 
+/// Ticks, by their records.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Came {
+    /// That came.
+    pub ticks: u64,
+    /// That did not, between two that did.
+    pub missed: u64,
+    /// Of those that came, how many were not armed.
+    pub unarmed: u64,
+    /// Of those, how many had a smaller number than the one before: the board started anew.
+    pub restarts: u64,
+}
+
+impl Came {
+    /// These too.
+    #[must_use]
+    pub fn and(self, more: Self) -> Self {
+        Self {
+            ticks: self.ticks + more.ticks,
+            missed: self.missed + more.missed,
+            unarmed: self.unarmed + more.unarmed,
+            restarts: self.restarts + more.restarts,
+        }
+    }
+}
+
 /// How often each test does what it counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Extent {
@@ -45,8 +76,12 @@ pub enum Extent {
     Virtual,
 }
 
-/// Runs a test; `None` for one that nobody has written down here.
-pub fn run(boards: &mut dyn Boards, test: &Test, extent: Extent) -> Option<Outcome> {
+/// How long a soak takes without a length of its own, s.
+const SOAK_S: u32 = 86_400;
+const SOAK_VIRTUAL_S: u32 = 5;
+
+/// Runs a test, a soak for so many seconds; `None` for one that nobody has written down here.
+pub fn run(boards: &mut dyn Boards, test: &Test, extent: Extent, soak_s: Option<u32>) -> Option<Outcome> {
     let times = |whole: u32, virtually: u32| if extent == Extent::Whole { whole } else { virtually };
     Some(match test.name {
         "tick-duration" => tick_duration(boards),
@@ -61,6 +96,8 @@ pub fn run(boards: &mut dyn Boards, test: &Test, extent: Extent) -> Option<Outco
             let (from, to) = if extent == Extent::Whole { (0, 4095) } else { (2552, 2568) };
             converter_codes(boards, from, to, u64::from(times(200, 20)))
         }
+        "supply-behind-the-stop" => supply(boards, times(2200, 220)),
+        "soak" => soak(boards, soak_s.unwrap_or(times(SOAK_S, SOAK_VIRTUAL_S))),
         "halt-while-armed" => halt(boards, times(100, 3)),
         "same-bits" => same_bits(boards, times(60_000, 1000)),
         _ => return None,
@@ -334,10 +371,12 @@ fn encoder_fails(boards: &mut dyn Boards) -> Outcome {
     Ok(found + "outputs off each time")
 }
 
+/// Records have the converter's own codes where full scale is the sensor's.
+const CURRENT_LOOP: &[&str] = &["set motor.drive current-loop", "set motor.max_duty 0.9", "set motor.full_scale_a 5.5"];
+
 /// Slow enough for 10 kΩ and 10 µF to make of the rig's 4096 levels what lies between: no code is left out.
 fn converter_codes(boards: &mut dyn Boards, from: u16, to: u16, ms: u64) -> Outcome {
-    // Records have the converter's own codes where full scale is the sensor's.
-    set(boards, &["set motor.drive current-loop", "set motor.max_duty 0.9", "set motor.full_scale_a 5.5"])?;
+    set(boards, CURRENT_LOOP)?;
     boards.counts()?;
     rig(boards, &format!("volts {from}"))?;
     boards.wait_ms(1500)?;
@@ -373,6 +412,80 @@ fn gap(mut codes: Vec<i16>, most: i32) -> (i32, i32) {
     (step, span)
 }
 
+/// 24 V at the divider of PB1, of the analogue output's 4095.
+const SUPPLY: u16 = 2707;
+
+/// With the stop pressed, a supply that falls with this time constant passes, and one that stands does not.
+fn supply(boards: &mut dyn Boards, ms: u32) -> Outcome {
+    let stands = format!("volts {SUPPLY}");
+    set(boards, CURRENT_LOOP)?;
+    rig(boards, &stands)?;
+    boards.wait_ms(700)?;
+    boards.ask("clear")?;
+    let fell = boards.stop_is_seen(&["stop open", &format!("fall {SUPPLY} {ms}")], &["stop closed", &stands]);
+    // Current sensors on the same wire have read the end of their range.
+    boards.wait_ms(700)?;
+    boards.ask("clear")?;
+    let stood = boards.stop_is_seen(&["stop open"], &["stop closed"]);
+    for order in ["stop closed", "volts 2048"] {
+        rig(boards, order)?;
+    }
+    boards.wait_ms(700)?;
+    boards.ask("clear")?;
+    set_up(boards)?;
+    let fell = fell.map_err(|why| format!("it falls within {ms} ms to a third: {why}"))?;
+    match stood {
+        Err(why) if why.contains("the supply stands at") => Ok(format!("falls: {fell}; stands: {why}")),
+        Ok(seen) | Err(seen) => Err(format!("it stands: {seen}")),
+    }
+}
+
+/// Counters of packets in `status` that must stay.
+const REFUSED: [&str; 3] = ["overruns", "dropped", "refused"];
+
+/// What `status` says of them.
+fn refused(boards: &mut dyn Boards) -> Result<[u32; 3], String> {
+    let status = board(boards, "status")?;
+    let words: Vec<&str> = status.split([' ', ';']).collect();
+    let after = |name: &str| words.iter().position(|word| *word == name).and_then(|at| words.get(at + 1)?.parse().ok());
+    let [Some(overruns), Some(dropped), Some(refused)] = REFUSED.map(after) else {
+        return Err(format!("the board counts no {} in {status}", REFUSED.join(", ")));
+    };
+    Ok([overruns, dropped, refused])
+}
+
+/// Armed for so long, with an encoder that goes to and fro.
+fn soak(boards: &mut dyn Boards, seconds: u32) -> Outcome {
+    anew(boards)?;
+    boards.counts()?;
+    boards.came();
+    let before = refused(boards)?;
+    // Not a free device: what pushes it a little longer one way than the other has moved it out of its workspace by the evening.
+    rig(boards, "device sweep 2")?;
+    let mut came = Came::default();
+    for _ in 0..seconds {
+        boards.wait_ms(1000)?;
+        came = came.and(boards.came());
+        if came.restarts > 0 || came.unarmed > 0 {
+            break;
+        }
+    }
+    let after = refused(boards)?;
+    let most = longest(boards, "duration")?;
+    let status = boards.ask("status")?;
+    boards.ask("disarm")?;
+    rig(boards, "device held")?;
+    let new = after.map(i64::from).iter().zip(before).map(|(after, before)| after - i64::from(before)).sum::<i64>();
+    let Came { ticks, missed, unarmed, restarts } = came;
+    let figures = format!(
+        "{ticks} ticks in {seconds} s, {missed} missed, {unarmed} not armed, {restarts} restarts, {new} packets refused or dropped; the longest \
+         took {most} cycles"
+    );
+    let good = missed + unarmed + restarts == 0 && new == 0 && ticks >= 990 * u64::from(seconds);
+    let good = good && (LEAST_CYCLES..24_000).contains(&most);
+    judge(good, if good { figures } else { format!("{figures}; {status}") })
+}
+
 /// Half a period of the outputs, and more: they end with the processor.
 const PERIOD: u32 = 50 * 240;
 
@@ -389,15 +502,19 @@ fn halt(boards: &mut dyn Boards, times: u32) -> Outcome {
     judge(most < PERIOD, format!("{} to {} ns after the last pulse, {times} times", ns(least), ns(most)))
 }
 
+/// Armed, in a world that begins anew, as the simulator's does.
+fn anew(boards: &mut dyn Boards) -> Done {
+    arm(boards)?;
+    board(boards, "disarm")?;
+    board(boards, "apply")?;
+    boards.wait_ms(20)?;
+    board(boards, "arm alone").map(drop)
+}
+
 /// A device that the board drives and a hand pushes: every record is what the simulator makes of its inputs.
 fn same_bits(boards: &mut dyn Boards, ticks: u32) -> Outcome {
     boards.counts()?;
-    arm(boards)?;
-    board(boards, "disarm")?;
-    // The world begins anew, as the simulator's does.
-    board(boards, "apply")?;
-    boards.wait_ms(20)?;
-    board(boards, "arm alone")?;
+    anew(boards)?;
     rig(boards, "device free")?;
     for way in ["up", "down", "up", "down"] {
         rig(boards, &format!("push 1000 {way}"))?;

@@ -20,6 +20,9 @@ struct Asked {
     /// One test alone.
     #[arg(long, value_parser = TESTS.map(|test| test.name))]
     only: Option<String>,
+    /// How long the soak takes, s.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=604_800))]
+    seconds: Option<u32>,
     #[command(subcommand)]
     place: Option<Place>,
 }
@@ -28,6 +31,14 @@ struct Asked {
 enum Place {
     /// Two boards on a table.
     Table(OnATable),
+}
+
+/// Which tests.
+#[derive(Clone, Copy)]
+struct Tests<'a> {
+    only: Option<&'a str>,
+    /// How long the soak takes.
+    seconds: Option<u32>,
 }
 
 /// Two boards on a table.
@@ -57,10 +68,11 @@ struct OnATable {
 }
 
 fn main() -> ExitCode {
-    let Asked { only, place } = Asked::parse();
+    let Asked { only, seconds, place } = Asked::parse();
+    let asked = Tests { only: only.as_deref(), seconds };
     let all_passed = match place {
-        Some(Place::Table(table)) => table.run(only.as_deref()),
-        None => virtually(only.as_deref()),
+        Some(Place::Table(table)) => table.run(asked),
+        None => virtually(asked),
     };
     match all_passed {
         Ok(true) => ExitCode::SUCCESS,
@@ -75,17 +87,17 @@ fn main() -> ExitCode {
 /// Runs tests one after the other, and tells of each: whether all passed.
 fn run(
     boards: &mut dyn Boards,
-    only: Option<&str>,
+    asked: Tests<'_>,
     extent: Extent,
     mut each: impl FnMut(&Test, bool, &str) -> Result<(), String>,
 ) -> Result<bool, String> {
     let mut all_passed = true;
-    for test in TESTS.iter().filter(|test| only.is_none_or(|only| only == test.name)) {
+    for test in TESTS.iter().filter(|test| asked.only.is_none_or(|only| only == test.name)) {
         let why_not = match (extent, test.virtual_rig) {
             (Extent::Virtual, Virtual::Not(reason)) => Some(reason),
             _ => None,
         };
-        let ran = if why_not.is_none() { run::run(boards, test, extent) } else { None };
+        let ran = if why_not.is_none() { run::run(boards, test, extent, asked.seconds) } else { None };
         let Some(outcome) = ran else {
             println!("{:<24}not run: {}", test.name, why_not.unwrap_or("nobody has written it down"));
             continue;
@@ -105,10 +117,10 @@ fn run(
     Ok(all_passed)
 }
 
-fn virtually(only: Option<&str>) -> Result<bool, String> {
+fn virtually(asked: Tests<'_>) -> Result<bool, String> {
     let begun = Instant::now();
     let mut rigged = rig::start(Firmware::release())?;
-    let all_passed = run(&mut rigged, only, Extent::Virtual, |_, _, _| Ok(()))?;
+    let all_passed = run(&mut rigged, asked, Extent::Virtual, |_, _, _| Ok(()))?;
     let seconds = rigged.now_ns() as f64 * 1e-9;
     for report in rigged.finish() {
         reviewed::check(&report);
@@ -122,11 +134,11 @@ fn virtually(only: Option<&str>) -> Result<bool, String> {
 
 impl OnATable {
     /// What comes of a test is kept at once: whoever pulls a plug in the tenth hour keeps nine.
-    fn run(&self, only: Option<&str>) -> Result<bool, String> {
+    fn run(&self, asked: Tests<'_>) -> Result<bool, String> {
         let probe = Box::new(OpenOcd::new(&self.probe));
         let mut table = Table::connect(self.board, &self.key, &self.port, probe)?;
         run::set_up(&mut table)?;
-        run(&mut table, only, Extent::Whole, |test, passed, figures| {
+        run(&mut table, asked, Extent::Whole, |test, passed, figures| {
             let [name, day, image, figures] = [test.name, &self.day, &self.image, figures].map(str::to_owned);
             self.keep(Shown { name, passed, day, image, figures })
         })

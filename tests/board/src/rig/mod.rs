@@ -7,6 +7,7 @@
 mod legs;
 pub mod openocd;
 pub mod port;
+mod stop;
 pub mod table;
 mod told;
 
@@ -14,8 +15,10 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use haptic_rig::run::{self, Boards, Done, Outcome};
+use firmware_parts::record::Record;
+use haptic_rig::run::{self, Boards, Came, Done, Outcome};
 use legs::Legs;
+use stop::Records;
 
 use crate::bench::PERIOD_NS;
 use crate::image::{self, Firmware};
@@ -78,8 +81,9 @@ pub struct Rigged {
     halted: Option<bool>,
     /// How long it was halted so far, ns.
     lag_ns: u64,
-    /// Records whose codes have been asked for.
-    coded: usize,
+    /// Records that have been taken, and the number of the last tick that was counted.
+    taken: usize,
+    counted: Option<u32>,
     now_ns: u64,
     /// The PC has been served up to here, ms.
     served: u64,
@@ -107,7 +111,8 @@ impl Rigged {
             volts: 0.0,
             halted: None,
             lag_ns: 0,
-            coded: 0,
+            taken: 0,
+            counted: None,
             now_ns: 1000,
             served: 0,
         };
@@ -290,6 +295,15 @@ pub fn start(firmware: Firmware) -> Result<Rigged, String> {
     Ok(rigged)
 }
 
+impl Records for Rigged {
+    fn take(&mut self) -> Vec<Record> {
+        let records = &self.pc.records[0];
+        let new = records[self.taken.min(records.len())..].to_vec();
+        self.taken = records.len();
+        new
+    }
+}
+
 impl Boards for Rigged {
     fn ask(&mut self, line: &str) -> Outcome {
         let before = self.pc.answers[0].len();
@@ -345,10 +359,16 @@ impl Boards for Rigged {
     }
 
     fn codes(&mut self) -> [Vec<i16>; 2] {
-        let records = &self.pc.records[0];
-        let codes = told::codes(&records[self.coded.min(records.len())..]);
-        self.coded = records.len();
-        codes
+        told::codes(&self.take())
+    }
+
+    fn came(&mut self) -> Came {
+        let new = self.take();
+        told::came(&new, &mut self.counted)
+    }
+
+    fn stop_is_seen(&mut self, pressed: &[&str], released: &[&str]) -> Outcome {
+        stop::seen(self, pressed, released)
     }
 
     fn meet(&mut self) -> Done {

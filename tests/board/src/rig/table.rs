@@ -7,10 +7,11 @@ use std::time::{Duration, Instant};
 
 use firmware_parts::record::{CODE, Record};
 use haptic_live::operator::Operator;
-use haptic_rig::run::{Boards, Done, Outcome};
+use haptic_rig::run::{Boards, Came, Done, Outcome};
 
 use super::openocd::{self, Probe};
 use super::port::Port;
+use super::stop::{self, Records};
 use super::told;
 
 /// Between two looks at what has come, ms.
@@ -26,6 +27,8 @@ pub struct Table {
     probe: Box<dyn Probe>,
     /// Since the board was armed last.
     records: Vec<Record>,
+    /// The number of the last tick that was counted.
+    counted: Option<u32>,
 }
 
 impl Table {
@@ -36,7 +39,7 @@ impl Table {
     pub fn connect(board: SocketAddr, key: &Path, port: &Path, probe: Box<dyn Probe>) -> Result<Self, String> {
         let port = Port::open(port)?;
         let operator = Operator::connect(board, key).map_err(|why| why.to_string())?;
-        Ok(Self { operator, port, probe, records: Vec::new() })
+        Ok(Self { operator, port, probe, records: Vec::new(), counted: None })
     }
 
     /// The probe does something, and the board is kept meanwhile.
@@ -50,6 +53,12 @@ impl Table {
             self.wait_ms(LOOK_MS)?;
         }
         Ok(())
+    }
+}
+
+impl Records for Table {
+    fn take(&mut self) -> Vec<Record> {
+        std::mem::take(&mut self.records)
     }
 }
 
@@ -96,7 +105,16 @@ impl Boards for Table {
     }
 
     fn codes(&mut self) -> [Vec<i16>; 2] {
-        told::codes(&std::mem::take(&mut self.records))
+        told::codes(&self.take())
+    }
+
+    fn came(&mut self) -> Came {
+        let new = self.take();
+        told::came(&new, &mut self.counted)
+    }
+
+    fn stop_is_seen(&mut self, pressed: &[&str], released: &[&str]) -> Outcome {
+        stop::seen(self, pressed, released)
     }
 
     fn meet(&mut self) -> Done {

@@ -4,6 +4,7 @@ use firmware_parts::record::Record;
 use haptic_core::device::encoder::Counts;
 use haptic_core::names::MotorDrive;
 use haptic_core::safety::Mode;
+use haptic_rig::run::Came;
 
 use crate::twin::replay_alone;
 
@@ -12,6 +13,21 @@ pub(super) fn codes(records: &[Record]) -> [Vec<i16>; 2] {
     let stages = records.iter().filter_map(Record::stage);
     let codes = stages.map(|stage| stage.motors.map(|flow| flow.last)).collect::<Vec<_>>();
     [0, 1].map(|input| codes.iter().map(|codes| codes[input]).collect())
+}
+
+/// What came, of a board whose tick before these was that; and leaves the last one there.
+pub(super) fn came(records: &[Record], before: &mut Option<u32>) -> Came {
+    let mut came = Came::default();
+    for record in records {
+        let tick = record.tick();
+        came.ticks += 1;
+        came.unarmed += u64::from(record.mode() != Mode::Armed);
+        if let Some(before) = before.replace(tick) {
+            came.restarts += u64::from(tick <= before);
+            came.missed += u64::from(tick.saturating_sub(before).saturating_sub(1));
+        }
+    }
+    came
 }
 
 /// The counters of both encoders in the last record.

@@ -14,7 +14,7 @@ const LONGER: (u64, u32) = (0x4000_102C, 62_999);
 pub(crate) fn test(rigged: &mut Rigged, name: &str) -> Outcome {
     let test: &Test = TESTS.iter().find(|test| test.name == name).expect("the list has it");
     assert!(matches!(test.virtual_rig, Virtual::Runs(_)));
-    run::run(rigged, test, Extent::Virtual).expect("somebody wrote it down")
+    run::run(rigged, test, Extent::Virtual, None).expect("somebody wrote it down")
 }
 
 #[test]

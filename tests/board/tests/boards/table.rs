@@ -105,7 +105,7 @@ fn the_list_runs_over_a_serial_port_a_socket_and_a_probe() {
     run::set_up(&mut table).expect("both take it");
     for name in ["tick-duration", "halt-while-armed"] {
         let test = TESTS.iter().find(|test| test.name == name).expect("the list has it");
-        let outcome = run::run(&mut table, test, Extent::Virtual).expect("somebody wrote it down");
+        let outcome = run::run(&mut table, test, Extent::Virtual, None).expect("somebody wrote it down");
         assert!(outcome.is_ok(), "{name}: {outcome:?}");
     }
     // Records come over the socket, and the rig's edges are in them.

@@ -40,6 +40,8 @@ struct Rig {
     wires: [[bool; 2]; 2],
     pulses: Pulses,
     job: Job,
+    /// The analogue output while it falls, and what is left of it after a step.
+    falling: Option<(f32, f32)>,
     /// The largest command while amplifiers were enabled, counts of 6000.
     asked: u32,
     serial: Serial,
@@ -54,6 +56,7 @@ pub(crate) fn run() -> ! {
         wires: [[true; 2]; 2],
         pulses: Pulses::default(),
         job: Job::Nothing,
+        falling: None,
         asked: 0,
         serial: Serial::default(),
     };
@@ -86,6 +89,11 @@ impl Rig {
         let share = if passes { self.pulses.share(now) } else { 0.0 };
         let counts = self.device.step(share);
         self.turn(0, counts);
+        if let Some((level, keeps)) = &mut self.falling {
+            *level *= *keeps;
+            // A cast takes what is beyond an integer, and what is no number, to one.
+            pins::volts(*level as u16);
+        }
         self.measure();
     }
 
@@ -190,8 +198,17 @@ impl Rig {
                 }
             }
             Some(Order::Mend) => self.wires = [[true; 2]; 2],
-            Some(Order::Volts(share)) => pins::volts(share),
+            Some(Order::Volts(share)) => {
+                self.falling = None;
+                pins::volts(share);
+            }
+            Some(Order::Fall(from, ms)) => {
+                let steps = ms.saturating_mul(STEPS_PER_MS).max(1) as f32;
+                self.falling = Some((f32::from(from), steps / (steps + 1.0)));
+            }
+            Some(Order::Stop(open)) => pins::pull(Line::Stop, open),
             Some(Order::Ramp(from, to, ms)) => {
+                self.falling = None;
                 let every = ms.saturating_mul(STEPS_PER_MS);
                 pins::volts(from);
                 self.job = Job::Ramp(from, to, every, every);
