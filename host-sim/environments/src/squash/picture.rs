@@ -8,6 +8,9 @@ use crate::roles::squash::Court;
 /// Time shown in the second figure, s.
 const SHOWN_S: f64 = 6.0;
 
+/// How the lines of players are broken, in turn, so that they are told apart without colours and where they lie on each other.
+const DASHES: [Dash; 4] = [Dash::Solid, Dash::Dashed, Dash::DashDot, Dash::Dotted];
+
 /// The longest rally of a game.
 pub fn figure(game: &Game, options: &Options) -> Figure {
     let longest =
@@ -22,10 +25,11 @@ pub fn figure(game: &Game, options: &Options) -> Figure {
     // Of the player who is to hit it, as that player sees it: what counts.
     let path: Vec<(f64, f64)> =
         moments.iter().filter_map(|moment| ball(moment, moment.active?)).map(|[x, y]| (y, x)).collect();
-    let mut above = vec![Series::line("ball", 0, path)];
+    let player = |name: String, at: usize, way| Series::dashed(name, at + 1, DASHES[at % DASHES.len()], way);
+    let mut above = vec![Series::line("ball", 0, path).wide(5.0)];
     above.extend((0..players).map(|at| {
         let way = moments.iter().map(|moment| (moment.hands[at][1], moment.hands[at][0])).collect();
-        Series::dashed(format!("player {}", at + 1), at + 1, Dash::Solid, way)
+        player(format!("player {}", at + 1), at, way)
     }));
     let shown = |moment: &&&Moment| moment.time_s - first_s <= SHOWN_S;
     let along = (0..players).map(|at| {
@@ -34,7 +38,8 @@ pub fn figure(game: &Game, options: &Options) -> Figure {
             .filter(shown)
             .map(|moment| (moment.time_s - first_s, ball(moment, at).map_or(f64::NAN, |[x, _]| x)))
             .collect();
-        Series::line(format!("player {}", at + 1), at + 1, points)
+        // One legend serves both.
+        player(String::new(), at, points)
     });
     let report = &game.report;
     // Unknown until everybody has measured it.
