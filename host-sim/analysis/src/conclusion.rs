@@ -8,7 +8,7 @@ use haptic_sim::scene::Scene;
 use haptic_sim::user::User;
 
 use super::advice::advice;
-use super::modes::{Judgement, judge};
+use super::modes::{Hands, Judgement, Mode, judge};
 use super::verdict::{Verdict, verdict};
 use crate::error::Error;
 
@@ -28,7 +28,14 @@ impl Analysis {
     /// # Errors
     /// A scene that cannot be analysed.
     pub fn of(scene: &Scene) -> Result<Self, Error> {
-        Ok(Self { verdict: verdict(scene)?, judged: judge(scene)? })
+        let judged = judge(scene)?;
+        // Where none of its other delays is worse, what was judged of both hands is the verdict, to the bit.
+        let own = |mode: &&Mode| mode.mode == Hands::Both && !mode.at_walls && mode.at_delay_ticks.is_none();
+        let verdict = match judged.modes.iter().find(own) {
+            Some(mode) => mode.verdict,
+            None => verdict(scene)?,
+        };
+        Ok(Self { verdict, judged })
     }
 
     /// That the scene is unstable, with what to change, or that it is where the object is let go of, if so.

@@ -20,13 +20,10 @@ use crate::{network::rule::Direction, plant::Plant, scene::Scene};
 pub trait Mailbox<S: Scalar, const SHARED: usize, const N: usize> {
     /// Takes a packet that came at `now_ns`, ns.
     fn put(&mut self, now_ns: u64, packet: &Numbered<[Packet<S>; SHARED]>);
-    /// Lets the peer hear what has come by `now_ns` (ns), and count the silence if an exchange of packets is due; gives what it heard.
-    fn hand_over(
-        &mut self,
-        now_ns: u64,
-        due: bool,
-        peer: &mut dyn DynPeer<S, SHARED, N>,
-    ) -> Option<[Packet<S>; SHARED]>;
+    /// Lets the peer hear what has come by `now_ns` (ns), and count the silence if an exchange of packets is due; whether it heard anything.
+    fn hand_over(&mut self, now_ns: u64, due: bool, peer: &mut dyn DynPeer<S, SHARED, N>) -> bool;
+    /// What the peer heard last.
+    fn heard(&self) -> Option<&[Packet<S>; SHARED]>;
     /// Packets that the peer has taken in.
     fn delivered(&self) -> u64;
 }
@@ -38,20 +35,20 @@ impl<S: Scalar, const SHARED: usize, const N: usize> Mailbox<S, SHARED, N> for I
     }
 
     #[inline]
-    fn hand_over(
-        &mut self,
-        now_ns: u64,
-        due: bool,
-        peer: &mut dyn DynPeer<S, SHARED, N>,
-    ) -> Option<[Packet<S>; SHARED]> {
+    fn hand_over(&mut self, now_ns: u64, due: bool, peer: &mut dyn DynPeer<S, SHARED, N>) -> bool {
         let taken = self.take(now_ns);
-        if let Some(packets) = &taken {
+        let heard = taken.is_some();
+        if let Some(packets) = taken {
             peer.hear(packets);
         }
         if due {
             peer.listen();
         }
-        taken
+        heard
+    }
+
+    fn heard(&self) -> Option<&[Packet<S>; SHARED]> {
+        self.taken()
     }
 
     fn delivered(&self) -> u64 {
@@ -83,7 +80,7 @@ pub struct Side<
     period_s: f64,
     period_ns: u64,
     packet_ns: u64,
-    heard: Option<[Packet<S>; SHARED]>,
+    heard: bool,
     exchanged: bool,
     /// The clutch is open.
     clutched: bool,
@@ -133,7 +130,7 @@ impl<S: Scalar, D: Device<S, N>, const SHARED: usize, const N: usize, I: Mailbox
             period_s: scene.peer.timing.control_period_s,
             period_ns: scene.peer.timing.control_period_ns(),
             packet_ns: scene.peer.timing.packet_period_ns(),
-            heard: None,
+            heard: false,
             exchanged: false,
             clutched: false,
             actuators: Actuators::default(),
@@ -177,11 +174,7 @@ impl<S: Scalar, D: Device<S, N>, const SHARED: usize, const N: usize, I: Mailbox
     #[inline]
     fn act(&mut self, now_ns: u64, _: &mut Out<'_, usize, Self::Packet>) {
         self.exchanged = self.peer.packet_due();
-        // In most ticks nothing: a packet of sixteen lanes is not copied then.
-        self.heard = None;
-        if let Some(packets) = self.inbox.hand_over(now_ns, self.exchanged, &mut *self.peer) {
-            self.heard = Some(packets);
-        }
+        self.heard = self.inbox.hand_over(now_ns, self.exchanged, &mut *self.peer);
         let time_s = (now_ns / self.period_ns) as f64 * self.period_s;
         let clutched = self.plant.clutches(time_s);
         if clutched != self.clutched {
@@ -339,9 +332,9 @@ impl<S: Scalar, D: Device<S, N>, const SHARED: usize, const N: usize, I: Mailbox
     #[inline]
     pub fn step_watched(&mut self, each: &mut impl FnMut(PeerTick<'_, S, SHARED, N>)) {
         self.engine.step(&mut |turn| {
-            let Side { heard, exchanged, sensors, actuators, peer, .. } = &mut turn.seats[turn.seat].actor;
+            let Side { heard, inbox, exchanged, sensors, actuators, peer, .. } = &mut turn.seats[turn.seat].actor;
             if turn.turn == Turn::Acted {
-                let (heard, exchanged) = (heard.as_ref(), *exchanged);
+                let (heard, exchanged) = (if *heard { inbox.heard() } else { None }, *exchanged);
                 each(PeerTick { number: turn.seat + 1, heard, exchanged, sensors, actuators, peer: &mut **peer });
             }
         });

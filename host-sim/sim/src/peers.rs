@@ -23,10 +23,7 @@ use crate::lanes::number::{F32s, F64s};
 /// A hash (FNV-1a over 64-bit words) continued by one word.
 #[inline]
 pub(crate) fn mixed(hash: u64, word: u64) -> u64 {
-    let hash = hash ^ word;
-    // The prime is 2⁴⁰ + 0x1b3; products of halves, which vectors have an instruction for.
-    let [low, high] = [hash & 0xffff_ffff, hash >> 32].map(|half| half * 0x1b3);
-    let hash = (hash << 40).wrapping_add(low).wrapping_add(high << 32);
+    let hash = (hash ^ word).wrapping_mul(0x100_0000_01b3);
     // The fold brings the high bits down, where the next product spreads them again.
     hash ^ hash >> 32
 }

@@ -77,7 +77,8 @@ impl User {
     pub fn clutches(&self, time_s: f64) -> bool {
         let user = &self.settings.user;
         let since_s = time_s - user.clutch_at_s + 1e-9;
-        since_s >= 0.0 && since_s % user.clutch_every_s < user.clutch_for_s
+        // Asked of every tick, and mostly of users without one: the remainder comes last.
+        user.clutch_for_s > 0.0 && since_s >= 0.0 && since_s % user.clutch_every_s < user.clutch_for_s
     }
 
     /// Force at `time_s`, N toward the other peer.

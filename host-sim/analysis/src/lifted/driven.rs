@@ -235,23 +235,24 @@ fn settle<const SHARED: usize, const N: usize>(
     let (packet, mean) = (timing.ticks_per_packet as usize, delays_ticks(linear).iter().sum::<usize>().div_ceil(2));
     let delay = (mean + packet - 1 - at_tick) / packet;
     let (mut at_rest, mut flying) = (peer.clone(), VecDeque::new());
-    let mut live = 0;
+    let (mut live, mut said) = (0, at_rest.outgoing());
     // Learning a delay takes round trips by the logarithm of it.
     let patience = (LEARNING + delay) * LEARNING;
     for _ in 0..patience {
-        flying.push_back(at_rest.outgoing());
+        flying.push_back(said);
         let due = flying.front().copied().filter(|_| flying.len() > delay);
         if live > 4 * (delay + 1) && live as u32 * timing.ticks_per_packet > LIGHTENING {
             *peer = at_rest;
             return due;
         }
-        // At rest all axes count alike.
-        let before = at_rest.outgoing()[0].live_ticks;
         if due.is_some() {
             flying.pop_front();
         }
         at_rest_for_a_packet(&mut *at_rest, due);
-        let ticks = at_rest.outgoing()[0].live_ticks.wrapping_sub(before);
+        // At rest all axes count alike.
+        let before = said[0].live_ticks;
+        said = at_rest.outgoing();
+        let ticks = said[0].live_ticks.wrapping_sub(before);
         live = if ticks == timing.ticks_per_packet { live + 1 } else { 0 };
     }
     None

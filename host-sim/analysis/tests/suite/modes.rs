@@ -1,6 +1,6 @@
 //! Every mode of a scene: the released pairs of THEORY §7, what the network table can do to the delay, and the simulator.
 
-use haptic_analysis::{Effort, Hands, Judgement, Mode, Range, judge, limit, verdict};
+use haptic_analysis::{Analysis, Effort, Hands, Judgement, Mode, Range, judge, limit, verdict};
 use haptic_core::names::Choice;
 use haptic_core::num::StateVector;
 use haptic_sim::pair::Pair;
@@ -271,5 +271,21 @@ fn the_leader_and_the_follower_are_stable_in_every_mode() {
         let scene = scenes::find(Laws::built_in(), Some(name.as_ref()), &[]).unwrap();
         let judged = judge(&scene).unwrap();
         assert!(judged.worst.stable && judged.modes.len() == modes, "{name}: {judged:?}");
+    }
+}
+
+/// A judgement has the verdict on both hands in it, unless another delay than the scene's own is worse, or walls are met: then that is asked for.
+#[test]
+fn what_is_said_of_a_scene_has_the_verdict_that_is_given_alone() {
+    for (name, _) in scenes::known() {
+        for network in [None, Some("network.jitter=uniform"), Some("network.delay_step_s=0.01")] {
+            let mut scene = scenes::load(Laws::built_in(), name).unwrap();
+            for setting in network.into_iter().chain(network.map(|_| "network.jitter_s=0.004")) {
+                scene.apply_override(setting).unwrap();
+            }
+            let (said, alone) = (Analysis::of(&scene).unwrap(), verdict(&scene).unwrap());
+            assert_eq!(said.verdict, alone, "{name} {network:?}");
+            assert_eq!(said.judged, judge(&scene).unwrap(), "{name} {network:?}");
+        }
     }
 }

@@ -52,7 +52,7 @@ impl Actor<usize> for Around {
             Self::Server(JunctionServer { junction, lines, packet_ns }) => {
                 let packets_due = now_ns.is_multiple_of(*packet_ns);
                 if junction.is_due(packets_due) {
-                    junction.exchange(lines.iter_mut().map(|line| line.take(now_ns)), packets_due);
+                    junction.exchange(lines.iter_mut().map(|line| line.take(now_ns).copied()), packets_due);
                 }
                 for (port, to) in junction.ports.iter().zip(1..).filter(|_| packets_due) {
                     out(to, &Numbered { number: now_ns / *packet_ns, what: port.back() });

@@ -130,7 +130,7 @@ impl Seat {
 
     fn act(&mut self, now_ns: u64, out: &mut Sends<'_>) {
         let (now_us, due) = (now_ns / 1_000, self.rules.is_due(now_ns));
-        if due && let Some(Packet::Down(down)) = self.inbox.take(now_ns) {
+        if due && let Some(&Packet::Down(down)) = self.inbox.take(now_ns) {
             self.hears(now_us, down);
         }
         let version = self.role.engine(now_us);
@@ -239,7 +239,7 @@ impl Server {
     fn act(&mut self, now_ns: u64) {
         if self.rules.is_due(now_ns) {
             for index in 0..self.users.len() {
-                if let Some(Packet::Up(up)) = self.users[index].inbox.take(now_ns) {
+                if let Some(&Packet::Up(up)) = self.users[index].inbox.take(now_ns) {
                     self.hears(index, now_ns / 1_000, up);
                 }
             }

@@ -191,19 +191,14 @@ impl<S: Lanes, const SHARED: usize, const N: usize> Mailbox<S, SHARED, N> for La
     }
 
     #[inline]
-    fn hand_over(
-        &mut self,
-        now_ns: u64,
-        due: bool,
-        peer: &mut dyn DynPeer<S, SHARED, N>,
-    ) -> Option<[Packet<S>; SHARED]> {
+    fn hand_over(&mut self, now_ns: u64, due: bool, peer: &mut dyn DynPeer<S, SHARED, N>) -> bool {
         let networks = match self {
             Self::One(inbox) => return inbox.hand_over(now_ns, due, peer),
             Self::Each(networks) => networks,
         };
         let came = networks.take(now_ns);
         if came == 0 && !due {
-            return None;
+            return false;
         }
         networks.heard |= came;
         networks.delivered += u64::from(came != 0);
@@ -215,7 +210,14 @@ impl<S: Lanes, const SHARED: usize, const N: usize> Mailbox<S, SHARED, N> for La
         if due {
             peer.listen();
         }
-        (came != 0).then_some(networks.standing)
+        came != 0
+    }
+
+    fn heard(&self) -> Option<&[Packet<S>; SHARED]> {
+        match self {
+            Self::One(inbox) => inbox.taken(),
+            Self::Each(networks) => Some(&networks.standing),
+        }
     }
 
     fn delivered(&self) -> u64 {

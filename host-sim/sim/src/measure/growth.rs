@@ -6,25 +6,33 @@ use super::Figure;
 #[derive(Clone, Copy, Debug)]
 pub struct Growth<F = f64> {
     window: u64,
+    /// The eighth that goes on, and the tick at which it is over.
+    eighth: usize,
+    until: u64,
     largest: [F; 8],
 }
 
 impl<F: Figure> Growth<F> {
     /// For a run of `ticks` ticks.
     pub fn new(ticks: u64) -> Self {
-        Self { window: ticks.div_ceil(8).max(1), largest: [F::ZERO; 8] }
+        let window = ticks.div_ceil(8).max(1);
+        Self { window, eighth: 0, until: window, largest: [F::ZERO; 8] }
     }
 
-    /// Takes in a value of a tick, 0 or more; what is no finite number counts as infinite.
+    /// Takes in a value of a tick, 0 or more, of none before the last; what is no finite number counts as infinite.
     #[inline(always)]
     pub fn see(&mut self, tick: u64, value: F) {
-        let largest = &mut self.largest[((tick / self.window) as usize).min(7)];
+        // Not a division in every tick: it takes as long as all else here.
+        while tick >= self.until {
+            (self.eighth, self.until) = ((self.eighth + 1).min(7), self.until + self.window);
+        }
+        let largest = &mut self.largest[self.eighth];
         *largest = largest.larger(value.or_infinite());
     }
 
     /// With what `of` makes of each number.
     pub(crate) fn map<G>(&self, of: impl Fn(F) -> G) -> Growth<G> {
-        Growth { window: self.window, largest: self.largest.map(of) }
+        Growth { window: self.window, eighth: self.eighth, until: self.until, largest: self.largest.map(of) }
     }
 }
 

@@ -145,11 +145,10 @@ impl<T> Default for InFlight<T> {
 impl<T> InFlight<T> {
     #[inline]
     pub(crate) fn put(&mut self, due_ns: u64, what: T) {
-        let at = if self.0.back().is_none_or(|(last_ns, _)| *last_ns <= due_ns) {
-            self.0.len()
-        } else {
-            self.0.partition_point(|(other_ns, _)| *other_ns <= due_ns)
-        };
+        if self.0.back().is_none_or(|(last_ns, _)| *last_ns <= due_ns) {
+            return self.0.push_back((due_ns, what));
+        }
+        let at = self.0.partition_point(|(other_ns, _)| *other_ns <= due_ns);
         self.0.insert(at, (due_ns, what));
     }
 
@@ -216,9 +215,12 @@ impl<P: Payload + ?Sized> Link<P> {
 /// older, overtaken or a duplicate. With `network.playout_packets` packets go through the peers' own play-out buffer.
 #[derive(Clone, Debug)]
 pub struct Inbox<T> {
-    waiting: Option<Numbered<T>>,
-    newest: Option<u64>,
-    playout: Option<Buffered<T>>,
+    /// Where the newest packet lies, taken or not: it is put there, and read there.
+    newest: Option<Numbered<T>>,
+    /// It has not been taken yet.
+    waits: bool,
+    /// Its 64 places are not in every inbox: of sixteen lanes they are 100 kB and more.
+    playout: Option<Box<Buffered<T>>>,
     /// Packets taken by the receiver.
     pub delivered: u64,
     /// Number of packets dropped because they came after a newer one was taken, together with one, or twice.
@@ -228,7 +230,7 @@ pub struct Inbox<T> {
 /// The play-out buffer, in ticks: the sender's at which a packet was sent, the receiver's at which it came.
 #[derive(Clone, Debug)]
 struct Buffered<T> {
-    playout: Playout<T>,
+    playout: Playout<Numbered<T>>,
     /// What has come since the receiver looked last, and when, ns.
     came: Vec<(u64, Numbered<T>)>,
     tick_ns: u64,
@@ -240,11 +242,11 @@ struct Buffered<T> {
 }
 
 impl<T> Buffered<T> {
-    fn take(&mut self, now_ns: u64, dropped: &mut u64) -> Option<T> {
+    fn take(&mut self, now_ns: u64, dropped: &mut u64) -> Option<Numbered<T>> {
         for (came_ns, packet) in self.came.drain(..) {
             let ago = now_ns.saturating_sub(came_ns).div_ceil(self.tick_ns) as u32;
             let sent = (packet.number as u32).wrapping_mul(self.ticks_per_packet);
-            let kept = self.playout.put(self.local.wrapping_sub(ago), sent, packet.what);
+            let kept = self.playout.put(self.local.wrapping_sub(ago), sent, packet);
             *dropped += u64::from(!kept);
         }
         let before = self.playout.waiting();
@@ -259,15 +261,17 @@ impl<T> Inbox<T> {
     /// An empty inbox with the scene's play-out buffer, if any; the receiver takes from it every `every` ticks.
     pub fn new(scene: &Scene, every: u32) -> Self {
         let (depth, timing) = (scene.world.network.playout_packets, &scene.peer.timing);
-        let buffered = || Buffered {
-            playout: Playout::new(depth, timing.ticks_per_packet),
-            came: Vec::new(),
-            tick_ns: timing.control_period_ns(),
-            ticks_per_packet: timing.ticks_per_packet,
-            every,
-            local: 0,
+        let buffered = || {
+            Box::new(Buffered {
+                playout: Playout::new(depth, timing.ticks_per_packet),
+                came: Vec::new(),
+                tick_ns: timing.control_period_ns(),
+                ticks_per_packet: timing.ticks_per_packet,
+                every,
+                local: 0,
+            })
         };
-        Self { waiting: None, newest: None, playout: (depth > 0).then(buffered), delivered: 0, dropped: 0 }
+        Self { newest: None, waits: false, playout: (depth > 0).then(buffered), delivered: 0, dropped: 0 }
     }
 
     /// Takes a packet that came at `now_ns`.
@@ -275,10 +279,10 @@ impl<T> Inbox<T> {
     pub fn put(&mut self, now_ns: u64, packet: Numbered<T>) {
         if let Some(buffered) = &mut self.playout {
             buffered.came.push((now_ns, packet));
-        } else if self.newest.is_none_or(|newest| packet.number > newest) {
-            self.newest = Some(packet.number);
+        } else if self.newest.as_ref().is_none_or(|newest| packet.number > newest.number) {
+            self.newest = Some(packet);
             // One that waited until now is overtaken after all.
-            self.dropped += u64::from(self.waiting.replace(packet).is_some());
+            self.dropped += u64::from(std::mem::replace(&mut self.waits, true));
         } else {
             self.dropped += 1;
         }
@@ -286,12 +290,23 @@ impl<T> Inbox<T> {
 
     /// The packet that the receiver takes at `now_ns` (ns), if any.
     #[inline]
-    pub fn take(&mut self, now_ns: u64) -> Option<T> {
-        let taken = match &mut self.playout {
-            Some(buffered) => buffered.take(now_ns, &mut self.dropped),
-            None => self.waiting.take().map(|packet| packet.what),
-        };
-        self.delivered += u64::from(taken.is_some());
-        taken
+    pub fn take(&mut self, now_ns: u64) -> Option<&T> {
+        if let Some(buffered) = &mut self.playout
+            && let Some(played) = buffered.take(now_ns, &mut self.dropped)
+        {
+            self.newest = Some(played);
+            self.waits = true;
+        }
+        if !std::mem::take(&mut self.waits) {
+            return None;
+        }
+        self.delivered += 1;
+        self.taken()
+    }
+
+    /// The packet that was taken last.
+    #[inline]
+    pub fn taken(&self) -> Option<&T> {
+        self.newest.as_ref().map(|newest| &newest.what)
     }
 }

@@ -31,7 +31,7 @@ fn period(Line { link, inbox }: &mut Line, number: u64) -> Option<u64> {
     while let Some((due_ns, packet)) = link.take(now_ns) {
         inbox.put(due_ns, packet);
     }
-    inbox.take(now_ns)
+    inbox.take(now_ns).copied()
 }
 
 #[test]
