@@ -287,13 +287,21 @@ impl Console {
         write!(to, "started: {}{}", self.cause.stop.explain(), self.cause.place)
     }
 
+    /// For who has no operator's key: why the motors are off, if they are and must be, and the status.
+    #[cfg(feature = "usb")]
+    pub(crate) fn tell(&self, to: &mut Line) -> fmt::Result {
+        match (self.signals.mode.get(), self.armable()) {
+            (Mode::Armed, _) => write!(to, "armed; ")?,
+            (Mode::Faulted(fault), _) => write!(to, "not armed: fault, {}; ", fault.explain())?,
+            (_, Err(why)) => write!(to, "not to be armed: {why}; ")?,
+            (_, Ok(())) => write!(to, "not armed, nothing stands against it; ")?,
+        }
+        self.status(to)
+    }
+
     /// Motors on, for as long as the operator stays or, alone, for longer.
     async fn arm(&mut self, alone: bool) -> Result<Mode, No<'static>> {
-        self.ready()?;
-        if !self.signals.checked.get() {
-            let why = "check first: the signs of motor and encoder were not checked, every joint in use";
-            return Err(No::Because(why));
-        }
+        self.armable()?;
         // Not before: what refuses to arm changes nothing about motors that are on.
         self.hold(alone)?;
         self.order(Command::Arm, Mode::Armed).await
@@ -325,6 +333,13 @@ impl Console {
         self.carried_out(|| signals.done.acquire() == order).await?;
         let mode = signals.mode.get();
         if mode == wanted { Ok(mode) } else { Err(No::Mode(mode)) }
+    }
+
+    /// What stands against arming.
+    fn armable(&self) -> Result<(), No<'static>> {
+        self.ready()?;
+        let why = "check first: the signs of motor and encoder were not checked, every joint in use";
+        if self.signals.checked.get() { Ok(()) } else { Err(No::Because(why)) }
     }
 
     /// What stands against motors being on, before the tick is asked.

@@ -3,7 +3,8 @@
 //! One image holds every law, for devices of one or two motors and one shared axis. The other one (feature `three-axes`) is for three
 //! motors and an object that is shared along all of their axes: it names its law and its kind of mechanism, and carries no other, so that
 //! what it has three of still fits into ITCM. A third one (feature `moteus`) has the first one's laws, for a motor with a controller of its own,
-//! and a fourth (feature `spi-encoders`) differs from the first in what reads its joints.
+//! and a fourth (feature `spi-encoders`) differs from the first in what reads its joints. Any of them may talk by USB in place of Ethernet
+//! (feature `usb`).
 
 #[cfg(not(feature = "three-axes"))]
 mod made_for {

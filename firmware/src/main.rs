@@ -24,6 +24,9 @@ mod net;
 #[cfg(target_os = "none")]
 mod port;
 #[cfg(target_os = "none")]
+#[cfg_attr(not(feature = "usb"), path = "no_serial.rs")]
+mod serial;
+#[cfg(target_os = "none")]
 mod sockets;
 #[cfg(target_os = "none")]
 mod storage;
@@ -75,7 +78,7 @@ mod image {
         };
     }
 
-    // Priority 3, below the tick and its bell, above the time driver (4) and Ethernet (5).
+    // Priority 3, below the tick and its bell, above the time driver (4) and Ethernet or USB (5).
     executor!(SUPERVISOR on UART4);
     // Priority 6.
     executor!(NETWORK on UART5);
@@ -141,7 +144,7 @@ mod image {
             leaves: None,
         };
         let telemetry = Telemetry::new(records, &SIGNALS);
-        let net = net::start(board.ethernet, board.number, outgoing, incoming, telemetry, console);
+        let net = net::start(board.cable, board.number, outgoing, incoming, telemetry, console);
         NETWORK.start(interrupt::UART5).spawn(defmt::unwrap!(net));
         // Thread mode, below everything: programming flash may take its time.
         spawner.spawn(defmt::unwrap!(storage::run(board.flash, store, &SIGNALS)));

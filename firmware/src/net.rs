@@ -16,10 +16,10 @@ use haptic_protocol::{
 };
 use static_cell::StaticCell;
 
-use crate::board::{Number, ethernet, flash};
+use crate::board::{Number, cable, flash};
 use crate::flow::{self, Flow};
 use crate::tick::{Outgoing, Received};
-use crate::{console::Console, port, telemetry::Telemetry};
+use crate::{console::Console, port, serial, telemetry::Telemetry};
 
 fn address(number: Number) -> Ipv4Address {
     Ipv4Address::new(192, 168, 77, number as u8 + 1)
@@ -28,7 +28,7 @@ fn address(number: Number) -> Ipv4Address {
 /// Brings the link up and starts everything that talks. A PHY that does not answer stops it here, and nothing else.
 #[embassy_executor::task]
 pub(crate) async fn start(
-    pins: ethernet::Pins,
+    pins: cable::Pins,
     number: Number,
     outgoing: Reader<'static, Outgoing>,
     incoming: Writer<'static, Received>,
@@ -37,11 +37,13 @@ pub(crate) async fn start(
 ) {
     let (addresses, signals) = (console.applied.addresses, console.signals);
     let lives = Lives::new(flow::bounds(&console.applied.settings));
-    let Some(Links { key, seed, operator, peer: link }) = links(number, &console.applied.settings) else { return };
     // The stack is not for sharing between executors: its tasks are spawned from the one they run on.
     // SAFETY: this future is polled by the executor of a task, which never ends.
     let spawner = unsafe { Spawner::for_current_executor() }.await;
-    let (stack, runner) = stack(ethernet::start(pins, number), number, addresses);
+    let (plugged, port) = cable::plug(pins, number, &spawner);
+    serial::start(port, &spawner);
+    let Some(Links { key, seed, operator, peer: link }) = links(number, &console.applied.settings) else { return };
+    let (stack, runner) = stack(cable::open(plugged), number, addresses);
     let peer = IpEndpoint::new(addresses.peer.unwrap_or(address(number.other())).into(), flow::PORT);
     let flow = Flow { key, seed, number, link, peer, outgoing, incoming, signals, lives, outdated: false };
     spawner.spawn(defmt::unwrap!(flow::run(stack, flow)));
@@ -57,6 +59,15 @@ struct Links {
     peer: &'static mut Link,
 }
 
+/// Says why there are no links, in the log and at the serial port.
+macro_rules! silent {
+    ($why:literal) => {{
+        defmt::error!($why);
+        serial::say($why);
+        return None;
+    }};
+}
+
 /// Makes the links, or says why this board talks to nobody.
 #[inline(never)]
 fn links(number: Number, settings: &Settings) -> Option<Links> {
@@ -64,37 +75,28 @@ fn links(number: Number, settings: &Settings) -> Option<Links> {
     static PEER: StaticCell<Made> = StaticCell::new();
     let keys = match flash::keys() {
         Ok(keys) => keys,
-        Err(why) => {
-            match why {
-                Keyless::NoPeers => defmt::error!("no peers' key: this board talks to nobody and cannot be armed"),
-                Keyless::NoOperator => {
-                    defmt::error!("no operator's key: this board talks to nobody and cannot be armed")
-                }
-                Keyless::Single => {
-                    defmt::error!("one key for peers and operator, of a version before: this board talks to nobody");
-                }
-                Keyless::Same => defmt::error!("peers' key and operator's are the same: this board talks to nobody"),
-            }
-            defmt::error!("cargo xtask provision gives a board its two keys");
-            return None;
+        Err(Keyless::NoPeers) => silent!("no peers' key: this board talks to nobody and cannot be armed"),
+        Err(Keyless::NoOperator) => silent!("no operator's key: this board talks to nobody and cannot be armed"),
+        Err(Keyless::Single) => {
+            silent!("one key for peers and operator, of a version before: this board talks to nobody")
         }
+        Err(Keyless::Same) => silent!("peers' key and operator's are the same: this board talks to nobody"),
     };
     let seed = keys.seed();
     let operator = place(&OPERATOR, || port::link(&keys.operator, &seed, number));
     let peer = place(&PEER, || flow::connect(&keys.peers, &seed, number, settings));
     let (Ok(operator), Ok(peer)) = (operator, peer) else {
-        defmt::error!("no randomness: this board talks to nobody and cannot be armed; its noise source has failed");
-        return None;
+        silent!("no randomness: this board talks to nobody and cannot be armed; its noise source has failed")
     };
     Some(Links { key: keys.peers, seed, operator, peer })
 }
 
 /// The stack on its address, and what runs it.
 fn stack(
-    device: ethernet::Device,
+    device: cable::Device,
     number: Number,
     addresses: Addresses,
-) -> (Stack<'static>, Runner<'static, ethernet::Device>) {
+) -> (Stack<'static>, Runner<'static, cable::Device>) {
     static RESOURCES: StaticCell<StackResources<6>> = StaticCell::new();
     let own = addresses.own.unwrap_or(address(number));
     let config = if addresses.dhcp {
@@ -124,6 +126,6 @@ fn place(
 
 /// Runs the network stack for ever.
 #[embassy_executor::task]
-async fn run(mut runner: Runner<'static, ethernet::Device>) -> ! {
+async fn run(mut runner: Runner<'static, cable::Device>) -> ! {
     runner.run().await
 }

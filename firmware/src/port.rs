@@ -22,7 +22,7 @@ use haptic_protocol::wire::{Datagram, MAX_DATAGRAM, PeerId};
 use haptic_protocol::{ends::Ends, key::Key};
 
 use crate::board::{Number, random};
-use crate::{console::Console, sockets, telemetry::Telemetry};
+use crate::{console::Console, serial::Teller, sockets, telemetry::Telemetry};
 
 const PORT: u16 = 7702;
 const OPERATOR: PeerId = PeerId(0);
@@ -88,6 +88,7 @@ pub(crate) async fn run(stack: Stack<'static>, console: Console, link: &'static 
     let (socket, mut answers) = sockets::pair(stack, PORT);
     let mut port = Port { link, lines: Lines::default(), path: Path::default(), console, telemetry };
     let (mut bytes, mut out): (Datagram, Datagram) = ([0; MAX_DATAGRAM], [0; MAX_DATAGRAM]);
+    let mut teller = Teller::new();
     // A record that is sealed and waits.
     let mut waiting: Option<(usize, Datagram)> = None;
     loop {
@@ -101,6 +102,7 @@ pub(crate) async fn run(stack: Stack<'static>, console: Console, link: &'static 
             Err(_) => answers.tend(),
         }
         port.console.leave();
+        teller.look(&port.console);
         let now = Instant::now().as_micros();
         // Who is gone has not said no: his lease runs out.
         if port.link.is_up() {

@@ -10,17 +10,18 @@ use crate::options::Options;
 use crate::run::{self, Failure, cargo, run, step};
 use crate::setup::{self, Ready, THUMB_TARGET};
 
-/// What cargo is given for each image: for one shared axis, for three, for the second board, for a moteus, for encoders on SPI.
-pub(crate) const IMAGES: [&[&str]; 5] = [
+/// What cargo is given for each image: for one shared axis, for three, for the second board, for a moteus, for encoders on SPI, by USB.
+pub(crate) const IMAGES: [&[&str]; 6] = [
     &[],
     &["--features", "three-axes"],
     &["--no-default-features", "--features", "nucleo-h753zi"],
     &["--features", "moteus"],
     &["--features", "spi-encoders"],
+    &["--features", "usb"],
 ];
 /// What those beside the first are called there.
-pub(crate) const BESIDES: [&str; 4] =
-    ["firmware-three-axes", "firmware-nucleo-h753zi", "firmware-moteus", "firmware-spi-encoders"];
+pub(crate) const BESIDES: [&str; 5] =
+    ["firmware-three-axes", "firmware-nucleo-h753zi", "firmware-moteus", "firmware-spi-encoders", "firmware-usb"];
 /// Longest run, s.
 const MOST_SECONDS: f64 = 3600.0;
 

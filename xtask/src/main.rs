@@ -153,7 +153,7 @@ corpus/ of protocol/fuzz or host-sim/{environments/,live/,}fuzz; a crash leaves 
         does: "Shows that the 1 kHz interrupt cannot panic and lies in ITCM",
         more: "Links a program that holds the interrupt and a panic handler that calls a function which does not exist, and has a
 place for code in ITCM only: it links only if no panic is reachable and all that is lies in ITCM. Then once more with a
-panic planted outside ITCM, which must fail on both counts. All images are tried: that for three axes second, and those for the second board and for a moteus.",
+panic planted outside ITCM, which must fail on both counts. All images are tried: that for three axes second, and those for the second board, for a moteus, for encoders on SPI and by USB.",
         run: |_| no_panic::no_panic(&setup::setup()?),
     },
     Chore {

@@ -14,6 +14,7 @@ use embassy_stm32::rcc::{
 };
 use embassy_stm32::{Config, pac, time::Hertz};
 
+use super::cable;
 use crate::boards::EXTERNAL_HZ;
 
 /// Frequency of the core, Hz.
@@ -63,5 +64,6 @@ pub(crate) fn config(external: bool) -> Config {
     rcc.apb3_pre = APBPrescaler::DIV2;
     rcc.apb4_pre = APBPrescaler::DIV2;
     rcc.voltage_scale = VoltageScale::Scale0;
+    cable::clock(rcc);
     config
 }

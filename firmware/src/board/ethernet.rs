@@ -2,9 +2,10 @@
 
 use core::mem::MaybeUninit;
 
+use embassy_executor::Spawner;
 use embassy_stm32::eth::{self, Ethernet, GenericPhy, PacketQueue, Sma};
 use embassy_stm32::peripherals::{ETH, ETH_SMA, PA1, PA2, PA7, PB13, PC1, PC4, PC5, PG11, PG13};
-use embassy_stm32::{Peri, bind_interrupts, pac};
+use embassy_stm32::{Peri, bind_interrupts, interrupt, pac, rcc};
 use firmware_parts::mac;
 
 use super::Number;
@@ -13,13 +14,16 @@ bind_interrupts!(struct Interrupts {
     ETH => eth::InterruptHandler;
 });
 
+/// The interrupt that is to be beneath the tick's.
+pub(crate) const INTERRUPT: interrupt::Interrupt = interrupt::Interrupt::ETH;
+
 /// The driver, as embassy-net takes it.
 pub(crate) type Device = Ethernet<'static, ETH, GenericPhy<Sma<'static, ETH_SMA>>>;
 
 /// Frames that may wait to go out and to be taken in.
 type Queue = PacketQueue<8, 12>;
 
-/// NOLOAD, and out of the DMA-less DTCM; so uninitialised until [`start`].
+/// NOLOAD, and out of the DMA-less DTCM; so uninitialised until [`open`].
 #[unsafe(link_section = ".axi.ethernet")]
 static mut QUEUE: MaybeUninit<Queue> = MaybeUninit::uninit();
 
@@ -38,8 +42,22 @@ pub(crate) struct Pins {
     pub(crate) tx_d0: Peri<'static, PG13>,
 }
 
+/// The PHY has the clock, and gives it.
+pub(crate) fn clock(_: &mut rcc::Config) {}
+
+/// A cable that may be plugged in.
+pub(crate) struct Plugged(Pins, Number);
+
+/// There is no serial port.
+pub(crate) struct Serial;
+
+/// Starts nothing: a board that talks to nobody leaves MAC and PHY alone.
+pub(crate) fn plug(pins: Pins, number: Number, _: &Spawner) -> (Plugged, Serial) {
+    (Plugged(pins, number), Serial)
+}
+
 /// Resets MAC and PHY and starts the link. Waits for the PHY to answer: without one it waits for ever, so call it last.
-pub(crate) fn start(pins: Pins, number: Number) -> Device {
+pub(crate) fn open(Plugged(pins, number): Plugged) -> Device {
     // SAFETY: `pins` exists once, so this runs once, and nothing else names QUEUE.
     let queue = unsafe {
         let place = &raw mut QUEUE;

@@ -1,12 +1,15 @@
 //! The chip, an STM32H743 or H753, and what is at its pins. The only folder that knows it; [`crate::boards`] knows which pin is wired to what.
 //!
-//! docs/assembly.md has the wiring. Ethernet is the Nucleo's own.
+//! docs/assembly.md has the wiring. Ethernet is the Nucleo's own, and so is USB in its place (feature `usb`).
 //!
-//! Interrupt priorities, most urgent first: 0 current loop, 1 tick, 2 bell, 3 supervisor, 4 time driver, 5 Ethernet, 6 network executor,
+//! Interrupt priorities, most urgent first: 0 current loop, 1 tick, 2 bell, 3 supervisor, 4 time driver, 5 Ethernet or USB, 6 network executor,
 //! thread: storage. A critical section masks 2 and everything below it, never the loop or the tick.
 
 mod breaks;
 pub(crate) mod bridges;
+#[cfg_attr(feature = "usb", path = "usb.rs")]
+#[cfg_attr(not(feature = "usb"), path = "ethernet.rs")]
+pub(crate) mod cable;
 pub(crate) mod clocks;
 #[cfg_attr(feature = "three-axes", path = "amplifiers.rs")]
 #[cfg_attr(feature = "moteus", path = "no_loop.rs")]
@@ -16,7 +19,6 @@ pub(crate) mod drive;
 #[cfg(not(feature = "moteus"))]
 #[cfg_attr(feature = "spi-encoders", path = "spi_encoders.rs")]
 pub(crate) mod encoders;
-pub(crate) mod ethernet;
 pub(crate) mod flash;
 #[cfg(not(feature = "moteus"))]
 pub(crate) mod gate;
@@ -72,7 +74,7 @@ pub(crate) struct Board {
     /// The watchdog, not yet running.
     pub(crate) watchdog: IndependentWatchdog<'static, IWDG1>,
     pub(crate) flash: flash::Settings,
-    pub(crate) ethernet: ethernet::Pins,
+    pub(crate) cable: cable::Pins,
     /// The blue one; high while pressed.
     pub(crate) button: Input<'static>,
     /// The hold-to-run switch, not yet looked at.
@@ -104,7 +106,7 @@ pub(crate) struct Wiring {
     pub(crate) alive: Peri<'static, PB0>,
     /// The red light.
     pub(crate) armed: Peri<'static, PB14>,
-    pub(crate) ethernet: ethernet::Pins,
+    pub(crate) cable: cable::Pins,
 }
 
 /// Milliseconds without a sign of life after which the watchdog resets the chip, and with it turns the outputs off.
@@ -131,7 +133,7 @@ pub(crate) fn init() -> Board {
     drive::fdcan::start(w.can);
     // All interrupts come out of reset at priority 0, the current loop's own.
     interrupt::TIM5.set_priority(Priority::P4);
-    interrupt::ETH.set_priority(Priority::P5);
+    cable::INTERRUPT.set_priority(Priority::P5);
     let mut flash = flash::Settings::new(w.flash);
     random::start(w.random, flash.count_boot());
     let strap = Input::new(w.strap, Pull::Up);
@@ -143,7 +145,7 @@ pub(crate) fn init() -> Board {
         pace: w.pace,
         watchdog: IndependentWatchdog::new(w.watchdog, WATCHDOG_MS * 1000),
         flash,
-        ethernet: w.ethernet,
+        cable: w.cable,
         // Pulled down on the Nucleo, too: without it nothing is pressed.
         button: Input::new(w.button, Pull::Down),
         switch: w.switch,

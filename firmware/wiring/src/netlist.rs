@@ -80,7 +80,7 @@ pub enum Pull {
     Down,
 }
 
-/// Whose pin it is: that of the image for one or two motors, for three, of both, for a moteus, for encoders on SPI, or of all.
+/// Whose pin it is: that of the image for one or two motors, for three, of both, for a moteus, for encoders on SPI, with USB or with Ethernet, or of all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Image {
@@ -96,6 +96,10 @@ pub enum Image {
     Spi,
     /// A motor with a controller of its own.
     Moteus,
+    /// One or two motors, by USB in place of Ethernet.
+    Usb,
+    /// Any with Ethernet.
+    Ethernet,
     /// Any.
     All,
 }
@@ -106,8 +110,9 @@ impl Image {
         match self {
             Self::All => true,
             Self::Both => image != Self::Moteus,
-            Self::Two => matches!(image, Self::Two | Self::Spi),
-            Self::Quadrature => matches!(image, Self::Two | Self::Three),
+            Self::Ethernet => image != Self::Usb,
+            Self::Two => matches!(image, Self::Two | Self::Spi | Self::Usb),
+            Self::Quadrature => matches!(image, Self::Two | Self::Three | Self::Usb),
             _ => self == image,
         }
     }

@@ -25,6 +25,7 @@ const BOARDS: [&str; 2] = ["nucleo_h743zi2", "nucleo_h753zi"];
 /// Pins of the chip that a board's table takes for an image: `p.PE9`, unless what it stands in is of the other image.
 fn taken(folder: &str, image: Image) -> BTreeSet<String> {
     let (three, moteus, spi) = (image == Image::Three, image == Image::Moteus, image == Image::Spi);
+    let usb = image == Image::Usb;
     let mut pins = BTreeSet::new();
     // What is asked of the next statement, and how deep in brackets that has gone.
     let (mut left_out, mut depth) = (false, 0);
@@ -37,6 +38,8 @@ fn taken(folder: &str, image: Image) -> BTreeSet<String> {
                 "#[cfg(feature = \"spi-encoders\")]" => spi,
                 // Stands within what a moteus leaves out.
                 "#[cfg(not(feature = \"spi-encoders\"))]" => !spi && !moteus,
+                "#[cfg(feature = \"usb\")]" => usb,
+                "#[cfg(not(feature = \"usb\"))]" => !usb,
                 "#[cfg(not(any(feature = \"three-axes\", feature = \"moteus\")))]" => !three && !moteus,
                 other => panic!("{folder} has a condition that this test does not know: {other}"),
             };
@@ -83,12 +86,12 @@ fn each_pin_that_the_firmware_uses_is_in_the_netlist_and_no_other() {
         })
         .map(str::to_owned)
         .collect();
-    for image in [Image::Two, Image::Three, Image::Moteus, Image::Spi] {
+    for image in [Image::Two, Image::Three, Image::Moteus, Image::Spi, Image::Usb] {
         let has: BTreeSet<String> =
             netlist.board.pins.iter().filter(|pin| pin.image.has(image)).map(|pin| pin.pin.clone()).collect();
         for folder in BOARDS {
             let mut uses = taken(folder, image);
-            if matches!(image, Image::Two | Image::Spi) {
+            if matches!(image, Image::Two | Image::Spi | Image::Usb) {
                 uses.extend(converted.clone());
             }
             assert_eq!(has, uses, "{folder}, {image:?}");

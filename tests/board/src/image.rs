@@ -82,6 +82,11 @@ impl Firmware {
         Self::read(&path().with_file_name("firmware-spi-encoders"))
     }
 
+    /// The image that talks by USB, which lies beside it.
+    pub fn usb() -> Self {
+        Self::read(&path().with_file_name("firmware-usb"))
+    }
+
     /// The image for the NUCLEO-H753ZI, which lies beside it.
     pub fn second_board() -> Self {
         Self::read(&path().with_file_name("firmware-nucleo-h753zi"))

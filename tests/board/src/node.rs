@@ -21,6 +21,7 @@ use crate::part::moteus::{Controller, Planted};
 use crate::part::motors::Motors;
 use crate::part::pins::{self, Edge};
 use crate::part::rom;
+use crate::part::usb::host::{Found, Reader};
 use crate::part::{Bridges, Gate, MOTORS, Nucleo, Part};
 
 /// What comes in at a stop, before the board goes on.
@@ -66,6 +67,8 @@ pub struct Inputs {
     pub poke: Vec<(u64, u32)>,
     /// Levels that pins take while it goes on, in order.
     pub edges: Vec<Edge>,
+    /// Who is at the board's serial port by USB from now on.
+    pub reader: Option<Reader>,
     /// What the PC says at USART3.
     pub said: Vec<u8>,
     /// What the converter's inputs (PA3, PC0, PB1) read at the trigger that has just come, if one has.
@@ -97,6 +100,10 @@ pub struct Stopped {
     pub peeked: Vec<u32>,
     /// When the bridges' timer updates next, ns.
     pub update: Option<u64>,
+    /// What the PC read at the board's serial port by USB.
+    pub serial: Vec<u8>,
+    /// What the PC found at its end of the USB cable.
+    pub found: Option<Found>,
     /// Of a rig: levels that its program gave to pins, what it said at USART3, and its analogue output, of 4095.
     pub edges: Vec<Edge>,
     /// See [`Stopped::edges`].
@@ -190,9 +197,12 @@ impl Driver<Nucleo> for Stepper {
         if stop.at.0 < self.until {
             return Some(self.next_stop());
         }
+        let (frames, serial) = part.usb.heard();
         let stopped = Stopped {
             at: stop.at.0,
-            frames: std::mem::take(&mut part.dma.sent),
+            frames: std::mem::take(&mut part.dma.sent).into_iter().chain(frames).collect(),
+            serial,
+            found: part.usb.found(),
             bridges: part.bridges(stop.at),
             controller: part.can.controller,
             encoders: part.on_spi().map(|encoder| *encoder),
@@ -208,7 +218,10 @@ impl Driver<Nucleo> for Stepper {
         let Ok(Order::Run(until, inputs)) = self.orders.recv() else { return None };
         let inputs = *inputs;
         if let Some(cable) = inputs.cable {
-            part.mac.plug(stop.at, cable);
+            part.plug(stop.at, cable);
+        }
+        if let Some(reader) = inputs.reader {
+            part.read_serial(stop.at, reader);
         }
         if let Some(pressed) = inputs.press {
             part.press_stop(stop.at, pressed);
@@ -376,6 +389,7 @@ fn report(session: &mut Session<Nucleo>) -> Report {
     lines.sort();
     lines.dedup();
     let resets = session.resets().iter().map(|reset| format!("{:?}", reset.cause)).collect();
-    let dma = &session.board().part.dma;
-    Report { lines, resets, frames: [dma.filtered, dma.overflowed, dma.unlinked] }
+    let part = &session.board().part;
+    let (dma, usb) = (&part.dma, &part.usb);
+    Report { lines, resets, frames: [dma.filtered, dma.overflowed, dma.unlinked + usb.unlinked()] }
 }

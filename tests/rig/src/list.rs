@@ -62,7 +62,7 @@ const ENABLE: Wire = Sees("PF3", "PF3");
 const ARMED: &[Wire] = &[Drives("PC6"), Drives("PC7"), Drives("PD15"), Drives("PE15"), PULSES, TIMER, ENABLE, Button];
 
 /// All of them, from the harmless on.
-pub const TESTS: [Test; 16] = [
+pub const TESTS: [Test; 17] = [
     Test {
         name: "tick-duration",
         wires: ARMED,
@@ -271,5 +271,16 @@ pub const TESTS: [Test; 16] = [
         seconds: 86_400,
         virtual_board: None,
         virtual_rig: Runs("5 s"),
+    },
+    Test {
+        name: "usb",
+        wires: &[],
+        drives: "the board with the image `usb` and a second cable from the PC at CN13, pulled and put back ten times while armed",
+        measures: "what the PC finds, how soon the operator is answered, what the serial port says, ticks missed",
+        bound: "a network card and a serial port within 5 s each time, none missed",
+        from: "hardware.md, Appendix E",
+        seconds: 300,
+        virtual_board: Some("usb.rs"),
+        virtual_rig: Not("the rig plays no PC"),
     },
 ];

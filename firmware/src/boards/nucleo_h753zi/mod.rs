@@ -9,7 +9,7 @@ use embassy_stm32::Peripherals;
 use crate::board::drive;
 #[cfg(not(feature = "moteus"))]
 use crate::board::encoders;
-use crate::board::{Wiring, bridges, ethernet, legs};
+use crate::board::{Wiring, bridges, cable, legs};
 
 /// The external clock, Hz: of the ST-LINK, at the pin that a crystal would be at.
 pub(crate) const EXTERNAL_HZ: u32 = 8_000_000;
@@ -61,7 +61,10 @@ pub(crate) fn wiring(p: Peripherals) -> Wiring {
         switch: p.PG14,
         alive: p.PB0,
         armed: p.PB14,
-        ethernet: ethernet::Pins {
+        #[cfg(feature = "usb")]
+        cable: cable::Pins { core: p.USB_OTG_FS, plus: p.PA12, minus: p.PA11, supply: p.PA9 },
+        #[cfg(not(feature = "usb"))]
+        cable: cable::Pins {
             eth: p.ETH,
             sma: p.ETH_SMA,
             ref_clk: p.PA1,

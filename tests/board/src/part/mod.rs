@@ -9,6 +9,7 @@
 //! | [`wwdg`] | the window watchdog |
 //! | [`converter`] | the injected group of ADC1 |
 //! | [`as5047p`] | an absolute encoder on each of two SPI |
+//! | [`usb`] | the second USB core, and the PC at its cable |
 //! | [`fdcan`] | FDCAN1, its message memory and the bus behind it |
 //! | [`moteus`] | the motor controller at that bus |
 //! | [`motors`] | what hangs at the bridges: host-sim's plant and windings |
@@ -30,6 +31,7 @@ pub mod oscillator;
 pub mod pins;
 pub mod rom;
 mod serial;
+pub mod usb;
 pub mod wwdg;
 
 use std::num::{NonZeroU32, NonZeroU64};
@@ -59,6 +61,7 @@ use motors::Motors;
 use oscillator::Missing;
 use pins::{Edge, Place};
 use serial::Console;
+use usb::{Usb, host::Reader};
 use wwdg::Wwdg;
 
 /// Core clock, Hz; one instruction a cycle is assumed.
@@ -174,6 +177,8 @@ pub struct Part {
     /// FDCAN1 with a motor's controller behind it.
     pub can: Fdcan,
     message_memory: MessageMemory,
+    /// USB in place of Ethernet.
+    pub usb: Usb,
     /// TIM3, TIM4 and TIM2 with an encoder each.
     pub encoders: [EncoderTimer; MOTORS],
     /// Pulses of TIM1's second trigger output so far.
@@ -249,6 +254,7 @@ impl Part {
         let (can, mut memory) = fdcan::pair();
         memory.layout = chip.bus().slots()[message_memory].peripheral().registers;
         let encoders = [1, 2, 0].map(EncoderTimer::new);
+        let usb = Usb::new(&mut chip)?;
         let mut part = Self {
             chip,
             mac,
@@ -258,6 +264,7 @@ impl Part {
             converter: Converter::default(),
             can,
             message_memory: memory,
+            usb,
             encoders,
             triggers: 0,
             slots,
@@ -463,8 +470,26 @@ impl Part {
         }
     }
 
-    /// Frames from the wire.
+    /// Pulls the cable, or puts it back in; and that of USB with it.
+    pub fn plug(&mut self, at: VirtualNanos, cable: bool) {
+        self.mac.plug(at, cable);
+        let (_, mut context) = self.chip.bus_mut().drive(at, self.usb.slots[0]);
+        self.usb.plug(cable, &mut context);
+    }
+
+    /// A program at the PC's end of the board's serial port does this from now on.
+    pub fn read_serial(&mut self, at: VirtualNanos, reader: Reader) {
+        let (_, mut context) = self.chip.bus_mut().drive(at, self.usb.slots[0]);
+        self.usb.read_serial(reader, &mut context);
+    }
+
+    /// Frames from the wire, by USB where the image uses that.
     pub fn deliver(&mut self, at: VirtualNanos, frames: impl IntoIterator<Item = Vec<u8>>) {
+        if self.usb.is_there() {
+            let (_, mut context) = self.chip.bus_mut().drive(at, self.usb.slots[0]);
+            self.usb.deliver(frames, &mut context);
+            return;
+        }
         self.dma.inbox.extend(frames);
         let (registers, mut context) = self.chip.bus_mut().drive(at, self.slots.dma);
         Device::poll(&mut self.dma, registers, &mut context);
@@ -503,7 +528,10 @@ impl Mcu for Part {
         self.chip.bus_mut()
     }
     fn reset(&mut self, at: VirtualNanos, cause: ResetCause) {
+        self.usb.exchange(&mut self.chip);
         self.chip.reset(at, cause);
+        self.usb.exchange(&mut self.chip);
+        self.usb.reset();
         Device::reset(&mut self.mac);
         Device::reset(&mut self.dma);
         Device::reset(&mut self.iwdg);
@@ -542,6 +570,9 @@ impl Mcu for Part {
             s if s == self.slots.wwdg => &mut self.wwdg,
             s if s == self.slots.adc1 => &mut self.converter,
             s if s == self.slots.can => &mut self.can,
+            s if s == self.usb.slots[0] => &mut self.usb.blocks[0],
+            s if s == self.usb.slots[1] => &mut self.usb.blocks[1],
+            s if s == self.usb.slots[2] => &mut self.usb.blocks[2],
             s if s == self.slots.message_memory => &mut self.message_memory,
             s if s == self.slots.encoders[0] => one,
             s if s == self.slots.encoders[1] => two,

@@ -14,6 +14,7 @@
 //! | [`three_axes`] | do they along three shared axes? |
 //! | [`moteus`] | does a board whose motor has a controller of its own do so, and let go of it? |
 //! | [`spi_encoders`] | does a board with encoders on SPI do so, and see what goes wrong with them? |
+//! | [`usb`] | is a board on USB a board like any other? |
 //! | [`clutch`] | does a leader's clutch change the force by no more than its share? |
 //! | [`partner`] | is a board with host-sim's live peer as good as with a board? |
 //! | [`far`] | does it hold one object with a peer far away, by the PC beside it? |
@@ -54,3 +55,4 @@ mod table;
 mod three_axes;
 mod times;
 mod update;
+mod usb;
