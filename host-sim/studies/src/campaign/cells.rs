@@ -55,7 +55,7 @@ pub struct Cell {
     pub passive: bool,
     /// What the runs gave, seed by seed.
     pub outcomes: Vec<Outcome>,
-    /// The modes in which the scene over this network is not stable, as [`crate::sweep::Row::unstable_modes`].
+    /// The modes in which the scene over this network is not stable, as in [`crate::sweep::Row`].
     pub unstable_modes: String,
     /// What a slow swing shows of a scene that is stable, its delay less the network's own; of [`super::costs`] only.
     pub swing: Option<Felt>,
