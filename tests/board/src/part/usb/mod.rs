@@ -118,6 +118,16 @@ struct End {
 }
 
 impl End {
+    /// Takes what is written to one of its registers, which either direction has.
+    fn write(&mut self, register: u32, value: u32, zero: bool) {
+        match register {
+            0 => self.order(value, zero),
+            8 => self.interrupts &= !value,
+            0x10 => self.size = value,
+            _ => {}
+        }
+    }
+
     /// Takes what is written to its control register; endpoint 0 is always active.
     fn order(&mut self, value: u32, zero: bool) {
         let kept = self.control & (NAKSTS | EPENA);
@@ -247,23 +257,11 @@ impl Core {
             0x014 => self.status &= !value,
             0x900..0xA20 => {
                 let at = ((register - IN) >> 5) as usize;
-                let end = &mut self.ins[at];
-                match register & 0x1F {
-                    0 => end.order(value, at == 0),
-                    8 => end.interrupts &= !value,
-                    0x10 => end.size = value,
-                    _ => {}
-                }
+                self.ins[at].write(register & 0x1F, value, at == 0);
             }
             0xB00..0xC20 => {
                 let at = ((register - OUT) >> 5) as usize;
-                let end = &mut self.outs[at];
-                match register & 0x1F {
-                    0 => end.order(value, at == 0),
-                    8 => end.interrupts &= !value,
-                    0x10 => end.size = value,
-                    _ => {}
-                }
+                self.outs[at].write(register & 0x1F, value, at == 0);
             }
             0x1000.. => {
                 let end = &mut self.ins[(register / 0x1000 - 1) as usize];
