@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use haptic_analysis::Analysis;
+use haptic_analysis::judge;
 use haptic_core::law::Promise;
 use haptic_core::safety::Fault;
 use haptic_core::settings::Refused;
@@ -192,7 +192,7 @@ pub(super) fn of(study: &Study, periods: u32) -> Result<Vec<Cell>, Error> {
             network: study.networks[network].name.clone(),
             passive: is_passive(&scene),
             outcomes,
-            unstable_modes: unstable_modes(&Analysis::of(&scene)?),
+            unstable_modes: unstable_modes(&judge(&scene)?),
             swing: None,
             pushes,
             free_displacement_m: free_m[entrant],

@@ -17,7 +17,7 @@
 
 use std::collections::BTreeMap;
 
-use haptic_analysis::Analysis;
+use haptic_analysis::judge;
 use haptic_core::names::Choice;
 use rayon::prelude::*;
 
@@ -184,7 +184,7 @@ impl Study {
     /// Those of these points, in their order, that the analyser says are not stable in every mode.
     fn left_out(&self, points: &[usize]) -> Result<Vec<LeftOut>, Error> {
         let of = |point: &usize| {
-            let unstable_modes = unstable_modes(&Analysis::of(&self.scene_at(*point)?)?);
+            let unstable_modes = unstable_modes(&judge(&self.scene_at(*point)?)?);
             Ok((!unstable_modes.is_empty()).then_some(LeftOut { point: *point, unstable_modes }))
         };
         let found = points.par_iter().map(of).collect::<Result<Vec<Option<LeftOut>>, Error>>()?;

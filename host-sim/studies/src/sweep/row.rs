@@ -1,6 +1,6 @@
 //! What one run of a sweep gave, and the columns of it.
 
-use haptic_analysis::{Analysis, Conclusion};
+use haptic_analysis::{Analysis, Conclusion, Judgement};
 use haptic_report::{Column, Columns, Rows};
 use haptic_sim::run::{Outcome, Verdict};
 use haptic_sim::scene::Scene;
@@ -51,7 +51,7 @@ impl Row {
             verdict: outcome.verdict().name().to_owned(),
             reason: outcome.reason.map_or_else(String::new, |reason| reason.to_string()),
             spectral_radius: analysis.verdict.spectral_radius,
-            unstable_modes: unstable_modes(&analysis),
+            unstable_modes: unstable_modes(&analysis.judged),
             metrics: METRICS.map(|metric| (metric.of)(&outcome).unwrap_or(f64::NAN)),
             state_hash: format!("{:016x}", outcome.hash),
         }
@@ -89,8 +89,8 @@ impl Row {
 }
 
 /// The modes in which a scene is not stable, as [`Row::unstable_modes`].
-pub(crate) fn unstable_modes(analysis: &Analysis) -> String {
-    analysis.judged.unstable_modes().join("; ")
+pub(crate) fn unstable_modes(judged: &Judgement) -> String {
+    judged.unstable_modes().join("; ")
 }
 
 impl Kept for Row {
