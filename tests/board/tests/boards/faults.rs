@@ -29,7 +29,12 @@ struct Campaign {
     set: &'static [&'static str],
     /// Board 1 has a hold-to-run switch, which is held.
     by_switch: bool,
+    /// Boards that got over the fault before, armed, and what they are besides: the next may come to them.
+    standing: Option<(Bench, Besides)>,
 }
+
+/// How many boards, what their scene is besides, and whether there is a switch.
+type Besides = (usize, &'static [&'static str], bool);
 
 /// What a fault is to come to.
 struct Expected {
@@ -47,7 +52,17 @@ struct Expected {
 type Fault<'a> = &'a dyn Fn(&mut Bench, &Firmware, u64);
 
 impl Campaign {
-    fn bench(&self, boards: usize) -> Bench {
+    fn besides(&self, boards: usize) -> Besides {
+        (boards, self.set, self.by_switch)
+    }
+
+    /// Armed boards: those that stand there, if they are such, or others from power-on.
+    fn bench(&mut self, boards: usize) -> Bench {
+        let besides = self.besides(boards);
+        match self.standing.take() {
+            Some((bench, stand)) if stand == besides => return bench,
+            other => finish(other),
+        }
         let mut scene = scenes::load(haptic_sim::Laws::built_in(), "paper-5.2-passive-wave-16ms").expect("built in");
         scene.apply_override("safety.peer_lost_s=0.096").expect("a good override");
         for limit in ["safety.max_speed_m_per_s=2", "safety.stuck_duty=0.02", "safety.max_hand_power_w=20"] {
@@ -113,6 +128,9 @@ impl Campaign {
         let status = bench.ask(1, "status");
         assert!(status.contains(expected.reported), "{what}: {status}");
         let mut refusal = "-".to_owned();
+        if !expected.latched && expected.off_within_ms.is_some() {
+            assert_eq!(bench.ask(1, "arm"), "ok armed", "{what}: arming takes nothing else");
+        }
         if expected.latched {
             let answer = bench.ask(1, "arm");
             assert!(answer.starts_with("error"), "{what}: {answer}");
@@ -127,7 +145,21 @@ impl Campaign {
         let row = format!("| {what} | {off} | {} | {refusal} |", expected.reported);
         println!("{row}");
         self.rows.push(row);
-        bench.finish();
+        if expected.reset {
+            // Its settings are not the scene's any more.
+            bench.finish();
+        } else {
+            if boards == 2 && !bench.stopped[1].bridges.on() {
+                // It let go when its partner did.
+                for (order, answer) in [("clear", "ok disarmed"), ("arm", "ok armed")] {
+                    assert_eq!(bench.ask(2, order), answer, "{what}: the partner");
+                }
+            }
+            bench.run_for_ms(200);
+            let all_on = bench.stopped.iter().all(|stopped| stopped.bridges.on());
+            assert!(all_on, "{what}: all hold again");
+            self.standing = Some((bench, self.besides(boards)));
+        }
     }
 
     /// Puts words at the start of a function, 30 ms long; `mend` puts back what was there.
@@ -151,6 +183,13 @@ impl Campaign {
     }
 }
 
+/// Ends what stands.
+fn finish(standing: Option<(Bench, Besides)>) {
+    if let Some((bench, _)) = standing {
+        bench.finish();
+    }
+}
+
 /// Where the encoder was put by the device, moved.
 fn move_encoder(bench: &mut Bench, by: i64) {
     if let Some(counts) = &mut bench.input(1).counts {
@@ -162,8 +201,13 @@ fn nothing(_: &mut Bench, _: &Firmware, _: u64) {}
 
 #[test]
 fn outputs_go_off_and_stay_off() {
-    let mut campaign =
-        Campaign { firmware: Arc::new(Firmware::release()), rows: Vec::new(), set: &[], by_switch: false };
+    let mut campaign = Campaign {
+        firmware: Arc::new(Firmware::release()),
+        rows: Vec::new(),
+        set: &[],
+        by_switch: false,
+        standing: None,
+    };
     let faulted = |off_within_ms, reported| Expected {
         off_within_ms: Some(off_within_ms),
         reported,
@@ -247,7 +291,8 @@ fn outputs_go_off_and_stay_off() {
     let on = Expected { off_within_ms: None, reported: "refused 1", reset: false, latched: false };
     campaign.inject("packet with a NaN, not sealed (refused on arrival)", 1, &on, &not_a_number, &nothing);
 
-    // For longer than a session lives that nothing is heard in.
+    // For longer than a session lives that nothing is heard in, to a board that has refused none yet.
+    finish(campaign.standing.take());
     let impostor = RefCell::new(Impostor::default());
     let sealed = |bench: &mut Bench, _: &Firmware, ms: u64| {
         if ms == 1 {
@@ -364,6 +409,7 @@ fn outputs_go_off_and_stay_off() {
     campaign.break_code("current loop hangs", &restarted(3, "no tick came"), "ADC", &[FOR_EVER]);
     campaign.set = &[];
 
+    finish(campaign.standing.take());
     let words = board_bench::power::cuts(&campaign.firmware);
     campaign.rows.push(format!(
         "| power cut after each of the {words} words of a save | were off | settings old or new, whole | - |"
