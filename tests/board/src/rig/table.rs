@@ -42,6 +42,15 @@ impl Table {
         Ok(Self { operator, port, probe, records: Vec::new(), counted: None })
     }
 
+    /// Until the board has told of so many ticks more, by its clock and not by the PC's.
+    fn wait_ticks(&mut self, ticks: usize) -> Done {
+        let (begun, before) = (Instant::now(), self.records.len());
+        while self.records.len() < before + ticks && begun.elapsed() < PROBING {
+            self.wait_ms(LOOK_MS)?;
+        }
+        Ok(())
+    }
+
     /// The probe does something, and the board is kept meanwhile.
     fn probe(&mut self, commands: &str) -> Done {
         self.probe.begin(commands)?;
@@ -132,12 +141,12 @@ impl Boards for Table {
     fn counts(&mut self) -> Result<[u16; 2], String> {
         // A board that started anew has to be told again.
         self.ask("stream 1")?;
-        self.wait_ms(100)?;
+        self.wait_ticks(100)?;
         told::counts(&self.records)
     }
 
     fn same(&mut self) -> Result<[u64; 2], String> {
-        self.wait_ms(100)?;
+        self.wait_ticks(100)?;
         Ok(told::same(&self.records))
     }
 }
