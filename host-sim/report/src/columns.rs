@@ -47,6 +47,11 @@
 //! In text a column whose filled cells are all numbers is set to the right, any other to the left. Widths count
 //! characters, so wide scripts and combining marks are not aligned.
 
+mod cell;
+mod rows;
+mod unit;
+mod value;
+
 use std::fmt;
 
 use haptic_io::escaped;
@@ -54,98 +59,13 @@ use haptic_plot::significant;
 use serde::{Serialize, Serializer};
 use serde_json::Value;
 
-/// What stands at one place of a table.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(into = "Value")]
-pub enum Cell {
-    /// No value: it was not measured, or there is none.
-    Empty,
-    /// A switch: true or false.
-    Flag(bool),
-    /// A whole number, such as a count.
-    Whole(i64),
-    /// A number, in the column's unit.
-    Number(f64),
-    /// Several numbers, in the column's unit.
-    List(Vec<f64>),
-    /// Text, such as a name.
-    Text(String),
-}
+use unit::split_unit;
+use value::{fields, within};
 
-/// What the filled cells of a column are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Holds {
-    /// Yes or no.
-    Flags,
-    /// Whole numbers.
-    Counts,
-    /// Numbers.
-    Numbers,
-    /// Several numbers each.
-    Lists,
-    /// Texts.
-    Texts,
-}
-
-impl Cell {
-    /// What a column of such cells holds; nothing of an empty one.
-    pub fn is(&self) -> Option<Holds> {
-        match self {
-            Self::Empty => None,
-            Self::Flag(_) => Some(Holds::Flags),
-            Self::Whole(_) => Some(Holds::Counts),
-            Self::Number(_) => Some(Holds::Numbers),
-            Self::List(_) => Some(Holds::Lists),
-            Self::Text(_) => Some(Holds::Texts),
-        }
-    }
-}
-
-/// What makes cells that are all of one sort.
-pub trait Typed: Into<Cell> {
-    /// Which that is.
-    const HOLDS: Holds;
-}
-
-macro_rules! cell_from {
-    ($($from:ty => $holds:ident $cell:expr),+ $(,)?) => {
-        $(impl From<$from> for Cell {
-            fn from(value: $from) -> Self {
-                $cell(value)
-            }
-        }
-
-        impl Typed for $from {
-            const HOLDS: Holds = Holds::$holds;
-        })+
-    };
-}
-
-cell_from! {
-    bool => Flags Cell::Flag,
-    f64 => Numbers Cell::Number,
-    f32 => Numbers |value| Cell::Number(f64::from(value)),
-    u8 => Counts |value| Cell::Whole(i64::from(value)),
-    u16 => Counts |value| Cell::Whole(i64::from(value)),
-    u32 => Counts |value| Cell::Whole(i64::from(value)),
-    i32 => Counts |value| Cell::Whole(i64::from(value)),
-    i64 => Counts Cell::Whole,
-    u64 => Counts |value| i64::try_from(value).map_or(Cell::Number(value as f64), Cell::Whole),
-    usize => Counts |value| Cell::from(value as u64),
-    Vec<f64> => Lists Cell::List,
-    String => Texts Cell::Text,
-    &str => Texts |value: &str| Cell::Text(value.to_owned()),
-}
-
-impl<T: Into<Cell>> From<Option<T>> for Cell {
-    fn from(value: Option<T>) -> Self {
-        value.map_or(Self::Empty, Into::into)
-    }
-}
-
-impl<T: Typed> Typed for Option<T> {
-    const HOLDS: Holds = T::HOLDS;
-}
+pub use cell::{Cell, Holds, Typed};
+pub use rows::Rows;
+pub use unit::{label, numbered};
+pub use value::word;
 
 /// How a number is written in text.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -174,64 +94,6 @@ impl Digits {
             Self::Short => Some(number.to_string()).filter(|all| all.len() < 7).unwrap_or(significant(number, 6)),
         }
     }
-}
-
-/// Units by the ends of names, the longer one first where one ends like the other.
-const UNITS: &[(&str, &str)] = &[
-    ("counts_per_m", "counts/m"),
-    ("bytes_per_s", "B/s"),
-    ("bit_per_s", "bit/s"),
-    ("mm_per_n", "mm/N"),
-    ("n_s_per_m", "N·s/m"),
-    ("n_per_m", "N/m"),
-    ("m_per_s", "m/s"),
-    ("per_s", "/s"),
-    ("n_s", "N·s"),
-    ("percent", "percent"),
-    ("rad", "rad"),
-    ("deg", "deg"),
-    ("ppm", "ppm"),
-    ("khz", "kHz"),
-    ("hz", "Hz"),
-    ("kg", "kg"),
-    ("mm", "mm"),
-    ("um", "µm"),
-    ("ms", "ms"),
-    ("us", "µs"),
-    ("mn", "mN"),
-    ("mj", "mJ"),
-    ("m", "m"),
-    ("s", "s"),
-    ("n", "N"),
-    ("j", "J"),
-    ("v", "V"),
-];
-
-/// A name without its unit, and the unit: at the end, or before a dot (`force_n.mean`).
-fn split_unit(name: &str) -> (String, &'static str) {
-    let without = |part: &str| {
-        let of = |(end, unit): &(&str, &'static str)| Some((part.strip_suffix(end)?.strip_suffix(['_', '.'])?, *unit));
-        let (rest, unit) = UNITS.iter().find_map(of).filter(|(rest, _)| !rest.is_empty())?;
-        Some((rest.to_owned() + &name[part.len()..], unit))
-    };
-    let ends = std::iter::once(name.len()).chain(name.rmatch_indices('.').map(|(dot, _)| dot));
-    ends.map(|end| &name[..end]).find_map(without).unwrap_or_else(|| (name.to_owned(), ""))
-}
-
-/// The name of what there is several of, with a number before its unit: `object_m` of peer 2 is `object_2_m`.
-pub fn numbered(name: &str, number: usize) -> String {
-    let (rest, _) = split_unit(name);
-    format!("{rest}_{number}{}", &name[rest.len()..])
-}
-
-/// What a name is called on an axis, with its unit: `coordination.stiffness_n_per_m` is `Stiffness (N/m)`.
-pub fn label(name: &str) -> String {
-    let (rest, unit) = split_unit(name.rsplit('.').next().unwrap_or(name));
-    let rest = rest.replace('_', " ");
-    let mut letters = rest.chars();
-    let first = letters.next().map(|letter| letter.to_uppercase().to_string()).unwrap_or_default();
-    let unit = if unit.is_empty() { String::new() } else { format!(" ({unit})") };
-    format!("{first}{}{unit}", letters.as_str())
 }
 
 /// What stands in a column.
@@ -338,94 +200,6 @@ impl Column {
             Cell::List(values) => values.into_iter().map(number).collect::<Vec<_>>().join(", "),
             Cell::Text(text) => escaped(&text).into_owned(),
         }
-    }
-}
-
-/// Columns of a slice of rows, being declared. What is said of a column is said of the last one.
-#[must_use]
-#[derive(Debug)]
-pub struct Rows<'a, R> {
-    rows: &'a [R],
-    columns: Columns,
-}
-
-impl<'a, R> Rows<'a, R> {
-    fn with<C: Typed>(self, name: impl Into<String>, digits: Digits, cell: impl Fn(&'a R) -> C) -> Self {
-        self.declare(name.into(), digits, C::HOLDS, &|row| cell(row).into())
-    }
-
-    fn declare(mut self, name: String, digits: Digits, holds: Holds, cell: &dyn Fn(&'a R) -> Cell) -> Self {
-        let rows = self.rows;
-        self.columns.declare(name, digits, holds, rows.len(), &|row| cell(&rows[row]));
-        self
-    }
-
-    fn last(mut self, change: impl FnOnce(&mut Column)) -> Self {
-        if let Some(column) = self.columns.columns.last_mut() {
-            change(column);
-        }
-        self
-    }
-
-    /// A column of texts, flags, counts, or numbers with as many digits as they have.
-    pub fn value<C: Typed>(self, name: impl Into<String>, cell: impl Fn(&'a R) -> C) -> Self {
-        self.with(name, Digits::All, cell)
-    }
-
-    /// A column whose cells are made one by one, and what it holds.
-    pub fn cells(self, name: impl Into<String>, holds: Holds, cell: impl Fn(&'a R) -> Cell) -> Self {
-        self.declare(name.into(), Digits::All, holds, &cell)
-    }
-
-    /// A column of numbers with so many digits behind the point.
-    pub fn number<C: Typed>(self, name: impl Into<String>, digits: usize, cell: impl Fn(&'a R) -> C) -> Self {
-        self.with(name, Digits::Fixed(digits), cell)
-    }
-
-    /// A column of numbers with at least so many digits that count.
-    pub fn significant<C: Typed>(self, name: impl Into<String>, digits: usize, cell: impl Fn(&'a R) -> C) -> Self {
-        self.with(name, Digits::Significant(digits), cell)
-    }
-
-    /// A column of powers of ten with so many digits behind the point.
-    pub fn power<C: Typed>(self, name: impl Into<String>, digits: usize, cell: impl Fn(&'a R) -> C) -> Self {
-        self.with(name, Digits::Power(digits), cell)
-    }
-
-    /// A column of differences, always with a sign.
-    pub fn signed<C: Typed>(self, name: impl Into<String>, cell: impl Fn(&'a R) -> C) -> Self {
-        self.with(name, Digits::Signed, cell)
-    }
-
-    /// Heading of the column in text tables, without the unit.
-    pub fn head(self, head: &str) -> Self {
-        self.last(|column| column.head = head.to_owned())
-    }
-
-    /// In text, in this unit: `factor` of the name's one. The data keep the unit of the name.
-    pub fn shown_in(self, unit: &str, factor: f64) -> Self {
-        self.last(|column| (column.unit, column.scale) = (unit.to_owned(), factor))
-    }
-
-    /// Meaning of the column, for those who read the table or its file.
-    pub fn means(self, meaning: &str) -> Self {
-        self.last(|column| column.meaning = meaning.to_owned())
-    }
-
-    /// In text only rows of which this is true show it; the data keep all.
-    pub fn where_true(self, shown: impl Fn(&R) -> bool) -> Self {
-        let blank = self.rows.iter().map(|row| !shown(row)).collect();
-        self.last(|column| column.blank = blank)
-    }
-
-    /// Leaves the last column out of text tables; files have it.
-    pub fn data_only(self) -> Self {
-        self.last(|column| column.in_text = false)
-    }
-
-    /// The columns as they were declared.
-    pub fn done(self) -> Columns {
-        self.columns
     }
 }
 
@@ -614,72 +388,8 @@ fn aligned(grid: &[Vec<String>]) -> String {
     format!("{head}{rule}\n{}", lines.collect::<String>())
 }
 
-/// A value as a word, or several.
-pub fn word(value: &Value) -> String {
-    match value {
-        Value::String(text) => text.clone(),
-        Value::Array(items) => items.iter().map(word).collect::<Vec<_>>().join("  "),
-        _ => value.to_string(),
-    }
-}
-
-/// The cells of a value, named: of an object each field, of a list of objects each of theirs, else the value itself; of a list of
-/// lists how many there are.
-fn fields(name: &str, value: &Value) -> Vec<(String, Cell)> {
-    let within = |own: &str| [name, own].join(".").trim_start_matches('.').to_owned();
-    let cell = match value {
-        Value::Object(inner) => return inner.iter().flat_map(|(own, value)| fields(&within(own), value)).collect(),
-        Value::Array(items) if items.iter().any(Value::is_object) => {
-            return items.iter().enumerate().flat_map(|(at, item)| fields(&within(&at.to_string()), item)).collect();
-        }
-        Value::Array(items) => match items.iter().map(Value::as_f64).collect() {
-            _ if items.is_empty() => Cell::Empty,
-            Some(numbers) => Cell::List(numbers),
-            None if items.iter().any(Value::is_array) => items.len().into(),
-            None => Cell::Text(items.iter().map(word).collect::<Vec<_>>().join(", ")),
-        },
-        Value::Null => Cell::Empty,
-        Value::Bool(flag) => (*flag).into(),
-        Value::Number(number) => number.as_i64().map_or_else(|| number.as_f64().into(), Cell::Whole),
-        Value::String(text) => text.as_str().into(),
-    };
-    vec![(name.to_owned(), cell)]
-}
-
 impl Serialize for Columns {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_seq((0..self.len()).map(|row| self.row(row)))
-    }
-}
-
-/// What is called so within a value, which is made an object for it, or a list for a number that counts from 0.
-fn within<'a>(at: &'a mut Value, name: &str) -> &'a mut Value {
-    let in_list = |index: &usize| match &*at {
-        Value::Null => *index == 0,
-        Value::Array(items) => *index <= items.len(),
-        _ => false,
-    };
-    let Some(index) = name.parse::<usize>().ok().filter(in_list) else { return &mut at[name] };
-    if at.is_null() {
-        *at = Value::Array(Vec::new());
-    }
-    if let Value::Array(items) = at
-        && items.len() == index
-    {
-        items.push(Value::Null);
-    }
-    &mut at[index]
-}
-
-impl From<Cell> for Value {
-    fn from(cell: Cell) -> Self {
-        match cell {
-            Cell::Empty => Self::Null,
-            Cell::Flag(flag) => flag.into(),
-            Cell::Whole(count) => count.into(),
-            Cell::Number(number) => number.into(),
-            Cell::List(numbers) => numbers.into(),
-            Cell::Text(text) => text.into(),
-        }
     }
 }

@@ -12,7 +12,9 @@
 //! | [`usb`] | the second USB core, and the PC at its cable |
 //! | [`fdcan`] | FDCAN1, its message memory and the bus behind it |
 //! | [`moteus`] | the motor controller at that bus |
+//! | `bridges` | what stands at the inputs of bridges and amplifiers |
 //! | [`motors`] | what hangs at the bridges: host-sim's plant and windings |
+//! | `nucleo` | the board around the chip |
 //! | [`rom`] | the bootloader, for an image that goes there |
 //! | [`pins`] | pins by name, and which timer's input each leads to |
 //! | `serial` | the PC behind the ST-LINK, at USART3 |
@@ -20,6 +22,7 @@
 //! On the board: 8 MHz from the ST-LINK, the strap, the emergency stop's contact, the bridges' fault line, the blue button.
 
 pub mod as5047p;
+mod bridges;
 pub mod converter;
 pub mod encoder;
 pub mod ethernet;
@@ -27,6 +30,7 @@ pub mod fdcan;
 pub mod iwdg;
 pub mod moteus;
 pub mod motors;
+mod nucleo;
 pub mod oscillator;
 pub mod pins;
 pub mod rom;
@@ -34,14 +38,8 @@ mod serial;
 pub mod usb;
 pub mod wwdg;
 
-use std::num::{NonZeroU32, NonZeroU64};
-
-use rigless::cpu::armv7m;
 use rigless::device::{Device, ErasedDevice, Level, ResetCause};
-use rigless::machine::armv7m as core7;
-use rigless::machine::{Board, Target};
 use rigless::mcu::{Mcu, Operate};
-use rigless::snapshot::Store;
 use rigless::soc::stm32h743::Stm32h743;
 use rigless::soc::stm32h743::peripherals::gpio::Gpio;
 use rigless::soc::stm32h743::peripherals::rcc::{CLOCK_FAILURE, Rcc};
@@ -50,6 +48,9 @@ use rigless::soc::stm32h743::peripherals::tim::{ADVANCED_TIMERS, BreakInput, Bre
 use rigless::soc::stm32h743::peripherals::usart;
 use rigless::soc::{Bus, Error, Gate as ClockGate, Width, Window};
 use rigless::time::VirtualNanos;
+
+pub use bridges::{Bridges, Gate};
+pub use nucleo::Nucleo;
 
 use as5047p::{As5047p, ENCODERS};
 use converter::Converter;
@@ -75,89 +76,6 @@ const PERIOD_SPREAD_NS: u64 = 45_000;
 
 /// Most motors that a board has.
 pub const MOTORS: usize = 3;
-
-/// What the wiring has for a gate between PF3, PE14 and the amplifiers' enable, whose output goes back to PD15.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Gate {
-    /// An AND of both, as docs/assembly.md wants it.
-    #[default]
-    Both,
-    /// PF3 alone: there is no gate.
-    EnableAlone,
-    /// PE14 alone.
-    TimerAlone,
-    /// It never opens, or the wire back is off.
-    NeverOpens,
-    /// Its output is at 3.3 V, whatever its inputs are.
-    AlwaysOpen,
-}
-
-/// What stands at the inputs of bridges or amplifiers, and at their enable line, at an instant.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Bridges {
-    /// Compare values of the timer's channels: the legs of bridge 1, and those of bridge 2; or the first legs of three, and the gate.
-    pub compare: [u16; 4],
-    /// The channels' complements are there, too: the second legs of three bridges.
-    pub three: bool,
-    /// Counts from the bottom of the timer's period to its top.
-    pub top: u16,
-    /// The timer runs, its outputs are enabled.
-    pub outputs: bool,
-    /// The enable line is high.
-    pub enable: bool,
-    /// The timer's fourth channel is on its pin, PE14.
-    pub fourth: bool,
-    /// What the amplifiers' enable goes through.
-    pub gate: Gate,
-    /// There is a motor with a controller of its own instead: it was spoken to.
-    pub by_controller: bool,
-    /// Its torque, N·m; none while its windings are free.
-    pub torque_nm: Option<f64>,
-}
-
-impl Bridges {
-    /// Voltage of each of two bridges in steps of which [`Bridges::top`] are all of the supply.
-    pub fn voltages(&self) -> [i32; 2] {
-        let [one, two, three, four] = self.compare.map(i32::from);
-        [one - two, three - four]
-    }
-
-    /// What amplifiers are commanded, as shares of their full current; nothing while they are not enabled.
-    pub fn currents(&self) -> Option<[f64; MOTORS]> {
-        self.gate_passes().then(|| self.commands())
-    }
-
-    /// The same of amplifiers that the enable line alone enables.
-    pub fn currents_without_gate(&self) -> Option<[f64; MOTORS]> {
-        self.enable.then(|| self.commands())
-    }
-
-    /// Whether the gate's output is high.
-    pub fn gate_passes(&self) -> bool {
-        let timer = self.fourth && self.outputs && self.compare[3] > self.top;
-        match self.gate {
-            Gate::Both => self.enable && timer,
-            Gate::EnableAlone => self.enable,
-            Gate::TimerAlone => timer,
-            Gate::NeverOpens => false,
-            Gate::AlwaysOpen => true,
-        }
-    }
-
-    /// What stands at amplifiers' inputs, as shares of their full current: while the timer's outputs are off these are low, which is all of
-    /// the current backwards.
-    fn commands(&self) -> [f64; MOTORS] {
-        let [one, two, three, _] = self.compare;
-        let legs = if self.three { [one, two, three] } else { [one, three, self.top / 2] };
-        let middle = f64::from(self.top / 2);
-        legs.map(|leg| if self.outputs { (f64::from(leg) - middle) / middle } else { -1.0 })
-    }
-
-    /// Whether current can flow at all.
-    pub fn on(&self) -> bool {
-        if self.by_controller { self.torque_nm.is_some() } else { self.outputs && self.enable }
-    }
-}
 
 /// The chip with our models in it.
 #[derive(Debug)]
@@ -494,30 +412,6 @@ impl Part {
         let (registers, mut context) = self.chip.bus_mut().drive(at, self.slots.dma);
         Device::poll(&mut self.dma, registers, &mut context);
     }
-
-    /// What the bridges are commanded now.
-    pub fn bridges(&mut self, at: VirtualNanos) -> Bridges {
-        let (by_controller, torque_nm) = (self.can.frames != [0; 2], self.can.controller.torque_nm(at.0));
-        let mut peek = |address| self.peek(at, address, Width::W32).unwrap_or(0);
-        let (mode, output) = (peek(0x5802_1400), peek(0x5802_1414));
-        // Port E: mode and alternate function of pin 14.
-        let (pins, function) = (peek(0x5802_1000), peek(0x5802_1024));
-        // CC1NE, CC2NE, CC3NE, and CC4E.
-        const COMPLEMENTS: u64 = 1 << 2 | 1 << 6 | 1 << 10;
-        const FOURTH: u64 = 1 << 12;
-        let channels = peek(0x4001_0020);
-        Bridges {
-            compare: [0x34, 0x38, 0x3C, 0x40].map(|register| peek(0x4001_0000 + register) as u16),
-            three: channels & COMPLEMENTS == COMPLEMENTS,
-            top: peek(0x4001_002C) as u16,
-            outputs: peek(0x4001_0000) & 1 != 0 && peek(0x4001_0044) & 1 << 15 != 0,
-            enable: mode >> 6 & 3 == 1 && output & 1 << 3 != 0,
-            fourth: pins >> 28 & 3 == 2 && function >> 24 & 15 == 1 && channels & FOURTH != 0,
-            gate: self.gate,
-            by_controller,
-            torque_nm,
-        }
-    }
 }
 
 impl Mcu for Part {
@@ -580,75 +474,5 @@ impl Mcu for Part {
             _ => return self.chip.split(slot),
         };
         (self.chip.bus_mut(), Some(model))
-    }
-}
-
-/// The board around the chip.
-#[derive(Debug)]
-pub struct Nucleo {
-    /// The chip with everything around it.
-    pub part: Part,
-}
-
-impl Nucleo {
-    /// Board 1 (strap open) or 2 (strap to ground), as it is when power comes on.
-    ///
-    /// # Errors
-    /// What the emulator refuses.
-    pub fn new(number: usize) -> Result<Self, Error> {
-        let mut part = Part::new(number == 2)?;
-        part.chip.rcc.attach_crystals(8_000_000, 32_768);
-        part.chip.set_supply(3300);
-        part.chip.set_analog_supply(3300);
-        Ok(Self { part })
-    }
-}
-
-impl Store for Nucleo {}
-
-const fn register(offset: u64, reset: u32, writable: u32) -> core7::ImplementationRegister {
-    core7::ImplementationRegister { offset, reset, writable }
-}
-
-impl Board for Nucleo {
-    fn name(&self) -> &'static str {
-        "nucleo-h743zi2"
-    }
-    fn target_names(&self) -> Vec<&'static str> {
-        vec!["stm32h743"]
-    }
-    fn mcu(&mut self, target: usize) -> Option<&mut dyn Mcu> {
-        (target == 0).then_some(&mut self.part)
-    }
-    fn targets(&mut self) -> Vec<Target<'_>> {
-        let hz = NonZeroU64::new(CORE_HZ).expect("a clock");
-        let core = core7::Core {
-            variant: core7::Variant::M7,
-            clock_hz: hz,
-            interrupt_lines: NonZeroU32::new(u32::from(self.part.cpu().interrupt_lines)).expect("lines"),
-            priority_bits: 4,
-            refclk_divider: NonZeroU32::new(8).expect("a divider"),
-            instructions_per_second: hz,
-            boot: "flash",
-        };
-        let mut config = core7::Config::new(core, &armv7m::windows(self.part.bus()));
-        config.fpu = core7::Fpu::FpV5Dp;
-        config.mpu_regions = core7::MpuRegions::Sixteen;
-        // Cortex-M7 r1p1 (RM0433 §60.4), 16 kB of each cache.
-        config.cpuid = 0x411F_C271;
-        config.caches =
-            Some(core7::Caches { clidr: 0x0900_0003, ctr: 0x8303_C003, ccsidr: &[0xF00F_E019, 0xF01F_E009] });
-        config.branch_prediction = core7::BranchPrediction::Always;
-        // The processor's own control registers for TCM, AHB slave, error banks and cache (ARM DDI 0489).
-        config.implementation_registers = vec![
-            register(0xF90, 7 << 3, 7),
-            register(0xF94, 8 << 3, 7),
-            register(0xF98, 0, 1),
-            register(0xF9C, 0, 7),
-            register(0xFA0, 1 << 11, 0x7FF | 0x1F << 11),
-            register(0xFA8, 0, 0),
-        ];
-        config.vector_table = Some(0x0800_0000);
-        vec![Target::new("stm32h743", &mut self.part, config.spec())]
     }
 }
