@@ -1,0 +1,104 @@
+//! A coordination law, as settings and reports know it, and values of the keys that it declares itself.
+
+use super::{Allowed, Key, Refused, Setting, Value};
+
+/// The packets of a law, by what they carry and so what the law acts on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sends {
+    /// It sends no packets.
+    Nothing,
+    /// Position and velocity of its copy of the object (power-domain).
+    Motion,
+    /// Waves, whose energy can be counted: only these can be paid for by a ledger, and meet in a node.
+    Waves,
+    /// The number of wave samples sent and their sum, so that the newest packet makes up for every lost one.
+    Counters,
+    /// The integral of its wave, and the number of ticks that it covers.
+    Integrals,
+    /// Waves, and the motion of the line's end x_d, ẋ_d.
+    WavesAndMotion,
+}
+
+/// What a coordination law promises, with the decode and the integrator that it asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Promise {
+    /// No more energy leaves the link than came in, as long as nothing is lost and the delay stays what it is.
+    PassiveOnConstantDelay,
+    /// No more energy leaves the link than came in, and was stored when it began, whatever the network does.
+    Passive,
+    /// Once the network has recovered and nobody pushes, the copies come back to where they began beside each other.
+    NoDrift,
+}
+
+impl Promise {
+    /// The promise in words, for reports.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::PassiveOnConstantDelay => "passive on a constant delay",
+            Self::Passive => "passive on any network",
+            Self::NoDrift => "no drift",
+        }
+    }
+}
+
+/// A coordination law, as settings and reports know it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LawInfo {
+    /// Name of the law: the value of `coordination.comm` that selects it.
+    pub name: &'static str,
+    /// The kind of packet it sends.
+    pub sends: Sends,
+    /// Keys that only this law has.
+    pub keys: &'static [Key],
+    /// Settings (`key=value`) with which campaigns and figures run the law: gains that are worth trying.
+    pub gains: &'static [&'static str],
+    /// Source of the law: authors, year, equation; or the section of docs/theory.md (THEORY). Empty if there is none.
+    pub source: &'static str,
+    /// Promises of the law, which tests hold it to.
+    pub promises: &'static [Promise],
+}
+
+/// Energy that no run exhausts, J: the largest value of a law's own key that limits how much energy it may spend.
+pub const PLENTY_J: f64 = 1e9;
+
+impl LawInfo {
+    /// Its keys that limit how much energy it may spend. At [`PLENTY_J`] they limit nothing (linear analysis).
+    pub fn budgets(&self) -> impl Iterator<Item = &'static Key> {
+        let is_budget = |key: &&Key| matches!(key.allowed, Allowed::Number { max, .. } if max == PLENTY_J);
+        self.keys.iter().filter(is_budget)
+    }
+}
+
+/// Most keys of laws that may differ from their defaults at once.
+pub const MOST_OWN_KEYS: usize = 9;
+
+/// Values of laws' own keys where they are not the default, by name.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct OwnValues(pub(super) [Option<(&'static str, f64)>; MOST_OWN_KEYS]);
+
+impl OwnValues {
+    pub(super) fn get(&self, key: &Key) -> f64 {
+        self.0.iter().flatten().find(|(name, _)| *name == key.name).map_or(key.default, |(_, number)| *number)
+    }
+
+    /// Keeps a value, if the key accepts it and there is room.
+    pub(crate) fn set<'a>(&mut self, key: &Key, value: Value<'a>) -> Result<(), Refused<'a>> {
+        let number = match key.allowed {
+            Allowed::Flag => bool::parse(value, key.allowed).map(|flag| f64::from(u8::from(flag))),
+            Allowed::Whole { .. } => u32::parse(value, key.allowed).map(f64::from),
+            _ => f64::parse(value, key.allowed),
+        }
+        .ok_or(key.refuses(value))?;
+        // One order and no defaults: settings that say the same are the same.
+        for slot in &mut self.0 {
+            slot.take_if(|(name, _)| *name == key.name);
+        }
+        if number != key.default {
+            let full = Allowed::Only("left alone, for as many of laws' own keys are set as there is room for");
+            let free = self.0.iter_mut().find(|slot| slot.is_none());
+            *free.ok_or(Refused { allowed: full, ..key.refuses(value) })? = Some((key.name, number));
+        }
+        self.0.sort_unstable_by_key(|slot| slot.map_or((true, ""), |(name, _)| (false, name)));
+        Ok(())
+    }
+}
