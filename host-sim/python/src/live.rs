@@ -5,29 +5,31 @@
 //! of the interpreter. Forces go to nothing and the partner is told. A process that is killed tells nobody: then the partner lets go by
 //! `safety.peer_lost_s`, and the device by its own watchdog. A child that was forked holds no peer.
 
-use std::net::SocketAddr;
+mod given;
+mod held;
+
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, Weak};
-use std::thread::JoinHandle;
+use std::sync::{Arc, Mutex, OnceLock};
 use std::time::{Duration, Instant};
 
-use haptic_live::devices::{DeviceOptions, Kind, Own};
+use haptic_live::devices::Kind;
 use haptic_live::endpoint::{Span, Stop};
 use haptic_live::peer::Report;
 use haptic_live::steering::{Snapshot, Steering};
 use haptic_live::tell::Manner;
 use haptic_live::watch::LiveOptions;
 use haptic_sim::Laws;
-use host_sim::live_peer::{self, OF_A_HAND};
+use host_sim::live_peer;
 use pyo3::exceptions::{PyOSError, PyRuntimeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString, PyTuple};
 
-use crate::device::PythonDevice;
 use crate::push::{Along, MOST_AXES, check};
 use crate::scene::{Scene, meant};
 use crate::work::refused;
+
+use given::{address, device_of, limit};
+use held::{Held, Outcome, Why, remember};
 
 /// How often whoever waits looks for Ctrl-C and for what it waits for.
 const LOOK: Duration = Duration::from_millis(5);
@@ -36,141 +38,6 @@ const LONGEST_S: f64 = 3.2e9;
 
 /// Farthest from the middle that a hand is told to go, m.
 const FARTHEST_M: f64 = 10.0;
-
-/// Why a peer did not begin, or ended.
-enum Why {
-    /// The system said so, of a file or a socket.
-    System(String),
-    Refused(String),
-}
-
-impl From<haptic_live::Error> for Why {
-    fn from(error: haptic_live::Error) -> Self {
-        match &error {
-            haptic_live::Error::Sim(haptic_sim::Error::Io(..)) => Self::System(error.to_string()),
-            _ => Self::Refused(error.to_string()),
-        }
-    }
-}
-
-/// The report as JSON, or why there is none.
-type Outcome = Result<String, Why>;
-
-/// A peer and its thread.
-struct Held {
-    steering: Arc<Steering>,
-    stop: Stop,
-    /// The process that has the thread: a child that was forked has none.
-    process: u32,
-    thread: Mutex<Option<JoinHandle<Outcome>>>,
-    outcome: OnceLock<Outcome>,
-}
-
-impl Held {
-    fn thread(&self) -> MutexGuard<'_, Option<JoinHandle<Outcome>>> {
-        self.thread.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// What came of it, if it has ended; `waits` for that.
-    fn outcome(&self, waits: bool) -> Option<&Outcome> {
-        if self.process == std::process::id() {
-            let mut thread = self.thread();
-            if let Some(ended) = thread.take_if(|thread| waits || thread.is_finished()) {
-                let failed = |_| Err(Why::Refused("the peer's thread has failed".to_owned()));
-                let _ = self.outcome.set(ended.join().unwrap_or_else(failed));
-            }
-        }
-        self.outcome.get()
-    }
-
-    /// Lets go, and waits until it has. Whoever calls this holds no interpreter: a device in Python needs it.
-    fn end(&self) {
-        self.stop.ask();
-        self.outcome(true);
-    }
-}
-
-/// Every peer of this process, for its end.
-static HELD: Mutex<Vec<Weak<Held>>> = Mutex::new(Vec::new());
-
-/// Lets go of every peer of this process.
-#[pyfunction]
-fn let_all_go(py: Python<'_>) {
-    let all = std::mem::take(&mut *HELD.lock().unwrap_or_else(PoisonError::into_inner));
-    py.detach(|| all.iter().filter_map(Weak::upgrade).for_each(|held| held.end()));
-}
-
-/// Has the interpreter let go of this peer when it ends.
-fn remember(py: Python<'_>, held: &Arc<Held>) -> PyResult<()> {
-    static AT_EXIT: AtomicBool = AtomicBool::new(false);
-    if !AT_EXIT.swap(true, Ordering::Relaxed) {
-        let let_all_go = pyo3::wrap_pyfunction!(let_all_go, py)?;
-        py.import("atexit")?.call_method1("register", (let_all_go,))?;
-    }
-    let mut all = HELD.lock().unwrap_or_else(PoisonError::into_inner);
-    all.retain(|held| held.strong_count() > 0);
-    all.push(Arc::downgrade(held));
-    Ok(())
-}
-
-/// The words of a device's flags as Python's own names: `--device-axes` is `device_axes`.
-fn in_python(said: &str) -> String {
-    let word = |word: &str| word.strip_prefix("--").map_or_else(|| word.to_owned(), |name| name.replace('-', "_"));
-    said.split(' ').map(word).collect::<Vec<_>>().join(" ")
-}
-
-/// A value of a flag as the command line has it.
-fn word(value: &Bound<'_, PyAny>) -> PyResult<String> {
-    let is_row = !value.is_instance_of::<PyString>() && value.try_iter().is_ok();
-    if !is_row {
-        return Ok(value.str()?.to_string());
-    }
-    let parts: PyResult<Vec<String>> = value.try_iter()?.map(|part| Ok(part?.str()?.to_string())).collect();
-    Ok(parts?.join(","))
-}
-
-/// The device that is meant: by the command line's name, or an object of Python's.
-fn device_of(given: &Bound<'_, PyAny>, settings: Option<&Bound<'_, PyDict>>) -> PyResult<DeviceOptions> {
-    let name = given.extract::<String>().ok();
-    let mut words = vec![format!("--device={}", name.as_deref().unwrap_or("simulated"))];
-    for (key, value) in settings.into_iter().flatten() {
-        let key: String = key.extract()?;
-        let flag = key.strip_prefix("device_").map(|rest| format!("--device-{}", rest.replace('_', "-")));
-        let flag = flag.ok_or_else(|| {
-            refused(format!("{key} is not known: what is told of a device begins with device_, as device_axes"))
-        })?;
-        match value.extract::<bool>() {
-            Ok(true) => words.push(flag),
-            Ok(false) => {}
-            Err(_) => words.push(format!("{flag}={}", word(&value)?)),
-        }
-    }
-    let options = live_peer::device_options(&words).map_err(|why| refused(in_python(&why.to_string())))?;
-    if name.is_some() {
-        return Ok(options);
-    }
-    let device = PythonDevice::of(given)?;
-    Ok(DeviceOptions { kind: Kind::Own(Own(Arc::new(move |options| device.open(options)))), ..options })
-}
-
-/// Limits peer `number` for the hand at its device, where the scene says nothing of its own.
-fn limit(scene: &mut Scene, number: u8) -> PyResult<()> {
-    let says = scene.to_toml();
-    let named = |key: &str| says.lines().any(|line| line.starts_with(&format!("{key} = ")));
-    for (key, most) in OF_A_HAND {
-        let own = format!("peer.{number}.{key}");
-        if !named(key) && !named(&own) {
-            scene.scene.set(&own, &toml::Value::Float(most), "scene", None).map_err(refused)?;
-        }
-    }
-    Ok(())
-}
-
-fn address(name: &str, text: &str) -> PyResult<SocketAddr> {
-    text.parse().map_err(|_| {
-        refused(format!("{name} = \"{text}\" is not allowed: it must be an address and a port, as 127.0.0.1:7001"))
-    })
-}
 
 /// What a live peer was at its newest tick. Along several shared axes each quantity is a tuple; places and forces are of the shared world.
 #[pyclass(module = "haptic_sim", frozen, get_all)]
