@@ -1,7 +1,7 @@
 //! `cargo xtask release`: a tag as files to give away.
 //!
-//! Built from a clone of the tag, so that nothing is in it that is not committed. The board's image is without this machine's paths, so that
-//! the same toolchain makes the same bytes anywhere: the sum beside it is there to be compared. Nothing is uploaded.
+//! Built from a clone of the tag, so that nothing is in it that is not committed. The boards' images are without this machine's paths, so that
+//! the same toolchain makes the same bytes anywhere: the sum beside each is there to be compared. Nothing is uploaded.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -10,7 +10,7 @@ use std::{env, fs};
 use crate::options::Options;
 use crate::run::{self, Failure, cargo, command, output, run, step};
 use crate::setup::{self, Ready, THUMB_TARGET};
-use crate::{packages, python};
+use crate::{board, packages, python};
 
 /// Makes the files.
 pub(crate) fn release(given: &Options<'_>) -> Result<(), Failure> {
@@ -28,16 +28,18 @@ pub(crate) fn release(given: &Options<'_>) -> Result<(), Failure> {
     step("source", || checked_out(&tag, &source))?;
     let manifest = run::read(&source.join("Cargo.toml"))?;
     is_of(&tag, &manifest)?;
-    let mut build = build(&ready, &source)?;
-    step("image", || run(&mut build))?;
+    let flags = without_paths(&ready, &source)?;
 
     let folder = run::root().join(given.value("--out").unwrap_or("out/release")).join(&tag);
-    let image = format!("haptic-{tag}.elf");
     let written = |cause: std::io::Error| Failure::new(format!("cannot write {}: {cause}", folder.display()));
     let give = |from: PathBuf, name: &str| fs::copy(from, folder.join(name)).map(drop).map_err(written);
     fs::create_dir_all(&folder).map_err(written)?;
     let built = source.join("target");
-    give(built.join(THUMB_TARGET).join("firmware/firmware"), &image)?;
+    for (features, name) in board::IMAGES.iter().zip(images(&tag)) {
+        let mut build = image(&ready, &source, features, &flags);
+        step(&name, || run(&mut build))?;
+        give(built.join(THUMB_TARGET).join("firmware/firmware"), &name)?;
+    }
 
     let here = |words: &[&str]| {
         let mut cargo = cargo(words);
@@ -71,10 +73,15 @@ pub(crate) fn release(given: &Options<'_>) -> Result<(), Failure> {
         let mut install =
             cargo(&["install", "--quiet", "--locked", "--version", CYCLONEDX, "cargo-cyclonedx", "--root"]);
         run(install.arg(&tools))?;
-        // Beside each manifest, of which that of the command line has all that runs on a PC, and firmware the image's.
-        let mut list =
-            command(&tools.join("bin/cargo-cyclonedx").to_string_lossy(), &["cyclonedx", "--format", "json"]);
-        run(list.current_dir(&source))
+        let list = |of: &[&str]| {
+            let program = tools.join("bin/cargo-cyclonedx");
+            let mut list = command(&program.to_string_lossy(), &["cyclonedx", "--format", "json"]);
+            run(list.args(of).current_dir(&source))
+        };
+        // Beside each manifest, of which that of the command line has all that runs on a PC.
+        list(&[])?;
+        // All images': the others have nothing that the one for USB has not.
+        list(&["--manifest-path", "firmware/Cargo.toml", "--features", "usb", "--target", THUMB_TARGET])
     })?;
     for (package, name) in [("host-sim", "host-sim"), ("firmware", "firmware"), ("host-sim/python", "haptic-python")] {
         let list = format!("{name}.cdx.json");
@@ -90,7 +97,10 @@ pub(crate) fn release(given: &Options<'_>) -> Result<(), Failure> {
     let sums = output(command("sha256sum", &[]).args(names).current_dir(&folder))?;
     fs::write(folder.join(SUMS), &sums).map_err(written)?;
     print!("{sums}");
-    eprintln!("    in {}: to flash a board, `probe-rs download --chip STM32H743ZITx {image}`", folder.display());
+    eprintln!(
+        "    in {}: to flash a board, `probe-rs download --chip STM32H743ZITx haptic-{tag}.elf`",
+        folder.display()
+    );
     Ok(())
 }
 
@@ -124,8 +134,23 @@ fn is_of(tag: &str, manifest: &str) -> Result<(), Failure> {
     }
 }
 
-/// The image's build; what it says of where it was built is the same everywhere.
-fn build(ready: &Ready, source: &Path) -> Result<Command, Failure> {
+/// The images' files: the usual one's, and those of the images beside it.
+fn images(tag: &str) -> impl Iterator<Item = String> {
+    let besides = board::BESIDES.iter().map(|name| name.trim_start_matches("firmware"));
+    std::iter::once("").chain(besides).map(move |which| format!("haptic-{tag}{which}.elf"))
+}
+
+/// An image's build.
+fn image(ready: &Ready, source: &Path, features: &[&str], flags: &str) -> Command {
+    let mut build = board::build(ready, features);
+    build.args(["--config", flags]).current_dir(source).env("CARGO_TARGET_DIR", source.join("target"));
+    // Set by hand, they would take the place of the project's.
+    ["RUSTFLAGS", "CARGO_ENCODED_RUSTFLAGS", "DEFMT_LOG"].into_iter().for_each(|name| _ = build.env_remove(name));
+    build
+}
+
+/// Flags with which what an image says of where it was built is the same everywhere.
+fn without_paths(ready: &Ready, source: &Path) -> Result<String, Failure> {
     let compiler = output(&mut rustc(ready, &["-vV"]))?;
     let hash = compiler.lines().find_map(|line| line.strip_prefix("commit-hash: ")).unwrap_or("unknown");
     let sysroot = output(&mut rustc(ready, &["--print", "sysroot"]))?;
@@ -139,14 +164,7 @@ fn build(ready: &Ready, source: &Path) -> Result<Command, Failure> {
         format!("{}/lib/rustlib/src/rust=/rustc/{hash}", sysroot.trim()),
     ];
     let flags = flags.map(|from_to| format!("'--remap-path-prefix={from_to}'"));
-    let flags = format!("target.{THUMB_TARGET}.rustflags=[{}]", flags.join(","));
-    let words = ["--config", &flags, "build", "--locked", "--profile", "firmware", "--package", "firmware"];
-    let mut build = ready.cargo(&words);
-    build.args(["--bin", "firmware", "--target", THUMB_TARGET]).current_dir(source);
-    build.env("CARGO_TARGET_DIR", source.join("target"));
-    // Set by hand, they would take the place of the project's.
-    ["RUSTFLAGS", "CARGO_ENCODED_RUSTFLAGS", "DEFMT_LOG"].into_iter().for_each(|name| _ = build.env_remove(name));
-    Ok(build)
+    Ok(format!("target.{THUMB_TARGET}.rustflags=[{}]", flags.join(",")))
 }
 
 fn rustc(ready: &Ready, arguments: &[&str]) -> Command {

@@ -10,3 +10,15 @@ fn a_tag_is_of_the_version_that_is_built() {
         assert!(why.contains(tag) && why.contains("v0.3.1 is"), "{why}");
     }
 }
+
+#[test]
+fn every_image_has_a_name_of_its_own() {
+    let names: Vec<String> = images("v0.3.1").collect();
+    assert_eq!(names.len(), board::IMAGES.len());
+    assert_eq!([&names[0], &names[5]], ["haptic-v0.3.1.elf", "haptic-v0.3.1-usb.elf"]);
+    // Each is called as the feature that it is built with.
+    for (features, name) in board::IMAGES.iter().zip(&names).skip(1) {
+        let feature = features.last().expect("it has one");
+        assert_eq!(*name, format!("haptic-v0.3.1-{feature}.elf"));
+    }
+}
