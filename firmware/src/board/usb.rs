@@ -6,9 +6,9 @@
 //!
 //! The PC's end of the network has an address (MAC) of its own, which is the board's but for a bit.
 //!
-//! **Limits**: one frame in a transfer, 1514 bytes; what is longer or mis-shaped is the driver's to refuse, and a PC that announces more
-//! than there is room for resets the board, as a wrong state does (motors off). A PC that sleeps without taking its 5 V away is a peer that is
-//! silent.
+//! **Limits**: one frame in a transfer. The class copies a frame as long as a PC says it is, so there is room for the longest that its block holds; what is
+//! mis-shaped it refuses. A PC that halts an endpoint which the chip does not have resets the board, as a wrong state does (motors off). A
+//! PC that sleeps without taking its 5 V away is a peer that is silent.
 
 use embassy_executor::Spawner;
 use embassy_stm32::peripherals::{PA9, PA11, PA12, USB_OTG_FS};
@@ -31,8 +31,9 @@ bind_interrupts!(struct Interrupts {
 /// The interrupt that is to be beneath the tick's.
 pub(crate) const INTERRUPT: interrupt::Interrupt = interrupt::Interrupt::OTG_FS;
 
-/// Bytes of a frame, and of a packet of full speed.
-const FRAME: usize = 1514;
+/// Room for a frame, bytes: the class' whole block. Ethernet's are 1514 at the most, and what the board says fits (`sockets`).
+const FRAME: usize = 2048;
+/// Bytes of a packet at full speed.
 const PACKET: u16 = 64;
 /// The bit by which the addresses of a board and of its PC differ.
 const PC: u8 = 1 << 2;
@@ -69,7 +70,7 @@ pub(crate) fn plug(pins: Pins, number: Number, spawner: &Spawner) -> (Plugged, S
     static OUT: ConstStaticCell<[u8; 4 * PACKET as usize]> = ConstStaticCell::new([0; _]);
     static DESCRIPTORS: ConstStaticCell<[[u8; 256]; 4]> = ConstStaticCell::new([[0; _]; _]);
     static NETWORK: StaticCell<cdc_ncm::State<'static>> = StaticCell::new();
-    static FRAMES: ConstStaticCell<embassy_net::State<FRAME, 4, 4>> = ConstStaticCell::new(embassy_net::State::new());
+    static FRAMES: ConstStaticCell<embassy_net::State<FRAME, 2, 2>> = ConstStaticCell::new(embassy_net::State::new());
     static SERIAL: StaticCell<cdc_acm::State<'static>> = StaticCell::new();
 
     let mut config = usb::Config::default();

@@ -159,20 +159,29 @@ fn static_stack(measured: &mut Measured) -> f64 {
     all
 }
 
-/// The image for a moteus: its tick beside a board with a current loop, its stack, its memory.
+/// The image for a moteus: its tick beside a board with a current loop.
 fn of_a_moteus(measured: &mut Measured) {
     let (equal, instructions, _) = moteus::run(&current_loop::scene(&[]), 1);
     assert_eq!(equal.first_difference, None, "moteus");
     measured.add("tick_instructions_median.moteus", instructions.median);
     measured.add("tick_instructions_max.moteus", instructions.max);
-    let code = Code::read(&std::fs::read(image::path().with_file_name("firmware-moteus")).expect("it is beside it"));
-    let all = nested(&code, |name, bytes| {
-        if name == TICK {
-            measured.add("static_stack_bytes.TIM6_DAC.moteus", bytes);
+}
+
+/// Stack and memory of an image that lies beside the usual one.
+fn beside(name: &str, measured: &mut Measured) {
+    let path = image::path().with_file_name(format!("firmware-{name}"));
+    let code = Code::read(&std::fs::read(&path).expect("it is beside it"));
+    let all = nested(&code, |entry, bytes| {
+        if entry == TICK {
+            measured.add(format!("static_stack_bytes.TIM6_DAC.{name}"), bytes);
         }
     });
-    measured.add("static_stack_bytes.all.moteus", all);
-    measured.add("itcm_bytes.moteus", Firmware::moteus().sections[".itcm"].1 as f64);
+    measured.add(format!("static_stack_bytes.all.{name}"), all);
+    let mut of_memory = Measured::default();
+    memory(&Firmware::read(&path), &mut of_memory);
+    for bank in ["itcm_bytes", "dtcm_bytes"] {
+        measured.add(format!("{bank}.{name}"), of_memory.of(bank));
+    }
 }
 
 /// Two boards at work, every tick recorded and sent.
@@ -197,6 +206,7 @@ fn everything_is_within_its_budget() {
     flood(&firmware, &mut measured);
     instructions(&firmware, &mut measured);
     of_a_moteus(&mut measured);
+    ["moteus", "usb"].into_iter().for_each(|name| beside(name, &mut measured));
     for painted in ["stack_bytes.two-boards", "stack_bytes.flood"] {
         assert!(measured.of(painted) <= most, "{painted}: deeper than the {most} bytes that the image says");
     }

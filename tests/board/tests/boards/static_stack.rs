@@ -1,12 +1,13 @@
 //! The static stack (src/stack) sees what is planted, agrees with what the compiler wrote for debuggers, and its list of tasks
 //! is how the boards run.
 
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use board_bench::bench::Bench;
 use board_bench::image::{self, Firmware};
 use board_bench::stack::code::Code;
-use board_bench::stack::{Path, Stack};
+use board_bench::stack::{self, Stack};
 use board_bench::wire::Line;
 use gimli::{CfaRule, DebugFrame, LittleEndian, RegisterRule, UnwindSection};
 use host_sim::Error;
@@ -20,7 +21,12 @@ fn image() -> Vec<u8> {
     std::fs::read(image::path()).expect("the image is there")
 }
 
-fn tick(elf: &[u8]) -> Result<Path, Error> {
+/// The usual image, and the one that has tasks of its own.
+fn images() -> [PathBuf; 2] {
+    [image::path(), image::path().with_file_name("firmware-usb")]
+}
+
+fn tick(elf: &[u8]) -> Result<stack::Path, Error> {
     Stack::of(&Code::read(elf)).deepest(TICK)
 }
 
@@ -76,7 +82,10 @@ fn what_is_planted_in_the_tick_is_found() {
 
 #[test]
 fn every_function_whose_address_is_taken_is_called_by_somebody() {
-    assert_eq!(Stack::of(&Code::read(&image())).unclaimed(), Vec::<String>::new(), "see calls.txt");
+    for path in images() {
+        let elf = std::fs::read(&path).expect("the image is there");
+        assert_eq!(Stack::of(&Code::read(&elf)).unclaimed(), Vec::<String>::new(), "{path:?}: see calls.txt");
+    }
 }
 
 /// What the compiler wrote for debuggers: how far the frame reaches, or, where a frame pointer marks it, how far the saved
@@ -125,7 +134,12 @@ fn frames_agree_with_the_debug_information() {
 /// Which executor polls a task stands in the task's memory.
 #[test]
 fn tasks_run_on_the_executors_that_the_list_names() {
-    let (code, firmware) = (Code::read(&image()), Arc::new(Firmware::release()));
+    images().iter().for_each(|image| executors(image));
+}
+
+fn executors(image: &Path) {
+    let code = Code::read(&std::fs::read(image).expect("the image is there"));
+    let firmware = Arc::new(Firmware::read(image));
     let executors = [("UART4", "SUPERVISOR"), ("UART5", "NETWORK")]
         .map(|(interrupt, name)| (interrupt, code.statics[&format!("firmware::image::{name}")]));
     let mut bench = Bench::start(&firmware, 1, Line::default());

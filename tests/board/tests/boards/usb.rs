@@ -8,7 +8,7 @@ use board_bench::cost::MedianAndMost;
 use board_bench::image::Firmware;
 use board_bench::node::{Inputs, Node};
 use board_bench::part::usb::host::{Found, Reader};
-use board_bench::pc::board_mac;
+use board_bench::pc::{board_ip, board_mac, udp};
 use board_bench::twin::{self, Equal};
 use board_bench::wire::Line;
 use board_bench::{reviewed, trial};
@@ -77,6 +77,32 @@ fn a_board_without_keys_says_so_at_its_serial_port_and_nothing_to_the_network() 
     assert!(said.starts_with("no peers' key: this board talks to nobody and cannot be armed\r\n"), "{said}");
     assert_eq!(frames, 0);
     reviewed::check(&node.finish());
+}
+
+/// The driver copies a frame, as long as the PC says that it is, to where it is taken from.
+#[test]
+fn a_pc_that_sends_longer_frames_than_ethernet_has_disturbs_nothing() {
+    let mut bench = Bench::start(&Arc::new(Firmware::usb()), 1, Line::default());
+    let block = bench.stopped[0].found.as_ref().expect("the PC has found it").block;
+    bench.count_instructions();
+    // The last one fills its block, with 28 bytes that say where it is.
+    let lengths = [1515, 2000, block - 28];
+    for length in lengths {
+        let frame = udp(
+            ([2, 0, 0, 0, 0, 0x66], [192, 168, 77, 66], 7701),
+            (board_mac(1), board_ip(1), 9),
+            &vec![0x55; length - 42],
+        );
+        assert_eq!(frame.len(), length);
+        bench.input(1).frames.push(frame);
+        bench.run_for_ms(10);
+    }
+    assert_eq!(bench.meters[0].began.len(), 10 * lengths.len(), "every tick came");
+    assert!(bench.ask(1, "status").starts_with("ok board 1 disarmed fault 0 "));
+    for report in bench.finish() {
+        assert_eq!(report.resets, Vec::<String>::new());
+        reviewed::check(&report);
+    }
 }
 
 #[test]
