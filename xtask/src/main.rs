@@ -294,7 +294,8 @@ which is installed below target/), what built them, and SHA-256 sums. Nothing is
         name: "wheel",
         options: " [--out DIR]",
         does: "Builds the Python module as a wheel for CPython 3.11 and later",
-        more: "With maturin, from host-sim/python, for this machine's system and processor. `pip install .` builds the same.
+        more: "With maturin, from host-sim/python, for this machine's system and processor; on Linux linked by zig, for glibc 2.17 and later. `pip install .`
+builds the same for this machine.
   --out  folder [default: out/wheel]",
         run: |given| {
             let folder = run::root().join(given.value("--out").unwrap_or("out/wheel"));

@@ -10,6 +10,9 @@ use crate::board::target;
 use crate::lerobot;
 use crate::run::{self, Failure, cargo, command, run};
 
+/// A linker and C library for other systems than this one, as Python's registry has it.
+const ZIG: &str = "ziglang==0.17.1";
+
 /// Python in a virtual environment of this folder, with what the requirements name; made anew when they have changed.
 pub(crate) fn environment(folder: &Path, requirements: &str) -> Result<PathBuf, Failure> {
     environment_of("python3", folder, requirements, &[])
@@ -44,12 +47,17 @@ pub(crate) fn own_environment() -> Result<PathBuf, Failure> {
     environment(&run::root().join("target/python"), "host-sim/python/requirements.txt")
 }
 
-/// Builds the wheel of these sources with a profile of cargo's into this folder, and says where it is.
+/// Builds the wheel of these sources with a profile of cargo's into this folder, and says where it is. One to give away is linked by zig, which has
+/// what older systems have: a Linux from 2014 on (glibc 2.17) takes it, and maturin looks at every name that it wants of the system.
 pub(crate) fn wheel(source: &Path, folder: &Path, profile: &str) -> Result<PathBuf, Failure> {
     let python = own_environment()?;
     let built = folder.join(".new");
     let _ = fs::remove_dir_all(&built);
     let mut maturin = command(&python.to_string_lossy(), &["-m", "maturin", "build", "--profile", profile, "--locked"]);
+    if profile == "release" && cfg!(target_os = "linux") {
+        run(pip(&python).arg(ZIG))?;
+        maturin.args(["--zig", "--compatibility", "manylinux_2_17"]).env("CARGO_ZIGBUILD_PYTHON_PATH", &python);
+    }
     run(maturin.arg("--interpreter").arg(&python).arg("--out").arg(&built).current_dir(source))?;
     let failed = |cause| Failure::new(format!("cannot put the wheel into {}: {cause}", folder.display()));
     let mut files = fs::read_dir(&built).map_err(failed)?.flatten();
