@@ -275,7 +275,7 @@ vulnerabilities are not looked for.",
         options: " [--tag TAG] [--out DIR]",
         does: "Builds a tag as files to give away: images, command line, wheel, sources, what is in them, and sums",
         more: "From a clone of the tag: the boards' images, one for each feature, without this machine's paths (the same toolchain makes the same bytes anywhere),
-host-sim, on x86-64 once more for AVX2 and for AVX-512, the Python module as wheel and sources, the crates, a list of all packages and licences (CycloneDX, by cargo-cyclonedx,
+host-sim, on x86-64 once more for AVX2 and for AVX-512, and on Linux for glibc 2.17 and later, the Python module as wheel and sources, the crates, a list of all packages and licences (CycloneDX, by cargo-cyclonedx,
 which is installed below target/), what built them, and SHA-256 sums. Nothing is uploaded. The tag is `v` and the version in Cargo.toml.
 `cargo xtask test` in that clone says whether it is fit to be given away.
   --tag  which tag [default: that of what is checked out]

@@ -3,15 +3,18 @@
 //! What both need of Python comes from the registry, in the versions of host-sim/python/requirements.txt, into a virtual environment
 //! below target/.
 
-use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::{env, fs};
 
 use crate::board::target;
 use crate::lerobot;
 use crate::run::{self, Failure, cargo, command, run};
 
-/// A linker and C library for other systems than this one, as Python's registry has it.
-const ZIG: &str = "ziglang==0.17.1";
+/// A linker with C libraries for other systems than this one, and cargo with it, as Python's registry has them.
+const ZIG: [&str; 2] = ["ziglang==0.17.1", "cargo-zigbuild==0.24.0"];
+/// Where it is looked for.
+const ZIG_IN: &str = "CARGO_ZIGBUILD_PYTHON_PATH";
 
 /// Python in a virtual environment of this folder, with what the requirements name; made anew when they have changed.
 pub(crate) fn environment(folder: &Path, requirements: &str) -> Result<PathBuf, Failure> {
@@ -38,7 +41,7 @@ pub(crate) fn environment_of(
     Ok(python)
 }
 
-pub(crate) fn pip(python: &Path) -> std::process::Command {
+pub(crate) fn pip(python: &Path) -> Command {
     command(&python.to_string_lossy(), &["-m", "pip", "install", "--quiet", "--disable-pip-version-check"])
 }
 
@@ -55,8 +58,8 @@ pub(crate) fn wheel(source: &Path, folder: &Path, profile: &str) -> Result<PathB
     let _ = fs::remove_dir_all(&built);
     let mut maturin = command(&python.to_string_lossy(), &["-m", "maturin", "build", "--profile", profile, "--locked"]);
     if profile == "release" && cfg!(target_os = "linux") {
-        run(pip(&python).arg(ZIG))?;
-        maturin.args(["--zig", "--compatibility", "manylinux_2_17"]).env("CARGO_ZIGBUILD_PYTHON_PATH", &python);
+        run(pip(&python).args(ZIG))?;
+        maturin.args(["--zig", "--compatibility", "manylinux_2_17"]).env(ZIG_IN, &python);
     }
     run(maturin.arg("--interpreter").arg(&python).arg("--out").arg(&built).current_dir(source))?;
     let failed = |cause| Failure::new(format!("cannot put the wheel into {}: {cause}", folder.display()));
@@ -67,6 +70,20 @@ pub(crate) fn wheel(source: &Path, folder: &Path, profile: &str) -> Result<PathB
     let wheel = folder.join(&*name);
     fs::rename(&new, &wheel).and_then(|()| fs::remove_dir(&built)).map_err(failed)?;
     Ok(wheel)
+}
+
+/// Cargo's build for Linux with glibc 2.17 and later, linked by zig, and where it leaves a release; elsewhere that of this machine's system.
+pub(crate) fn build_by_zig() -> Result<(Command, String), Failure> {
+    if !cfg!(target_os = "linux") {
+        return Ok((cargo(&["build"]), "release".to_owned()));
+    }
+    let python = own_environment()?;
+    run(pip(&python).args(ZIG))?;
+    let target = format!("{}-unknown-linux-gnu", env::consts::ARCH);
+    let program = python.with_file_name("cargo-zigbuild");
+    let mut build = command(&program.to_string_lossy(), &["zigbuild", "--target", &format!("{target}.2.17")]);
+    build.env(ZIG_IN, &python);
+    Ok((build, format!("{target}/release")))
 }
 
 /// A wheel that says `linux` is of this machine alone, and no registry takes it: maturin says `manylinux` and the glibc that it needs at least where

@@ -41,29 +41,31 @@ pub(crate) fn release(given: &Options<'_>) -> Result<(), Failure> {
         give(built.join(THUMB_TARGET).join("firmware/firmware"), &name)?;
     }
 
-    let here = |words: &[&str]| {
-        let mut cargo = cargo(words);
-        cargo.current_dir(&source).env("CARGO_TARGET_DIR", &built);
-        cargo
-    };
-    step("command line", || run(&mut here(&["build", "--locked", "--release"])))?;
     let machine = format!("{}-{}", env::consts::ARCH, env::consts::OS);
-    give(built.join("release/host-sim"), &format!("host-sim-{tag}-{machine}"))?;
-    for level in WIDER.iter().filter(|_| env::consts::ARCH == "x86_64" && cfg!(unix)) {
-        // Added to the flags that the project has for every x86-64.
-        let flags = format!("target.'cfg(target_arch = \"x86_64\")'.rustflags=['-Ctarget-cpu={level}']");
-        let folder = built.join(level);
-        let mut build = here(&["--config", &flags, "build", "--locked", "--release"]);
-        step(level, || run(build.env("CARGO_TARGET_DIR", &folder)))?;
-        // The other one looks for it under this name.
-        give(folder.join("release/host-sim"), &format!("host-sim-{tag}-{machine}-{level}"))?;
+    let wider = WIDER.into_iter().filter(|_| env::consts::ARCH == "x86_64" && cfg!(unix));
+    for level in std::iter::once("").chain(wider) {
+        let (mut build, made) = python::build_by_zig()?;
+        build.args(["--locked", "--release", "--package", "host-sim"]).current_dir(&source);
+        let mut name = format!("host-sim-{tag}-{machine}");
+        if !level.is_empty() {
+            // Added to the flags that the project has for every x86-64.
+            let flags = format!("target.'cfg(target_arch = \"x86_64\")'.rustflags=['-Ctarget-cpu={level}']");
+            build.args(["--config", &flags]);
+            // The other one looks for it under this name.
+            name = format!("{name}-{level}");
+        }
+        let folder = built.join("host-sim").join(level);
+        step(&name, || run(build.env("CARGO_TARGET_DIR", &folder)))?;
+        give(folder.join(made).join("host-sim"), &name)?;
     }
     step("wheel", || python::wheel(&source, &folder, "release").map(drop))?;
     step("sources", || {
         let sources = packages::sdist(&source, &built.join("sdist"))?;
         give(sources.clone(), &sources.file_name().unwrap_or_default().to_string_lossy())
     })?;
-    step("crates", || run(here(&["package", "--locked", "--no-verify"]).args(packages::named())))?;
+    let mut package = cargo(&["package", "--locked", "--no-verify"]);
+    package.args(packages::named()).current_dir(&source).env("CARGO_TARGET_DIR", &built);
+    step("crates", || run(&mut package))?;
     let version = &tag[1..];
     for name in packages::CRATES.map(|name| format!("{name}-{version}.crate")) {
         give(built.join("package").join(&name), &name)?;
