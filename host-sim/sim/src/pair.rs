@@ -4,6 +4,8 @@
 //! packet every M ticks. Time and randomness are arguments, so a run is a function of its scene: the same bits on every
 //! machine and any number of threads ([`Pair::hash`]).
 
+use std::borrow::Borrow;
+
 use haptic_core::device::AXES;
 use haptic_core::num::Scalar;
 use haptic_core::peer::{Actuators, Sensors};
@@ -18,8 +20,12 @@ use crate::{network::rule::Direction, plant::Plant, scene::Scene};
 
 /// What takes in the packets for a peer until its next tick.
 pub trait Mailbox<S: Scalar, const SHARED: usize, const N: usize> {
+    /// What packets are while they are on their way.
+    type Carried: Clone;
+    /// What its own peer sends, as it is carried.
+    fn carried(&mut self, packets: [Packet<S>; SHARED]) -> Self::Carried;
     /// Takes a packet that came at `now_ns`, ns.
-    fn put(&mut self, now_ns: u64, packet: &Numbered<[Packet<S>; SHARED]>);
+    fn put(&mut self, now_ns: u64, packet: &Numbered<Self::Carried>);
     /// Lets the peer hear what has come by `now_ns` (ns), and count the silence if an exchange of packets is due; whether it heard anything.
     fn hand_over(&mut self, now_ns: u64, due: bool, peer: &mut dyn DynPeer<S, SHARED, N>) -> bool;
     /// What the peer heard last.
@@ -28,23 +34,41 @@ pub trait Mailbox<S: Scalar, const SHARED: usize, const N: usize> {
     fn delivered(&self) -> u64;
 }
 
+/// [`Mailbox::hand_over`] of an inbox, whatever carries the packets.
+#[inline]
+pub(crate) fn hand_over<S: Scalar, const SHARED: usize, const N: usize>(
+    inbox: &mut Inbox<impl Borrow<[Packet<S>; SHARED]>>,
+    now_ns: u64,
+    due: bool,
+    peer: &mut dyn DynPeer<S, SHARED, N>,
+) -> bool {
+    let taken = inbox.take(now_ns);
+    let heard = taken.is_some();
+    if let Some(packets) = taken {
+        peer.hear(packets.borrow());
+    }
+    if due {
+        peer.listen();
+    }
+    heard
+}
+
 impl<S: Scalar, const SHARED: usize, const N: usize> Mailbox<S, SHARED, N> for Inbox<[Packet<S>; SHARED]> {
+    type Carried = [Packet<S>; SHARED];
+
     #[inline]
-    fn put(&mut self, now_ns: u64, packet: &Numbered<[Packet<S>; SHARED]>) {
+    fn carried(&mut self, packets: [Packet<S>; SHARED]) -> Self::Carried {
+        packets
+    }
+
+    #[inline]
+    fn put(&mut self, now_ns: u64, packet: &Numbered<Self::Carried>) {
         Self::put(self, now_ns, *packet);
     }
 
     #[inline]
     fn hand_over(&mut self, now_ns: u64, due: bool, peer: &mut dyn DynPeer<S, SHARED, N>) -> bool {
-        let taken = self.take(now_ns);
-        let heard = taken.is_some();
-        if let Some(packets) = taken {
-            peer.hear(packets);
-        }
-        if due {
-            peer.listen();
-        }
-        heard
+        hand_over(self, now_ns, due, peer)
     }
 
     fn heard(&self) -> Option<&[Packet<S>; SHARED]> {
@@ -152,7 +176,7 @@ impl<S: Scalar, D: Device<S, N>, const SHARED: usize, const N: usize, I: Mailbox
 impl<S: Scalar, D: Device<S, N>, const SHARED: usize, const N: usize, I: Mailbox<S, SHARED, N>> Actor<usize>
     for Side<S, D, SHARED, N, I>
 {
-    type Packet = Numbered<[Packet<S>; SHARED]>;
+    type Packet = Numbered<I::Carried>;
 
     #[inline]
     fn hear(&mut self, now_ns: u64, _: usize, packet: &mut Self::Packet, _: &mut Out<'_, usize, Self::Packet>) {
@@ -163,8 +187,8 @@ impl<S: Scalar, D: Device<S, N>, const SHARED: usize, const N: usize, I: Mailbox
     #[inline]
     fn speak(&mut self, _: u64, out: &mut Out<'_, usize, Self::Packet>) {
         if self.peer.packet_due() {
-            if let Some(what) = self.peer.speak() {
-                out(self.to, &Numbered { number: self.number, what });
+            if let Some(packets) = self.peer.speak() {
+                out(self.to, &Numbered { number: self.number, what: self.inbox.carried(packets) });
                 self.sent += 1;
             }
             self.number += 1;

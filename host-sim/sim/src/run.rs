@@ -15,13 +15,15 @@ mod outcome;
 mod reason;
 mod statics;
 
+use std::cmp::Ordering;
+
 use haptic_core::contact::{Impacts, RenderingName};
 use haptic_core::num::{Fixed, Scalar};
 use haptic_core::settings::Refused;
 
 pub use self::account::{Account, Ticked};
 pub use self::accounts::Accounts;
-pub use self::outcome::{AXIS_NAMES, AxisOutcome, Figures, Options, Outcome};
+pub use self::outcome::{AXIS_NAMES, AxisOutcome, Figures, Options, Outcome, Until};
 pub use self::reason::{Reason, Verdict};
 pub use self::statics::{APART_FACTOR, APART_MM, END_FACTOR, compliance_m_per_n};
 pub use crate::measure::port::PortEnergy;
@@ -108,27 +110,65 @@ fn report_progress(progress: Progress<'_>) -> impl Fn(u64) -> bool {
     }
 }
 
+/// A run of which the first ticks are accounted for already: the lanes that it left have seen to them ([`crate::lanes`]).
+pub(crate) struct Begun<const SHARED: usize> {
+    /// Control periods that are accounted for, and ticks of peers in the one after them.
+    pub(crate) ticks: u64,
+    pub(crate) turns: u64,
+    pub(crate) accounts: Accounts<SHARED>,
+    pub(crate) hash: u64,
+}
+
+impl<const SHARED: usize> Begun<SHARED> {
+    /// Nothing is.
+    pub(crate) fn at_the_start(scene: &Scene, options: Options) -> Self {
+        Self { ticks: 0, turns: 0, accounts: Accounts::new(scene, options.ticks(scene), options), hash: HASH_SEED }
+    }
+}
+
 fn run_in<S: Run + Builds<SHARED, N>, const SHARED: usize, const N: usize>(
     scene: &Scene,
     options: Options,
     go_on: GoOn<'_>,
     each: Option<EachRow<'_>>,
 ) -> Result<Outcome, Refused<'static>> {
+    let begun = Begun::at_the_start(scene, options);
+    run_from::<S, SHARED, N>(scene, begun, (options.ticks(scene), Until::TheEnd), go_on, each)
+}
+
+/// A run of so many ticks at most, from its start, accounted for from where it is not yet.
+pub(crate) fn run_from<S: Scalar<Counter = f64> + Builds<SHARED, N>, const SHARED: usize, const N: usize>(
+    scene: &Scene,
+    begun: Begun<SHARED>,
+    (ticks, until): (u64, Until),
+    go_on: GoOn<'_>,
+    each: Option<EachRow<'_>>,
+) -> Result<Outcome, Refused<'static>> {
     let mut pair = Pair::<S, Plant<N>, SHARED, N>::build(scene)?;
-    let ticks = options.ticks(scene);
-    let mut accounts = Accounts::<SHARED>::new(scene, ticks, options);
-    let mut hash = HASH_SEED;
+    let Begun { ticks: known, turns, mut accounts, mut hash } = begun;
     for tick in 0..ticks {
+        let mut known_turns = match tick.cmp(&known) {
+            Ordering::Less => u64::MAX,
+            Ordering::Equal => turns,
+            Ordering::Greater => 0,
+        };
         pair.step_watched(&mut |seen| {
+            if known_turns > 0 {
+                known_turns -= 1;
+                return;
+            }
             accounts.ticked(seen.number - 1, Ticked::of(seen.peer));
             accounts.pressed(seen.number - 1, seen.motors_n());
         });
+        if tick < known {
+            continue;
+        }
         hash = pair.hash_in_place(hash);
         accounts.period();
         if let Some(each) = each {
             accounts.rows().enumerate().for_each(|(axis, row)| each(axis, &row));
         }
-        if tick % 10_000 == 0 && !go_on(tick) {
+        if until == Until::Stopped && accounts.is_over() || tick % 10_000 == 0 && !go_on(tick) {
             break;
         }
     }

@@ -8,6 +8,7 @@
 
 use std::array::from_fn;
 use std::collections::VecDeque;
+use std::rc::Rc;
 
 use haptic_core::law::Packet;
 use haptic_core::law::degradation::{Degradation, Engagement};
@@ -16,14 +17,24 @@ use haptic_core::settings::Refused;
 use super::number::{ALL, F64s, LANES, Lanes, leave};
 use crate::network::link::{InFlight, Inbox, Numbered, Route};
 use crate::network::rule::Direction;
-use crate::pair::Mailbox;
+use crate::pair::{Mailbox, hand_over};
 use crate::peers::DynPeer;
 use crate::scene::Scene;
 
+/// The packets of all lanes, a kilobyte and more, where they lie: that is what travels.
+type Place<S, const SHARED: usize> = Rc<[Packet<S>; SHARED]>;
+
+/// What takes in the packets of all lanes for a peer, and sends its own.
+pub(super) struct LaneMailbox<S: Lanes, const SHARED: usize> {
+    incoming: Incoming<S, SHARED>,
+    /// Where what it has sent lies, the oldest first. Where nobody needs it any more the next one is put.
+    places: VecDeque<Place<S, SHARED>>,
+}
+
 /// What takes in the packets of all lanes for a peer.
-pub(super) enum LaneMailbox<S: Lanes, const SHARED: usize> {
+enum Incoming<S: Lanes, const SHARED: usize> {
     /// The same of every lane.
-    One(Inbox<[Packet<S>; SHARED]>),
+    One(Inbox<Place<S, SHARED>>),
     /// Of each lane its own.
     Each(Box<Networks<S, SHARED>>),
 }
@@ -36,7 +47,7 @@ pub(super) struct Networks<S: Lanes, const SHARED: usize> {
     /// Packet periods of silence after which a peer stops.
     silent_packets: u32,
     /// What is under way, by its number, and how many copies of it.
-    sent: VecDeque<(Numbered<[Packet<S>; SHARED]>, usize)>,
+    sent: VecDeque<(Numbered<Place<S, SHARED>>, usize)>,
     /// The numbers of the packets that are due, and the lanes in which.
     in_flight: InFlight<(u64, u32)>,
     newest: [Option<u64>; LANES],
@@ -96,7 +107,7 @@ impl<S: Lanes, const SHARED: usize> Networks<S, SHARED> {
     }
 
     /// Every copy of the packet gets on its way, in each lane by itself.
-    fn send(&mut self, now_ns: u64, packet: &Numbered<[Packet<S>; SHARED]>) {
+    fn send(&mut self, now_ns: u64, packet: &Numbered<Place<S, SHARED>>) {
         let last = self.routes.len() - 1;
         let mut due: Vec<(u64, u32)> = Vec::new();
         for (lane, route) in self.routes.iter_mut().enumerate() {
@@ -108,7 +119,7 @@ impl<S: Lanes, const SHARED: usize> Networks<S, SHARED> {
             });
         }
         if !due.is_empty() {
-            self.sent.push_back((*packet, due.len()));
+            self.sent.push_back((packet.clone(), due.len()));
         }
         due.into_iter().for_each(|(due_ns, lanes)| self.in_flight.put(due_ns, (packet.number, lanes)));
     }
@@ -177,24 +188,45 @@ impl<S: Lanes, const SHARED: usize> Networks<S, SHARED> {
 impl<S: Lanes, const SHARED: usize> LaneMailbox<S, SHARED> {
     /// The mailbox of peer `index` (0 or 1) of these scenes: of the network of all, if it is `one`.
     pub(super) fn new(scenes: &[&Scene], index: usize, one: bool) -> Result<Self, Refused<'static>> {
-        Ok(if one { Self::One(Inbox::new(scenes[0], 1)) } else { Self::Each(Box::new(Networks::new(scenes, index)?)) })
+        let incoming = if one {
+            Incoming::One(Inbox::new(scenes[0], 1))
+        } else {
+            Incoming::Each(Box::new(Networks::new(scenes, index)?))
+        };
+        Ok(Self { incoming, places: VecDeque::new() })
     }
 }
 
 impl<S: Lanes, const SHARED: usize, const N: usize> Mailbox<S, SHARED, N> for LaneMailbox<S, SHARED> {
+    type Carried = Place<S, SHARED>;
+
     #[inline]
-    fn put(&mut self, now_ns: u64, packet: &Numbered<[Packet<S>; SHARED]>) {
-        match self {
-            Self::One(inbox) => inbox.put(now_ns, *packet),
-            Self::Each(networks) => networks.send(now_ns, packet),
+    fn carried(&mut self, packets: [Packet<S>; SHARED]) -> Place<S, SHARED> {
+        let free = self.places.iter().position(|place| Rc::strong_count(place) == 1);
+        let place = match free.and_then(|at| self.places.remove(at)) {
+            Some(mut place) => {
+                *Rc::make_mut(&mut place) = packets;
+                place
+            }
+            None => Rc::new(packets),
+        };
+        self.places.push_back(Rc::clone(&place));
+        place
+    }
+
+    #[inline]
+    fn put(&mut self, now_ns: u64, packet: &Numbered<Place<S, SHARED>>) {
+        match &mut self.incoming {
+            Incoming::One(inbox) => inbox.put(now_ns, packet.clone()),
+            Incoming::Each(networks) => networks.send(now_ns, packet),
         }
     }
 
     #[inline]
     fn hand_over(&mut self, now_ns: u64, due: bool, peer: &mut dyn DynPeer<S, SHARED, N>) -> bool {
-        let networks = match self {
-            Self::One(inbox) => return inbox.hand_over(now_ns, due, peer),
-            Self::Each(networks) => networks,
+        let networks = match &mut self.incoming {
+            Incoming::One(inbox) => return hand_over(inbox, now_ns, due, peer),
+            Incoming::Each(networks) => networks,
         };
         let came = networks.take(now_ns);
         if came == 0 && !due {
@@ -214,16 +246,16 @@ impl<S: Lanes, const SHARED: usize, const N: usize> Mailbox<S, SHARED, N> for La
     }
 
     fn heard(&self) -> Option<&[Packet<S>; SHARED]> {
-        match self {
-            Self::One(inbox) => inbox.taken(),
-            Self::Each(networks) => Some(&networks.standing),
+        match &self.incoming {
+            Incoming::One(inbox) => inbox.taken().map(Rc::as_ref),
+            Incoming::Each(networks) => Some(&networks.standing),
         }
     }
 
     fn delivered(&self) -> u64 {
-        match self {
-            Self::One(inbox) => inbox.delivered,
-            Self::Each(networks) => networks.delivered,
+        match &self.incoming {
+            Incoming::One(inbox) => inbox.delivered,
+            Incoming::Each(networks) => networks.delivered,
         }
     }
 }

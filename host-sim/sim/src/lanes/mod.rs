@@ -5,7 +5,8 @@
 //! together; everything else may differ. Their seeds may, too, where what becomes of packets is not drawn, or the law only holds what it
 //! receives ([`haptic_core::law::Law::only_holds`]): then packets are lost and late in each lane by itself (`mailbox`). A scene that is not
 //! built as the others of its kind are, or that takes another branch than most (a limit, a fault, a contact let go), leaves, and is run alone
-//! from the start: exact, and slow. So lanes pay where scenes differ in gains, masses, users and seeds; not where contact comes and goes.
+//! from the start: exact, and slow, although its figures and hash are the lanes' until where it left. So lanes pay where scenes differ in
+//! gains, masses, users and seeds; not where contact comes and goes.
 //!
 //! **Left out**: devices with encoders, motors, windings, friction or faults, impulsive contact, and laws that keep `f64` beside their
 //! number type (ledger, `self-timed`): these are run alone.
@@ -20,4 +21,4 @@ mod pairs;
 mod run;
 
 pub use self::pairs::Pairs;
-pub use self::run::{InLanes, run, run_from};
+pub use self::run::{How, InLanes, run, run_as, run_until};

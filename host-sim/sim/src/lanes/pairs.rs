@@ -22,6 +22,8 @@ use crate::{plant::Plant, scene::Scene};
 pub struct Pairs<S: Lanes, const SHARED: usize = 1, const N: usize = AXES> {
     pair: Pair<S, Plants<N>, SHARED, N, LaneMailbox<S, SHARED>>,
     hashes: [u64; LANES],
+    /// The numbers of a peer's state, while they are hashed.
+    state: Vec<S>,
 }
 
 impl<S: Lanes + Builds<SHARED, N>, const SHARED: usize, const N: usize> Pairs<S, SHARED, N> {
@@ -56,6 +58,7 @@ impl<S: Lanes + Builds<SHARED, N>, const SHARED: usize, const N: usize> Pairs<S,
                 if one { Route::of_scene(scenes[0], direction, 0) } else { Route::default() }
             }),
             hashes: [HASH_SEED; LANES],
+            state: Vec::new(),
         })
     }
 }
@@ -75,11 +78,14 @@ impl<S: Lanes, const SHARED: usize, const N: usize> Pairs<S, SHARED, N> {
     /// Continues the hash of each lane's states ([`Pair::hash`]).
     #[inline]
     pub fn hash(&mut self) {
-        let hashes = &mut self.hashes;
-        for side in self.pair.sides_mut() {
-            side.peer.visit_state(&mut |number| {
+        let Self { pair, hashes, state } = self;
+        for side in pair.sides_mut() {
+            // First they are gathered: a hash that waits for each number in memory waits longer than it takes.
+            state.clear();
+            side.peer.visit_state(&mut |number| state.push(*number));
+            *hashes = state.iter().fold(*hashes, |hashes, number| {
                 let bits = number.each_bits();
-                *hashes = from_fn(|lane| mixed(hashes[lane], bits[lane]));
+                from_fn(|lane| mixed(hashes[lane], bits[lane]))
             });
         }
     }

@@ -3,11 +3,11 @@
 use haptic_core::settings::Refused;
 
 use super::kinds::kinds;
-use super::number::{F32s, F64s, Lanes, lanes_left};
+use super::number::{F32s, F64s, LANES, Lanes, lanes_left};
 use super::pairs::Pairs;
 use crate::of_axes;
 use crate::peers::{Builds, Number};
-use crate::run::{Accounts, Options, Outcome, Run, Ticked};
+use crate::run::{Accounts, Begun, Options, Outcome, Run, Ticked, Until, run_from};
 use crate::scene::Scene;
 
 /// Fewest scenes that are worth lanes: a tick of all costs as much as so many scenes' alone, whether or not each lane has one. AVX-512 has masks, which
@@ -20,19 +20,30 @@ pub trait InLanes: Run {
     type Lanes: Lanes<Alone = Self> + Number;
     /// [`run_group`] in these lanes. Compiled here, once and optimised, and not wherever it is called.
     #[doc(hidden)]
-    fn run_group(scenes: &[&Scene], options: Options, fewest: usize) -> Result<Vec<Option<Outcome>>, Refused<'static>>;
+    fn run_group(scenes: &[&Scene], options: Options, how: How) -> Result<Vec<Outcome>, Refused<'static>>;
+    /// A scene alone.
+    #[doc(hidden)]
+    fn run_alone(scene: &Scene, options: Options, until: Until) -> Result<Outcome, Refused<'static>>;
+}
+
+/// How scenes are run.
+#[derive(Clone, Copy, Debug)]
+pub struct How {
+    /// Fewest scenes of a kind that are worth lanes.
+    pub fewest: usize,
+    /// How long.
+    pub until: Until,
 }
 
 macro_rules! in_lanes {
     ($($Number:ty: $Lanes:ty),+) => {
         $(impl InLanes for $Number {
             type Lanes = $Lanes;
-            fn run_group(
-                scenes: &[&Scene],
-                options: Options,
-                fewest: usize,
-            ) -> Result<Vec<Option<Outcome>>, Refused<'static>> {
-                of_axes!(scenes[0], run_group::<$Lanes>(scenes, options, fewest))
+            fn run_group(scenes: &[&Scene], options: Options, how: How) -> Result<Vec<Outcome>, Refused<'static>> {
+                of_axes!(scenes[0], run_group::<$Lanes>(scenes, options, how))
+            }
+            fn run_alone(scene: &Scene, options: Options, until: Until) -> Result<Outcome, Refused<'static>> {
+                of_axes!(scene, run_alone::<Self>(scene, options, until))
             }
         })+
     };
@@ -44,68 +55,133 @@ in_lanes!(f32: F32s, f64: F64s);
 /// # Errors
 /// The first key of the first refused scene that is out of range or impossible beside the others.
 pub fn run<S: InLanes>(scenes: &[Scene], duration_s: f64) -> Result<Vec<Outcome>, Refused<'static>> {
-    run_from::<S>(FEWEST, scenes, duration_s)
+    run_until::<S>(Until::TheEnd, scenes, duration_s)
 }
 
-/// [`run`] that takes so many scenes of a kind, or more, for worth lanes.
+/// [`run`], of which those in which a peer stops may end there.
 ///
 /// # Errors
 /// As [`run`].
-pub fn run_from<S: InLanes>(
-    fewest: usize,
+pub fn run_until<S: InLanes>(
+    until: Until,
     scenes: &[Scene],
     duration_s: f64,
 ) -> Result<Vec<Outcome>, Refused<'static>> {
+    run_as::<S>(How { fewest: FEWEST, until }, scenes, duration_s)
+}
+
+/// [`run_until`] that takes so many scenes of a kind, or more, for worth lanes.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_as<S: InLanes>(how: How, scenes: &[Scene], duration_s: f64) -> Result<Vec<Outcome>, Refused<'static>> {
     let options = Options { duration_s, record_every: 0 };
     let (groups, mut alone) = kinds(scenes);
     let mut outcomes: Vec<Option<Outcome>> = scenes.iter().map(|_| None).collect();
     for group in groups {
-        if group.len() < fewest {
+        if group.len() < how.fewest {
             alone.extend(group);
             continue;
         }
         let members: Vec<&Scene> = group.iter().map(|at| &scenes[*at]).collect();
-        let together = S::run_group(&members, options, fewest)?;
-        for (at, outcome) in group.into_iter().zip(together) {
-            match outcome {
-                Some(outcome) => outcomes[at] = Some(outcome),
-                None => alone.push(at),
-            }
-        }
+        let together = S::run_group(&members, options, how)?;
+        group.into_iter().zip(together).for_each(|(at, outcome)| outcomes[at] = Some(outcome));
     }
     for at in alone {
-        outcomes[at] = Some(crate::run::run::<S>(&scenes[at], options, &|_| {})?);
+        outcomes[at] = Some(S::run_alone(&scenes[at], options, how.until)?);
     }
     Ok(outcomes.into_iter().flatten().collect())
 }
 
-/// One group side by side; nothing of those that left.
-fn run_group<S: Lanes + Builds<SHARED, N>, const SHARED: usize, const N: usize>(
+fn run_alone<S: Run + Builds<SHARED, N>, const SHARED: usize, const N: usize>(
+    scene: &Scene,
+    options: Options,
+    until: Until,
+) -> Result<Outcome, Refused<'static>> {
+    let begun = Begun::at_the_start(scene, options);
+    run_from::<S, SHARED, N>(scene, begun, (options.ticks(scene), until), &|_| true, None)
+}
+
+/// Lanes that have left, and what was known of each until then.
+struct Leavers<const SHARED: usize> {
+    lanes: u32,
+    known: [Option<Begun<SHARED>>; LANES],
+}
+
+impl<const SHARED: usize> Leavers<SHARED> {
+    fn nobody() -> Self {
+        Self { lanes: 0, known: [const { None }; LANES] }
+    }
+
+    /// These lanes have left by now; `known` is what there is of one that has just done so.
+    #[inline]
+    fn note(&mut self, left: u32, known: impl Fn(usize) -> Option<Begun<SHARED>>) {
+        if left != self.lanes {
+            self.add(left & !self.lanes, &known);
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn add(&mut self, lanes: u32, known: &dyn Fn(usize) -> Option<Begun<SHARED>>) {
+        self.lanes |= lanes;
+        (0..LANES).filter(|lane| lanes >> lane & 1 == 1).for_each(|lane| self.known[lane] = known(lane));
+    }
+}
+
+/// One group side by side. Those that leave are run alone, and accounted for from where they left.
+fn run_group<S: Lanes<Alone: Run + Builds<SHARED, N>> + Builds<SHARED, N>, const SHARED: usize, const N: usize>(
     scenes: &[&Scene],
     options: Options,
-    fewest: usize,
-) -> Result<Vec<Option<Outcome>>, Refused<'static>> {
+    how: How,
+) -> Result<Vec<Outcome>, Refused<'static>> {
     let ticks = options.ticks(scenes[0]);
     let mut pairs = Pairs::<S, SHARED, N>::new(scenes)?;
     let of = |number: fn(&Scene) -> f64| F64s::of(|lane| number(scenes[lane.min(scenes.len() - 1)]));
     let mut account = Accounts::<SHARED, F64s>::of_each(scenes[0], ticks, options, of);
     let some = (1_u32 << scenes.len()) - 1;
-    for _ in 0..ticks {
+    let mut leavers = Leavers::nobody();
+    leavers.note(lanes_left(), |_| None);
+    for tick in 0..ticks {
+        let hashes = pairs.hashes();
+        let known = |account: &Accounts<SHARED, F64s>, turns, lane: usize| {
+            let accounts = account.map(|figure| figure.lane(lane));
+            Some(Begun { ticks: tick, turns, accounts, hash: hashes[lane] })
+        };
+        let mut turns = 0;
         pairs.step(&mut |seen| {
+            leavers.note(lanes_left(), |lane| known(&account, turns, lane));
             account.ticked(seen.number - 1, Ticked::of(seen.peer));
             account.pressed(seen.number - 1, seen.motors_n());
+            turns += 1;
+            // Whom the account itself asked has none.
+            leavers.note(lanes_left(), |_| None);
         });
+        leavers.note(lanes_left(), |lane| known(&account, turns, lane));
         pairs.hash();
         account.measure();
-        if (some & !lanes_left()).count_ones() < fewest as u32 {
+        leavers.note(lanes_left(), |_| None);
+        if (some & !leavers.lanes).count_ones() < how.fewest as u32 {
             // The rest is faster alone.
-            return Ok(scenes.iter().map(|_| None).collect());
+            let hashes = pairs.hashes();
+            leavers.note(leavers.lanes | some, |lane| {
+                let accounts = account.map(|figure| figure.lane(lane));
+                Some(Begun { ticks: tick + 1, turns: 0, accounts, hash: hashes[lane] })
+            });
+            break;
+        }
+        if how.until == Until::Stopped && account.is_over() {
+            break;
         }
     }
-    let (left, hashes, packets_per_s) = (lanes_left(), pairs.hashes(), pairs.packets_per_s());
-    let whole = |lane: usize| {
-        let outcome = || account.map(|figure| figure.lane(lane)).outcome();
-        (left >> lane & 1 == 0).then(|| Outcome { hash: hashes[lane], packets_per_s, ..outcome() })
+    let (hashes, packets_per_s) = (pairs.hashes(), pairs.packets_per_s());
+    let mut outcome = |(lane, scene): (usize, &&Scene)| {
+        if leavers.lanes >> lane & 1 == 0 {
+            let outcome = account.map(|figure| figure.lane(lane)).outcome();
+            return Ok(Outcome { hash: hashes[lane], packets_per_s, ..outcome });
+        }
+        let begun = leavers.known[lane].take().unwrap_or_else(|| Begun::at_the_start(scene, options));
+        run_from::<S::Alone, SHARED, N>(scene, begun, (ticks, how.until), &|_| true, None)
     };
-    Ok((0..scenes.len()).map(whole).collect())
+    scenes.iter().enumerate().map(&mut outcome).collect()
 }

@@ -93,7 +93,7 @@ impl<const SHARED: usize, F: Figure> Accounts<SHARED, F> {
             *last = *now;
         }
         self.forces.see(self.tick, forces.map(|force| length(force.into_iter())));
-        if !self.axes.iter().any(Account::is_over) {
+        if !self.is_over() {
             let decoded = |axis: &Account<F>| {
                 let second = axis.observed(1);
                 second.object.position - second.desired.position
@@ -103,6 +103,12 @@ impl<const SHARED: usize, F: Figure> Accounts<SHARED, F> {
             let contact_n = F::HALF * (contact(0) + contact(1));
             self.halves.see(self.tick, [self.true_m, decoded_m, contact_n]);
         }
+    }
+
+    /// A peer has stopped.
+    #[inline]
+    pub(crate) fn is_over(&self) -> bool {
+        self.axes.iter().any(Account::is_over)
     }
 
     /// What `of` makes of each number.

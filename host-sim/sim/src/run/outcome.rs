@@ -34,6 +34,15 @@ impl Options {
     }
 }
 
+/// How long runs go on of which only figures of merit are asked: one that stopped has none ([`Outcome::metric`]).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Until {
+    /// To their end, so that the hash is of every tick.
+    TheEnd,
+    /// Until a peer stops: verdict and reason are those of the whole run, the hash is of the ticks until then.
+    Stopped,
+}
+
 /// What the shared axes are called, the first one first.
 pub const AXIS_NAMES: [&str; 3] = ["x", "y", "z"];
 

@@ -1,9 +1,9 @@
 //! Lanes against the scalar peer: the same bits, whatever the scene, and whoever leaves.
 
 use haptic_sim::lanes::number::{F64s, LANES, lanes_left};
-use haptic_sim::lanes::{self, InLanes, Pairs};
+use haptic_sim::lanes::{self, How, InLanes, Pairs};
 use haptic_sim::rng::Rng;
-use haptic_sim::run::{Options, Outcome, run};
+use haptic_sim::run::{Options, Outcome, Reason, Until, run};
 use haptic_sim::{Laws, Scene, scenes};
 
 /// Scenes of the test: all of them in a build that is fast.
@@ -73,13 +73,21 @@ fn printed(outcome: &Outcome) -> String {
     format!("{outcome:?}")
 }
 
-// From 3 of a kind on, whatever pays on this processor.
+/// From 3 of a kind on, whatever pays on this processor.
+fn side_by_side<S: InLanes>(until: Until, scenes: &[Scene], duration_s: f64) -> Vec<Outcome> {
+    let outcomes = lanes::run_as::<S>(How { fewest: 3, until }, scenes, duration_s).unwrap();
+    assert_eq!(outcomes.len(), scenes.len());
+    outcomes
+}
+
 fn same<S: InLanes>(scenes: &[Scene]) {
-    let side_by_side = lanes::run_from::<S>(3, scenes, SECONDS).unwrap();
-    assert_eq!(side_by_side.len(), scenes.len());
-    for (scene, outcome) in scenes.iter().zip(&side_by_side) {
-        let alone = run::<S>(scene, Options { duration_s: SECONDS, record_every: 0 }, &|_| {}).unwrap();
-        assert_eq!(printed(outcome), printed(&alone), "{} {:?}", S::NAME, scene.settings());
+    same_for::<S>(scenes, SECONDS);
+}
+
+fn same_for<S: InLanes>(scenes: &[Scene], duration_s: f64) {
+    for (scene, outcome) in scenes.iter().zip(side_by_side::<S>(Until::TheEnd, scenes, duration_s)) {
+        let alone = run::<S>(scene, Options { duration_s, record_every: 0 }, &|_| {}).unwrap();
+        assert_eq!(printed(&outcome), printed(&alone), "{} {:?}", S::NAME, scene.settings());
     }
 }
 
@@ -133,6 +141,43 @@ fn scenes_that_differ_in_gains_stay_in_their_lanes_and_a_fault_takes_only_its_ow
     let pocket = left(&gains("paper-5.1-passive-wave-16ms", 2124.0, 8496.0));
     assert!(pocket != 0 && pocket.count_ones() < 8, "{pocket:b}");
     same::<f64>(&gains("paper-5.1-passive-wave-16ms", 2124.0, 8496.0));
+}
+
+/// Limits, then faults take lanes out at ticks of their own, each of either peer: what was accounted until then is each one's own, and what
+/// comes after as well.
+#[test]
+fn lanes_that_leave_one_after_another_have_the_figures_and_hashes_that_they_have_alone() {
+    let scenes = gains("paper-5.2-wave-16ms", 3400.0, 5000.0);
+    let seconds = 4.0;
+    same_for::<f32>(&scenes, seconds);
+    same_for::<f64>(&scenes, seconds);
+    let mut pairs = Pairs::<F64s>::new(&scenes.iter().collect::<Vec<_>>()).unwrap();
+    let mut times = std::collections::BTreeSet::new();
+    for tick in 0..4000 {
+        let before = lanes_left();
+        pairs.step(&mut |_| ());
+        times.extend((lanes_left() != before).then_some(tick));
+    }
+    assert!(times.len() > 3 && times.first() > Some(&1000), "{times:?}");
+}
+
+/// Who asks for figures of merit alone gets what the whole run gives.
+#[test]
+fn a_run_that_ends_where_a_peer_stops_has_the_verdict_of_the_whole_one() {
+    let scenes = gains("paper-5.2-wave-16ms", 1000.0, 10_000.0);
+    let whole = lanes::run::<f64>(&scenes, 4.0).unwrap();
+    let mut stopped = 0;
+    for (whole, ended) in whole.iter().zip(side_by_side::<f64>(Until::Stopped, &scenes, 4.0)) {
+        assert_eq!((whole.reason, whole.fault_time_s), (ended.reason, ended.fault_time_s));
+        if let Some(Reason::Stopped { time_s, .. }) = ended.reason {
+            stopped += 1;
+            assert_eq!(ended.ticks, (time_s * 1000.0).round() as u64 + 1);
+            assert_eq!(ended.metric(|_| ()), None);
+        } else {
+            assert_eq!(printed(whole), printed(&ended));
+        }
+    }
+    assert!((1..LANES).contains(&stopped), "{stopped}");
 }
 
 /// Four gains with four seeds each, on a network as these settings say.
