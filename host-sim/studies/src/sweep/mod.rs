@@ -35,7 +35,7 @@ use super::Error;
 pub use self::axis::Axis;
 pub use self::journal::{Book, Journal, Kept, write};
 pub use self::metrics::{METRICS, Metric};
-pub use self::plan::{Keep, Plan, Todo};
+pub use self::plan::{Keep, Plan, Todo, Unkept};
 pub use self::row::Row;
 pub(crate) use self::row::{EVERY_MODE, UNSTABLE_MODES, of_runs, unstable_modes};
 pub use self::sample::{Design, MOST_KEYS, Sample, Spread};

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use haptic_analysis::Analysis;
 use haptic_sim::lanes::{self, number::LANES};
-use haptic_sim::run::Outcome;
+use haptic_sim::run::{Outcome, Until};
 use haptic_sim::scene::Scene;
 
 use super::row::Row;
@@ -40,6 +40,10 @@ pub trait Plan: Sync {
     fn seeds(&self) -> u32;
     /// Simulated time of a run, s.
     fn seconds(&self) -> f64;
+    /// How long a run goes on in which a peer stops.
+    fn until(&self) -> Until {
+        Until::TheEnd
+    }
 
     /// Runs of all points.
     fn runs(&self) -> usize {
@@ -113,6 +117,36 @@ pub trait Plan: Sync {
     }
 }
 
+/// A plan whose rows nobody keeps: a run in which a peer stops ends there, for it has no figure of merit, and its state hash is not told.
+#[derive(Debug)]
+pub struct Unkept<'a, P>(pub &'a P);
+
+impl<P: Plan> Plan for Unkept<'_, P> {
+    fn points(&self) -> usize {
+        self.0.points()
+    }
+
+    fn scene_at(&self, point: usize) -> Result<Scene, Error> {
+        self.0.scene_at(point)
+    }
+
+    fn first_seed(&self) -> u32 {
+        self.0.first_seed()
+    }
+
+    fn seeds(&self) -> u32 {
+        self.0.seeds()
+    }
+
+    fn seconds(&self) -> f64 {
+        self.0.seconds()
+    }
+
+    fn until(&self) -> Until {
+        Until::Stopped
+    }
+}
+
 /// A point that is run: its number, the scene that its runs have in common, and what is known of it without a run.
 struct Point {
     number: usize,
@@ -158,7 +192,7 @@ fn run_beside(plan: &(impl Plan + ?Sized), todo: &[Lacking], lanes: usize, keep:
     runs.sort_by_key(|run| run.scenes[0].world.network.seed);
     let beside = |runs: &[Same<'_>]| {
         let scenes: Vec<Scene> = runs.iter().map(|run| run.scenes[0].clone()).collect();
-        let outcomes = lanes::run::<f64>(&scenes, plan.seconds())?;
+        let outcomes = lanes::run_until::<f64>(plan.until(), &scenes, plan.seconds())?;
         let new: Vec<Row> = runs.iter().zip(&outcomes).flat_map(|(run, outcome)| run.rows(outcome)).collect();
         keep(&new)?;
         Ok(new)

@@ -10,7 +10,7 @@ use haptic_studies::compare::Comparison;
 use haptic_studies::entrant::Entrant;
 use haptic_studies::study::answers::{Bound, Counts, Goal, metric};
 use haptic_studies::study::{Over, Place, Study};
-use haptic_studies::sweep::{Axis, METRICS, Plan, Row, Sweep};
+use haptic_studies::sweep::{Axis, METRICS, Plan, Row, Sweep, Unkept};
 
 fn scene(name: &str, set: &[&str]) -> Scene {
     let set: Vec<String> = set.iter().map(|text| (*text).to_owned()).collect();
@@ -224,5 +224,21 @@ fn rows_are_those_of_each_run_alone() {
         hashes.sort_unstable();
         hashes.dedup();
         assert_eq!(hashes.len(), if draws { 35 } else { 5 });
+    }
+}
+
+/// Where nobody keeps rows a run ends where a peer stops: nothing of it is told that the whole run would tell otherwise, but its state hash.
+#[test]
+fn rows_that_nobody_keeps_say_the_same_but_for_the_hash_of_what_stopped() {
+    let axes = vec!["coordination.stiffness_n_per_m=1000..10000:16".parse().expect("an axis")];
+    let sweep = Sweep { scene: scene("paper-5.2-wave-16ms", &[]), axes, sample: None, seeds: 1, seconds: 4.0 };
+    let whole = sweep.run(0..16, Vec::new(), &|_| Ok(())).expect("rows");
+    let unkept = Unkept(&sweep).run(0..16, Vec::new(), &|_| Ok(())).expect("rows");
+    let stopped: Vec<bool> = whole.iter().map(|row| row.reason.contains("stopped at")).collect();
+    assert!(stopped.contains(&true) && stopped.contains(&false));
+    for ((whole, unkept), stopped) in whole.iter().zip(&unkept).zip(stopped) {
+        assert_eq!(whole.state_hash != unkept.state_hash, stopped, "{}", whole.reason);
+        let hashed = Row { state_hash: whole.state_hash.clone(), ..unkept.clone() };
+        assert_eq!(Row::lines(&[hashed]).expect("lines"), Row::lines(std::slice::from_ref(whole)).expect("lines"));
     }
 }
