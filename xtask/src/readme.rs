@@ -51,9 +51,11 @@ fn marker(line: &str) -> Option<&str> {
     line.trim().strip_prefix("<!-- ")?.strip_suffix(" -->")
 }
 
-/// The file of a picture, `![words](FILE)`.
+/// The file of a picture, `![words](FILE)` or `<img src="FILE" …>`.
 fn shown(line: &str) -> Option<&str> {
-    line.strip_prefix("![")?.strip_suffix(')')?.split_once("](").map(|(_, file)| file)
+    let linked = || line.strip_prefix("![")?.strip_suffix(')')?.split_once("](").map(|(_, file)| file);
+    let placed = || line.strip_prefix("<img src=\"")?.strip_suffix('>')?.split_once('"').map(|(file, _)| file);
+    linked().or_else(placed)
 }
 
 /// Replaces every block of a page by what its command prints now; its name, if that changes it.
@@ -152,6 +154,7 @@ mod tests {
     #[test]
     fn a_picture_is_where_its_link_says() {
         assert_eq!(shown("![a law, (or two)](../python/best.png)"), Some("../python/best.png"));
+        assert_eq!(shown("<img src=\"docs/a.png\" width=\"500\" alt=\"a law\">"), Some("docs/a.png"));
         assert_eq!(["[no picture](a.png)", "words", "![a](b.png) and more"].map(shown), [None; 3]);
     }
 

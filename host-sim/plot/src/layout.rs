@@ -77,6 +77,8 @@ struct Slot {
     frame: Frame,
     /// Values and the lines of their texts.
     x_ticks: Vec<(f64, Vec<String>)>,
+    /// The horizontal axis has names that are too long to stand side by side.
+    names_upward: bool,
     y_ticks: Vec<(f64, String)>,
     heading: Vec<String>,
     /// Lines of the labels along the axes.
@@ -90,8 +92,10 @@ struct Slot {
 
 impl Slot {
     fn below(&self) -> f64 {
-        let lines = self.x_ticks.iter().map(|(_, lines)| lines.len()).max().unwrap_or(0) as f64;
-        if self.shows_x { 8.0 + LEADING * TICK * lines + room(&self.x_label) } else { 0.0 }
+        let lines = |(_, lines): &(f64, Vec<String>)| LEADING * TICK * lines.len() as f64;
+        let longest = |(_, lines): &(f64, Vec<String>)| widest(lines, TICK) + 8.0;
+        let ticks = self.x_ticks.iter().map(|tick| if self.names_upward { longest(tick) } else { lines(tick) });
+        if self.shows_x { 8.0 + ticks.fold(0.0, f64::max) + room(&self.x_label) } else { 0.0 }
     }
 
     fn beside(&self) -> f64 {
@@ -112,7 +116,6 @@ fn slots(figure: &Figure, axes: &[Axes], top: f64, width: f64) -> (Vec<Slot>, f6
     let rows = count.div_ceil(columns);
     let room = width - 2.0 * MARGIN - GAP * columns as f64;
     let height = (room / columns as f64 * if rows > 1 { 0.62 } else { 0.74 }).clamp(250.0, 640.0).round();
-    let rough = room / columns as f64 - 90.0;
 
     let mut slots: Vec<Slot> = figure
         .panels
@@ -129,10 +132,11 @@ fn slots(figure: &Figure, axes: &[Axes], top: f64, width: f64) -> (Vec<Slot>, f6
             Slot {
                 frame: Frame::default(),
                 label_left: 0.0,
-                x_ticks: x_ticks(panel, &axis.x, rough),
+                x_ticks: Vec::new(),
+                names_upward: false,
                 y_ticks: axis.y.ticks((height / 58.0) as usize),
-                heading: font::wrap(&panel.title, HEADING, rough),
-                x_label: font::wrap(&panel.x_label, LEAST, rough),
+                heading: Vec::new(),
+                x_label: Vec::new(),
                 y_label: font::wrap(&panel.y_label, LEAST, height),
                 shows_x: !repeats_x,
                 shows_y: !repeats_y,
@@ -145,10 +149,10 @@ fn slots(figure: &Figure, axes: &[Axes], top: f64, width: f64) -> (Vec<Slot>, f6
         .collect();
     let width = ((room - beside.iter().sum::<f64>()) / columns as f64).max(60.0);
     let mut top = top;
-    // With what stands around them known, texts are broken anew where less is left than was thought.
-    for ((slot, panel), axis) in slots.iter_mut().zip(&figure.panels).zip(axes).filter(|_| width < rough) {
-        slot.x_ticks = x_ticks(panel, &axis.x, width);
-        slot.heading = font::wrap(&panel.title, HEADING, width + GAP / 2.0);
+    // With what stands beside the frames known, so is the room for texts above and below them.
+    for ((slot, panel), axis) in slots.iter_mut().zip(&figure.panels).zip(axes) {
+        (slot.x_ticks, slot.names_upward) = x_ticks(panel, &axis.x, width);
+        slot.heading = font::wrap(&panel.title, HEADING, width + GAP - 10.0);
         slot.x_label = font::wrap(&panel.x_label, LEAST, width);
     }
     for (row, slots) in slots.chunks_mut(columns).enumerate() {
@@ -166,12 +170,25 @@ fn slots(figure: &Figure, axes: &[Axes], top: f64, width: f64) -> (Vec<Slot>, f6
     (slots, top)
 }
 
-/// Ticks of a horizontal axis, as many as their texts leave room for; or its categories.
-fn x_ticks(panel: &Panel, scale: &Scale, width: f64) -> Vec<(f64, Vec<String>)> {
+/// The width of the widest of these lines.
+fn widest(lines: &[String], size: f64) -> f64 {
+    lines.iter().map(|line| font::width(line, size)).fold(0.0, f64::max)
+}
+
+/// Ticks of a horizontal axis, as many as their texts leave room for; or its categories, and whether these are written upwards because
+/// they do not fit side by side.
+fn x_ticks(panel: &Panel, scale: &Scale, width: f64) -> (Vec<(f64, Vec<String>)>, bool) {
     if !panel.categories.is_empty() {
         let limit = width / panel.categories.len() as f64 - 10.0;
-        let wrapped = |(i, name): (usize, &String)| (i as f64, font::wrap(name, TICK, limit));
-        return panel.categories.iter().enumerate().map(wrapped).collect();
+        let names = |wrap: &dyn Fn(&String) -> Vec<String>| -> Vec<(f64, Vec<String>)> {
+            panel.categories.iter().enumerate().map(|(i, name)| (i as f64, wrap(name))).collect()
+        };
+        let side_by_side = names(&|name| font::wrap(name, TICK, limit));
+        return if side_by_side.iter().all(|(_, lines)| widest(lines, TICK) <= limit) {
+            (side_by_side, false)
+        } else {
+            (names(&|name| vec![name.clone()]), true)
+        };
     }
     let fits = |ticks: &Vec<(f64, String)>| {
         let at = |v: f64| scale.fraction(v) * width;
@@ -181,10 +198,13 @@ fn x_ticks(panel: &Panel, scale: &Scale, width: f64) -> Vec<(f64, Vec<String>)> 
         })
     };
     let most = (width / 75.0).min(12.0) as usize;
-    let ticks = (2..=most.max(2)).rev().map(|count| scale.ticks(count)).find(fits);
+    // Of those of a logarithmic axis, which has fewest to a decade, every other or third may fit.
+    let thinned = |every: usize| (2..=most.max(2)).rev().map(move |count| (count, every));
+    let some = |(count, every)| scale.ticks(count).into_iter().step_by(every).collect::<Vec<_>>();
+    let ticks = (1..4).flat_map(thinned).map(some).filter(|ticks| ticks.len() > 1).find(fits);
     // Where no two fit beside each other there is one.
     let ticks = ticks.unwrap_or_else(|| scale.ticks(1).into_iter().take(1).collect());
-    ticks.into_iter().map(|(v, text)| (v, vec![text])).collect()
+    (ticks.into_iter().map(|(v, text)| (v, vec![text])).collect(), false)
 }
 
 /// The height of its panel that each legend needs above the data, as a fraction; 0 where it finds room between them, without end where its
@@ -223,6 +243,10 @@ impl Writer {
         }
     }
 
+    fn upward(&mut self, at: (f64, f64), anchor: Anchor, size: f64, text: &str) {
+        self.0.push(Mark::Text(Text { at, anchor, size, color: INK, upward: true, text: text.to_owned() }));
+    }
+
     /// Heading, tick texts and labels around a frame.
     fn around(&mut self, axes: &Axes, slot: &Slot) {
         let frame = &slot.frame;
@@ -234,6 +258,10 @@ impl Writer {
             for (value, lines) in &slot.x_ticks {
                 let x = frame.left + axes.x.fraction(*value) * frame.width();
                 for (i, line) in lines.iter().enumerate() {
+                    if slot.names_upward {
+                        self.upward((x + 0.35 * TICK, frame.bottom + 8.0), Anchor::End, TICK, line);
+                        continue;
+                    }
                     let y = frame.bottom + 6.0 + TICK + LEADING * TICK * i as f64;
                     self.text((x, y), Anchor::Middle, TICK, line);
                 }
@@ -251,8 +279,7 @@ impl Writer {
             let (middle, size) = ((frame.top + frame.bottom) / 2.0, fitted(&slot.y_label, frame.height()));
             for (i, line) in slot.y_label.iter().enumerate() {
                 let at = (slot.label_left + LABEL - 2.0 + LEADING * LABEL * i as f64, middle);
-                let text = Text { at, anchor: Anchor::Middle, size, color: INK, upward: true, text: line.clone() };
-                self.0.push(Mark::Text(text));
+                self.upward(at, Anchor::Middle, size, line);
             }
         }
     }
@@ -260,6 +287,5 @@ impl Writer {
 
 /// The size at which every line of a label fits along its axis, as far as it can be read.
 fn fitted(label: &[String], length: f64) -> f64 {
-    let widest = label.iter().map(|line| font::width(line, LABEL)).fold(1.0, f64::max);
-    (LABEL * (length / widest).min(1.0)).max(LEAST)
+    (LABEL * (length / widest(label, LABEL).max(1.0)).min(1.0)).max(LEAST)
 }

@@ -36,7 +36,7 @@ use haptic_io::Kind;
 
 pub use error::Error;
 pub use scale::significant;
-pub use sheet::{Dash, PALETTE, Print, WIDTH};
+pub use sheet::{Dash, PALETTE, Print};
 
 /// Columns of the table that a figure carries, by name and meaning.
 pub const DATA_COLUMNS: [(&str, &str); 7] = [
@@ -115,7 +115,7 @@ pub struct Series {
     pub label: String,
     /// Number of the colour in [`PALETTE`], which is used cyclically.
     pub color: usize,
-    /// Width of its lines, pixels of a sheet [`WIDTH`] wide.
+    /// Width of its lines, pixels of the sheet: a ninth of a millimetre each.
     pub width: f64,
     /// Kind of mark, with its points.
     pub shape: Shape,

@@ -20,6 +20,8 @@ const NAME: f64 = 19.0;
 const SPACING: f64 = 6.0;
 /// Radius of dots, pixels.
 pub(crate) const DOT: f64 = 7.0;
+/// A name stands off its dot by the room between them at most so many times.
+const FURTHEST: u32 = 5;
 /// Opacity of regions: four on top of each other can still be distinguished.
 pub(crate) const TINT: f64 = 0.25;
 /// Part of a category's room that its bars fill together, and that one bar fills at most.
@@ -184,7 +186,9 @@ impl Canvas<'_> {
     fn dots(&mut self, points: &[(f64, f64)], number: usize) {
         let visible = self.visible(points);
         self.out.marks.extend(visible.iter().map(|at| Mark::Disc { at: *at, radius: DOT, color: color(number) }));
-        self.out.obstacles.extend(visible);
+        // What covers a dot covers more than what crosses a line.
+        let about = |(x, y): &Point| Frame { left: *x, top: *y, right: *x, bottom: *y }.grown(DOT - 2.0);
+        self.out.obstacles.extend(visible.iter().flat_map(|at| lattice(&about(at))));
     }
 
     fn rings(&mut self, points: &[(f64, f64)], number: usize) {
@@ -199,24 +203,43 @@ impl Canvas<'_> {
             Shape::Dots { points, names } => Some(self.pixels(points).into_iter().zip(names.clone())),
             _ => None,
         });
-        let named: Vec<(Point, String)> = named.flatten().filter(|(at, _)| self.frame.contains(*at)).collect();
+        let shown = |(at, name): &(Point, String)| self.frame.contains(*at) && !name.is_empty();
+        let named: Vec<(Point, String)> = named.flatten().filter(shown).collect();
+        let inside = self.frame.grown(-4.0);
         let mut taken: Vec<Frame> = Vec::new();
         for (at, name) in named {
             let (width, gap) = (font::width(&name, NAME), DOT + 5.0);
             let sides =
                 [(1.0, 0.0), (0.0, -1.0), (-1.0, 0.0), (0.0, 1.0), (1.0, -1.0), (-1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
-            let place = |(sx, sy): (f64, f64)| {
-                let (x, y) = (at.0 + sx * (width / 2.0 + gap), at.1 + sy * (NAME / 2.0 + gap));
-                Frame { left: x - width / 2.0, right: x + width / 2.0, top: y - NAME / 2.0, bottom: y + NAME / 2.0 }
+            // Near its dot a name stands beside it; further off a stroke leads to it.
+            let place = |(off, (sx, sy)): (f64, (f64, f64))| {
+                let (x, y) = (at.0 + sx * (width / 2.0 + gap * off), at.1 + sy * (NAME / 2.0 + gap * off));
+                let (left, top) = (x - width / 2.0, y - NAME / 2.0);
+                let (left, top) = if off > 1.0 {
+                    (left.min(inside.right - width).max(inside.left), top.min(inside.bottom - NAME).max(inside.top))
+                } else {
+                    (left, top)
+                };
+                Frame { left, right: left + width, top, bottom: top + NAME }
             };
-            let cost = |area: &Frame| {
+            let cost = |(off, area): &(f64, Frame)| {
                 let inside = area.corners().into_iter().all(|corner| self.frame.grown(-3.0).contains(corner));
                 let names = taken.iter().filter(|other| area.overlaps(&other.grown(2.0))).count();
-                let data = self.out.obstacles.iter().filter(|p| area.grown(DOT - 2.0).contains(**p)).count();
-                usize::from(!inside) * 100_000 + names * 1_000 + data
+                let data = self.out.obstacles.iter().filter(|p| area.grown(DOT - 3.0).contains(**p)).count();
+                usize::from(!inside) * 100_000 + names * 1_000 + data + *off as usize
             };
-            if let Some(area) = sides.map(place).into_iter().min_by_key(cost) {
+            let places = (1..=FURTHEST).flat_map(|off| sides.map(|side| (f64::from(off), side)));
+            if let Some((off, area)) = places.map(|place_at| (place_at.0, place(place_at))).min_by_key(cost) {
                 taken.push(area);
+                if off > 1.0 {
+                    let end = (at.0.clamp(area.left, area.right), at.1.clamp(area.top, area.bottom));
+                    self.out.marks.push(Mark::Line {
+                        points: vec![at, end],
+                        color: INK,
+                        width: 1.0,
+                        dash: Dash::Solid,
+                    });
+                }
                 self.out.marks.push(Mark::text((area.left, area.bottom - 4.0), Anchor::Start, NAME, INK, &name));
             }
         }

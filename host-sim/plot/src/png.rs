@@ -1,6 +1,7 @@
 //! The PNG painter: the marks of a sheet as pixels.
 //!
-//! plotters' bitmap backend fills shapes without smoothing their edges, so the sheet is painted [`ZOOM`] times larger and averaged down. A
+//! A pixel of the sheet is [`DENSITY`] of the picture in each direction, 450 of them an inch: sharp in print and on a screen. The file says how
+//! large that is. plotters' bitmap backend fills shapes without smoothing their edges, so all is painted [`SMOOTH`] times larger and averaged down. A
 //! line is a filled quadrangle for each segment with a disc at each joint: exact for the zigzags that dense signals become, where joined
 //! outlines grow spikes. The built-in font is light: letters are painted twice, a third of a pixel apart.
 
@@ -11,8 +12,12 @@ use super::error::Cause;
 use super::sheet::{Frame, Mark, PAPER, Point, Rgb, Sheet, Text};
 use super::{font, trace};
 
-/// Pixels of the large sheet for one of the picture, in each direction.
-const ZOOM: u32 = 3;
+/// Pixels of the picture for one of the sheet, in each direction.
+const DENSITY: u32 = 2;
+/// Pixels that are averaged to one of the picture, in each direction.
+const SMOOTH: u32 = 2;
+/// Pixels that are painted for one of the sheet, in each direction.
+const ZOOM: u32 = DENSITY * SMOOTH;
 
 /// The sheet as a PNG file.
 pub(crate) fn render(sheet: &Sheet) -> Result<Vec<u8>, Cause> {
@@ -22,17 +27,19 @@ pub(crate) fn render(sheet: &Sheet) -> Result<Vec<u8>, Cause> {
     sheet.marks.iter().try_for_each(|mark| painter.paint(mark))?;
     drop(painter);
     let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, width, height);
+    let mut encoder = png::Encoder::new(&mut bytes, width * DENSITY, height * DENSITY);
     encoder.set_color(png::ColorType::Rgb);
+    let per_metre = (f64::from(width * DENSITY) / sheet.width_mm * 1e3).round() as u32;
+    encoder.set_pixel_dims(Some(png::PixelDimensions { xppu: per_metre, yppu: per_metre, unit: png::Unit::Meter }));
     let mut writer = encoder.write_header()?;
-    let written = writer.write_image_data(&averaged(&large, width as usize)).and_then(|()| writer.finish());
+    let written = writer.write_image_data(&averaged(&large, (width * DENSITY) as usize)).and_then(|()| writer.finish());
     written?;
     Ok(bytes)
 }
 
-/// Each pixel the mean of its `ZOOM` × `ZOOM` pixels of the large sheet.
+/// Each pixel the mean of its `SMOOTH` × `SMOOTH` painted ones.
 fn averaged(large: &[u8], width: usize) -> Vec<u8> {
-    let zoom = ZOOM as usize;
+    let zoom = SMOOTH as usize;
     let mut out = Vec::with_capacity(large.len() / (zoom * zoom));
     let mut sums = vec![0_u32; 3 * width];
     for block in large.chunks_exact(3 * width * zoom * zoom) {
@@ -44,7 +51,7 @@ fn averaged(large: &[u8], width: usize) -> Vec<u8> {
                 }
             }
         }
-        out.extend(sums.iter().map(|sum| ((sum + ZOOM * ZOOM / 2) / (ZOOM * ZOOM)) as u8));
+        out.extend(sums.iter().map(|sum| ((sum + SMOOTH * SMOOTH / 2) / (SMOOTH * SMOOTH)) as u8));
     }
     out
 }

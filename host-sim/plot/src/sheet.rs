@@ -9,14 +9,17 @@ pub(crate) type Point = (f64, f64);
 /// Red, green and blue.
 pub(crate) type Rgb = (u8, u8, u8);
 
-/// Width of a sheet in pixels, unless [`Print`] says another.
-pub const WIDTH: f64 = 1600.0;
+/// Width of a sheet for a page of a journal, pixels.
+const WIDTH: f64 = 1600.0;
+
+/// Width of a page of a journal, mm.
+const PAGE_MM: f64 = 180.0;
 
 /// Em of the letters at the ticks, in pixels: what a size in points is of.
 pub(crate) const TICK: f64 = 22.0;
 
-/// Em of the smallest letters, indices and powers included, in pixels: 6 points where letters at the ticks have 7, as on a sheet of
-/// [`WIDTH`] that is 180 mm wide. Less is hard to read in print.
+/// Em of the smallest letters, indices and powers included, in pixels: 6 points where letters at the ticks have 7. Less is hard to
+/// read in print.
 pub(crate) const LEAST: f64 = 18.9;
 
 /// Millimetres in a point.
@@ -31,11 +34,10 @@ pub struct Print {
     pub font_pt: f64,
 }
 
-/// A page of a journal.
+/// A column of a journal: what is read there is read on a page and on a screen.
 impl Default for Print {
     fn default() -> Self {
-        let width_mm = 180.0;
-        Self { width_mm, font_pt: TICK * width_mm / (MM_PER_PT * WIDTH) }
+        Self { width_mm: 88.0, font_pt: TICK * PAGE_MM / (MM_PER_PT * WIDTH) }
     }
 }
 

@@ -18,8 +18,6 @@ use super::{Failure, Ui};
 
 /// Most rows of a table that are printed for people.
 const MOST_SHOWN: usize = 60;
-/// Width of the figures unless another is asked for: a column of most journals, mm.
-const COLUMN_MM: f64 = 88.0;
 
 #[derive(Debug, Args)]
 #[command(mut_arg("seeds", |arg| arg.default_value("20").help("Runs of every point, with the first seed and those after it; the first half chooses, the other half judges")))]
@@ -154,7 +152,7 @@ impl Study {
         points: &Columns,
         goal: &Goal,
     ) -> Result<Vec<PathBuf>, Failure> {
-        let out = self.out.in_folder(folder.to_owned()).unless_told(COLUMN_MM);
+        let out = self.out.in_folder(folder.to_owned());
         let goal_told = goal.told(question.clone());
         let best = study.answer_columns(answers, goal);
         let mut files = ui.files(&out, "study", "study-best", &goal_told, |files| {

@@ -2,7 +2,7 @@
 //!
 //! Where copies and hands are is what [`ThreeLaws`] gives with nobody's hand, [`FRAMES_PER_S`] times a second, drawn to one scale. The
 //! line on top is the network that all three share: it is broken while packets are lost. A viewer that shows no motion sees the
-//! moment at which the first law's copies are farthest apart.
+//! moment at which the first law's copies are farthest apart. Letters can be read in a column of a journal.
 
 use std::fmt::{Display, Write};
 
@@ -19,14 +19,14 @@ const FRAMES_PER_S: f64 = 20.0;
 /// Copies that are farther apart than this hold no one object, m.
 const TOGETHER_M: f64 = 0.01;
 /// Width and height of the picture; where the lanes begin, and how high one is; units a metre.
-const WIDTH: f64 = 900.0;
-const HEIGHT: f64 = 430.0;
-const TOP: f64 = 74.0;
-const LANE: f64 = 108.0;
-const UNITS_PER_M: f64 = 2000.0;
+const WIDTH: f64 = 600.0;
+const HEIGHT: f64 = 440.0;
+const TOP: f64 = 90.0;
+const LANE: f64 = 106.0;
+const UNITS_PER_M: f64 = 1300.0;
 /// Half the width of a copy, and from its middle to the hand that holds it, units.
-const HALF: f64 = 42.0;
-const REACH: f64 = 88.0;
+const HALF: f64 = 30.0;
+const REACH: f64 = 62.0;
 /// Each law by the end of its columns, its name, and what its packets carry.
 const LAWS: [(&str, &str, &str); 3] = [
     ("power", "power", "packets carry positions"),
@@ -108,7 +108,7 @@ pub(crate) fn moving_picture(scene: &Scene) -> Result<String, Error> {
     let _ = writeln!(
         out,
         "<path d=\"M{x} {}v6h{}v-6\" fill=\"none\" stroke=\"#222\"/><text x=\"{}\" y=\"{y}\">{mm} mm</text>\n\
-         <text x=\"{}\" y=\"{y}\" text-anchor=\"end\" fill=\"#555\">in each: two copies of one object, one for each hand; {LASTS_S} s, again and again</text>",
+         <text x=\"{}\" y=\"{y}\" text-anchor=\"end\" fill=\"#555\">in each, two copies of one object; {LASTS_S} s, again and again</text>",
         y - 8.0,
         1e-3 * mm * UNITS_PER_M,
         x + 1e-3 * mm * UNITS_PER_M + 8.0,
@@ -131,9 +131,8 @@ fn line_of_packets(samples: &[Sample], still: usize, percent: f64, in_a_row: f64
     let colour: Vec<&str> = broken.iter().map(|broken| if *broken { "#c2410c" } else { "#555" }).collect();
     format!(
         "<text x=\"24\" y=\"28\" font-size=\"17\" font-weight=\"600\">Three laws, the same hands, the same lost packets</text>\n\
-         <text x=\"{}\" y=\"28\" text-anchor=\"end\" fill=\"#555\">{percent:.0} % lost, {in_a_row:.0} in a row on average</text>\n\
-         <path d=\"M24 50H{}\" stroke-width=\"4\" stroke=\"{}\" stroke-dasharray=\"{}\">{}{}</path>\n",
-        WIDTH - 24.0,
+         <text x=\"24\" y=\"50\" fill=\"#555\">{percent:.0} % lost, {in_a_row:.0} in a row on average</text>\n\
+         <path d=\"M24 66H{}\" stroke-width=\"4\" stroke=\"{}\" stroke-dasharray=\"{}\">{}{}</path>\n",
         WIDTH - 24.0,
         colour[still],
         dash[still],

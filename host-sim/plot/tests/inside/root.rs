@@ -11,6 +11,11 @@ fn sheet(figure: &Figure, print: Print) -> Sheet {
     layout::sheet(figure, print).unwrap()
 }
 
+/// As wide as a page of a journal.
+fn page() -> Print {
+    Print { width_mm: 180.0, ..Print::default() }
+}
+
 fn wave(count: usize, height: f64) -> Vec<(f64, f64)> {
     let value = |i: usize| height * ((i as f64 * 12.9898).sin() * 43758.5453).fract();
     (0..count).map(|i| (i as f64 * 1e-3, value(i))).collect()
@@ -123,7 +128,7 @@ fn assert_finite(sheet: &Sheet) {
 
 #[test]
 fn no_text_is_clipped_or_covers_another() {
-    assert_tidy(&sheet(&grid(300), Print::default()));
+    assert_tidy(&sheet(&grid(300), page()));
     let bars = |values: [f64; 3]| values.iter().enumerate().map(|(i, v)| (i as f64, *v)).collect();
     let panel = Panel {
         y_label: "Mean discrepancy (mm)".to_owned(),
@@ -136,7 +141,7 @@ fn no_text_is_clipped_or_covers_another() {
     };
     assert_tidy(&sheet(
         &Figure { columns: 3, panels: vec![panel.clone(), panel.clone(), panel], ..Figure::default() },
-        Print::default(),
+        page(),
     ));
 }
 
@@ -174,7 +179,7 @@ fn a_label_that_is_longer_than_its_axis_has_several_lines() {
         ..Panel::default()
     };
     let figure = Figure { columns: 2, panels: vec![panel.clone(), panel], ..Figure::default() };
-    let sheet = sheet(&figure, Print { width_mm: 88.0, ..Print::default() });
+    let sheet = sheet(&figure, Print::default());
     assert_tidy(&sheet);
     let lines = texts(&sheet).iter().filter(|text| text.upward).count();
     assert!(lines > 1, "{lines} lines along the vertical axis");
@@ -182,14 +187,14 @@ fn a_label_that_is_longer_than_its_axis_has_several_lines() {
 
 #[test]
 fn a_row_has_one_vertical_axis_and_its_texts_once() {
-    let sheet = sheet(&grid(300), Print::default());
+    let sheet = sheet(&grid(300), page());
     let count = |text: &str| texts(&sheet).iter().filter(|t| t.text == text).count();
     assert_eq!((count("Force (N)"), count("Time (s)"), count("local copy")), (1, 3, 9));
 }
 
 #[test]
 fn a_legend_gets_room_above_dense_data() {
-    let sheet = sheet(&grid(3000), Print::default());
+    let sheet = sheet(&grid(3000), page());
     let boxes = sheet.marks.iter().enumerate().filter_map(|(i, mark)| match mark {
         Mark::Fill { frames, color: sheet::PAPER, .. } => Some((i, frames[0])),
         _ => None,
@@ -214,7 +219,7 @@ fn a_legend_that_is_too_tall_stands_below_all_panels() {
     let named = Panel { x_label: "Time (s)".to_owned(), series: series.collect(), ..Panel::default() };
     let caption = "What the reader should see.".to_owned();
     let figure = Figure { columns: 2, panels: vec![named; 4], caption, ..Figure::default() };
-    let sheet = sheet(&figure, Print::default());
+    let sheet = sheet(&figure, page());
     assert_tidy(&sheet);
     let heights = |text: &str| texts(&sheet).iter().filter(|t| t.text == text).map(|t| t.at.1).collect::<Vec<_>>();
     let lowest = heights("Time (s)").into_iter().fold(0.0, f64::max);
@@ -240,7 +245,7 @@ fn odd_data_are_drawn_without_a_panic_and_stay_on_the_sheet() {
         &pairs,
     ];
     for points in cases {
-        let sheet = sheet(&shapes(points), Print::default());
+        let sheet = sheet(&shapes(points), page());
         assert_finite(&sheet);
         let bare = Sheet { data: String::new(), ..sheet };
         assert!(!svg::render(&bare, "").contains("NaN,"));
@@ -275,9 +280,10 @@ fn the_same_figure_gives_the_same_bytes_and_dense_panels_stay_small() {
     let (data, drawn) = svg.split_once("</metadata>").unwrap();
     assert!(drawn.len() < 300_000 && data.len() < 600_000, "{} bytes drawn, {} of data", drawn.len(), data.len());
     assert!(first[1].len() < 300_000, "{} bytes of PDF", first[1].len());
-    // PNG: signature, then the header chunk with width and height.
+    // PNG: signature, then the header chunk with width and height, then how many pixels a metre has: 88 mm across.
     assert_eq!(first[2][..8], *b"\x89PNG\r\n\x1a\n");
-    assert_eq!(first[2][16..20], 1600_u32.to_be_bytes());
+    assert_eq!(first[2][16..20], 1564_u32.to_be_bytes());
+    assert_eq!(first[2][37..45], *[&b"pHYs"[..], &17_773_u32.to_be_bytes()].concat());
 }
 
 #[test]
@@ -295,7 +301,7 @@ fn an_error_names_the_file_and_the_cause() {
 fn a_legend_covers_nothing_in_a_range_that_was_given() {
     let dense: Vec<(f64, f64)> = (0..3000).map(|i| (f64::from(i), f64::from(i % 7))).collect();
     let panel = Panel { y_range: Some((0.0, 6.0)), series: vec![Series::line("dense", 0, dense)], ..Panel::default() };
-    let sheet = sheet(&Figure { panels: vec![panel], ..Figure::default() }, Print::default());
+    let sheet = sheet(&Figure { panels: vec![panel], ..Figure::default() }, page());
     assert!(!sheet.marks.iter().any(|mark| matches!(mark, Mark::Fill { color: sheet::PAPER, .. })));
     assert_eq!(texts(&sheet).iter().filter(|text| text.text == "dense").count(), 1);
 }
@@ -316,9 +322,7 @@ fn a_figure_fits_a_column_and_a_page() {
     // 22 pixels are 7 points of 0.353 mm: 1600 of them 180 mm, and at 8 points 1403.
     let usual = Print::default();
     assert!((usual.font_pt - 7.02).abs() < 0.01, "{usual:?}");
-    for (print, width) in
-        [(usual, 1600.0), (Print { width_mm: 88.0, ..usual }, 782.0), (Print { font_pt: 8.0, ..usual }, 1403.0)]
-    {
+    for (print, width) in [(usual, 782.0), (page(), 1600.0), (Print { font_pt: 8.0, ..page() }, 1403.0)] {
         let sheet = sheet(&figure, print);
         assert_eq!(sheet.width, width);
         assert_tidy(&sheet);
@@ -344,7 +348,7 @@ fn in_a_column_no_legend_is_wider_than_its_panel() {
     let panels = rows.iter().flat_map(|(y_label, label)| (0..3).map(|at| panel(at, y_label, label))).collect();
     let figure =
         Figure { title: "Six panels".to_owned(), columns: 3, share_y: ShareY::Rows, panels, ..Figure::default() };
-    let column = sheet(&figure, Print { width_mm: 88.0, ..Print::default() });
+    let column = sheet(&figure, Print::default());
     assert_tidy(&column);
     let lowest = |words: &str| {
         let of = texts(&column).into_iter().filter(|text| text.text == words).map(|text| text.at.1);
@@ -359,7 +363,7 @@ fn in_a_column_no_legend_is_wider_than_its_panel() {
     }
     assert!(texts(&column).iter().any(|text| text.text == "N/m" || text.text.ends_with("10620\u{a0}N/m")));
     // On a page there is room inside.
-    assert!(texts(&sheet(&figure, Print::default())).iter().filter(|text| text.text == "Position (mm)").count() == 1);
+    assert!(texts(&sheet(&figure, page())).iter().filter(|text| text.text == "Position (mm)").count() == 1);
 }
 
 /// Where a row shares nothing, a column of a journal has fewer panels side by side, and names of categories do not meet.
@@ -372,7 +376,7 @@ fn in_a_column_fewer_panels_stand_side_by_side() {
         ..Panel::default()
     };
     let figure = Figure { columns: 3, panels: vec![panel; 5], ..Figure::default() };
-    let column = sheet(&figure, Print { width_mm: 88.0, ..Print::default() });
+    let column = sheet(&figure, Print::default());
     assert_tidy(&column);
     let lefts = |sheet: &Sheet| {
         let mut lefts: Vec<i64> =
@@ -381,5 +385,34 @@ fn in_a_column_fewer_panels_stand_side_by_side() {
         lefts.dedup();
         lefts.len()
     };
-    assert_eq!([lefts(&column), lefts(&sheet(&figure, Print::default()))], [2, 3]);
+    assert_eq!([lefts(&column), lefts(&sheet(&figure, page()))], [2, 3]);
+}
+
+/// Names of categories that do not fit side by side are written upwards, values above narrow bars keep apart.
+#[test]
+fn names_of_many_categories_do_not_meet() {
+    let names = ["one peer", "power", "passive wave", "encoder", "2 axes", "five-bar"].map(str::to_owned);
+    let bars = (0..6).map(|at| (f64::from(at), 386.0 + 50.0 * f64::from(at))).collect();
+    let panel = Panel {
+        y_label: "Instructions per tick".to_owned(),
+        categories: names.to_vec(),
+        series: vec![Series::bars("", 0, bars)],
+        ..Panel::default()
+    };
+    let figure = Figure { columns: 2, panels: vec![panel; 2], caption: "Two panels.".to_owned(), ..Figure::default() };
+    let column = sheet(&figure, Print::default());
+    assert_tidy(&column);
+    let upward = |sheet: &Sheet| texts(sheet).iter().filter(|text| text.upward && text.text == "passive wave").count();
+    assert_eq!(upward(&column), 2);
+    assert!(texts(&sheet(&figure, page())).iter().all(|text| text.text != "passive wave" || !text.upward));
+}
+
+/// Dots that lie on each other, in a narrow panel: a stroke leads to a name that finds no room beside its dot.
+#[test]
+fn names_of_dots_that_lie_close_together_do_not_meet() {
+    let points = vec![(10.0, 2.0), (10.1, 2.0), (10.1, 2.02), (9.9, 2.01), (30.0, 4.0)];
+    let names = ["filtered", "filtered, 80 Hz", "adaptive", "difference", "measured"].map(str::to_owned);
+    let panel = Panel { series: vec![Series::dots("", 0, points, names.to_vec())], ..Panel::default() };
+    let figure = Figure { columns: 2, panels: vec![panel; 2], ..Figure::default() };
+    assert_tidy(&sheet(&figure, Print::default()));
 }

@@ -25,7 +25,7 @@ pub fn section(bench: &Bench, found: &Found) -> String {
          True discrepancy over the force of contact under pushes against each other, **worst test network**, mm/N, at the gains that a law declares (with what a hand then feels) and at\n\
          the best that the search found within each bound; `-`: there are none within it, or a run stopped. *stops*: runs of any motion in which a peer stopped.\n\n\
          ```text\n{fronts}```\n\n\
-         ![Fronts: true discrepancy of the worst network against what a hand feels, law by law]({PICTURE})\n\n\
+         <img src=\"{PICTURE}\" width=\"500\" alt=\"Fronts: true discrepancy of the worst network against what a hand feels, law by law\">\n\n\
          What the hands meet, motion by motion: *against* mm/N and largest instant in mm, *together* the way of a common push of 1 s in mm (not normalised) and the largest force\n\
          at a hand, *led* by an arm over 200 mm at 0.7 Hz the distance in mm, force at the hand, its largest change in a tick and its error, *contact* made and lost, a hand\n\
          *let go*. A force is that of the motor at the hand; means of the worst network, the largest of any run where it says peak, change or worst.\n\n\

@@ -60,7 +60,7 @@ pub fn page(rows: &[Row], each_tick: &[Row], old: &str) -> String {
          Z-width: the impedance with the far hand holding its device over that with it off, 0.5 to 2 Hz, in dB; lacks: damping that the device would need for what is felt to be passive\n\
          from 0.5 to 50 Hz. A packet has {PACKET_BYTES} bytes (sealed, UDP, IPv4). Instructions are of a tick in f32 on a Cortex-M7 (QEMU;\n\
          `cargo xtask count`); `-` was not counted.\n\n```text\n{felt}```\n\n\
-         ![Impedance that a hand feels, law by law]({PICTURE})\n\n\
+         <img src=\"{PICTURE}\" width=\"500\" alt=\"Impedance that a hand feels, law by law\">\n\n\
          ## Stability region\n\n\
          First unstable K_T with both hands on, one and none, and first unstable K_LC in the worst mode, by the analyser, from 0 to 20,000 N/m (20000: none). Nothing is said of a law that is not\n\
          linear. Every crossing is in the files (`--out`).\n\n```text\n{judged}```\n\n\
