@@ -2,8 +2,8 @@
 //!
 //! A [`Figure`] is a grid of [`Panel`]s, a panel holds [`Series`]. [`draw`] lays the figure out into a list of marks
 //! (`layout`; it asks `range` and `scale` for axes and ticks, `panel` for the shapes inside a frame, `legend` for free
-//! space) and paints the same marks three times (`svg`, `pdf`, `png`). The sheet is [`WIDTH`] pixels wide, or as [`Print`] asks, and as high as
-//! its rows need; letters are large enough to be read at half size. SVG and PDF carry the figure's data (`data`) and what made it.
+//! space) and paints the same marks three times (`svg`, `pdf`, `png`). The sheet is as wide as [`Print`] asks, a column of a journal unless
+//! it asks, and as high as its rows need; letters are 6 pt and larger on paper. SVG and PDF carry the figure's data (`data`) and what made it.
 //!
 //! Axes: a range that is given is kept; any other is found from the finite data in view, on a logarithmic axis from the positive ones.
 //! Panels that share an axis get the union of their ranges, except [`Panel::off_scale`] ones, which are drawn until they have left the

@@ -2,6 +2,7 @@
 
 use std::sync::LazyLock;
 
+use haptic_analysis::judge;
 use haptic_core::names::Choice;
 use haptic_core::settings::LawInfo;
 use haptic_sim::measure::at_hand;
@@ -17,7 +18,7 @@ use super::{Bench, Step, networks, protocol};
 use crate::Error;
 use crate::entrant::Entrant;
 use crate::study::{Over, Study};
-use crate::sweep::{Book, Kept, Plan};
+use crate::sweep::{Book, Kept, Plan, unstable_modes};
 
 /// First seed; those of the tuning networks are others.
 const SEED: u32 = 1;
@@ -35,6 +36,8 @@ pub struct Run {
     pub network: String,
     /// `network.seed` of the run.
     pub seed: u32,
+    /// Modes in which the scene is not stable over that network, as [`sweep::Row::unstable_modes`](crate::sweep::Row::unstable_modes).
+    pub unstable_modes: String,
     /// Whether a peer stopped, or what the run did grew until its end.
     pub stopped: bool,
     /// Why, or why the copies came apart; else empty.
@@ -70,7 +73,7 @@ impl Kept for Run {
     }
 
     fn heading() -> String {
-        heading(&tables::runs(&[]))
+        heading(&tables::runs(&[]).without("every_mode_stable"))
     }
 }
 
@@ -94,8 +97,14 @@ pub fn test(
         let study = Study::new(vec![entrant], over, &[], None, bench.seeds, motion.duration_s())?;
         // What a hand feels without a network; not where all runs are there.
         let free = LazyLock::new(|| Ok(at_hand::run(&motion.of(&networks::perfect(&scene)?)?, study.seconds(), None)?));
-        let run = |point: usize, over: &Scene| {
-            let (network, seed) = (study.networks[study.place(point).network].name.as_str(), over.world.network.seed);
+        // The same of every seed.
+        let modes_at = |at| {
+            let study = &study;
+            LazyLock::new(move || Ok(unstable_modes(&judge(&study.scene_at(at)?)?)))
+        };
+        let modes: Vec<LazyLock<Result<String, Error>, _>> = (0..study.points()).map(modes_at).collect();
+        let run = |at: usize, over: &Scene| {
+            let (network, seed) = (study.networks[study.place(at).network].name.as_str(), over.world.network.seed);
             let names = [law.name, gains, motion.name(), network];
             let [law, point, hands, over_network] = names.map(str::to_owned);
             if let Some(known) = book.known(&(law, point, hands, over_network, seed)) {
@@ -104,7 +113,8 @@ pub fn test(
             let free = free.as_ref().map_err(|error: &Error| error.to_string())?;
             let forces = Some(free).filter(|free| free.outcome.fault.is_none()).map(|free| free.forces.as_slice());
             let found = at_hand::run(over, study.seconds(), forces)?;
-            book.kept(row(names, seed, &found, motion))
+            let modes = modes[at].as_ref().map_err(|error| error.to_string())?;
+            book.kept(Run { unstable_modes: modes.clone(), ..row(names, seed, &found, motion) })
         };
         let runs = study.each(&run)?;
         step();
@@ -129,6 +139,7 @@ fn row([law, point, motion, network]: [&str; 4], seed: u32, found: &at_hand::AtH
         motion: motion.to_owned(),
         network: network.to_owned(),
         seed,
+        unstable_modes: String::new(),
         stopped,
         reason: reason.map_or_else(String::new, |reason| reason.to_string()),
         true_mm: whole(figures.true_discrepancy_mm),

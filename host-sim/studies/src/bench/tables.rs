@@ -7,6 +7,7 @@ use super::points::Point;
 use super::protocol::BOUNDS_N_S_PER_M;
 use super::runs::Run;
 use super::search::{Tuning, point_name};
+use crate::sweep::{EVERY_MODE, UNSTABLE_MODES};
 
 /// Heading of a file of rows with these columns.
 pub(super) fn heading(columns: &Columns) -> String {
@@ -203,6 +204,10 @@ pub fn runs<'a>(runs: &'a [&'a Run]) -> Columns {
         .means("name of the network")
         .value("seed", |run| run.seed)
         .means("network.seed of the run")
+        .value("every_mode_stable", |run| run.unstable_modes.is_empty())
+        .means(EVERY_MODE)
+        .value("unstable_modes", |run| Some(run.unstable_modes.as_str()).filter(|modes| !modes.is_empty()))
+        .means(UNSTABLE_MODES)
         .value("stopped", |run| run.stopped)
         .means("whether a peer stopped, or, under pushes against each other, what the run did grew until its end")
         .value("reason", |run| Some(run.reason.as_str()).filter(|reason| !reason.is_empty()))
