@@ -36,7 +36,7 @@ pub struct Run {
     pub network: String,
     /// `network.seed` of the run.
     pub seed: u32,
-    /// Modes in which the scene is not stable over that network, as [`sweep::Row::unstable_modes`](crate::sweep::Row::unstable_modes).
+    /// Modes in which the scene is not stable over that network, as in [`crate::sweep::Row`].
     pub unstable_modes: String,
     /// Whether a peer stopped, or what the run did grew until its end.
     pub stopped: bool,
