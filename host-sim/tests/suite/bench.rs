@@ -41,6 +41,9 @@ fn anybody_s_law_on_anybody_s_network() {
     }
     let runs = fs::read_to_string(out.join("all-runs.csv")).expect("runs");
     assert_eq!(runs.lines().filter(|line| line.contains(",irtt,")).count(), 5 * points.len());
+    // Every mode of this law is stable over the one that was measured, and each row says so.
+    let modes = |line: &str| line.split(',').skip(5).take(2).map(str::to_owned).collect::<Vec<_>>();
+    assert!(runs.lines().filter(|line| line.contains(",irtt,")).all(|line| modes(line) == ["1", ""]), "{runs}");
     let text = fs::read_to_string(&page).expect("the page");
     assert!(text.starts_with("before\n") && text.ends_with("after\n") && !text.contains("old"), "{text}");
     assert!(text.contains("p-plus-d") && folder.join("laws-bench.png").exists(), "{text}");

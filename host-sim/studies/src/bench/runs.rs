@@ -36,7 +36,9 @@ pub struct Run {
     pub network: String,
     /// `network.seed` of the run.
     pub seed: u32,
-    /// Modes in which the scene is not stable over that network, as in [`crate::sweep::Row`].
+    /// Whether the scene is stable in every mode over that network.
+    pub every_mode_stable: bool,
+    /// The modes in which it is not, as in [`crate::sweep::Row`].
     pub unstable_modes: String,
     /// Whether a peer stopped, or what the run did grew until its end.
     pub stopped: bool,
@@ -73,7 +75,7 @@ impl Kept for Run {
     }
 
     fn heading() -> String {
-        heading(&tables::runs(&[]).without("every_mode_stable"))
+        heading(&tables::runs(&[]))
     }
 }
 
@@ -114,7 +116,7 @@ pub fn test(
             let forces = Some(free).filter(|free| free.outcome.fault.is_none()).map(|free| free.forces.as_slice());
             let found = at_hand::run(over, study.seconds(), forces)?;
             let modes = modes[at].as_ref().map_err(|error| error.to_string())?;
-            book.kept(Run { unstable_modes: modes.clone(), ..row(names, seed, &found, motion) })
+            book.kept(row(names, seed, modes, &found, motion))
         };
         let runs = study.each(&run)?;
         step();
@@ -125,7 +127,7 @@ pub fn test(
 }
 
 /// The row of a run.
-fn row([law, point, motion, network]: [&str; 4], seed: u32, found: &at_hand::AtHand, of: Motion) -> Run {
+fn row([law, point, motion, network]: [&str; 4], seed: u32, modes: &str, found: &at_hand::AtHand, of: Motion) -> Run {
     let outcome = &found.outcome;
     // What grows is told of where hands push on without end; other motions end when they are largest.
     let fails = |outcome: &Outcome| if of == Motion::Against { !outcome.bounded } else { outcome.fault.is_some() };
@@ -139,7 +141,8 @@ fn row([law, point, motion, network]: [&str; 4], seed: u32, found: &at_hand::AtH
         motion: motion.to_owned(),
         network: network.to_owned(),
         seed,
-        unstable_modes: String::new(),
+        every_mode_stable: modes.is_empty(),
+        unstable_modes: modes.to_owned(),
         stopped,
         reason: reason.map_or_else(String::new, |reason| reason.to_string()),
         true_mm: whole(figures.true_discrepancy_mm),

@@ -204,7 +204,7 @@ pub fn runs<'a>(runs: &'a [&'a Run]) -> Columns {
         .means("name of the network")
         .value("seed", |run| run.seed)
         .means("network.seed of the run")
-        .value("every_mode_stable", |run| run.unstable_modes.is_empty())
+        .value("every_mode_stable", |run| run.every_mode_stable)
         .means(EVERY_MODE)
         .value("unstable_modes", |run| Some(run.unstable_modes.as_str()).filter(|modes| !modes.is_empty()))
         .means(UNSTABLE_MODES)
