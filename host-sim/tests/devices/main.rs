@@ -170,6 +170,8 @@ fn mean(asked: &[(f64, [f64; 3])], until_s: f64, for_s: f64) -> [f64; 3] {
 #[test]
 fn a_device_and_a_simulated_one_hold_one_object() {
     const CONTACT_N_PER_M: f64 = 1000.0;
+    // No hand goes faster here; whom the machine stops for a while leaves its copy behind by as much.
+    const FASTEST_M_PER_S: f64 = 0.1;
     let reach_m = [0.02, -0.01, 0.015];
     // The scene's first axis is that of the device. By how far the hand trembles when the peers meet, their copies stay apart; of three axes
     // reports have that along the first so there it does not tremble.
@@ -186,12 +188,15 @@ fn a_device_and_a_simulated_one_hold_one_object() {
         };
         let felt_n = mean(&asked, now_s, 1.0);
         let mut apart_m = 0.0;
-        for (ended, live, said) in peers.map(Running::end) {
+        let ends = peers.map(Running::end);
+        let stopped_ms = ends.iter().map(|(_, live, _)| 1e-3 * number(&live["punctuality"], "worst_us"));
+        let allowed_mm = 2.0 + FASTEST_M_PER_S * stopped_ms.fold(0.0, f64::max);
+        for (ended, live, said) in ends {
             assert!(ended && live["fault"] == Value::Null, "{said}\n{live}");
             let most_mm = number(&live, "largest_true_discrepancy_mm");
             println!("{scene}: {most_mm:.3} mm apart at most, {felt_n:?} N, round trip {}", live["round_trip_us"]);
             apart_m = 1e-3 * number(&live, "true_discrepancy_mm");
-            assert!(most_mm < 2.0 && number(&live, "ticks") == 8_000.0, "{live}");
+            assert!(most_mm < allowed_mm && number(&live, "ticks") == 8_000.0, "{allowed_mm} mm: {live}");
             // The verdict before arming is about the device that is there, as late as it was read; of the simulated one it is the scene's.
             let late = &live["verdict"]["device_delay_ticks"];
             assert_eq!(late.as_u64().is_some_and(|ticks| ticks >= 1), live["device"] != Value::Null, "{live}");
