@@ -15,6 +15,9 @@ use serde_json::json;
 use super::flags::{Out, Time, choice, number};
 use super::{Failure, SceneArgs, Ui, ui::pictures};
 
+/// Width of the figures of every numerical choice: names of dots in eight panels need a page of a journal, mm.
+const PAGE_MM: f64 = 180.0;
+
 #[derive(Debug, Args)]
 #[command(args_conflicts_with_subcommands = true)]
 pub(in crate::cli) struct Accuracy {
@@ -51,7 +54,7 @@ impl Accuracy {
         let ((families, cost_per_scene), _) =
             ui.work(1, "errors", |_| Ok::<_, Failure>((accuracy::families(self.processor)?, costs(self.processor))))?;
         let provenance = ui.provenance().with("instructions_of", self.processor.label());
-        let files = ui.files(&self.out, "accuracy", "accuracy", &provenance, |files| {
+        let files = ui.files(&self.out.unless_told(PAGE_MM), "accuracy", "accuracy", &provenance, |files| {
             files.csv(&accuracy::columns(&families, true))?;
             let figures = picture::all(&families, &cost_per_scene, self.processor);
             figures.iter().try_for_each(|(name, figure)| files.figure(Some(name), figure))

@@ -53,7 +53,7 @@ pub(super) struct Out {
     /// Folder for tables and pictures; without it, one in out/, and none with --json.
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
-    /// Width of figures in print, mm: 180 for a page; a column (88) without it.
+    /// Width of figures in print, mm: 180 for a page; without it a column (88), and for `accuracy` a page.
     #[arg(long, value_name = "MM", value_parser = number(60.0..=400.0, "mm"))]
     width_mm: Option<f64>,
     /// Size of the letters at the ticks of figures, points; 7 without it.
@@ -65,6 +65,11 @@ impl Out {
     /// The same into this folder.
     pub(super) fn in_folder(&self, folder: PathBuf) -> Self {
         Self { out: Some(folder), ..self.clone() }
+    }
+
+    /// The same with figures of this width, mm, unless another was asked for.
+    pub(super) fn unless_told(&self, width_mm: f64) -> Self {
+        Self { width_mm: self.width_mm.or(Some(width_mm)), ..self.clone() }
     }
 
     fn print(&self) -> Print {
