@@ -22,6 +22,8 @@ pub mod asked;
 pub mod carrier;
 pub mod hand;
 pub mod inverse3;
+#[cfg(target_os = "linux")]
+mod kernel;
 #[cfg(unix)]
 pub mod mit;
 #[cfg(unix)]

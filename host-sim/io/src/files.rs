@@ -169,6 +169,7 @@ pub fn write(path: &Path, bytes: &[u8], kind: Kind) -> io::Result<()> {
 }
 
 /// How a file begins: its owner's alone if it is secret, else as the user's other files.
+#[cfg_attr(not(unix), expect(unused_variables, reason = "only Unix has modes"))]
 fn half(kind: Kind) -> tempfile::Builder<'static, 'static> {
     let mut half = tempfile::Builder::new();
     half.prefix(".half-");

@@ -161,6 +161,7 @@ pub fn realtime_beneath() -> bool {
     fifo(40)
 }
 
+#[cfg(unix)]
 fn fifo(priority: u8) -> bool {
     let priority = thread_priority::ThreadPriority::Crossplatform(priority.try_into().unwrap_or_default());
     thread_priority::set_thread_priority_and_policy(
@@ -169,6 +170,14 @@ fn fifo(priority: u8) -> bool {
         thread_priority::ThreadSchedulePolicy::Realtime(thread_priority::RealtimeThreadSchedulePolicy::Fifo),
     )
     .is_ok()
+}
+
+/// Windows gives an ordinary process no real-time priority (16 to 31). Ticks get `TIME_CRITICAL` (15), and threads beneath them `HIGHEST` (10).
+#[cfg(windows)]
+fn fifo(priority: u8) -> bool {
+    let priority = thread_priority::ThreadPriority::Crossplatform((priority + 49).try_into().unwrap_or_default());
+    let _ = thread_priority::set_current_thread_priority(priority);
+    false
 }
 
 /// Has this thread, and those that it starts, stand back behind the others by so much niceness, where each thread has one of its own.

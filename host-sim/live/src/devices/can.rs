@@ -9,7 +9,6 @@
 //! No way blocks on writing: what a full adapter does not take is left out, for the next tick's frames are newer. A frame may be lost.
 
 use std::io;
-use std::path::Path;
 use std::time::Duration;
 
 use moteus_protocol::CanFdFrame;
@@ -41,7 +40,7 @@ pub(super) fn frame(id: u32, payload: &[u8], fd: bool) -> CanFdFrame {
 pub(super) fn open(at: &str) -> Result<Box<dyn Bus>, Error> {
     let failed = |cause: io::Error| Error::from(format!("{at}: {cause}"));
     #[cfg(unix)]
-    if let Ok(file) = Path::new(at).metadata() {
+    if let Ok(file) = std::path::Path::new(at).metadata() {
         use std::os::unix::fs::FileTypeExt as _;
         if file.file_type().is_char_device() {
             return Ok(Box::new(unix::Fdcanusb::open(at).map_err(failed)?));
@@ -52,7 +51,7 @@ pub(super) fn open(at: &str) -> Result<Box<dyn Bus>, Error> {
         }
     }
     #[cfg(target_os = "linux")]
-    if Path::new("/sys/class/net").join(at).exists() {
+    if std::path::Path::new("/sys/class/net").join(at).exists() {
         return Ok(Box::new(unix::Messages::of_interface(at).map_err(failed)?));
     }
     let why = "it is no serial port, no socket and no CAN interface of this machine";
