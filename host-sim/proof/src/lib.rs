@@ -19,7 +19,7 @@ pub mod unknown;
 pub mod whatever;
 
 pub use graph::{Path, begin, explore};
-pub use prove::{Proved, prove};
+pub use prove::{Proved, prove, prove_named};
 pub use range::Range;
 pub use unknown::{Number, Unknown};
 pub use whatever::Whatever;

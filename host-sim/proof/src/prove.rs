@@ -17,7 +17,7 @@
 use haptic_core::device::encoder::Counts;
 use haptic_core::device::kinematics::{AnyKinematics, Kinematics};
 use haptic_core::device::{AXES, Reading};
-use haptic_core::law::{Law, LawInfo, Packet};
+use haptic_core::law::{AnyLaw, Law, LawInfo, Packet};
 use haptic_core::num::{Motion, Scalar as _, StateVector};
 use haptic_core::peer::{Actuators, Peer, Sensors};
 use haptic_core::safety::{Command, Mode};
@@ -30,6 +30,7 @@ use rayon::prelude::*;
 use crate::graph::{self, MOST_PATHS, Place};
 use crate::range::{Float, Range};
 use crate::unknown::{Number, Unknown};
+use crate::whatever::Whatever;
 
 /// States of whole numbers that each scene is looked at in, half of them with encoders; of two axes, the first two.
 pub const STATES: u64 = 4;
@@ -112,6 +113,15 @@ impl Proved {
             broken: self.broken.or(other.broken),
         }
     }
+}
+
+/// Proves the claims for one of core's laws, or for [`Whatever`], by its name. This function is not generic, so the proofs are compiled here
+/// once, optimised, and not in each program that asks for one.
+pub fn prove_named(name: &str) -> Option<(&'static str, Proved)> {
+    let named = |laws: &'static [LawInfo]| laws.iter().find(|law| law.name == name);
+    let built_in = |law: &'static LawInfo| (law.name, prove::<AnyLaw<Number>>(law, Peer::tick));
+    let any = |law: &'static LawInfo| (law.name, prove::<Whatever>(law, Peer::tick));
+    named(AnyLaw::<Number>::LAWS).map(built_in).or_else(|| named(Whatever::LAWS).map(any))
 }
 
 /// Proves the claims for one kind of law, one of those that `L` is, with one shared axis of a device in the plane.

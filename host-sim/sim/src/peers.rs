@@ -177,15 +177,13 @@ impl<S: Scalar> Makes<S> {
     }
 }
 
-/// Constructors of the peers of one family of laws, one for each number type.
+/// Constructors of the peers of one family of laws, one for each number type that a command computes in.
 #[derive(Clone, Copy, Debug)]
 pub struct Maker {
     laws: &'static [LawInfo],
     f32: Makes<f32>,
     f64: Makes<f64>,
     fixed: Makes<Fixed>,
-    double_double: Makes<DoubleDouble>,
-    f32s: Makes<F32s>,
     f64s: Makes<F64s>,
 }
 
@@ -196,8 +194,6 @@ impl Maker {
             f32: Makes::of::<F::Of<f32>>(),
             f64: Makes::of::<F::Of<f64>>(),
             fixed: Makes::of::<F::Of<Fixed>>(),
-            double_double: Makes::of::<F::Of<DoubleDouble>>(),
-            f32s: Makes::of::<F::Of<F32s>>(),
             f64s: Makes::of::<F::Of<F64s>>(),
         }
     }
@@ -214,24 +210,37 @@ pub trait Builds<const SHARED: usize, const N: usize>: Scalar {
 /// first two ([`crate::lanes`]). A peer shares one axis of a device in the plane, both of them, or all three of a device in space.
 pub trait Number: Builds<1, AXES> + Builds<2, 2> + Builds<3, 3> {}
 
+/// Implements [`Builds`] for a number type. The first form takes the constructor from a field of [`Maker`], so every law of every family is
+/// compiled in this type, here and once. The second form is for types that no command computes in: a program that uses one compiles its peers
+/// itself (`#[inline]`), for the axes that it uses, and has the laws of core alone.
 macro_rules! numbers {
     ($($Number:ty: $field:ident),+) => {
         $(
-            numbers!($Number: $field, 1, AXES, one);
-            numbers!($Number: $field, 2, 2, two);
-            numbers!($Number: $field, 3, 3, three);
+            numbers!($Number, 1, AXES, |maker| maker.$field.one);
+            numbers!($Number, 2, 2, |maker| maker.$field.two);
+            numbers!($Number, 3, 3, |maker| maker.$field.three);
             impl Number for $Number {}
         )+
     };
-    ($Number:ty: $field:ident, $SHARED:literal, $N:expr, $axes:ident) => {
+    ($($Number:ty),+) => {
+        $(
+            numbers!(#[inline] $Number, 1, AXES, |_maker| make::<Self, AnyLaw<Self>, 1, AXES, AnyKinematics<Self>>);
+            numbers!(#[inline] $Number, 2, 2, |_maker| make::<Self, AnyLaw<Self>, 2, 2, AnyKinematics<Self>>);
+            numbers!(#[inline] $Number, 3, 3, |_maker| make::<Self, AnyLaw<Self>, 3, 3, AnySpatial<Self>>);
+            impl Number for $Number {}
+        )+
+    };
+    ($(#[$inline:meta])? $Number:ty, $SHARED:literal, $N:expr, |$maker:ident| $make:expr) => {
         impl Builds<$SHARED, $N> for $Number {
-            fn make(maker: &Maker) -> Make<Self, $SHARED, $N> {
-                maker.$field.$axes
+            $(#[$inline])?
+            fn make($maker: &Maker) -> Make<Self, $SHARED, $N> {
+                $make
             }
         }
     };
 }
-numbers!(f32: f32, f64: f64, Fixed: fixed, DoubleDouble: double_double, F32s: f32s, F64s: f64s);
+numbers!(f32: f32, f64: f64, Fixed: fixed, F64s: f64s);
+numbers!(DoubleDouble, F32s);
 
 /// Calls a function that is generic over the axes along which the object is shared, and those of the devices, for as many as a scene
 /// says: `of_axes!(scene, run::<f64>(scene, seconds))` is `run::<f64, 1, AXES>`, `run::<f64, 2, 2>` or `run::<f64, 3, 3>`.

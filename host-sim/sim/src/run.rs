@@ -57,8 +57,9 @@ pub trait Run: Number + Scalar<Counter = f64> {
 }
 
 macro_rules! runs {
-    ($($Number:ty),+) => {
+    ($($(#[$inline:meta])? $Number:ty),+) => {
         $(impl Run for $Number {
+            $(#[$inline])?
             fn run(
                 scene: &Scene,
                 options: Options,
@@ -70,7 +71,14 @@ macro_rules! runs {
         })+
     };
 }
-runs!(f32, f64, Fixed, DoubleDouble);
+// No command runs a scene in the last: a program that does compiles it.
+runs!(
+    f32,
+    f64,
+    Fixed,
+    #[inline]
+    DoubleDouble
+);
 
 /// Runs the scene with peers that compute in `S`.
 ///

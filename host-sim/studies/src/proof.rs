@@ -1,9 +1,8 @@
 //! Which laws keep their forces within the limits, for every number: [`haptic_proof`], law by law.
 
 use haptic_core::law::{AnyLaw, Law};
-use haptic_core::peer::Peer;
 use haptic_core::settings::Settings;
-use haptic_proof::{Number, Proved, Whatever, prove};
+use haptic_proof::{Number, Proved, Whatever, prove_named};
 use haptic_report::Columns;
 
 /// A law, and what was proved of it.
@@ -22,12 +21,7 @@ pub fn names() -> Vec<&'static str> {
 
 /// The law of that name.
 pub fn row(name: &str) -> Option<Row> {
-    let named = |kinds: &'static [haptic_core::law::LawInfo]| kinds.iter().find(|law| law.name == name);
-    let proved = match named(AnyLaw::<Number>::LAWS) {
-        Some(law) => (law.name, prove::<AnyLaw<Number>>(law, Peer::tick)),
-        None => named(Whatever::LAWS).map(|law| (law.name, prove::<Whatever>(law, Peer::tick)))?,
-    };
-    Some(Row { law: proved.0, proved: proved.1 })
+    prove_named(name).map(|(law, proved)| Row { law, proved })
 }
 
 /// Declares the columns of the rows.

@@ -36,9 +36,10 @@ pub struct How {
 }
 
 macro_rules! in_lanes {
-    ($($Number:ty: $Lanes:ty),+) => {
+    ($($(#[$inline:meta])? $Number:ty: $Lanes:ty),+) => {
         $(impl InLanes for $Number {
             type Lanes = $Lanes;
+            $(#[$inline])?
             fn run_group(scenes: &[&Scene], options: Options, how: How) -> Result<Vec<Outcome>, Refused<'static>> {
                 of_axes!(scenes[0], run_group::<$Lanes>(scenes, options, how))
             }
@@ -48,7 +49,8 @@ macro_rules! in_lanes {
         })+
     };
 }
-in_lanes!(f32: F32s, f64: F64s);
+// Commands have f64 in lanes: a program that has f32 in lanes compiles them.
+in_lanes!(#[inline] f32: F32s, f64: F64s);
 
 /// Runs all scenes for `duration_s` (s); gives, to the last bit, what [`crate::run::run`] does for each; nothing is recorded.
 ///

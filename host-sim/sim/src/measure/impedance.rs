@@ -83,7 +83,9 @@ impl Complex {
         self.im.atan2(self.re)
     }
 
-    fn times(self, other: Self) -> Self {
+    /// Product of two numbers.
+    #[must_use]
+    pub fn times(self, other: Self) -> Self {
         Self { re: self.re * other.re - self.im * other.im, im: self.re * other.im + self.im * other.re }
     }
 }
@@ -241,7 +243,3 @@ pub fn answer(
         pushed: held(&devices[1 - near], omega, period_s, pushes),
     }))
 }
-
-#[cfg(test)]
-#[path = "../../tests/inside/measure_impedance.rs"]
-mod tests;

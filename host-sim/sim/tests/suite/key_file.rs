@@ -1,6 +1,7 @@
-//! What nobody outside can ask for: a source of randomness that repeats itself.
+//! Keys from a source of randomness that repeats itself.
 
-use super::*;
+use haptic_protocol::key::Key;
+use haptic_sim::key_file::hedged;
 
 #[test]
 fn a_source_that_repeats_itself_repeats_nothing_here() {
