@@ -7,7 +7,7 @@ use std::process::Command;
 use std::{env, fs};
 
 use crate::options::Options;
-use crate::run::{self, Failure, cargo, run, step};
+use crate::run::{self, Failure, cargo, step};
 use crate::setup::{self, Ready, THUMB_TARGET};
 
 /// What cargo is given for each image: for one shared axis, for three, for the second board, for a moteus, for encoders on SPI, by USB.
@@ -95,13 +95,13 @@ pub(crate) fn build(ready: &Ready, features: &[&str]) -> Command {
 }
 
 fn built(build: &mut Command) -> Result<PathBuf, Failure> {
-    run(build)?;
+    run::compile(build)?;
     Ok(target().join(THUMB_TARGET).join("firmware/firmware"))
 }
 
 /// Cargo on the bench, with the image that it is to run.
 pub(crate) fn bench(arguments: &[&str], image: &Path) -> Command {
-    let mut bench = cargo(arguments);
+    let mut bench = run::linted(cargo(arguments));
     // The emulator asks for a newer compiler than it needs.
     bench.args(["--locked", "--ignore-rust-version", "--manifest-path"]);
     bench.arg(run::root().join("tests/board/Cargo.toml"));

@@ -1,7 +1,7 @@
 //! `cargo xtask homes`: two homes behind routers in network namespaces of this machine, with `host-sim` as it is built for tests.
 
-use crate::run::{self, Failure, command, everything};
-use crate::{page, setup};
+use crate::run::{self, Failure, command};
+use crate::{page, setup, test};
 
 /// Why it cannot be tried here, if so; installs `ip` and `nft` where that is all that is missing.
 pub(crate) fn obstacle() -> Option<String> {
@@ -27,6 +27,6 @@ pub(crate) fn obstacle() -> Option<String> {
 pub(crate) fn homes() -> Result<(), Failure> {
     page::browser()?;
     // As all tests are built, so that nothing is built twice.
-    let chosen = ["--exclude", "board-bench", "--test", "homes", "--", "routers", "pages", "--ignored"];
-    run::run(everything("test").args(chosen).args(["--test-threads", "1"]))
+    let chosen = ["--test", "homes", "--", "routers", "pages", "--ignored"];
+    run::run(test::debug_tests().args(chosen).args(["--test-threads", "1"]))
 }

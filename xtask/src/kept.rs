@@ -1,61 +1,166 @@
-//! Which image and which bench the virtual boards last passed with on this machine: while both are the same, they pass again.
+//! Which steps passed on this machine, and with which content: a step whose inputs have not changed since need not run again.
 //!
-//! Of the image its bytes count, and not its sources: it is the same wherever it is built. Of the bench, what cargo says that it is made of,
-//! simulator included, its tests, and what decides how it is compiled. Nothing is kept in a fresh clone.
+//! The inputs of a step are files under git: those of its packages, of the packages that these lean on, and of what their code names by a
+//! path with `../`; then the files that decide how everything is compiled. Contents count, not times or places, so a fresh clone profits
+//! from what another one passed. The list is in a folder outside of the checkout (`$XDG_CACHE_HOME` or `~/.cache`).
 
-use std::fs;
+use std::collections::BTreeSet;
 use std::hash::{DefaultHasher, Hash, Hasher};
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::{env, fs};
 
-use crate::board::{BESIDES, target};
-use crate::run::{self, Failure, command};
+use crate::board::target;
+use crate::rooms::{Leans, leaning};
+use crate::run::{self, Failure, cargo, command};
 
-/// What else decides: how all is compiled, and the page that tests compare their tables with.
-const FILES: [&str; 5] = ["Cargo.toml", "Cargo.lock", ".cargo/config.toml", "rust-toolchain.toml", "docs/hardware.md"];
+/// What decides how everything is compiled.
+const COMMON: [&str; 4] = ["Cargo.toml", "Cargo.lock", ".cargo/config.toml", "rust-toolchain.toml"];
+/// Contents that are remembered for each step.
+const MOST: usize = 50;
 
-/// Where it is kept.
-fn place() -> PathBuf {
-    target().join("boards-passed.txt")
+/// Whether every step runs, whatever passed before.
+static ANEW: AtomicBool = AtomicBool::new(false);
+
+/// Has every step run from now on.
+pub(crate) fn anew() {
+    ANEW.store(true, Ordering::Relaxed);
 }
 
-/// When this image and this bench passed, if they did.
-pub(crate) fn passed(image: &Path) -> Option<String> {
-    let kept = fs::read_to_string(place()).ok()?;
-    let (sum, when) = kept.trim().split_once(' ')?;
-    (sum == self::sum(image)?).then(|| when.to_owned())
+/// Who leans on whom, for each folder with a package.
+pub(crate) struct Packages {
+    /// In programs and libraries.
+    leans: Leans,
+    /// In tests, too.
+    tests: Leans,
 }
 
-/// They have passed now.
-pub(crate) fn keep(image: &Path) -> Result<(), Failure> {
-    let when = run::output(&mut command("date", &["+%Y-%m-%d %H:%M"]))?;
-    let kept = sum(image).map_or_else(String::new, |sum| format!("{sum} {when}"));
-    fs::write(place(), kept).map_err(|cause| Failure::new(format!("cannot write {}: {cause}", place().display())))
+impl Packages {
+    pub(crate) fn read() -> Result<Self, Failure> {
+        let of = |edges| {
+            let words = ["--depth", "1", "--prefix", "depth", "--no-dedupe", "--target", "all", "--edges", edges];
+            Ok(leaning(&run::output(cargo(&["tree", "--locked", "--workspace"]).args(words))?, run::root()))
+        };
+        Ok(Self { leans: of("normal,build")?, tests: of("normal,build,dev")? })
+    }
+
+    /// Every folder with a package.
+    pub(crate) fn folders(&self) -> impl Iterator<Item = &str> {
+        self.leans.keys().map(String::as_str)
+    }
+
+    /// The inputs of a step that tests these packages and reads these other files or folders, `.` for all.
+    pub(crate) fn inputs(&self, packages: &[&str], others: &[&str]) -> Result<Inputs, Failure> {
+        let mut folders: BTreeSet<&str> = packages.iter().copied().collect();
+        let mut next: Vec<&str> =
+            packages.iter().filter_map(|one| self.tests.get(*one)).flatten().map(String::as_str).collect();
+        while let Some(package) = next.pop() {
+            if folders.insert(package) {
+                next.extend(self.leans.get(package).into_iter().flatten().map(String::as_str));
+            }
+        }
+        // The package that a file belongs to. Of one that is only leaned on, its own tests do not count.
+        let package =
+            |file: &Path| self.folders().filter(|folder| file.starts_with(folder)).max_by_key(|folder| folder.len());
+        let counts = |file: &PathBuf| {
+            package(file).is_none_or(|of| {
+                let inside = file.strip_prefix(of).unwrap_or(file);
+                folders.contains(of)
+                    && (packages.contains(&of) || !["tests", "benches"].iter().any(|part| inside.starts_with(part)))
+            })
+        };
+        let mut inputs: BTreeSet<PathBuf> = files(folders.iter().copied())?.into_iter().filter(counts).collect();
+        let named: BTreeSet<PathBuf> =
+            inputs.iter().flat_map(|file| named(file, package(file).unwrap_or_default())).collect();
+        inputs
+            .extend(files(named.iter().filter_map(|path| path.to_str()).chain(others.iter().copied()).chain(COMMON))?);
+        Ok(Inputs(inputs))
+    }
 }
 
-/// A number of the images and of all that the bench was last built from; none where it was not.
-fn sum(image: &Path) -> Option<String> {
-    let mut hasher = DefaultHasher::new();
-    for image in image.parent()?.read_dir().ok()?.flatten().map(|entry| entry.path()) {
-        let name = image.file_name()?.to_str()?;
-        if ["firmware", "rig"].into_iter().chain(BESIDES).any(|known| known == name) {
-            (name, fs::read(&image).ok()?).hash(&mut hasher);
+/// Files under git, and those that it would take.
+fn files<'a>(paths: impl Iterator<Item = &'a str>) -> Result<Vec<PathBuf>, Failure> {
+    let mut list = command("git", &["ls-files", "--cached", "--others", "--exclude-standard", "--"]);
+    Ok(run::output(list.args(paths))?.lines().map(PathBuf::from).collect())
+}
+
+/// What the code of a file names by a path with `../`, as seen from the file's folder or its package's.
+fn named(file: &Path, package: &str) -> Vec<PathBuf> {
+    if file.extension().is_none_or(|ending| ending != "rs") {
+        return Vec::new();
+    }
+    let text = fs::read_to_string(run::root().join(file)).unwrap_or_default();
+    let code = text.lines().map(str::trim_start).filter(|line| !line.starts_with("//"));
+    let words = code.flat_map(|line| line.split('"').skip(1).step_by(2)).filter(|word| word.contains("../"));
+    let from = [file.parent().unwrap_or(Path::new("")), Path::new(package)];
+    let paths = words.flat_map(|word| from.map(|from| within(&from.join(word.trim_start_matches('/')))));
+    paths.flatten().filter(|path| run::root().join(path).exists()).collect()
+}
+
+/// A path of the repository without `..`, `.` for all of it; none if it leads out of it.
+fn within(path: &Path) -> Option<PathBuf> {
+    let mut clean = PathBuf::new();
+    for part in path.components() {
+        match part {
+            Component::ParentDir => clean.pop().then_some(())?,
+            part => clean.push(part),
         }
     }
-    let made_of = fs::read_to_string(target().join("debug/libboard_bench.d")).ok()?;
-    let mut files: Vec<PathBuf> = made_of.split_whitespace().skip(1).map(PathBuf::from).collect();
-    files.extend(FILES.map(|file| run::root().join(file)));
-    let mut folders = vec![run::root().join("tests/board/tests")];
-    while let Some(folder) = folders.pop() {
-        for path in folder.read_dir().ok()?.flatten().map(|entry| entry.path()) {
-            if path.is_dir() { folders.push(path) } else { files.push(path) }
-        }
-    }
-    // Folders are named only so that cargo looks for new files; the commit is written into recordings, which nobody compares.
-    files.retain(|file| !file.is_dir() && !file.components().any(|part| part.as_os_str() == ".git"));
-    files.sort();
-    files.dedup();
-    for file in files {
-        (&file, fs::read(&file).ok()?).hash(&mut hasher);
-    }
-    Some(format!("{:016x}", hasher.finish()))
+    Some(if clean.as_os_str().is_empty() { PathBuf::from(".") } else { clean })
 }
+
+/// The files that decide what comes of a step.
+pub(crate) struct Inputs(BTreeSet<PathBuf>);
+
+impl Inputs {
+    /// A number of their names and contents as they are now.
+    fn sum(&self) -> String {
+        let mut hasher = DefaultHasher::new();
+        for file in &self.0 {
+            (file, fs::read(run::root().join(file)).ok()).hash(&mut hasher);
+        }
+        format!("{:016x}", hasher.finish())
+    }
+}
+
+/// When a step passed with these inputs, if it did and that is to count.
+pub(crate) fn passed(name: &str, inputs: &Inputs) -> Option<String> {
+    let sum = inputs.sum();
+    let kept = fs::read_to_string(place(name)).unwrap_or_default();
+    let when = kept.lines().find_map(|line| line.strip_prefix(&sum));
+    when.filter(|_| !ANEW.load(Ordering::Relaxed)).map(|when| when.trim().to_owned())
+}
+
+/// Runs a step, unless it passed with these inputs before; remembers that it passes.
+pub(crate) fn step(name: &str, inputs: &Inputs, work: impl FnOnce() -> Result<(), Failure>) -> Result<(), Failure> {
+    if let Some(when) = passed(name, inputs) {
+        run::skipped(name, &when);
+        return Ok(());
+    }
+    let (sum, place) = (inputs.sum(), place(name));
+    run::step(name, work)?;
+    // If somebody has changed a file meanwhile, nobody knows what passed.
+    if inputs.sum() != sum {
+        return Ok(());
+    }
+    let now = run::output(&mut command("date", &["+%Y-%m-%d %H:%M"]))?;
+    let kept = fs::read_to_string(&place).unwrap_or_default();
+    let older = kept.lines().filter(|line| !line.starts_with(&sum)).take(MOST - 1);
+    let lines: Vec<String> = [format!("{sum} {}", now.trim())].into_iter().chain(older.map(str::to_owned)).collect();
+    let failed = |cause| Failure::new(format!("cannot write {}: {cause}", place.display()));
+    fs::create_dir_all(place.parent().unwrap_or(&place))
+        .and_then(|()| fs::write(&place, lines.join("\n")))
+        .map_err(failed)
+}
+
+/// Where it is remembered which contents a step passed with.
+fn place(name: &str) -> PathBuf {
+    let folder = |name: &str| env::var_os(name).filter(|folder| !folder.is_empty()).map(PathBuf::from);
+    let cache = folder("XDG_CACHE_HOME").or_else(|| Some(folder("HOME")?.join(".cache"))).unwrap_or_else(target);
+    let file = name.replace(|sign: char| !sign.is_ascii_alphanumeric(), "-");
+    cache.join("networked-haptics/passed").join(file + ".txt")
+}
+
+#[cfg(test)]
+#[path = "../tests/inside/kept.rs"]
+mod tests;

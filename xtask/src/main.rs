@@ -4,6 +4,7 @@
 
 mod bench;
 mod board;
+mod builds;
 mod count;
 mod drawings;
 mod fuzz;
@@ -11,10 +12,12 @@ mod homes;
 mod kept;
 mod lerobot;
 mod licences;
+mod lines;
 mod no_panic;
 mod options;
 mod packages;
 mod page;
+mod platforms;
 mod probe;
 mod python;
 mod qemu;
@@ -25,7 +28,6 @@ mod rig;
 mod rooms;
 mod run;
 mod setup;
-mod sums;
 mod test;
 
 use std::process::ExitCode;
@@ -65,18 +67,16 @@ Prints the toolchain that builds for the microcontroller.",
     },
     Chore {
         name: "test",
-        options: "",
+        options: " [--anew] [--lane LANE]",
         does: "The one command: sets up what is missing and passes every test",
-        more: "Stops at the first failure. Set-up, cargo fmt --check, clippy without warnings, rooms, sums, types, lints and format of the page
-of host-sim play (page; needs npm and Chromium, which apt-get installs), core and protocol built for the
-microcontroller, documentation without warnings, all tests in debug (documentation tests and what of the image needs no
-chip included), recordings read by Python's `mcap` (recordings; needs Python 3 and the registry), the golden traces as a release computes
-them, no panic in the tick, the pages against what their
-commands print (readme), the Python module as it is installed (python; needs Python 3.11 and the registry), the instructions of one tick (bench-check; needs valgrind, which apt-get installs if it can), the memory that
-interrupt and tasks share under loom, haptic-core on QEMU (qemu), two homes behind routers (homes; where the machine allows), clippy on the images, and the release image on
-virtual boards (board-test), whose emulator takes minutes to build; these are left out where image and bench are those that they
-passed with on this machine.",
-        run: |_| test::test(),
+        more: "Two lanes run side by side. `boards` builds the images and runs them on virtual boards. `rest` is everything else: format, ceilings,
+licences, the page's sources, all tests in debug with Clippy as the compiler, other platforms, recordings, the Python module, packages,
+two homes behind routers, the first build, the pages against what their commands print, golden traces and instruction counts of a release.
+A step that passed on this machine with the same content does not run again. The first failure stops both lanes. At a terminal the check
+asks before apt-get installs a package. At the end it prints what each step took.
+  --anew  run every step, whatever passed before
+  --lane  run one lane alone: boards or rest",
+        run: test::test,
     },
     Chore {
         name: "board-test",
@@ -248,11 +248,13 @@ what is measured, and what it must be. The runner is that of the virtual boards;
     },
     Chore {
         name: "rooms",
-        options: "",
-        does: "Says who leans on whom, and how large each package is",
-        more: "Fails on a package that leans on another that xtask/rooms.txt does not name beside it, and on one that has outgrown its lines
-there. Packages in a circle are refused by cargo itself.",
-        run: |_| rooms::rooms(),
+        options: " [--bless]",
+        does: "Checks size and dependencies of each package, and what cargo compiles, against ceilings that only fall",
+        more: "Lines are code as rustfmt sets it, 100 wide, without comments and blank lines. Nothing is built. Fails if a row of
+xtask/rooms.txt is above its ceiling or 3 % below, if the ceilings of a group sum to more than in an earlier commit, if a package
+does not lean on what its row says, or if one of the heart newly leans on a guest. A row may rise when others of its group fall.
+  --bless   lower each ceiling that is 3 % too high, and raise none",
+        run: |given| rooms::rooms(&test::calls(&setup::setup()?), given.flag("--bless")),
     },
     Chore {
         name: "licences",
@@ -261,6 +263,14 @@ there. Packages in a circle are refused by cargo itself.",
         more: "Fails on a licence that xtask/licences.txt does not name, and on what does not come from the registry. Known
 vulnerabilities are not looked for.",
         run: |_| licences::licences(),
+    },
+    Chore {
+        name: "platforms",
+        options: "",
+        does: "Has the compiler check everything for a PC for Windows, macOS on Apple silicon and Linux on 64-bit ARM",
+        more: "`cargo check`, the Python module included: nothing is linked or run. The last is linted with benches, and documented. Adds the three
+targets with rustup, and installs zig below target/ (400 MB) as the C compiler. Without them it says so, and fails where CI is set.",
+        run: |_| platforms::check(),
     },
     Chore {
         name: "readme",
@@ -281,14 +291,6 @@ which is installed below target/), what built them, and SHA-256 sums. Nothing is
   --tag  which tag [default: that of what is checked out]
   --out  folder, in which a folder of the tag's name is made [default: out/release]",
         run: release::release,
-    },
-    Chore {
-        name: "sums",
-        options: " [--bless]",
-        does: "Says how many lines there are and how much is compiled, and compares with xtask/sums.txt",
-        more: "Packages and compilations of the first build, `cargo build --release`, and of the whole of `cargo xtask test`. Nothing is built.
-  --bless   write the sums to the file, for review",
-        run: |given| sums::sums(&test::calls(&setup::setup()?), given.flag("--bless")),
     },
     Chore {
         name: "wheel",

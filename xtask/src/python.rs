@@ -7,7 +7,6 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::{env, fs};
 
-use crate::board::target;
 use crate::lerobot;
 use crate::run::{self, Failure, cargo, command, run};
 
@@ -61,7 +60,10 @@ pub(crate) fn wheel(source: &Path, folder: &Path, profile: &str) -> Result<PathB
         run(pip(&python).args(ZIG))?;
         maturin.args(["--zig", "--compatibility", "manylinux_2_17"]).env(ZIG_IN, &python);
     }
-    run(maturin.arg("--interpreter").arg(&python).arg("--out").arg(&built).current_dir(source))?;
+    if profile == "dev" {
+        maturin = run::linted(maturin);
+    }
+    run::compile(maturin.arg("--interpreter").arg(&python).arg("--out").arg(&built).current_dir(source))?;
     let failed = |cause| Failure::new(format!("cannot put the wheel into {}: {cause}", folder.display()));
     let mut files = fs::read_dir(&built).map_err(failed)?.flatten();
     let new = files.next().ok_or_else(|| Failure::new("maturin made no wheel"))?.path();
@@ -72,17 +74,23 @@ pub(crate) fn wheel(source: &Path, folder: &Path, profile: &str) -> Result<PathB
     Ok(wheel)
 }
 
+/// cargo-zigbuild, without its arguments: cargo whose C compiler and linker are zig.
+pub(crate) fn by_zig() -> Result<Command, Failure> {
+    let python = own_environment()?;
+    run(pip(&python).args(ZIG))?;
+    let mut zig = command(&python.with_file_name("cargo-zigbuild").to_string_lossy(), &[]);
+    zig.env(ZIG_IN, &python);
+    Ok(zig)
+}
+
 /// Cargo's build for Linux with glibc 2.17 and later, linked by zig, and where it leaves a release; elsewhere that of this machine's system.
 pub(crate) fn build_by_zig() -> Result<(Command, String), Failure> {
     if !cfg!(target_os = "linux") {
         return Ok((cargo(&["build"]), "release".to_owned()));
     }
-    let python = own_environment()?;
-    run(pip(&python).args(ZIG))?;
     let target = format!("{}-unknown-linux-gnu", env::consts::ARCH);
-    let program = python.with_file_name("cargo-zigbuild");
-    let mut build = command(&program.to_string_lossy(), &["zigbuild", "--target", &format!("{target}.2.17")]);
-    build.env(ZIG_IN, &python);
+    let mut build = by_zig()?;
+    build.args(["zigbuild", "--target", &format!("{target}.2.17")]);
     Ok((build, format!("{target}/release")))
 }
 
@@ -102,11 +110,10 @@ pub(crate) fn python() -> Result<(), Failure> {
     let wheel = wheel(run::root(), &run::root().join("target/python"), "dev")?;
     let python = own_environment()?;
     run(pip(&python).args(["--force-reinstall", "--no-deps", "--no-index"]).arg(&wheel))?;
-    run(&mut cargo(&["build", "--locked", "--package", "host-sim"]))?;
+    let host_sim = run::host_sim(false)?;
     let mut tests = command(&python.to_string_lossy(), &["-m", "pytest", "--quiet", "-p", "no:cacheprovider"]);
-    tests.env("HOST_SIM", target().join("debug/host-sim"));
-    run(tests.arg("host-sim/python/tests"))?;
-    lerobot::check(&wheel)
+    run(tests.arg("host-sim/python/tests").env("HOST_SIM", &host_sim))?;
+    lerobot::check(&wheel, &host_sim)
 }
 
 #[cfg(test)]

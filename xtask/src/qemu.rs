@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use crate::run::{self, Failure, cargo, command};
+use crate::run::{self, Failure, command};
 use crate::setup::{self, Ready, THUMB_TARGET};
 
 /// Built-in scenes that are replayed, either peer. One with encoders and duties among them.
@@ -25,14 +25,14 @@ pub(crate) fn qemu(ready: &Ready) -> Result<(), Failure> {
     let folder = run::root().join("tests/qemu");
     let target = run::root().join("target/qemu");
     let mut build = ready.cargo(&["build", "--locked", "--release"]);
-    run::run(build.env("CARGO_TARGET_DIR", &target).current_dir(&folder))?;
+    run::compile(build.env("CARGO_TARGET_DIR", &target).current_dir(&folder))?;
     let image = target.join(THUMB_TARGET).join("release/second-opinion");
-    run::run(&mut cargo(&["build", "--locked", "--quiet", "--package", "host-sim"]))?;
+    let host_sim = run::host_sim(false)?.display().to_string();
     let recording = target.join("recording.bin");
     let name = recording.display().to_string();
     for scene in SCENES {
         for number in ["1", "2"] {
-            let mut record = cargo(&["run", "--locked", "--quiet", "--package", "host-sim", "--", "board", "record"]);
+            let mut record = command(&host_sim, &["board", "record"]);
             record.args(["--scene", scene, "--number", number, "--seconds", SECONDS, &name]);
             let (ours, theirs) = (run::output(&mut record)?, told(&image, "replay", &name)?);
             if ours.trim().is_empty() || ours.trim() != theirs.trim() {

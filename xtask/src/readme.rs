@@ -15,13 +15,14 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::run::{self, Failure, cargo, output_up_to};
+use crate::board::target;
+use crate::run::{self, Failure, command, output_up_to};
 
 /// Refreshes all pages or one, or checks that they are fresh.
 pub(crate) fn readme(check: bool, page: Option<&str>) -> Result<(), Failure> {
-    let empty = run::root().join("target/pages");
+    let host_sim = HostSim { program: run::host_sim(true)?.display().to_string(), empty: target().join("pages") };
     let pages = page.map_or_else(pages, |page| Ok(vec![run::root().join(page)]))?;
-    let stale = pages.iter().map(|page| refresh(page, &empty, check)).collect::<Result<Vec<_>, _>>()?;
+    let stale = pages.iter().map(|page| refresh(page, &host_sim, check)).collect::<Result<Vec<_>, _>>()?;
     match stale.into_iter().flatten().collect::<Vec<_>>() {
         stale if check && !stale.is_empty() => Err(Failure::new(format!(
             "{} does not say what its commands print; `cargo xtask readme` mends it",
@@ -59,7 +60,7 @@ fn shown(line: &str) -> Option<&str> {
 }
 
 /// Replaces every block of a page by what its command prints now; its name, if that changes it.
-fn refresh(page: &Path, empty: &Path, check: bool) -> Result<Option<String>, Failure> {
+fn refresh(page: &Path, host_sim: &HostSim, check: bool) -> Result<Option<String>, Failure> {
     let name = page.strip_prefix(run::root()).unwrap_or(page).display().to_string();
     let old = run::read(page)?;
     let mut fresh = String::new();
@@ -77,18 +78,18 @@ fn refresh(page: &Path, empty: &Path, check: bool) -> Result<Option<String>, Fai
             let shown = lines.peek().and_then(|line| shown(line));
             let shown = shown.ok_or_else(|| Failure::new(format!("{name}: `{line}` is not followed by a picture")))?;
             if !check {
-                host_sim(empty, arguments)?;
-                let (from, to) = (empty.join(picture), page.with_file_name(shown));
+                host_sim.prints(arguments)?;
+                let (from, to) = (host_sim.empty.join(picture), page.with_file_name(shown));
                 std::fs::copy(&from, to).map_err(|cause| failed("copy", &from, &cause))?;
             }
         } else if let Some(arguments) = command.strip_prefix("table of host-sim ") {
-            let table = markdown(&host_sim(empty, arguments)?);
+            let table = markdown(&host_sim.prints(arguments)?);
             fresh += &table.ok_or_else(|| Failure::new(format!("{name}: `{line}` prints no table")))?;
             while lines.next_if(|line| line.starts_with('|')).is_some() {}
         } else if command.starts_with("host-sim ") || command.starts_with("file ") {
             let printed = match command.strip_prefix("file ") {
                 Some(path) => run::read(&run::root().join(path))?,
-                None => host_sim(empty, command.trim_start_matches("host-sim "))?,
+                None => host_sim.prints(command.trim_start_matches("host-sim "))?,
             };
             let shown: Vec<&str> = printed.trim_end().lines().take(most).collect();
             fresh += &format!("```text\n{}\n```\n", shown.join("\n"));
@@ -133,18 +134,26 @@ fn markdown(printed: &str) -> Option<String> {
     )
 }
 
-/// Standard output of host-sim, run in this folder after it was emptied, blanks at line ends removed.
-fn host_sim(empty: &Path, arguments: &str) -> Result<String, Failure> {
-    if empty.exists() {
-        std::fs::remove_dir_all(empty).map_err(|cause| failed("empty", empty, &cause))?;
+/// host-sim as a newcomer's first command builds it.
+struct HostSim {
+    program: String,
+    /// The folder in which it runs.
+    empty: PathBuf,
+}
+
+impl HostSim {
+    /// Its standard output, run in the folder after that was emptied; spaces at line ends are removed.
+    fn prints(&self, arguments: &str) -> Result<String, Failure> {
+        let empty = &self.empty;
+        if empty.exists() {
+            std::fs::remove_dir_all(empty).map_err(|cause| failed("empty", empty, &cause))?;
+        }
+        std::fs::create_dir_all(empty).map_err(|cause| failed("make", empty, &cause))?;
+        let mut command = command(&self.program, &arguments.split_whitespace().collect::<Vec<_>>());
+        // 1: it is done, and says of an unstable scene that it is one.
+        let printed = output_up_to(command.current_dir(empty), 1)?;
+        Ok(printed.lines().map(str::trim_end).collect::<Vec<_>>().join("\n"))
     }
-    std::fs::create_dir_all(empty).map_err(|cause| failed("make", empty, &cause))?;
-    // The build that the tests have made: the golden traces show that any build computes the same bits.
-    let mut command = cargo(&["run", "--quiet", "--locked", "--package", "host-sim", "--manifest-path"]);
-    command.arg(run::root().join("Cargo.toml")).arg("--").args(arguments.split_whitespace());
-    // 1: it is done, and says of an unstable scene that it is one.
-    let printed = output_up_to(command.current_dir(empty), 1)?;
-    Ok(printed.lines().map(str::trim_end).collect::<Vec<_>>().join("\n"))
 }
 
 #[cfg(test)]

@@ -4,13 +4,13 @@
 use std::process::Command;
 
 use crate::python::environment;
-use crate::run::{self, Failure, cargo, command, run};
+use crate::run::{self, Failure, command, run};
 
 /// Records a run in memory and two live peers, converts both, and has tests/recordings/check.py compare them.
 pub(crate) fn recordings() -> Result<(), Failure> {
     let folder = run::root().join("target/recordings");
     let python = environment(&folder, "tests/recordings/requirements.txt")?;
-    run(&mut cargo(&["build", "--locked", "--package", "host-sim"]))?;
+    let program = run::host_sim(false)?.display().to_string();
     let file = |name: &str| folder.join(name);
     // What an earlier run left: nothing is written over it.
     for old in std::fs::read_dir(&folder).into_iter().flatten().flatten() {
@@ -19,8 +19,7 @@ pub(crate) fn recordings() -> Result<(), Failure> {
             let _ = std::fs::remove_file(old.path());
         }
     }
-    let host_sim =
-        |words: &[&str]| cargo(&[&["run", "--locked", "--quiet", "--package", "host-sim", "--"], words].concat());
+    let host_sim = |words: &[&str]| command(&program, words);
     let scene = ["--scene", "any-network", "--set=user.1.push_n=1", "--set=user.2.push_n=1", "--seconds=2", "--json"];
     run(host_sim(&["cooperate"]).args(scene).arg("--record").arg(file("memory.mcap")))?;
     run(host_sim(&["key", "generate", "--json"]).arg(file("key")))?;

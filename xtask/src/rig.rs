@@ -151,7 +151,7 @@ pub(crate) fn on_virtual_boards(ready: &Ready, firmware: &Path, which: &[&str]) 
 
 /// Builds the rig's image, which links only if it cannot panic, and says where it is.
 pub(crate) fn image(ready: &Ready) -> Result<PathBuf, Failure> {
-    run(&mut build(ready, "build"))?;
+    run::compile(&mut build(ready, "build"))?;
     Ok(target().join(THUMB_TARGET).join("firmware/rig"))
 }
 

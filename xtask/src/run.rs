@@ -3,10 +3,15 @@
 //! Everything runs in the workspace root, so that chores work from any directory. Progress goes to standard error;
 //! standard output holds results only.
 
+use std::env::consts::EXE_SUFFIX;
 use std::fmt;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{LazyLock, Mutex};
 use std::time::Instant;
+
+use crate::board::target;
 
 /// Why a chore stopped: what failed and what to do about it, in one line, and the exit status.
 #[derive(Debug)]
@@ -38,12 +43,27 @@ impl fmt::Display for Failure {
     }
 }
 
-/// Has cargo compile what computes a tick as a release compiles it, and nothing else anew.
-pub(crate) const AS_RELEASED: [&str; 2] = ["--config", "xtask/as-released.toml"];
-
-/// The workspace root.
+/// The workspace root of the checkout that this runs in. Checkouts may share a target folder, so a path from when this was compiled may
+/// lead into another one.
 pub(crate) fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."))
+    static ROOT: LazyLock<PathBuf> = LazyLock::new(|| {
+        let manifest = std::env::var_os("CARGO_MANIFEST_DIR").map(PathBuf::from);
+        let here = std::env::current_dir().unwrap_or_default();
+        checkout(manifest.as_deref(), &here).unwrap_or_else(|| {
+            eprintln!(
+                "error: no folder from {} upwards holds xtask/Cargo.toml; change into a checkout",
+                here.display()
+            );
+            std::process::exit(1)
+        })
+    });
+    &ROOT
+}
+
+/// The nearest folder with xtask/Cargo.toml: from the package that cargo runs upwards, or else from the current directory.
+fn checkout(manifest: Option<&Path>, here: &Path) -> Option<PathBuf> {
+    let mut folders = manifest.into_iter().chain([here]).flat_map(Path::ancestors);
+    folders.find(|folder| folder.join("xtask/Cargo.toml").is_file()).map(Path::to_owned)
 }
 
 /// A program with its arguments, to be run in the workspace root.
@@ -64,10 +84,29 @@ pub(crate) fn cargo(arguments: &[&str]) -> Command {
     command("cargo", arguments)
 }
 
+/// Has Clippy compile the project's own packages, so that they are linted on the way; a warning is an error. Whatever is compiled for the tests is
+/// compiled so: otherwise cargo would compile it a second time.
+pub(crate) fn linted(mut cargo: Command) -> Command {
+    cargo.env("RUSTC_WORKSPACE_WRAPPER", "clippy-driver");
+    cargo.env("CLIPPY_ARGS", "-D__CLIPPY_HACKERY__warnings__CLIPPY_HACKERY__");
+    cargo
+}
+
+/// Builds host-sim as the tests have it, or as a release, and gives the program.
+pub(crate) fn host_sim(release: bool) -> Result<PathBuf, Failure> {
+    let words = ["build", "--locked", "--quiet", "--package", "host-sim"];
+    let (mut build, folder) = match release {
+        true => (cargo(&[&words[..], &["--release"]].concat()), "release"),
+        false => (linted(cargo(&words)), "debug"),
+    };
+    compile(&mut build)?;
+    Ok(target().join(folder).join(format!("host-sim{EXE_SUFFIX}")))
+}
+
 /// Cargo on everything that builds on a PC. Packages chosen together have one set of features, so what one call has built serves the
 /// next; the emulator asks for a newer compiler than it needs.
 pub(crate) fn everything(command: &str) -> Command {
-    cargo(&[command, "--locked", "--ignore-rust-version", "--workspace"])
+    linted(cargo(&[command, "--locked", "--ignore-rust-version", "--workspace"]))
 }
 
 /// A command as one would type it.
@@ -133,17 +172,74 @@ pub(crate) fn due_in_ci(obstacle: String) -> Result<(), Failure> {
     Ok(())
 }
 
+/// What a step took.
+struct Row {
+    step: String,
+    seconds: f64,
+    /// Processor time of compilers and of all, s.
+    compiled_s: f64,
+    spent_s: f64,
+}
+
+/// The steps that were done so far.
+static ROWS: Mutex<Vec<Row>> = Mutex::new(Vec::new());
+/// Processor time of [`compile`] in the step at hand, s.
+static COMPILED_S: Mutex<f64> = Mutex::new(0.0);
+/// Nothing else is to begin: another lane has failed.
+pub(crate) static STOP: AtomicBool = AtomicBool::new(false);
+
+/// [`run`] of what compiles: the step's row tells it from the rest.
+pub(crate) fn compile(command: &mut Command) -> Result<(), Failure> {
+    let before = processor_s();
+    let outcome = run(command);
+    compiled_since(before);
+    outcome
+}
+
+/// Counts what was spent since then as compiling.
+pub(crate) fn compiled_since(before: Option<f64>) {
+    if let (Some(now), Some(then), Ok(mut sum)) = (processor_s(), before, COMPILED_S.lock()) {
+        *sum += now - then;
+    }
+}
+
 /// Runs one step of a chore, with a line before it and its time after it.
 pub(crate) fn step<T>(name: &str, work: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
-    let (start, spent) = (Instant::now(), processor_s());
+    if STOP.load(Ordering::Relaxed) {
+        return Err(Failure::new(format!("{name}: not begun, for another lane has failed")));
+    }
+    let (start, before) = (Instant::now(), processor_s());
     eprintln!("==> {name}");
     let outcome = work().map_err(|failure| Failure(format!("{name}: {failure}"), failure.1));
     let verdict = if outcome.is_ok() { "done" } else { "FAILED" };
-    let spent = processor_s()
-        .zip(spent)
-        .map_or(String::new(), |(now, then)| format!(", {:.1} s of processor time", now - then));
-    eprintln!("<== {name}: {verdict} in {:.1} s{spent}", start.elapsed().as_secs_f64());
+    let seconds = start.elapsed().as_secs_f64();
+    let spent_s = processor_s().zip(before).map_or(0.0, |(now, then)| now - then);
+    eprintln!("<== {name}: {verdict} in {seconds:.1} s, {spent_s:.1} s of processor time");
+    let compiled_s = COMPILED_S.lock().map_or(0.0, |mut sum| std::mem::take(&mut *sum));
+    if let Ok(mut rows) = ROWS.lock() {
+        rows.push(Row { step: name.to_owned(), seconds, compiled_s, spent_s });
+    }
     outcome
+}
+
+/// Says of a step that it need not run.
+pub(crate) fn skipped(name: &str, when: &str) {
+    eprintln!("==> {name}: passed on {when} with the same content");
+}
+
+/// Prints what each step took, and all of them together.
+pub(crate) fn table() {
+    let Ok(rows) = ROWS.lock() else { return };
+    let row = |step: &str, numbers: [f64; 3]| {
+        let [seconds, compiled_s, ran_s] = numbers.map(|number| format!("{number:>9.1}"));
+        eprintln!("{step:<44} {seconds} {compiled_s} {ran_s}");
+    };
+    let (wall, cpu) = ("wall s", "processor s:");
+    eprintln!("{:<44} {wall:>9} {cpu}\n{:<44} {:>9} {:>9} {:>9}", "step", "", "", "compile", "run");
+    let of = |row: &Row| [row.seconds, row.compiled_s, (row.spent_s - row.compiled_s).max(0.0)];
+    rows.iter().for_each(|one| row(&one.step, of(one)));
+    let sum = |at: usize| rows.iter().map(|row| of(row)[at]).sum();
+    row("all", [sum(0), sum(1), sum(2)]);
 }
 
 /// Processor time of all programs that were called and have ended, s; only Linux tells.
@@ -155,3 +251,7 @@ pub(crate) fn processor_s() -> Option<f64> {
     // Linux counts hundredths of a second here, whatever its own clock does.
     Some((ticks()? + ticks()?) / 100.0)
 }
+
+#[cfg(test)]
+#[path = "../tests/inside/run.rs"]
+mod tests;

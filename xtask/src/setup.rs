@@ -8,10 +8,12 @@
 //! the standard library. Its compiler is Debian's, older than the project's, so it serves only as long as haptic-core and
 //! what it depends on accept it; cargo says so when they do not.
 
+use std::io::{self, BufRead, IsTerminal as _};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::run::{self, Failure, cargo, command};
+use crate::test::WAITED_FOR;
 
 /// The microcontroller.
 pub(crate) const THUMB_TARGET: &str = "thumbv7em-none-eabihf";
@@ -49,7 +51,8 @@ pub(crate) fn setup() -> Result<Ready, Failure> {
     thumb()
 }
 
-/// Why a program cannot be had, if so; installs its Debian package where that is all that is missing.
+/// Why a program cannot be had, if so; installs its Debian package where that is all that is missing and nobody at a terminal is
+/// against it.
 pub(crate) fn program(name: &str, package: &str) -> Option<String> {
     let present = || run::succeeds(&mut command(name, &["--version"]));
     if present() {
@@ -61,13 +64,32 @@ pub(crate) fn program(name: &str, package: &str) -> Option<String> {
         words.push("apt-get");
         words.extend(arguments);
         let mut apt = command(words[0], &words[1..]);
-        run::run(apt.env("DEBIAN_FRONTEND", "noninteractive"))
+        apt.env("DEBIAN_FRONTEND", "noninteractive");
+        apt
     };
-    match apt(&["update", "-qq"]).and_then(|()| apt(&["install", "-qq", "--no-install-recommends", package])) {
+    let missing = format!("{name} is missing; install {package} by hand");
+    if std::env::var_os(WAITED_FOR).is_some() {
+        return Some(missing);
+    }
+    let mut install = apt(&["install", "-qq", "--no-install-recommends", package]);
+    let asks = std::env::var_os("CI").is_none() && io::stdin().is_terminal() && io::stderr().is_terminal();
+    if asks {
+        eprint!("    {name} is missing. Install Debian's package {package} with `{}`? [y/N] ", run::spelled(&install));
+        if !is_yes(io::stdin().lock()) {
+            return Some(missing);
+        }
+    }
+    match run::run(&mut apt(&["update", "-qq"])).and_then(|()| run::run(&mut install)) {
         Ok(()) if present() => None,
         Ok(()) => Some(format!("{package} was installed but does not run; see `{name} --version`")),
         Err(failure) => Some(format!("{name} is missing and {failure}; install {package} by hand")),
     }
+}
+
+/// Whether the next line agrees. An empty line, the end of the input and anything else do not.
+fn is_yes(mut answers: impl BufRead) -> bool {
+    let mut answer = String::new();
+    answers.read_line(&mut answer).is_ok() && ["y", "yes"].contains(&answer.trim().to_lowercase().as_str())
 }
 
 /// The toolchain for the microcontroller: the project's own if it can be had.
@@ -120,3 +142,7 @@ fn has_target(sysroot: &Path) -> bool {
     std::fs::read_dir(libraries)
         .is_ok_and(|entries| entries.flatten().any(|entry| entry.file_name().to_str().is_some_and(is_core)))
 }
+
+#[cfg(test)]
+#[path = "../tests/inside/setup.rs"]
+mod tests;

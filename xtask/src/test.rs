@@ -1,78 +1,215 @@
-//! `cargo xtask test`: everything that must pass before a change is taken, cheapest first. Stops at the first failure.
+//! `cargo xtask test`: everything that must pass before a change is taken. Stops at the first failure.
 //!
-//! Most steps run on everything that builds on a PC, whatever they then choose of it: so nothing is built twice.
-//! It takes the machine as it is: what is missing is installed. `Cargo.lock` is part of the project: a step that would have
-//! to change it fails.
+//! Two lanes run side by side: the board's images with the virtual boards, and the rest. A step that passed on this machine with the same
+//! content does not run again ([`kept`]). Most steps run on everything that builds on a PC, whatever they then choose of it, and Clippy is
+//! the compiler: so nothing is built twice. The check takes the machine as it is: what is missing is installed. `Cargo.lock` is part of the
+//! project: a step that would have to change it fails.
 
-use std::path::Path;
-use std::process::Command;
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::sync::atomic::Ordering;
 use std::time::Instant;
+use std::{env, fs, thread};
 
-use crate::run::{self, Failure, cargo, everything, run, step};
+use crate::kept::{self, Packages};
+use crate::options::Options;
+use crate::run::{self, Failure, STOP, cargo, compile, everything, run, step};
 use crate::setup::{self, Ready, THUMB_TARGET};
-use crate::{board, count, homes, kept, no_panic, packages, page, python, qemu, recordings, rig, sums};
+use crate::{
+    board, builds, count, homes, no_panic, packages, page, platforms, python, qemu, readme, recordings, rig, rooms,
+};
 
-/// Runs every step.
-pub(crate) fn test() -> Result<(), Failure> {
+/// The steps of a lane.
+type Lane = fn(&Ready, &Packages) -> Result<(), Failure>;
+/// The lanes: the first of them runs in a process of its own beside the second.
+const LANES: [Lane; 2] = [boards, rest];
+/// What they are called.
+const NAMES: [&str; 2] = ["boards", "rest"];
+/// Is set for the lane that another process waits for. It has no terminal, so it installs nothing that somebody might refuse.
+pub(crate) const WAITED_FOR: &str = "HAPTIC_CHECK_LANE";
+
+/// Runs every step, or those of one lane.
+pub(crate) fn test(given: &Options<'_>) -> Result<(), Failure> {
     let start = Instant::now();
-    let ready = step("set-up", setup::setup)?;
-    step("format", format)?;
-    step("lints", || run(&mut lints()))?;
-    step("rooms", crate::rooms::rooms)?;
-    step("licences", crate::licences::licences)?;
-    step("sums", || sums::sums(&calls(&ready), false))?;
-    step("page", || page::browser().and_then(|()| page::page(false)))?;
-    step("rooms of the microcontroller", || run(&mut rooms_on_chip(&ready)))?;
-    step("documentation", || run(documentation().env("RUSTDOCFLAGS", "-D warnings")))?;
-    // Parts of the image that need no chip and the programs of examples/ included; the virtual boards come last.
-    step("tests, debug", || run(everything("test").args(["--exclude", "board-bench"])))?;
-    step("recordings", recordings::recordings)?;
-    step("golden traces, release", || run(&mut golden()))?;
-    step("no panic in the tick", || no_panic::no_panic(&ready))?;
-    // As a newcomer's first command builds it: the pages need it next.
-    let before = run::processor_s();
-    step("first picture", || run(&mut cargo(&["build", "--locked", "--release"])))?;
-    sums::took("the first build, s", run::processor_s().zip(before).map(|(now, then)| now - then))?;
-    step("README", || crate::readme::readme(true, None))?;
-    step("Python", python::python)?;
-    step("packages", packages::check)?;
-    step("instructions of one tick", || match count::obstacle() {
-        None => count::ticks(false),
-        Some(obstacle) => {
-            run::not_checked(&obstacle);
-            Ok(())
+    if given.flag("--anew") {
+        kept::anew();
+    }
+    let (ready, packages) = (step("set-up", setup::setup)?, Packages::read()?);
+    // Both lanes need programs of Debian's; only this one may ask.
+    if given.value("--lane").is_none() {
+        let _ = qemu::obstacle();
+    }
+    match given.value("--lane").map(|lane| NAMES.iter().position(|name| *name == lane).ok_or(lane)) {
+        None => both(given, &ready, &packages)?,
+        Some(Ok(lane)) => alone(LANES[lane], &ready, &packages)?,
+        Some(Err(lane)) => {
+            return Err(Failure::usage(format!(
+                "--lane {lane} is not allowed: it must be one of {}",
+                NAMES.join(", ")
+            )));
         }
+    }
+    let spent = run::processor_s().map_or(String::new(), |spent| format!(", {spent:.0} s of processor time"));
+    eprintln!("every step passed in {:.0} s{spent}", start.elapsed().as_secs_f64());
+    Ok(())
+}
+
+/// Runs the second lane, and beside it the first, whose words are printed when it has ended.
+fn both(given: &Options<'_>, ready: &Ready, packages: &Packages) -> Result<(), Failure> {
+    let words = board::target().join("check-boards.txt");
+    let failed = |cause| Failure::new(format!("cannot begin the lane {}: {cause}", NAMES[0]));
+    fs::create_dir_all(board::target()).map_err(failed)?;
+    let mut lane = Command::new(env::current_exe().map_err(failed)?);
+    lane.args(["test", "--lane", NAMES[0]]).args(given.flag("--anew").then_some("--anew")).env(WAITED_FOR, "1");
+    let file = fs::File::create(&words).map_err(failed)?;
+    lane.stdin(Stdio::piped()).stdout(file.try_clone().map_err(failed)?).stderr(file);
+    let mut lane = lane.spawn().map_err(failed)?;
+    eprintln!("    beside this: the lane {}, which writes to {}", NAMES[0], words.display());
+    // While this is open, the lane goes on.
+    let open = lane.stdin.take();
+    let ended = thread::spawn(move || {
+        let passed = lane.wait().is_ok_and(|status| status.success());
+        STOP.fetch_or(!passed, Ordering::Relaxed);
+        passed
+    });
+    let ours = alone(LANES[1], ready, packages);
+    if ours.is_err() {
+        drop(open);
+    }
+    let theirs = ended.join().unwrap_or(false);
+    eprintln!("==> the lane {}, from {}", NAMES[0], words.display());
+    eprint!("{}", String::from_utf8_lossy(&fs::read(&words).unwrap_or_default()));
+    match (ours, theirs) {
+        (Ok(()), false) => Err(Failure::new(format!("the lane {} failed (see above)", NAMES[0]))),
+        (ours, _) => ours,
+    }
+}
+
+/// Runs the steps of a lane and says what each took. A lane that somebody waits for begins no step after he has gone.
+fn alone(lane: Lane, ready: &Ready, packages: &Packages) -> Result<(), Failure> {
+    if env::var_os(WAITED_FOR).is_some() {
+        thread::spawn(|| {
+            let _ = std::io::stdin().read(&mut [0]);
+            STOP.store(true, Ordering::Relaxed);
+        });
+    }
+    let outcome = lane(ready, packages);
+    run::table();
+    outcome
+}
+
+/// All that is for the board's processor, the virtual boards last: their emulator takes minutes to build.
+fn boards(ready: &Ready, packages: &Packages) -> Result<(), Failure> {
+    let of = |name: &str, folders: &[&str], others: &[&str], work: &dyn Fn() -> Result<(), Failure>| {
+        kept::step(name, &packages.inputs(folders, others)?, work)
+    };
+    let chip = ["core", "protocol", "host-sim/environments"];
+    of("rooms of the microcontroller", &chip, &[], &|| compile(&mut rooms_on_chip(ready)))?;
+    of("no panic in the tick", &["firmware"], &[], &|| no_panic::no_panic(ready))?;
+    of("lints of the images", &["firmware", "tests/rig"], &[], &|| lints_of_images(ready))?;
+    of("virtual board", &["firmware", "tests/board", "tests/rig"], &["docs/hardware.md"], &|| {
+        virtual_board(ready, &board::images(ready)?)
     })?;
-    step("exchange cells under every interleaving", || run(&mut interleavings()))?;
-    step("second opinion", || second_opinion(&ready))?;
-    step("two homes behind routers", || match homes::obstacle() {
+    of("second opinion", &["host-sim"], &["tests/qemu"], &|| second_opinion(ready))
+}
+
+/// Everything else, cheapest first.
+fn rest(ready: &Ready, packages: &Packages) -> Result<(), Failure> {
+    let of = |name: &str, folders: &[&str], others: &[&str], work: &dyn Fn() -> Result<(), Failure>| {
+        kept::step(name, &packages.inputs(folders, others)?, work)
+    };
+    step("format", format)?;
+    step("rooms", || rooms::rooms(&calls(ready), false))?;
+    step("licences", crate::licences::licences)?;
+    step("page", || page::browser().and_then(|()| page::page(false)))?;
+    tests(packages)?;
+    let all: Vec<&str> = packages.folders().collect();
+    of("other platforms, lints of benches, documentation", &all, &[], &platforms::check)?;
+    of("recordings", &["host-sim"], &["tests/recordings"], &recordings::recordings)?;
+    of("Python", &["host-sim/python"], &["docs", "scenes", "examples"], &python::python)?;
+    of("packages", &["host-sim/python"], &[], &packages::check)?;
+    of("exchange cells under every interleaving", &["firmware"], &[], &|| {
+        compile(interleavings().arg("--no-run"))?;
+        run(&mut interleavings())
+    })?;
+    of("two homes behind routers", &["host-sim"], &[], &|| match homes::obstacle() {
         None => homes::homes(),
         Some(obstacle) => {
             run::not_checked(&obstacle);
             Ok(())
         }
     })?;
-    step("lints of the images", || lints_of_images(&ready))?;
-    step("virtual board", || {
-        let image = board::images(&ready)?;
-        match kept::passed(&image) {
-            Some(when) => {
-                eprintln!(
-                    "    virtual boards: image and bench are those that passed on {when}; `cargo xtask board-test` runs them"
-                );
-                Ok(())
-            }
-            None => virtual_board(&ready, &image),
-        }
+    // From here on what a newcomer's first command builds.
+    step("first build", || {
+        let before = run::processor_s();
+        compile(&mut first_build())?;
+        builds::took("the first build", run::processor_s().zip(before).map(|(now, then)| now - then))
     })?;
-    passed(start);
-    sums::took("cargo xtask test, s", run::processor_s())
+    step("README", || readme::readme(true, None))?;
+    step("golden traces, release", || {
+        compile(golden().arg("--no-run"))?;
+        run(&mut golden())
+    })?;
+    of("instructions of one tick", &["host-sim/cases"], &[], &|| match count::obstacle() {
+        None => count::ticks(false),
+        Some(obstacle) => {
+            run::not_checked(&obstacle);
+            Ok(())
+        }
+    })
+}
+
+/// Builds all tests in debug but those of the virtual boards, and runs each package's that is not known to pass. Parts of the image that need
+/// no chip and the programs of examples/ are included.
+fn tests(packages: &Packages) -> Result<(), Failure> {
+    let name = |folder: &str| format!("tests of {folder}");
+    // These two look at all there is.
+    let others = |folder: &str| if ["xtask", "tests/rig"].contains(&folder) { ["."].as_slice() } else { &[] };
+    let folders: Vec<&str> = packages.folders().filter(|folder| *folder != "tests/board").collect();
+    let inputs: Vec<_> =
+        folders.iter().map(|folder| packages.inputs(&[folder], others(folder))).collect::<Result<_, _>>()?;
+    let mut programs = Vec::new();
+    if folders.iter().zip(&inputs).any(|(folder, inputs)| kept::passed(&name(folder), inputs).is_none()) {
+        programs = step("tests, debug: build", build_tests)?;
+    }
+    for (folder, inputs) in folders.iter().zip(&inputs) {
+        let here = run::root().join(folder);
+        let own = programs.iter().filter(|(manifest, _)| manifest.parent() == Some(&here));
+        kept::step(&name(folder), inputs, || {
+            own.clone().try_for_each(|(_, program)| {
+                let mut test = run::command(&program.to_string_lossy(), &[]);
+                run(test.current_dir(&here).env("CARGO_MANIFEST_DIR", &here))
+            })
+        })?;
+    }
+    kept::step("tests of documentation", &packages.inputs(&["host-sim"], &[])?, || run(debug_tests().arg("--doc")))
+}
+
+/// The manifests and programs of all tests in debug, which are built.
+fn build_tests() -> Result<Vec<(PathBuf, PathBuf)>, Failure> {
+    let mut build = debug_tests();
+    build.args(["--no-run", "--message-format", "json-render-diagnostics"]);
+    eprintln!("    {}", run::spelled(&build));
+    let before = run::processor_s();
+    let built = run::output(&mut build)?;
+    run::compiled_since(before);
+    let field = |line: &str, name: &str| {
+        let (_, rest) = line.split_once(&format!("\"{name}\":\""))?;
+        Some(PathBuf::from(rest.split_once('"')?.0))
+    };
+    let tests = built.lines().filter(|line| line.contains("\"test\":true}"));
+    Ok(tests.filter_map(|line| field(line, "manifest_path").zip(field(line, "executable"))).collect())
 }
 
 /// What `cargo xtask test` has cargo compile, without the few crates of tests/qemu.
 pub(crate) fn calls(ready: &Ready) -> Vec<Command> {
-    let mut calls = vec![lints(), documentation(), everything("test"), golden(), interleavings()];
-    calls.extend([count::bench(), cargo(&["build", "--locked", "--package", "haptic-python"])]);
+    let mut calls = vec![first_build(), debug_tests(), golden(), interleavings(), count::bench()];
+    calls.extend([
+        board::bench(&["test"], Path::new("")),
+        run::linted(cargo(&["build", "--locked", "--package", "haptic-python"])),
+    ]);
+    calls.extend(platforms::calls());
     calls.push(rooms_on_chip(ready));
     for features in board::IMAGES {
         calls.push(board::build(ready, features));
@@ -83,56 +220,45 @@ pub(crate) fn calls(ready: &Ready) -> Vec<Command> {
     calls
 }
 
-/// Runs what tells soonest whether a small change is good: format, lints, who leans on whom, unit tests, golden traces.
+/// Runs what tells soonest whether a small change is good: format, who leans on whom, unit tests with lints, golden traces.
 pub(crate) fn quick() -> Result<(), Failure> {
-    let start = Instant::now();
     step("format", format)?;
-    step("lints", || run(&mut lints()))?;
-    step("rooms", crate::rooms::rooms)?;
+    step("rooms", || rooms::rooms(&[], false))?;
     step("unit tests", || run(everything("test").args(["--lib", "--bins"])))?;
-    step("golden traces", || run(everything("test").args(["--test", "golden"])))?;
-    passed(start);
-    Ok(())
-}
-
-fn passed(start: Instant) {
-    let spent = run::processor_s().map_or(String::new(), |spent| format!(", {spent:.0} s of processor time"));
-    eprintln!("every step passed in {:.0} s{spent}", start.elapsed().as_secs_f64());
+    step("golden traces", || run(everything("test").args(["--test", "golden"])))
 }
 
 fn format() -> Result<(), Failure> {
     run(&mut cargo(&["fmt", "--all", "--check"])).map_err(|failure| advice(&failure, "`cargo fmt --all` mends it"))
 }
 
-/// Clippy on everything.
-pub(crate) fn lints() -> Command {
-    let mut lints = everything("clippy");
-    lints.args(["--all-targets", "--", "-D", "warnings"]);
-    lints
+/// Everything that builds on a PC but the virtual boards, whose emulator takes minutes.
+pub(crate) fn debug_tests() -> Command {
+    let mut tests = everything("test");
+    tests.args(["--exclude", "board-bench"]);
+    tests
 }
 
 /// Core, protocol and the roles of the environments for the microcontroller. As the image is: what they need is not built twice.
-pub(crate) fn rooms_on_chip(ready: &Ready) -> Command {
+fn rooms_on_chip(ready: &Ready) -> Command {
     let mut build = ready.cargo(&["build", "--locked", "--profile", "firmware", "--target", THUMB_TARGET]);
     build.args(["--package", "haptic-core", "--package", "haptic-protocol"]);
     build.args(["--package", "haptic-environments", "--no-default-features"]);
     build
 }
 
-/// Documentation of the libraries.
-pub(crate) fn documentation() -> Command {
-    cargo(&["doc", "--locked", "--no-deps"])
+/// A newcomer's first build.
+pub(crate) fn first_build() -> Command {
+    cargo(&["build", "--locked", "--release"])
 }
 
-/// The golden traces as a release computes them: the same bits in every build.
-pub(crate) fn golden() -> Command {
-    let mut golden = everything("test");
-    golden.args(run::AS_RELEASED).args(["--test", "golden"]);
-    golden
+/// The golden traces as a release computes them, on what the first build has compiled: the same bits in every build.
+fn golden() -> Command {
+    cargo(&["test", "--locked", "--release", "--test", "golden"])
 }
 
 /// The memory that interrupt and tasks share, under loom, which runs every order that its operations can have.
-pub(crate) fn interleavings() -> Command {
+fn interleavings() -> Command {
     let mut loom = everything("test");
     loom.args(["--features", "firmware/loom", "--test", "interleavings"]);
     loom
@@ -153,12 +279,12 @@ fn lints_of_images(ready: &Ready) -> Result<(), Failure> {
         run::not_checked("the images, their toolchain is Debian's");
         return Ok(());
     }
-    board::IMAGES.into_iter().try_for_each(|features| run(&mut lints_of_image(ready, features)))?;
-    run(rig::build(ready, "clippy").args(["--", "-D", "warnings"]))
+    board::IMAGES.into_iter().try_for_each(|features| compile(&mut lints_of_image(ready, features)))?;
+    compile(rig::build(ready, "clippy").args(["--", "-D", "warnings"]))
 }
 
 /// Clippy on the image with these features.
-pub(crate) fn lints_of_image(ready: &Ready, features: &[&str]) -> Command {
+fn lints_of_image(ready: &Ready, features: &[&str]) -> Command {
     let mut lints = ready.cargo(&["clippy", "--locked", "--profile", "firmware", "--package", "firmware"]);
     lints.args(["--bin", "firmware", "--target", THUMB_TARGET]).args(features).args(["--", "-D", "warnings"]);
     lints
@@ -170,13 +296,17 @@ pub(crate) fn board_test() -> Result<(), Failure> {
     step("virtual board", || virtual_board(&ready, &board::images(&ready)?))
 }
 
-/// The release image on virtual boards, beside the rig's first: last, because their emulator takes minutes to build.
+/// The release image on virtual boards, beside the rig's first.
 fn virtual_board(ready: &Ready, image: &Path) -> Result<(), Failure> {
+    compile(&mut board::bench(&["test", "--no-run"], image))?;
     step("rig, virtual", || rig::on_virtual_boards(ready, image, &[]))?;
-    run(&mut board::bench(&["test"], image))?;
-    kept::keep(image)
+    run(&mut board::bench(&["test"], image))
 }
 
 fn advice(failure: &Failure, advice: &str) -> Failure {
     Failure::new(format!("{failure}; {advice}"))
 }
+
+#[cfg(test)]
+#[path = "../tests/inside/test.rs"]
+mod tests;
