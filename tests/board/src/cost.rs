@@ -4,9 +4,8 @@
 //! loop, and nothing else the tick, which ends long before the loop's next run: so what lies between the two is their own. Not cycles:
 //! those the emulator does not know.
 
-use rigless::emulator::Hit;
-
 use crate::image::Firmware;
+use crate::node::Hit;
 
 /// Interrupt of the tick.
 pub const TICK: &str = "TIM6_DAC";

@@ -19,6 +19,8 @@ pub struct Firmware {
     pub statements: BTreeMap<u16, String>,
     /// Bytes of every section that has any, by address.
     contents: BTreeMap<u64, Vec<u8>>,
+    /// Boards with it are not answered from what others did, and none from what they do.
+    pub(crate) alone: bool,
 }
 
 /// Where `cargo build --release -p firmware --target thumbv7em-none-eabihf` leaves it; `HAPTIC_FIRMWARE` names another.
@@ -59,7 +61,14 @@ impl Firmware {
             sections,
             statements,
             contents,
+            alone: false,
         }
+    }
+
+    /// The same for boards that are each emulated from power-on on, whatever others were told.
+    #[must_use]
+    pub fn alone(self) -> Self {
+        Self { alone: true, ..self }
     }
 
     /// The image under test.

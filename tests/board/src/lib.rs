@@ -15,7 +15,9 @@
 //! | [`partner`] | host-sim's live peer in place of the second board |
 //! | [`far`] | that peer far away, by the PC beside the board, a meeting place and a direct path |
 //! | [`pc`] | the operator's PC: ARP, and host-sim's operator |
-//! | [`node`] | one board on a thread of its own, stepped from outside |
+//! | [`node`] | one board in a process of its own, stepped from outside |
+//! | `memo` | boards that are booted once and forked |
+//! | `process` | processes that answer orders, and of which copies can be made: all that is unsafe |
 //! | [`power`] | power that goes while settings are saved |
 //! | [`docs`] | tables of docs/hardware.md that tests write |
 //! | [`log`] | what a board logged |
@@ -26,7 +28,7 @@
 //! What is emulated and what is not: instructions, interrupts, priorities, timers and their filters, flash and memory
 //! protection are; cycles, caches and bus contention are not. So bits, instruction counts and logic are evidence here, and
 //! execution times are not.
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 
 pub mod bench;
 pub mod budget;
@@ -35,11 +37,13 @@ pub mod docs;
 pub mod far;
 pub mod image;
 pub mod log;
+mod memo;
 pub mod node;
 pub mod part;
 pub mod partner;
 pub mod pc;
 pub mod power;
+mod process;
 pub mod reviewed;
 pub mod rig;
 pub mod stack;

@@ -1,35 +1,40 @@
-//! One board on a thread of its own, stepped from outside: run to an instant, say what happened, take what comes in.
+//! One board in a process of its own, stepped from outside: run to an instant, say what happened, take what comes in.
 //!
-//! The emulator calls back at the instant it was asked to reach; the thread then hands out what the board did and waits.
+//! The emulator calls back at the instant it was asked to reach; the process then hands out what the board did and waits.
 //! So several boards run at the same time, and everything between them is decided in one place, in order: runs are
-//! reproducible to the bit.
+//! reproducible to the bit, and a board that is told what another was need not run at all (`memo`).
 
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::cell::RefCell;
+use std::path::Path;
 use std::sync::{Arc, Mutex};
-use std::thread::JoinHandle;
 
-use rigless::emulator::{AccessKind, Driver, Hit, Host, Settled, Start, Stop, Watch, run};
+use rigless::emulator::{AccessKind, Driver, Host, Settled, Start, Stop, Watch, run};
+use rigless::image::Image;
 use rigless::mcu::Operate;
 use rigless::session::Session;
 use rigless::soc::Width;
 use rigless::time::VirtualNanos;
+use serde::{Deserialize, Serialize};
 
 use crate::image::Firmware;
+use crate::memo::Board;
 use crate::part::as5047p::{self, As5047p, ENCODERS};
 use crate::part::fdcan::BusFault;
 use crate::part::moteus::{Controller, Planted};
-use crate::part::motors::Motors;
+use crate::part::motors::{Motors, Period};
 use crate::part::pins::{self, Edge};
 use crate::part::rom;
 use crate::part::usb::host::{Found, Reader};
 use crate::part::{Bridges, Gate, MOTORS, Nucleo, Part};
+use crate::process::{answer, leave, order};
 
 /// What comes in at a stop, before the board goes on.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Serialize, Deserialize)]
 pub struct Inputs {
     /// Frames from the wire.
     pub frames: Vec<Vec<u8>>,
-    /// What hangs at the bridges from now on and moves by itself.
+    /// What hangs at the bridges from now on and moves by itself; it stays in this process.
+    #[serde(skip)]
     pub motors: Option<Option<Arc<Mutex<Motors>>>>,
     /// Where the device has moved the encoders.
     pub counts: Option<[i64; MOTORS]>,
@@ -80,7 +85,7 @@ pub struct Inputs {
 }
 
 /// What a board did up to a stop.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Serialize, Deserialize)]
 pub struct Stopped {
     /// Virtual time of the stop, ns.
     pub at: u64,
@@ -112,8 +117,19 @@ pub struct Stopped {
     pub analogue: u16,
 }
 
+/// A watched instruction was reached.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct Hit {
+    /// Its address.
+    pub address: u64,
+    /// When.
+    pub at: VirtualNanos,
+    /// Instructions that the board had run.
+    pub instruction_count: u64,
+}
+
 /// What the emulator could not do, or did although nobody modelled it: a test must not pass because of it.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Report {
     /// `kind what`, sorted, each once.
     pub lines: Vec<String>,
@@ -123,26 +139,47 @@ pub struct Report {
     pub frames: [u64; 3],
 }
 
+#[derive(Serialize, Deserialize)]
 enum Order {
-    Run(u64, Box<Inputs>),
+    /// Power comes on with these bytes in flash for board 1 or 2, or for a rig.
+    Begin {
+        segments: Vec<(u64, Vec<u8>)>,
+        number: usize,
+        rig: bool,
+    },
+    /// Until an instant, after this has come in; what hangs at the bridges may move by itself from now on, or no more.
+    Run {
+        until: u64,
+        moves: Option<bool>,
+        inputs: Box<Inputs>,
+    },
+    /// Whatever moves by itself has, for a PWM period.
+    Moved(Period),
     Finish,
 }
 
-/// The handle of a board's thread.
-#[derive(Debug)]
-pub struct Node {
-    orders: Sender<Order>,
-    stops: Receiver<Stopped>,
-    thread: JoinHandle<Report>,
+#[derive(Serialize, Deserialize)]
+enum Answer {
+    Stopped(Box<Stopped>),
+    /// A PWM period begins now, under this.
+    Moves(u64, Bridges),
+    Finished(Report),
+    Failed(String),
 }
 
+/// A board's handle.
+#[derive(Debug)]
+pub struct Node {
+    board: RefCell<Board>,
+    motors: RefCell<Option<Arc<Mutex<Motors>>>>,
+}
+
+#[derive(Default)]
 struct Stepper {
-    orders: Receiver<Order>,
-    stops: Sender<Stopped>,
     hits: Vec<Hit>,
     peeked: Vec<u32>,
-    /// What hangs at the bridges and moves by itself, and when its next PWM period begins, ns.
-    motors: Option<Arc<Mutex<Motors>>>,
+    /// What hangs at the bridges moves by itself, and its next PWM period begins then, ns.
+    moves: bool,
     next: Option<u64>,
     /// When the bench wants to hear of the board, ns.
     until: u64,
@@ -162,10 +199,10 @@ const BREAK_NS: u64 = 275;
 impl Stepper {
     /// The PWM period that begins now, if one does; the next stop.
     fn periods(&mut self, part: &mut Part, at: VirtualNanos) {
-        if let (Some(motors), Some(next)) = (&self.motors, &mut self.next)
-            && *next <= at.0
-        {
-            part.period(at, &mut motors.lock().expect("nobody panics with it"));
+        if let Some(next) = self.next.as_mut().filter(|next| **next <= at.0) {
+            let bridges = part.bridges(at);
+            let Order::Moved(period) = told(&Answer::Moves(at.0, bridges)) else { leave() };
+            part.period(at, period);
             *next += PWM_NS;
         }
     }
@@ -178,7 +215,9 @@ impl Stepper {
 impl Driver<Nucleo> for Stepper {
     fn on_settled(&mut self, _: &mut Session<Nucleo>, _: &mut dyn Host, settled: Settled) {
         match (settled, &mut self.edges) {
-            (Settled::Hit(hit), _) => self.hits.push(hit),
+            (Settled::Hit(rigless::emulator::Hit { address, at, instruction_count, .. }), _) => {
+                self.hits.push(Hit { address, at, instruction_count });
+            }
             (Settled::Access { access, value }, Some(edges)) if access.kind == AccessKind::Write => {
                 edges.extend(pins::written(access.virtual_time.0, access.address, value));
             }
@@ -214,9 +253,11 @@ impl Driver<Nucleo> for Stepper {
             heard: part.console(&[]),
             analogue: part.analogue(stop.at),
         };
-        self.stops.send(stopped).ok()?;
-        let Ok(Order::Run(until, inputs)) = self.orders.recv() else { return None };
-        let inputs = *inputs;
+        let Order::Run { until, moves, inputs } = told(&Answer::Stopped(Box::new(stopped))) else {
+            say(&Answer::Finished(report(session)));
+            leave();
+        };
+        let (inputs, part) = (*inputs, &mut session.board_mut().part);
         if let Some(cable) = inputs.cable {
             part.plug(stop.at, cable);
         }
@@ -265,11 +306,9 @@ impl Driver<Nucleo> for Stepper {
         if let Some(works) = inputs.noise {
             part.noise(stop.at, works);
         }
-        if let Some(motors) = inputs.motors {
-            self.motors = motors;
-        }
-        if self.motors.is_none() || self.next.is_none() || core::mem::replace(&mut self.resets, resets) != resets {
-            self.next = self.motors.as_ref().and_then(|_| part.next_update(stop.at));
+        self.moves = moves.unwrap_or(self.moves);
+        if !self.moves || self.next.is_none() || core::mem::replace(&mut self.resets, resets) != resets {
+            self.next = self.moves.then(|| part.next_update(stop.at)).flatten();
         }
         self.until = until;
         if let Some(counts) = inputs.counts {
@@ -328,51 +367,103 @@ impl Node {
     }
 
     fn start(firmware: Arc<Firmware>, number: usize, rig: bool) -> Self {
-        let (orders, their_orders) = channel();
-        let (their_stops, stops) = channel();
-        let thread = std::thread::spawn(move || {
-            let mut board = Nucleo::new(number).expect("the emulator knows this part");
-            if rig {
-                board.part.attach_console();
-            }
-            let session = Session::new(Box::new(board), 0, VirtualNanos(1000)).expect("a session");
-            let stepper = Stepper {
-                orders: their_orders,
-                stops: their_stops,
-                hits: Vec::new(),
-                peeked: Vec::new(),
-                motors: None,
-                next: None,
-                until: 0,
-                broken: None,
-                resets: 0,
-                edges: rig.then(Vec::new),
-            };
-            let images = [firmware.image.clone(), rom::image()];
-            let mut finished = run(session, &Start::new(&images), stepper).expect("the emulator runs the image");
-            report(&mut finished.session)
-        });
-        let node = Self { orders, stops, thread };
+        let node = Self { board: Board::new(serve, firmware.alone).into(), motors: None.into() };
+        let segments = firmware.image.segments().map(|(at, bytes)| (at, bytes.to_vec())).collect();
+        node.tell(&Order::Begin { segments, number, rig });
         // The first stop, 1 µs in, has nothing to tell.
         node.wait();
         node
     }
 
+    fn tell(&self, order: &Order) {
+        self.board.borrow_mut().tell(bytes(order));
+    }
+
+    /// Its next answer that is not about what hangs at its bridges.
+    fn hear(&self) -> Answer {
+        loop {
+            let answer = self.board.borrow_mut().hear();
+            match of(&answer) {
+                Answer::Moves(at, bridges) => {
+                    let motors = self.motors.borrow();
+                    let motors = motors.as_ref().expect("it moves");
+                    let period = motors.lock().expect("nobody panics with it").period(at, &bridges);
+                    self.tell(&Order::Moved(period));
+                }
+                Answer::Failed(why) => panic!("{why}"),
+                answer => return answer,
+            }
+        }
+    }
+
     /// Lets the board run until `until_ns`; [`Node::wait`] says when it is there.
-    pub fn run(&self, until_ns: u64, inputs: Inputs) {
-        self.orders.send(Order::Run(until_ns, Box::new(inputs))).expect("the board runs");
+    pub fn run(&self, until: u64, mut inputs: Inputs) {
+        let motors = inputs.motors.take();
+        let moves = motors.as_ref().map(Option::is_some);
+        if let Some(motors) = motors {
+            self.motors.replace(motors);
+        }
+        self.tell(&Order::Run { until, moves, inputs: Box::new(inputs) });
     }
 
     /// Waits for the stop.
     pub fn wait(&self) -> Stopped {
-        self.stops.recv().expect("the board runs")
+        let Answer::Stopped(stopped) = self.hear() else { panic!("it was told to run") };
+        *stopped
+    }
+
+    /// All that it was told and answered, in bytes, the last first; and how many answers of the first were another board's.
+    pub fn told(&self) -> (Vec<(Vec<u8>, Option<Vec<u8>>)>, usize) {
+        self.board.borrow().told()
+    }
+
+    /// Boards that are told what this one was so far go on from here.
+    pub fn checkpoint(&self) {
+        self.board.borrow().checkpoint();
     }
 
     /// Ends the board's run and gives its report.
     pub fn finish(self) -> Report {
-        let _ = self.orders.send(Order::Finish);
-        self.thread.join().expect("the board's thread ends well")
+        self.tell(&Order::Finish);
+        let Answer::Finished(report) = self.hear() else { panic!("it was told to finish") };
+        report
     }
+}
+
+fn bytes(message: &impl Serialize) -> Vec<u8> {
+    postcard::to_stdvec(message).expect("it has a form")
+}
+
+fn of<'a, T: Deserialize<'a>>(bytes: &'a [u8]) -> T {
+    postcard::from_bytes(bytes).expect("both ends are one program")
+}
+
+fn say(message: &Answer) {
+    answer(&bytes(message));
+}
+
+fn told(message: &Answer) -> Order {
+    say(message);
+    of(&order())
+}
+
+/// Runs a board in this process, as it is told.
+fn serve() -> ! {
+    std::panic::set_hook(Box::new(|panic| {
+        say(&Answer::Failed(panic.to_string()));
+        leave();
+    }));
+    let Order::Begin { segments, number, rig } = of(&order()) else { leave() };
+    let mut board = Nucleo::new(number).expect("the emulator knows this part");
+    if rig {
+        board.part.attach_console();
+    }
+    let session = Session::new(Box::new(board), 0, VirtualNanos(1000)).expect("a session");
+    let image = |(at, bytes)| Image::new(Path::new("flash"), bytes, Some(at)).expect("bytes at an address");
+    let images: Vec<Image> = segments.into_iter().map(image).chain([rom::image()]).collect();
+    let stepper = Stepper { edges: rig.then(Vec::new), ..Stepper::default() };
+    let ended = run(session, &Start::new(&images), stepper);
+    panic!("the emulator ended: {:?}", ended.err());
 }
 
 fn report(session: &mut Session<Nucleo>) -> Report {

@@ -39,7 +39,8 @@ const PAINT: u32 = 0x5EA1_AB1E;
 
 /// Boards, wire and PC on one clock.
 pub struct Bench {
-    nodes: Vec<Node>,
+    /// The boards.
+    pub nodes: Vec<Node>,
     /// The wire between boards and PC.
     pub wire: Wire,
     /// The PC that operates the boards.
@@ -141,7 +142,13 @@ impl Bench {
         for number in 1..=boards {
             bench.meet(number);
         }
+        bench.checkpoint();
         bench
+    }
+
+    /// Boards that are told what these were so far go on from here.
+    pub(super) fn checkpoint(&self) {
+        self.nodes.iter().for_each(Node::checkpoint);
     }
 
     /// From here on every stop is in the middle between two ticks: after power-on, and after a reset, which begins whenever it does.

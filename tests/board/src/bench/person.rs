@@ -296,5 +296,6 @@ impl Bench {
             let first = self.armed_ticks(number).first().expect("its first ticks are here");
             assert!(self.nodes.len() == 1 || first.flags() & ENGAGED != 0, "board {number} is not engaged");
         }
+        self.checkpoint();
     }
 }

@@ -10,6 +10,7 @@ use rigless::device::Level;
 use rigless::snapshot::Store;
 use rigless::soc::stm32h743::peripherals::gpio::Pin;
 use rigless::soc::stm32h743::peripherals::spi::Select;
+use serde::{Deserialize, Serialize};
 
 /// Registers: errors, diagnosis, angle.
 const ERRFL: u16 = 0x0001;
@@ -25,7 +26,7 @@ const STRONG: u16 = 1 << 10;
 const WELL: u16 = 1 << 8 | 0x80;
 
 /// What is wrong with it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Planted {
     /// Nothing.
     #[default]
@@ -49,7 +50,7 @@ pub enum Planted {
 }
 
 /// Model of the encoder.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct As5047p {
     /// What is wrong with it.
     pub planted: Planted,

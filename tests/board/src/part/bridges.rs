@@ -3,11 +3,12 @@
 use rigless::mcu::Operate;
 use rigless::soc::Width;
 use rigless::time::VirtualNanos;
+use serde::{Deserialize, Serialize};
 
 use super::{MOTORS, Part};
 
 /// What the wiring has for a gate between PF3, PE14 and the amplifiers' enable, whose output goes back to PD15.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Gate {
     /// An AND of both, as docs/assembly.md wants it.
     #[default]
@@ -23,7 +24,7 @@ pub enum Gate {
 }
 
 /// What stands at the inputs of bridges or amplifiers, and at their enable line, at an instant.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Bridges {
     /// Compare values of the timer's channels: the legs of bridge 1, and those of bridge 2; or the first legs of three, and the gate.
     pub compare: [u16; 4],

@@ -17,6 +17,7 @@ use rigless::device::{Device, DeviceContext, ErasedDevice, RegisterFile, Request
 use rigless::soc::stm32h743::generated::fdcan1::Register;
 use rigless::soc::{RegisterSpec, Width};
 use rigless::time::{EventId, VirtualNanos};
+use serde::{Deserialize, Serialize};
 
 use super::moteus::Controller;
 
@@ -47,7 +48,7 @@ pub struct MessageMemory {
 }
 
 /// What is wrong with the bus.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum BusFault {
     /// Nothing.
     #[default]

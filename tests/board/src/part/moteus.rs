@@ -3,6 +3,8 @@
 //!
 //! Left out: everything that the image does not ask for, which gets no answer, and its own current loop: the torque is the one asked for.
 
+use serde::{Deserialize, Serialize};
+
 use super::fdcan::Frame;
 
 /// Its identifier.
@@ -22,7 +24,7 @@ const POSITION: u8 = 10;
 const TIMEOUT: u8 = 11;
 
 /// What it does wrong.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Planted {
     /// Nothing.
     #[default]
@@ -44,7 +46,7 @@ pub enum Planted {
 }
 
 /// Model of the controller.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Controller {
     /// What it does wrong.
     pub planted: Planted,

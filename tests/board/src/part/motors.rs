@@ -55,6 +55,10 @@ pub struct Motors {
     full_nm: f64,
 }
 
+/// Of a PWM period: what the converter's three inputs read at its beginning, where the encoders are at its end, and what their counters say at the
+/// index if they pass it.
+pub type Period = ([u16; 3], [i64; MOTORS], [Option<u16>; MOTORS]);
+
 /// Volts at the end of the converter's range, through the divider.
 const SUPPLY_SPAN_V: f64 = 36.3;
 /// By what a supply falls that is cut, s: 1000 µF and 2.2 kΩ.
@@ -165,12 +169,11 @@ impl Motors {
         self.next = Some((begins_ns, time_s));
     }
 
-    /// The PWM period that begins now: what the converter's three inputs read at its beginning, where the encoders are at its end, and
-    /// what their counters say at the index if they pass it.
+    /// The PWM period that begins now.
     ///
     /// # Panics
     /// It has three motors: a board with three has no current loop.
-    pub fn period(&mut self, now_ns: u64, bridges: &Bridges) -> ([u16; 3], [i64; MOTORS], [Option<u16>; MOTORS]) {
+    pub fn period(&mut self, now_ns: u64, bridges: &Bridges) -> Period {
         self.feed(PWM_S);
         let Body::Plane(plant) = &mut self.body else { panic!("three motors, and windings") };
         if let Some((_, time_s)) = self.next.take_if(|(begins_ns, _)| *begins_ns <= now_ns) {

@@ -4,9 +4,10 @@
 
 use rigless::device::Level;
 use rigless::soc::stm32h743::peripherals::gpio::Pin;
+use serde::{Deserialize, Serialize};
 
 /// A pin: its port, 0 for A, and its number there.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Place {
     /// The port.
     pub port: u8,
@@ -33,7 +34,7 @@ impl Place {
 }
 
 /// A level that a pin takes at an instant.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Edge {
     /// When, ns.
     pub at: u64,

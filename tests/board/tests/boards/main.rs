@@ -3,6 +3,7 @@
 //!
 //! | file | asks |
 //! |---|---|
+//! | [`forked`] | does a forked board do what one alone does? |
 //! | [`one_board`] | does it start with its outputs off, answer, arm, stop? |
 //! | [`keys`] | does it talk only to who holds the key? |
 //! | [`amplifiers`] | are amplifiers commanded no current before they are enabled and after? |
@@ -36,6 +37,7 @@ mod deadman;
 mod encoder_faults;
 mod far;
 mod faults;
+mod forked;
 mod impostor;
 mod keys;
 mod moteus;

@@ -31,7 +31,7 @@ fn scene() -> Scene {
 /// What two boards computed, one that drives its motor by this other scene, and one with a moteus, for so long.
 pub(crate) fn run(other: &Scene, seconds: u64) -> (Equal, MedianAndMost, Vec<Report>) {
     let scenes = [other, &scene()];
-    let images = [Firmware::release(), Firmware::moteus()].map(Arc::new);
+    let images = [Firmware::release(), Firmware::moteus().alone()].map(Arc::new);
     let mut bench = Bench::mixed(&images, trial::line(other).expect("a wire can do it"));
     bench.set_up_each(&scenes.map(Scene::clone)).expect("the boards take the scenes");
     bench.arm();

@@ -58,7 +58,7 @@ fn what_a_start_leaves_in_the_chip() {
     // DBGMCU_APB2FZ1: TIM1; DBGMCU_APB3FZ1: WWDG1; ADC1_JDR1: what a sensor in the middle of its range reads, at a multiple of 2¹².
     const REGISTERS: [u64; 3] = [0x5C00_104C, 0x5C00_1034, 0x4002_2080];
     let mut rows = Vec::new();
-    for (image, firmware) in [("one or two motors", Firmware::release()), ("three", Firmware::three_axes())] {
+    for (image, firmware) in [("one or two motors", Firmware::release()), ("three", Firmware::three_axes().alone())] {
         let three = image == "three";
         let mut bench = Bench::start(&Arc::new(firmware), 1, Line::default());
         let encoders = [&ENCODERS[..], if three { &THIRD } else { &[] }].concat();

@@ -12,7 +12,7 @@ const ASKED: [&str; 6] = ["tick-spacing", "break-by-fault", "break-by-stop", "en
 
 #[test]
 fn the_second_board_does_what_the_first_does() {
-    let mut rigged = rig::start(Firmware::second_board()).expect("both take it");
+    let mut rigged = rig::start(Firmware::second_board().alone()).expect("both take it");
     for name in ASKED {
         let found = test(&mut rigged, name);
         println!("{name}: {found:?}");

@@ -29,7 +29,7 @@ const PAUSE_NS: u64 = 350;
 /// What a board with the usual image and one with encoders on SPI computed, for so long, and the instructions of the latter's ticks.
 pub(crate) fn run(seconds: u64) -> (Equal, MedianAndMost) {
     let scene = breaks::scene(&[]);
-    let images = [Firmware::release(), Firmware::spi_encoders()].map(Arc::new);
+    let images = [Firmware::release(), Firmware::spi_encoders().alone()].map(Arc::new);
     let mut bench = Bench::mixed(&images, trial::line(&scene).expect("a wire can do it"));
     bench.set_up(&scene).expect("the boards take the scene");
     bench.arm();

@@ -110,7 +110,7 @@ fn it_holds_one_cube_with_a_board_on_ethernet_and_its_cable_out_is_a_cable_out()
     let mut scene = breaks::scene(&[]);
     // The operator is on the same cable: his lease outlasts it.
     scene.peer.safety.operator_lost_s = 1.5;
-    let images = [Firmware::release(), Firmware::usb()].map(Arc::new);
+    let images = [Firmware::release(), Firmware::usb().alone()].map(Arc::new);
     let mut bench = Bench::mixed(&images, trial::line(&scene).expect("a wire can do it"));
     bench.set_up(&scene).expect("the boards take the scene");
     bench.arm();

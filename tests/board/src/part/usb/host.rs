@@ -5,6 +5,8 @@
 
 use std::collections::VecDeque;
 
+use serde::{Deserialize, Serialize};
+
 /// From the reset of the bus to the device at full speed, ns: real PCs take 10 ms and more.
 pub(super) const RESET_NS: u64 = 2_000_000;
 const PACKET: usize = 64;
@@ -21,7 +23,7 @@ pub(super) enum Token {
 }
 
 /// Who is at the serial port.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Reader {
     /// Nobody has opened it.
     #[default]
@@ -33,7 +35,7 @@ pub enum Reader {
 }
 
 /// What was found at the cable.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Found {
     /// Of whom, and what.
     pub vendor_product: (u16, u16),
