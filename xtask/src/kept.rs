@@ -49,6 +49,17 @@ impl Packages {
         self.leans.keys().map(String::as_str)
     }
 
+    /// A step that tests these packages and reads these other files or folders, unless it passed with what they hold.
+    pub(crate) fn step(
+        &self,
+        name: &str,
+        packages: &[&str],
+        others: &[&str],
+        work: impl FnOnce() -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
+        step(name, &self.inputs(packages, others)?, work)
+    }
+
     /// The inputs of a step that tests these packages and reads these other files or folders, `.` for all.
     pub(crate) fn inputs(&self, packages: &[&str], others: &[&str]) -> Result<Inputs, Failure> {
         let mut folders: BTreeSet<&str> = packages.iter().copied().collect();

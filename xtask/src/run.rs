@@ -163,6 +163,14 @@ pub(crate) fn not_checked(obstacle: &str) {
     eprintln!("    NOT CHECKED: {obstacle}");
 }
 
+/// Does this, or says why it cannot be done here.
+pub(crate) fn unless(obstacle: Option<String>, work: impl FnOnce() -> Result<(), Failure>) -> Result<(), Failure> {
+    obstacle.map_or_else(work, |obstacle| {
+        not_checked(&obstacle);
+        Ok(())
+    })
+}
+
 /// Fails where `CI` is set, and elsewhere says what is left out and why.
 pub(crate) fn due_in_ci(obstacle: String) -> Result<(), Failure> {
     if std::env::var_os("CI").is_some() {

@@ -101,45 +101,33 @@ fn alone(lane: Lane, ready: &Ready, packages: &Packages) -> Result<(), Failure> 
 
 /// All that is for the board's processor, the virtual boards last: their emulator takes minutes to build.
 fn boards(ready: &Ready, packages: &Packages) -> Result<(), Failure> {
-    let of = |name: &str, folders: &[&str], others: &[&str], work: &dyn Fn() -> Result<(), Failure>| {
-        kept::step(name, &packages.inputs(folders, others)?, work)
-    };
     let chip = ["core", "protocol", "host-sim/environments"];
-    of("rooms of the microcontroller", &chip, &[], &|| compile(&mut rooms_on_chip(ready)))?;
-    of("no panic in the tick", &["firmware"], &[], &|| no_panic::no_panic(ready))?;
-    of("lints of the images", &["firmware", "tests/rig"], &[], &|| lints_of_images(ready))?;
-    of("virtual board", &["firmware", "tests/board", "tests/rig"], &["docs/hardware.md"], &|| {
+    packages.step("rooms of the microcontroller", &chip, &[], || compile(&mut rooms_on_chip(ready)))?;
+    packages.step("no panic in the tick", &["firmware"], &[], || no_panic::no_panic(ready))?;
+    packages.step("lints of the images", &["firmware", "tests/rig"], &[], || lints_of_images(ready))?;
+    packages.step("virtual board", &["firmware", "tests/board", "tests/rig"], &["docs/hardware.md"], || {
         virtual_board(ready, &board::images(ready)?)
     })?;
-    of("second opinion", &["host-sim"], &["tests/qemu"], &|| second_opinion(ready))
+    packages.step("second opinion", &["host-sim"], &["tests/qemu"], || second_opinion(ready))
 }
 
 /// Everything else, cheapest first.
 fn rest(ready: &Ready, packages: &Packages) -> Result<(), Failure> {
-    let of = |name: &str, folders: &[&str], others: &[&str], work: &dyn Fn() -> Result<(), Failure>| {
-        kept::step(name, &packages.inputs(folders, others)?, work)
-    };
     step("format", format)?;
     step("rooms", || rooms::rooms(&calls(ready), false))?;
     step("licences", crate::licences::licences)?;
     step("page", || page::browser().and_then(|()| page::page(false)))?;
     tests(packages)?;
     let all: Vec<&str> = packages.folders().collect();
-    of("other platforms, lints of benches, documentation", &all, &[], &platforms::check)?;
-    of("recordings", &["host-sim"], &["tests/recordings"], &recordings::recordings)?;
-    of("Python", &["host-sim/python"], &["docs", "scenes", "examples"], &python::python)?;
-    of("packages", &["host-sim/python"], &[], &packages::check)?;
-    of("exchange cells under every interleaving", &["firmware"], &[], &|| {
+    packages.step("other platforms, lints of benches, documentation", &all, &[], platforms::check)?;
+    packages.step("recordings", &["host-sim"], &["tests/recordings"], recordings::recordings)?;
+    packages.step("Python", &["host-sim/python"], &["docs", "scenes", "examples"], python::python)?;
+    packages.step("packages", &["host-sim/python"], &[], packages::check)?;
+    packages.step("exchange cells under every interleaving", &["firmware"], &[], || {
         compile(interleavings().arg("--no-run"))?;
         run(&mut interleavings())
     })?;
-    of("two homes behind routers", &["host-sim"], &[], &|| match homes::obstacle() {
-        None => homes::homes(),
-        Some(obstacle) => {
-            run::not_checked(&obstacle);
-            Ok(())
-        }
-    })?;
+    packages.step("two homes behind routers", &["host-sim"], &[], || run::unless(homes::obstacle(), homes::homes))?;
     // From here on what a newcomer's first command builds.
     step("first build", || {
         let before = run::processor_s();
@@ -151,12 +139,8 @@ fn rest(ready: &Ready, packages: &Packages) -> Result<(), Failure> {
         compile(golden().arg("--no-run"))?;
         run(&mut golden())
     })?;
-    of("instructions of one tick", &["host-sim/cases"], &[], &|| match count::obstacle() {
-        None => count::ticks(false),
-        Some(obstacle) => {
-            run::not_checked(&obstacle);
-            Ok(())
-        }
+    packages.step("instructions of one tick", &["host-sim/cases"], &[], || {
+        run::unless(count::obstacle(), || count::ticks(false))
     })
 }
 
