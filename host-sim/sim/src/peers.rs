@@ -212,7 +212,7 @@ pub trait Number: Builds<1, AXES> + Builds<2, 2> + Builds<3, 3> {}
 
 /// Implements [`Builds`] for a number type. The first form takes the constructor from a field of [`Maker`], so every law of every family is
 /// compiled in this type, here and once. The second form is for types that no command computes in: a program that uses one compiles its peers
-/// itself (`#[inline]`), for the axes that it uses, and has the laws of core alone.
+/// itself (`#[inline]`), for the axes that it uses, and for core's laws alone.
 macro_rules! numbers {
     ($($Number:ty: $field:ident),+) => {
         $(

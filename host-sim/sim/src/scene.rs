@@ -121,8 +121,12 @@ impl Scene {
     /// Whether runs with other seeds may be other runs: something is drawn, what becomes of packets or the noise of the power stage's
     /// converters, or the law is not one of core's, which draws nothing.
     pub fn draws(&self) -> bool {
-        let from_outside = || self.laws.outside().any(|name| name == self.peer.coordination.comm);
-        self.draws_packets() || self.world.plant.winding || from_outside()
+        self.draws_packets() || self.world.plant.winding || self.has_outside_law()
+    }
+
+    /// Whether the scene's law is not one of core's.
+    pub(crate) fn has_outside_law(&self) -> bool {
+        self.laws.outside().any(|name| name == self.peer.coordination.comm)
     }
 
     /// A hash (FNV-1a, 32 bits) of all settings but the network's seed, to tell scenes from each other.

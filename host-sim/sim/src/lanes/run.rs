@@ -5,6 +5,7 @@ use haptic_core::settings::Refused;
 use super::kinds::kinds;
 use super::number::{F32s, F64s, LANES, Lanes, lanes_left};
 use super::pairs::Pairs;
+use crate::AXES;
 use crate::of_axes;
 use crate::peers::{Builds, Number};
 use crate::run::{Accounts, Begun, Options, Outcome, Run, Ticked, Until, run_from};
@@ -18,6 +19,9 @@ const FEWEST: usize = if cfg!(target_feature = "avx512f") { 3 } else { 9 };
 pub trait InLanes: Run {
     /// The type that holds a number for each lane.
     type Lanes: Lanes<Alone = Self> + Number;
+    /// Whether there are lanes for a scene like this. Others run alone.
+    #[doc(hidden)]
+    fn has_lanes(scene: &Scene) -> bool;
     /// [`run_group`] in these lanes. Compiled here, once and optimised, and not wherever it is called.
     #[doc(hidden)]
     fn run_group(scenes: &[&Scene], options: Options, how: How) -> Result<Vec<Outcome>, Refused<'static>>;
@@ -35,22 +39,33 @@ pub struct How {
     pub until: Until,
 }
 
-macro_rules! in_lanes {
-    ($($(#[$inline:meta])? $Number:ty: $Lanes:ty),+) => {
-        $(impl InLanes for $Number {
-            type Lanes = $Lanes;
-            $(#[$inline])?
-            fn run_group(scenes: &[&Scene], options: Options, how: How) -> Result<Vec<Outcome>, Refused<'static>> {
-                of_axes!(scenes[0], run_group::<$Lanes>(scenes, options, how))
-            }
-            fn run_alone(scene: &Scene, options: Options, until: Until) -> Result<Outcome, Refused<'static>> {
-                of_axes!(scene, run_alone::<Self>(scene, options, until))
-            }
-        })+
-    };
+impl InLanes for f64 {
+    type Lanes = F64s;
+    fn has_lanes(_: &Scene) -> bool {
+        true
+    }
+    fn run_group(scenes: &[&Scene], options: Options, how: How) -> Result<Vec<Outcome>, Refused<'static>> {
+        of_axes!(scenes[0], run_group::<F64s>(scenes, options, how))
+    }
+    fn run_alone(scene: &Scene, options: Options, until: Until) -> Result<Outcome, Refused<'static>> {
+        of_axes!(scene, run_alone::<Self>(scene, options, until))
+    }
 }
-// Commands have f64 in lanes: a program that has f32 in lanes compiles them.
-in_lanes!(#[inline] f32: F32s, f64: F64s);
+
+/// No command has f32 in lanes. A program that does compiles them, for core's laws along one axis.
+impl InLanes for f32 {
+    type Lanes = F32s;
+    fn has_lanes(scene: &Scene) -> bool {
+        scene.peer.axis.shared == 1 && !scene.has_outside_law()
+    }
+    #[inline]
+    fn run_group(scenes: &[&Scene], options: Options, how: How) -> Result<Vec<Outcome>, Refused<'static>> {
+        run_group::<F32s, 1, AXES>(scenes, options, how)
+    }
+    fn run_alone(scene: &Scene, options: Options, until: Until) -> Result<Outcome, Refused<'static>> {
+        of_axes!(scene, run_alone::<Self>(scene, options, until))
+    }
+}
 
 /// Runs all scenes for `duration_s` (s); gives, to the last bit, what [`crate::run::run`] does for each; nothing is recorded.
 ///
@@ -81,7 +96,7 @@ pub fn run_as<S: InLanes>(how: How, scenes: &[Scene], duration_s: f64) -> Result
     let (groups, mut alone) = kinds(scenes);
     let mut outcomes: Vec<Option<Outcome>> = scenes.iter().map(|_| None).collect();
     for group in groups {
-        if group.len() < how.fewest {
+        if group.len() < how.fewest || !S::has_lanes(&scenes[group[0]]) {
             alone.extend(group);
             continue;
         }

@@ -114,7 +114,6 @@ fn random_scenes_of_several_axes_have_the_bits_that_they_have_alone() {
         }
         scene.check("random").unwrap_or_else(|error| panic!("{error}"));
     }
-    same::<f32>(&scenes);
     same::<f64>(&scenes);
 }
 
