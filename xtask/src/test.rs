@@ -162,7 +162,8 @@ fn tests(packages: &Packages) -> Result<(), Failure> {
         let own = programs.iter().filter(|(manifest, _)| manifest.parent() == Some(&here));
         kept::step(&name(folder), inputs, || {
             own.clone().try_for_each(|(_, program)| {
-                let mut test = run::command(&program.to_string_lossy(), &[]);
+                // Some have cargo build more.
+                let mut test = run::linted(run::command(&program.to_string_lossy(), &[]));
                 run(test.current_dir(&here).env("CARGO_MANIFEST_DIR", &here))
             })
         })?;
