@@ -15,6 +15,9 @@ const PATIENCE: Duration = Duration::from_millis(100);
 /// Processes that stay: they have some 25 MB each.
 const MOST: usize = 24;
 
+/// Orders with their answers, and how many answers of the first of them were another board's.
+pub(crate) type Told = (Vec<(Vec<u8>, Option<Vec<u8>>)>, usize);
+
 /// An order, after all before it.
 #[derive(Debug)]
 struct Step {
@@ -74,18 +77,20 @@ impl Step {
     /// This order after that step, and whether it is for the one that asks to bring its answer.
     fn next(self: &Arc<Self>, order: Vec<u8>, live: bool) -> (Arc<Self>, bool) {
         let mut now = self.now();
-        while !live {
-            let like = now.after.iter().filter_map(Weak::upgrade).find(|step| step.order == order && step.comes());
-            if let Some(step) = like {
-                return (step, false);
-            }
-            if now.parked.is_some() || now.here == 0 {
-                break;
-            }
-            let (then, waited) = self.changed.wait_timeout(now, PATIENCE).expect("nobody panics with it");
-            now = then;
-            if waited.timed_out() {
-                break;
+        if !live {
+            loop {
+                let like = now.after.iter().filter_map(Weak::upgrade).find(|step| step.order == order && step.comes());
+                if let Some(step) = like {
+                    return (step, false);
+                }
+                if now.parked.is_some() || now.here == 0 {
+                    break;
+                }
+                let (then, waited) = self.changed.wait_timeout(now, PATIENCE).expect("nobody panics with it");
+                now = then;
+                if waited.timed_out() {
+                    break;
+                }
             }
         }
         let step = Self::new(Some(self.clone()), order, Now { awaited: Some(current().id()), ..Now::default() });
@@ -181,7 +186,7 @@ impl Board {
     }
 
     /// All orders and answers, the last first; and how many answers of the first were another's.
-    pub(crate) fn told(&self) -> (Vec<(Vec<u8>, Option<Vec<u8>>)>, usize) {
+    pub(crate) fn told(&self) -> Told {
         let steps = std::iter::successors(Some(&self.at), |step| step.before.as_ref());
         (steps.map(|step| (step.order.clone(), step.now().answer.clone())).collect(), self.others)
     }

@@ -17,7 +17,7 @@ use rigless::time::VirtualNanos;
 use serde::{Deserialize, Serialize};
 
 use crate::image::Firmware;
-use crate::memo::Board;
+use crate::memo::{self, Board};
 use crate::part::as5047p::{self, As5047p, ENCODERS};
 use crate::part::fdcan::BusFault;
 use crate::part::moteus::{Controller, Planted};
@@ -413,7 +413,7 @@ impl Node {
     }
 
     /// All that it was told and answered, in bytes, the last first; and how many answers of the first were another board's.
-    pub fn told(&self) -> (Vec<(Vec<u8>, Option<Vec<u8>>)>, usize) {
+    pub fn told(&self) -> memo::Told {
         self.board.borrow().told()
     }
 
