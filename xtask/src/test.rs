@@ -31,7 +31,7 @@ pub(crate) const WAITED_FOR: &str = "HAPTIC_CHECK_LANE";
 
 /// Runs every step, or those of one lane.
 pub(crate) fn test(given: &Options<'_>) -> Result<(), Failure> {
-    let start = Instant::now();
+    let (start, before) = (Instant::now(), run::machine_s());
     if given.flag("--anew") {
         kept::anew();
     }
@@ -50,7 +50,9 @@ pub(crate) fn test(given: &Options<'_>) -> Result<(), Failure> {
             )));
         }
     }
-    let spent = run::processor_s().map_or(String::new(), |spent| format!(", {spent:.0} s of processor time"));
+    let spent = run::machine_s().zip(before).map(|(now, then)| now - then);
+    let spent =
+        spent.map_or(String::new(), |spent| format!("; {spent:.0} s of processor time on this machine meanwhile"));
     eprintln!("every step passed in {:.0} s{spent}", start.elapsed().as_secs_f64());
     Ok(())
 }
