@@ -4,7 +4,7 @@
 //! So several boards run at the same time, and everything between them is decided in one place, in order: runs are
 //! reproducible to the bit, and a board that is told what another was need not run at all (`memo`).
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::path::Path;
 use std::sync::{Arc, Mutex};
 
@@ -17,11 +17,11 @@ use rigless::time::VirtualNanos;
 use serde::{Deserialize, Serialize};
 
 use crate::image::Firmware;
-use crate::memo::{self, Board};
+use crate::memo::{Board, Told};
 use crate::part::as5047p::{self, As5047p, ENCODERS};
 use crate::part::fdcan::BusFault;
 use crate::part::moteus::{Controller, Planted};
-use crate::part::motors::{Motors, Period};
+use crate::part::motors::{Act, Felt, Made, Motors};
 use crate::part::pins::{self, Edge};
 use crate::part::rom;
 use crate::part::usb::host::{Found, Reader};
@@ -33,7 +33,7 @@ use crate::process::{answer, leave, order};
 pub struct Inputs {
     /// Frames from the wire.
     pub frames: Vec<Vec<u8>>,
-    /// What hangs at the bridges from now on and moves by itself; it stays in this process.
+    /// What hangs at the bridges from now on and moves by itself: there is another in the board's process.
     #[serde(skip)]
     pub motors: Option<Option<Arc<Mutex<Motors>>>>,
     /// Where the device has moved the encoders.
@@ -103,6 +103,8 @@ pub struct Stopped {
     pub resets: usize,
     /// What the words asked for held when the board went on.
     pub peeked: Vec<u32>,
+    /// Of what hangs at the bridges and moves by itself.
+    pub felt: Option<Felt>,
     /// When the bridges' timer updates next, ns.
     pub update: Option<u64>,
     /// What the PC read at the board's serial port by USB.
@@ -147,39 +149,46 @@ enum Order {
         number: usize,
         rig: bool,
     },
-    /// Until an instant, after this has come in; what hangs at the bridges may move by itself from now on, or no more.
+    /// Until an instant, after this has come in.
     Run {
         until: u64,
-        moves: Option<bool>,
+        hangs: Hangs,
         inputs: Box<Inputs>,
     },
-    /// Whatever moves by itself has, for a PWM period.
-    Moved(Period),
     Finish,
 }
 
 #[derive(Serialize, Deserialize)]
 enum Answer {
     Stopped(Box<Stopped>),
-    /// A PWM period begins now, under this.
-    Moves(u64, Bridges),
     Finished(Report),
     Failed(String),
+}
+
+/// What hangs at the bridges and moves by itself, of all that did so far; the last of these may be new. And what was done to it.
+#[derive(Default, Serialize, Deserialize)]
+struct Hangs {
+    which: Option<usize>,
+    made: Option<Made>,
+    acts: Vec<Act>,
 }
 
 /// A board's handle.
 #[derive(Debug)]
 pub struct Node {
     board: RefCell<Board>,
-    motors: RefCell<Option<Arc<Mutex<Motors>>>>,
+    /// What has hung at its bridges and moves by itself, and what does.
+    motors: RefCell<Vec<Arc<Mutex<Motors>>>>,
+    hangs: Cell<Option<usize>>,
 }
 
 #[derive(Default)]
 struct Stepper {
     hits: Vec<Hit>,
     peeked: Vec<u32>,
-    /// What hangs at the bridges moves by itself, and its next PWM period begins then, ns.
-    moves: bool,
+    /// What has hung at the bridges and moves by itself; what does, and when its next PWM period begins, ns.
+    motors: Vec<Motors>,
+    hangs: Option<usize>,
     next: Option<u64>,
     /// When the bench wants to hear of the board, ns.
     until: u64,
@@ -199,16 +208,23 @@ const BREAK_NS: u64 = 275;
 impl Stepper {
     /// The PWM period that begins now, if one does; the next stop.
     fn periods(&mut self, part: &mut Part, at: VirtualNanos) {
-        if let Some(next) = self.next.as_mut().filter(|next| **next <= at.0) {
-            let bridges = part.bridges(at);
-            let Order::Moved(period) = told(&Answer::Moves(at.0, bridges)) else { leave() };
-            part.period(at, period);
+        if let (Some(hangs), Some(next)) = (self.hangs, &mut self.next)
+            && *next <= at.0
+        {
+            part.period(at, &mut self.motors[hangs]);
             *next += PWM_NS;
         }
     }
 
     fn next_stop(&self) -> VirtualNanos {
         VirtualNanos([self.next, self.broken].into_iter().flatten().fold(self.until, u64::min))
+    }
+}
+
+/// Does it with what is given, if it is.
+fn given<T>(input: Option<T>, does: impl FnOnce(T)) {
+    if let Some(input) = input {
+        does(input);
     }
 }
 
@@ -248,77 +264,55 @@ impl Driver<Nucleo> for Stepper {
             hits: std::mem::take(&mut self.hits),
             peeked: std::mem::take(&mut self.peeked),
             resets,
+            felt: self.hangs.map(|hangs| self.motors[hangs].felt()),
             update: part.next_update(stop.at),
             edges: self.edges.as_mut().map_or_else(Vec::new, std::mem::take),
             heard: part.console(&[]),
             analogue: part.analogue(stop.at),
         };
-        let Order::Run { until, moves, inputs } = told(&Answer::Stopped(Box::new(stopped))) else {
+        let Order::Run { until, hangs, inputs } = told(&Answer::Stopped(Box::new(stopped))) else {
             say(&Answer::Finished(report(session)));
             leave();
         };
         let (inputs, part) = (*inputs, &mut session.board_mut().part);
-        if let Some(cable) = inputs.cable {
-            part.plug(stop.at, cable);
-        }
-        if let Some(reader) = inputs.reader {
-            part.read_serial(stop.at, reader);
-        }
-        if let Some(pressed) = inputs.press {
-            part.press_stop(stop.at, pressed);
-        }
-        if let Some(fails) = inputs.bridge_fails {
-            part.fail_bridge(stop.at, fails);
-        }
+        let at = stop.at;
+        given(inputs.cable, |cable| part.plug(at, cable));
+        given(inputs.reader, |reader| part.read_serial(at, reader));
+        given(inputs.press, |pressed| part.press_stop(at, pressed));
+        given(inputs.bridge_fails, |fails| part.fail_bridge(at, fails));
         if inputs.supply_dips {
-            part.dip_supply(stop.at);
+            part.dip_supply(at);
         }
         if inputs.press.is_some() || inputs.bridge_fails.is_some() || inputs.supply_dips {
-            self.broken = Some(stop.at.0 + BREAK_NS);
+            self.broken = Some(at.0 + BREAK_NS);
         }
-        if let Some(gate) = inputs.gate {
-            part.wire_gate(stop.at, gate);
-        }
-        if let Some((fault, errors)) = inputs.bus {
-            (part.can.fault, part.can.errors) = (fault, errors);
-        }
-        if let Some(planted) = inputs.controller {
-            part.can.controller.planted = planted;
-        }
-        if let Some(counts) = inputs.counts_per_rev {
-            part.can.controller.counts_per_rev = counts;
-        }
-        if let Some((joint, planted)) = inputs.encoder {
-            part.on_spi()[joint].planted = planted;
-        }
-        if let Some(misses) = inputs.misses {
-            part.converter.misses = misses;
-        }
+        given(inputs.gate, |gate| part.wire_gate(at, gate));
+        given(inputs.bus, |(fault, errors)| (part.can.fault, part.can.errors) = (fault, errors));
+        given(inputs.controller, |planted| part.can.controller.planted = planted);
+        given(inputs.counts_per_rev, |counts| part.can.controller.counts_per_rev = counts);
+        given(inputs.encoder, |(joint, planted)| part.on_spi()[joint].planted = planted);
+        given(inputs.misses, |misses| part.converter.misses = misses);
         if inputs.clock_stops {
-            part.stop_clock(stop.at);
+            part.stop_clock(at);
         }
         if inputs.clock_missing {
             part.miss_clock();
         }
-        if let Some(pressed) = inputs.button {
-            part.press_button(stop.at, pressed);
+        given(inputs.button, |pressed| part.press_button(at, pressed));
+        given(inputs.noise, |works| part.noise(at, works));
+        self.motors.extend(hangs.made.as_ref().map(Motors::again));
+        self.hangs = hangs.which;
+        if let Some(which) = self.hangs {
+            hangs.acts.into_iter().for_each(|act| self.motors[which].act(act));
         }
-        if let Some(works) = inputs.noise {
-            part.noise(stop.at, works);
-        }
-        self.moves = moves.unwrap_or(self.moves);
-        if !self.moves || self.next.is_none() || core::mem::replace(&mut self.resets, resets) != resets {
-            self.next = self.moves.then(|| part.next_update(stop.at)).flatten();
+        if self.hangs.is_none() || self.next.is_none() || core::mem::replace(&mut self.resets, resets) != resets {
+            self.next = self.hangs.and_then(|_| part.next_update(stop.at));
         }
         self.until = until;
-        if let Some(counts) = inputs.counts {
-            part.turn(stop.at, counts);
-        }
+        given(inputs.counts, |counts| part.turn(at, counts));
         part.play(stop.at, inputs.edges);
         part.console(&inputs.said);
-        if let Some(reads) = inputs.reads {
-            part.convert(stop.at, reads);
-        }
+        given(inputs.reads, |reads| part.convert(at, reads));
         if !inputs.frames.is_empty() {
             part.deliver(stop.at, inputs.frames);
         }
@@ -367,7 +361,8 @@ impl Node {
     }
 
     fn start(firmware: Arc<Firmware>, number: usize, rig: bool) -> Self {
-        let node = Self { board: Board::new(serve, firmware.alone).into(), motors: None.into() };
+        let node =
+            Self { board: Board::new(serve, firmware.alone).into(), motors: Vec::new().into(), hangs: None.into() };
         let segments = firmware.image.segments().map(|(at, bytes)| (at, bytes.to_vec())).collect();
         node.tell(&Order::Begin { segments, number, rig });
         // The first stop, 1 µs in, has nothing to tell.
@@ -379,41 +374,47 @@ impl Node {
         self.board.borrow_mut().tell(bytes(order));
     }
 
-    /// Its next answer that is not about what hangs at its bridges.
     fn hear(&self) -> Answer {
-        loop {
-            let answer = self.board.borrow_mut().hear();
-            match of(&answer) {
-                Answer::Moves(at, bridges) => {
-                    let motors = self.motors.borrow();
-                    let motors = motors.as_ref().expect("it moves");
-                    let period = motors.lock().expect("nobody panics with it").period(at, &bridges);
-                    self.tell(&Order::Moved(period));
-                }
-                Answer::Failed(why) => panic!("{why}"),
-                answer => return answer,
-            }
+        match of(&self.board.borrow_mut().hear()) {
+            Answer::Failed(why) => panic!("{why}"),
+            answer => answer,
         }
     }
 
     /// Lets the board run until `until_ns`; [`Node::wait`] says when it is there.
     pub fn run(&self, until: u64, mut inputs: Inputs) {
-        let motors = inputs.motors.take();
-        let moves = motors.as_ref().map(Option::is_some);
-        if let Some(motors) = motors {
-            self.motors.replace(motors);
+        let mut hangs = Hangs::default();
+        let mut all = self.motors.borrow_mut();
+        if let Some(motors) = inputs.motors.take() {
+            self.hangs.set(motors.map(|motors| {
+                let known = all.iter().position(|known| Arc::ptr_eq(known, &motors));
+                known.unwrap_or_else(|| {
+                    let made = motors.lock().expect("nobody panics with it").made.clone();
+                    assert_eq!(Motors::again(&made).made, made, "its keys say all of a scene");
+                    hangs.made = Some(made);
+                    all.push(motors);
+                    all.len() - 1
+                })
+            }));
         }
-        self.tell(&Order::Run { until, moves, inputs: Box::new(inputs) });
+        hangs.which = self.hangs.get();
+        if let Some(which) = hangs.which {
+            hangs.acts = std::mem::take(&mut all[which].lock().expect("nobody panics with it").acts);
+        }
+        self.tell(&Order::Run { until, hangs, inputs: Box::new(inputs) });
     }
 
     /// Waits for the stop.
     pub fn wait(&self) -> Stopped {
         let Answer::Stopped(stopped) = self.hear() else { panic!("it was told to run") };
+        if let Some((which, felt)) = self.hangs.get().zip(stopped.felt) {
+            self.motors.borrow()[which].lock().expect("nobody panics with it").feel(felt);
+        }
         *stopped
     }
 
-    /// All that it was told and answered, in bytes, the last first; and how many answers of the first were another board's.
-    pub fn told(&self) -> memo::Told {
+    /// All that it was told and answered, in bytes, the last first; and how many of the first orders other boards were told before.
+    pub fn told(&self) -> Told {
         self.board.borrow().told()
     }
 

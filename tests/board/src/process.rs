@@ -4,7 +4,7 @@
 //! nobody at the other end leaves: when the process that asks ends, however it does, none of these is left.
 #![allow(unsafe_code)]
 
-use std::io::{Error, ErrorKind, IoSlice, IoSliceMut, Read, Write};
+use std::io::{BufReader, Error, ErrorKind, IoSlice, IoSliceMut, Read, Write};
 use std::mem::MaybeUninit;
 use std::os::fd::AsFd;
 use std::os::unix::net::UnixStream;
@@ -21,7 +21,7 @@ static OWN: Mutex<Option<UnixStream>> = Mutex::new(None);
 
 /// The end at which a process is asked.
 #[derive(Debug)]
-pub(crate) struct Process(UnixStream);
+pub(crate) struct Process(BufReader<UnixStream>);
 
 impl Process {
     /// A process that does this.
@@ -32,7 +32,7 @@ impl Process {
             *OWN.lock().expect("nobody else is here") = Some(theirs);
             answers()
         }
-        Ok(Self(ours))
+        Ok(Self(BufReader::new(ours)))
     }
 
     /// A copy of it as it is now, between two orders.
@@ -42,18 +42,20 @@ impl Process {
         let mut with = SendAncillaryBuffer::new(&mut space);
         let end = [theirs.as_fd()];
         with.push(SendAncillaryMessage::ScmRights(&end));
-        sendmsg(&self.0, &[IoSlice::new(&[0; 4])], &mut with, SendFlags::empty())?;
-        Ok(Self(ours))
+        sendmsg(self.0.get_ref(), &[IoSlice::new(&[0; 4])], &mut with, SendFlags::empty())?;
+        Ok(Self(BufReader::new(ours)))
     }
 
     pub(crate) fn tell(&mut self, order: &[u8]) -> Result<(), Error> {
-        send(&mut self.0, order)
+        send(self.0.get_mut(), order)
     }
 
     pub(crate) fn hear(&mut self) -> Result<Vec<u8>, Error> {
         let mut length = [0; 4];
         self.0.read_exact(&mut length)?;
-        receive(&mut self.0, length)
+        let mut bytes = vec![0; u32::from_le_bytes(length) as usize];
+        self.0.read_exact(&mut bytes)?;
+        Ok(bytes)
     }
 }
 
@@ -66,18 +68,22 @@ fn next() -> Result<Vec<u8>, Error> {
     let mut own = OWN.lock().expect("nobody else is here");
     loop {
         let stream = own.as_mut().ok_or(ErrorKind::NotConnected)?;
-        let mut length = [0; 4];
+        // Most frames are here at once: there is never more than one on its way.
+        let mut here = [0; 1024];
         let mut space = [MaybeUninit::uninit(); rustix::cmsg_space!(ScmRights(1))];
         let mut with = RecvAncillaryBuffer::new(&mut space);
-        let flags = RecvFlags::WAITALL | RecvFlags::CMSG_CLOEXEC;
-        if recvmsg(&*stream, &mut [IoSliceMut::new(&mut length)], &mut with, flags)?.bytes < length.len() {
-            return Err(ErrorKind::UnexpectedEof.into());
-        }
+        let came = recvmsg(&*stream, &mut [IoSliceMut::new(&mut here)], &mut with, RecvFlags::CMSG_CLOEXEC)?.bytes;
+        let (length, begin) = here[..came].split_first_chunk().ok_or(ErrorKind::UnexpectedEof)?;
         let mut ends = with.drain().filter_map(|message| match message {
             RecvAncillaryMessage::ScmRights(ends) => Some(ends),
             _ => None,
         });
-        let Some(end) = ends.next().and_then(|mut ends| ends.next()) else { return receive(stream, length) };
+        let Some(end) = ends.next().and_then(|mut ends| ends.next()) else {
+            let mut bytes = begin.to_vec();
+            bytes.resize(u32::from_le_bytes(*length) as usize, 0);
+            stream.read_exact(&mut bytes[begin.len()..])?;
+            return Ok(bytes);
+        };
         // Copies that have left.
         while matches!(wait(WaitOptions::NOHANG), Ok(Some(_))) {}
         // Without one, the end is closed: who asked for it sees that.
@@ -95,12 +101,6 @@ pub(crate) fn answer(bytes: &[u8]) {
 
 fn send(stream: &mut UnixStream, bytes: &[u8]) -> Result<(), Error> {
     stream.write_all(&[&(bytes.len() as u32).to_le_bytes(), bytes].concat())
-}
-
-fn receive(stream: &mut UnixStream, length: [u8; 4]) -> Result<Vec<u8>, Error> {
-    let mut bytes = vec![0; u32::from_le_bytes(length) as usize];
-    stream.read_exact(&mut bytes)?;
-    Ok(bytes)
 }
 
 /// Whether this is the copy.

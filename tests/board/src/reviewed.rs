@@ -33,6 +33,17 @@ pub fn check(report: &Report) {
     assert!(unreviewed.is_empty(), "not modelled, and not in tests/board/reviewed.txt:\n{}", unreviewed.join("\n"));
 }
 
+/// [`check`] of boards that were never reset.
+///
+/// # Panics
+/// As [`check`]; or one was reset.
+pub fn check_all(reports: &[Report]) {
+    for report in reports {
+        assert_eq!(report.resets, Vec::<String>::new());
+        check(report);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

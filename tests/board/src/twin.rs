@@ -6,11 +6,12 @@
 //! then. [`replay`]: one board's recorded inputs go through the same code here, and the whole record must come out again,
 //! motor duties included.
 
+use std::array::from_fn;
 use std::collections::BTreeMap;
 
 use firmware_parts::record::{self, Record, digest};
 use haptic_core::contact::Contact;
-use haptic_core::device::{Reading, encoder::Counts, kinematics::AnySpatial, motor::Duty};
+use haptic_core::device::{AXES, Reading};
 use haptic_core::law::{AnyLaw, Packet};
 use haptic_core::num::Motion;
 use haptic_core::peer::{Observed, Peer, Sensors};
@@ -18,6 +19,7 @@ use haptic_core::safety::Command;
 use haptic_core::sample::OfAxis;
 use haptic_core::settings::Settings;
 use haptic_sim::pair::Pair;
+use haptic_sim::peers::Builds;
 use haptic_sim::plant::Plant;
 use haptic_sim::scene::Scene;
 
@@ -104,32 +106,65 @@ fn closed_loop_read(
     orders: &[(usize, u64, Command)],
     late: [bool; 2],
 ) -> Equal {
-    let mut pairs = scenes.map(|scene| Pair::<f32>::new(scene).expect("the boards took it"));
+    closed_loop_along::<1, AXES>(scenes, boards, [&[]; 2], orders, late)
+}
+
+/// [`closed_loop_given`] of an object that is shared along three axes: `further` are the boards' ticks along the second and the third.
+///
+/// # Panics
+/// host-sim refuses the scene.
+pub fn closed_loop_shared(scene: &Scene, boards: [Armed<'_>; 2], further: [&[Record]; 2]) -> Equal {
+    closed_loop_along::<3, 3>([scene; 2], boards, further, &[], [false; 2])
+}
+
+fn closed_loop_along<const SHARED: usize, const N: usize>(
+    scenes: [&Scene; 2],
+    boards: [Armed<'_>; 2],
+    further: [&[Record]; 2],
+    orders: &[(usize, u64, Command)],
+    late: [bool; 2],
+) -> Equal
+where
+    f32: Builds<SHARED, N>,
+{
+    let built = |scene| Pair::<f32, Plant<N>, SHARED, N>::build(scene).expect("the boards took it");
+    let mut pairs = scenes.map(built);
     let mut sides = pairs.each_mut().map(Pair::sides_mut);
     let mut sides = [0, 1].map(|at| sides[at].nth(at).expect("two sides"));
     // Nobody is there until he is heard.
     sides.iter_mut().for_each(|side| side.peer.part());
+    let told: [BTreeMap<(u32, u8), &Record>; 2] =
+        further.map(|records| records.iter().map(|record| ((record.tick(), record.axis()), record)).collect());
     let mut before_last = sides.each_ref().map(|side| side.plant.sensors::<f32>());
     let begin = boards.iter().map(|board| board.standing).max().unwrap_or(0) as u64;
     let before = boards.map(|board| begin - board.standing as u64);
     let ticks = boards.iter().zip(before).map(|(board, before)| board.records.len() as u64 + before).min().unwrap_or(0);
-    let mut sent: [Vec<Packet<f32>>; 2] = [Vec::new(), Vec::new()];
+    let mut sent: [Vec<[Packet<f32>; SHARED]>; 2] = Default::default();
     compare(
         |tick| {
             let mut same = true;
             for (at, (side, (board, before))) in sides.iter_mut().zip(boards.iter().zip(before)).enumerate() {
                 // One board is armed some ticks before the other.
                 let Some(at_board) = tick.checked_sub(before) else { continue };
-                let board = &board.records[at_board as usize];
-                if board.flags() & record::PARTED != 0 {
+                let first = &board.records[at_board as usize];
+                let along = |axis: usize| {
+                    if axis == 0 { Some(first) } else { told[at].get(&(first.tick(), axis as u8)).copied() }
+                };
+                if (0..SHARED).any(|axis| along(axis).is_none()) {
+                    return false;
+                }
+                let board: [&Record; SHARED] = from_fn(|axis| along(axis).unwrap_or(first));
+                if first.flags() & record::PARTED != 0 {
                     side.peer.part();
                 }
-                if let Some(packet) = board.incoming() {
-                    same &= sent[1 - at].iter().rev().take(LATEST).any(|sent| *sent == packet);
-                    side.peer.hear(&[packet]);
+                let incoming = board.map(Record::incoming);
+                if incoming.iter().all(Option::is_some) {
+                    let packets = incoming.map(Option::unwrap_or_default);
+                    same &= sent[1 - at].iter().rev().take(LATEST).any(|sent| *sent == packets);
+                    side.peer.hear(&packets);
                 }
                 if side.peer.packet_due() {
-                    sent[at].extend(side.peer.exchange().into_iter().flatten());
+                    sent[at].extend(side.peer.exchange());
                 }
                 for (_, _, order) in orders.iter().filter(|(board, before, _)| (*board, *before) == (at, tick)) {
                     side.peer.command(*order);
@@ -142,92 +177,16 @@ fn closed_loop_read(
                 if let Some(moving) = tick.checked_sub(begin) {
                     side.plant.step(moving as f64 * scenes[at].peer.timing.control_period_s, &actuators);
                 }
-                same &= sensors.reading == Reading::Counts(board.counts())
-                    && digest(&mut *side.peer) == board.digest()
-                    && actuators.duties == board.duties();
-            }
-            same
-        },
-        ticks,
-    )
-}
-
-/// A peer of host-sim that shares three axes, with its device.
-struct SharedAxesPeer {
-    peer: Peer<f32, AnyLaw<f32>, 3, 3, AnySpatial<f32>>,
-    plant: Plant<3>,
-    /// What it has sent.
-    sent: Vec<[Packet<f32>; 3]>,
-}
-
-/// One tick of a board along three shared axes.
-struct Each<'a>([&'a Record; 3]);
-
-impl Each<'_> {
-    fn counts(&self) -> [Counts; 3] {
-        self.0.map(|record| record.counts()[0])
-    }
-    fn duties(&self) -> [Duty; 3] {
-        self.0.map(|record| record.duties()[0])
-    }
-    fn incoming(&self) -> Option<[Packet<f32>; 3]> {
-        let [x, y, z] = self.0.map(Record::incoming);
-        Some([x?, y?, z?])
-    }
-}
-
-/// [`closed_loop_given`] of an object that is shared along three axes: `further` are the boards' ticks along the second and the third.
-///
-/// # Panics
-/// host-sim refuses the scene.
-pub fn closed_loop_shared(scene: &Scene, boards: [Armed<'_>; 2], further: [&[Record]; 2]) -> Equal {
-    let mut sides = [0, 1].map(|at| {
-        let plant = Plant::<3>::build(scene, at);
-        let in_the_world = |axis: Motion<f64>| Motion::at(axis.position as f32);
-        let mut peer: Peer<f32, AnyLaw<f32>, 3, 3, AnySpatial<f32>> =
-            Peer::build(&scene.peers()[at], plant.motions().map(in_the_world)).expect("the boards took it");
-        peer.command(Command::Arm);
-        // Nobody is there until he is heard.
-        peer.part();
-        SharedAxesPeer { peer, plant, sent: Vec::new() }
-    });
-    let told: [BTreeMap<(u32, u8), &Record>; 2] =
-        further.map(|records| records.iter().map(|record| ((record.tick(), record.axis()), record)).collect());
-    let begin = boards.iter().map(|board| board.standing).max().unwrap_or(0) as u64;
-    let before = boards.map(|board| begin - board.standing as u64);
-    let ticks = boards.iter().zip(before).map(|(board, before)| board.records.len() as u64 + before).min().unwrap_or(0);
-    compare(
-        |tick| {
-            let mut same = true;
-            for at in 0..2 {
-                // One board is armed some ticks before the other.
-                let Some(at_board) = tick.checked_sub(before[at]) else { continue };
-                let first = &boards[at].records[at_board as usize];
-                let (Some(second), Some(third)) = (told[at].get(&(first.tick(), 1)), told[at].get(&(first.tick(), 2)))
-                else {
-                    return false;
-                };
-                let board = Each([first, second, third]);
-                if first.flags() & record::PARTED != 0 {
-                    sides[at].peer.part();
-                }
-                if let Some(packets) = board.incoming() {
-                    same &= sides[1 - at].sent.iter().rev().take(LATEST).any(|sent| *sent == packets);
-                    sides[at].peer.hear(&packets);
-                }
-                let SharedAxesPeer { peer, plant, sent } = &mut sides[at];
-                if peer.packet_due() {
-                    sent.extend(peer.exchange());
-                }
-                let sensors = plant.sensors::<f32>();
-                let actuators = peer.tick(&sensors);
-                if let Some(moving) = tick.checked_sub(begin) {
-                    plant.step(moving as f64 * scene.peer.timing.control_period_s, &actuators);
-                }
-                same &= sensors.reading == Reading::Counts(board.counts())
-                    && digest(peer) == first.digest()
-                    && actuators.duties == board.duties()
-                    && peer.observed().into_iter().zip(board.0).all(|(seen, record)| *seen == record.observed());
+                // Along one axis a record has all joints; of several it has its own.
+                let joint = |joint: usize| if SHARED == 1 { (first, joint) } else { (board[joint], 0) };
+                let (counts, duties) = (
+                    from_fn(|nth| joint(nth).0.counts()[joint(nth).1]),
+                    from_fn(|nth| joint(nth).0.duties()[joint(nth).1]),
+                );
+                same &= sensors.reading == Reading::Counts(counts)
+                    && digest(&mut *side.peer) == first.digest()
+                    && actuators.duties == duties
+                    && side.peer.observed().into_iter().zip(board).all(|(seen, record)| *seen == record.observed());
             }
             same
         },

@@ -7,7 +7,7 @@ use haptic_core::device::velocity::VelocityName;
 use haptic_core::names::MotorDrive;
 use haptic_sim::scene::Scene;
 
-use crate::part::motors::{Motors, has_loop};
+use crate::part::motors::{Act, Motors, has_loop};
 use crate::part::{Bridges, MOTORS};
 
 /// PWM steps from no voltage to all of it on the board (firmware/src/board/bridges.rs).
@@ -46,10 +46,7 @@ impl Device {
     /// At `counts`, wherever it would be by itself.
     pub(super) fn at(scene: &Scene, index: usize, counts: [i64; MOTORS]) -> Self {
         let device = Self::new(scene, index);
-        let mut motors = device.motors();
-        motors.turn();
-        motors.counts = counts;
-        drop(motors);
+        device.motors().act(Act::At(counts));
         device
     }
 
@@ -67,7 +64,7 @@ impl Device {
     pub(super) fn step(&self, time_s: f64, bridges: &Bridges, begins_ns: u64) -> Option<[i64; MOTORS]> {
         let mut motors = self.motors();
         if motors.has_stage() {
-            motors.moves(begins_ns, time_s);
+            motors.act(Act::Moves(begins_ns, time_s));
             return None;
         }
         let (duties, enable) = if bridges.by_controller {

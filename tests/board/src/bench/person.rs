@@ -7,7 +7,7 @@
 //! coordination acting in full, as host-sim begins its own.
 
 use firmware_parts::record::ENGAGED;
-use haptic_core::num::Motion;
+use haptic_core::names::Choice;
 use haptic_core::settings::{Settings, Value};
 use haptic_sim::scene::{PlantFault, Scene};
 use host_sim::Error;
@@ -15,6 +15,7 @@ use host_sim::Error;
 use super::device::Device;
 use super::{Bench, PERIOD_NS};
 use crate::part::MOTORS;
+use crate::part::motors::Act;
 
 /// The lines that bring a board from whatever it has to `settings`.
 fn lines(settings: &Settings) -> Vec<String> {
@@ -97,7 +98,7 @@ impl Bench {
         let ticks_per_packet = u64::from(timing.ticks_per_packet);
         self.devices = boards.map(|(index, scene)| Some(Device::new(scene, index))).collect();
         for ((device, scene), inputs) in self.devices.iter().flatten().zip(scenes).zip(&mut self.inputs) {
-            inputs.counts = Some(device.motors().turn());
+            inputs.counts = Some(device.motors().counts);
             inputs.motors = Some(device.stage());
             inputs.counts_per_rev = Some(scene.peer.encoder.counts_per_rev);
         }
@@ -160,14 +161,9 @@ impl Bench {
     /// Moves the loose device of a board by hand along its first axis, evenly, and leaves it at rest.
     pub fn carry(&mut self, number: usize, metres: f64, ms: u64) {
         for _ in 0..ms {
-            let place = |device: &Device, further: f64| {
-                let mut motors = device.motors();
-                let motion = motors.free_axis();
-                *motion = Motion::at(motion.position + further);
-            };
-            place(&self.loose[number - 1], metres / ms as f64);
+            self.loose[number - 1].motors().act(Act::Carry(metres / ms as f64));
             self.step();
-            place(&self.loose[number - 1], 0.0);
+            self.loose[number - 1].motors().act(Act::Carry(0.0));
         }
     }
 
@@ -203,7 +199,7 @@ impl Bench {
     pub fn press_stop(&mut self, number: usize, pressed: bool) {
         self.input(number).press = Some(pressed);
         if let Some(device) = self.device(number) {
-            device.motors().cut_supply(pressed);
+            device.motors().act(Act::Cut(pressed));
         }
     }
 
@@ -218,8 +214,9 @@ impl Bench {
 
     /// Something goes wrong with the first joint of a board's (1 or 2) device, now.
     pub fn fail(&mut self, number: usize, fault: PlantFault) {
+        let which = PlantFault::ALL.iter().position(|known| *known == fault).expect("it is one of all");
         if let Some(device) = &self.devices[number - 1] {
-            device.motors().fail(fault);
+            device.motors().act(Act::Fails(which));
         }
     }
 

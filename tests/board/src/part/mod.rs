@@ -58,7 +58,7 @@ use encoder::EncoderTimer;
 use ethernet::{Dma, Mac};
 use fdcan::{Fdcan, MessageMemory};
 use iwdg::Iwdg;
-use motors::Period;
+use motors::Motors;
 use oscillator::Missing;
 use pins::{Edge, Place};
 use serial::Console;
@@ -354,7 +354,9 @@ impl Part {
     }
 
     /// What hangs at the bridges goes on by a PWM period, which begins now.
-    pub fn period(&mut self, at: VirtualNanos, (reads, counts, indexes): Period) {
+    pub fn period(&mut self, at: VirtualNanos, motors: &mut Motors) {
+        let bridges = self.bridges(at);
+        let (reads, counts, indexes) = motors.period(at.0, &bridges);
         self.convert(at, reads);
         // As the counters', whose edges of this period are still to come.
         let begins = self.encoders.each_ref().map(EncoderTimer::target);

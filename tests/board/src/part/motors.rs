@@ -1,16 +1,20 @@
 //! A device at a board's bridges: host-sim's plant, and its motors where it has windings.
 //!
 //! With windings ([`Motors::period`]) the node that runs the board calls it at every update of the bridges' timer, so that voltage, current,
-//! force, motion and back-EMF go round within the PWM period, by the very functions that host-sim's own drive calls. Without, the bench
-//! moves it once a control period under the duties that the bridges are commanded ([`Motors::step`]).
+//! force, motion and back-EMF go round within the PWM period, by the very functions that host-sim's own drive calls. It is made in the process of
+//! that node ([`Made`]), where everything is done to it that the bench does here ([`Act`]), and the bench knows of it what it says at a stop
+//! ([`Felt`]). Without, the bench moves it once a control period under the duties that the bridges are commanded ([`Motors::step`]).
 
 use haptic_core::device::encoder::Counts;
 use haptic_core::device::kinematics::KinematicsName;
 use haptic_core::device::{AXES, Reading, motor::Duty};
+use haptic_core::names::Choice;
 use haptic_core::num::Motion;
 use haptic_core::peer::Actuators;
+use haptic_sim::Laws;
 use haptic_sim::plant::{Held, Plant};
 use haptic_sim::scene::{DriveName, PlantFault, Scene};
+use serde::{Deserialize, Serialize};
 
 use super::{Bridges, MOTORS};
 
@@ -35,9 +39,34 @@ fn step<const N: usize>(plant: &mut Plant<N>, time_s: f64, duties: [Duty; MOTORS
     plant.step(time_s, &Actuators::<f32, N> { duties, enable, ..Actuators::default() });
 }
 
+/// A scene, key by key, and which of its peers.
+pub type Made = (Vec<String>, usize);
+
+/// Where the encoders are, how fast it moves along its first axis, m/s, and the supply of the bridges, V.
+pub type Felt = ([i64; MOTORS], f64, f64);
+
+/// What is done to a device.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub enum Act {
+    /// Its encoders are there, wherever it would be by itself.
+    At([i64; MOTORS]),
+    /// It is moved so far along its first axis, m, and stands there.
+    Carry(f64),
+    /// The control period that begins after an instant (ns) is the one at this time of the scene (s); before the first of these nothing moves.
+    Moves(u64, f64),
+    /// The emergency stop's second contact opens, or closes.
+    Cut(bool),
+    /// Something goes wrong with its first joint: which of [`PlantFault::ALL`].
+    Fails(usize),
+}
+
 /// The device behind a board's bridges.
 #[derive(Clone, Debug)]
 pub struct Motors {
+    /// What it is made of, and what was done to it that its board's node does not know of.
+    pub made: Made,
+    /// See [`Motors::made`].
+    pub acts: Vec<Act>,
     body: Body,
     /// Where its encoders are, and the 16 bits that they last gave.
     pub counts: [i64; MOTORS],
@@ -54,10 +83,6 @@ pub struct Motors {
     /// Torque at full current of a motor that turns as its controller counts, N·m.
     full_nm: f64,
 }
-
-/// Of a PWM period: what the converter's three inputs read at its beginning, where the encoders are at its end, and what their counters say at the
-/// index if they pass it.
-pub type Period = ([u16; 3], [i64; MOTORS], [Option<u16>; MOTORS]);
 
 /// Volts at the end of the converter's range, through the divider.
 const SUPPLY_SPAN_V: f64 = 36.3;
@@ -83,13 +108,50 @@ impl Motors {
             1.0
         };
         let full_nm = motor.newton_or_newton_metre_per_a * motor.full_scale_a * drum_m;
-        let (held, next, cut) = (None, None, false);
-        Self { body, counts: [0; MOTORS], read: [0; MOTORS], has_stage, held, next, supply_v, cut, full_nm }
+        let (held, next, cut, counts, read) = (None, None, false, [0; MOTORS], [0; MOTORS]);
+        let keys = scene.settings().into_iter().map(|(key, value)| format!("{key}={value}"));
+        let (made, acts) = ((keys.collect(), index), Vec::new());
+        let mut motors = Self { made, acts, body, counts, read, has_stage, held, next, supply_v, cut, full_nm };
+        motors.turn();
+        motors
     }
 
-    /// The emergency stop's second contact opens, or closes.
-    pub fn cut_supply(&mut self, cut: bool) {
-        self.cut = cut;
+    /// Another, of what one was made of.
+    ///
+    /// # Panics
+    /// No scene was.
+    pub fn again((keys, index): &Made) -> Self {
+        let mut scene = Scene::new(Laws::built_in());
+        keys.iter().for_each(|key| scene.apply_override(key).expect("a key of a scene"));
+        Self::new(&scene, *index)
+    }
+
+    /// Does this to it.
+    pub fn act(&mut self, act: Act) {
+        match act {
+            Act::At(counts) => self.counts = counts,
+            Act::Carry(metres) => {
+                let motion = self.free_axis();
+                *motion = Motion::at(motion.position + metres);
+            }
+            Act::Moves(begins_ns, time_s) => self.next = Some((begins_ns, time_s)),
+            Act::Cut(cut) => self.cut = cut,
+            Act::Fails(fault) => match &mut self.body {
+                Body::Plane(plant) => plant.fail(PlantFault::ALL[fault]),
+                Body::Space(plant) => plant.fail(PlantFault::ALL[fault]),
+            },
+        }
+        self.acts.push(act);
+    }
+
+    /// What there is to say of it.
+    pub fn felt(&mut self) -> Felt {
+        (self.counts, self.speed(), self.supply_v())
+    }
+
+    /// It is as that in its board's node is.
+    pub fn feel(&mut self, (counts, speed, supply_v): Felt) {
+        (self.counts, self.free_axis().velocity, self.supply_v[0]) = (counts, speed, supply_v);
     }
 
     /// Supply of the bridges, V.
@@ -115,7 +177,7 @@ impl Motors {
     }
 
     /// Where the encoders are now: the plant's 16-bit counts, unwrapped.
-    pub fn turn(&mut self) -> [i64; MOTORS] {
+    fn turn(&mut self) -> [i64; MOTORS] {
         let counts = match &self.body {
             Body::Plane(plant) => read(plant),
             Body::Space(plant) => read(plant),
@@ -149,31 +211,19 @@ impl Motors {
     }
 
     /// Its motion along the first axis.
-    pub fn free_axis(&mut self) -> &mut Motion<f64> {
+    fn free_axis(&mut self) -> &mut Motion<f64> {
         match &mut self.body {
             Body::Plane(plant) => plant.free_axis().0,
             Body::Space(plant) => plant.free_axis().0,
         }
     }
 
-    /// Something goes wrong with its first joint, now.
-    pub fn fail(&mut self, fault: PlantFault) {
-        match &mut self.body {
-            Body::Plane(plant) => plant.fail(fault),
-            Body::Space(plant) => plant.fail(fault),
-        }
-    }
-
-    /// The control period that begins after `begins_ns` is the one at `time_s` of the scene; before the first of these nothing moves.
-    pub fn moves(&mut self, begins_ns: u64, time_s: f64) {
-        self.next = Some((begins_ns, time_s));
-    }
-
-    /// The PWM period that begins now.
+    /// The PWM period that begins now: what the converter's three inputs read at its beginning, where the encoders are at its end, and
+    /// what their counters say at the index if they pass it.
     ///
     /// # Panics
     /// It has three motors: a board with three has no current loop.
-    pub fn period(&mut self, now_ns: u64, bridges: &Bridges) -> Period {
+    pub fn period(&mut self, now_ns: u64, bridges: &Bridges) -> ([u16; 3], [i64; MOTORS], [Option<u16>; MOTORS]) {
         self.feed(PWM_S);
         let Body::Plane(plant) = &mut self.body else { panic!("three motors, and windings") };
         if let Some((_, time_s)) = self.next.take_if(|(begins_ns, _)| *begins_ns <= now_ns) {

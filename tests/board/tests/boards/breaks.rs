@@ -25,18 +25,29 @@ const RCC_CR: u64 = 0x5802_4400;
 /// DBGMCU_APB3FZ1 (bit 6: the window watchdog) and DBGMCU_APB2FZ1 (bit 0: TIM1, whose outputs are off while it stands still).
 const FROZEN: [u64; 2] = [0x5C00_1034, 0x5C00_104C];
 
-/// The paper's passive wave for a board, and what else is set.
-pub(crate) fn scene(set: &[&str]) -> Scene {
-    let mut scene = scenes::load(haptic_sim::Laws::built_in(), "paper-5.2-passive-wave-16ms").expect("built in");
+/// A scene that is built in, and what else is set.
+pub(crate) fn built_in(name: &str, set: &[&str]) -> Scene {
+    let mut scene = scenes::load(haptic_sim::Laws::built_in(), name).expect("built in");
     set.iter().for_each(|text| scene.apply_override(text).expect("a good override"));
-    for_boards(&scene)
+    scene
+}
+
+/// The paper's passive wave for boards, and what else is set.
+pub(crate) fn scene(set: &[&str]) -> Scene {
+    for_boards(&built_in("paper-5.2-passive-wave-16ms", set))
+}
+
+/// Boards that have just been armed.
+pub(crate) fn just_armed(firmware: &Arc<Firmware>, boards: usize, line: Line, scene: &Scene) -> Bench {
+    let mut bench = Bench::start(firmware, boards, line);
+    bench.set_up(scene).expect("the boards take the scene");
+    bench.arm();
+    bench
 }
 
 /// A board alone that has been armed for 20 ms.
 pub(crate) fn armed(firmware: &Arc<Firmware>, scene: &Scene) -> Bench {
-    let mut bench = Bench::start(firmware, 1, Line::default());
-    bench.set_up(scene).expect("the board takes it");
-    bench.arm();
+    let mut bench = just_armed(firmware, 1, Line::default(), scene);
     bench.run_for_ms(20);
     bench
 }
@@ -50,7 +61,7 @@ pub(crate) fn arm_again(bench: &mut Bench, what: &str) -> bool {
     let mut answer = bench.ask(1, "arm");
     let is_checked = answer.starts_with("error check first: ");
     if is_checked {
-        assert_eq!(bench.check(1).map_err(|why| why.to_string()), Ok(()), "{what}");
+        bench.check(1).expect(what);
         answer = bench.ask(1, "arm");
     }
     assert_eq!(answer, "ok armed", "{what}");

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use board_bench::bench::{Bench, PERIOD_NS, STACK, for_boards};
+use board_bench::bench::{Bench, PERIOD_NS, STACK};
 use board_bench::budget::Measured;
 use board_bench::cost::{MedianAndMost, TICK};
 use board_bench::image::{self, Firmware};
@@ -13,9 +13,8 @@ use board_bench::stack::code::Code;
 use board_bench::stack::{EXCEPTION_FRAME, Stack};
 use board_bench::trial;
 use board_bench::wire::Line;
-use haptic_sim::scenes;
 
-use crate::{current_loop, moteus, spi_encoders, three_axes};
+use crate::{breaks, current_loop, moteus, spi_encoders, three_axes};
 
 /// Of the image's sections.
 fn memory(firmware: &Firmware, measured: &mut Measured) {
@@ -28,18 +27,14 @@ fn memory(firmware: &Firmware, measured: &mut Measured) {
 
 /// Of an armed tick, with every tick recorded, as it is while somebody watches at full rate.
 fn instructions(firmware: &Arc<Firmware>, measured: &mut Measured) {
-    let scene = |name: &str, set: &[&str]| {
-        let mut scene = scenes::load(haptic_sim::Laws::built_in(), name).expect("built in");
-        set.iter().for_each(|text| scene.apply_override(text).expect("a good override"));
-        scene
-    };
-    for (name, scene) in [
-        ("power", scene("paper-5.2-power-16ms", &[])),
-        ("wave", scene("paper-5.2-wave-16ms", &[])),
-        ("passive-wave", scene("paper-5.2-passive-wave-16ms", &[])),
-        ("passive-wave-2-axes", scene("paper-5.2-passive-wave-16ms", &["axis.count=2"])),
-        ("passive-wave-adaptive", scene("paper-5.2-passive-wave-16ms", &["axis.velocity=adaptive"])),
+    for (name, comm, set) in [
+        ("power", "power", &[][..]),
+        ("wave", "wave", &[]),
+        ("passive-wave", "passive-wave", &[]),
+        ("passive-wave-2-axes", "passive-wave", &["axis.count=2"]),
+        ("passive-wave-adaptive", "passive-wave", &["axis.velocity=adaptive"]),
     ] {
+        let scene = breaks::built_in(&format!("paper-5.2-{comm}-16ms"), set);
         let trial = trial::run(firmware, &scene, 2.0).expect("the boards run it");
         assert_eq!((trial.equal.first_difference, trial.ticks_missed), (None, 0), "{name}");
         measured.add(format!("tick_instructions_median.{name}"), trial.instructions.median);
@@ -186,11 +181,7 @@ fn beside(name: &str, measured: &mut Measured) {
 
 /// Two boards at work, every tick recorded and sent.
 fn stack(firmware: &Arc<Firmware>, measured: &mut Measured) {
-    let scene =
-        for_boards(&scenes::load(haptic_sim::Laws::built_in(), "paper-5.2-passive-wave-16ms").expect("built in"));
-    let mut bench = Bench::start(firmware, 2, Line::default());
-    bench.set_up(&scene).expect("the boards take it");
-    bench.arm();
+    let mut bench = breaks::just_armed(firmware, 2, Line::default(), &breaks::scene(&[]));
     bench.run_for_ms(1000);
     measured.add("stack_bytes.two-boards", bench.stack_used(1) as f64);
     bench.finish();

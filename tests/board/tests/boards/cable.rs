@@ -3,7 +3,6 @@
 
 use std::sync::Arc;
 
-use board_bench::bench::{Bench, for_boards};
 use board_bench::image::Firmware;
 use board_bench::twin::{self, Equal};
 use board_bench::wire::Line;
@@ -11,7 +10,8 @@ use board_bench::{docs, reviewed};
 use firmware_parts::record::{ENGAGED, Record};
 use haptic_board_tools::recording;
 use haptic_core::safety::Mode;
-use haptic_sim::scenes;
+
+use crate::breaks;
 
 fn largest_step(records: &[Record], of: impl Fn(&Record) -> f32) -> f32 {
     records.windows(2).map(|two| (of(&two[1]) - of(&two[0])).abs()).fold(0.0, f32::max)
@@ -20,13 +20,9 @@ fn largest_step(records: &[Record], of: impl Fn(&Record) -> f32) -> f32 {
 #[test]
 fn pulled_and_put_back() {
     let firmware = Arc::new(Firmware::release());
-    let mut scene =
-        for_boards(&scenes::load(haptic_sim::Laws::built_in(), "paper-5.2-passive-wave-16ms").expect("built in"));
     // The operator is on the same cable: his lease outlasts it.
-    scene.peer.safety.operator_lost_s = 1.0;
-    let mut bench = Bench::start(&firmware, 2, Line::default());
-    bench.set_up(&scene).expect("the boards take the scene");
-    bench.arm();
+    let scene = breaks::scene(&["safety.operator_lost_s=1"]);
+    let mut bench = breaks::just_armed(&firmware, 2, Line::default(), &scene);
     bench.run_for_ms(3000);
 
     // Board 2's cable stays in: its records tell what a peer does whose other one falls silent.
@@ -147,8 +143,5 @@ fn pulled_and_put_back() {
     }
     let head = "| when | board 2 | coordination force | its log | largest step of the hand's force in a tick |";
     docs::table("cable", head, &rows);
-    for report in bench.finish() {
-        assert_eq!(report.resets, Vec::<String>::new());
-        reviewed::check(&report);
-    }
+    reviewed::check_all(&bench.finish());
 }

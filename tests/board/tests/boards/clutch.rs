@@ -3,27 +3,27 @@
 
 use std::sync::Arc;
 
-use board_bench::bench::{Bench, for_boards};
+use board_bench::bench::for_boards;
 use board_bench::image::Firmware;
 use board_bench::trial;
 use board_bench::twin::{Equal, closed_loop_ordered};
 use haptic_core::safety::{Command, Mode};
 use haptic_sim::scenes;
 
+use crate::breaks;
+
 /// Steps of a duty, and of the encoder in the world's force, N: what a tick may change beside.
 const STEPS_N: f32 = 0.01;
 
 #[test]
 fn opened_and_closed_by_order_it_changes_the_force_by_no_more_than_its_share() {
-    let firmware = Arc::new(Firmware::release());
     let keys = ["network.jitter=none", "network.loss=0", "network.one_way_delay_packets=8"].map(str::to_owned);
     let scene = scenes::find(haptic_sim::Laws::built_in(), Some("leader-follower".as_ref()), &keys).expect("a scene");
     let scene = for_boards(&scene);
     let [leader, follower] = scene.peers();
     assert!((leader.scale.force, follower.scale.force) == (5.0, 1.0), "one of them is scaled");
-    let mut bench = Bench::start(&firmware, 2, trial::line(&scene).expect("a wire can do it"));
-    bench.set_up(&scene).expect("the boards take the scene");
-    bench.arm();
+    let line = trial::line(&scene).expect("a wire can do it");
+    let mut bench = breaks::just_armed(&Arc::new(Firmware::release()), 2, line, &scene);
     bench.run_for_ms(700);
     assert!(bench.ask(1, "clutch").starts_with("ok"));
     bench.run_for_ms(600);

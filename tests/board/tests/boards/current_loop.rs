@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use board_bench::bench::{Bench, CURRENT_LOOP, PERIOD_NS, for_boards};
+use board_bench::bench::{Bench, CURRENT_LOOP, PERIOD_NS};
 use board_bench::docs;
 use board_bench::image::Firmware;
 use board_bench::pc::{board_ip, board_mac, udp};
@@ -13,17 +13,13 @@ use board_bench::wire::Line;
 use firmware_parts::record::Record;
 use haptic_core::safety::Mode;
 use haptic_sim::scene::Scene;
-use haptic_sim::scenes;
 
+use crate::breaks;
 use crate::budgets::within;
 
 /// The paper's cube, both devices with windings. Without noise: the converter's steps are in both, and a board measures its sensors' zeros.
 pub(crate) fn scene(set: &[&str]) -> Scene {
-    let mut scene = scenes::load(haptic_sim::Laws::built_in(), "paper-5.2-passive-wave-16ms").expect("built in");
-    for set in CURRENT_LOOP.iter().chain(&["plant.current_noise_a=0"]).chain(set) {
-        scene.apply_override(set).expect("a good override");
-    }
-    for_boards(&scene)
+    breaks::scene(&[&CURRENT_LOOP[..], &["plant.current_noise_a=0"], set].concat())
 }
 
 #[test]
@@ -31,9 +27,7 @@ fn two_boards_with_windings_equal_host_sim() {
     let seconds = 2;
     let (firmware, scene) = (Arc::new(Firmware::release()), scene(&[]));
     let wall = std::time::Instant::now();
-    let mut bench = Bench::start(&firmware, 2, Line::default());
-    bench.set_up(&scene).expect("the boards take the scene");
-    bench.arm();
+    let mut bench = breaks::just_armed(&firmware, 2, Line::default(), &scene);
     bench.run_for_ms(1000 * seconds);
     println!("{seconds} s of two boards with windings in {:.1} s", wall.elapsed().as_secs_f64());
     let boards = [bench.armed_ticks(1), bench.armed_ticks(2)];
@@ -53,9 +47,7 @@ fn a_motor_that_is_held_goes_off_when_it_is_too_warm() {
     const THERMAL_S: f64 = 0.5;
     let set = ["user.1.push_n=2", "user.2.push_n=2", "motor.continuous_a=0.15", "motor.thermal_s=0.5"];
     let (firmware, scene) = (Arc::new(Firmware::release()), scene(&set));
-    let mut bench = Bench::start(&firmware, 2, Line::default());
-    bench.set_up(&scene).expect("the boards take the scene");
-    bench.arm();
+    let mut bench = breaks::just_armed(&firmware, 2, Line::default(), &scene);
     let off = (0..3000).find(|_| {
         bench.step();
         !bench.stopped[0].bridges.on()
@@ -125,9 +117,7 @@ fn tick_and_loop_are_in_time_whatever_else_goes_on() {
     const MS: usize = 250;
     // A flood drowns the operator, too: his lease outlasts it.
     let (firmware, scene) = (Arc::new(Firmware::release()), scene(&["safety.operator_lost_s=1"]));
-    let mut bench = Bench::start(&firmware, 2, Line::default());
-    bench.set_up(&scene).expect("the boards take the scene");
-    bench.arm();
+    let mut bench = breaks::just_armed(&firmware, 2, Line::default(), &scene);
     bench.count_instructions();
     let mut rows = vec![load(&mut bench, "armed, every tick recorded and sent")];
     assert!(bench.ask(1, "stream off").starts_with("ok"));

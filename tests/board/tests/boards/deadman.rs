@@ -2,11 +2,10 @@
 
 use std::sync::Arc;
 
-use board_bench::bench::{Bench, for_boards};
 use board_bench::image::Firmware;
 use board_bench::reviewed;
-use board_bench::wire::Line;
-use haptic_sim::scenes;
+
+use crate::breaks;
 
 /// b .; b .
 const FOR_EVER: u32 = 0xE7FE_E7FE;
@@ -23,11 +22,7 @@ const FROZEN: u64 = 0x5C00_1034;
 /// Nanoseconds from the last tick to the outputs being off, with this word at the start of a function of an armed board.
 fn off_after_ns(firmware: &Arc<Firmware>, function: &str, word: u32) -> u64 {
     const STEP_US: u64 = 10;
-    let scene = scenes::load(haptic_sim::Laws::built_in(), "paper-5.2-passive-wave-16ms").expect("built in");
-    let mut bench = Bench::start(firmware, 1, Line::default());
-    bench.set_up(&for_boards(&scene)).expect("the board takes it");
-    bench.arm();
-    bench.run_for_ms(20);
+    let mut bench = breaks::armed(firmware, &breaks::scene(&[]));
     // Nothing else here would show that one of them is missing.
     let bits = bench.peek(1, [SCOPE, FROZEN]);
     assert_eq!((bits[0] & 1, bits[1] >> 6 & 1), (1, 1), "it resets the whole chip, and halts with the processor");

@@ -3,12 +3,14 @@
 
 use std::sync::Arc;
 
-use board_bench::bench::{Bench, CURRENT_LOOP, for_boards};
+use board_bench::bench::{CURRENT_LOOP, for_boards};
 use board_bench::docs;
 use board_bench::image::Firmware;
 use board_bench::wire::Line;
 use haptic_sim::Laws;
 use haptic_sim::scene::{PlantFault, Scene};
+
+use crate::breaks;
 
 /// A device whose user pushes it with 3 N at 3 Hz, with motors in current loops and the limits of a board with its default settings.
 const DEVICE: [&str; 5] = [
@@ -45,9 +47,7 @@ fn encoders_that_fail_are_told() {
         let index = &INDEX[if fault == PlantFault::EncoderLoses { 0 } else { INDEX.len() }..];
         let keys: Vec<String> = [&CURRENT_LOOP[..], &DEVICE, index].concat().into_iter().map(str::to_owned).collect();
         let scene = for_boards(&Scene::load(Laws::built_in(), None, &keys).expect("a good scene"));
-        let mut bench = Bench::start(&firmware, 1, Line::default());
-        bench.set_up(&scene).expect("the boards take it");
-        bench.arm();
+        let mut bench = breaks::just_armed(&firmware, 1, Line::default(), &scene);
         let waited = (0..500).find(|_| {
             bench.step();
             bench.ticks > 200 && bench.speed(1).abs() > SPEED

@@ -13,7 +13,9 @@ use firmware_parts::record::ENGAGED;
 use haptic_core::safety::Mode;
 use haptic_meeting::Way;
 use haptic_meeting::bridge::Counts;
-use haptic_sim::scenes;
+
+use crate::bad_wire::PUSHES;
+use crate::breaks;
 
 fn far(bench: &mut Bench) -> &mut Far {
     bench.partner.as_mut().and_then(|partner| partner.far.as_mut()).expect("it is far away")
@@ -21,15 +23,9 @@ fn far(bench: &mut Bench) -> &mut Far {
 
 #[test]
 fn a_board_holds_one_object_with_a_peer_far_away_by_the_pc_beside_it() {
-    let firmware = Arc::new(Firmware::release());
-    let mut scene = scenes::load(haptic_sim::Laws::built_in(), "any-network").expect("built in");
-    for text in ["user.1.push_n=1", "user.2.push_n=1", "user.2.sine_n=0.25"] {
-        scene.apply_override(text).expect("a good override");
-    }
-    let scene = for_boards(&scene);
-    let mut bench = Bench::start(&firmware, 1, Line { delay_ns: 0, silent: false });
-    bench.set_up(&scene).expect("the board takes the scene");
-    bench.arm();
+    let scene = for_boards(&breaks::built_in("any-network", &PUSHES));
+    let line = Line { delay_ns: 0, silent: false };
+    let mut bench = breaks::just_armed(&Arc::new(Firmware::release()), 1, line, &scene);
     assert!(bench.ask(1, "status").contains("link calling"));
 
     // It is relayed, then direct; that path is cut, and found again.

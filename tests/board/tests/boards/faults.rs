@@ -4,7 +4,7 @@
 use std::cell::{Cell, RefCell};
 use std::sync::Arc;
 
-use board_bench::bench::{Bench, CURRENT_LOOP, for_boards};
+use board_bench::bench::{Bench, CURRENT_LOOP};
 use board_bench::docs;
 use board_bench::image::Firmware;
 use board_bench::part::Gate;
@@ -12,7 +12,6 @@ use board_bench::pc::{board_ip, board_mac, udp};
 use board_bench::wire::Line;
 use haptic_protocol::wire::Flow;
 use haptic_sim::scene::PlantFault;
-use haptic_sim::scenes;
 
 use crate::{amplifiers, breaks, impostor::Impostor, switch};
 
@@ -29,12 +28,11 @@ struct Campaign {
     set: &'static [&'static str],
     /// Board 1 has a hold-to-run switch, which is held.
     by_switch: bool,
-    /// Boards that got over the fault before, armed, and what they are besides: the next may come to them.
-    standing: Option<(Bench, Besides)>,
 }
 
-/// How many boards, what their scene is besides, and whether there is a switch.
-type Besides = (usize, &'static [&'static str], bool);
+/// Limits that are not the scene's.
+const LIMITS: [&str; 4] =
+    ["safety.peer_lost_s=0.096", "safety.max_speed_m_per_s=2", "safety.stuck_duty=0.02", "safety.max_hand_power_w=20"];
 
 /// What a fault is to come to.
 struct Expected {
@@ -49,30 +47,26 @@ struct Expected {
 }
 
 /// Something done to board 1, at a stop. Done again every millisecond until the outputs are off, with the number of it.
-type Fault<'a> = &'a dyn Fn(&mut Bench, &Firmware, u64);
+type Fault<'a> = &'a dyn Fn(&mut Bench, u64);
+
+/// What undoes it.
+type Mend<'a> = &'a dyn Fn(&mut Bench);
+
+/// Done in the first millisecond alone.
+fn once(fault: impl Fn(&mut Bench)) -> impl Fn(&mut Bench, u64) {
+    move |bench, ms| {
+        if ms == 1 {
+            fault(bench);
+        }
+    }
+}
 
 impl Campaign {
-    fn besides(&self, boards: usize) -> Besides {
-        (boards, self.set, self.by_switch)
-    }
-
-    /// Armed boards: those that stand there, if they are such, or others from power-on.
-    fn bench(&mut self, boards: usize) -> Bench {
-        let besides = self.besides(boards);
-        match self.standing.take() {
-            Some((bench, stand)) if stand == besides => return bench,
-            other => finish(other),
-        }
-        let mut scene = scenes::load(haptic_sim::Laws::built_in(), "paper-5.2-passive-wave-16ms").expect("built in");
-        scene.apply_override("safety.peer_lost_s=0.096").expect("a good override");
-        for limit in ["safety.max_speed_m_per_s=2", "safety.stuck_duty=0.02", "safety.max_hand_power_w=20"] {
-            scene.apply_override(limit).expect("a good override");
-        }
-        for set in self.set {
-            scene.apply_override(set).expect("a good override");
-        }
+    /// Armed boards.
+    fn bench(&self, boards: usize) -> Bench {
+        let scene = breaks::scene(&[&LIMITS[..], self.set].concat());
         let mut bench = Bench::start(&self.firmware, boards, Line::default());
-        bench.set_up(&for_boards(&scene)).expect("the boards take it");
+        bench.set_up(&scene).expect("the boards take it");
         if self.by_switch {
             switch::demand(&mut bench);
             switch::hold(&mut bench, true);
@@ -83,13 +77,13 @@ impl Campaign {
     }
 
     /// Injects, waits, asks, and arms again.
-    fn inject(&mut self, what: &str, boards: usize, expected: &Expected, fault: Fault<'_>, mend: Fault<'_>) {
+    fn inject(&mut self, what: &str, boards: usize, expected: &Expected, fault: Fault<'_>, mend: Mend<'_>) {
         let mut bench = self.bench(boards);
         assert!(bench.stopped[0].bridges.on(), "{what}: the motors are on before");
         let patience = expected.off_within_ms.unwrap_or(200);
         let mut off_after = None;
         for ms in 1..=patience {
-            fault(&mut bench, &self.firmware, ms);
+            fault(&mut bench, ms);
             bench.step();
             if !bench.stopped[0].bridges.on() {
                 off_after = Some(ms);
@@ -102,7 +96,7 @@ impl Campaign {
             assert!(expected.off_within_ms.is_none() || !bench.stopped[0].bridges.on(), "{what}: on again by itself");
         }
         assert_eq!(bench.stopped[0].resets > 0, expected.reset, "{what}: resets");
-        mend(&mut bench, &self.firmware, 0);
+        mend(&mut bench);
         // A board that started anew brings its link up soon after this.
         let stays_off_ms = if expected.reset { 500 } else { 200 };
         for _ in 0..stays_off_ms {
@@ -145,10 +139,7 @@ impl Campaign {
         let row = format!("| {what} | {off} | {} | {refusal} |", expected.reported);
         println!("{row}");
         self.rows.push(row);
-        if expected.reset {
-            // Its settings are not the scene's any more.
-            bench.finish();
-        } else {
+        if !expected.reset {
             if boards == 2 && !bench.stopped[1].bridges.on() {
                 // It let go when its partner did.
                 for (order, answer) in [("clear", "ok disarmed"), ("arm", "ok armed")] {
@@ -158,7 +149,6 @@ impl Campaign {
             bench.run_for_ms(200);
             let all_on = bench.stopped.iter().all(|stopped| stopped.bridges.on());
             assert!(all_on, "{what}: all hold again");
-            self.standing = Some((bench, self.besides(boards)));
         }
     }
 
@@ -172,21 +162,8 @@ impl Campaign {
             let places = (0..).map(|nth| start + 4 * nth).zip(words.iter().copied());
             bench.input(1).poke.extend(places);
         };
-        let fault = |bench: &mut Bench, _: &Firmware, ms: u64| {
-            if ms == 1 {
-                put(bench, words);
-            }
-        };
         // The board goes on with sound code, as after a fault that passes.
-        let mend = |bench: &mut Bench, _: &Firmware, _: u64| put(bench, &before);
-        self.inject(what, 1, expected, &fault, &mend);
-    }
-}
-
-/// Ends what stands.
-fn finish(standing: Option<(Bench, Besides)>) {
-    if let Some((bench, _)) = standing {
-        bench.finish();
+        self.inject(what, 1, expected, &once(|bench| put(bench, words)), &|bench| put(bench, &before));
     }
 }
 
@@ -197,17 +174,12 @@ fn move_encoder(bench: &mut Bench, by: i64) {
     }
 }
 
-fn nothing(_: &mut Bench, _: &Firmware, _: u64) {}
+fn nothing(_: &mut Bench) {}
 
 #[test]
 fn outputs_go_off_and_stay_off() {
-    let mut campaign = Campaign {
-        firmware: Arc::new(Firmware::release()),
-        rows: Vec::new(),
-        set: &[],
-        by_switch: false,
-        standing: None,
-    };
+    let mut campaign =
+        Campaign { firmware: Arc::new(Firmware::release()), rows: Vec::new(), set: &[], by_switch: false };
     let faulted = |off_within_ms, reported| Expected {
         off_within_ms: Some(off_within_ms),
         reported,
@@ -217,84 +189,66 @@ fn outputs_go_off_and_stay_off() {
     let restarted =
         |off_within_ms, reported| Expected { off_within_ms: Some(off_within_ms), reported, reset: true, latched: true };
 
-    let jumped = |bench: &mut Bench, _: &Firmware, ms: u64| {
-        if ms == 1 {
-            move_encoder(bench, 4000)
-        }
-    };
+    let firmware = campaign.firmware.clone();
+    let jumped = once(|bench| move_encoder(bench, 4000));
     campaign.inject("encoder jumped by 4000 counts", 1, &faulted(1, "fault 2"), &jumped, &nothing);
 
-    // Where it was at the first of them, in every period after it.
+    // By where it was at the first of them, in every period after it, and where it would be.
     let stood = Cell::new(0);
-    let stuck = |bench: &mut Bench, _: &Firmware, ms: u64| {
-        if let Some(counts) = &mut bench.input(1).counts {
-            if ms == 1 {
-                stood.set(counts[0]);
+    let reads = |instead: fn(i64, i64) -> i64| {
+        let stood = &stood;
+        move |bench: &mut Bench, ms: u64| {
+            if let Some(counts) = &mut bench.input(1).counts {
+                if ms == 1 {
+                    stood.set(counts[0]);
+                }
+                counts[0] = instead(stood.get(), counts[0]);
             }
-            counts[0] = stood.get();
         }
     };
-    campaign.inject("encoder stuck (force changed by 0.8 N, as set)", 2, &faulted(4000, "fault 8"), &stuck, &nothing);
+    // Every edge of the wire that is left is one count on or back.
+    let by_one = |stood: i64, now: i64| stood + (now - stood).rem_euclid(2);
+    for (what, within, reported, instead) in [
+        ("encoder stuck (force changed by 0.8 N, as set)", 4000, "fault 8", (|stood, _| stood) as fn(i64, i64) -> i64),
+        ("one wire of an encoder cut (force changed by 0.8 N, as set)", 4000, "fault 8", by_one),
+        ("encoder reversed (20 W, as set)", 3000, "fault 9", |stood, now| 2 * stood - now),
+    ] {
+        campaign.inject(what, 2, &faulted(within, reported), &reads(instead), &nothing);
+    }
 
-    let cut = |bench: &mut Bench, _: &Firmware, ms: u64| {
-        if let Some(counts) = &mut bench.input(1).counts {
-            if ms == 1 {
-                stood.set(counts[0]);
-            }
-            // Every edge of the wire that is left is one count on or back.
-            counts[0] = stood.get() + (counts[0] - stood.get()).rem_euclid(2);
-        }
-    };
-    let what = "one wire of an encoder cut (force changed by 0.8 N, as set)";
-    campaign.inject(what, 2, &faulted(4000, "fault 8"), &cut, &nothing);
+    let (lost, silent) = (faulted(112, "fault 5"), |bench: &mut Bench, is: bool| bench.wire.line.silent = is);
+    let what = "peer silent (12 packets, as set)";
+    campaign.inject(what, 2, &lost, &once(|bench| silent(bench, true)), &|bench| silent(bench, false));
 
-    let mirrored = |bench: &mut Bench, _: &Firmware, ms: u64| {
-        if let Some(counts) = &mut bench.input(1).counts {
-            if ms == 1 {
-                stood.set(counts[0]);
-            }
-            counts[0] = 2 * stood.get() - counts[0];
-        }
-    };
-    campaign.inject("encoder reversed (20 W, as set)", 2, &faulted(3000, "fault 9"), &mirrored, &nothing);
+    let cable = |bench: &mut Bench, is_in: bool| bench.input(1).cable = Some(is_in);
+    let what = "cable out (12 packets, as set)";
+    campaign.inject(what, 2, &lost, &once(|bench| cable(bench, false)), &|bench| cable(bench, true));
 
-    let silent = |bench: &mut Bench, _: &Firmware, _: u64| bench.wire.line.silent = true;
-    let heard = |bench: &mut Bench, _: &Firmware, _: u64| bench.wire.line.silent = false;
-    campaign.inject("peer silent (12 packets, as set)", 2, &faulted(112, "fault 5"), &silent, &heard);
-
-    let pulled = |bench: &mut Bench, _: &Firmware, _: u64| bench.input(1).cable = Some(false);
-    let put_in = |bench: &mut Bench, _: &Firmware, _: u64| bench.input(1).cable = Some(true);
-    campaign.inject("cable out (12 packets, as set)", 2, &faulted(112, "fault 5"), &pulled, &put_in);
-
-    let away = |bench: &mut Bench, _: &Firmware, _: u64| bench.pc.away = true;
-    let back = |bench: &mut Bench, _: &Firmware, _: u64| bench.pc.away = false;
     let let_go = Expected { latched: false, ..faulted(200, "motors off: the operator was silent") };
-    campaign.inject("operator silent (0.2 s)", 1, &let_go, &away, &back);
+    let away = once(|bench| bench.pc.away = true);
+    campaign.inject("operator silent (0.2 s)", 1, &let_go, &away, &|bench| bench.pc.away = false);
 
-    let released = |bench: &mut Bench, _: &Firmware, _: u64| switch::close(bench, false);
-    let held = |bench: &mut Bench, _: &Firmware, _: u64| switch::close(bench, true);
     let let_go = Expected { latched: false, ..faulted(3, "motors off: the hold-to-run switch was released") };
+    let released = once(|bench| switch::close(bench, false));
     campaign.by_switch = true;
-    campaign.inject("hold-to-run switch released (`board.hold_switch`)", 1, &let_go, &released, &held);
+    let what = "hold-to-run switch released (`board.hold_switch`)";
+    campaign.inject(what, 1, &let_go, &released, &|bench| switch::close(bench, true));
     campaign.by_switch = false;
 
     let mut bytes = [0; Flow::LEN];
     let flow = Flow { engaged: true, tick: 1 << 20, ..Flow::default() };
     flow.emit(&mut bytes).expect("it fits");
     bytes[12..16].copy_from_slice(&f32::NAN.to_le_bytes());
-    let not_a_number = |bench: &mut Bench, _: &Firmware, ms: u64| {
-        if ms == 1 {
-            let frame = udp((board_mac(2), board_ip(2), 7701), (board_mac(1), board_ip(1), 7701), &bytes);
-            bench.input(1).frames.push(frame);
-        }
-    };
+    let not_a_number = once(|bench| {
+        let frame = udp((board_mac(2), board_ip(2), 7701), (board_mac(1), board_ip(1), 7701), &bytes);
+        bench.input(1).frames.push(frame);
+    });
     let on = Expected { off_within_ms: None, reported: "refused 1", reset: false, latched: false };
     campaign.inject("packet with a NaN, not sealed (refused on arrival)", 1, &on, &not_a_number, &nothing);
 
-    // For longer than a session lives that nothing is heard in, to a board that has refused none yet.
-    finish(campaign.standing.take());
+    // For longer than a session lives that nothing is heard in.
     let impostor = RefCell::new(Impostor::default());
-    let sealed = |bench: &mut Bench, _: &Firmware, ms: u64| {
+    let sealed = |bench: &mut Bench, ms: u64| {
         if ms == 1 {
             // By then the board has looked for its peer, and calls again as often as it does in the end.
             bench.run_for_ms(1000);
@@ -311,21 +265,15 @@ fn outputs_go_off_and_stay_off() {
     let Impostor { sent, called, .. } = impostor.into_inner();
     assert_eq!((sent, called), (20, 0), "the board took the keys for good, and the packets for the other peer's");
 
-    let pressed = |bench: &mut Bench, _: &Firmware, ms: u64| {
-        if ms == 1 {
-            bench.input(1).press = Some(true)
-        }
-    };
-    let released = |bench: &mut Bench, _: &Firmware, _: u64| bench.input(1).press = Some(false);
-    campaign.inject("emergency stop pressed, later released", 1, &faulted(1, "disarmed"), &pressed, &released);
+    let press = |bench: &mut Bench, is: bool| bench.input(1).press = Some(is);
+    let what = "emergency stop pressed, later released";
+    let pressed = once(|bench| press(bench, true));
+    campaign.inject(what, 1, &faulted(1, "disarmed"), &pressed, &|bench| press(bench, false));
 
-    let fails = |bench: &mut Bench, _: &Firmware, ms: u64| {
-        if ms == 1 {
-            bench.input(1).bridge_fails = Some(true)
-        }
-    };
-    let recovers = |bench: &mut Bench, _: &Firmware, _: u64| bench.input(1).bridge_fails = Some(false);
-    campaign.inject("a bridge reports a fault (nFAULT)", 1, &faulted(1, "fault 14"), &fails, &recovers);
+    let fail = |bench: &mut Bench, fails: bool| bench.input(1).bridge_fails = Some(fails);
+    let what = "a bridge reports a fault (nFAULT)";
+    let fails = once(|bench| fail(bench, true));
+    campaign.inject(what, 1, &faulted(1, "fault 14"), &fails, &|bench| fail(bench, false));
 
     let (most, [_, refused]) = amplifiers::armed_behind(Gate::EnableAlone, false);
     assert_eq!(most, 0.0);
@@ -333,29 +281,21 @@ fn outputs_go_off_and_stay_off() {
     campaign.rows.push(format!(
         "| amplifiers without a gate, at arming | enabled for 1 ms at no current | fault 31 | {refused} |"
     ));
-    let ungated = |bench: &mut Bench, _: &Firmware, ms: u64| {
-        if ms == 1 {
-            (bench.input(1).gate, bench.input(1).bridge_fails) = (Some(Gate::EnableAlone), Some(true));
-        }
-    };
-    let gated = |bench: &mut Bench, _: &Firmware, _: u64| {
-        (bench.input(1).gate, bench.input(1).bridge_fails) = (Some(Gate::Both), Some(false));
+    let gate = |bench: &mut Bench, gate: Gate, fails: bool| {
+        (bench.input(1).gate, bench.input(1).bridge_fails) = (Some(gate), Some(fails));
     };
     let what = "amplifiers' gate stays open when the outputs go off (nFAULT)";
-    campaign.inject(what, 1, &faulted(1, "fault 31"), &ungated, &gated);
+    let ungated = once(|bench| gate(bench, Gate::EnableAlone, true));
+    campaign.inject(what, 1, &faulted(1, "fault 31"), &ungated, &|bench| gate(bench, Gate::Both, false));
 
-    let dips = |bench: &mut Bench, _: &Firmware, ms: u64| bench.input(1).supply_dips = ms == 1;
+    let dips = |bench: &mut Bench, ms: u64| bench.input(1).supply_dips = ms == 1;
     campaign.inject("supply of the chip dips", 1, &faulted(1, "fault 15"), &dips, &nothing);
 
-    let stopped = |bench: &mut Bench, firmware: &Firmware, ms: u64| {
-        if ms == 1 {
-            breaks::stop_clock(bench, firmware);
-        }
-    };
-    let runs = |bench: &mut Bench, firmware: &Firmware, _: u64| breaks::mend_clock(bench, firmware);
+    let stopped = once(|bench| breaks::stop_clock(bench, &firmware));
+    let runs = |bench: &mut Bench| breaks::mend_clock(bench, &firmware);
     campaign.inject("external clock stops", 1, &restarted(1, "external clock stopped"), &stopped, &runs);
 
-    let panics = campaign.firmware.address_ending("4core9panicking5panic") as u32;
+    let panics = firmware.address_ending("4core9panicking5panic") as u32;
     // ldr.w pc, [pc]; the address.
     campaign.break_code("panic in a task", &restarted(6, "excludes"), "UART4", &[0xF000_F8DF, panics | 1]);
     campaign.break_code(
@@ -378,14 +318,6 @@ fn outputs_go_off_and_stay_off() {
 
     // With windings and the current loop, noise included.
     campaign.set = &CURRENT_LOOP;
-    let fails = |fault: PlantFault| {
-        move |bench: &mut Bench, _: &Firmware, ms: u64| {
-            if ms == 1 {
-                bench.fail(1, fault);
-            }
-        }
-    };
-    let mended = |bench: &mut Bench, _: &Firmware, _: u64| bench.mend(1);
     for (what, fault, within, reported) in [
         ("current sensor shorted: it reads no current", PlantFault::DeadSense, 400, "fault 17"),
         ("current sensor at the end of its range", PlantFault::SenseAtEnd, 4, "fault 18"),
@@ -393,24 +325,18 @@ fn outputs_go_off_and_stay_off() {
         ("supply of the bridges low", PlantFault::LowSupply, 40, "fault 19"),
         ("supply of the bridges high", PlantFault::HighSupply, 40, "fault 19"),
     ] {
-        campaign.inject(what, 2, &faulted(within, reported), &fails(fault), &mended);
+        let fails = once(|bench| bench.fail(1, fault));
+        campaign.inject(what, 2, &faulted(within, reported), &fails, &|bench| bench.mend(1));
     }
     for (what, misses) in
         [("one conversion of the current loop is missing", 1), ("the current loop's trigger stops", u32::MAX)]
     {
-        let missing = move |bench: &mut Bench, _: &Firmware, ms: u64| {
-            if ms == 1 {
-                bench.input(1).misses = Some(misses);
-            }
-        };
-        let converts = |bench: &mut Bench, _: &Firmware, _: u64| bench.input(1).misses = Some(0);
-        campaign.inject(what, 1, &faulted(1, "fault 64"), &missing, &converts);
+        let miss = |bench: &mut Bench, misses: u32| bench.input(1).misses = Some(misses);
+        let missing = once(|bench| miss(bench, misses));
+        campaign.inject(what, 1, &faulted(1, "fault 64"), &missing, &|bench| miss(bench, 0));
     }
     campaign.break_code("current loop hangs", &restarted(3, "no tick came"), "ADC", &[FOR_EVER]);
-    campaign.set = &[];
-
-    finish(campaign.standing.take());
-    let words = board_bench::power::cuts(&campaign.firmware);
+    let words = board_bench::power::cuts(&firmware);
     campaign.rows.push(format!(
         "| power cut after each of the {words} words of a save | were off | settings old or new, whole | - |"
     ));

@@ -6,7 +6,8 @@ use std::sync::Arc;
 use board_bench::image::Firmware;
 use board_bench::reviewed;
 use board_bench::trial::{self, Trial};
-use haptic_sim::scenes;
+
+use crate::breaks;
 
 const SECONDS: f64 = 20.0;
 
@@ -15,7 +16,7 @@ fn close(what: &str, board: f64, host_sim: f64) {
 }
 
 fn check(name: &str) {
-    let scene = scenes::load(haptic_sim::Laws::built_in(), name).expect("built in");
+    let scene = breaks::built_in(name, &[]);
     let trial = trial::run(&Arc::new(Firmware::release()), &scene, SECONDS).expect("the boards run it");
     let Trial { boards, host_sim, .. } = &trial;
     println!(
@@ -33,6 +34,7 @@ fn check(name: &str) {
     assert_eq!(boards.fault, None);
     assert_eq!(boards.ticks, (1000.0 * SECONDS) as u64);
     assert_eq!(trial.equal.ticks, boards.ticks, "first difference: {:?}", trial.equal.first_difference);
+    assert_eq!(trial.replayed.map(|equal| equal.first_difference), [None; 2]);
     assert_eq!(trial.ticks_missed, 0);
     assert_eq!((trial.packets_sent, trial.packets_received), (boards.ticks / 4, boards.ticks / 4));
     assert_eq!((trial.packets_dropped, trial.wire_lost), (0, 0));

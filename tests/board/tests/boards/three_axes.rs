@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use board_bench::bench::{Bench, for_boards};
+use board_bench::bench::Bench;
 use board_bench::cost::MedianAndMost;
 use board_bench::image::Firmware;
 use board_bench::reviewed;
@@ -12,12 +12,12 @@ use board_bench::twin::{self, Equal};
 use firmware_parts::record::ENGAGED;
 use haptic_live::recording::file::read;
 use haptic_sim::scene::Scene;
-use haptic_sim::{Laws, scenes};
+
+use crate::breaks;
 
 /// The paper's passive wave on every axis of a serial arm, whose users push against each other in a direction of space.
 pub(crate) fn scene() -> Scene {
-    let mut scene = scenes::load(Laws::built_in(), "paper-5.2-passive-wave-16ms").expect("built in");
-    for set in [
+    breaks::scene(&[
         "axis.count=3",
         "axis.shared=3",
         "kinematics.model=arm",
@@ -25,18 +25,14 @@ pub(crate) fn scene() -> Scene {
         "user.1.elevation_rad=0.4",
         "user.2.direction_rad=0.6",
         "user.2.elevation_rad=0.4",
-    ] {
-        scene.apply_override(set).expect("a good override");
-    }
-    for_boards(&scene)
+    ])
 }
 
 /// Runs it for so many seconds; gives the bits that are equal and the instructions of a tick, an exchange and three records in it.
 pub(crate) fn run(seconds: u64) -> (Equal, MedianAndMost) {
     let (firmware, scene) = (Arc::new(Firmware::three_axes()), scene());
-    let mut bench = Bench::start(&firmware, 2, trial::line(&scene).expect("a wire can do it"));
-    bench.set_up(&scene).expect("the boards take the scene");
-    bench.arm();
+    let line = trial::line(&scene).expect("a wire can do it");
+    let mut bench = breaks::just_armed(&firmware, 2, line, &scene);
     bench.count_instructions();
     bench.run_for_ms(1000 * seconds);
     let instructions = MedianAndMost::of(bench.meters.iter().flat_map(|meter| meter.ticks.iter().copied()));

@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
-use board_bench::bench::{Bench, for_boards};
+use board_bench::bench::Bench;
 use board_bench::image::Firmware;
 use board_bench::reviewed;
 use board_bench::wire::Line;
-use haptic_sim::scenes;
+
+use crate::breaks;
 
 /// The longest of a time, and how many ticks were counted.
 fn told(bench: &mut Bench, time: &str) -> (u32, u32) {
@@ -23,10 +24,9 @@ fn told(bench: &mut Bench, time: &str) -> (u32, u32) {
 #[test]
 fn a_board_tells_how_long_its_ticks_took() {
     let firmware = Arc::new(Firmware::release());
-    let scene = scenes::load(haptic_sim::Laws::built_in(), "paper-5.2-passive-wave-16ms").expect("built in");
     let mut bench = Bench::start(&firmware, 1, Line::default());
     bench.count_instructions();
-    bench.set_up(&for_boards(&scene)).expect("the board takes it");
+    bench.set_up(&breaks::scene(&[])).expect("the board takes it");
     bench.arm();
     bench.run_for_ms(500);
     let [delay, duration, spacing] = ["delay", "duration", "spacing"].map(|time| told(&mut bench, time));

@@ -30,7 +30,7 @@ fn an_order_leads_to_the_bootloader_and_only_while_disarmed() {
     let mut bench = board(&firmware, &[]);
     bench.tell_of_amplifiers(1);
     bench.input(1).watch.push(rom::ENTRY.into());
-    assert_eq!(bench.check(1).map_err(|why| why.to_string()), Ok(()));
+    bench.check(1).expect("it passes");
     assert_eq!(bench.ask(1, "arm"), "ok armed");
     assert_eq!(bench.ask(1, "update"), "error disarm first");
     assert!(!comes_to_the_rom(&mut bench, 1000) && bench.stopped[0].resets == 0);

@@ -56,10 +56,7 @@ fn a_pc_finds_a_network_card_and_a_serial_port_which_says_why_it_is_not_armed() 
     bench.input(1).reader = Some(Reader::Reads);
     let said = read(&mut bench, 2500);
     assert!(said.contains("not to be armed: the emergency stop is pressed, or not connected; "), "{said}");
-    for report in bench.finish() {
-        assert_eq!(report.resets, Vec::<String>::new());
-        reviewed::check(&report);
-    }
+    reviewed::check_all(&bench.finish());
 }
 
 #[test]
@@ -99,17 +96,13 @@ fn a_pc_that_sends_longer_frames_than_ethernet_has_disturbs_nothing() {
     }
     assert_eq!(bench.meters[0].began.len(), 10 * lengths.len(), "every tick came");
     assert!(bench.ask(1, "status").starts_with("ok board 1 disarmed fault 0 "));
-    for report in bench.finish() {
-        assert_eq!(report.resets, Vec::<String>::new());
-        reviewed::check(&report);
-    }
+    reviewed::check_all(&bench.finish());
 }
 
 #[test]
 fn it_holds_one_cube_with_a_board_on_ethernet_and_its_cable_out_is_a_cable_out() {
-    let mut scene = breaks::scene(&[]);
     // The operator is on the same cable: his lease outlasts it.
-    scene.peer.safety.operator_lost_s = 1.5;
+    let scene = breaks::scene(&["safety.operator_lost_s=1.5"]);
     let images = [Firmware::release(), Firmware::usb().alone()].map(Arc::new);
     let mut bench = Bench::mixed(&images, trial::line(&scene).expect("a wire can do it"));
     bench.set_up(&scene).expect("the boards take the scene");
@@ -152,8 +145,5 @@ fn it_holds_one_cube_with_a_board_on_ethernet_and_its_cable_out_is_a_cable_out()
         let allowed = (0.001 * scene.peer.safety.max_slew_n_per_s) as f32;
         assert!(forces.fold(0.0, f32::max) < 0.02 * allowed, "nothing jerks");
     }
-    for report in bench.finish() {
-        assert_eq!(report.resets, Vec::<String>::new());
-        reviewed::check(&report);
-    }
+    reviewed::check_all(&bench.finish());
 }
