@@ -26,6 +26,8 @@ type Lane = fn(&Ready, &Packages) -> Result<(), Failure>;
 const LANES: [Lane; 2] = [boards, rest];
 /// What they are called.
 const NAMES: [&str; 2] = ["boards", "rest"];
+/// The rig's image, without the tests of its list, which look at all there is.
+const RIG: [&str; 4] = ["tests/rig/src", "tests/rig/Cargo.toml", "tests/rig/build.rs", "tests/rig/rig.x"];
 /// Is set for the lane that another process waits for. It has no terminal, so it installs nothing that somebody might refuse.
 pub(crate) const WAITED_FOR: &str = "HAPTIC_CHECK_LANE";
 
@@ -106,10 +108,9 @@ fn boards(ready: &Ready, packages: &Packages) -> Result<(), Failure> {
     let chip = ["core", "protocol", "host-sim/environments"];
     packages.step("rooms of the microcontroller", &chip, &[], || compile(&mut rooms_on_chip(ready)))?;
     packages.step("no panic in the tick", &["firmware"], &[], || no_panic::no_panic(ready))?;
-    packages.step("lints of the images", &["firmware", "tests/rig"], &[], || lints_of_images(ready))?;
-    packages.step("virtual board", &["firmware", "tests/board", "tests/rig"], &["docs/hardware.md"], || {
-        virtual_board(ready, &board::images(ready)?)
-    })?;
+    packages.step("lints of the images", &["firmware"], &RIG, || lints_of_images(ready))?;
+    packages
+        .step("virtual board", &["firmware", "tests/board"], &RIG, || virtual_board(ready, &board::images(ready)?))?;
     packages.step("second opinion", &["host-sim"], &["tests/qemu"], || second_opinion(ready))
 }
 
