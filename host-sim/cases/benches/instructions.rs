@@ -1,7 +1,7 @@
 //! Instructions of one tick, exactly: every case is replayed under valgrind's callgrind, which counts nothing but the
 //! step.
 //!
-//! `cargo bench --package haptic-cases --bench instructions` prints the table that `instructions.txt` holds, which
+//! `cargo bench --bench instructions` prints the table that `instructions.txt` holds, which
 //! `cargo xtask bench-check` compares it with. The program starts itself once more for every case:
 //! `… --case SCENE SCALAR` replays that case alone. The same binary gives the same count on every run; what an update of
 //! the compiler changes is for review.
