@@ -41,6 +41,14 @@ impl Timing {
     }
 }
 
+impl Safety {
+    /// Longest one-way delay of packets that are used, ns; to a whole microsecond, as links measure it.
+    pub fn max_delay_ns(&self) -> u64 {
+        // Positive and at most 1 s.
+        1000 * (1e6 * self.max_delay_s) as u64
+    }
+}
+
 crate::settings! {
     /// Every setting of a peer.
     pub struct Settings [

@@ -49,6 +49,9 @@ pub fn advice(scene: &Scene) -> Result<String, Error> {
     if now.worst.stable {
         return Ok(format!("inside its stability region (spectral radius {radius:.6})"));
     }
+    if let Some(because) = now.worst.not_judged_because {
+        return Ok(format!("not judged, because {because}: it counts as unstable"));
+    }
     let far = if radius < 1e3 { "" } else { "far " };
     let size = if radius < 1e3 { format!(" (spectral radius {radius:.6})") } else { String::new() };
     // Where both hands would hold it, say that letting go is what does not.

@@ -83,6 +83,10 @@ pub fn find(scene: &Scene, question: Question) -> Finding {
             text: format!("stable: spectral radius {spectral_radius:.6}, not above 1"),
             ..finding
         },
+        Ok(Some(Verdict { not_judged_because: Some(because), .. })) => {
+            let text = format!("not judged, because {because}: it counts as unstable");
+            Finding { stable: Some(false), text, ..finding }
+        }
         Ok(Some(_)) if scene.law().budgets().next().is_some() => {
             unknown("the law's energy tank may hold back what grows here")
         }
