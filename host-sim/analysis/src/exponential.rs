@@ -27,3 +27,7 @@ pub fn exponential(matrix: &Matrix) -> Matrix {
     }
     above
 }
+
+#[cfg(test)]
+#[path = "../tests/inside/exponential.rs"]
+mod tests;

@@ -1,19 +1,18 @@
 //! The lifted matrix driven from core and the one constructed from the equations, on 10,000 random scenes and others.
 
+#[path = "../suite/kinds.rs"]
+mod kinds;
 #[path = "../suite/random.rs"]
 mod random;
 
 use std::collections::BTreeSet;
 
-use haptic_core::law::wave::Decode;
 use haptic_core::names::Choice;
-use haptic_core::object::IntegratorName;
-use haptic_sim::scene::Scene;
 use rayon::prelude::*;
 
 use super::agreement::{Agreement, agreement};
-use crate::{Hands, figure4, is_symmetric, judge};
-use random::Random;
+use crate::{Hands, is_symmetric, judge};
+use kinds::{backward_euler, held_back, midpoint, self_timed};
 
 const SCENES: u64 = 10_000;
 
@@ -89,28 +88,6 @@ fn two_constructions_agree_where_the_ends_are_unlike() {
     assert!(farthest < 1e-9 && differ, "{farthest:e}");
 }
 
-fn midpoint(law: &'static str, delay_packets: u32) -> Scene {
-    let mut scene = figure4::scene(law, delay_packets);
-    scene.peer.object.integrator = IntegratorName::Midpoint;
-    scene.peer.object.force_delay_ticks = 0.0;
-    scene.peer.object.mass_kg = 0.3;
-    scene.peer.coordination.decode = Decode::Implicit;
-    scene
-}
-
-fn backward_euler(law: &'static str, delay_packets: u32) -> Scene {
-    let mut scene = midpoint(law, delay_packets);
-    scene.peer.object.integrator = IntegratorName::BackwardEuler;
-    scene
-}
-
-fn self_timed(ticks_per_packet: u32, delay_packets: u32, credit_ticks: u32) -> Scene {
-    let mut scene = midpoint("self-timed", delay_packets);
-    scene.peer.timing.ticks_per_packet = ticks_per_packet;
-    scene.set_number("coordination.credit_ticks", f64::from(credit_ticks)).expect("it is allowed");
-    scene
-}
-
 /// The second construction writes the rule as algebra and lets a solver close it.
 #[test]
 fn both_constructions_say_the_same_of_the_midpoint_rule() {
@@ -180,27 +157,6 @@ fn both_constructions_say_the_same_of_a_line_with_a_time_of_its_own() {
     }
     let follows = self_timed(1, 8, 0);
     assert!(agreement(&follows.linear(), Hands::Both).expect("a good scene").is_none(), "k is not known beforehand");
-}
-
-/// The longest delay that a scene may have, ticks.
-const LONGEST: f64 = 20.0;
-
-/// Random scenes whose two devices hold forces back for whole ticks or fractions more, each as long as it likes.
-fn held_back(seed: u64) -> Scene {
-    let (mut scene, mut random) = (random::scene(seed), Random::new(!seed));
-    let delays = [(); 2].map(|()| {
-        let delay = LONGEST * random.unit();
-        random.one(&[delay, delay.ceil()])
-    });
-    let same = random.whole(0, 1) == 0;
-    for (key, delay) in ["peer.1.device.force_delay_ticks", "peer.2.device.force_delay_ticks"].into_iter().zip(delays) {
-        scene.set_number(key, if same { delays[0] } else { delay }).expect("it is allowed");
-    }
-    // Most would be unstable otherwise.
-    let softer = random.spread(0.01, 1.0);
-    scene.peer.contact.stiffness_n_per_m *= softer;
-    scene.peer.contact.damping_n_s_per_m *= softer;
-    scene
 }
 
 #[test]

@@ -1,18 +1,11 @@
 //! Backward Euler: scenes that are let go of, and the verdict beside runs at the limit of contact.
 
 use haptic_analysis::{Effort, Range, limit};
-use haptic_core::object::IntegratorName;
 use haptic_sim::run::{Options, run};
-use haptic_sim::scene::Scene;
 
-use crate::midpoint::{drawn, midpoint, released};
+use crate::kinds::backward_euler;
+use crate::midpoint::{drawn, released};
 use crate::random::Random;
-
-fn backward_euler(law: &'static str, delay_packets: u32) -> Scene {
-    let mut scene = midpoint(law, delay_packets);
-    scene.peer.object.integrator = IntegratorName::BackwardEuler;
-    scene
-}
 
 /// Nobody's hand on the object, drawn as for the midpoint rule and stiffer.
 #[test]

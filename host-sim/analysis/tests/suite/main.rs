@@ -10,6 +10,7 @@ mod envelope;
 mod finding;
 mod hard_cases;
 mod held_back;
+mod kinds;
 mod midpoint;
 mod modes;
 mod oracle;
@@ -21,3 +22,5 @@ mod several;
 mod sweeps;
 mod theory;
 mod winding;
+
+use haptic_analysis::figure4;

@@ -1,20 +1,10 @@
 //! The midpoint peer (THEORY §7): its limits of contact, and random scenes in contact and let go, none of which is unstable.
 
-use haptic_analysis::{Effort, Range, figure4, limit, verdict};
-use haptic_core::law::wave::Decode;
-use haptic_core::object::IntegratorName;
+use haptic_analysis::{Effort, Range, limit, verdict};
 use haptic_sim::scene::Scene;
 
+use crate::kinds::midpoint;
 use crate::random::Random;
-
-pub(crate) fn midpoint(law: &'static str, delay_packets: u32) -> Scene {
-    let mut scene = figure4::scene(law, delay_packets);
-    scene.peer.object.integrator = IntegratorName::Midpoint;
-    scene.peer.object.force_delay_ticks = 0.0;
-    scene.peer.object.mass_kg = 0.3;
-    scene.peer.coordination.decode = Decode::Implicit;
-    scene
-}
 
 /// K_T = 10⁴, m_O = 0.3, M = 8, n_t = 1, by the device's own delay.
 #[test]

@@ -1,17 +1,10 @@
 //! The self-timed line (THEORY §8) at constant delay: random scenes that are let go of, and what it needs.
 
 use haptic_analysis::judge;
-use haptic_sim::scene::Scene;
 
-use crate::midpoint::{midpoint, released};
+use crate::kinds::self_timed;
+use crate::midpoint::released;
 use crate::random::Random;
-
-fn self_timed(ticks_per_packet: u32, delay_packets: u32, credit_ticks: u32) -> Scene {
-    let mut scene = midpoint("self-timed", delay_packets);
-    scene.peer.timing.ticks_per_packet = ticks_per_packet;
-    scene.set_number("coordination.credit_ticks", f64::from(credit_ticks)).expect("it is allowed");
-    scene
-}
 
 /// Whatever is drawn, with a stated credit and with one that follows, light lines and heavy ones: nothing grows that nobody holds. Ten thousand of them:
 /// `SCENES=10000 cargo test --release -p haptic-analysis --test suite no_scene_that_is_let_go_of`.
