@@ -206,14 +206,13 @@ fn measured(sent: u64, answers: &[Came]) -> Option<Measured> {
         back_ns: between(stamps.answered_ns, *back_ns),
     };
     let trips: Vec<Trip> = by_number.iter().flatten().map(trip).collect();
-    let quickest = trips.iter().map(Trip::round_ns).min()?;
-    let clocks = Clocks::of(&trips);
+    let clocks = Clocks::of(&trips)?;
     let mut delays = clocks.delays_ns.iter();
     let mut found = Measured {
         sent,
         answered: trips.len() as u64,
         lost: [0; 2],
-        constant_ms: 0.5e-6 * quickest as f64,
+        constant_ms: 0.5e-6 * clocks.quickest_ns as f64,
         most_ms: [0.0; 2],
         drift_ppm: clocks.drift_ppm,
         trace: NetworkTrace::default(),

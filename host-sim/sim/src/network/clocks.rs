@@ -26,13 +26,6 @@ pub struct Trip {
     pub back_ns: i64,
 }
 
-impl Trip {
-    /// There and back, ns: by one clock.
-    pub fn round_ns(&self) -> i64 {
-        self.there_ns.saturating_add(self.back_ns)
-    }
-}
-
 /// How the clock at the other end differs from one's own, and what it leaves of round trips.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Clocks {
@@ -42,30 +35,33 @@ pub struct Clocks {
     pub steps: usize,
     /// By how much it was faster while neither was set, over the longest such time, ppm.
     pub drift_ppm: f64,
+    /// The quickest round trip, ns.
+    pub quickest_ns: i64,
 }
 
 /// Possible lines, a convex polygon of (slope, ns at the line's beginning).
 type Lines = Vec<[f64; 2]>;
 
 impl Clocks {
-    /// From round trips in order.
-    pub fn of(trips: &[Trip]) -> Self {
-        let round = |trip: &Trip| trip.round_ns() as f64;
+    /// From round trips in order; none from none.
+    pub fn of(trips: &[Trip]) -> Option<Self> {
+        let round = |trip: &Trip| trip.there_ns.saturating_add(trip.back_ns);
         let apart = |trip: &Trip| i128::from(trip.there_ns) - i128::from(trip.back_ns);
-        let Some(first) = trips.first() else { return Self::default() };
-        let quickest_of = |some: &[Trip]| some.iter().map(round).fold(f64::INFINITY, f64::min);
-        let quickest = quickest_of(trips);
-        let mut parts: Vec<f64> = trips.chunks(trips.len().div_ceil(PARTS)).map(quickest_of).collect();
-        parts.sort_by(f64::total_cmp);
-        let slack = STAMP_NS + parts[parts.len() / 2] - quickest;
+        let first = trips.first()?;
+        let quickest_of = |some: &[Trip]| some.iter().map(round).min();
+        let mut parts: Vec<i64> = trips.chunks(trips.len().div_ceil(PARTS)).filter_map(quickest_of).collect();
+        parts.sort_unstable();
+        let quickest_ns = parts[0];
+        let longer = |than_quickest: i64| than_quickest.saturating_sub(quickest_ns) as f64;
+        let slack = STAMP_NS + longer(parts[parts.len() / 2]);
         let middle = |trip: &Trip| 0.5 * (apart(trip) - apart(first)) as f64;
-        let (mut found, mut longest, mut from) = (Self::default(), 0.0, 0);
+        let (mut found, mut longest, mut from) = (Self { quickest_ns, ..Self::default() }, 0.0, 0);
         let mut straight: Vec<[i64; 2]> = Vec::with_capacity(trips.len());
         while from < trips.len() {
             let since = |trip: &Trip| trip.at_ns.saturating_sub(trips[from].at_ns) as f64;
             let mut lines = Lines::new();
             let mut agrees = |trip: &&Trip| {
-                let (at, wide) = (since(trip), 0.5 * (round(trip) - quickest) + slack);
+                let (at, wide) = (since(trip), 0.5 * longer(round(trip)) + slack);
                 let [low, high] = [middle(trip) - wide, middle(trip) + wide];
                 let left = if lines.is_empty() {
                     vec![[-FASTEST, low], [FASTEST, low], [FASTEST, high], [-FASTEST, high]]
@@ -94,7 +90,7 @@ impl Clocks {
         let least = [0, 1].map(|way| straight.iter().map(|delays| delays[way]).min().unwrap_or(0));
         let more = |delays: &[i64; 2]| [0, 1].map(|way| delays[way].saturating_sub(least[way]).unsigned_abs());
         found.delays_ns = straight.iter().map(more).collect();
-        found
+        Some(found)
     }
 }
 

@@ -48,8 +48,7 @@ impl Measured {
             trip.delay_ns.map(|[there_ns, back_ns]| Trip { at_ns, there_ns, back_ns })
         };
         let timed: Vec<Trip> = trips.iter().enumerate().filter_map(timed).collect();
-        let quickest = timed.iter().map(Trip::round_ns).min().ok_or((None, "no round trip came back"))?;
-        let clocks = Clocks::of(&timed);
+        let clocks = Clocks::of(&timed).ok_or((None, "no round trip came back"))?;
         let mut delays = clocks.delays_ns.iter();
         let mut packets = [Vec::new(), Vec::new()];
         let mut last_ns = [0_u64; 2];
@@ -66,7 +65,7 @@ impl Measured {
                 half.push(if lost { Vec::new() } else { vec![Arrival { delay_ns, corrupt: false }] });
             }
         }
-        let constant_ns = (quickest / 2).max(0).unsigned_abs();
+        let constant_ns = (clocks.quickest_ns / 2).max(0).unsigned_abs();
         let found = Found { constant_ns, clock_steps: clocks.steps, clock_drift_ppm: clocks.drift_ppm };
         Ok(Self { packets, every_ns, found })
     }
