@@ -42,10 +42,15 @@ impl Timing {
 }
 
 impl Safety {
-    /// Longest one-way delay of packets that are used, ns; to a whole microsecond, as links measure it.
+    /// Longest one-way delay of packets that are used, µs, as links measure it.
+    pub fn max_delay_us(&self) -> u32 {
+        // At most 1 s.
+        (1e6 * self.max_delay_s) as u32
+    }
+
+    /// The same in ns.
     pub fn max_delay_ns(&self) -> u64 {
-        // Positive and at most 1 s.
-        1000 * (1e6 * self.max_delay_s) as u64
+        1000 * u64::from(self.max_delay_us())
     }
 }
 

@@ -34,8 +34,7 @@ pub fn open(settings: &Settings, key: Key, ends: Ends, entropy: [u8; Key::LEN]) 
     let config = Config { key, ends, packet_period_us, parameters: parameters_of(settings), entropy };
     // Casts saturate.
     let us = |seconds: f64| (1e6 * seconds) as u32;
-    let max_delay_us = u32::try_from(safety.max_delay_ns() / 1_000).unwrap_or(u32::MAX);
-    let link = Link::new(config)?.disengage_after(us(safety.disengage_s)).within(max_delay_us);
+    let link = Link::new(config)?.disengage_after(us(safety.disengage_s)).within(safety.max_delay_us());
     Ok(link.keeping_silent(us(settings.own(&LONGEST))))
 }
 

@@ -20,7 +20,7 @@ use super::delays::delays;
 use super::lifted::delay::whole_ticks;
 use super::linear::is_linear;
 use super::modes::{Hands, entered_by, not_judged, worst};
-use super::verdict::Verdict;
+use super::verdict::{Verdict, unjudged};
 use crate::error::Error;
 
 /// Halvings of a gain, then of the interval that holds the edge.
@@ -84,8 +84,7 @@ pub fn find(scene: &Scene, question: Question) -> Finding {
             ..finding
         },
         Ok(Some(Verdict { not_judged_because: Some(because), .. })) => {
-            let text = format!("not judged, because {because}: it counts as unstable");
-            Finding { stable: Some(false), text, ..finding }
+            Finding { stable: Some(false), text: unjudged(because), ..finding }
         }
         Ok(Some(_)) if scene.law().budgets().next().is_some() => {
             unknown("the law's energy tank may hold back what grows here")

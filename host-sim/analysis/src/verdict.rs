@@ -48,6 +48,11 @@ fn finite<S: serde::Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::
     serializer.serialize_f64(value.min(f64::MAX))
 }
 
+/// What is said of a scene that is not judged, for this reason.
+pub(crate) fn unjudged(because: &str) -> String {
+    format!("not judged, because {because}: it counts as unstable")
+}
+
 impl Verdict {
     /// The verdict with a smaller radius than any other.
     pub(crate) const LEAST: Self = Self {

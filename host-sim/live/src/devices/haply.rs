@@ -4,8 +4,8 @@
 //! itself. So the client is the clock: `open` gives a device that sends a force at each tick of the peer, takes the answer, and the next tick reads it. Forces
 //! are N, positions m, speeds m/s; z up, x right, y forward.
 //!
-//! **Age.** A state has no number and no time. All that has come is therefore taken before each question. A state that nobody asked for is a
-//! fault: the answers after it would be to earlier questions than they seem to be.
+//! **Age.** A state has no number and no time. Before each question the adapter therefore looks whether something has come. A state that
+//! nobody asked for is a fault: the answers after it would be to earlier questions than they seem to be.
 //!
 //! **Letting go.** The service applies a force once and forgets it after a time that its documentation does not name, so it has to be
 //! measured, and told. Zero is sent where there is no force, when the peer has said nothing for as long as readings may be silent, and, without

@@ -116,11 +116,13 @@ impl<S: Lanes, const SHARED: usize> Networks<S, SHARED> {
             let lanes = if lane == last { ALL << lane & ALL } else { 1 << lane };
             let number = Numbered::new(packet.number, ());
             route.send(now_ns, &number, |due_ns, copy| {
-                match due.iter_mut().find(|(other_ns, _)| *other_ns == due_ns) {
+                if copy.delay_ns > self.max_delay_ns {
                     // Whoever has never heard anything lets go at that, and leaves.
-                    _ if copy.delay_ns > self.max_delay_ns => leave(lanes & !self.heard),
-                    Some((_, others)) => *others |= lanes,
-                    None => due.push((due_ns, lanes)),
+                    leave(lanes & !self.heard);
+                } else if let Some((_, others)) = due.iter_mut().find(|(other_ns, _)| *other_ns == due_ns) {
+                    *others |= lanes;
+                } else {
+                    due.push((due_ns, lanes));
                 }
             });
         }

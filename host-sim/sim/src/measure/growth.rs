@@ -36,12 +36,6 @@ impl<F: Figure> Growth<F> {
         *largest = largest.larger(value.or_infinite());
     }
 
-    /// The eighth of the run that goes on.
-    #[inline]
-    pub(crate) fn eighth(&self) -> usize {
-        self.eighth
-    }
-
     /// With what `of` makes of each number.
     pub(crate) fn map<G>(&self, of: impl Fn(F) -> G) -> Growth<G> {
         Growth { window: self.window, eighth: self.eighth, until: self.until, largest: self.largest.map(of) }
@@ -67,7 +61,6 @@ impl Growth {
 /// How a force swings in each eighth of a run.
 #[derive(Clone, Debug)]
 pub(crate) struct Swing<F = f64> {
-    window: u64,
     last: F,
     /// In each eighth: the force, its square, and the square of its change from tick to tick.
     sums: [[F; 3]; 8],
@@ -83,13 +76,13 @@ pub struct Swings {
 }
 
 impl<F: Figure> Swing<F> {
-    pub(crate) fn new(ticks: u64) -> Self {
-        Self { window: ticks.div_ceil(8).max(1), last: F::ZERO, sums: [[F::ZERO; 3]; 8] }
+    pub(crate) fn new() -> Self {
+        Self { last: F::ZERO, sums: [[F::ZERO; 3]; 8] }
     }
 
-    /// Takes in the force of a tick in this eighth, N.
+    /// Takes in the force of a tick, N, in the eighth that `growth` is in.
     #[inline(always)]
-    pub(crate) fn see(&mut self, eighth: usize, force: F) {
+    pub(crate) fn see(&mut self, &Growth { eighth, .. }: &Growth<F>, force: F) {
         let change = force - self.last;
         self.last = force;
         let values = [force, force * force, change * change];
@@ -98,19 +91,19 @@ impl<F: Figure> Swing<F> {
 
     /// With what `of` makes of each number.
     pub(crate) fn map<G>(&self, of: impl Fn(F) -> G + Copy) -> Swing<G> {
-        Swing { window: self.window, last: of(self.last), sums: self.sums.map(|sums| sums.map(of)) }
+        Swing { last: of(self.last), sums: self.sums.map(|sums| sums.map(of)) }
     }
 }
 
 impl Swing {
     /// A swing beyond what users push with, `pushes_n` (N), that does not die away: in each eighth of the last half the force has a larger
     /// standard deviation, and in the last one at least [`STAYS`] of that in the first. Its frequency is that of a sine which changes as much.
-    pub(crate) fn goes_on(&self, pushes_n: f64, period_s: f64) -> Option<Swings> {
-        let of =
-            |sums: &[f64; 3]| Statistics::of_moments(sums[0] / self.window as f64, sums[1] / self.window as f64).sd;
+    pub(crate) fn goes_on(&self, growth: &Growth, pushes_n: f64, period_s: f64) -> Option<Swings> {
+        let ticks = growth.window as f64;
+        let of = |sums: &[f64; 3]| Statistics::of_moments(sums[0] / ticks, sums[1] / ticks).sd;
         let [first, .., last] = [4, 5, 6, 7].map(|eighth| of(&self.sums[eighth]));
         let swings = self.sums[4..].iter().all(|sums| of(sums) > pushes_n.max(LEAST_N)) && last >= STAYS * first;
-        let change = (self.sums[7][2] / self.window as f64).sqrt();
+        let change = (self.sums[7][2] / ticks).sqrt();
         let turn = 2.0 * (0.5 * change / last).min(1.0).asin();
         swings.then(|| Swings { hz: turn / (core::f64::consts::TAU * period_s), rms_n: last })
     }

@@ -109,7 +109,7 @@ impl<F: Figure> Account<F> {
             forces: Forces::new(ticks),
             hands: Hands::new(),
             energy: Growth::new(ticks),
-            swing: Swing::new(ticks),
+            swing: Swing::new(),
             stopped: None,
             true_m: F::ZERO,
             largest_true_m: F::ZERO,
@@ -145,7 +145,7 @@ impl<F: Figure> Account<F> {
         let speeds = [first.object.velocity, second.object.velocity];
         let energy_j = F::HALF * self.mass_kg * (speeds[0] * speeds[0] + speeds[1] * speeds[1]);
         self.energy.see(self.tick, energy_j.root());
-        self.swing.see(self.energy.eighth(), forces[1]);
+        self.swing.see(&self.energy, forces[1]);
         let fault = (1..).zip(&self.latest).find_map(|(peer, ticked)| Some((peer, ticked.fault?)));
         self.stopped = self.stopped.or(fault.map(|(peer, fault)| (peer, fault, self.tick as f64 * self.period_s)));
         if self.stopped.is_none() {
@@ -252,7 +252,7 @@ impl Account {
 
     /// How the coordination force of peer 2 goes on swinging beyond what users push with, N.
     pub(crate) fn goes_on_swinging(&self, pushes_n: f64) -> Option<Swings> {
-        self.swing.goes_on(pushes_n, self.period_s)
+        self.swing.goes_on(&self.energy, pushes_n, self.period_s)
     }
 
     /// The first peer that does not coordinate after the control period that is over, 1 or 2.
