@@ -19,8 +19,8 @@ fn netlist() -> Netlist {
     Netlist::parse(&text("netlist.toml")).unwrap()
 }
 
-/// The boards, by their folders: both are wired as the netlist says.
-const BOARDS: [&str; 2] = ["nucleo_h743zi2", "nucleo_h753zi"];
+/// The boards, by their folders: each is wired as the netlist says.
+const BOARDS: [&str; 1] = ["nucleo_mb1364"];
 
 /// Pins of the chip that a board's table takes for an image: `p.PE9`, unless what it stands in is of the other image.
 fn taken(folder: &str, image: Image) -> BTreeSet<String> {

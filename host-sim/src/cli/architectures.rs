@@ -81,7 +81,7 @@ fn slowest_packets(unbounded: &[(u32, f64)]) -> String {
     let radii: Vec<_> = edge.iter().map(|(packet_ms, radius)| format!("{radius:.3} at {packet_ms} ms")).collect();
     format!(
         "Packets go every 8 ms, which counts as delay: without the bounder a contact of 1000 N/m does not bear that even at 0 ms.\n\
-         It needs packets every {stable} ms or faster: spectral radius {}. host-sim cooperative sends them every tick.",
+         It needs packets every {stable} ms or faster: spectral radius {}. host-sim shared cooperative sends them every tick.",
         radii.join(", ")
     )
 }

@@ -9,7 +9,7 @@ use haptic_plot::{Error, write_file};
 use haptic_report::Columns;
 use haptic_studies::campaign::laws::page::{MOST, PICTURE, page};
 use haptic_studies::campaign::laws::{Row, asked_for, bench, figures, law_scenes, tables};
-use haptic_studies::campaign::{Cell, campaign, columns, cost_columns, costs, of_scene, sending};
+use haptic_studies::campaign::{Cell, campaign, columns, cost_columns, costs, of_scene};
 use serde_json::json;
 
 use super::flags::Out;
@@ -18,13 +18,6 @@ use super::{Failure, SceneArgs, Ui};
 /// What the page tells beside the usual packets.
 const EACH_TICK: [&str; 2] = ["timing.ticks_per_packet=1", "network.one_way_delay_packets=8"];
 
-/// Which table of fewer packets.
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
-enum Sending {
-    All,
-    Curve,
-}
-
 #[derive(Debug, Args)]
 pub(super) struct Campaign {
     #[command(flatten)]
@@ -32,9 +25,6 @@ pub(super) struct Campaign {
     /// Instead: what every way to hold the copies together costs in delay, true discrepancy and transparency.
     #[arg(long, conflicts_with_all = ["scene", "set", "seed"])]
     costs: bool,
-    /// Instead: what fewer packets cost, nine samples in one over every network, or along their number.
-    #[arg(long, value_name = "all|curve", conflicts_with_all = ["scene", "set", "seed", "costs", "laws"])]
-    sending: Option<Sending>,
     /// Instead: laws beside each other, all in the same scene, each at the gains that it declares.
     #[arg(long, value_name = "all|LAW,…", conflicts_with = "costs")]
     laws: Option<String>,
@@ -59,12 +49,10 @@ impl Campaign {
 
     /// The one table of a campaign without laws.
     fn table(&self, ui: &Ui) -> Result<Columns, Failure> {
-        Ok(match self.sending {
-            Some(Sending::All) => sending::columns(&sending::over_all(ui.laws)?),
-            Some(Sending::Curve) => sending::curve_columns(&sending::curve(ui.laws)?),
-            None if self.costs => cost_columns(&costs(ui.laws)?),
-            None if self.scene.is_given() => columns(&of_scene(ui.laws, &self.scene.name(), &self.scene.load(ui)?)?),
-            None => columns(&campaign(ui.laws)?),
+        Ok(match self.scene.is_given() {
+            _ if self.costs => cost_columns(&costs(ui.laws)?),
+            true => columns(&of_scene(ui.laws, &self.scene.name(), &self.scene.load(ui)?)?),
+            false => columns(&campaign(ui.laws)?),
         })
     }
 
@@ -80,7 +68,7 @@ impl Campaign {
         let mut files = Vec::new();
         // The impedance is drawn once: beside the page if there is one.
         for (name, table, figure) in [
-            ("laws", &table, Some(figures::laws(&rows))),
+            ("laws", &table, None),
             ("laws-networks", &networks, None),
             ("laws-impedance", &impedance, self.page.is_none().then(|| figures::impedance(&rows))),
         ] {

@@ -151,18 +151,6 @@ fn kinds(ui: &Ui) -> Vec<TableKind> {
             "a network, and a way to hold the copies together",
             campaign::cost_columns(&[]),
         ),
-        TableKind::new(
-            "campaign-sending",
-            "`campaign --sending all --json`",
-            "a network",
-            campaign::sending::columns(&[]),
-        ),
-        TableKind::new(
-            "campaign-sending-curve",
-            "`campaign --sending curve --json`",
-            "a motion, a network and N",
-            campaign::sending::curve_columns(&[]),
-        ),
         TableKind::new("published", "`published --json`", "a number of a law's paper", published::columns(&[])),
         TableKind::new("published-regions", "`published --regions --json`", "a law", published::regions::columns(&[])),
         TableKind::new("laws", "laws.csv, laws.parquet", "a law", campaign::laws::tables::columns(&[])),

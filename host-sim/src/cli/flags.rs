@@ -190,7 +190,7 @@ fn listing(name: &'static str, help: &'static str) -> Arg {
 #[derive(Clone, Copy, Debug, Args)]
 pub(super) struct Time {
     /// How long, s; a simulated run in simulated time.
-    #[arg(long, alias = "duration-s", default_value = "20", value_name = "S", value_parser = seconds)]
+    #[arg(long, default_value = "20", value_name = "S", value_parser = seconds)]
     pub(super) seconds: f64,
 }
 
@@ -222,7 +222,7 @@ pub(super) struct End {
 #[derive(Clone, Copy, Debug, Args)]
 pub(super) struct LiveTime {
     /// How long, s.
-    #[arg(long, alias = "duration-s", default_value = "20", value_name = "S", value_parser = live_seconds)]
+    #[arg(long, default_value = "20", value_name = "S", value_parser = live_seconds)]
     pub(super) seconds: f64,
 }
 

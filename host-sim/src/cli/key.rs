@@ -13,10 +13,8 @@ use super::{Failure, Ui};
 super::commands! {
     Key {
         /// Make a key file: for two peers, for one line of a server or hub, or for the operator of a board.
-        #[command(alias = "keygen")]
         Generate(Generate),
         /// A board's two keys as it keeps them in flash, for `cargo xtask provision`.
-        #[command(alias = "key-image")]
         Image(Image),
     }
 }

@@ -150,34 +150,6 @@ commands! {
     }
 }
 
-/// Commands that have moved: they work under their old names for one release, with a line that names the new ones.
-const MOVED: &[(&str, &str)] = &[
-    ("calibrate", "board calibrate"),
-    ("collaborate", "shared collaborate"),
-    ("cooperative", "shared cooperative"),
-    ("crowd", "shared world crowd"),
-    ("flood", "network flood"),
-    ("key-image", "key image"),
-    ("keygen", "key generate"),
-    ("keys", "cooperate --keys"),
-    ("operator", "board operator"),
-    ("precision", "accuracy precision"),
-    ("record", "board record"),
-    ("relay", "network relay"),
-    ("restarts", "network restarts"),
-    ("serve", "shared world serve"),
-    ("shape", "shared world stroke"),
-    ("squash", "shared squash"),
-    ("trace", "network trace"),
-    ("visit", "shared world visit"),
-    ("world", "shared world show"),
-];
-
-/// Where a command that has moved is now.
-fn moved(name: &str) -> Option<(&'static str, &'static str)> {
-    MOVED.iter().find(|(old, _)| *old == name).copied()
-}
-
 /// A flag that takes a value takes a negative number too: it is out of range, and no flag of its own.
 fn negative_numbers(command: clap::Command) -> clap::Command {
     let takes = |arg: clap::Arg| if arg.get_action().takes_values() { arg.allow_negative_numbers(true) } else { arg };
@@ -251,13 +223,7 @@ impl Cli {
     /// Runs the command line of this process.
     pub fn main(self) -> ExitCode {
         let vectors = vectors::widest();
-        let mut words: Vec<OsString> = std::env::args_os().collect();
-        let first = words.iter().skip(1).position(|word| word != "--json").map_or(1, |at| at + 1);
-        if let Some((old, new)) = words.get(first).and_then(|word| word.to_str()).and_then(moved) {
-            let goes = "the old name goes with the next release";
-            haptic_io::say(format_args!("host-sim {old} is now host-sim {new}: {goes}"));
-            words.splice(first..=first, new.split(' ').map(OsString::from));
-        }
+        let words: Vec<OsString> = std::env::args_os().collect();
         let mut ui = Ui::new(words.iter().any(|word| word == "--json"), self.laws);
         ui.devices.clone_from(&self.devices);
         let outcome = match (vectors, listed(&ui, &words)) {
@@ -334,11 +300,8 @@ fn refusal(error: &clap::Error) -> String {
     }
     let rendered = error.to_string();
     let said: Vec<&str> = rendered.lines().map(str::trim).take_while(|line| !line.is_empty()).collect();
-    // An unknown command may be one of those there, or one that has moved.
     let here = texts(ContextKind::SuggestedSubcommand);
-    let known = MOVED.iter().map(|(old, _)| *old).chain(here.iter().copied());
-    let now = |name| moved(name).filter(|_| !here.contains(&name)).map_or(name, |(_, new)| new);
-    let command = text(ContextKind::InvalidSubcommand).and_then(|word| nearest(word, known)).map(now);
+    let command = text(ContextKind::InvalidSubcommand).and_then(|word| nearest(word, here.iter().copied()));
     let hint = match command.or(text(ContextKind::SuggestedArg)).or(text(ContextKind::SuggestedValue)) {
         Some(near) => format!("did you mean {near}?"),
         None => "--help lists what there is".to_owned(),

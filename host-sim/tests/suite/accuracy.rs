@@ -410,7 +410,7 @@ fn the_command_says_everything() {
         }
     }
     let pictures = list(&document["pictures"]);
-    assert_eq!(pictures.len(), 3 * (families.len() + 2));
+    assert_eq!(pictures.len(), 3 * (families.len() + 1));
     for picture in pictures {
         let size = std::fs::metadata(picture.as_str().expect("a path")).expect("the picture is there").len();
         assert!(size > 5000, "{picture}");

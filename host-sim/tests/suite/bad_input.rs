@@ -316,7 +316,6 @@ fn recordings_that_cannot_be_made() {
 fn misspelt_words() {
     refused(&["coperate"], &["coperate", "did you mean cooperate?"]);
     refused(&["network", "floods"], &["floods", "did you mean flood?"]);
-    refused(&["operater"], &["operater", "did you mean board operator?"]);
     refused(&["cooperate", "--secnds", "1"], &["--secnds", "did you mean --seconds?"]);
     refused(&["shared", "collaborate", "--mistake", "amnesa"], &["amnesa", "did you mean amnesia?"]);
     refused(&["paper", "--keys"], &["--keys"]);

@@ -209,13 +209,13 @@ fn files_hold_the_run() {
     assert_eq!(csv::Reader::from_path(named(".csv")).expect("a table").into_records().count(), 1000);
 
     // What made the files is a scene file: it runs the same again, and other settings go beside, not over it.
-    let again = json(&["cooperate", "--json", "--duration-s", "1", "--scene", named(".toml")]);
+    let again = json(&["cooperate", "--json", "--seconds", "1", "--scene", named(".toml")]);
     assert_eq!(again["state_hash"], report["state_hash"]);
     assert_eq!(again["made"]["settings"], report["made"]["settings"]);
     let out = folder.display().to_string();
-    let longer = json(&["cooperate", "--json", "--duration-s", "1.5", "--out", &out]);
+    let longer = json(&["cooperate", "--json", "--seconds", "1.5", "--out", &out]);
     assert_ne!(longer["files"], report["files"]);
-    let other = json(&["cooperate", "--json", "--duration-s", "1", "--out", &out, "--set", "user.1.push_n=1"]);
+    let other = json(&["cooperate", "--json", "--seconds", "1", "--out", &out, "--set", "user.1.push_n=1"]);
     assert!(other["files"].as_array().expect("a list of files").iter().all(|file| !files.contains(file)), "{other}");
 }
 
@@ -279,48 +279,6 @@ fn a_stroke_around_an_object() {
         // What made them is a page of settings; the table and the picture are much more.
         assert!(size > if path.ends_with(".toml") { 200 } else { 5000 }, "{file}");
     }
-}
-
-/// What a command that has moved was called: it works, and says what it is called now.
-#[test]
-fn old_names_work_and_name_the_new_ones() {
-    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("moved");
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).expect("a folder");
-    let file = |name: &str| folder.join(name).display().to_string();
-    let world = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes/worlds/two-rooms.toml");
-    let now = |old: &str, new: &str, status: i32| {
-        let words = old.split(' ');
-        let output = Command::new(env!("CARGO_BIN_EXE_host-sim")).args(words).output().expect("host-sim runs");
-        let said = String::from_utf8_lossy(&output.stderr);
-        let name = old.split(' ').next().unwrap_or_default();
-        assert_eq!(output.status.code(), Some(status), "{old}: {said}");
-        assert!(said.starts_with(&format!("host-sim {name} is now host-sim {new}: ")), "{old}: {said}");
-        String::from_utf8_lossy(&output.stdout).into_owned()
-    };
-    now(&format!("keygen {}", file("key")), "key generate", 0);
-    now(&format!("keygen {} --operator", file("operator")), "key generate", 0);
-    let keys = format!("--key-file {} --operator-key-file {}", file("key"), file("operator"));
-    now(&format!("key-image {keys} {}", file("image")), "key image", 0);
-    now("keys", "cooperate --keys", 0);
-    now(&format!("trace --duration-s 1 {}", file("trace.csv")), "network trace", 0);
-    now(&format!("record --built-in matched-line --duration-s 0.1 {}", file("recording")), "board record", 0);
-    let calibrated = file("calibrated.toml");
-    now(&format!("calibrate sign --board simulated --out {calibrated}"), "board calibrate", 0);
-    now("precision --duration-s 0.1", "accuracy precision", 0);
-    now("restarts --count 1", "network restarts", 0);
-    now("collaborate --runs 4", "shared collaborate", 0);
-    now("squash --seconds 0.1 --json", "shared squash", 0);
-    now("cooperative --delay-ms 1 --duration-s 0.1 --json", "shared cooperative", 0);
-    now("shape --json", "shared world stroke", 0);
-    assert!(now(&format!("world --scene {world}"), "shared world show", 0).contains("version 1"));
-    // Live ones: they begin, and miss what is missing.
-    now("flood --rate 0", "network flood", 2);
-    now("relay --duration-s 1", "network relay", 2);
-    now("operator --board 127.0.0.1 --key-file /no/such.key", "board operator", 2);
-    now(&format!("serve --scene {world} --listen 127.0.0.1:0 --key-file /no/such.key"), "shared world serve", 2);
-    now("visit --line 1 --server 1=127.0.0.1:9 --key-file /no/such.key", "shared world visit", 2);
-    now("crowd --clients 0", "shared world crowd", 2);
 }
 
 /// Every command has a line of its own in the help.

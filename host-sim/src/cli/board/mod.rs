@@ -36,7 +36,6 @@ super::commands! {
 }
 
 #[derive(Debug, Args)]
-#[command(mut_arg("scene", |arg| arg.alias("built-in")))]
 #[command(mut_arg("seconds", |arg| arg.default_value("5").value_parser(number(1e-5..=3600.0, "s"))))]
 pub(in crate::cli) struct Record {
     #[command(flatten)]

@@ -1,5 +1,4 @@
-//! Error against instructions, drawn: one figure for each family, one with the comparison of each that says most, and one
-//! of the cost per scene.
+//! Error against instructions, drawn: one figure for each family, and one with the comparison of each that says most and the cost per scene.
 //!
 //! Both axes are logarithmic and span at least a factor of `LEAST_X` and `LEAST_Y`, so that choices that are nearly
 //! alike look so. Dots are choices; the dashed line joins the Pareto front: what is left of it and below cannot be had. An
@@ -143,36 +142,19 @@ fn family(family: &Family, processor: Processor) -> Figure {
     }
 }
 
-/// Bars of instructions of these scenes, (name, text below the bars).
-fn bars(costs: &[Cost], scenes: &[(&str, &str)], title: &str, columns: &[(usize, &str)]) -> Panel {
+/// Bars of instructions of these scenes in f32, (name, text below the bars).
+fn bars(costs: &[Cost], scenes: &[(&str, &str)], title: &str) -> Panel {
     let found: Vec<(&Cost, &str)> = scenes
         .iter()
         .filter_map(|(name, text)| Some((costs.iter().find(|cost| cost.scene == *name)?, *text)))
         .collect();
-    let series = columns.iter().map(|(column, label)| {
-        let heights = found.iter().enumerate().map(|(at, (cost, _))| (at as f64, cost.instructions[*column] as f64));
-        Series::bars(*label, *column, heights.collect())
-    });
+    let heights = found.iter().enumerate().map(|(at, (cost, _))| (at as f64, cost.instructions[0] as f64)).collect();
     Panel {
         title: title.to_owned(),
         y_label: "Instructions per tick".to_owned(),
         categories: found.iter().map(|(_, text)| (*text).to_owned()).collect(),
-        series: series.collect(),
+        series: vec![Series::bars("", 0, heights)],
         ..Panel::default()
-    }
-}
-
-/// Every scene's tick, in f32 and I32F32.
-fn costs(costs: &[Cost], processor: Processor) -> Figure {
-    let names: Vec<String> = costs.iter().map(|cost| cost.scene.replace('-', " ")).collect();
-    let scenes: Vec<(&str, &str)> = costs.iter().map(|cost| cost.scene).zip(names.iter().map(String::as_str)).collect();
-    let row = |scenes| bars(costs, scenes, "", &[(0, "f32"), (2, "I32F32")]);
-    Figure {
-        title: "Cost per scene: instructions of one tick".to_owned(),
-        caption: format!("One whole peer, an eighth of its exchange included. Instructions of {}.", processor.label()),
-        columns: 1,
-        panels: scenes.chunks(scenes.len().div_ceil(2).max(1)).map(row).collect(),
-        ..Figure::default()
     }
 }
 
@@ -183,7 +165,7 @@ fn overview(families: &[Family], costs: &[Cost], processor: Processor) -> Figure
         Some(panel(family, comparison, format!("{}: {}", family.title, comparison.title)))
     };
     let mut panels: Vec<Panel> = families.iter().filter_map(headline).collect();
-    panels.push(bars(costs, &MAIN_SCENES, "Cost per scene: what a tick must carry, f32", &[(0, "")]));
+    panels.push(bars(costs, &MAIN_SCENES, "Cost per scene: what a tick must carry, f32"));
     Figure {
         title: "Speed against error: every numerical choice of a peer".to_owned(),
         caption: legend(false, processor),
@@ -197,5 +179,5 @@ fn overview(families: &[Family], costs: &[Cost], processor: Processor) -> Figure
 pub fn all(families: &[Family], table: &[Cost], processor: Processor) -> Vec<(&'static str, Figure)> {
     let each = families.iter().map(|one| (one.name, family(one, processor)));
     let first = std::iter::once(("speed-against-error", overview(families, table, processor)));
-    first.chain(each).chain([("cost-per-scene", costs(table, processor))]).collect()
+    first.chain(each).collect()
 }

@@ -33,7 +33,6 @@
 
 mod cells;
 pub mod laws;
-pub mod sending;
 
 use haptic_core::law::Sends;
 
@@ -51,25 +50,8 @@ use crate::sweep::{EVERY_MODE, UNSTABLE_MODES};
 
 pub use self::cells::{Cell, DURATION_S, PUSH_N, PUSH_S, REST_S, SEEDS};
 
-/// Communications, with what they need: name and settings.
-pub const COMMS: [Named; 5] = [
-    ("power", &["coordination.comm=power", "coordination.stiffness_n_per_m=310"]),
-    ("wave", &["coordination.comm=wave", "coordination.stiffness_n_per_m=1590"]),
-    (
-        "passive-wave+ledger",
-        &["coordination.comm=passive-wave", "coordination.stiffness_n_per_m=10000", "coordination.ledger=true"],
-    ),
-    (
-        "passive-mean+ledger+correction",
-        &[
-            "coordination.comm=passive-mean",
-            "coordination.stiffness_n_per_m=10000",
-            "coordination.ledger=true",
-            "coordination.drift_correction=true",
-        ],
-    ),
-    ("self-timed", SELF_TIMED),
-];
+/// The communications of the campaign: name and settings.
+pub const COMMS: [Named; 5] = [CHOICES[0], CHOICES[1], CHOICES[4], CHOICES[7], ("self-timed", SELF_TIMED)];
 
 /// The built-in scene `any-network` on the forces of the others.
 const SELF_TIMED: &[&str] = &[

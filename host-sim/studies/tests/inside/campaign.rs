@@ -105,24 +105,24 @@ fn the_self_timed_row_is_any_network() {
     assert_eq!(delay(row), delay(&scene));
 }
 
-/// A narrow line carries a packet of nine samples and no packet a tick; on the scene's own network few packets do, and at four in a packet they cost nothing.
+/// A narrow line carries a packet of nine samples and no packet a tick; four in a packet cost nothing on the scene's own network, and nine N − 8 ticks.
 #[test]
 fn few_packets_do_where_the_line_has_margin() {
-    let networks: Vec<Named> = ["none", "bandwidth 110 kbit/s"]
-        .map(|name| *networks::IMPAIRMENTS.iter().find(|(known, _)| *known == name).expect("a network"))
-        .to_vec();
-    let rows = sending::rows(Laws::built_in(), sending::MOTIONS[0], &networks, &[4, 9]).expect("runs");
-    let told: Vec<(u32, &str, bool)> =
-        rows.iter().map(|row| (row.together, row.each.network.as_str(), row.meets().is_ok())).collect();
-    let narrow = "bandwidth 110 kbit/s";
-    assert_eq!(told, [(4, "none", false), (4, narrow, false), (9, "none", true), (9, narrow, true)]);
-    assert!(!rows[3].each.is_stable(), "a packet a tick fits no narrow line");
-    // N − 8 ticks of T_c·F/b: nothing of four, 1 ms·1 N/60 N·s/m of nine.
-    let added = |row: &sending::Row| {
-        let [each, sparse] = [&row.each, &row.sparse].map(|cell| cell.true_discrepancy_mm().expect("stable").mean);
-        sparse - each
+    let network = |name: &str| *networks::IMPAIRMENTS.iter().find(|(known, _)| *known == name).expect("a network");
+    let over = |network: Named, together: &[&str]| {
+        let pushes = ["user.1.push_n=1", "user.2.push_n=1", "user.2.sine_n=0.25", "user.2.sine_rad_per_s=3"];
+        let set: Vec<String> = pushes.iter().chain(together).map(|text| (*text).to_owned()).collect();
+        let scene = scenes::find(Laws::built_in(), Some("any-network".as_ref()), &set).expect("a good scene");
+        cells(&scene, &[network]).remove(0)
     };
-    assert!(added(&rows[0]).abs() < 1e-3 && (added(&rows[2]) - 1.0 / 60.0).abs() < 1e-3, "{told:?}");
+    let [narrow, own] = ["bandwidth 110 kbit/s", "none"].map(network);
+    let (four, nine) = (["event.longest_s=0.05", "event.together_ticks=4"], ["event.longest_s=0.05"]);
+    let stable = [&[][..], &four, &nine].map(|together| over(narrow, together).is_stable());
+    assert_eq!(stable, [false, false, true], "a packet a tick fits no narrow line");
+    let [each, four, nine] =
+        [&[][..], &four, &nine].map(|together| over(own, together).true_discrepancy_mm().expect("stable").mean);
+    // A tick is T_c·F/b: 1 ms·1 N/60 N·s/m.
+    assert!((four - each).abs() < 1e-3 && (nine - each - 1.0 / 60.0).abs() < 1e-3, "{each} {four} {nine}");
 }
 
 /// Along axes that nothing couples a scene is judged as along one; a coupled one is judged, too.

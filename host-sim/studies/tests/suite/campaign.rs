@@ -35,7 +35,7 @@ fn passive_comms_hold_on_every_network_and_the_table_is_as_reviewed() {
     // Nor does passive mean together: bursts take the copies apart, in every seed.
     for bursts in ["bursts of 40 ms, 20 %", "bursts of 100 ms, 5 %", "bursts of 100 ms, 50 %"] {
         let apart = |cell: &&Cell| cell.network == bursts && cell.count(Verdict::Apart) == cell.outcomes.len();
-        assert_eq!(count("passive-mean+ledger+correction", &apart), 1, "{bursts}");
+        assert_eq!(count("passive-mean + ledger + correction", &apart), 1, "{bursts}");
     }
 
     // The table is of the laws that are named there; a law that is only in core's list has rows after them.

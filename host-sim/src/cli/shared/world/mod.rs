@@ -24,7 +24,6 @@ crate::cli::commands! {
         /// What a world holds; without one, every key of a world file.
         Show(Show),
         /// A hand strokes along an object of a world and pushes it about: force, depth at corners, energy.
-        #[command(alias = "shape")]
         Stroke(stroke::Stroke),
         /// Very many clients at one server: how many it holds, and where it bends.
         Crowd(crowd::Crowd),

@@ -1,4 +1,4 @@
-//! `host-sim visit`: a client of a static world.
+//! `host-sim shared world visit`: a client of a static world.
 
 use std::{net::SocketAddr, path::PathBuf};
 

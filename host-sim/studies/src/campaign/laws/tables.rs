@@ -33,10 +33,6 @@ impl Row {
         self.stable(of)?.into_iter().reduce(f64::max)
     }
 
-    fn least(&self, of: impl Fn(&Cell) -> Option<f64>) -> Option<f64> {
-        self.stable(of)?.into_iter().reduce(f64::min)
-    }
-
     /// The largest of every run over every network, those that failed among them.
     fn largest(&self, of: impl Fn(&Outcome) -> f64) -> f64 {
         self.cells.iter().flat_map(|cell| &cell.outcomes).map(of).fold(0.0, f64::max)
@@ -44,10 +40,6 @@ impl Row {
 
     fn limit(&self, of: impl Fn(&Stability) -> &Limit) -> Option<f64> {
         self.stability.as_ref().ok().map(|stability| stable_to(of(stability)))
-    }
-
-    fn crossings(&self, of: impl Fn(&Stability) -> &Limit) -> Option<Vec<f64>> {
-        self.stability.as_ref().ok().map(|stability| of(stability).crossings.clone())
     }
 
     /// What it promises and whether that was kept, in words.
@@ -68,7 +60,6 @@ fn named(rows: &[Row]) -> Rows<'_, Row> {
 /// What came of it over the networks.
 fn over_networks<'a>(rows: Rows<'a, Row>) -> Rows<'a, Row> {
     let true_mm = |cell: &Cell| cell.true_discrepancy_mm().map(|estimate| estimate.mean);
-    let mobility = |cell: &Cell| cell.mobility().map(|estimate| estimate.mean);
     rows
         .value("source", |row| Some(row.law.source).filter(|source| !source.is_empty()))
         .means("where it was published")
@@ -103,15 +94,6 @@ fn over_networks<'a>(rows: Rows<'a, Row>) -> Rows<'a, Row> {
         .number("worst_true_discrepancy_mm", 1, |row| row.most(|cell| cell.worst(|o| o.whole.largest_true_discrepancy_mm)))
         .means("the largest at any instant on any of those networks")
         .head("worst true")
-        .number("mean_way", 2, move |row| row.mean(mobility))
-        .means("way under a common push over that on the scene's own network, mean over the networks on which it is stable")
-        .data_only()
-        .number("least_way", 2, move |row| row.least(mobility))
-        .means("the least of those")
-        .data_only()
-        .number("peak_force_n", 1, |row| row.most(|cell| cell.worst(|o| o.whole.peak_coordination_force_n)))
-        .means("largest |F_T| on any network on which it is stable")
-        .data_only()
         .number("energy_made_mj", 3, |row| row.largest(Outcome::energy_made_mj))
         .means("channel: the most, at the end of any tick, that a peer had taken from the network beyond what the other one had given to it, the largest of every run over every network")
         .head("channel made")
@@ -158,15 +140,6 @@ fn judged<'a>(rows: Rows<'a, Row>) -> Rows<'a, Row> {
         .number("contact_stable_to_n_per_m", 0, |row| row.limit(|s| &s.contact))
         .means("first unstable K_LC in the worst mode, at the law's K_T; 20000 where there is none up to there")
         .head("K_LC")
-        .value("crossings_both_n_per_m", |row| row.crossings(|s| &s.coordination[0]))
-        .means("every K_T at which stable turns unstable or back, both hands on")
-        .data_only()
-        .value("crossings_one_n_per_m", |row| row.crossings(|s| &s.coordination[1]))
-        .means("the same with one hand on")
-        .data_only()
-        .value("crossings_none_n_per_m", |row| row.crossings(|s| &s.coordination[2]))
-        .means("the same with no hand on")
-        .data_only()
         .value("judged_stable", |row| row.stability.as_ref().ok().map(|stability| stability.judgement.worst.stable))
         .means("whether the analyser calls every mode stable at the gains as declared")
         .data_only()

@@ -1,7 +1,8 @@
-//! The NUCLEO-H743ZI2 (MB1364): an STM32H743ZIT6, with two encoders and two motor bridges, or three (feature `three-axes`).
+//! MB1364, the printed board of the NUCLEO-H743ZI2 (an STM32H743ZIT6) and of the NUCLEO-H753ZI (an STM32H753ZIT6: the H743's die with CRYP and
+//! HASH besides, which nothing here uses), with two encoders and two motor bridges, or three (feature `three-axes`).
 //!
-//! The default board, and the one that all pages mean where they name none.
-//! Numbers of connectors are in firmware/wiring/netlist.toml and docs/assembly.md.
+//! The first is the default, and the one that all pages mean where they name none. Numbers of connectors are in firmware/wiring/netlist.toml and
+//! docs/assembly.md.
 
 use embassy_stm32::Peripherals;
 
