@@ -46,7 +46,7 @@ struct Chore {
     run: fn(&Options<'_>) -> Result<(), Failure>,
 }
 
-const CHORES: [Chore; 26] = [
+const CHORES: [Chore; 27] = [
     Chore {
         name: "setup",
         options: "",
@@ -219,6 +219,17 @@ meeting place between them. Needs root on Linux; installs iproute2 and nftables 
 the hash of all that was computed must be host-sim's. Then a panic and a stack overflow there: outputs off first. Installs
 qemu-system-arm if apt-get can; without it says so, and fails where CI is set.",
         run: |_| test::second_opinion(&setup::setup()?),
+    },
+    Chore {
+        name: "verdicts",
+        options: " [--scenes N] [--seed S] [--limits]",
+        does: "Compares verdicts of the analyser with kicked runs of random scenes, and writes their table for review",
+        more: "10,000 scenes of all laws in every mode, as a release: an hour on two cores. Writes host-sim/analysis/tests/verdicts.txt. Fails if a scene
+that is called stable grows.
+  --scenes  how many [default: 10000]
+  --seed    number of the first scene; other than 0, and no file is written [default: 0]
+  --limits  find instead the stiffest contact of any-network at 0 to 250 ms, and write host-sim/analysis/tests/limits.csv",
+        run: test::verdicts,
     },
     Chore {
         name: "recordings",
