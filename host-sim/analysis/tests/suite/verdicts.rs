@@ -206,7 +206,7 @@ where
         let mut at = 0;
         side.peer.visit_state(&mut |number| {
             // A peer's state begins with position and velocity of its copy along the first axis.
-            *number += if kick % 3 == 0 {
+            *number += if kick.is_multiple_of(3) {
                 1e-60 * (random.unit() - 0.5)
             } else if at == 1 {
                 *speed
