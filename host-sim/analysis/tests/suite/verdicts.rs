@@ -47,8 +47,9 @@ const GROWN: f64 = 7.0;
 /// What changes by less than this from the second quarter of a run to the last one, as a logarithm, is not known to grow or to settle.
 const CLEAR: f64 = 0.5;
 
-/// How long a run is left alone, s, and once more if it does neither and its scene is called stable.
-const ALONE_S: [f64; 2] = [12.0, 40.0];
+/// How long a run is left alone, s. If its scene is called stable, it goes on until the second time if it does not settle by the first, and until the
+/// third if it grows: the modified hold of `passive-deadband` may grow for a minute into a swing that stays.
+const ALONE_S: [f64; 3] = [12.0, 40.0, 600.0];
 
 /// Most packets on a round trip times axes: the eigenvalues of a scene cost the cube of them.
 const MOST_PACKETS: f64 = 90.0;
@@ -181,7 +182,7 @@ fn in_mode(scene: &Scene, mode: &Mode) -> Vec<Scene> {
 }
 
 /// Runs a scene with a kick; a `patient` run goes on although all seems to have died away.
-fn run(scene: &Scene, kick: usize, seed: u64, alone_s: f64, patient: bool) -> Ran {
+fn run(scene: &Scene, kick: usize, seed: u64, alone_s: &[f64], patient: bool) -> Ran {
     let linear = (kick == 0).then(|| scene.linear());
     let scene = linear.as_ref().unwrap_or(scene);
     of_axes!(scene, run_along(scene, kick, seed, alone_s, patient))
@@ -191,7 +192,7 @@ fn run_along<const SHARED: usize, const N: usize>(
     scene: &Scene,
     kick: usize,
     seed: u64,
-    alone_s: f64,
+    mut alone_s: &[f64],
     patient: bool,
 ) -> Ran
 where
@@ -255,12 +256,17 @@ where
         if count >= 8 && size > of(first) + GROWN && size > of(&sizes[..count - count / 4]) {
             break Does::Grows;
         }
-        if count as f64 * window_s > alone_s {
-            break match quarters(&sizes) {
+        if count as f64 * window_s > alone_s[0] {
+            let does = match quarters(&sizes) {
                 grown if grown > CLEAR => Does::Grows,
                 grown if grown < -CLEAR => Does::Settles,
                 _ => Does::Neither,
             };
+            let longer = &alone_s[1..];
+            if longer.is_empty() || does == Does::Settles || does == Does::Neither && longer.len() == 1 {
+                break does;
+            }
+            alone_s = longer;
         }
     };
     let rate = quarters(&sizes) / (0.5 * sizes.len() as f64 * window_s);
@@ -342,54 +348,47 @@ fn compare_mode(seed: u64, scene: &Scene, mode: &Mode) -> Compared {
         return compared(Outcome::NotJudged, because.to_owned(), f64::NAN);
     }
     let scenes = in_mode(scene, mode);
-    let ran = |kick: usize, alone_s: f64| {
+    let ran = |kick: usize, alone_s: &[f64]| {
         let runs = scenes.iter().map(|scene| run(scene, kick, seed, alone_s, kick == 0 && !verdict.stable));
         // The one that is the farthest from settling.
         runs.max_by(|a, b| (a.does as u8).cmp(&(b.does as u8)).then(a.rate.total_cmp(&b.rate))).expect("a run")
     };
-    let alone = |kick: usize| {
-        let ran_once = ran(kick, ALONE_S[0]);
-        if verdict.stable && ran_once.does != Does::Settles { ran(kick, ALONE_S[1]) } else { ran_once }
-    };
-    let runs = [0, 1, 2].map(alone);
+    let alone_s = if verdict.stable { &ALONE_S[..] } else { &ALONE_S[..1] };
+    let (is_linear, tank) = (is_linear(scene).expect("a good scene"), law.budgets().next().is_some());
+    let first = ran(0, alone_s);
+    // The other kicks excite it too little until all else has died away.
+    if !verdict.stable && first.does == Does::Grows && is_linear && !tank {
+        return compared(Outcome::UnstableGrows, String::new(), first.rate);
+    }
+    let runs = [first, ran(1, alone_s), ran(2, alone_s)];
     let settles = |ran: &Ran| ran.does == Does::Settles;
     // What the radius makes of the changes until a run is over is too little to be seen.
     let slow = |ran: &Ran| ran.does == Does::Neither && (said * 0.5 * ran.alone_s).abs() < 2.0 * CLEAR;
     let rate = runs[0].rate;
-    let (is_linear, tank) = (is_linear(scene).expect("a good scene"), law.budgets().next().is_some());
     let silent = scene.peer.own(&LONGEST) > 0.0;
     if verdict.stable {
         let outcome = match () {
             () if runs.iter().all(settles) => Outcome::StableSettles,
             () if runs.iter().all(|ran| settles(ran) || slow(ran)) => Outcome::StableSlow,
             // What is judged is the linear scene, and that one settles.
-            () if settles(&runs[0]) || slow(&runs[0]) => match () {
-                () if tank && !settles(&ran(3, ALONE_S[1])) => {
-                    return compared(
-                        Outcome::StableSwings,
-                        "about rest, by what the law does with an energy tank".into(),
-                        rate,
-                    );
-                }
-                () if (!is_linear || silent) && runs.iter().all(|ran| ran.does != Does::Grows) => {
-                    return compared(
-                        Outcome::StableSwings,
-                        "after a kick, by a law that is not linear or keeps silent on purpose".into(),
-                        rate,
-                    );
-                }
-                () => Outcome::StableGrows,
-            },
+            () if (settles(&runs[0]) || slow(&runs[0])) && runs.iter().all(|ran| ran.does != Does::Grows) => {
+                let reason = match () {
+                    () if tank && !settles(&ran(3, &ALONE_S[1..])) => {
+                        "about rest, by what the law does with an energy tank"
+                    }
+                    () if !is_linear || silent => {
+                        "after a kick, by a law that is not linear or keeps silent on purpose"
+                    }
+                    () => return compared(Outcome::StableGrows, format!("{runs:?}"), rate),
+                };
+                return compared(Outcome::StableSwings, reason.to_owned(), rate);
+            }
             () => Outcome::StableGrows,
         };
         return compared(outcome, format!("{runs:?}"), rate);
     }
     let reason = match () {
         () if !runs[1..].iter().all(settles) && !slow(&runs[0]) => {
-            return compared(Outcome::UnstableGrows, String::new(), rate);
-        }
-        // The other kicks excite it too little until all else has died away.
-        () if runs[0].does == Does::Grows && is_linear && !tank => {
             return compared(Outcome::UnstableGrows, String::new(), rate);
         }
         () if runs[0].does != Does::Grows && said * 0.5 * runs[0].alone_s < GROWN => "it grows by less than is seen",
