@@ -97,7 +97,7 @@ fn with_device(mut scene: Scene, number: u8, ticks: u32) -> Result<Scene, haptic
 /// Who judges this scene at measured delays, of the network and of a device at peer `number` that the scene does not simulate, with a hand that
 /// may take either device if there is one, and lets it arm anyway or not.
 pub(crate) fn judge(scene: Scene, number: u8, hand: Option<Hand>, anyway: Result<(), &'static str>) -> Judge {
-    let question = Question { hand, for_every_mode: true, most_packets: MOST_PACKETS };
+    let question = Question { hand, most_packets: MOST_PACKETS };
     let find = move |Measured { one_way_s, device_ticks }: Measured| {
         let scene = measured(&scene, one_way_s);
         let found = match device_ticks.map(|ticks| with_device(scene.clone(), number, ticks)) {

@@ -131,15 +131,6 @@ corpus/ of protocol/fuzz or host-sim/{environments/,live/,}fuzz; a crash leaves 
         run: |_| probe::log(),
     },
     Chore {
-        name: "packages",
-        options: " [--verify]",
-        does: "Packs what others install, crates and Python's sources, and compiles the latter as they are unpacked",
-        more: "`cargo publish --dry-run` of the seven crates that simulator and analyser are made of, and maturin's source distribution in a
-folder of its own. Nothing is uploaded. Needs the registries, and Python 3.11 with venv.
-  --verify   compile each crate from what is packed as well: some minutes",
-        run: packages::packages,
-    },
-    Chore {
         name: "page",
         options: " [--write] [--measure] [--seconds S]",
         does: "Checks the sources of host-sim play's page: types, lints, format; or measures it in a browser",
@@ -173,6 +164,17 @@ table of the program read by pandas and Arrow. The versions of host-sim/python/r
 below target/ when they have changed; it needs Python 3.11 with venv and, then, the registry. LeRobot's own loops with the packages in
 host-sim/python/lerobot likewise, in the versions of its requirements.txt; they need Python 3.12 or 3.13 (pyenv's, too).",
         run: |_| python::python(),
+    },
+    Chore {
+        name: "verdicts",
+        options: " [--scenes N] [--seed S] [--limits]",
+        does: "Compares verdicts of the analyser with kicked runs of random scenes, and writes their table for review",
+        more: "10,000 scenes of all laws in every mode, as a release: an hour on two cores. Writes host-sim/analysis/tests/verdicts.txt. Fails if a scene
+that is called stable grows.
+  --scenes  how many [default: 10000]
+  --seed    number of the first scene; other than 0, and no file is written [default: 0]
+  --limits  find instead the stiffest contact of any-network at 0 to 250 ms, and write host-sim/analysis/tests/limits.csv",
+        run: test::verdicts,
     },
     Chore {
         name: "rig",

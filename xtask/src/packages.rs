@@ -1,40 +1,25 @@
-//! `cargo xtask packages`: what others install, as they would get it, and nothing uploaded.
+//! The step `packages`: what others install, as they would get it, and nothing uploaded.
 //!
 //! Seven crates as `cargo publish` packs them, each with what it includes inside, and the Python module's sources, unpacked in a folder of
-//! their own and compiled there: a file that lies outside of its package is found by that. `--verify` compiles each crate from what is
+//! their own and compiled there: a file that lies outside of its package is found by that. `cargo publish --dry-run` compiles each crate from what is
 //! packed as well, which takes minutes; the tests leave it out.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::board::target;
-use crate::options::Options;
-use crate::run::{Failure, cargo, command, run, step};
+use crate::run::{Failure, cargo, command, run};
 use crate::{platforms, python, run};
 
 /// What the simulator and the analyser need of this repository, and they.
 pub(crate) const CRATES: [&str; 7] =
     ["haptic-core", "haptic-protocol", "haptic-io", "haptic-plot", "haptic-report", "haptic-sim", "haptic-analysis"];
 
-/// Packs and checks everything; compiles the crates where this is asked for.
-pub(crate) fn packages(given: &Options<'_>) -> Result<(), Failure> {
-    step("crates", || crates(given.flag("--verify")))?;
-    step("Python's sources", sources)
-}
-
-/// What `cargo xtask test` does of it.
+/// Packs and checks everything.
 pub(crate) fn check() -> Result<(), Failure> {
-    crates(false)?;
-    sources()
-}
-
-fn crates(verify: bool) -> Result<(), Failure> {
     // What is not committed is packed too: it is what the tests look at.
-    let mut publish = cargo(&["publish", "--dry-run", "--locked", "--allow-dirty"]);
-    if !verify {
-        publish.arg("--no-verify");
-    }
-    run(publish.args(named()))
+    run(cargo(&["publish", "--dry-run", "--locked", "--allow-dirty", "--no-verify"]).args(named()))?;
+    sources()
 }
 
 /// The crates as cargo is told of them.

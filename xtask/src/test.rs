@@ -333,6 +333,14 @@ fn virtual_boards(ready: &Ready, image: &Path) -> Result<(), Failure> {
     run(&mut board::bench(&["test"], image))
 }
 
+/// The analyser's verdicts beside runs, or the curve of its limits, by the tests of its package.
+pub(crate) fn verdicts(given: &Options<'_>) -> Result<(), Failure> {
+    let test = if given.flag("--limits") { "curve::" } else { "verdicts::" };
+    let mut tests = cargo(&["test", "--locked", "--release", "--package", "haptic-analysis", "--test", "suite", test]);
+    tests.env("LIMITS", "all").env("SCENES", given.value("--scenes").unwrap_or("10000"));
+    run(tests.env("SEED", given.value("--seed").unwrap_or("0")).args(["--", "--nocapture"]))
+}
+
 fn advice(failure: &Failure, advice: &str) -> Failure {
     Failure::new(format!("{failure}; {advice}"))
 }

@@ -65,7 +65,7 @@ pub fn advice(scene: &Scene) -> Result<String, Error> {
     if let Some(change) = change(scene)? {
         let Change { key, from, to, limit, unit, .. } = change;
         let verb = if to < from { "lower" } else { "raise" };
-        return Ok(format!("{place}: {verb} {key} from {from} to {to} {unit} (its limit here is {limit:.4})"));
+        return Ok(format!("{place}: {verb} {key} from {from} to {to} {unit} (its limit in every mode is {limit:.4})"));
     }
     let others = others(scene)?;
     Ok(if others.is_empty() {

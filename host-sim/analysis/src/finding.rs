@@ -2,14 +2,12 @@
 //! not. A page and a live peer ask this, and wait: so a gain is halved until it holds and then closed in on, in some thirty verdicts, where
 //! [`super::advice`] scans its whole range.
 //!
-//! **What is judged**: the linear scene at each delay of [`super::delays`], the walls that it can meet met as well. Where contact is two-sided
-//! and has no gap, device and object never part, and the mode with both hands on is all there is; elsewhere every mode of [`super::judge`]
-//! counts. A hand that may take either device beside its user is tried on both, on one and on none. What is proposed may be asked to hold in
-//! every mode, as what [`super::advice`] proposes does.
+//! **What is judged**: every mode of [`super::judge`], as the command line has it: at each delay of [`super::delays`], with both hands on, one and
+//! none, away from walls and at them. A hand that may take either device beside its user is tried on both, on one and on none. What is proposed
+//! holds in all of that, as what [`super::advice`] proposes does.
 //!
 //! **What is not**: a law that is not linear, one whose energy tank may hold back what its matrix makes grow, and more packets in flight than the caller has time for: an eigenvalue costs the cube of them.
 
-use haptic_core::contact::RenderingName;
 use haptic_core::settings::Value;
 use haptic_plot::significant;
 use haptic_sim::scene::{Jitter, Network, Scene};
@@ -19,7 +17,7 @@ use super::advice::{GAINS, MARGIN, short};
 use super::delays::delays;
 use super::lifted::delay::whole_ticks;
 use super::linear::is_linear;
-use super::modes::{Hands, entered_by, not_judged, worst};
+use super::modes::{entered_by, not_judged, worst};
 use super::verdict::{Verdict, unjudged};
 use crate::error::Error;
 
@@ -41,8 +39,6 @@ pub struct Hand {
 pub struct Question {
     /// A hand that may take either device.
     pub hand: Option<Hand>,
-    /// What is proposed holds in every mode, also where contact cannot part.
-    pub for_every_mode: bool,
     /// Packets in flight one way that are still judged; of an object shared along several axes fewer, by the square of their number.
     pub most_packets: usize,
 }
@@ -74,7 +70,7 @@ pub fn find(scene: &Scene, question: Question) -> Finding {
             "with more than {most} packets in flight that takes too long here; host-sim stability point does it"
         ));
     }
-    match is_linear(scene).and_then(|linear| linear.then(|| radius(scene, question.hand, false)).transpose()) {
+    match is_linear(scene).and_then(|linear| linear.then(|| radius(scene, question.hand)).transpose()) {
         Err(why) => unknown(&why.to_string()),
         Ok(None) => unknown("the law is not linear"),
         Ok(Some(Verdict { spectral_radius, stable: true, .. })) => Finding {
@@ -120,10 +116,7 @@ pub fn measured(scene: &Scene, [least_s, most_s]: [f64; 2]) -> Scene {
 }
 
 /// The verdict with the largest spectral radius, over hands, walls, modes and delays.
-fn radius(scene: &Scene, hand: Option<Hand>, every_mode: bool) -> Result<Verdict, Error> {
-    let contact = &scene.peer.contact;
-    let parts = contact.one_sided || contact.gap_m > 0.0 || contact.rendering == RenderingName::Impulsive;
-    let modes = (!parts && !every_mode).then_some(Hands::Both);
+fn radius(scene: &Scene, hand: Option<Hand>) -> Result<Verdict, Error> {
     let mut found = Vec::new();
     for held in 0..=hand.map_or(0, |_| scene.users.len()) {
         let mut scene = scene.clone();
@@ -131,7 +124,7 @@ fn radius(scene: &Scene, hand: Option<Hand>, every_mode: bool) -> Result<Verdict
             user.settings.user.arm_stiffness_n_per_m += hand.stiffness_n_per_m;
             user.settings.user.arm_damping_n_s_per_m += hand.damping_n_s_per_m;
         }
-        found.extend(entered_by(&scene, modes)?);
+        found.extend(entered_by(&scene)?);
     }
     Ok(worst(&found))
 }
@@ -141,8 +134,7 @@ fn lower(scene: &Scene, question: Question, radius: f64) -> (String, Option<Stri
     let size = if radius < 1e3 { format!("spectral radius {radius:.6}") } else { "far outside".to_owned() };
     let holds = |key: &str, value: f64| {
         let mut scene = scene.clone();
-        scene.set_number(key, value).is_ok()
-            && self::radius(&scene, question.hand, question.for_every_mode).is_ok_and(|verdict| verdict.stable)
+        scene.set_number(key, value).is_ok() && self::radius(&scene, question.hand).is_ok_and(|verdict| verdict.stable)
     };
     for key in GAINS {
         let Some(Value::Number(now)) = scene.get(key) else { continue };
@@ -156,7 +148,7 @@ fn lower(scene: &Scene, question: Question, radius: f64) -> (String, Option<Stri
         let to = short((1.0 - MARGIN) * inside);
         if holds(key, to) {
             let text = format!(
-                "unstable: {size}, above 1. Lower {key} from {now} to {to} N/m: its limit here is {} N/m",
+                "unstable: {size}, above 1. Lower {key} from {now} to {to} N/m: its limit in every mode is {} N/m",
                 significant(inside, 4)
             );
             return (text, Some(format!("{key}={to}")));

@@ -59,7 +59,7 @@ pub use lifted::delay::delays_ticks;
 pub use lifted::driven::Response;
 pub use lifted::pair::{is_symmetric, pair_matrix};
 pub use lifted::{Lifted, Matrix, apply};
-pub use limit::{Effort, Limit, limit};
+pub use limit::{Effort, InMode, Limit, limit};
 pub use linear::is_linear;
 pub use map::{Axis, Column, Map, map};
 pub use modes::{Hands, Judgement, Mode, judge};

@@ -8,13 +8,14 @@
 //! eigenvalue at a scan point tells of can be missed: `step` in the result says how wide the widest step of the scan was. Tried
 //! on seventy sweeps beside a plain scan of sixteen times as many points (`tests/suite/sweeps.rs`): none was.
 //!
-//! Which mode is looked at, or that it is the worst of all, is said by [`Effort::hands`].
+//! Each mode is looked at alone, away from walls and at them, and has a limit of its own; the limit of all is where the first of them is
+//! unstable. [`Effort::hands`] keeps it to one.
 
 use haptic_sim::scene::Scene;
 use serde::Serialize;
 
 use super::family::Family;
-use super::modes::{Hands, worst};
+use super::modes::{Hands, entered, worst};
 use super::search::{Found, crossings};
 use super::spectrum::Polar;
 use super::sweep::{Range, Sweep};
@@ -60,6 +61,19 @@ pub struct Limit {
     /// Why values that do not count as stable are not judged, if so.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub not_judged_because: Option<&'static str>,
+    /// The same in each mode that was looked at.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub modes: Vec<InMode>,
+}
+
+/// The limit in one mode.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct InMode {
+    /// Whose hands are on, and whether the walls are met.
+    pub mode: String,
+    /// The limit there.
+    #[serde(flatten)]
+    pub limit: Limit,
 }
 
 impl Limit {
@@ -67,13 +81,19 @@ impl Limit {
     pub(crate) fn new(found: Found, points: &[f64]) -> Self {
         let Found { stable_at_start, crossings, evaluations } = found;
         let step = points.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
-        Self { stable_at_start, crossings, evaluations, step, not_judged_because: None }
+        Self { stable_at_start, crossings, evaluations, step, not_judged_because: None, modes: Vec::new() }
+    }
+
+    /// The modes that are unstable at `value`.
+    pub fn unstable_modes(&self, value: f64) -> impl Iterator<Item = &str> {
+        self.modes.iter().filter(move |one| !one.limit.is_stable(value)).map(|one| one.mode.as_str())
     }
 
     /// The limit of what is stable where all of these are.
-    fn of_all(limits: &[Self]) -> Self {
+    fn of_all(modes: Vec<InMode>) -> Self {
+        let limits: Vec<&Self> = modes.iter().map(|one| &one.limit).collect();
         let mut turns: Vec<(f64, usize)> = (0..)
-            .zip(limits)
+            .zip(&limits)
             .flat_map(|(which, limit)| limit.crossings.iter().map(move |crossing| (*crossing, which)))
             .collect();
         turns.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -85,13 +105,10 @@ impl Limit {
             stable[which] = !stable[which];
             (all(&stable) != before).then_some(crossing)
         };
-        Self {
-            stable_at_start,
-            crossings: turns.into_iter().filter_map(crosses).collect(),
-            evaluations: limits.iter().map(|limit| limit.evaluations).sum(),
-            step: limits.iter().map(|limit| limit.step).fold(0.0, f64::max),
-            not_judged_because: None,
-        }
+        let crossings = turns.into_iter().filter_map(crosses).collect();
+        let evaluations = limits.iter().map(|limit| limit.evaluations).sum();
+        let step = limits.iter().map(|limit| limit.step).fold(0.0, f64::max);
+        Self { stable_at_start, crossings, evaluations, step, not_judged_because: None, modes }
     }
 
     /// Whether the scene is stable at `value`.
@@ -112,9 +129,14 @@ pub fn limit(scene: &Scene, range: Range, effort: Effort) -> Result<Limit, Error
 pub(crate) fn along(sweep: &Sweep, effort: Effort) -> Result<Limit, Error> {
     // Each mode by itself: the worst of all has flat stretches of one that hide the humps of another.
     let points = sweep.points(effort.steps);
-    let of_mode = |mode: &Hands| Ok(Limit::new(of_mode(sweep, &points, effort.tolerance, *mode)?, &points));
-    let limits = sweep.modes(effort.hands).iter().map(of_mode).collect::<Result<Vec<_>, Error>>()?;
-    let limit = Limit::of_all(&limits);
+    let met = sweep.met();
+    let away = entered(effort.hands).into_iter().map(|mode| (sweep, mode, false));
+    let at_walls = met.iter().flat_map(|met| entered(effort.hands).into_iter().map(move |mode| (met, mode, true)));
+    let in_mode = |(sweep, mode, at_walls): (&Sweep, Hands, bool)| {
+        let limit = Limit::new(of_mode(sweep, &points, effort.tolerance, mode)?, &points);
+        Ok(InMode { mode: mode.named(at_walls), limit })
+    };
+    let limit = Limit::of_all(away.chain(at_walls).map(in_mode).collect::<Result<_, Error>>()?);
     let edges = [&points[..1], &limit.crossings, &points[points.len() - 1..]].concat();
     let mut analyser = Analyser::default();
     let mut because = |middle: f64| Ok(worst(&analyser.modes(&sweep.at(middle)?, effort.hands)?).not_judged_because);

@@ -22,7 +22,8 @@ use serde::Serialize;
 
 use super::delays::delays;
 use super::lifted::delay::{at_delays, delays_ticks};
-use super::lifted::driven::counts;
+use super::lifted::driven::{counts, keeps_silent};
+use super::linear::is_linear;
 use super::verdict::{Analyser, Reduced, Verdict};
 use crate::error::Error;
 
@@ -41,6 +42,13 @@ pub enum Hands {
 impl Choice for Hands {
     const NAMES: &'static [&'static str] = &["both", "one", "none"];
     const ALL: &'static [Self] = &[Self::Both, Self::One, Self::None];
+}
+
+impl Hands {
+    /// Name of the mode, for a person.
+    pub(crate) fn named(self, at_walls: bool) -> String {
+        self.name().to_owned() + if at_walls { ", at the walls" } else { "" }
+    }
 }
 
 /// The verdict on one mode.
@@ -66,7 +74,7 @@ fn is_false(flag: &bool) -> bool {
 impl Mode {
     /// Name of the mode, for a person.
     pub fn name(&self) -> String {
-        self.mode.name().to_owned() + if self.at_walls { ", at the walls" } else { "" }
+        self.mode.named(self.at_walls)
     }
 }
 
@@ -101,18 +109,18 @@ impl Judgement {
 /// # Errors
 /// A scene that the analyser cannot judge in one of its modes.
 pub fn judge(scene: &Scene) -> Result<Judgement, Error> {
-    let modes = entered_by(scene, None)?;
+    let modes = entered_by(scene)?;
     let worst = worst(&modes);
     let not_judged = worst.not_judged_because.into_iter().chain(not_judged(scene)).collect();
     Ok(Judgement { worst, modes, not_judged })
 }
 
-/// Every mode of a scene, or the one that is asked for, away from walls and at them.
-pub(crate) fn entered_by(scene: &Scene, only: Option<Hands>) -> Result<Vec<Mode>, Error> {
+/// Every mode of a scene, away from walls and at them.
+pub(crate) fn entered_by(scene: &Scene) -> Result<Vec<Mode>, Error> {
     let mut analyser = Analyser::default();
-    let mut modes = analyser.modes(scene, only)?;
+    let mut modes = analyser.modes(scene, None)?;
     if let Some(met) = scene.at_walls() {
-        modes.extend(analyser.modes(&met, only)?.into_iter().map(|mode| Mode { at_walls: true, ..mode }));
+        modes.extend(analyser.modes(&met, None)?.into_iter().map(|mode| Mode { at_walls: true, ..mode }));
     }
     Ok(modes)
 }
@@ -136,9 +144,10 @@ impl Analyser {
         let least = |mode: &Hands| Mode { mode: *mode, at_walls: false, verdict: Verdict::LEAST, at_delay_ticks: None };
         let mut found: Vec<Mode> = modes.iter().map(least).collect();
         self.parts.clear();
-        // A line that counts its ticks is another one at each delay.
-        for delays in delays.chunks(if counts(&linear) { 1 } else { delays.len() }) {
-            let other = (counts(&linear) && delays[0] != own).then(|| at_delays(&linear, delays[0]));
+        // A line that counts its ticks is another one at each delay, and so is a run.
+        let runs = counts(&linear) || keeps_silent(&linear);
+        for delays in delays.chunks(if runs { 1 } else { delays.len() }) {
+            let other = (runs && delays[0] != own).then(|| at_delays(&linear, delays[0]));
             let linear = other.as_ref().unwrap_or(&linear);
             self.measure(linear, [modes != [Hands::None], modes != [Hands::Both]], delays)?;
             found.iter_mut().try_for_each(|worst| self.mode(worst, own, delays))?;
@@ -222,6 +231,8 @@ pub(crate) fn not_judged(scene: &Scene) -> Vec<&'static str> {
         (law.ledger, "the energy ledger, when it cuts"),
         (scene.law().sends == Sends::Counters, "ticks in which the line stands, or is made longer or shorter"),
         (scene.law().budgets().next().is_some(), "what the law's energy tank holds back when it is short"),
+        (is_linear(scene).is_ok_and(|linear| !linear), "what is not linear about the law"),
+        (keeps_silent(scene), "silence on purpose, but for motions that are worth no packet, or always one"),
         (law.drift_correction, "the correction of drift"),
         (recorded, "what the recorded network did"),
         (drawn(network.loss > 0.0 || network.corrupt > 0.0), "packets that are lost"),

@@ -6,7 +6,7 @@
 use haptic_core::settings::{Allowed, Value};
 use haptic_sim::scene::Scene;
 
-use super::modes::{Hands, entered};
+use super::modes::Hands;
 use super::verdict::{Analyser, Verdict};
 use crate::error::Error;
 
@@ -36,6 +36,8 @@ pub(crate) struct Sweep {
     scene: Scene,
     range: Range,
     whole: bool,
+    /// With every wall met ([`Scene::at_walls`]).
+    at_walls: bool,
 }
 
 impl Sweep {
@@ -56,7 +58,7 @@ impl Sweep {
         if !(range.from < range.to && range.from.is_finite() && range.to.is_finite()) {
             return Err(Error::Range { key: range.key, from: range.from, to: range.to });
         }
-        let sweep = Self { scene, range, whole };
+        let sweep = Self { scene, range, whole, at_walls: false };
         sweep.at(sweep.range.from)?;
         sweep.at(sweep.range.to)?;
         Ok(sweep)
@@ -81,7 +83,16 @@ impl Sweep {
     pub(crate) fn at(&self, value: f64) -> Result<Scene, Error> {
         let mut scene = self.scene.clone();
         scene.set_number(&self.range.key, if self.whole { value.round() } else { value })?;
-        Ok(scene)
+        Ok(scene.at_walls().filter(|_| self.at_walls).unwrap_or(scene))
+    }
+
+    /// The same with every wall met, if there are walls.
+    pub(crate) fn met(&self) -> Option<Self> {
+        let met = Self { at_walls: true, ..self.clone() };
+        [self.range.from, self.range.to]
+            .into_iter()
+            .any(|value| self.at(value).is_ok_and(|scene| scene.at_walls().is_some()))
+            .then_some(met)
     }
 
     /// The verdict at this value, both hands on.
@@ -92,11 +103,6 @@ impl Sweep {
     /// The largest spectral radius at this value, of one mode or of all that the scene can enter.
     pub(crate) fn radius(&self, analyser: &mut Analyser, value: f64, hands: Option<Hands>) -> Result<f64, Error> {
         analyser.radius(&self.at(value)?, hands)
-    }
-
-    /// The modes that are looked at: the one that is asked for, or all that the scene can enter.
-    pub(crate) fn modes(&self, only: Option<Hands>) -> Vec<Hands> {
-        entered(only)
     }
 
     /// Values of a scan, ascending, both ends included: half of them equally spaced and half by equal ratios, but that the one goes

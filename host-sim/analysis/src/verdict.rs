@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::direction::{self, Direction};
 use super::error::Error;
 use super::lifted::delay::delays_ticks;
-use super::lifted::driven::{Response, counts};
+use super::lifted::driven::{Response, counts, keeps_silent};
 use super::lifted::pair::{Joined, hands_are_off, same_arms, same_ends, seat};
 use super::lifted::{Lifted, Matrix, kicked, prune, rest};
 use super::spectrum::{Polar, Spectrum, radius};
@@ -132,8 +132,9 @@ struct Answers {
     alike: bool,
     /// Nobody can hold anything, so that every mode is that of no hands.
     hands_off: bool,
-    /// The scene that was measured, if its law counts ticks.
+    /// The scene that was measured, if its law counts ticks, or keeps silent on purpose.
     counting: Option<Scene>,
+    silent: Option<Scene>,
     /// Longest delay of packets that peer 1 and peer 2 use, ticks.
     longest_ticks: [usize; 2],
 }
@@ -199,6 +200,7 @@ impl Analyser {
     ) -> Result<(), Error> {
         let answers = &mut self.answers;
         answers.counting = counts(linear).then(|| linear.clone());
+        answers.silent = keeps_silent(linear).then(|| linear.clone());
         let period_ns = linear.peer.timing.control_period_ns();
         answers.longest_ticks = linear.peers().map(|peer| (peer.safety.max_delay_ns() / period_ns) as usize);
         answers.ticks_per_packet = linear.peer.timing.ticks_per_packet as usize;
@@ -316,7 +318,12 @@ impl Analyser {
             let verdict = Verdict::new(worst, states, rest_modes, joined.symmetric);
             found = found.or_worse(Verdict { direction, line_ticks, ..verdict });
         }
-        Ok(found)
+        // The matrix has a packet in each period. What is worth none goes out now and then, as in a run that is kicked by next to nothing.
+        let silent = self.answers.silent.as_ref().map(|linear| kicked::radius(linear, released)).transpose()?;
+        Ok(match silent.flatten().map(|radius| Verdict::new(radius, 0, 0, false)) {
+            Some(kicked) => found.or_worse(self.without_a_matrix(kicked)),
+            None => found,
+        })
     }
 }
 

@@ -14,6 +14,7 @@ use haptic_core::num::Motion;
 use haptic_core::settings::{Allowed, Key, LawInfo, Refused, SetError, Settings, Tables, Value};
 
 use haptic_io::Most;
+use toml::de::DeTable;
 
 use crate::Error;
 use crate::network::fitted::Like;
@@ -66,6 +67,11 @@ pub fn value_of(text: &str) -> toml::Value {
     let number = text.parse().ok().filter(|number: &f64| number.is_finite()).map(toml::Value::Float);
     let told = || format!("v = {text}").parse::<toml::Table>().ok().and_then(|mut table| table.remove("v"));
     number.or_else(told).unwrap_or_else(|| toml::Value::String(text.to_owned()))
+}
+
+/// A file, and the line of a byte of its text.
+fn line(place: &str, text: &str, at: usize) -> String {
+    format!("{place}:{}", text[..at.min(text.len())].matches('\n').count() + 1)
 }
 
 /// The user (0 or 1) that a key belongs to, and its name in [`UserSettings`].
@@ -175,33 +181,37 @@ impl Scene {
     /// # Errors
     /// Text that is no TOML, a key that does not exist, or a value that it does not accept.
     pub fn apply(&mut self, text: &str, place: &str, folder: Option<&Path>) -> Result<(), Error> {
-        let mut table: toml::Table = text.parse().map_err(|error: toml::de::Error| {
-            let line = error.span().map(|span| text[..span.start.min(text.len())].matches('\n').count() + 1);
-            let place = line.map_or_else(|| place.to_owned(), |line| format!("{place}:{line}"));
+        let wrong = |error: toml::de::Error| {
+            let place = error.span().map_or_else(|| place.to_owned(), |span| line(place, text, span.start));
             Error::at(&place, error.message().replace('\n', " "))
-        })?;
+        };
+        let mut table: toml::Table = text.parse().map_err(wrong)?;
         // What made a file of results stands in its scene file too, and changes nothing.
         table.remove("made");
-        self.apply_table("", &table, text, place, folder)
+        self.apply_table(
+            "",
+            &table,
+            DeTable::parse(text).map_err(wrong)?.get_ref(),
+            &|at| line(place, text, at),
+            folder,
+        )
     }
 
+    /// Applies a table whose text is where `written` says; `line` makes of a byte of the text a place to name.
     fn apply_table(
         &mut self,
         prefix: &str,
         table: &toml::Table,
-        text: &str,
-        place: &str,
+        written: &DeTable<'_>,
+        line: &dyn Fn(usize) -> String,
         folder: Option<&Path>,
     ) -> Result<(), Error> {
         for (name, value) in table {
             let key = if prefix.is_empty() { name.clone() } else { format!("{prefix}.{name}") };
-            match value {
-                toml::Value::Table(inner) => self.apply_table(&key, inner, text, place, folder)?,
-                value => {
-                    let line = text.lines().position(|line| line.trim_start().starts_with(name.as_str()));
-                    let place = line.map_or_else(|| place.to_owned(), |line| format!("{place}:{}", line + 1));
-                    self.set(&key, value, &place, folder)?;
-                }
+            let Some((name, text)) = written.get_key_value(name.as_str()) else { continue };
+            match (value, text.get_ref().as_table()) {
+                (toml::Value::Table(inner), Some(written)) => self.apply_table(&key, inner, written, line, folder)?,
+                _ => self.set(&key, value, &line(name.span().start), folder)?,
             }
         }
         Ok(())

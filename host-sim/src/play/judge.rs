@@ -28,7 +28,7 @@ pub(crate) const HAND: Hand = Hand { stiffness_n_per_m: STIFFNESS, damping_n_s_p
 /// Packets in flight that are still judged.
 const MOST_PACKETS: usize = 120;
 /// What is asked of a scene: the hand is one of the page's on a device.
-const QUESTION: Question = Question { hand: Some(HAND), for_every_mode: false, most_packets: MOST_PACKETS };
+const QUESTION: Question = Question { hand: Some(HAND), most_packets: MOST_PACKETS };
 
 /// Longest refusal, characters.
 pub(super) const LONGEST_REFUSAL: usize = 1000;

@@ -1,4 +1,4 @@
-use haptic_analysis::MARGIN;
+use haptic_analysis::{MARGIN, judge};
 use haptic_sim::{Laws, scenes};
 
 use super::*;
@@ -8,15 +8,15 @@ fn scene(name: &str, overrides: &[&str]) -> Scene {
     scenes::find(Laws::built_in(), Some(std::path::Path::new(name)), &overrides).expect("a scene")
 }
 
-/// THEORY §4: at 16 ms the paper's three gains hold, at 32 ms the power-domain one does not.
+/// THEORY §9: of the paper's gains only the passive wave's holds in every mode.
 #[test]
 fn the_papers_verdicts() {
     for (name, stable) in [
-        ("paper-5.2-power-16ms", true),
-        ("paper-5.2-wave-16ms", true),
+        ("paper-5.2-power-16ms", false),
+        ("paper-5.2-wave-16ms", false),
         ("paper-5.2-passive-wave-16ms", true),
         ("paper-5.1-power-32ms", false),
-        ("paper-5.1-wave-32ms", true),
+        ("paper-5.1-wave-32ms", false),
         ("matched-line", true),
         ("any-network", true),
     ] {
@@ -24,21 +24,22 @@ fn the_papers_verdicts() {
     }
 }
 
-/// At the delay of the recommended scene no law comes up unstable at the gains that it declares. Where one would, here without the damper that
-/// a law declares, the menu asks before it is set, and names the gain that holds.
+/// At the delay of the recommended scene five laws are unstable at the gains that they declare, if nobody holds the object. The menu asks before
+/// one of them is set, and names the gain that holds; so it does for a law whose damper is taken away.
 #[test]
 fn a_law_that_comes_up_unstable_is_asked_about() {
     let begun = scene("any-network", &[]);
     let with = |law: &str| apply(&begun, &format!("law {law}")).expect(law);
-    let laws = begun.laws.all().iter().map(|law| (law.name, find(&with(law.name))));
-    let unstable: Vec<_> = laws.filter(|(_, found)| found.stable == Some(false)).collect();
-    assert!(unstable.is_empty(), "{unstable:#?}");
-    let weak = "four_channel.local_damping_n_s_per_m=0 coordination.damping_n_s_per_m=2";
-    let found = find(&apply(&begun, &format!("law four-channel {weak}")).expect("it can be set"));
-    assert_eq!(found.stable, Some(false));
-    let instead = found.instead.as_deref().expect("a gain that does");
-    let better = apply(&begun, &format!("law four-channel {weak} {instead}")).expect("it can be set");
-    assert_eq!(find(&better).stable, Some(true), "{instead}");
+    let laws = begun.laws.all().iter().map(|law| law.name);
+    let unstable: Vec<_> = laws.filter(|law| find(&with(law)).stable == Some(false)).collect();
+    assert_eq!(unstable, ["power", "wave", "passive-wave", "average-position", "deadband"]);
+    let weak = "four-channel four_channel.local_damping_n_s_per_m=0 coordination.damping_n_s_per_m=2";
+    for law in unstable.into_iter().chain([weak]) {
+        let found = find(&with(law));
+        assert_eq!(found.stable, Some(false), "{law}");
+        let instead = found.instead.expect("a gain that does");
+        assert_eq!(find(&with(&format!("{law} {instead}"))).stable, Some(true), "{law} {instead}");
+    }
 }
 
 /// A picture has a scene of its own, and behind it the workshop's stays as it was.
@@ -81,20 +82,25 @@ fn what_is_proposed_has_been_checked() {
     assert_eq!(find(&worse).stable, Some(false), "{beyond}");
 }
 
-/// Contact that only pushes may part: a gain that holds with both in contact and not without is unstable then.
+/// The page has the modes of the command line, whatever the contact: it proposed 321 N/m once, which is unstable when both hands let go.
 #[test]
-fn contact_that_parts_is_judged_parted() {
-    let name = "paper-5.2-power-16ms";
-    assert_eq!(find(&scene(name, &[])).stable, Some(true));
-    assert_eq!(find(&scene(name, &["contact.one_sided=true"])).stable, Some(false));
+fn what_is_proposed_is_stable_in_every_mode() {
+    for parts in ["contact.one_sided=false", "contact.one_sided=true"] {
+        let scene = scene("paper-5.2-power-16ms", &[parts]);
+        let found = find(&scene);
+        assert_eq!(found.stable, Some(judge(&scene).expect("a good scene").worst.stable), "{found:?}");
+        let instead = found.instead.expect("a gain that does");
+        let better = apply(&scene, &format!("set {instead}")).expect("it can be set");
+        assert!(judge(&better).expect("a good scene").worst.stable, "{instead}");
+    }
 }
 
 /// Jitter is judged at its longest delay, and what takes too long is not judged and says so.
 #[test]
 fn jitter_and_long_delays() {
-    let name = "paper-5.2-power-16ms";
-    let jitter = scene(name, &["network.jitter=uniform", "network.jitter_s=0.02"]);
-    assert_eq!(find(&jitter).stable, Some(false));
+    let held = ["coordination.stiffness_n_per_m=200", "network.jitter=uniform"];
+    let jitter = |jitter_s: &str| find(&scene("paper-5.2-power-16ms", &[&held[..], &[jitter_s]].concat())).stable;
+    assert_eq!([jitter("network.jitter_s=0"), jitter("network.jitter_s=0.02")], [Some(true), Some(false)]);
     let long = find(&scene("any-network", &["network.extra_delay_s=0.5"]));
     assert!(long.stable.is_none() && long.text.starts_with("not judged"), "{long:?}");
 }
@@ -103,7 +109,7 @@ fn jitter_and_long_delays() {
 #[test]
 fn a_gain_outside_its_region_asks_first() {
     let mailbox = Arc::new(Mailbox::new(crate::play::Model::Absent));
-    let begun = scene("paper-5.2-power-16ms", &[]);
+    let begun = scene("paper-5.2-power-16ms", &["coordination.stiffness_n_per_m=200"]);
     let orders = start(&mailbox, begun.clone(), begun, EnvironmentKind::Pair, None).expect("a thread");
     let order = |line: &str| {
         orders.send(Ask { window: 1, line: line.to_owned() }).expect("it listens");
@@ -126,7 +132,7 @@ fn a_gain_outside_its_region_asks_first() {
     };
     let (set, answer) = order("set coordination.stiffness_n_per_m=3000");
     assert!(set.is_none() && answer.contains("\"ask\"") && answer.contains("instead"), "{answer}");
-    assert_eq!(order("set network.extra_delay_s=0.03").0, Some(310.0));
+    assert_eq!(order("set network.extra_delay_s=0.03").0, Some(200.0));
     assert_eq!(order("anyway set coordination.stiffness_n_per_m=3000").0, Some(3000.0));
     let (set, answer) = order("set coordination.stiffness_n_per_m=-1");
     assert!(set.is_none() && answer.contains("refused"), "{answer}");

@@ -116,6 +116,9 @@ fn scene_files() {
     refused_scene("negative.toml", "[object]\n\nmass_kg = -3\n", &["negative.toml:3", "object.mass_kg = -3"]);
     refused_scene("table.toml", "[objet]\nmass_kg = 3\n", &["objet"]);
     refused_scene("twice.toml", "[object]\nmass_kg = 3\nmass_kg = 3\n", &["twice.toml:3"]);
+    // The key has the same name in a table before it.
+    let second = "[device]\nmass_kg = 3\n\n[object]\nmass_kg = -3\n";
+    refused_scene("second.toml", second, &["second.toml:5", "object.mass_kg = -3"]);
     refused_scene("bare.toml", "mass_kg = 3\n", &["bare.toml:1", "mass_kg"]);
     refused(&["cooperate", "--scene", "matched-lin"], &["matched-lin", "did you mean matched-line?"]);
     refused(&["shared", "cooperative", "--scene", "match"], &["--scene match", "did you mean matched-line?"]);

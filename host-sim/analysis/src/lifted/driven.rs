@@ -19,6 +19,7 @@
 use std::array::from_fn;
 use std::collections::VecDeque;
 
+use haptic_core::law::event::LONGEST;
 use haptic_core::law::{Packet, Sends};
 use haptic_core::names::FixtureName;
 use haptic_core::num::{Motion, StateVector as _};
@@ -336,6 +337,11 @@ fn settle<const SHARED: usize, const N: usize>(
     }
     // A line that goes on changing, or holds still again, does not stay as it was.
     if same < of_s(LAST_S) { Vec::new() } else { reached }
+}
+
+/// Whether the law sends what is worth a packet only: less than that goes out once in [`LONGEST`].
+pub(crate) fn keeps_silent(linear: &Scene) -> bool {
+    linear.peer.own(&LONGEST) > 0.0
 }
 
 /// Whether the law counts ticks, and has states of its own.

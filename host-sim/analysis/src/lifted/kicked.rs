@@ -81,6 +81,10 @@ where
                 seen.flat_map(|seen| [seen.coordination_force, seen.contact_force, DRAG * seen.object.velocity]);
             sum += forces.map(|force| (force / UNIT).powi(2)).sum::<f64>();
         }
+        // A window over a long delay may have room for all that there is up to a limit.
+        if pair.fault().is_some() || sum.is_nan() || sum == f64::INFINITY {
+            return Ok(Some(f64::INFINITY));
+        }
         sizes.push(0.5 * sum.ln());
         let of_first = (sizes[sizes.len() - 1] - sizes[0]).exp();
         if !(RANGE[0]..RANGE[1]).contains(&of_first) {

@@ -15,6 +15,7 @@ fn map(columns: &[(bool, &[f64])]) -> Map {
             evaluations: 0,
             step: 0.0,
             not_judged_because: None,
+            modes: Vec::new(),
         },
     };
     Map {

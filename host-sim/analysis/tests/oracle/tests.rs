@@ -12,7 +12,9 @@ use rayon::prelude::*;
 
 use super::agreement::{Agreement, agreement};
 use crate::{Hands, is_symmetric, judge};
-use kinds::{backward_euler, held_back, midpoint, self_timed};
+use haptic_sim::scene::Scene;
+use kinds::{backward_euler, midpoint, self_timed};
+use random::Random;
 
 const SCENES: u64 = 10_000;
 
@@ -157,6 +159,27 @@ fn both_constructions_say_the_same_of_a_line_with_a_time_of_its_own() {
     }
     let follows = self_timed(1, 8, 0);
     assert!(agreement(&follows.linear(), Hands::Both).expect("a good scene").is_none(), "k is not known beforehand");
+}
+
+/// The longest delay that a scene may have, ticks.
+const LONGEST: f64 = 20.0;
+
+/// Random scenes whose two devices hold forces back for whole ticks or fractions more, each as long as it likes.
+fn held_back(seed: u64) -> Scene {
+    let (mut scene, mut random) = (random::scene(seed), Random::new(!seed));
+    let delays = [(); 2].map(|()| {
+        let delay = LONGEST * random.unit();
+        random.one(&[delay, delay.ceil()])
+    });
+    let same = random.whole(0, 1) == 0;
+    for (key, delay) in ["peer.1.device.force_delay_ticks", "peer.2.device.force_delay_ticks"].into_iter().zip(delays) {
+        scene.set_number(key, if same { delays[0] } else { delay }).expect("it is allowed");
+    }
+    // Most would be unstable otherwise.
+    let softer = random.spread(0.01, 1.0);
+    scene.peer.contact.stiffness_n_per_m *= softer;
+    scene.peer.contact.damping_n_s_per_m *= softer;
+    scene
 }
 
 #[test]

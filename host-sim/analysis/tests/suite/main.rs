@@ -5,8 +5,8 @@ mod advice;
 mod answers;
 mod backward_euler;
 mod bounds;
+mod curve;
 mod driven;
-mod envelope;
 mod finding;
 mod hard_cases;
 mod held_back;
@@ -21,6 +21,7 @@ mod self_timed;
 mod several;
 mod sweeps;
 mod theory;
+mod verdicts;
 mod winding;
 
 use haptic_analysis::figure4;

@@ -57,6 +57,11 @@ impl Random {
 
 /// A random linear scene: any law, decode, integrator, delay, one to sixteen ticks per packet, with and without arms.
 pub(crate) fn scene(seed: u64) -> Scene {
+    of_law(seed, None)
+}
+
+/// [`scene`], of this law if one is named.
+pub(crate) fn of_law(seed: u64, law: Option<&'static str>) -> Scene {
     let mut random = Random::new(seed);
     let mut scene = Scene::default();
     let peer = &mut scene.peer;
@@ -73,7 +78,8 @@ pub(crate) fn scene(seed: u64) -> Scene {
     // The self-timed line has a suite of its own: its outstanding samples are no constant of the scene. One spring is not linear.
     let drawn = |law: &&LawInfo| law.sends != Sends::Counters && law.name != "fractal-impedance";
     let kinds: Vec<_> = Schema::BUILT_IN.laws().iter().filter(drawn).collect();
-    peer.coordination.comm = random.one(&kinds).name;
+    let drawn = random.one(&kinds).name;
+    peer.coordination.comm = law.unwrap_or(drawn);
     peer.coordination.decode = random.one(Decode::ALL);
     peer.coordination.stiffness_n_per_m = random.spread(1.0, 1e5);
     let damping = random.spread(0.1, 20.0);

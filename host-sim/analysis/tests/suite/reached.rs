@@ -7,6 +7,7 @@ use haptic_sim::plant::Plant;
 use haptic_sim::{of_axes, scene::Scene, scenes};
 
 use crate::random::Random;
+use crate::verdicts::let_go;
 
 const STIFFNESS: &str = "contact.stiffness_n_per_m";
 
@@ -18,7 +19,7 @@ fn scene(name: &str, ticks: u32, delay: u32, keys: &[&str]) -> Scene {
 
 /// By which factor the forces of a linear scene change in a packet period, at `least` seconds after its peers were armed or later: from the
 /// slope of their logarithm, window by window, after a kick.
-fn decay(scene: &Scene, least_s: f64, seed: u64) -> f64 {
+pub(crate) fn decay(scene: &Scene, least_s: f64, seed: u64) -> f64 {
     of_axes!(scene, decay_along(scene, least_s, seed))
 }
 
@@ -30,7 +31,7 @@ where
     (0..(least_s / scene.peer.timing.control_period_s) as usize).for_each(|_| pair.step());
     let mut random = Random::new(seed);
     for side in pair.sides_mut() {
-        side.peer.visit_state(&mut |number| *number += 1e-40 * (random.unit() - 0.5));
+        side.peer.visit_state(&mut |number| *number += 1e-40 * random.spread(1e-6, 1.0) * (random.unit() - 0.5));
     }
     let window = 500;
     let mut logs = Vec::new();
@@ -55,15 +56,6 @@ where
     let mean = |part: &[f64]| part.iter().sum::<f64>() / half as f64;
     let slope = (mean(&tail[tail.len() - half..]) - mean(&tail[..half])) / ((tail.len() - half) * window) as f64;
     (slope * f64::from(scene.peer.timing.ticks_per_packet)).exp()
-}
-
-/// This linear scene with the hand of peer `number` off.
-fn let_go(linear: &Scene, number: usize) -> Scene {
-    let mut scene = linear.clone();
-    for key in ["stiffness_n_per_m", "damping_n_s_per_m"] {
-        scene.set_number(&format!("peer.{number}.contact.{key}"), 0.0).expect("it is allowed");
-    }
-    scene
 }
 
 fn judged(scene: &Scene) -> Judgement {
@@ -138,24 +130,32 @@ fn a_radius_is_the_decay_of_a_kicked_run() {
         ("any-network", 1, 18, 3000),
         ("any-network", 1, 25, 1000),
         ("any-network", 1, 40, 3000),
+        ("any-network", 1, 60, 1500),
+        ("any-network", 1, 100, 1500),
         ("any-network", 2, 4, 3000),
+        ("any-network", 2, 9, 2500),
         ("any-network", 2, 12, 3000),
         ("any-network", 4, 1, 4000),
         ("any-network", 4, 6, 1000),
+        ("any-network", 4, 20, 1200),
         ("any-network", 8, 1, 5000),
         ("any-network", 8, 3, 1500),
         ("any-network", 8, 5, 4000),
+        ("any-network", 8, 12, 2000),
         ("plane", 1, 8, 1000),
         ("plane", 1, 17, 4000),
+        ("plane", 2, 4, 2000),
         ("space", 1, 8, 3000),
         ("space", 1, 16, 1500),
+        ("space", 4, 2, 1200),
     ] {
         let mut scene = scene(name, ticks, delay, &[&format!("{STIFFNESS}={stiffness}")]);
         let both = haptic_analysis::verdict(&scene).expect("a good scene");
         if let Some(ticks) = both.line_ticks {
             scene.set_number("coordination.credit_ticks", ticks as f64).expect("it is allowed");
         }
-        let runs = decay(&scene.linear(), 4.0, 3);
+        // No kick excites every wave alike: the slowest of three.
+        let runs = (3..6).map(|seed| decay(&scene.linear(), 4.0, seed)).fold(0.0, f64::max);
         let off = (both.spectral_radius.ln() - runs.ln()).abs() / runs.ln().abs().max(1e-5);
         println!(
             "{name} M={ticks} {delay} packets, {stiffness} N/m: radius {:.6} (line {:?}, {} states), runs {runs:.6}, off {off:.4}",

@@ -1,14 +1,9 @@
 //! Objects shared along several axes, coupled by the device's mass or not: the verdict against long runs, and against one axis.
 
 use haptic_analysis::{Direction, Hands, judge};
-use haptic_sim::pair::Pair;
-use haptic_sim::peers::Builds;
-use haptic_sim::plant::Plant;
 use haptic_sim::run::{Options, run};
 use haptic_sim::scene::Scene;
-use haptic_sim::{Laws, of_axes, scenes};
-
-use crate::random::{self, Random};
+use haptic_sim::{Laws, scenes};
 
 fn scene(keys: &[&str]) -> Scene {
     let mut scene = Scene::new(Laws::built_in());
@@ -127,109 +122,4 @@ fn the_scenes_of_a_plane_and_of_space_are_stable_in_every_mode() {
             matches!(both.direction, Some(Direction::Along(unit)) if unit[0].abs().min(unit[1].abs()) > 0.1);
         assert_eq!(is_oblique, oblique, "{name}: {both:?}");
     }
-}
-
-/// How the speed of the copies grows from the second quarter of a run to the last one, from a state that is disturbed by next to nothing
-/// everywhere; infinite where it leaves what is small, since limits act beyond.
-fn grown(scene: &Scene, seed: u64) -> f64 {
-    of_axes!(scene, grown_along(scene, seed))
-}
-
-fn grown_along<const SHARED: usize, const N: usize>(scene: &Scene, seed: u64) -> f64
-where
-    f64: Builds<SHARED, N>,
-{
-    let mut pair = Pair::<f64, Plant<N>, SHARED, N>::build(scene).expect("a good scene");
-    let mut random = Random::new(seed);
-    for side in pair.sides_mut() {
-        side.peer.visit_state(&mut |number| *number += 1e-9 * (random.unit() - 0.5));
-    }
-    let mut largest = [0.0_f64; 4];
-    for tick in 0..RUN_TICKS {
-        pair.step();
-        let quarter = &mut largest[tick * 4 / RUN_TICKS];
-        for seen in pair.sides().into_iter().flat_map(|side| side.peer.observed()) {
-            *quarter = quarter.max(seen.object.velocity.abs());
-        }
-        if *quarter > LARGE_M_PER_S || pair.fault().is_some() {
-            return f64::INFINITY;
-        }
-    }
-    largest[3] / largest[1]
-}
-
-const RUN_TICKS: usize = 8000;
-
-/// Some ten million times what the disturbance comes to.
-const LARGE_M_PER_S: f64 = 1e-2;
-
-/// The scene with the hand of one user let go of.
-fn let_go(linear: &Scene, user: usize) -> Scene {
-    let mut scene = linear.clone();
-    for key in ["stiffness_n_per_m", "damping_n_s_per_m"] {
-        scene.apply_override(&format!("peer.{}.contact.{key}=0", user + 1)).expect("a good key");
-    }
-    scene
-}
-
-/// Two hundred random scenes of two and three axes, every other one coupled by the mass of a mechanism: what every mode's radius says is
-/// what a run of that mode does. Where nothing couples the axes, the radii are those of one axis.
-#[test]
-fn random_scenes_of_several_axes_are_judged_as_they_run() {
-    let (mut decided, mut unstable, mut coupled) = ([0; 3], [0; 3], 0);
-    for seed in 0..200 {
-        let one = random::scene(seed);
-        let mut scene = one.clone();
-        let axes = 2 + (seed % 2) as u32;
-        (scene.peer.axis.count, scene.peer.axis.shared) = (axes, axes);
-        if seed % 4 > 1 {
-            let model = if axes == 2 { "five-bar" } else { "arm" };
-            let inertia = Random::new(1000 + seed).spread(1e-4, 1e-2);
-            for key in [format!("kinematics.model={model}"), format!("device.joint_inertia={inertia}")] {
-                scene.apply_override(&key).expect("a good key");
-            }
-            for key in ["left_home_rad=2.9", "right_home_rad=1.3", "distal_m=0.16"] {
-                scene.apply_override(&format!("kinematics.{key}")).expect("a good key");
-            }
-            coupled += 1;
-        }
-        scene.check("random").unwrap_or_else(|error| panic!("{seed}: {error}"));
-        let judged = judge(&scene).expect("a good scene");
-        if !scene.is_coupled() {
-            let alone = judge(&one).expect("a good scene");
-            for (several, one) in judged.modes.iter().zip(&alone.modes) {
-                let [several, one] = [several, one].map(|mode| mode.verdict.spectral_radius);
-                // A multiple eigenvalue is known less well than a single one.
-                assert!((several - one).abs() <= 1e-7 * one, "{seed}: {several}, alone {one}");
-            }
-            assert_eq!(judged.worst.stable, alone.worst.stable, "{seed}");
-        }
-        let linear = scene.linear();
-        let packets = RUN_TICKS as f64 / f64::from(scene.peer.timing.ticks_per_packet);
-        // Packets may be too old to be used.
-        let judged = judged.modes.iter().enumerate().filter(|(_, mode)| mode.verdict.not_judged_because.is_none());
-        for (at, mode) in judged {
-            let runs = match mode.mode {
-                Hands::Both => vec![linear.clone()],
-                Hands::One => vec![let_go(&linear, 0), let_go(&linear, 1)],
-                Hands::None => vec![linear.hands_off()],
-            };
-            let grown = runs.iter().map(|scene| grown(scene, seed)).fold(0.0, f64::max);
-            // Over half a run, from quarter to quarter.
-            let wanted = 0.5 * packets * mode.verdict.spectral_radius.ln();
-            if mode.verdict.stable {
-                let law = scene.law().name;
-                assert!(grown < 2.0, "{seed}, {law}, {:?}: grown by {grown}, radius {:?}", mode.mode, mode.verdict);
-            } else if wanted > 2.0 {
-                assert!(grown.ln() > 0.5 * wanted, "{seed}, {:?}: grown by {grown}, {:?}", mode.mode, mode.verdict);
-                unstable[at] += 1;
-            } else {
-                continue;
-            }
-            decided[at] += 1;
-        }
-    }
-    println!("decided {decided:?}, unstable {unstable:?}, coupled {coupled}");
-    assert!(coupled == 100 && decided.iter().all(|scenes| *scenes > 180), "{decided:?}");
-    assert!(unstable.iter().all(|scenes| *scenes > 20), "{unstable:?}");
 }

@@ -61,15 +61,17 @@ impl Scene {
     fn check_peer(&self, peer: &Settings) -> Result<(), Refused<'static>> {
         peer.check_ranges()?;
         let axis = &peer.axis;
-        if axis.shared > 1 && axis.shared < axis.count {
-            return Err(Refused {
-                key: "axis.count",
-                value: Value::Number(f64::from(axis.count)),
-                allowed: Allowed::Only(
-                    "axis.shared where that is more than 1: a simulated device shares all of its axes",
-                ),
-                unit: "",
-            });
+        let allowed = match axis.shared {
+            1 if axis.count > AXES as u32 => {
+                Some("1 or 2, or 3 with axis.shared = 3: a simulated device in space shares all of its axes")
+            }
+            shared if shared > 1 && shared < axis.count => {
+                Some("axis.shared where that is more than 1: a simulated device shares all of its axes")
+            }
+            _ => None,
+        };
+        if let Some(allowed) = allowed.map(Allowed::Only) {
+            return Err(Refused { key: "axis.count", value: Value::Number(f64::from(axis.count)), allowed, unit: "" });
         }
         match axis.shared {
             2 => self.laws.peer::<f64, 2, 2>(peer, [Motion::REST; 2]).map(drop),

@@ -11,6 +11,7 @@ use haptic_analysis::{Axis, Column, Effort, Hands, Mode, Range, Verdict, advice,
 use haptic_core::names::Choice;
 use haptic_core::num::Scalar;
 use haptic_report::Columns;
+use haptic_sim::scene::Scene;
 use serde_json::json;
 
 use crate::cli::flags::{Out, choice};
@@ -45,9 +46,15 @@ pub(in crate::cli) struct Point {
 impl Point {
     fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let scene = self.scene.load(ui)?;
-        let (judgement, advice) = (judge(&scene)?, advice(&scene)?);
-        let report = and(json!(judgement), &json!({ "advice": advice }))?;
-        ui.document_of(&ui.provenance().settings(scene.settings()), &report)?;
+        let (judgement, _) = ui.work(1, "verdict", |_| judge(&scene))?;
+        let Verdict { stable, spectral_radius, not_judged_because, .. } = judgement.worst;
+        let (said, why) = match not_judged_because {
+            _ if stable => ("stable", String::new()),
+            Some(because) => ("not judged", format!(", because {because}")),
+            None => ("unstable", format!(": spectral radius {spectral_radius:.6}")),
+        };
+        // Each answer is printed when it is known: the advice takes the longest.
+        writeln!(ui, "{}: {said}\n", self.scene.name());
         let at_delay = |mode: &Mode| match mode.at_delay_ticks {
             Some([to_first, to_second]) => format!("{to_first} and {to_second}"),
             None => "its own".to_owned(),
@@ -72,15 +79,11 @@ impl Point {
                 .head("worst direction"),
             None => table,
         };
-        let table = table.done();
-        let Verdict { stable, spectral_radius, not_judged_because, .. } = judgement.worst;
-        let (said, why) = match not_judged_because {
-            _ if stable => ("stable", String::new()),
-            Some(because) => ("not judged", format!(", because {because}")),
-            None => ("unstable", format!(": spectral radius {spectral_radius:.6}")),
-        };
-        writeln!(ui, "{}: {said}\n", self.scene.name());
-        writeln!(ui, "{table}\n{advice}\nNot judged: {}.", judgement.not_judged.join("; "));
+        writeln!(ui, "{}\n{}", table.done(), modes(None, &scene));
+        let (advice, _) = ui.work(1, "advice", |_| advice(&scene))?;
+        writeln!(ui, "{advice}\nNot judged: {}.", judgement.not_judged.join("; "));
+        let report = and(json!(judgement), &json!({ "advice": advice }))?;
+        ui.document_of(&ui.provenance().settings(scene.settings()), &report)?;
         if stable {
             return Ok(());
         }
@@ -120,6 +123,17 @@ impl Only {
     }
 }
 
+/// The modes that a printed verdict or limit holds for, in words: hands, arms, walls.
+fn modes(hands: Option<Hands>, scene: &Scene) -> String {
+    let hands = hands.map_or("both, one, none", Hands::name);
+    let arms = match scene.users.each_ref().map(|user| user.settings.user.arm_stiffness_n_per_m) {
+        [0.0, 0.0] => "no arms".to_owned(),
+        [one, two] => format!("arms of {one} and {two} N/m"),
+    };
+    let walls = if scene.at_walls().is_some() { "; away from walls and at them" } else { "" };
+    format!("Judged with hands on: {hands}; {arms}{walls}.")
+}
+
 impl Limit {
     fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let scene = self.scene.load(ui)?;
@@ -132,15 +146,20 @@ impl Limit {
         ui.document_of(&ui.provenance().settings(scene.settings()), &report)?;
         let not_judged = limit.not_judged_because.map(|because| format!("not judged, because {because}"));
         let word = |stable: bool| if stable { "stable" } else { not_judged.as_deref().unwrap_or("unstable") };
-        let crossings = &limit.crossings;
-        let after = |at: usize| limit.stable_at_start != (at % 2 == 1);
-        let mut rows = vec![(from.to_string(), word(after(0)).to_owned())];
-        rows.extend(
-            (1..).zip(crossings).map(|(at, key)| (format!("{key:.6}"), format!("{} from here on", word(after(at))))),
-        );
-        rows.push((to.to_string(), word(after(crossings.len())).to_owned()));
+        // Of every mode, so that each number has its name.
+        let mut crossings: Vec<f64> = limit.modes.iter().flat_map(|one| one.limit.crossings.iter().copied()).collect();
+        crossings.sort_by(f64::total_cmp);
+        let row = |shown: String, value: f64, more: &str| {
+            let modes: Vec<&str> = limit.unstable_modes(value).collect();
+            (shown, format!("{}{more}", word(modes.is_empty())), modes.join("; "))
+        };
+        let mut rows = vec![row(from.to_string(), from, "")];
+        rows.extend(crossings.iter().map(|key| row(format!("{key:.6}"), key.next_up(), " from here on")));
+        rows.push(row(to.to_string(), to, ""));
         let table = Columns::of(&rows).value(of, |row| row.0.as_str()).head(of).shown_in("", 1.0);
-        ui.table(&table.value("", |row| row.1.as_str()).done());
+        let table = table.value("", |row| row.1.as_str());
+        writeln!(ui, "{}\n", modes(self.only.hands, &scene));
+        ui.table(&table.value("unstable_with", |row| row.2.as_str()).head("unstable with hands on").done());
         Ok(())
     }
 }
@@ -171,7 +190,13 @@ impl Map {
         let name = format!("map-{}-{}-{}", self.scene.run_name(&scene), self.x.range.key, self.y.range.key);
         let files = ui.files(&self.out, "stability", &name, &provenance, |files| {
             files.csv(&found.table())?;
-            files.figure(None, &picture::region(&format!("Stability region of {}", self.scene.name()), &found))
+            files.figure(
+                None,
+                &picture::region(
+                    &format!("Stability region of {}, hands on: {}", self.scene.name(), self.only.name()),
+                    &found,
+                ),
+            )
         })?;
         let (Range { key: x, .. }, Range { key: y, from, to }) = (&self.x.range, &self.y.range);
         let evaluations = found.evaluations();
@@ -196,7 +221,7 @@ impl Map {
             .head(y)
             .shown_in("", 1.0)
             .done();
-        writeln!(ui, "{table}\n{evaluations} spectral radii in {wall_s:.2} s");
+        writeln!(ui, "{table}\n{}\n{evaluations} spectral radii in {wall_s:.2} s", modes(self.only.hands, &scene));
         ui.wrote(&files);
         Ok(())
     }
@@ -221,7 +246,10 @@ impl Paper {
         let curves: Vec<Curve> = curves.into_iter().map(|(curve, _)| curve).collect();
         let report = json!({ "curves": curves, "evaluations": evaluations, "wall_s": wall_s, "files": files });
         ui.document_of(&provenance, &report)?;
-        writeln!(ui, "Largest stable K_T (N/m) up to 12000, from 0 upwards, and further crossings\n");
+        writeln!(
+            ui,
+            "Largest stable K_T (N/m) with both hands on, up to 12000, from 0 upwards, and further crossings\n"
+        );
         let near = |curve: &Curve, stiffness: f64| {
             let distance = |column: &Column| (column.x - stiffness).abs();
             let nearest = curve.columns.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
