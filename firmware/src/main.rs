@@ -20,6 +20,8 @@ mod fault;
 #[cfg(target_os = "none")]
 mod flow;
 #[cfg(target_os = "none")]
+mod lease;
+#[cfg(target_os = "none")]
 mod net;
 #[cfg(target_os = "none")]
 mod port;
@@ -50,12 +52,15 @@ mod image {
     use crate::board::drive::{Drive, Fitted};
     use crate::board::{self, pace, switch};
     use crate::console::{self, Console};
+    use crate::lease::Lease;
     use crate::tick::{Outgoing, Plan, RECORDS, Received};
     use crate::{fault, net, storage, supervisor, telemetry::Telemetry, tick};
 
     /// The words that interrupt and tasks share. Has a name in the image for debuggers and tests/board.
     #[unsafe(no_mangle)]
     static SIGNALS: Signals = Signals::at_power_on();
+    /// The lease that port, console and supervisor share.
+    static LEASE: Lease = Lease::new();
 
     /// A cell or queue that lives for ever, and its two sides.
     macro_rules! shared {
@@ -123,7 +128,8 @@ mod image {
             board.alive,
             board.armed,
             board.button,
-            &SIGNALS
+            &SIGNALS,
+            &LEASE
         )));
 
         static CEILING: StaticCell<Kept> = StaticCell::new();
@@ -139,6 +145,7 @@ mod image {
             device: 0,
             plans,
             signals: &SIGNALS,
+            lease: &LEASE,
             probes,
             probed,
             leaves: None,
