@@ -41,6 +41,19 @@ impl Timing {
     }
 }
 
+impl Safety {
+    /// Longest one-way delay of packets that are used, µs, as links measure it.
+    pub fn max_delay_us(&self) -> u32 {
+        // At most 1 s.
+        (1e6 * self.max_delay_s) as u32
+    }
+
+    /// The same in ns.
+    pub fn max_delay_ns(&self) -> u64 {
+        1000 * u64::from(self.max_delay_us())
+    }
+}
+
 crate::settings! {
     /// Every setting of a peer.
     pub struct Settings [

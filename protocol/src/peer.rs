@@ -34,7 +34,7 @@ pub fn open(settings: &Settings, key: Key, ends: Ends, entropy: [u8; Key::LEN]) 
     let config = Config { key, ends, packet_period_us, parameters: parameters_of(settings), entropy };
     // Casts saturate.
     let us = |seconds: f64| (1e6 * seconds) as u32;
-    let link = Link::new(config)?.disengage_after(us(safety.disengage_s)).within(us(safety.max_delay_s));
+    let link = Link::new(config)?.disengage_after(us(safety.disengage_s)).within(safety.max_delay_us());
     Ok(link.keeping_silent(us(settings.own(&LONGEST))))
 }
 

@@ -13,7 +13,7 @@ use serde::Serialize;
 use super::limit::{Effort, Limit, along};
 use super::modes::{Hands, judge};
 use super::sweep::{Range, Sweep};
-use super::verdict::Verdict;
+use super::verdict::{Verdict, unjudged};
 use crate::error::Error;
 
 /// How far inside its region a proposed gain lies, as a fraction of the gain at the edge.
@@ -48,6 +48,9 @@ pub fn advice(scene: &Scene) -> Result<String, Error> {
     let radius = now.worst.spectral_radius;
     if now.worst.stable {
         return Ok(format!("inside its stability region (spectral radius {radius:.6})"));
+    }
+    if let Some(because) = now.worst.not_judged_because {
+        return Ok(unjudged(because));
     }
     let far = if radius < 1e3 { "" } else { "far " };
     let size = if radius < 1e3 { format!(" (spectral radius {radius:.6})") } else { String::new() };

@@ -45,6 +45,9 @@ pub fn answers(scene: &Scene, near: usize, far: RemoteEnd, frequencies_hz: &[f64
     let (mut led, mut answering) = (Response::default(), Response::default());
     led.measure(&linear, near, 0)?;
     answering.measure(&if far == RemoteEnd::LetGo { linear.hands_off() } else { linear.clone() }, other, 0)?;
+    if led.states() == 0 || answering.states() == 0 {
+        return Err(Error::NotReached);
+    }
     // The device of a hand that holds it, or has let go of it, does not move what its peer sees.
     let first = if far == RemoteEnd::Alone { 0 } else { DEVICE };
     let (delays, devices) = (delays_ticks(&linear), linear.devices());

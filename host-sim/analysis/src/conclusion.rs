@@ -77,11 +77,15 @@ impl Conclusion {
     pub fn new(scene: &Scene, outcome: Outcome, analysis: Analysis) -> Self {
         let verdict = analysis.verdict;
         let doubted = scene.is_linear() && !verdict.stable;
-        let reason = doubted.then_some(Reason::Unstable { spectral_radius: verdict.spectral_radius });
+        let reason = doubted.then_some(match verdict.not_judged_because {
+            Some(because) => Reason::NotJudged { because },
+            None => Reason::Unstable { spectral_radius: verdict.spectral_radius },
+        });
         Self { outcome: outcome.doubted(reason), analysis }
     }
 
-    /// Apparent mass of the shared object, kg, along the first axis; none of a scene that is not stable, or where nothing moves.
+    /// Apparent mass of the shared object, kg, along the first axis. There is none if the scene is not stable in every mode that its line
+    /// reaches, if nothing moves, or if the forces do not follow a mass.
     ///
     /// # Errors
     /// A scene whose peers cannot be built.
@@ -89,7 +93,7 @@ impl Conclusion {
         if !(self.outcome.is_stable() && self.analysis.verdict.stable) {
             return Ok(None);
         }
-        Ok(Some(apparent_mass::measure(scene)?).filter(|mass| mass.is_finite()))
+        Ok(Some(apparent_mass::measure(scene)?).filter(|mass| mass.is_finite() && *mass > 0.0))
     }
 
     /// What whoever runs this scene should know: that it is unstable, with what to change; that it is where the object is let go of; that

@@ -29,6 +29,9 @@ pub enum Error {
         /// Last value.
         to: f64,
     },
+    /// A line that holds still now and then, so that no packet period is like the next.
+    #[error("not judged, because the line does not settle at this delay")]
+    NotReached,
     /// The eigenvalue iteration gave up.
     #[error("the eigenvalues of this scene's lifted matrix did not converge")]
     NoConvergence,

@@ -20,7 +20,7 @@ use super::delays::delays;
 use super::lifted::delay::whole_ticks;
 use super::linear::is_linear;
 use super::modes::{Hands, entered_by, not_judged, worst};
-use super::verdict::Verdict;
+use super::verdict::{Verdict, unjudged};
 use crate::error::Error;
 
 /// Halvings of a gain, then of the interval that holds the edge.
@@ -83,6 +83,9 @@ pub fn find(scene: &Scene, question: Question) -> Finding {
             text: format!("stable: spectral radius {spectral_radius:.6}, not above 1"),
             ..finding
         },
+        Ok(Some(Verdict { not_judged_because: Some(because), .. })) => {
+            Finding { stable: Some(false), text: unjudged(because), ..finding }
+        }
         Ok(Some(_)) if scene.law().budgets().next().is_some() => {
             unknown("the law's energy tank may hold back what grows here")
         }

@@ -11,7 +11,6 @@
 //! | [`advice`] | what to change in a scene that is unstable |
 //! | [`find`] | both, quickly, while somebody waits, also at delays that were [`measured`] |
 //! | [`mod@tune`] | the stiffest contact and coordination that leave a margin |
-//! | [`agreement`] | how far the driven matrix is from the one that the paper's equations give |
 //! | [`figure4`] | the cooperation paper's Figure 4; [`picture`] draws it, and any map |
 //! | [`rendering`] | one device and one object, delay at any of four places: the architectures paper's Figure 4 |
 //! | [`answers()`] | what a hand feels, and what comes of it at the far end, frequency by frequency |
@@ -21,15 +20,15 @@
 //! both hands, of one or of none, exact sensors and motors, nobody pushing, each constant delay that the network can produce.
 //! An object that is shared along several axes is judged along all of them at once, as the mass of the device couples them.
 //! What a scene has beyond that is named with the judgement ([`Judgement::not_judged`]). Any law is analysed, also one from
-//! outside, as long as it is linear; only [`agreement`] knows no others than the paper's.
+//! outside, as long as it is linear.
 
 mod advice;
-mod agreement;
 mod answers;
 mod conclusion;
 mod delays;
 mod direction;
 mod error;
+mod exponential;
 mod family;
 pub mod figure4;
 mod finding;
@@ -50,13 +49,12 @@ pub mod tune;
 mod verdict;
 
 pub use advice::{Change, MARGIN, advice, change};
-pub use agreement::{Agreement, agreement};
 pub use answers::answers;
 pub use conclusion::{Analysis, Conclusion, conclude};
 pub use direction::Direction;
 pub use error::Error;
+pub use exponential::exponential;
 pub use finding::{Finding, Hand, Question, find, measured};
-pub use lifted::constructed::hold::exponential;
 pub use lifted::delay::delays_ticks;
 pub use lifted::driven::Response;
 pub use lifted::pair::{is_symmetric, pair_matrix};
@@ -68,6 +66,10 @@ pub use modes::{Hands, Judgement, Mode, judge};
 pub use sweep::Range;
 pub use tune::tune;
 pub use verdict::{Analyser, ROUNDING, Verdict, verdict};
+
+#[cfg(test)]
+#[path = "../tests/oracle/mod.rs"]
+mod oracle;
 
 /// The examples of the page that registries show.
 #[cfg(doctest)]

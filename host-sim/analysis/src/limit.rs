@@ -14,7 +14,7 @@ use haptic_sim::scene::Scene;
 use serde::Serialize;
 
 use super::family::Family;
-use super::modes::Hands;
+use super::modes::{Hands, worst};
 use super::search::{Found, crossings};
 use super::spectrum::Polar;
 use super::sweep::{Range, Sweep};
@@ -57,6 +57,9 @@ pub struct Limit {
     pub evaluations: usize,
     /// Widest step of the scan.
     pub step: f64,
+    /// Why values that do not count as stable are not judged, if so.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub not_judged_because: Option<&'static str>,
 }
 
 impl Limit {
@@ -64,7 +67,7 @@ impl Limit {
     pub(crate) fn new(found: Found, points: &[f64]) -> Self {
         let Found { stable_at_start, crossings, evaluations } = found;
         let step = points.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
-        Self { stable_at_start, crossings, evaluations, step }
+        Self { stable_at_start, crossings, evaluations, step, not_judged_because: None }
     }
 
     /// The limit of what is stable where all of these are.
@@ -87,6 +90,7 @@ impl Limit {
             crossings: turns.into_iter().filter_map(crosses).collect(),
             evaluations: limits.iter().map(|limit| limit.evaluations).sum(),
             step: limits.iter().map(|limit| limit.step).fold(0.0, f64::max),
+            not_judged_because: None,
         }
     }
 
@@ -110,7 +114,13 @@ pub(crate) fn along(sweep: &Sweep, effort: Effort) -> Result<Limit, Error> {
     let points = sweep.points(effort.steps);
     let of_mode = |mode: &Hands| Ok(Limit::new(of_mode(sweep, &points, effort.tolerance, *mode)?, &points));
     let limits = sweep.modes(effort.hands).iter().map(of_mode).collect::<Result<Vec<_>, Error>>()?;
-    Ok(Limit::of_all(&limits))
+    let limit = Limit::of_all(&limits);
+    let edges = [&points[..1], &limit.crossings, &points[points.len() - 1..]].concat();
+    let mut analyser = Analyser::default();
+    let mut because = |middle: f64| Ok(worst(&analyser.modes(&sweep.at(middle)?, effort.hands)?).not_judged_because);
+    let middles = edges.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).filter(|middle| !limit.is_stable(*middle));
+    let because = middles.map(&mut because).collect::<Result<Vec<_>, Error>>()?;
+    Ok(Limit { not_judged_because: because.into_iter().flatten().next(), ..limit })
 }
 
 /// All crossings in one mode: in the family of its matrices where there is one and the driven peers confirm what is
@@ -118,7 +128,7 @@ pub(crate) fn along(sweep: &Sweep, effort: Effort) -> Result<Limit, Error> {
 fn of_mode(sweep: &Sweep, points: &[f64], tolerance: f64, mode: Hands) -> Result<Found, Error> {
     let driven = |analyser: &mut Analyser, value: f64, parts: &mut Vec<Polar>| {
         sweep.radius(analyser, value, Some(mode))?;
-        parts.extend(analyser.parts().iter().cloned());
+        parts.append(&mut analyser.parts);
         Ok(())
     };
     let inner = [points[usize::from(points[0] == 0.0 && points.len() > 1)], points[points.len() - 1]];

@@ -11,11 +11,6 @@ pub(crate) fn reset(matrix: &mut Matrix, rows: usize, columns: usize) {
     matrix.fill(0.0);
 }
 
-/// A matrix from its rows.
-pub(crate) fn rows<const ROWS: usize, const COLUMNS: usize>(rows: [[f64; COLUMNS]; ROWS]) -> Matrix {
-    Matrix::from_fn(ROWS, COLUMNS, |i, j| rows[i][j])
-}
-
 /// One column of the matrix.
 pub(crate) fn column(matrix: &Matrix, at: usize) -> &[f64] {
     &matrix.as_slice()[at * matrix.nrows()..][..matrix.nrows()]

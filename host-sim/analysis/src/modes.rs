@@ -21,7 +21,8 @@ use haptic_sim::user::User;
 use serde::Serialize;
 
 use super::delays::delays;
-use super::lifted::delay::delays_ticks;
+use super::lifted::delay::{at_delays, delays_ticks};
+use super::lifted::driven::counts;
 use super::verdict::{Analyser, Reduced, Verdict};
 use crate::error::Error;
 
@@ -89,7 +90,9 @@ impl Judgement {
 
     /// The modes that are not stable, by name.
     pub fn unstable_modes(&self) -> Vec<String> {
-        self.modes.iter().filter(|mode| !mode.verdict.stable).map(Mode::name).collect()
+        let name =
+            |mode: &Mode| mode.name() + if mode.verdict.not_judged_because.is_some() { " (not judged)" } else { "" };
+        self.modes.iter().filter(|mode| !mode.verdict.stable).map(name).collect()
     }
 }
 
@@ -99,7 +102,9 @@ impl Judgement {
 /// A scene that the analyser cannot judge in one of its modes.
 pub fn judge(scene: &Scene) -> Result<Judgement, Error> {
     let modes = entered_by(scene, None)?;
-    Ok(Judgement { worst: worst(&modes), modes, not_judged: not_judged(scene) })
+    let worst = worst(&modes);
+    let not_judged = worst.not_judged_because.into_iter().chain(not_judged(scene)).collect();
+    Ok(Judgement { worst, modes, not_judged })
 }
 
 /// Every mode of a scene, or the one that is asked for, away from walls and at them.
@@ -128,12 +133,22 @@ impl Analyser {
         let modes = entered(only);
         let linear = scene.linear();
         let (own, (delays, _)) = (delays_ticks(&linear), delays(scene, &linear));
-        self.measure(&linear, [modes != [Hands::None], modes != [Hands::Both]], &delays)?;
-        modes.iter().map(|mode| self.mode(*mode, own, &delays)).collect()
+        let least = |mode: &Hands| Mode { mode: *mode, at_walls: false, verdict: Verdict::LEAST, at_delay_ticks: None };
+        let mut found: Vec<Mode> = modes.iter().map(least).collect();
+        self.parts.clear();
+        // A line that counts its ticks is another one at each delay.
+        for delays in delays.chunks(if counts(&linear) { 1 } else { delays.len() }) {
+            let other = (counts(&linear) && delays[0] != own).then(|| at_delays(&linear, delays[0]));
+            let linear = other.as_ref().unwrap_or(&linear);
+            self.measure(linear, [modes != [Hands::None], modes != [Hands::Both]], delays)?;
+            found.iter_mut().try_for_each(|worst| self.mode(worst, own, delays))?;
+        }
+        Ok(found)
     }
 
-    /// The worst verdict on a mode of what was measured.
-    fn mode(&mut self, mode: Hands, own: [usize; 2], delays: &[[usize; 2]]) -> Result<Mode, Error> {
+    /// Puts the worst verdict on a mode of what was measured in the place of what was the `worst`, if it is worse.
+    fn mode(&mut self, worst: &mut Mode, own: [usize; 2], delays: &[[usize; 2]]) -> Result<(), Error> {
+        let mode = worst.mode;
         let sides_differ = self.sides_differ();
         let let_go = |[to_one, to_two]: [usize; 2]| -> &[[bool; 2]] {
             match mode {
@@ -144,17 +159,16 @@ impl Analyser {
                 Hands::None => &[[true; 2]],
             }
         };
-        let mut worst = Mode { mode, at_walls: false, verdict: Verdict::LEAST, at_delay_ticks: None };
         for delays in delays {
             for released in let_go(*delays) {
-                let verdict = self.joined(*released, *delays)?;
+                let verdict = self.judged(*released, *delays)?;
                 if verdict.spectral_radius > worst.verdict.spectral_radius {
                     let at_delay_ticks = (*delays != own).then_some(*delays);
-                    worst = Mode { mode, at_walls: false, verdict, at_delay_ticks };
+                    *worst = Mode { mode, at_walls: false, verdict, at_delay_ticks };
                 }
             }
         }
-        Ok(worst)
+        Ok(())
     }
 
     /// What is left of the lifted matrices of a mode, one for every part.

@@ -9,9 +9,9 @@ use serde::Serialize;
 use super::direction::{self, Direction};
 use super::error::Error;
 use super::lifted::delay::delays_ticks;
-use super::lifted::driven::Response;
+use super::lifted::driven::{Response, counts};
 use super::lifted::pair::{Joined, hands_are_off, same_arms, same_ends, seat};
-use super::lifted::{Lifted, Matrix, prune, rest};
+use super::lifted::{Lifted, Matrix, kicked, prune, rest};
 use super::spectrum::{Polar, Spectrum, radius};
 
 /// How far outside the unit circle an eigenvalue may lie by rounding alone: a lossless scene has them on the circle.
@@ -32,6 +32,12 @@ pub struct Verdict {
     pub rest_modes: usize,
     /// The pair was taken apart into sum and difference.
     pub symmetric: bool,
+    /// How long the line is in this verdict, ticks, if it is judged at several lengths: as `coordination.credit_ticks` has it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub line_ticks: Option<usize>,
+    /// Why the scene is not judged, which counts as unstable.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub not_judged_because: Option<&'static str>,
     /// Where the objects move in the mode that decides, if they are shared along several axes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub direction: Option<Direction>,
@@ -42,6 +48,11 @@ fn finite<S: serde::Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::
     serializer.serialize_f64(value.min(f64::MAX))
 }
 
+/// What is said of a scene that is not judged, for this reason.
+pub(crate) fn unjudged(because: &str) -> String {
+    format!("not judged, because {because}: it counts as unstable")
+}
+
 impl Verdict {
     /// The verdict with a smaller radius than any other.
     pub(crate) const LEAST: Self = Self {
@@ -50,6 +61,8 @@ impl Verdict {
         states: 0,
         rest_modes: 0,
         symmetric: false,
+        line_ticks: None,
+        not_judged_because: None,
         direction: None,
     };
 
@@ -58,9 +71,14 @@ impl Verdict {
         if other.spectral_radius > self.spectral_radius { other } else { self }
     }
 
+    /// Of a scene that is not judged, for this reason.
+    fn not_judged(because: &'static str) -> Self {
+        Self { not_judged_because: Some(because), ..Self::new(f64::INFINITY, 0, 0, false) }
+    }
+
     fn new(spectral_radius: f64, states: usize, rest_modes: usize, symmetric: bool) -> Self {
         let stable = is_stable(spectral_radius);
-        Self { spectral_radius, stable, states, rest_modes, symmetric, direction: None }
+        Self { spectral_radius, stable, states, rest_modes, symmetric, ..Self::LEAST }
     }
 }
 
@@ -85,8 +103,8 @@ pub struct Analyser {
     whole: Lifted,
     /// For no, one and two hands on: along a sweep each keeps its size.
     solvers: [Solver; 3],
-    /// Eigenvalues of every part that was solved since the peers were measured.
-    parts: Vec<Polar>,
+    /// Eigenvalues of every part that was solved for the scene.
+    pub(crate) parts: Vec<Polar>,
     /// Where matrices are asked for instead: those of every part.
     reduced: Option<Vec<Reduced>>,
 }
@@ -114,27 +132,31 @@ struct Answers {
     alike: bool,
     /// Nobody can hold anything, so that every mode is that of no hands.
     hands_off: bool,
+    /// The scene that was measured, if its law counts ticks.
+    counting: Option<Scene>,
+    /// Longest delay of packets that peer 1 and peer 2 use, ticks.
+    longest_ticks: [usize; 2],
 }
 
-/// A peer's answers, one for each tick of a packet period at which it is to hear a packet.
+/// A peer's answers for each tick of a packet period at which it is to hear a packet, one for each state in which it stays.
 #[derive(Debug, Default)]
 struct Heard {
     at_ticks: Vec<usize>,
-    answers: Vec<Response>,
+    answers: Vec<Vec<Response>>,
 }
 
 impl Heard {
     fn measure(&mut self, linear: &Scene, index: usize, at_ticks: &[usize]) -> Result<(), Error> {
         self.at_ticks.clear();
         self.at_ticks.extend_from_slice(at_ticks);
-        self.answers.resize_with(at_ticks.len(), Response::default);
-        for (answer, at_tick) in self.answers.iter_mut().zip(at_ticks) {
-            answer.measure(linear, index, *at_tick)?;
+        self.answers.resize_with(at_ticks.len(), Vec::new);
+        for (answers, at_tick) in self.answers.iter_mut().zip(at_ticks) {
+            Response::measure_each(answers, linear, index, *at_tick)?;
         }
         Ok(())
     }
 
-    fn at(&self, at_tick: usize) -> &Response {
+    fn at(&self, at_tick: usize) -> &[Response] {
         let measured = self.at_ticks.iter().position(|known| *known == at_tick);
         &self.answers[measured.expect("what is joined was measured")]
     }
@@ -147,8 +169,9 @@ impl Analyser {
     /// A scene that cannot be built, or whose eigenvalues do not converge.
     pub fn verdict(&mut self, linear: &Scene) -> Result<Verdict, Error> {
         let delays = delays_ticks(linear);
+        self.parts.clear();
         self.measure(linear, [true, false], &[delays])?;
-        self.joined([false; 2], delays)
+        self.judged([false; 2], delays)
     }
 
     /// Spectral radius, states and rest modes of a lifted matrix from elsewhere; `anchors` are states known to matter.
@@ -174,8 +197,10 @@ impl Analyser {
         [held, released]: [bool; 2],
         delays: &[[usize; 2]],
     ) -> Result<(), Error> {
-        self.parts.clear();
         let answers = &mut self.answers;
+        answers.counting = counts(linear).then(|| linear.clone());
+        let period_ns = linear.peer.timing.control_period_ns();
+        answers.longest_ticks = linear.peers().map(|peer| (peer.safety.max_delay_ns() / period_ns) as usize);
         answers.ticks_per_packet = linear.peer.timing.ticks_per_packet as usize;
         let mut at_ticks: Vec<usize> = delays.iter().flatten().map(|ticks| ticks % answers.ticks_per_packet).collect();
         at_ticks.sort_unstable();
@@ -198,11 +223,6 @@ impl Analyser {
             }
         }
         Ok(())
-    }
-
-    /// The eigenvalues of every part (sum, difference, delay) that was joined since.
-    pub(crate) fn parts(&self) -> &[Polar] {
-        &self.parts
     }
 
     /// What is left of the lifted matrix of every part that `joins` joins.
@@ -228,38 +248,75 @@ impl Analyser {
         !self.answers.alike
     }
 
-    /// The verdict on the peers measured last, held or `released`, with these delays to peer 1 and to peer 2, ticks.
+    /// [`Analyser::joined`], unless packets are older by then than the peers use.
+    pub(crate) fn judged(&mut self, released: [bool; 2], delays: [usize; 2]) -> Result<Verdict, Error> {
+        if delays.iter().zip(&self.answers.longest_ticks).any(|(ticks, longest)| ticks > longest) {
+            let because = "packets are older than safety.max_delay_s, and are not used";
+            return Ok(self.without_a_matrix(Verdict::not_judged(because)));
+        }
+        self.joined(released, delays)
+    }
+
+    /// This verdict, which takes the place of a part.
+    fn without_a_matrix(&mut self, verdict: Verdict) -> Verdict {
+        let radius = verdict.spectral_radius;
+        match &mut self.reduced {
+            Some(reduced) => {
+                reduced.push(Reduced { matrix: Matrix::from_element(1, 1, radius), held: true, states: 0 })
+            }
+            None => self.parts.push(vec![[radius, 0.0]]),
+        }
+        verdict
+    }
+
+    /// The verdict on the peers measured last, held or `released`, with these delays to peer 1 and to peer 2, ticks: the worst of all states in
+    /// which they stay.
     pub(crate) fn joined(&mut self, released: [bool; 2], delays: [usize; 2]) -> Result<Verdict, Error> {
-        let Answers { held, released: let_go, released_alike, alike, hands_off, ticks_per_packet } = &self.answers;
+        let Answers { held, released: let_go, released_alike, alike, hands_off, ticks_per_packet, .. } = &self.answers;
         let released = released.map(|released| released || *hands_off);
-        let answer = |at: usize| {
+        let [first, second] = [0, 1].map(|at: usize| {
             let (heard, same) = if released[at] { (let_go, released_alike) } else { (held, alike) };
             heard[if *same { 0 } else { at }].at(delays[at] % ticks_per_packet)
-        };
-        let joined = Joined::new([answer(0), answer(1)], delays.map(|ticks| ticks / ticks_per_packet));
+        });
         let hands = released.iter().filter(|released| !**released).count();
+        let (Some(first_ends), Some(second_ends)) = (first.last(), second.last()) else {
+            let kicked = self.answers.counting.as_ref().map(|linear| kicked::radius(linear, released)).transpose()?;
+            return Ok(self.without_a_matrix(match kicked.flatten() {
+                Some(radius) => Verdict::new(radius, 0, 0, false),
+                None => Verdict::not_judged("the peers do not act on each other at this delay"),
+            }));
+        };
         let solver = &mut self.solvers[hands];
-        let (objects, axes) = (joined.objects(), joined.axes());
-        let mut direction = None;
-        let (mut worst, mut states, mut rest_modes) = (0.0_f64, 0, 0);
-        for sign in joined.signs() {
-            joined.write(*sign, &mut self.whole);
-            let (kept, stands) = solver.reduce(&self.whole, &objects);
-            states += kept;
-            rest_modes += stands;
-            if let Some(reduced) = &mut self.reduced {
-                reduced.push(Reduced { matrix: solver.kept.matrix.clone(), held: hands > 0, states: kept });
-                continue;
+        let mut found = Verdict::LEAST;
+        let lengths = first.len().max(second.len());
+        for length in 0..lengths {
+            let answers = [first.get(length).unwrap_or(first_ends), second.get(length).unwrap_or(second_ends)];
+            let joined = Joined::new(answers, delays.map(|ticks| ticks / ticks_per_packet));
+            let (objects, axes) = (joined.objects(), joined.axes());
+            let mut direction = None;
+            let (mut worst, mut states, mut rest_modes) = (0.0_f64, 0, 0);
+            for sign in joined.signs() {
+                joined.write(*sign, &mut self.whole);
+                let (kept, stands) = solver.reduce(&self.whole, &objects);
+                states += kept;
+                rest_modes += stands;
+                if let Some(reduced) = &mut self.reduced {
+                    reduced.push(Reduced { matrix: solver.kept.matrix.clone(), held: hands > 0, states: kept });
+                    continue;
+                }
+                let (polar, glides) = solver.eigenvalues(hands > 0)?;
+                if let Some(largest) = polar.first().filter(|largest| axes > 1 && largest[0] > worst) {
+                    direction = direction::direction(&self.whole.matrix, *largest, &objects, axes);
+                }
+                worst = worst.max(radius(&polar));
+                rest_modes += glides;
+                self.parts.push(polar);
             }
-            let (polar, glides) = solver.eigenvalues(hands > 0)?;
-            if let Some(largest) = polar.first().filter(|largest| axes > 1 && largest[0] > worst) {
-                direction = direction::direction(&self.whole.matrix, *largest, &objects, axes);
-            }
-            worst = worst.max(radius(&polar));
-            rest_modes += glides;
-            self.parts.push(polar);
+            let line_ticks = answers[0].line_ticks.filter(|_| lengths > 1);
+            let verdict = Verdict::new(worst, states, rest_modes, joined.symmetric);
+            found = found.or_worse(Verdict { direction, line_ticks, ..verdict });
         }
-        Ok(Verdict { direction, ..Verdict::new(worst, states, rest_modes, joined.symmetric) })
+        Ok(found)
     }
 }
 

@@ -15,7 +15,7 @@ use super::{Emulated, Seen, named};
 /// For so long a force stands without a new one unless it is told otherwise, s. The vendor says "applied once and forgotten", and no number.
 pub const HOLDS_S: f64 = 0.02;
 /// Its faults by name.
-pub const FAULTS: [(&str, Fault); 11] = [
+pub const FAULTS: [(&str, Fault); 12] = [
     ("none", Fault::None),
     ("silent", Fault::Silent),
     ("late", Fault::Late),
@@ -27,6 +27,7 @@ pub const FAULTS: [(&str, Fault); 11] = [
     ("uncalibrated", Fault::Uncalibrated),
     ("older", Fault::Older),
     ("preset", Fault::Preset),
+    ("unasked", Fault::Unasked),
 ];
 
 /// What the service can do wrong.
@@ -55,6 +56,8 @@ pub enum Fault {
     Older,
     /// It does not know the preset.
     Preset,
+    /// It says each state twice.
+    Unasked,
 }
 
 /// The mechanism with the hand on it, in the device's frame.
@@ -221,6 +224,8 @@ fn serve(mut socket: WebSocket<TcpStream>, world: &Mutex<World>) {
         if fault == Fault::Late {
             std::thread::sleep(Duration::from_millis(100));
         }
-        let _ = socket.send(Message::text(text.to_string()));
+        for _ in 0..if fault == Fault::Unasked { 2 } else { 1 } {
+            let _ = socket.send(Message::text(text.to_string()));
+        }
     }
 }

@@ -115,8 +115,16 @@ pub fn read(path: &Path, most: Most) -> io::Result<Vec<u8>> {
 /// It cannot be read, is no regular file, or is longer than it may be.
 pub fn read_with(path: &Path, most: Most) -> io::Result<(Vec<u8>, Metadata)> {
     let file = open(path)?;
+    Ok((all(&file, most)?, file.metadata()?))
+}
+
+/// Everything that comes from there.
+///
+/// # Errors
+/// It cannot be read, or is longer than it may be.
+pub fn all(from: impl Read, most: Most) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    Read::take(&file, most.bytes.saturating_add(1)).read_to_end(&mut bytes)?;
+    from.take(most.bytes.saturating_add(1)).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > most.bytes {
         let Most { bytes, of } = most;
         return Err(io::Error::new(
@@ -124,7 +132,7 @@ pub fn read_with(path: &Path, most: Most) -> io::Result<(Vec<u8>, Metadata)> {
             format!("{of} has at most {bytes} bytes, and it has more"),
         ));
     }
-    Ok((bytes, file.metadata()?))
+    Ok(bytes)
 }
 
 /// The text in a regular file.

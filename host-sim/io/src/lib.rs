@@ -7,5 +7,5 @@
 mod files;
 mod said;
 
-pub use files::{Kind, Most, append, begin, is, open, read, read_with, text, write};
+pub use files::{Kind, Most, all, append, begin, is, open, read, read_with, text, write};
 pub use said::{draw, escaped, out, say};

@@ -3,9 +3,8 @@
 //! A probe is as long as a sealed packet of a scene (88 bytes) and carries its number and when it left; the answer, as long, carries that back, when the probe came,
 //! when the answer left, and how many probes have come so far. Each end has only its own monotonic clock:
 //!
-//! - **One way, each way.** A delay of two clocks that do not agree is off by a constant, so that of each direction is taken less its least one, as irtt's are. Clocks
-//!   that run unlike make one direction longer and the other shorter: half the difference of what the quickest of the first and of the last third of a measurement
-//!   changed each way is their drift, and is taken out. What is constant is half of the quickest round trip.
+//! - **One way, each way.** A delay by two clocks that do not agree is off by a constant. It is therefore taken less the least of its direction, as irtt's are.
+//!   Clocks that run unlike make one direction longer and the other shorter. [`Clocks`] finds this and takes it out. What is constant is half of the quickest round trip.
 //! - **Lost where.** The count tells how many of the probes between two answers came. All or none of them: then it is known of each. Else the first of them are
 //!   booked as lost on the way back.
 //!
@@ -16,6 +15,7 @@ use std::net::{SocketAddr, UdpSocket};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use haptic_sim::network::clocks::{Clocks, Trip};
 use haptic_sim::network::rule::{Arrival, NetworkTrace};
 use serde::Serialize;
 
@@ -199,24 +199,22 @@ fn measured(sent: u64, answers: &[Came]) -> Option<Measured> {
             place.get_or_insert(*came);
         }
     }
-    let each_way = |(stamps, back_ns): Came| {
-        let there = stamps.came_ns as f64 - stamps.left_ns as f64;
-        let back = back_ns as f64 - stamps.answered_ns as f64;
-        (stamps.left_ns as f64, [there, back])
+    let between = |from_ns: u64, to_ns: u64| to_ns.wrapping_sub(from_ns).cast_signed();
+    let trip = |(stamps, back_ns): &Came| Trip {
+        at_ns: stamps.left_ns.cast_signed(),
+        there_ns: between(stamps.left_ns, stamps.came_ns),
+        back_ns: between(stamps.answered_ns, *back_ns),
     };
-    let all: Vec<(f64, [f64; 2])> = by_number.iter().flatten().map(|came| each_way(*came)).collect();
-    let drift = drift(&all);
-    let straight = |(at, [there, back]): (f64, [f64; 2])| [there - drift * at, back + drift * at];
-    let least = [0, 1].map(|way| all.iter().map(|one| straight(*one)[way]).fold(f64::INFINITY, f64::min));
-    let trip = |(_, [there, back]): &(f64, [f64; 2])| there + back;
-    let quickest = all.iter().map(trip).fold(f64::INFINITY, f64::min);
+    let trips: Vec<Trip> = by_number.iter().flatten().map(trip).collect();
+    let clocks = Clocks::of(&trips)?;
+    let mut delays = clocks.delays_ns.iter();
     let mut found = Measured {
         sent,
-        answered: all.len() as u64,
+        answered: trips.len() as u64,
         lost: [0; 2],
-        constant_ms: 1e-6 * 0.5 * quickest,
+        constant_ms: 0.5e-6 * clocks.quickest_ns as f64,
         most_ms: [0.0; 2],
-        drift_ppm: 1e6 * drift,
+        drift_ppm: clocks.drift_ppm,
         trace: NetworkTrace::default(),
     };
     let mut packets = [Vec::new(), Vec::new()];
@@ -242,33 +240,15 @@ fn measured(sent: u64, answers: &[Came]) -> Option<Measured> {
         let between = came.0.count.saturating_sub(counted + 1).min(missing);
         counted = counted.max(came.0.count);
         missed(&mut missing, between, &mut packets, last);
-        let delays = straight(each_way(*came));
-        for way in [0, 1] {
-            let more_ns = (delays[way] - least[way]).max(0.0);
-            most_ms[way] = most_ms[way].max(1e-6 * more_ns);
-            last[way] = Arrival { delay_ns: more_ns.round() as u64, corrupt: false };
+        for (way, delay_ns) in delays.next().copied().unwrap_or_default().into_iter().enumerate() {
+            most_ms[way] = most_ms[way].max(1e-6 * delay_ns as f64);
+            last[way] = Arrival { delay_ns, corrupt: false };
             packets[way].push(vec![last[way]]);
         }
     }
     // Of those after the last answer nothing is known: there.
     missed(&mut missing, 0, &mut packets, last);
-    Some(Measured { most_ms, trace: NetworkTrace::of_packets(packets), ..found }).filter(|_| !all.is_empty())
-}
-
-/// By how much the other clock is faster, relative: half of what the quickest of the last third is longer there, and shorter back, than that of the first.
-fn drift(all: &[(f64, [f64; 2])]) -> f64 {
-    let third = all.len() / 3;
-    let quickest = |some: &[(f64, [f64; 2])], way: usize| {
-        some.iter().map(|(at, delays)| (*at, delays[way])).min_by(|one, other| one.1.total_cmp(&other.1))
-    };
-    let slope = |way: usize| {
-        let (first, last) = (quickest(all.get(..third)?, way)?, quickest(all.get(all.len() - third..)?, way)?);
-        Some((last.1 - first.1) / (last.0 - first.0))
-    };
-    match (slope(0), slope(1)) {
-        (Some(there), Some(back)) if third > 0 => 0.5 * (there - back),
-        _ => 0.0,
-    }
+    Some(Measured { most_ms, trace: NetworkTrace::of_packets(packets), ..found })
 }
 
 #[cfg(test)]

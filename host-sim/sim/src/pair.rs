@@ -46,6 +46,12 @@ pub(crate) fn hand_over<S: Scalar, const SHARED: usize, const N: usize>(
     let heard = taken.is_some();
     if let Some(packets) = taken {
         peer.hear(packets.borrow());
+    } else if inbox.is_old {
+        peer.delayed();
+        // Live, a peer that has never used a packet is not engaged.
+        if inbox.delivered == 0 {
+            peer.part();
+        }
     }
     if due {
         peer.listen();
@@ -119,7 +125,7 @@ impl<S: Builds<SHARED, N>, D: Device<S, N>, const SHARED: usize, const N: usize>
     /// The first key that the peer refuses, or an `axis.shared` that is not `SHARED`.
     pub fn new(scene: &Scene, index: usize, to: usize, device: D) -> Result<Self, Refused<'static>> {
         let peer = scene.laws.peer(&scene.peers()[index], device.start())?;
-        Ok(Self::of(scene, peer, device, to))
+        Ok(Self::with_mailbox(scene, peer, device, to, Inbox::of_end(scene, index, 1)))
     }
 }
 
@@ -188,7 +194,7 @@ impl<S: Scalar, D: Device<S, N>, const SHARED: usize, const N: usize, I: Mailbox
     fn speak(&mut self, _: u64, out: &mut Out<'_, usize, Self::Packet>) {
         if self.peer.packet_due() {
             if let Some(packets) = self.peer.speak() {
-                out(self.to, &Numbered { number: self.number, what: self.inbox.carried(packets) });
+                out(self.to, &Numbered::new(self.number, self.inbox.carried(packets)));
                 self.sent += 1;
             }
             self.number += 1;

@@ -99,6 +99,16 @@ impl User {
         force
     }
 
+    /// The most that the user ever pushes with, by hand and arm, N.
+    pub fn most_n(&self) -> f64 {
+        let user = &self.settings.user;
+        let traced =
+            self.trace.iter().flat_map(|trace| &trace.samples).fold(0.0, |most, (_, n)| f64::max(most, n.abs()));
+        let arm = user.arm_stiffness_n_per_m * (user.reach_m.abs() + user.tremor_m);
+        let pushes = [user.push_n, user.pulse_n, user.sine_n, user.side_push_n];
+        pushes.iter().map(|n| n.abs()).sum::<f64>() + traced + arm
+    }
+
     /// The direction of what the user does, as parts along the axes; exactly the first one where no key says otherwise.
     pub fn direction(&self) -> [f64; 3] {
         let (sine, cosine) = libm::sincos(self.settings.user.direction_rad);

@@ -6,7 +6,7 @@ use clap::Args;
 use haptic_live::trials::{flood, restarts};
 use haptic_live::{endpoint::Stop, measuring, relay};
 use haptic_sim::network::link::Route;
-use haptic_sim::network::rule::{Direction, NetworkTrace};
+use haptic_sim::network::rule::{Direction, Found, NetworkTrace};
 use serde_json::json;
 
 use super::flags::{LiveTime, Time, number};
@@ -81,13 +81,18 @@ impl Trace {
         let scene = self.scene.load(ui)?;
         let packet_s = scene.peer.timing.packet_period_s();
         NetworkTrace::record(&scene, (self.time.seconds / packet_s).ceil() as u64).write(&self.file)?;
-        let constant_s =
-            scene.network_trace.as_ref().map(|trace| trace.constant_s()).filter(|constant| *constant > 0.0);
-        let Some(constant_s) = constant_s else { return ui.report("", &json!({ "files": [&self.file] })) };
+        let measured = scene.network_trace.as_ref().filter(|trace| trace.found().constant_ns > 0);
+        let Some(measured) = measured else { return ui.report("", &json!({ "files": [&self.file] })) };
         // What is constant is in no trace: it is the scene's.
+        let constant_s = measured.constant_s();
         let packets = (constant_s / packet_s).round();
         let constant = json!({ "one_way_delay_s": constant_s, "network.one_way_delay_packets": packets });
-        ui.report("measured, and to be set", &json!({ "constant": constant, "files": [&self.file] }))
+        let Found { clock_steps, clock_drift_ppm, .. } = measured.found();
+        let clocks = json!({ "steps": clock_steps, "drift_ppm": clock_drift_ppm });
+        ui.report(
+            "measured, and to be set",
+            &json!({ "constant": constant, "clocks, left out": clocks, "files": [&self.file] }),
+        )
     }
 }
 

@@ -227,6 +227,8 @@ fn each_fault_of_a_device_cuts_the_force_and_is_named() {
         (Fault::Jump, 25, "moved by"),
         (Fault::Closes, 24, "clos"),
         (Fault::Uncalibrated, 24, "is not calibrated"),
+        // Readings had become 0.9 s old within 4 s, and were believed.
+        (Fault::Unasked, 24, "nobody asked for"),
     ];
     for (fault, numbered, words) in faults {
         let emulator = haply(1e-3);

@@ -32,7 +32,7 @@ fn every_claim_has_a_verdict_and_a_reason() {
     };
     // THEORY §3: 357, 1597 and 10850 N/m beside 310, 1590 and 10620; a pocket from 4401 to 6061 N/m.
     for (law, off, verdict) in
-        [("power", 15.2, "not matched"), ("wave", 0.4, "holds in part"), ("passive-wave", 2.2, "matched")]
+        [("power", 15.2, "holds in part"), ("wave", 0.4, "holds in part"), ("passive-wave", 2.2, "matched")]
     {
         let (said, _, why, got) = claim(&format!("The largest gain of {law} communications"));
         assert!(said == verdict && (got.expect("a part") - off).abs() < 0.3, "{law}: {said}, {got:?} %");
@@ -75,9 +75,12 @@ fn every_claim_has_a_verdict_and_a_reason() {
         assert!(sections.is_sorted(), "{sections:?}");
     }
     assert!(claim("An adaptive dynamic bounder").2.contains("N/m at 20 ms"));
-    let (verdict, found, why, _) = claim("With passive-wave communications every gain");
-    assert!(verdict == "not matched" && found.contains("440") && found.contains("606"), "{verdict}: {found}");
-    assert!(why.contains("depends on what the paper leaves open"), "{why}");
+    let why = claim("The largest gain of passive-wave").2;
+    assert!(why.contains("440") && why.contains("606"), "{why}");
+    // At the paper's gain, next to the boundary, the waves' force rings; below it there is still more of it than of passive waves'.
+    let (verdict, found, why, _) = claim("Passive waves apply smoother");
+    assert!(verdict == "matched" && found.contains("0.739, 0.0959 N") && found.contains("0.126, 0.0959"), "{found}");
+    assert!(why.contains("of 0.739 N at their gain 0.126 N are left at 0.9 of it"), "{why}");
     // THEORY §4.
     for (law, off) in [("power", -7.1), ("wave", -0.9), ("passive-wave", -4.4)] {
         let (said, _, _, got) = claim(&format!("discrepancy of {law} communications is"));

@@ -1,6 +1,6 @@
 //! How long packets are on their way, in control periods.
 
-use haptic_sim::scene::Scene;
+use haptic_sim::scene::{Network, Scene};
 
 /// Control periods that a packet is on its way to peer 1 and to peer 2, from the exchange that sends it to the tick that hears it.
 pub fn delays_ticks(linear: &Scene) -> [usize; 2] {
@@ -10,9 +10,13 @@ pub fn delays_ticks(linear: &Scene) -> [usize; 2] {
     [to(network.extra_delay_s + network.asymmetry_s), to(network.extra_delay_s)]
 }
 
-/// Packet periods that a packet is on its way to peer 1 and to peer 2: [`delays_ticks`], of which only whole packet periods count.
-pub(crate) fn delays_packets(linear: &Scene) -> [usize; 2] {
-    delays_ticks(linear).map(|ticks| ticks / linear.peer.timing.ticks_per_packet as usize)
+/// The linear scene on a network on which packets take so many control periods to peer 1 and to peer 2.
+pub(crate) fn at_delays(linear: &Scene, [to_first, to_second]: [usize; 2]) -> Scene {
+    let (mut scene, period_s) = (linear.clone(), linear.peer.timing.control_period_s);
+    let (extra_delay_s, all_s) = (to_second as f64 * period_s, to_first as f64 * period_s);
+    scene.world.network =
+        Network { one_way_delay_packets: 0, extra_delay_s, asymmetry_s: all_s - extra_delay_s, ..Network::default() };
+    scene
 }
 
 /// Control periods that time on top of whole ones counts as: peers look once a tick, so that a fraction is one more. None

@@ -8,8 +8,10 @@
 //! **Small signals.** Unit states are 2⁻³⁰⁰ units: a power of two, so every product with them is exact as before, and far
 //! below any limit, so that no guard acts. A period that grows beyond 2²⁵⁰ counts as infinite.
 //!
-//! **Counters.** A line with a time of its own counts what it has sent and heard. Such a peer is first left at rest on the
-//! scene's network until every tick is live, and starts each period with the counters it has then, and the packet that is due.
+//! **Counters.** A line with a time of its own counts what it has sent and heard, and may change its own parameters: its length, its
+//! impedance. Such a peer is first left at rest on the scene's network. There is an answer for each state in which it stays for half a second
+//! with every tick live. Each starts with the counters of that state, and with the packet that is due. If the line goes on holding still now
+//! and then, there is no answer: [`super::kicked`] judges it.
 //!
 //! **Order of the local state**: x_h, ẋ_h, motor force of the tick before, and those that the device holds back, of each shared axis; then what `State::visit` visits (of each
 //! axis object, integrator, law; velocity estimators). Units: m, m/s, N, √W.
@@ -20,8 +22,9 @@ use std::collections::VecDeque;
 use haptic_core::law::{Packet, Sends};
 use haptic_core::names::FixtureName;
 use haptic_core::num::{Motion, StateVector as _};
+use haptic_core::peer::Sensors;
 use haptic_core::safety::{Command, Mode};
-use haptic_core::settings::{Refused, Settings};
+use haptic_core::settings::Refused;
 use haptic_sim::of_axes;
 use haptic_sim::peers::{Builds, DynPeer};
 use haptic_sim::plant::Plant;
@@ -31,7 +34,7 @@ use super::delay::delays_ticks;
 use crate::matrix::{Matrix, column_mut, reset};
 
 /// 2⁻³⁰⁰: what stands for one unit of a state.
-const UNIT: f64 = f64::from_bits((1023 - 300) << 52);
+pub(crate) const UNIT: f64 = f64::from_bits((1023 - 300) << 52);
 
 /// 2²⁵⁰: an answer above it may have met a limit on its way.
 pub(crate) const TOO_LARGE: f64 = f64::from_bits((1023 + 250) << 52);
@@ -56,6 +59,8 @@ pub struct Response {
     pub sent: Matrix,
     /// This peer one metre away along as many directions as there are shared axes.
     pub translations: Vec<Translation>,
+    /// Length of a line that counts its ticks, as `coordination.credit_ticks` has it.
+    pub line_ticks: Option<usize>,
 }
 
 /// A peer at rest one metre from where the linear scene has it.
@@ -74,7 +79,7 @@ pub struct Translation {
 impl Default for Response {
     fn default() -> Self {
         let [own, heard, sent] = [(); 3].map(|()| Matrix::zeros(0, 0));
-        Self { own, heard, sent, translations: Vec::new() }
+        Self { own, heard, sent, translations: Vec::new(), line_ticks: None }
     }
 }
 
@@ -89,13 +94,33 @@ impl Response {
         self.sent.nrows()
     }
 
-    /// Drives peer `index` (0 or 1) of a scene that is linear ([`Scene::linear`]); a packet is heard before tick `at_tick` of the
-    /// packet period.
+    /// Drives peer `index` (0 or 1) of a scene that is linear ([`Scene::linear`]), in the state in which it stays in the end; a packet is
+    /// heard before tick `at_tick` of the packet period. Without such a state the answer has no states.
     ///
     /// # Errors
     /// The first key that is out of range or impossible beside the others.
     pub fn measure(&mut self, linear: &Scene, index: usize, at_tick: usize) -> Result<(), Refused<'static>> {
-        let mut seat = seat(linear, index, at_tick)?;
+        match seats(linear, index, at_tick)?.pop() {
+            Some(mut seat) => self.of(&mut *seat, linear),
+            None => *self = Self::default(),
+        }
+        Ok(())
+    }
+
+    /// [`Response::measure`] in each state in which the peer stays for a while, that of the end last; none, if it has no such state.
+    pub(crate) fn measure_each(
+        answers: &mut Vec<Self>,
+        linear: &Scene,
+        index: usize,
+        at_tick: usize,
+    ) -> Result<(), Refused<'static>> {
+        let mut seats = seats(linear, index, at_tick)?;
+        answers.resize_with(seats.len(), Self::default);
+        answers.iter_mut().zip(&mut seats).for_each(|(answer, seat)| answer.of(&mut **seat, linear));
+        Ok(())
+    }
+
+    fn of(&mut self, seat: &mut dyn Seated, linear: &Scene) {
         let [states, packet] = seat.sizes();
         reset(&mut self.own, states, states);
         reset(&mut self.heard, states, packet);
@@ -115,16 +140,17 @@ impl Response {
             seat.start().1[at] = 1.0;
             seat.period(column_mut(&mut self.heard, at));
         }
-        self.translations = translate(&mut *seat, &along(linear));
-        Ok(())
+        self.translations = translate(seat, &along(linear));
+        self.line_ticks = seat.line_ticks();
     }
 
-    /// The local state after a period from `local`, hearing `packet` at its start; a check of superposition needs no more.
+    /// The local state after a period from `local`, hearing `packet` at its start; a check of superposition needs no more. Nothing, if the
+    /// peer has no state in which it stays.
     ///
     /// # Errors
     /// The first key that is out of range or impossible beside the others.
     pub fn drive(linear: &Scene, index: usize, local: &[f64], packet: &[f64]) -> Result<Vec<f64>, Refused<'static>> {
-        let mut seat = seat(linear, index, 0)?;
+        let Some(mut seat) = seats(linear, index, 0)?.pop() else { return Ok(Vec::new()) };
         let (at, heard) = seat.start();
         at.copy_from_slice(local);
         heard.copy_from_slice(packet);
@@ -186,76 +212,135 @@ trait Seated {
     fn period(&mut self, after: &mut [f64]);
     /// Writes the local state of this peer at rest at one metre along an axis; where the position of the object is in it.
     fn translation(&mut self, axis: usize, local: &mut [f64]) -> usize;
+    /// Length of the line, ticks.
+    fn line_ticks(&self) -> Option<usize>;
 }
 
-/// Of a peer of the linear scene, as many axes as it shares.
-fn seat(linear: &Scene, index: usize, at_tick: usize) -> Result<Box<dyn Seated>, Refused<'static>> {
-    of_axes!(linear, seat_of(linear, index, at_tick))
+/// Of a peer of the linear scene, as many axes as it shares, in each state in which it stays.
+fn seats(linear: &Scene, index: usize, at_tick: usize) -> Result<Vec<Box<dyn Seated>>, Refused<'static>> {
+    of_axes!(linear, seats_of(linear, index, at_tick))
 }
 
-fn seat_of<const SHARED: usize, const N: usize>(
+fn seats_of<const SHARED: usize, const N: usize>(
     linear: &Scene,
     index: usize,
     at_tick: usize,
-) -> Result<Box<dyn Seated>, Refused<'static>>
+) -> Result<Vec<Box<dyn Seated>>, Refused<'static>>
 where
     f64: Builds<SHARED, N>,
 {
-    Ok(Box::new(Seat::<SHARED, N>::new(linear, index, at_tick)?))
+    let settings = &linear.peers()[index];
+    let at = |axes| {
+        let mut peer = linear.laws.peer::<f64, SHARED, N>(settings, axes)?;
+        peer.command(Command::Arm);
+        Ok::<_, Refused<'static>>(peer)
+    };
+    let start = at([Motion::REST; N])?;
+    let mut there: [_; SHARED] = from_fn(|_| start.clone());
+    for (axis, there) in there.iter_mut().enumerate() {
+        let mut device = [Motion::REST; N];
+        device[axis] = Motion::at(1.0);
+        *there = at(device)?;
+    }
+    let plant = Plant::build(linear, index);
+    let seat = |settled| Seat::new(linear, index, at_tick, settled, there.clone(), plant.clone());
+    let boxed = |seat| Box::new(seat) as Box<dyn Seated>;
+    Ok(settle(start, linear, &plant.sensors(), at_tick).into_iter().map(seat).map(boxed).collect())
 }
 
 /// Most packet periods, beyond four round trips, that a line needs to learn a delay.
 const LEARNING: usize = 64;
 
-/// Ticks in which a self-timed line takes the impedance that its length allows (THEORY §11).
-const LIGHTENING: u32 = 1024;
+/// How long a state must last to be judged, and to be the last one, s: a line is made shorter once a second.
+const STAYS_S: f64 = 0.5;
+const LAST_S: f64 = 2.2;
 
-/// Leaves a peer that counts at rest on the scene's network, hearing itself, until every tick of some round trips was live; the
-/// packet that is due next. A peer that counts nothing only begins a period later, when it knows how old its packet is; `None` where the line
-/// goes on standing now and then.
+/// Looks at a line's answer in the time for which a state must last.
+const LOOKS: usize = 16;
+
+/// A peer at rest on the scene's network in a state in which it stays, and the packet that is due.
+struct Settled<const SHARED: usize, const N: usize> {
+    peer: Box<dyn DynPeer<f64, SHARED, N>>,
+    due: [Packet<f64>; SHARED],
+    line_ticks: Option<usize>,
+}
+
+/// Leaves a peer that counts at rest on the scene's network, hearing itself, for as long as its answer changes; each state in which it stays
+/// with every tick live. A peer that counts nothing only begins a period later, when it knows how old its packet is.
 fn settle<const SHARED: usize, const N: usize>(
-    peer: &mut Box<dyn DynPeer<f64, SHARED, N>>,
+    mut at_rest: Box<dyn DynPeer<f64, SHARED, N>>,
     linear: &Scene,
-    plant: &Plant<N>,
+    sensors: &Sensors<f64, N>,
     at_tick: usize,
-) -> Option<[Packet<f64>; SHARED]> {
-    let (timing, sensors) = (&linear.peer.timing, plant.sensors());
-    let at_rest_for_a_packet = |peer: &mut dyn DynPeer<f64, SHARED, N>, due: Option<[Packet<f64>; SHARED]>| {
-        for tick in 0..timing.ticks_per_packet as usize {
+) -> Vec<Settled<SHARED, N>> {
+    let timing = &linear.peer.timing;
+    let packet = timing.ticks_per_packet as usize;
+    let go_on = |peer: &mut dyn DynPeer<f64, SHARED, N>, due: Option<[Packet<f64>; SHARED]>| {
+        for tick in 0..packet {
             before_tick(peer, tick, due.filter(|_| tick == at_tick));
-            peer.tick(&sensors);
+            peer.tick(sensors);
         }
-    };
-    if !matches!(linear.law().sends, Sends::Counters | Sends::Integrals) {
-        let nothing = [Packet::default(); SHARED];
-        at_rest_for_a_packet(&mut **peer, Some(nothing));
-        return Some(nothing);
-    }
-    // The mean of both ways, as far as a packet that is heard then allows.
-    let (packet, mean) = (timing.ticks_per_packet as usize, delays_ticks(linear).iter().sum::<usize>().div_ceil(2));
-    let delay = (mean + packet - 1 - at_tick) / packet;
-    let (mut at_rest, mut flying) = (peer.clone(), VecDeque::new());
-    let (mut live, mut said) = (0, at_rest.outgoing());
-    // Learning a delay takes round trips by the logarithm of it.
-    let patience = (LEARNING + delay) * LEARNING;
-    for _ in 0..patience {
-        flying.push_back(said);
-        let due = flying.front().copied().filter(|_| flying.len() > delay);
-        if live > 4 * (delay + 1) && live as u32 * timing.ticks_per_packet > LIGHTENING {
-            *peer = at_rest;
-            return due;
-        }
-        if due.is_some() {
-            flying.pop_front();
-        }
-        at_rest_for_a_packet(&mut *at_rest, due);
         // At rest all axes count alike.
-        let before = said[0].live_ticks;
-        said = at_rest.outgoing();
-        let ticks = said[0].live_ticks.wrapping_sub(before);
-        live = if ticks == timing.ticks_per_packet { live + 1 } else { 0 };
+        peer.outgoing()[0].live_ticks
+    };
+    let sends = linear.law().sends;
+    if !counts(linear) {
+        let due = [Packet::default(); SHARED];
+        go_on(&mut *at_rest, Some(due));
+        return vec![Settled { peer: at_rest, due, line_ticks: None }];
     }
-    None
+    // What all states together answer: two states of a line that answer alike are one.
+    let answer = |peer: &dyn DynPeer<f64, SHARED, N>, due| {
+        let (mut driven, mut sum) = (peer.boxed(), 0.0);
+        driven.visit_state(&mut |number| *number = UNIT);
+        go_on(&mut *driven, Some(due));
+        driven.visit_state(&mut |number| sum = 0.75 * sum + *number);
+        sum / UNIT
+    };
+    // How many samples come out if nothing more is heard, beyond those that the other end had emitted when it sent the newest packet.
+    let length = |peer: &dyn DynPeer<f64, SHARED, N>, due: [Packet<f64>; SHARED]| {
+        let (mut dry, mut before) = (peer.boxed(), peer.outgoing()[0].live_ticks);
+        let mut live = go_on(&mut *dry, Some(due));
+        while live != before {
+            (before, live) = (live, go_on(&mut *dry, None));
+        }
+        live.wrapping_sub(due[0].live_ticks) as usize
+    };
+    // The mean of both ways, as far as a packet that is heard then allows.
+    let mean = delays_ticks(linear).iter().sum::<usize>().div_ceil(2);
+    let delay = (mean + packet - 1 - at_tick) / packet;
+    let of_s = |seconds: f64| (seconds / timing.packet_period_s()).ceil() as usize;
+    let look = (of_s(STAYS_S) / LOOKS).max(1);
+    let (mut reached, mut flying) = (Vec::new(), VecDeque::new());
+    let (mut live, mut same, mut known, mut before) = (0, 0, f64::NAN, at_rest.outgoing()[0].live_ticks);
+    // Learning a delay takes round trips by the logarithm of it, and each state that lasts may be followed by another.
+    let mut patience = (LEARNING + delay) * LEARNING + of_s(LAST_S);
+    while patience > 0 && same < of_s(LAST_S) {
+        patience -= 1;
+        flying.push_back(at_rest.outgoing());
+        let due = if flying.len() > delay { flying.pop_front() } else { None };
+        if let Some(due) = due.filter(|_| live > 4 * (delay + 1) && patience.is_multiple_of(look)) {
+            let now = answer(&*at_rest, due);
+            same = if now == known { same + look } else { 0 };
+            known = now;
+            if same >= of_s(STAYS_S) && same < of_s(STAYS_S) + look {
+                let line_ticks = (sends == Sends::Counters).then(|| length(&*at_rest, due));
+                reached.push(Settled { peer: at_rest.clone(), due, line_ticks });
+                patience += of_s(LAST_S);
+            }
+        }
+        let now = go_on(&mut *at_rest, due);
+        live = if now.wrapping_sub(before) == timing.ticks_per_packet { live + 1 } else { 0 };
+        same = if live > 0 { same } else { 0 };
+        before = now;
+    }
+    // A line that goes on changing, or holds still again, does not stay as it was.
+    if same < of_s(LAST_S) { Vec::new() } else { reached }
+}
+
+/// Whether the law counts ticks, and has states of its own.
+pub(crate) fn counts(linear: &Scene) -> bool {
+    matches!(linear.law().sends, Sends::Counters | Sends::Integrals)
 }
 
 /// What happens before a tick of a packet period.
@@ -287,6 +372,7 @@ struct Seat<const SHARED: usize, const N: usize> {
     packet: Vec<f64>,
     /// What arrives next at rest: the counters of a packet.
     due: [Packet<f64>; SHARED],
+    line_ticks: Option<usize>,
 }
 
 /// Calls `each` for every number of the packets.
@@ -296,44 +382,23 @@ fn visit_all(packets: &mut [Packet<f64>], mut each: impl FnMut(&mut f64)) {
     }
 }
 
-impl<const SHARED: usize, const N: usize> Seat<SHARED, N>
-where
-    f64: Builds<SHARED, N>,
-{
-    fn new(linear: &Scene, index: usize, at_tick: usize) -> Result<Self, Refused<'static>> {
-        let settings = &linear.peers()[index];
-        let at = |settings: &Settings, axes| {
-            let mut peer = linear.laws.peer::<f64, SHARED, N>(settings, axes)?;
-            peer.command(Command::Arm);
-            Ok(peer)
-        };
-        let mut armed = at(settings, [Motion::REST; N])?;
-        let mut there: [_; SHARED] = from_fn(|_| armed.clone());
-        for (axis, there) in there.iter_mut().enumerate() {
-            let mut device = [Motion::REST; N];
-            device[axis] = Motion::at(1.0);
-            *there = at(settings, device)?;
-        }
+impl<const SHARED: usize, const N: usize> Seat<SHARED, N> {
+    fn new(
+        linear: &Scene,
+        index: usize,
+        at_tick: usize,
+        settled: Settled<SHARED, N>,
+        there: [Box<dyn DynPeer<f64, SHARED, N>>; SHARED],
+        plant: Plant<N>,
+    ) -> Self {
+        let Settled { peer: mut armed, due, line_ticks } = settled;
         let device_states = device_states(linear, index);
-        let mut states = device_states * SHARED;
+        let (mut states, mut numbers) = (device_states * SHARED, 0);
         armed.visit_state(&mut |_| states += 1);
-        let mut numbers = 0;
         visit_all(&mut [Packet::default(); SHARED], |_| numbers += 1);
-        let plant = Plant::build(linear, index);
-        let due = match settle(&mut armed, linear, &plant, at_tick) {
-            Some(due) => due,
-            // A credit below the delay: while it is live, the line is one of the delay.
-            None => {
-                let mut follows = linear.clone();
-                // A key of the law, which allows 0.
-                let _ = follows.set_number("coordination.credit_ticks", 0.0);
-                armed = at(&follows.peers()[index], [Motion::REST; N])?;
-                settle(&mut armed, linear, &plant, at_tick).unwrap_or([Packet::default(); SHARED])
-            }
-        };
-        let ticks_per_packet = settings.timing.ticks_per_packet as usize;
+        let ticks_per_packet = linear.peer.timing.ticks_per_packet as usize;
         let (local, packet) = (vec![0.0; states], vec![0.0; numbers]);
-        Ok(Self { armed, there, ticks_per_packet, at_tick, plant, device_states, local, packet, due })
+        Self { armed, there, ticks_per_packet, at_tick, plant, device_states, local, packet, due, line_ticks }
     }
 
     /// The peer's share of the state, in the unit that is driven.
@@ -413,5 +478,9 @@ where
         });
         // Of every axis the position of the object comes first, and those of the others are 0.
         first + local[first..].iter().position(|number| *number == 1.0).unwrap_or(0)
+    }
+
+    fn line_ticks(&self) -> Option<usize> {
+        self.line_ticks
     }
 }

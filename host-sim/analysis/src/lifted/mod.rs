@@ -1,15 +1,15 @@
 //! The lifted, or monodromy, matrix: what one packet period makes of the state of two peers.
 //!
 //! A pair of peers repeats itself every M ticks, so its stability is one matrix: state just before an exchange → state
-//! just before the next (cooperation paper §4; THEORY §3). It is built here twice, from nothing in common:
+//! just before the next (cooperation paper §4; THEORY §3). `tests/oracle` builds it once more, from the paper's algebra and from nothing in common:
 //!
 //! | module | builds it by |
 //! |---|---|
 //! | [`driven`] | running `haptic_core::peer::{exchange, tick}`, the code that flies, on unit states |
-//! | [`constructed`] | the paper's algebra: lifted open loop, augmentation, feedback matrix |
 //! | [`closing`] | joining what peers answer through the network's queues, for the former |
 //! | [`delay`] | counting the packets on their way |
 //! | [`prune`] | leaving out states that nothing depends on, or that are always zero |
+//! | [`kicked`] | running the pair, where no packet period is like the next |
 //! | [`pair`] | which of these a scene falls apart into |
 //! | [`rest`] | dividing rest modes out by their eigenvectors |
 //!
@@ -18,9 +18,9 @@
 //! of half the size cost a quarter of one.
 
 pub(crate) mod closing;
-pub(crate) mod constructed;
 pub(crate) mod delay;
 pub(crate) mod driven;
+pub(crate) mod kicked;
 pub(crate) mod pair;
 pub(crate) mod prune;
 pub(crate) mod rest;

@@ -1,7 +1,8 @@
 //! Directions of matrices whose eigenvectors are known.
 
 use super::{Direction, direction};
-use crate::matrix::{Matrix, rows};
+use crate::matrix::Matrix;
+use crate::oracle::rows;
 
 /// An object's position and velocity along two axes that are turned by `angle`: decay 0.5 and 0.9 along the turned axes, velocities 0.1.
 fn turned(angle: f64) -> Matrix {

@@ -1,7 +1,7 @@
 //! Tests of `src/lifted/prune.rs` from inside.
 
 use super::*;
-use crate::matrix::rows;
+use crate::oracle::rows;
 
 #[test]
 fn dead_and_silent_chains_go() {

@@ -1,7 +1,7 @@
 //! Tests of `src/lifted/rest.rs` from inside.
 
 use super::*;
-use crate::matrix::rows;
+use crate::oracle::rows;
 use crate::spectrum::Spectrum;
 
 /// S·diag·S⁻¹ for a basis S given by its columns.

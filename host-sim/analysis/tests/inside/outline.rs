@@ -9,7 +9,13 @@ fn map(columns: &[(bool, &[f64])]) -> Map {
     let axis = |to: f64, count: usize| Axis { range: Range { key: "k".to_owned(), from: 0.0, to }, count };
     let column = |(at, (stable_at_start, crossings)): (usize, &(bool, &[f64]))| Column {
         x: at as f64,
-        limit: Limit { stable_at_start: *stable_at_start, crossings: crossings.to_vec(), evaluations: 0, step: 0.0 },
+        limit: Limit {
+            stable_at_start: *stable_at_start,
+            crossings: crossings.to_vec(),
+            evaluations: 0,
+            step: 0.0,
+            not_judged_because: None,
+        },
     };
     Map {
         units: [""; 2],

@@ -7,7 +7,7 @@ use crate::figure4;
 use crate::lifted::driven::device_states;
 use crate::lifted::pair::pair_matrix;
 use crate::lifted::{Lifted, prune, rest};
-use crate::matrix::rows;
+use crate::oracle::rows;
 
 fn radius(matrix: &mut Matrix) -> Option<f64> {
     Spectrum::default().polar(matrix).map(|polar| super::radius(&polar))

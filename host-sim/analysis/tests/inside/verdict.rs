@@ -27,7 +27,7 @@ fn scene(axes: u32, keys: &[&str]) -> Scene {
 fn parts(scene: &Scene, hands: Hands) -> Vec<Polar> {
     let mut analyser = Analyser::default();
     analyser.modes(scene, Some(hands)).expect("a good scene");
-    analyser.parts().to_vec()
+    analyser.parts
 }
 
 fn sorted(mut polar: Polar) -> Polar {
@@ -64,7 +64,13 @@ const LAWS: [&[&str]; 5] = [
     &["coordination.comm=wave", "coordination.stiffness_n_per_m=900"],
     &["coordination.comm=passive-wave", "coordination.stiffness_n_per_m=2500"],
     &["coordination.comm=passive-mean", "coordination.stiffness_n_per_m=2500"],
-    &["coordination.comm=self-timed", "object.integrator=midpoint", "coordination.stiffness_n_per_m=2500"],
+    // Longer than any network here, so that it settles.
+    &[
+        "coordination.comm=self-timed",
+        "object.integrator=midpoint",
+        "coordination.stiffness_n_per_m=2500",
+        "coordination.credit_ticks=40",
+    ],
 ];
 
 const ENDS: [&[&str]; 3] = [

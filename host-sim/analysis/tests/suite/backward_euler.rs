@@ -1,44 +1,11 @@
-//! Backward Euler: the second construction, scenes that are let go of, and the verdict beside runs at the limit of contact.
+//! Backward Euler: scenes that are let go of, and the verdict beside runs at the limit of contact.
 
-use haptic_analysis::{Effort, Hands, Range, agreement, limit};
-use haptic_core::object::IntegratorName;
+use haptic_analysis::{Effort, Range, limit};
 use haptic_sim::run::{Options, run};
-use haptic_sim::scene::Scene;
 
-use crate::midpoint::{drawn, midpoint, released};
+use crate::kinds::backward_euler;
+use crate::midpoint::{drawn, released};
 use crate::random::Random;
-
-fn backward_euler(law: &'static str, delay_packets: u32) -> Scene {
-    let mut scene = midpoint(law, delay_packets);
-    scene.peer.object.integrator = IntegratorName::BackwardEuler;
-    scene
-}
-
-#[test]
-fn both_constructions_say_the_same() {
-    for law in ["power", "wave", "passive-wave", "passive-mean", "self-timed", "none"] {
-        for (delay, ticks) in [(0, 1), (1, 8), (3, 5), (8, 1)] {
-            for stiffness in [600.0, 1e7] {
-                let mut scene = backward_euler(law, delay);
-                scene.peer.timing.ticks_per_packet = if law == "self-timed" { 1 } else { ticks };
-                scene.peer.object.damping_n_s_per_m = 0.7;
-                scene.peer.coordination.stiffness_n_per_m = stiffness;
-                if law == "self-timed" {
-                    scene.set_number("coordination.credit_ticks", f64::from(delay + 2)).expect("it is allowed");
-                }
-                for hands in [Hands::Both, Hands::One, Hands::None] {
-                    let difference =
-                        agreement(&scene.linear(), hands).expect("a good scene").expect("it has equations");
-                    let difference = difference.matrix.max(difference.spectral_radius);
-                    assert!(
-                        difference < 1e-9,
-                        "{law}, {delay} packets of {ticks} ticks, K_T {stiffness}, {hands:?}: {difference:.1e}"
-                    );
-                }
-            }
-        }
-    }
-}
 
 /// Nobody's hand on the object, drawn as for the midpoint rule and stiffer.
 #[test]

@@ -69,7 +69,8 @@ fn the_simulator_agrees_on_a_thousand_scenes() {
             let verdict = analyser.verdict(&linear).unwrap();
             (seed, linear, verdict)
         })
-        .filter(|(_, _, verdict)| (verdict.spectral_radius - 1.0).abs() > 1e-3)
+        // Packets that are not used for their age leave nothing to judge.
+        .filter(|(_, _, verdict)| verdict.not_judged_because.is_none() && (verdict.spectral_radius - 1.0).abs() > 1e-3)
         .collect();
     assert!(scenes.len() >= SCENES, "only {} scenes", scenes.len());
     scenes[..SCENES].par_iter().for_each(|(seed, linear, verdict)| {

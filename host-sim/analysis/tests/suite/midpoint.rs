@@ -1,20 +1,10 @@
 //! The midpoint peer (THEORY §7): its limits of contact, and random scenes in contact and let go, none of which is unstable.
 
-use haptic_analysis::{Effort, Hands, Range, agreement, figure4, limit, verdict};
-use haptic_core::law::wave::Decode;
-use haptic_core::object::IntegratorName;
+use haptic_analysis::{Effort, Range, limit, verdict};
 use haptic_sim::scene::Scene;
 
+use crate::kinds::midpoint;
 use crate::random::Random;
-
-pub(crate) fn midpoint(law: &'static str, delay_packets: u32) -> Scene {
-    let mut scene = figure4::scene(law, delay_packets);
-    scene.peer.object.integrator = IntegratorName::Midpoint;
-    scene.peer.object.force_delay_ticks = 0.0;
-    scene.peer.object.mass_kg = 0.3;
-    scene.peer.coordination.decode = Decode::Implicit;
-    scene
-}
 
 /// K_T = 10⁴, m_O = 0.3, M = 8, n_t = 1, by the device's own delay.
 #[test]
@@ -57,9 +47,17 @@ pub(crate) fn drawn(mut scene: Scene, random: &mut Random, stiffest_n_per_m: f64
     scene
 }
 
-/// Radius of the pair that nobody holds.
+/// Radius of the pair that nobody holds, at any delay that `safety.max_delay_s` may allow. A self-timed line that holds still now and then may
+/// carry on at the expense of a tank, which small signals never empty: as a wall it is passive without one.
 pub(crate) fn released(scene: &Scene) -> f64 {
-    verdict(&scene.hands_off()).expect("a good scene").spectral_radius
+    let mut scene = scene.hands_off();
+    scene.peer.safety.max_delay_s = 1.0;
+    let mut judged = verdict(&scene).expect("a good scene");
+    if judged.states == 0 && judged.not_judged_because.is_none() {
+        scene.set_number("coordination.carry_damping_n_s_per_m", 0.0).expect("it is allowed");
+        judged = verdict(&scene).expect("a good scene");
+    }
+    if judged.not_judged_because.is_some() { 0.0 } else { judged.spectral_radius }
 }
 
 /// Nobody's hand on the object, drawn as in THEORY: there the orders of the papers make energy, one solve makes none.
@@ -82,21 +80,4 @@ fn the_filter_before_the_rate_drop_is_not_passive() {
     scene.peer.object.mass_kg = 0.02;
     let radius = released(&scene);
     assert!((radius - 1.048).abs() < 1e-3, "{radius}");
-}
-
-/// The second construction writes the rule as algebra and lets a solver close it.
-#[test]
-fn both_constructions_say_the_same() {
-    for law in ["power", "wave", "passive-wave", "passive-mean", "none"] {
-        for (delay, ticks) in [(0, 1), (1, 8), (3, 5)] {
-            let mut scene = midpoint(law, delay);
-            scene.peer.timing.ticks_per_packet = ticks;
-            scene.peer.object.damping_n_s_per_m = 0.7;
-            for hands in [Hands::Both, Hands::One, Hands::None] {
-                let difference = agreement(&scene.linear(), hands).expect("a good scene").expect("it has equations");
-                let difference = difference.matrix.max(difference.spectral_radius);
-                assert!(difference < 1e-9, "{law}, {delay} packets of {ticks} ticks, {hands:?}: {difference:.1e}");
-            }
-        }
-    }
 }

@@ -55,7 +55,7 @@ impl Actor<usize> for Around {
                     junction.exchange(lines.iter_mut().map(|line| line.take(now_ns).copied()), packets_due);
                 }
                 for (port, to) in junction.ports.iter().zip(1..).filter(|_| packets_due) {
-                    out(to, &Numbered { number: now_ns / *packet_ns, what: port.back() });
+                    out(to, &Numbered::new(now_ns / *packet_ns, port.back()));
                 }
             }
         }

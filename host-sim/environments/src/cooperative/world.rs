@@ -56,7 +56,7 @@ impl Rules {
 
     /// Sends what a packet period brings.
     fn send(&self, now_ns: u64, to: usize, what: Packet, out: &mut Sends<'_>) {
-        out(to, &Numbered { number: self.tick(now_ns) / self.ticks_per_packet, what });
+        out(to, &Numbered::new(self.tick(now_ns) / self.ticks_per_packet, what));
     }
 }
 

@@ -4,6 +4,9 @@
 //! itself. So the client is the clock: `open` gives a device that sends a force at each tick of the peer, takes the answer, and the next tick reads it. Forces
 //! are N, positions m, speeds m/s; z up, x right, y forward.
 //!
+//! **Age.** A state has no number and no time. Before each question the adapter therefore looks whether something has come. A state that
+//! nobody asked for is a fault: the answers after it would be to earlier questions than they seem to be.
+//!
 //! **Letting go.** The service applies a force once and forgets it after a time that its documentation does not name, so it has to be
 //! measured, and told. Zero is sent where there is no force, when the peer has said nothing for as long as readings may be silent, and, without
 //! waiting for an answer, when the peer lets go and at the end. A killed process closes its socket.
@@ -165,10 +168,25 @@ impl Service {
         self.socket.send(Message::text(text)).map_err(stopped)
     }
 
+    /// Looks whether something has come, without waiting.
+    fn look(&mut self) -> Result<(), Gone> {
+        self.socket.get_ref().set_nonblocking(true).map_err(stopped)?;
+        let heard = self.hear();
+        self.socket.get_ref().set_nonblocking(false).map_err(stopped)?;
+        heard.map(|_| ())
+    }
+
     /// The next answer, and when it was asked for; none while there is none yet.
     fn hear(&mut self) -> Result<Option<(String, Instant)>, Gone> {
         match self.socket.read() {
-            Ok(Message::Text(text)) => Ok(self.asked.pop_front().map(|asked| (text.as_str().to_owned(), asked))),
+            Ok(Message::Text(text)) => {
+                let asked = self.asked.pop_front().ok_or_else(|| {
+                    stopped(
+                        "the service said a state that nobody asked for: how old its states are is not known any more",
+                    )
+                })?;
+                Ok(Some((text.as_str().to_owned(), asked)))
+            }
             Ok(Message::Close(_)) => Err(stopped("the service has closed the line")),
             Ok(_) => Ok(None),
             Err(tungstenite::Error::Io(cause))
@@ -184,6 +202,7 @@ impl Service {
 impl Line for Service {
     /// While no answer comes, the service is told once if the peer lets go.
     fn exchange(&mut self, desk: &Desk) -> Result<(), Gone> {
+        self.look()?;
         let force_n = desk.wanted();
         self.say(force_n.unwrap_or_default())?;
         let mut pushes = force_n.is_some();

@@ -54,7 +54,10 @@ impl Group {
             (Some(one), Some(other)) => Arc::ptr_eq(one, other),
             _ => false,
         };
-        let of = |scene: &Scene| (scene.peer.timing, scene.peer.coordination.comm, scene.peer.axis);
+        let of = |scene: &Scene| {
+            let oldest_ns = scene.peers().map(|peer| peer.safety.max_delay_ns());
+            (scene.peer.timing, scene.peer.coordination.comm, scene.peer.axis, oldest_ns)
+        };
         let network = Network { seed: first.world.network.seed, ..scene.world.network };
         same_trace
             && of(first) == of(scene)

@@ -46,6 +46,7 @@ pub(super) struct Networks<S: Lanes, const SHARED: usize> {
     degradation: Degradation<S::Alone>,
     /// Packet periods of silence after which a peer stops.
     silent_packets: u32,
+    max_delay_ns: u64,
     /// What is under way, by its number, and how many copies of it.
     sent: VecDeque<(Numbered<Place<S, SHARED>>, usize)>,
     /// The numbers of the packets that are due, and the lanes in which.
@@ -94,6 +95,7 @@ impl<S: Lanes, const SHARED: usize> Networks<S, SHARED> {
         Ok(Self {
             routes: scenes.iter().map(|scene| Route::of_scene(scene, direction, 0)).collect(),
             silent_packets: settings.timing.packet_periods(settings.safety.peer_lost_s).max(1),
+            max_delay_ns: settings.safety.max_delay_ns(),
             sent: VecDeque::new(),
             in_flight: InFlight::default(),
             newest: [None; LANES],
@@ -112,10 +114,16 @@ impl<S: Lanes, const SHARED: usize> Networks<S, SHARED> {
         let mut due: Vec<(u64, u32)> = Vec::new();
         for (lane, route) in self.routes.iter_mut().enumerate() {
             let lanes = if lane == last { ALL << lane & ALL } else { 1 << lane };
-            let number = Numbered { number: packet.number, what: () };
-            route.send(now_ns, &number, |due_ns, _| match due.iter_mut().find(|(other_ns, _)| *other_ns == due_ns) {
-                Some((_, others)) => *others |= lanes,
-                None => due.push((due_ns, lanes)),
+            let number = Numbered::new(packet.number, ());
+            route.send(now_ns, &number, |due_ns, copy| {
+                if copy.delay_ns > self.max_delay_ns {
+                    // Whoever has never heard anything lets go at that, and leaves.
+                    leave(lanes & !self.heard);
+                } else if let Some((_, others)) = due.iter_mut().find(|(other_ns, _)| *other_ns == due_ns) {
+                    *others |= lanes;
+                } else {
+                    due.push((due_ns, lanes));
+                }
             });
         }
         if !due.is_empty() {
@@ -189,7 +197,7 @@ impl<S: Lanes, const SHARED: usize> LaneMailbox<S, SHARED> {
     /// The mailbox of peer `index` (0 or 1) of these scenes: of the network of all, if it is `one`.
     pub(super) fn new(scenes: &[&Scene], index: usize, one: bool) -> Result<Self, Refused<'static>> {
         let incoming = if one {
-            Incoming::One(Inbox::new(scenes[0], 1))
+            Incoming::One(Inbox::of_end(scenes[0], index, 1))
         } else {
             Incoming::Each(Box::new(Networks::new(scenes, index)?))
         };

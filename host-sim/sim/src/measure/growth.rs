@@ -1,6 +1,12 @@
 //! Whether something grows over a run, judged by the largest value in each eighth of it.
 
-use super::Figure;
+use super::{Figure, Statistics};
+
+/// Share of a swing that is left in the last eighth of a run, of that in the fifth, if it does not die away.
+const STAYS: f64 = 0.8;
+
+/// Standard deviation of a force that is no swing, N, whatever users push with.
+const LEAST_N: f64 = 0.5;
 
 /// The largest value in each eighth of a run.
 #[derive(Clone, Copy, Debug)]
@@ -49,6 +55,57 @@ impl Growth {
         let all = tail[4] / tail[0];
         let half_share = all.sqrt().sqrt().sqrt();
         all > 4.0 && tail.windows(2).all(|pair| pair[1] > half_share * pair[0]) || self.largest().is_infinite()
+    }
+}
+
+/// How a force swings in each eighth of a run.
+#[derive(Clone, Debug)]
+pub(crate) struct Swing<F = f64> {
+    last: F,
+    /// In each eighth: the force, its square, and the square of its change from tick to tick.
+    sums: [[F; 3]; 8],
+}
+
+/// A swing that goes on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Swings {
+    /// Its frequency, Hz.
+    pub hz: f64,
+    /// Standard deviation of the force, N.
+    pub rms_n: f64,
+}
+
+impl<F: Figure> Swing<F> {
+    pub(crate) fn new() -> Self {
+        Self { last: F::ZERO, sums: [[F::ZERO; 3]; 8] }
+    }
+
+    /// Takes in the force of a tick, N, in the eighth that `growth` is in.
+    #[inline(always)]
+    pub(crate) fn see(&mut self, &Growth { eighth, .. }: &Growth<F>, force: F) {
+        let change = force - self.last;
+        self.last = force;
+        let values = [force, force * force, change * change];
+        self.sums[eighth].iter_mut().zip(values).for_each(|(sum, value)| *sum = *sum + value);
+    }
+
+    /// With what `of` makes of each number.
+    pub(crate) fn map<G>(&self, of: impl Fn(F) -> G + Copy) -> Swing<G> {
+        Swing { last: of(self.last), sums: self.sums.map(|sums| sums.map(of)) }
+    }
+}
+
+impl Swing {
+    /// A swing beyond what users push with, `pushes_n` (N), that does not die away: in each eighth of the last half the force has a larger
+    /// standard deviation, and in the last one at least [`STAYS`] of that in the first. Its frequency is that of a sine which changes as much.
+    pub(crate) fn goes_on(&self, growth: &Growth, pushes_n: f64, period_s: f64) -> Option<Swings> {
+        let ticks = growth.window as f64;
+        let of = |sums: &[f64; 3]| Statistics::of_moments(sums[0] / ticks, sums[1] / ticks).sd;
+        let [first, .., last] = [4, 5, 6, 7].map(|eighth| of(&self.sums[eighth]));
+        let swings = self.sums[4..].iter().all(|sums| of(sums) > pushes_n.max(LEAST_N)) && last >= STAYS * first;
+        let change = (self.sums[7][2] / ticks).sqrt();
+        let turn = 2.0 * (0.5 * change / last).min(1.0).asin();
+        swings.then(|| Swings { hz: turn / (core::f64::consts::TAU * period_s), rms_n: last })
     }
 }
 

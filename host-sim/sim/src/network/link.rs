@@ -18,6 +18,9 @@ pub trait Payload: ToOwned<Owned: BorrowMut<Self>> {
         false
     }
 
+    /// Takes note that it will have been on its way for `_delay_ns` (ns).
+    fn travels(&mut self, _delay_ns: u64) {}
+
     /// Number, from 0, of the packet period in which it was sent; `None` if it does not carry that: packets are then counted as sent.
     fn number(&self) -> Option<u64> {
         None
@@ -42,11 +45,25 @@ impl Payload for Message {}
 pub struct Numbered<T> {
     /// Packet periods of the sender before this one, those in which it kept silent included.
     pub number: u64,
+    /// How long it was on its way, ns; 0 before it is sent.
+    pub delay_ns: u64,
     /// The packet of that number.
     pub what: T,
 }
 
+impl<T> Numbered<T> {
+    /// A packet before it is sent.
+    pub fn new(number: u64, what: T) -> Self {
+        Self { number, delay_ns: 0, what }
+    }
+}
+
 impl<T: Clone> Payload for Numbered<T> {
+    #[inline]
+    fn travels(&mut self, delay_ns: u64) {
+        self.delay_ns = delay_ns;
+    }
+
     #[inline]
     fn number(&self) -> Option<u64> {
         Some(self.number)
@@ -99,6 +116,10 @@ impl Route {
     /// Takes a packet that is sent at `now_ns` (ns); `each` gets every copy and when it is due (ns).
     #[inline]
     pub fn send<P: Payload + ?Sized>(&mut self, now_ns: u64, packet: &P, mut each: impl FnMut(u64, P::Owned)) {
+        let mut each = |due_ns: u64, mut copy: P::Owned| {
+            copy.borrow_mut().travels(due_ns - now_ns);
+            each(due_ns, copy);
+        };
         let number = packet.number().unwrap_or(self.counts.taken);
         self.counts.taken += 1;
         let due_ns = now_ns + self.delay_ns;
@@ -212,7 +233,7 @@ impl<P: Payload + ?Sized> Link<P> {
 }
 
 /// A receiver's buffer, read every so many control periods: it gives the newest packet that has come, and drops what is
-/// older, overtaken or a duplicate. With `network.playout_packets` packets go through the peers' own play-out buffer.
+/// older, overtaken, a duplicate, or was on its way for longer than `safety.max_delay_s`. With `network.playout_packets` packets go through the peers' own play-out buffer.
 #[derive(Clone, Debug)]
 pub struct Inbox<T> {
     /// Where the newest packet lies, taken or not: it is put there, and read there.
@@ -221,6 +242,10 @@ pub struct Inbox<T> {
     waits: bool,
     /// Its 64 places are not in every inbox: of sixteen lanes they are 100 kB and more.
     playout: Option<Box<Buffered<T>>>,
+    /// Longest delay of a packet that is taken, ns.
+    pub max_delay_ns: u64,
+    /// Whether the packet that came last was older than that.
+    pub is_old: bool,
     /// Packets taken by the receiver.
     pub delivered: u64,
     /// Number of packets dropped because they came after a newer one was taken, together with one, or twice.
@@ -271,13 +296,22 @@ impl<T> Inbox<T> {
                 local: 0,
             })
         };
-        Self { newest: None, waits: false, playout: (depth > 0).then(buffered), delivered: 0, dropped: 0 }
+        let (playout, max_delay_ns) = ((depth > 0).then(buffered), scene.peer.safety.max_delay_ns());
+        Self { newest: None, waits: false, playout, max_delay_ns, is_old: false, delivered: 0, dropped: 0 }
+    }
+
+    /// That of peer `index` (0 or 1), which may have a `safety.max_delay_s` of its own.
+    pub fn of_end(scene: &Scene, index: usize, every: u32) -> Self {
+        Self { max_delay_ns: scene.peers()[index].safety.max_delay_ns(), ..Self::new(scene, every) }
     }
 
     /// Takes a packet that came at `now_ns`.
     #[inline]
     pub fn put(&mut self, now_ns: u64, packet: Numbered<T>) {
-        if let Some(buffered) = &mut self.playout {
+        self.is_old = packet.delay_ns > self.max_delay_ns;
+        if self.is_old {
+            self.dropped += 1;
+        } else if let Some(buffered) = &mut self.playout {
             buffered.came.push((now_ns, packet));
         } else if self.newest.as_ref().is_none_or(|newest| packet.number > newest.number) {
             self.newest = Some(packet);

@@ -8,6 +8,7 @@ use super::fitted::{FittedRule, Like};
 use crate::rng::Rng;
 use crate::scene::{Network, Scene};
 
+pub use super::measured::Found;
 pub use super::trace::{Arrival, Direction, NetworkTrace, nanoseconds, seconds};
 pub use crate::scene::Jitter;
 

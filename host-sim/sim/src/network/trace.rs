@@ -9,13 +9,21 @@
 //! ```
 //!
 //! `direction` is the sender (1 or 2), `delay_s` what is added to the constant delay; a packet with two rows arrives twice.
-//! After its end a trace begins anew. A file that ends in `.json` is one of irtt: the `irtt` module says what is taken of it.
+//! After its end a trace begins anew. A file may also be what `irtt` or `ping -D` wrote, compressed by gzip or not: their modules say what is
+//! taken of it.
 
 use std::path::{Path, PathBuf};
 
-use super::irtt::{self, Measured};
+use flate2::read::MultiGzDecoder;
+
+use super::measured::{Found, Measured};
+use super::{irtt, ping};
 use crate::Error;
 use crate::quantities::Named;
+use crate::user::TRACE;
+
+/// What a file that gzip compressed begins with.
+const GZIP: [u8; 2] = [0x1f, 0x8b];
 
 /// Columns of the file.
 pub const COLUMNS: [Named; 4] = [
@@ -61,8 +69,7 @@ pub struct NetworkTrace {
     packets: [Vec<Vec<Arrival>>; 2],
     /// For how long an entry counts, ns; 0 where each is one packet's.
     every_ns: u64,
-    /// What a measurement has found constant each way, and left out, ns.
-    constant_ns: u64,
+    found: Found,
 }
 
 impl NetworkTrace {
@@ -73,7 +80,12 @@ impl NetworkTrace {
 
     /// The constant delay each way that a measurement found, s, which a scene's `network.one_way_delay_packets` must bring; 0 of a CSV file.
     pub fn constant_s(&self) -> f64 {
-        seconds(self.constant_ns)
+        seconds(self.found.constant_ns)
+    }
+
+    /// What a measurement found and left out.
+    pub fn found(&self) -> &Found {
+        &self.found
     }
 
     /// What became of that packet, or of what was sent then; after its end a trace begins anew.
@@ -86,18 +98,26 @@ impl NetworkTrace {
         half.get((entry % half.len().max(1) as u64) as usize).map_or(&[], Vec::as_slice)
     }
 
-    /// Reads a trace from a CSV file, or from a `.json` file that irtt wrote.
+    /// Reads a trace from a CSV file, or from one that irtt or ping wrote.
     ///
     /// # Errors
     /// The file cannot be read, or a row of it is wrong; the error names the first such row.
     pub fn read(path: &Path) -> Result<Self, Error> {
         let place = path.display();
-        let bytes = haptic_io::read(path, crate::user::TRACE).map_err(Error::cannot("read", &place))?;
+        let cannot = Error::cannot("read", &place);
+        let mut bytes = haptic_io::read(path, TRACE).map_err(&cannot)?;
+        if bytes.starts_with(&GZIP) {
+            bytes = haptic_io::all(MultiGzDecoder::new(bytes.as_slice()), TRACE).map_err(&cannot)?;
+        }
         let file = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-        if path.extension().is_some_and(|extension| extension == "json") {
-            let Measured { packets, every_ns, constant_ns } =
-                irtt::read(&bytes).map_err(|cause| Error::at(&place, cause))?;
-            return Ok(Self { file, packets, every_ns, constant_ns });
+        let measured = if bytes.starts_with(b"{") || path.extension().is_some_and(|extension| extension == "json") {
+            Some(irtt::read(&bytes))
+        } else {
+            str::from_utf8(&bytes).ok().filter(|text| ping::is(text)).map(ping::read)
+        };
+        if let Some(measured) = measured {
+            let Measured { packets, every_ns, found } = measured.map_err(|cause| Error::at(&place, cause))?;
+            return Ok(Self { file, packets, every_ns, found });
         }
         let mut reader = csv::Reader::from_reader(bytes.as_slice());
         let mut packets = [Vec::new(), Vec::new()];

@@ -9,7 +9,7 @@ use haptic_core::sample::{OfAxis, Quantities, Quantity, Reach, SAMPLE};
 use haptic_report::{Columns, numbered};
 
 use super::outcome::{AxisOutcome, Figures, Options};
-use crate::measure::growth::{Forces, Growth};
+use crate::measure::growth::{Forces, Growth, Swing, Swings};
 use crate::measure::hands::Hands;
 use crate::measure::port::ObjectPort;
 use crate::measure::{Figure, LastHalf, Statistics};
@@ -87,6 +87,7 @@ pub struct Account<F = f64> {
     hands: Hands<1, F>,
     /// Of the square root of the copies' kinetic energy, an amplitude as a force is.
     energy: Growth<F>,
+    swing: Swing<F>,
     stopped: Option<(usize, Fault, f64)>,
     true_m: F,
     largest_true_m: F,
@@ -108,6 +109,7 @@ impl<F: Figure> Account<F> {
             forces: Forces::new(ticks),
             hands: Hands::new(),
             energy: Growth::new(ticks),
+            swing: Swing::new(),
             stopped: None,
             true_m: F::ZERO,
             largest_true_m: F::ZERO,
@@ -143,6 +145,7 @@ impl<F: Figure> Account<F> {
         let speeds = [first.object.velocity, second.object.velocity];
         let energy_j = F::HALF * self.mass_kg * (speeds[0] * speeds[0] + speeds[1] * speeds[1]);
         self.energy.see(self.tick, energy_j.root());
+        self.swing.see(&self.energy, forces[1]);
         let fault = (1..).zip(&self.latest).find_map(|(peer, ticked)| Some((peer, ticked.fault?)));
         self.stopped = self.stopped.or(fault.map(|(peer, fault)| (peer, fault, self.tick as f64 * self.period_s)));
         if self.stopped.is_none() {
@@ -197,6 +200,7 @@ impl<F: Figure> Account<F> {
             forces: self.forces.map(of),
             hands: self.hands.map(of),
             energy: self.energy.map(of),
+            swing: self.swing.map(of),
             stopped: self.stopped,
             true_m: of(self.true_m),
             largest_true_m: of(self.largest_true_m),
@@ -244,6 +248,11 @@ impl Account {
     /// The kinetic energy of the copies grew until the end.
     pub(crate) fn energy_grew(&self) -> bool {
         self.energy.grew()
+    }
+
+    /// How the coordination force of peer 2 goes on swinging beyond what users push with, N.
+    pub(crate) fn goes_on_swinging(&self, pushes_n: f64) -> Option<Swings> {
+        self.swing.goes_on(&self.energy, pushes_n, self.period_s)
     }
 
     /// The first peer that does not coordinate after the control period that is over, 1 or 2.

@@ -12,6 +12,7 @@ use crate::measure::growth::Forces;
 use crate::measure::hands::Hands;
 use crate::measure::{Figure, LastHalf, Statistics};
 use crate::scene::Scene;
+use crate::user::User;
 
 /// Account of a run along `SHARED` axes.
 #[derive(Clone, Debug)]
@@ -20,6 +21,8 @@ pub struct Accounts<const SHARED: usize = 1, F = f64> {
     tick: u64,
     /// What a newton between the copies leaves at rest, m/N.
     compliance_m_per_n: F,
+    /// The most that users push with, N.
+    pushes_n: F,
     /// Of all axes together: |x_o1 − x_o2|, |x_o2 − x_d2|, mean |F_LC| of both peers. Nothing where there is one.
     halves: LastHalf<3, F>,
     true_m: F,
@@ -46,6 +49,7 @@ impl<const SHARED: usize, F: Figure> Accounts<SHARED, F> {
             axes: from_fn(|_| Account::of(period_s, mass_kg, stiffness_n_per_m, ticks, options)),
             tick: 0,
             compliance_m_per_n: of(compliance_m_per_n),
+            pushes_n: of(|scene| scene.users.iter().map(User::most_n).sum()),
             halves: LastHalf::new(ticks),
             true_m: F::ZERO,
             largest_true_m: F::ZERO,
@@ -117,6 +121,7 @@ impl<const SHARED: usize, F: Figure> Accounts<SHARED, F> {
             axes: self.axes.each_ref().map(|axis| axis.map(of)),
             tick: self.tick,
             compliance_m_per_n: of(self.compliance_m_per_n),
+            pushes_n: of(self.pushes_n),
             halves: self.halves.map(of),
             true_m: of(self.true_m),
             largest_true_m: of(self.largest_true_m),
@@ -157,6 +162,7 @@ impl<const SHARED: usize> Accounts<SHARED> {
         let let_go = self.axes.iter().find_map(Account::let_go);
         let [force_grew, energy_grew] =
             [Account::force_grew, Account::energy_grew].map(|grew| self.axes.iter().any(grew));
+        let swings = self.axes.iter().find_map(|axis| axis.goes_on_swinging(self.pushes_n));
         let [true_m, decoded_m, contact_force_n] = self.halves.means();
         let last_true_m = if SHARED == 1 { self.axes[0].true_m() } else { self.true_m };
         let axes: Vec<AxisOutcome> = self.axes.into_iter().map(Account::along).collect();
@@ -189,6 +195,8 @@ impl<const SHARED: usize> Accounts<SHARED> {
             Some(Reason::ForceGrew)
         } else if energy_grew {
             Some(Reason::EnergyGrew)
+        } else if let Some(swings) = swings {
+            Some(Reason::Swings(swings))
         } else if are_apart(distances_mm, self.compliance_m_per_n, whole.coordination_force_n.mean) {
             Some(Reason::Apart { true_discrepancy_mm: distances_mm[0].max(distances_mm[1]) })
         } else {

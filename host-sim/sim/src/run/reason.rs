@@ -5,6 +5,8 @@ use std::fmt;
 use haptic_core::safety::Fault;
 use haptic_report::significant;
 
+use crate::measure::growth::Swings;
+
 /// What makes a run unstable: the first of these that applies, in this order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Reason {
@@ -21,10 +23,17 @@ pub enum Reason {
     ForceGrew,
     /// The kinetic energy of the copies grew until the end.
     EnergyGrew,
+    /// A coordination force went on swinging by more than all that users push with.
+    Swings(Swings),
     /// The scene is linear, and an eigenvalue of it lies outside the unit circle, however little of it the run shows.
     Unstable {
         /// Largest |eigenvalue| of a packet period.
         spectral_radius: f64,
+    },
+    /// The scene is linear, and the analyser cannot judge it.
+    NotJudged {
+        /// Why not.
+        because: &'static str,
     },
     /// The copies were further apart than [`super::APART_MM`] and than [`super::APART_FACTOR`] times what statics say
     /// ([`super::compliance_m_per_n`]) on average over the last half, or than [`super::END_FACTOR`] times that in the end.
@@ -47,10 +56,15 @@ impl fmt::Display for Reason {
             }
             Self::ForceGrew => f.write_str("the coordination force oscillated and grew until the end"),
             Self::EnergyGrew => f.write_str("the energy of the copies grew until the end"),
+            Self::Swings(Swings { hz, rms_n }) => {
+                let [hz, rms_n] = [hz, rms_n].map(|number| significant(*number, 3));
+                write!(f, "the coordination force goes on swinging at {hz} Hz by {rms_n} N rms")
+            }
             Self::LetGo { peer } => write!(f, "peer {peer} had let go of the other one in the end"),
             Self::Unstable { spectral_radius } => {
                 write!(f, "the scene is unstable: spectral radius {spectral_radius:.6}")
             }
+            Self::NotJudged { because } => write!(f, "the scene is not judged, because {because}"),
             Self::Apart { true_discrepancy_mm } if *true_discrepancy_mm >= 1e3 => {
                 write!(f, "the copies are {} m apart", significant(1e-3 * true_discrepancy_mm, 3))
             }

@@ -27,7 +27,7 @@ fn line(overrides: &[&str]) -> Line {
 /// One packet period in which both ends are on time.
 fn period(Line { link, inbox }: &mut Line, number: u64) -> Option<u64> {
     let now_ns = 8_000_000 * number;
-    link.send(now_ns, &Numbered { number, what: number });
+    link.send(now_ns, &Numbered::new(number, number));
     while let Some((due_ns, packet)) = link.take(now_ns) {
         inbox.put(due_ns, packet);
     }
@@ -115,7 +115,7 @@ fn blocks_arrive_exactly_reversed() {
     };
     let mut came = Vec::new();
     for number in 0..12_u64 {
-        line.send(8_000_000 * number, &Numbered { number, what: number });
+        line.send(8_000_000 * number, &Numbered::new(number, number));
     }
     while let Some((due_ns, packet)) = line.take(u64::MAX) {
         came.push((due_ns / 8_000_000, packet.what));

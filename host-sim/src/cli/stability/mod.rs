@@ -7,9 +7,7 @@ use std::time::Instant;
 
 use clap::Args;
 use haptic_analysis::figure4::{self, Curve};
-use haptic_analysis::{
-    Agreement, Axis, Column, Effort, Hands, Mode, Range, advice, agreement, judge, map, picture, speed,
-};
+use haptic_analysis::{Axis, Column, Effort, Hands, Mode, Range, Verdict, advice, judge, map, picture, speed};
 use haptic_core::names::Choice;
 use haptic_core::num::Scalar;
 use haptic_report::Columns;
@@ -48,47 +46,45 @@ impl Point {
     fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let scene = self.scene.load(ui)?;
         let (judgement, advice) = (judge(&scene)?, advice(&scene)?);
-        let (linear, met) = (scene.linear(), scene.at_walls().map(|met| met.linear()));
-        let of = |mode: &Mode| met.as_ref().filter(|_| mode.at_walls).unwrap_or(&linear);
-        let seconds = judgement.modes.iter().map(|mode| agreement(of(mode), mode.mode));
-        let seconds = seconds.collect::<Result<Option<Vec<Agreement>>, _>>()?;
-        // How far apart the two constructions of the lifted matrix are in the mode in which they are farthest.
-        let second = seconds.as_deref().and_then(|all| all.iter().copied().reduce(Agreement::or_farther));
-        let report = and(json!(judgement), &json!({ "constructions": second, "advice": advice }))?;
+        let report = and(json!(judgement), &json!({ "advice": advice }))?;
         ui.document_of(&ui.provenance().settings(scene.settings()), &report)?;
-        let rows: Vec<_> = (0..).zip(&judgement.modes).collect();
-        let apart = |(at, _): &(usize, &Mode)| match &seconds {
-            Some(seconds) => format!("{:.1e}", seconds[*at].matrix.max(seconds[*at].spectral_radius)),
-            None => "no equations for it".to_owned(),
-        };
-        let at_delay = |(_, mode): &(usize, &Mode)| match mode.at_delay_ticks {
+        let at_delay = |mode: &Mode| match mode.at_delay_ticks {
             Some([to_first, to_second]) => format!("{to_first} and {to_second}"),
             None => "its own".to_owned(),
         };
-        let table = Columns::of(&rows)
-            .value("mode", |(_, mode)| mode.name())
+        let table = Columns::of(&judgement.modes)
+            .value("mode", |mode| mode.name())
             .head("hands on")
-            .value("stable", |(_, mode)| mode.verdict.stable)
-            .number("spectral_radius", 9, |(_, mode)| mode.verdict.spectral_radius)
+            .value("stable", |mode| mode.verdict.stable)
+            .number("spectral_radius", 9, |mode| mode.verdict.spectral_radius)
             .value("at_delay_ticks", at_delay)
             .head("at delay")
-            .value("states", |(_, mode)| mode.verdict.states)
-            .value("rest_modes", |(_, mode)| mode.verdict.rest_modes)
+            .value("states", |mode| mode.verdict.states)
+            .value("rest_modes", |mode| mode.verdict.rest_modes)
             .head("rest modes left out");
+        let table = match judgement.worst.line_ticks {
+            Some(_) => table.value("line_ticks", |mode| mode.verdict.line_ticks).head("line, ticks"),
+            None => table,
+        };
         let table = match judgement.worst.direction {
             Some(_) => table
-                .value("direction", |(_, mode)| mode.verdict.direction.map(|direction| direction.to_string()))
+                .value("direction", |mode| mode.verdict.direction.map(|direction| direction.to_string()))
                 .head("worst direction"),
             None => table,
         };
-        let table = table.value("second_construction_differs_by", apart).head("second construction differs by").done();
-        writeln!(ui, "{}: {}stable\n", self.scene.name(), if judgement.worst.stable { "" } else { "un" });
+        let table = table.done();
+        let Verdict { stable, spectral_radius, not_judged_because, .. } = judgement.worst;
+        let (said, why) = match not_judged_because {
+            _ if stable => ("stable", String::new()),
+            Some(because) => ("not judged", format!(", because {because}")),
+            None => ("unstable", format!(": spectral radius {spectral_radius:.6}")),
+        };
+        writeln!(ui, "{}: {said}\n", self.scene.name());
         writeln!(ui, "{table}\n{advice}\nNot judged: {}.", judgement.not_judged.join("; "));
-        if judgement.worst.stable {
+        if stable {
             return Ok(());
         }
-        let why = format!("{} is unstable: spectral radius {:.6}", self.scene.name(), judgement.worst.spectral_radius);
-        Err(Unsuccessful(why).into())
+        Err(Unsuccessful(format!("{} is {said}{why}", self.scene.name())).into())
     }
 }
 
@@ -134,7 +130,8 @@ impl Limit {
         let report = and(json!({ "of": of, "from": from, "to": to, "hands": self.only.hands }), &limit)?;
         let report = and(report, &json!({ "wall_s": start.elapsed().as_secs_f64() }))?;
         ui.document_of(&ui.provenance().settings(scene.settings()), &report)?;
-        let word = |stable: bool| if stable { "stable" } else { "unstable" };
+        let not_judged = limit.not_judged_because.map(|because| format!("not judged, because {because}"));
+        let word = |stable: bool| if stable { "stable" } else { not_judged.as_deref().unwrap_or("unstable") };
         let crossings = &limit.crossings;
         let after = |at: usize| limit.stable_at_start != (at % 2 == 1);
         let mut rows = vec![(from.to_string(), word(after(0)).to_owned())];
@@ -189,7 +186,11 @@ impl Map {
             .number(x, 5, |column| column.x)
             .head(x)
             .shown_in("", 1.0)
-            .value("start", |column| if column.limit.stable_at_start { "stable" } else { "unstable" })
+            .value("start", |column| match column.limit {
+                haptic_analysis::Limit { stable_at_start: true, .. } => "stable",
+                haptic_analysis::Limit { not_judged_because: Some(_), .. } => "not judged",
+                _ => "unstable",
+            })
             .head("at the lowest")
             .number(y, 5, |column| column.limit.crossings.clone())
             .head(y)

@@ -86,6 +86,14 @@ impl Claim {
         Self { verdict: Verdict::InPart, why, ..self }
     }
 
+    /// Not matched for what was assumed where the paper says nothing, but for something else that may be assumed.
+    pub fn reached(self, why: String) -> Self {
+        if self.verdict != Verdict::NotMatched {
+            return self;
+        }
+        Self { verdict: Verdict::InPart, why: format!("{}; {why}", self.why), ..self }
+    }
+
     /// Why, where it is not matched, or not everywhere.
     pub fn unless(mut self, why: impl FnOnce() -> Result<String, Error>) -> Result<Self, Error> {
         if matches!(self.verdict, Verdict::NotMatched | Verdict::InPart) && self.why.is_empty() {

@@ -9,8 +9,8 @@ use haptic_sim::{Laws, scenes};
 
 use super::channel;
 use super::claim::{Claim, of};
-use super::paper::Experiment;
-use super::readings::{DAMPINGS_N_S_PER_M, MASSES_KG, boundary, crossings, nearest, over_devices, stable_up_to};
+use super::paper::{DURATION_S, Experiment};
+use super::readings::{DAMPINGS_N_S_PER_M, MASSES_KG, boundary, crossings, nearest, over_devices};
 use crate::Error;
 
 /// What the claims are judged from.
@@ -247,8 +247,8 @@ fn gains(computed: &Computed<'_>) -> Result<Vec<Claim>, Error> {
     for (law, gain, _) in PRINTED {
         let scene = scenes::load(Laws::built_in(), &format!("paper-5.1-{law}-16ms"))?;
         let found = crossings(&scene, 12_000.0)?;
-        let near = boundary(&found, gain);
-        let numbers = (gain, near, "N/m");
+        let own = boundary(&found, gain);
+        let numbers = (gain, own, "N/m");
         let largest = format!("The largest gain of {law} communications is {gain} N/m (16 ms)");
         let ([least, most], [mass_kg, damping], there) = over_devices(&scene, gain)?;
         let device = format!(
@@ -262,34 +262,32 @@ fn gains(computed: &Computed<'_>) -> Result<Vec<Claim>, Error> {
             significant(there, 4)
         );
         let claim = Claim::number("§5.1, Fig. 6", &largest, numbers, NUMBER_WITHIN).unless(|| {
-            let side = if near > gain { "inside" } else { "outside" };
+            let side = if own > gain { "inside" } else { "outside" };
             let read = match nearest(&scene, gain)? {
-                Some((reading, first)) if (first / gain - 1.0).abs() < 0.99 * (near / gain - 1.0).abs() => {
+                Some((reading, first)) if (first / gain - 1.0).abs() < 0.99 * (own / gain - 1.0).abs() => {
                     format!("of copy and lateness the reading that comes nearest has {} N/m: {reading}", significant(first, 4))
                 }
                 _ => format!("the gain lies {side} the stable region, and no reading of copy and lateness has a boundary nearer to it"),
             };
             Ok(format!("{read}; {device}"))
         })?;
-        let stays = [least, most].iter().all(|edge| (edge / gain - 1.0).abs() <= NUMBER_WITHIN);
-        claims.push(if stays { claim } else { claim.assumed(device) });
-        let up_to = format!("With {law} communications every gain up to {gain} N/m is stable (16 ms)");
-        let below: Vec<f64> = found.crossings.iter().copied().filter(|crossing| *crossing < gain).collect();
-        let words = if below.is_empty() {
-            "no boundary below it".to_owned()
+        let below: Vec<f64> = found.crossings.iter().copied().filter(|crossing| *crossing < 0.99 * own).collect();
+        let claim = if below.is_empty() {
+            claim
         } else {
-            format!("it changes at {} N/m", list(&below))
+            claim.but(format!(
+                "this model is not stable at every lower gain: it changes at {} N/m, of which the paper says nothing",
+                list(&below)
+            ))
         };
-        claims.push(Claim::holds("§5.1", &up_to, found.stable_at_start && below.is_empty(), words).unless(|| {
-            let readings = stable_up_to(&scene, gain)?;
-            let which = readings.join("; ");
-            Ok(match readings.len() {
-                0 => "a pocket in this reading and in every other one that the paper leaves open".to_owned(),
-                count => format!(
-                    "a pocket that depends on what the paper leaves open: none in {count} other readings ({which})"
-                ),
-            })
-        })?);
+        let near = |boundary: f64| (boundary / gain - 1.0).abs() <= NUMBER_WITHIN;
+        claims.push(match [near(least) && near(most), near(there)] {
+            [true, _] => claim,
+            [false, true] => {
+                claim.assumed(device.clone()).reached("one of these devices has the paper's gain to 5 %".to_owned())
+            }
+            [false, false] => claim.assumed(device),
+        });
         let stable = computed.experiment("5.1", law, 16.0)?.outcome.is_stable();
         let holds = format!("At {gain} N/m {law} communications are stable with 16 ms round trip");
         claims.push(Claim::holds("§5.1, Fig. 6", &holds, stable, "a run of 20 s, and its eigenvalues".to_owned()));
@@ -366,12 +364,29 @@ fn coherency(computed: &Computed<'_>) -> Result<Vec<Claim>, Error> {
             Ok("not while the object is met, when the stiffer coupling pulls harder; the means, which the users' pushes set, are alike".to_owned())
         })?,
     );
-    claims.push(Claim::holds(
-        "§5.2, Fig. 8",
-        "Passive waves apply smoother coordination forces",
-        lowest(sd),
-        format!("standard deviation over the last half of the run {} N for power, wave, passive wave", numbers(sd)),
-    ));
+    let mut all = vec![sd];
+    for share in [0.95, 0.9] {
+        all.push([deviation("power", share)?, deviation("wave", share)?, deviation("passive-wave", share)?]);
+    }
+    let smooth = all.iter().filter(|sd| lowest(**sd)).count();
+    let words: Vec<String> = all.iter().map(|sd| numbers(*sd)).collect();
+    claims.push(
+        Claim::in_places(
+            "§5.2, Fig. 8",
+            "Passive waves apply smoother coordination forces",
+            smooth,
+            all.len(),
+            format!(
+                "standard deviation over the last half of the run {} N for power, wave, passive wave; with 0.95 of each gain {}; with 0.9 of it {}",
+                words[0], words[1], words[2]
+            ),
+        )
+        .but(format!(
+            "much of the waves' deviation is their force that rings near the boundary: of {} N at their gain {} N are left at 0.9 of it",
+            significant(sd[1], 3),
+            significant(all[2][1], 3)
+        )),
+    );
     // Robust: within a tenth with twice the delay, in the paper's reading and between the copies themselves.
     let [near, far] = [16.0, 32.0].map(|round_trip_ms| computed.experiment("5.1", "passive-wave", round_trip_ms));
     let outcomes = [&near?.outcome, &far?.outcome];
@@ -396,6 +411,14 @@ fn coherency(computed: &Computed<'_>) -> Result<Vec<Claim>, Error> {
         .unless(|| Ok("a wave line is a spring that is softer the longer it is".to_owned()))?,
     );
     Ok(claims)
+}
+
+/// Standard deviation of the coordination force at peer 2 with this share of the paper's gain, N.
+fn deviation(law: &str, share: f64) -> Result<f64, Error> {
+    let mut scene = scenes::load(Laws::built_in(), &format!("paper-5.2-{law}-16ms"))?;
+    scene.peer.coordination.stiffness_n_per_m *= share;
+    let outcome = run::<f64>(&scene, Options { duration_s: DURATION_S, record_every: 0 }, &|_| {})?;
+    Ok(outcome.whole.coordination_force_n.sd)
 }
 
 /// The largest coordination force at peer 2 in the window that Figure 8 shows, N.

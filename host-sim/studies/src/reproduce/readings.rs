@@ -94,15 +94,3 @@ pub(super) fn over_devices(scene: &Scene, gain_n_per_m: f64) -> Result<([f64; 2]
         (0..all.len()).filter(|at| all[*at].is_finite()).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0);
     Ok(([least, most], devices[nearest], all[nearest]))
 }
-
-/// The readings under which every gain up to this one is stable, N/m.
-pub(super) fn stable_up_to(scene: &Scene, gain_n_per_m: f64) -> Result<Vec<String>, Error> {
-    let mut names = Vec::new();
-    for reading in readings() {
-        let found = crossings(&reading.of(scene)?, gain_n_per_m)?;
-        if found.stable_at_start && found.crossings.is_empty() {
-            names.push(reading.name);
-        }
-    }
-    Ok(names)
-}

@@ -137,7 +137,7 @@ fn delay_up_to_a_second() {
         for delay in [0, 1, 2, 5, 10, 20, 50, 100, 125] {
             let overrides = format!(
                 "coordination.comm={law} coordination.stiffness_n_per_m={stiffness} \
-                 network.one_way_delay_packets={delay}"
+                 network.one_way_delay_packets={delay} safety.max_delay_s=1"
             );
             check(&format!("{law}, n_t = {delay}"), &overrides);
         }

@@ -8,26 +8,29 @@
 //! | lifted over the M ticks of a packet, loop closed | (12), (24) | [`lift`] |
 //! | packets and communication delay | last paragraph of §4.2 | [`network`] |
 //!
-//! Only the parameters are shared with [`super::driven`]. A law, integrator or estimator whose equations are not written
+//! Only the parameters are shared with [`crate::lifted::driven`]. A law, integrator or estimator whose equations are not written
 //! here gives `None`: core's lists may grow, this file need not.
 
-pub(crate) mod hold;
+mod agreement;
+mod hold;
 mod law;
 mod lift;
 mod network;
 mod peer;
+mod tests;
 
 use haptic_sim::scene::Scene;
 
-use super::delay::delays_ticks;
+use crate::lifted::delay::delays_ticks;
+use crate::matrix::Matrix;
 
-pub(crate) use network::{Constructed, Place};
-pub(crate) use peer::State;
+use network::{Constructed, Place};
+use peer::State;
 
 /// Builds the pair from the linear scene of each peer ([`Scene::linear`]), without using symmetry; `None` where the scene
 /// names a model that this construction has no equations for, and where
 /// packets are heard between two exchanges.
-pub(crate) fn construct([first, second]: [&Scene; 2]) -> Option<Constructed> {
+fn construct([first, second]: [&Scene; 2]) -> Option<Constructed> {
     let (delays, packet) = (delays_ticks(first), first.peer.timing.ticks_per_packet as usize);
     if delays.iter().any(|ticks| ticks % packet != 0) {
         return None;
@@ -35,4 +38,9 @@ pub(crate) fn construct([first, second]: [&Scene; 2]) -> Option<Constructed> {
     let peers = [peer::ConstructedPeer::new(first, 0)?, peer::ConstructedPeer::new(second, 1)?];
     let periods = peers.each_ref().map(|peer| lift::close(peer, packet));
     Some(network::join(first, &peers, &periods, delays.map(|ticks| ticks / packet)))
+}
+
+/// A matrix from its rows.
+pub(crate) fn rows<const ROWS: usize, const COLUMNS: usize>(rows: [[f64; COLUMNS]; ROWS]) -> Matrix {
+    Matrix::from_fn(ROWS, COLUMNS, |i, j| rows[i][j])
 }

@@ -8,32 +8,32 @@ use haptic_core::law::Packet;
 use haptic_core::num::StateVector;
 use haptic_sim::scene::Scene;
 
-use super::lifted::constructed::{Constructed, Place, State, construct};
-use super::lifted::delay::{delays_packets, delays_ticks};
-use super::lifted::driven::{TOO_LARGE, device_states};
-use super::lifted::pair::{hands_are_off, seat, seated_matrix};
-use super::lifted::{Lifted, prune};
-use super::modes::Hands;
-use super::verdict::Analyser;
+use super::{Constructed, Place, State, construct};
 use crate::error::Error;
+use crate::lifted::delay::delays_ticks;
+use crate::lifted::driven::{TOO_LARGE, device_states};
+use crate::lifted::pair::{hands_are_off, seat, seated_matrix};
+use crate::lifted::{Lifted, prune};
 use crate::matrix::{Matrix, column_mut};
+use crate::modes::Hands;
 use crate::spectrum::balance;
+use crate::verdict::Analyser;
 
 /// Rounding may put one on this side of the limit and the other on that.
 const ALMOST: f64 = 1e-6;
 
 /// What the comparison gave.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Agreement {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Agreement {
     /// Largest difference of balanced entries, relative to the largest entry; infinite where other states matter.
-    pub matrix: f64,
+    pub(super) matrix: f64,
     /// Difference of the spectral radii (driven by halves where the pair is symmetric), relative to the larger of it and 1.
-    pub spectral_radius: f64,
+    pub(super) spectral_radius: f64,
 }
 
 impl Agreement {
     /// The larger difference of each kind, of two comparisons.
-    pub fn or_farther(self, other: Self) -> Self {
+    pub(super) fn or_farther(self, other: Self) -> Self {
         let [matrix, spectral_radius] =
             [[self.matrix, other.matrix], [self.spectral_radius, other.spectral_radius]].map(|[a, b]| a.max(b));
         Self { matrix, spectral_radius }
@@ -45,7 +45,7 @@ impl Agreement {
 ///
 /// # Errors
 /// A scene that cannot be built, or whose eigenvalues do not converge.
-pub fn agreement(linear: &Scene, hands: Hands) -> Result<Option<Agreement>, Error> {
+pub(super) fn agreement(linear: &Scene, hands: Hands) -> Result<Option<Agreement>, Error> {
     let released = [hands == Hands::None, hands != Hands::Both];
     let seats = released.map(|released| seat(linear, released));
     let seats = seats.each_ref().map(AsRef::as_ref);
@@ -175,4 +175,9 @@ fn packet() -> usize {
     let mut numbers = 0;
     Packet::<f64>::default().visit(&mut |_| numbers += 1);
     numbers
+}
+
+/// Packet periods that a packet is on its way to peer 1 and to peer 2: [`delays_ticks`], of which only whole packet periods count.
+fn delays_packets(linear: &Scene) -> [usize; 2] {
+    delays_ticks(linear).map(|ticks| ticks / linear.peer.timing.ticks_per_packet as usize)
 }

@@ -10,8 +10,10 @@ use haptic_core::names::FixtureName;
 use haptic_core::object::IntegratorName;
 use haptic_sim::scene::Scene;
 
-use super::hold::{Held, exponential};
-use crate::matrix::{Matrix, rows};
+use super::hold::Held;
+use super::rows;
+use crate::exponential::exponential;
+use crate::matrix::Matrix;
 
 /// What a state of one peer is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,0 +1,167 @@
+//! A verdict is of a state that a line reaches (issue 51): each against a run of the simulator that is kicked and judged here.
+
+use haptic_analysis::{Effort, Hands, Judgement, Range, judge, limit};
+use haptic_sim::pair::Pair;
+use haptic_sim::peers::{Builds, Laws};
+use haptic_sim::plant::Plant;
+use haptic_sim::{of_axes, scene::Scene, scenes};
+
+use crate::random::Random;
+
+const STIFFNESS: &str = "contact.stiffness_n_per_m";
+
+fn scene(name: &str, ticks: u32, delay: u32, keys: &[&str]) -> Scene {
+    let own = [format!("timing.ticks_per_packet={ticks}"), format!("network.one_way_delay_packets={delay}")];
+    let keys: Vec<String> = own.into_iter().chain(keys.iter().map(|key| (*key).to_owned())).collect();
+    scenes::find(Laws::built_in(), Some(std::path::Path::new(name)), &keys).expect("a scene")
+}
+
+/// By which factor the forces of a linear scene change in a packet period, at `least` seconds after its peers were armed or later: from the
+/// slope of their logarithm, window by window, after a kick.
+fn decay(scene: &Scene, least_s: f64, seed: u64) -> f64 {
+    of_axes!(scene, decay_along(scene, least_s, seed))
+}
+
+fn decay_along<const SHARED: usize, const N: usize>(scene: &Scene, least_s: f64, seed: u64) -> f64
+where
+    f64: Builds<SHARED, N>,
+{
+    let mut pair = Pair::<f64, Plant<N>, SHARED, N>::build(scene).expect("a good scene");
+    (0..(least_s / scene.peer.timing.control_period_s) as usize).for_each(|_| pair.step());
+    let mut random = Random::new(seed);
+    for side in pair.sides_mut() {
+        side.peer.visit_state(&mut |number| *number += 1e-40 * (random.unit() - 0.5));
+    }
+    let window = 500;
+    let mut logs = Vec::new();
+    for _ in 0..90 {
+        let mut sum = 0.0;
+        for _ in 0..window {
+            pair.step();
+            for seen in pair.sides().into_iter().flat_map(|side| side.peer.observed()) {
+                let forces = [seen.coordination_force, seen.contact_force, 10.0 * seen.object.velocity];
+                sum += forces.iter().map(|force| (1e60 * force).powi(2)).sum::<f64>();
+            }
+        }
+        logs.push(0.5 * f64::ln(sum));
+        // What has died away is rounding; what has grown meets limits.
+        if !(-28.0..70.0).contains(&(logs[logs.len() - 1] - logs[0])) {
+            break;
+        }
+    }
+    let tail = &logs[logs.len() * 2 / 3 - 1..];
+    // Between the means of both halves.
+    let half = tail.len() / 2;
+    let mean = |part: &[f64]| part.iter().sum::<f64>() / half as f64;
+    let slope = (mean(&tail[tail.len() - half..]) - mean(&tail[..half])) / ((tail.len() - half) * window) as f64;
+    (slope * f64::from(scene.peer.timing.ticks_per_packet)).exp()
+}
+
+/// This linear scene with the hand of peer `number` off.
+fn let_go(linear: &Scene, number: usize) -> Scene {
+    let mut scene = linear.clone();
+    for key in ["stiffness_n_per_m", "damping_n_s_per_m"] {
+        scene.set_number(&format!("peer.{number}.contact.{key}"), 0.0).expect("it is allowed");
+    }
+    scene
+}
+
+fn judged(scene: &Scene) -> Judgement {
+    judge(scene).expect("a good scene")
+}
+
+/// At 16 and 17 ms the line holds still once in each round trip, too seldom to be made longer. What was judged was an end that hears nothing.
+#[test]
+fn a_line_that_holds_still_now_and_then_is_judged_as_it_runs() {
+    let delays = [(1, 16), (1, 17), (2, 19), (2, 23), (2, 25), (4, 22), (8, 20), (8, 21), (8, 26), (8, 27), (8, 29)];
+    let line = |(ticks, ms): (u32, u32)| {
+        let extra = format!("network.extra_delay_s={}", f64::from(ms) / 1e3);
+        ("any-network", scene("any-network", ticks, 0, &[&extra, "contact.stiffness_n_per_m=5000"]))
+    };
+    let named = ["plane", "space"].map(|name| (name, scene(name, 1, 17, &["contact.stiffness_n_per_m=5000"])));
+    for (name, scene) in delays.into_iter().map(line).chain(named) {
+        let (linear, judged) = (scene.linear(), judged(&scene));
+        let one = |number: usize| decay(&let_go(&linear, number), 4.0, 1);
+        let runs = [decay(&linear, 4.0, 1), one(1).max(one(2)), decay(&linear.hands_off(), 4.0, 1)];
+        for (mode, runs) in judged.modes.iter().zip(runs) {
+            let said = format!("{name} M={} {mode:?}, runs {runs}", scene.peer.timing.ticks_per_packet);
+            println!("{said}, {} s", scene.world.network.extra_delay_s);
+            // A pair that nobody holds glides on, and has a radius of 1.
+            let off = (mode.verdict.spectral_radius.ln() - runs.ln()).abs();
+            let glides = mode.mode == Hands::None && mode.verdict.spectral_radius <= 1.0;
+            assert!(off < 0.03 * runs.ln().abs() || glides, "{said}, {:?}", scene.world.network);
+            assert_eq!(mode.verdict.stable, runs <= 1.0 + 1e-5, "{said}, {:?}", scene.world.network);
+        }
+    }
+    for delay in [16, 17] {
+        let range = Range { key: STIFFNESS.to_owned(), from: 0.0, to: 20_000.0 };
+        let limit = limit(&scene("any-network", 1, delay, &[]), range, Effort::every_mode()).expect("a good scene");
+        assert!(limit.crossings.first().is_some_and(|first| (1500.0..4000.0).contains(first)), "{delay} ms: {limit:?}");
+    }
+}
+
+/// A line that is longer than its network needs is made shorter while it runs. Each length that it then has is judged, and the worst is named.
+#[test]
+fn a_line_is_judged_at_every_length_that_it_has() {
+    for delay in [1, 4] {
+        let follows = scene("any-network", 1, delay, &["contact.stiffness_n_per_m=5000"]);
+        let worst = judged(&follows).worst;
+        let ticks = worst.line_ticks.expect("it has several lengths");
+        let fixed = |credit: usize| {
+            let credit = format!("coordination.credit_ticks={credit}");
+            judged(&scene("any-network", 1, delay, &["contact.stiffness_n_per_m=5000", &credit])).worst.spectral_radius
+        };
+        assert!((fixed(ticks) - worst.spectral_radius).abs() < 1e-9, "{delay} ms: {worst:?}");
+        // Nothing between the lengths at which it stays is worse.
+        for credit in ticks..=16 {
+            assert!(fixed(credit) <= worst.spectral_radius + 1e-9, "{delay} ms, {credit} ticks: {worst:?}");
+        }
+        let runs = decay(&follows.linear(), 6.0, 2);
+        assert_eq!(worst.stable, runs <= 1.0, "{delay} ms: {worst:?}, runs {runs}");
+    }
+}
+
+/// An independent oracle: the radius is how fast what a kick leaves dies away or grows.
+#[test]
+fn a_radius_is_the_decay_of_a_kicked_run() {
+    let mut worst = 0.0_f64;
+    for (name, ticks, delay, stiffness) in [
+        ("any-network", 1, 0, 800),
+        ("any-network", 1, 1, 5000),
+        ("any-network", 1, 4, 3000),
+        ("any-network", 1, 8, 1000),
+        ("any-network", 1, 12, 4000),
+        ("any-network", 1, 15, 2500),
+        ("any-network", 1, 16, 1000),
+        ("any-network", 1, 16, 4000),
+        ("any-network", 1, 17, 1500),
+        ("any-network", 1, 18, 3000),
+        ("any-network", 1, 25, 1000),
+        ("any-network", 1, 40, 3000),
+        ("any-network", 2, 4, 3000),
+        ("any-network", 2, 12, 3000),
+        ("any-network", 4, 1, 4000),
+        ("any-network", 4, 6, 1000),
+        ("any-network", 8, 1, 5000),
+        ("any-network", 8, 3, 1500),
+        ("any-network", 8, 5, 4000),
+        ("plane", 1, 8, 1000),
+        ("plane", 1, 17, 4000),
+        ("space", 1, 8, 3000),
+        ("space", 1, 16, 1500),
+    ] {
+        let mut scene = scene(name, ticks, delay, &[&format!("{STIFFNESS}={stiffness}")]);
+        let both = haptic_analysis::verdict(&scene).expect("a good scene");
+        if let Some(ticks) = both.line_ticks {
+            scene.set_number("coordination.credit_ticks", ticks as f64).expect("it is allowed");
+        }
+        let runs = decay(&scene.linear(), 4.0, 3);
+        let off = (both.spectral_radius.ln() - runs.ln()).abs() / runs.ln().abs().max(1e-5);
+        println!(
+            "{name} M={ticks} {delay} packets, {stiffness} N/m: radius {:.6} (line {:?}, {} states), runs {runs:.6}, off {off:.4}",
+            both.spectral_radius, both.line_ticks, both.states
+        );
+        worst = worst.max(off);
+    }
+    assert!(worst < 0.02, "{worst}");
+}
