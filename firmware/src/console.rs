@@ -15,7 +15,7 @@ use firmware_parts::exchange::{Reader, Writer};
 use firmware_parts::image::{JOINTS, Peer};
 use firmware_parts::kept::{HOLD_SWITCH, Kept};
 use firmware_parts::operator::{self, Misread, Request, Time, Whose};
-use firmware_parts::signals::{Button, Order, Saving, Signals};
+use firmware_parts::signals::{Button, Saving, Signals};
 use firmware_parts::status;
 use haptic_core::contact::{Contact, Side};
 use haptic_core::device::probe::{Outcome, Probe};
@@ -303,11 +303,9 @@ impl Console {
     /// Motors on, for as long as the operator lets them or, alone, for longer.
     async fn arm(&mut self, said: (Word, bool)) -> Result<Mode, No<'static>> {
         self.armable()?;
-        let order = self.next(Command::Arm);
-        self.start(said, |console| console.signals.order.release(order))?;
-        let armed = self.ordered(order, Mode::Armed).await;
-        self.lease.with(|hold, _| hold.started());
-        armed
+        let (signals, order) = (self.signals, self.signals.order.get().next(Command::Arm));
+        self.start(said, |_| signals.order.release(order), || signals.done.acquire() == order).await?;
+        self.led_to(Mode::Armed)
     }
 
     /// Motors off at the next tick.
@@ -316,28 +314,32 @@ impl Console {
         self.carried_out(|| !self.signals.disarm.acquire()).await
     }
 
-    /// Gives the tick an order that turns motors on, if the lease lets them; said under a word, alone or not.
-    fn start(&mut self, said: (Word, bool), order: impl FnOnce(&mut Self)) -> Result<(), No<'static>> {
+    /// Gives the tick an order that turns motors on, if the lease lets them, and waits until it is carried out; said under a word,
+    /// alone or not.
+    async fn start(
+        &mut self,
+        said: (Word, bool),
+        order: impl FnOnce(&mut Self),
+        is_done: impl Fn() -> bool,
+    ) -> Result<(), No<'static>> {
         let (lost_s, lease, signals) = (self.applied.settings.safety.operator_lost_s, self.lease, self.signals);
         let started = lease.with(|hold, now_us| hold.start(now_us, said, lost_s, signals, || order(self)));
         started.map_err(|no| No::Because(no.explain()))?;
         signals.released.set(false);
-        Ok(())
-    }
-
-    fn next(&self, command: Command) -> Order {
-        self.signals.order.get().next(command)
+        let done = self.carried_out(is_done).await;
+        lease.with(|hold, _| hold.started());
+        done
     }
 
     /// Has the tick carry the command out; the mode that it led to, if that is the one that was asked for.
     async fn order(&self, command: Command, wanted: Mode) -> Result<Mode, No<'static>> {
-        let order = self.next(command);
-        self.signals.order.release(order);
-        self.ordered(order, wanted).await
+        let (signals, order) = (self.signals, self.signals.order.get().next(command));
+        signals.order.release(order);
+        self.carried_out(|| signals.done.acquire() == order).await?;
+        self.led_to(wanted)
     }
 
-    async fn ordered(&self, order: Order, wanted: Mode) -> Result<Mode, No<'static>> {
-        self.carried_out(|| self.signals.done.acquire() == order).await?;
+    fn led_to(&self, wanted: Mode) -> Result<Mode, No<'static>> {
         let mode = self.signals.mode.get();
         if mode == wanted { Ok(mode) } else { Err(No::Mode(mode)) }
     }
@@ -386,10 +388,8 @@ impl Console {
         let probe = probe.map_err(No::Refused)?;
         let signals = self.signals;
         let number = signals.begun.get().wrapping_add(1);
-        self.start((word, false), |console| console.probes.write((number, probe)))?;
-        let begun = self.carried_out(|| signals.begun.acquire() == number).await;
-        self.lease.with(|hold, _| hold.started());
-        begun?;
+        let order = |console: &mut Self| console.probes.write((number, probe));
+        self.start((word, false), order, || signals.begun.acquire() == number).await?;
         if let mode @ Mode::Faulted(_) = signals.mode.get() {
             return Err(No::Mode(mode));
         }

@@ -17,7 +17,7 @@ pub const LOOK_EVERY: u32 = 5;
 const TO_TURN_OFF_US: u64 = 1_000 * (LOOK_EVERY as u64 + 1);
 
 /// The board's lease, and what is under way of it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Hold {
     holder: Holder,
     /// The tick has an order that turns motors on.
@@ -27,19 +27,9 @@ pub struct Hold {
 }
 
 impl Hold {
-    /// A board whose motors are off.
-    pub const fn new() -> Self {
-        Self { holder: Holder::new(0), starting: false, silent: false }
-    }
-
-    fn step(&mut self, now_us: u64, event: AtBoard) {
-        // Nothing but a start is refused.
+    /// Takes in an event that is not a start: nothing else is refused.
+    pub fn step(&mut self, now_us: u64, event: AtBoard) {
         let _ = self.holder.step(now_us, event);
-    }
-
-    /// Another operator has come, or one that has restarted.
-    pub fn session(&mut self, now_us: u64) {
-        self.step(now_us, AtBoard::Session);
     }
 
     /// The operator's newest datagram says this ([`haptic_protocol::link::Link::heard`]); true if motors go off by it.
@@ -114,11 +104,5 @@ impl Hold {
             signals.disarm.release(true);
         }
         over
-    }
-}
-
-impl Default for Hold {
-    fn default() -> Self {
-        Self::new()
     }
 }

@@ -9,8 +9,8 @@ use firmware_parts::hold::Hold;
 pub(crate) struct Lease(CriticalSectionMutex<Cell<Hold>>);
 
 impl Lease {
-    pub(crate) const fn new() -> Self {
-        Self(CriticalSectionMutex::new(Cell::new(Hold::new())))
+    pub(crate) fn new() -> Self {
+        Self(CriticalSectionMutex::new(Cell::default()))
     }
 
     /// Lets `act` change it at this time, µs.

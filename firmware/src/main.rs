@@ -59,8 +59,6 @@ mod image {
     /// The words that interrupt and tasks share. Has a name in the image for debuggers and tests/board.
     #[unsafe(no_mangle)]
     static SIGNALS: Signals = Signals::at_power_on();
-    /// The lease that port, console and supervisor share.
-    static LEASE: Lease = Lease::new();
 
     /// A cell or queue that lives for ever, and its two sides.
     macro_rules! shared {
@@ -122,6 +120,8 @@ mod image {
 
         interrupt::UART4.set_priority(Priority::P3);
         interrupt::UART5.set_priority(Priority::P6);
+        static LEASE: StaticCell<Lease> = StaticCell::new();
+        let lease = &*LEASE.init(Lease::new());
         let supervisor = SUPERVISOR.start(interrupt::UART4);
         supervisor.spawn(defmt::unwrap!(supervisor::run(
             board.watchdog,
@@ -129,7 +129,7 @@ mod image {
             board.armed,
             board.button,
             &SIGNALS,
-            &LEASE
+            lease
         )));
 
         static CEILING: StaticCell<Kept> = StaticCell::new();
@@ -145,7 +145,7 @@ mod image {
             device: 0,
             plans,
             signals: &SIGNALS,
-            lease: &LEASE,
+            lease,
             probes,
             probed,
             leaves: None,

@@ -13,7 +13,7 @@
 
 use embassy_net::{IpEndpoint, Stack};
 use embassy_time::{Duration, Instant, with_timeout};
-use haptic_protocol::lease::{Number as OfWord, Told, Word};
+use haptic_protocol::lease::{AtBoard, Told, Word};
 use haptic_protocol::lines::{Line, Lines};
 use haptic_protocol::link::{Config, ConfigError, Link, Notice};
 use haptic_protocol::parameters::{Parameters, Table};
@@ -69,7 +69,7 @@ impl Port {
             match notice {
                 Notice::NewPeer(_) => {
                     defmt::info!("operator: here");
-                    self.console.lease.with(|hold, now_us| hold.session(now_us));
+                    self.console.lease.with(|hold, now_us| hold.step(now_us, AtBoard::Session));
                     self.lines.forget();
                     self.telemetry.stream(0);
                 }
@@ -126,7 +126,7 @@ pub(crate) async fn run(stack: Stack<'static>, console: Console, link: &'static 
         }
         // A session that is not confirmed has heard nothing of this operator.
         let told = lease.with(|hold, _| hold.told(signals));
-        let heard = if port.link.is_up() { told.heard } else { OfWord::NONE };
+        let heard = if port.link.is_up() { told.heard } else { Word::default().number };
         port.link.say_lease(Told { heard, ..told }.byte(), false);
         port.lines.push(port.link);
         while let Some(length) = port.link.poll(Instant::now().as_micros(), &mut out) {

@@ -21,9 +21,6 @@ const LAST: u8 = 63;
 pub struct Number(u8);
 
 impl Number {
-    /// No word was heard.
-    pub const NONE: Self = Self(0);
-
     fn next(self) -> Self {
         Self(self.0 % LAST + 1)
     }
@@ -79,11 +76,8 @@ impl Word {
 
     /// From such a byte. An unknown wish is a stop.
     pub fn of_byte(byte: u8) -> Self {
-        let want = match byte & 3 {
-            0 => Want::Nothing,
-            2 => Want::Run,
-            _ => Want::Stop,
-        };
+        let known = [Want::Nothing, Want::Stop, Want::Run];
+        let want = known.get(usize::from(byte & 3)).copied().unwrap_or(Want::Stop);
         Self { want, number: Number(byte >> 2) }
     }
 }
@@ -96,11 +90,8 @@ impl Told {
 
     /// From such a byte. In an unknown state motors may be on.
     pub fn of_byte(byte: u8) -> Self {
-        let motors = match byte & 3 {
-            0 => Motors::Off,
-            2 => Motors::Alone,
-            _ => Motors::Leased,
-        };
+        let known = [Motors::Off, Motors::Leased, Motors::Alone];
+        let motors = known.get(usize::from(byte & 3)).copied().unwrap_or(Motors::Leased);
         Self { motors, heard: Number(byte >> 2) }
     }
 }
@@ -164,7 +155,7 @@ pub enum AtBoard {
 }
 
 /// The board's side.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Holder {
     /// How old the newest permission may be, µs: `safety.operator_lost_s` minus the time that turning off takes.
     pub lease_us: u64,
@@ -178,9 +169,8 @@ pub struct Holder {
 
 impl Holder {
     /// A board that has heard nothing, with its motors off.
-    pub const fn new(lease_us: u64) -> Self {
-        let word = Word { want: Want::Nothing, number: Number::NONE };
-        Self { lease_us, word, said_us: None, used: false, motors: Motors::Off }
+    pub fn new(lease_us: u64) -> Self {
+        Self { lease_us, ..Self::default() }
     }
 
     /// Takes in an event. Afterwards [`Holder::motors`] says whether motors are to be on.
@@ -279,7 +269,7 @@ pub enum AtOperator {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Giver {
     /// Permission ends if nobody has asked for so long, µs.
-    silence_us: u64,
+    pub silence_us: u64,
     shown_us: u64,
     word: Word,
     asked_us: u64,
@@ -289,14 +279,16 @@ pub struct Giver {
     stopped: bool,
 }
 
-impl Giver {
-    /// An end that wants nothing. Its permissions end if nobody has asked for `silence_us` µs.
-    pub fn new(silence_us: u64) -> Self {
-        let word = Word { want: Want::Nothing, number: Number::NONE.next() };
+impl Default for Giver {
+    /// An end that wants nothing, whose permissions need nobody who asks.
+    fn default() -> Self {
+        let word = Word { want: Want::Nothing, number: Number::default().next() };
         let (told, told_us) = (Told::default(), None);
-        Self { silence_us, shown_us: SHOWN_US, word, asked_us: 0, told, told_us, stopped: false }
+        Self { silence_us: u64::MAX, shown_us: SHOWN_US, word, asked_us: 0, told, told_us, stopped: false }
     }
+}
 
+impl Giver {
     /// Takes in an event.
     ///
     /// # Errors
@@ -311,7 +303,12 @@ impl Giver {
                 }
             }
             AtOperator::Start => {
-                self.may_start(now_us)?;
+                match self.shown(now_us) {
+                    _ if self.want() == Want::Stop && !self.stopped => return Err(No::Unstopped),
+                    Some(Motors::Leased | Motors::Alone) => return Err(No::On),
+                    Some(Motors::Off) if self.told.heard == self.word.number => {}
+                    _ => return Err(No::Unknown),
+                }
                 self.asked_us = now_us;
                 self.change(Want::Run);
             }
@@ -339,19 +336,6 @@ impl Giver {
     /// Whether the other end has to hear from this one in every packet period: a run goes on, or a stop is not confirmed.
     pub fn is_eager(&self) -> bool {
         self.want() == Want::Run || self.want() == Want::Stop && !self.stopped
-    }
-
-    /// Whether a start would be said.
-    ///
-    /// # Errors
-    /// Why not.
-    pub fn may_start(&self, now_us: u64) -> Result<(), No> {
-        match self.shown(now_us) {
-            _ if self.want() == Want::Stop && !self.stopped => Err(No::Unstopped),
-            Some(Motors::Leased | Motors::Alone) => Err(No::On),
-            Some(Motors::Off) if self.told.heard == self.word.number => Ok(()),
-            _ => Err(No::Unknown),
-        }
     }
 
     /// What a person may be shown of the motors. `None`: the board's newest word is too old, motors may be on.

@@ -12,7 +12,9 @@
 
 use heapless::{String, Vec};
 
-use crate::{lease::Word, link::Link, wire::Event};
+use crate::lease::Word;
+use crate::link::Link;
+use crate::wire::{Event, Stamps};
 
 /// Longest line of text, bytes.
 pub const LONGEST: usize = 384;
@@ -25,8 +27,6 @@ pub const END: u16 = 2;
 pub const FRESH_US: u64 = 500_000;
 /// Bytes of the token at the front of the last part.
 const TOKEN: usize = 8;
-/// Bits of its time.
-const TIME: u64 = (1 << 56) - 1;
 
 /// A line of text.
 pub type Line = String<LONGEST>;
@@ -88,7 +88,7 @@ impl Lines {
         while let Some(said) = self.said {
             let Some(token) = self.token.or(link.token()) else { return };
             self.token = Some(token);
-            let token = token & TIME | u64::from(self.under.byte()) << 56;
+            let token = token & Stamps::CLOCK | u64::from(self.under.byte()) << 56;
             let rest = self.saying.as_bytes().get(said..).unwrap_or(&[]);
             let part = rest.get(..Event::MAX_PAYLOAD).unwrap_or(rest);
             let last = rest.len() <= Event::MAX_PAYLOAD - TOKEN;
@@ -126,7 +126,8 @@ impl Lines {
                 let bytes = core::mem::take(&mut self.hearing);
                 // A line that is no text ends where it stops to be text.
                 let whole = bytes.utf8_chunks().next().map_or("", |chunk| chunk.valid());
-                let (word, age_us) = (Word::of_byte((token >> 56) as u8), link.token_age_us(now, token & TIME));
+                let (word, age_us) =
+                    (Word::of_byte((token >> 56) as u8), link.token_age_us(now, token & Stamps::CLOCK));
                 return Some(Heard { line: whole.chars().collect(), word, age_us });
             }
         }

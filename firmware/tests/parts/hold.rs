@@ -3,7 +3,7 @@
 use firmware_parts::hold::{Hold, LOOK_EVERY};
 use firmware_parts::signals::Signals;
 use haptic_core::safety::{Fault, Mode};
-use haptic_protocol::lease::{Motors, No, Word};
+use haptic_protocol::lease::{AtBoard, Motors, No, Word};
 
 const LEASE_S: f64 = 0.2;
 
@@ -22,7 +22,7 @@ struct Board {
 impl Board {
     /// On by run 1 in this mode, alone or not.
     fn on(mode: Mode, alone: bool, now_us: u64) -> Self {
-        let mut board = Self { hold: Hold::new(), signals: Signals::at_power_on(), now_us };
+        let mut board = Self { hold: Hold::default(), signals: Signals::at_power_on(), now_us };
         board.hear(run(1), 0);
         assert_eq!(board.start(run(1), alone), Ok(()));
         board.signals.mode.set(mode);
@@ -96,11 +96,11 @@ fn another_word_turns_off_at_once_and_a_stop_also_what_runs_alone() {
         assert_eq!(board.hold.says().is_some(), alone, "this is no silence");
     }
     let mut board = Board::on(Mode::Armed, true, 7_000_000);
-    board.hold.session(board.now_us);
+    board.hold.step(board.now_us, AtBoard::Session);
     assert!(!board.look() && board.hear(2 << 2 | 1, 0), "a stop of any operator");
     assert_eq!(board.hold.says(), None);
     let mut board = Board::on(Mode::Armed, false, 7_000_000);
-    board.hold.session(board.now_us);
+    board.hold.step(board.now_us, AtBoard::Session);
     assert!(board.look(), "another operator has let nothing run");
 }
 

@@ -47,15 +47,10 @@ pub fn is_start(line: &str) -> bool {
 }
 
 /// An operator's side of the lease, in the hands of all who start and all who stop.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Reins(Arc<Mutex<Giver>>);
 
 impl Reins {
-    /// Permissions end if nobody has asked for `silence_us` µs.
-    pub fn new(silence_us: u64) -> Self {
-        Self(Arc::new(Mutex::new(Giver::new(silence_us))))
-    }
-
     /// The giver, which nobody holds for longer than a step takes.
     pub fn giver(&self) -> MutexGuard<'_, Giver> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
@@ -108,16 +103,10 @@ impl Session {
             lines: Lines::default(),
             answers: VecDeque::new(),
             samples: Vec::new(),
-            reins: Reins::new(u64::MAX),
+            reins: Reins::default(),
             waits: None,
             now_us: 0,
         })
-    }
-
-    /// This session, which lets motors run only while somebody asks ([`AtOperator::Asked`]) at least every `silence_us` µs.
-    pub fn while_asked(mut self, silence_us: u64) -> Self {
-        self.reins = Reins::new(silence_us);
-        self
     }
 
     /// Takes a datagram, which is opened in place; one that is not the board's is not taken.
@@ -156,11 +145,9 @@ impl Session {
     pub fn poll(&mut self, now_us: u64, out: &mut Datagram) -> Option<usize> {
         self.now_us = now_us;
         self.begin();
-        let (word, is_eager) = {
-            let mut giver = self.reins.giver();
-            (giver.word(now_us), giver.is_eager())
-        };
-        self.link.say_lease(word.byte(), is_eager);
+        let mut giver = self.reins.giver();
+        self.link.say_lease(giver.word(now_us).byte(), giver.is_eager());
+        drop(giver);
         self.lines.push(&mut self.link);
         self.link.poll(now_us, out)
     }

@@ -93,20 +93,12 @@ impl Operator {
     /// # Errors
     /// The key file cannot be read, or the board does not answer.
     pub fn connect(board: SocketAddr, key_file: &Path) -> Result<Self, Error> {
-        Self::connect_while_asked(board, key_file, u64::MAX)
-    }
-
-    /// [`Operator::connect`], but motors run only while somebody asks at least every `silence_us` µs ([`Session::while_asked`]).
-    ///
-    /// # Errors
-    /// As of [`Operator::connect`].
-    pub fn connect_while_asked(board: SocketAddr, key_file: &Path, silence_us: u64) -> Result<Self, Error> {
         let key = key_file::read(key_file, Role::Operator)?;
         let any = if board.is_ipv4() { "0.0.0.0:0" } else { "[::]:0" };
         let endpoint = Endpoint::answering(any.parse().map_err(|_| format!("{any} is no address"))?)?;
         // Either board may be there: both are called, and the one that is there answers.
         let [one, two] = [1, 2].map(|number| Session::new(key.clone(), number, key_file::entropy()?));
-        let mut called = [one?, two?].map(|session| session.while_asked(silence_us));
+        let mut called = [one?, two?];
         let answered = |session: &Session| session.is_there() || session.is_refused();
         wait(&endpoint, board, &mut called, PATIENCE, |called| called.iter().any(answered))?;
         if called.iter().any(Session::is_refused) {

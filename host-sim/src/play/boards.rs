@@ -328,13 +328,13 @@ impl Seat {
     fn open(place: Place, index: usize) -> Result<Self, Error> {
         match place {
             Place::Simulated => {
-                let (reins, clock) = (Reins::new(SILENCE_US), Instant::now());
+                let (reins, clock) = (Reins::default(), Instant::now());
                 let near = Near::new(reins.clone(), clock);
                 let practice = move || Ok(Box::new(Practice::new(&Scene::default(), near)?) as Box<dyn BoardLink>);
                 Self::attend(format!("simulated board {}", index + 1), index, (reins, clock), Box::new(practice))
             }
             Place::At(at, key_file) => {
-                let operator = Operator::connect_while_asked(at, &key_file, SILENCE_US)?;
+                let operator = Operator::connect(at, &key_file)?;
                 let (number, reins) = (operator.number(), (operator.reins(), operator.start()));
                 let board = move || Ok(Box::new(operator) as Box<dyn BoardLink>);
                 Self::attend(format!("board {number} at {at}"), usize::from(number) - 1, reins, Box::new(board))
@@ -344,6 +344,7 @@ impl Seat {
 
     /// The seat of a board that is opened on its thread.
     fn attend(name: String, index: usize, (reins, clock): (Reins, Instant), open: Open) -> Result<Self, Error> {
+        reins.giver().silence_us = SILENCE_US;
         let reported = BoardStatus { name, ..BoardStatus::default() };
         let (mailbox, over) =
             (Arc::new(Mutex::new(BoardMailbox { reported, ..BoardMailbox::default() })), Arc::default());

@@ -69,7 +69,7 @@ impl BoardLink for Written {
 
 /// A board whose motors are off, or were armed alone before anybody came.
 fn boards(alone: bool) -> (Boards, Arc<Mutex<Vec<String>>>, Path) {
-    let (reins, clock) = (Reins::new(SILENCE_US), Instant::now());
+    let (reins, clock) = (Reins::default(), Instant::now());
     let mut link =
         Written { said: Arc::default(), ticks: 0, near: Near::new(reins.clone(), clock), path: Path::default() };
     if alone {

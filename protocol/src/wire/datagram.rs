@@ -40,7 +40,8 @@ impl Stamps {
     pub const LEN: usize = 16;
     /// Most zeros that can follow a message.
     pub const MAX_PADDING: usize = 127;
-    const CLOCK: u64 = (1 << 56) - 1;
+    /// Bits of a time.
+    pub(crate) const CLOCK: u64 = (1 << 56) - 1;
 
     /// Reads the stamps at the front of what was sealed.
     ///

@@ -149,7 +149,7 @@ pub(super) enum Action {
 
 impl World {
     fn operator(&self) -> Operator {
-        let giver = Giver { shown_us: self.shown, ..Giver::new(self.silence) };
+        let giver = Giver { shown_us: self.shown, silence_us: self.silence, ..Giver::default() };
         Operator {
             giver,
             met: false,
@@ -473,7 +473,7 @@ impl World {
             return;
         }
         let less = |number: &mut Number| {
-            if *number != Number::NONE {
+            if *number != Number::default() {
                 number.0 = (number.0 - 1 + LAST - less_by) % LAST + 1;
             }
         };
