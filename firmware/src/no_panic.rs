@@ -6,14 +6,14 @@
 //! with that name. `no_panic.x` has a place for code in ITCM only, as memory.x fills it: code that is left and not there makes
 //! the link fail with its own name. The program is never run.
 //!
-//! `cargo xtask no-panic` links it, and once more with the feature `planted-panic`, which must fail on both counts: a proof
+//! `cargo xtask test --only no-panic` links it, and once more with the feature `planted-panic`, which must fail on both counts: a proof
 //! that cannot fail proves nothing.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 #![allow(dead_code, reason = "tasks use the rest")]
 
 #[cfg(not(target_os = "none"))]
 fn main() {
-    eprintln!("the proof is for the board: cargo xtask no-panic");
+    eprintln!("the proof is for the board: cargo xtask test --only no-panic");
 }
 
 #[cfg(target_os = "none")]

@@ -1,4 +1,4 @@
-//! `cargo xtask homes`: two homes behind routers in network namespaces of this machine, with `host-sim` as it is built for tests.
+//! The step `homes`: two homes behind routers in network namespaces of this machine, with `host-sim` as it is built for tests.
 
 use crate::run::{self, Failure, command};
 use crate::{page, setup, test};

@@ -60,8 +60,10 @@ impl Packages {
         step(name, &self.inputs(packages, others)?, work)
     }
 
-    /// The inputs of a step that tests these packages and reads these other files or folders, `.` for all.
+    /// The inputs of a step that tests these packages, or all if none is named, and reads these other files or folders, `.` for all.
     pub(crate) fn inputs(&self, packages: &[&str], others: &[&str]) -> Result<Inputs, Failure> {
+        let all: Vec<&str> = self.folders().filter(|_| packages.is_empty()).collect();
+        let packages = &[packages, &all].concat();
         let mut folders: BTreeSet<&str> = packages.iter().copied().collect();
         let mut next: Vec<&str> =
             packages.iter().filter_map(|one| self.tests.get(*one)).flatten().map(String::as_str).collect();

@@ -1,4 +1,4 @@
-//! `cargo xtask licences`: what the project is made of that is not its own. Fails on a package under a licence that `xtask/licences.txt` does
+//! The step `licences`: what the project is made of that is not its own. Fails on a package under a licence that `xtask/licences.txt` does
 //! not name, and on one that comes from elsewhere than the registry. Packages of several versions are printed, and do not fail.
 //!
 //! What a package says of its licence is taken as it is; known vulnerabilities are not looked for, since that takes a database from elsewhere.

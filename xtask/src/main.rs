@@ -46,18 +46,7 @@ struct Chore {
     run: fn(&Options<'_>) -> Result<(), Failure>,
 }
 
-const CHORES: [Chore; 26] = [
-    Chore {
-        name: "setup",
-        options: "",
-        does: "Installs what building and testing need and this machine lacks",
-        more: "Nothing is done, in under a second, when all is there. Looked for are:
-  - rustfmt and clippy, with `rustup component add`
-  - core for thumbv7em-none-eabihf, with `rustup target add`; where that download is refused, from Debian's sources
-    with xtask/thumb-toolchain.sh
-Prints the toolchain that builds for the microcontroller.",
-        run: |_| setup::setup().map(|ready| println!("{}", ready.thumb_toolchain)),
-    },
+const CHORES: [Chore; 18] = [
     Chore {
         name: "quick",
         options: "",
@@ -67,23 +56,17 @@ Prints the toolchain that builds for the microcontroller.",
     },
     Chore {
         name: "test",
-        options: " [--anew] [--lane LANE]",
+        options: " [--anew] [--lane LANE] [--only STEP]",
         does: "The one command: sets up what is missing and passes every test",
-        more: "Two lanes run side by side. `boards` builds the images and runs them on virtual boards. `rest` is everything else: format, ceilings,
-licences, the page's sources, all tests in debug with Clippy as the compiler, other platforms, recordings, the Python module, packages,
-two homes behind routers, the first build, the pages against what their commands print, golden traces and instruction counts of a release.
-A step that passed on this machine with the same content does not run again. The first failure stops both lanes. At a terminal the check
-asks before apt-get installs a package. At the end it prints what each step took.
+        more: "Two lanes run side by side. A step that passed on this machine with the same content does not run again. The first failure stops
+both lanes. At a terminal the check asks before apt-get installs a package. At the end it prints what each step took.
+`boards` proves with the linker that the 1 kHz interrupt cannot panic and lies in ITCM, and runs every image on virtual boards and
+haptic-core on QEMU's processor. `rest` is everything else: all tests of a PC in debug with Clippy as the compiler, other platforms,
+recordings read by Python's `mcap`, the Python module, packages, two homes behind routers, the first build and what pages say of it.
   --anew  run every step, whatever passed before
-  --lane  run one lane alone: boards or rest",
+  --lane  run one lane alone: boards or rest
+  --only  run one step alone, whatever passed before; a wrong name prints all of them",
         run: test::test,
-    },
-    Chore {
-        name: "board-test",
-        options: "",
-        does: "Runs the release image on virtual boards: the simulator's bits, the paper's table, budgets, faults",
-        more: "Everything in tests/board; minutes on a cold machine, for it builds an emulator.",
-        run: |_| test::board_test(),
     },
     Chore {
         name: "bench",
@@ -148,15 +131,6 @@ corpus/ of protocol/fuzz or host-sim/{environments/,live/,}fuzz; a crash leaves 
         run: |_| probe::log(),
     },
     Chore {
-        name: "no-panic",
-        options: "",
-        does: "Shows that the 1 kHz interrupt cannot panic and lies in ITCM",
-        more: "Links a program that holds the interrupt and a panic handler that calls a function which does not exist, and has a
-place for code in ITCM only: it links only if no panic is reachable and all that is lies in ITCM. Then once more with a
-panic planted outside ITCM, which must fail on both counts. All images are tried: that for three axes second, and those for the second board, for a moteus, for encoders on SPI and by USB.",
-        run: |_| no_panic::no_panic(&setup::setup()?),
-    },
-    Chore {
         name: "packages",
         options: " [--verify]",
         does: "Packs what others install, crates and Python's sources, and compiles the latter as they are unpacked",
@@ -201,34 +175,6 @@ host-sim/python/lerobot likewise, in the versions of its requirements.txt; they 
         run: |_| python::python(),
     },
     Chore {
-        name: "homes",
-        options: "",
-        does: "Two homes behind routers in network namespaces: which path is found, how soon, what a change costs",
-        more: "Makes five namespaces for each case and removes them: routers by nftables (ports kept, at random, passed on, open; IPv6), host-sim's
-meeting place between them. Needs root on Linux; installs iproute2 and nftables if apt-get can; where it cannot it fails and says why.",
-        run: |_| match homes::obstacle() {
-            None => homes::homes(),
-            Some(obstacle) => Err(Failure::new(obstacle)),
-        },
-    },
-    Chore {
-        name: "qemu",
-        options: "",
-        does: "Runs haptic-core alone on QEMU's Cortex-M7: the same bits as host-sim, outputs off when it ends",
-        more: "Builds tests/qemu, records what both peers of five built-in scenes read for 5 s (host-sim board record), and replays it:
-the hash of all that was computed must be host-sim's. Then a panic and a stack overflow there: outputs off first. Installs
-qemu-system-arm if apt-get can; without it says so, and fails where CI is set.",
-        run: |_| test::second_opinion(&setup::setup()?),
-    },
-    Chore {
-        name: "recordings",
-        options: "",
-        does: "Has Python's `mcap` read what host-sim records, and compares names, units and values",
-        more: "A run in memory and two live peers. The versions of tests/recordings/requirements.txt are installed into a virtual
-environment below target/ when they have changed; it needs Python 3 with venv and, then, the registry.",
-        run: |_| recordings::recordings(),
-    },
-    Chore {
         name: "rig",
         options: " [--page] [--virtual] [--boards DUT,RIG --operator-key-file FILE] [--address ADDRESS] [--port PATH] [--only TEST] [--seconds S]",
         does: "Says what two bare boards and wires between them are to show on silicon, or runs it on them or on two virtual ones",
@@ -255,22 +201,6 @@ xtask/rooms.txt is above its ceiling or 3 % below, if the ceilings of a group su
 does not lean on what its row says, or if one of the heart newly leans on a guest. A row may rise when others of its group fall.
   --bless   lower each ceiling that is 3 % too high, and raise none",
         run: |given| rooms::rooms(&test::calls(&setup::setup()?), given.flag("--bless")),
-    },
-    Chore {
-        name: "licences",
-        options: "",
-        does: "Looks at the packages of others that anything here is built with: licence, origin, versions",
-        more: "Fails on a licence that xtask/licences.txt does not name, and on what does not come from the registry. Known
-vulnerabilities are not looked for.",
-        run: |_| licences::licences(),
-    },
-    Chore {
-        name: "platforms",
-        options: "",
-        does: "Has the compiler check everything for a PC for Windows, macOS on Apple silicon and Linux on 64-bit ARM",
-        more: "`cargo check`, the Python module included: nothing is linked or run. The last is linted with benches, and documented. Adds the three
-targets with rustup, and installs zig below target/ (400 MB) as the C compiler. Without them it says so, and fails where CI is set.",
-        run: |_| platforms::check(),
     },
     Chore {
         name: "readme",

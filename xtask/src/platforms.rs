@@ -1,4 +1,4 @@
-//! `cargo xtask platforms`: the compiler's check of everything for a PC, the Python module included, for systems that no test here
+//! The step `platforms`: the compiler's check of everything for a PC, the Python module included, for systems that no test here
 //! runs on, and the lints of what no test compiles.
 //!
 //! Nothing is linked or run. `ring` compiles C in its build script even so: zig is the C compiler for every target, and comes with

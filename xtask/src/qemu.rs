@@ -1,4 +1,4 @@
-//! `cargo xtask qemu`: a second opinion on the processor. haptic-core alone under QEMU's Cortex-M7 (tests/qemu) must compute what
+//! The step `qemu`: a second opinion on the processor. haptic-core alone under QEMU's Cortex-M7 (tests/qemu) must compute what
 //! host-sim computes, bit for bit, and must turn its outputs off first when it panics or runs out of stack.
 
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! `cargo xtask recordings`: what host-sim records is read by a library that is not its own, Python's `mcap` from the registry, in the
+//! The step `recordings`: what host-sim records is read by a library that is not its own, Python's `mcap` from the registry, in the
 //! versions of tests/recordings/requirements.txt, in a virtual environment below target/.
 
 use std::process::Command;

@@ -137,11 +137,12 @@ pub(crate) fn output_up_to(command: &mut Command, most: i32) -> Result<String, F
     }
 }
 
-/// Whether a command succeeds, and what it says on standard error.
+/// Whether a command succeeds, and what it says on standard output and then on standard error.
 pub(crate) fn told(command: &mut Command) -> Result<(bool, String), Failure> {
     eprintln!("    {}", spelled(command));
     let output = command.output().map_err(|cause| cannot_run(command, &cause))?;
-    Ok((output.status.success(), String::from_utf8_lossy(&output.stderr).into_owned()))
+    let said = [output.stdout, output.stderr].concat();
+    Ok((output.status.success(), String::from_utf8_lossy(&said).into_owned()))
 }
 
 /// The text of a file.

@@ -1,4 +1,4 @@
-//! `cargo xtask setup`: installs what building and testing need and this machine lacks.
+//! The step `set-up`: installs what building and testing need and this machine lacks.
 //!
 //! rust-toolchain.toml asks for the components and the microcontroller's target, but rustup ignores it where
 //! `RUSTUP_AUTO_INSTALL=0`. So each is looked for, cheaply and without the network, and installed only when missing:

@@ -17,45 +17,104 @@ use crate::options::Options;
 use crate::run::{self, Failure, STOP, cargo, compile, everything, run, step};
 use crate::setup::{self, Ready, THUMB_TARGET};
 use crate::{
-    board, builds, count, homes, no_panic, packages, page, platforms, python, qemu, readme, recordings, rig, rooms,
+    board, builds, count, homes, licences, no_panic, packages, page, platforms, python, qemu, readme, recordings, rig,
+    rooms,
 };
 
-/// The steps of a lane.
-type Lane = fn(&Ready, &Packages) -> Result<(), Failure>;
+/// A step, by its name.
+struct Step(&'static str, Runs, fn(&Ready, &Packages) -> Result<(), Failure>);
+/// When a step runs.
+enum Runs {
+    Always,
+    /// Unless it passed with what these packages, and these other files, hold; without packages, with all of them.
+    Unless(&'static [&'static str], &'static [&'static str]),
+    /// It consists of steps.
+    Parts,
+}
+use Runs::{Always, Parts, Unless};
+
 /// The lanes: the first of them runs in a process of its own beside the second.
-const LANES: [Lane; 2] = [boards, rest];
+const LANES: [&[Step]; 2] = [&BOARDS, &REST];
 /// What they are called.
 const NAMES: [&str; 2] = ["boards", "rest"];
+
+/// All that is for the board's processor, the virtual boards last: their emulator takes minutes to build.
+const BOARDS: [Step; 5] = [
+    Step("rooms of the microcontroller", Unless(&["core", "protocol", "host-sim/environments"], &[]), |ready, _| {
+        compile(&mut rooms_on_chip(ready))
+    }),
+    Step("no-panic", Unless(&["firmware"], &[]), |ready, _| no_panic::no_panic(ready)),
+    Step("lints of the images", Unless(&["firmware"], &RIG), |ready, _| lints_of_images(ready)),
+    Step("virtual boards", Unless(&["firmware", "tests/board"], &RIG), |ready, _| {
+        virtual_boards(ready, &board::images(ready)?)
+    }),
+    Step("qemu", Unless(&["host-sim"], &["tests/qemu"]), |ready, _| qemu(ready)),
+];
+
+/// Everything else, cheapest first; from `first build` on what a newcomer's first command builds.
+const REST: [Step; 15] = [
+    Step("format", Always, |_, _| format()),
+    Step("rooms", Always, |ready, _| rooms::rooms(&calls(ready), false)),
+    Step("licences", Always, |_, _| licences::licences()),
+    Step("page", Always, |_, _| page::browser().and_then(|()| page::page(false))),
+    Step("tests", Parts, |_, packages| tests(packages)),
+    Step("platforms", Unless(&[], &[]), |_, _| platforms::check()),
+    Step("recordings", Unless(&["host-sim"], &["tests/recordings"]), |_, _| recordings::recordings()),
+    Step("python", Unless(&["host-sim/python"], &["docs", "scenes", "examples"]), |_, _| python::python()),
+    Step("packages", Unless(&["host-sim/python"], &[]), |_, _| packages::check()),
+    Step("interleavings", Unless(&["firmware"], &[]), |_, _| both_parts(interleavings)),
+    Step("homes", Unless(&["host-sim"], &[]), |_, _| run::unless(homes::obstacle(), homes::homes)),
+    Step("first build", Always, |_, _| {
+        let before = run::processor_s();
+        compile(&mut first_build())?;
+        builds::took("the first build", run::processor_s().zip(before).map(|(now, then)| now - then))
+    }),
+    Step("readme", Always, |_, _| readme::readme(true, None)),
+    Step("golden traces", Always, |_, _| both_parts(golden)),
+    Step("bench-check", Unless(&["host-sim/cases"], &[]), |_, _| {
+        run::unless(count::obstacle(), || count::ticks(false))
+    }),
+];
 /// The rig's image, without the tests of its list, which look at all there is.
 const RIG: [&str; 4] = ["tests/rig/src", "tests/rig/Cargo.toml", "tests/rig/build.rs", "tests/rig/rig.x"];
 /// Is set for the lane that another process waits for. It has no terminal, so it installs nothing that somebody might refuse.
 pub(crate) const WAITED_FOR: &str = "HAPTIC_CHECK_LANE";
 
-/// Runs every step, or those of one lane.
+/// Runs every step, or those of one lane, or one alone.
 pub(crate) fn test(given: &Options<'_>) -> Result<(), Failure> {
     let (start, before) = (Instant::now(), run::machine_s());
-    if given.flag("--anew") {
+    let only = given.value("--only");
+    if given.flag("--anew") || only.is_some() {
         kept::anew();
     }
+    let steps = || LANES.into_iter().flatten().map(|step| step.0);
+    let one_of = |option: &str, allowed: &[&str]| match given.value(option) {
+        Some(value) if !allowed.contains(&value) => {
+            let list = allowed.join(", ");
+            Err(Failure::usage(format!("{option} {value} is not allowed: it must be one of {list}")))
+        }
+        _ => Ok(()),
+    };
+    one_of("--lane", &NAMES)?;
+    one_of("--only", &steps().collect::<Vec<_>>())?;
     let (ready, packages) = (step("set-up", setup::setup)?, Packages::read()?);
+    let lane = given.value("--lane").and_then(|lane| NAMES.iter().position(|name| *name == lane));
     // Both lanes need programs of Debian's; only this one may ask.
-    if given.value("--lane").is_none() {
+    if lane.is_none() {
         let _ = qemu::obstacle();
     }
-    match given.value("--lane").map(|lane| NAMES.iter().position(|name| *name == lane).ok_or(lane)) {
-        None => both(given, &ready, &packages)?,
-        Some(Ok(lane)) => alone(LANES[lane], &ready, &packages)?,
-        Some(Err(lane)) => {
-            return Err(Failure::usage(format!(
-                "--lane {lane} is not allowed: it must be one of {}",
-                NAMES.join(", ")
-            )));
+    match (only, lane) {
+        (None, None) => both(given, &ready, &packages)?,
+        (only, lane) => {
+            let lanes = lane.map_or(&LANES[..], |lane| &LANES[lane..=lane]);
+            let chosen = |step: &&Step| only.is_none_or(|only| step.0 == only);
+            alone(&lanes.iter().copied().flatten().filter(chosen).collect::<Vec<_>>(), &ready, &packages)?;
         }
     }
     let spent = run::machine_s().zip(before).map(|(now, then)| now - then);
     let spent =
         spent.map_or(String::new(), |spent| format!("; {spent:.0} s of processor time on this machine meanwhile"));
-    eprintln!("every step passed in {:.0} s{spent}", start.elapsed().as_secs_f64());
+    eprintln!("passed in {:.0} s{spent}", start.elapsed().as_secs_f64());
     Ok(())
 }
 
@@ -77,7 +136,7 @@ fn both(given: &Options<'_>, ready: &Ready, packages: &Packages) -> Result<(), F
         STOP.fetch_or(!passed, Ordering::Relaxed);
         passed
     });
-    let ours = alone(LANES[1], ready, packages);
+    let ours = alone(&LANES[1].iter().collect::<Vec<_>>(), ready, packages);
     if ours.is_err() {
         drop(open);
     }
@@ -91,60 +150,29 @@ fn both(given: &Options<'_>, ready: &Ready, packages: &Packages) -> Result<(), F
 }
 
 /// Runs the steps of a lane and says what each took. A lane that somebody waits for begins no step after he has gone.
-fn alone(lane: Lane, ready: &Ready, packages: &Packages) -> Result<(), Failure> {
+fn alone(steps: &[&Step], ready: &Ready, packages: &Packages) -> Result<(), Failure> {
     if env::var_os(WAITED_FOR).is_some() {
         thread::spawn(|| {
             let _ = std::io::stdin().read(&mut [0]);
             STOP.store(true, Ordering::Relaxed);
         });
     }
-    let outcome = lane(ready, packages);
+    let outcome = steps.iter().try_for_each(|Step(name, runs, work)| {
+        let work = || work(ready, packages);
+        match runs {
+            Always => step(name, work),
+            Unless(of, others) => packages.step(name, of, others, work),
+            Parts => work(),
+        }
+    });
     run::table();
     outcome
 }
 
-/// All that is for the board's processor, the virtual boards last: their emulator takes minutes to build.
-fn boards(ready: &Ready, packages: &Packages) -> Result<(), Failure> {
-    let chip = ["core", "protocol", "host-sim/environments"];
-    packages.step("rooms of the microcontroller", &chip, &[], || compile(&mut rooms_on_chip(ready)))?;
-    packages.step("no panic in the tick", &["firmware"], &[], || no_panic::no_panic(ready))?;
-    packages.step("lints of the images", &["firmware"], &RIG, || lints_of_images(ready))?;
-    packages
-        .step("virtual board", &["firmware", "tests/board"], &RIG, || virtual_board(ready, &board::images(ready)?))?;
-    packages.step("second opinion", &["host-sim"], &["tests/qemu"], || second_opinion(ready))
-}
-
-/// Everything else, cheapest first.
-fn rest(ready: &Ready, packages: &Packages) -> Result<(), Failure> {
-    step("format", format)?;
-    step("rooms", || rooms::rooms(&calls(ready), false))?;
-    step("licences", crate::licences::licences)?;
-    step("page", || page::browser().and_then(|()| page::page(false)))?;
-    tests(packages)?;
-    let all: Vec<&str> = packages.folders().collect();
-    packages.step("other platforms, lints of benches, documentation", &all, &[], platforms::check)?;
-    packages.step("recordings", &["host-sim"], &["tests/recordings"], recordings::recordings)?;
-    packages.step("Python", &["host-sim/python"], &["docs", "scenes", "examples"], python::python)?;
-    packages.step("packages", &["host-sim/python"], &[], packages::check)?;
-    packages.step("exchange cells under every interleaving", &["firmware"], &[], || {
-        compile(interleavings().arg("--no-run"))?;
-        run(&mut interleavings())
-    })?;
-    packages.step("two homes behind routers", &["host-sim"], &[], || run::unless(homes::obstacle(), homes::homes))?;
-    // From here on what a newcomer's first command builds.
-    step("first build", || {
-        let before = run::processor_s();
-        compile(&mut first_build())?;
-        builds::took("the first build", run::processor_s().zip(before).map(|(now, then)| now - then))
-    })?;
-    step("README", || readme::readme(true, None))?;
-    step("golden traces, release", || {
-        compile(golden().arg("--no-run"))?;
-        run(&mut golden())
-    })?;
-    packages.step("instructions of one tick", &["host-sim/cases"], &[], || {
-        run::unless(count::obstacle(), || count::ticks(false))
-    })
+/// Builds tests, and runs them.
+fn both_parts(tests: fn() -> Command) -> Result<(), Failure> {
+    compile(tests().arg("--no-run"))?;
+    run(&mut tests())
 }
 
 /// Builds all tests in debug but those of the virtual boards, and runs each package's that is not known to pass. Parts of the image that need
@@ -167,11 +195,30 @@ fn tests(packages: &Packages) -> Result<(), Failure> {
             own.clone().try_for_each(|(_, program)| {
                 // Some have cargo build more.
                 let mut test = run::linted(run::command(&program.to_string_lossy(), &[]));
-                run(test.current_dir(&here).env("CARGO_MANIFEST_DIR", &here))
+                undisturbed(test.current_dir(&here).env("CARGO_MANIFEST_DIR", &here))
             })
         })?;
     }
     kept::step("tests of documentation", &packages.inputs(&["host-sim"], &[])?, || run(debug_tests().arg("--doc")))
+}
+
+/// Runs a program of tests. A failed test in which a program says that this machine had stopped it runs once more, for it has shown nothing.
+fn undisturbed(test: &mut Command) -> Result<(), Failure> {
+    let (passed, said) = run::told(test)?;
+    eprint!("{said}");
+    let failed: Vec<&str> = said.lines().filter_map(failed_test).collect();
+    match passed {
+        true => Ok(()),
+        false if !failed.is_empty() && said.contains("this end stood still for") => {
+            run(test.arg("--exact").args(failed))
+        }
+        false => Err(Failure::new(format!("`{}` failed", run::spelled(test)))),
+    }
+}
+
+/// The name of a test that failed, from the line that says so.
+fn failed_test(line: &str) -> Option<&str> {
+    line.strip_prefix("test ")?.strip_suffix(" ... FAILED")
 }
 
 /// The manifests and programs of all tests in debug, which are built.
@@ -202,8 +249,9 @@ pub(crate) fn calls(ready: &Ready) -> Vec<Command> {
     for features in board::IMAGES {
         calls.push(board::build(ready, features));
         calls.push(lints_of_image(ready, features));
-        calls.extend(no_panic::proofs(ready, features));
+        calls.push(no_panic::link(ready, "proof", features));
     }
+    calls.push(no_panic::link(ready, "planted-panic", board::IMAGES[0]));
     calls.extend(["build", "clippy"].map(|what| rig::build(ready, what)));
     calls
 }
@@ -253,7 +301,7 @@ fn interleavings() -> Command {
 }
 
 /// haptic-core on another model of the processor; without one it says so, and fails where CI is set.
-pub(crate) fn second_opinion(ready: &Ready) -> Result<(), Failure> {
+fn qemu(ready: &Ready) -> Result<(), Failure> {
     match qemu::obstacle() {
         None => qemu::qemu(ready),
         Some(obstacle) => run::due_in_ci(obstacle),
@@ -278,14 +326,8 @@ fn lints_of_image(ready: &Ready, features: &[&str]) -> Command {
     lints
 }
 
-/// Only the release image on virtual boards.
-pub(crate) fn board_test() -> Result<(), Failure> {
-    let ready = step("set-up", setup::setup)?;
-    step("virtual board", || virtual_board(&ready, &board::images(&ready)?))
-}
-
 /// The release image on virtual boards, beside the rig's first.
-fn virtual_board(ready: &Ready, image: &Path) -> Result<(), Failure> {
+fn virtual_boards(ready: &Ready, image: &Path) -> Result<(), Failure> {
     compile(&mut board::bench(&["test", "--no-run"], image))?;
     rig::on_virtual_boards(ready, image, &[])?;
     run(&mut board::bench(&["test"], image))

@@ -1,4 +1,4 @@
-//! Two homes, one link, as processes: on loopback in every run, and behind routers in network namespaces where the machine has them (`cargo xtask homes`).
+//! Two homes, one link, as processes: on loopback in every run, and behind routers in network namespaces where the machine has them (`cargo xtask test --only homes`).
 
 mod bridge;
 #[path = "../suite/play/devtools.rs"]

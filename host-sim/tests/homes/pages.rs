@@ -258,7 +258,7 @@ fn two_people_hold_one_cube_by_a_lossy_relay_and_are_told_so() {
 
 /// In two homes whose routers lose a hundredth of what passes, each; in the middle the direct path is cut and given back.
 #[test]
-#[ignore = "needs root, ip and nft, and takes minutes: cargo xtask homes"]
+#[ignore = "needs root, ip and nft, and takes minutes: cargo xtask test --only homes"]
 fn two_people_in_two_homes_hold_one_cube_and_are_told_which_way_it_goes() {
     let folder = folder("two");
     let seconds = std::env::var("HAPTIC_HOMES_S").map_or(SECONDS, |said| said.parse().expect("a time"));

@@ -1,4 +1,4 @@
-//! Behind routers: which path is found, how soon, and what a change costs. Each makes its own namespaces, which needs root, `ip` and `nft`: `cargo xtask homes`
+//! Behind routers: which path is found, how soon, and what a change costs. Each makes its own namespaces, which needs root, `ip` and `nft`: `cargo xtask test --only homes`
 //! runs them, and says so where it cannot.
 
 use std::path::PathBuf;
@@ -50,14 +50,14 @@ fn is_relayed(told: &Told) {
 }
 
 #[test]
-#[ignore = "needs root, ip and nft: cargo xtask homes"]
+#[ignore = "needs root, ip and nft: cargo xtask test --only homes"]
 fn routers_that_keep_ports_let_flow_go_directly() {
     let mut lab = Lab::new([Router::Kept; 2], [false; 2]);
     meet(&mut lab, "kept", SECONDS, |_| {}).iter().for_each(is_direct);
 }
 
 #[test]
-#[ignore = "needs root, ip and nft: cargo xtask homes"]
+#[ignore = "needs root, ip and nft: cargo xtask test --only homes"]
 fn where_either_router_gives_ports_at_random_the_relay_carries() {
     for (name, routers) in [("symmetric", [Router::Symmetric; 2]), ("one-symmetric", [Router::Kept, Router::Symmetric])]
     {
@@ -67,7 +67,7 @@ fn where_either_router_gives_ports_at_random_the_relay_carries() {
 }
 
 #[test]
-#[ignore = "needs root, ip and nft: cargo xtask homes"]
+#[ignore = "needs root, ip and nft: cargo xtask test --only homes"]
 fn a_router_that_takes_a_strangers_datagram_for_its_own_leaves_it_to_the_relay_or_not_and_says_which() {
     let mut lab = Lab::new([Router::Open; 2], [false; 2]);
     for told in meet(&mut lab, "open", SECONDS, |_| {}) {
@@ -78,7 +78,7 @@ fn a_router_that_takes_a_strangers_datagram_for_its_own_leaves_it_to_the_relay_o
 }
 
 #[test]
-#[ignore = "needs root, ip and nft: cargo xtask homes"]
+#[ignore = "needs root, ip and nft: cargo xtask test --only homes"]
 fn ipv6_leads_past_routers_that_give_ports_at_random() {
     let mut lab = Lab::new([Router::Symmetric; 2], [true; 2]);
     meet(&mut lab, "v6", SECONDS, |_| {}).iter().for_each(is_direct);
@@ -88,7 +88,7 @@ fn ipv6_leads_past_routers_that_give_ports_at_random() {
 }
 
 #[test]
-#[ignore = "needs root, ip and nft: cargo xtask homes"]
+#[ignore = "needs root, ip and nft: cargo xtask test --only homes"]
 fn a_port_that_a_router_was_told_to_pass_on_is_enough() {
     let lab = Lab::new([Router::Mapped, Router::Symmetric], [false; 2]);
     let key = key("mapped");
@@ -100,7 +100,7 @@ fn a_port_that_a_router_was_told_to_pass_on_is_enough() {
 }
 
 #[test]
-#[ignore = "needs root, ip and nft: cargo xtask homes"]
+#[ignore = "needs root, ip and nft: cargo xtask test --only homes"]
 fn behind_one_router_that_keeps_them_apart_they_meet_by_its_hairpin_or_by_the_relay() {
     let key = key("hairpin");
     let key = key.to_str().expect("a name");
@@ -116,7 +116,7 @@ fn behind_one_router_that_keeps_them_apart_they_meet_by_its_hairpin_or_by_the_re
 }
 
 #[test]
-#[ignore = "needs root, ip and nft: cargo xtask homes"]
+#[ignore = "needs root, ip and nft: cargo xtask test --only homes"]
 fn a_path_that_is_cut_and_given_back_changes_the_flow_twice() {
     let mut lab = Lab::new([Router::Kept; 2], [false; 2]);
     let told = meet(&mut lab, "cut", 20, |lab| {
@@ -137,7 +137,7 @@ fn a_path_that_is_cut_and_given_back_changes_the_flow_twice() {
 }
 
 #[test]
-#[ignore = "needs root, ip and nft: cargo xtask homes"]
+#[ignore = "needs root, ip and nft: cargo xtask test --only homes"]
 fn a_router_that_forgets_is_found_again() {
     let mut lab = Lab::new([Router::Kept; 2], [false; 2]);
     let told = meet(&mut lab, "forgets", 15, |lab| {
@@ -152,7 +152,7 @@ fn a_router_that_forgets_is_found_again() {
 }
 
 #[test]
-#[ignore = "needs root, ip and nft: cargo xtask homes"]
+#[ignore = "needs root, ip and nft: cargo xtask test --only homes"]
 fn a_meeting_place_that_is_killed_ends_no_direct_flow_and_is_found_again_by_a_relayed_one() {
     let kill = |lab: &mut Lab| {
         std::thread::sleep(Duration::from_secs(7));
@@ -171,7 +171,7 @@ fn a_meeting_place_that_is_killed_ends_no_direct_flow_and_is_found_again_by_a_re
 }
 
 #[test]
-#[ignore = "needs root, ip and nft: cargo xtask homes"]
+#[ignore = "needs root, ip and nft: cargo xtask test --only homes"]
 fn a_board_on_a_network_of_its_own_is_reached_through_the_pc_beside_it() {
     for (name, routers) in [("board-kept", [Router::Kept; 2]), ("board-symmetric", [Router::Symmetric; 2])] {
         let mut lab = Lab::new(routers, [false; 2]);

@@ -1,6 +1,6 @@
 //! A second opinion on the processor: haptic-core alone under QEMU's Cortex-M7, which shares nothing with the virtual board.
 //!
-//! `cargo xtask qemu` runs it. What it is to do comes over semihosting, as its command line:
+//! `cargo xtask test --only qemu` runs it. What it is to do comes over semihosting, as its command line:
 //!
 //! | words | does |
 //! |---|---|

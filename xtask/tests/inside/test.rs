@@ -43,3 +43,15 @@ fn what_is_said_to_have_no_tests_has_none() {
     }
     assert!(without[0] >= 9 && without[1] >= 9, "{without:?}");
 }
+
+#[test]
+#[cfg(unix)]
+fn a_failed_test_runs_again_only_if_the_machine_had_stopped_a_program() {
+    let shell = |says: &str| {
+        let script = format!("[ \"$1\" = of::a ] && exit 0; echo 'test of::a ... FAILED'; echo '{says}'; exit 101");
+        run::command("sh", &["-c", &script])
+    };
+    undisturbed(&mut shell("fault 29: this end stood still for 943 ms, of 50 allowed")).expect("it passes alone");
+    let failure = undisturbed(&mut shell("left: 1, right: 2")).expect_err("nobody was stopped");
+    assert!(failure.to_string().contains("failed"), "{failure}");
+}
