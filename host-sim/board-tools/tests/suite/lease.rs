@@ -11,7 +11,7 @@ use haptic_board_tools::operator::Session;
 use haptic_core::safety::Mode;
 use haptic_protocol::ends::Ends;
 use haptic_protocol::key::Key;
-use haptic_protocol::lease::{AtOperator, Motors, No, Told, Want, Word};
+use haptic_protocol::lease::{AtBoard, AtOperator, Motors, No, Told, Want, Word};
 use haptic_protocol::lines::{Heard, Line, Lines};
 use haptic_protocol::link::{Config, Link, Notice};
 use haptic_protocol::parameters::{Parameters, Table};
@@ -59,7 +59,7 @@ impl Board {
         let ends = Ends { local: PeerId(1), remote: PeerId(0) };
         let config = Config { key: key(), ends, packet_period_us: 20_000, parameters, entropy: [9; 32] };
         let link = Link::new(config).expect("a link");
-        let (signals, hold) = (Signals::at_power_on(), Hold::new());
+        let (signals, hold) = (Signals::at_power_on(), Hold::default());
         Self { planted, link, lines: Lines::default(), signals, hold, taken: 0, run: None }
     }
 
@@ -89,7 +89,7 @@ impl Board {
         }
         while let Some(notice) = self.link.take_notice() {
             if let Notice::NewPeer(_) = notice {
-                self.hold.session(now_us);
+                self.hold.step(now_us, AtBoard::Session);
                 self.lines.forget();
             }
         }

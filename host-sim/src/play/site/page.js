@@ -621,7 +621,10 @@ function sayBoards(modes) {
   const sentences = [
     [which((mode) => mode === waits), (of) => `the motors of board ${of} may be on: nothing is heard of it`],
     [which((mode) => mode === alone), (of) => `the motors of board ${of} are on without an operator: Stop turns them off`],
-    [which((mode) => mode === 1), (of) => `the motors of board ${of} are on; they go off when the operator's page is hidden or closed`],
+    [
+      which((mode) => mode === 1),
+      (of) => `the motors of board ${of} are on; they go off when the operator's page is hidden or closed`,
+    ],
     [which((mode) => mode > fault_base), (of) => `fault at board ${of}: its motors are off`],
   ];
   const said = sentences.flatMap(([of, text]) => (of ? [text(of)] : []));
