@@ -15,7 +15,7 @@ use firmware_parts::exchange::{Reader, Writer};
 use firmware_parts::image::{JOINTS, Peer};
 use firmware_parts::kept::{HOLD_SWITCH, Kept};
 use firmware_parts::operator::{self, Misread, Request, Time, Whose};
-use firmware_parts::signals::{Button, Saving, Signals};
+use firmware_parts::signals::{Button, Order, Saving, Signals};
 use firmware_parts::status;
 use haptic_core::contact::{Contact, Side};
 use haptic_core::device::probe::{Outcome, Probe};
@@ -48,6 +48,8 @@ pub(crate) struct Console {
     /// What it asks the tick, and what the others say.
     pub(crate) signals: &'static Signals,
     pub(crate) lease: &'static Lease,
+    /// The word that the line at hand was said under.
+    pub(crate) word: Word,
     pub(crate) probes: Writer<'static, (u32, Probe<f32>)>,
     pub(crate) probed: Reader<'static, Outcome>,
     /// When the bootloader is due that was ordered.
@@ -135,11 +137,10 @@ impl From<fmt::Error> for No<'_> {
 }
 
 impl Console {
-    /// Does what a line says that was said under this word, and answers. An answer that does not fit is cut: the first words say what
-    /// matters.
-    pub(crate) async fn hear(&mut self, line: &str, word: Word, telemetry: &mut Telemetry, to: &mut Line) {
+    /// Does what a line says, and answers. An answer that does not fit is cut: the first words say what matters.
+    pub(crate) async fn hear(&mut self, line: &str, telemetry: &mut Telemetry, to: &mut Line) {
         let done = match operator::parse(line) {
-            Ok(request) => self.answer(request, word, telemetry, to).await,
+            Ok(request) => self.answer(request, telemetry, to).await,
             Err(misread) => Err(No::Misread(misread)),
         };
         let _ = match done {
@@ -151,14 +152,13 @@ impl Console {
     async fn answer<'a>(
         &mut self,
         request: Request<'a>,
-        word: Word,
         telemetry: &mut Telemetry,
         to: &mut Line,
     ) -> Result<(), No<'a>> {
         match request {
             Request::Status => self.status(to)?,
             Request::Arm { alone } => {
-                let armed = self.arm((word, alone)).await?.name();
+                let armed = self.arm(alone).await?.name();
                 write!(to, "ok {armed}{}", if alone { ", alone: the operator may go" } else { "" })?;
             }
             Request::Disarm => {
@@ -187,8 +187,8 @@ impl Console {
                 self.order(Command::Release, Mode::Armed).await?;
                 write!(to, "ok the device holds the world again")?;
             }
-            Request::Check(joint) => self.probe(Probe::check(&self.applied.settings, joint), word, to).await?,
-            Request::Probe(probe) => self.probe(Probe::build(&self.applied.settings, &probe), word, to).await?,
+            Request::Check(joint) => self.probe(Probe::check(&self.applied.settings, joint), to).await?,
+            Request::Probe(probe) => self.probe(Probe::build(&self.applied.settings, &probe), to).await?,
             Request::Probed => self.probed(to)?,
             Request::Set(key, value) => match self.draft.set(key, value) {
                 Ok(()) => write!(to, "ok {key} = {value}")?,
@@ -301,11 +301,13 @@ impl Console {
     }
 
     /// Motors on, for as long as the operator lets them or, alone, for longer.
-    async fn arm(&mut self, said: (Word, bool)) -> Result<Mode, No<'static>> {
+    async fn arm(&mut self, alone: bool) -> Result<Mode, No<'static>> {
         self.armable()?;
-        let (signals, order) = (self.signals, self.signals.order.get().next(Command::Arm));
-        self.start(said, |_| signals.order.release(order), || signals.done.acquire() == order).await?;
-        self.led_to(Mode::Armed)
+        let order = self.next(Command::Arm);
+        self.start(alone, |console| console.signals.order.release(order))?;
+        let armed = self.ordered(order, Mode::Armed).await;
+        self.lease.with(|hold, _| hold.started());
+        armed
     }
 
     /// Motors off at the next tick.
@@ -314,32 +316,29 @@ impl Console {
         self.carried_out(|| !self.signals.disarm.acquire()).await
     }
 
-    /// Gives the tick an order that turns motors on, if the lease lets them, and waits until it is carried out; said under a word,
-    /// alone or not.
-    async fn start(
-        &mut self,
-        said: (Word, bool),
-        order: impl FnOnce(&mut Self),
-        is_done: impl Fn() -> bool,
-    ) -> Result<(), No<'static>> {
+    /// Gives the tick an order that turns motors on, if the lease lets them.
+    fn start(&mut self, alone: bool, order: impl FnOnce(&mut Self)) -> Result<(), No<'static>> {
         let (lost_s, lease, signals) = (self.applied.settings.safety.operator_lost_s, self.lease, self.signals);
+        let said = (self.word, alone);
         let started = lease.with(|hold, now_us| hold.start(now_us, said, lost_s, signals, || order(self)));
         started.map_err(|no| No::Because(no.explain()))?;
         signals.released.set(false);
-        let done = self.carried_out(is_done).await;
-        lease.with(|hold, _| hold.started());
-        done
+        Ok(())
+    }
+
+    fn next(&self, command: Command) -> Order {
+        self.signals.order.get().next(command)
     }
 
     /// Has the tick carry the command out; the mode that it led to, if that is the one that was asked for.
     async fn order(&self, command: Command, wanted: Mode) -> Result<Mode, No<'static>> {
-        let (signals, order) = (self.signals, self.signals.order.get().next(command));
-        signals.order.release(order);
-        self.carried_out(|| signals.done.acquire() == order).await?;
-        self.led_to(wanted)
+        let order = self.next(command);
+        self.signals.order.release(order);
+        self.ordered(order, wanted).await
     }
 
-    fn led_to(&self, wanted: Mode) -> Result<Mode, No<'static>> {
+    async fn ordered(&self, order: Order, wanted: Mode) -> Result<Mode, No<'static>> {
+        self.carried_out(|| self.signals.done.acquire() == order).await?;
         let mode = self.signals.mode.get();
         if mode == wanted { Ok(mode) } else { Err(No::Mode(mode)) }
     }
@@ -378,18 +377,15 @@ impl Console {
     }
 
     /// Begins a probe; what comes of it is asked for later, so that `disarm` is heard in between.
-    async fn probe(
-        &mut self,
-        probe: Result<Probe<f32>, Refused<'static>>,
-        word: Word,
-        to: &mut Line,
-    ) -> Result<(), No<'static>> {
+    async fn probe(&mut self, probe: Result<Probe<f32>, Refused<'static>>, to: &mut Line) -> Result<(), No<'static>> {
         self.ready()?;
         let probe = probe.map_err(No::Refused)?;
         let signals = self.signals;
         let number = signals.begun.get().wrapping_add(1);
-        let order = |console: &mut Self| console.probes.write((number, probe));
-        self.start((word, false), order, || signals.begun.acquire() == number).await?;
+        self.start(false, |console| console.probes.write((number, probe)))?;
+        let begun = self.carried_out(|| signals.begun.acquire() == number).await;
+        self.lease.with(|hold, _| hold.started());
+        begun?;
         if let mode @ Mode::Faulted(_) = signals.mode.get() {
             return Err(No::Mode(mode));
         }

@@ -146,6 +146,7 @@ mod image {
             plans,
             signals: &SIGNALS,
             lease,
+            word: Default::default(),
             probes,
             probed,
             leaves: None,

@@ -117,7 +117,8 @@ pub(crate) async fn run(stack: Stack<'static>, console: Console, link: &'static 
         {
             let mut answer = Line::new();
             if heard.is_fresh() {
-                port.console.hear(&heard.line, heard.word, &mut port.telemetry, &mut answer).await;
+                port.console.word = heard.word;
+                port.console.hear(&heard.line, &mut port.telemetry, &mut answer).await;
             } else {
                 let _ = answer.push_str("error this line was said more than 0.5 s ago: nothing was done, say it again");
             }
