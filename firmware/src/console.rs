@@ -15,20 +15,20 @@ use firmware_parts::exchange::{Reader, Writer};
 use firmware_parts::image::{JOINTS, Peer};
 use firmware_parts::kept::{HOLD_SWITCH, Kept};
 use firmware_parts::operator::{self, Misread, Request, Time, Whose};
-use firmware_parts::signals::{Button, Saving, Signals};
-use firmware_parts::{hold, status};
+use firmware_parts::signals::{Button, Order, Saving, Signals};
+use firmware_parts::status;
 use haptic_core::contact::{Contact, Side};
 use haptic_core::device::probe::{Outcome, Probe};
 use haptic_core::safety::{Command, Mode};
 use haptic_core::settings::{Allowed, Refused, SetError, Settings, Value};
 use haptic_core::{device::velocity::VelocityName, num::Motion};
-use haptic_protocol::lines::Line;
+use haptic_protocol::{lease::Word, lines::Line};
 
 use crate::board::drive::{Drive, Fitted};
 use crate::board::{Number, bridges, clocks::CORE_HZ, pace, update};
 use crate::storage::{self, Origin};
 use crate::tick::Plan;
-use crate::{fault::Cause, flow, telemetry::Telemetry};
+use crate::{fault::Cause, flow, lease::Lease, telemetry::Telemetry};
 
 pub(crate) struct Console {
     pub(crate) number: Number,
@@ -47,6 +47,9 @@ pub(crate) struct Console {
     pub(crate) plans: Writer<'static, Plan>,
     /// What it asks the tick, and what the others say.
     pub(crate) signals: &'static Signals,
+    pub(crate) lease: &'static Lease,
+    /// The word that the line at hand was said under.
+    pub(crate) word: Word,
     pub(crate) probes: Writer<'static, (u32, Probe<f32>)>,
     pub(crate) probed: Reader<'static, Outcome>,
     /// When the bootloader is due that was ordered.
@@ -275,10 +278,8 @@ impl Console {
         if signals.released.get() {
             to.write_str("motors off: the hold-to-run switch was released; ")?;
         }
-        if signals.let_go.get() {
-            to.write_str("motors off: the operator was silent; ")?;
-        } else if mode == Mode::Armed && signals.patience.get() == 0 {
-            to.write_str("armed alone; ")?;
+        if let Some(why) = self.lease.with(|hold, _| hold.says()) {
+            to.write_str(why)?;
         }
         if signals.button.get() == Button::Stuck {
             to.write_str("the blue button is down since before the start; ")?;
@@ -299,39 +300,46 @@ impl Console {
         self.status(to)
     }
 
-    /// Motors on, for as long as the operator stays or, alone, for longer.
+    /// Motors on, for as long as the operator lets them or, alone, for longer.
     async fn arm(&mut self, alone: bool) -> Result<Mode, No<'static>> {
         self.armable()?;
-        // Not before: what refuses to arm changes nothing about motors that are on.
-        self.hold(alone)?;
-        self.order(Command::Arm, Mode::Armed).await
+        let order = self.next(Command::Arm);
+        self.start(alone, |console| console.signals.order.release(order))?;
+        let armed = self.ordered(order, Mode::Armed).await;
+        self.lease.with(|hold, _| hold.started());
+        armed
     }
 
     /// Motors off at the next tick.
     async fn disarm(&self) -> Result<(), No<'static>> {
-        self.signals.disarm.release(true);
+        self.lease.with(|hold, now_us| hold.off(now_us, self.signals));
         self.carried_out(|| !self.signals.disarm.acquire()).await
     }
 
-    /// How long motors that are turned on now stay on without an operator.
-    fn hold(&self, alone: bool) -> Result<(), No<'static>> {
-        if !alone && !self.signals.consent.get() {
-            return Err(No::Because("the operator's end does not let the motors run"));
-        }
-        let ticks = self.applied.settings.safety.operator_lost_s / pace::PERIOD_S;
-        self.signals.patience.set(if alone { 0 } else { hold::patience(ticks as u32) });
-        self.signals.let_go.set(false);
-        self.signals.released.set(false);
+    /// Gives the tick an order that turns motors on, if the lease lets them.
+    fn start(&mut self, alone: bool, order: impl FnOnce(&mut Self)) -> Result<(), No<'static>> {
+        let (lost_s, lease, signals) = (self.applied.settings.safety.operator_lost_s, self.lease, self.signals);
+        let said = (self.word, alone);
+        let started = lease.with(|hold, now_us| hold.start(now_us, said, lost_s, signals, || order(self)));
+        started.map_err(|no| No::Because(no.explain()))?;
+        signals.released.set(false);
         Ok(())
+    }
+
+    fn next(&self, command: Command) -> Order {
+        self.signals.order.get().next(command)
     }
 
     /// Has the tick carry the command out; the mode that it led to, if that is the one that was asked for.
     async fn order(&self, command: Command, wanted: Mode) -> Result<Mode, No<'static>> {
-        let signals = self.signals;
-        let order = signals.order.get().next(command);
-        signals.order.release(order);
-        self.carried_out(|| signals.done.acquire() == order).await?;
-        let mode = signals.mode.get();
+        let order = self.next(command);
+        self.signals.order.release(order);
+        self.ordered(order, wanted).await
+    }
+
+    async fn ordered(&self, order: Order, wanted: Mode) -> Result<Mode, No<'static>> {
+        self.carried_out(|| self.signals.done.acquire() == order).await?;
+        let mode = self.signals.mode.get();
         if mode == wanted { Ok(mode) } else { Err(No::Mode(mode)) }
     }
 
@@ -372,11 +380,12 @@ impl Console {
     async fn probe(&mut self, probe: Result<Probe<f32>, Refused<'static>>, to: &mut Line) -> Result<(), No<'static>> {
         self.ready()?;
         let probe = probe.map_err(No::Refused)?;
-        self.hold(false)?;
         let signals = self.signals;
         let number = signals.begun.get().wrapping_add(1);
-        self.probes.write((number, probe));
-        self.carried_out(|| signals.begun.acquire() == number).await?;
+        self.start(false, |console| console.probes.write((number, probe)))?;
+        let begun = self.carried_out(|| signals.begun.acquire() == number).await;
+        self.lease.with(|hold, _| hold.started());
+        begun?;
         if let mode @ Mode::Faulted(_) = signals.mode.get() {
             return Err(No::Mode(mode));
         }

@@ -20,6 +20,8 @@ mod fault;
 #[cfg(target_os = "none")]
 mod flow;
 #[cfg(target_os = "none")]
+mod lease;
+#[cfg(target_os = "none")]
 mod net;
 #[cfg(target_os = "none")]
 mod port;
@@ -50,6 +52,7 @@ mod image {
     use crate::board::drive::{Drive, Fitted};
     use crate::board::{self, pace, switch};
     use crate::console::{self, Console};
+    use crate::lease::Lease;
     use crate::tick::{Outgoing, Plan, RECORDS, Received};
     use crate::{fault, net, storage, supervisor, telemetry::Telemetry, tick};
 
@@ -117,13 +120,16 @@ mod image {
 
         interrupt::UART4.set_priority(Priority::P3);
         interrupt::UART5.set_priority(Priority::P6);
+        static LEASE: StaticCell<Lease> = StaticCell::new();
+        let lease = &*LEASE.init(Lease::new());
         let supervisor = SUPERVISOR.start(interrupt::UART4);
         supervisor.spawn(defmt::unwrap!(supervisor::run(
             board.watchdog,
             board.alive,
             board.armed,
             board.button,
-            &SIGNALS
+            &SIGNALS,
+            lease
         )));
 
         static CEILING: StaticCell<Kept> = StaticCell::new();
@@ -139,6 +145,8 @@ mod image {
             device: 0,
             plans,
             signals: &SIGNALS,
+            lease,
+            word: Default::default(),
             probes,
             probed,
             leaves: None,

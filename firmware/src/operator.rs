@@ -154,11 +154,6 @@ fn time(word: &str) -> Option<Time> {
     }
 }
 
-/// Whether a line is taken however long ago it was said: what stops, and harms nobody if it comes late.
-pub fn is_timeless(line: &str) -> bool {
-    parse(line) == Ok(Request::Disarm)
-}
-
 fn number<'a, T: FromStr>(words: &mut impl Iterator<Item = &'a str>) -> Option<T> {
     words.next()?.parse().ok()
 }

@@ -5,15 +5,15 @@
 //! nothing here, and who copies datagrams moves nothing; nor does the other peer find anything, whose key is another. The last operator to prove that he holds the key and is there
 //! now takes the link over; what was half said to the one before is dropped, and records are no longer sent.
 //!
-//! **Run is a lease**: all that the operator's end seals says whether the motors may run ([`firmware_parts::hold`]).
+//! **Run is a lease**: every datagram of the operator's end says whether the motors may run, and every datagram of the board whether
+//! they do ([`firmware_parts::hold`]).
 //!
-//! Lines are taken one at a time, an answer each ([`Console`]); but for `disarm` only what was said within the last half second, so
-//! that whoever holds an order back on its way makes nothing of it. A record that the network does not take now waits.
+//! Lines are taken one at a time, an answer each ([`Console`]). A line that was said more than half a second ago does nothing. A record
+//! that the network does not take now waits.
 
 use embassy_net::{IpEndpoint, Stack};
 use embassy_time::{Duration, Instant, with_timeout};
-use firmware_parts::hold;
-use firmware_parts::operator::is_timeless;
+use haptic_protocol::lease::{AtBoard, Told, Word};
 use haptic_protocol::lines::{Line, Lines};
 use haptic_protocol::link::{Config, ConfigError, Link, Notice};
 use haptic_protocol::parameters::{Parameters, Table};
@@ -69,6 +69,7 @@ impl Port {
             match notice {
                 Notice::NewPeer(_) => {
                     defmt::info!("operator: here");
+                    self.console.lease.with(|hold, now_us| hold.step(now_us, AtBoard::Session));
                     self.lines.forget();
                     self.telemetry.stream(0);
                 }
@@ -104,26 +105,30 @@ pub(crate) async fn run(stack: Stack<'static>, console: Console, link: &'static 
         port.console.leave();
         teller.look(&port.console);
         let now = Instant::now().as_micros();
-        // Who is gone has not said no: his lease runs out.
-        if port.link.is_up() {
-            let signals = port.console.signals;
-            hold::note(signals, now, port.link.consented_us());
-            if hold::let_go(signals) {
-                defmt::info!("operator: stop");
-            }
+        let (lease, signals) = (port.console.lease, port.console.signals);
+        // An operator who is gone has taken nothing back: the lease runs out.
+        if let Some(said) = port.link.heard()
+            && lease.with(|hold, now_us| hold.hear(now_us, said, signals))
+        {
+            defmt::info!("operator: stop");
         }
         if !port.lines.is_saying()
             && let Some(heard) = port.lines.hear(now, port.link)
         {
             let mut answer = Line::new();
-            if heard.is_fresh() || is_timeless(&heard.line) {
+            if heard.is_fresh() {
+                port.console.word = heard.word;
                 port.console.hear(&heard.line, &mut port.telemetry, &mut answer).await;
             } else {
                 let _ = answer.push_str("error this line was said more than 0.5 s ago: nothing was done, say it again");
             }
             defmt::info!("operator: {=str}", answer.as_str());
-            port.lines.say(&answer);
+            port.lines.say(&answer, Word::default());
         }
+        // A session that is not confirmed has heard nothing of this operator.
+        let told = lease.with(|hold, _| hold.told(signals));
+        let heard = if port.link.is_up() { told.heard } else { Word::default().number };
+        port.link.say_lease(Told { heard, ..told }.byte(), false);
         port.lines.push(port.link);
         while let Some(length) = port.link.poll(Instant::now().as_micros(), &mut out) {
             let datagram = out.get(..length).unwrap_or_default();

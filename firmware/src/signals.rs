@@ -216,12 +216,6 @@ signals! {
         "How often the link has let go of the other peer: the tick lets go too, and takes nothing that came before. By \
          the network.";
     old: bool, "Flow comes, and is too old to be taken. By the network.";
-    consent: bool, "The operator lets the motors run, and has said nothing newer. By the port.";
-    consented: u32, "Tick at which the operator let them run last, at the earliest. By the port, before `consent`.";
-    patience: u32,
-        "Ticks that motors stay on for after that; 0: they run without an operator. By the console, before it arms.";
-    let_go: bool,
-        "The motors went off because the operator was silent. Set by port and supervisor, cleared by the console.";
     button: Button, "What the blue button said when it was last looked at. By the supervisor.";
     mode: Mode, "By the tick.";
     ticks: u32, "Ticks since boot. By the tick.";

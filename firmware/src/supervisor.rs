@@ -11,6 +11,8 @@ use firmware_parts::signals::{Button, Signals};
 use firmware_parts::{button::Watch, hold};
 use haptic_core::safety::Mode;
 
+use crate::lease::Lease;
+
 /// Between two looks, ms; and so the ticks expected in between.
 const EVERY_MS: u32 = hold::LOOK_EVERY;
 /// What the phases of two timers may make of it.
@@ -23,6 +25,7 @@ pub(crate) async fn run(
     mut armed: Output<'static>,
     button: Input<'static>,
     signals: &'static Signals,
+    hold: &'static Lease,
 ) -> ! {
     watchdog.unleash();
     let mut last = signals.ticks.get();
@@ -46,7 +49,7 @@ pub(crate) async fn run(
         if looks.is_multiple_of(100) {
             alive.toggle();
         }
-        if hold::let_go(signals) {
+        if hold.with(|hold, now_us| hold.look(now_us, signals)) {
             defmt::warn!("tick {=u32}: the operator does not let the motors run: off", now);
         }
         let new = signals.mode.get();

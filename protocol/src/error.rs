@@ -1,9 +1,9 @@
-//! Why bytes are not a message of version 3, the error that every layout gives; and why a link does not take a datagram.
+//! Why bytes are not a message of version 4, the error that every layout gives; and why a link does not take a datagram.
 
 /// The version this crate speaks: byte 0 of every datagram, now and in every version to come.
-pub const VERSION: u8 = 3;
+pub const VERSION: u8 = 4;
 
-/// Why bytes are not a message of version 3.
+/// Why bytes are not a message of version 4.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Error {
     /// A message is shorter or longer than its layout.
@@ -19,16 +19,16 @@ pub enum Error {
     /// The first byte names a version this crate does not speak.
     #[error("version {0} is spoken here, this end speaks {VERSION}")]
     UnknownVersion(u8),
-    /// The kind byte names no message of version 3.
+    /// The kind byte names no message of version 4.
     #[error("kind {0} is no message of version {VERSION}")]
     UnknownKind(u8),
-    /// A byte or bit of this message that version 3 reserves is not 0.
+    /// A byte or bit of this message that version 4 reserves is not 0.
     #[error("{0}: a reserved byte or flag is not 0")]
     Reserved(&'static str),
     /// A number in this message is infinite or NaN.
     #[error("{0}: a number is infinite or NaN")]
     NotFinite(&'static str),
-    /// A field holds a value that version 3 gives no meaning.
+    /// A field holds a value that version 4 gives no meaning.
     #[error("{message}: {field} has a value without a meaning")]
     OutOfRange {
         /// In which message.
@@ -41,7 +41,7 @@ pub enum Error {
 /// Why a link does not take a datagram, or seals none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Refusal {
-    /// It is not a datagram of version 3, or what was sealed in it is not a message of version 3.
+    /// It is not a datagram of version 4, or what was sealed in it is not a message of version 4.
     #[error(transparent)]
     Wire(#[from] Error),
     /// It comes from this peer's own number.

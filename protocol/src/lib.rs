@@ -93,6 +93,7 @@ mod engagement;
 mod error;
 mod handshake;
 pub mod key;
+pub mod lease;
 pub mod lines;
 pub mod link;
 pub mod notices;

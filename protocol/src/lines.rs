@@ -5,14 +5,16 @@
 //!
 //! The last part also has a token, the newest time of the receiver's clock that the sender knew when it began to say the line. So
 //! the receiver knows how long ago that was ([`Heard::age_us`]), from its own clock alone and however often the parts were sent; a
-//! machine does only what was said to it within [`FRESH_US`].
+//! machine does only what was said to it within [`FRESH_US`]. The token's last byte is the [`Word`] that the line was said under.
 //!
 //! **Limits**: 384 bytes a line; what is longer is cut at a whole character. Parts of a line whose sender started anew in
 //! the middle of it are dropped with the link's session ([`Lines::forget`]).
 
 use heapless::{String, Vec};
 
-use crate::{link::Link, wire::Event};
+use crate::lease::Word;
+use crate::link::Link;
+use crate::wire::{Event, Stamps};
 
 /// Longest line of text, bytes.
 pub const LONGEST: usize = 384;
@@ -34,6 +36,8 @@ pub type Line = String<LONGEST>;
 pub struct Heard {
     /// The text of the line.
     pub line: Line,
+    /// The word that it was said under.
+    pub word: Word,
     /// How long ago it was said, at the most, µs; `None`: before this session.
     pub age_us: Option<u64>,
 }
@@ -49,6 +53,7 @@ impl Heard {
 #[derive(Clone, Debug, Default)]
 pub struct Lines {
     saying: Line,
+    under: Word,
     /// Bytes of it that the link has taken in charge; `None`: nothing is being said.
     said: Option<usize>,
     /// The token that it goes with, once it has begun to be said.
@@ -57,15 +62,14 @@ pub struct Lines {
 }
 
 impl Lines {
-    /// Begins to say a line; false while another one is not yet with the link.
-    pub fn say(&mut self, text: &str) -> bool {
+    /// Begins to say a line under a word; false while another one is not yet with the link.
+    pub fn say(&mut self, text: &str, under: Word) -> bool {
         if self.said.is_some() {
             return false;
         }
         self.saying.clear();
         let _ = text.chars().try_for_each(|character| self.saying.push(character));
-        self.said = Some(0);
-        self.token = None;
+        (self.said, self.token, self.under) = (Some(0), None, under);
         true
     }
 
@@ -84,6 +88,7 @@ impl Lines {
         while let Some(said) = self.said {
             let Some(token) = self.token.or(link.token()) else { return };
             self.token = Some(token);
+            let token = token & Stamps::CLOCK | u64::from(self.under.byte()) << 56;
             let rest = self.saying.as_bytes().get(said..).unwrap_or(&[]);
             let part = rest.get(..Event::MAX_PAYLOAD).unwrap_or(rest);
             let last = rest.len() <= Event::MAX_PAYLOAD - TOKEN;
@@ -121,7 +126,9 @@ impl Lines {
                 let bytes = core::mem::take(&mut self.hearing);
                 // A line that is no text ends where it stops to be text.
                 let whole = bytes.utf8_chunks().next().map_or("", |chunk| chunk.valid());
-                return Some(Heard { line: whole.chars().collect(), age_us: link.token_age_us(now, token) });
+                let (word, age_us) =
+                    (Word::of_byte((token >> 56) as u8), link.token_age_us(now, token & Stamps::CLOCK));
+                return Some(Heard { line: whole.chars().collect(), word, age_us });
             }
         }
         None

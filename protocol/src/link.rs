@@ -14,8 +14,8 @@
 //! second, flow than [`Link::within`]; measured by this end's clock alone ([`crate::wire::Stamps`]). A session that stays
 //! unconfirmed for a second, or 12 packet periods if that is longer, ends.
 //!
-//! **Consent**: all that an end seals says whether the other may run ([`Link::consent`]), so that who drops or holds back some of it
-//! makes nothing run for longer: a machine runs only while it finds a fresh yes ([`Link::consented_us`]) and nothing newer said no.
+//! **Lease**: every datagram has a byte in which an operator's end says whether motors may run, and a board whether they do
+//! ([`Link::say_lease`], [`Link::heard`], [`crate::lease`]). So an attacker who drops or delays some of the datagrams keeps nothing running.
 //!
 //! **Units**: µs on the caller's own clock, which may start anywhere and must not go backwards (if it does, time stands
 //! still). **Invariants**: bounded memory, the size of [`Link`] itself; a datagram that is not authentic changes nothing
@@ -292,24 +292,19 @@ impl Link {
         self
     }
 
-    /// Says from now on in everything that is sealed here whether the other end may run, and so at the next [`Link::poll`]; at first it
-    /// may not. While it may, something is said each packet period.
-    pub fn consent(&mut self, consents: bool) {
-        if self.says.consents != consents {
-            self.says.consents = consents;
+    /// Says this byte about the lease in every datagram from now on, at first 0. Another byte than before is said at the next
+    /// [`Link::poll`]. If the link is eager, it says something in every packet period.
+    pub fn say_lease(&mut self, lease: u8, is_eager: bool) {
+        if self.says.lease != lease {
             self.next_probe_us = 0;
         }
+        (self.says.lease, self.says.is_eager) = (lease, is_eager);
     }
 
-    /// When the other end said that this one may run, at the earliest, µs of this end's clock: the newest time that it knew when it said so.
-    /// `None`: it did not in this session, or something newer said that it may not.
-    pub fn consented_us(&self) -> Option<u64> {
-        self.session.as_ref().and_then(Session::consented_us)
-    }
-
-    /// The newest time of this end's clock at which something was sealed that the other end has opened, µs.
-    pub fn echoed_us(&self) -> Option<u64> {
-        self.session.as_ref().and_then(Session::echoed_us)
+    /// The byte about the lease in the newest datagram of a confirmed session, and the newest time of this end's clock that its sender
+    /// knew, µs.
+    pub fn heard(&self) -> Option<(u8, Option<u64>)> {
+        self.session.as_ref().filter(|session| session.is_confirmed()).and_then(Session::heard)
     }
 
     /// The number in the header of every sealed datagram of the session at hand, both ways.
@@ -352,7 +347,7 @@ impl Link {
             }
         }
         let due =
-            if self.says.consents { self.after(self.sent_us, 1) } else { self.paced(self.sent_us, KEEP_ALIVE_AFTER) };
+            if self.says.is_eager { self.after(self.sent_us, 1) } else { self.paced(self.sent_us, KEEP_ALIVE_AFTER) };
         if now >= self.next_probe_us || now >= due {
             self.next_probe_us = if confirmed { self.paced(now, PROBE_EVERY) } else { self.after(now, 1) };
             return Some(Message::Probe(Probe { sent_us: now }));

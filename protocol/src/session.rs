@@ -52,18 +52,18 @@ pub(crate) struct Session {
     pub(crate) began_us: u64,
     /// The other end's clock in its newest datagram, µs: what the next one from here echoes.
     stamp_us: u64,
-    /// The newest time of this end's clock that came back in an echo, µs.
-    echoed_us: Option<u64>,
-    /// The same in datagrams that consent, since the newest one that does not.
-    consented_us: Option<u64>,
+    /// What the newest datagram said of the lease, and the time of this end's clock that it echoed, µs.
+    heard: Option<(u8, Option<u64>)>,
     confirmed: bool,
 }
 
 /// What an end says with every message.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Says {
-    /// The other end may run.
-    pub consents: bool,
+    /// The byte about the lease ([`crate::lease`]).
+    pub lease: u8,
+    /// Something is said in every packet period.
+    pub is_eager: bool,
     /// Shorter messages are made this long, bytes.
     pub least: usize,
 }
@@ -123,8 +123,7 @@ impl Session {
             taken: 0,
             began_us: now.max(1),
             stamp_us: 0,
-            echoed_us: None,
-            consented_us: None,
+            heard: None,
             confirmed: false,
         }
     }
@@ -159,14 +158,9 @@ impl Session {
         (self.began_us..=now).contains(&stamp_us).then(|| now - stamp_us)
     }
 
-    /// The newest time of this end's clock that the other end has opened, µs: all that was sealed here then or before has come, or is late.
-    pub(crate) fn echoed_us(&self) -> Option<u64> {
-        self.echoed_us
-    }
-
-    /// When the other end consented at the earliest, µs of this end's clock; `None`: it does not.
-    pub(crate) fn consented_us(&self) -> Option<u64> {
-        self.consented_us
+    /// What the newest datagram said of the lease, and the newest time of this end's clock that its sender knew, µs.
+    pub(crate) fn heard(&self) -> Option<(u8, Option<u64>)> {
+        self.heard
     }
 
     /// Seals `message` into the front of `out` at `now` and gives the datagram's length; zeros are put behind a message that is
@@ -182,7 +176,7 @@ impl Session {
         let Ends { local: from, remote: to } = self.ends;
         let header = Header { from, to, session: self.number, sequence: counter.draw()? };
         let sealed_us = now.max(self.began_us);
-        let stamps = Stamps { sealed_us, echo_us: self.stamp_us, consents: says.consents, padding: 0 };
+        let stamps = Stamps { sealed_us, echo_us: self.stamp_us, padding: 0, lease: says.lease };
         self.outward.seal(&header, stamps, message, says.least, out)
     }
 
@@ -208,14 +202,11 @@ impl Session {
         self.taken = self.taken.saturating_add(1);
         let length = wire::Error::Length { message: "stamps", wanted: Stamps::LEN, got: body.len() };
         let (stamps, message) = body.split_at_checked(Stamps::LEN).ok_or(length)?;
-        let Stamps { sealed_us, echo_us, consents, padding } = Stamps::parse(stamps)?;
+        let Stamps { sealed_us, padding, echo_us, lease } = Stamps::parse(stamps)?;
         let age_us = self.age_us(now, echo_us);
-        let echo_us = age_us.map(|_| echo_us);
-        self.echoed_us = self.echoed_us.max(echo_us);
         if newest.is_none_or(|newest| header.sequence > newest) {
             self.stamp_us = sealed_us;
-            // What takes it back holds from when it comes, however old it is; what gives it counts from when it was said at the earliest.
-            self.consented_us = if consents { self.consented_us.max(echo_us) } else { None };
+            self.heard = Some((lease, age_us.map(|_| echo_us)));
         }
         let without = message.len().saturating_sub(padding.into());
         let (message, zeros) = message.split_at_checked(without).unwrap_or_default();

@@ -1,78 +1,147 @@
-//! Motors stay on while an operator is there, and not a tick longer than he may be silent.
+//! Motors stay on while an operator lets them, and not longer than the lease after that.
 
-use firmware_parts::hold::{let_go, note, patience};
+use firmware_parts::hold::{Hold, LOOK_EVERY};
 use firmware_parts::signals::Signals;
 use haptic_core::safety::{Fault, Mode};
+use haptic_protocol::lease::{AtBoard, Motors, No, Word};
 
-const PATIENCE: u32 = 500;
+const LEASE_S: f64 = 0.2;
 
-/// On since tick `start`, with an operator who is heard every 100 ticks up to `gone` ticks later; when the motors are let go of.
-fn run(mode: Mode, patience: u32, start: u32, gone: u32) -> Option<u32> {
-    let signals = Signals::at_power_on();
-    signals.mode.set(mode);
-    signals.patience.set(patience);
-    (0..3000).find(|after| {
-        signals.ticks.set(start.wrapping_add(*after));
-        if after % 100 == 0 && *after <= gone {
-            signals.consented.set(signals.ticks.get());
-            signals.consent.set(true);
+/// The byte of run `number`, which the operator's end says.
+fn run(number: u8) -> u8 {
+    number << 2 | 2
+}
+
+/// A board, and a clock of its own, µs.
+struct Board {
+    hold: Hold,
+    signals: Signals,
+    now_us: u64,
+}
+
+impl Board {
+    /// On by run 1 in this mode, alone or not.
+    fn on(mode: Mode, alone: bool, now_us: u64) -> Self {
+        let mut board = Self { hold: Hold::default(), signals: Signals::at_power_on(), now_us };
+        board.hear(run(1), 0);
+        assert_eq!(board.start(run(1), alone), Ok(()));
+        board.signals.mode.set(mode);
+        board.hold.started();
+        board
+    }
+
+    fn hear(&mut self, byte: u8, ago_us: u64) -> bool {
+        self.hold.hear(self.now_us, (byte, Some(self.now_us - ago_us)), &self.signals)
+    }
+
+    fn start(&mut self, byte: u8, alone: bool) -> Result<(), No> {
+        let mut given = false;
+        let word = (Word::of_byte(byte), alone);
+        let started = self.hold.start(self.now_us, word, LEASE_S, &self.signals, || given = true);
+        assert_eq!(given, started.is_ok(), "an order is given with a start, and with nothing else");
+        started
+    }
+
+    fn look(&mut self) -> bool {
+        self.hold.look(self.now_us, &self.signals)
+    }
+
+    /// When a look, one each ms, turns motors off, ms.
+    fn off_after(&mut self) -> Option<u64> {
+        let begun_us = self.now_us;
+        while self.now_us < begun_us + 1_000_000 {
+            self.now_us += 1_000;
+            if self.look() {
+                assert!(self.signals.disarm.acquire());
+                return Some((self.now_us - begun_us) / 1_000);
+            }
         }
-        let over = let_go(&signals);
-        assert_eq!((signals.disarm.acquire(), signals.let_go.get()), (over, over));
-        over
-    })
+        None
+    }
+
+    fn motors(&self) -> Motors {
+        self.hold.told(&self.signals).motors
+    }
 }
 
 #[test]
 fn motors_go_off_when_the_operator_has_been_silent() {
-    // The count of ticks wraps every seven weeks.
-    for start in [0, 7, u32::MAX - 200, u32::MAX - 1000] {
-        for mode in [Mode::Armed, Mode::Probing] {
-            assert_eq!(run(mode, PATIENCE, start, 0), Some(PATIENCE + 1));
-            assert_eq!(run(mode, PATIENCE, start, 1200), Some(1200 + PATIENCE + 1));
-            assert_eq!(run(mode, PATIENCE, start, 3000), None, "he is there");
-        }
-        assert_eq!(run(Mode::Armed, 0, start, 0), None, "armed alone");
-        for mode in [Mode::Disarmed, Mode::Faulted(Fault::PeerLost)] {
-            assert_eq!(run(mode, PATIENCE, start, 0), None, "nothing is on");
-        }
+    let lease_ms = 200 - u64::from(LOOK_EVERY) - 1;
+    for mode in [Mode::Armed, Mode::Probing] {
+        let mut board = Board::on(mode, false, 7_000_000);
+        assert_eq!((board.motors(), board.hold.says()), (Motors::Leased, None));
+        assert_eq!(board.off_after(), Some(lease_ms));
+        assert_eq!(board.hold.says(), Some("motors off: the operator was silent; "));
+        assert_eq!(board.motors(), Motors::Leased, "until the tick has turned them off");
+        board.signals.mode.set(Mode::Disarmed);
+        assert_eq!(board.motors(), Motors::Off);
+        // A permission counts from the newest time of the board's that the operator knew.
+        let mut board = Board::on(mode, false, 7_000_000);
+        board.now_us += 190_000;
+        assert!(!board.hear(run(1), 50_000));
+        assert_eq!(board.off_after(), Some(lease_ms - 50));
     }
+    let mut board = Board::on(Mode::Armed, true, 7_000_000);
+    assert_eq!((board.off_after(), board.motors()), (None, Motors::Alone));
+    assert_eq!(board.hold.says(), Some("armed alone; "));
 }
 
-/// A yes counts from the newest time of the board's that the operator knew, and a no at once.
 #[test]
-fn what_the_operator_says_counts_from_when_it_was_said() {
-    const LEASE: u32 = 200;
-    let signals = Signals::at_power_on();
-    signals.mode.set(Mode::Armed);
-    signals.patience.set(patience(LEASE));
-    signals.ticks.set(9000);
-    // On a path of 190 ms there and back there is hardly anything left of the lease.
-    note(&signals, 9_000_000, Some(8_810_000));
-    assert!(!let_go(&signals));
-    signals.ticks.set(9000 + 10);
-    assert!(let_go(&signals), "off within the lease, the supervisor's look and the tick that does it included");
-    note(&signals, 9_010_000, Some(9_010_000));
-    assert!(!let_go(&signals));
-    note(&signals, 9_010_000, None);
-    assert!(let_go(&signals) && !signals.let_go.get(), "taken back, which is no silence");
-    // Armed alone, nobody need let it.
-    signals.patience.set(0);
-    assert!(!let_go(&signals));
-    // However old it is, it is not of the future.
-    signals.patience.set(patience(LEASE));
-    note(&signals, u64::MAX, Some(0));
-    assert!(let_go(&signals));
+fn another_word_turns_off_at_once_and_a_stop_also_what_runs_alone() {
+    for (alone, byte, off) in
+        [(false, 2 << 2, true), (false, run(2), true), (false, 2 << 2 | 1, true), (true, 2 << 2, false)]
+    {
+        let mut board = Board::on(Mode::Armed, alone, 7_000_000);
+        assert_eq!(board.hear(byte, 0), off, "{byte}");
+        assert_eq!(board.hold.says().is_some(), alone, "this is no silence");
+    }
+    let mut board = Board::on(Mode::Armed, true, 7_000_000);
+    board.hold.step(board.now_us, AtBoard::Session);
+    assert!(!board.look() && board.hear(2 << 2 | 1, 0), "a stop of any operator");
+    assert_eq!(board.hold.says(), None);
+    let mut board = Board::on(Mode::Armed, false, 7_000_000);
+    board.hold.step(board.now_us, AtBoard::Session);
+    assert!(board.look(), "another operator has let nothing run");
 }
 
-/// The port may note a tick that the supervisor has not seen yet.
 #[test]
-fn who_was_heard_just_now_is_there() {
-    let signals = Signals::at_power_on();
-    signals.mode.set(Mode::Armed);
-    signals.patience.set(PATIENCE);
-    signals.ticks.set(9000);
-    signals.consented.set(9002);
-    signals.consent.set(true);
-    assert!(!let_go(&signals));
+fn a_start_needs_its_own_word_and_a_fresh_one_and_motors_that_are_off() {
+    let mut board = Board::on(Mode::Armed, false, 7_000_000);
+    assert_eq!(board.start(run(1), false), Err(No::Used));
+    assert!(board.hear(run(2), 0));
+    board.signals.mode.set(Mode::Disarmed);
+    // Under another number, under no run, and twice; which the model leaves out.
+    for byte in [run(1), run(3), 2 << 2, 2 << 2 | 1] {
+        assert_eq!(board.start(byte, false), Err(No::NotLet), "{byte}");
+    }
+    assert_eq!(board.start(run(2), true), Ok(()));
+    board.signals.mode.set(Mode::Armed);
+    assert!(!board.hear(run(3), 0), "it runs alone");
+    assert_eq!(board.start(run(3), false), Err(No::On));
+    // As old as the lease.
+    let mut board = Board::on(Mode::Armed, false, 7_000_000);
+    board.signals.mode.set(Mode::Disarmed);
+    board.hear(run(2), 194_000);
+    assert_eq!(board.start(run(2), true), Err(No::Stale));
+    board.hear(run(2), 193_000);
+    assert_eq!(board.start(run(2), true), Ok(()));
+}
+
+/// The tick turned them off by itself: a start is needed, and what was let run does not go on.
+#[test]
+fn what_has_gone_off_stays_off() {
+    let mut board = Board::on(Mode::Armed, false, 7_000_000);
+    board.signals.mode.set(Mode::Faulted(Fault::PeerLost));
+    assert!(!board.look());
+    assert_eq!((board.motors(), board.start(run(1), false)), (Motors::Off, Err(No::Used)));
+    // An order that waits for the tick is one that turns motors on, unless the lease ends before.
+    board.hear(run(2), 0);
+    assert_eq!(board.start(run(2), false), Ok(()));
+    assert!(!board.look() && board.motors() == Motors::Leased);
+    assert!(board.hear(2 << 2 | 1, 0) && board.signals.disarm.acquire());
+    board.hold.started();
+    assert_eq!(board.motors(), Motors::Off);
+    let mut board = Board::on(Mode::Armed, true, 7_000_000);
+    board.hold.off(board.now_us, &board.signals);
+    assert!(board.signals.disarm.acquire() && board.motors() == Motors::Leased);
 }

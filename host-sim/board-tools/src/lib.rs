@@ -3,7 +3,6 @@
 
 pub mod bringup;
 pub mod calibrate;
-pub mod consent;
 mod error;
 pub mod image;
 pub mod operator;

@@ -5,21 +5,23 @@
 //! (haptic-protocol). What a line may say is in firmware/src/operator.rs; the last operator to come is the one the board
 //! listens to.
 //!
-//! **Run is a lease** ([`Consent`]): all that is sealed here, in messages of one length, says whether the motors may run. A line that turns
-//! them on gives consent, `disarm` takes it back before it is said; so does whoever has the handle.
+//! **Run is a lease** ([`haptic_protocol::lease`]): every datagram, all of one length, says whether the motors may run, and the board's say
+//! whether they do. A line that turns them on starts a run before it is said, `disarm` is a stop before it is said. Other threads that
+//! start and stop share the session's [`Reins`].
 //!
 //! [`Session`] is sans-IO: whoever has a socket and a clock drives it, tests in virtual time. What a board says takes no more memory than
 //! [`MOST_ANSWERS`] and [`MOST_SAMPLES`], whether somebody takes it or not.
 
 use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use haptic_protocol::lease::{AtOperator, Giver, No, Told, Word};
 use haptic_protocol::link::{Config, Link, Notice, Stage};
 use haptic_protocol::parameters::{Parameters, Table};
 use haptic_protocol::wire::{Datagram, Event, Message, PeerId, Sample};
 use haptic_protocol::{ends::Ends, key::Key, lines::Lines};
 
 use crate::Error;
-use crate::consent::{Consent, Moment, Stopped, runs};
 
 /// The port on the board.
 pub const PORT: u16 = 7702;
@@ -28,8 +30,47 @@ const OPERATOR: PeerId = PeerId(0);
 pub const MOST_ANSWERS: usize = 64;
 /// Most samples that wait to be taken, 5 s of three axes at 1 kHz: what comes beyond them is lost.
 pub const MOST_SAMPLES: usize = 1 << 14;
+/// How long the board's newest word may be under way when something is to be started, µs.
+const SETTLES_US: u64 = 500_000;
 /// Both ends poll this often, µs; after twelve times as long in silence they call anew.
 const PERIOD_US: u32 = 20_000;
+
+/// What a person is told of a stop that the board has confirmed.
+pub const STOPPED: &str = "stopped: the board says that its motors are off";
+/// What a person is told of a stop that the board has not confirmed.
+pub const UNCONFIRMED: &str = "stop not confirmed: press the stop at the board. Motors that this program let run go off by themselves. Motors \
+                               that run alone or for another operator may be on";
+
+/// Whether a line to a board turns motors on.
+pub fn is_start(line: &str) -> bool {
+    matches!(line.split_whitespace().next(), Some("arm" | "check" | "probe"))
+}
+
+/// An operator's side of the lease, in the hands of all who start and all who stop.
+#[derive(Clone, Debug, Default)]
+pub struct Reins(Arc<Mutex<Giver>>);
+
+impl Reins {
+    /// The giver, which nobody holds for longer than a step takes.
+    pub fn giver(&self) -> MutexGuard<'_, Giver> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Begins a run: the word that its line is to be said under.
+    ///
+    /// # Errors
+    /// Why it is refused here.
+    pub fn start(&self, now_us: u64) -> Result<Word, No> {
+        let mut giver = self.giver();
+        giver.step(now_us, AtOperator::Start)?;
+        Ok(giver.word(now_us))
+    }
+
+    /// Takes in what refuses nothing: any event but a start.
+    pub fn note(&self, now_us: u64, event: AtOperator) {
+        let _ = self.giver().step(now_us, event);
+    }
+}
 
 /// One operator and one board, whoever brings the time and the datagrams.
 #[derive(Debug)]
@@ -38,11 +79,11 @@ pub struct Session {
     lines: Lines,
     answers: VecDeque<String>,
     samples: Vec<(u64, Sample)>,
-    consent: Consent,
-    /// Consent was given when something was sealed last.
-    consented: bool,
-    /// From when on what is sealed here says that it was taken back, µs: after every yes, and after all that the board echoed before.
-    withdrawn_us: u64,
+    reins: Reins,
+    /// A start that waits for the board's word that its motors are off, the word that it was said after, and until when, µs.
+    waits: Option<(String, Word, u64)>,
+    /// The newest time that it was called at, µs.
+    now_us: u64,
 }
 
 impl Session {
@@ -62,19 +103,26 @@ impl Session {
             lines: Lines::default(),
             answers: VecDeque::new(),
             samples: Vec::new(),
-            consent: Consent::default(),
-            consented: false,
-            withdrawn_us: 0,
+            reins: Reins::default(),
+            waits: None,
+            now_us: 0,
         })
     }
 
     /// Takes a datagram, which is opened in place; one that is not the board's is not taken.
     pub fn receive(&mut self, now_us: u64, datagram: &mut [u8]) {
+        self.now_us = now_us;
         let taken = self.link.receive(now_us, datagram);
         while let Some(notice) = self.link.take_notice() {
-            if matches!(notice, Notice::NewPeer(_)) && !self.lines.is_saying() {
-                self.lines.forget();
+            if matches!(notice, Notice::NewPeer(_)) {
+                self.reins.note(now_us, AtOperator::Session);
+                if !self.lines.is_saying() {
+                    self.lines.forget();
+                }
             }
+        }
+        if let Some((told, echo_us)) = self.link.heard() {
+            self.reins.note(now_us, AtOperator::Heard { told: Told::of_byte(told), echo_us });
         }
         if let Ok(Some(Message::Sample(sample))) = taken
             && self.samples.len() < MOST_SAMPLES
@@ -82,42 +130,31 @@ impl Session {
             self.samples.push((self.link.sealed_us(), sample));
         }
         while let Some(heard) = self.lines.hear(now_us, &mut self.link) {
-            if self.answers.len() == MOST_ANSWERS {
-                self.answers.pop_front();
-            }
-            self.answers.push_back(haptic_io::escaped(heard.line.as_str()).into_owned());
+            self.answered(haptic_io::escaped(heard.line.as_str()).into_owned());
         }
+    }
+
+    fn answered(&mut self, answer: String) {
+        if self.answers.len() == MOST_ANSWERS {
+            self.answers.pop_front();
+        }
+        self.answers.push_back(answer);
     }
 
     /// The next datagram to send, if any; call until there is none, at least every 20 ms.
     pub fn poll(&mut self, now_us: u64, out: &mut Datagram) -> Option<usize> {
-        let consents = self.consent.is_given();
-        if consents {
-            self.withdrawn_us = now_us.saturating_add(1);
-        } else if self.consented {
-            // A board may echo a time before it has heard anything of that time.
-            let guessed_us = self.link.echoed_us().map_or(0, |us| us.saturating_add(1));
-            self.withdrawn_us = self.withdrawn_us.max(now_us).max(guessed_us);
-        }
-        self.consented = consents;
-        self.link.consent(consents);
+        self.now_us = now_us;
+        self.begin();
+        let mut giver = self.reins.giver();
+        self.link.say_lease(giver.word(now_us).byte(), giver.is_eager());
+        drop(giver);
         self.lines.push(&mut self.link);
         self.link.poll(now_us, out)
     }
 
-    /// Whether the motors may run, for whoever gives and takes back.
-    pub fn consent(&self) -> Consent {
-        self.consent.clone()
-    }
-
-    /// How it is known that a board that runs on for `lease_us` µs after the last yes has stopped; `None`: it may run.
-    pub fn stopped(&self, now_us: u64, lease_us: u64) -> Option<Stopped> {
-        if self.consented || self.consent.is_given() {
-            return None;
-        }
-        let heard = self.link.echoed_us().is_some_and(|echoed_us| echoed_us >= self.withdrawn_us);
-        let over = now_us >= self.withdrawn_us.saturating_add(lease_us);
-        if heard { Some(Stopped::Heard) } else { over.then_some(Stopped::LeaseOver) }
+    /// The operator's side of the lease.
+    pub fn reins(&self) -> &Reins {
+        &self.reins
     }
 
     /// Tells the board that nobody listens any more, as [`Link::goodbye`].
@@ -125,27 +162,44 @@ impl Session {
         self.link.goodbye(now_us, out)
     }
 
-    /// Begins to say a line; false while another one is on its way.
+    /// Begins to say a line; false while another one is on its way. `disarm` is a stop. One that turns motors on begins a run; it is
+    /// refused by an answer if the board does not say within half a second that its motors are off.
     pub fn say(&mut self, line: &str) -> bool {
-        self.say_since(line, self.consent.moment())
+        if line.split_whitespace().next() == Some("disarm") {
+            self.reins.note(self.now_us, AtOperator::Stop);
+            self.waits = None;
+        }
+        let word = self.reins.giver().word(self.now_us);
+        if self.waits.is_some() || !is_start(line) {
+            return self.waits.is_none() && self.lines.say(line, word);
+        }
+        let free = !self.lines.is_saying();
+        self.waits = free.then(|| (line.to_owned(), word, self.now_us.saturating_add(SETTLES_US)));
+        self.begin();
+        free
     }
 
-    /// Begins to say a line that was ordered at this moment: if it turns motors on, they may run unless consent was taken back since.
-    /// False while another one is on its way.
-    pub fn say_since(&mut self, line: &str, moment: Moment) -> bool {
-        if line.split_whitespace().next() == Some("disarm") {
-            self.consent.withdraw();
+    /// Begins the run of a line that waits, or refuses it: too late, or stopped meanwhile.
+    fn begin(&mut self) {
+        let Some((line, after, until_us)) = self.waits.take() else { return };
+        let is_stopped = self.reins.giver().word(self.now_us) != after;
+        let run = if is_stopped { Err(No::NotLet) } else { self.reins.start(self.now_us) };
+        match run {
+            Ok(word) => drop(self.lines.say(&line, word)),
+            Err(No::Unknown | No::On) if self.now_us < until_us => self.waits = Some((line, after, until_us)),
+            Err(no) => self.answered(format!("error {}", no.explain())),
         }
-        let said = self.lines.say(line);
-        if said && runs(line) {
-            self.consent.give(moment);
-        }
-        said
+    }
+
+    /// Begins to say a line under the word of a run that has begun; false while another one is on its way.
+    pub fn say_under(&mut self, line: &str, word: Word) -> bool {
+        self.lines.say(line, word)
     }
 
     /// Withdraws a line that the board may not have heard yet: it is not to be carried out any more.
     pub fn unsay(&mut self) {
         self.lines.unsay();
+        self.waits = None;
     }
 
     /// The next answer of the board that has not been taken.

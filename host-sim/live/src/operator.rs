@@ -4,9 +4,9 @@ use std::time::{Duration, Instant};
 use std::{net::SocketAddr, path::Path};
 
 use haptic_board_tools::calibrate::board::{Board, Tick};
-use haptic_board_tools::consent::{Consent, Moment, Stopped};
-use haptic_board_tools::operator::Session;
+use haptic_board_tools::operator::{Reins, Session, UNCONFIRMED, is_start};
 use haptic_protocol::key::Role;
+use haptic_protocol::lease::{AtOperator, Word};
 use haptic_protocol::lines::LONGEST;
 use haptic_protocol::wire::{MAX_DATAGRAM, Sample};
 use haptic_sim::engine::{Actor, Out};
@@ -17,9 +17,6 @@ use crate::Error;
 
 /// How long a board may take to answer, at first and then.
 const PATIENCE: Duration = Duration::from_secs(3);
-/// The key that says how long a board runs on after the last yes, and the longest that it may be, s.
-const LEASE: &str = "safety.operator_lost_s";
-const LONGEST_LEASE_S: f64 = 100.0;
 /// Between two looks at what has come.
 const LOOK: Duration = Duration::from_millis(2);
 
@@ -87,8 +84,6 @@ pub struct Operator {
     board: SocketAddr,
     number: u8,
     session: Session,
-    /// The longest lease that the board was heard to have, s.
-    lease_s: f64,
     stop: Stop,
 }
 
@@ -113,18 +108,7 @@ impl Operator {
         let (number, session) = there.ok_or_else(|| {
             format!("nobody answers at {board}, or nobody who holds the key of {}", key_file.display())
         })?;
-        let mut operator = Self { endpoint, board, number, session, lease_s: 0.0, stop: Stop::default() };
-        operator.learn_lease()?;
-        Ok(operator)
-    }
-
-    /// What the board is set to may be applied later, so the longest that was heard counts.
-    fn learn_lease(&mut self) -> Result<(), Error> {
-        let said = self.ask(&format!("get {LEASE}"))?;
-        let seconds = said.rsplit_once(" = ").and_then(|(_, value)| value.parse::<f64>().ok());
-        self.lease_s =
-            self.lease_s.max(seconds.filter(|s| (0.0..=LONGEST_LEASE_S).contains(s)).unwrap_or(LONGEST_LEASE_S));
-        Ok(())
+        Ok(Self { endpoint, board, number, session, stop: Stop::default() })
     }
 
     /// This operator, whose recording and listening end when `stop` is asked for.
@@ -143,45 +127,49 @@ impl Operator {
         wait(&self.endpoint, self.board, session, time, |sessions| sessions.iter_mut().any(&mut done))
     }
 
-    /// Whether the motors may run, for whoever gives and takes back: it holds from the next 2 ms on, whatever else this operator does.
-    pub fn consent(&self) -> Consent {
-        self.session.consent()
+    /// The operator's side of the lease, for whoever starts and stops: it holds from the next 2 ms on, whatever else this operator does.
+    pub fn reins(&self) -> Reins {
+        self.session.reins().clone()
     }
 
-    /// Takes consent back, and waits until the board has heard it or its lease is over, whichever is first: which it was.
+    /// Stops all motors of the board, and waits until the board says that they are off.
     ///
     /// # Errors
-    /// The socket failed.
-    pub fn stop(&mut self) -> Result<Stopped, Error> {
-        self.session.consent().withdraw();
-        let lease = Duration::from_secs_f64(self.lease_s);
-        let (begun, mut stopped) = (self.endpoint.start(), None);
-        self.wait(lease + PATIENCE, |session| {
-            stopped = session.stopped(begun.elapsed().as_micros() as u64, lease.as_micros() as u64);
-            stopped.is_some()
-        })?;
-        // All that time has passed without a yes.
-        Ok(stopped.unwrap_or(Stopped::LeaseOver))
+    /// The board did not say it in time, and what to do then. The socket failed.
+    pub fn stop(&mut self) -> Result<(), Error> {
+        let reins = self.reins();
+        reins.note(self.now_us(), AtOperator::Stop);
+        self.wait(PATIENCE, |_| reins.giver().is_stopped())?;
+        if reins.giver().is_stopped() { Ok(()) } else { Err(UNCONFIRMED.to_owned().into()) }
     }
 
-    /// Says a line and gives the answer, which begins with `ok` or `error`. A line that turns motors on lets them run.
+    /// Says a line and gives the answer, which begins with `ok` or `error`. A line that turns motors on lets them run. `disarm` is
+    /// [`Operator::stop`].
     ///
     /// # Errors
     /// The board fell silent, or the socket failed.
     pub fn ask(&mut self, line: &str) -> Result<String, Error> {
-        self.ask_since(line, self.session.consent().moment())
+        self.ask_under(line, None)
     }
 
-    /// [`Operator::ask`] of a line that was ordered at this moment: if consent was taken back since, it turns no motor on.
+    /// [`Operator::ask`] of a line under the word of a run that has begun, if it has: the board refuses it if that was stopped meanwhile.
     ///
     /// # Errors
     /// As of [`Operator::ask`].
-    pub fn ask_since(&mut self, line: &str, moment: Moment) -> Result<String, Error> {
+    pub fn ask_under(&mut self, line: &str, run: Option<Word>) -> Result<String, Error> {
+        if line.split_whitespace().next() == Some("disarm") {
+            self.stop()?;
+            return Ok("ok disarmed".to_owned());
+        }
         if line.len() > LONGEST {
             let allowed = format!("it must be at most {LONGEST}");
             return Err(haptic_sim::Error::not_allowed(format!("a line of {} bytes", line.len()), allowed).into());
         }
-        if !self.session.say_since(line, moment) {
+        let said = match run {
+            None => self.session.say(line),
+            Some(run) => self.session.say_under(line, run),
+        };
+        if !said {
             return Err(format!("{} has not taken the line before", self.board).into());
         }
         let mut answer = None;
@@ -192,14 +180,15 @@ impl Operator {
         if answer.is_none() {
             self.session.unsay();
         }
-        if line.contains(LEASE) && line.starts_with("set") || line == "defaults" {
-            self.learn_lease()?;
-        }
-        if answer.is_none() && line == "disarm" {
-            let stopped = self.stop()?.explain();
-            return Err(format!("no answer from {} to {line:?}; {stopped}", self.board).into());
+        if is_start(line) && !answer.as_ref().is_some_and(|answer| answer.starts_with("ok")) {
+            // It may have started all the same: it does not go on.
+            self.reins().note(self.now_us(), AtOperator::Leave);
         }
         answer.ok_or_else(|| format!("no answer from {} to {line:?}", self.board).into())
+    }
+
+    fn now_us(&self) -> u64 {
+        self.endpoint.now_ns() / 1_000
     }
 
     /// When its clock began.
@@ -265,7 +254,7 @@ impl Operator {
 impl Drop for Operator {
     fn drop(&mut self) {
         let mut out = [0; MAX_DATAGRAM];
-        if let Some(length) = self.session.goodbye(self.endpoint.now_ns() / 1_000, &mut out) {
+        if let Some(length) = self.session.goodbye(self.now_us(), &mut out) {
             self.endpoint.send(self.board, &out[..length]);
         }
     }

@@ -68,20 +68,7 @@ pub(crate) struct Run {
     state_hash: String,
 }
 
-/// What a run holds, in the order of `HELD`.
-type Held = (
-    Vec<Py<PyDict>>,
-    Py<PyDict>,
-    bool,
-    String,
-    Option<String>,
-    Option<(usize, String)>,
-    Option<f64>,
-    f64,
-    Vec<String>,
-    u64,
-    String,
-);
+/// What a run holds, beside its first columns.
 const HELD: [&str; 11] = [
     "axes",
     "merits",
@@ -96,48 +83,42 @@ const HELD: [&str; 11] = [
     "state_hash",
 ];
 
+/// What a pickled run says under this name.
+fn of<'py, T: FromPyObjectOwned<'py>>(held: &Bound<'py, PyDict>, name: &str) -> PyResult<T> {
+    held.as_any().get_item(name)?.extract().map_err(Into::into)
+}
+
 #[pymethods]
 impl Run {
     /// From what it holds.
     #[staticmethod]
-    fn _of(py: Python<'_>, held: Held) -> PyResult<Self> {
-        let (
-            axes,
-            merits,
-            stable,
-            verdict,
-            reason,
-            fault,
-            fault_time_s,
-            spectral_radius,
-            unstable_modes,
-            ticks,
-            state_hash,
-        ) = held;
-        let columns = axes.first().ok_or_else(|| refused("a run has an axis".to_owned()))?.clone_ref(py);
+    fn _of(held: &Bound<'_, PyDict>) -> PyResult<Self> {
+        let axes: Vec<Py<PyDict>> = of(held, "axes")?;
+        let columns = axes.first().ok_or_else(|| refused("a run has an axis".to_owned()))?.clone_ref(held.py());
+        let said: String = of(held, "verdict")?;
         let names = [Verdict::Stable, Verdict::Apart, Verdict::Unstable].map(Verdict::name);
-        let verdict = names.into_iter().find(|name| *name == verdict);
-        let verdict = verdict.ok_or_else(|| refused("a run has a verdict".to_owned()))?;
+        let verdict = names.into_iter().find(|name| *name == said);
         Ok(Self {
             columns,
             axes,
-            merits,
-            stable,
-            verdict,
-            reason,
-            fault,
-            fault_time_s,
-            spectral_radius,
-            unstable_modes,
-            ticks,
-            state_hash,
+            merits: of(held, "merits")?,
+            stable: of(held, "stable")?,
+            verdict: verdict.ok_or_else(|| refused("a run has a verdict".to_owned()))?,
+            reason: of(held, "reason")?,
+            fault: of(held, "fault")?,
+            fault_time_s: of(held, "fault_time_s")?,
+            spectral_radius: of(held, "spectral_radius")?,
+            unstable_modes: of(held, "unstable_modes")?,
+            ticks: of(held, "ticks")?,
+            state_hash: of(held, "state_hash")?,
         })
     }
 
     /// Pickled as what it holds.
     fn __reduce__<'py>(slf: &Bound<'py, Self>, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
-        let held = HELD.iter().map(|name| slf.getattr(*name)).collect::<PyResult<Vec<_>>>()?;
-        (slf.get_type().getattr("_of")?, (PyTuple::new(py, held)?,)).into_pyobject(py)
+        let held = PyDict::new(py);
+        HELD.iter().try_for_each(|name| held.set_item(*name, slf.getattr(*name)?))?;
+        (slf.get_type().getattr("_of")?, (held,)).into_pyobject(py)
     }
 
     /// Its verdict and its figures of merit as a table, for notebooks.

@@ -4,14 +4,13 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use haptic_core::law::Sends;
-use haptic_io::Kind;
-use haptic_plot::{Error, write_file};
+
 use haptic_report::Provenance;
 use haptic_studies::bench::networks::{Network, TEST};
 use haptic_studies::bench::page::{BENCH, PICTURE, section};
 use haptic_studies::bench::{Found, figure, tables};
 use haptic_studies::campaign::laws::asked_for;
-use haptic_studies::campaign::laws::page::{MOST, with};
+
 use haptic_studies::{bench, sweep};
 use serde_json::json;
 
@@ -54,7 +53,10 @@ impl Bench {
             None => Vec::new(),
         };
         let pages = match &self.page {
-            Some(page) => self.write_page(page, &bench, &found)?,
+            Some(page) => {
+                ui.rewrite(page, BENCH, &section(&bench, &found))?;
+                vec![page.clone(), Ui::beside(page, PICTURE, &figure::fronts(&found.points))?]
+            }
             None => Vec::new(),
         };
         let files = [files, pages].concat();
@@ -120,19 +122,5 @@ impl Bench {
             })?);
         }
         Ok(files)
-    }
-
-    /// Writes the bench into its part of a page, and its picture.
-    fn write_page(&self, page: &Path, bench: &bench::Bench, found: &Found) -> Result<Vec<PathBuf>, Failure> {
-        let old = haptic_io::text(page, MOST).map_err(haptic_sim::Error::cannot("read", &page.display()))?;
-        let text = with(&old, BENCH, &section(bench, found))?;
-        write_file(page, "Markdown", text.as_bytes(), Kind::Named)?;
-        let path = page.with_file_name(PICTURE);
-        let painted = haptic_plot::paint(&figure::fronts(&found.points), haptic_plot::Print::default(), "");
-        let painted = painted.map_err(Error::write(&path, "a figure"))?;
-        for (_, bytes) in painted.into_iter().filter(|(ending, _)| *ending == "png") {
-            write_file(&path, "PNG", &bytes, Kind::Named)?;
-        }
-        Ok(vec![page.to_owned(), path])
     }
 }

@@ -1,14 +1,13 @@
 //! `host-sim campaign`: every kind of communications, laws, or one scene, over every kind of bad network, and what each costs.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use haptic_core::num::Scalar;
 use haptic_io::Kind;
-use haptic_plot::{Error, write_file};
-use haptic_report::Columns;
+use haptic_plot::write_file;
 use haptic_studies::campaign::laws::page::{MOST, PICTURE, page};
-use haptic_studies::campaign::laws::{Row, asked_for, bench, figures, law_scenes, tables};
+use haptic_studies::campaign::laws::{asked_for, bench, figures, law_scenes, tables};
 use haptic_studies::campaign::{Cell, campaign, columns, cost_columns, costs, of_scene};
 use serde_json::json;
 
@@ -43,17 +42,14 @@ impl Campaign {
         if self.out.out.is_some() {
             return Err("--out goes with --laws: the other tables are printed, or a document with --json".into());
         }
-        let (table, _) = ui.work(1, "runs over every network", |_| self.table(ui))?;
+        let (table, _) = ui.work(1, "runs over every network", |_| {
+            Ok::<_, Failure>(match self.scene.is_given() {
+                _ if self.costs => cost_columns(&costs(ui.laws)?),
+                true => columns(&of_scene(ui.laws, &self.scene.name(), &self.scene.load(ui)?)?),
+                false => columns(&campaign(ui.laws)?),
+            })
+        })?;
         ui.result(&table)
-    }
-
-    /// The one table of a campaign without laws.
-    fn table(&self, ui: &Ui) -> Result<Columns, Failure> {
-        Ok(match self.scene.is_given() {
-            _ if self.costs => cost_columns(&costs(ui.laws)?),
-            true => columns(&of_scene(ui.laws, &self.scene.name(), &self.scene.load(ui)?)?),
-            false => columns(&campaign(ui.laws)?),
-        })
     }
 
     /// Laws on the bench.
@@ -82,7 +78,9 @@ impl Campaign {
             let set: Vec<String> = EACH_TICK.map(str::to_owned).to_vec();
             let scenes = law_scenes(ui.laws, &chosen, None, &set)?;
             let (each_tick, _) = ui.work(chosen.len(), "laws", |step| bench(ui.laws, &scenes, &|| step()))?;
-            files.extend(written(file, &rows, &each_tick)?);
+            let old = haptic_io::text(file, MOST).unwrap_or_default();
+            write_file(file, "Markdown", page(&rows, &each_tick, &old).as_bytes(), Kind::Named)?;
+            files.extend([file.clone(), Ui::beside(file, PICTURE, &figures::impedance(&rows))?]);
         }
         ui.document_of(
             &provenance,
@@ -93,19 +91,4 @@ impl Campaign {
         ui.wrote(&files);
         Ok(())
     }
-}
-
-/// Writes the page and its picture.
-fn written(file: &Path, rows: &[Row], each_tick: &[Row]) -> Result<Vec<PathBuf>, Failure> {
-    let old = haptic_io::text(file, MOST).unwrap_or_default();
-    write_file(file, "Markdown", page(rows, each_tick, &old).as_bytes(), Kind::Named)?;
-    let mut files = vec![file.to_owned()];
-    let path = file.with_file_name(PICTURE);
-    let painted = haptic_plot::paint(&figures::impedance(rows), haptic_plot::Print::default(), "");
-    let painted = painted.map_err(Error::write(&path, "a figure"))?;
-    for (_, bytes) in painted.into_iter().filter(|(ending, _)| *ending == "png") {
-        write_file(&path, "PNG", &bytes, Kind::Named)?;
-    }
-    files.push(path);
-    Ok(files)
 }

@@ -186,6 +186,17 @@ impl Ui {
         writeln!(self, "{table}");
     }
 
+    /// Draws a figure beside a page, as a PNG of this name, and says where.
+    pub(super) fn beside(page: &std::path::Path, name: &str, figure: &haptic_plot::Figure) -> Result<PathBuf, Failure> {
+        let path = page.with_file_name(name);
+        let painted = haptic_plot::paint(figure, Print::default(), "");
+        let painted = painted.map_err(haptic_plot::Error::write(&path, "a figure"))?;
+        for (_, bytes) in painted.into_iter().filter(|(ending, _)| *ending == "png") {
+            write_file(&path, "PNG", &bytes, Kind::Named)?;
+        }
+        Ok(path)
+    }
+
     /// Writes what is new of a page between two lines of it.
     pub(super) fn rewrite(&self, file: &PathBuf, lines: [&str; 2], text: &str) -> Result<(), Failure> {
         let refused = |cause: Failure| Failure::from(format!("--page {}: {cause}", file.display()));

@@ -1,11 +1,11 @@
 //! One or two boards as their operator has them: what their ticks see, and the few lines that a page may say to them.
 //!
 //! A board moves a motor against a person, so a page says no line of its own making: arm, clear a fault, check a joint,
-//! and stop. **Stop** takes consent back at once, to every board, whatever its thread waits for: from then on nothing that is sent says that
-//! the motors may run, and they are off when the board hears it or its lease is over. **Hold to run**: the motors go
-//! off when no page of the operator has asked for [`SILENCE`], because it was closed, hidden or is stuck; they also go off by
-//! themselves when this process is silent (`safety.operator_lost_s`). The pointer pulls nothing: whoever holds the
-//! device feels the other one's hand.
+//! and stop. Whether motors may be on is the lease's to say ([`haptic_protocol::lease`]). **Stop** is said from the next datagram on, to
+//! every board, whatever its thread waits for, until the board confirms it; it also ends what runs alone or for another operator. **Hold
+//! to run**: permission ends when no page of the operator has asked for [`SILENCE_US`], because it was closed, hidden or is stuck; motors
+//! also go off when this process is silent (`safety.operator_lost_s`). A page shows motors as off only while the board's own word on
+//! that is new. The pointer pulls nothing: whoever holds the device feels the other one's hand.
 //!
 //! Each board has a thread, which may wait for an answer; the control loop only tries its lock. Ticks come in batches
 //! and some are lost: they are played out [`BEHIND`] late, each held until the next.
@@ -14,31 +14,34 @@ use std::collections::VecDeque;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use haptic_board_tools::calibrate::board::{Board, FAULTED, Joint, settings};
 use haptic_board_tools::calibrate::simulated::SharedSimulation;
-use haptic_board_tools::consent::{Consent, Moment, Stopped, runs};
+use haptic_board_tools::operator::{Reins, STOPPED, UNCONFIRMED, is_start};
 use haptic_board_tools::recording::{COLUMNS, row};
 use haptic_board_tools::status::Probed;
 use haptic_core::safety::Fault;
 use haptic_live::endpoint::stand_back;
 use haptic_live::operator::Operator;
+use haptic_protocol::lease::{AtBoard, AtOperator, Holder, Motors, No, Word};
 use haptic_sim::quantities::place;
 use haptic_sim::scene::Scene;
 use serde::Serialize;
 use serde_json::json;
 
 use super::boards_line::Line;
-use super::environment::{ARMED, Command, Environment, FAULT, OFF, Sample, Standing, WAITS};
+use super::environment::{ALONE, ARMED, Command, Environment, FAULT, OFF, Sample, Standing, WAITS};
 use super::pair_columns::{OF_BOTH, sample};
 use super::session::PERIOD_S;
 use crate::Error;
 
-/// After so long without a page of the operator the motors go off.
-const SILENCE: Duration = Duration::from_millis(1000);
+/// After so long without a page of the operator the motors go off, µs.
+const SILENCE_US: u64 = 1_000_000;
+/// Lease of a simulated board, µs.
+const LEASE_US: u64 = 200_000;
 /// From one look at a board to the next, s.
 const LOOK_S: f64 = 0.02;
 /// From one question for its status to the next.
@@ -110,8 +113,8 @@ fn wait_for(waiting: &mut VecDeque<[f64; NUMBERS]>, rows: impl IntoIterator<Item
 /// What lies between a board's thread and the control loop.
 #[derive(Debug, Default)]
 struct BoardMailbox {
-    /// To be said, oldest first, with when it was ordered; a stop comes before all of it.
-    lines: VecDeque<(Line, Moment)>,
+    /// To be said, oldest first, with the run that it starts; a stop comes before all of it.
+    lines: VecDeque<(Line, Option<Word>)>,
     stop: bool,
     rows: VecDeque<[f64; NUMBERS]>,
     reported: BoardStatus,
@@ -122,7 +125,9 @@ struct Seat {
     /// 0 or 1.
     index: usize,
     mailbox: Arc<Mutex<BoardMailbox>>,
-    consent: Consent,
+    reins: Reins,
+    /// When the clock of the reins began.
+    clock: Instant,
     over: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
     /// Tick that is shown, and what it saw.
@@ -133,20 +138,20 @@ struct Seat {
 
 /// Whoever answers lines and gives ticks.
 trait BoardLink {
-    /// Says a line that was ordered at this moment and gives the answer.
-    fn ask(&mut self, line: &str, moment: Moment) -> Result<String, Error>;
-    /// Consent was taken back: waits until the motors are off, and says how that is known.
-    fn stop(&mut self) -> Result<Stopped, Error>;
+    /// Says a line, under the word of the run that it starts, and gives the answer.
+    fn ask(&mut self, line: &str, run: Option<Word>) -> Result<String, Error>;
+    /// Stops, and waits until the board says that its motors are off.
+    fn stop(&mut self) -> Result<(), Error>;
     /// Lets so much time pass, and gives what came.
     fn rows(&mut self, seconds: f64) -> Result<Vec<[f64; NUMBERS]>, Error>;
 }
 
 impl BoardLink for Operator {
-    fn ask(&mut self, line: &str, moment: Moment) -> Result<String, Error> {
-        Ok(self.ask_since(line, moment)?)
+    fn ask(&mut self, line: &str, run: Option<Word>) -> Result<String, Error> {
+        Ok(self.ask_under(line, run)?)
     }
 
-    fn stop(&mut self) -> Result<Stopped, Error> {
+    fn stop(&mut self) -> Result<(), Error> {
         Ok(Self::stop(self)?)
     }
 
@@ -164,37 +169,82 @@ fn first_row(payload: &[u8]) -> Option<[f64; NUMBERS]> {
 /// How a board's thread begins.
 type Open = Box<dyn FnOnce() -> Result<Box<dyn BoardLink>, Error> + Send>;
 
+/// A board's side of the lease, for one that is in this process.
+struct Near {
+    holder: Holder,
+    reins: Reins,
+    clock: Instant,
+}
+
+impl Near {
+    fn new(reins: Reins, clock: Instant) -> Self {
+        Self { holder: Holder::new(LEASE_US), reins, clock }
+    }
+
+    /// Both ends hear each other once, while motors are driven or not: whether they are to go off.
+    fn exchange(&mut self, driven: bool) -> bool {
+        let now_us = self.clock.elapsed().as_micros() as u64;
+        let word = self.reins.giver().word(now_us);
+        let off = (!driven).then_some(AtBoard::Off);
+        for event in off.into_iter().chain([AtBoard::Heard { word, echo_us: Some(now_us) }, AtBoard::Look]) {
+            // Nothing but a start is refused.
+            let _ = self.holder.step(now_us, event);
+        }
+        self.reins.note(now_us, AtOperator::Heard { told: self.holder.told(driven), echo_us: Some(now_us) });
+        driven && self.holder.motors() == Motors::Off
+    }
+
+    fn start(&mut self, word: Word) -> Result<(), No> {
+        let now_us = self.clock.elapsed().as_micros() as u64;
+        self.holder.step(now_us, AtBoard::Start { word, alone: false })
+    }
+
+    fn stopped(&self) -> Result<(), Error> {
+        if self.reins.giver().is_stopped() { Ok(()) } else { Err(UNCONFIRMED.into()) }
+    }
+}
+
 /// A simulated board, kept in real time.
 struct Practice {
     board: SharedSimulation,
-    consent: Consent,
+    near: Near,
     m_per_count: f64,
     zero: Option<u16>,
     due: Instant,
 }
 
 impl Practice {
-    fn new(truth: &Scene, consent: Consent) -> Result<Self, Error> {
+    fn new(truth: &Scene, near: Near) -> Result<Self, Error> {
         let mut board = SharedSimulation::new(truth)?;
         let m_per_count = Joint::of(&settings(&mut board)?, 1)?.m_per_count;
-        Ok(Self { board, consent, m_per_count, zero: None, due: Instant::now() })
+        Ok(Self { board, near, m_per_count, zero: None, due: Instant::now() })
+    }
+
+    fn exchange(&mut self) -> Result<(), Error> {
+        if self.near.exchange(self.board.is_driven()) {
+            Board::ask(&mut self.board, "disarm")?;
+            self.near.exchange(self.board.is_driven());
+        }
+        Ok(())
     }
 }
 
 impl BoardLink for Practice {
-    fn ask(&mut self, line: &str, moment: Moment) -> Result<String, Error> {
-        if runs(line) && !self.consent.give(moment) {
-            return Ok("error it was stopped meanwhile".to_owned());
+    fn ask(&mut self, line: &str, run: Option<Word>) -> Result<String, Error> {
+        self.exchange()?;
+        if let Some(Err(no)) = run.map(|run| self.near.start(run)) {
+            return Ok(format!("error {}", no.explain()));
         }
         Ok(Board::ask(&mut self.board, line)?)
     }
 
-    fn stop(&mut self) -> Result<Stopped, Error> {
-        Board::ask(&mut self.board, "disarm")?;
-        Ok(Stopped::Heard)
+    fn stop(&mut self) -> Result<(), Error> {
+        self.exchange()?;
+        self.near.stopped()
     }
 
     fn rows(&mut self, seconds: f64) -> Result<Vec<[f64; NUMBERS]>, Error> {
+        self.exchange()?;
         self.due += Duration::from_secs_f64(seconds);
         std::thread::sleep(self.due.saturating_duration_since(Instant::now()));
         let ticks = self.board.ticks(seconds)?;
@@ -212,7 +262,7 @@ impl BoardLink for Practice {
 }
 
 /// Talks to a board until it is over.
-fn attend(link: &mut dyn BoardLink, mailbox: &Mutex<BoardMailbox>, consent: &Consent, over: &AtomicBool) {
+fn attend(link: &mut dyn BoardLink, mailbox: &Mutex<BoardMailbox>, over: &AtomicBool) {
     let lock = || mailbox.lock().unwrap_or_else(PoisonError::into_inner);
     let note = |line: &str, answer: Result<String, Error>| {
         let mut mailbox = lock();
@@ -235,17 +285,16 @@ fn attend(link: &mut dyn BoardLink, mailbox: &Mutex<BoardMailbox>, consent: &Con
             (stop, if stop { None } else { mailbox.lines.pop_front() })
         };
         if stop {
-            let stopped = link.stop().map(|stopped| stopped.explain().to_owned());
-            note("stop", stopped);
-        } else if let Some((line, moment)) = line {
+            note("stop", link.stop().map(|()| STOPPED.to_owned()));
+        } else if let Some((line, run)) = line {
             let text = line.text();
-            let answer = note(&text, link.ask(&text, moment));
+            let answer = note(&text, link.ask(&text, run));
             probing = matches!(line, Line::Check(_)) && answer.starts_with("ok");
         } else if asked.is_none_or(|asked| asked.elapsed() >= STATUS) {
             asked = Some(Instant::now());
-            note("status", link.ask("status", consent.moment()));
+            note("status", link.ask("status", None));
             if probing {
-                let outcome = link.ask("probed", consent.moment()).unwrap_or_else(|why| why.to_string());
+                let outcome = link.ask("probed", None).unwrap_or_else(|why| why.to_string());
                 probing =
                     outcome.strip_prefix("ok ").is_some_and(|said| Probed::parse(said).is_ok_and(|it| it.is_running()));
                 if !probing {
@@ -254,7 +303,7 @@ fn attend(link: &mut dyn BoardLink, mailbox: &Mutex<BoardMailbox>, consent: &Con
             }
             // A board that was away, or has started anew, has forgotten what it was asked for.
             if came.elapsed() >= STATUS && lock().reported.there {
-                let _ = link.ask(&format!("stream {EVERY}"), consent.moment());
+                let _ = link.ask(&format!("stream {EVERY}"), None);
                 came = Instant::now();
             }
         }
@@ -270,10 +319,8 @@ fn attend(link: &mut dyn BoardLink, mailbox: &Mutex<BoardMailbox>, consent: &Con
             }
         }
     }
-    // Nobody stays who could stop it.
-    consent.withdraw();
-    let _ = link.stop();
-    let _ = link.ask("stream off", consent.moment());
+    // What is said from here on lets nothing run.
+    let _ = link.ask("stream off", None);
 }
 
 impl Seat {
@@ -281,36 +328,65 @@ impl Seat {
     fn open(place: Place, index: usize) -> Result<Self, Error> {
         match place {
             Place::Simulated => {
-                let consent = Consent::default();
-                let own = consent.clone();
-                let practice = || Ok(Box::new(Practice::new(&Scene::default(), own)?) as Box<dyn BoardLink>);
-                Self::attend(format!("simulated board {}", index + 1), index, consent, Box::new(practice))
+                let (reins, clock) = (Reins::default(), Instant::now());
+                let near = Near::new(reins.clone(), clock);
+                let practice = move || Ok(Box::new(Practice::new(&Scene::default(), near)?) as Box<dyn BoardLink>);
+                Self::attend(format!("simulated board {}", index + 1), index, (reins, clock), Box::new(practice))
             }
             Place::At(at, key_file) => {
                 let operator = Operator::connect(at, &key_file)?;
-                let number = operator.number();
-                let consent = operator.consent();
+                let (number, reins) = (operator.number(), (operator.reins(), operator.start()));
                 let board = move || Ok(Box::new(operator) as Box<dyn BoardLink>);
-                Self::attend(format!("board {number} at {at}"), usize::from(number) - 1, consent, Box::new(board))
+                Self::attend(format!("board {number} at {at}"), usize::from(number) - 1, reins, Box::new(board))
             }
         }
     }
 
     /// The seat of a board that is opened on its thread.
-    fn attend(name: String, index: usize, consent: Consent, open: Open) -> Result<Self, Error> {
+    fn attend(name: String, index: usize, (reins, clock): (Reins, Instant), open: Open) -> Result<Self, Error> {
+        reins.giver().silence_us = SILENCE_US;
         let reported = BoardStatus { name, ..BoardStatus::default() };
         let (mailbox, over) =
             (Arc::new(Mutex::new(BoardMailbox { reported, ..BoardMailbox::default() })), Arc::default());
-        let (theirs, own, stop) = (Arc::clone(&mailbox), consent.clone(), Arc::clone(&over));
+        let (theirs, stop) = (Arc::clone(&mailbox), Arc::clone(&over));
         let work = move || {
             stand_back(NICENESS);
             match open() {
-                Ok(mut link) => attend(&mut *link, &theirs, &own, &stop),
+                Ok(mut link) => attend(&mut *link, &theirs, &stop),
                 Err(why) => theirs.lock().unwrap_or_else(PoisonError::into_inner).reported.status = why.to_string(),
             }
         };
         let thread = std::thread::Builder::new().name("board".into()).spawn(work)?;
-        Ok(Self { index, mailbox, consent, over, thread: Some(thread), at: 0.0, shown: None, rows: VecDeque::new() })
+        let thread = Some(thread);
+        Ok(Self { index, mailbox, reins, clock, over, thread, at: 0.0, shown: None, rows: VecDeque::new() })
+    }
+
+    /// The board's mailbox, which its thread holds for microseconds.
+    fn mailbox(&self) -> MutexGuard<'_, BoardMailbox> {
+        self.mailbox.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn now_us(&self) -> u64 {
+        self.clock.elapsed().as_micros() as u64
+    }
+
+    /// A line of a page's: what starts motors begins a run now, or not at all.
+    fn order(&self, line: Line) {
+        let run = is_start(&line.text()).then(|| self.reins.start(self.now_us())).transpose();
+        let mut mailbox = self.mailbox();
+        match run {
+            Err(no) => mailbox.reported.say(&line.text(), format!("error {}", no.explain())),
+            Ok(run) if mailbox.lines.len() < ANSWERS => mailbox.lines.push_back((line, run)),
+            Ok(_) => {}
+        }
+    }
+
+    fn stop(&self) {
+        self.reins.note(self.now_us(), AtOperator::Stop);
+        // What waits is forgotten.
+        let mut mailbox = self.mailbox();
+        mailbox.stop = true;
+        mailbox.lines.clear();
     }
 
     /// Takes what its thread has laid down, if that does not hold it just now; what is reported is new, if it is.
@@ -339,19 +415,21 @@ impl Seat {
         }
     }
 
-    fn mode(&self, there: bool) -> u8 {
-        match self.shown.filter(|_| there) {
-            None => WAITS,
-            Some(row) if row[MODE] == 1.0 => ARMED,
-            Some(row) if row[MODE] == f64::from(FAULTED) => FAULT + row[FAULT_NUMBER] as u8,
-            Some(_) => OFF,
+    /// By the board's own word, and by nothing else. A row only says why motors are off.
+    fn mode(&self) -> u8 {
+        match (self.reins.giver().shown(self.now_us()), self.shown) {
+            (None, _) => WAITS,
+            (Some(Motors::Leased), _) => ARMED,
+            (Some(Motors::Alone), _) => ALONE,
+            (Some(Motors::Off), Some(row)) if row[MODE] == f64::from(FAULTED) => FAULT + row[FAULT_NUMBER] as u8,
+            (Some(Motors::Off), _) => OFF,
         }
     }
 }
 
 impl Drop for Seat {
     fn drop(&mut self) {
-        self.consent.withdraw();
+        self.reins.note(self.now_us(), AtOperator::Leave);
         self.over.store(true, Ordering::Relaxed);
         let _ = self.thread.take().map(JoinHandle::join);
     }
@@ -361,8 +439,6 @@ impl Drop for Seat {
 pub(crate) struct Boards {
     seats: Vec<Seat>,
     reported: Vec<BoardStatus>,
-    /// When a page of the operator has last asked.
-    seen: Instant,
     restarts: u32,
     news: bool,
 }
@@ -385,23 +461,7 @@ impl Boards {
     }
 
     fn of_seats(seats: Vec<Seat>) -> Self {
-        Self {
-            reported: vec![BoardStatus::default(); seats.len()],
-            seats,
-            seen: Instant::now(),
-            restarts: 1,
-            news: true,
-        }
-    }
-
-    fn stop(&mut self) {
-        for seat in &mut self.seats {
-            seat.consent.withdraw();
-            // It is held for microseconds. What waits is forgotten.
-            let mut mailbox = seat.mailbox.lock().unwrap_or_else(PoisonError::into_inner);
-            mailbox.stop = true;
-            mailbox.lines.clear();
-        }
+        Self { reported: vec![BoardStatus::default(); seats.len()], seats, restarts: 1, news: true }
     }
 
     fn of(&self, index: usize) -> Option<(&Seat, &BoardStatus)> {
@@ -412,14 +472,10 @@ impl Boards {
 impl Environment for Boards {
     fn command(&mut self, command: Command) -> Result<(), Error> {
         match command {
-            Command::Stop => self.stop(),
+            Command::Stop => self.seats.iter().for_each(Seat::stop),
             Command::Board(number, line) => {
-                if let Some(seat) = self.seats.iter().find(|seat| seat.index + 1 == usize::from(number)) {
-                    let mut mailbox = seat.mailbox.lock().unwrap_or_else(PoisonError::into_inner);
-                    if mailbox.lines.len() < ANSWERS {
-                        mailbox.lines.push_back((line, seat.consent.moment()));
-                    }
-                }
+                let seat = self.seats.iter().find(|seat| seat.index + 1 == usize::from(number));
+                seat.into_iter().for_each(|seat| seat.order(line));
             }
             Command::Start | Command::Cut(_) | Command::Partner(_) => {}
         }
@@ -431,7 +487,7 @@ impl Environment for Boards {
     }
 
     fn attend(&mut self) {
-        self.seen = Instant::now();
+        self.seats.iter().for_each(|seat| seat.reins.note(seat.now_us(), AtOperator::Asked));
     }
 
     fn point(&mut self, _: usize, _: Option<[f64; 3]>, _: u32) {}
@@ -442,11 +498,6 @@ impl Environment for Boards {
         for (seat, reported) in self.seats.iter_mut().zip(&mut self.reported) {
             self.news |= seat.look(reported);
             seat.play();
-        }
-        let armed = self.standing().modes.contains(&ARMED);
-        if armed && self.seen.elapsed() > SILENCE {
-            self.stop();
-            self.seen = Instant::now();
         }
         let both = |column: usize| {
             [0, 1].map(|index| {
@@ -464,7 +515,7 @@ impl Environment for Boards {
 
     fn standing(&self) -> Standing {
         // A place without a board is as a board that is off.
-        let modes = [0, 1].map(|index| self.of(index).map_or(OFF, |(seat, reported)| seat.mode(reported.there)));
+        let modes = [0, 1].map(|index| self.of(index).map_or(OFF, |(seat, _)| seat.mode()));
         Standing { modes, cut: false, partner: 0 }
     }
 
@@ -472,7 +523,7 @@ impl Environment for Boards {
         std::mem::take(&mut self.news).then(|| {
             let boards: Vec<_> = (self.seats.iter().zip(&self.reported))
                 .map(|(seat, reported)| {
-                    let mode = seat.mode(reported.there);
+                    let mode = seat.mode();
                     let fault = mode.checked_sub(FAULT).and_then(Fault::from_number).map(Fault::explain);
                     json!({ "number": seat.index + 1, "told": reported, "fault": fault })
                 })

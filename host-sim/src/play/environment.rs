@@ -46,8 +46,10 @@ pub(super) const fn joined<const N: usize>(parts: &[&[Column]]) -> [Column; N] {
 /// A peer's mode as one number, as windows get it.
 pub(super) const OFF: u8 = 0;
 pub(super) const ARMED: u8 = 1;
-/// It waits for the other end.
+/// It waits for the other end. Of a board: it has not said lately how its motors are, they may be on.
 pub(super) const WAITS: u8 = 2;
+/// A board whose motors run without an operator.
+pub(super) const ALONE: u8 = 3;
 pub(super) const FAULT: u8 = 100;
 
 /// The number of a mode: [`OFF`], [`ARMED`], or [`FAULT`] and the number of the fault.

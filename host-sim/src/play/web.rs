@@ -47,7 +47,7 @@ use tungstenite::{Error, Message, WebSocket};
 
 use super::connections::{Connections, Pass};
 use super::doors::{Doors, Way};
-use super::environment::{FAULT, WAITS};
+use super::environment::{ALONE, FAULT, WAITS};
 use super::judge::Ask;
 use super::kinds::EnvironmentKind;
 use super::mailbox::{Contents, Mailbox, Pointed};
@@ -472,6 +472,7 @@ pub(super) fn hello(scene: &Scene, other: Option<String>, boards: bool) -> Value
         "faults": faults,
         "fault_base": FAULT,
         "waits": WAITS,
+        "alone": ALONE,
         "other": other,
         "boards": boards,
         "keys": keys,

@@ -1,47 +1,94 @@
 use super::*;
 
+const SILENCE: Duration = Duration::from_micros(SILENCE_US);
+
+/// What somebody on the path does to a board, and what its motors do.
+#[derive(Clone, Default)]
+struct Path {
+    /// Drops samples alone; drops everything.
+    no_rows: Arc<AtomicBool>,
+    cut: Arc<AtomicBool>,
+    driven: Arc<AtomicBool>,
+}
+
 /// A board that answers as the test sets it, and writes down what it hears.
-#[derive(Default)]
 struct Written {
     said: Arc<Mutex<Vec<String>>>,
     ticks: u32,
-    armed: bool,
+    near: Near,
+    path: Path,
+}
+
+impl Written {
+    fn exchange(&mut self) {
+        if self.path.cut.load(Ordering::Relaxed) {
+            let now_us = self.near.clock.elapsed().as_micros() as u64;
+            let _ = self.near.holder.step(now_us, AtBoard::Look);
+        } else if self.near.exchange(self.path.driven.load(Ordering::Relaxed)) {
+            self.path.driven.store(false, Ordering::Relaxed);
+            self.near.exchange(false);
+        }
+        self.path.driven.store(self.near.holder.motors() != Motors::Off, Ordering::Relaxed);
+    }
 }
 
 impl BoardLink for Written {
-    fn ask(&mut self, line: &str, _: Moment) -> Result<String, Error> {
+    fn ask(&mut self, line: &str, run: Option<Word>) -> Result<String, Error> {
         self.said.lock().expect("a list").push(line.to_owned());
-        self.armed |= line == "arm";
+        self.exchange();
+        if let Some(Err(no)) = run.map(|run| self.near.start(run)) {
+            return Ok(format!("error {}", no.explain()));
+        }
+        // A check is over at once.
+        self.path.driven.store(line == "arm" || self.path.driven.load(Ordering::Relaxed), Ordering::Relaxed);
+        if run.is_some() && line != "arm" {
+            let _ = self.near.holder.step(0, AtBoard::Off);
+        }
         Ok(format!("ok {line}"))
     }
 
-    fn stop(&mut self) -> Result<Stopped, Error> {
+    fn stop(&mut self) -> Result<(), Error> {
         self.said.lock().expect("a list").push("stop".to_owned());
-        self.armed = false;
-        Ok(Stopped::LeaseOver)
+        self.exchange();
+        self.near.stopped()
     }
 
     fn rows(&mut self, _: f64) -> Result<Vec<[f64; NUMBERS]>, Error> {
         std::thread::sleep(Duration::from_millis(5));
+        self.exchange();
         self.ticks += 4;
+        if self.path.no_rows.load(Ordering::Relaxed) {
+            return Ok(Vec::new());
+        }
         let mut row = [0.0; NUMBERS];
         (row[TICK], row[MODE], row[DEVICE]) =
-            (self.ticks.into(), f64::from(u8::from(self.armed)), f64::from(self.ticks));
+            (self.ticks.into(), f64::from(u8::from(self.path.driven.load(Ordering::Relaxed))), f64::from(self.ticks));
         Ok(vec![row])
     }
 }
 
-fn boards() -> (Boards, Arc<Mutex<Vec<String>>>) {
-    let link = Written::default();
-    let said = Arc::clone(&link.said);
-    let seat = Seat::attend(
-        "written".to_owned(),
-        0,
-        Consent::default(),
-        Box::new(move || Ok(Box::new(link) as Box<dyn BoardLink>)),
-    )
-    .expect("a thread");
-    (Boards::of_seats(vec![seat]), said)
+/// A board whose motors are off, or were armed alone before anybody came.
+fn boards(alone: bool) -> (Boards, Arc<Mutex<Vec<String>>>, Path) {
+    let (reins, clock) = (Reins::default(), Instant::now());
+    let mut link =
+        Written { said: Arc::default(), ticks: 0, near: Near::new(reins.clone(), clock), path: Path::default() };
+    if alone {
+        let word = Word::of_byte(7 << 2 | 2);
+        let before =
+            [AtBoard::Heard { word, echo_us: Some(0) }, AtBoard::Start { word, alone: true }, AtBoard::Session];
+        before.into_iter().for_each(|event| link.near.holder.step(0, event).expect("a fresh yes"));
+        link.path.driven.store(true, Ordering::Relaxed);
+    }
+    let (said, path) = (Arc::clone(&link.said), link.path.clone());
+    let open = Box::new(move || Ok(Box::new(link) as Box<dyn BoardLink>));
+    let seat = Seat::attend("written".to_owned(), 0, (reins, clock), open).expect("a thread");
+    (Boards::of_seats(vec![seat]), said, path)
+}
+
+/// The answers to this line that are shown.
+fn answers(boards: &Boards, line: &str) -> Vec<String> {
+    let said = boards.reported[0].said.iter().filter(|(said, _)| said == line);
+    said.map(|(_, answer)| answer.clone()).collect()
 }
 
 /// Steps and, as a page does, asks; until it is done, and no longer than half a minute.
@@ -65,8 +112,7 @@ fn until(boards: &mut Boards, page: bool, mut done: impl FnMut(&Boards, &Sample)
 /// a second after the last page.
 #[test]
 fn motors_are_on_only_while_a_person_looks() {
-    let (mut boards, said) = boards();
-    assert_eq!(boards.standing().modes, [WAITS, OFF]);
+    let (mut boards, said, _) = boards(false);
     let mut last = 0.0;
     until(&mut boards, true, |_, sample| {
         assert!(sample[2].is_nan() || sample[2] >= last, "{last} {sample:?}");
@@ -81,31 +127,93 @@ fn motors_are_on_only_while_a_person_looks() {
         assert_eq!(boards.standing().modes[0], ARMED);
         begin.elapsed() > 2 * SILENCE
     });
+    // What starts motors is refused while they are on, and what waits is forgotten by a stop.
+    boards.command(Command::Board(1, Line::Check(1))).expect("it is refused");
+    until(&mut boards, true, |boards, _| answers(boards, "check 1") == ["error its motors are on: stop them first"]);
     for _ in 0..ANSWERS {
-        boards.command(Command::Board(1, Line::Check(1))).expect("it is said");
+        boards.command(Command::Board(1, Line::Clear)).expect("it is said");
     }
     boards.command(Command::Stop).expect("it stops");
     until(&mut boards, true, |boards, _| boards.standing().modes[0] == OFF);
     let lines = || said.lock().expect("a list").iter().filter(|line| *line != "status").cloned().collect::<Vec<_>>();
     // A busy machine may have carried some out before the stop was said; what waited behind it is forgotten.
     let until_stop = lines();
-    let checks = until_stop.iter().filter(|line| *line == "check 1").count();
-    let told: Vec<_> = until_stop.iter().filter(|line| *line != "check 1").collect();
-    assert!(told == ["arm", "stop"] && checks < ANSWERS && until_stop.last() == told.last().copied(), "{until_stop:?}");
+    let cleared = until_stop.iter().filter(|line| *line == "clear").count();
+    let told: Vec<_> = until_stop.iter().filter(|line| *line != "clear").collect();
+    assert!(
+        told == ["arm", "stop"] && cleared < ANSWERS && until_stop.last() == told.last().copied(),
+        "{until_stop:?}"
+    );
+    until(&mut boards, true, |boards, _| answers(boards, "stop") == [STOPPED]);
 
     boards.command(Command::Board(1, Line::Arm)).expect("it is said");
     until(&mut boards, true, |boards, _| boards.standing().modes[0] == ARMED);
     let left = Instant::now();
     until(&mut boards, false, |boards, _| boards.standing().modes[0] == OFF);
-    assert!(left.elapsed() >= SILENCE);
+    assert!(left.elapsed() >= SILENCE - Duration::from_millis(50));
     drop(boards);
-    assert_eq!(lines()[until_stop.len()..], ["arm", "stop", "stop", "stream off"]);
+    assert_eq!(lines()[until_stop.len()..], ["arm", "stream off"]);
+}
+
+/// Why: a path that dropped samples alone kept motors on after the page was closed, and the headline said that they were off.
+#[test]
+fn a_path_that_drops_samples_alone_keeps_nothing_running_and_shows_nothing_as_off() {
+    let (mut boards, _, path) = boards(false);
+    until(&mut boards, true, |boards, _| boards.standing().modes[0] == OFF);
+    path.no_rows.store(true, Ordering::Relaxed);
+    boards.command(Command::Board(1, Line::Arm)).expect("it is said");
+    let is_on = || path.driven.load(Ordering::Relaxed);
+    until(&mut boards, true, |_, _| is_on());
+    let on = Instant::now();
+    until(&mut boards, true, |boards, _| {
+        // What is shown is no older than a look at the board.
+        assert!(boards.standing().modes[0] == ARMED || on.elapsed() < Duration::from_millis(100));
+        on.elapsed() > 2 * SILENCE
+    });
+    let left = Instant::now();
+    until(&mut boards, false, |_, _| !is_on());
+    assert!(left.elapsed() < SILENCE + Duration::from_micros(LEASE_US) + Duration::from_millis(300));
+    until(&mut boards, false, |boards, _| boards.standing().modes[0] == OFF);
+}
+
+/// Why: Stop said "stopped" while a board that was armed alone went on.
+#[test]
+fn a_board_that_is_armed_alone_is_shown_as_such_and_stopped() {
+    let (mut boards, _, path) = boards(true);
+    until(&mut boards, true, |boards, _| boards.standing().modes[0] == ALONE);
+    // A page that is closed ends only what it has let run.
+    let left = Instant::now();
+    until(&mut boards, false, |boards, _| {
+        assert_eq!(boards.standing().modes[0], ALONE);
+        left.elapsed() > 2 * SILENCE
+    });
+    boards.command(Command::Stop).expect("it stops");
+    until(&mut boards, true, |boards, _| boards.standing().modes[0] == OFF);
+    until(&mut boards, true, |boards, _| answers(boards, "stop") == [STOPPED]);
+    assert!(!path.driven.load(Ordering::Relaxed));
+}
+
+/// Nothing is said to be off without the board's word; a stop goes on being said until it has come.
+#[test]
+fn a_stop_that_nobody_confirms_is_no_stop() {
+    let (mut boards, _, path) = boards(true);
+    until(&mut boards, true, |boards, _| boards.standing().modes[0] == ALONE);
+    path.cut.store(true, Ordering::Relaxed);
+    boards.command(Command::Stop).expect("it is said");
+    until(&mut boards, true, |boards, _| answers(boards, "stop") == [UNCONFIRMED]);
+    until(&mut boards, true, |boards, _| boards.standing().modes[0] == WAITS);
+    boards.command(Command::Board(1, Line::Arm)).expect("it is refused");
+    until(&mut boards, true, |boards, _| answers(boards, "arm") == ["error the board has not confirmed the stop"]);
+    assert!(path.driven.load(Ordering::Relaxed));
+    path.cut.store(false, Ordering::Relaxed);
+    until(&mut boards, true, |boards, _| boards.standing().modes[0] == OFF);
+    assert!(!path.driven.load(Ordering::Relaxed));
 }
 
 /// Ticks that never come to their turn, and more answers than are shown.
 #[test]
 fn what_a_board_says_takes_bounded_memory() {
-    let (mut boards, _) = boards();
+    let (mut boards, ..) = boards(false);
     let seat = &mut boards.seats[0];
     let row = |tick: f64| {
         let mut row = [0.0; NUMBERS];
@@ -143,6 +251,7 @@ fn a_simulated_board_is_there_at_once() {
     // A board that was not checked is not armed.
     boards.command(Command::Board(2, Line::Check(1))).expect("it is said");
     until(&mut boards, true, |boards, _| boards.reported[1].said.iter().any(|(_, answer)| answer.contains("agree")));
+    until(&mut boards, true, |boards, _| boards.standing().modes == [OFF; 2]);
     boards.command(Command::Board(2, Line::Arm)).expect("it is said");
     until(&mut boards, true, |boards, _| boards.standing().modes == [OFF, ARMED]);
     boards.command(Command::Stop).expect("it stops");

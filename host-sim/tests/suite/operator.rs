@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 use haptic_live::operator::Operator;
 use haptic_protocol::ends::Ends;
 use haptic_protocol::key::{Key, Role};
+use haptic_protocol::lease::{AtBoard, Holder, Motors, Word};
 use haptic_protocol::lines::{Heard, Lines};
 use haptic_protocol::link::{Config, Link, Notice};
 use haptic_protocol::parameters::{Parameters, Table};
@@ -27,11 +28,13 @@ fn folder(name: &str) -> PathBuf {
 
 /// Board 2: answers every line with `ok` and the line, `no` with an error, and sends a sample after each. Asked to stream
 /// every tick, it sends ticks, until it is asked not to, or its operator was silent for as long as a board bears it. `away` pulls its cable.
+/// `armed` says whether its motors are on, by its lease.
 /// Asked for a key it says what a board says, and shares so many axes as it is told to say.
 struct Board {
     address: SocketAddr,
     stop: Arc<AtomicBool>,
     away: Arc<AtomicBool>,
+    armed: Arc<AtomicBool>,
     thread: Option<std::thread::JoinHandle<()>>,
 }
 
@@ -44,8 +47,8 @@ impl Board {
         let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
         socket.set_read_timeout(Some(Duration::from_millis(2))).unwrap();
         let address = socket.local_addr().unwrap();
-        let [stop, away] = [(); 2].map(|()| Arc::new(AtomicBool::new(false)));
-        let (over, out_of_reach) = (stop.clone(), away.clone());
+        let [stop, away, armed] = [(); 3].map(|()| Arc::new(AtomicBool::new(false)));
+        let (over, out_of_reach, on) = (stop.clone(), away.clone(), armed.clone());
         let thread = std::thread::spawn(move || {
             let mut parameters = Parameters::new();
             parameters.add(Table::new("operator").number("version", version)).unwrap();
@@ -53,7 +56,7 @@ impl Board {
             let config = Config { key, ends, packet_period_us: 20_000, parameters, entropy: [9; 32] };
             let (mut link, mut lines) = (Link::new(config).unwrap(), Lines::default());
             let (start, mut came, mut out, mut to) = (Instant::now(), [0; 2048], [0; MAX_DATAGRAM], None);
-            let mut streams = false;
+            let (mut streams, mut holder) = (false, Holder::new(194_000));
             while !over.load(Ordering::Relaxed) {
                 let now = start.elapsed().as_micros() as u64;
                 let away = out_of_reach.load(Ordering::Relaxed);
@@ -65,25 +68,34 @@ impl Board {
                     to = Some(from);
                 }
                 while let Some(notice) = link.take_notice() {
+                    if matches!(notice, Notice::NewPeer(_)) {
+                        holder.step(now, AtBoard::Session).unwrap();
+                    }
                     if matches!(notice, Notice::NewPeer(_) | Notice::Lost) {
                         streams = false;
                         lines.forget();
                     }
                 }
+                let said = link.heard().map(|(word, echo_us)| AtBoard::Heard { word: Word::of_byte(word), echo_us });
+                said.into_iter().chain([AtBoard::Look]).for_each(|event| holder.step(now, event).unwrap());
                 let Some(to) = to else { continue };
                 let mut sample = streams.then(|| {
                     let mut record = [0; 108];
                     record[..4].copy_from_slice(&((now / 1000) as u32).to_le_bytes());
                     Sample::new(7, &record).unwrap()
                 });
-                if let Some(Heard { line, .. }) = lines.hear(now, &mut link) {
-                    lines.say(&match line.as_str() {
+                if let Some(Heard { line, word, .. }) = lines.hear(now, &mut link) {
+                    let start =
+                        line.starts_with("arm").then(|| AtBoard::Start { word, alone: line.ends_with("alone") });
+                    let answer = match line.as_str() {
                         "no" => "error never".to_owned(),
                         "get timing.control_period_s" => "ok timing.control_period_s = 0.001".to_owned(),
                         "get axis.shared" => format!("ok axis.shared = {axes}"),
                         "spell" => "ok armed\u{1b}[2J\u{9b}31m\nwarning: none\u{7}".to_owned(),
                         line => format!("ok {line}"),
-                    });
+                    };
+                    start.into_iter().for_each(|start| holder.step(now, start).unwrap());
+                    lines.say(&answer, Word::default());
                     sample = Some(Sample::new(7, line.as_bytes()).unwrap());
                     streams = line == "stream 1";
                 }
@@ -91,12 +103,14 @@ impl Board {
                     assert!(send(&out[..length], to));
                 }
                 lines.push(&mut link);
+                on.store(holder.motors() != Motors::Off, Ordering::Relaxed);
+                link.say_lease(holder.told(false).byte(), false);
                 while let Some(length) = link.poll(now, &mut out) {
                     assert!(send(&out[..length], to));
                 }
             }
         });
-        Self { address, stop, away, thread: Some(thread) }
+        Self { address, stop, away, armed, thread: Some(thread) }
     }
 }
 
@@ -121,7 +135,7 @@ fn lines_are_answered_and_samples_come_under_the_right_key_only() {
     assert_eq!(operator.ask(long).unwrap(), format!("ok {long}"));
     assert_eq!(operator.ask("arm").unwrap(), "ok arm");
     let samples = operator.samples(Duration::from_millis(20)).unwrap();
-    let lines: [&[u8]; 3] = [b"get safety.operator_lost_s", long.as_bytes(), b"arm"];
+    let lines: [&[u8]; 2] = [long.as_bytes(), b"arm"];
     assert_eq!(samples.iter().map(|sample| sample.payload().to_vec()).collect::<Vec<_>>(), lines);
     assert!(operator.ask(&"x".repeat(400)).unwrap_err().to_string().contains("at most 384"));
 
@@ -149,6 +163,40 @@ fn lines_are_answered_and_samples_come_under_the_right_key_only() {
     let (status, said, why) = run(&wrong, &["disarm"]);
     assert_eq!((status, said.as_str()), (Some(2), ""));
     assert!(why.contains("nobody who holds the key of") && why.lines().count() == 1, "{why}");
+}
+
+/// Why: "stopped" was said of a board that had been armed alone and went on, and of one that nothing reached.
+#[test]
+fn disarm_is_confirmed_by_the_board_or_says_what_to_press() {
+    let key = folder("operator-stop").join("a.key");
+    key_file::generate(&key, Role::Operator).unwrap();
+    let board = Board::start(key_file::read(&key, Role::Operator).unwrap(), 1.0);
+    let run = |line: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_host-sim"));
+        command.args(["board", "operator", "--board", &board.address.to_string(), "--key-file"]).arg(&key).arg(line);
+        let output = command.output().unwrap();
+        let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+        (output.status.code(), text(output.stdout), text(output.stderr))
+    };
+    let is_armed = || board.armed.load(Ordering::Relaxed);
+    assert_eq!(run("arm alone").0, Some(0));
+    std::thread::sleep(Duration::from_millis(400));
+    assert!(is_armed(), "alone");
+    assert_eq!(run("disarm"), (Some(0), "ok disarmed\n".into(), String::new()));
+    assert!(!is_armed());
+
+    assert_eq!(run("arm alone").0, Some(0));
+    let mut operator = Operator::connect(board.address, &key).unwrap();
+    board.away.store(true, Ordering::Relaxed);
+    std::thread::sleep(Duration::from_millis(50));
+    let why = operator.ask("disarm").unwrap_err().to_string();
+    assert!(why.starts_with("stop not confirmed: press the stop at the board") && is_armed(), "{why}");
+    let refused = operator.ask("arm").unwrap();
+    assert_eq!(refused, "error the board has not confirmed the stop");
+    // It goes on being said, and ends what runs as soon as it arrives.
+    board.away.store(false, Ordering::Relaxed);
+    operator.samples(Duration::from_millis(1500)).unwrap();
+    assert!(!is_armed() && operator.reins().giver().is_stopped());
 }
 
 /// Why: a cable that was out for a quarter of a second ended a recording in silence, and one that was out at its end took

@@ -1,6 +1,7 @@
 //! Two ends that say lines of text to each other over links and a wire that the script commands: what is heard is what was said,
 //! whole, once and in order; and in the end all of it. A third says events that are no such lines: they come to something.
 
+use haptic_protocol::lease::Word;
 use haptic_protocol::lines::{END, Heard, LONGEST, Lines, PART};
 use haptic_protocol::link::Link;
 use haptic_protocol::wire::{Event, MAX_DATAGRAM};
@@ -66,7 +67,7 @@ pub(super) fn run(bytes: &[u8]) {
                 let len = usize::from(script.byte()) * 2;
                 let text = String::from_utf8_lossy(script.bytes(len)).repeat(1 + usize::from(call >> 4 & 3));
                 let End { lines, said, .. } = &mut ends[at];
-                if lines.say(&text) {
+                if lines.say(&text, Word::default()) {
                     said.push(cut(&text).to_owned());
                 }
             }

@@ -21,18 +21,18 @@ layout! {
     }
 }
 
-/// What every sealed message begins with: when it was sealed, what of the receiver's was known by then, and whether the receiver may
-/// run. A receiver that finds a time of its own here knows that the message is no older than that, whatever the sender's clock says.
+/// What every sealed message begins with: when it was sealed, what of the receiver's was known by then, and what the sender says of the
+/// lease. A receiver that finds a time of its own here knows that the message is no older than that, whatever the sender's clock says.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Stamps {
     /// The sender's clock when it sealed this, µs; at least 1, below 2⁵⁶ (two thousand years).
     pub sealed_us: u64,
-    /// Consent: as far as it is for the sender to say, the receiver may run ([`crate::link::Link::consent`]).
-    pub consents: bool,
     /// How many zeros follow the message, at most 127: they hide what kind it is.
     pub padding: u8,
-    /// The same of the receiver's newest sealed datagram that the sender has opened in this session, µs; 0: none yet.
+    /// The same time of the receiver's newest sealed datagram that the sender has opened in this session, µs; 0: none yet.
     pub echo_us: u64,
+    /// Word of an operator's end, or what a board tells of its motors ([`crate::lease`]). 0 between peers.
+    pub lease: u8,
 }
 
 impl Stamps {
@@ -40,17 +40,20 @@ impl Stamps {
     pub const LEN: usize = 16;
     /// Most zeros that can follow a message.
     pub const MAX_PADDING: usize = 127;
-    const CLOCK: u64 = (1 << 56) - 1;
-    const CONSENT: u64 = 1 << 63;
+    /// Bits of a time.
+    pub(crate) const CLOCK: u64 = (1 << 56) - 1;
 
     /// Reads the stamps at the front of what was sealed.
     ///
     /// # Errors
-    /// A wrong length.
+    /// A wrong length, or more padding than there may be.
     pub fn parse(bytes: &[u8]) -> Result<Self, Error> {
-        let [first, echo_us]: [u64; 2] = Reader::exact(bytes, "stamps", Self::LEN)?.get()?;
-        let padding = (first >> 56) as u8 & 0x7F;
-        Ok(Self { sealed_us: first & Self::CLOCK, consents: first & Self::CONSENT != 0, padding, echo_us })
+        let [first, second]: [u64; 2] = Reader::exact(bytes, "stamps", Self::LEN)?.get()?;
+        let [padding, lease] = [first, second].map(|word| (word >> 56) as u8);
+        if usize::from(padding) > Self::MAX_PADDING {
+            return Err(Error::Reserved("stamps"));
+        }
+        Ok(Self { sealed_us: first & Self::CLOCK, padding, echo_us: second & Self::CLOCK, lease })
     }
 
     /// Writes the stamps to the front of `out` and gives their length, bytes.
@@ -58,9 +61,9 @@ impl Stamps {
     /// # Errors
     /// Too little room in `out`.
     pub fn emit(&self, out: &mut [u8]) -> Result<usize, Error> {
-        let consent = if self.consents { Self::CONSENT } else { 0 };
-        let first = self.sealed_us & Self::CLOCK | u64::from(self.padding & 0x7F) << 56 | consent;
-        emit(&[first, self.echo_us], "stamps", out)
+        let word = |time: u64, byte: u8| time & Self::CLOCK | u64::from(byte) << 56;
+        let padding = self.padding.min(Self::MAX_PADDING as u8);
+        emit(&[word(self.sealed_us, padding), word(self.echo_us, self.lease)], "stamps", out)
     }
 }
 

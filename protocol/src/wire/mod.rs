@@ -1,4 +1,4 @@
-//! The wire format, version 3: what every byte of a datagram means. `FORMAT.md` says the same for other languages.
+//! The wire format, version 4: what every byte of a datagram means. `FORMAT.md` says the same for other languages.
 //!
 //! A datagram is either a [`Greeting`] (hello or welcome: readable, authenticated by the shared key) or a [`Header`]
 //! followed by one sealed [`Message`] and its tag. Everything is little-endian, of fixed layout and without padding that
@@ -32,7 +32,7 @@ pub const SEAL_LEN: usize = Header::LEN + Stamps::LEN + TAG_LEN;
 /// The longest message before sealing.
 pub const MAX_MESSAGE: usize = Sample::MAX_LEN;
 
-/// The longest datagram of version 3.
+/// The longest datagram of version 4.
 pub const MAX_DATAGRAM: usize = Greeting::TAGGED;
 
 const _: () = assert!(SEAL_LEN + MAX_MESSAGE <= MAX_DATAGRAM && Event::MAX_LEN <= MAX_MESSAGE);

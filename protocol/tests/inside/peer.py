@@ -16,7 +16,7 @@ import time
 
 from rfc import aead, derive, x25519
 
-VERSION, HELLO, WELCOME, SEALED = 3, 1, 2, 3
+VERSION, HELLO, WELCOME, SEALED = 4, 1, 2, 3
 FLOW, PROBE, REPLY, GOODBYE, ASK, PART = 1, 5, 6, 7, 16, 17
 NONE, NINE = bytes(16), bytes([9]) + bytes(31)
 PERIOD_S, LIFE_US = 0.008, 1_000_000
@@ -58,8 +58,8 @@ class Session:
         if aead(key, nonce, body, head) != sealed:
             return None
         self.newest = sequence
-        # The eighth byte is consent, which this peer does not heed, and how many zeros follow the message.
-        self.stamp, padding, echo = int.from_bytes(body[:7], "little"), body[7] & 0x7F, struct.unpack("<Q", body[8:16])[0]
+        # The eighth byte is how many zeros follow the message, the last one is of the lease, which this peer does not heed.
+        self.stamp, padding, echo = int.from_bytes(body[:7], "little"), body[7], int.from_bytes(body[8:15], "little")
         if padding > len(body) - 17 or any(body[len(body) - padding :]):
             return None
         body = body[: len(body) - padding]

@@ -8,7 +8,7 @@ import struct
 
 from rfc import aead, derive, x25519
 
-VERSION = 3
+VERSION = 4
 K = bytes([7] * 32)
 ONE, TWO = 1, 2
 C1, C2 = bytes(range(16)), bytes(range(16, 32))
@@ -57,11 +57,11 @@ flow = struct.pack("<BBHIfffddI", 1, 1, 0, 4711, 0.25, -0.5, 1.5, 2.0, 3.0, 4712
 SEALED = 1_000_000
 
 
-def seal(source, sink, sequence, message, echo=0, consent=False, padding=0):
+def seal(source, sink, sequence, message, echo=0, lease=0, padding=0):
     base = derive(secret, "direction", bytes([source, sink]))
     key = derive(base, "epoch", struct.pack("<Q", sequence >> 20))
     head = bytes([VERSION, 3, source, sink]) + number + struct.pack("<Q", sequence)
-    stamps = SEALED.to_bytes(7, "little") + bytes([padding | (0x80 if consent else 0)]) + struct.pack("<Q", echo)
+    stamps = SEALED.to_bytes(7, "little") + bytes([padding]) + echo.to_bytes(7, "little") + bytes([lease])
     return head + aead(key, bytes(4) + struct.pack("<Q", sequence), stamps + message + bytes(padding), head)
 
 
@@ -98,5 +98,5 @@ print("PART_OBJECT", seal(ONE, TWO, 14, part(3, OBJECT)).hex())
 print("PRESENCE", seal(TWO, ONE, 15, struct.pack("<BBHIIffff", 18, 1, 0, 77, 300, 0.5, -0.5, 1.5, -1.5)).hex())
 # An answer to the flow: it echoes when that was sealed.
 print("PROBE_BACK", seal(TWO, ONE, 9, struct.pack("<B3xQ", 5, 123456789), SEALED).hex())
-# The same from an end that lets the other run, and whose messages are as long as the longest event.
-print("PADDED_PROBE", seal(TWO, ONE, 9, struct.pack("<B3xQ", 5, 123456789), SEALED, True, 56 - 12).hex())
+# The same from an end that lets the other run, by word 5, and whose messages are as long as the longest event.
+print("PADDED_PROBE", seal(TWO, ONE, 9, struct.pack("<B3xQ", 5, 123456789), SEALED, 5 << 2 | 2, 56 - 12).hex())

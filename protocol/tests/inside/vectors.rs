@@ -7,6 +7,7 @@ use crate::ends::Ends;
 use crate::error::Refusal;
 use crate::handshake::Handshake;
 use crate::key::Key;
+use crate::lease::{Want, Word};
 use crate::parameters::{Parameters, Table};
 use crate::session::{Counter, EPOCH_BITS, Offer, Says, Session};
 use crate::wire::{
@@ -15,56 +16,56 @@ use crate::wire::{
 };
 
 const HELLO: &str = concat!(
-    "0301010200000000000102030405060708090a0b0c0d0e0f101112131415161718191a1b1c1d1e1f080706050403020179a6",
+    "0401010200000000000102030405060708090a0b0c0d0e0f101112131415161718191a1b1c1d1e1f080706050403020179a6",
     "31eede1bf9c98f12032cdeadd0e7a079398fc786b88cc846ec89af85a51a02000000000000001194c85d0a61fc00e0989f62",
     "0000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000",
-    "00000000000000000000000000000000000000000000000000000000000000000000b4c1d0945452472457bae4e4fc1d911a",
+    "00000000000000000000000000000000000000000000000000000000000000000000ce595a26307cbf84864b211ae63e491c",
 );
 const FLOW: &str = concat!(
-    "03030102e17d26710000000000000000b4fa5fe9e88ed7cebed3acf1557641d09b2628564e481d631b5b93f67571eb36e2ce",
-    "4bc5e110a0827ed06c4e6b45309007d5e5e566f3c177e62cac118d7c706ef97fe57f8d8bf49a",
+    "040301020e48cc130000000000000000081fc9af296c03421f1fba375a9cfad3b80101232b8908cf4316d2fae4f0bd409c48",
+    "3f6721046a01ef3718f15a9ec047dd3780e8c724e19a1aa33fc1866cd6a67d00b1432f0caa8d",
 );
 const LATER_FLOW: &str = concat!(
-    "03030102e17d267103005000000000008d512202b790228885d467c48e0f8cab247da3c4d5bb60944b7b65b81fe5a4c93429",
-    "74b58a120806d0f280fd80fa3529dc450897d7805a4fee41423c6e1d9f3296931bcf4eb3b97f",
+    "040301020e48cc130300500000000000c25ac207fe69addb2dd4be050599749226ac3c3995cfbfe6edcf412ae9e1b03eace9",
+    "1a79fb81950b648ec250fc4251b2c58044c1e3a9af83f95ea3bb6bd09e06ce976fa5ba2ff610",
 );
 const PROBE_BACK: &str = concat!(
-    "03030201e17d26710900000000000000a61ab71298cb90e0bc444a2e70963f7df078d3c49cddb0e291d568804faf233dafd2",
-    "b9b50a2a4715e428c352",
+    "040302010e48cc1309000000000000007f262c1e08c4e2cb888cae0f10b81c851124f6c25c826357bbec1f2a49bf3f0c46db",
+    "d0e92788004f7e93d2a8",
 );
 const PADDED_PROBE: &str = concat!(
-    "03030201e17d26710900000000000000a61ab71298cb904cbc444a2e70963f7df078d3c49cddb0e291d56880584b78d18fa7",
-    "df9d63643debf25aad183e6f2dbd29022e67840eb59edbc852bc919dba43284d98257ec8bbe9ddcad72d5c57ef1547918e80",
-    "4a533443",
+    "040302010e48cc1309000000000000007f262c1e08c4e2e7888cae0f10b81c931124f6c25c826357bbec1f2a936026627355",
+    "1f3ad48acfd364c77857eea08860244d6f392e5536a77168d3231fb89338d66fe77c4e46cfdd65eb0323a8305d97a7de6c21",
+    "6d09c676",
 );
-const LINE_HELLO_TAG: &str = "e9ee4900a4bb55a9eb8d031434d00889";
+const LINE_HELLO_TAG: &str = "6bedd782b76fe1849215468f054a23d9";
 /// The parts of a world as messages before they are sealed, a line each, in hexadecimal.
 const WORLD_PARTS: &str = include_str!("../data/world-parts.txt");
 const ASK: &str = concat!(
-    "03030201e17d26710a000000000000006cb2e53602056cfc846da2a62558917f9c23947b9f820a48e653f786298604e16277",
-    "0dbd721b462554314b14017d1cec370ecee92521ac6247731c224fdb6711d16728187145aa9b78a448d28cc2625183706e15",
+    "040302010e48cc130a000000000000001ee96d7d82c4cb85c487fb3291faf0554071569c56dbec0f47d6ce9c552001098b2f",
+    "6282270a2dec066df35ab715d773bfadf1a352a1413044b53d7e66b34e65029579d9146fb3e801bd44767c15cd7a5aedec28",
 );
 const PART_MANIFEST: &str = concat!(
-    "03030102e17d26710b0000000000000068a7bfafaa98ee026954c83b168ae64f0561495c0b7e3cfd6253bcf7cad53eca3ddb",
-    "45d724ba460faaf9e4f07375a4963b61d7fca451d956e6dfa99d",
+    "040301020e48cc130b000000000000002e6ab5b2b8565d0a32f8c4b30571fc23d630ecc40db4dc5d6b96ec8b9fed8ce196b2",
+    "500b9471b24391d161a9aa358f05ad450dc52b7053b07bdc9be5",
 );
 const PART_REGION: &str = concat!(
-    "03030102e17d26710c000000000000003b8842ffb45a8d7592426229ae05755ce55a47dfc62230afcf0f78a79e570e99be8a",
-    "d646c04cf231dcfa015c22aa0e5ebcb3e9c5887a3fe916c6974bf0c2844f7d1a366e30ceabbcde1220832b0b5f3f",
+    "040301020e48cc130c0000000000000089969710044947f5616a071c4eb0dfae9e97c9fcf0f192cbdd86c74a097d62f08703",
+    "5694be99afa629813ff5972dbce2b5c56cd0a31b76514ea905ab85c98c9a78540b96c2a194b5f64ec28dd4fc18a6",
 );
 const PART_PAGE: &str = concat!(
-    "03030102e17d26710d00000000000000a4980e197d7aa944ca6b391fd170f03fdabb949d61b6ce0afdffc3dcc1a3438e14cf",
-    "3d0303e4835a05b9c9db1c41f20f1874a6d2c31754b3d28cdbdcf21938aafdecd8e206d8efe6df7055539a5a5875417669ef",
-    "753e6327df319a46a700ddce641f255c394244f7f241e14398a8729029f80795",
+    "040301020e48cc130d00000000000000844c308511af210aaf1c3cf061a6b3087f8ff2b9ed59f0f499f62a1c0638f810ba2f",
+    "8be9e4350b426a6818c081ed3d919cea4ae97a364e4db2247c35374f7cab240ddb868895546a22cf227ecbdf2146d605509f",
+    "b5fe045f9b724417e7c8aa402337d1e56cd4b891b22dd37fb8d523fce7530cfc",
 );
 const PART_OBJECT: &str = concat!(
-    "03030102e17d26710e00000000000000780c7688a0acde7d9c5afa833ec2360229987c38182ab3d6c83c0652dd763415b8b8",
-    "9a9e7e76e69327c5496f7fff1d9ac59479590475ebae176550dbedb3690e220460afd1b55adf6e4b1c97ac088a2877851462",
-    "58a50aad91c220ce1ba6c5b2c0a9a95290c6c9c47211f99cfa7996bf",
+    "040301020e48cc130e00000000000000581419d7802eb2f9460e63cc5083538122aeac01d1ef7bcdc18c542a95ecb9aaa8de",
+    "af68d573089420b2ebbcf7e2f8c5a3d77712eb7761319cddddb01427ba0a610bd7c337ac523c09488a72e14c9c1b70092a86",
+    "5b619afd6d171605327af8cec9c46ecfa900492dc72330a3c3eed7ce",
 );
 const PRESENCE: &str = concat!(
-    "03030201e17d26710f00000000000000ef3723c4bbea13c0ec96aa486b982c141c1590d4539635f4947a4c52aed30b3264e8",
-    "15f2499468fc6fa46d139df3e9f0a64867b83da567db64f69645",
+    "040302010e48cc130f000000000000001c294ac40b1332f1132aad36572d600f59bb0fce112194132c200ca0bb06981ad316",
+    "bb515aac6bfc4508db8aafbd2c2d53fade97ba9c8b34c8ed0585",
 );
 
 fn bytes(hex: &str) -> Vec<u8> {
@@ -174,26 +175,27 @@ fn sealed_messages_of_both_directions_and_later_epochs() {
     let back = seal(&mut here, 9, probe);
     assert_eq!(back, bytes(PROBE_BACK));
     assert_eq!(open(&mut there, &back), Ok((probe, Some(7))));
-    assert_eq!((there.echoed_us(), there.consented_us()), (Some(SEALED_US), None));
+    assert_eq!(there.heard(), Some((0, Some(SEALED_US))));
 }
 
-/// Consent counts from what was known when it was given, and is taken back by whatever is newer and does not give it.
+/// The newest datagram says what holds, and counts from the time that it echoes.
 #[test]
-fn consent_and_padding() {
+fn a_word_of_the_lease_and_padding() {
     let (mut here, mut there) = (session(2), session(1));
     open(&mut here, &bytes(FLOW)).unwrap();
     let probe = Message::Probe(Probe { sent_us: 123_456_789 });
-    let says = Says { consents: true, least: 56 };
+    let word = Word::of_byte(5 << 2 | 2);
+    let says = Says { lease: word.byte(), least: 56, is_eager: true };
     let mut out = [0; MAX_DATAGRAM];
     let len = here.seal(&mut Counter::starting_at(9), SEALED_US, says, &probe, &mut out).unwrap();
     assert_eq!(&out[..len], bytes(PADDED_PROBE));
-    let no = [8, 10].map(|sequence| seal(&mut here, sequence, probe));
+    let others = [8, 10].map(|sequence| seal(&mut here, sequence, probe));
     assert_eq!(open(&mut there, &out[..len]), Ok((probe, Some(7))));
-    assert_eq!(there.consented_us(), Some(SEALED_US));
-    open(&mut there, &no[0]).unwrap();
-    assert_eq!(there.consented_us(), Some(SEALED_US), "said before");
-    open(&mut there, &no[1]).unwrap();
-    assert_eq!(there.consented_us(), None);
+    assert_eq!((word.want, there.heard()), (Want::Run, Some((word.byte(), Some(SEALED_US)))));
+    open(&mut there, &others[0]).unwrap();
+    assert_eq!(there.heard(), Some((word.byte(), Some(SEALED_US))), "said before");
+    open(&mut there, &others[1]).unwrap();
+    assert_eq!(there.heard(), Some((0, Some(SEALED_US))));
 }
 
 #[test]

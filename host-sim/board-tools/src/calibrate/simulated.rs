@@ -137,6 +137,11 @@ impl SharedSimulation {
         self.0.borrow_mut().stop = stop;
     }
 
+    /// Whether the motors are on.
+    pub fn is_driven(&self) -> bool {
+        matches!(self.0.borrow().peer.mode(), Mode::Armed | Mode::Probing)
+    }
+
     /// What has flowed so far.
     pub fn currents(&self) -> Currents {
         self.0.borrow().currents

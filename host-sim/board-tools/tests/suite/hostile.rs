@@ -3,19 +3,19 @@
 //! protocol, so that it may echo times that it never heard.
 //!
 //! At the operator's end: no panic; what waits to be taken is within its bounds; texts are without orders to a terminal and rows finite;
-//! "stopped" is said for a word on this stop that came after it, or at the end of the lease and not before, and never later; no yes is
-//! sent after a stop until the person asks again; and however much comes, little is said.
+//! "stopped" is said only if the board has said that its motors are off, with the number of this very stop; no yes is sent after a stop
+//! until the person asks again; and however much comes, little is said.
 //!
 //! `HOSTILE_PROGRAMS` says how many programs (2,000 by default), `HOSTILE_SEED` with which they begin.
 
 mod board;
 
-use haptic_board_tools::consent::Stopped;
 use haptic_board_tools::operator::{MOST_ANSWERS, MOST_SAMPLES, Session};
 use haptic_board_tools::recording::{COLUMNS, row, row_of};
 use haptic_board_tools::status::{Probed, Status};
 use haptic_core::sample::SAMPLE;
 use haptic_protocol::key::Key;
+use haptic_protocol::lease::{AtOperator, Motors, Told};
 use haptic_protocol::lines::LONGEST;
 use haptic_protocol::record::Record;
 use haptic_protocol::wire::{MAX_DATAGRAM, Sample};
@@ -23,9 +23,8 @@ use haptic_sim::rng::Rng;
 
 use board::{Board, KEY, Program, Said};
 
-const LEASE_MS: u64 = 200;
-/// How long a program goes on after the lease.
-const AFTER_MS: u64 = 20;
+/// How long a program goes on after the stop.
+const AFTER_MS: u64 = 220;
 /// Between two polls of an operator, as its endpoint has them.
 const LOOK_MS: u64 = 2;
 /// Most datagrams of an operator in a step: a window of events, a reply, an acknowledgement, a probe and greetings.
@@ -52,15 +51,13 @@ struct World {
     now_ms: u64,
     /// When the person stopped, ms; none while the motors may run.
     stop_ms: Option<u64>,
-    /// When the board heard a yes last, ms.
-    yes_ms: u64,
-    /// A word of the board has come on something that was sealed after the last yes.
+    /// The board has said that its motors are off, with the number of this stop.
     word: bool,
     /// Datagrams taken when the person stopped.
     taken: u32,
     coming: Vec<Said>,
-    /// Yeses, answers, rows and each kind of stop that there were.
-    seen: [u64; 5],
+    /// Yeses, answers, rows and confirmed stops that there were.
+    seen: [u64; 4],
 }
 
 impl World {
@@ -72,11 +69,10 @@ impl World {
             rng: Rng::new(seed),
             now_ms: 1000,
             stop_ms: None,
-            yes_ms: 0,
             word: false,
             taken: 0,
             coming: Vec::new(),
-            seen: [0; 5],
+            seen: [0; 4],
         }
     }
 
@@ -86,15 +82,17 @@ impl World {
 
     fn stop(&mut self) {
         if self.rng.chance(0.5) || !self.session.say("disarm") {
-            self.session.consent().withdraw();
+            self.session.reins().note(self.now_us(), AtOperator::Stop);
         }
-        (self.stop_ms, self.taken) = (Some(self.now_ms), self.session.link().counts().taken);
+        (self.stop_ms, self.word) = (Some(self.now_ms), self.session.reins().giver().is_stopped());
+        self.taken = self.session.link().counts().taken;
     }
 
     fn hear(&mut self) {
         for mut said in std::mem::take(&mut self.coming) {
             let now_us = self.now_us();
-            self.word |= (1000 * self.yes_ms + 1..=now_us).contains(&said.echo_us);
+            let heard = self.session.reins().giver().word(now_us).number;
+            self.word |= said.told == Some(Told { motors: Motors::Off, heard });
             self.session.receive(now_us, &mut said.datagram);
         }
     }
@@ -122,9 +120,6 @@ impl World {
         }
         let yeses = self.board.hear(&mut self.rng, &said);
         self.seen[0] += yeses;
-        if yeses > 0 {
-            (self.yes_ms, self.word) = (self.now_ms, false);
-        }
         if yeses > 0 && self.stop_ms.is_some() {
             return Err("a yes after the stop".to_owned());
         }
@@ -136,29 +131,16 @@ impl World {
 
     /// What the operator says of the motors is what it may.
     fn stopped(&mut self) -> Result<(), String> {
-        let mut stopped = self.session.stopped(self.now_us(), 1000 * LEASE_MS);
+        let mut stopped = self.session.reins().giver().is_stopped();
         if self.planted == Planted::AnythingHeard && self.session.link().counts().taken != self.taken {
-            stopped = self.stop_ms.map(|_| Stopped::Heard);
+            stopped = self.stop_ms.is_some();
         }
-        let Some(stop_ms) = self.stop_ms else {
-            return stopped.map_or(Ok(()), |stopped| Err(format!("before any stop: {}", stopped.explain())));
-        };
-        let after_ms = self.now_ms - stop_ms;
-        match stopped {
-            Some(Stopped::Heard) if !self.word => {
-                Err(format!("heard, {after_ms} ms after the stop, without a word on it"))
-            }
-            // What was stopped before a yes was said has no lease.
-            Some(Stopped::LeaseOver) if self.now_ms < self.yes_ms + LEASE_MS => {
-                Err(format!("the lease is over {} ms after a yes", self.now_ms - self.yes_ms))
-            }
-            None if after_ms > LEASE_MS + LOOK_MS => Err(format!("not known {after_ms} ms after the stop")),
-            how => {
-                self.seen[3] += u64::from(how == Some(Stopped::Heard));
-                self.seen[4] += u64::from(how == Some(Stopped::LeaseOver));
-                Ok(())
-            }
+        let Some(stop_ms) = self.stop_ms else { return Ok(()) };
+        self.seen[3] += u64::from(stopped);
+        if stopped && !self.word {
+            return Err(format!("stopped, {} ms after the stop, without a word on it", self.now_ms - stop_ms));
         }
+        Ok(())
     }
 
     /// What has come is taken, and is as it may be.
@@ -176,8 +158,7 @@ impl World {
             }
             let _ = (Status::parse(answer), Probed::parse(answer));
             if self.planted == Planted::ArmedIsAYes && answer.starts_with("ok armed") {
-                let consent = self.session.consent();
-                consent.give(consent.moment());
+                self.session.say("arm");
             }
         }
         self.seen[1] += answers.len() as u64;
@@ -201,20 +182,20 @@ impl World {
     /// Arms, stops, and waits: how long it was not known that the motors are off, ms, and most datagrams said in a step.
     fn play(&mut self, program: &Program) -> Result<[u64; 2], String> {
         self.session.unsay();
-        let ordered = self.session.consent().moment();
         self.stop_ms = None;
-        // The person asks.
-        self.session.say_since("arm", ordered);
+        // The person asks, which is refused while nothing says that motors are off.
+        self.session.say("arm");
+        let ordered = self.session.reins().giver().word(self.now_us());
         let (stops_at, takes) = (1 + self.rng.below(100), self.rng.chance(0.7));
         let mut most = [0; 2];
-        for ms in 0..stops_at + LEASE_MS + AFTER_MS {
+        for ms in 0..stops_at + AFTER_MS {
             let said = self.step(program, ms == stops_at)?;
             most[1] = most[1].max(said as u64);
             if self.stop_ms.is_some() {
-                most[0] += u64::from(self.session.stopped(self.now_us(), 1000 * LEASE_MS).is_none());
+                most[0] += u64::from(!self.session.reins().giver().is_stopped());
                 // An order from before the stop, which is carried out only now.
                 if self.rng.chance(0.01) {
-                    self.session.say_since("arm", ordered);
+                    self.session.say_under("arm", ordered);
                 }
             }
             if takes {
@@ -227,7 +208,7 @@ impl World {
 }
 
 /// Plays so many programs: what there was, or the number of the one that broke a promise, and how.
-fn search(planted: Planted, seed: u64, programs: u64) -> Result<[u64; 5], String> {
+fn search(planted: Planted, seed: u64, programs: u64) -> Result<[u64; 4], String> {
     let (mut world, mut rng) = (World::new(planted, seed), Rng::new(seed ^ 0x5eed));
     let (mut best, mut most): ([Option<Program>; 2], [u64; 2]) = Default::default();
     for number in 1..=programs {
@@ -243,7 +224,7 @@ fn search(planted: Planted, seed: u64, programs: u64) -> Result<[u64; 5], String
             }
         }
     }
-    println!("{programs} programs: yeses, answers, rows, heard, lease over {:?}; {most:?}", world.seen);
+    println!("{programs} programs: yeses, answers, rows, stopped {:?}; {most:?}", world.seen);
     Ok(world.seen)
 }
 
@@ -277,7 +258,6 @@ fn what_is_planted_in_an_operator_is_found() {
 fn what_nobody_takes_has_a_bound() {
     let mut world = World::new(Planted::Nothing, 1);
     let flood = Program::flood();
-    assert!(world.session.say("arm"));
     while world.session.link().counts().taken < 2 * MOST_SAMPLES as u32 + 10_000 {
         world.step(&flood, false).expect("all is well");
         assert!(world.now_ms < 10_000, "it is not flooded");

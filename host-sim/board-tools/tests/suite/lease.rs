@@ -2,18 +2,17 @@
 //! both say, by direction, length, order and time: the motors are off within the lease after the operator's last yes, they are
 //! never on without one, and an operator who says "stopped" is right.
 //!
-//! Virtual time, a millisecond a step. The operator's end is the one that command line and page have; the board's is its own link, its
-//! own supervisor's look and its own note of the operator's word, as `firmware/src/port.rs` calls them.
+//! Virtual time, a millisecond a step. The operator's end is the one that command line and page have; the board's is its own link and
+//! its own lease, as `firmware/src/port.rs` and `supervisor.rs` call them. The lease itself is explored whole in `protocol`.
 
-use firmware_parts::hold;
-use firmware_parts::operator::is_timeless;
+use firmware_parts::hold::{self, Hold};
 use firmware_parts::signals::Signals;
-use haptic_board_tools::consent::Stopped;
 use haptic_board_tools::operator::Session;
 use haptic_core::safety::Mode;
 use haptic_protocol::ends::Ends;
 use haptic_protocol::key::Key;
-use haptic_protocol::lines::{Line, Lines};
+use haptic_protocol::lease::{AtBoard, AtOperator, Motors, No, Told, Want, Word};
+use haptic_protocol::lines::{Heard, Line, Lines};
 use haptic_protocol::link::{Config, Link, Notice};
 use haptic_protocol::parameters::{Parameters, Table};
 use haptic_protocol::wire::{MAX_DATAGRAM, PeerId};
@@ -36,8 +35,10 @@ enum Planted {
     AnythingHeard,
     /// A yes counts from when it comes.
     FromArrival,
-    /// A yes is not taken back by a no.
-    NoIsNothing,
+    /// A stop that was heard is confirmed before motors are off, which they are at the end of the lease.
+    HeardIsOff,
+    /// `arm` does not look at the age of its yes.
+    YesOfAnyAge,
 }
 
 struct Board {
@@ -45,7 +46,10 @@ struct Board {
     link: Link,
     lines: Lines,
     signals: Signals,
+    hold: Hold,
     taken: u32,
+    /// The newest yes, for boards that believe in it.
+    run: Option<(u8, Option<u64>)>,
 }
 
 impl Board {
@@ -55,26 +59,27 @@ impl Board {
         let ends = Ends { local: PeerId(1), remote: PeerId(0) };
         let config = Config { key: key(), ends, packet_period_us: 20_000, parameters, entropy: [9; 32] };
         let link = Link::new(config).expect("a link");
-        Self { planted, link, lines: Lines::default(), signals: Signals::at_power_on(), taken: 0 }
+        let (signals, hold) = (Signals::at_power_on(), Hold::default());
+        Self { planted, link, lines: Lines::default(), signals, hold, taken: 0, run: None }
     }
 
     fn is_on(&self) -> bool {
         self.signals.mode.get() == Mode::Armed
     }
 
-    fn answer(&self, line: &str) -> &'static str {
-        match line {
-            "arm" if !self.signals.consent.get() => "error the operator's end does not let the motors run",
-            "arm" => {
-                self.signals.patience.set(hold::patience(LEASE_MS as u32));
-                self.signals.mode.set(Mode::Armed);
-                "ok armed"
-            }
-            _ => {
-                self.signals.disarm.release(true);
-                "ok disarmed"
-            }
+    fn answer(&mut self, now_us: u64, Heard { line, word, .. }: &Heard) -> &'static str {
+        let Self { signals, hold, .. } = self;
+        if line != "arm" {
+            hold.off(now_us, signals);
+            return "ok disarmed";
         }
+        if self.planted == Planted::YesOfAnyAge {
+            hold.hear(now_us, (word.byte(), Some(now_us)), signals);
+        }
+        let lost_s = LEASE_MS as f64 / 1e3;
+        let started = hold.start(now_us, (*word, false), lost_s, signals, || signals.mode.set(Mode::Armed));
+        hold.started();
+        started.map_or_else(No::explain, |()| "ok armed")
     }
 
     /// The port, every other millisecond: what came, the operator's word, a line, and what there is to say.
@@ -84,28 +89,37 @@ impl Board {
         }
         while let Some(notice) = self.link.take_notice() {
             if let Notice::NewPeer(_) = notice {
+                self.hold.step(now_us, AtBoard::Session);
                 self.lines.forget();
             }
         }
         let heard = std::mem::replace(&mut self.taken, self.link.counts().taken) != self.taken;
-        let said = self.link.consented_us();
-        let notes = match self.planted {
-            Planted::Nothing => Some(said),
-            Planted::AnythingHeard => heard.then_some(Some(now_us)),
-            Planted::FromArrival => heard.then(|| said.map(|_| now_us)),
-            Planted::NoIsNothing => said.map(Some),
+        let said = self.link.heard();
+        let (is_run, on) = (|byte: u8| Word::of_byte(byte).want == Want::Run, self.is_on());
+        let said = match self.planted {
+            Planted::Nothing | Planted::YesOfAnyAge => said,
+            Planted::AnythingHeard if heard && on => self.run,
+            Planted::AnythingHeard | Planted::FromArrival => said.filter(|_| heard),
+            Planted::HeardIsOff => said.filter(|(byte, _)| is_run(*byte) || !on),
         };
-        if let Some(word) = notes.filter(|_| self.link.is_up()) {
-            hold::note(&self.signals, now_us, word);
-            hold::let_go(&self.signals);
+        self.run = said.filter(|(byte, _)| is_run(*byte)).or(self.run);
+        let arrives = matches!(self.planted, Planted::AnythingHeard | Planted::FromArrival);
+        if let Some((byte, echo_us)) = said {
+            let echo_us = if arrives { Some(now_us) } else { echo_us };
+            self.hold.hear(now_us, (byte, echo_us), &self.signals);
         }
         if !self.lines.is_saying()
             && let Some(heard) = self.lines.hear(now_us, &mut self.link)
-            && (heard.is_fresh() || is_timeless(&heard.line))
+            && heard.is_fresh()
         {
-            let answer = Line::try_from(self.answer(&heard.line)).expect("a short line");
-            self.lines.say(&answer);
+            let answer = Line::try_from(self.answer(now_us, &heard)).expect("a short line");
+            self.lines.say(&answer, Word::default());
         }
+        let mut told = self.hold.told(&self.signals);
+        if let (Planted::HeardIsOff, Some((byte, _))) = (self.planted, self.link.heard()) {
+            told = Told { motors: Motors::Off, heard: Word::of_byte(byte).number };
+        }
+        self.link.say_lease(told.byte(), false);
         self.lines.push(&mut self.link);
         let mut bytes = [0; MAX_DATAGRAM];
         while let Some(length) = self.link.poll(now_us, &mut bytes) {
@@ -114,7 +128,7 @@ impl Board {
     }
 
     /// A tick, and every fifth the supervisor.
-    fn tick(&mut self) {
+    fn tick(&mut self, now_us: u64) {
         let signals = &self.signals;
         signals.ticks.set(signals.ticks.get().wrapping_add(1));
         if signals.disarm.acquire() {
@@ -122,7 +136,7 @@ impl Board {
             signals.mode.set(Mode::Disarmed);
         }
         if signals.ticks.get().is_multiple_of(hold::LOOK_EVERY) {
-            hold::let_go(signals);
+            self.hold.look(now_us, signals);
         }
     }
 }
@@ -143,7 +157,7 @@ struct World {
     /// When the operator let the motors run last.
     yes_ms: u64,
     was_on: bool,
-    stopped: Option<Stopped>,
+    stopped: bool,
 }
 
 impl World {
@@ -155,7 +169,7 @@ impl World {
             now_ms: 1000,
             yes_ms: 0,
             was_on: false,
-            stopped: None,
+            stopped: false,
         }
     }
 
@@ -165,10 +179,11 @@ impl World {
         let now = self.now_ms;
         let [to_board, mut to_operator] = [0, 1].map(|direction| self.path.come(now, direction));
         let mut said = Vec::new();
-        self.board.tick();
+        let board_us = 7_000_000 + 1000 * now;
+        self.board.tick(board_us);
         if now.is_multiple_of(2) || !to_board.is_empty() {
             let mut came = to_board;
-            self.board.port(7_000_000 + 1000 * now, &mut came, |datagram| said.push((1, datagram.to_vec())));
+            self.board.port(board_us, &mut came, |datagram| said.push((1, datagram.to_vec())));
         }
         for datagram in &mut to_operator {
             self.operator.receive(1000 * now, datagram);
@@ -182,17 +197,33 @@ impl World {
         for (direction, datagram) in said {
             self.path.say(now, direction, &datagram, fate);
         }
-        if self.operator.consent().is_given() {
+        let mut giver = self.operator.reins().giver();
+        if giver.word(1000 * now).want == Want::Run {
             self.yes_ms = now;
         }
+        self.stopped = giver.is_stopped();
         let on = self.board.is_on();
         self.was_on |= on;
-        self.stopped = self.operator.stopped(1000 * now, 1000 * LEASE_MS);
         match self.stopped {
             _ if on && now > self.yes_ms + LEASE_MS => Err(format!("on {} ms after the last yes", now - self.yes_ms)),
-            Some(stopped) if on => Err(format!("on, and the operator says: {}", stopped.explain())),
+            true if on => Err("on, and the operator says that it is stopped".to_owned()),
             _ => Ok(()),
         }
+    }
+
+    /// The person asks for motors as soon as that may be, while nobody disturbs.
+    fn arm(&mut self) {
+        for _ in 0..1_000 {
+            if self.operator.say("arm") {
+                return;
+            }
+            self.step(|_, _| PASS).expect("nobody disturbs");
+        }
+        panic!("it is known to be off");
+    }
+
+    fn stop(&self) {
+        self.operator.reins().note(1000 * self.now_ms, AtOperator::Stop);
     }
 
     /// Nobody is on the path, until both are there and nothing is left of what was.
@@ -206,7 +237,7 @@ impl World {
                 for _ in 0..30 {
                     self.step(|_, _| PASS).expect("nobody disturbs");
                 }
-                if self.operator.answer().is_some() && !self.board.is_on() {
+                if self.operator.answer().is_some() && !self.board.is_on() && self.stopped {
                     return;
                 }
             }
@@ -218,20 +249,19 @@ impl World {
     fn play(&mut self, strategy: &Lease) -> Result<u64, String> {
         self.meet();
         self.was_on = false;
-        self.operator.say("arm");
+        self.arm();
         let Strategy([before, soon, later]) = strategy;
         for _ in 0..BEFORE_MS {
             self.step(|direction, place| before[direction][place])?;
         }
-        self.operator.consent().withdraw();
-        let (mut on, mut stopped) = (0, false);
+        self.stop();
+        let mut on = 0;
         for ms in 0..AFTER_MS {
             let phase = if ms < 100 { soon } else { later };
             self.step(|direction, place| phase[direction][place])?;
             on = if self.board.is_on() { ms } else { on };
-            stopped |= self.stopped.is_some();
         }
-        if stopped { Ok(on) } else { Err("an operator waits for ever to hear that it stopped".to_owned()) }
+        Ok(on)
     }
 }
 
@@ -258,10 +288,44 @@ fn nobody_on_the_path_keeps_motors_on_after_stop() {
 
 #[test]
 fn the_search_finds_what_is_planted() {
-    for planted in [Planted::AnythingHeard, Planted::FromArrival, Planted::NoIsNothing] {
+    for planted in [Planted::AnythingHeard, Planted::FromArrival, Planted::HeardIsOff] {
         let found = search(planted, 2_000);
         assert!(found.is_err(), "{planted:?}: {found:?}");
     }
+}
+
+/// A person says `arm` and stops `before` ms later; what was said until then is held for more than the lease, what comes after is dropped.
+fn a_held_yes(planted: Planted) -> Result<(), String> {
+    for before in [2, 4, 6, 10] {
+        for held in (201..240).step_by(3) {
+            for idle in (0..60).step_by(4) {
+                let mut world = World::new(planted);
+                world.meet();
+                for _ in 0..idle {
+                    world.step(|_, _| PASS)?;
+                }
+                world.arm();
+                for ms in 0..600 {
+                    if ms == before {
+                        world.stop();
+                    }
+                    world.step(|direction, _| match direction {
+                        0 if ms < before => Fate([Some(held), None]),
+                        0 => Fate([None, None]),
+                        _ => PASS,
+                    })?;
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Why: `arm` did not look at the age of its yes, so that motors went on after the lease.
+#[test]
+fn a_yes_that_is_older_than_the_lease_arms_nothing() {
+    assert_eq!(a_held_yes(Planted::Nothing), Ok(()));
+    assert!(a_held_yes(Planted::YesOfAnyAge).is_err_and(|why| why.starts_with("on ")));
 }
 
 /// The attack as it was: only what is as long as a probe or a reply goes through after Stop. Nothing tells them apart now.
@@ -270,11 +334,11 @@ fn what_the_operator_says_has_one_length() {
     let mut world = World::new(Planted::Nothing);
     world.meet();
     let mut lengths = Vec::new();
-    world.operator.say("arm");
+    world.arm();
     for ms in 0..400 {
         if ms == 200 {
             assert!(world.board.is_on());
-            world.operator.say("disarm");
+            assert!(world.operator.say("disarm"));
         }
         world.step(|_, _| PASS).expect("nobody disturbs");
         lengths.extend(world.path.under_way[0].iter().map(|(_, datagram)| datagram.len()));
@@ -282,5 +346,5 @@ fn what_the_operator_says_has_one_length() {
     lengths.sort_unstable();
     lengths.dedup();
     assert_eq!(lengths, [16 + 16 + 56 + 16]);
-    assert_eq!(world.stopped, Some(Stopped::Heard));
+    assert!(world.stopped);
 }

@@ -21,7 +21,7 @@ import { Timeline } from "./timeline.js";
 /** @typedef {import("./environments.js").Strip} Strip */
 /** @typedef {import("./environments.js").View} View */
 /** @typedef {{ name: string, unit: string, means: string }} Column */
-/** @typedef {{ environments: { name: string, story: boolean, columns: Column[], more: any }[], header_bytes: number, faults: Record<string, string>, fault_base: number, waits: number,
+/** @typedef {{ environments: { name: string, story: boolean, columns: Column[], more: any }[], header_bytes: number, faults: Record<string, string>, fault_base: number, waits: number, alone: number,
  *   other: string | null, boards: boolean, clicks: { name: string, order: string }[], laws: string[], partners: string[], reach_m: number, period_s: number, recording?: Recorded }} Hello */
 /** A recording: of how many ticks, from which time on, s, when that was, and how far the copies were apart in each part of it.
  * @typedef {{ file: string, who: string, kind: number, ticks: number, start_s: number, unix_s: number, told: boolean, overview_mm: number[], left_out: string | null }} Recorded */
@@ -614,18 +614,21 @@ function showBoard({ number, fault, told: { name, there, status, said } }) {
 
 /** @param {number[]} modes */
 function sayBoards(modes) {
-  const { fault_base = 100, waits } = hello ?? {};
+  const { fault_base = 100, waits, alone } = hello ?? {};
   const which = (/** @type {(mode: number) => boolean} */ is) =>
     modes.flatMap((mode, at) => (document.getElementById(`board${at + 1}`) && is(mode) ? [at + 1] : [])).join(" and ");
-  const [faulted, armed, away] = [
-    which((mode) => mode > fault_base),
-    which((mode) => mode === 1),
-    which((mode) => mode === waits),
+  /** @type {[string, (of: string) => string][]} */
+  const sentences = [
+    [which((mode) => mode === waits), (of) => `the motors of board ${of} may be on: nothing is heard of it`],
+    [which((mode) => mode === alone), (of) => `the motors of board ${of} are on without an operator: Stop turns them off`],
+    [
+      which((mode) => mode === 1),
+      (of) => `the motors of board ${of} are on; they go off when the operator's page is hidden or closed`,
+    ],
+    [which((mode) => mode > fault_base), (of) => `fault at board ${of}: its motors are off`],
   ];
-  if (faulted) say(`fault at board ${faulted}: its motors are off`, true);
-  else if (armed) say(`the motors of board ${armed} are on; they go off when the operator's page is hidden or closed`, true);
-  else if (away) say(`nothing is heard of board ${away}`, true);
-  else say("all motors are off", false);
+  const said = sentences.flatMap(([of, text]) => (of ? [text(of)] : []));
+  say(said.join(". ") || "all motors are off", said.length > 0);
 }
 
 /** A scene file of what is not as usual. */

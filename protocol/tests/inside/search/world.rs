@@ -10,6 +10,7 @@ use super::mistakes::Mistake;
 use crate::ends::Ends;
 use crate::handshake::LIFE_US;
 use crate::key::Key;
+use crate::lease::Word;
 use crate::lines::{FRESH_US, Lines};
 use crate::link::{Config, Link, MAX_DELAY_US, Notice};
 use crate::parameters::Parameters;
@@ -399,7 +400,7 @@ impl Model for World {
                 self.speak(peer);
             }
             Action::Say => {
-                let said = Rc::make_mut(&mut self.ends[1]).lines.say(&self.now.to_string());
+                let said = Rc::make_mut(&mut self.ends[1]).lines.say(&self.now.to_string(), Word::default());
                 self.lines += u8::from(said);
                 self.speak(1);
             }

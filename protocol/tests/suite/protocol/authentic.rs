@@ -1,4 +1,4 @@
-//! Datagrams whose tag is right and whose message is none: numbers that are none, lengths, kinds and bits that version 3 does
+//! Datagrams whose tag is right and whose message is none: numbers that are none, lengths, kinds and bits that version 4 does
 //! not know. A `Link` never says such things, so they are sealed here by a second implementation ([`crate::protocol::format`]).
 
 use haptic_protocol::link::{Error, Link, Stage};

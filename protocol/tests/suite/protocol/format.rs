@@ -9,7 +9,7 @@ use chacha20poly1305::aead::{AeadInOut, KeyInit};
 use x25519_dalek::{X25519_BASEPOINT_BYTES, x25519};
 
 /// Byte 0 of every datagram.
-const VERSION: u8 = 3;
+const VERSION: u8 = 4;
 /// Bytes of a greeting, of a sealed datagram's header and of a tag.
 pub(crate) const GREETING: usize = 200;
 const HEADER: usize = 16;

@@ -1,6 +1,7 @@
 //! Fresh or nothing: whoever holds back, stretches or carries over what two peers say makes nothing of it count. Nobody here has
 //! the key but the two peers.
 
+use haptic_protocol::lease::Word;
 use haptic_protocol::lines::{FRESH_US, Heard, Lines};
 use haptic_protocol::link::{Error, Link, Notice, Stage};
 use haptic_protocol::wire::{Flow, Greeting, Header, MAX_DATAGRAM, Message, Telemetry};
@@ -80,7 +81,7 @@ impl Held {
 #[test]
 fn what_an_operator_says_is_done_if_it_gets_there() {
     let mut held = Held::new();
-    assert!(held.lines[1].say("arm"));
+    assert!(held.lines[1].say("arm", Word::default()));
     held.run(100, true, |_| true);
     assert_eq!(held.did(), ["arm"]);
 }
@@ -94,7 +95,7 @@ fn an_operators_datagrams_held_for_two_minutes_arm_nothing() {
             held.run(100, true, |_| true);
             assert_eq!(held.operator.stage(), Stage::Idle);
         }
-        assert!(held.lines[1].say("arm"));
+        assert!(held.lines[1].say("arm", Word::default()));
         held.run(300, true, |datagram| attack > 0 && !is_sealed(datagram));
         assert!(held.held.len() > 5, "attack {attack}: {}", held.held.len());
         // The operator has gone.
@@ -110,7 +111,7 @@ fn a_line_counts_from_when_it_was_said_however_often_it_was_sent() {
     for (late_ms, done) in [(100, true), (700, false)] {
         let mut held = Held::new();
         held.run(100, true, |_| true);
-        assert!(held.lines[1].say("arm"));
+        assert!(held.lines[1].say("arm", Word::default()));
         // Events are held back for a while and everything else gets through: the link says them again and again, sealed anew.
         let event = 16 + 16 + 8 + 8 + 3 + 16;
         held.run(late_ms, true, |datagram| datagram.len() != event);

@@ -225,11 +225,11 @@ fn errors_are_sentences() {
         (vec![], "sealed: 0 bytes where 32 belong"),
         (vec![2; 40], "greeting: 40 bytes where 200 belong"),
         (vec![9, 3, 2, 1], "sealed: 4 bytes where 32 belong"),
-        ([&[9, 3, 2, 1], [0; 64].as_slice()].concat(), "version 9 is spoken here, this end speaks 3"),
-        ([&[3, 7, 2, 1], [0; 64].as_slice()].concat(), "kind 7 is no message of version 3"),
-        ([&[3, 3, 5, 1], [0; 64].as_slice()].concat(), "a datagram from a peer that this link does not lead to"),
-        ([&[3, 3, 2, 5], [0; 64].as_slice()].concat(), "a datagram for another peer"),
-        ([&[3, 3, 2, 1], [0; 64].as_slice()].concat(), "this datagram belongs to another session"),
+        ([&[9, 3, 2, 1], [0; 64].as_slice()].concat(), "version 9 is spoken here, this end speaks 4"),
+        ([&[4, 7, 2, 1], [0; 64].as_slice()].concat(), "kind 7 is no message of version 4"),
+        ([&[4, 3, 5, 1], [0; 64].as_slice()].concat(), "a datagram from a peer that this link does not lead to"),
+        ([&[4, 3, 2, 5], [0; 64].as_slice()].concat(), "a datagram for another peer"),
+        ([&[4, 3, 2, 1], [0; 64].as_slice()].concat(), "this datagram belongs to another session"),
     ] {
         let error: Error = world.links[0].receive(now, &mut datagram.clone()).unwrap_err();
         assert_eq!(error.to_string(), sentence);

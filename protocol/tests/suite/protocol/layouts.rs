@@ -1,4 +1,4 @@
-//! Every message as bytes that were written down by hand, and what version 3 refuses.
+//! Every message as bytes that were written down by hand, and what version 4 refuses.
 
 use haptic_protocol::wire::{
     Ack, Ask, AxisFlow, Bits, Error, Event, Flow, Flow2, Flow3, Goodbye, Greeting, GreetingKind, Header, MAX_MESSAGE,
@@ -228,7 +228,7 @@ fn part() {
 
 #[test]
 fn header() {
-    let bytes = [3, 3, 7, 9, 0xdd, 0xcc, 0xbb, 0xaa, 8, 7, 6, 5, 4, 3, 2, 1];
+    let bytes = [4, 3, 7, 9, 0xdd, 0xcc, 0xbb, 0xaa, 8, 7, 6, 5, 4, 3, 2, 1];
     let header = Header { from: PeerId(7), to: PeerId(9), session: 0xaabb_ccdd, sequence: 0x0102_0304_0506_0708 };
     let mut out = [0; Header::LEN];
     assert_eq!(header.emit(&mut out), Ok(Header::LEN));
@@ -236,12 +236,12 @@ fn header() {
     let mut datagram = [0x55; 33];
     datagram[..16].copy_from_slice(&bytes);
     assert_eq!(Header::parse(&mut datagram), Ok((header, &bytes, &mut [0x55; 17][..])));
-    for version in [0, 1, 2, 255] {
+    for version in [0, 1, 3, 255] {
         datagram[0] = version;
         assert_eq!(Header::parse(&mut datagram), Err(Error::UnknownVersion(version)));
     }
-    assert_eq!(Error::UnknownVersion(1).to_string(), "version 1 is spoken here, this end speaks 3");
-    datagram[..2].copy_from_slice(&[3, 4]);
+    assert_eq!(Error::UnknownVersion(1).to_string(), "version 1 is spoken here, this end speaks 4");
+    datagram[..2].copy_from_slice(&[4, 4]);
     assert_eq!(Header::parse(&mut datagram), Err(Error::UnknownKind(4)));
     let error = Error::Length { message: "sealed", wanted: 32, got: 31 };
     assert_eq!(Header::parse(&mut datagram[..31]), Err(error));
@@ -250,13 +250,15 @@ fn header() {
 #[test]
 fn stamps() {
     let mut out = [0; Stamps::LEN];
-    for (consents, padding, last) in [(false, 0, 0), (false, 44, 44), (true, 0, 0x80), (true, 127, 0xFF)] {
-        let stamps = Stamps { sealed_us: 0x02_0304_0506_0708, consents, padding, echo_us: 9 };
+    for (padding, lease) in [(0, 0), (44, 1), (0, 0x80), (127, 0xFF)] {
+        let stamps = Stamps { sealed_us: 0x02_0304_0506_0708, padding, echo_us: 9, lease };
         assert_eq!(stamps.emit(&mut out), Ok(Stamps::LEN));
-        assert_eq!(out, [8, 7, 6, 5, 4, 3, 2, last, 9, 0, 0, 0, 0, 0, 0, 0]);
+        assert_eq!(out, [8, 7, 6, 5, 4, 3, 2, padding, 9, 0, 0, 0, 0, 0, 0, lease]);
         assert_eq!(Stamps::parse(&out), Ok(stamps));
     }
     assert!(Stamps::parse(&out[1..]).is_err());
+    out[7] = 128;
+    assert_eq!(Stamps::parse(&out), Err(Error::Reserved("stamps")));
 }
 
 #[test]
@@ -276,7 +278,7 @@ fn greeting() {
         tables,
     };
     let mut bytes = [0; Greeting::TAGGED];
-    bytes[..8].copy_from_slice(&[3, 2, 1, 2, 1, 2, 3, 4]);
+    bytes[..8].copy_from_slice(&[4, 2, 1, 2, 1, 2, 3, 4]);
     bytes[8..24].fill(0xaa);
     bytes[24..40].fill(0xbb);
     bytes[40..48].copy_from_slice(&[0x88, 0x77, 0x66, 0x55, 0x44, 0x33, 0x22, 0x11]);

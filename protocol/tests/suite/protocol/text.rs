@@ -2,6 +2,7 @@
 
 use haptic_protocol::ends::Ends;
 use haptic_protocol::key::Key;
+use haptic_protocol::lease::Word;
 use haptic_protocol::lines::{LONGEST, Lines};
 use haptic_protocol::link::{Config, Link};
 use haptic_protocol::parameters::Parameters;
@@ -29,7 +30,7 @@ fn talk(texts: [&[&str]; 2], lose: usize) -> [Vec<String>; 2] {
             if !lines[end].is_saying()
                 && let Some(text) = left[end].next()
             {
-                assert!(lines[end].say(text) && !lines[end].say("one at a time"));
+                assert!(lines[end].say(text, Word::default()) && !lines[end].say("one at a time", Word::default()));
             }
             lines[end].push(&mut links[end]);
             let mut out = [0; MAX_DATAGRAM];

@@ -1,5 +1,6 @@
 //! What a hostile board says, millisecond by millisecond, under keys that are right.
 
+use haptic_protocol::lease::{Told, Want, Word};
 use haptic_protocol::lines::{END, PART};
 use haptic_protocol::record::{self, Record};
 use haptic_protocol::wire::{Ack, Event, MAX_DATAGRAM, Message, Probe, Reply, Sample};
@@ -8,9 +9,8 @@ use haptic_sim::rng::Rng;
 use super::super::format::{GREETING, Session, hello};
 
 pub(super) const KEY: [u8; 32] = [7; 32];
-/// Stamps: the time, and whether the sender consents.
+/// The times of stamps.
 const CLOCK: u64 = (1 << 56) - 1;
-const CONSENT: u64 = 1 << 63;
 /// Between two sessions that it begins by itself, µs: no operator multiplies more often.
 const APART_US: u64 = 60_000;
 /// How often a lie is told at once in a flood.
@@ -24,6 +24,8 @@ enum Lie {
     EchoesNothing,
     /// Its own clock jumps.
     Clock,
+    /// It says anything of its motors, of the newest word or of any.
+    Tells,
     /// Answers, asked for or not, of this text.
     Answers(usize),
     /// A line that never ends.
@@ -83,6 +85,7 @@ impl Program {
             Lie::Echoes(echoes[rng.below(echoes.len() as u64) as usize]),
             Lie::EchoesNothing,
             Lie::Clock,
+            Lie::Tells,
             Lie::Answers(rng.below(TEXTS.len() as u64) as usize),
             Lie::Answers(rng.below(TEXTS.len() as u64) as usize),
             Lie::NoEnd,
@@ -114,10 +117,10 @@ impl Program {
     }
 }
 
-/// A datagram, and what it echoes, µs; 0 where it is not sealed.
+/// A datagram, and what it tells of the motors, where it is sealed.
 pub(super) struct Said {
     pub(super) datagram: Vec<u8>,
-    pub(super) echo_us: u64,
+    pub(super) told: Option<Told>,
 }
 
 #[derive(Default)]
@@ -128,6 +131,8 @@ pub(super) struct Board {
     sequence: u64,
     /// The newest time of the operator's clock that it has heard, and the first, µs.
     heard_us: [u64; 2],
+    /// The operator's newest word.
+    word: u8,
     clock_us: u64,
     event: u32,
     tick: u32,
@@ -147,10 +152,11 @@ impl Board {
                 self.greeting = wanted.then(|| datagram.clone());
                 continue;
             }
-            let Some(([at, _], message)) = self.session.as_ref().and_then(|session| session.open(datagram)) else {
+            let Some(([at, echo], message)) = self.session.as_ref().and_then(|session| session.open(datagram)) else {
                 continue;
             };
-            yeses += u64::from(at & CONSENT != 0);
+            self.word = (echo >> 56) as u8;
+            yeses += u64::from(Word::of_byte(self.word).want == Want::Run);
             self.heard_us[0] = at & CLOCK;
             self.heard_us[1] = if self.heard_us[1] == 0 { at & CLOCK } else { self.heard_us[1] };
             let padding = (at >> 56 & 0x7f) as usize;
@@ -182,16 +188,20 @@ impl Board {
             let datagram = hello(&KEY, &heard, secret);
             self.session = Some(Session::of(&KEY, &heard, &datagram, secret));
             (self.began_us, self.heard_us, self.event) = (now_us, [0; 2], 0);
-            said.push(Said { datagram, echo_us: 0 });
+            said.push(Said { datagram, told: None });
         }
         let lies: Vec<_> = program.0.iter().filter(|(_, every, _)| (now_us / 1000).is_multiple_of(*every)).collect();
         let mut messages: Vec<Vec<u8>> = std::mem::take(&mut self.due).iter().map(bytes_of).collect();
         let mut echo_us = self.heard_us[0];
+        // On while they may run.
+        let mut told = self.word & !3 | u8::from(Word::of_byte(self.word).want == Want::Run);
         for (lie, _, often) in lies {
             match lie {
                 Lie::Silent => return said,
                 Lie::Echoes(more) => echo_us = (now_us + 1000).saturating_add_signed(*more - 1000),
                 Lie::EchoesNothing => echo_us = if rng.chance(0.5) { 0 } else { self.heard_us[1] },
+                Lie::Tells if rng.chance(0.5) => told = rng.below(256) as u8,
+                Lie::Tells => told = self.word & !3 | rng.below(4) as u8,
                 Lie::Clock => self.clock_us = rng.below(u64::MAX) >> rng.below(60),
                 Lie::Leaves => {
                     messages.push(vec![7, 0, 0, 0]);
@@ -202,7 +212,7 @@ impl Board {
                         let Some(mut datagram) = self.past.get(rng.below(64) as usize).cloned() else { continue };
                         let (at, bit) = (rng.below(datagram.len() as u64) as usize, rng.below(8));
                         datagram[at] ^= u8::from(rng.chance(0.5)) << bit;
-                        said.push(Said { datagram, echo_us: 0 });
+                        said.push(Said { datagram, told: None });
                     }
                 }
                 _ => (0..*often).for_each(|_| messages.extend(self.lie(rng, *lie))),
@@ -211,11 +221,12 @@ impl Board {
         let Some(session) = &self.session else { return said };
         for message in messages {
             self.sequence += 1;
-            let datagram = session.seal(1, 0, self.sequence, [(self.clock_us & CLOCK).max(1), echo_us], &message);
+            let stamps = [(self.clock_us & CLOCK).max(1), echo_us & CLOCK | u64::from(told) << 56];
+            let datagram = session.seal(1, 0, self.sequence, stamps, &message);
             let place = self.sequence as usize % 64;
             self.past.resize(64, datagram.clone());
             self.past[place].clone_from(&datagram);
-            said.push(Said { datagram, echo_us });
+            said.push(Said { datagram, told: Some(Told::of_byte(told)) });
         }
         said
     }
