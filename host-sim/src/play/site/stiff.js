@@ -62,7 +62,9 @@ export function tooStiff(svg, says, value, { me, faults, holds, past }) {
     const [stiffness, ms, edge] = [Number(now?.settings[KT]), 1e3 * (now?.one_way_s ?? NaN), now?.edge ?? NaN];
     if (!Number.isFinite(stiffness + ms)) return;
     const spring = `${stiffness.toFixed(0)} N/m`;
-    const limit = Number.isFinite(edge) ? `below ${10 * Math.floor(edge / 10)} N/m it holds while both hands are on` : "a softer one holds";
+    const limit = Number.isFinite(edge)
+      ? `below ${10 * Math.floor(edge / 10)} N/m it holds while both hands are on`
+      : "a softer one holds";
     if (fault && stiffness <= edge) {
       says.textContent = `Peer ${fault.peer} stopped itself: ${fault.why}. Not the coupling of ${spring} did that: start again.`;
       state = [`peer ${fault.peer} stopped itself`, true];
