@@ -1,8 +1,9 @@
 //! Handshake: how two peers that share a key come to share a session, in any order, whoever restarts.
 //!
 //! A greeting carries a **challenge** of its sender's and echoes one of the receiver's. A challenge is good for 1 s from when it
-//! was first offered; every 100 ms there is a new one, so that a round trip of up to 900 ms leads to a session. An echo of one that
-//! is good, under a right tag, proves that the sender holds the key and was there within that second, because nobody could have
+//! was first offered; every 100 ms there is a new one, so that a round trip of up to 900 ms leads to a session. A link that takes older flow
+//! ([`crate::link::Link::within`]) has challenges that are good for longer, ten at once in any case. An echo of one that
+//! is good, under a right tag, proves that the sender holds the key and was there within that time, because nobody could have
 //! known the challenge before; only that makes a session. Its keys come of the shared key and of the two ends' **ephemerals**,
 //! which a greeting carries too: public keys of X25519 (RFC 7748), as in Noise's NNpsk0. Each end keeps its own until a session
 //! made with it is confirmed or was not in time, then it wipes the secret: whoever gets hold of the shared key later reads nothing
@@ -39,12 +40,10 @@ use crate::session::{Offer, Session};
 use crate::wire::{self, Challenge, Ephemeral, Greeting, GreetingKind, PeerId};
 use crate::{ends::Ends, error::Refusal, parameters::Parameters};
 
-/// How long a challenge is good for, from when it was first offered, µs.
+/// How long a challenge is good for at least, from when it was first offered, µs.
 pub(crate) const LIFE_US: u64 = 1_000_000;
-/// Challenges that can be good at once.
+/// Challenges that can be good at once: each is offered for a tenth of its life.
 const GOOD: usize = 10;
-/// How long one is offered, µs.
-const OFFERED_US: u64 = LIFE_US / GOOD as u64;
 
 /// The shortest time between two multiplications that greetings bring about, µs.
 const MULTIPLY_EVERY_US: u64 = 50_000;
@@ -86,6 +85,8 @@ pub(crate) struct Handshake {
     /// The last ephemeral of the other end's, and what it makes with ours.
     agreed: Option<(Ephemeral, Key)>,
     next_multiplication_us: u64,
+    /// How long a challenge is good for, µs.
+    pub(crate) life_us: u64,
     /// Challenges and when each was first offered, µs, oldest first.
     offered: Vec<(Challenge, u64), GOOD>,
     parameters: Parameters,
@@ -108,6 +109,7 @@ impl Handshake {
             secret: Key::new([0; Key::LEN]),
             agreed: None,
             next_multiplication_us: 0,
+            life_us: LIFE_US,
             offered: Vec::new(),
             parameters,
         };
@@ -152,7 +154,7 @@ impl Handshake {
     /// The challenge to offer now.
     fn offer(&mut self, now: u64) -> Challenge {
         if let Some((challenge, first_us)) = self.offered.last()
-            && now.saturating_sub(*first_us) < OFFERED_US
+            && now.saturating_sub(*first_us) < self.life_us / GOOD as u64
         {
             return *challenge;
         }
@@ -198,7 +200,7 @@ impl Handshake {
 
     /// Whether an authentic greeting echoes a challenge that is good at `now`.
     pub(crate) fn is_fresh(&self, now: u64, greeting: &Greeting) -> bool {
-        let good = |first_us: u64| now.saturating_sub(first_us) < LIFE_US;
+        let good = |first_us: u64| now.saturating_sub(first_us) < self.life_us;
         self.offered.iter().any(|(challenge, first_us)| *challenge == greeting.echo && good(*first_us))
     }
 

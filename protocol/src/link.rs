@@ -272,9 +272,11 @@ impl Link {
 
     /// This link, which takes flow only while its one-way delay is at most `max_delay_us` µs. The delay is half of
     /// the measured round trip, from when this end sealed the newest datagram that the flow's sender had opened to
-    /// when the flow came; so whatever happens on the path, no flow that is taken is older than twice as much.
+    /// when the flow came; so whatever happens on the path, no flow that is taken is older than twice as much. Challenges and messages count
+    /// for 2.5 times the delay, at most 2.5 s, if that is more than 1 s: so sessions can be made wherever flow is taken.
     pub fn within(mut self, max_delay_us: u32) -> Self {
         self.max_delay_us = max_delay_us;
+        self.handshake.life_us = LIFE_US.max(u64::from(max_delay_us.min(1_000_000)) * 5 / 2);
         self
     }
 
@@ -491,7 +493,7 @@ impl Link {
 
     /// How long a message counts, and a session that nothing was answered in, µs.
     fn life_us(&self) -> u64 {
-        LIFE_US.max(self.after(0, DISENGAGE_AFTER))
+        self.handshake.life_us.max(self.after(0, DISENGAGE_AFTER))
     }
 
     fn advance(&mut self, now: u64) {

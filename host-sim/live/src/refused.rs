@@ -50,8 +50,8 @@ impl<A: Copy + PartialEq> Refused<A> {
 
 /// Whether it is worth telling: what comes of a restart, a replay or the network passes by itself.
 pub fn is_telling(why: &Error) -> bool {
-    use Error::{BeyondLast, Exhausted, Forged, NoSession, OtherSession, Replayed, Stale, TooOld};
-    !matches!(why, NoSession | OtherSession | Replayed | TooOld | Stale | Forged | BeyondLast | Exhausted)
+    use Error::{BeyondLast, Exhausted, Forged, NoSession, OtherSession, Replayed, TooOld};
+    !matches!(why, NoSession | OtherSession | Replayed | TooOld | Forged | BeyondLast | Exhausted)
 }
 
 /// What is wrong with whoever is at `from`, in words for a person at this end.
@@ -61,6 +61,9 @@ pub fn wrong(from: impl Display, why: &Error) -> String {
         Error::OwnNumber => "has the number of this end, or is this end: give the two different numbers".to_owned(),
         Error::Stranger | Error::NotForUs => "has another number than belongs here".to_owned(),
         Error::OtherLine => "is on another line".to_owned(),
+        Error::Stale => {
+            "answers too late: the way there and back takes more than 1 s and than twice safety.max_delay_s".to_owned()
+        }
         Error::Parameters(table) => format!("was told other parameters: table [{table}] differs"),
         Error::Impossible(_) => format!("says what cannot be and is let go of: {why}"),
         why => format!("is not understood: {why}"),

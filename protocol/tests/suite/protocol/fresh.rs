@@ -306,6 +306,24 @@ fn no_flow_is_older_than_twice_the_longest_delay() {
     }
 }
 
+/// `safety.max_delay_s` goes up to 1 s one way: a session is made, goes on, and hands out flow.
+#[test]
+fn every_delay_that_is_allowed_has_sessions() {
+    for delay in [250_000, 500_000, 800_000, 990_000] {
+        let mut world = World::new(11, Impairment { delay, ..CLEAN });
+        for (peer, link) in world.links.iter_mut().enumerate() {
+            let peer = peer as u8;
+            *link = Link::new(config(1 + peer, 2 - peer, [9 + peer; 32])).unwrap().within(1_000_000);
+        }
+        assert!(world.run_until(8 * SECOND, World::is_engaged).is_some(), "{delay} µs: {:?}", world.stages());
+        world.flows = [vec![], vec![]];
+        world.run(5 * SECOND);
+        let due = 5 * SECOND / PERIOD;
+        let came = world.flows.each_ref().map(Vec::len);
+        assert!(came.iter().all(|came| *came as u64 >= due - 2), "{delay} µs: {came:?} of {due}");
+    }
+}
+
 #[test]
 fn what_is_held_for_more_than_a_second_does_not_count_in_a_session_that_goes_on() {
     for (held_us, counts) in [(900_000, true), (1_100_000, false)] {
