@@ -152,7 +152,6 @@ fn kinds(ui: &Ui) -> Vec<TableKind> {
             campaign::cost_columns(&[]),
         ),
         TableKind::new("published", "`published --json`", "a number of a law's paper", published::columns(&[])),
-        TableKind::new("published-regions", "`published --regions --json`", "a law", published::regions::columns(&[])),
         TableKind::new("laws", "laws.csv, laws.parquet", "a law", campaign::laws::tables::columns(&[])),
         TableKind::new(
             "laws-impedance",

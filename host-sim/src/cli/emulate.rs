@@ -7,6 +7,8 @@ use std::time::Duration;
 use clap::{Args, ValueEnum};
 use haptic_emulators::hand::{Grip, Hand, Task};
 use haptic_emulators::{Emulated, Seen, inverse3};
+#[cfg(unix)]
+use haptic_emulators::{carrier::Place, mit, moteus};
 use haptic_live::devices::haply;
 use haptic_live::endpoint::{Stop, realtime_beneath};
 use haptic_sim::scene::Scene;
@@ -28,9 +30,11 @@ const LOOKS: Duration = Duration::from_millis(2);
 enum Kind {
     /// Haply's service with an Inverse3.
     Inverse3,
-    /// Two moteus motors with the five-bar of the scene `plane`.
+    /// Two moteus motors with the five-bar of the scene `plane`; where there are Unix's terminals and sockets, as the next.
+    #[cfg(unix)]
     Moteus,
     /// Two DM4310 that take MIT's frame, likewise.
+    #[cfg(unix)]
     Mit,
 }
 
@@ -125,7 +129,7 @@ impl Emulate {
     /// Emulates it until it is stopped, and reports what it saw.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let stop = Stop::on_signals()?;
-        let faults = self.known()?;
+        let faults = self.known();
         if let Some(planned) = self.faults.iter().find(|planned| !faults.contains(&planned.fault.as_str())) {
             return Err(format!("--fault {} is not allowed: it is one of {}", planned.fault, faults.join(", ")).into());
         }
@@ -199,89 +203,66 @@ impl Emulate {
     fn refused(&self, at: &str, why: &dyn std::fmt::Display) -> Failure {
         format!("--at {at} is not allowed: {why}").into()
     }
-}
 
-#[cfg(unix)]
-mod motors {
-    use haptic_emulators::carrier::Place;
-    use haptic_emulators::{mit, moteus};
-
-    use super::{Emulate, Emulated, Failure, Kind, Scene, inverse3};
-
-    impl Emulate {
-        /// Names of the faults that such a device can have.
-        pub(super) fn known(&self) -> Result<Vec<&'static str>, Failure> {
-            Ok(match self.kind {
-                Kind::Inverse3 => inverse3::FAULTS.map(|(name, _)| name).to_vec(),
-                Kind::Moteus => moteus::FAULTS.map(|(name, _)| name).to_vec(),
-                Kind::Mit => mit::FAULTS.map(|(name, _)| name).to_vec(),
-            })
-        }
-
-        pub(super) fn start(&self, scene: &Scene) -> Result<Box<dyn Emulated>, Failure> {
-            Ok(match self.kind {
-                Kind::Inverse3 => {
-                    let (at, holds_s) = (self.place_of_service()?, self.lets_go_s.unwrap_or(inverse3::HOLDS_S));
-                    let served = inverse3::Emulator::start(at, self.hand(scene)?, holds_s);
-                    Box::new(served.map_err(|cause| self.refused(&at.to_string(), &cause))?)
-                }
-                Kind::Moteus => {
-                    if self.lets_go_s.is_some() {
-                        return Err(
-                            "--lets-go-s is not allowed for moteus: a peer tells them (--device-lets-go-s)".into()
-                        );
-                    }
-                    let place = self.bus(Place::Serial(None));
-                    let served = moteus::start(&place, self.hand(scene)?);
-                    Box::new(served.map_err(|cause| self.refused(&said(&place), &cause))?)
-                }
-                Kind::Mit => {
-                    let own = std::env::temp_dir().join(format!("haptic-mit-{}.can", std::process::id()));
-                    let place = self.bus(Place::Socket(own));
-                    let timeout_s = self.lets_go_s.unwrap_or(mit::TIMEOUT_AFTER_S);
-                    let served = mit::start(&place, self.hand(scene)?, timeout_s);
-                    Box::new(served.map_err(|cause| self.refused(&said(&place), &cause))?)
-                }
-            })
-        }
-
-        /// The bus that is meant, or this one.
-        fn bus(&self, own: Place) -> Place {
-            match self.at.as_deref().map(|at| (at, at.split_once(':'))) {
-                None => own,
-                Some((_, Some(("serial", link)))) => Place::Serial(Some(link.into())),
-                Some(("serial", _)) => Place::Serial(None),
-                Some((at, _)) if at.contains('/') => Place::Socket(at.into()),
-                Some((at, _)) => Place::Interface(at.to_owned()),
-            }
-        }
-    }
-
-    /// A place as it is said.
-    fn said(place: &Place) -> String {
-        match place {
-            Place::Serial(None) => "serial".to_owned(),
-            Place::Serial(Some(link)) => format!("serial:{}", link.display()),
-            Place::Socket(at) => at.display().to_string(),
-            Place::Interface(name) => name.clone(),
-        }
-    }
-}
-
-#[cfg(not(unix))]
-impl Emulate {
     /// Names of the faults that such a device can have.
-    fn known(&self) -> Result<Vec<&'static str>, Failure> {
+    fn known(&self) -> Vec<&'static str> {
         match self.kind {
-            Kind::Inverse3 => Ok(inverse3::FAULTS.map(|(name, _)| name).to_vec()),
-            Kind::Moteus | Kind::Mit => Err("motors are emulated where there are Unix's terminals and sockets".into()),
+            Kind::Inverse3 => inverse3::FAULTS.map(|(name, _)| name).to_vec(),
+            #[cfg(unix)]
+            Kind::Moteus => moteus::FAULTS.map(|(name, _)| name).to_vec(),
+            #[cfg(unix)]
+            Kind::Mit => mit::FAULTS.map(|(name, _)| name).to_vec(),
         }
     }
 
     fn start(&self, scene: &Scene) -> Result<Box<dyn Emulated>, Failure> {
-        let (at, holds_s) = (self.place_of_service()?, self.lets_go_s.unwrap_or(inverse3::HOLDS_S));
-        let served = inverse3::Emulator::start(at, self.hand(scene)?, holds_s);
-        Ok(Box::new(served.map_err(|cause| self.refused(&at.to_string(), &cause))?))
+        Ok(match self.kind {
+            Kind::Inverse3 => {
+                let (at, holds_s) = (self.place_of_service()?, self.lets_go_s.unwrap_or(inverse3::HOLDS_S));
+                let served = inverse3::Emulator::start(at, self.hand(scene)?, holds_s);
+                Box::new(served.map_err(|cause| self.refused(&at.to_string(), &cause))?)
+            }
+            #[cfg(unix)]
+            Kind::Moteus => {
+                if self.lets_go_s.is_some() {
+                    return Err("--lets-go-s is not allowed for moteus: a peer tells them (--device-lets-go-s)".into());
+                }
+                let place = self.bus(Place::Serial(None));
+                let served = moteus::start(&place, self.hand(scene)?);
+                Box::new(served.map_err(|cause| self.refused(&said(&place), &cause))?)
+            }
+            #[cfg(unix)]
+            Kind::Mit => {
+                let own = std::env::temp_dir().join(format!("haptic-mit-{}.can", std::process::id()));
+                let place = self.bus(Place::Socket(own));
+                let timeout_s = self.lets_go_s.unwrap_or(mit::TIMEOUT_AFTER_S);
+                let served = mit::start(&place, self.hand(scene)?, timeout_s);
+                Box::new(served.map_err(|cause| self.refused(&said(&place), &cause))?)
+            }
+        })
+    }
+
+    /// The bus that is meant, or this one.
+    #[cfg(unix)]
+    fn bus(&self, own: Place) -> Place {
+        match self.at.as_deref().map(|at| (at, at.split_once(':'))) {
+            None => own,
+            Some((_, Some(("serial", link)))) => Place::Serial(Some(link.into())),
+            Some(("serial", _)) => Place::Serial(None),
+            Some((at, _)) if at.contains('/') => Place::Socket(at.into()),
+            Some((at, _)) => Place::Interface(at.to_owned()),
+        }
+    }
+}
+
+/// A place as it is said.
+#[cfg(unix)]
+fn said(place: &Place) -> String {
+    match place {
+        Place::Serial(None) => "serial".to_owned(),
+        Place::Serial(Some(link)) => format!("serial:{}", link.display()),
+        Place::Socket(at) => at.display().to_string(),
+        Place::Interface(name) => name.clone(),
     }
 }
 

@@ -104,7 +104,7 @@ commands! {
         Stability(stability::Question),
         /// Forces stay within their limits, law by law: shown for every number from the code that flies.
         Prove(prove::Prove),
-        /// Numbers of the laws' own papers beside what the laws do here, and every law's stable region by two constructions.
+        /// Numbers of the laws' own papers beside what the laws do here.
         Published(published::Published),
         /// Every kind of communications over every kind of bad network: loss, bursts, jitter, reorder, drift.
         Campaign(campaign::Campaign),

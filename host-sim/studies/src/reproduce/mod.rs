@@ -4,7 +4,7 @@
 //! |---|---|
 //! | this module | every claim of both papers, with a verdict |
 //! | [`paper`] | the experiments and the largest stable gains of the cooperation paper, as its tables have them |
-//! | [`published`] | numbers of the laws' own papers, and every law's region by two constructions |
+//! | [`published`] | numbers of the laws' own papers |
 //!
 //! A claim of both papers has one of these verdicts:
 //!

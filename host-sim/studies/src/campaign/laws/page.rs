@@ -16,12 +16,11 @@ pub const PROOFS: [&str; 2] = ["<!-- proofs begin -->", "<!-- proofs end -->"];
 /// What stands there at first.
 const NO_PROOFS: &str = "No law is proved here yet.";
 
-/// Between these stands what `cargo xtask readme --page docs/laws.md` writes: numbers of the laws' papers, and regions by two constructions.
+/// Between these stands what `cargo xtask readme --page docs/laws.md` writes: numbers of the laws' papers.
 pub const PAPERS: [&str; 2] = ["<!-- papers begin -->", "<!-- papers end -->"];
 
 /// What stands there at first: what is to be written.
-const NO_PAPERS: &str =
-    "<!-- table of host-sim published -->\n\nTwo constructions:\n\n<!-- table of host-sim published --regions -->";
+const NO_PAPERS: &str = "<!-- table of host-sim published -->";
 
 /// What stands between the bench's lines at first.
 const NO_BENCH: &str = "No bench was run yet.";

@@ -106,7 +106,7 @@ pub fn gain_of_the_others_over_the_mean() -> Result<f64, Error> {
             "contact.stiffness_n_per_m=0.1",
             "contact.damping_n_s_per_m=0",
         ];
-        let mut pair = Pair::<f64>::new(&kicked(&scene(law, &set)?.linear(), true))?;
+        let mut pair = Pair::<f64>::new(&kicked(&scene(law, &set)?.linear()))?;
         let mut rises = Vec::new();
         let mut before = 0.0;
         for tick in 0..20_000_u32 {
@@ -145,12 +145,12 @@ pub fn drag_of_a_common_push() -> Result<f64, Error> {
     Ok(force / speed)
 }
 
-/// Two users who kick a linear scene at its beginning, against each other or the one alone, far below every limit.
-pub fn kicked(linear: &Scene, against: bool) -> Scene {
+/// Two users who kick a linear scene at its beginning, against each other, far below every limit.
+fn kicked(linear: &Scene) -> Scene {
     const KICK_N: f64 = 1e-3;
     const KICK_S: f64 = 0.05;
     let mut kicked = linear.clone();
-    for user in kicked.users.iter_mut().take(if against { 2 } else { 1 }) {
+    for user in &mut kicked.users {
         *user = User { trace: Some(Trace::step(KICK_S, -KICK_N)), ..User::default() };
         user.settings.user.push_n = KICK_N;
     }

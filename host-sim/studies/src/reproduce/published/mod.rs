@@ -3,14 +3,12 @@
 //! | module | what |
 //! |---|---|
 //! | [`measure`] | the measurement behind each number |
-//! | [`regions`] | the first unstable stiffness by the analyser's matrix beside that of runs, for every law of the registry |
 //!
 //! A number is **printed** in the paper, at the place that the row names, or it is **algebra of ours**: what the law's equation gives at the values of the scene. The first says
 //! that the paper's result comes out; the second only that what is built does what its equation says, and no author ever measured it. Most of these papers are
 //! not to be had in public text, so that most rows are of the second kind. Further than [`WITHIN`] off needs a reason, in the row.
 
 pub mod measure;
-pub mod regions;
 
 use haptic_report::Columns;
 use rayon::prelude::*;
