@@ -15,7 +15,7 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
-use crate::push::{Along, MOST_AXES, of_tick, of_ticks, room, written};
+use crate::push::{Along, MOST_AXES, aligned, of_tick, of_ticks, room, written};
 use crate::raised::Raised;
 use crate::run::unknown_scalar;
 use crate::scene::Scene;
@@ -194,6 +194,7 @@ impl Pair {
             let [given, must] = [out.shape(), self.seen()].map(written);
             return Err(refused(format!("out of shape {given} is not allowed: it must have shape {must}")));
         }
+        aligned("out", out)?;
         let mut out = out.try_readwrite().map_err(refused)?;
         let mut row = [0.0; MOST_AXES * WIDTH];
         let row = &mut row[..self.axes() * WIDTH];

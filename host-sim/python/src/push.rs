@@ -2,7 +2,7 @@
 
 use haptic_sim::run::AXIS_NAMES;
 use numpy::ndarray::{Axis, Ix3};
-use numpy::{PyReadonlyArrayDyn, PyUntypedArrayMethods};
+use numpy::{PyArrayDyn, PyArrayMethods as _, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
 
@@ -96,6 +96,21 @@ pub(crate) fn of_tick(pushes: [Along; 2], axes: usize) -> PyResult<[f64; 2 * MOS
     Ok(forces)
 }
 
+/// Refuses an array whose numbers do not lie where numbers may lie in memory.
+pub(crate) fn aligned(name: &str, array: &Bound<'_, PyArrayDyn<f64>>) -> PyResult<()> {
+    let off = array
+        .strides()
+        .iter()
+        .map(|stride| stride.unsigned_abs())
+        .fold(array.data().addr(), |off, stride| off | stride);
+    if off % align_of::<f64>() == 0 {
+        return Ok(());
+    }
+    Err(refused(format!(
+        "{name} is not aligned in memory: numpy.require({name}, requirements=\"A\") makes an array that is"
+    )))
+}
+
 /// The same of many ticks, one after the other, from an array whose rows they are.
 pub(crate) fn of_ticks(py: Python<'_>, forces_n: &PyReadonlyArrayDyn<'_, f64>, axes: usize) -> PyResult<Vec<f64>> {
     let row = [2, axes];
@@ -108,6 +123,7 @@ pub(crate) fn of_ticks(py: Python<'_>, forces_n: &PyReadonlyArrayDyn<'_, f64>, a
         };
         return Err(refused(format!("forces_n of shape {given} is not allowed: it must have shape {must}")));
     };
+    aligned("forces_n", forces_n)?;
     // A view may have many more rows than there is memory.
     if rows > MOST_ROWS {
         let must = format!("it must have at most {MOST_ROWS}");

@@ -60,6 +60,17 @@ def test_memory_order_of_forces_does_not_matter():
     assert all(np.array_equal(first, other) for other in others)
 
 
+def test_numbers_that_lie_askew_in_memory_are_refused():
+    askew = np.frombuffer(bytearray(8 * 24 + 1), dtype=np.uint8)[1:].view(np.float64)
+    pair = haptic_sim.Pair(haptic_sim.Scene(SCENE))
+    with pytest.raises(ValueError, match="forces_n is not aligned in memory"):
+        pair.steps(askew[:20].reshape(10, 2))
+    with pytest.raises(ValueError, match="out is not aligned in memory"):
+        pair.step_into(0.0, 0.0, askew[:12])
+    assert pair.ticks == 0
+    pair.steps(np.require(askew[:20].reshape(10, 2), requirements="A"))
+
+
 def test_a_force_that_is_none_is_refused_and_nothing_moves():
     pair = haptic_sim.Pair(haptic_sim.Scene(SCENE))
     out = np.zeros(12)

@@ -32,7 +32,7 @@ pub(super) struct MeetingArgs {
     /// Print a link and its QR code, and be peer 1 to whoever uses it: one use, ten minutes.
     #[arg(long, requires = "meet", conflicts_with_all = ["accept", "key_file"])]
     invite: bool,
-    /// Use a link, and be peer 2 to whoever made it.
+    /// Use a link, and be peer 2 to whoever made it; with `-` it is read from standard input, so that no list of processes shows it.
     #[arg(long, value_name = "LINK", conflicts_with_all = ["meet", "key_file"])]
     accept: Option<String>,
     /// Keep what was agreed on in a new key file, for --meet with --key-file from then on.
@@ -86,6 +86,9 @@ impl MeetingArgs {
         let at = |place: &str| self.shown.at(place);
         let (number, key, meeting) = match (&self.accept, &self.meet, own) {
             (Some(link), ..) => {
+                // Typed or piped in, so that no list of processes shows it.
+                let typed = if link == "-" { std::io::stdin().lines().next().transpose()? } else { None };
+                let link = typed.as_deref().unwrap_or(link).trim();
                 let invite = Invite::parse(link).map_err(|wrong| format!("--accept {link}: {wrong}"))?;
                 let meeting = at(&invite.meet)?;
                 ui.status(format_args!("meeting at {}", invite.meet));

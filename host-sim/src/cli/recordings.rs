@@ -11,7 +11,7 @@ use haptic_live::watch::GOOD_CLOCK_S;
 use haptic_plot::write_file;
 use haptic_report::files::{write_csv, write_parquet};
 use haptic_report::{Columns, Error};
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::{Failure, Ui};
 
@@ -76,6 +76,20 @@ impl Convert {
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let format = Format::of(&self.to)?;
         let recording = load(ui, &self.from)?;
+        let mut made = Vec::new();
+        let files = self.write(format, &recording, &mut made).inspect_err(|_| {
+            // What a failure leaves would be in the way of the next time.
+            made.iter().for_each(|file| drop(std::fs::remove_file(file)));
+        })?;
+        let cut = recording
+            .cut
+            .map(|cut| json!({ "whole_bytes": cut.whole, "bytes_after": cut.rest, "rows_saved": cut.saved }));
+        ui.report("", &json!({ "who": recording.origin.who, "cut": cut, "lost": recording.lost, "damaged_chunks": recording.damaged, "channels": files }))
+    }
+
+    /// Writes all tables; `made` are the files that were not there before.
+    fn write(&self, format: Format, recording: &Recording, made: &mut Vec<PathBuf>) -> Result<Vec<Value>, Failure> {
+        let mut makes = |path: &Path| made.extend((!path.exists()).then(|| path.to_owned()));
         let provenance = &recording.origin.provenance;
         if let Format::Csv = format {
             // Parquet has it inside.
@@ -84,6 +98,7 @@ impl Convert {
                 let why = format!("{}: its settings are no TOML: {}", self.from.display(), error.message());
                 return Err(why.into());
             }
+            makes(&path);
             write_file(&path, "TOML", provenance.as_bytes(), Kind::Beside)?;
         }
         let mut files = Vec::new();
@@ -95,17 +110,13 @@ impl Convert {
                 0 => (self.to.clone(), Kind::Named),
                 _ => (self.beside(&rows.topic)?, Kind::Beside),
             };
+            makes(&path);
             format.write(&rows.table(), &path, provenance, kind)?;
             files.insert(0, json!({ "channel": rows.topic, "rows": rows.len(), "file": path }));
         }
-        let cut = recording
-            .cut
-            .map(|cut| json!({ "whole_bytes": cut.whole, "bytes_after": cut.rest, "rows_saved": cut.saved }));
-        ui.report("", &json!({ "who": recording.origin.who, "cut": cut, "lost": recording.lost, "damaged_chunks": recording.damaged, "channels": files }))
+        Ok(files)
     }
-}
 
-impl Convert {
     /// The file of a channel beside that of the ticks.
     fn beside(&self, topic: &str) -> Result<PathBuf, Failure> {
         let leaf = topic.rsplit('/').next().unwrap_or_default();

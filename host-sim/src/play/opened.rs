@@ -24,8 +24,9 @@ use crate::Error;
 
 /// Farthest in time that two rows are of one moment, ticks.
 const NEAR_TICKS: f64 = 3.0;
-/// Longest gap that is shown as long as it was, ticks: beyond it the recording has begun anew.
-const LONGEST_GAP: f64 = 100_000.0;
+/// Longest gap that is shown as long as it was, ticks: beyond it the recording has begun anew. Also the most ticks of all gaps together
+/// that are shown beyond as many as there are rows, so that a page takes no more memory than what was recorded.
+const LONGEST_GAP: usize = 100_000;
 /// Most ticks, gaps included: four hours at 1 kHz.
 const MOST_TICKS: usize = 1 << 24;
 /// Most ticks in an answer to a page.
@@ -363,10 +364,14 @@ fn ticks_of(rows: &Rows) -> Vec<usize> {
     let counted = rows.column("tick").unwrap_or_else(|| rows.sequences());
     let mut ticks = Vec::with_capacity(counted.len());
     let (mut tick, mut before) = (0_usize, None);
+    let mut left = counted.len() + LONGEST_GAP;
     for now in counted {
         if let Some(before) = before.replace(*now) {
             let on: f64 = now - before;
-            tick += if (1.0..=LONGEST_GAP).contains(&on) { on as usize } else { 1 };
+            let gap = if on >= 1.0 { on as usize - 1 } else { 0 };
+            let shown = if gap < LONGEST_GAP.min(left) { gap } else { 0 };
+            left -= shown;
+            tick += 1 + shown;
         }
         ticks.push(tick);
     }

@@ -83,6 +83,19 @@ fn two_ends_stand_beside_each_other_and_gaps_are_gaps() {
     assert!(why.to_string().contains("plane is not what was recorded: that is pair"), "{why}");
 }
 
+/// Issue 52: a recording of 19 kB took 1.64 GB, because each of its rows was a long time after the one before.
+#[test]
+fn gaps_take_no_more_room_than_rows() {
+    let rows: Vec<_> = (0..200_u32)
+        .map(|at| (0, 10 + u64::from(at), tick(&[("time_s", f64::from(at)), ("tick", 90_000.0 * f64::from(at))])))
+        .collect();
+    let (_, recording) = recorded("gaps", ticks::channels("peer_1", 1).into(), &rows);
+    let shown = ticks_of(&recording.channels[0]);
+    assert!(shown.len() == 200 && shown.windows(2).all(|two| two[1] > two[0]));
+    // The first gap is as long as it was; no second one has room.
+    assert_eq!((shown[1], shown[199]), (90_000, 90_198));
+}
+
 #[test]
 fn of_a_page_the_longest_is_shown_or_what_is_wanted() {
     let channels = super::super::control_loop::channels("/both/ticks");

@@ -236,6 +236,11 @@ fn a_run_writes_what_is_declared() {
     has_columns_of("cooperate-ticks", &folder.join("ticks.csv"));
     run(&folder, "convert DIR/run.mcap DIR/ticks.parquet");
     parquet_says("cooperate-ticks", &folder.join("ticks.parquet"), None);
+    // What cannot be written leaves nothing that would be in the way of the next one.
+    fs::create_dir(folder.join("taken.csv")).expect("a folder");
+    let [from, to] = ["run.mcap", "taken.csv"].map(|name| folder.join(name).display().to_string());
+    let failed = host_sim(&["convert", &from, &to]).output().expect("host-sim runs");
+    assert!(!failed.status.success() && !folder.join("taken.toml").exists(), "{failed:?}");
     run(&folder, "merge DIR/run.mcap DIR/apart.csv");
     has_columns_of("merge", &folder.join("apart.csv"));
     run(&folder, "merge DIR/run.mcap DIR/apart.parquet");
