@@ -89,7 +89,7 @@ fn gaps_take_no_more_room_than_rows() {
     let rows: Vec<_> = (0..200_u32)
         .map(|at| (0, 10 + u64::from(at), tick(&[("time_s", f64::from(at)), ("tick", 90_000.0 * f64::from(at))])))
         .collect();
-    let (_, recording) = recorded("gaps", ticks::channels("peer_1", 1).into(), &rows);
+    let (_, recording) = recorded("gaps", ticks::channels("peer_1", 1), &rows);
     let shown = ticks_of(&recording.channels[0]);
     assert!(shown.len() == 200 && shown.windows(2).all(|two| two[1] > two[0]));
     // The first gap is as long as it was; no second one has room.
