@@ -15,7 +15,7 @@ const SCENE: [&str; 8] = [
     "coordination.drift_correction=true",
     "coordination.decode=implicit",
     "object.integrator=semi-implicit",
-    "coordination.stiffness_n_per_m=1000",
+    "coordination.stiffness_n_per_m=700",
     "user.1.push_n=1",
     "user.2.push_n=1",
 ];
@@ -293,7 +293,7 @@ fn an_end_of_another_version_is_named() {
     let said = String::from_utf8_lossy(&said.stderr).into_owned();
     assert!(
         said.contains(&format!(
-            "{} is not understood: version 1 is spoken here, this end speaks 3",
+            "{} is not understood: version 1 is spoken here, this end speaks 4",
             old.local_addr().expect("its address")
         )),
         "{said}"

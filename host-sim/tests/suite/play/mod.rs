@@ -237,9 +237,9 @@ fn two_windows_hold_one_object() {
     browser.wait(&one, "document.getElementById('law').value === 'passive-wave'");
     browser.evaluate(
         &one,
-        "{ const e = document.getElementById('law'); e.value = 'power'; e.dispatchEvent(new Event('change')); }",
+        "{ const e = document.getElementById('law'); e.value = 'four-channel'; e.dispatchEvent(new Event('change')); }",
     );
-    browser.wait(&two, "document.getElementById('law').value === 'power'");
+    browser.wait(&two, "document.getElementById('law').value === 'four-channel'");
     browser.evaluate(
         &one,
         "{ const e = document.getElementById('stiffness'); e.value = 3.48; e.dispatchEvent(new Event('input')); }",
