@@ -151,14 +151,18 @@ impl Response {
     /// # Errors
     /// The first key that is out of range or impossible beside the others.
     pub fn drive(linear: &Scene, index: usize, local: &[f64], packet: &[f64]) -> Result<Vec<f64>, Refused<'static>> {
-        let Some(mut seat) = seats(linear, index, 0)?.pop() else { return Ok(Vec::new()) };
-        let (at, heard) = seat.start();
-        at.copy_from_slice(local);
-        heard.copy_from_slice(packet);
-        let mut after = vec![0.0; local.len()];
-        seat.period(&mut after);
-        Ok(after)
+        Ok(seats(linear, index, 0)?.pop().map_or_else(Vec::new, |mut seat| driven(&mut *seat, local, packet)))
     }
+}
+
+/// [`Response::drive`] of a peer that has settled.
+pub(crate) fn driven(seat: &mut dyn Seated, local: &[f64], packet: &[f64]) -> Vec<f64> {
+    let (at, heard) = seat.start();
+    at.copy_from_slice(local);
+    heard.copy_from_slice(packet);
+    let mut after = vec![0.0; local.len()];
+    seat.period(&mut after);
+    after
 }
 
 /// Unit vectors along which translations are looked at: the axes, or where a guide couples them its normal and what is across it.
@@ -200,7 +204,7 @@ fn translate(seat: &mut dyn Seated, along: &[Vec<f64>]) -> Vec<Translation> {
 }
 
 /// A [`Seat`], of any number of axes.
-trait Seated {
+pub(crate) trait Seated {
     /// Numbers of the local state, and of the packets.
     fn sizes(&self) -> [usize; 2];
     /// Sets every state to zero.
@@ -218,7 +222,7 @@ trait Seated {
 }
 
 /// Of a peer of the linear scene, as many axes as it shares, in each state in which it stays.
-fn seats(linear: &Scene, index: usize, at_tick: usize) -> Result<Vec<Box<dyn Seated>>, Refused<'static>> {
+pub(crate) fn seats(linear: &Scene, index: usize, at_tick: usize) -> Result<Vec<Box<dyn Seated>>, Refused<'static>> {
     of_axes!(linear, seats_of(linear, index, at_tick))
 }
 
