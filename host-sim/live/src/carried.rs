@@ -149,11 +149,15 @@ pub(crate) fn canonical(address: SocketAddr) -> SocketAddr {
     SocketAddr::new(address.ip().to_canonical(), address.port())
 }
 
+/// Any address of this machine from which a datagram can go there.
+pub fn any_towards(to: SocketAddr) -> SocketAddr {
+    let ip = if to.is_ipv4() { Ipv4Addr::UNSPECIFIED.into() } else { Ipv6Addr::UNSPECIFIED.into() };
+    SocketAddr::new(ip, 0)
+}
+
 /// The address of this machine that a datagram to there would leave from.
 fn own_towards(to: SocketAddr) -> Option<std::net::IpAddr> {
-    let any =
-        if to.is_ipv4() { SocketAddr::from((Ipv4Addr::UNSPECIFIED, 0)) } else { (Ipv6Addr::UNSPECIFIED, 0).into() };
-    let probe = UdpSocket::bind(any).ok()?;
+    let probe = UdpSocket::bind(any_towards(to)).ok()?;
     probe.connect(to).ok()?;
     probe.local_addr().ok().map(|own| own.ip()).filter(|ip| !ip.is_unspecified())
 }
@@ -171,11 +175,7 @@ pub(crate) fn open(meeting: &Meeting, listen: Option<SocketAddr>) -> std::io::Re
     if let Some(socket) = reached {
         return Ok(socket);
     }
-    if meeting.place.is_ipv4() {
-        UdpSocket::bind((Ipv4Addr::UNSPECIFIED, port))
-    } else {
-        UdpSocket::bind((Ipv6Addr::UNSPECIFIED, port))
-    }
+    UdpSocket::bind((any_towards(meeting.place).ip(), port))
 }
 
 impl Carried {

@@ -4,11 +4,11 @@
 //! invites goes on answering there until the invite's ten minutes are over or the program ends, so that an answer that was lost is given
 //! again, and so that whoever else comes with the link is refused and told of.
 
-use std::io::ErrorKind;
-use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr, UdpSocket};
+use std::io::{ErrorKind, IsTerminal, stdin};
+use std::net::{SocketAddr, UdpSocket};
 use std::time::{Duration, Instant};
 
-use haptic_meeting::agreement::{Accepter, Heard, Inviter, LIFE};
+use haptic_meeting::agreement::{Accepter, Heard, Inviter, LIFE, code};
 use haptic_meeting::frame::Frame;
 use haptic_meeting::invite::Invite;
 use haptic_meeting::seat::Seat;
@@ -16,8 +16,9 @@ use haptic_protocol::key::Key;
 use haptic_sim::key_file::entropy;
 
 use crate::Error;
-use crate::carried::resolve;
+use crate::carried::{any_towards, resolve};
 use crate::endpoint::Stop;
+use crate::refused::Refused;
 
 /// Longest wait for a datagram, before the clock is looked at.
 const LOOK: Duration = Duration::from_millis(10);
@@ -25,6 +26,8 @@ const LOOK: Duration = Duration::from_millis(10);
 const AGAIN: Duration = Duration::from_millis(100);
 /// Who accepts waits so long for who invites.
 const PATIENCE: Duration = Duration::from_secs(30);
+/// Reported of an offer that comes after another one was taken.
+const SECOND: &str = "somebody else came with the link and was refused: it had been used";
 
 fn random() -> Result<Key, Error> {
     Ok(Key::new(entropy()?))
@@ -36,17 +39,17 @@ struct Room {
     place: SocketAddr,
     seat: Seat,
     began: Instant,
+    told: Refused<(), &'static str>,
 }
 
 impl Room {
     fn enter(invite: &Invite, side: u8) -> Result<Self, Error> {
         let place = resolve(&invite.meet)?;
-        let any = if place.is_ipv4() { Ipv4Addr::UNSPECIFIED.into() } else { Ipv6Addr::UNSPECIFIED.into() };
         let cannot = haptic_sim::Error::cannot::<std::io::Error>("reach the meeting place", &invite.meet);
-        let socket = UdpSocket::bind(SocketAddr::new(any, 0)).map_err(&cannot)?;
+        let socket = UdpSocket::bind(any_towards(place)).map_err(&cannot)?;
         // A connected socket takes from there alone.
         socket.connect(place).and_then(|()| socket.set_read_timeout(Some(LOOK))).map_err(&cannot)?;
-        Ok(Self { socket, place, seat: invite.seat(side, &random()?), began: Instant::now() })
+        Ok(Self { socket, place, seat: invite.seat(side, &random()?), began: Instant::now(), told: Refused::default() })
     }
 
     /// Keeps the seat, and waits a moment for what comes of the agreement.
@@ -87,16 +90,15 @@ impl Room {
 /// Waits for who has the link, up to its ten minutes; `say` is told what else comes with it, now and later.
 ///
 /// # Errors
-/// Nobody came, somebody guessed, the meeting place has no seat, or the program was asked to stop.
-pub fn invite(invite: &Invite, stop: &Stop, say: impl Fn(String) + Send + 'static) -> Result<Key, Error> {
-    let mut room = Room::enter(invite, 0)?;
-    let mut inviter = Inviter::new(invite, &random()?, Instant::now());
+/// Nobody came, the meeting place has no seat, or the program was asked to stop.
+pub fn invite(mut inviter: Inviter, stop: &Stop, say: impl Fn(&str) + Send + 'static) -> Result<Key, Error> {
+    let mut room = Room::enter(&inviter.invite, 0)?;
     let key = loop {
         if stop.is_asked() {
             return Err("nobody has come with the link yet".into());
         }
-        if let Some(over) = inviter.over(Instant::now()) {
-            return Err(over.into());
+        if inviter.is_over(Instant::now()) {
+            return Err(haptic_meeting::Error::Over.into());
         }
         if let Some(wrong) = room.wrong() {
             return Err(wrong);
@@ -115,17 +117,18 @@ pub fn invite(invite: &Invite, stop: &Stop, say: impl Fn(String) + Send + 'stati
 }
 
 /// Answers what comes, and says what is to be known of it.
-fn answer(room: &mut Room, inviter: &mut Inviter, say: &impl Fn(String)) -> Result<Option<Heard>, Error> {
+fn answer(room: &mut Room, inviter: &mut Inviter, say: &impl Fn(&str)) -> Result<Option<Heard>, Error> {
     let mut bytes = [0; 256];
     let Some(length) = room.hear(&mut bytes)? else { return Ok(None) };
     let (answer, heard) = inviter.hear(Instant::now(), &bytes[..length]);
     if let Some(answer) = answer {
         let _ = room.socket.send(&answer);
     }
-    match &heard {
-        Heard::Second => say("somebody else came with the link and was refused: it had been used".into()),
-        Heard::Wrong(tries) => say(format!("somebody tried to guess the link: {tries} of 3 wrong tries")),
-        Heard::Nothing | Heard::Agreed(_) => {}
+    if heard == Heard::Second {
+        room.told.note((), SECOND);
+    }
+    if let Some(((), words)) = room.told.take(room.began.elapsed().as_micros() as u64) {
+        say(words);
     }
     Ok(Some(heard))
 }
@@ -157,7 +160,29 @@ pub fn accept(invite: &Invite, stop: &Stop) -> Result<Key, Error> {
     Err(match (room.seat.is_seated(Instant::now()), offered) {
         (false, _) => format!("the meeting place {place} does not answer"),
         (true, None) => "nobody who invites is there: is the link still open on the other side?".to_owned(),
-        (true, Some(_)) => "who invites does not answer this link: it is over, or was guessed at".to_owned(),
+        (true, Some(_)) => "who invites does not answer this link: it is over, or somebody else used it".to_owned(),
     }
     .into())
+}
+
+/// Shows the code of a new key. If a person is at the terminal, waits until that person has compared it. Gives the code.
+///
+/// # Errors
+/// The person says that the other end shows another code.
+pub fn compare(key: &Key) -> Result<String, Error> {
+    let code = code(key);
+    haptic_io::say(format_args!("code of this meeting: {code}"));
+    haptic_io::say(
+        "compare it aloud with the other person before anybody holds a device: both ends must show these digits",
+    );
+    if stdin().is_terminal() {
+        haptic_io::say("press Enter if they are the same; if not, type no");
+        let said = stdin().lines().next().and_then(Result::ok);
+        if said.is_none_or(|said| !said.trim().is_empty()) {
+            return Err(
+                "the codes differ, so somebody may be between you: make a new link and send it another way".into()
+            );
+        }
+    }
+    Ok(code)
 }

@@ -11,6 +11,7 @@ pub mod endpoint;
 mod error;
 pub mod hand;
 pub mod invitation;
+pub mod line_words;
 pub mod measuring;
 pub mod meet;
 pub mod operator;

@@ -9,29 +9,29 @@ const EVERY_US: u64 = 5_000_000;
 /// Between two lines about the same, µs.
 const AGAIN_US: u64 = 60_000_000;
 
-/// The newest refusal of a line, or of nobody's line.
+/// The newest refusal of a line, or of nobody's line: whose it was, and why.
 #[derive(Clone, Copy, Debug)]
-pub struct Refused<A> {
-    newest: Option<(A, Error)>,
-    reported: Option<((A, Error), u64)>,
+pub struct Refused<A, W = Error> {
+    newest: Option<(A, W)>,
+    reported: Option<((A, W), u64)>,
     waits: bool,
 }
 
-impl<A> Default for Refused<A> {
+impl<A, W> Default for Refused<A, W> {
     fn default() -> Self {
         Self { newest: None, reported: None, waits: false }
     }
 }
 
-impl<A: Copy + PartialEq> Refused<A> {
+impl<A: Copy + PartialEq, W: Copy + PartialEq> Refused<A, W> {
     /// What came from there was refused.
-    pub fn note(&mut self, from: A, why: Error) {
+    pub fn note(&mut self, from: A, why: W) {
         self.newest = Some((from, why));
         self.waits = true;
     }
 
     /// The newest one, if it is to be reported now.
-    pub fn take(&mut self, now_us: u64) -> Option<(A, Error)> {
+    pub fn take(&mut self, now_us: u64) -> Option<(A, W)> {
         let newest = self.newest.filter(|_| self.waits)?;
         let since_us = self.reported.map(|(reported, at_us)| (reported == newest, now_us.saturating_sub(at_us)));
         if since_us.is_some_and(|(same, since_us)| since_us < if same { AGAIN_US } else { EVERY_US }) {
@@ -43,7 +43,7 @@ impl<A: Copy + PartialEq> Refused<A> {
     }
 
     /// The newest one, reported or not.
-    pub fn newest(&self) -> Option<(A, Error)> {
+    pub fn newest(&self) -> Option<(A, W)> {
         self.newest
     }
 }

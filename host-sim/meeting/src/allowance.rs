@@ -1,4 +1,4 @@
-//! How much may pass: so many bytes each second, and so many at once.
+//! How much may pass, of datagrams or anything else: so much each second, and so much at once.
 
 use std::time::Instant;
 
@@ -9,27 +9,31 @@ pub const BURST: f64 = 50_000.0;
 /// The least that a datagram counts, bytes.
 pub const LEAST: usize = 88;
 
-/// Of one sender, what may pass yet.
+/// What may pass yet.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Allowance {
+pub struct Allowance {
     left: f64,
-    counted: Instant,
+    pub(crate) counted: Instant,
 }
 
 impl Allowance {
     /// A whole one.
-    pub(crate) fn new(now: Instant) -> Self {
-        Self { left: BURST, counted: now }
+    pub fn new(most: f64, now: Instant) -> Self {
+        Self { left: most, counted: now }
     }
 
-    /// Whether a datagram of so many bytes passes; if so, it is taken off.
-    pub(crate) fn takes(&mut self, now: Instant, bytes: usize) -> bool {
+    /// Whether so much passes, of `most` at once and so much each second; if so, it is taken off.
+    pub fn takes(&mut self, now: Instant, cost: f64, [each_s, most]: [f64; 2]) -> bool {
         let since_s = now.saturating_duration_since(self.counted).as_secs_f64();
-        self.left = (self.left + RATE * since_s).min(BURST);
+        self.left = (self.left + each_s * since_s).min(most);
         self.counted = now;
-        let cost = bytes.max(LEAST) as f64;
         let passes = self.left >= cost;
         self.left -= if passes { cost } else { 0.0 };
         passes
+    }
+
+    /// Whether a datagram of so many bytes passes a seat.
+    pub(crate) fn passes(&mut self, now: Instant, bytes: usize) -> bool {
+        self.takes(now, bytes.max(LEAST) as f64, [RATE, BURST])
     }
 }

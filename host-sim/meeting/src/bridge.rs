@@ -12,7 +12,7 @@ use std::time::Instant;
 use haptic_protocol::wire::MAX_DATAGRAM;
 use serde::Serialize;
 
-use crate::allowance::Allowance;
+use crate::allowance::{Allowance, BURST};
 use crate::frame::Frame;
 use crate::ice::CONSENT;
 
@@ -53,7 +53,7 @@ pub struct Bridge {
 impl Bridge {
     /// To the board at this address.
     pub fn new(board: SocketAddr, now: Instant) -> Self {
-        let (allowances, counts) = ([Allowance::new(now); 2], Counts::default());
+        let (allowances, counts) = ([Allowance::new(BURST, now); 2], Counts::default());
         Self { board, spoke: None, there: false, allowances, counts }
     }
 
@@ -91,7 +91,7 @@ impl Bridge {
         let stopped = match () {
             () if Frame::of(datagram) != Frame::Sealed => &mut self.counts.other_kinds,
             () if datagram.len() > MAX_DATAGRAM => &mut self.counts.too_long,
-            () if !self.allowances[way].takes(now, datagram.len()) => &mut self.counts.over_rate,
+            () if !self.allowances[way].passes(now, datagram.len()) => &mut self.counts.over_rate,
             () => return true,
         };
         *stopped += 1;

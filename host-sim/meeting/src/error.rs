@@ -15,7 +15,4 @@ pub enum Error {
     /// Nobody has come in time.
     #[error("this link is over: it lives ten minutes; make a new one")]
     Over,
-    /// Somebody guessed.
-    #[error("three wrong tries were made at this link, and it is good for nothing any more: make a new one")]
-    Guessed,
 }

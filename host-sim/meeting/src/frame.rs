@@ -13,7 +13,9 @@
 
 use std::net::{Ipv6Addr, SocketAddr};
 
+use haptic_protocol::key::Key;
 use haptic_protocol::wire::VERSION;
+use x25519_dalek::{X25519_BASEPOINT_BYTES, x25519};
 
 const JOIN: u8 = 0xF1;
 const WELCOME: u8 = 0xF2;
@@ -25,6 +27,16 @@ const _: () = assert!(VERSION > 1 && (VERSION < 20 || VERSION > 79) && VERSION <
 pub const LONGEST: usize = 208;
 /// Bytes of an address: port, then IPv6 or IPv4-mapped.
 pub(crate) const ADDRESS: usize = 18;
+
+/// A public key of X25519.
+pub type Public = [u8; 32];
+
+/// A secret key made of another one that nobody else has, and its public key.
+pub(crate) fn pair(of: &Key) -> (Key, Public) {
+    let secret = Key::new(of.derive("pair").first());
+    let public = x25519(*secret.bytes(), X25519_BASEPOINT_BYTES);
+    (secret, public)
+}
 
 /// What a datagram is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,9 +83,13 @@ pub(crate) fn address_bytes(address: SocketAddr) -> [u8; ADDRESS] {
         std::net::IpAddr::V4(ip) => ip.to_ipv6_mapped(),
         std::net::IpAddr::V6(ip) => ip,
     };
-    let parts = address.port().to_le_bytes().into_iter().chain(ip.octets());
-    let mut bytes = [0; ADDRESS];
-    bytes.iter_mut().zip(parts).for_each(|(to, from)| *to = from);
+    datagram(&[&address.port().to_le_bytes(), &ip.octets()])
+}
+
+/// These parts in a row.
+pub(crate) fn datagram<const N: usize>(parts: &[&[u8]]) -> [u8; N] {
+    let mut bytes = [0; N];
+    bytes.iter_mut().zip(parts.concat()).for_each(|(to, from)| *to = from);
     bytes
 }
 
@@ -95,40 +111,56 @@ impl Bytes<'_> {
     }
 }
 
+/// The short name of a seat's public key, which says nothing of the secret key.
+pub(crate) fn name(seat: &Public) -> [u8; 16] {
+    Key::new(*seat).derive("seat").first()
+}
+
+/// What shows a meeting place that an end has the secret key of a seat: of X25519 between this and the place's key, and a cookie of the end's address.
+pub(crate) fn proof(own: &Key, theirs: &Public, cookie: &[u8; 16]) -> [u8; 16] {
+    Key::new(x25519(*own.bytes(), *theirs)).derive("proof").with(cookie).first()
+}
+
 /// Asks the meeting place for a seat, or keeps it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Join {
     /// Which of the two seats: 0 or 1.
     pub side: u8,
-    /// Number of the room, which only the two can make.
-    pub room: [u8; 16],
+    /// Public key of this seat, of which only the two ends of the room have the secret key.
+    pub seat: Public,
+    /// Name of the other seat's public key.
+    pub other: [u8; 16],
     /// What the meeting place has sent here; 0 at first.
     pub cookie: [u8; 16],
-    /// Whose the seat is.
-    pub token: [u8; 16],
+    /// That the end has the secret key, for this cookie and no other.
+    pub proof: [u8; 16],
     /// Comes back in the welcome, so that nobody else can have written it.
     pub nonce: [u8; 8],
 }
 
 impl Join {
     /// Bytes of a join: longer than its answer.
-    pub const LEN: usize = 64;
+    pub const LEN: usize = 90;
+
+    /// The room of its two seats.
+    pub fn room(&self) -> [u8; 16] {
+        let (own, other) = (name(&self.seat), self.other);
+        let [first, second] = if self.side == 0 { [own, other] } else { [other, own] };
+        Key::new(datagram(&[&first, &second])).derive("room").first()
+    }
 
     /// The datagram.
     pub fn emit(&self) -> [u8; Self::LEN] {
-        let mut bytes = [0; Self::LEN];
-        let Self { side, room, cookie, token, nonce } = self;
-        let parts = [&[JOIN, *side][..], room, cookie, token, nonce].concat();
-        bytes.iter_mut().zip(parts).for_each(|(to, from)| *to = from);
-        bytes
+        let Self { side, seat, other, cookie, proof, nonce } = self;
+        datagram(&[&[JOIN, *side], seat, other, cookie, proof, nonce])
     }
 
     /// The join in a datagram.
     pub fn parse(datagram: &[u8]) -> Option<Self> {
         let mut bytes = Bytes(datagram);
         let [kind, side] = bytes.next()?;
-        let join =
-            Self { side, room: bytes.next()?, cookie: bytes.next()?, token: bytes.next()?, nonce: bytes.next()? };
+        let (seat, other, cookie) = (bytes.next()?, bytes.next()?, bytes.next()?);
+        let join = Self { side, seat, other, cookie, proof: bytes.next()?, nonce: bytes.next()? };
         (kind == JOIN && side < 2 && datagram.len() == Self::LEN).then_some(join)
     }
 }
@@ -144,6 +176,8 @@ pub struct Welcome {
     pub refused: bool,
     /// What to send back.
     pub cookie: [u8; 16],
+    /// The meeting place's public key, another one at every start.
+    pub place: Public,
     /// The join's.
     pub nonce: [u8; 8],
     /// Where the join came from.
@@ -152,16 +186,13 @@ pub struct Welcome {
 
 impl Welcome {
     /// Bytes of a welcome.
-    pub const LEN: usize = 44;
+    pub const LEN: usize = 76;
 
     /// The datagram.
     pub fn emit(&self) -> [u8; Self::LEN] {
         let flags = [self.seated, self.other, self.refused];
         let flags = flags.iter().enumerate().fold(0, |all, (at, flag)| all | u8::from(*flag) << at);
-        let mut bytes = [0; Self::LEN];
-        let parts = [&[WELCOME, flags][..], &self.cookie, &self.nonce, &address_bytes(self.seen)].concat();
-        bytes.iter_mut().zip(parts).for_each(|(to, from)| *to = from);
-        bytes
+        datagram(&[&[WELCOME, flags], &self.cookie, &self.place, &self.nonce, &address_bytes(self.seen)])
     }
 
     /// The welcome in a datagram.
@@ -169,8 +200,8 @@ impl Welcome {
         let mut bytes = Bytes(datagram);
         let [kind, flags] = bytes.next()?;
         let flag = |at: u8| flags >> at & 1 == 1;
-        let (cookie, nonce, seen) = (bytes.next()?, bytes.next()?, address_of(&bytes.next()?));
-        let welcome = Self { seated: flag(0), other: flag(1), refused: flag(2), cookie, nonce, seen };
+        let (cookie, place, nonce, seen) = (bytes.next()?, bytes.next()?, bytes.next()?, address_of(&bytes.next()?));
+        let welcome = Self { seated: flag(0), other: flag(1), refused: flag(2), cookie, place, nonce, seen };
         (kind == WELCOME && datagram.len() == Self::LEN).then_some(welcome)
     }
 }

@@ -16,13 +16,14 @@ use haptic_protocol::key::Key;
 use is::stun::{StunMessage, StunPacket};
 use is::{Candidate, IceAgent, IceAgentEvent, IceCreds, Protocol};
 
+use crate::allowance::Allowance;
 use crate::signal::Instance;
 use crate::{Send, stun};
 
 /// Datagrams to an address that has not proved itself.
 pub(crate) const BUDGET: f64 = 5.0;
-/// Until there is one more.
-const REFILL: Duration = Duration::from_secs(12);
+/// More of them each second.
+const REFILL: f64 = 1.0 / 12.0;
 /// Addresses that may be asked, in a time of [`FORGET`].
 const MOST_ASKED: usize = 32;
 /// Until an address that was asked is forgotten.
@@ -46,8 +47,7 @@ const LONGEST: usize = 300;
 
 #[derive(Clone, Copy, Debug)]
 struct Asked {
-    left: f64,
-    counted: Instant,
+    allowance: Allowance,
     proved: Option<Instant>,
 }
 
@@ -90,8 +90,6 @@ pub(crate) struct Ice {
     nominated: Option<SocketAddr>,
     asked: HashMap<SocketAddr, Asked>,
     checks: Vec<([u8; 12], SocketAddr)>,
-    /// Datagrams that were not sent, for their receiver has not said that he wants them.
-    pub(crate) withheld: u64,
 }
 
 impl Ice {
@@ -108,7 +106,7 @@ impl Ice {
             }
         }
         let (asked, checks, theirs) = Default::default();
-        Self { agent, origin, generation: 0, bases, theirs, nominated: None, asked, checks, withheld: 0 }
+        Self { agent, origin, generation: 0, bases, theirs, nominated: None, asked, checks }
     }
 
     /// Begins anew, with what it knows.
@@ -198,7 +196,6 @@ impl Ice {
         while let Some(out) = self.agent.poll_transmit() {
             let to = out.destination;
             if !self.may_send(now, to) {
-                self.withheld += 1;
                 continue;
             }
             if let Some(check) = stun::transaction(&out.contents) {
@@ -219,17 +216,12 @@ impl Ice {
             return true;
         }
         if !self.asked.contains_key(&to) && self.asked.len() >= MOST_ASKED {
-            self.asked.retain(|_, asked| now.saturating_duration_since(asked.counted) < FORGET);
+            self.asked.retain(|_, asked| now.saturating_duration_since(asked.allowance.counted) < FORGET);
             if self.asked.len() >= MOST_ASKED {
                 return false;
             }
         }
-        let asked = self.asked.entry(to).or_insert(Asked { left: BUDGET, counted: now, proved: None });
-        let since_s = now.saturating_duration_since(asked.counted).as_secs_f64();
-        asked.left = (asked.left + since_s / REFILL.as_secs_f64()).min(BUDGET);
-        asked.counted = now;
-        let may = asked.left >= 1.0;
-        asked.left -= f64::from(u8::from(may));
-        may
+        let asked = self.asked.entry(to).or_insert(Asked { allowance: Allowance::new(BUDGET, now), proved: None });
+        asked.allowance.takes(now, 1.0, [REFILL, BUDGET])
     }
 }

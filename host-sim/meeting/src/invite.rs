@@ -1,9 +1,9 @@
 //! An invite: where to meet, and a secret that serves once; as a link that is read out, typed or scanned.
 //!
-//! `haptic://HOST:PORT/` and 29 letters and digits: 128 random bits, and 16 by which a mistyped link is known before anything is sent. From the
-//! secret come the number of a room at the meeting place, a token for each of its two seats, and what authenticates the agreement on
-//! a key ([`crate::agreement`]); the secret itself is never sent. Who sees the meeting place's datagrams learns none of them, and who
-//! finds the link later can do nothing with it: the key was agreed by X25519, the room of the session is another one, made of that key.
+//! `haptic://HOST:PORT/` and 29 letters and digits: 128 bits of secret, and 16 by which a mistyped link is known before anything is sent. The
+//! secret is a hash of the inviter's public key ([`crate::agreement`]). From it come the room and the two seats at the meeting place, and the key that
+//! authenticates the agreement. The secret itself is never sent. A link that is found after its use is good for nothing: the key was agreed on by
+//! X25519, and the session has another room, made of that key.
 
 use std::fmt;
 
@@ -11,6 +11,7 @@ use haptic_protocol::key::Key;
 use zeroize::Zeroize;
 
 use crate::Error;
+use crate::frame::Public;
 use crate::seat::Seat;
 
 const SCHEME: &str = "haptic://";
@@ -41,9 +42,14 @@ impl Drop for Invite {
 }
 
 impl Invite {
-    /// A new one; `entropy` must be unforeseeable.
-    pub fn new(meet: &str, entropy: &Key) -> Self {
-        Self { meet: meet.to_owned(), secret: entropy.derive("invite").first() }
+    /// The invite of the end that has this public key.
+    pub fn of(meet: &str, public: &Public) -> Self {
+        Self { meet: meet.to_owned(), secret: Key::new(*public).derive("invite").first() }
+    }
+
+    /// Whether the end that has this public key made it.
+    pub(crate) fn is_of(&self, public: &Public) -> bool {
+        self.key() == Self::of(&self.meet, public).key()
     }
 
     /// The key that everything of this invite is made from.

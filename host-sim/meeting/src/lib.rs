@@ -13,7 +13,7 @@
 #![forbid(unsafe_code)]
 
 pub mod agreement;
-mod allowance;
+pub mod allowance;
 pub mod bridge;
 pub mod carrier;
 mod error;

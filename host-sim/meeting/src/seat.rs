@@ -1,7 +1,7 @@
 //! A seat at the meeting place: how an end takes one, keeps it, and takes it again after the place has started anew or its own address has changed.
 //!
 //! A join every half second keeps seat and mapping; where the seat is not there, or nothing comes by the relay that should, one every 50 ms.
-//! The meeting place keeps nothing of who has not sent its cookie back.
+//! The meeting place keeps nothing of who has not sent its cookie back, and gives the seat only to who has its secret key: an onlooker of a join has neither.
 
 use std::collections::VecDeque;
 use std::net::SocketAddr;
@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use haptic_protocol::key::Key;
 
-use crate::frame::{Join, Welcome};
+use crate::frame::{Join, Welcome, name, pair, proof};
 
 /// Between two joins of who is seated.
 const KEEP: Duration = Duration::from_millis(500);
@@ -24,6 +24,7 @@ const GONE: Duration = Duration::from_millis(1600);
 #[derive(Clone, Debug)]
 pub struct Seat {
     join: Join,
+    secret: Key,
     /// Nonces of the newest joins.
     nonces: VecDeque<[u8; 8]>,
     entropy: Key,
@@ -41,12 +42,13 @@ pub struct Seat {
 impl Seat {
     /// Seat `side` of the room that a key makes; `entropy` must be unforeseeable.
     pub fn new(key: &Key, side: u8, entropy: &Key) -> Self {
-        let (room, token) = (key.derive("room").first(), key.derive("token").with(&[side]).first());
-        let join = Join { side, room, cookie: [0; 16], token, nonce: [0; 8] };
+        let of = |side: u8| pair(&Key::new(key.derive("seat").with(&[side]).first()));
+        let ((secret, seat), (_, other)) = (of(side), of(1 - side));
+        let join = Join { side, seat, other: name(&other), cookie: [0; 16], proof: [0; 16], nonce: [0; 8] };
         let entropy = Key::new(entropy.derive("seat").first());
         let (nonces, sent, welcomed) = Default::default();
         let (seated, other, refused) = Default::default();
-        Self { join, nonces, entropy, drawn: 0, sent, welcomed, seated, other, seen: None, refused }
+        Self { join, secret, nonces, entropy, drawn: 0, sent, welcomed, seated, other, seen: None, refused }
     }
 
     /// Whether the other seat is taken.
@@ -76,8 +78,12 @@ impl Seat {
     /// Takes a welcome, if it answers one of the newest joins; whether it is to be joined again at once, with a new cookie.
     pub fn hear(&mut self, now: Instant, datagram: &[u8]) -> Option<bool> {
         let welcome = Welcome::parse(datagram).filter(|welcome| self.nonces.contains(&welcome.nonce))?;
-        let again = !welcome.seated && welcome.cookie != self.join.cookie;
-        self.join.cookie = welcome.cookie;
+        let newer = welcome.cookie != self.join.cookie;
+        let again = !welcome.seated && newer;
+        if newer {
+            self.join.cookie = welcome.cookie;
+            self.join.proof = proof(&self.secret, &welcome.place, &welcome.cookie);
+        }
         self.welcomed = Some(now);
         // A cookie that has become old costs no seat.
         if !again {

@@ -59,7 +59,7 @@ impl Peer {
         let met = self.meeting.agree(ui, &stop, own)?;
         let listen = self.listen.unwrap_or((Ipv4Addr::UNSPECIFIED, 0).into());
         let (number, key, connect, meeting) = match (met, own, self.connect) {
-            (Some(Met { number, key, meeting }), ..) => (number, key, meeting.place, Some(meeting)),
+            (Some(Met { number, key, meeting, .. }), ..) => (number, key, meeting.place, Some(meeting)),
             (None, Some((file, number)), Some(connect)) => (number, LivePeer::key(file)?, connect, None),
             (None, ..) => return Err("a peer needs --number, --listen, --connect and --key-file".into()),
         };

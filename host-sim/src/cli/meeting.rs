@@ -1,13 +1,15 @@
 //! `host-sim meet`, and the flags by which a peer or a page meets the other one there instead of calling an address.
 
+use std::io::stdin;
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use clap::Args;
 use haptic_live::carried::{Meeting, resolve};
 use haptic_live::endpoint::Stop;
 use haptic_live::{invitation, meet};
-use haptic_meeting::agreement::LIFE;
+use haptic_meeting::agreement::{Inviter, LIFE};
 use haptic_meeting::invite::Invite;
 use haptic_protocol::key::{Key, Role};
 use haptic_sim::key_file;
@@ -21,6 +23,8 @@ pub(super) struct Met {
     pub(super) number: u8,
     pub(super) key: Key,
     pub(super) meeting: Meeting,
+    /// Six digits that both ends of a link show.
+    pub(super) code: Option<String>,
 }
 
 #[derive(Clone, Debug, Args)]
@@ -87,7 +91,7 @@ impl MeetingArgs {
         let (number, key, meeting) = match (&self.accept, &self.meet, own) {
             (Some(link), ..) => {
                 // Typed or piped in, so that no list of processes shows it.
-                let typed = if link == "-" { std::io::stdin().lines().next().transpose()? } else { None };
+                let typed = if link == "-" { stdin().lines().next().transpose()? } else { None };
                 let link = typed.as_deref().unwrap_or(link).trim();
                 let invite = Invite::parse(link).map_err(|wrong| format!("--accept {link}: {wrong}"))?;
                 let meeting = at(&invite.meet)?;
@@ -96,15 +100,14 @@ impl MeetingArgs {
             }
             (None, Some(place), _) if self.invite => {
                 let meeting = at(place)?;
-                let invite = Invite::new(place, &Key::new(key_file::entropy()?));
-                let link = invite.link();
+                let inviter = Inviter::new(place, &Key::new(key_file::entropy()?), Instant::now());
+                let link = inviter.invite.link();
+                let minutes = LIFE.as_secs() / 60;
                 ui.status(format_args!(
-                    "send this link to whom you invite; it serves once, within {} minutes:",
-                    LIFE.as_secs() / 60
+                    "send this link to whom you invite; it serves once, within {minutes} minutes:\n{link}"
                 ));
-                ui.status(&link);
                 haptic_io::draw(Code::of(&link)?.lines());
-                let key = invitation::invite(&invite, stop, |words| haptic_io::say(format_args!("warning: {words}")))?;
+                let key = invitation::invite(inviter, stop, |words| haptic_io::say(format_args!("warning: {words}")))?;
                 ui.status("somebody has come with the link, and a key is agreed on");
                 (1, key, meeting)
             }
@@ -114,11 +117,13 @@ impl MeetingArgs {
             }
             (None, None, _) => return Ok(None),
         };
+        let is_new = self.invite || self.accept.is_some();
+        let code = is_new.then(|| invitation::compare(&key)).transpose()?;
         if let Some(file) = &self.keep {
             key_file::write(file, Role::Peers, &key)?;
             ui.status(format_args!("wrote {}: with --meet and --key-file these two meet again", file.display()));
         }
-        Ok(Some(Met { number, key, meeting }))
+        Ok(Some(Met { number, key, meeting, code }))
     }
 }
 

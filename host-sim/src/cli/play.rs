@@ -193,8 +193,8 @@ impl Play {
             .into());
         }
         let own = self.key_file.as_deref().zip(self.number);
-        if let Some(Met { number, key, meeting }) = self.meeting.agree(ui, stop, own)? {
-            return Ok(Shown::Remote(Box::new(End::meeting(&meeting, key, number)?.with_device(device))));
+        if let Some(Met { number, key, meeting, code }) = self.meeting.agree(ui, stop, own)? {
+            return Ok(Shown::Remote(Box::new(End::meeting(&meeting, key, number, code)?.with_device(device))));
         }
         if !self.board.is_empty() {
             return Ok(Shown::Boards(Boards::open(self.places()?)?));

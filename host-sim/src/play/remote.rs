@@ -10,24 +10,23 @@
 use std::array::from_fn;
 use std::collections::VecDeque;
 use std::fmt;
-use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr};
+use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use haptic_core::law::Sends;
 use haptic_core::num::Motion;
 use haptic_core::safety::{Command as Order, Mode};
 use haptic_live::batch::{MOST, OutgoingBatch, ReceivedBatch};
-use haptic_live::carried::Meeting;
+use haptic_live::carried::{Meeting, any_towards};
 use haptic_live::devices::{DeviceOptions, Kind};
 use haptic_live::endpoint::Endpoint;
+use haptic_live::line_words::line_words;
 use haptic_live::path_watch::PathWatch;
 use haptic_live::recording::recorder::Recorder;
 use haptic_live::recording::ticks;
 use haptic_live::tell::{Manner, PathSecond, Teller};
 use haptic_live::verdict::{Judge, Judging};
 use haptic_live::watch::{TELLING_S, Watch};
-use haptic_meeting::Way;
 use haptic_protocol::key::Key;
 use haptic_protocol::path::Path;
 use haptic_protocol::wire::{Flows, Message, Telemetry};
@@ -61,6 +60,8 @@ pub(crate) struct End {
     device: DeviceOptions,
     /// Who says whether it may arm over the line that it measures; nobody, and it does.
     judge: Option<Judge>,
+    /// Six digits that both ends of a link show.
+    code: Option<String>,
 }
 
 impl fmt::Display for End {
@@ -80,7 +81,7 @@ impl End {
     }
 
     fn new(key: Key, number: u8, endpoint: Endpoint, join: Option<SocketAddr>) -> Self {
-        Self { key, number, endpoint, join, device: DeviceOptions::default(), judge: None }
+        Self { key, number, endpoint, join, device: DeviceOptions::default(), judge: None, code: None }
     }
 
     /// Whether it meets the other one at a place.
@@ -95,16 +96,15 @@ impl End {
 
     /// The end that joins the other one.
     pub(crate) fn joining(to: SocketAddr, key: Key, number: u8) -> Result<Self, Error> {
-        let any = if to.is_ipv4() { Ipv4Addr::UNSPECIFIED.into() } else { Ipv6Addr::UNSPECIFIED.into() };
-        let endpoint = Endpoint::polled(SocketAddr::new(any, 0))?;
+        let endpoint = Endpoint::polled(any_towards(to))?;
         endpoint.reaches(to)?;
         Ok(Self::new(key, number, endpoint, Some(to)))
     }
 
     /// The end that meets the other one at a place.
-    pub(crate) fn meeting(meeting: &Meeting, key: Key, number: u8) -> Result<Self, Error> {
+    pub(crate) fn meeting(meeting: &Meeting, key: Key, number: u8, code: Option<String>) -> Result<Self, Error> {
         let endpoint = Endpoint::carried(None, meeting, key.clone(), number - 1)?;
-        Ok(Self::new(key, number, endpoint, Some(meeting.place)))
+        Ok(Self { code, ..Self::new(key, number, endpoint, Some(meeting.place)) })
     }
 
     /// This end, with the hand at this device.
@@ -163,6 +163,8 @@ where
     paths: Option<PathWatch>,
     /// Whether it may arm.
     judging: Option<Judging>,
+    /// Six digits that both ends of a link show.
+    code: Option<String>,
     /// A person has stopped it.
     stopped: bool,
     /// What windows are to be told of the line.
@@ -176,7 +178,7 @@ where
 {
     /// Calls, and arms when the other one is there.
     pub(super) fn new(scene: Scene, end: End) -> Result<Self, Error> {
-        let End { key, number, endpoint, join, device, judge } = end;
+        let End { key, number, endpoint, join, device, judge, code } = end;
         let judging = judge.map(|judge| Judging::start(&judge, PERIOD_S)).transpose()?;
         // A device that is really there is read at every tick from here on, so it is the last of what may take time.
         let (device, seen) = device.open(&scene, number)?;
@@ -185,6 +187,7 @@ where
             paths: endpoint.paths().map(PathWatch::new),
             teller: Teller::new(Manner::Words),
             judging,
+            code,
             stopped: false,
             node: Node::with_device(&scene, number, key, entropy()?, device)?.telling_every(TELLING_S),
             own: usize::from(number) - 1,
@@ -260,43 +263,12 @@ where
         first(self.node.motions())
     }
 
-    /// Which path flow takes, what it is like, and what the line can hold, before anybody pushes; none while nothing is known.
+    /// What windows are told of the line before anybody pushes; none while nothing is known.
     fn line_news(&self) -> Option<String> {
         let path = self.paths.as_ref().map(|paths| PathSecond::of(&paths.report()));
-        let peer = &self.scene.peer;
-        let (coordination, most_s) = (&peer.coordination, peer.safety.max_delay_s);
-        let one_way_s = self.node.line.link.clock().round_trip_us().map(|us| 0.5e-6 * f64::from(us));
-        let too_far = one_way_s.is_some_and(|one_way_s| one_way_s > most_s);
-        let holds = match one_way_s {
-            _ if path.is_some_and(|path| path.way == Way::Nowhere) => "nothing gets through".to_owned(),
-            None => String::new(),
-            Some(one_way_s) if too_far => format!(
-                "{:.0} ms one way is too far: what is older than {:.0} ms is not taken (safety.max_delay_s)",
-                1e3 * one_way_s,
-                1e3 * most_s
-            ),
-            // Two springs, and the line between them (docs/networks.md).
-            Some(one_way_s) if self.scene.law().sends == Sends::Counters => {
-                let line = one_way_s / coordination.wave_impedance_n_s_per_m;
-                let mm = 1e3 * (2.0 / coordination.stiffness_n_per_m + line);
-                format!("each newton between the hands holds the copies {mm:.1} mm apart or more")
-            }
-            Some(one_way_s) => format!("{:.0} ms one way", 1e3 * one_way_s),
-        };
-        let judged = self.judging.as_ref().and_then(|judging| judging.verdict.as_ref());
-        let verdict = judged.map(|verdict| {
-            let [least, most] = verdict.one_way_ms;
-            format!("at {least:.1} to {most:.1} ms one way this scene is {}", verdict.text)
-        });
-        // A peer that is not to arm says why; one that nothing reaches has nothing else to say.
-        let held = self.judging.as_ref().is_some_and(|judging| judging.refuses().is_some());
-        let nowhere = path.is_some_and(|path| path.way == Way::Nowhere);
-        let bad = too_far || nowhere || judged.is_some_and(|verdict| verdict.stable == Some(false));
-        let round_trip = || one_way_s.map(|one_way_s| format!("round trip {:.1} ms", 2e3 * one_way_s));
-        let says = path.map(|path| path.words()).or_else(round_trip)?;
-        let holds: Vec<String> =
-            verdict.filter(|_| !nowhere).into_iter().chain([holds]).filter(|said| !said.is_empty()).collect();
-        Some(json!({ "path": { "says": says, "holds": holds.join("; "), "bad": bad, "held": held } }).to_string())
+        let (round_trip_us, judging) = (self.node.line.link.clock().round_trip_us(), self.judging.as_ref());
+        let said = line_words(&self.scene, round_trip_us, path, judging, self.code.as_deref())?;
+        Some(json!({ "path": said }).to_string())
     }
 
     fn sample(&mut self) -> Sample {

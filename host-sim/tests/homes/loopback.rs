@@ -35,6 +35,9 @@ fn a_link_is_all_that_the_other_side_needs_and_it_serves_once() {
     let link = one.says("haptic://");
     let two = peer(host_sim(), 4, &["--accept", &link, "--record", &other]);
     one.says("a key is agreed on");
+    // Both read the same six digits to each other.
+    let codes = [&one, &two].map(|end| end.says("code of this meeting: "));
+    assert!(codes[0] == codes[1] && codes[0].len() == "code of this meeting: 123 456".len(), "{codes:?}");
     // Whoever has the link now has nothing.
     let mut thief = host_sim();
     thief.args(["peer", "--accept", &link]);

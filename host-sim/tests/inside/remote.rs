@@ -139,7 +139,8 @@ fn windows_are_told_of_the_path_and_of_what_the_line_can_hold() {
         scope.spawn(|| meet.run(60.0, &stop));
         let mut ends = [1, 2].map(|number| {
             let scene = scenes::load(Laws::built_in(), "any-network").expect("a scene");
-            let end = End::meeting(&meeting, Key::new([7; Key::LEN]), number).expect("a socket");
+            let end =
+                End::meeting(&meeting, Key::new([7; Key::LEN]), number, Some("012 345".into())).expect("a socket");
             One::new(scene, end).expect("an end")
         });
         let start = Instant::now();
@@ -157,6 +158,7 @@ fn windows_are_told_of_the_path_and_of_what_the_line_can_hold() {
             std::thread::sleep(Duration::from_micros(900));
         }
         for told in &told {
+            assert!(told.iter().all(|news| news.contains("\"code 012 345: compare it aloud")), "{told:?}");
             assert!(told.iter().any(|news| news.contains("\"bad\":true") && news.contains("no path")), "{told:?}");
             assert!(told.iter().any(|news| news.contains("relayed") || news.contains("relay beside it")), "{told:?}");
         }

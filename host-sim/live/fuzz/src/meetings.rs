@@ -31,8 +31,8 @@ pub(super) fn run(bytes: &[u8]) {
     let mut place = Place::new(&key, start);
     let own = "192.168.1.10:40000".parse().expect("an address");
     let mut mapping = Mapping::new(froms[1], own, &key, start);
-    let invite = Invite::new("example.org:7710", &key);
-    let (mut inviter, accepter) = (Inviter::new(&invite, &key, start), Accepter::new(&invite, &Key::new([8; 32])));
+    let mut inviter = Inviter::new("example.org:7710", &key, start);
+    let accepter = Accepter::new(&inviter.invite, &Key::new([8; 32]));
     let (mut rest, mut now) = (bytes, start);
     while let Some((length, more)) = rest.split_first() {
         let (datagram, after) = more.split_at(more.len().min((*length).into()));

@@ -3,6 +3,7 @@
 mod bridge;
 mod endpoint;
 mod fuzz;
+mod invitation;
 mod mapping;
 mod restarts;
 mod two_homes;

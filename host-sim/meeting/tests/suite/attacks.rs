@@ -3,13 +3,19 @@
 use std::net::SocketAddr;
 
 use haptic_meeting::Way;
+use haptic_meeting::agreement::{Accepter, Heard, Inviter};
 use haptic_meeting::carrier::{Carrier, Config};
-use haptic_meeting::frame::Frame;
+use haptic_meeting::frame::{Frame, Join, Welcome};
+use haptic_meeting::invite::Invite;
+use haptic_meeting::place::Place;
+use haptic_meeting::seat::Seat;
 use haptic_protocol::key::Key;
 use haptic_protocol::wire::VERSION;
 
 use super::world::{MEET, Router, World};
 
+/// A stranger with an address of his own.
+const THIEF: &str = "198.51.100.66:6666";
 /// Most datagrams to an address before it has proved itself; one more every 12 s.
 const BUDGET: usize = 5;
 
@@ -41,6 +47,75 @@ fn candidates_that_point_at_a_third_party_bring_it_five_datagrams() {
     }
 }
 
+/// Who has read every join of a live session sends all of them again, with the cookie of an address of his own.
+#[test]
+fn an_onlooker_moves_no_seat_of_a_live_session() {
+    let mut world = World::new([Router::Symmetric, Router::Symmetric]);
+    world.keeps = true;
+    world.run(5000);
+    let (thief, meet) = (THIEF.parse().unwrap(), MEET.parse().unwrap());
+    let mut tried = 0;
+    for round in 1..=600 {
+        let joins: Vec<Join> = world.seen.iter().rev().filter_map(|(_, _, _, bytes)| Join::parse(bytes)).collect();
+        let cookie = world.nowhere.get(&thief).and_then(|came| Welcome::parse(came.last()?)).map(|came| came.cookie);
+        for side in 0..2 {
+            let seen = joins.iter().find(|join| join.side == side && Some(join.cookie) != cookie).expect("a join");
+            world.post(thief, meet, &Join { cookie: cookie.unwrap_or_default(), ..*seen }.emit());
+            tried += u32::from(cookie.is_some());
+        }
+        world.run(5000 + 5 * round);
+    }
+    assert!(tried > 1000);
+    assert_eq!((world.ways(), world.lost(0), world.lost(1)), ([Way::Relayed; 2], 0, 0));
+    let got = &world.nowhere[&thief];
+    assert!(got.iter().all(|bytes| Welcome::parse(bytes).is_some_and(|welcome| !welcome.seated)), "no seat, no flow");
+}
+
+/// A thief with the link takes both seats in turn, before the right person does: to the inviter he is the partner, to the partner he is nobody.
+#[test]
+fn who_takes_both_seats_with_a_stolen_link_gets_the_key_of_one_end_alone() {
+    let now = std::time::Instant::now();
+    let mut place = Place::new(&Key::new([1; 32]), now);
+    let mut inviter = Inviter::new(MEET, &Key::new([2; 32]), now);
+    let link = inviter.invite.link();
+    let stolen = Invite::parse(&link).expect("a link");
+    let (home, partner, thief): (SocketAddr, SocketAddr, SocketAddr) =
+        ("203.0.113.11:1".parse().unwrap(), "203.0.113.12:1".parse().unwrap(), THIEF.parse().unwrap());
+    fn say(place: &mut Place, now: std::time::Instant, from: SocketAddr, bytes: &[u8]) -> (SocketAddr, Vec<u8>) {
+        let mut sent = Vec::new();
+        place.hear(now, from, bytes, &mut |to, bytes| sent.push((to, bytes.to_vec())));
+        sent.pop().expect("an answer, or passed on")
+    }
+    let sit = |place: &mut Place, from, mut seat: Seat| {
+        while let Some(join) = seat.poll(now, true) {
+            seat.hear(now, &say(place, now, from, &join).1);
+        }
+        assert!(seat.is_seated(now));
+    };
+    sit(&mut place, home, inviter.invite.seat(0, &Key::new([3; 32])));
+    sit(&mut place, thief, stolen.seat(1, &Key::new([4; 32])));
+    let takes = Accepter::new(&stolen, &Key::new([5; 32]));
+    let (to, offer) = say(&mut place, now, thief, &takes.offer());
+    assert_eq!(to, home);
+    let (answer, heard) = inviter.hear(now, &offer);
+    let (to, answer) = say(&mut place, now, home, &answer.expect("an answer"));
+    let theirs = takes.hear(&answer).expect("it is not used").expect("a key");
+    assert_eq!((to, heard), (thief, Heard::Agreed(theirs)), "he was quicker");
+    // Now he is to be the inviter.
+    sit(&mut place, thief, stolen.seat(0, &Key::new([6; 32])));
+    sit(&mut place, partner, Invite::parse(&link).expect("a link").seat(1, &Key::new([7; 32])));
+    let accepter = Accepter::new(&Invite::parse(&link).expect("a link"), &Key::new([8; 32]));
+    let (to, offer) = say(&mut place, now, partner, &accepter.offer());
+    assert_eq!(to, thief);
+    let mut invites = Inviter::new(MEET, &Key::new([9; 32]), now);
+    invites.invite = stolen;
+    let (forged, _) = invites.hear(now, &offer);
+    for answer in [forged.expect("he has the link's secret").to_vec(), answer] {
+        let (to, answer) = say(&mut place, now, thief, &answer);
+        assert_eq!((to, accepter.hear(&answer)), (partner, Ok(None)), "only who made the link can answer");
+    }
+}
+
 #[test]
 fn replayed_stun_moves_no_flow() {
     let mut world = World::new([Router::Kept, Router::Kept]);
@@ -49,7 +124,7 @@ fn replayed_stun_moves_no_flow() {
     let checks: Vec<_> = world.seen.drain(..).filter(|(_, _, _, bytes)| Frame::of(bytes) == Frame::Stun).collect();
     assert!(checks.len() > 4, "{} checks were seen", checks.len());
     // Every check and response of either end again, from an address that the routers were made to let in.
-    let thief: SocketAddr = "198.51.100.66:6666".parse().unwrap();
+    let thief: SocketAddr = THIEF.parse().unwrap();
     for (_, _, to, bytes) in &checks {
         if let Some(side) = world.homes.iter().position(|home| home.outer == to.ip()) {
             let (now, home) = (world.now(), &mut world.homes[side]);
@@ -121,7 +196,7 @@ fn noise_of_any_kind_moves_nothing_and_ends_nothing() {
     let mut world = World::new([Router::Kept, Router::Kept]);
     world.run(3000);
     let peers = [0, 1].map(|side: usize| SocketAddr::new(world.homes[side].outer, 50_001));
-    let froms = [MEET.parse().unwrap(), peers[0], peers[1], "198.51.100.66:6666".parse().unwrap()];
+    let froms = [MEET.parse().unwrap(), peers[0], peers[1], THIEF.parse().unwrap()];
     let mut rng = 3_u64;
     let mut next = || {
         rng = rng.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);

@@ -70,11 +70,12 @@ fn a_message_of_stun_is_none_of_the_wire_and_the_wire_none_of_stun() {
 
 #[test]
 fn joins_and_welcomes_are_read_as_they_were_written() {
-    let join = Join { side: 1, room: [1; 16], cookie: [2; 16], token: [3; 16], nonce: [4; 8] };
+    let join = Join { side: 1, seat: [1; 32], other: [7; 16], cookie: [2; 16], proof: [3; 16], nonce: [4; 8] };
     assert_eq!(Join::parse(&join.emit()), Some(join));
     for seen in ["203.0.113.9:1234", "[2001:db8::9]:1"] {
         let seen = seen.parse().unwrap();
-        let welcome = Welcome { seated: true, other: false, refused: true, cookie: [5; 16], nonce: [6; 8], seen };
+        let welcome =
+            Welcome { seated: true, other: false, refused: true, cookie: [5; 16], place: [8; 32], nonce: [6; 8], seen };
         assert_eq!(Welcome::parse(&welcome.emit()), Some(welcome));
     }
 }
@@ -109,9 +110,8 @@ fn whatever_comes_makes_a_meeting_place_send_less_than_it_got() {
         let mut datagram = stun_of(kind, length, [round as u8; 12]);
         match (rng >> 32) % 4 {
             0 => {
-                datagram = Join { side: 0, room: [round as u8; 16], cookie: [9; 16], token: [0; 16], nonce: [0; 8] }
-                    .emit()
-                    .into()
+                let (seat, nonce) = ([round as u8; 32], [0; 8]);
+                datagram = Join { side: 0, seat, other: [1; 16], cookie: [9; 16], proof: [0; 16], nonce }.emit().into();
             }
             1 => datagram[0] = (rng >> 16) as u8,
             _ => {}

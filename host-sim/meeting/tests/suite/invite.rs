@@ -2,12 +2,11 @@
 
 use haptic_meeting::Error;
 use haptic_meeting::invite::Invite;
-use haptic_protocol::key::Key;
 
 #[test]
 fn a_link_is_read_as_it_was_written() {
     for (seed, meet) in [(1, "203.0.113.1:4000"), (2, "[2001:db8::1]:4000"), (3, "meet.example.org:7710")] {
-        let link = Invite::new(meet, &Key::new([seed; 32])).link();
+        let link = Invite::of(meet, &[seed; 32]).link();
         let read = Invite::parse(&format!(" {link}\n")).expect("a link");
         assert_eq!((read.link(), read.meet.as_str()), (link.clone(), meet));
         assert_eq!(Invite::parse(&link.replace("haptic://", "https://")).unwrap_err(), Error::NoLink);
@@ -17,7 +16,7 @@ fn a_link_is_read_as_it_was_written() {
 
 #[test]
 fn every_wrong_letter_and_every_other_place_is_found() {
-    let link = Invite::new("203.0.113.1:4000", &Key::new([1; 32])).link();
+    let link = Invite::of("203.0.113.1:4000", &[1; 32]).link();
     let start = link.rfind('/').unwrap() + 1;
     let mut missed = 0;
     for at in start..link.len() {
