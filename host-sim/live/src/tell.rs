@@ -1,10 +1,15 @@
 //! What a live command says while it runs: a line each second, and what happens in between, on a thread of its own, so that a terminal
 //! that does not take them holds up nobody.
+//!
+//! Somebody on the network who drops or delays datagrams causes notices and changes of path. A person is shown [`SHOWN`] of these lines,
+//! and how many were left out; a program that reads JSON gets all that fit in the queue.
 
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::JoinHandle;
+use std::time::Instant;
 
 use haptic_meeting::Way;
+use haptic_meeting::allowance::Allowance;
 use haptic_meeting::carrier::PathReport;
 use haptic_protocol::link::Notice;
 use serde::Serialize;
@@ -12,6 +17,9 @@ use serde_json::json;
 
 /// Lines that may wait.
 const WAITING: usize = 64;
+
+/// Lines about the network that a person is shown each second, and at once.
+const SHOWN: [f64; 2] = [1.0, 20.0];
 
 /// How lines are said.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -225,14 +233,37 @@ struct TaggedSecond<'a> {
     second: &'a Second,
 }
 
+/// Shows a person so many lines about the network, and counts the others.
+struct Limiter(Allowance, u64);
+
+impl Limiter {
+    fn new(now: Instant) -> Self {
+        Self(Allowance::new(SHOWN[1], now), 0)
+    }
+
+    /// The line as it is shown, if it is.
+    fn shown(&mut self, now: Instant, line: String) -> Option<String> {
+        if !self.0.takes(now, 1.0, SHOWN) {
+            self.1 += 1;
+            return None;
+        }
+        let left_out = std::mem::take(&mut self.1);
+        Some(if left_out == 0 { line } else { format!("{line} ({left_out} lines before it are left out)") })
+    }
+}
+
 fn say(lines: &Receiver<Line>, manner: Manner) {
+    let mut limiter = Limiter::new(Instant::now());
     for line in lines {
         if manner == Manner::Words {
-            match line {
-                Line::Second(second) => haptic_io::say(second.words()),
-                Line::Notice { words, .. } | Line::Words(words) => haptic_io::say(words),
-                Line::Path { path, .. } => haptic_io::say(format_args!("the path is now: {}", path.words())),
-            }
+            let (about_the_network, words) = match line {
+                Line::Second(second) => (false, second.words()),
+                Line::Words(words) => (false, words),
+                Line::Notice { words, .. } => (true, words),
+                Line::Path { path, .. } => (true, format!("the path is now: {}", path.words())),
+            };
+            let shown = if about_the_network { limiter.shown(Instant::now(), words) } else { Some(words) };
+            shown.into_iter().for_each(haptic_io::say);
             continue;
         }
         let object = match line {
@@ -251,3 +282,7 @@ fn say(lines: &Receiver<Line>, manner: Manner) {
         }
     }
 }
+
+#[cfg(test)]
+#[path = "../tests/inside/tell.rs"]
+mod tests;
