@@ -8,4 +8,5 @@ mod frame;
 mod invite;
 mod mapping;
 mod place;
+mod vectors;
 mod world;
