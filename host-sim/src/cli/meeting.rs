@@ -33,10 +33,11 @@ pub(super) struct MeetingArgs {
     /// A meeting place (`host-sim meet`): relays at first, until a direct path is found. With --key-file at both ends, or with --invite.
     #[arg(long, value_name = "HOST:PORT")]
     meet: Option<String>,
-    /// Print a link and its QR code, and be peer 1 to whoever uses it: one use, ten minutes.
+    /// Print a link and its QR code, and be peer 1 to whoever uses it: one use, ten minutes. Then compare six digits aloud.
     #[arg(long, requires = "meet", conflicts_with_all = ["accept", "key_file"])]
     invite: bool,
-    /// Use a link, and be peer 2 to whoever made it; with `-` it is read from standard input, so that no list of processes shows it.
+    /// Use a link, and be peer 2 to whoever made it; with `-` it is read from standard input, so that no list of processes shows it. Then compare
+    /// six digits aloud.
     #[arg(long, value_name = "LINK", conflicts_with_all = ["meet", "key_file"])]
     accept: Option<String>,
     /// Keep what was agreed on in a new key file, for --meet with --key-file from then on.

@@ -91,6 +91,20 @@ fn a_link_is_all_that_the_other_side_needs_and_it_serves_once() {
     assert!(good && counts["passed"].as_u64().is_some_and(|passed| passed > 100), "{counts}");
 }
 
+/// A thief takes the link on its way and sends on one of his own. Each of his two ends agrees with one of the two people.
+#[test]
+fn a_link_that_was_replaced_shows_other_digits_at_each_end() {
+    let (meet, place) = meet("127.0.0.1:0");
+    let ends = |more: &[&str]| peer(host_sim(), 1, more);
+    let (one, thief) = (ends(&["--invite", "--meet", &place]), ends(&["--invite", "--meet", &place]));
+    let (link, replaced) = (one.says("haptic://"), thief.says("haptic://"));
+    let (near, two) = (ends(&["--accept", &link]), ends(&["--accept", &replaced]));
+    let [one, near, far, two] = [&one, &near, &thief, &two].map(|end| end.says("code of this meeting: "));
+    assert!(one == near && far == two, "{one}, {near}, {far}, {two}");
+    assert_ne!(one, two, "the two people read each other other digits");
+    meet.kill();
+}
+
 #[test]
 fn a_wrong_link_is_refused_before_anything_is_sent() {
     for (link, says) in [

@@ -98,6 +98,7 @@ impl Person {
         let status = self.says("status");
         assert!(status.ends_with("has the other hand"), "{status}; {said}");
         assert!(*path == "no path" || said.contains("each newton between the hands"), "{said}");
+        assert!(said.contains("; code ") && said.contains(": compare it aloud"), "{said}");
     }
 
     /// Ends; its report, and what it saw and what was recorded of the path, change by change.
