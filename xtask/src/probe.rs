@@ -27,9 +27,11 @@ fn is_there() -> Result<(), Failure> {
 }
 
 /// probe-rs, if it is there, on the project's chip.
-pub(crate) fn probe_rs(verb: &str) -> Result<Command, Failure> {
+pub(crate) fn probe_rs(verb: &str, probe: Option<&str>) -> Result<Command, Failure> {
     is_there()?;
-    Ok(command("probe-rs", &[verb, "--chip", "STM32H743ZITx"]))
+    let mut command = command("probe-rs", &[verb, "--chip", "STM32H743ZITx"]);
+    command.args(probe.into_iter().flat_map(|probe| ["--probe", probe]));
+    Ok(command)
 }
 
 /// The probes that are connected, each as probe-rs takes it: VID:PID:SERIAL.
@@ -49,16 +51,17 @@ pub(crate) fn serial(probe: &str) -> Option<&str> {
     probe.splitn(3, ':').nth(2).filter(|serial| !serial.is_empty())
 }
 
-/// Attaches without stopping or flashing the board; ends with Ctrl-C or when the probe is gone.
-pub(crate) fn log() -> Result<(), Failure> {
-    let mut attach = probe_rs("attach")?;
+/// Attaches without flashing the board; ends with Ctrl-C or when the probe is gone.
+pub(crate) fn log(given: &Options) -> Result<(), Failure> {
+    let mut attach = probe_rs("attach", given.value("--probe"))?;
     // The words of the log are in the image: it must be the one that was flashed.
     let ready = setup::setup()?;
     let image = step("image", || board::image(&ready))?;
     let path = run::root().join(LOG);
     let written = |cause: std::io::Error| Failure::new(format!("cannot write {LOG}: {cause}"));
     std::fs::create_dir_all(path.parent().unwrap_or(run::root())).map_err(written)?;
-    let mut file = File::create(&path).map_err(written)?;
+    let file = File::options().create(true).append(true).open(&path);
+    let mut file = file.map_err(written)?;
     let mut probe = (attach.arg(&image).stdout(Stdio::piped()).spawn())
         .map_err(|cause| Failure::new(format!("cannot run probe-rs: {cause}")))?;
     for line in probe.stdout.take().into_iter().flat_map(|stdout| BufReader::new(stdout).lines()).map_while(Result::ok)
@@ -78,10 +81,8 @@ pub(crate) fn log() -> Result<(), Failure> {
 pub(crate) fn provision(given: &Options<'_>) -> Result<(), Failure> {
     let file = |option| given.value(option).ok_or_else(|| Failure::usage(format!("{option} FILE is needed")));
     let (peers, operator) = (file("--key-file")?, file("--operator-key-file")?);
-    let (mut download, mut reset) = (probe_rs("download")?, probe_rs("reset")?);
-    for command in [&mut download, &mut reset] {
-        command.args(given.value("--probe").into_iter().flat_map(|probe| ["--probe", probe]));
-    }
+    let probe = given.value("--probe");
+    let (mut download, mut reset) = (probe_rs("download", probe)?, probe_rs("reset", probe)?);
     let address = address()?;
     let here = std::env::current_dir().map_err(|cause| Failure::new(format!("no working directory: {cause}")))?;
     let image = Image(run::root().join("target").join(format!("key-{}.bin", std::process::id())));

@@ -110,7 +110,7 @@ fn on_a_table(given: &Options<'_>, boards: &str) -> Result<(), Failure> {
     let rig = step("the rig's image", || image(&ready))?;
     for (probe, image) in found.probes.iter().zip([&firmware, &rig]) {
         step("flash", || {
-            run(probe::probe_rs("download")?.args(["--verify", "--probe", probe]).arg(image))?;
+            run(probe::probe_rs("download", Some(probe))?.arg("--verify").arg(image))?;
             run(&mut reset(probe))
         })?;
     }
