@@ -18,7 +18,7 @@ use haptic_core::settings::{LawInfo, Refused, Settings};
 use haptic_core::{contact::Impacts, device::AXES, law::ledger::Ledger, schema::Schema};
 
 use crate::double_double::DoubleDouble;
-use crate::lanes::number::{F32s, F64s};
+use crate::lanes::number::F64s;
 
 /// A hash (FNV-1a over 64-bit words) continued by one word.
 #[inline]
@@ -206,8 +206,8 @@ pub trait Builds<const SHARED: usize, const N: usize>: Scalar {
     fn make(maker: &Maker) -> Make<Self, SHARED, N>;
 }
 
-/// A number type that a peer can be asked for at run time: `f32`, as the board, `f64`, [`Fixed`], [`DoubleDouble`], or lanes of the
-/// first two ([`crate::lanes`]). A peer shares one axis of a device in the plane, both of them, or all three of a device in space.
+/// A number type that a peer can be asked for at run time: `f32`, as the board, `f64`, [`Fixed`], [`DoubleDouble`], or lanes of
+/// `f64` ([`crate::lanes`]). A peer shares one axis of a device in the plane, both of them, or all three of a device in space.
 pub trait Number: Builds<1, AXES> + Builds<2, 2> + Builds<3, 3> {}
 
 /// Implements [`Builds`] for a number type. The first form takes the constructor from a field of [`Maker`], so every law of every family is
@@ -240,7 +240,7 @@ macro_rules! numbers {
     };
 }
 numbers!(f32: f32, f64: f64, Fixed: fixed, F64s: f64s);
-numbers!(DoubleDouble, F32s);
+numbers!(DoubleDouble);
 
 /// Calls a function that is generic over the axes along which the object is shared, and those of the devices, for as many as a scene
 /// says: `of_axes!(scene, run::<f64>(scene, seconds))` is `run::<f64, 1, AXES>`, `run::<f64, 2, 2>` or `run::<f64, 3, 3>`.

@@ -17,7 +17,7 @@ use std::process::Command;
 
 use haptic_report::Columns;
 use haptic_sim::lanes::number::{LANES, lanes_left};
-use haptic_sim::lanes::{self, InLanes, Pairs};
+use haptic_sim::lanes::{self, Pairs};
 use haptic_sim::pair::Pair;
 use haptic_sim::run::{Options, run};
 use haptic_sim::{Laws, Scene, scenes};
@@ -48,16 +48,16 @@ fn rate(ticks: u32, mut work: impl FnMut()) -> f64 {
     1e-6 * f64::from(ticks) / took.fold(f64::INFINITY, f64::min)
 }
 
-fn of_type<S: InLanes>(scenes: &[Scene]) -> [Measured; 4] {
-    let measured = |what: &str, million_per_s| Measured { what: what.to_owned(), number: S::NAME, million_per_s };
+fn in_lanes(scenes: &[Scene]) -> [Measured; 4] {
+    let measured = |what: &str, million_per_s| Measured { what: what.to_owned(), number: "f64", million_per_s };
     let members: Vec<&Scene> = scenes.iter().collect();
     let seconds = f64::from(TICKS) * 1e-3;
     let all = TICKS * LANES as u32;
     // Built before, as those of C and NumPy are.
-    let mut pair = Pair::<S>::new(&scenes[0]).expect("a built-in scene");
+    let mut pair = Pair::<f64>::new(&scenes[0]).expect("a built-in scene");
     let alone = rate(TICKS, || (0..TICKS).for_each(|_| pair.step()));
     assert_eq!(pair.fault(), None);
-    let mut pairs = Pairs::<S::Lanes>::new(&members).expect("a built-in scene");
+    let mut pairs = Pairs::<1>::new(&members).expect("a built-in scene");
     let side_by_side = rate(all, || (0..TICKS).for_each(|_| pairs.step(&mut |_| ())));
     assert_eq!(lanes_left(), 0);
     [
@@ -67,13 +67,13 @@ fn of_type<S: InLanes>(scenes: &[Scene]) -> [Measured; 4] {
             "run, alone",
             rate(TICKS, || {
                 let options = Options { duration_s: seconds, record_every: 0 };
-                black_box(run::<S>(&scenes[0], options, &|_| {}).expect("a built-in scene").hash);
+                black_box(run::<f64>(&scenes[0], options, &|_| {}).expect("a built-in scene").hash);
             }),
         ),
         measured(
             "run, in lanes",
             rate(all, || {
-                black_box(lanes::run::<S>(scenes, seconds).expect("a built-in scene").len());
+                black_box(lanes::run(scenes, seconds).expect("a built-in scene").len());
             }),
         ),
     ]
@@ -113,7 +113,7 @@ fn main() {
             scene
         })
         .collect();
-    let mut all: Vec<Measured> = of_type::<f32>(&scenes).into_iter().chain(of_type::<f64>(&scenes)).collect();
+    let mut all: Vec<Measured> = in_lanes(&scenes).into();
     for (number, real, numpy) in [("f32", "float", "float32"), ("f64", "double", "float64")] {
         all.extend([1, LANES].into_iter().filter_map(|scenes| in_c(number, real, scenes)));
         let stacked = ["1000", "2000", "4000", "8000"].into_iter().filter_map(|scenes| {

@@ -6,7 +6,7 @@ use haptic_core::device::Reading;
 use haptic_core::num::{Motion, Scalar as _};
 use haptic_core::peer::{Actuators, Sensors};
 
-use super::number::{F64s, LANES, Lanes};
+use super::number::{F64s, LANES};
 use crate::device::Device;
 use crate::plant::{Linear, Plant};
 
@@ -52,23 +52,19 @@ impl<const N: usize> Plants<N> {
     }
 }
 
-impl<S: Lanes, const N: usize> Device<S, N> for Plants<N> {
+impl<const N: usize> Device<F64s, N> for Plants<N> {
     #[inline]
-    fn sensors(&self) -> Sensors<S, N> {
-        Sensors::of(Reading::Exact(self.motions.map(|motion| Motion {
-            position: S::of_counter(motion.position),
-            velocity: S::of_counter(motion.velocity),
-        })))
+    fn sensors(&self) -> Sensors<F64s, N> {
+        Sensors::of(Reading::Exact(self.motions))
     }
 
     #[inline]
-    fn step(&mut self, time_s: f64, actuators: &Actuators<S, N>) {
+    fn step(&mut self, time_s: f64, actuators: &Actuators<F64s, N>) {
         let pushes = self.pushes(time_s);
         let moved = self.motions.iter_mut().zip(&mut self.motor_before).take(self.axes_in_use);
         for ((motion, before), (push, force)) in moved.zip(pushes.iter().zip(&actuators.forces)) {
-            let motor = force.to_counter();
-            *motion = self.linear.advance(*motion, *before + *push, motor + *push);
-            *before = motor;
+            *motion = self.linear.advance(*motion, *before + *push, *force + *push);
+            *before = *force;
         }
     }
 }

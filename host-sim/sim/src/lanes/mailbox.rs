@@ -6,7 +6,6 @@
 //! [`Degradation`]. The peer of all lanes hears something in each packet period and is never silent. A lane whose silence lets go of the
 //! other peer leaves.
 
-use std::array::from_fn;
 use std::collections::VecDeque;
 use std::rc::Rc;
 
@@ -14,7 +13,7 @@ use haptic_core::law::Packet;
 use haptic_core::law::degradation::{Degradation, Engagement};
 use haptic_core::settings::Refused;
 
-use super::number::{ALL, F64s, LANES, Lanes, leave};
+use super::number::{ALL, F64s, LANES, leave};
 use crate::network::link::{InFlight, Inbox, Numbered, Route};
 use crate::network::rule::Direction;
 use crate::pair::{Mailbox, hand_over};
@@ -22,60 +21,59 @@ use crate::peers::DynPeer;
 use crate::scene::Scene;
 
 /// The packets of all lanes, a kilobyte and more, where they lie: that is what travels.
-type Place<S, const SHARED: usize> = Rc<[Packet<S>; SHARED]>;
+type Place<const SHARED: usize> = Rc<[Packet<F64s>; SHARED]>;
 
 /// What takes in the packets of all lanes for a peer, and sends its own.
-pub(super) struct LaneMailbox<S: Lanes, const SHARED: usize> {
-    incoming: Incoming<S, SHARED>,
+pub(super) struct LaneMailbox<const SHARED: usize> {
+    incoming: Incoming<SHARED>,
     /// Where what it has sent lies, the oldest first. Where nobody needs it any more the next one is put.
-    places: VecDeque<Place<S, SHARED>>,
+    places: VecDeque<Place<SHARED>>,
 }
 
 /// What takes in the packets of all lanes for a peer.
-enum Incoming<S: Lanes, const SHARED: usize> {
+enum Incoming<const SHARED: usize> {
     /// The same of every lane.
-    One(Inbox<Place<S, SHARED>>),
+    One(Inbox<Place<SHARED>>),
     /// Of each lane its own.
-    Each(Box<Networks<S, SHARED>>),
+    Each(Box<Networks<SHARED>>),
 }
 
 /// One direction of the networks of all lanes, and the packets that are under way in it.
-pub(super) struct Networks<S: Lanes, const SHARED: usize> {
+pub(super) struct Networks<const SHARED: usize> {
     /// One for each scene; lanes without a scene do what the last one does.
     routes: Vec<Route>,
-    degradation: Degradation<S::Alone>,
+    degradation: Degradation<f64>,
     /// Packet periods of silence after which a peer stops.
     silent_packets: u32,
     max_delay_ns: u64,
     /// What is under way, by its number, and how many copies of it.
-    sent: VecDeque<(Numbered<Place<S, SHARED>>, usize)>,
+    sent: VecDeque<(Numbered<Place<SHARED>>, usize)>,
     /// The numbers of the packets that are due, and the lanes in which.
     in_flight: InFlight<(u64, u32)>,
     newest: [Option<u64>; LANES],
     engagement: [Engagement; LANES],
     /// Lanes in which a packet has come.
     heard: u32,
-    standing: [Packet<S>; SHARED],
+    standing: [Packet<F64s>; SHARED],
     /// What the law has been given: what stands, as far as it counts.
-    given: [Packet<S>; SHARED],
+    given: [Packet<F64s>; SHARED],
     delivered: u64,
 }
 
 /// These lanes of one packet, the others of another.
-fn chosen<S: Lanes>(lanes: u32, yes: &Packet<S>, no: &Packet<S>) -> Packet<S> {
-    let number = |yes, no| S::chosen(lanes, yes, no);
-    let counter = |yes, no| F64s::chosen(lanes, yes, no);
+fn chosen(lanes: u32, yes: &Packet<F64s>, no: &Packet<F64s>) -> Packet<F64s> {
+    let number = |yes, no| F64s::chosen(lanes, yes, no);
     let mut packet = *yes;
     packet.motion.position = number(yes.motion.position, no.motion.position);
     packet.motion.velocity = number(yes.motion.velocity, no.motion.velocity);
     packet.wave = number(yes.wave, no.wave);
-    packet.energy_j = counter(yes.energy_j, no.energy_j);
-    packet.wave_integral = counter(yes.wave_integral, no.wave_integral);
+    packet.energy_j = number(yes.energy_j, no.energy_j);
+    packet.wave_integral = number(yes.wave_integral, no.wave_integral);
     packet
 }
 
 /// Puts these lanes of packets over what is there.
-fn put_over<S: Lanes, const SHARED: usize>(lanes: u32, packets: &[Packet<S>; SHARED], there: &mut [Packet<S>; SHARED]) {
+fn put_over<const SHARED: usize>(lanes: u32, packets: &[Packet<F64s>; SHARED], there: &mut [Packet<F64s>; SHARED]) {
     for (packet, there) in packets.iter().zip(there) {
         *there = if lanes == ALL { *packet } else { chosen(lanes, packet, there) };
     }
@@ -86,7 +84,7 @@ fn lanes_where(of: impl Fn(usize) -> bool) -> u32 {
     (0..LANES).filter(|lane| of(*lane)).fold(0, |lanes, lane| lanes | 1 << lane)
 }
 
-impl<S: Lanes, const SHARED: usize> Networks<S, SHARED> {
+impl<const SHARED: usize> Networks<SHARED> {
     /// The networks to peer `index` (0 or 1) of these scenes, which differ in nothing that degradation is built of.
     fn new(scenes: &[&Scene], index: usize) -> Result<Self, Refused<'static>> {
         let direction = if index == 0 { Direction::TwoToOne } else { Direction::OneToTwo };
@@ -109,7 +107,7 @@ impl<S: Lanes, const SHARED: usize> Networks<S, SHARED> {
     }
 
     /// Every copy of the packet gets on its way, in each lane by itself.
-    fn send(&mut self, now_ns: u64, packet: &Numbered<Place<S, SHARED>>) {
+    fn send(&mut self, now_ns: u64, packet: &Numbered<Place<SHARED>>) {
         let last = self.routes.len() - 1;
         let mut due: Vec<(u64, u32)> = Vec::new();
         for (lane, route) in self.routes.iter_mut().enumerate() {
@@ -165,18 +163,18 @@ impl<S: Lanes, const SHARED: usize> Networks<S, SHARED> {
     }
 
     /// What stands of these lanes, as far as it counts, becomes what the law is given.
-    fn give<const N: usize>(&mut self, lanes: u32, peer: &dyn DynPeer<S, SHARED, N>) {
+    fn give<const N: usize>(&mut self, lanes: u32, peer: &dyn DynPeer<F64s, SHARED, N>) {
         let at = &self.engagement;
         let whole = lanes_where(|lane| self.degradation.is_whole(&at[lane]));
         put_over(lanes & whole, &self.standing, &mut self.given);
         if lanes & !whole != 0 {
-            let share = S::of_alone(&from_fn(|lane| self.degradation.share(&at[lane])));
+            let share = F64s::of(|lane| self.degradation.share(&at[lane]));
             put_over(lanes & !whole, &peer.faded(share, &self.standing), &mut self.given);
         }
     }
 
     /// Lets the peer hear what it is given; in lanes in which nothing has come yet its state stays.
-    fn tell<const N: usize>(&self, peer: &mut dyn DynPeer<S, SHARED, N>) {
+    fn tell<const N: usize>(&self, peer: &mut dyn DynPeer<F64s, SHARED, N>) {
         let mut before = Vec::new();
         if self.heard != ALL {
             peer.visit_state(&mut |number| before.push(*number));
@@ -186,14 +184,14 @@ impl<S: Lanes, const SHARED: usize> Networks<S, SHARED> {
             let mut before = before.into_iter();
             peer.visit_state(&mut |number| {
                 if let Some(before) = before.next() {
-                    *number = S::chosen(self.heard, *number, before);
+                    *number = F64s::chosen(self.heard, *number, before);
                 }
             });
         }
     }
 }
 
-impl<S: Lanes, const SHARED: usize> LaneMailbox<S, SHARED> {
+impl<const SHARED: usize> LaneMailbox<SHARED> {
     /// The mailbox of peer `index` (0 or 1) of these scenes: of the network of all, if it is `one`.
     pub(super) fn new(scenes: &[&Scene], index: usize, one: bool) -> Result<Self, Refused<'static>> {
         let incoming = if one {
@@ -205,11 +203,11 @@ impl<S: Lanes, const SHARED: usize> LaneMailbox<S, SHARED> {
     }
 }
 
-impl<S: Lanes, const SHARED: usize, const N: usize> Mailbox<S, SHARED, N> for LaneMailbox<S, SHARED> {
-    type Carried = Place<S, SHARED>;
+impl<const SHARED: usize, const N: usize> Mailbox<F64s, SHARED, N> for LaneMailbox<SHARED> {
+    type Carried = Place<SHARED>;
 
     #[inline]
-    fn carried(&mut self, packets: [Packet<S>; SHARED]) -> Place<S, SHARED> {
+    fn carried(&mut self, packets: [Packet<F64s>; SHARED]) -> Place<SHARED> {
         let free = self.places.iter().position(|place| Rc::strong_count(place) == 1);
         let place = match free.and_then(|at| self.places.remove(at)) {
             Some(mut place) => {
@@ -223,7 +221,7 @@ impl<S: Lanes, const SHARED: usize, const N: usize> Mailbox<S, SHARED, N> for La
     }
 
     #[inline]
-    fn put(&mut self, now_ns: u64, packet: &Numbered<Place<S, SHARED>>) {
+    fn put(&mut self, now_ns: u64, packet: &Numbered<Place<SHARED>>) {
         match &mut self.incoming {
             Incoming::One(inbox) => inbox.put(now_ns, packet.clone()),
             Incoming::Each(networks) => networks.send(now_ns, packet),
@@ -231,7 +229,7 @@ impl<S: Lanes, const SHARED: usize, const N: usize> Mailbox<S, SHARED, N> for La
     }
 
     #[inline]
-    fn hand_over(&mut self, now_ns: u64, due: bool, peer: &mut dyn DynPeer<S, SHARED, N>) -> bool {
+    fn hand_over(&mut self, now_ns: u64, due: bool, peer: &mut dyn DynPeer<F64s, SHARED, N>) -> bool {
         let networks = match &mut self.incoming {
             Incoming::One(inbox) => return hand_over(inbox, now_ns, due, peer),
             Incoming::Each(networks) => networks,
@@ -253,7 +251,7 @@ impl<S: Lanes, const SHARED: usize, const N: usize> Mailbox<S, SHARED, N> for La
         came != 0
     }
 
-    fn heard(&self) -> Option<&[Packet<S>; SHARED]> {
+    fn heard(&self) -> Option<&[Packet<F64s>; SHARED]> {
         match &self.incoming {
             Incoming::One(inbox) => inbox.taken().map(Rc::as_ref),
             Incoming::Each(networks) => Some(&networks.standing),

@@ -13,7 +13,7 @@ use std::cmp::Ordering;
 use std::ops::{Add, Mul, Neg, Sub};
 
 use haptic_core::num::Scalar;
-use wide::{f32x16, f64x8};
+use wide::f64x8;
 
 use crate::measure::Figure;
 
@@ -122,234 +122,201 @@ fn agree<T: Copy + PartialEq>(of: impl Fn(usize) -> T) -> T {
     value
 }
 
-macro_rules! lanes {
-    ($(#[$doc:meta])* $Lanes:ident: $count:literal of $Vector:ident, $of:literal of $Alone:ident) => {
-        $(#[$doc])*
-        #[derive(Clone, Copy, Debug, Default)]
-        pub struct $Lanes([$Vector; $count]);
+/// `f64` in each lane.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct F64s([f64x8; 2]);
 
-        impl $Lanes {
-            /// This number in every lane.
-            #[inline(always)]
-            pub const fn splat(value: $Alone) -> Self {
-                Self([$Vector::splat(value); $count])
-            }
+impl F64s {
+    /// This number in every lane.
+    #[inline(always)]
+    pub const fn splat(value: f64) -> Self {
+        Self([f64x8::splat(value); 2])
+    }
 
-            /// A number for each lane.
-            #[inline(always)]
-            pub fn of(mut lane: impl FnMut(usize) -> $Alone) -> Self {
-                Self(from_fn(|at| $Vector::new(from_fn(|within| lane(at * $of + within)))))
-            }
+    /// A number for each lane.
+    #[inline(always)]
+    pub fn of(mut lane: impl FnMut(usize) -> f64) -> Self {
+        Self(from_fn(|at| f64x8::new(from_fn(|within| lane(at * 8 + within)))))
+    }
 
-            /// The number of each lane.
-            #[inline(always)]
-            pub fn lanes(self) -> [$Alone; LANES] {
-                let vectors = self.0.map(|vector| vector.to_array());
-                from_fn(|lane| vectors[lane / $of][lane % $of])
-            }
+    /// The number of each lane.
+    #[inline(always)]
+    pub fn lanes(self) -> [f64; LANES] {
+        let vectors = self.0.map(|vector| vector.to_array());
+        from_fn(|lane| vectors[lane / 8][lane % 8])
+    }
 
-            #[inline(always)]
-            fn each(self, one: impl Fn($Vector) -> $Vector) -> Self {
-                Self(self.0.map(one))
-            }
+    #[inline(always)]
+    fn each(self, one: impl Fn(f64x8) -> f64x8) -> Self {
+        Self(self.0.map(one))
+    }
 
-            #[inline(always)]
-            fn with(self, other: Self, one: impl Fn($Vector, $Vector) -> $Vector) -> Self {
-                Self(from_fn(|at| one(self.0[at], other.0[at])))
-            }
+    #[inline(always)]
+    fn with(self, other: Self, one: impl Fn(f64x8, f64x8) -> f64x8) -> Self {
+        Self(from_fn(|at| one(self.0[at], other.0[at])))
+    }
 
-            /// Where the masks of a comparison are set, as bits.
-            #[inline(always)]
-            fn bits_of(masks: Self) -> u32 {
-                let bits = |(at, mask): (usize, &$Vector)| (mask.to_bitmask() as u32) << (at * $of);
-                masks.0.iter().enumerate().map(bits).fold(0, |all, some| all | some)
-            }
+    /// Where the masks of a comparison are set, as bits.
+    #[inline(always)]
+    fn bits_of(masks: Self) -> u32 {
+        let bits = |(at, mask): (usize, &f64x8)| mask.to_bitmask() << (at * 8);
+        masks.0.iter().enumerate().map(bits).fold(0, |all, some| all | some)
+    }
 
-            #[inline(always)]
-            fn choose(masks: Self, yes: Self, no: Self) -> Self {
-                Self(from_fn(|at| masks.0[at].select(yes.0[at], no.0[at])))
-            }
-        }
-
-        impl Add for $Lanes {
-            type Output = Self;
-            #[inline(always)]
-            fn add(self, other: Self) -> Self {
-                self.with(other, |a, b| a + b)
-            }
-        }
-        impl Sub for $Lanes {
-            type Output = Self;
-            #[inline(always)]
-            fn sub(self, other: Self) -> Self {
-                self.with(other, |a, b| a - b)
-            }
-        }
-        impl Mul for $Lanes {
-            type Output = Self;
-            #[inline(always)]
-            fn mul(self, other: Self) -> Self {
-                self.with(other, |a, b| a * b)
-            }
-        }
-        impl Neg for $Lanes {
-            type Output = Self;
-            #[inline(always)]
-            fn neg(self) -> Self {
-                self.each(|a| -a)
-            }
-        }
-        impl PartialEq for $Lanes {
-            #[inline(always)]
-            fn eq(&self, other: &Self) -> bool {
-                decide(Self::bits_of(self.with(*other, |a, b| a.simd_eq(b))))
-            }
-        }
-        impl PartialOrd for $Lanes {
-            fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-                let (these, those) = (self.lanes(), other.lanes());
-                agree(|lane| these[lane].partial_cmp(&those[lane]))
-            }
-            #[inline(always)]
-            fn lt(&self, other: &Self) -> bool {
-                decide(Self::bits_of(self.with(*other, |a, b| a.simd_lt(b))))
-            }
-            #[inline(always)]
-            fn le(&self, other: &Self) -> bool {
-                decide(Self::bits_of(self.with(*other, |a, b| a.simd_le(b))))
-            }
-            #[inline(always)]
-            fn gt(&self, other: &Self) -> bool {
-                decide(Self::bits_of(self.with(*other, |a, b| a.simd_gt(b))))
-            }
-            #[inline(always)]
-            fn ge(&self, other: &Self) -> bool {
-                decide(Self::bits_of(self.with(*other, |a, b| a.simd_ge(b))))
-            }
-        }
-
-        impl Scalar for $Lanes {
-            type Counter = F64s;
-            const NAME: &'static str = <$Alone as Scalar>::NAME;
-            const ZERO: Self = Self::splat(0.0);
-            const ONE: Self = Self::splat(1.0);
-            #[inline]
-            fn from_f64(value: f64) -> Self {
-                let numbers = numbers(value);
-                Self::of(|lane| numbers[lane] as $Alone)
-            }
-            fn to_f64(self) -> f64 {
-                f64::from_bits(agree(|lane| f64::from(self.lanes()[lane]).to_bits()))
-            }
-            #[inline(always)]
-            fn from_i32(value: i32) -> Self {
-                Self::splat(value as $Alone)
-            }
-            fn round_to_i32(self) -> i32 {
-                agree(|lane| Scalar::round_to_i32(self.lanes()[lane]))
-            }
-            /// None: nothing that codes drive is stepped in lanes.
-            #[inline(always)]
-            fn to_code(self) -> i16 {
-                0
-            }
-            #[inline(always)]
-            fn to_counter(self) -> F64s {
-                let lanes = self.lanes();
-                F64s::of(|lane| f64::from(lanes[lane]))
-            }
-            #[inline(always)]
-            fn of_counter(counter: F64s) -> Self {
-                let lanes = counter.lanes();
-                Self::of(|lane| lanes[lane] as $Alone)
-            }
-            #[inline(always)]
-            fn is_finite(self) -> bool {
-                let limit = $Vector::splat($Alone::INFINITY);
-                decide(Self::bits_of(self.each(|a| a.abs().simd_lt(limit))))
-            }
-            /// Of the lane that is shown.
-            fn bits(self) -> u64 {
-                Scalar::bits(self.lanes()[SHOWN.get()])
-            }
-            #[inline(always)]
-            fn sqrt(self) -> Self {
-                Self::choose(self.each(|a| a.simd_gt($Vector::ZERO)), self.each(|a| a.sqrt()), Self::ZERO)
-            }
-            fn sin_cos(self) -> (Self, Self) {
-                let both = self.lanes().map(Scalar::sin_cos);
-                (Self::of(|lane| both[lane].0), Self::of(|lane| both[lane].1))
-            }
-            fn sin_cos_fast(self) -> (Self, Self) {
-                let both = self.lanes().map(Scalar::sin_cos_fast);
-                (Self::of(|lane| both[lane].0), Self::of(|lane| both[lane].1))
-            }
-            #[inline(always)]
-            fn ratio(self, divisor: Self) -> Self {
-                let nothing = divisor.each(|b| b.simd_eq($Vector::ZERO));
-                Self::choose(nothing, Self::ZERO, self.with(divisor, |a, b| a / b))
-            }
-            #[inline(always)]
-            fn abs(self) -> Self {
-                self.each(|a| a.abs())
-            }
-            #[inline(always)]
-            fn limit(self, bound: Self) -> Self {
-                let low = Self::choose(self.with(bound, |a, b| a.simd_lt(-b)), -bound, Self::ZERO);
-                let high = Self::choose(self.with(bound, |a, b| a.simd_gt(b)), bound, low);
-                Self::choose(self.with(bound, |a, b| a.abs().simd_le(b)), self, high)
-            }
-            #[inline(always)]
-            fn max(self, other: Self) -> Self {
-                Self::choose(self.with(other, |a, b| a.simd_gt(b)), self, other)
-            }
-            #[inline(always)]
-            fn min(self, other: Self) -> Self {
-                Self::choose(self.with(other, |a, b| a.simd_lt(b)), self, other)
-            }
-        }
-
-        impl Lanes for $Lanes {
-            type Alone = $Alone;
-            #[inline(always)]
-            fn each_bits(self) -> [u64; LANES] {
-                self.lanes().map(|number| u64::from(number.to_bits()))
-            }
-            #[inline(always)]
-            fn of_alone(numbers: &[$Alone; LANES]) -> Self {
-                Self::of(|lane| numbers[lane])
-            }
-            #[inline(always)]
-            fn chosen(lanes: u32, yes: Self, no: Self) -> Self {
-                let (yes, no) = (yes.lanes(), no.lanes());
-                Self::of(|lane| if lanes >> lane & 1 == 1 { yes[lane] } else { no[lane] })
-            }
-        }
-    };
+    #[inline(always)]
+    fn choose(masks: Self, yes: Self, no: Self) -> Self {
+        Self(from_fn(|at| masks.0[at].select(yes.0[at], no.0[at])))
+    }
 }
 
-/// A number type that holds one number for each lane.
-pub trait Lanes: Scalar<Counter = F64s> {
-    /// The number type of a single lane.
-    type Alone: Scalar;
-    /// [`Scalar::bits`] of each lane's number.
-    fn each_bits(self) -> [u64; LANES];
-    /// These numbers, one a lane.
-    fn of_alone(numbers: &[Self::Alone; LANES]) -> Self;
-    /// One number in these lanes, the other in the rest.
-    fn chosen(lanes: u32, yes: Self, no: Self) -> Self;
+impl Add for F64s {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        self.with(other, |a, b| a + b)
+    }
+}
+impl Sub for F64s {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        self.with(other, |a, b| a - b)
+    }
+}
+impl Mul for F64s {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        self.with(other, |a, b| a * b)
+    }
+}
+impl Neg for F64s {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        self.each(|a| -a)
+    }
+}
+impl PartialEq for F64s {
+    #[inline(always)]
+    fn eq(&self, other: &Self) -> bool {
+        decide(Self::bits_of(self.with(*other, |a, b| a.simd_eq(b))))
+    }
+}
+impl PartialOrd for F64s {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        let (these, those) = (self.lanes(), other.lanes());
+        agree(|lane| these[lane].partial_cmp(&those[lane]))
+    }
+    #[inline(always)]
+    fn lt(&self, other: &Self) -> bool {
+        decide(Self::bits_of(self.with(*other, |a, b| a.simd_lt(b))))
+    }
+    #[inline(always)]
+    fn le(&self, other: &Self) -> bool {
+        decide(Self::bits_of(self.with(*other, |a, b| a.simd_le(b))))
+    }
+    #[inline(always)]
+    fn gt(&self, other: &Self) -> bool {
+        decide(Self::bits_of(self.with(*other, |a, b| a.simd_gt(b))))
+    }
+    #[inline(always)]
+    fn ge(&self, other: &Self) -> bool {
+        decide(Self::bits_of(self.with(*other, |a, b| a.simd_ge(b))))
+    }
 }
 
-lanes! {
-    /// `f32` in each lane.
-    F32s: 1 of f32x16, 16 of f32
-}
-lanes! {
-    /// `f64` in each lane.
-    F64s: 2 of f64x8, 8 of f64
+impl Scalar for F64s {
+    type Counter = F64s;
+    const NAME: &'static str = f64::NAME;
+    const ZERO: Self = Self::splat(0.0);
+    const ONE: Self = Self::splat(1.0);
+    #[inline]
+    fn from_f64(value: f64) -> Self {
+        let numbers = numbers(value);
+        Self::of(|lane| numbers[lane])
+    }
+    fn to_f64(self) -> f64 {
+        f64::from_bits(agree(|lane| self.lanes()[lane].to_bits()))
+    }
+    #[inline(always)]
+    fn from_i32(value: i32) -> Self {
+        Self::splat(value.into())
+    }
+    fn round_to_i32(self) -> i32 {
+        agree(|lane| Scalar::round_to_i32(self.lanes()[lane]))
+    }
+    /// None: nothing that codes drive is stepped in lanes.
+    #[inline(always)]
+    fn to_code(self) -> i16 {
+        0
+    }
+    #[inline(always)]
+    fn to_counter(self) -> F64s {
+        self
+    }
+    #[inline(always)]
+    fn of_counter(counter: F64s) -> Self {
+        counter
+    }
+    #[inline(always)]
+    fn is_finite(self) -> bool {
+        let limit = f64x8::splat(f64::INFINITY);
+        decide(Self::bits_of(self.each(|a| a.abs().simd_lt(limit))))
+    }
+    /// Of the lane that is shown.
+    fn bits(self) -> u64 {
+        Scalar::bits(self.lanes()[SHOWN.get()])
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self::choose(self.each(|a| a.simd_gt(f64x8::ZERO)), self.each(|a| a.sqrt()), Self::ZERO)
+    }
+    fn sin_cos(self) -> (Self, Self) {
+        let both = self.lanes().map(Scalar::sin_cos);
+        (Self::of(|lane| both[lane].0), Self::of(|lane| both[lane].1))
+    }
+    fn sin_cos_fast(self) -> (Self, Self) {
+        let both = self.lanes().map(Scalar::sin_cos_fast);
+        (Self::of(|lane| both[lane].0), Self::of(|lane| both[lane].1))
+    }
+    #[inline(always)]
+    fn ratio(self, divisor: Self) -> Self {
+        let nothing = divisor.each(|b| b.simd_eq(f64x8::ZERO));
+        Self::choose(nothing, Self::ZERO, self.with(divisor, |a, b| a / b))
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        self.each(|a| a.abs())
+    }
+    #[inline(always)]
+    fn limit(self, bound: Self) -> Self {
+        let low = Self::choose(self.with(bound, |a, b| a.simd_lt(-b)), -bound, Self::ZERO);
+        let high = Self::choose(self.with(bound, |a, b| a.simd_gt(b)), bound, low);
+        Self::choose(self.with(bound, |a, b| a.abs().simd_le(b)), self, high)
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        Self::choose(self.with(other, |a, b| a.simd_gt(b)), self, other)
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        Self::choose(self.with(other, |a, b| a.simd_lt(b)), self, other)
+    }
 }
 
 impl F64s {
+    /// [`Scalar::bits`] of each lane's number.
+    #[inline(always)]
+    pub(super) fn each_bits(self) -> [u64; LANES] {
+        self.lanes().map(f64::to_bits)
+    }
+    /// One number in these lanes, the other in the rest.
+    #[inline(always)]
+    pub(super) fn chosen(lanes: u32, yes: Self, no: Self) -> Self {
+        let (yes, no) = (yes.lanes(), no.lanes());
+        Self::of(|lane| if lanes >> lane & 1 == 1 { yes[lane] } else { no[lane] })
+    }
     /// The number of one lane.
     pub(crate) fn lane(self, lane: usize) -> f64 {
         self.lanes()[lane]

@@ -11,7 +11,7 @@ use haptic_core::settings::Refused;
 use super::device::Plants;
 use super::kinds::is_one_network;
 use super::mailbox::LaneMailbox;
-use super::number::{LANES, Lanes, leave, nobody_left, played, recorded, show};
+use super::number::{F64s, LANES, leave, nobody_left, played, recorded, show};
 use crate::AXES;
 use crate::network::link::Route;
 use crate::pair::{HASH_SEED, Pair, PeerTick, Side};
@@ -19,14 +19,17 @@ use crate::peers::{Builds, DynPeer, mixed};
 use crate::{plant::Plant, scene::Scene};
 
 /// Pairs of peers side by side, one pair in each lane.
-pub struct Pairs<S: Lanes, const SHARED: usize = 1, const N: usize = AXES> {
-    pair: Pair<S, Plants<N>, SHARED, N, LaneMailbox<S, SHARED>>,
+pub struct Pairs<const SHARED: usize = 1, const N: usize = AXES> {
+    pair: Pair<F64s, Plants<N>, SHARED, N, LaneMailbox<SHARED>>,
     hashes: [u64; LANES],
     /// The numbers of a peer's state, while they are hashed.
-    state: Vec<S>,
+    state: Vec<F64s>,
 }
 
-impl<S: Lanes + Builds<SHARED, N>, const SHARED: usize, const N: usize> Pairs<S, SHARED, N> {
+impl<const SHARED: usize, const N: usize> Pairs<SHARED, N>
+where
+    F64s: Builds<SHARED, N>,
+{
     /// Pairs for these scenes of one kind, at most [`LANES`], all peers armed and at rest. [`super::number::lanes_left`] says
     /// which lanes have left, for one group of lanes a thread at a time. Lanes without a scene do what the last one does.
     ///
@@ -63,7 +66,7 @@ impl<S: Lanes + Builds<SHARED, N>, const SHARED: usize, const N: usize> Pairs<S,
     }
 }
 
-impl<S: Lanes, const SHARED: usize, const N: usize> Pairs<S, SHARED, N> {
+impl<const SHARED: usize, const N: usize> Pairs<SHARED, N> {
     /// [`Pair::packets_per_s`]; those that are there agree on it.
     pub(super) fn packets_per_s(&self) -> f64 {
         self.pair.packets_per_s()
@@ -71,7 +74,7 @@ impl<S: Lanes, const SHARED: usize, const N: usize> Pairs<S, SHARED, N> {
 
     /// Advances all lanes by one control period; `each` gets what every tick of either peer read and did.
     #[inline]
-    pub fn step(&mut self, each: &mut impl FnMut(PeerTick<'_, S, SHARED, N>)) {
+    pub fn step(&mut self, each: &mut impl FnMut(PeerTick<'_, F64s, SHARED, N>)) {
         self.pair.step_watched(each);
     }
 
@@ -97,12 +100,15 @@ impl<S: Lanes, const SHARED: usize, const N: usize> Pairs<S, SHARED, N> {
 }
 
 /// A peer of all lanes; whose scene's alone would be another one leaves.
-fn peer<S: Lanes + Builds<SHARED, N>, const SHARED: usize, const N: usize>(
+fn peer<const SHARED: usize, const N: usize>(
     scenes: &[&Scene; LANES],
     plants: &[Plant<N>],
     index: usize,
-) -> Result<Box<dyn DynPeer<S, SHARED, N>>, Refused<'static>> {
-    let build = |lane: usize| scenes[lane].peer_from::<S, SHARED, N>(index, plants[lane].motions());
+) -> Result<Box<dyn DynPeer<F64s, SHARED, N>>, Refused<'static>>
+where
+    F64s: Builds<SHARED, N>,
+{
+    let build = |lane: usize| scenes[lane].peer_from::<F64s, SHARED, N>(index, plants[lane].motions());
     let (mut numbers, mut alone): (Vec<Vec<f64>>, Vec<Option<u64>>) = Default::default();
     for lane in 0..LANES {
         if lane > 0 && std::ptr::eq(scenes[lane], scenes[lane - 1]) {
@@ -124,10 +130,7 @@ fn peer<S: Lanes + Builds<SHARED, N>, const SHARED: usize, const N: usize>(
 }
 
 /// A hash of everything that a peer was built with, as this lane has it; none if its law does not say.
-fn configuration<S: Lanes, const SHARED: usize, const N: usize>(
-    peer: &dyn DynPeer<S, SHARED, N>,
-    lane: usize,
-) -> Option<u64> {
+fn configuration<const SHARED: usize, const N: usize>(peer: &dyn DynPeer<F64s, SHARED, N>, lane: usize) -> Option<u64> {
     show(lane);
     let mut hash = HASH_SEED;
     peer.configuration(&mut |word| hash = mixed(hash, word)).then_some(hash)

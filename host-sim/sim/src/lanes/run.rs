@@ -3,32 +3,16 @@
 use haptic_core::settings::Refused;
 
 use super::kinds::kinds;
-use super::number::{F32s, F64s, LANES, Lanes, lanes_left};
+use super::number::{F64s, LANES, lanes_left};
 use super::pairs::Pairs;
-use crate::AXES;
 use crate::of_axes;
-use crate::peers::{Builds, Number};
-use crate::run::{Accounts, Begun, Options, Outcome, Run, Ticked, Until, run_from};
+use crate::peers::Builds;
+use crate::run::{Accounts, Begun, Options, Outcome, Ticked, Until, run_from};
 use crate::scene::Scene;
 
 /// Fewest scenes that are worth lanes: a tick of all costs as much as so many scenes' alone, whether or not each lane has one. AVX-512 has masks, which
 /// choose between numbers without a branch (docs/speed.md).
 const FEWEST: usize = if cfg!(target_feature = "avx512f") { 3 } else { 9 };
-
-/// A number type in which scenes can be run in lanes.
-pub trait InLanes: Run {
-    /// The type that holds a number for each lane.
-    type Lanes: Lanes<Alone = Self> + Number;
-    /// Whether there are lanes for a scene like this. Others run alone.
-    #[doc(hidden)]
-    fn has_lanes(scene: &Scene) -> bool;
-    /// [`run_group`] in these lanes. Compiled here, once and optimised, and not wherever it is called.
-    #[doc(hidden)]
-    fn run_group(scenes: &[&Scene], options: Options, how: How) -> Result<Vec<Outcome>, Refused<'static>>;
-    /// A scene alone.
-    #[doc(hidden)]
-    fn run_alone(scene: &Scene, options: Options, until: Until) -> Result<Outcome, Refused<'static>>;
-}
 
 /// How scenes are run.
 #[derive(Clone, Copy, Debug)]
@@ -39,84 +23,55 @@ pub struct How {
     pub until: Until,
 }
 
-impl InLanes for f64 {
-    type Lanes = F64s;
-    fn has_lanes(_: &Scene) -> bool {
-        true
-    }
-    fn run_group(scenes: &[&Scene], options: Options, how: How) -> Result<Vec<Outcome>, Refused<'static>> {
-        of_axes!(scenes[0], run_group::<F64s>(scenes, options, how))
-    }
-    fn run_alone(scene: &Scene, options: Options, until: Until) -> Result<Outcome, Refused<'static>> {
-        of_axes!(scene, run_alone::<Self>(scene, options, until))
-    }
-}
-
-/// No command has f32 in lanes. A program that does compiles them, for core's laws along one axis.
-impl InLanes for f32 {
-    type Lanes = F32s;
-    fn has_lanes(scene: &Scene) -> bool {
-        scene.peer.axis.shared == 1 && !scene.has_outside_law()
-    }
-    #[inline]
-    fn run_group(scenes: &[&Scene], options: Options, how: How) -> Result<Vec<Outcome>, Refused<'static>> {
-        run_group::<F32s, 1, AXES>(scenes, options, how)
-    }
-    fn run_alone(scene: &Scene, options: Options, until: Until) -> Result<Outcome, Refused<'static>> {
-        of_axes!(scene, run_alone::<Self>(scene, options, until))
-    }
-}
-
 /// Runs all scenes for `duration_s` (s); gives, to the last bit, what [`crate::run::run`] does for each; nothing is recorded.
 ///
 /// # Errors
 /// The first key of the first refused scene that is out of range or impossible beside the others.
-pub fn run<S: InLanes>(scenes: &[Scene], duration_s: f64) -> Result<Vec<Outcome>, Refused<'static>> {
-    run_until::<S>(Until::TheEnd, scenes, duration_s)
+pub fn run(scenes: &[Scene], duration_s: f64) -> Result<Vec<Outcome>, Refused<'static>> {
+    run_until(Until::TheEnd, scenes, duration_s)
 }
 
 /// [`run`], of which those in which a peer stops may end there.
 ///
 /// # Errors
 /// As [`run`].
-pub fn run_until<S: InLanes>(
-    until: Until,
-    scenes: &[Scene],
-    duration_s: f64,
-) -> Result<Vec<Outcome>, Refused<'static>> {
-    run_as::<S>(How { fewest: FEWEST, until }, scenes, duration_s)
+pub fn run_until(until: Until, scenes: &[Scene], duration_s: f64) -> Result<Vec<Outcome>, Refused<'static>> {
+    run_as(How { fewest: FEWEST, until }, scenes, duration_s)
 }
 
 /// [`run_until`] that takes so many scenes of a kind, or more, for worth lanes.
 ///
 /// # Errors
 /// As [`run`].
-pub fn run_as<S: InLanes>(how: How, scenes: &[Scene], duration_s: f64) -> Result<Vec<Outcome>, Refused<'static>> {
+pub fn run_as(how: How, scenes: &[Scene], duration_s: f64) -> Result<Vec<Outcome>, Refused<'static>> {
     let options = Options { duration_s, record_every: 0 };
     let (groups, mut alone) = kinds(scenes);
     let mut outcomes: Vec<Option<Outcome>> = scenes.iter().map(|_| None).collect();
     for group in groups {
-        if group.len() < how.fewest || !S::has_lanes(&scenes[group[0]]) {
+        if group.len() < how.fewest {
             alone.extend(group);
             continue;
         }
         let members: Vec<&Scene> = group.iter().map(|at| &scenes[*at]).collect();
-        let together = S::run_group(&members, options, how)?;
+        let together = of_axes!(members[0], run_group(&members, options, how))?;
         group.into_iter().zip(together).for_each(|(at, outcome)| outcomes[at] = Some(outcome));
     }
     for at in alone {
-        outcomes[at] = Some(S::run_alone(&scenes[at], options, how.until)?);
+        outcomes[at] = Some(of_axes!(scenes[at], run_alone(&scenes[at], options, how.until))?);
     }
     Ok(outcomes.into_iter().flatten().collect())
 }
 
-fn run_alone<S: Run + Builds<SHARED, N>, const SHARED: usize, const N: usize>(
+fn run_alone<const SHARED: usize, const N: usize>(
     scene: &Scene,
     options: Options,
     until: Until,
-) -> Result<Outcome, Refused<'static>> {
+) -> Result<Outcome, Refused<'static>>
+where
+    f64: Builds<SHARED, N>,
+{
     let begun = Begun::at_the_start(scene, options);
-    run_from::<S, SHARED, N>(scene, begun, (options.ticks(scene), until), &|_| true, None)
+    run_from::<f64, SHARED, N>(scene, begun, (options.ticks(scene), until), &|_| true, None)
 }
 
 /// Lanes that have left, and what was known of each until then.
@@ -147,13 +102,17 @@ impl<const SHARED: usize> Leavers<SHARED> {
 }
 
 /// One group side by side. Those that leave are run alone, and accounted for from where they left.
-fn run_group<S: Lanes<Alone: Run + Builds<SHARED, N>> + Builds<SHARED, N>, const SHARED: usize, const N: usize>(
+fn run_group<const SHARED: usize, const N: usize>(
     scenes: &[&Scene],
     options: Options,
     how: How,
-) -> Result<Vec<Outcome>, Refused<'static>> {
+) -> Result<Vec<Outcome>, Refused<'static>>
+where
+    f64: Builds<SHARED, N>,
+    F64s: Builds<SHARED, N>,
+{
     let ticks = options.ticks(scenes[0]);
-    let mut pairs = Pairs::<S, SHARED, N>::new(scenes)?;
+    let mut pairs = Pairs::<SHARED, N>::new(scenes)?;
     let of = |number: fn(&Scene) -> f64| F64s::of(|lane| number(scenes[lane.min(scenes.len() - 1)]));
     let mut account = Accounts::<SHARED, F64s>::of_each(scenes[0], ticks, options, of);
     let some = (1_u32 << scenes.len()) - 1;
@@ -198,7 +157,7 @@ fn run_group<S: Lanes<Alone: Run + Builds<SHARED, N>> + Builds<SHARED, N>, const
             return Ok(Outcome { hash: hashes[lane], packets_per_s, ..outcome });
         }
         let begun = leavers.known[lane].take().unwrap_or_else(|| Begun::at_the_start(scene, options));
-        run_from::<S::Alone, SHARED, N>(scene, begun, (ticks, how.until), &|_| true, None)
+        run_from::<f64, SHARED, N>(scene, begun, (ticks, how.until), &|_| true, None)
     };
     scenes.iter().enumerate().map(&mut outcome).collect()
 }

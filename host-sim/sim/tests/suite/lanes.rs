@@ -1,7 +1,7 @@
 //! Lanes against the scalar peer: the same bits, whatever the scene, and whoever leaves.
 
-use haptic_sim::lanes::number::{F64s, LANES, lanes_left};
-use haptic_sim::lanes::{self, How, InLanes, Pairs};
+use haptic_sim::lanes::number::{LANES, lanes_left};
+use haptic_sim::lanes::{self, How, Pairs};
 use haptic_sim::rng::Rng;
 use haptic_sim::run::{Options, Outcome, Reason, Until, run};
 use haptic_sim::{Laws, Scene, scenes};
@@ -74,28 +74,27 @@ fn printed(outcome: &Outcome) -> String {
 }
 
 /// From 3 of a kind on, whatever pays on this processor.
-fn side_by_side<S: InLanes>(until: Until, scenes: &[Scene], duration_s: f64) -> Vec<Outcome> {
-    let outcomes = lanes::run_as::<S>(How { fewest: 3, until }, scenes, duration_s).unwrap();
+fn side_by_side(until: Until, scenes: &[Scene], duration_s: f64) -> Vec<Outcome> {
+    let outcomes = lanes::run_as(How { fewest: 3, until }, scenes, duration_s).unwrap();
     assert_eq!(outcomes.len(), scenes.len());
     outcomes
 }
 
-fn same<S: InLanes>(scenes: &[Scene]) {
-    same_for::<S>(scenes, SECONDS);
+fn same(scenes: &[Scene]) {
+    same_for(scenes, SECONDS);
 }
 
-fn same_for<S: InLanes>(scenes: &[Scene], duration_s: f64) {
-    for (scene, outcome) in scenes.iter().zip(side_by_side::<S>(Until::TheEnd, scenes, duration_s)) {
-        let alone = run::<S>(scene, Options { duration_s, record_every: 0 }, &|_| {}).unwrap();
-        assert_eq!(printed(&outcome), printed(&alone), "{} {:?}", S::NAME, scene.settings());
+fn same_for(scenes: &[Scene], duration_s: f64) {
+    for (scene, outcome) in scenes.iter().zip(side_by_side(Until::TheEnd, scenes, duration_s)) {
+        let alone = run::<f64>(scene, Options { duration_s, record_every: 0 }, &|_| {}).unwrap();
+        assert_eq!(printed(&outcome), printed(&alone), "{:?}", scene.settings());
     }
 }
 
 #[test]
 fn random_scenes_have_the_bits_that_they_have_alone() {
     let scenes = random_scenes(&mut Rng::new(1));
-    same::<f32>(&scenes);
-    same::<f64>(&scenes);
+    same(&scenes);
 }
 
 /// The same of two and of three shared axes, with users who push anywhere.
@@ -114,7 +113,7 @@ fn random_scenes_of_several_axes_have_the_bits_that_they_have_alone() {
         }
         scene.check("random").unwrap_or_else(|error| panic!("{error}"));
     }
-    same::<f64>(&scenes);
+    same(&scenes);
 }
 
 /// Scenes that differ in their gain alone.
@@ -131,7 +130,7 @@ fn gains(name: &str, least: f64, most: f64) -> Vec<Scene> {
 #[test]
 fn scenes_that_differ_in_gains_stay_in_their_lanes_and_a_fault_takes_only_its_own_out() {
     let left = |scenes: &[Scene]| {
-        let mut pairs = Pairs::<F64s>::new(&scenes.iter().collect::<Vec<_>>()).unwrap();
+        let mut pairs = Pairs::<1>::new(&scenes.iter().collect::<Vec<_>>()).unwrap();
         (0..20_000).for_each(|_| pairs.step(&mut |_| ()));
         lanes_left()
     };
@@ -139,7 +138,7 @@ fn scenes_that_differ_in_gains_stay_in_their_lanes_and_a_fault_takes_only_its_ow
     // The paper's own: unstable in a pocket about 5000 N/m, where forces grow until the guard sees them.
     let pocket = left(&gains("paper-5.1-passive-wave-16ms", 2124.0, 8496.0));
     assert!(pocket != 0 && pocket.count_ones() < 8, "{pocket:b}");
-    same::<f64>(&gains("paper-5.1-passive-wave-16ms", 2124.0, 8496.0));
+    same(&gains("paper-5.1-passive-wave-16ms", 2124.0, 8496.0));
 }
 
 /// Limits, then faults take lanes out at ticks of their own, each of either peer: what was accounted until then is each one's own, and what
@@ -148,9 +147,8 @@ fn scenes_that_differ_in_gains_stay_in_their_lanes_and_a_fault_takes_only_its_ow
 fn lanes_that_leave_one_after_another_have_the_figures_and_hashes_that_they_have_alone() {
     let scenes = gains("paper-5.2-wave-16ms", 3400.0, 5000.0);
     let seconds = 4.0;
-    same_for::<f32>(&scenes, seconds);
-    same_for::<f64>(&scenes, seconds);
-    let mut pairs = Pairs::<F64s>::new(&scenes.iter().collect::<Vec<_>>()).unwrap();
+    same_for(&scenes, seconds);
+    let mut pairs = Pairs::<1>::new(&scenes.iter().collect::<Vec<_>>()).unwrap();
     let mut times = std::collections::BTreeSet::new();
     for tick in 0..4000 {
         let before = lanes_left();
@@ -164,9 +162,9 @@ fn lanes_that_leave_one_after_another_have_the_figures_and_hashes_that_they_have
 #[test]
 fn a_run_that_ends_where_a_peer_stops_has_the_verdict_of_the_whole_one() {
     let scenes = gains("paper-5.2-wave-16ms", 1000.0, 10_000.0);
-    let whole = lanes::run::<f64>(&scenes, 4.0).unwrap();
+    let whole = lanes::run(&scenes, 4.0).unwrap();
     let mut stopped = 0;
-    for (whole, ended) in whole.iter().zip(side_by_side::<f64>(Until::Stopped, &scenes, 4.0)) {
+    for (whole, ended) in whole.iter().zip(side_by_side(Until::Stopped, &scenes, 4.0)) {
         assert_eq!((whole.reason, whole.fault_time_s), (ended.reason, ended.fault_time_s));
         if let Some(Reason::Stopped { time_s, .. }) = ended.reason {
             stopped += 1;
@@ -208,17 +206,16 @@ fn lanes_whose_packets_are_lost_and_late_at_other_times_have_the_bits_that_they_
         let law = format!("coordination.comm={law}");
         for network in networks {
             let scenes = gains_and_seeds(&[&[law.as_str()], network].concat());
-            let mut pairs = Pairs::<F64s>::new(&scenes.iter().collect::<Vec<_>>()).unwrap();
+            let mut pairs = Pairs::<1>::new(&scenes.iter().collect::<Vec<_>>()).unwrap();
             (0..1000).for_each(|_| pairs.step(&mut |_| ()));
             // Jumps of what is late may reach a limit.
             assert!(lanes_left().count_ones() <= 2, "{law} {network:?}");
             let mut hashes: Vec<u64> =
-                lanes::run::<f64>(&scenes, SECONDS).unwrap().iter().map(|outcome| outcome.hash).collect();
+                lanes::run(&scenes, SECONDS).unwrap().iter().map(|outcome| outcome.hash).collect();
             hashes.sort_unstable();
             hashes.dedup();
             assert_eq!(hashes.len(), LANES, "{law} {network:?}");
-            same::<f32>(&scenes);
-            same::<f64>(&scenes);
+            same(&scenes);
         }
     }
 }
@@ -227,18 +224,18 @@ fn lanes_whose_packets_are_lost_and_late_at_other_times_have_the_bits_that_they_
 #[test]
 fn a_lane_that_is_let_go_of_leaves() {
     let scenes = gains_and_seeds(&["network.loss=0.35", "safety.fade_s=0.0", "safety.disengage_s=0.04"]);
-    let mut pairs = Pairs::<F64s>::new(&scenes.iter().collect::<Vec<_>>()).unwrap();
+    let mut pairs = Pairs::<1>::new(&scenes.iter().collect::<Vec<_>>()).unwrap();
     (0..300).for_each(|_| pairs.step(&mut |_| ()));
     let left = lanes_left().count_ones();
     assert!(left > 0 && left < LANES as u32, "{left}");
-    same::<f64>(&scenes);
+    same(&scenes);
 }
 
 #[test]
 fn what_draws_nothing_is_the_same_with_every_seed() {
     let quiet = gains_and_seeds(&["network.extra_delay_s=0.003"]);
     assert!(quiet.iter().all(|scene| !scene.draws()));
-    let outcomes = lanes::run::<f64>(&quiet[..4], SECONDS).unwrap();
+    let outcomes = lanes::run(&quiet[..4], SECONDS).unwrap();
     assert!(outcomes.iter().all(|outcome| printed(outcome) == printed(&outcomes[0])));
     for random in ["network.loss=0.1", "network.jitter=uniform", "network.like=starlink", "network.corrupt=0.1"] {
         assert!(gains_and_seeds(&[random])[0].draws(), "{random}");
@@ -255,8 +252,7 @@ fn laws_with_energy_tanks_have_the_bits_that_they_have_alone() {
                 scene.apply_override(setting).expect("a good override");
             }
         }
-        same::<f32>(&scenes);
-        same::<f64>(&scenes);
+        same(&scenes);
     }
 }
 
@@ -266,9 +262,9 @@ fn a_scene_that_is_built_otherwise_than_its_lanes_leaves_them_at_once() {
     // Play is another surface, the guard counts another number of ticks, and lanes do not have a whole number each.
     scenes[3].peer.contact.gap_m = 1e-3;
     scenes[5].peer.safety.saturated_ticks = 7;
-    Pairs::<F64s>::new(&scenes.iter().collect::<Vec<_>>()).unwrap();
+    Pairs::<1>::new(&scenes.iter().collect::<Vec<_>>()).unwrap();
     assert_eq!(lanes_left(), 1 << 3 | 1 << 5);
-    same::<f64>(&scenes);
+    same(&scenes);
 }
 
 /// A law from outside that keeps a whole number, and whose text says nothing; what it is it hands over, or not.
@@ -340,11 +336,10 @@ fn stepped<const SAYS: bool>() -> u32 {
         scene
     };
     let scenes: Vec<Scene> = (0..LANES).map(of).collect();
-    same::<f32>(&scenes);
-    same::<f64>(&scenes);
-    let [one, two] = [0, 1].map(|lane| lanes::run::<f64>(&scenes[lane..=lane], SECONDS).unwrap()[0].hash);
+    same(&scenes);
+    let [one, two] = [0, 1].map(|lane| lanes::run(&scenes[lane..=lane], SECONDS).unwrap()[0].hash);
     assert_ne!(one, two);
-    Pairs::<F64s>::new(&scenes.iter().collect::<Vec<_>>()).unwrap();
+    Pairs::<1>::new(&scenes.iter().collect::<Vec<_>>()).unwrap();
     lanes_left()
 }
 

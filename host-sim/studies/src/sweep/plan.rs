@@ -192,7 +192,7 @@ fn run_beside(plan: &(impl Plan + ?Sized), todo: &[Lacking], lanes: usize, keep:
     runs.sort_by_key(|run| run.scenes[0].world.network.seed);
     let beside = |runs: &[Same<'_>]| {
         let scenes: Vec<Scene> = runs.iter().map(|run| run.scenes[0].clone()).collect();
-        let outcomes = lanes::run_until::<f64>(plan.until(), &scenes, plan.seconds())?;
+        let outcomes = lanes::run_until(plan.until(), &scenes, plan.seconds())?;
         let new: Vec<Row> = runs.iter().zip(&outcomes).flat_map(|(run, outcome)| run.rows(outcome)).collect();
         keep(&new)?;
         Ok(new)
