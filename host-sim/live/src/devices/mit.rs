@@ -15,11 +15,10 @@ use haptic_core::settings::Settings;
 use haptic_sim::device::{DeviceFault, Gone};
 use moteus_protocol::CanFdFrame;
 
+use super::DeviceOptions;
 use super::can::{self, Bus};
-use super::mechanism::Mechanism;
-use super::motors::{Motors, Protocol, Told};
+use super::motors::{self, Protocol, Ready, Told};
 use super::threaded::Threaded;
-use super::{Abilities, DeviceOptions};
 use crate::Error;
 
 /// What a Damiao answers is sent to its own identifier and this, as OpenArm's are set up.
@@ -239,10 +238,8 @@ fn register(bus: &mut dyn Bus, id: u8, register: u8) -> Result<Option<[u8; 4]>, 
 fn checked(bus: &mut dyn Bus, model: &Model, ids: &[u8]) -> Result<Option<f64>, Error> {
     let mut longest_s: Option<f64> = Some(0.0);
     for id in ids {
-        let silent =
-            || Error::from(format!("motor {id} does not answer: look at its id, its supply and the ends of the bus"));
         for (which, wanted) in ENDS.iter().zip(model.ends) {
-            let end = f32::from_le_bytes(register(bus, *id, *which)?.ok_or_else(silent)?);
+            let end = f32::from_le_bytes(register(bus, *id, *which)?.ok_or_else(|| motors::silent(*id))?);
             if (f64::from(end) / wanted - 1.0).abs() > 1e-3 {
                 return Err(format!(
                     "motor {id} is no {}, or set up differently: its register {which} is {end}, and has to be {wanted}",
@@ -251,7 +248,7 @@ fn checked(bus: &mut dyn Bus, model: &Model, ids: &[u8]) -> Result<Option<f64>, 
                 .into());
             }
         }
-        let units = u32::from_le_bytes(register(bus, *id, TIMEOUT)?.ok_or_else(silent)?);
+        let units = u32::from_le_bytes(register(bus, *id, TIMEOUT)?.ok_or_else(|| motors::silent(*id))?);
         longest_s = longest_s.filter(|_| units > 0).map(|longest_s| longest_s.max(TIMEOUT_S * f64::from(units)));
     }
     Ok(longest_s)
@@ -262,35 +259,14 @@ fn checked(bus: &mut dyn Bus, model: &Model, ids: &[u8]) -> Result<Option<f64>, 
 /// # Errors
 /// One does not answer, or has other ranges than its model; or they do not fit the mechanism.
 pub(super) fn open(at: &str, options: &DeviceOptions, settings: &Settings) -> Result<Threaded, Error> {
-    let failed = |cause: &dyn std::fmt::Display| Error::from(format!("MIT motors at {at}: {cause}"));
-    let model = options.model.ok_or_else(|| failed(&"their type is not said: --device-model"))?;
-    let most_nm = options
-        .max_torque_nm
-        .ok_or_else(|| failed(&"the largest torque of a motor is not said: --device-max-torque-nm"))?;
-    let (ids, signs): (Vec<u8>, Vec<f64>) = options.motors.iter().copied().unzip();
-    let mechanism = Mechanism::build(settings, ids.len()).map_err(|cause| failed(&cause))?;
-    let mut bus = can::open(at).map_err(|cause| failed(&cause))?;
-    let lets_go_s = match model.is_damiao {
-        true => checked(&mut *bus, &model, &ids).map_err(|cause| failed(&cause))?,
-        false => options.lets_go_s,
-    };
-    let name = format!("{} {} at {at}", model.name, ids.iter().map(u8::to_string).collect::<Vec<_>>().join(", "));
-    let axes = ids.len();
-    let off = vec![false; axes];
-    let protocol = Mit { model, ids, enabled: off.clone(), confirmed: off.clone(), faulty: off };
-    let mut motors = Motors::new(bus, protocol, mechanism, signs, most_nm.min(model.ends[2]));
-    let pose = motors.first().map_err(|cause| failed(&cause))?;
-    let abilities = Abilities {
-        name,
-        axes,
-        workspace_m: None,
-        max_force_n: Some(motors.weakest_n(&pose)),
-        // No motor of these says so.
-        is_homed: options.is_homed,
-        buttons: 0,
-        lets_go_s,
-    };
-    Threaded::start(abilities, Duration::from_secs_f64(options.silent_s), motors)
+    motors::open("MIT motors", (at, options, settings), |bus, ids, most_nm| {
+        let model = options.model.ok_or("their type is not said: --device-model")?;
+        let lets_go_s = if model.is_damiao { checked(bus, &model, &ids)? } else { options.lets_go_s };
+        let off = vec![false; ids.len()];
+        let protocol = Mit { model, ids, enabled: off.clone(), confirmed: off.clone(), faulty: off };
+        // No motor of these says that it has a home.
+        Ok(Ready { protocol, name: model.name, is_homed: false, lets_go_s, most_nm: most_nm.min(model.ends[2]) })
+    })
 }
 
 #[cfg(test)]

@@ -19,11 +19,10 @@ use moteus_protocol::diagnostic::{parse_server_to_client, write_client_poll, wri
 use moteus_protocol::query::{QueryFormat, QueryResult};
 use moteus_protocol::{CanFdFrame, HomeState, Mode, Resolution, calculate_arbitration_id, parse_arbitration_id};
 
+use super::DeviceOptions;
 use super::can::{self, Bus};
-use super::mechanism::Mechanism;
-use super::motors::{Motors, Protocol, Told};
+use super::motors::{self, Protocol, Ready, Told};
 use super::threaded::Threaded;
-use super::{Abilities, DeviceOptions};
 use crate::Error;
 
 /// Until when a motor stops after the last frame, s, where nobody says: what a PC without real-time priority keeps.
@@ -195,56 +194,37 @@ pub fn found(at: &str, ids: impl IntoIterator<Item = u8>) -> Result<Vec<(u8, f64
 /// # Errors
 /// One does not answer, would hold its position after its watchdog, or has no home; or they do not fit the mechanism.
 pub(super) fn open(at: &str, options: &DeviceOptions, settings: &Settings) -> Result<Threaded, Error> {
-    let failed = |cause: &dyn std::fmt::Display| Error::from(format!("moteus at {at}: {cause}"));
-    let most_nm = options
-        .max_torque_nm
-        .ok_or_else(|| failed(&"the largest torque of a motor is not said: --device-max-torque-nm"))?;
-    let (ids, signs): (Vec<u8>, Vec<f64>) = options.motors.iter().copied().unzip();
-    let mechanism = Mechanism::build(settings, ids.len()).map_err(|cause| failed(&cause))?;
-    let mut bus = can::open(at).map_err(|cause| failed(&cause))?;
-    let mut homed = true;
-    for id in &ids {
-        let motor = Moteus { ids: vec![*id], watchdog_s: WATCHDOG_S, most_nm: 0.0 };
-        let mut asks = motor.to(0);
-        let mut query = QueryFormat::default();
-        query.home_state = Resolution::Int8;
-        query.serialize(&mut asks);
-        bus.send(&[asks]).map_err(|cause| failed(&cause))?;
-        let told = answer(&mut *bus, *id, Instant::now() + PATIENCE).map_err(|cause| failed(&cause))?;
-        let told = told.ok_or_else(|| {
-            failed(&format!("motor {id} does not answer: look at its id, its supply and the ends of the bus"))
-        })?;
-        homed &= QueryResult::parse(&told).home_state == HomeState::Output;
-        let then = setting(&mut *bus, *id, "servo.timeout_mode").map_err(|cause| failed(&cause))?;
-        match then.as_deref() {
-            Some(mode) if HARMLESS.contains(&mode) => {}
-            Some(mode) => {
-                return Err(failed(&format!(
-                    "motor {id} does not let go after its watchdog: servo.timeout_mode is {mode}, and has to be 0, 12 or 15"
-                )));
-            }
-            None => {
-                return Err(failed(&format!(
-                    "motor {id} does not say what it does after its watchdog (servo.timeout_mode): it is not armed"
-                )));
+    motors::open("moteus", (at, options, settings), |bus, ids, most_nm| {
+        let mut is_homed = true;
+        for id in &ids {
+            let motor = Moteus { ids: vec![*id], watchdog_s: WATCHDOG_S, most_nm: 0.0 };
+            let mut asks = motor.to(0);
+            let mut query = QueryFormat::default();
+            query.home_state = Resolution::Int8;
+            query.serialize(&mut asks);
+            bus.send(&[asks]).map_err(|cause| cause.to_string())?;
+            let told = answer(bus, *id, Instant::now() + PATIENCE)?.ok_or_else(|| motors::silent(*id))?;
+            is_homed &= QueryResult::parse(&told).home_state == HomeState::Output;
+            match setting(bus, *id, "servo.timeout_mode")?.as_deref() {
+                Some(mode) if HARMLESS.contains(&mode) => {}
+                Some(mode) => {
+                    return Err(format!(
+                        "motor {id} does not let go after its watchdog: servo.timeout_mode is {mode}, and has to be 0, 12 or 15"
+                    )
+                    .into());
+                }
+                None => {
+                    return Err(format!(
+                        "motor {id} does not say what it does after its watchdog (servo.timeout_mode): it is not armed"
+                    )
+                    .into());
+                }
             }
         }
-    }
-    let watchdog_s = options.lets_go_s.unwrap_or(WATCHDOG_S);
-    let name = format!("moteus {} at {at}", ids.iter().map(u8::to_string).collect::<Vec<_>>().join(", "));
-    let axes = ids.len();
-    let mut motors = Motors::new(bus, Moteus { ids, watchdog_s, most_nm }, mechanism, signs, most_nm);
-    let pose = motors.first().map_err(|cause| failed(&cause))?;
-    let abilities = Abilities {
-        name,
-        axes,
-        workspace_m: None,
-        max_force_n: Some(motors.weakest_n(&pose)),
-        is_homed: homed || options.is_homed,
-        buttons: 0,
-        lets_go_s: Some(watchdog_s),
-    };
-    Threaded::start(abilities, Duration::from_secs_f64(options.silent_s), motors)
+        let watchdog_s = options.lets_go_s.unwrap_or(WATCHDOG_S);
+        let protocol = Moteus { ids, watchdog_s, most_nm };
+        Ok(Ready { protocol, name: "moteus", is_homed, lets_go_s: Some(watchdog_s), most_nm })
+    })
 }
 
 #[cfg(test)]

@@ -9,13 +9,14 @@
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
+use haptic_core::settings::Settings;
 use haptic_sim::device::{DeviceFault, Gone};
 use moteus_protocol::CanFdFrame;
 
-use super::can::Bus;
+use super::can::{self, Bus};
 use super::mechanism::{Mechanism, Pose};
-use super::threaded::{Acts, Desk, Line, stopped};
-use super::{AXES, Health, Sensed};
+use super::threaded::{Acts, Desk, Line, Threaded, stopped};
+use super::{AXES, Abilities, DeviceOptions, Health, Sensed};
 use crate::Error;
 
 /// Longest wait for answers before the orders are looked at again.
@@ -47,6 +48,56 @@ pub(super) trait Protocol: Send + 'static {
 
     /// Which motor an answer is of, what it says, and why that motor must not be driven, if so.
     fn hear(&mut self, frame: &CanFdFrame) -> Option<(usize, Told, Option<Gone>)>;
+}
+
+/// Motors that were looked at and are fit.
+pub(super) struct Ready<P> {
+    pub(super) protocol: P,
+    /// Of their kind.
+    pub(super) name: &'static str,
+    pub(super) is_homed: bool,
+    /// How long they go on after the last frame, s; none if that is not known, or for ever.
+    pub(super) lets_go_s: Option<f64>,
+    pub(super) most_nm: f64,
+}
+
+/// What is wrong where nothing comes from a motor.
+pub(super) fn silent(id: impl std::fmt::Display) -> String {
+    format!("motor {id} does not answer: look at its id, its supply and the ends of the bus")
+}
+
+/// The motors at this place, which drive the mechanism of these settings, once they are made ready on their bus, by their identifiers and
+/// the largest torque, N·m.
+///
+/// # Errors
+/// One does not answer, or is not fit; or they do not fit the mechanism.
+pub(super) fn open<P: Protocol>(
+    kind: &str,
+    (at, options, settings): (&str, &DeviceOptions, &Settings),
+    ready: impl FnOnce(&mut dyn Bus, Vec<u8>, f64) -> Result<Ready<P>, Error>,
+) -> Result<Threaded, Error> {
+    let open = || {
+        let most_nm =
+            options.max_torque_nm.ok_or("the largest torque of a motor is not said: --device-max-torque-nm")?;
+        let (ids, signs): (Vec<u8>, Vec<f64>) = options.motors.iter().copied().unzip();
+        let (axes, list) = (ids.len(), ids.iter().map(u8::to_string).collect::<Vec<_>>().join(", "));
+        let mechanism = Mechanism::build(settings, axes)?;
+        let mut bus = can::open(at)?;
+        let ready = ready(&mut *bus, ids, most_nm)?;
+        let mut motors = Motors::new(bus, ready.protocol, mechanism, signs, ready.most_nm);
+        let pose = motors.first()?;
+        let abilities = Abilities {
+            name: format!("{} {list} at {at}", ready.name),
+            axes,
+            workspace_m: None,
+            max_force_n: Some(motors.weakest_n(&pose)),
+            is_homed: ready.is_homed || options.is_homed,
+            buttons: 0,
+            lets_go_s: ready.lets_go_s,
+        };
+        Threaded::start(abilities, Duration::from_secs_f64(options.silent_s), motors)
+    };
+    open().map_err(|cause: Error| format!("{kind} at {at}: {cause}").into())
 }
 
 /// A motor as this end knows it.
@@ -99,11 +150,7 @@ impl<P: Protocol> Motors<P> {
             }
         }
         if let Some(at) = self.motors.iter().position(|motor| motor.newest.is_none()) {
-            let which = at + 1;
-            return Err(format!(
-                "motor {which} of the list does not answer: look at its id, its supply and the ends of the bus"
-            )
-            .into());
+            return Err(silent(format!("{} of the list", at + 1)).into());
         }
         Ok(self.sense().map_err(|gone| gone.to_string())?.0)
     }
