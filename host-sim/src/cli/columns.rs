@@ -12,7 +12,6 @@ use haptic_plot::DATA_COLUMNS;
 use haptic_report::{Column, Columns};
 use haptic_sim::network::trace;
 use haptic_sim::{run::Account, scene::Scene};
-use haptic_studies::compare::Comparison;
 use haptic_studies::entrant::Entrant;
 use haptic_studies::reproduce::{paper, published};
 use haptic_studies::study::{Over, Study, answers::Goal};
@@ -83,7 +82,6 @@ fn kinds(ui: &Ui) -> Vec<TableKind> {
     let studied = |table: fn(&Study) -> Columns| studied.as_ref().map_or(Columns::default(), table);
     const GOAL: Goal = Goal { metric: 0, bounds: Vec::new() };
     let swept = Sweep { scene, axes, sample: None, seeds: 1, seconds: 0.0 };
-    let compared = Comparison { entrants: Vec::new(), seeds: 1, seconds: 0.0 };
     let axis = |of: &str| Axis { range: Range { key: format!("{KEY} of {of}"), from: 0.0, to: 0.0 }, count: 0 };
     let map = Map { axes: [axis("x"), axis("y")], units: [""; 2], columns: Vec::new() };
     let both = Channel::new("/both/ticks", "Tick", Account::columns());
@@ -113,13 +111,6 @@ fn kinds(ui: &Ui) -> Vec<TableKind> {
             "two entrants on a network, or on all that they have in common",
             studied(|study| study.pair_columns(&[])),
         ),
-        TableKind::new(
-            "compare",
-            "compare.csv, compare.parquet",
-            "a figure of merit of a scene after the first",
-            compared.columns(&[], &[]),
-        ),
-        TableKind::new("compare-runs", "compare-runs.csv, compare-runs.parquet", "a run", compared.runs(&[])),
         TableKind::new(
             "bench",
             "gains.csv, gains.parquet of `bench`; `bench --json`, points",

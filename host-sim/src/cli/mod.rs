@@ -11,7 +11,6 @@ mod bench;
 mod board;
 mod campaign;
 mod columns;
-mod compare;
 mod cooperate;
 mod device;
 mod devices;
@@ -114,8 +113,6 @@ commands! {
         Study(study::Study),
         /// A scene over ranges of its keys and over seeds: a row a run, means with their intervals; goes on where it was stopped.
         Sweep(sweep::Sweep),
-        /// Two or more scenes or laws with the same seeds: paired differences with their intervals.
-        Compare(compare::Compare),
         /// The same task in every architecture: coherency, force, stability and bandwidth side by side, to choose by.
         Architectures(architectures::Architectures),
         /// Speed against error: every numerical choice, and what each model adds to a tick; f32 and fixed point beside f64.

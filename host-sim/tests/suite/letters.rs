@@ -124,7 +124,6 @@ fn every_figure_can_be_read_in_a_column() {
         ("stability map --x contact.stiffness_n_per_m=100..5000:8 --y coordination.stiffness_n_per_m=10..5000:8", 1),
         ("stability rendering", 1),
         ("study wave p-plus-d --over object.mass_kg=0.001..1:4:log --seconds 1 --seeds 2", 1),
-        ("compare wave p-plus-d --seconds 1 --seeds 2", 1),
         ("architectures", 1),
         ("accuracy", 8),
         ("accuracy transparency", 1),

@@ -6,7 +6,6 @@ mod bad_input;
 mod bench;
 mod columns;
 mod command_line;
-mod compare;
 mod cooperative;
 mod declared;
 mod examples;

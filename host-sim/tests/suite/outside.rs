@@ -48,7 +48,7 @@ fn a_pipe_or_a_device_is_no_file() {
             &["cooperate", "--json", "--scene", place][..],
             &["cooperate", "--json", "--set", &format!("user.1.trace={place}")],
             &["cooperate", "--json", "--set", &format!("network.trace={place}")],
-            &["compare", place, "matched-line", "--json"],
+            &["study", place, "matched-line", "--json"],
             &["sweep", "--json", "--over", "network.loss=0,0.1", "--scene", place],
             &["convert", place, "out.csv"],
             &["merge", place],

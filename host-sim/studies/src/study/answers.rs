@@ -20,8 +20,8 @@ use haptic_sim::run::Verdict;
 use super::halving::LeftOut;
 use super::{Place, Study};
 use crate::Error;
-use crate::compare::Paired;
 use crate::estimate::Estimate;
+use crate::paired::Paired;
 use crate::sweep::{METRICS, Plan, Row, estimate};
 
 /// What is asked of the points.

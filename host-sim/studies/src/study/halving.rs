@@ -24,7 +24,7 @@ use rayon::prelude::*;
 use super::Study;
 use super::answers::{Goal, Standing, choosing};
 use crate::Error;
-use crate::compare::Paired;
+use crate::paired::Paired;
 use crate::sweep::{Keep, Plan, Row, Todo, estimate, unstable_modes};
 
 /// Which runs a study does.

@@ -1,8 +1,7 @@
 //! A study: scenes or laws, over axes, over networks, with the same seeds. Which is best where, under which bounds, and how sure that is.
 //!
 //! A **point** is an entrant over a network at a point of the grid, which is that of a [`Sweep`]; the grid varies fastest, then the networks.
-//! A [`Sweep`] is a study of one entrant on its own network, a [`Comparison`](crate::compare::Comparison) one of several at one point: all
-//! three are a [`Plan`], and have the same runs, rows and journals.
+//! A [`Sweep`] is a study of one entrant on its own network: both are a [`Plan`], and have the same runs, rows and journals.
 //!
 //! | module | what |
 //! |---|---|

@@ -6,7 +6,7 @@
 
 use super::Study;
 use super::answers::{Answer, Goal, by_point, halves};
-use crate::compare::Paired;
+use crate::paired::Paired;
 use crate::sweep::Row;
 
 /// Two entrants at their best points.

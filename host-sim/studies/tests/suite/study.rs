@@ -6,7 +6,6 @@ use haptic_sim::peers::Laws;
 use haptic_sim::run::{Options, run};
 use haptic_sim::scene::Scene;
 use haptic_sim::scenes;
-use haptic_studies::compare::Comparison;
 use haptic_studies::entrant::Entrant;
 use haptic_studies::study::answers::{Bound, Counts, Goal, metric};
 use haptic_studies::study::{Over, Place, Study};
@@ -148,21 +147,16 @@ fn over_several_networks_the_seeds_are_paired() {
     assert!(found.mean == 1.5 && (found.within_95.expect("an interval") - 6.353_102).abs() < 1e-5, "{found:?}");
 }
 
-/// One scene on its own network has a sweep's rows, and scenes at one point a comparison's, to the last bit.
+/// One scene on its own network has a sweep's rows, to the last bit.
 #[test]
-fn a_sweep_and_a_comparison_are_studies() {
-    let [one, other] = ["paper-5.2-wave-16ms,network.loss=0.2", "power"].map(entrant);
+fn a_sweep_is_a_study() {
+    let one = entrant("paper-5.2-wave-16ms,network.loss=0.2");
     let axes: Vec<Axis> = vec!["coordination.stiffness_n_per_m=300..3000:3:log".parse().expect("an axis")];
     let sweep = Sweep { scene: one.scene.clone(), axes: axes.clone(), sample: None, seeds: 2, seconds: 1.0 };
-    let study = Study::new(vec![one.clone()], over(&["own"]), &axes, None, 2, 1.0).expect("a study");
+    let study = Study::new(vec![one], over(&["own"]), &axes, None, 2, 1.0).expect("a study");
     let all = |plan: &Sweep| plan.run(0..plan.points(), Vec::new(), &|_| Ok(())).expect("rows");
     let rows = study.run(0..study.points(), Vec::new(), &|_| Ok(())).expect("rows");
     assert_eq!(Row::lines(&rows).expect("lines"), Row::lines(&all(&sweep)).expect("lines"));
-    let compared = Comparison { entrants: vec![one.clone(), other.clone()], seeds: 2, seconds: 1.0 };
-    let study = Study::new(vec![one, other], over(&["own"]), &[], None, 2, 1.0).expect("a study");
-    let rows = study.run(0..2, Vec::new(), &|_| Ok(())).expect("rows");
-    let there = compared.run(0..2, Vec::new(), &|_| Ok(())).expect("rows");
-    assert_eq!(Row::lines(&rows).expect("lines"), Row::lines(&there).expect("lines"));
 }
 
 /// A point has its network's settings over its entrant's, and the key that is varied.

@@ -1,6 +1,7 @@
 //! Paired differences by hand.
 
 use super::*;
+use crate::sweep::METRICS;
 
 /// Runs with these values of the first figure of merit.
 fn runs(point: usize, values: &[f64]) -> Vec<Row> {
@@ -27,7 +28,7 @@ fn runs(point: usize, values: &[f64]) -> Vec<Row> {
 #[test]
 fn the_interval_is_that_of_the_pairs() {
     let (first, this) = (runs(0, &[1.0, 12.0, 23.0, 34.0]), runs(1, &[2.0, 12.5, 24.5, 35.0]));
-    let one = difference([&first, &this], 1, 0);
+    let one = Paired::of(&[[&first, &this]], 0);
     let found = one.difference.expect("a difference");
     assert_eq!((found.mean, one.means), (1.0, [Some(17.5), Some(18.5)]));
     let want = 3.182_446_305 * (1.0_f64 / 6.0 / 4.0).sqrt();
@@ -39,8 +40,8 @@ fn the_interval_is_that_of_the_pairs() {
 #[test]
 fn what_is_not_told_apart() {
     let (first, this) = (runs(0, &[1.0, 2.0, 3.0]), runs(1, &[2.0, 1.0, 3.5]));
-    assert_eq!(difference([&first, &this], 1, 0).differs(), Some(false));
-    let same = difference([&first, &first], 1, 0);
+    assert_eq!(Paired::of(&[[&first, &this]], 0).differs(), Some(false));
+    let same = Paired::of(&[[&first, &first]], 0);
     assert_eq!(same.difference, Some(Estimate { mean: 0.0, within_95: Some(0.0) }));
     assert_eq!(same.differs(), Some(false));
 }
@@ -49,18 +50,17 @@ fn what_is_not_told_apart() {
 #[test]
 fn nothing_random_has_no_interval() {
     let (first, this) = (runs(0, &[1.0, 1.0]), runs(1, &[1.5, 1.5]));
-    let one = difference([&first, &this], 1, 0);
+    let one = Paired::of(&[[&first, &this]], 0);
     assert_eq!(one.difference, Some(Estimate { mean: 0.5, within_95: None }));
     assert_eq!(one.differs(), Some(true));
 }
 
-/// One run that failed, of either: a reason, and no mean of the others.
+/// One run that failed, of either: no mean of the others.
 #[test]
 fn a_failed_run_is_never_averaged() {
     let (whole, failed) = (runs(0, &[1.0, 2.0, 3.0]), runs(1, &[1.0, f64::NAN, 3.0]));
     for (pair, means) in [([&whole, &failed], [Some(2.0), None]), ([&failed, &whole], [None, Some(2.0)])] {
-        let one = difference(pair.map(Vec::as_slice), 1, 0);
+        let one = Paired::of(&[pair.map(Vec::as_slice)], 0);
         assert_eq!((one.difference, one.means, one.differs()), (None, means, None));
-        assert_eq!(one.reason.as_deref(), Some("seed 2 failed"));
     }
 }
