@@ -1,8 +1,8 @@
 //! What a live command says while it runs: a line each second, and what happens in between, on a thread of its own, so that a terminal
 //! that does not take them holds up nobody.
 //!
-//! Somebody on the network who drops or delays datagrams causes notices and changes of path. A person is shown [`SHOWN`] of these lines,
-//! and how many were left out; a program that reads JSON gets all that fit in the queue.
+//! Somebody on the network who drops or delays datagrams causes notices and changes of path. A person is shown one of these lines each
+//! second, 20 at once, and how many were left out; a program that reads JSON gets all that fit in the queue.
 
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::JoinHandle;
