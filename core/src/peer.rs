@@ -24,7 +24,7 @@ use crate::device::stage_watch::{Driven, StageState, StageWatch};
 use crate::device::watch::{Still, Watch};
 use crate::device::{self, AXES, Reading};
 use crate::law::degradation::{Degradation, Engagement};
-use crate::law::{AnyLaw, Law, credit};
+use crate::law::{AnyLaw, Law, Spring, credit};
 use crate::num::{Configured, Motion, Scalar, StateVector};
 use crate::safety::{Command, Fault, Guard, Mode, Patience};
 use crate::settings::{Refused, Settings, Tables};
@@ -39,7 +39,7 @@ use crate::{
 };
 use axis::{Felt, SharedAxis, Tick};
 
-pub use axis::Observed;
+pub use axis::{Observed, STEP_N};
 
 /// What a tick reads. Positions that are not encoder counts are in the shared world's units ([`crate::device::scale`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -158,6 +158,7 @@ pub struct Peer<S: Scalar, L: Law<S>, const SHARED: usize = 1, const N: usize = 
     asked: [Duty; N],
     still: [Still; N],
     degradation: Degradation<S>,
+    spring: Spring<S>,
     stage_watch: StageWatch<S>,
     stage: StageState<S, N>,
     probing: Probing<S>,
@@ -182,7 +183,7 @@ pub struct Peer<S: Scalar, L: Law<S>, const SHARED: usize = 1, const N: usize = 
 configured!([S: Scalar] Joint<S> { velocity; encoder });
 configured!([S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Configured] Peer<S, L, SHARED, N, K> {
     shared_axes, device, period_s, home, encoder, guard, watch, envelope, hold, motor, contact, kinematics, joints,
-    ticks_per_packet, axes, law, degradation, stage_watch, clutch, fixture, oblique, at_device;
+    ticks_per_packet, axes, law, degradation, spring, stage_watch, clutch, fixture, oblique, at_device;
     forces, load, mode, until_packet, ticks, engagement, age_ticks, delayed, saturated, asked, still, stage, probing, quiet,
     fast_path, plain, slips, grips
 });
@@ -252,6 +253,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
             contact,
             law,
             degradation,
+            spring: Spring::build(settings),
             at_device: law.acts_on_device(),
             guard: Guard::build(world),
             watch: Watch::build(world),
@@ -359,16 +361,16 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         self.fast_path = self.plain && self.is_firm();
     }
 
-    /// Whether nothing has slipped.
+    /// Whether nothing has slipped, and no axis has been let go of.
     fn is_firm(&self) -> bool {
         self.shared_axes.iter().all(|axis| axis.grip.is_firm()) && self.grips.iter().all(Grip::is_firm)
     }
 
-    /// Everything is firm again where every slip is back at 0: one question for all of them.
+    /// Everything is firm again where every slip and all that is left of a force is back at 0: one question for all of them.
     fn firm_up(&mut self) {
         let grips = self.shared_axes.iter().map(|axis| &axis.grip).chain(&self.grips);
         let slipped = grips.fold(S::ZERO, |sum, grip| sum + grip.slip_m().abs());
-        if slipped == S::ZERO {
+        if self.shared_axes.iter().fold(slipped, |sum, axis| sum + axis.remnant.most.abs()) == S::ZERO {
             self.shared_axes.iter_mut().for_each(|axis| axis.grip = Grip::default());
             self.grips = [Grip::default(); N];
             self.fast_path = self.plain;
@@ -520,6 +522,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         let tick = Tick {
             law: &self.law,
             contact: &self.contact,
+            spring: &self.spring,
             guard: &self.guard,
             fixture: if PLAIN { None } else { self.fixture },
             at_device: !PLAIN && self.at_device,
@@ -697,28 +700,23 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
                 *force = self.held(at, *motion);
             }
         }
-        let mut at_limit = false;
         let mut forces = self.forces;
         for (at, (last, wanted)) in forces.iter_mut().zip(&wanted).enumerate() {
             if at < self.axes {
-                if self.guard.is_free(*wanted) {
-                    *last = *wanted;
-                } else {
-                    let (given, all) = self.limited(at, *last, *wanted);
-                    *last = given;
-                    at_limit |= all;
-                }
+                *last = if self.guard.is_free(*wanted) { *wanted } else { self.limited(at, *last, *wanted) };
             }
         }
+        // What a limit of force cuts off, the object does not get either: that may last. What a duty cuts off, it gets.
+        let mut clips = false;
         let mut duties = [Duty::OFF; N];
         for (at, (duty, joint_force)) in duties.iter_mut().zip(&pose.joint_forces(forces)).enumerate() {
             if at < self.axes {
                 let (value, clipped) = self.motor.duty(*joint_force);
                 *duty = value;
-                at_limit |= clipped;
+                clips |= clipped;
             }
         }
-        if self.saturated.spent(at_limit, self.guard.saturated_ticks) {
+        if self.saturated.spent(clips, self.guard.saturated_ticks) {
             self.trip(Fault::ForceSaturated);
             return Actuators::default();
         }
@@ -742,20 +740,19 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         Actuators { forces, duties, enable: true, open: false }
     }
 
-    /// The force (N) that an axis has after `last` where `wanted` is asked of it, and whether it is all that it may give; where the axis is
-    /// held, its line slips for what is cut.
+    /// The force (N) that an axis has after `last` where `wanted` is asked of it; where the axis is held, its line slips for what is cut.
     #[cold]
     #[inline(never)]
-    fn limited(&mut self, at: usize, last: S, wanted: S) -> (S, bool) {
-        let (given, at_limit) = (self.guard.limit(last, wanted), self.guard.is_at_limit(wanted));
+    fn limited(&mut self, at: usize, last: S, wanted: S) -> S {
+        let given = self.guard.limit(last, wanted);
         if at >= SHARED
-            && (at_limit || given != wanted)
+            && given != wanted
             && let Some(grip) = self.grips.get_mut(at)
         {
             self.fast_path = false;
             self.hold.slide(grip, given - wanted, -given);
         }
-        (given, at_limit)
+        given
     }
 
     /// The force that holds an axis which may have slipped, N.

@@ -45,7 +45,7 @@ numbered! {
         1 NonFiniteInput: "a sensor or a packet gave a value that is not a number",
         2 EncoderJump: "an encoder moved further in one tick than the device can",
         3 Overspeed: "the device moved faster than safety.max_speed_m_per_s",
-        4 ForceSaturated: "the force stood at safety.max_force_n, or a motor at motor.max_duty, for safety.saturated_ticks",
+        4 ForceSaturated: "the device gave less than the object got, a motor at motor.max_duty, for safety.saturated_ticks",
         5 PeerLost: "the other peer was silent for safety.peer_lost_s",
         6 TickOverrun: "a tick began before the last one ended",
         7 Diverged: "the object ran away, at more than four times safety.max_speed_m_per_s, or a number left its range",
@@ -190,7 +190,7 @@ pub struct Guard<S> {
     pub fastest_copy: S,
     /// Largest distance of an axis from where the encoders were first read, m.
     pub workspace: S,
-    /// Ticks that a force may stand at its limit before the peer faults, counted up while it does and down while not.
+    /// Ticks that a motor may stand at its largest duty before the peer faults, counted up while it does and down while not.
     pub saturated_ticks: u32,
     /// Packet periods of silence before a fault.
     pub silent_packets: u32,
@@ -235,12 +235,6 @@ impl<S: Scalar> Guard<S> {
     #[inline]
     pub fn reaction(&self, commanded: S, asked: S) -> S {
         -self.limit(commanded, -asked)
-    }
-
-    /// Whether a force (N) stands at the limit or was to pass it.
-    #[inline]
-    pub fn is_at_limit(&self, wanted: S) -> bool {
-        wanted.abs() >= self.max_force
     }
 }
 

@@ -207,7 +207,7 @@ crate::settings! {
 
     /// Limits of force, speed, power and silence that hold whatever the other tables say.
     safety: Safety {
-        max_force_n: f64 = 40.0, number(0.01, 200.0), "N", "Largest force on any axis.";
+        max_force_n: f64 = 40.0, number(0.01, 200.0), "N", "Largest force on any axis: what is asked beyond it neither hand nor object gets, for as long as it is asked.";
         max_slew_n_per_s: f64 = 20000.0, number(1.0, 1e6), "N/s",
             "Fastest growth of a force on any axis, away from zero; a force falls at once.";
         max_speed_m_per_s: f64 = 10.0, number(0.01, 100.0), "m/s",
@@ -220,11 +220,11 @@ crate::settings! {
             "Most power that the device may give the hand over rms_s, as a leaky root-mean-square.";
         rms_s: f64 = 1.0, number(0.01, 100.0), "s", "Time over which force and power on the hand are averaged.";
         saturated_ticks: u32 = 100, whole(1, 10000), "ticks",
-            "Ticks at the limit of force or duty, counted up while at it and down while off it, before the peer faults.";
+            "Ticks of a motor at motor.max_duty, counted up while at it and down while off it, before the peer faults.";
         fade_s: f64 = 0.024, number(0.0, 100.0), "s",
             "Silence through which the last packet stands.";
         disengage_s: f64 = 0.096, number(1e-5, 100.0), "s",
-            "Silence after which the coordination has faded out and the peer renders alone.";
+            "Silence after which the peer disengages.";
         peer_lost_s: f64 = 10.0, number(1e-5, 1000.0), "s",
             "Silence of a peer that was heard before, after which the peer faults.";
         max_delay_s: f64 = 0.25, number(0.001, 1.0), "s",
@@ -297,8 +297,8 @@ impl Settings {
             let (table, short) = key.name.split_once('.').filter(|(table, _)| Self::SHARED.contains(table))?;
             Some((table, short, Tables::get(self, key.name)?))
         });
-        let own = self.own.0.iter().flatten().filter_map(|(name, number)| {
-            name.split_once('.').map(|(table, short)| (table, short, Value::Number(*number)))
+        let own = self.own.iter().filter_map(|(key, number)| {
+            key.name.split_once('.').map(|(table, short)| (table, short, Value::Number(number)))
         });
         let several = (self.axis.shared > 1).then(|| ("axis", "shared", Value::Number(self.axis.shared.into())));
         tables.chain(own).chain(several)

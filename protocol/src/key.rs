@@ -10,8 +10,7 @@
 use core::fmt;
 
 use blake2::digest::{FixedOutput, KeyInit, Mac, Update};
-use blake2::{Blake2sMac, Blake2sMac256};
-use blake2::{digest::array::Array, digest::consts::U16};
+use blake2::{Blake2sMac, Blake2sMac256, digest::array::Array, digest::consts::U16};
 use subtle::ConstantTimeEq;
 use zeroize::Zeroize;
 

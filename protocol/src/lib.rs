@@ -62,14 +62,13 @@
 //! for tick in (0..400).step_by(8) {
 //!     let now = u64::from(tick) * 1_000;
 //!     let axes = [AxisFlow { position: 0.01, ..AxisFlow::default() }];
-//!     let flow = Flow { engaged: one.engagement() > 0.0, tick, axes, ..Flow::default() };
+//!     let flow = Flow { engaged: one.stage() == Stage::Running, tick, axes, ..Flow::default() };
 //!     let (to_two, _) = period(&mut one, now, to_one, flow);
 //!     let (said, newest) = period(&mut two, now, to_two, Flow::default());
 //!     to_one = said;
 //!     seen = newest.or(seen);
 //! }
 //! assert_eq!((one.stage(), two.stage()), (Stage::Running, Stage::Running));
-//! assert_eq!((one.engagement(), two.engagement()), (1.0, 1.0));
 //! assert_eq!(seen.map(|flow| (flow.tick, flow.axes[0].position)), Some((392, 0.01)));
 //! assert_eq!(two.take_event().map(|event| event.payload().to_vec()), Some(b"take it".to_vec()));
 //! assert_eq!(two.take_event(), None);

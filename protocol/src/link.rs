@@ -113,13 +113,13 @@ pub enum Notice {
     /// The other peer has started anew since the last session, or is here for the first time. So many events that were under
     /// way are dropped.
     NewPeer(u8),
-    /// Flow comes: begin the coordination from rest, [`Link::engagement`] rises from 0.
+    /// Flow comes: begin the coordination from rest.
     Engaged,
-    /// No flow for 3 packet periods: the engagement falls.
+    /// No flow for 3 packet periods.
     Fading,
-    /// Flow again before the engagement was lost: it rises from where it was.
+    /// Flow again before the peers were apart.
     Resumed,
-    /// The engagement is 0: no flow for 12 packet periods ([`Link::disengage_after`]), or the session has ended.
+    /// The peers are apart: no flow for 12 packet periods ([`Link::disengage_after`]), or the session has ended.
     Disengaged,
     /// The session has ended: a goodbye, silence for 12 packet periods, or the other peer has started another one.
     Lost,
@@ -402,11 +402,6 @@ impl Link {
         self.sender.under_way()
     }
 
-    /// How far the coordination may act, 0 to 1, as of the last call.
-    pub fn engagement(&self) -> f32 {
-        self.engagement.level()
-    }
-
     /// When the newest probe was sent that has been answered in this session, µs: whoever answers at an address has heard what was
     /// sent there.
     pub fn answered_us(&self) -> Option<u64> {
@@ -471,7 +466,6 @@ impl Link {
     pub fn describe(&self, now: u64, telemetry: &mut Telemetry) {
         let counts = self.counts();
         telemetry.stage = self.stage() as u8;
-        telemetry.engagement = self.engagement();
         telemetry.round_trip_us = self.clock.round_trip_us().unwrap_or(0);
         telemetry.jitter_us = self.clock.jitter_us();
         telemetry.clock_offset_us = self.clock.offset_us(now).unwrap_or(0);

@@ -13,6 +13,7 @@ from mcap_protobuf.decoder import DecoderFactory
 
 UNITS = ("_s", "_m", "_n", "_j", "_m_per_s", "_ppm")
 NO_UNIT = {"tick", "mode", "fault", "live", "session", "live_share", "missing", "stable"}
+NO_UNIT |= {f"{name}_{peer}" for name in ("mode", "fault") for peer in (1, 2)}
 
 
 def check(recording: str, table: str) -> None:
@@ -24,7 +25,18 @@ def check(recording: str, table: str) -> None:
         for schema, channel, message, row in reader.iter_decoded_messages():
             assert schema.encoding == channel.message_encoding == "protobuf", (schema.encoding, channel.message_encoding)
             rows.setdefault(channel.topic, []).append((message, row))
-    assert summary.statistics.message_count == sum(map(len, rows.values())) == int(facts["end"]["rows"])
+            if channel.topic == "/log":
+                assert schema.name == "foxglove.Log", schema.name
+    # What happened, in the fields by which Foxglove and Rerun show it.
+    log = rows.pop("/log", [])
+    start_ns = int(facts["recording"]["start_unix_ns"])
+    for message, line in log:
+        assert line.DESCRIPTOR.full_name == "foxglove.Log" and line.DESCRIPTOR.enum_types_by_name["Level"].values_by_name["ERROR"].number == 4
+        assert line.timestamp.ToNanoseconds() == message.log_time, (line.timestamp, message.log_time)
+        assert line.level in (2, 4) and line.message and line.name, line
+        assert abs(start_ns + 1e9 * line.time_s - message.log_time) < 1e3, line
+    assert log or facts["recording"]["who"] == "both peers", "a live peer has notices"
+    assert summary.statistics.message_count - len(log) == sum(map(len, rows.values())) == int(facts["end"]["rows"])
     assert summary.statistics.chunk_count == len(summary.chunk_indexes) > 0 and facts["end"]["lost"] == "0"
     assert "made" in tomllib.loads(facts["recording"]["scene"]) and facts["recording"]["version"]
     for channel in summary.channels.values():

@@ -1,9 +1,10 @@
-//! The step `homes`: two homes behind routers in network namespaces of this machine, with `host-sim` as it is built for tests.
+//! The step `homes`: two homes behind routers in network namespaces of this machine, with `host-sim` as it is built for tests; and the recipes of
+//! docs/networks.md, with the programs that they name.
 
 use crate::run::{self, Failure, command};
 use crate::{page, setup, test};
 
-/// Why it cannot be tried here, if so; installs `ip` and `nft` where that is all that is missing.
+/// Why it cannot be tried here, if so; installs the programs that it takes where that is all that is missing.
 pub(crate) fn obstacle() -> Option<String> {
     if !cfg!(target_os = "linux") {
         return Some("network namespaces are Linux's".to_owned());
@@ -11,9 +12,8 @@ pub(crate) fn obstacle() -> Option<String> {
     if run::output(&mut command("id", &["-u"])).is_ok_and(|id| id.trim() != "0") {
         return Some("network namespaces need root".to_owned());
     }
-    // `ip` has no `--version`, and answers it with its help.
-    let ip = if run::succeeds(&mut command("ip", &["-V"])) { None } else { setup::program("ip", "iproute2") };
-    ip.or_else(|| setup::program("nft", "nftables")).or_else(|| {
+    let programs = [("ip -V", "iproute2"), ("nft", "nftables"), ("irtt version", "irtt"), ("ping -V", "iputils-ping")];
+    programs.iter().find_map(|(asked, package)| setup::program(asked, package)).or_else(|| {
         let name = "haptic-homes-probe";
         let made = run::succeeds(&mut command("ip", &["netns", "add", name]));
         let rules = "table ip probe { chain c { type nat hook postrouting priority 100; masquerade; }; }";
@@ -27,6 +27,6 @@ pub(crate) fn obstacle() -> Option<String> {
 pub(crate) fn homes() -> Result<(), Failure> {
     page::browser()?;
     // As all tests are built, so that nothing is built twice.
-    let chosen = ["--test", "homes", "--", "routers", "pages", "--ignored"];
-    run::run(test::debug_tests().args(chosen).args(["--test-threads", "1"]))
+    let chosen = "--test homes -- routers pages recipes --ignored --test-threads 1";
+    run::run(test::debug_tests().args(chosen.split(' ')))
 }

@@ -52,9 +52,10 @@ pub(crate) fn setup() -> Result<Ready, Failure> {
 }
 
 /// Why a program cannot be had, if so; installs its Debian package where that is all that is missing and nobody at a terminal is
-/// against it.
-pub(crate) fn program(name: &str, package: &str) -> Option<String> {
-    let present = || run::succeeds(&mut command(name, &["--version"]));
+/// against it. The program answers what follows its name, or `--version`.
+pub(crate) fn program(asked: &str, package: &str) -> Option<String> {
+    let (name, version) = asked.split_once(' ').unwrap_or((asked, "--version"));
+    let present = || run::succeeds(&mut command(name, &[version]));
     if present() {
         return None;
     }
@@ -81,7 +82,7 @@ pub(crate) fn program(name: &str, package: &str) -> Option<String> {
     }
     match run::run(&mut apt(&["update", "-qq"])).and_then(|()| run::run(&mut install)) {
         Ok(()) if present() => None,
-        Ok(()) => Some(format!("{package} was installed but does not run; see `{name} --version`")),
+        Ok(()) => Some(format!("{package} was installed but does not run; see `{name} {version}`")),
         Err(failure) => Some(format!("{name} is missing and {failure}; install {package} by hand")),
     }
 }

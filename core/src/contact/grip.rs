@@ -41,6 +41,11 @@ impl<S: Scalar> Grip<S> {
         !self.loose
     }
 
+    /// It is not firm from now on, although nothing has slipped.
+    pub fn loosen(&mut self) {
+        self.loose = true;
+    }
+
     /// The slip e, m.
     #[inline]
     pub fn slip_m(&self) -> S {

@@ -1,10 +1,11 @@
 //! Degradation by silence: without packets the coordination holds, fades, disengages; with packets it steps back up.
 //!
 //! Counted in packet periods in which no packet came: up to `safety.fade_s` the last packet stands; then the
-//! coordination fades, one step a period, until after `safety.disengage_s` it is gone and the peer renders alone. Both
-//! are times, rounded to packet periods, and there is at least one step between them. The first packet after that
-//! starts the law anew where the object is, from no force, and every packet period with a packet takes one step back,
-//! or as many as were silent on purpose before it ([`super::event`]). Each law defines what fading does to its packets
+//! coordination fades, one step a period, until the peer disengages after `safety.disengage_s`. Both
+//! are times, rounded to packet periods, and there is at least one step between them. What is left of the force then
+//! falls ([`crate::peer::STEP_N`]), and when nothing is left the peer renders alone. The first packet after that starts
+//! the law anew where the object is, from no force, and every packet period with a packet takes one step back, or as
+//! many as were silent on purpose before it ([`super::event`]). Each law defines what fading does to its packets
 //! ([`super::Law::fade`]).
 //!
 //! The degradation depends on silence alone. A link that knows that the other peer is gone, or is another one than
@@ -79,19 +80,22 @@ impl<S: Scalar> Degradation<S> {
             let step = at.silent.saturating_add(1).min(self.longest);
             at.level = at.level.saturating_add(step).min(self.steps);
         }
-        (at.silent, at.heard, at.came) = (0, true, true);
+        at.note();
         anew
     }
 
-    /// Ends a packet period; if no packet came in it, that is silence.
-    pub fn pass(&self, at: &mut Engagement) {
+    /// Ends a packet period; if no packet came in it, that is silence. Whether it disengages.
+    pub fn pass(&self, at: &mut Engagement) -> bool {
         let came = core::mem::take(&mut at.came);
-        if at.heard && !came {
-            at.silent = at.silent.saturating_add(1);
-            if at.silent > self.hold {
-                at.level = at.level.saturating_sub(1);
-            }
+        if !at.heard || came {
+            return false;
         }
+        at.silent = at.silent.saturating_add(1);
+        let before = at.level;
+        if at.silent > self.hold {
+            at.level = at.level.saturating_sub(1);
+        }
+        at.level < before && at.level == 0
     }
 
     /// Whether the coordination acts in full: [`Degradation::share`] is 1.
@@ -111,6 +115,11 @@ impl Engagement {
     pub fn part(&mut self) {
         self.level = 0;
         self.came = false;
+    }
+
+    /// Takes note of a packet that ends a silence, and changes nothing else.
+    pub fn note(&mut self) {
+        (self.silent, self.heard, self.came) = (0, true, true);
     }
 
     /// Whether a packet has come since the peer was armed.

@@ -269,7 +269,8 @@ macro_rules! laws {
             type State = AnyLawState<S>;
 
             fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
-                $( if named(settings, <$law as Law<S>>::LAWS).is_some() {
+                // Names alone: with [`named`] an image would hold the list of each law beside that of all.
+                $( if settings.coordination.comm == <$law as Law<S>>::LAWS[0].name {
                     return Ok(Self::$Variant(Law::<S>::build(settings)?));
                 } )+
                 Err(unknown(settings, Self::LAWS))

@@ -8,7 +8,7 @@
 
 use crate::contact::{AnyRendering, Contact, Grip, Press, Strikes, Touch};
 use crate::law::ledger::Ledger;
-use crate::law::{Coupled, Law, Observation, Packet};
+use crate::law::{Coupled, Law, Observation, Packet, Spring};
 use crate::num::{Motion, Scalar, StateVector};
 use crate::object::fixture::{self, Fixture, Pushes};
 use crate::object::midpoint::Midpoint;
@@ -16,6 +16,9 @@ use crate::object::plane::Oblique;
 use crate::object::vector::VectorPort;
 use crate::object::{AnyIntegrator, Port, Staged};
 use crate::safety::Guard;
+
+/// By how much what is left of a coordination force falls in a tick, N, when a peer has let go: after silence, or because the other peer is gone.
+pub const STEP_N: f64 = 0.02;
 
 /// Motions and forces of one tick along one shared axis, for telemetry, reports and tests.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -47,6 +50,50 @@ impl<S> Observed<S> {
     }
 }
 
+/// What is left of the coordination force when a peer has let go, whatever its law is: a spring of K_T and B_T that pulls the copy to where the
+/// law would have held it, and can pull with less and less. It stores what such a force stores at most, and generates nothing. Where the scene
+/// has no K_T it is a force that falls.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Remnant<S> {
+    /// The most that it can pull with, to either side, and the sign of what it pulled with first, N; with 0 there is none.
+    pub(super) most: S,
+    /// Where it is at rest, m.
+    rest_m: S,
+}
+
+impl<S: Scalar> Remnant<S> {
+    /// Of this force (N) in the tick before.
+    pub(super) fn of(force: S, object: Motion<S>, spring: &Spring<S>) -> Self {
+        let mut remnant = Self { most: force, rest_m: object.position + force.ratio(spring.stiffness) };
+        remnant.fall();
+        remnant
+    }
+
+    #[inline]
+    pub(super) fn is_none(&self) -> bool {
+        self.most == S::ZERO
+    }
+
+    /// As a port of the tick that begins with the copy there, limited by the force at the velocity that the copy has then.
+    #[inline(never)]
+    fn port(&self, object: Motion<S>, spring: &Spring<S>) -> Port<S> {
+        if self.is_none() || spring.stiffness == S::ZERO {
+            return Port::of_force(self.most);
+        }
+        let free = spring.port(Motion::at(self.rest_m), object);
+        let asked = free.at(object.velocity);
+        let most = self.most.abs();
+        let given = asked.min(most).max(-most);
+        if given == asked { free } else { Port::of_force(given) }
+    }
+
+    /// The next tick has less of it.
+    fn fall(&mut self) {
+        let step = S::from_f64(STEP_N);
+        self.most = self.most - self.most.min(step).max(-step);
+    }
+}
+
 /// The local copy along one axis.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
@@ -60,16 +107,19 @@ pub(super) struct SharedAxis<S: Scalar, L: Law<S>> {
     integrator: AnyIntegrator<S>,
     pub(super) strikes: Strikes<S>,
     pub(super) grip: Grip<S>,
+    pub(super) remnant: Remnant<S>,
 }
 
 configured!([S: Scalar, L: Law<S>] SharedAxis<S, L> {
-    object, integrator; coordination, observed, ledger, standing, strikes, grip
+    object, integrator; coordination, observed, ledger, standing, strikes, grip, remnant
 });
 
 /// What is the same for all axes in a tick.
 pub(super) struct Tick<'a, S: Scalar, L> {
     pub(super) law: &'a L,
     pub(super) contact: &'a AnyRendering<S>,
+    /// Of what is left of a force ([`Remnant`]).
+    pub(super) spring: &'a Spring<S>,
     /// Limits of the device's forces.
     pub(super) guard: &'a Guard<S>,
     pub(super) fixture: Option<Fixture<S>>,
@@ -182,6 +232,7 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
             integrator,
             strikes: Strikes::default(),
             grip: Grip::default(),
+            remnant: Remnant::default(),
         }
     }
 
@@ -190,6 +241,7 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
         self.object = Motion::at(contact.clear_of(position));
         self.strikes = Strikes::default();
         self.grip = Grip::default();
+        self.remnant = Remnant::default();
         self.integrator.rest();
         self.coordination = law.start(self.object);
         self.ledger = Ledger::default();
@@ -256,8 +308,9 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
         device: Motion<S>,
         felt: Felt<S>,
     ) -> Option<S> {
-        let Tick { law, contact, guard, fixture, at_device, engaged, age_ticks, period_s } = *tick;
+        let Tick { law, contact, spring, guard, fixture, at_device, engaged, age_ticks, period_s } = *tick;
         let gripped = if PLAIN { device } else { self.gripped(tick, device) };
+        let left = if PLAIN { None } else { Some(self.remnant.port(self.object, spring)) };
         let (object, next, force, coupled) = if let AnyIntegrator::Midpoint(midpoint, carries)
         | AnyIntegrator::BackwardEuler(midpoint, carries) = &mut self.integrator
         {
@@ -293,8 +346,8 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
             let coupled = if engaged {
                 law.couple(&mut self.coordination, &seen, solve)
             } else {
-                solve(Port::default());
-                Coupled::none(object)
+                let velocity = solve(left.unwrap_or_default());
+                Coupled { force: left.map_or(S::ZERO, |left| left.at(velocity)), ..Coupled::none(object) }
             };
             let (half_change, contact_force) = solved;
             (object, midpoint.advance(carries, object, half_change), contact_force + press.pulse, coupled)
@@ -311,7 +364,7 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
             let coupled = if engaged && !L::PORTS_ONLY {
                 law.couple(&mut self.coordination, &seen, Staged(object.velocity))
             } else {
-                Coupled::none(object)
+                Coupled { force: left.map_or(S::ZERO, |left| left.at(object.velocity)), ..Coupled::none(object) }
             };
             if at_device {
                 (object, object, -coupled.force, coupled)
@@ -319,6 +372,9 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
                 (object, self.integrator.step(object, touch.pushing + coupled.force), touch.felt, coupled)
             }
         };
+        if !PLAIN {
+            self.remnant.fall();
+        }
         self.end(tick, [device, object, next], force, &coupled)
     }
 
@@ -410,7 +466,13 @@ pub(super) fn advance_together<S: Scalar, L: Law<S>, const N: usize>(
     if tick.engaged {
         gather(tick, (&mut axes[..], &objects[..], &mut coupled[..]), 0, &mut together, &solve);
     } else {
+        for ((port, axis), object) in together.ports.iter_mut().zip(&*axes).zip(objects) {
+            *port = axis.remnant.port(object, tick.spring);
+        }
         together.means = solve(together.ports);
+        for ((coupled, port), mean) in coupled.iter_mut().zip(together.ports).zip(together.means) {
+            coupled.force = port.at(mean);
+        }
     }
     let (mut forces, mut finite) = ([S::ZERO; N], true);
     let seen = devices.into_iter().zip(objects).zip(presses.into_iter().zip(coupled));
@@ -428,6 +490,7 @@ pub(super) fn advance_together<S: Scalar, L: Law<S>, const N: usize>(
         if given != asked {
             axis.grip.slide(asked - given, given, press.port.impedance, tick.period_s);
         }
+        axis.remnant.fall();
         match axis.end(tick, [device, object, next], given + press.pulse, &coupled) {
             Some(force) => *put = force,
             None => finite = false,

@@ -4,6 +4,7 @@
 //! share, and copies cost more than what is decided here.
 
 use super::Peer;
+use super::axis::Remnant;
 use crate::device::kinematics::Kinematics;
 use crate::law::{Law, Packet};
 use crate::num::Scalar;
@@ -72,8 +73,9 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
     /// The second half of [`Peer::exchange`]: counts the silence if nothing has been heard in this packet period.
     pub fn listen(&mut self) {
         if self.mode == Mode::Armed {
-            self.degradation.pass(&mut self.engagement);
-            if self.engagement.is_fading() {
+            if self.degradation.pass(&mut self.engagement) {
+                self.let_go();
+            } else if self.engagement.is_fading() {
                 self.fade();
             }
             if self.engagement.silent() >= self.guard.silent_packets {
@@ -93,6 +95,11 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         if self.mode != Mode::Armed {
             return;
         }
+        self.age_ticks = 0;
+        self.delayed = false;
+        if !self.engagement.is_engaged() && self.shared_axes.iter().any(|axis| !axis.remnant.is_none()) {
+            return self.engagement.note();
+        }
         let anew = self.degradation.hear(&mut self.engagement);
         let whole = self.degradation.is_whole(&self.engagement);
         for (axis, packet) in self.shared_axes.iter_mut().zip(packets) {
@@ -104,8 +111,6 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
                 self.law.receive(&mut axis.coordination, *packet);
             }
         }
-        self.age_ticks = 0;
-        self.delayed = false;
         if !whole {
             self.fade();
         }
@@ -134,6 +139,17 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         }
     }
 
+    /// The coordination lets go: what is left of its force falls to 0 ([`super::STEP_N`]).
+    #[cold]
+    #[inline(never)]
+    fn let_go(&mut self) {
+        for axis in &mut self.shared_axes {
+            axis.remnant = Remnant::of(axis.observed.coordination_force, axis.object, &self.spring);
+            axis.grip.loosen();
+        }
+        self.fast_path = false;
+    }
+
     /// Reports that packets come but are too old to be used (`safety.max_delay_s`), as the link measures it. They count
     /// as silence; until one is used, the fault that silence leads to is [`Fault::PeerDelayed`], not
     /// [`Fault::PeerLost`].
@@ -141,10 +157,13 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         self.delayed = true;
     }
 
-    /// Disengages at once from the other peer, which is known to be gone or to have restarted: this peer renders alone
-    /// until a packet comes, which starts the coordination anew from no force, step by step. A peer that is armed and
+    /// Disengages at once from the other peer, which is known to be gone or to have restarted: this peer renders alone, but for what is left of
+    /// the force ([`super::STEP_N`]), until a packet comes, which starts the coordination anew from no force, step by step. A peer that is armed and
     /// never parted uses its first packet in full, for both copies begin at rest.
     pub fn part(&mut self) {
+        if self.is_engaged() {
+            self.let_go();
+        }
         self.engagement.part();
     }
 }

@@ -70,19 +70,23 @@ impl LawInfo {
 }
 
 /// Most keys of laws that may differ from their defaults at once.
-pub const MOST_OWN_KEYS: usize = 9;
+pub const MOST_OWN_KEYS: usize = 11;
 
-/// Values of laws' own keys where they are not the default, by name.
+/// Values of laws' own keys where they are not the default, by name; numbers in bytes, which need no place of eight.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct OwnValues(pub(super) [Option<(&'static str, f64)>; MOST_OWN_KEYS]);
+pub struct OwnValues([Option<(&'static Key, [u8; 8])>; MOST_OWN_KEYS]);
 
 impl OwnValues {
+    pub(super) fn iter(&self) -> impl Iterator<Item = (&'static Key, f64)> {
+        self.0.iter().flatten().map(|(key, number)| (*key, f64::from_ne_bytes(*number)))
+    }
+
     pub(super) fn get(&self, key: &Key) -> f64 {
-        self.0.iter().flatten().find(|(name, _)| *name == key.name).map_or(key.default, |(_, number)| *number)
+        self.iter().find(|(known, _)| known.name == key.name).map_or(key.default, |(_, number)| number)
     }
 
     /// Keeps a value, if the key accepts it and there is room.
-    pub(crate) fn set<'a>(&mut self, key: &Key, value: Value<'a>) -> Result<(), Refused<'a>> {
+    pub(crate) fn set<'a>(&mut self, key: &'static Key, value: Value<'a>) -> Result<(), Refused<'a>> {
         let number = match key.allowed {
             Allowed::Flag => bool::parse(value, key.allowed).map(|flag| f64::from(u8::from(flag))),
             Allowed::Whole { .. } => u32::parse(value, key.allowed).map(f64::from),
@@ -91,14 +95,14 @@ impl OwnValues {
         .ok_or(key.refuses(value))?;
         // One order and no defaults: settings that say the same are the same.
         for slot in &mut self.0 {
-            slot.take_if(|(name, _)| *name == key.name);
+            slot.take_if(|(known, _)| known.name == key.name);
         }
         if number != key.default {
             let full = Allowed::Only("left alone, for as many of laws' own keys are set as there is room for");
             let free = self.0.iter_mut().find(|slot| slot.is_none());
-            *free.ok_or(Refused { allowed: full, ..key.refuses(value) })? = Some((key.name, number));
+            *free.ok_or(Refused { allowed: full, ..key.refuses(value) })? = Some((key, number.to_ne_bytes()));
         }
-        self.0.sort_unstable_by_key(|slot| slot.map_or((true, ""), |(name, _)| (false, name)));
+        self.0.sort_unstable_by_key(|slot| slot.map_or((true, ""), |(known, _)| (false, known.name)));
         Ok(())
     }
 }

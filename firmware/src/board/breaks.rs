@@ -44,6 +44,8 @@ pub(crate) fn connect(external: bool) {
 pub(crate) fn unfit(external: bool) -> Option<&'static str> {
     if !external {
         Some("the external clock did not come: see to the 8 MHz of the ST-LINK and start anew")
+    } else if pac::DBGMCU.idc().read().0 == 0 {
+        Some("a debugger has hidden the chip's revision: power off and on")
     } else if pac::DBGMCU.idc().read().rev_id() < REVISION_V {
         Some("the chip is older than revision V: it is not made for 480 MHz, and its failures do not turn outputs off")
     } else {

@@ -21,6 +21,7 @@ use embassy_stm32::interrupt::{self, InterruptExt, Priority};
 use embassy_stm32::pac;
 use embassy_stm32::pac::adc::vals::{Boost, Exten, Pcsel, SampleTime};
 use embassy_stm32::pac::timer::vals::Mms2;
+use embassy_time::{Duration, Instant};
 use firmware_parts::exchange::{Reader, Writer};
 use haptic_core::device::current::{Controller, CurrentLoop, Gains, PWM_HZ, Sensor};
 use haptic_core::device::kinematics::Joints;
@@ -129,30 +130,35 @@ pub(crate) fn run(number: u32) -> Run {
 }
 
 /// Starts the converter; the interrupt stays off.
-pub(crate) fn init() {
+///
+/// # Errors
+/// Why motors must not be on: it did not come.
+pub(crate) fn init() -> Result<(), &'static str> {
     pac::RCC.d3ccipr().modify(|w| w.set_adcsel(pac::rcc::vals::Adcsel::PER));
     pac::RCC.ahb1enr().modify(|w| w.set_adc12en(true));
     let _ = pac::RCC.ahb1enr().read();
     // Out of reset the pins are analogue, and so they stay.
     let adc = pac::ADC1;
+    let by = Instant::now() + STARTS;
     adc.cr().modify(|w| w.set_deeppwd(false));
     adc.cr().modify(|w| w.set_advregen(true));
     // Its regulator is ready when it says so (RM0433 §25.4.6).
-    soon(|| adc.isr().read().ldordy());
+    soon(by, || adc.isr().read().ldordy())?;
     adc.cr().modify(|w| w.set_boost(Boost::LT50));
     // Offset and linearity: without the latter codes are missing at multiples of 2¹², and no current is one of them (RM0433 §25.4.8).
     adc.cr().modify(|w| {
         w.set_adcallin(true);
         w.set_adcal(true);
     });
-    soon(|| !adc.cr().read().adcal());
+    // Nothing may be written to CR until it is calibrated.
+    soon(by, || !adc.cr().read().adcal())?;
     for channel in CHANNELS.map(usize::from) {
         adc.pcsel().modify(|w| w.set_pcsel(channel, Pcsel::PRESELECTED));
         adc.smpr(channel / 10).modify(|w| w.set_smp(channel % 10, SampleTime::CYCLES8_5));
     }
     adc.isr().write(|w| w.set_adrdy(true));
     adc.cr().modify(|w| w.set_aden(true));
-    soon(|| adc.isr().read().adrdy());
+    soon(by, || adc.isr().read().adrdy())?;
     adc.jsqr().write(|w| {
         w.set_jl(AXES as u8);
         w.set_jextsel(TRIGGER);
@@ -163,11 +169,20 @@ pub(crate) fn init() {
     });
     adc.cr().modify(|w| w.set_jadstart(true));
     pac::TIM1.cr2().modify(|w| w.set_mms2(Mms2::UPDATE));
+    Ok(())
 }
 
-/// Waits for what takes a millisecond at the most; a converter that does not come never counts periods, and the dead man sees that.
-fn soon(done: impl Fn() -> bool) {
-    let _ = (0..100_000).any(|_| done());
+/// Longest that the converter takes to start: its calibration, 165,010 of its clocks (ST's `ADC_CALIBRATION_TIMEOUT`), is 5.2 ms.
+const STARTS: Duration = Duration::from_millis(20);
+
+/// Waits for it until an instant.
+fn soon(by: Instant, done: impl Fn() -> bool) -> Result<(), &'static str> {
+    while !done() {
+        if Instant::now() > by {
+            return Err("the current sensors' converter did not start: power off and on");
+        }
+    }
+    Ok(())
 }
 
 /// Hands the interrupt its side; call once, before the tick runs.

@@ -8,7 +8,7 @@
 //! It is started with the tick, at every start, armed or not: nothing but a reset stops it, and a state that is the same in every
 //! run is the one that is tried in every run. A tick may last to the end of the next one's period ([`haptic_core::safety::Fault::TickOverrun`]
 //! tells of it) and not longer. Whoever erases or programs flash goes on being preempted by the tick. A debugger that halts the
-//! processor halts it too. No lower edge of the window is set: ticks that come too often are the supervisor's to notice.
+//! processor halts it and the independent watchdog, too. No lower edge of the window is set: ticks that come too often are the supervisor's to notice.
 //!
 //! **Limit**: below 2.7 V the window watchdog does not work at this core voltage (ES0392 §2.2.23).
 
@@ -31,6 +31,7 @@ pub(crate) fn start() {
     pac::RCC.gcr().modify(|w| w.set_ww1rsc(true));
     pac::RCC.apb3enr().modify(|w| w.set_wwdg1en(true));
     pac::DBGMCU.apb3fzr1().modify(|w| w.set_wwdg1(true));
+    pac::DBGMCU.apb4fzr1().modify(|w| w.set_iwdg1(true));
     // Prescaler 1, and a window as wide as the counter.
     pac::WWDG1.cfr().write(|w| w.set_w(0x7F));
     wind();

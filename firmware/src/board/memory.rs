@@ -48,6 +48,8 @@ const NO_ACCESS: u32 = 1 << 28;
 const READ_ONLY: u32 = 0b110 << 24 | 0b001 << 19;
 /// Normal memory, not cacheable, readable and writable, never executed.
 const NOT_CACHED: u32 = 1 << 28 | 0b011 << 24 | 0b001 << 19;
+/// Device memory, shared, readable and writable, never executed: never read ahead of the program, in words that are whole.
+const DEVICE: u32 = 1 << 28 | 0b011 << 24 | 1 << 16;
 /// Read and execute only, through the instruction cache.
 const PROGRAM: u32 = 0b110 << 24 | 1 << 17;
 
@@ -60,7 +62,8 @@ pub(crate) fn protect() {
         Region { base: 0, size: 64 * 1024, attributes: READ_ONLY },
         Region { base: 0x0800_0000, size: 1024 * 1024, attributes: PROGRAM },
         Region { base: 0x2400_0000, size: 512 * 1024, attributes: NOT_CACHED },
-        Region { base: 0x0810_0000, size: 1024 * 1024, attributes: NOT_CACHED },
+        // A read ahead of a bank that is being erased would wait for seconds.
+        Region { base: 0x0810_0000, size: 1024 * 1024, attributes: DEVICE },
         Region { base: 0x6000_0000, size: 512 * 1024 * 1024, attributes: NO_ACCESS },
         Region { base: 0x8000_0000, size: 512 * 1024 * 1024, attributes: NO_ACCESS },
     ];

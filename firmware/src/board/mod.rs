@@ -121,11 +121,11 @@ pub(crate) fn init() -> Board {
     memory::load_itcm();
     let external = clocks::external();
     let w = boards::wiring(embassy_stm32::init(clocks::config(external)));
+    uptime::put_right();
     let (timer, pins) = w.bridges;
     bridges::init(timer, pins);
     breaks::connect(external);
-    current::init();
-    uptime::put_right();
+    let converter = current::init();
     memory::protect();
     #[cfg(not(feature = "moteus"))]
     encoders::init(w.encoders);
@@ -141,7 +141,7 @@ pub(crate) fn init() -> Board {
     cortex_m::asm::delay(4_800);
     Board {
         number: if strap.is_high() { Number::One } else { Number::Two },
-        unfit: breaks::unfit(external),
+        unfit: breaks::unfit(external).or(converter.err()),
         pace: w.pace,
         watchdog: IndependentWatchdog::new(w.watchdog, WATCHDOG_MS * 1000),
         flash,

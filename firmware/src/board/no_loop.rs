@@ -15,7 +15,10 @@ pub(crate) struct Run {
     pub(crate) first: bool,
 }
 
-pub(crate) fn init() {}
+#[expect(clippy::unnecessary_wraps, reason = "the converter of a current loop may not come")]
+pub(crate) fn init() -> Result<(), &'static str> {
+    Ok(())
+}
 
 pub(crate) fn runs() -> u32 {
     0

@@ -6,7 +6,7 @@
 //! narrower. What is proposed has been checked: the scene with it is stable.
 
 use haptic_core::law::wave::Decode;
-use haptic_core::settings::{Allowed, Key};
+use haptic_core::settings::{Allowed, Key, Value};
 use haptic_sim::scene::Scene;
 use serde::Serialize;
 
@@ -67,11 +67,9 @@ pub fn advice(scene: &Scene) -> Result<String, Error> {
         let verb = if to < from { "lower" } else { "raise" };
         return Ok(format!("{place}: {verb} {key} from {from} to {to} {unit} (its limit in every mode is {limit:.4})"));
     }
-    let others = others(scene)?;
-    Ok(if others.is_empty() {
-        format!("{place}: no single stiffness mends it; try less delay or more damping")
-    } else {
-        format!("{place}: no single stiffness mends it, but {} does", others.join(", or "))
+    Ok(match others(scene)? {
+        None => format!("{place}: no single stiffness mends it; try less delay or more damping"),
+        Some(settings) => format!("{place}: no single stiffness mends it, but {settings} does"),
     })
 }
 
@@ -81,8 +79,7 @@ pub fn advice(scene: &Scene) -> Result<String, Error> {
 /// A scene that the analyser cannot judge.
 pub fn change(scene: &Scene) -> Result<Option<Change>, Error> {
     for (name, key) in scene.keys().into_iter().filter(|(name, _)| GAINS.contains(&name.as_str())) {
-        let now = gain(scene, &name);
-        let Allowed::Number { max, .. } = key.allowed else { continue };
+        let (Some(Value::Number(now)), Allowed::Number { max, .. }) = (scene.get(&name), key.allowed) else { continue };
         let range = Range { key: name, from: 0.0, to: max.min((4.0 * now).max(1.0)) };
         let sweep = Sweep::new(scene, range)?;
         let limit = along(&sweep, Effort::every_mode())?;
@@ -91,11 +88,6 @@ pub fn change(scene: &Scene) -> Result<Option<Change>, Error> {
         }
     }
     Ok(None)
-}
-
-fn gain(scene: &Scene, name: &str) -> f64 {
-    let settings = &scene.peer;
-    if name == GAINS[0] { settings.coordination.stiffness_n_per_m } else { settings.contact.stiffness_n_per_m }
 }
 
 /// The nearest value that is stable with a margin.
@@ -131,22 +123,23 @@ pub(crate) fn short(value: f64) -> f64 {
 }
 
 /// Other settings that make the scene stable as it is.
-fn others(scene: &Scene) -> Result<Vec<&'static str>, Error> {
-    let mut implicit = scene.clone();
-    implicit.peer.coordination.decode = Decode::Implicit;
-    let mut prompt = scene.clone();
-    prompt.peer.object.force_delay_ticks = 0.0;
-    let mut both = implicit.clone();
-    both.peer.object.force_delay_ticks = 0.0;
+fn others(scene: &Scene) -> Result<Option<&'static str>, Error> {
     let named = [
-        (implicit, "coordination.decode = \"implicit\""),
-        (prompt, "object.force_delay_ticks = 0"),
-        (both, "coordination.decode = \"implicit\" with object.force_delay_ticks = 0"),
+        (true, false, "coordination.decode = \"implicit\""),
+        (false, true, "object.force_delay_ticks = 0"),
+        (true, true, "coordination.decode = \"implicit\" with object.force_delay_ticks = 0"),
     ];
-    for (scene, name) in named {
+    for (implicit, prompt, name) in named {
+        let mut scene = scene.clone();
+        if implicit {
+            scene.peer.coordination.decode = Decode::Implicit;
+        }
+        if prompt {
+            scene.peer.object.force_delay_ticks = 0.0;
+        }
         if judge(&scene)?.worst.stable {
-            return Ok(vec![name]);
+            return Ok(Some(name));
         }
     }
-    Ok(Vec::new())
+    Ok(None)
 }

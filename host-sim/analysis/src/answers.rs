@@ -14,7 +14,7 @@
 
 use haptic_sim::measure::impedance::{Answer, Complex, RemoteEnd, held, of_device};
 use haptic_sim::scene::Scene;
-use nalgebra::{Complex as Number, DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
 
 use crate::error::Error;
 use crate::lifted::delay::delays_ticks;
@@ -52,20 +52,21 @@ pub fn answers(scene: &Scene, near: usize, far: RemoteEnd, frequencies_hz: &[f64
     let first = if far == RemoteEnd::Alone { 0 } else { DEVICE };
     let (delays, devices) = (delays_ticks(&linear), linear.devices());
     let (states, all) = (led.states() - DEVICE, led.states() + answering.states() - DEVICE - first);
-    let part = |of: &Matrix, rows: usize, columns: usize| of.view_range(rows.., columns..).map(Number::from);
+    let part = |of: &Matrix, rows: usize, columns: usize| of.view_range(rows.., columns..).map(Complex::from);
     let [own, own_far] = [part(&led.own, DEVICE, DEVICE), part(&answering.own, first, first)];
     let [heard, heard_far] = [part(&led.heard, DEVICE, 0), part(&answering.heard, first, 0)];
     let [said, said_far] = [part(&led.sent, 0, DEVICE), part(&answering.sent, 0, first)];
     let at = |frequency_hz: f64| {
         let omega = core::f64::consts::TAU * frequency_hz;
-        let z = Number::from_polar(1.0, omega * period_s);
-        let late = |end: usize| Number::from_polar(1.0, -omega * period_s * delays[end] as f64);
+        let z = Complex::from_polar(1.0, omega * period_s);
+        let late = |end: usize| Complex::from_polar(1.0, -omega * period_s * delays[end] as f64);
         // At a speed of 1 m/s.
-        let hand = DVector::from_vec(vec![Number::new(0.0, -1.0 / omega), Number::from(1.0)]);
-        let by_hand = |of: &Matrix, rows: usize, count: usize| of.view((rows, 0), (count, 2)).map(Number::from) * &hand;
+        let hand = DVector::from_vec(vec![Complex::new(0.0, -1.0 / omega), Complex::from(1.0)]);
+        let by_hand =
+            |of: &Matrix, rows: usize, count: usize| of.view((rows, 0), (count, 2)).map(Complex::from) * &hand;
         let heard_of_hand = by_hand(&led.sent, 0, led.packet()) * late(other);
         let mut matrix = DMatrix::from_diagonal_element(all, all, z);
-        let mut add = |(row, column): (usize, usize), block: DMatrix<Number<f64>>| {
+        let mut add = |(row, column): (usize, usize), block: DMatrix<Complex>| {
             let mut place = matrix.view_mut((row, column), block.shape());
             place -= block;
         };
@@ -76,24 +77,24 @@ pub fn answers(scene: &Scene, near: usize, far: RemoteEnd, frequencies_hz: &[f64
         let mut right = DVector::zeros(all);
         right.rows_mut(0, states).copy_from(&by_hand(&led.own, DEVICE, states));
         right.rows_mut(states, all - states).copy_from(&(&heard_far * &heard_of_hand));
-        let nothing = Number::from(f64::NAN);
+        let nothing = Complex::from(f64::NAN);
         let solved = matrix.lu().solve(&right).unwrap_or_else(|| DVector::from_element(all, nothing));
         let (near_states, far_states) = (solved.rows(0, states), solved.rows(states, all - states));
-        let force = |of: &Response, from: usize, states: DVector<Number<f64>>, packet: DVector<Number<f64>>| {
-            let own = of.own.view((FORCE, from), (1, of.states() - from)).map(Number::from) * states;
-            let heard = of.heard.view((FORCE, 0), (1, of.packet())).map(Number::from) * packet;
+        let force = |of: &Response, from: usize, states: DVector<Complex>, packet: DVector<Complex>| {
+            let own = of.own.view((FORCE, from), (1, of.states() - from)).map(Complex::from) * states;
+            let heard = of.heard.view((FORCE, 0), (1, of.packet())).map(Complex::from) * packet;
             own[0] + heard[0]
         };
         let packet = &said_far * far_states * late(near);
         let near_force = force(&led, DEVICE, near_states.into_owned(), packet) + by_hand(&led.own, FORCE, 1)[0];
         let packet = &said * near_states * late(other) + heard_of_hand;
         let far_force = force(&answering, first, far_states.into_owned(), packet);
-        let complex = |of: Number<f64>| Complex { re: of.re, im: of.im };
-        let moved = if far == RemoteEnd::Alone { far_states[0] * Number::new(0.0, omega) } else { Number::from(0.0) };
+        let motion =
+            if far == RemoteEnd::Alone { far_states[0] * Complex::new(0.0, omega) } else { Complex::from(0.0) };
         Answer {
-            impedance: of_device(&devices[near], omega, period_s, complex(-near_force)),
-            motion: complex(moved),
-            pushed: held(&devices[other], omega, period_s, complex(far_force)),
+            impedance: of_device(&devices[near], omega, period_s, -near_force),
+            motion,
+            pushed: held(&devices[other], omega, period_s, far_force),
         }
     };
     Ok(frequencies_hz.iter().map(|frequency_hz| at(*frequency_hz)).collect())

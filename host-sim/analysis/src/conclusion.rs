@@ -30,7 +30,9 @@ impl Analysis {
     pub fn of(scene: &Scene) -> Result<Self, Error> {
         let judged = judge(scene)?;
         // Where none of its other delays is worse, what was judged of both hands is the verdict, to the bit.
-        let own = |mode: &&Mode| mode.mode == Hands::Both && !mode.at_walls && mode.at_delay_ticks.is_none();
+        let own = |mode: &&Mode| {
+            mode.mode == Hands::Both && !mode.at_walls && mode.at_delay_ticks.is_none() && mode.at_tautness.is_none()
+        };
         let verdict = match judged.modes.iter().find(own) {
             Some(mode) => mode.verdict,
             None => verdict(scene)?,

@@ -6,7 +6,8 @@
 
 use haptic_sim::scene::Scene;
 
-use super::lifted::driven::{driven, seats};
+use super::lifted::driven::{counts, driven, keeps_silent, seats};
+use super::lifted::kicked::learns;
 use crate::error::Error;
 
 /// Pairs of states that are tried.
@@ -20,9 +21,19 @@ const ROUNDING: f64 = 1e-9;
 /// # Errors
 /// Settings that no peer accepts.
 pub fn is_linear(scene: &Scene) -> Result<bool, Error> {
-    let linear = scene.linear();
+    adds_up(&scene.linear(), DRAWS)
+}
+
+/// Whether a matrix says all that a linear scene does: its law is linear, learns nothing, and sends a packet in each period. Those that count ticks
+/// are linear.
+pub(crate) fn matrix_says_all(linear: &Scene) -> Result<bool, Error> {
+    Ok(!keeps_silent(linear) && !learns(linear) && (counts(linear) || adds_up(linear, 1)?))
+}
+
+/// [`is_linear`] of a linear scene, by so many pairs of states.
+fn adds_up(linear: &Scene, draws: u32) -> Result<bool, Error> {
     // It settles once: that takes a self-timed line a thousand ticks.
-    let Some(mut seat) = seats(&linear, 0, 0)?.pop() else { return Ok(true) };
+    let Some(mut seat) = seats(linear, 0, 0)?.pop() else { return Ok(true) };
     let sizes = seat.sizes();
     // Numbers in [-1, 1) from a linear congruential generator: any will do.
     let mut seed = 1_u32;
@@ -35,7 +46,7 @@ pub fn is_linear(scene: &Scene) -> Result<bool, Error> {
             (0..size).map(next).collect()
         })
     };
-    for _ in 0..DRAWS {
+    for _ in 0..draws {
         let (first, second) = (draw(), draw());
         let [one, other] = [&first, &second].map(|[local, packet]| driven(&mut *seat, local, packet));
         let [sum, difference] = [1.0, -1.0].map(|sign: f64| {

@@ -14,6 +14,7 @@ use haptic_core::contact::RenderingName;
 use haptic_core::device::kinematics::KinematicsName;
 use haptic_core::device::velocity::VelocityName;
 use haptic_core::law::Sends;
+use haptic_core::law::self_timed::TAUTNESS;
 use haptic_core::names::Choice;
 use haptic_sim::network::fitted::Like;
 use haptic_sim::scene::{DriveName, Jitter, Scene};
@@ -23,25 +24,20 @@ use serde::Serialize;
 use super::delays::delays;
 use super::lifted::delay::{at_delays, delays_ticks};
 use super::lifted::driven::{counts, keeps_silent};
-use super::linear::is_linear;
+use super::lifted::kicked::learns;
+use super::linear::{is_linear, matrix_says_all};
 use super::verdict::{Analyser, Reduced, Verdict};
 use crate::error::Error;
 
-/// Whose hands are on their devices, in contact with the object.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Hands {
-    /// Both users hold the object.
-    Both,
-    /// One user's; the other has let go.
-    One,
-    /// Nobody's: the copies and what holds them together are all there is.
-    None,
-}
-
-impl Choice for Hands {
-    const NAMES: &'static [&'static str] = &["both", "one", "none"];
-    const ALL: &'static [Self] = &[Self::Both, Self::One, Self::None];
+haptic_sim::choices! {
+    /// Whose hands are on their devices, in contact with the object.
+    #[derive(Serialize)]
+    #[serde(rename_all = "lowercase")]
+    Hands {
+        "both" => Both, "Both users hold the object.";
+        "one" => One, "One user's; the other has let go.";
+        "none" => None, "Nobody's: the copies and what holds them together are all there is.";
+    }
 }
 
 impl Hands {
@@ -64,6 +60,9 @@ pub struct Mode {
     pub verdict: Verdict,
     /// Delays to peer 1 and to peer 2 that gave it, ticks; absent where it is the scene's own.
     pub at_delay_ticks: Option<[usize; 2]>,
+    /// The tautness that gave it; absent where it is the scene's own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at_tautness: Option<f64>,
 }
 
 #[allow(clippy::trivially_copy_pass_by_ref)]
@@ -141,22 +140,27 @@ impl Analyser {
         let modes = entered(only);
         let linear = scene.linear();
         let (own, (delays, _)) = (delays_ticks(&linear), delays(scene, &linear));
-        let least = |mode: &Hands| Mode { mode: *mode, at_walls: false, verdict: Verdict::LEAST, at_delay_ticks: None };
-        let mut found: Vec<Mode> = modes.iter().map(least).collect();
+        let (verdict, at_delay_ticks, at_tautness) = (Verdict::LEAST, None, None);
+        let least = |mode| Mode { mode, at_walls: false, verdict, at_delay_ticks, at_tautness };
+        let mut found: Vec<Mode> = modes.iter().copied().map(least).collect();
         self.parts.clear();
         // A line that counts its ticks is another one at each delay, and so is a run.
-        let runs = counts(&linear) || keeps_silent(&linear);
-        for delays in delays.chunks(if runs { 1 } else { delays.len() }) {
-            let other = (runs && delays[0] != own).then(|| at_delays(&linear, delays[0]));
-            let linear = other.as_ref().unwrap_or(&linear);
-            self.measure(linear, [modes != [Hands::None], modes != [Hands::Both]], delays)?;
-            found.iter_mut().try_for_each(|worst| self.mode(worst, own, delays))?;
+        let says_all = matrix_says_all(&linear)?;
+        let runs = counts(&linear) || !says_all;
+        for (tautness, linear) in as_taut_as_it_may_be(&linear) {
+            for delays in delays.chunks(if runs { 1 } else { delays.len() }) {
+                let other = (runs && delays[0] != own).then(|| at_delays(&linear, delays[0]));
+                let linear = other.as_ref().unwrap_or(&linear);
+                self.measure((linear, says_all), [modes != [Hands::None], modes != [Hands::Both]], delays)?;
+                found.iter_mut().try_for_each(|worst| self.mode(worst, tautness, delays))?;
+            }
         }
+        found.iter_mut().for_each(|mode| mode.at_delay_ticks = mode.at_delay_ticks.filter(|at| *at != own));
         Ok(found)
     }
 
     /// Puts the worst verdict on a mode of what was measured in the place of what was the `worst`, if it is worse.
-    fn mode(&mut self, worst: &mut Mode, own: [usize; 2], delays: &[[usize; 2]]) -> Result<(), Error> {
+    fn mode(&mut self, worst: &mut Mode, taut: Option<f64>, all: &[[usize; 2]]) -> Result<(), Error> {
         let mode = worst.mode;
         let sides_differ = self.sides_differ();
         let let_go = |[to_one, to_two]: [usize; 2]| -> &[[bool; 2]] {
@@ -168,12 +172,11 @@ impl Analyser {
                 Hands::None => &[[true; 2]],
             }
         };
-        for delays in delays {
+        for delays in all {
             for released in let_go(*delays) {
                 let verdict = self.judged(*released, *delays)?;
                 if verdict.spectral_radius > worst.verdict.spectral_radius {
-                    let at_delay_ticks = (*delays != own).then_some(*delays);
-                    *worst = Mode { mode, at_walls: false, verdict, at_delay_ticks };
+                    (worst.verdict, worst.at_delay_ticks, worst.at_tautness) = (verdict, Some(*delays), taut);
                 }
             }
         }
@@ -189,6 +192,19 @@ impl Analyser {
     pub(crate) fn radius(&mut self, scene: &Scene, only: Option<Hands>) -> Result<f64, Error> {
         Ok(worst(&self.modes(scene, only)?).spectral_radius)
     }
+}
+
+/// More than all of a line's tautness, as a multiple: for arms and devices that no scene knows (THEORY §15).
+const TAUTER: f64 = 1.5;
+
+/// A linear scene as it is; and if its line is taut, also with nothing of that, for a tank that is short leaves less of it, and with more than all.
+fn as_taut_as_it_may_be(linear: &Scene) -> impl Iterator<Item = (Option<f64>, Scene)> {
+    let all = linear.peer.own(&TAUTNESS);
+    let others = [Some(0.0), Some((TAUTER * all).min(TAUTER))].into_iter().filter(move |_| all > 0.0);
+    [None].into_iter().chain(others).filter_map(|tautness| {
+        let mut other = linear.clone();
+        tautness.is_none_or(|tautness| other.set_number(TAUTNESS.name, tautness).is_ok()).then_some((tautness, other))
+    })
 }
 
 /// What linear analysis at constant delays leaves out of this scene.
@@ -231,7 +247,8 @@ pub(crate) fn not_judged(scene: &Scene) -> Vec<&'static str> {
         (law.ledger, "the energy ledger, when it cuts"),
         (scene.law().sends == Sends::Counters, "ticks in which the line stands, or is made longer or shorter"),
         (scene.law().budgets().next().is_some(), "what the law's energy tank holds back when it is short"),
-        (is_linear(scene).is_ok_and(|linear| !linear), "what is not linear about the law"),
+        (is_linear(scene).is_ok_and(|linear| !linear), "what is not linear about the law, but for one small kick"),
+        (learns(scene), "what the law learns, but for what it learns from one kick"),
         (keeps_silent(scene), "silence on purpose, but for motions that are worth no packet, or always one"),
         (law.drift_correction, "the correction of drift"),
         (recorded, "what the recorded network did"),

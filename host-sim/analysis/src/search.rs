@@ -78,33 +78,17 @@ fn top(part: &Polar) -> f64 {
     part.first().map_or(-700.0, |first| first[0])
 }
 
-/// What can be asked from several threads.
-trait Ask: Sync {
-    fn at(&self, value: f64) -> Result<Point, Error>;
+/// What answers for a value, from any thread.
+#[derive(Clone, Copy)]
+struct Probe<'a>(&'a (dyn Fn(f64) -> Result<Point, Error> + Sync));
 
-    fn each(&self, values: Vec<f64>) -> Result<Vec<Point>, Error> {
-        values.into_par_iter().with_min_len(4).map(|value| self.at(value)).collect()
+impl Probe<'_> {
+    fn at(self, value: f64) -> Result<Point, Error> {
+        self.0(value)
     }
-}
 
-/// A function of one value, with memory for each thread that asks.
-struct Probe<A, R> {
-    memory: Mutex<Vec<A>>,
-    eigenvalues: R,
-}
-
-impl<A, R> Ask for Probe<A, R>
-where
-    A: Default + Send,
-    R: Fn(&mut A, f64, &mut Vec<Polar>) -> Result<(), Error> + Sync,
-{
-    fn at(&self, value: f64) -> Result<Point, Error> {
-        let memory = || self.memory.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut own = memory().pop().unwrap_or_default();
-        let mut parts = Vec::new();
-        let asked = (self.eigenvalues)(&mut own, value, &mut parts);
-        memory().push(own);
-        asked.map(|()| Point::new(value, parts))
+    fn each(self, values: Vec<f64>) -> Result<Vec<Point>, Error> {
+        values.into_par_iter().with_min_len(4).map(|value| self.at(value)).collect()
     }
 }
 
@@ -117,20 +101,29 @@ pub(crate) fn crossings<A: Default + Send>(
     tolerance: f64,
     eigenvalues: impl Fn(&mut A, f64, &mut Vec<Polar>) -> Result<(), Error> + Sync,
 ) -> Result<Found, Error> {
-    let probe = Probe { memory: Mutex::new(Vec::new()), eigenvalues };
-    let mut seen = if whole { probe.each(points.to_vec())? } else { scan(&probe, points)? };
+    let unused = Mutex::new(Vec::new());
+    let memories = || unused.lock().unwrap_or_else(PoisonError::into_inner);
+    let at = |value: f64| {
+        let mut own = memories().pop().unwrap_or_default();
+        let mut parts = Vec::new();
+        let asked = eigenvalues(&mut own, value, &mut parts);
+        memories().push(own);
+        asked.map(|()| Point::new(value, parts))
+    };
+    let probe = Probe(&at);
+    let mut seen = if whole { probe.each(points.to_vec())? } else { scan(probe, points)? };
     let mut evaluations = seen.len();
     if !whole {
         let smooth = &seen[usize::from(points[0] == 0.0)..];
         let bulges: Vec<&[Point]> = smooth.windows(3).filter(|three| may_cross(three)).collect();
-        let climbed = bulges.into_par_iter().map(|three| climb(&probe, three));
+        let climbed = bulges.into_par_iter().map(|three| climb(probe, three));
         let climbed = climbed.collect::<Result<Vec<_>, Error>>()?.concat();
         evaluations += climbed.len();
         seen.extend(climbed);
         seen.sort_by(|a, b| a.value.total_cmp(&b.value));
     }
     let turns: Vec<&[Point]> = seen.windows(2).filter(|pair| pair[0].stable != pair[1].stable).collect();
-    let closed = turns.into_par_iter().map(|pair| close_in(&probe, pair, whole, tolerance));
+    let closed = turns.into_par_iter().map(|pair| close_in(probe, pair, whole, tolerance));
     let closed = closed.collect::<Result<Vec<_>, Error>>()?;
     Ok(Found {
         stable_at_start: seen.first().is_some_and(|point| point.stable),
@@ -140,7 +133,7 @@ pub(crate) fn crossings<A: Default + Send>(
 }
 
 /// The points that must be looked at, ascending.
-fn scan(probe: &impl Ask, points: &[f64]) -> Result<Vec<Point>, Error> {
+fn scan(probe: Probe<'_>, points: &[f64]) -> Result<Vec<Point>, Error> {
     let mut known: Vec<Option<Point>> = vec![None; points.len()];
     let look = |known: &mut [Option<Point>], asked: Vec<usize>| {
         let found = probe.each(asked.iter().map(|at| points[*at]).collect())?;
@@ -249,7 +242,7 @@ fn may_cross(three: &[Point]) -> bool {
 
 /// Looks for the extreme between three points, by parabolas where they fit and by the golden section elsewhere; stops where the other
 /// side is reached, or out of reach.
-fn climb(probe: &impl Ask, three: &[Point]) -> Result<Vec<Point>, Error> {
+fn climb(probe: Probe<'_>, three: &[Point]) -> Result<Vec<Point>, Error> {
     const GOLDEN: f64 = 0.381_966_011_250_105_1;
     let side = three[1].stable;
     let distance = |point: &Point| (point.value, point.height().abs());
@@ -288,7 +281,7 @@ fn climb(probe: &impl Ask, three: &[Point]) -> Result<Vec<Point>, Error> {
 }
 
 /// Closes in between a point on either side; the crossing and how many radii it took.
-fn close_in(probe: &impl Ask, pair: &[Point], whole: bool, tolerance: f64) -> Result<(f64, usize), Error> {
+fn close_in(probe: Probe<'_>, pair: &[Point], whole: bool, tolerance: f64) -> Result<(f64, usize), Error> {
     // The newest point, and the newest on the other side of the circle.
     let [mut other, mut new] = [0, 1].map(|at| (pair[at].value, pair[at].height()));
     // Where to look next, from the newest on as a share of what is between: at first where a line through both is 0.

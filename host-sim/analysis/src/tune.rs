@@ -235,7 +235,7 @@ pub fn try_out<S: Run>(scene: &Scene, proposal: &Proposal, duration_s: f64) -> R
         }
         scene.users[0].settings.user.pulse_n = 1.0;
     }
-    Ok(run::<S>(&scene, Options { duration_s, record_every: 0 }, &|_| {})?)
+    Ok(run::<S>(&scene, Options::unrecorded(duration_s), &|_| {})?)
 }
 
 /// Speed at which [`let_go`] sets the first copy moving, m/s.

@@ -9,9 +9,10 @@ use serde::Serialize;
 use super::direction::{self, Direction};
 use super::error::Error;
 use super::lifted::delay::delays_ticks;
-use super::lifted::driven::{Response, counts, keeps_silent};
+use super::lifted::driven::{Response, counts};
 use super::lifted::pair::{Joined, hands_are_off, same_arms, same_ends, seat};
 use super::lifted::{Lifted, Matrix, kicked, prune, rest};
+use super::linear::matrix_says_all;
 use super::spectrum::{Polar, Spectrum, radius};
 
 /// How far outside the unit circle an eigenvalue may lie by rounding alone: a lossless scene has them on the circle.
@@ -132,9 +133,9 @@ struct Answers {
     alike: bool,
     /// Nobody can hold anything, so that every mode is that of no hands.
     hands_off: bool,
-    /// The scene that was measured, if its law counts ticks, or keeps silent on purpose.
+    /// The scene that was measured, if its law counts ticks; and if no matrix says all of its law.
     counting: Option<Scene>,
-    silent: Option<Scene>,
+    kicked: Option<Scene>,
     /// Longest delay of packets that peer 1 and peer 2 use, ticks.
     longest_ticks: [usize; 2],
 }
@@ -171,7 +172,7 @@ impl Analyser {
     pub fn verdict(&mut self, linear: &Scene) -> Result<Verdict, Error> {
         let delays = delays_ticks(linear);
         self.parts.clear();
-        self.measure(linear, [true, false], &[delays])?;
+        self.measure((linear, matrix_says_all(linear)?), [true, false], &[delays])?;
         self.judged([false; 2], delays)
     }
 
@@ -191,16 +192,16 @@ impl Analyser {
     }
 
     /// Measures what the peers of a linear scene answer with a hand on, let go, or both, where packets are on their way to peer 1
-    /// and to peer 2 for one of these numbers of ticks.
+    /// and to peer 2 for one of these numbers of ticks. The scene comes with whether [`matrix_says_all`] of it, at whatever delay.
     pub(crate) fn measure(
         &mut self,
-        linear: &Scene,
+        (linear, says_all): (&Scene, bool),
         [held, released]: [bool; 2],
         delays: &[[usize; 2]],
     ) -> Result<(), Error> {
         let answers = &mut self.answers;
         answers.counting = counts(linear).then(|| linear.clone());
-        answers.silent = keeps_silent(linear).then(|| linear.clone());
+        answers.kicked = (!says_all).then(|| linear.clone());
         let period_ns = linear.peer.timing.control_period_ns();
         answers.longest_ticks = linear.peers().map(|peer| (peer.safety.max_delay_ns() / period_ns) as usize);
         answers.ticks_per_packet = linear.peer.timing.ticks_per_packet as usize;
@@ -318,9 +319,11 @@ impl Analyser {
             let verdict = Verdict::new(worst, states, rest_modes, joined.symmetric);
             found = found.or_worse(Verdict { direction, line_ticks, ..verdict });
         }
-        // The matrix has a packet in each period. What is worth none goes out now and then, as in a run that is kicked by next to nothing.
-        let silent = self.answers.silent.as_ref().map(|linear| kicked::radius(linear, released)).transpose()?;
-        Ok(match silent.flatten().map(|radius| Verdict::new(radius, 0, 0, false)) {
+        // The matrix has a packet in each period, and is that of a law which is linear and learns nothing. A kicked run may be worse
+        // than one that settles.
+        let run = |linear| if found.stable { kicked::radius(linear, released) } else { Ok(Some(0.0)) };
+        let kicked = self.answers.kicked.as_ref().map(run).transpose()?;
+        Ok(match kicked.flatten().map(|radius| Verdict::new(radius, 0, 0, false)) {
             Some(kicked) => found.or_worse(self.without_a_matrix(kicked)),
             None => found,
         })

@@ -4,6 +4,7 @@
 //! Somebody on the network who drops or delays datagrams causes notices and changes of path. A person is shown one of these lines each
 //! second, 20 at once, and how many were left out; a program that reads JSON gets all that fit in the queue.
 
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 use std::time::Instant;
@@ -14,6 +15,9 @@ use haptic_meeting::carrier::PathReport;
 use haptic_protocol::link::Notice;
 use serde::Serialize;
 use serde_json::json;
+
+use crate::recording::mcap::INFO;
+use crate::recording::recorder::Recorder;
 
 /// Lines that may wait.
 const WAITING: usize = 64;
@@ -166,6 +170,10 @@ pub fn words(notice: &Notice) -> String {
     }
 }
 
+fn path_words(path: &PathSecond) -> String {
+    format!("the path is now: {}", path.words())
+}
+
 /// A line that waits.
 enum Line {
     Second(Box<Second>),
@@ -179,17 +187,27 @@ enum Line {
 pub struct Teller {
     queue: Option<SyncSender<Line>>,
     thread: Option<JoinHandle<()>>,
+    /// The recording in whose log all that happens is said, too.
+    pub log: Option<Arc<Recorder>>,
 }
 
 impl Teller {
     /// Starts a thread that says lines in this manner; a quiet teller has none.
     pub fn new(manner: Manner) -> Self {
         if manner == Manner::Quiet {
-            return Self { queue: None, thread: None };
+            return Self { queue: None, thread: None, log: None };
         }
         let (queue, lines) = sync_channel(WAITING);
         let thread = std::thread::Builder::new().name("teller".to_owned()).spawn(move || say(&lines, manner)).ok();
-        Self { queue: Some(queue), thread }
+        Self { queue: Some(queue), thread, log: None }
+    }
+
+    /// Records what happened, now if nobody knows when.
+    fn record(&self, time_us: Option<u64>, words: &str) {
+        if let Some(log) = &self.log {
+            let time_ns = time_us.map_or_else(|| log.now_ns(), |us| 1_000 * us);
+            log.log(time_ns, INFO, words);
+        }
     }
 
     /// Where there is no room, a line is not said: there will be others.
@@ -205,16 +223,19 @@ impl Teller {
     /// Something has happened to a link; `whose` is empty where there is one only.
     pub fn notice(&self, time_us: u64, whose: &str, notice: &Notice) {
         let words = format!("{whose}{}", words(notice));
+        self.record(Some(time_us), &words);
         self.put(Line::Notice { time_s: time_us as f64 * 1e-6, notice: format!("{whose}{notice:?}"), words });
     }
 
     /// Flow goes another way.
     pub fn path(&self, time_us: u64, path: &PathSecond) {
+        self.record(Some(time_us), &path_words(path));
         self.put(Line::Path { time_s: time_us as f64 * 1e-6, path: *path });
     }
 
     /// What there is no notice for.
     pub fn words(&self, words: String) {
+        self.record(None, &words);
         self.put(Line::Words(words));
     }
 }
@@ -260,7 +281,7 @@ fn say(lines: &Receiver<Line>, manner: Manner) {
                 Line::Second(second) => (false, second.words()),
                 Line::Words(words) => (false, words),
                 Line::Notice { words, .. } => (true, words),
-                Line::Path { path, .. } => (true, format!("the path is now: {}", path.words())),
+                Line::Path { path, .. } => (true, path_words(&path)),
             };
             let shown = if about_the_network { limiter.shown(Instant::now(), words) } else { Some(words) };
             shown.into_iter().for_each(haptic_io::say);

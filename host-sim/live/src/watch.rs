@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use haptic_core::law::Sends;
 use haptic_core::safety::Mode;
+use haptic_core::sample::OfPeer;
 use haptic_protocol::wire::{Flows, Message, Telemetry};
 use haptic_report::Provenance;
 use haptic_sim::device::Device;
@@ -167,6 +168,8 @@ pub struct Watch {
     /// Ticks of the experiment.
     ticks: u64,
     counts_ticks: bool,
+    /// Mode and fault that the log has said last.
+    mode: [f64; 2],
     patience: u32,
     clock: Watched,
     lives: u64,
@@ -215,13 +218,16 @@ impl Watch {
 
     fn of(recorder: Option<Arc<Recorder>>, scene: &Scene, manner: Manner) -> Self {
         let timing = &scene.peer.timing;
+        let mut teller = Teller::new(manner);
+        teller.log = recorder.clone();
         Self {
             recorder,
-            teller: Teller::new(manner),
+            teller,
             partner: String::new(),
             period_s: timing.control_period_s,
             ticks: 0,
             counts_ticks: scene.law().sends == Sends::Counters,
+            mode: [0.0; 2],
             patience: timing.ticks_per_packet,
             clock: Watched::default(),
             lives: 0,
@@ -286,9 +292,14 @@ impl Watch {
         let live = if self.counts_ticks { live_ticks != self.live_ticks } else { self.silent < self.patience };
         (self.live_ticks, self.silent) = (live_ticks, self.silent.saturating_add(1));
         let mode = node.peer.mode();
+        let mut peer = OfPeer::new(self.all_ticks, mode);
+        [peer.mode, peer.fault] = node.mode_and_fault();
+        if let Some(recorder) = &self.recorder {
+            recorder.log_mode(now_ns, &recorder.who, &mut self.mode, [peer.mode, peer.fault].map(f64::from));
+        }
         for (axis, (seen, ledger)) in node.peer.observed().into_iter().zip(node.peer.ledger()).enumerate() {
             let energies = [ledger.received_j(), ledger.sent_j()];
-            let row = ticks::tick(now_ns, self.all_ticks, mode, seen, energies, live);
+            let row = ticks::tick(now_ns, peer, seen, energies, live);
             self.record(ticks::of_axis(axis, ticks::SECONDS), now_ns, &row);
         }
         self.all_ticks += 1;
@@ -367,6 +378,7 @@ impl Watch {
                 1e-3 * smallest_round_trip_us
             ));
         }
+        (self.teller.log, self.paths) = (None, None);
         let recorded = self.recorder.take().and_then(Arc::into_inner).map(Recorder::finish);
         if let Some(ended) = &recorded {
             self.teller.words(ended.summary());

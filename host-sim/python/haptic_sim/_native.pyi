@@ -73,11 +73,11 @@ class Run:
     def _repr_html_(self) -> str: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
     @property
-    def columns(self) -> dict[str, NDArray[np.float64]]:
+    def columns(self) -> dict[str, NDArray[Any]]:
         """Every recorded column by name (the unit is its end), a row a recorded tick: what stands in the command's CSV."""
 
     @property
-    def axes(self) -> list[dict[str, NDArray[np.float64]]]:
+    def axes(self) -> list[dict[str, NDArray[Any]]]:
         """The columns of each shared axis, the first one first; `columns` are those of the first."""
 
     @property

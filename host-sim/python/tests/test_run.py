@@ -76,7 +76,7 @@ def test_a_faulted_run_has_a_reason_and_no_merits():
 
 def test_columns_are_the_simulators_own_memory():
     run = haptic_sim.run(haptic_sim.Scene("matched-line"), 2.0)
-    assert len(run.columns) == 23 and all(len(column) == 2000 for column in run.columns.values())
+    assert len(run.columns) == 27 and all(len(column) == 2000 for column in run.columns.values())
     assert not any(column.flags.owndata for column in run.columns.values())
     apart = np.abs(run.columns["object_1_m"] - run.columns["object_2_m"])
     assert np.array_equal(apart, run.columns["true_discrepancy_m"])

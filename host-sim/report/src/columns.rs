@@ -42,7 +42,8 @@
 //! | text | itself | string | string | text |
 //!
 //! **What a column holds** ([`Holds`]) follows from what it was declared of, and not from what stands in it: a column of reasons is
-//! one of texts also where nothing failed.
+//! one of texts also where nothing failed. A run over time, whose rows are numbers, has it from the column's name, as the unit: `mode` is a count
+//! and `live` a flag.
 //!
 //! In text a column whose filled cells are all numbers is set to the right, any other to the left. Widths count
 //! characters, so wide scripts and combining marks are not aligned.
@@ -52,6 +53,7 @@ mod rows;
 mod unit;
 mod value;
 
+use std::borrow::Cow;
 use std::fmt;
 
 use haptic_io::escaped;
@@ -59,7 +61,7 @@ use haptic_plot::significant;
 use serde::{Serialize, Serializer};
 use serde_json::Value;
 
-use unit::split_unit;
+use unit::{holds, split_unit};
 use value::{fields, within};
 
 pub use cell::{Cell, Holds, Typed};
@@ -103,6 +105,16 @@ pub enum Values {
     Numbers(Vec<f64>),
     /// Cells of this sort, or nothing.
     Cells(Holds, Vec<Cell>),
+}
+
+impl Values {
+    /// What stands in this row; nothing where there is no such row.
+    pub(super) fn cell(&self, row: usize) -> Cell {
+        match self {
+            Self::Numbers(values) => values.get(row).copied().into(),
+            Self::Cells(_, values) => values.get(row).cloned().unwrap_or(Cell::Empty),
+        }
+    }
 }
 
 /// One column: name, unit, meaning and values.
@@ -156,14 +168,28 @@ impl Column {
         &self.meaning
     }
 
-    /// What it is filled with.
-    pub fn values(&self) -> &Values {
-        &self.values
+    /// Name and values as they are written to files, given away.
+    pub fn into_parts(self) -> (String, Values) {
+        match self.typed() {
+            Cow::Owned(values) => (self.name, values),
+            Cow::Borrowed(_) => (self.name, self.values),
+        }
     }
 
-    /// Name and values, given away.
-    pub fn into_parts(self) -> (String, Values) {
-        (self.name, self.values)
+    /// What is written to files: numbers as cells of what the name says.
+    pub fn typed(&self) -> Cow<'_, Values> {
+        let holds = holds(&self.name);
+        let (Values::Numbers(numbers), Holds::Flags | Holds::Counts) = (&self.values, holds) else {
+            return Cow::Borrowed(&self.values);
+        };
+        let cell = |number: &f64| match holds {
+            _ if number.is_nan() => Cell::Empty,
+            Holds::Flags if [0.0, 1.0].contains(number) => Cell::Flag(*number == 1.0),
+            Holds::Counts if *number as i64 as f64 == *number => Cell::Whole(*number as i64),
+            // Of somebody else's: it is as it is in CSV, and Parquet refuses it.
+            _ => Cell::Number(*number),
+        };
+        Cow::Owned(Values::Cells(holds, numbers.iter().map(cell).collect()))
     }
 
     fn len(&self) -> usize {
@@ -175,10 +201,7 @@ impl Column {
 
     /// What stands in this row; nothing where there is no such row.
     pub fn cell(&self, row: usize) -> Cell {
-        match &self.values {
-            Values::Numbers(values) => values.get(row).copied().into(),
-            Values::Cells(_, values) => values.get(row).cloned().unwrap_or(Cell::Empty),
-        }
+        self.values.cell(row)
     }
 
     fn heading(&self) -> String {

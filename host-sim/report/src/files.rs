@@ -255,8 +255,9 @@ fn csv(columns: &Columns) -> Result<Vec<u8>, Cause> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let mut line = |cells: Vec<String>| if cells.is_empty() { Ok(()) } else { writer.write_record(cells) };
     line(data.iter().map(|column| column.name().to_owned()).collect())?;
+    let typed: Vec<_> = data.iter().map(|column| column.typed()).collect();
     for row in 0..columns.len() {
-        line(data.iter().map(|column| csv_cell(column.cell(row))).collect())?;
+        line(typed.iter().map(|values| csv_cell(values.cell(row))).collect())?;
     }
     Ok(writer.into_inner()?)
 }

@@ -1,8 +1,9 @@
 //! A table as Parquet: every column of the sort that it was declared as ([`Holds`]), with its unit and its meaning.
 //!
-//! A column of numbers and nothing else (a run over time) is REQUIRED DOUBLE; any other may lack values, which are null: BOOLEAN, INT64,
+//! A column of numbers and nothing else (most of a run over time) is REQUIRED DOUBLE; any other may lack values, which are null: BOOLEAN, INT64,
 //! DOUBLE, or text. So the file of a study has the same schema whatever was found.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use parquet::basic::{Compression, LogicalType, Repetition, Type as PhysicalType};
@@ -21,7 +22,9 @@ pub const ROW_GROUP_ROWS: usize = 1 << 16;
 /// The table with what made it (`made`), and unit and meaning of every column (`unit.NAME`, `meaning.NAME`).
 pub(super) fn parquet(columns: &Columns, provenance: &str) -> Result<Vec<u8>, ParquetError> {
     let data = distinct(columns).map_err(|cause| ParquetError::General(cause.to_string()))?;
-    let fields = data.iter().map(|column| field(column).map(Arc::new)).collect::<Result<Vec<_>, _>>()?;
+    let typed: Vec<_> = data.iter().map(|column| (column.name(), column.typed())).collect();
+    let field = |(name, values): &(&str, Cow<'_, Values>)| field(name, values).map(Arc::new);
+    let fields = typed.iter().map(field).collect::<Result<Vec<_>, _>>()?;
     let schema = Arc::new(Type::group_type_builder("table").with_fields(fields).build()?);
     let described = |column: &&Column| {
         let about = [("unit", column.unit()), ("meaning", column.meaning())];
@@ -34,12 +37,12 @@ pub(super) fn parquet(columns: &Columns, provenance: &str) -> Result<Vec<u8>, Pa
     let mut writer = SerializedFileWriter::new(Vec::new(), schema, Arc::new(properties))?;
     for start in (0..columns.len()).step_by(ROW_GROUP_ROWS) {
         let mut group = writer.next_row_group()?;
-        for column in &data {
+        for (name, values) in &typed {
             let Some(mut chunk) = group.next_column()? else { continue };
             let rows = start..columns.len().min(start + ROW_GROUP_ROWS);
-            match column.values() {
+            match &**values {
                 Values::Numbers(numbers) => chunk.typed::<DoubleType>().write_batch(&numbers[rows], None, None)?,
-                Values::Cells(holds, cells) => put_all(&mut chunk, column.name(), *holds, &cells[rows])?,
+                Values::Cells(holds, cells) => put_all(&mut chunk, name, *holds, &cells[rows])?,
             };
             chunk.close()?;
         }
@@ -49,8 +52,8 @@ pub(super) fn parquet(columns: &Columns, provenance: &str) -> Result<Vec<u8>, Pa
 }
 
 /// How a column is stored.
-fn field(column: &Column) -> Result<Type, ParquetError> {
-    let (repetition, holds) = match column.values() {
+fn field(name: &str, values: &Values) -> Result<Type, ParquetError> {
+    let (repetition, holds) = match values {
         Values::Numbers(_) => (Repetition::REQUIRED, Holds::Numbers),
         Values::Cells(holds, _) => (Repetition::OPTIONAL, *holds),
     };
@@ -60,7 +63,7 @@ fn field(column: &Column) -> Result<Type, ParquetError> {
         Holds::Numbers => (PhysicalType::DOUBLE, None),
         Holds::Lists | Holds::Texts => (PhysicalType::BYTE_ARRAY, Some(LogicalType::String)),
     };
-    let field = Type::primitive_type_builder(column.name(), kind).with_repetition(repetition);
+    let field = Type::primitive_type_builder(name, kind).with_repetition(repetition);
     field.with_logical_type(logical).build()
 }
 

@@ -26,6 +26,7 @@
 //! | many runs at once | [`lanes`] |
 #![forbid(unsafe_code)]
 
+mod choices;
 pub mod device;
 pub mod double_double;
 pub mod engine;

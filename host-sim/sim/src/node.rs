@@ -6,9 +6,7 @@
 //!
 //! **Who fades what.** The link knows *who* is there: it reports when a session begins and ends, and a peer that is
 //! notified of an end disengages at once. The peer's own degradation (`haptic_core::law::degradation`) knows *how much*
-//! comes: it fades packets through silence and steps up again from no force. The link's level ([`Link::engagement`]) is
-//! the same degradation in time, for a caller that has none of its own; here it only goes into the report, for two
-//! degradations in a row would fade twice.
+//! comes: it fades packets through silence and steps up again from no force.
 //!
 //! A node calls until it hears a flow message, then arms, disengaged. When both ends are live ([`crate::start`]) it runs the scene's user,
 //! whose hand does nothing before that. Peers compute in f32, as the board does. Of an object that is shared along several axes one
@@ -383,15 +381,20 @@ where
         self.line.link.say(now_us, Goodbye {}, send);
     }
 
+    /// Numbers of its mode and its fault, or of that of its device.
+    pub fn mode_and_fault(&self) -> [u8; 2] {
+        match (self.peer.mode(), &self.gone) {
+            (Mode::Armed, _) => [1, 0],
+            (Mode::Faulted(fault), _) => [2, fault.number()],
+            (_, gone) => gone.as_ref().map_or([0; 2], |gone| [2, gone.fault as u8]),
+        }
+    }
+
     /// How this one is doing, for the other end's people and logs: along the first shared axis, with the energies of all.
     fn telemetry(&self, now_us: u64) -> Telemetry {
         let (seen, ledgers) = (self.observed(), self.peer.ledger());
         let sum = |each: fn(&Ledger<f32>) -> f32| ledgers.iter().map(|ledger| f64::from(each(ledger))).sum();
-        let (mode, fault) = match self.peer.mode() {
-            Mode::Armed => (1, 0),
-            Mode::Faulted(fault) => (2, fault.number()),
-            _ => self.gone.as_ref().map_or((0, 0), |gone| (2, gone.fault as u8)),
-        };
+        let [mode, fault] = self.mode_and_fault();
         let mut telemetry = Telemetry {
             mode,
             fault,
@@ -409,13 +412,12 @@ where
         telemetry
     }
 
-    /// What a datagram of a third party must never change: stage of the link, its engagement as bits, packets taken,
-    /// events under way, tick of the newest flow, and whether the peer is engaged.
-    pub fn standing(&self) -> (Stage, u32, u32, usize, Option<u32>, bool) {
+    /// What a datagram of a third party must never change: stage of the link, packets taken, events under
+    /// way, tick of the newest flow, and whether the peer is engaged.
+    pub fn standing(&self) -> (Stage, u32, usize, Option<u32>, bool) {
         let link = &self.line.link;
         let tick = self.line.inbox.newest().map(|flow| flow.tick);
-        let level = link.engagement().to_bits();
-        (link.stage(), level, link.counts().taken, link.events_under_way(), tick, self.peer.is_engaged())
+        (link.stage(), link.counts().taken, link.events_under_way(), tick, self.peer.is_engaged())
     }
 
     /// All that a datagram could change, as text: link, newest flow and the peer, but for the count of refused datagrams.

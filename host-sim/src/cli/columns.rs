@@ -6,7 +6,7 @@
 use haptic_analysis::{Axis, Map, Range, figure4, rendering::maps};
 use haptic_environments::{cooperative::run, world::stroke};
 use haptic_live::recording::file::ROW;
-use haptic_live::recording::mcap::Channel;
+use haptic_live::recording::mcap::{Channel, log_channel};
 use haptic_live::recording::{merge, ticks};
 use haptic_plot::DATA_COLUMNS;
 use haptic_report::{Column, Columns};
@@ -56,6 +56,7 @@ impl TableKind {
             "exchanges" => "a question to another clock, and its answer",
             "seconds" => "a second",
             "paths" => "a change of path, or a second",
+            "log" => "something that happened",
             _ => "a tick",
         };
         let fields = channel.fields.iter().map(|field| (field.name.as_str(), field.meaning.as_str()));
@@ -241,6 +242,7 @@ fn kinds(ui: &Ui) -> Vec<TableKind> {
         TableKind::of("cooperate", both),
     ];
     let channels = [
+        ("recording", vec![log_channel()]),
         ("peer", ticks::channels("peer_1", 1)),
         ("peer", vec![ticks::path_channel("peer_1")]),
         ("hub", ticks::hub_channels(2, 1)),

@@ -5,6 +5,7 @@ use haptic_analysis::{Conclusion, conclude};
 use haptic_core::num::{Fixed, Scalar};
 use haptic_core::safety::Fault;
 use haptic_core::settings::Refused;
+use haptic_live::recording::mcap::{ERROR, INFO};
 use haptic_report::Columns;
 use haptic_sim::run::{self, AXIS_NAMES, EachRow, Options, Outcome, Run, run, run_seen};
 use haptic_sim::scene::Scene;
@@ -47,12 +48,18 @@ impl Cooperate {
             ScalarName::F64 => go::<f64>(&scene, options, step, each),
             ScalarName::I32f32 => go::<Fixed>(&scene, options, step, each),
         })?;
-        if let Some(recorder) = recorder {
-            ui.status(recorder.finish().summary());
-        }
-
         let conclusion = conclude(&scene, outcome)?;
         let mut warnings = conclusion.warnings(&scene)?;
+        if let Some(recorder) = recorder {
+            let of = &conclusion.outcome;
+            let at_s = of.fault_time_s.unwrap_or(of.ticks as f64 * period_s);
+            let level = if of.fault.is_some() { ERROR } else { INFO };
+            let reason = of.reason.iter().map(ToString::to_string);
+            for words in reason.chain(warnings.clone()) {
+                recorder.log((1e9 * at_s).round() as u64, level, words);
+            }
+            ui.status(recorder.finish().summary());
+        }
         if options.record_every > 1 {
             let every = options.record_every;
             warnings.push(format!("a long run: its files hold one tick in {every}; the figures of merit are of all"));

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use haptic_report::{Columns, Provenance};
+use haptic_sim::run::Until;
 use haptic_studies::study::Study;
 use haptic_studies::study::answers::Goal;
 use haptic_studies::study::halving::LeftOut;
@@ -65,6 +66,7 @@ pub(super) struct Done {
 pub(super) fn run(
     ui: &Ui,
     plan: &impl Plan,
+    until: Until,
     name: &str,
     folder: Option<PathBuf>,
     question: &Provenance,
@@ -74,7 +76,7 @@ pub(super) fn run(
     let all: BTreeSet<usize> = plan.points_of(shard).collect();
     let new: usize = plan.missing(&all, &there).iter().map(|(_, seeds)| seeds.len()).sum();
     let (rows, wall_s) = ui.work(new, name, |step| {
-        plan.run(all.into_iter(), there, &|row| {
+        plan.run(until, all.into_iter(), there, &|row| {
             row.iter().for_each(|_| step());
             journal.as_ref().map_or(Ok(()), |journal| journal.append(row))
         })

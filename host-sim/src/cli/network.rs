@@ -3,7 +3,7 @@
 use std::{net::SocketAddr, path::PathBuf};
 
 use clap::Args;
-use haptic_live::trials::{flood, restarts};
+use haptic_live::trials::flood;
 use haptic_live::{endpoint::Stop, measuring, relay};
 use haptic_sim::network::link::Route;
 use haptic_sim::network::rule::{Direction, Found, NetworkTrace};
@@ -22,8 +22,6 @@ super::commands! {
         Measure(Measure),
         /// Forged datagrams by the hundred thousand against two peers on loopback: what they change, and what comes through.
         Flood(Flood),
-        /// Peers that restart at random instants, in virtual time: how soon and how gently they are together again.
-        Restarts(Restarts),
     }
 }
 
@@ -151,24 +149,5 @@ impl Flood {
     fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let scene = self.scene.load_of_one_axis(ui)?;
         ui.report("flood", &flood::run(&scene, self.rate, self.time.seconds, &Stop::on_signals()?)?)
-    }
-}
-
-#[derive(Debug, Args)]
-#[command(mut_arg("scene", |scene| scene.default_value("paper-5.2-passive-wave-16ms")))]
-pub(super) struct Restarts {
-    #[command(flatten)]
-    scene: SceneArgs,
-    /// How many restarts.
-    #[arg(long, default_value_t = 10_000, value_name = "N",
-        value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
-    count: u32,
-}
-
-impl Restarts {
-    fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        let scene = self.scene.load_of_one_axis(ui)?;
-        let report = restarts::run(&scene, u64::from(self.count), scene.world.network.seed.into())?;
-        ui.report("restarts", &report)
     }
 }

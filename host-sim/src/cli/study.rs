@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use haptic_core::names::Choice;
 use haptic_report::{Columns, Provenance};
+use haptic_sim::run::Until;
 use haptic_studies::study::answers::{Answer, Bound, Goal, metric};
 use haptic_studies::study::halving::Search;
 use haptic_studies::study::{OWN, Over, Study as Asked};
@@ -67,7 +68,7 @@ impl Study {
         // What is run depends on the goal where not all is: then the files say both.
         let (mut done, left_out, answers, asked, told) = match self.search {
             Search::Grid => {
-                let done = run(ui, &study, "study", folder.clone(), &question, self.grid.shard)?;
+                let done = run(ui, &study, Until::TheEnd, "study", folder.clone(), &question, self.grid.shard)?;
                 let answers = study.answers(&done.rows, &goal);
                 (done, Vec::new(), answers, question.clone(), question.clone())
             }

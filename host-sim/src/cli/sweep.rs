@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use haptic_report::Provenance;
+use haptic_sim::run::Until;
 use haptic_sim::user::User;
 use haptic_studies::sweep;
-use haptic_studies::sweep::{Plan, Unkept};
+use haptic_studies::sweep::Plan;
 use serde_json::json;
 
 use super::flags::{Out, Time};
@@ -41,10 +42,8 @@ impl Sweep {
         }
         let question = sweep.question(ui.provenance())?;
         let folder = ui.writes(&self.out).then(|| self.folder(&question));
-        let mut done = match folder {
-            None => run(ui, &Unkept(&sweep), "sweep", None, &question, self.grid.shard),
-            kept => run(ui, &sweep, "sweep", kept, &question, self.grid.shard),
-        }?;
+        let until = if folder.is_some() { Until::TheEnd } else { Until::Stopped };
+        let mut done = run(ui, &sweep, until, "sweep", folder, &question, self.grid.shard)?;
         let files = done.finish("sweep", &question, |rows| sweep.columns(rows))?;
         let (rows, new, wall_s, failed) = (&done.rows, done.new, done.wall_s, done.failed());
         let summary = sweep.summary(rows);

@@ -15,9 +15,10 @@ use haptic_live::recording::mcap::Channel;
 use haptic_live::recording::recorder::Recorder;
 use serde::Serialize;
 
-use super::environment::{Command, Environment, LineReport, MOST, Opening, Sample};
+use super::environment::{Column, Command, Environment, LineReport, MODES, Opening, Sample, mode_and_fault};
 use super::kinds::EnvironmentKind;
 use super::mailbox::{Contents, Mailbox, Request, Status};
+use super::opened::in_unit;
 use super::partner::Model;
 use super::session::PERIOD_S;
 use crate::Error;
@@ -66,7 +67,7 @@ pub(super) fn run(
         shown.environment.record(Arc::clone(&record.recorder));
     }
     let mut ticker = Ticker::realtime(Duration::from_secs_f64(PERIOD_S)).lasting(seconds);
-    let (mut slept, mut waiting) = (0, VecDeque::new());
+    let (mut slept, mut waiting, mut said) = (0, VecDeque::new(), [[0.0; 2]; 2]);
     while !stop.is_asked() && !ticker.is_over() {
         let late = ticker.wait();
         if late > SLEPT {
@@ -82,9 +83,17 @@ pub(super) fn run(
         let sample = shown.environment.step()?;
         if let Some(Recording { recorder, start, others }) = record {
             let at = start.elapsed();
-            let row = recorded(at.as_secs_f64(), &sample);
-            let columns = shown.kind.columns().len();
-            recorder.put(others + u16::from(shown.kind.number()), at.as_nanos() as u64, &row[..=columns]);
+            let modes = shown.environment.standing().modes.map(mode_and_fault);
+            // A peer that is recorded as one says it itself.
+            let says = modes.into_iter().enumerate().filter(|_| *others == 0);
+            for (index, now) in says {
+                recorder.log_mode(at.as_nanos() as u64, ["peer 1", "peer 2"][index], &mut said[index], now);
+            }
+            let sample = &sample[..shown.kind.columns().len()];
+            let mut row = vec![at.as_secs_f64()];
+            row.extend(sample.iter().map(|number| f64::from(*number)));
+            row.extend(modes.concat());
+            recorder.put(others + u16::from(shown.kind.number()), at.as_nanos() as u64, &row);
         }
         waiting.push_back(sample);
     }
@@ -94,14 +103,11 @@ pub(super) fn run(
 
 /// What a recording holds: of every environment that a page can show the time, and every sample while it is shown.
 pub(crate) fn channels(topic: &str) -> Vec<Channel> {
-    let named = |(name, unit, meaning): &(&str, &str, &str)| {
-        let name = if unit.is_empty() { (*name).to_owned() } else { format!("{name}_{}", unit.to_lowercase()) };
-        (name, (*meaning).to_owned())
-    };
+    let named = |(name, unit, meaning): &Column| (in_unit(name, unit), (*meaning).to_owned());
     let (place, _) = topic.rsplit_once('/').unwrap_or_default();
     let channel = |kind: &EnvironmentKind| {
         let time = ("time_s".to_owned(), "since the recording's clock began".to_owned());
-        let fields = std::iter::once(time).chain(kind.columns().iter().map(named));
+        let fields = std::iter::once(time).chain(kind.columns().iter().chain(&MODES).map(named));
         match kind {
             // What a page shows where nobody says has the recording's own topic.
             EnvironmentKind::Pair => Channel::new(topic, "Tick", fields),
@@ -113,10 +119,6 @@ pub(crate) fn channels(topic: &str) -> Vec<Channel> {
         }
     };
     EnvironmentKind::ALL.iter().map(channel).collect()
-}
-
-fn recorded(time_s: f64, sample: &Sample) -> [f64; 1 + MOST] {
-    std::array::from_fn(|at| at.checked_sub(1).map_or(time_s, |at| sample[at].into()))
 }
 
 /// The environment that is stepped, and its kind.

@@ -61,6 +61,23 @@ pub(super) fn number_of(mode: Mode) -> u8 {
     }
 }
 
+/// What a recording has of both peers behind the columns of a sample.
+pub(super) const MODES: [Column; 4] = [
+    ("mode_1", "", "peer 1: 0 disarmed, 1 armed, 2 faulted"),
+    ("fault_1", "", "peer 1: number of the fault, 0 none"),
+    ("mode_2", "", "the same of peer 2"),
+    ("fault_2", "", "the same of peer 2"),
+];
+
+/// The numbers of [`MODES`] of a peer; none while its other end has not said them.
+pub(super) fn mode_and_fault(mode: u8) -> [f64; 2] {
+    match mode {
+        WAITS => [f64::NAN; 2],
+        FAULT.. => [2.0, (mode - FAULT).into()],
+        _ => [u8::from(mode != OFF).into(), 0.0],
+    }
+}
+
 /// What acts at the next tick, without a question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Command {

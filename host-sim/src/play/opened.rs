@@ -10,15 +10,20 @@
 //! **Ticks.** A row stands at its tick, counted from the first: by the column `tick`, or by the numbers of the rows, so that what was lost while it was recorded is
 //! a gap. Seconds in a tick are the median of what the rows' times say. What belongs beside it (other axes, the other end) is the row nearest in time, unless that is
 //! [`NEAR_TICKS`] away.
+//!
+//! **What happened.** A sample has mode and fault of both peers behind the columns of its environment, no numbers where the recording does not
+//! say them. The page opens at the first fault, or else at the beginning, and marks the lines of the recording's log.
 
 use std::path::Path;
 
 use haptic_core::names::Choice as _;
 use haptic_live::recording::file::{Recording, Rows};
+use haptic_live::recording::mcap::{ERROR, LogLine};
 use haptic_live::recording::ticks::name_of;
+use haptic_report::numbered;
 use serde_json::{Value, json};
 
-use super::environment::Column;
+use super::environment::{Column, MODES};
 use super::kinds::EnvironmentKind;
 use crate::Error;
 
@@ -33,12 +38,14 @@ const MOST_TICKS: usize = 1 << 24;
 pub(super) const MOST_ASKED: u32 = 1 << 16;
 /// Parts of the whole of which a page is told how far the copies were apart.
 const PARTS: usize = 600;
+/// Most lines of the log that a page is told: a file may be anybody's.
+const MOST_LINES: usize = 1000;
 
 /// A recording, laid out.
 #[derive(Debug)]
 pub(crate) struct Opened {
     kind: EnvironmentKind,
-    /// Row after row: the columns of this kind, and a count of starts.
+    /// Row after row: the columns of this kind, [`MODES`], and a count of starts.
     numbers: Vec<f32>,
     width: usize,
     period_s: f64,
@@ -49,6 +56,10 @@ pub(crate) struct Opened {
     file: String,
     /// Where the other copy was is only what its peer told now and then.
     told: bool,
+    /// The first tick with a fault, if there is one.
+    fault: Option<usize>,
+    /// Tick, whether it stopped somebody, and words of each line of the log.
+    marks: Vec<(usize, bool, String)>,
     /// What made it: a scene file.
     pub(super) scene: String,
     /// What the page is told when something of the recording is not shown.
@@ -73,9 +84,9 @@ impl Opened {
         if count > MOST_TICKS {
             return Err(failed(format!("it has {count} ticks, and a page shows {MOST_TICKS} at the most")));
         }
-        let times_s: Vec<f64> = first.rows.times_ns.iter().map(|ns| since(recording, *ns)).collect();
+        let times_s: Vec<f64> = first.rows.times_ns.iter().map(|ns| recording.origin.since_s(*ns)).collect();
         let period_s = period_s(&ticks, &times_s).ok_or_else(|| failed("its times do not go on".to_owned()))?;
-        let width = kind.columns().len() + 1;
+        let width = kind.columns().len() + MODES.len() + 1;
         let mut numbers = vec![f32::NAN; count * width];
         for (row, tick) in ticks.iter().enumerate() {
             let sample = &mut numbers[tick * width..(tick + 1) * width];
@@ -83,7 +94,7 @@ impl Opened {
             first.put(row, sample);
         }
         for other in others {
-            let other_s: Vec<f64> = other.rows.times_ns.iter().map(|ns| since(recording, *ns)).collect();
+            let other_s: Vec<f64> = other.rows.times_ns.iter().map(|ns| recording.origin.since_s(*ns)).collect();
             for (tick, time_s) in ticks.iter().zip(&times_s) {
                 let after = other_s.partition_point(|other_s| other_s < time_s);
                 let near = [after.checked_sub(1), Some(after)].into_iter().flatten();
@@ -95,9 +106,18 @@ impl Opened {
             }
         }
         let origin = &recording.origin;
+        let place = |unix_ns| times_s.partition_point(|time_s| *time_s < origin.since_s(unix_ns));
+        let is_fault = |sample: &[f32]| sample[width - 4] > 0.0 || sample[width - 2] > 0.0;
+        let mark = |(unix_ns, line): (u64, &LogLine)| {
+            let tick = ticks[place(unix_ns).min(ticks.len() - 1)];
+            let words = format!("{:.60}: {:.300}", line.who, line.words);
+            (tick, line.level >= ERROR, words)
+        };
         let time_s = first.rows.column("time_s").and_then(|times| times.first().copied());
         Ok(Self {
             kind,
+            fault: numbers.chunks_exact(width).position(is_fault),
+            marks: recording.log().take(MOST_LINES).map(mark).collect(),
             numbers,
             width,
             period_s,
@@ -135,6 +155,9 @@ impl Opened {
             "start_s": self.start_s,
             "unix_s": self.unix_s,
             "told": self.told,
+            "columns": MODES.map(|(name, unit, means)| json!({ "name": name, "unit": unit, "means": means })),
+            "fault": self.fault,
+            "marks": self.marks,
             "overview_mm": self.overview_mm(),
             "left_out": self.left_out,
         })
@@ -186,9 +209,9 @@ struct Laid<'a> {
 
 impl<'a> Laid<'a> {
     /// A channel whose columns go to those of a sample.
-    fn new(rows: &'a Rows, sample: &[Column], names: impl IntoIterator<Item = Name>) -> Self {
+    fn new(rows: &'a Rows, kind: EnvironmentKind, names: impl IntoIterator<Item = Name>) -> Self {
         let place = |(from, to, adds): Name| {
-            let to = sample.iter().position(|(name, ..)| *name == to)?;
+            let to = columns(kind).position(|(name, ..)| *name == to)?;
             Some((rows.column(&from)?, to, adds))
         };
         Self { rows, moves: names.into_iter().filter_map(place).collect() }
@@ -249,8 +272,8 @@ impl<'a> Source<'a> {
             let others: Vec<_> = others.iter().map(said).collect();
             format!("{} is shown; --environment chooses another: {}", name(kind), others.join(", "))
         });
-        let names = kind.columns().iter().map(|(name, unit, _)| (in_unit(name, unit), (*name).to_owned(), None));
-        Ok(Self { kind, channels: vec![Laid::new(rows, kind.columns(), names)], left_out })
+        let names = columns(kind).map(|(name, unit, _)| (in_unit(name, unit), (*name).to_owned(), None));
+        Ok(Self { kind, channels: vec![Laid::new(rows, kind, names)], left_out })
     }
 
     /// Of one end or of two.
@@ -270,17 +293,10 @@ impl<'a> Source<'a> {
             // One end alone keeps its number; of two the first is 1, as in the table of all instants.
             let own = end.topic.trim_start_matches(|letter: char| !letter.is_ascii_digit()).starts_with('2');
             let number = if ends.len() == 1 && own { 2 } else { index + 1 };
-            for (at, suffix) in SUFFIXES.iter().enumerate().take(axes) {
-                let Some(rows) = axis(end, at) else { continue };
-                let of_axis = ["device_m", "object_m", "decoded_m", "contact_n", "coordination_n"].map(|name| {
-                    let (what, _) = name.rsplit_once('_').unwrap_or((name, ""));
-                    (name.to_owned(), format!("{what}_{number}{suffix}"), None)
-                });
-                let energy = [("energy_sent_j", 1.0), ("energy_received_j", -1.0)];
-                let energy = energy.map(|(name, times)| (name.to_owned(), "line".to_owned(), Some(times)));
-                let energy = energy.into_iter().filter(|_| ends.len() > 1);
-                let live = (at == 0).then(|| ("live".to_owned(), format!("live_{number}"), None));
-                channels.push(Laid::new(rows, kind.columns(), of_axis.into_iter().chain(energy).chain(live)));
+            for (at, rows) in (0..axes).filter_map(|at| Some((at, axis(end, at)?))) {
+                // What is on its way takes two to know.
+                let names = of_axis(number, at, str::to_owned).filter(|(.., adds)| ends.len() > 1 || adds.is_none());
+                channels.push(Laid::new(rows, kind, names));
             }
         }
         if let Some(both) = called("/both/ticks") {
@@ -289,7 +305,7 @@ impl<'a> Source<'a> {
                 (format!("object_{end}{axis}_m"), format!("object_{end}{}", SUFFIXES[at]), None)
             };
             let names = (0..axes).flat_map(|at| [1, 2].map(|end| place(at, end)));
-            channels.push(Laid::new(both, kind.columns(), names));
+            channels.push(Laid::new(both, kind, names));
         }
         Ok(Self { kind, channels, left_out: None })
     }
@@ -303,23 +319,28 @@ impl<'a> Source<'a> {
         let further = (1..3).map_while(|axis| called(&format!("/both/{}", name_of(axis))));
         let all: Vec<_> = std::iter::once(both).chain(further).collect();
         let kind = pair_of(all.len(), wanted)?;
-        let lay = |(at, rows): (usize, &&'a Rows)| {
-            let names = ["device_N_m", "object_N_m", "decoded_N_m", "contact_N_n", "coordination_N_n"];
-            let of_axis = names.into_iter().flat_map(|name| {
-                [1, 2].map(|end| {
-                    let from = name.replace('N', &end.to_string());
-                    let (to, _) = from.rsplit_once('_').unwrap_or((&from, ""));
-                    let to = format!("{to}{}", SUFFIXES[at]);
-                    (from, to, None)
-                })
-            });
-            let energy = [("energy_sent_", 1.0), ("energy_received_", -1.0)]
-                .into_iter()
-                .flat_map(|(name, times)| [1, 2].map(|end| (format!("{name}{end}_j"), "line".to_owned(), Some(times))));
-            Laid::new(rows, kind.columns(), of_axis.chain(energy))
-        };
-        Ok(Self { kind, channels: all.iter().enumerate().map(lay).collect(), left_out: None })
+        let names = |at| (1..=2).flat_map(move |end| of_axis(end, at, move |name| numbered(name, end)));
+        let channels = all.iter().enumerate().map(|(at, rows)| Laid::new(rows, kind, names(at))).collect();
+        Ok(Self { kind, channels, left_out: None })
     }
+}
+
+/// Columns of a peer along an axis, which a recording calls `from` so, and those of the peer as a whole, which it has with the first one.
+fn of_axis(number: usize, at: usize, from: impl Fn(&str) -> String + Copy) -> impl Iterator<Item = Name> {
+    let moves = "device_m object_m decoded_m contact_n coordination_n".split(' ').map(move |name| {
+        let (what, _) = name.rsplit_once('_').unwrap_or((name, ""));
+        (from(name), format!("{what}_{number}{}", SUFFIXES[at]), None)
+    });
+    let energy = [("energy_sent_j", 1.0), ("energy_received_j", -1.0)];
+    let energy = energy.map(|(name, times)| (from(name), "line".to_owned(), Some(times)));
+    let whole = ["live", "mode", "fault"].map(|name| (from(name), format!("{name}_{number}"), None));
+    let whole = whole.into_iter().filter(move |_| at == 0);
+    moves.chain(energy).chain(whole)
+}
+
+/// What is in a sample of a recording, but for the count of starts.
+fn columns(kind: EnvironmentKind) -> impl Iterator<Item = &'static Column> {
+    kind.columns().iter().chain(&MODES)
 }
 
 /// What stands behind a column's name for each axis.
@@ -339,7 +360,7 @@ fn pair_of(axes: usize, wanted: Option<EnvironmentKind>) -> Result<EnvironmentKi
 }
 
 /// A column's name with its unit, as a recording has it.
-fn in_unit(name: &str, unit: &str) -> String {
+pub(super) fn in_unit(name: &str, unit: &str) -> String {
     if unit.is_empty() { name.to_owned() } else { format!("{name}_{}", unit.to_lowercase()) }
 }
 
@@ -352,11 +373,6 @@ fn of_page(rows: &Rows) -> Option<EnvironmentKind> {
     let kind = if leaf == "ticks" { EnvironmentKind::Pair } else { EnvironmentKind::from_name(leaf)? };
     let (name, unit, _) = kind.columns().first()?;
     rows.column(&in_unit(name, unit)).map(|_| kind)
-}
-
-/// When a row was recorded, s since the recording's clock began.
-fn since(recording: &Recording, unix_ns: u64) -> f64 {
-    (unix_ns as i64 - recording.origin.start_unix_ns as i64) as f64 * 1e-9
 }
 
 /// The tick of each row, from 0.

@@ -388,6 +388,7 @@ where
     fn record(&mut self, recorder: Arc<Recorder>) {
         let channel = ticks::paths(self.scene.peer.axis.shared as usize);
         self.paths = self.paths.take().map(|paths| paths.recording(Arc::clone(&recorder), channel));
+        self.teller.log = Some(Arc::clone(&recorder));
         self.watch = Some(Watch::recording(recorder, &self.scene));
     }
 

@@ -13,11 +13,12 @@ use crate::Error;
 /// A scene, and what it is called with.
 pub(super) type Told = (&'static str, &'static [&'static str]);
 
-/// Both pull with 1.5 N, one of them now more and now less, over the recommended law: how far apart the copies then are is nearly
-/// proportional to the delay. A person's arm holds each device.
+/// Both pull with 1.5 N, one of them now more and now less, over the recommended law, whose line is not taut here: how far apart the copies
+/// then are is nearly proportional to the delay. A person's arm holds each device.
 pub(super) const DELAY: Told = (
     "any-network",
     &[
+        "coordination.tautness=0",
         "network.one_way_delay_packets=0",
         "network.extra_delay_s=0.06",
         "user.1.push_n=-1.5",

@@ -23,7 +23,7 @@
 
 use std::array::from_fn;
 
-use haptic_core::{num::Fixed, settings::Refused};
+use haptic_core::{names::Choice, num::Fixed, settings::Refused};
 
 use haptic_report::Columns;
 use haptic_sim::peers::Builds;
@@ -57,15 +57,14 @@ pub struct Differences {
     pub force_n: f64,
 }
 
-/// Where a difference from f64 comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Verdict {
-    /// It is one rounding step.
-    Rounding,
-    /// The scene makes as much of one rounding step.
-    Chaos,
-    /// Rounding steps add up.
-    Error,
+haptic_sim::choices! {
+    /// Where a difference from f64 comes from.
+    #[derive(PartialOrd, Ord)]
+    Verdict {
+        "rounding" => Rounding, "It is one rounding step.";
+        "chaos" => Chaos, "The scene makes as much of one rounding step.";
+        "error" => Error, "Rounding steps add up.";
+    }
 }
 
 /// Differences of a number type from f64.
@@ -273,16 +272,6 @@ impl Differences {
     }
 }
 
-impl Verdict {
-    fn label(self) -> &'static str {
-        match self {
-            Self::Chaos => "chaos",
-            Self::Rounding => "rounding",
-            Self::Error => "error",
-        }
-    }
-}
-
 impl Rounded {
     /// Its own rounding steps from f64, at the most.
     fn steps(&self) -> f64 {
@@ -290,7 +279,7 @@ impl Rounded {
     }
 
     fn judged(&self) -> String {
-        format!("{}, {:.0} steps", self.verdict.label(), self.steps())
+        format!("{}, {:.0} steps", self.verdict.name(), self.steps())
     }
 }
 
@@ -356,7 +345,7 @@ pub fn columns(rows: &[Precision]) -> Columns {
             .value(format!("{name}.position_step_m"), |row| of(row).position_step_m)
             .means("step of the number type at the largest position")
             .data_only()
-            .value(format!("{name}.verdict"), |row| of(row).verdict.label())
+            .value(format!("{name}.verdict"), |row| of(row).verdict.name())
             .means("chaos, rounding or error: where the difference comes from")
             .data_only();
     }

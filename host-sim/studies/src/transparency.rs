@@ -17,7 +17,7 @@ use std::f64::consts::TAU;
 use haptic_analysis::{answers, judge};
 use haptic_plot::{Dash, Figure, Panel, Series};
 use haptic_report::Columns;
-use haptic_sim::measure::impedance::{Answer, Complex, RemoteEnd, SPEED_M_PER_S, answer};
+use haptic_sim::measure::impedance::{Answer, RemoteEnd, SPEED_M_PER_S, answer};
 use haptic_sim::scene::Scene;
 use rayon::prelude::*;
 
@@ -49,13 +49,13 @@ pub struct Point {
 impl Point {
     /// |x₁ − x₂|/|x₁| of an answer with the far device alone.
     pub fn position_error(alone: &Answer) -> f64 {
-        Complex { re: 1.0 - alone.motion.re, im: -alone.motion.im }.abs()
+        (1.0 - alone.motion).norm()
     }
 
     /// |F₁ − F₂|/|F₂| of an answer with the far device held.
     pub fn force_error(held: &Answer) -> f64 {
         let [hand, far] = [held.impedance, held.pushed];
-        Complex { re: hand.re - far.re, im: hand.im - far.im }.abs() / far.abs()
+        (hand - far).norm() / far.norm()
     }
 
     /// How far the two ways to an impedance are apart, relative; none where nothing was measured.
@@ -63,7 +63,7 @@ impl Point {
         let both = self.analysed.into_iter().zip(self.measured);
         both.filter_map(|(one, other)| {
             let (one, other) = (one.impedance, other?.impedance);
-            Some(Complex { re: other.re - one.re, im: other.im - one.im }.abs() / one.abs())
+            Some((other - one).norm() / one.norm())
         })
     }
 }
@@ -102,7 +102,7 @@ impl Curve {
     /// Largest impedance felt over the smallest, mean up to [`WIDTH_TO_HZ`], dB.
     pub fn width_db(&self) -> f64 {
         let band: Vec<&Point> = self.points.iter().filter(|point| point.frequency_hz <= WIDTH_TO_HZ).collect();
-        let ratio = |[held, alone]: [Answer; 2]| 20.0 * (held.impedance.abs() / alone.impedance.abs()).log10();
+        let ratio = |[held, alone]: [Answer; 2]| 20.0 * (held.impedance.norm() / alone.impedance.norm()).log10();
         band.iter().map(|point| ratio(point.analysed)).sum::<f64>() / band.len() as f64
     }
 
@@ -227,8 +227,8 @@ pub fn response_columns(curves: &[Curve]) -> Columns {
         curves.iter().flat_map(|curve| curve.points.iter().map(move |point| (curve, point))).collect();
     let measured =
         |at: usize, of: fn(&Answer) -> f64| move |(_, point): &(&Curve, &Point)| point.measured[at].as_ref().map(of);
-    let size = |answer: &Answer| answer.impedance.abs();
-    let phase = |answer: &Answer| answer.impedance.phase();
+    let size = |answer: &Answer| answer.impedance.norm();
+    let phase = |answer: &Answer| answer.impedance.arg();
     Columns::of(&points)
         .value("round_trip_ms", |(curve, _)| curve.round_trip_ms)
         .means("delay there and back")
@@ -250,13 +250,13 @@ pub fn response_columns(curves: &[Curve]) -> Columns {
         .means("|x_1 - x_2| over |x_1|, the far device in nobody's hand")
         .value("force_error", |(_, point)| Point::force_error(&point.analysed[0]))
         .means("|F_1 - F_2| over |F_2|, what the hand gives and what the far device, held, presses with")
-        .value("measured_held_n_s_per_m", measured(0, |answer| answer.impedance.abs()))
+        .value("measured_held_n_s_per_m", measured(0, |answer| answer.impedance.norm()))
         .means("held_n_s_per_m from a run in time; nothing where none ran, or it did not repeat")
-        .value("measured_held_phase_rad", measured(0, |answer| answer.impedance.phase()))
+        .value("measured_held_phase_rad", measured(0, |answer| answer.impedance.arg()))
         .means("its phase")
-        .value("measured_alone_n_s_per_m", measured(1, |answer| answer.impedance.abs()))
+        .value("measured_alone_n_s_per_m", measured(1, |answer| answer.impedance.norm()))
         .means("alone_n_s_per_m from a run in time")
-        .value("measured_alone_phase_rad", measured(1, |answer| answer.impedance.phase()))
+        .value("measured_alone_phase_rad", measured(1, |answer| answer.impedance.arg()))
         .means("its phase")
         .value("measured_position_error", measured(1, Point::position_error))
         .means("position_error from a run in time")
@@ -271,9 +271,9 @@ type Of = fn(&[Answer; 2]) -> f64;
 /// Bode plots of what either end feels, and both errors.
 pub fn figure(curves: &[Curve]) -> Figure {
     let ends = ["leader", "follower"];
-    let [held, alone]: [Of; 2] = [|both| both[0].impedance.abs(), |both| both[1].impedance.abs()];
+    let [held, alone]: [Of; 2] = [|both| both[0].impedance.norm(), |both| both[1].impedance.norm()];
     let [held_deg, alone_deg]: [Of; 2] =
-        [|both| both[0].impedance.phase().to_degrees(), |both| both[1].impedance.phase().to_degrees()];
+        [|both| both[0].impedance.arg().to_degrees(), |both| both[1].impedance.arg().to_degrees()];
     let errors: [Of; 2] = [|both| Point::position_error(&both[1]), |both| Point::force_error(&both[0])];
     let panel = |end: usize, title: String, y_label: &str, lines: &[(Of, Dash, &str)], log_y: bool, legend: bool| {
         let of_end = curves.iter().filter(|curve| curve.end == end);

@@ -307,9 +307,10 @@ fn a_contact_through_a_board_comes_to_rest() {
     for stiffness in all.split(',') {
         let lab = Lab::start(&keys.file(0), 1, &[], 0.0);
         let set = format!("peer.1.contact.stiffness_n_per_m={stiffness}");
-        let [first, second] = pair(&lab, &keys.file(0), "6", &["--set", &set, "--anyway"]);
+        let [first, second] = pair(&lab, &keys.file(0), "10", &["--set", &set, "--anyway"]);
         lab.world().hand.reach([0.02]);
-        std::thread::sleep(Duration::from_secs(4));
+        // What a taut line takes back it takes slowly.
+        std::thread::sleep(Duration::from_secs(8));
         let (mean_n, forces) = (lab.mean_n(1.0), lab.world().asked.clone());
         let last = &forces[forces.len() - 1_000..];
         let sway_n = (last.iter().map(|(_, [n])| (n - mean_n).powi(2)).sum::<f64>() / last.len() as f64).sqrt();

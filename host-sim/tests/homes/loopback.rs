@@ -70,6 +70,7 @@ fn a_link_is_all_that_the_other_side_needs_and_it_serves_once() {
     let mut convert = host_sim();
     convert.args(["convert", &recorded]).arg(&table);
     fresh("one-exchanges.csv");
+    fresh("one-log.csv");
     fresh("one-seconds.csv");
     fresh("one.toml");
     assert!(convert.output().expect("it runs").status.success());

@@ -9,4 +9,5 @@ mod lab;
 mod loopback;
 mod pages;
 mod peers;
+mod recipes;
 mod routers;

@@ -21,7 +21,7 @@ const PATHS: [&str; 6] = ["no path", "relayed", "direct, relay beside it", "LAN,
 const SECONDS: f64 = 40.0;
 
 /// A new folder of one test.
-fn folder(name: &str) -> PathBuf {
+pub(super) fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("homes").join(name);
     let _ = std::fs::remove_dir_all(&folder);
     std::fs::create_dir_all(&folder).expect("a folder");

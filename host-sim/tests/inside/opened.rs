@@ -83,6 +83,30 @@ fn two_ends_stand_beside_each_other_and_gaps_are_gaps() {
     assert!(why.to_string().contains("plane is not what was recorded: that is pair"), "{why}");
 }
 
+/// Issue 52, finding 9: mode and fault are part of a sample, and the page opens at the first fault.
+#[test]
+fn the_first_fault_is_found() {
+    let row = |at: u32| {
+        let stopped = f64::from(u8::from(at >= 40));
+        tick(&[
+            ("time_s", 1e-3 * f64::from(at)),
+            ("tick", at.into()),
+            ("mode", 1.0 + stopped),
+            ("fault", 3.0 * stopped),
+        ])
+    };
+    let rows: Vec<_> = (0..100).map(|at| (0, u64::from(at), row(at))).collect();
+    let (path, recording) = recorded("fault", ticks::channels("peer_2", 1), &rows);
+    let opened = Opened::new(&path, &recording, None).expect("a peer's");
+    let [modes, faults] = [[39, 1], [40, 2]].map(|[tick, mode]| {
+        let at = |column: usize| *opened.samples(tick, 1).nth(opened.width - 1 - column).expect("a number");
+        assert!(at(4).is_nan() && at(3).is_nan(), "nobody knows of peer 1");
+        (at(2) == mode as f32, at(1))
+    });
+    assert_eq!((modes, faults, opened.fault), ((true, 0.0), (true, 3.0), Some(40)));
+    assert_eq!(opened.hello()["columns"][2]["name"], "mode_2");
+}
+
 /// Issue 52: a recording of 19 kB took 1.64 GB, because each of its rows was a long time after the one before.
 #[test]
 fn gaps_take_no_more_room_than_rows() {
@@ -100,7 +124,7 @@ fn gaps_take_no_more_room_than_rows() {
 fn of_a_page_the_longest_is_shown_or_what_is_wanted() {
     let channels = super::super::control_loop::channels("/both/ticks");
     let at = |kind: EnvironmentKind| u16::from(kind.number());
-    let row = |kind: EnvironmentKind, x: f64| vec![x; kind.columns().len() + 1];
+    let row = |kind: EnvironmentKind, x: f64| vec![x; 1 + columns(kind).count()];
     let rows = |kind, from: u64, count: u64| {
         (from..from + count).map(move |ms| (at(kind), ms, row(kind, ms as f64))).collect::<Vec<_>>()
     };

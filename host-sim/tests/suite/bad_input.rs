@@ -149,15 +149,9 @@ fn arguments() {
 }
 
 #[test]
-fn live_peers_floods_and_restarts() {
+fn live_peers_and_floods() {
     refused(&["network", "flood", "--rate", "0"], &["--rate 0", "1 to 10000000"]);
     refused(&["network", "flood", "--seconds", "nan"], &["--seconds nan", "86400 s"]);
-    refused(&["network", "restarts", "--count", "0"], &["--count", "1..=10000000"]);
-    refused(
-        &["network", "restarts", "--set", "network.playout_packets=33"],
-        &["network.playout_packets = 33", "0 to 32"],
-    );
-    refused(&["network", "restarts", "--set", "network.one_way_delay_packets=100"], &["do not meet within 0.5 s"]);
     refused(&["network", "relay", "--listen-1", "nowhere", "--listen-2", "127.0.0.1:1"], &["nowhere"]);
     refused(&["cooperate", "--record", "run.csv"], &["--record", "run.csv", ".mcap", "host-sim convert"]);
     let key = file("open.key", &"5a".repeat(32));
@@ -205,8 +199,6 @@ fn negative_numbers() {
     };
     negative(&["network flood --rate -1"], &["--rate -1", "1 to 10000000"]);
     negative(&["network flood --seconds -1"], &["--seconds -1", "86400 s"]);
-    negative(&["network restarts --count -1"], &["--count", "1..=10000000"]);
-    negative(&["network restarts --seed -1"], &["--seed"]);
     negative(&["shared world crowd --clients 10,-1"], &["--clients", "1..=4096"]);
     negative(&["shared world crowd --clients -1"], &["--clients", "1..=4096"]);
     negative(&["shared world crowd --seconds -1"], &["--seconds -1"]);

@@ -91,7 +91,7 @@ fn every_column_has_a_meaning_and_a_line_of_the_documentation() {
             lines.write_record([kind.as_str(), place, row, column, unit, meaning]).expect("a line");
         }
     }
-    assert_eq!(kinds.len(), 61);
+    assert_eq!(kinds.len(), 62);
     let lines = String::from_utf8(lines.into_inner().expect("all lines")).expect("a text");
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/columns.csv");
     if std::env::var_os("HAPTIC_BLESS").is_some() {
@@ -164,7 +164,7 @@ fn a_quantity_more_is_one_line() {
     let tick: [f64; ticks::TICK.len() + 1] = ticks::tick_of(more, 5, peer, &axis, true);
     let mut live = Columns::named(ticks);
     live.push_row(&tick);
-    assert_eq!(without(&live, "spring_m"), (0.25, ticks::tick(5, 7, Mode::Armed, &seen, [3.0, 4.0], true).to_vec()));
+    assert_eq!(without(&live, "spring_m"), (0.25, ticks::tick(5, peer, &seen, [3.0, 4.0], true).to_vec()));
     let (mut wider, mut record) = (Record::<1>::default(), Record::default());
     let (single, of) = (
         seen.map(|number| number as f32),

@@ -173,10 +173,10 @@ fn convert_writes_over_nothing_that_was_not_named_and_through_no_link() {
     for _ in 0..2 {
         let output = convert("out.csv");
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-        assert_eq!(read("out.csv"), "row,x0_m,x1_m\n0.0,1.0,2.0\n");
+        assert_eq!(read("out.csv"), "row,x0_m,x1_m\n0,1.0,2.0\n");
         assert_eq!(
             (read("out-exchanges.csv").as_str(), read("out.toml").as_str()),
-            ("row,x0_m\n0.0,3.0\n", "[object]\nmass_kg = 0.5\n")
+            ("row,x0_m\n0,3.0\n", "[object]\nmass_kg = 0.5\n")
         );
     }
     assert_eq!(read("secret"), "mine");

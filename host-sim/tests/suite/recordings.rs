@@ -1,5 +1,6 @@
 //! Recordings of processes as a user runs them: killed in the middle, on a full disk, and what two of them say together.
 
+use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -9,6 +10,8 @@ use haptic_sim::Laws;
 use haptic_sim::engine::{Actor, Engine, Out, Seat};
 use haptic_sim::network::{link::Route, rule::Direction};
 use haptic_sim::{node::Node, scenes};
+use parquet::basic::Type as PhysicalType;
+use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use serde_json::Value;
 
 use crate::declared::has_columns_of;
@@ -250,6 +253,65 @@ fn both_peers_of_a_run_in_memory() {
         assert!(output.status.code() == Some(2) && error.contains(names), "{error}");
     }
 }
+
+/// Issue 52, finding 9: of a run that faulted, rows and log say which fault came and when, and the tables have the types that docs/data.md says.
+#[test]
+fn a_run_that_faults_says_so() {
+    let keys = Keys::new("fault", 0);
+    let file = |name: &str| keys.0.join(name);
+    let run = host_sim(&FAULTS).arg("--record").arg(file("run.mcap")).output().expect("host-sim runs");
+    assert_eq!(run.status.code(), Some(1), "{}", String::from_utf8_lossy(&run.stderr));
+    let converted = json(host_sim(&["convert", "--json"]).arg(file("run.mcap")).arg(file("run.csv")));
+    let channels = converted["channels"].as_array().expect("channels");
+    assert!(channels.iter().any(|channel| channel["channel"] == "/log"), "{converted}");
+    let table = |name: &str| {
+        let text = std::fs::read_to_string(file(name)).expect("a table");
+        text.lines().map(|line| line.splitn(5, ',').map(str::to_owned).collect()).collect::<Vec<Vec<String>>>()
+    };
+    let rows = std::fs::read_to_string(file("run.csv")).expect("a table");
+    let mut rows = rows.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let head = rows.next().expect("a heading");
+    let at = |name: &str| head.iter().position(|known| *known == name).unwrap_or_else(|| panic!("{name} in {head:?}"));
+    let (mode, fault, time) = (at("mode_1"), at("fault_1"), at("time_s"));
+    let rows: Vec<_> = rows.collect();
+    let first = rows.iter().find(|row| row[mode] == "2").expect("a row that says it");
+    assert!(rows[0][mode] == "1" && rows[0][fault] == "0" && first[fault] == "3", "{first:?}");
+    // The log says it at the same time, with its reason, and what the run came to at its end.
+    has_columns_of("recording-log", &file("run-log.csv"));
+    let log = table("run-log.csv");
+    let said = log.iter().find(|line| line[2] == "4").expect("a line that says what stopped it");
+    let apart_s = said[1].parse::<f64>().expect("a time") - first[time].parse::<f64>().expect("a time");
+    let words = "peer 1 stopped at 0.005 s: Overspeed: the device moved faster than safety.max_speed_m_per_s";
+    assert!(said[3] == words && said[4] == "both peers" && apart_s.abs() < 1e-6, "{said:?} {apart_s}");
+    // A flag is a flag, a count a count, a text a text.
+    let converted = json(host_sim(&["convert", "--json"]).arg(file("run.mcap")).arg(file("run.parquet")));
+    assert_eq!(number(&converted["channels"][0], "rows"), rows.len() as f64);
+    for (name, column, kind) in [
+        ("run", "row", PhysicalType::INT64),
+        ("run", "mode_1", PhysicalType::INT64),
+        ("run", "fault_2", PhysicalType::INT64),
+        ("run", "time_s", PhysicalType::DOUBLE),
+        ("run-log", "level", PhysicalType::INT64),
+        ("run-log", "message", PhysicalType::BYTE_ARRAY),
+    ] {
+        let reader = SerializedFileReader::new(File::open(file(&format!("{name}.parquet"))).expect("a file"));
+        let reader = reader.expect("Parquet");
+        let schema = reader.metadata().file_metadata().schema_descr();
+        let found = schema.columns().iter().find(|found| found.name() == column).expect("a column");
+        assert_eq!(found.physical_type(), kind, "{column} of {name}");
+    }
+}
+
+/// A run that is stopped by a limit.
+const FAULTS: [&str; 7] = [
+    "cooperate",
+    "--json",
+    "--scene=any-network",
+    "--set=user.1.push_n=5",
+    "--set=user.2.push_n=-5",
+    "--set=safety.max_speed_m_per_s=0.2",
+    "--seconds=2",
+];
 
 /// What a live command says: words on standard error, or a JSON object a line on standard output, or nothing; and the page records.
 #[test]

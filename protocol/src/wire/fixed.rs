@@ -5,7 +5,7 @@ use crate::bytes::layout;
 
 layout! {
     /// How the sender is doing; for people, logs and live views, never for control.
-    pub message Telemetry("telemetry", 92 bytes, kind 2) {
+    pub message Telemetry("telemetry", 88 bytes, kind 2) {
         1 => mode: u8 where |mode| *mode <= 2, "0 disarmed, 1 armed, 2 faulted.";
         2 => fault: u8, "The fault's number, 0 none.";
         3 => stage: u8 where |stage| *stage <= 5, "Stage of the sender's link to this end, as a number.";
@@ -15,19 +15,18 @@ layout! {
         16 => desired_position: f32, "Position of the decoded remote copy x_d, m.";
         20 => contact_force: f32, "Contact force F_LC on the object, N.";
         24 => coordination_force: f32, "Coordination force F_T on the object, N.";
-        28 => engagement: f32 where |level| (0.0..=1.0).contains(level), "How far the coordination acts, 0 to 1.";
-        32 => energy_received: f64, "Energy taken from the network, J.";
-        40 => energy_sent: f64, "Energy given to the network, J.";
-        48 => round_trip_us: u32, "Round trip, µs; 0 unknown.";
-        52 => jitter_us: u32, "Mean deviation of the round trip, µs.";
-        56 => clock_offset_us: i64, "The receiver's clock minus the sender's, µs.";
-        64 => clock_drift_ppm: f32, "How much faster the receiver's clock runs than the sender's, ppm.";
-        68 => packets_taken: u32, "Sealed packets taken.";
-        72 => packets_missing: u32, "Sealed packets that never came.";
-        76 => flow_late: u32, "Flow packets dropped because a newer one was there.";
-        80 => refused: u32, "Datagrams refused.";
-        84 => overruns: u32, "Ticks that missed their deadline.";
-        88 => longest_tick_ns: u32, "Longest tick, ns.";
+        28 => energy_received: f64, "Energy taken from the network, J.";
+        36 => energy_sent: f64, "Energy given to the network, J.";
+        44 => round_trip_us: u32, "Round trip, µs; 0 unknown.";
+        48 => jitter_us: u32, "Mean deviation of the round trip, µs.";
+        52 => clock_offset_us: i64, "The receiver's clock minus the sender's, µs.";
+        60 => clock_drift_ppm: f32, "How much faster the receiver's clock runs than the sender's, ppm.";
+        64 => packets_taken: u32, "Sealed packets taken.";
+        68 => packets_missing: u32, "Sealed packets that never came.";
+        72 => flow_late: u32, "Flow packets dropped because a newer one was there.";
+        76 => refused: u32, "Datagrams refused.";
+        80 => overruns: u32, "Ticks that missed their deadline.";
+        84 => longest_tick_ns: u32, "Longest tick, ns.";
     }
 }
 

@@ -32,6 +32,7 @@
 //!
 //! With `coordination.carry_damping_n_s_per_m = 0` D is infinite: e stays 0, and an end that stands is a wall (THEORY §8).
 
+use super::taut::{Taken, Taut};
 use crate::law::Spring;
 use crate::law::bounds::WITHIN;
 use crate::law::credit::CAP_J;
@@ -143,6 +144,7 @@ pub(super) struct Carry<S: Scalar> {
     blind: Series<S>,
     hears: Series<S>,
     live: Series<S>,
+    taut: Taut<S>,
     /// T_c/D of a live end, m/N.
     elastic_m_per_n: S,
     /// Share of w̄ that is left after a tick, and of what is new in F̄ and w̄.
@@ -164,7 +166,7 @@ pub(super) struct Carry<S: Scalar> {
 }
 
 configured!([S: Scalar] Carry<S> {
-    period_s, kappa, spring_damping, blind, hears, live, elastic_m_per_n, left, new, back, blind_back, live_m_per_s,
+    period_s, kappa, spring_damping, blind, hears, live, taut, elastic_m_per_n, left, new, back, blind_back, live_m_per_s,
     standing_m_per_s, most_n, jolt_m_per_s, capital_j, most_j, within_m_per_s, half_m
 });
 
@@ -198,6 +200,9 @@ pub(super) struct Slip<S: Scalar> {
     goes_m_per_s: S,
     /// r, m/s.
     rate_m_per_s: S,
+    /// What of it nobody is told, and how far that went in this tick, m.
+    taken: Taken<S>,
+    took_m: S,
     /// It stood in the tick before.
     pub(super) stood: bool,
     /// E, J.
@@ -212,6 +217,7 @@ impl<S: Scalar> StateVector<S> for Slip<S> {
     #[inline]
     fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
         each(&mut self.force);
+        self.taken.visit(each);
     }
 }
 
@@ -231,7 +237,8 @@ impl<S: Scalar> Carry<S> {
         let (period_s, damping) = (settings.timing.control_period_s, settings.own(&DAMPING));
         let return_s = settings.own(&RETURN);
         let (live, kappa) = (Self::live(settings), Spring::<S>::impedance(settings));
-        let (capital_j, fastest) = (settings.own(&ENERGY), settings.in_the_world().safety.max_speed_m_per_s);
+        let (capital_j, safety) = (settings.own(&ENERGY), settings.in_the_world().safety);
+        let elastic_m_per_n = if damping > 0.0 { period_s / live } else { 0.0 };
         let number = S::from_f64;
         Self {
             period_s: number(period_s),
@@ -240,7 +247,8 @@ impl<S: Scalar> Carry<S> {
             blind: Series::build(damping, kappa, [period_s, STANDING_S]),
             hears: Series::build(HEARD * damping, kappa, [period_s, STANDING_S]),
             live: Series::build(live, kappa, [period_s, LIVE_S.min(SOONER * return_s)]),
-            elastic_m_per_n: number(if damping > 0.0 { period_s / live } else { 0.0 }),
+            taut: Taut::build(settings, elastic_m_per_n),
+            elastic_m_per_n: number(elastic_m_per_n),
             left: number(libm::exp(-period_s / settings.own(&FADE))),
             new: number(1.0 - libm::exp(-period_s / LATELY_S)),
             back: number(0.5 / return_s),
@@ -251,7 +259,7 @@ impl<S: Scalar> Carry<S> {
             jolt_m_per_s: number(JOLT_M_PER_S2 * period_s),
             capital_j: number(capital_j),
             most_j: number(capital_j.max(CAP_J)),
-            within_m_per_s: number(WITHIN * fastest),
+            within_m_per_s: number(WITHIN * safety.max_speed_m_per_s),
             half_m: S::Counter::from_f64(0.5 * MODULUS_M),
         }
     }
@@ -269,12 +277,12 @@ impl<S: Scalar> Carry<S> {
 
     /// An end that has not slipped.
     pub(super) fn start(&self) -> Slip<S> {
-        Slip { tank_j: self.capital_j, ..Slip::default() }
+        Slip { tank_j: self.capital_j, taken: self.taut.start(), ..Slip::default() }
     }
 
     /// An end that begins anew, with what is left in its tank.
     pub(super) fn restart(&self, slip: &Slip<S>) -> Slip<S> {
-        Slip { tank_j: slip.tank_j, heard: Slips::Anew, ..Slip::default() }
+        Slip { tank_j: slip.tank_j, heard: Slips::Anew, ..self.start() }
     }
 
     /// A slip within what may be told, and by how much it was more, m: [`MODULUS_M`], or nothing.
@@ -300,7 +308,7 @@ impl<S: Scalar> Carry<S> {
     /// Where the point is that the spring is tied to, for an x_d, m.
     #[inline]
     pub(super) fn anchor(&self, slip: &Slip<S>, desired: S::Counter) -> S::Counter {
-        desired + slip.own_m - (self.elastic_m_per_n * slip.force).to_counter()
+        desired + slip.own_m + (slip.taken.way_m - self.elastic_m_per_n * slip.force).to_counter()
     }
 
     /// What a packet says of this end.
@@ -353,12 +361,16 @@ impl<S: Scalar> Carry<S> {
         slip.rate_m_per_s = slip.rate_m_per_s - (more - more.max(-self.jolt_m_per_s).min(self.jolt_m_per_s));
     }
 
-    /// The spring of this tick, which begins with this pull, N.
+    /// The spring of this tick, which begins with this pull, N, at the end of a line so many ticks long with ρ.
     #[inline]
-    pub(super) fn tie(&self, slip: &mut Slip<S>, doing: Doing, pull: S) -> Tied<S> {
-        if doing != Doing::Live && !core::mem::replace(&mut slip.stood, true) {
+    pub(super) fn tie(&self, slip: &mut Slip<S>, doing: Doing, pull: S, line: [S; 2]) -> Tied<S> {
+        let mut taut_m_per_s = S::ZERO;
+        if doing == Doing::Live {
+            taut_m_per_s = self.taut.goes(&mut slip.taken, line, slip.force, slip.tank_j);
+        } else if !core::mem::replace(&mut slip.stood, true) {
             slip.rate_m_per_s = slip.goes_m_per_s;
         }
+        slip.took_m = self.period_s * taut_m_per_s;
         let (series, force, goal) = match doing {
             Doing::Live => (&self.live, slip.force, (self.back * slip.ahead_m).limit(self.live_m_per_s)),
             Doing::Hears => {
@@ -373,10 +385,11 @@ impl<S: Scalar> Carry<S> {
         };
         let Series { damping, mut inverse, mut stiff, mut impedance, costs, soon } = *series;
         slip.rate_m_per_s = slip.rate_m_per_s + soon * (goal - slip.rate_m_per_s);
-        let mut drive = force + damping * slip.rate_m_per_s;
+        let mut drive = force + damping * (slip.rate_m_per_s + taut_m_per_s);
         let most_j = costs * drive * drive;
         if most_j > slip.tank_j {
             let share = slip.tank_j.over(most_j);
+            slip.took_m = share * slip.took_m;
             if doing == Doing::Live {
                 drive = share.sqrt() * drive;
             } else {
@@ -394,7 +407,8 @@ impl<S: Scalar> Carry<S> {
     pub(super) fn went(&self, slip: &mut Slip<S>, doing: Doing, tied: &Tied<S>, ended: &Ended<S>) -> S {
         let Ended { velocity: line, copy, force } = *ended;
         let rate = (tied.drive - force) * tied.inverse;
-        let step = self.period_s * rate + self.elastic_m_per_n * (force - slip.force);
+        let step = self.period_s * rate + self.elastic_m_per_n * (force - slip.force) - slip.took_m;
+        slip.taken.way_m = slip.taken.way_m + slip.took_m;
         slip.own_m = slip.own_m + step.to_counter();
         slip.ahead_m = slip.ahead_m - step;
         slip.goes_m_per_s = line + rate;

@@ -23,13 +23,16 @@ mod carry;
 mod events;
 mod incoming;
 mod mass;
+mod taut;
 
 use carry::{Carry, DAMPING, Doing, ENERGY, FADE, MODULUS_M, RETURN, Slip};
 use events::{Announced, Events, THRESHOLD, TOGETHER};
 use incoming::{CREDIT, Incoming, Outstanding, anew};
 use mass::{End, MASS, Met, Share};
+use taut::SLOWNESS;
 
 pub(super) use mass::least as least_share;
+pub use taut::TAUTNESS;
 
 use super::event::LONGEST;
 use super::terminal::Terminal;
@@ -95,10 +98,11 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
     const LAWS: &'static [LawInfo] = &[LawInfo {
         name: "self-timed",
         sends: Sends::Counters,
-        keys: &[CREDIT, MASS, DAMPING, FADE, RETURN, ENERGY, LONGEST, THRESHOLD, TOGETHER],
+        keys: &[CREDIT, MASS, DAMPING, FADE, RETURN, ENERGY, TAUTNESS, SLOWNESS, LONGEST, THRESHOLD, TOGETHER],
         // A line that stands loses nothing by a silence: it is let go of late.
         gains: &[
             "coordination.stiffness_n_per_m=10000",
+            "coordination.tautness=0.9",
             "object.integrator=midpoint",
             "safety.fade_s=5",
             "safety.disengage_s=8",
@@ -169,13 +173,14 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
         let pull = self.end.pull(S::of_counter(anchor - observed.local.position.to_counter()));
         let position = S::of_counter(anchor);
         let own = self.end.own(&mut state.share, state.outstanding.length);
+        let line = [S::from_i32(state.outstanding.length), own];
         let before = state.outstanding.last;
         let (wave_in, share) = self.incoming.emit(&mut state.outstanding, own);
         if share == S::ZERO {
             self.incoming.stand(&mut state.outstanding, observed.age_ticks, state.told > S::ONE);
             state.announced.stood = state.announced.stood.saturating_add(1);
             let doing = self.carry.stands(&state.slip, state.outstanding.is_cut_off);
-            let tied = self.carry.tie(&mut state.slip, doing, pull);
+            let tied = self.carry.tie(&mut state.slip, doing, pull, line);
             let ended = Terminal::stand(tied.pull, tied.impedance, solve);
             let velocity = self.carry.went(&mut state.slip, doing, &tied, &ended);
             return Coupled { desired: Motion { position, velocity }, force: ended.force, ..Coupled::default() };
@@ -185,7 +190,7 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
         } else if state.outstanding.stood_lately() {
             self.carry.jolts(&mut state.slip, self.end.faster(wave_in - S::of_counter(before)));
         }
-        let tied = self.carry.tie(&mut state.slip, Doing::Live, pull);
+        let tied = self.carry.tie(&mut state.slip, Doing::Live, pull, line);
         let Met { ended, wave_out } = self.end.meet(tied.pull, [wave_in, share], solve);
         let (taken, given) = (wave_in.to_counter(), wave_out.to_counter());
         state.desired = state.desired + self.wave_to_position_s * (taken + given);

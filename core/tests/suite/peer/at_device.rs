@@ -6,7 +6,7 @@ use haptic_core::law::{AnyLaw, Packet};
 use haptic_core::names::Decode;
 use haptic_core::num::Motion;
 use haptic_core::object::IntegratorName;
-use haptic_core::peer::{Peer, Sensors};
+use haptic_core::peer::{Peer, STEP_N, Sensors};
 use haptic_core::safety::{Command, Fault, Mode};
 use haptic_core::schema::Schema;
 use haptic_core::settings::{Settings, Value};
@@ -64,7 +64,7 @@ fn it_gives_the_force_it_hears_and_tells_where_it_is() {
     }
 }
 
-/// Without packets the last force stands for 24 ms, falls in a line, and is nothing from 50 ms on; what comes then grows from nothing.
+/// Without packets the last force stands for 24 ms, falls in a line, and is less than a step from 50 ms on; what comes then grows from nothing.
 #[test]
 fn a_force_that_is_not_renewed_fades_and_ends() {
     let mut bench = Bench::armed(&settings());
@@ -73,7 +73,8 @@ fn a_force_that_is_not_renewed_fades_and_ends() {
     }
     for silent in 1..=200_u16 {
         let (given, said) = bench.tick(None, Motion::REST);
-        let wanted = ((50.0 - f32::from(silent)) / 26.0).clamp(0.0, 1.0);
+        let wanted =
+            if silent == 50 { 1.0 / 26.0 - STEP_N as f32 } else { ((50.0 - f32::from(silent)) / 26.0).clamp(0.0, 1.0) };
         assert!((given - wanted).abs() < 1e-6, "{silent} ms: {given} N, not {wanted}");
         assert!(silent <= 50 || said.wave_integral == 0.0, "{silent} ms: {said:?}");
     }
@@ -85,7 +86,11 @@ fn a_force_that_is_not_renewed_fades_and_ends() {
     }
     assert_eq!(last, 1.0);
     bench.0.part();
-    assert_eq!(bench.tick(None, Motion::REST).0, 0.0, "the other end has gone");
+    for tick in 1..=60_u16 {
+        let (given, _) = bench.tick(None, Motion::REST);
+        let wanted = (1.0 - STEP_N as f32 * f32::from(tick)).max(0.0);
+        assert!((given - wanted).abs() < 1e-6, "{tick} ms after the other end has gone: {given} N, not {wanted}");
+    }
 }
 
 /// The limits of force, slew, speed and workspace are those of any peer, and so are faults.

@@ -6,6 +6,7 @@ mod clutch;
 mod encoders;
 mod envelope;
 mod fixture;
+mod letting_go;
 mod limits;
 mod midpoint;
 mod parting;

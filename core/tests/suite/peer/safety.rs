@@ -103,10 +103,27 @@ fn a_motion_too_fast() {
     bench.assert_stopped(last, Fault::Overspeed);
 }
 
+/// A hand presses 100 mm into an object that hardly moves: the device gives what it may, for as long as the hand presses.
 #[test]
-fn a_force_too_long_at_its_limit() {
+fn a_force_is_held_at_its_limit() {
     let mut settings = Settings::default();
     settings.object.mass_kg = 1000.0;
+    (settings.safety.max_force_n, settings.safety.max_slew_n_per_s) = (3.0, 2000.0);
+    let mut bench = Bench::armed(&settings);
+    for tick in 0..5_000 {
+        let given = bench.at(0.1, 0.0).forces[0];
+        // 2 N more in each tick.
+        assert_eq!(given, if tick == 0 { -2.0 } else { -3.0 }, "tick {tick}");
+    }
+    assert_eq!(bench.peer.mode(), Mode::Armed);
+}
+
+/// A motor gives 10 N where 40 N are asked, and the object gets 40 N: that may not last.
+#[test]
+fn a_motor_too_long_at_its_largest_duty() {
+    let mut settings = Settings::default();
+    settings.object.mass_kg = 1000.0;
+    settings.motor.max_duty *= 0.25;
     let mut bench = Bench::armed(&settings);
     let mut last = Actuators::default();
     let mut ticks = 0;
@@ -114,8 +131,7 @@ fn a_force_too_long_at_its_limit() {
         last = bench.at(0.1, 0.0);
         ticks += 1;
     }
-    // 20 N a tick: it stands at 40 N from the second one on.
-    assert_eq!(ticks, settings.safety.saturated_ticks + 1);
+    assert_eq!(ticks, settings.safety.saturated_ticks);
     bench.assert_stopped(last, Fault::ForceSaturated);
 }
 

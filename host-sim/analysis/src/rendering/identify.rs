@@ -10,7 +10,7 @@
 
 use serde::Serialize;
 
-use super::maps::{Sweep, at, first, stiffness_limit};
+use super::maps::{Sweep, at, largest};
 use super::{Body, Place, Renderer, Rendering};
 use crate::error::Error;
 use crate::search::crossings;
@@ -38,7 +38,7 @@ pub struct Identified {
 }
 
 /// Where a delay is put: between device and CDE, where the paper's network is.
-const NETWORK: Sweep = Sweep::Delay(Place::CollisionToDevice);
+pub const NETWORK: Sweep = Sweep::Delay(Place::CollisionToDevice);
 
 /// The wall in front of a device with this damping (N·s/m) and computing delay (fraction of a period).
 pub fn wall(mass_kg: f64, damping_n_s_per_m: f64, computing_ticks: f64) -> Rendering {
@@ -67,9 +67,6 @@ pub fn device(mass_kg: f64, object_mass_kg: f64) -> Result<Rendering, Error> {
 /// # Errors
 /// A mass for which no device fits the statement, or eigenvalues that do not converge.
 pub fn identify(mass_kg: f64) -> Result<Identified, Error> {
-    let largest = |rendering: &Rendering| -> Result<f64, Error> {
-        Ok(first(&stiffness_limit(rendering)?).unwrap_or(f64::INFINITY))
-    };
     let (mut damping, mut late) = (STIFFNESS_N_PER_M * DELAY_S, 1.0);
     for _ in 0..20 {
         let wall = wall(mass_kg, damping, late - 0.5);

@@ -8,6 +8,7 @@
 //! While a delay is swept the sampling period is either given or, to show the delay alone, a fortieth of the delay: what
 //! sampling adds is then 2.5 %, on every point alike.
 
+use haptic_core::names::Choice;
 use haptic_report::Columns;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -128,6 +129,14 @@ pub fn first(limit: &Limit) -> Option<f64> {
     if limit.stable_at_start { limit.crossings.first().copied() } else { Some(0.0) }
 }
 
+/// [`first`] of [`stiffness_limit`], infinite if no stiffness is unstable, N/m.
+///
+/// # Errors
+/// As [`stiffness_limit`].
+pub fn largest(rendering: &Rendering) -> Result<f64, Error> {
+    Ok(first(&stiffness_limit(rendering)?).unwrap_or(f64::INFINITY))
+}
+
 /// The scene of one point of a curve; `sampling_s` is the sampling period while a delay is swept, if it is given.
 pub fn at(base: &Rendering, sweep: Sweep, time_s: f64, sampling_s: Option<f64>) -> Rendering {
     let mut rendering = *base;
@@ -169,7 +178,7 @@ pub fn sweeps(base: &Rendering) -> Vec<(Rendering, Sweep)> {
     let wall = Rendering { object: None, ..*base };
     let mut sweeps = Vec::new();
     if base.object.is_some() {
-        sweeps.extend(Place::ALL.map(|place| (*base, Sweep::Delay(place))));
+        sweeps.extend(Place::ALL.iter().map(|place| (*base, Sweep::Delay(*place))));
         sweeps.push((*base, Sweep::Period));
     }
     sweeps.extend([Place::DeviceToCollision, Place::CollisionToDevice].map(|place| (wall, Sweep::Delay(place))));

@@ -31,6 +31,7 @@ pub mod picture;
 #[path = "../../tests/inside/rendering.rs"]
 mod tests;
 
+use haptic_core::names::Choice;
 use haptic_sim::plant::Linear;
 use serde::Serialize;
 
@@ -39,33 +40,16 @@ use super::matrix::reset;
 use super::spectrum::{Polar, Spectrum, radius};
 use crate::error::Error;
 
-/// Where a delay can sit, in the order of the paper's delay1 … delay4.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Place {
-    /// Positions on their way from the device to the collision detection engine.
-    DeviceToCollision,
-    /// Forces on their way from there to the device.
-    CollisionToDevice,
-    /// Forces on their way from there to the dynamics engine.
-    CollisionToDynamics,
-    /// Positions on their way from the dynamics engine to the collision detection engine.
-    DynamicsToCollision,
-}
-
-impl Place {
-    /// All four places, in the paper's order.
-    pub const ALL: [Self; 4] =
-        [Self::DeviceToCollision, Self::CollisionToDevice, Self::CollisionToDynamics, Self::DynamicsToCollision];
-
-    /// Name of the place, for tables and legends.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::DeviceToCollision => "device to CDE",
-            Self::CollisionToDevice => "CDE to device",
-            Self::CollisionToDynamics => "CDE to DE",
-            Self::DynamicsToCollision => "DE to CDE",
-        }
+haptic_sim::choices! {
+    /// Where a delay can sit, in the order of the paper's delay1 … delay4: between the device, the collision detection engine (CDE) and
+    /// the dynamics engine (DE).
+    #[derive(Serialize)]
+    #[serde(rename_all = "kebab-case")]
+    Place {
+        "device to CDE" => DeviceToCollision, "Positions on their way from the device to the collision detection engine.";
+        "CDE to device" => CollisionToDevice, "Forces on their way from there to the device.";
+        "CDE to DE" => CollisionToDynamics, "Forces on their way from there to the dynamics engine.";
+        "DE to CDE" => DynamicsToCollision, "Positions on their way from the dynamics engine to the collision detection engine.";
     }
 }
 
@@ -129,7 +113,7 @@ impl Rendering {
         any("contact_damping_n_s_per_m", self.contact_damping_n_s_per_m, "N·s/m")?;
         Error::within("sampling_period_s", self.period_s, [1e-6, 10.0], "s")?;
         Error::within("computing_ticks", self.computing_ticks, [0.0, 10.0], "ticks")?;
-        for (place, delay_s) in Place::ALL.into_iter().zip(self.delays_s) {
+        for (place, delay_s) in Place::ALL.iter().zip(self.delays_s) {
             let most_s = MOST_TICKS * self.period_s;
             Error::within(&format!("delay_s ({})", place.name()), delay_s, [0.0, most_s], "s")?;
         }

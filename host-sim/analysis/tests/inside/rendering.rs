@@ -1,5 +1,7 @@
 //! The sampled map against a simulation that puts every delay where it is, against closed forms, against the paper.
 
+use haptic_core::names::Choice;
+
 use super::closed::{largest_stiffness, longest_object_delay_s};
 use super::identify::{self, DELAY_S, PERIOD_S, identify, needs, wall};
 use super::maps::{Sweep, at, first, stiffness_limit};
@@ -70,8 +72,8 @@ fn scene(object: Option<Body>, contact_damping_n_s_per_m: f64, computing_ticks: 
 fn a_simulation_with_every_delay_in_its_place_agrees() {
     let heavy = Some(Body { mass_kg: 1.0, damping_n_s_per_m: 0.0 });
     let light = Some(Body { mass_kg: 0.2, damping_n_s_per_m: 1.5 });
-    let mut scenes: Vec<Rendering> =
-        Place::ALL.map(|place| scene(heavy, 1.0, 0.5, [0.0; 4]).delayed(place, 3.37e-3)).into();
+    let delayed = |place: &Place| scene(heavy, 1.0, 0.5, [0.0; 4]).delayed(*place, 3.37e-3);
+    let mut scenes: Vec<Rendering> = Place::ALL.iter().map(delayed).collect();
     scenes.push(scene(light, 0.5, 0.31, [1.21e-3, 0.4e-3, 2.63e-3, 5.5e-3]));
     scenes.push(scene(light, 0.0, 0.0, [0.0, 0.0, 0.0, 0.77e-3]));
     scenes.push(scene(None, 0.0, 0.0, [0.0; 4]));
@@ -129,7 +131,7 @@ fn movable_objects_follow_the_closed_form() {
     let mut orders = Vec::new();
     for (mass_kg, object_damping) in [(0.2, 0.0), (1.0, 0.0), (1.0, 5.0), (5.0, 1.0)] {
         let object = Body { mass_kg, damping_n_s_per_m: object_damping };
-        for (place, delay_s) in Place::ALL.into_iter().flat_map(|place| [(place, 2e-4), (place, 2e-3)]) {
+        for (place, delay_s) in Place::ALL.iter().flat_map(|place| [(*place, 2e-4), (*place, 2e-3)]) {
             let rendering = at(&scene(Some(object), 1.0, 0.5, [0.0; 4]), Sweep::Delay(place), delay_s, None);
             let largest = first(&stiffness_limit(&rendering).unwrap()).unwrap();
             let swings = (largest * (1.0 / DEVICE.mass_kg + 1.0 / mass_kg)).sqrt();

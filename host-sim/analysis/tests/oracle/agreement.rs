@@ -8,6 +8,7 @@ use haptic_core::law::Packet;
 use haptic_core::num::StateVector;
 use haptic_sim::scene::Scene;
 
+use super::law::{TAUTNESS, number};
 use super::{Constructed, Place, State, construct};
 use crate::error::Error;
 use crate::lifted::delay::delays_ticks;
@@ -60,7 +61,8 @@ pub(super) fn agreement(linear: &Scene, hands: Hands) -> Result<Option<Agreement
     let matrix = compare(linear, &driven, &constructed);
     let mut analyser = Analyser::default();
     let delays = delays_ticks(linear);
-    analyser.measure(linear, [hands != Hands::None, hands != Hands::Both], &[delays])?;
+    let says_all = crate::linear::matrix_says_all(linear)?;
+    analyser.measure((linear, says_all), [hands != Hands::None, hands != Hands::Both], &[delays])?;
     let first = analyser.joined(released, delays)?.spectral_radius;
     let objects = objects(&constructed.places);
     let second = analyser
@@ -162,7 +164,10 @@ fn driven_order(linear: &Scene, index: usize) -> Vec<Option<State>> {
         "passive-mean" => {
             &[Some(DesiredPosition), Some(DesiredVelocity), Some(CoordinationForce), None, None, Some(Outgoing)]
         }
-        "self-timed" => &[Some(DesiredPosition), Some(Outstanding), Some(Outgoing), Some(CoordinationForce)],
+        "self-timed" if number(linear, TAUTNESS) > 0.0 => {
+            &[DesiredPosition, Outstanding, Outgoing, CoordinationForce, TautSooner, TautForce, TautWay].map(Some)
+        }
+        "self-timed" => &[DesiredPosition, Outstanding, Outgoing, CoordinationForce].map(Some),
         "power" => &[None, None],
         _ => &[],
     };

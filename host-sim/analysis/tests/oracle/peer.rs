@@ -11,6 +11,7 @@ use haptic_core::object::IntegratorName;
 use haptic_sim::scene::Scene;
 
 use super::hold::Held;
+use super::law::{TAUTNESS, number};
 use super::rows;
 use crate::exponential::exponential;
 use crate::matrix::Matrix;
@@ -37,6 +38,10 @@ pub(crate) enum State {
     Outgoing,
     /// What a self-timed line has heard and not yet emitted, √W·s.
     Outstanding,
+    /// f₁, f₂ and g of a taut line's end (THEORY §15).
+    TautSooner,
+    TautForce,
+    TautWay,
     /// Device position of the tick before.
     LastReading,
     FilteredVelocity,
@@ -91,7 +96,8 @@ enum ForceTiming {
 use Input::{Contact, Coordination, Mean};
 use State::{
     CoordinationForce, DesiredPosition, DesiredVelocity, DeviceForce, DevicePosition, DeviceVelocity, DeviceWaiting,
-    FilteredVelocity, LastReading, ObjectForce, ObjectPosition, ObjectVelocity, Outgoing, Outstanding,
+    FilteredVelocity, LastReading, ObjectForce, ObjectPosition, ObjectVelocity, Outgoing, Outstanding, TautForce,
+    TautSooner, TautWay,
 };
 
 impl ConstructedPeer {
@@ -123,6 +129,9 @@ impl ConstructedPeer {
         }
         if law == "self-timed" {
             states.push(Outstanding);
+            if number(scene, TAUTNESS) > 0.0 {
+                states.extend([TautSooner, TautForce, TautWay]);
+            }
         }
         match scene.peer.axis.velocity {
             VelocityName::Measured => {}

@@ -145,14 +145,15 @@ fn both_constructions_say_the_same_of_a_line_with_a_time_of_its_own() {
         scene.set_number("coordination.carry_damping_n_s_per_m", carries).expect("it is allowed");
         scene.set_number("coordination.most_line_mass_kg", most_kg).expect("it is allowed");
         scene.peer.object.damping_n_s_per_m = 0.3;
-        for stiffness in [400.0, 1e5] {
+        for (stiffness, tautness) in [(400.0, 0.0), (400.0, 0.9), (1e5, 0.0), (1e5, 1.4)] {
             scene.peer.coordination.stiffness_n_per_m = stiffness;
+            scene.set_number("coordination.tautness", tautness).expect("it is allowed");
             for hands in [Hands::Both, Hands::One, Hands::None] {
                 let difference = agreement(&scene.linear(), hands).expect("a good scene").expect("it has equations");
                 let difference = difference.matrix.max(difference.spectral_radius);
                 assert!(
                     difference < 1e-9,
-                    "delay {delay}, credit {credit}, carries {carries}, {most_kg} kg, K_T {stiffness}, {hands:?}: {difference:.1e}"
+                    "delay {delay}, credit {credit}, carries {carries}, {most_kg} kg, K_T {stiffness}, tautness {tautness}, {hands:?}: {difference:.1e}"
                 );
             }
         }

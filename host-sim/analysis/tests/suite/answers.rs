@@ -31,11 +31,11 @@ fn what_is_analysed_is_what_is_measured() {
                     let measured = measured.expect("it repeats");
                     let analysed = answers(&scene, near, far, &[frequency_hz]).unwrap()[0];
                     let close = |what: &str, one: Complex, other: Complex, least: f64| {
-                        let off = Complex { re: one.re - other.re, im: one.im - other.im }.abs();
+                        let off = (one - other).norm();
                         let label = format!("{what}, {packets} packets, led at {near}, {far:?}, {frequency_hz} Hz");
                         // What nobody holds and hardly anything damps still rings in the run, by what a run may repeat to.
                         let within = if far == RemoteEnd::LetGo { 3e-2 } else { 1e-3 };
-                        assert!(off <= within * one.abs().max(least), "{label}: {one:?}, {other:?}");
+                        assert!(off <= within * one.norm().max(least), "{label}: {one:?}, {other:?}");
                     };
                     close("impedance", analysed.impedance, measured.impedance, 1e-3);
                     close("motion", analysed.motion, measured.motion, 1e-3);
@@ -64,8 +64,8 @@ fn slowly_moved_it_is_a_spring_or_a_mass() {
             let (felt, weighs) = (-omega * held.impedance.im, alone.impedance.im / omega);
             assert!((felt / spring - 1.0).abs() < 0.02, "{packets}: {felt} N/m, not {spring}");
             assert!((weighs / mass - 1.0).abs() < 0.01, "{packets}: {weighs} kg, not {mass}");
-            assert!((alone.motion.abs() - 1.0).abs() < 0.02, "{packets}: {:?}", alone.motion);
-            let ratio = held.pushed.abs() / held.impedance.abs();
+            assert!((alone.motion.norm() - 1.0).abs() < 0.02, "{packets}: {:?}", alone.motion);
+            let ratio = held.pushed.norm() / held.impedance.norm();
             assert!((ratio - 1.0).abs() < 0.02, "{packets}: {ratio}");
         }
     }

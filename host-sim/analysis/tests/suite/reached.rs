@@ -78,11 +78,11 @@ fn a_line_that_holds_still_now_and_then_is_judged_as_it_runs() {
         for (mode, runs) in judged.modes.iter().zip(runs) {
             let said = format!("{name} M={} {mode:?}, runs {runs}", scene.peer.timing.ticks_per_packet);
             println!("{said}, {} s", scene.world.network.extra_delay_s);
-            // A pair that nobody holds glides on, and has a radius of 1.
+            // A pair that nobody holds glides on, with a radius of 1, or faster by next to nothing.
             let off = (mode.verdict.spectral_radius.ln() - runs.ln()).abs();
-            let glides = mode.mode == Hands::None && mode.verdict.spectral_radius <= 1.0;
+            let glides = mode.mode == Hands::None && mode.verdict.spectral_radius <= 1.0 + 1e-5;
             assert!(off < 0.03 * runs.ln().abs() || glides, "{said}, {:?}", scene.world.network);
-            assert_eq!(mode.verdict.stable, runs <= 1.0 + 1e-5, "{said}, {:?}", scene.world.network);
+            assert!(glides || mode.verdict.stable == (runs <= 1.0), "{said}, {:?}", scene.world.network);
         }
     }
     for delay in [16, 17] {
@@ -113,7 +113,7 @@ fn a_line_is_judged_at_every_length_that_it_has() {
     }
 }
 
-/// An independent oracle: the radius is how fast what a kick leaves dies away or grows.
+/// An independent oracle: the radius is how fast what a kick leaves dies away or grows. Of a taut line with a τ that is no slower than the rest.
 #[test]
 fn a_radius_is_the_decay_of_a_kicked_run() {
     let mut worst = 0.0_f64;
@@ -149,19 +149,22 @@ fn a_radius_is_the_decay_of_a_kicked_run() {
         ("space", 1, 16, 1500),
         ("space", 4, 2, 1200),
     ] {
-        let mut scene = scene(name, ticks, delay, &[&format!("{STIFFNESS}={stiffness}")]);
-        let both = haptic_analysis::verdict(&scene).expect("a good scene");
-        if let Some(ticks) = both.line_ticks {
-            scene.set_number("coordination.credit_ticks", ticks as f64).expect("it is allowed");
+        for tautness in [0.0, 0.9] {
+            let taut = [format!("coordination.tautness={tautness}"), "coordination.taut_s=0.05".to_owned()];
+            let mut scene = scene(name, ticks, delay, &[&format!("{STIFFNESS}={stiffness}"), &taut[0], &taut[1]]);
+            let both = haptic_analysis::verdict(&scene).expect("a good scene");
+            if let Some(ticks) = both.line_ticks {
+                scene.set_number("coordination.credit_ticks", ticks as f64).expect("it is allowed");
+            }
+            // No kick excites every wave alike: the slowest of three.
+            let runs = (3..6).map(|seed| decay(&scene.linear(), 4.0, seed)).fold(0.0, f64::max);
+            let off = (both.spectral_radius.ln() - runs.ln()).abs() / runs.ln().abs().max(1e-5);
+            println!(
+                "{name} M={ticks} {delay} packets, {stiffness} N/m, tautness {tautness}: radius {:.6} (line {:?}, {} states), runs {runs:.6}, off {off:.4}",
+                both.spectral_radius, both.line_ticks, both.states
+            );
+            worst = worst.max(off);
         }
-        // No kick excites every wave alike: the slowest of three.
-        let runs = (3..6).map(|seed| decay(&scene.linear(), 4.0, seed)).fold(0.0, f64::max);
-        let off = (both.spectral_radius.ln() - runs.ln()).abs() / runs.ln().abs().max(1e-5);
-        println!(
-            "{name} M={ticks} {delay} packets, {stiffness} N/m: radius {:.6} (line {:?}, {} states), runs {runs:.6}, off {off:.4}",
-            both.spectral_radius, both.line_ticks, both.states
-        );
-        worst = worst.max(off);
     }
     assert!(worst < 0.02, "{worst}");
 }

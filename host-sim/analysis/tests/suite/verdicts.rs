@@ -34,8 +34,9 @@ use rayon::prelude::*;
 
 use crate::random::{self, Random};
 
-/// Scenes of every run of the tests.
+/// Scenes of every run of the tests: so many from the first on, and those of 10,000 that were called stable once, and grew or went on swinging.
 const FEW: u64 = 300;
+const HARD: [u64; 14] = [3078, 3178, 3218, 4618, 4658, 6014, 6034, 7225, 7965, 8445, 9158, 9398, 9498, 9585];
 
 /// The table under review.
 const TABLE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/verdicts.txt");
@@ -157,6 +158,8 @@ struct Ran {
     does: Does,
     /// Growth of its changes over the second half, 1/s.
     rate: f64,
+    /// The largest change of the last quarter is smaller than that of the first.
+    is_smaller: bool,
     alone_s: f64,
 }
 
@@ -257,7 +260,7 @@ where
             break Does::Grows;
         }
         if count as f64 * window_s > alone_s[0] {
-            let does = match quarters(&sizes) {
+            let does = match quarters(&sizes, 1) {
                 grown if grown > CLEAR => Does::Grows,
                 grown if grown < -CLEAR => Does::Settles,
                 _ => Does::Neither,
@@ -269,15 +272,15 @@ where
             alone_s = longer;
         }
     };
-    let rate = quarters(&sizes) / (0.5 * sizes.len() as f64 * window_s);
-    Ran { does, rate, alone_s: sizes.len() as f64 * window_s }
+    let rate = quarters(&sizes, 1) / (0.5 * sizes.len() as f64 * window_s);
+    Ran { does, rate, is_smaller: quarters(&sizes, 0) < 0.0, alone_s: sizes.len() as f64 * window_s }
 }
 
-/// By how much the largest of the last quarter is larger than that of the second one: two waves that beat do not grow.
-fn quarters(sizes: &[f64]) -> f64 {
+/// By how much the largest of the last quarter is larger than that of an earlier one: two waves that beat do not grow.
+fn quarters(sizes: &[f64], earlier: usize) -> f64 {
     let quarter = |at: usize| &sizes[at * sizes.len() / 4..(at + 1) * sizes.len() / 4];
-    let [second, last] = [1, 3].map(|at| quarter(at).iter().copied().fold(f64::NEG_INFINITY, f64::max));
-    last - second
+    let [earlier, last] = [earlier, 3].map(|at| quarter(at).iter().copied().fold(f64::NEG_INFINITY, f64::max));
+    last - earlier
 }
 
 /// What a verdict and its runs are together; columns of the table.
@@ -355,6 +358,7 @@ fn compare_mode(seed: u64, scene: &Scene, mode: &Mode) -> Compared {
     };
     let alone_s = if verdict.stable { &ALONE_S[..] } else { &ALONE_S[..1] };
     let (is_linear, tank) = (is_linear(scene).expect("a good scene"), law.budgets().next().is_some());
+    let learns = law.name == "model-mediated";
     let first = ran(0, alone_s);
     // The other kicks excite it too little until all else has died away.
     if !verdict.stable && first.does == Does::Grows && is_linear && !tank {
@@ -362,8 +366,11 @@ fn compare_mode(seed: u64, scene: &Scene, mode: &Mode) -> Compared {
     }
     let runs = [first, ran(1, alone_s), ran(2, alone_s)];
     let settles = |ran: &Ran| ran.does == Does::Settles;
+    // The radius of a line that pauses is that of the largest part of a run: a ripple may stay in a line that a soft spring hardly feels.
+    let pauses = law.sends == Sends::Counters && verdict.states == 0;
     // What the radius makes of the changes until a run is over is too little to be seen.
-    let slow = |ran: &Ran| ran.does == Does::Neither && (said * 0.5 * ran.alone_s).abs() < 2.0 * CLEAR;
+    let unseen = |ran: &Ran| (said * 0.5 * ran.alone_s).abs() < 2.0 * CLEAR || pauses && ran.is_smaller;
+    let slow = |ran: &Ran| ran.does == Does::Neither && unseen(ran);
     let rate = runs[0].rate;
     let silent = scene.peer.own(&LONGEST) > 0.0;
     if verdict.stable {
@@ -371,13 +378,15 @@ fn compare_mode(seed: u64, scene: &Scene, mode: &Mode) -> Compared {
             () if runs.iter().all(settles) => Outcome::StableSettles,
             () if runs.iter().all(|ran| settles(ran) || slow(ran)) => Outcome::StableSlow,
             // What is judged is the linear scene, and that one settles.
-            () if (settles(&runs[0]) || slow(&runs[0])) && runs.iter().all(|ran| ran.does != Does::Grows) => {
+            () if (settles(&runs[0]) || slow(&runs[0]) || !is_linear)
+                && runs.iter().all(|ran| ran.does != Does::Grows) =>
+            {
                 let reason = match () {
                     () if tank && !settles(&ran(3, &ALONE_S[1..])) => {
                         "about rest, by what the law does with an energy tank"
                     }
-                    () if !is_linear || silent => {
-                        "after a kick, by a law that is not linear or keeps silent on purpose"
+                    () if silent || (!is_linear || learns) && runs.iter().all(|ran| settles(ran) || ran.is_smaller) => {
+                        "after a kick, by a law that is not linear, keeps silent on purpose, or learns"
                     }
                     () => return compared(Outcome::StableGrows, format!("{runs:?}"), rate),
                 };
@@ -450,7 +459,10 @@ fn number(name: &str) -> Option<u64> {
 #[test]
 fn no_scene_that_is_called_stable_grows() {
     let (scenes, from) = (number("SCENES"), number("SEED").unwrap_or(0));
-    let of: Vec<Compared> = (from..from + scenes.unwrap_or(FEW)).into_par_iter().flat_map_iter(compare).collect();
+    let seeds = from..from + scenes.unwrap_or(FEW);
+    let hard = HARD.iter().copied().filter(|_| scenes.is_none());
+    let seeds: Vec<u64> = seeds.chain(hard).collect();
+    let of: Vec<Compared> = seeds.into_par_iter().flat_map_iter(compare).collect();
     let few: Vec<Compared> = of.iter().filter(|one| one.seed < FEW).cloned().collect();
     let of_few = table(&few, FEW);
     println!("{}\n{}", table(&of, scenes.unwrap_or(FEW)), margins(&of));

@@ -2,6 +2,7 @@
 //! which is the one that telemetry tells of; all beside the control loop.
 
 use std::net::SocketAddr;
+use std::sync::Arc;
 use std::time::Instant;
 
 use haptic_live::discrepancy::{Copies, Sum};
@@ -19,7 +20,7 @@ use crate::cooperative::hub::Hub;
 
 /// Records and reports what a hub does.
 pub(crate) struct HubWatch {
-    recorder: Option<Recorder>,
+    recorder: Option<Arc<Recorder>>,
     pub teller: Teller,
     period_s: f64,
     packet_s: f64,
@@ -45,9 +46,13 @@ impl HubWatch {
         packets: u64,
     ) -> Result<Self, Error> {
         let timing = &scene.peer.timing;
+        let channels = ticks::hub_channels(lines, scene.peer.axis.shared as usize);
+        let recorder = wanted.recorder("hub", start, channels)?.map(Arc::new);
+        let mut teller = Teller::new(wanted.manner);
+        teller.log = recorder.clone();
         Ok(Self {
-            recorder: wanted.recorder("hub", start, ticks::hub_channels(lines, scene.peer.axis.shared as usize))?,
-            teller: Teller::new(wanted.manner),
+            recorder,
+            teller,
             period_s: timing.control_period_s,
             packet_s: timing.packet_period_s(),
             packets,
@@ -173,7 +178,8 @@ impl HubWatch {
 
     /// What there was to see; the recording is closed.
     pub(crate) fn end(mut self) -> LiveSummary {
-        let recorded = self.recorder.take().map(|recorder| recorder.finish().summary());
+        self.teller.log = None;
+        let recorded = self.recorder.take().and_then(Arc::into_inner).map(|recorder| recorder.finish().summary());
         if let Some(reported) = &recorded {
             self.teller.words(reported.clone());
         }

@@ -19,6 +19,7 @@ use std::time::{Duration, Instant};
 
 use haptic_core::law::{AnyLaw, Law, Packet};
 use haptic_core::num::Motion;
+use haptic_core::peer::STEP_N;
 use haptic_core::safety::Fault;
 use haptic_protocol::key::Key;
 use haptic_protocol::link::Error as Refusal;
@@ -283,6 +284,9 @@ where
     let talk = if number == 1 { one } else { two };
     let peers = scene.peers();
     let (safety, timing) = (&peers[found].safety, &scene.peer.timing);
+    // What the last step of the fading leaves of the largest force.
+    let left_n = safety.max_force_n * timing.packet_period_s() / (safety.disengage_s - safety.fade_s);
+    let falls_s = left_n / STEP_N * timing.control_period_s;
     let abilities = Abilities {
         name: format!("board {number} at {at}"),
         axes: SHARED,
@@ -291,7 +295,7 @@ where
         // It is armed, and so has found its signs and its zero.
         is_homed: true,
         buttons: 0,
-        lets_go_s: Some(safety.disengage_s + 2.0 * timing.packet_period_s()),
+        lets_go_s: Some(safety.disengage_s + falls_s + 2.0 * timing.packet_period_s()),
     };
     Ok(Box::new(Board::start(abilities, talk)?))
 }

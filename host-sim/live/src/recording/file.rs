@@ -16,7 +16,7 @@ use std::path::Path;
 use haptic_report::{Column, Columns};
 use haptic_sim::quantities::Named;
 
-use super::mcap::{Channel, MAGIC, op};
+use super::mcap::{Channel, INFO, LOG, LogLine, MAGIC, op};
 use super::origin::Origin;
 use super::recorder::MOST_COLUMNS;
 use crate::Error;
@@ -59,6 +59,13 @@ pub struct Cut {
     pub saved: u64,
 }
 
+impl Recording {
+    /// What happened, and when that was recorded, ns of Unix time.
+    pub fn log(&self) -> impl Iterator<Item = (u64, &LogLine)> {
+        self.channels.iter().flat_map(|rows| rows.times_ns.iter().copied().zip(&rows.lines))
+    }
+}
+
 impl Cut {
     /// The damage in words, for a person.
     pub fn summary(&self) -> String {
@@ -84,6 +91,8 @@ pub struct Rows {
     /// When each was recorded, ns of Unix time.
     pub times_ns: Vec<u64>,
     columns: Vec<Vec<f64>>,
+    /// What a log says beside its times.
+    lines: Vec<LogLine>,
 }
 
 impl Rows {
@@ -129,6 +138,12 @@ impl Rows {
         table.push(Column::numbers(ROW.0, ROW.1, self.sequences.clone()));
         for (name, values) in self.names.iter().zip(&self.columns) {
             table.push(Column::numbers(name.as_str(), self.meaning(name), values.clone()));
+        }
+        if self.row == LOG {
+            let lines = Columns::of(&self.lines).value("level", |line| line.level).means(self.meaning("level"));
+            let lines = lines.value("message", |line| line.words.as_str()).means(self.meaning("message"));
+            let lines = lines.value("name", |line| line.who.as_str()).means(self.meaning("name"));
+            lines.done().into_iter().for_each(|column| table.push(column));
         }
         table
     }
@@ -270,7 +285,8 @@ impl Reading {
                 for (_, column) in &columns {
                     bounded("bytes in the name of a column", column.len() as u64, LONGEST_NAME as u64)?;
                 }
-                let row = name.rsplit('.').next().unwrap_or_default().to_owned();
+                let last = name.rsplit('.').next().filter(|_| name != LOG);
+                let row = last.unwrap_or(&name).to_owned();
                 self.schemas.insert(id, (row, columns));
             }
             op::CHANNEL => {
@@ -281,6 +297,7 @@ impl Reading {
             op::MESSAGE => {
                 let taken = self.message(content);
                 bounded("numbers", self.numbers, MOST_NUMBERS)?;
+                bounded("bytes that are no rows", self.text, MOST_TEXT)?;
                 return Ok(taken);
             }
             op::METADATA => {
@@ -309,6 +326,7 @@ impl Reading {
         let (id, sequence, time_ns) = (content.number::<2>()?, content.number::<4>()?, content.number::<8>()?);
         content.number::<8>()?;
         let rows = self.channels.get_mut(&id)?;
+        let said = content;
         let mut values = [None; MOST_COLUMNS];
         while let Some((number, _, bits)) = content.field() {
             if let Some(at) = rows.numbers.iter().position(|known| *known == number) {
@@ -318,6 +336,14 @@ impl Reading {
         // All of them, or it is none of ours.
         let values: Vec<f64> = values[..rows.columns.len()].iter().copied().collect::<Option<_>>()?;
         rows.columns.iter_mut().zip(values).for_each(|(column, value)| column.push(value));
+        if rows.row == LOG {
+            let text = |number| said.inner(number).map_or(&[][..], |text| text.0);
+            let [who, words] = [4, 3].map(|number| String::from_utf8_lossy(text(number)));
+            let level = said.fields(2).next().map_or(INFO, |(_, level)| level as u8);
+            rows.lines.push(LogLine::new(&who, level, words));
+            // A line takes room beside its words.
+            self.text += (size_of::<LogLine>() + said.0.len()) as u64;
+        }
         self.numbers += rows.columns.len() as u64 + 2;
         rows.sequences.push(sequence as f64);
         rows.times_ns.push(time_ns);

@@ -8,16 +8,34 @@
 //! A message is a row of `double`s in protobuf, whose schema (a `FileDescriptorSet`) stands in the file: PlotJuggler and Foxglove
 //! read both without help. Meanings of the columns are metadata of the channel.
 //!
+//! The last channel is the log: what happened, in words, as messages that Foxglove and Rerun know ([`LogLine`]).
+//!
 //! Written here and not with the `mcap` crate (0.26), which brings ten more crates and 18 s of processor time into the first build
 //! for these records; `cargo xtask test` has Python's `mcap` read them.
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
+use super::ticks::TIME;
+
 /// How every file begins and ends.
 pub(super) const MAGIC: &[u8; 8] = b"\x89MCAP0\r\n";
 /// Name of the schemas' file and package.
 const PACKAGE: &str = "haptics";
+/// Schema of the log, by which programs know it.
+pub(super) const LOG: &str = "foxglove.Log";
+/// Level of a fault in the log.
+pub const ERROR: u8 = 4;
+/// Of all else.
+pub const INFO: u8 = 2;
+/// The schema itself: `timestamp`, `level`, `message` and `name` of Foxglove's `Log.proto`, the double `time_s`, which is ours, as its field 15,
+/// and `google.protobuf.Timestamp`. Python's protobuf reads it in a test.
+const LOG_SCHEMA: &[u8] = b"\n_\n\x1fgoogle/protobuf/timestamp.proto\x12\x0fgoogle.protobuf\"+\n\x09Timestamp\x12\x0f\n\x07seconds\x18\x01 \x01(\
+\x03\x12\x0d\n\x05nanos\x18\x02 \x01(\x05\n\x97\x02\n\x12foxglove/Log.proto\x12\x08foxglove\x1a\x1fgoogle/protobuf/tim\
+estamp.proto\"\xd5\x01\n\x03Log\x12-\n\x09timestamp\x18\x01 \x01(\x0b2\x1a.google.protobuf.Timestamp\x12\"\n\x05level\
+\x18\x02 \x01(\x0e2\x13.foxglove.Log.Level\x12\x0f\n\x07message\x18\x03 \x01(\x09\x12\x0c\n\x04name\x18\x04 \x01(\x09\
+\x12\x0e\n\x06time_s\x18\x0f \x01(\x01\"L\n\x05Level\x12\x0b\n\x07UNKNOWN\x10\0\x12\x09\n\x05DEBUG\x10\x01\x12\x08\n\
+\x04INFO\x10\x02\x12\x0b\n\x07WARNING\x10\x03\x12\x09\n\x05ERROR\x10\x04\x12\x09\n\x05FATAL\x10\x05";
 
 /// What a record is.
 pub(super) mod op {
@@ -65,6 +83,32 @@ impl Channel {
         let field = |(name, meaning): (N, M)| Field { name: name.into(), meaning: meaning.into() };
         Self { topic: topic.into(), row: row.to_owned(), fields: fields.into_iter().map(field).collect() }
     }
+}
+
+/// Something that happened, as the log says it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LogLine {
+    /// Who says it: `peer 1`, `board 2`, `hub`.
+    pub who: String,
+    /// [`ERROR`] of a fault, which stopped whoever says it; [`INFO`] of all else.
+    pub level: u8,
+    /// What happened.
+    pub words: String,
+}
+
+impl LogLine {
+    /// What `who` says.
+    pub fn new(who: &str, level: u8, words: impl Into<String>) -> Self {
+        let (who, words) = (who.to_owned(), words.into());
+        Self { who, level, words }
+    }
+}
+
+/// The channel of the log.
+pub fn log_channel() -> Channel {
+    let level = ("level", "4: a fault, which stopped whoever says it; 2: else");
+    let (message, name) = (("message", "what happened"), ("name", "who says it"));
+    Channel::new("/log", LOG, [TIME, level, message, name])
 }
 
 /// Bytes of a record that is being made.
@@ -149,6 +193,17 @@ fn message(values: &[f64]) -> Vec<u8> {
         .0
 }
 
+/// A line of the log as protobuf, with its time since the start, s.
+fn log_message(time_ns: u64, time_s: f64, line: &LogLine) -> Vec<u8> {
+    const SECOND: u64 = 1_000_000_000;
+    let time = Bytes::default().proto_number(1, time_ns / SECOND);
+    let time = time.proto_number(2, time_ns % SECOND);
+    let said = Bytes::default().proto(1, &time.0).proto_number(2, line.level.into());
+    let said = said.proto(3, line.words.as_bytes());
+    let said = said.proto(4, line.who.as_bytes());
+    said.varint(15 << 3 | 1).eight(time_s.to_bits()).0
+}
+
 /// A chunk that is in the file.
 struct Placed {
     times: (u64, u64),
@@ -178,13 +233,16 @@ pub(super) struct Writer<W> {
     chunks: Vec<Placed>,
     counts: BTreeMap<u16, u64>,
     metadata: Vec<(String, u64, u64)>,
+    /// Lines of the log.
+    lines: u32,
 }
 
 impl<W: Write> Writer<W> {
     /// Begins a file of these channels.
     pub(super) fn begin(out: W, library: &str, channels: Vec<Channel>) -> io::Result<Self> {
         let (chunk, counts) = (Chunk::default(), BTreeMap::new());
-        let mut writer = Self { out, at: 0, channels, chunk, chunks: Vec::new(), counts, metadata: Vec::new() };
+        let mut writer =
+            Self { out, at: 0, channels, chunk, chunks: Vec::new(), counts, metadata: Vec::new(), lines: 0 };
         let header = Bytes::default().text("").text(library).record(op::HEADER);
         writer.put(&[MAGIC, &header[..]].concat())?;
         let channels = writer.described();
@@ -201,8 +259,11 @@ impl<W: Write> Writer<W> {
     /// Bytes of all schemas and channels.
     fn described(&self) -> Vec<u8> {
         let one = |(id, channel): (u16, &Channel)| {
-            let name = format!("{PACKAGE}.{}", channel.row);
-            let own = Bytes::default().two(id + 1).text(&name).text("protobuf").counted(&schema(channel));
+            let (name, schema) = match &*channel.row {
+                LOG => (LOG.to_owned(), LOG_SCHEMA.to_vec()),
+                row => (format!("{PACKAGE}.{row}"), schema(channel)),
+            };
+            let own = Bytes::default().two(id + 1).text(&name).text("protobuf").counted(&schema);
             let meanings = channel.fields.iter().filter(|field| !field.meaning.is_empty());
             let meanings = meanings.map(|field| (field.name.as_str(), field.meaning.as_str()));
             let about = Bytes::default().two(id).two(id + 1).text(&channel.topic).text("protobuf").map(meanings);
@@ -224,11 +285,22 @@ impl<W: Write> Writer<W> {
 
     /// Takes a row of a channel, which goes into the file with its chunk.
     pub(super) fn row(&mut self, channel: u16, sequence: u32, time_ns: u64, values: &[f64]) {
+        self.message(channel, sequence, time_ns, &message(values));
+    }
+
+    /// Takes a line of the log, which is the last channel, as well.
+    pub(super) fn log(&mut self, time_ns: u64, time_s: f64, line: &LogLine) {
+        let (channel, message) = (self.channels.len() as u16 - 1, log_message(time_ns, time_s, line));
+        self.message(channel, self.lines, time_ns, &message);
+        self.lines += 1;
+    }
+
+    fn message(&mut self, channel: u16, sequence: u32, time_ns: u64, message: &[u8]) {
         let head = Bytes::default().two(channel).four(sequence).eight(time_ns).eight(time_ns);
         let (first, last) = self.chunk.times.unwrap_or((time_ns, time_ns));
         self.chunk.times = Some((first.min(time_ns), last.max(time_ns)));
         self.chunk.messages.entry(channel).or_default().push((time_ns, self.chunk.records.len() as u64));
-        self.chunk.records.extend(head.raw(&message(values)).record(op::MESSAGE));
+        self.chunk.records.extend(head.raw(message).record(op::MESSAGE));
     }
 
     /// Bytes that wait for [`Self::flush`].

@@ -45,6 +45,11 @@ impl Origin {
         Self { clock: String::new(), start_clock_ns: 0, ..start }
     }
 
+    /// How long after time 0 that is, s.
+    pub fn since_s(&self, unix_ns: u64) -> f64 {
+        (unix_ns as i64 - self.start_unix_ns as i64) as f64 * 1e-9
+    }
+
     /// As they stand in the file.
     pub(super) fn facts(&self) -> Vec<(&'static str, String)> {
         vec![

@@ -5,6 +5,9 @@
 //! chunk of its own that the system has: an end by signal, by SIGKILL or by a full disk costs no more than that. It is not forced onto
 //! the disk: a machine that loses its power loses what its system had not written.
 //!
+//! **The log.** Whoever records says what happens ([`Recorder::log`]), every change of a peer's mode among it ([`Recorder::log_mode`]). At most
+//! 1,000 lines at once and one a second go into the file: somebody on the network may cause them. Others are counted as lost.
+//!
 //! **A disk that is full** ends the recording, not the run: what is not whole is cut off, and the file says what is missing.
 
 use std::fs::File;
@@ -12,11 +15,15 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
-use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, TrySendError, sync_channel};
+use std::sync::mpsc::{Receiver, Sender, SyncSender, TryRecvError, TrySendError, channel, sync_channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use super::mcap::{Channel, Writer};
+use haptic_core::safety::Fault;
+use haptic_meeting::allowance::Allowance;
+use haptic_sim::device::DeviceFault;
+
+use super::mcap::{Channel, ERROR, INFO, LogLine, Writer, log_channel};
 use super::origin::Origin;
 use crate::Error;
 
@@ -28,6 +35,8 @@ const EVERY: Duration = Duration::from_millis(250);
 const LARGEST: usize = 1 << 17;
 /// How often the thread looks for rows: nobody wakes it, for that would take the beat's time.
 const LOOK: Duration = Duration::from_millis(10);
+/// Lines of the log that are taken each second, and at once.
+const LINES: [f64; 2] = [1.0, 1000.0];
 /// Most columns of a channel.
 pub const MOST_COLUMNS: usize = 64;
 
@@ -66,8 +75,12 @@ impl Ended {
 #[derive(Debug)]
 pub struct Recorder {
     queue: Option<SyncSender<Row>>,
+    lines: Sender<(u64, u64, LogLine)>,
     sequences: Vec<AtomicU32>,
+    /// Whose recording it is.
+    pub who: String,
     start_unix_ns: u64,
+    newest_ns: AtomicU64,
     lost: Arc<AtomicU64>,
     thread: Option<JoinHandle<Ended>>,
 }
@@ -77,7 +90,7 @@ impl Recorder {
     ///
     /// # Errors
     /// The file exists or cannot be written.
-    pub fn create(path: &Path, origin: &Origin, channels: Vec<Channel>) -> Result<Self, Error> {
+    pub fn create(path: &Path, origin: &Origin, mut channels: Vec<Channel>) -> Result<Self, Error> {
         if let Some(wide) = channels.iter().find(|channel| channel.fields.len() > MOST_COLUMNS) {
             let count = wide.fields.len();
             return Err(format!("{} has {count} columns: a recording has at most {MOST_COLUMNS}", wide.topic).into());
@@ -90,20 +103,57 @@ impl Recorder {
         };
         let file = haptic_io::begin(path).map_err(failed)?;
         let sequences = channels.iter().map(|_| AtomicU32::new(0)).collect();
+        channels.push(log_channel());
         let mut writer = Writer::begin(file, &format!("host-sim {}", origin.version), channels).map_err(failed)?;
         writer
             .metadata("recording", origin.facts().iter().map(|(name, text)| (*name, text.as_str())))
             .map_err(failed)?;
-        let (queue, rows) = sync_channel(QUEUE);
+        let ((queue, rows), (lines, said)) = (sync_channel(QUEUE), channel());
         let lost = Arc::new(AtomicU64::new(0));
         let own = (path.to_owned(), lost.clone());
-        let thread = std::thread::Builder::new().name("recorder".to_owned()).spawn(move || write(writer, &rows, own));
+        let thread =
+            std::thread::Builder::new().name("recorder".to_owned()).spawn(move || write(writer, &rows, &said, own));
         let thread = Some(thread.map_err(failed)?);
-        Ok(Self { queue: Some(queue), sequences, start_unix_ns: origin.start_unix_ns, lost, thread })
+        let (who, start_unix_ns) = (origin.who.clone(), origin.start_unix_ns);
+        Ok(Self {
+            queue: Some(queue),
+            lines,
+            sequences,
+            newest_ns: AtomicU64::new(0),
+            who,
+            start_unix_ns,
+            lost,
+            thread,
+        })
+    }
+
+    /// Time of the newest row, ns after the start.
+    pub fn now_ns(&self) -> u64 {
+        self.newest_ns.load(Ordering::Relaxed)
+    }
+
+    /// Records what happened, `time_ns` after the start; [`ERROR`] if it stopped whose recording this is, or else [`INFO`]. Never waits.
+    pub fn log(&self, time_ns: u64, level: u8, words: impl Into<String>) {
+        self.log_line(time_ns, LogLine::new(&self.who, level, words));
+    }
+
+    /// [`Recorder::log`] of a line that somebody else says.
+    pub fn log_line(&self, time_ns: u64, line: LogLine) {
+        // A recording that has ended takes no more.
+        let _ = self.lines.send((self.start_unix_ns, time_ns, line));
+    }
+
+    /// [`Recorder::log`] of the mode and the fault of `who` `now`, unless they are the `last` ones or not known.
+    pub fn log_mode(&self, time_ns: u64, who: &str, last: &mut [f64; 2], now: [f64; 2]) {
+        if now.iter().all(|number| number.is_finite()) && std::mem::replace(last, now) != now {
+            let level = if now[1] > 0.0 { ERROR } else { INFO };
+            self.log_line(time_ns, LogLine::new(who, level, mode_words(now.map(|number| number as u8))));
+        }
     }
 
     fn row(&self, channel: u16, time_ns: u64, values: &[f64]) -> Row {
         let sequence = self.sequences[usize::from(channel)].fetch_add(1, Ordering::Relaxed);
+        self.newest_ns.store(time_ns, Ordering::Relaxed);
         let (mut kept, count) = ([0.0; MOST_COLUMNS], values.len().min(MOST_COLUMNS));
         kept[..count].copy_from_slice(&values[..count]);
         Row { channel, sequence, time_ns: self.start_unix_ns + time_ns, count, values: kept }
@@ -145,8 +195,23 @@ impl Drop for Recorder {
     }
 }
 
+/// A mode and a fault by their numbers, in words.
+fn mode_words([mode, fault]: [u8; 2]) -> String {
+    let of_device = DeviceFault::from_number(fault).map(DeviceFault::explain);
+    let why = Fault::from_number(fault).map(Fault::explain).or(of_device);
+    let names = ["disarmed", "armed", "faulted", "probing"];
+    let name = || names[usize::from(mode.min(3))].to_owned();
+    why.map_or_else(name, |why| format!("fault {fault}: {why}"))
+}
+
 /// Writes rows until nobody gives any more, or the file takes no more.
-fn write(mut writer: Writer<File>, rows: &Receiver<Row>, (file, lost): (PathBuf, Arc<AtomicU64>)) -> Ended {
+fn write(
+    mut writer: Writer<File>,
+    rows: &Receiver<Row>,
+    lines: &Receiver<(u64, u64, LogLine)>,
+    (file, lost): (PathBuf, Arc<AtomicU64>),
+) -> Ended {
+    let mut allowance = Allowance::new(LINES[1], Instant::now());
     let (mut written, mut waiting, mut flushed, mut failed) = (0, 0, Instant::now(), None::<String>);
     loop {
         let open = match rows.try_recv() {
@@ -161,6 +226,12 @@ fn write(mut writer: Writer<File>, rows: &Receiver<Row>, (file, lost): (PathBuf,
             }
             Err(TryRecvError::Disconnected) => false,
         };
+        for (start_ns, time_ns, line) in lines.try_iter() {
+            match allowance.takes(Instant::now(), 1.0, LINES) {
+                true => writer.log(start_ns + time_ns, 1e-9 * time_ns as f64, &line),
+                false => _ = lost.fetch_add(1, Ordering::Relaxed),
+            }
+        }
         if open && writer.waiting() < LARGEST && flushed.elapsed() < EVERY {
             continue;
         }

@@ -2,7 +2,6 @@
 
 use haptic_core::num::Scalar;
 use haptic_core::peer::Observed;
-use haptic_core::safety::Mode;
 use haptic_core::sample::{OfAxis, OfPeer, Quantities, SAMPLE};
 
 use haptic_meeting::carrier::PathReport;
@@ -12,6 +11,7 @@ use haptic_sim::run::AXIS_NAMES;
 
 use super::common_clock::{Exchange, Relation, Watched};
 use super::mcap::Channel;
+use super::recorder::Recorder;
 
 /// Since when a recording's times count.
 pub const TIME: Named = ("time_s", "since the recording's clock began");
@@ -176,12 +176,27 @@ pub struct BoardTicks {
     clock: Watched,
     /// Number of ticks that came.
     pub ticks: u64,
+    /// Mode and fault that the log has said last.
+    mode: [f64; 2],
 }
 
 impl BoardTicks {
     /// A board with this control period, s, that shares so many axes.
     pub fn new(period_s: f64, axes: usize) -> Self {
-        Self { period_s, axes, clock: Watched::default(), ticks: 0 }
+        Self { period_s, axes, clock: Watched::default(), ticks: 0, mode: [0.0; 2] }
+    }
+
+    /// Records samples that came over a link, each with when it was sealed, and says when the board's mode changes.
+    pub fn record(&mut self, recorder: &Recorder, now_ns: u64, link: &Link, samples: &[(u64, Sample)]) {
+        let place = |name| quantities::place(&haptic_board_tools::recording::COLUMNS, name);
+        let (places, mut mode) = (["mode", "fault"].map(place), self.mode);
+        self.take(link, samples, |channel, row| {
+            recorder.put(channel, now_ns, row);
+            if channel == TICKS {
+                recorder.log_mode(now_ns, &recorder.who, &mut mode, places.map(|at| row[at]));
+            }
+        });
+        self.mode = mode;
     }
 
     /// Takes samples that came over a link, each with when it was sealed, µs of the board's clock; `put` gets rows of
@@ -203,15 +218,14 @@ impl BoardTicks {
 /// A row of [`TICK`].
 pub fn tick<S: Scalar>(
     time_ns: u64,
-    tick: u64,
-    mode: Mode,
+    peer: OfPeer,
     seen: &Observed<S>,
     [received_j, sent_j]: [S; 2],
     live: bool,
 ) -> [f64; TICK.len()] {
     let [received_j, sent_j] = [received_j, sent_j].map(S::to_f64);
     let axis = OfAxis { observed: &seen.map(S::to_f64), received_j, sent_j };
-    tick_of(&SAMPLE, time_ns, OfPeer::new(tick, mode), &axis, live)
+    tick_of(&SAMPLE, time_ns, peer, &axis, live)
 }
 
 /// A row of [`tick_columns`].

@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use super::file::{Recording, Rows};
-use super::mcap::Channel;
+use super::mcap::{Channel, LOG};
 use super::merge::{Merged, columns, on_the_first_clock};
 use super::origin::Origin;
 use super::recorder::{Ended, Recorder};
@@ -19,14 +19,15 @@ const BOTH: &str = "/both/ticks";
 ///
 /// # Errors
 /// The clocks cannot be brought together, or the file exists or cannot be written.
-pub fn write(
+pub fn write<'a>(
     path: &Path,
-    [one, two]: [&Recording; 2],
+    [one, two]: [&'a Recording; 2],
     hub: Option<&Recording>,
     merged: &Merged,
 ) -> Result<Ended, Error> {
     let on_the_first = on_the_first_clock(one, two, hub)?;
-    let rows = || one.channels.iter().chain(&two.channels);
+    let of = |recording: &'a Recording| recording.channels.iter().filter(|rows| rows.row != LOG);
+    let rows = || of(one).chain(of(two));
     let mut channels: Vec<Channel> = rows().map(Rows::channel).collect();
     let instants = channels.len();
     channels.push(Channel::new(BOTH, "Instant", columns(merged.axes)));
@@ -34,10 +35,10 @@ pub fn write(
     let since = |recording: &Recording, unix_ns: u64| unix_ns as i64 - recording.origin.start_unix_ns as i64;
     let second = |unix_ns: u64| (1e9 * on_the_first(1e-9 * since(two, unix_ns) as f64)).round() as i64;
     let mut order: Vec<(i64, usize, usize)> = Vec::new();
+    let at_ns = |own: bool, unix_ns: u64| if own { since(one, unix_ns) } else { second(unix_ns) };
     for (channel, rows) in rows().enumerate() {
-        let own = channel < one.channels.len();
-        let at_ns = |unix_ns: u64| if own { since(one, unix_ns) } else { second(unix_ns) };
-        order.extend(rows.times_ns.iter().enumerate().map(|(row, unix_ns)| (at_ns(*unix_ns), channel, row)));
+        let own = channel < of(one).count();
+        order.extend(rows.times_ns.iter().enumerate().map(|(row, unix_ns)| (at_ns(own, *unix_ns), channel, row)));
     }
     let times_s = merged.table.column("time_s").unwrap_or_default();
     order.extend(times_s.iter().enumerate().map(|(row, time_s)| ((1e9 * time_s).round() as i64, instants, row)));
@@ -59,6 +60,12 @@ pub fn write(
             None => table.iter().map(|column| column[row]).collect(),
         };
         recorder.put_all(channel as u16, at_ns.saturating_add_unsigned(before_ns) as u64, &values);
+    }
+    for (recording, own) in [(one, true), (two, false)] {
+        for (unix_ns, line) in recording.log() {
+            let at_ns = at_ns(own, unix_ns).saturating_add_unsigned(before_ns);
+            recorder.log_line(at_ns.max(0) as u64, line.clone());
+        }
     }
     Ok(recorder.finish())
 }

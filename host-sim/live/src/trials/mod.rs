@@ -1,4 +1,3 @@
-//! What tries peers: forged datagrams, restarts.
+//! What tries peers: forged datagrams.
 
 pub mod flood;
-pub mod restarts;

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::super::mcap::Channel;
+use super::super::mcap::{Channel, ERROR, INFO};
 use super::super::origin::Origin;
 use super::super::recorder::{Ended, Recorder};
 use super::{Recording, read};
@@ -17,6 +17,38 @@ fn origin() -> Origin {
     let text = |text: &str| text.to_owned();
     let (version, provenance, who, clock) = (text("1"), text("[object]\nmass_kg = 2\n"), text("peer 1"), text("boot"));
     Origin { version, provenance, who, start_unix_ns: 5, clock, start_clock_ns: 77 }
+}
+
+/// The log has what was said and when, by whom and how bad it was, and no more lines at once than it may.
+#[test]
+fn the_log_says_what_happened() {
+    let path = place("log");
+    let channels = vec![Channel::new("/a/ticks", "Tick", [("x_m", "")])];
+    let recorder = Recorder::create(&path, &origin(), channels).expect("a file");
+    recorder.put_all(0, 7_000_000, &[1.0]);
+    let mut last = [0.0; 2];
+    for (ms, now) in [(1, [1.0, 0.0]), (2, [1.0, 0.0]), (3, [f64::NAN; 2]), (4, [2.0, 3.0]), (5, [2.0, 24.0])] {
+        recorder.log_mode(1_000_000 * ms, "peer 2", &mut last, now);
+    }
+    recorder.log(recorder.now_ns(), INFO, "it is said");
+    (0..1100).for_each(|_| recorder.log(8_000_000, INFO, "too often"));
+    let ended = recorder.finish();
+    let recording = read(&path).expect("a recording");
+    let said = recording.log().map(|(at_ns, line)| (at_ns, line.who.as_str(), line.level, line.words.as_str()));
+    let speed = "fault 3: the device moved faster than safety.max_speed_m_per_s";
+    let socket = "fault 24: the device stopped, or its socket or bus is closed";
+    let wanted = [
+        (1_000_005, "peer 2", INFO, "armed"),
+        (4_000_005, "peer 2", ERROR, speed),
+        (5_000_005, "peer 2", ERROR, socket),
+        (7_000_005, "peer 1", INFO, "it is said"),
+    ];
+    assert_eq!(said.take(4).collect::<Vec<_>>(), wanted);
+    let log = recording.channels.last().expect("a log");
+    assert_eq!((log.topic.as_str(), &log.column("time_s").expect("times")[..2]), ("/log", &[0.001, 0.004][..]));
+    // A second or so has passed at the most.
+    let count = recording.log().count() as u64;
+    assert!((1000..1010).contains(&count) && (ended.rows, ended.lost) == (1, 1104 - count), "{count} {ended:?}");
 }
 
 /// Two channels of many and odd numbers.
@@ -51,7 +83,7 @@ fn check(recording: &Recording) -> [usize; 2] {
             assert_eq!(rows.column(column).map(<[f64]>::len), Some(rows.len()));
         }
     }
-    if let [ticks, _] = &recording.channels[..] {
+    if let [ticks, _, _] = &recording.channels[..] {
         for at in 0..ticks.len() {
             let found = ticks.names.iter().map(|name| ticks.column(name).expect("it is named")[at].to_bits());
             assert!(found.eq(values(at as u32).map(f64::to_bits)), "row {at}");

@@ -1,4 +1,6 @@
-//! Units, which names end with.
+//! Units, which names end with, and what a column of numbers holds by its name.
+
+use super::Holds;
 
 /// Units by the ends of names, the longer one first where one ends like the other.
 const UNITS: &[(&str, &str)] = &[
@@ -40,6 +42,22 @@ pub(super) fn split_unit(name: &str) -> (String, &'static str) {
     };
     let ends = std::iter::once(name.len()).chain(name.rmatch_indices('.').map(|(dot, _)| dot));
     ends.map(|end| &name[..end]).find_map(without).unwrap_or_else(|| (name.to_owned(), ""))
+}
+
+/// Columns of numbers that are yes or no, and whole numbers, without the number of whose they are.
+const FLAGS: &str = "live lan stable";
+const COUNTS: &str = "row tick mode fault flags session missing way copies line lines_up restarts engine encoder_counts next rally \
+                      stroke score felt touched state version owner";
+
+/// What a column of numbers with this name holds.
+pub(super) fn holds(name: &str) -> Holds {
+    let parts: Vec<&str> = name.split('_').filter(|part| part.parse::<u8>().is_err()).collect();
+    let is = |list: &str| list.split(' ').any(|known| known == parts.join("_"));
+    match (is(FLAGS), is(COUNTS)) {
+        (true, _) => Holds::Flags,
+        (_, true) => Holds::Counts,
+        _ => Holds::Numbers,
+    }
 }
 
 /// The name of what there is several of, with a number before its unit: `object_m` of peer 2 is `object_2_m`.

@@ -17,9 +17,9 @@ use std::process::Command;
 
 use haptic_report::Columns;
 use haptic_sim::lanes::number::{LANES, lanes_left};
-use haptic_sim::lanes::{self, Pairs};
+use haptic_sim::lanes::{self, How, Pairs};
 use haptic_sim::pair::Pair;
-use haptic_sim::run::{Options, run};
+use haptic_sim::run::{Options, Until, run};
 use haptic_sim::{Laws, Scene, scenes};
 
 const TICKS: u32 = 20_000;
@@ -66,14 +66,14 @@ fn in_lanes(scenes: &[Scene]) -> [Measured; 4] {
         measured(
             "run, alone",
             rate(TICKS, || {
-                let options = Options { duration_s: seconds, record_every: 0 };
+                let options = Options::unrecorded(seconds);
                 black_box(run::<f64>(&scenes[0], options, &|_| {}).expect("a built-in scene").hash);
             }),
         ),
         measured(
             "run, in lanes",
             rate(all, || {
-                black_box(lanes::run(scenes, seconds).expect("a built-in scene").len());
+                black_box(lanes::run(How::until(Until::TheEnd), scenes, seconds).expect("a built-in scene").len());
             }),
         ),
     ]

@@ -21,4 +21,4 @@ mod pairs;
 mod run;
 
 pub use self::pairs::Pairs;
-pub use self::run::{How, run, run_as, run_until};
+pub use self::run::{How, run};

@@ -12,11 +12,10 @@ use super::device::Plants;
 use super::kinds::is_one_network;
 use super::mailbox::LaneMailbox;
 use super::number::{F64s, LANES, leave, nobody_left, played, recorded, show};
-use crate::AXES;
 use crate::network::link::Route;
 use crate::pair::{HASH_SEED, Pair, PeerTick, Side};
 use crate::peers::{Builds, DynPeer, mixed};
-use crate::{plant::Plant, scene::Scene};
+use crate::{AXES, plant::Plant, scene::Scene};
 
 /// Pairs of peers side by side, one pair in each lane.
 pub struct Pairs<const SHARED: usize = 1, const N: usize = AXES> {

@@ -23,28 +23,20 @@ pub struct How {
     pub until: Until,
 }
 
-/// Runs all scenes for `duration_s` (s); gives, to the last bit, what [`crate::run::run`] does for each; nothing is recorded.
+impl How {
+    /// In lanes if these pay on this processor.
+    pub const fn until(until: Until) -> Self {
+        Self { fewest: FEWEST, until }
+    }
+}
+
+/// Runs all scenes for `duration_s` (s). With [`Until::TheEnd`] it gives, to the last bit, what [`crate::run::run`] does for each; nothing
+/// is recorded.
 ///
 /// # Errors
 /// The first key of the first refused scene that is out of range or impossible beside the others.
-pub fn run(scenes: &[Scene], duration_s: f64) -> Result<Vec<Outcome>, Refused<'static>> {
-    run_until(Until::TheEnd, scenes, duration_s)
-}
-
-/// [`run`], of which those in which a peer stops may end there.
-///
-/// # Errors
-/// As [`run`].
-pub fn run_until(until: Until, scenes: &[Scene], duration_s: f64) -> Result<Vec<Outcome>, Refused<'static>> {
-    run_as(How { fewest: FEWEST, until }, scenes, duration_s)
-}
-
-/// [`run_until`] that takes so many scenes of a kind, or more, for worth lanes.
-///
-/// # Errors
-/// As [`run`].
-pub fn run_as(how: How, scenes: &[Scene], duration_s: f64) -> Result<Vec<Outcome>, Refused<'static>> {
-    let options = Options { duration_s, record_every: 0 };
+pub fn run(how: How, scenes: &[Scene], duration_s: f64) -> Result<Vec<Outcome>, Refused<'static>> {
+    let options = Options::unrecorded(duration_s);
     let (groups, mut alone) = kinds(scenes);
     let mut outcomes: Vec<Option<Outcome>> = scenes.iter().map(|_| None).collect();
     for group in groups {

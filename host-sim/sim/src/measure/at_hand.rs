@@ -45,7 +45,7 @@ pub struct AtHand {
 /// The first key of the scene that is out of range or impossible beside the others.
 pub fn run(scene: &Scene, duration_s: f64, other: Option<&[[f32; 2]]>) -> Result<AtHand, Refused<'static>> {
     let mut pair = Pair::<f64, Plant>::new(scene)?;
-    let options = Options { duration_s, record_every: 0 };
+    let options = Options::unrecorded(duration_s);
     let ticks = options.ticks(scene);
     let mut accounts = Accounts::<1>::new(scene, ticks, options);
     let (period_s, stiffness) = (scene.peer.timing.control_period_s, scene.peer.coordination.stiffness_n_per_m);

@@ -63,32 +63,8 @@ pub struct Answer {
     pub pushed: Complex,
 }
 
-/// A complex number, the amplitude and phase of a signal.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Complex {
-    /// Real part: in phase with the speed.
-    pub re: f64,
-    /// Imaginary part: a quarter of a period ahead of the speed.
-    pub im: f64,
-}
-
-impl Complex {
-    /// Absolute value, in the unit of the number.
-    pub fn abs(self) -> f64 {
-        self.re.hypot(self.im)
-    }
-
-    /// Phase of the number, rad.
-    pub fn phase(self) -> f64 {
-        self.im.atan2(self.re)
-    }
-
-    /// Product of two numbers.
-    #[must_use]
-    pub fn times(self, other: Self) -> Self {
-        Self { re: self.re * other.re - self.im * other.im, im: self.re * other.im + self.im * other.re }
-    }
-}
+/// Amplitude and phase of a signal. Real part: in phase with the speed; imaginary part: a quarter of a period ahead of it.
+pub type Complex = num_complex::Complex64;
 
 /// The frequencies at which the impedance of a scene is measured: those whose periods are whole control periods, about evenly spaced by
 /// their logarithm, without those that packets only ever meet at one or two phases.
@@ -113,18 +89,17 @@ pub fn held(device: &scene::Device, omega: f64, period_s: f64, force: Complex) -
     let half = 0.5 * omega * period_s;
     let late = -omega * period_s * (device.force_delay_ticks + 0.5);
     let share = half.sin() / half;
-    Complex { re: share * late.cos(), im: share * late.sin() }.times(force)
+    Complex::new(share * late.cos(), share * late.sin()) * force
 }
 
 /// Impedance of this device in a hand, N·s/m, with a motor commanded to resist by `resists` (N·s/m) at `omega` (rad/s).
 pub fn of_device(device: &scene::Device, omega: f64, period_s: f64, resists: Complex) -> Complex {
-    let rendered = held(device, omega, period_s, resists);
-    Complex { re: device.damping_n_s_per_m + rendered.re, im: device.mass_kg * omega + rendered.im }
+    Complex::new(device.damping_n_s_per_m, device.mass_kg * omega) + held(device, omega, period_s, resists)
 }
 
 /// A hand that leads its device, whatever the motor does, and what the motor did; or a device that nobody holds.
 #[derive(Clone, Debug)]
-struct Hand {
+pub(super) struct Hand {
     angle_per_tick: f64,
     amplitude_m: f64,
     speed_m_per_s: f64,
@@ -132,10 +107,16 @@ struct Hand {
     /// The device that nobody holds.
     alone: Option<Plant>,
     /// Resisting force, and position, projected: what goes with the sine, and with the cosine.
-    sums: [Complex; 2],
+    pub(super) sums: [Complex; 2],
 }
 
 impl Hand {
+    /// Moves at `omega` (rad/s) with up to this speed.
+    pub(super) fn new(angle_per_tick: f64, omega: f64, speed_m_per_s: f64, alone: Option<Plant>) -> Self {
+        let amplitude_m = speed_m_per_s / omega;
+        Self { angle_per_tick, amplitude_m, speed_m_per_s, tick: 0, alone, sums: [Complex::default(); 2] }
+    }
+
     fn angle(&self) -> f64 {
         self.angle_per_tick * self.tick as f64
     }
@@ -156,7 +137,7 @@ impl Device<f64> for Hand {
         let (sine, cosine) = libm::sincos(self.angle());
         let position_m = self.alone.as_ref().map_or(0.0, |plant| plant.motions()[0].position);
         for (sum, number) in self.sums.iter_mut().zip([-actuators.forces[0], position_m]) {
-            *sum = Complex { re: sum.re + number * sine, im: sum.im + number * cosine };
+            *sum += Complex::new(number * sine, number * cosine);
         }
         if let Some(plant) = &mut self.alone {
             plant.step(time_s, actuators);
@@ -198,10 +179,6 @@ pub fn answer(
     let ticks = (1.0 / (frequency_hz * period_s)).round().max(2.0);
     let angle_per_tick = core::f64::consts::TAU / ticks;
     let omega = angle_per_tick / period_s;
-    let hand = |speed_m_per_s: f64, alone| {
-        let amplitude_m = speed_m_per_s / omega;
-        Hand { angle_per_tick, amplitude_m, speed_m_per_s, tick: 0, alone, sums: [Complex::default(); 2] }
-    };
     let side = |index: usize| {
         let mut settings = linear.peers()[index];
         if index != near && far == RemoteEnd::LetGo {
@@ -209,7 +186,8 @@ pub fn answer(
         }
         let peer = linear.laws.peer::<f64, 1, AXES>(&settings, [Motion::REST; AXES])?;
         let alone = (index != near && far == RemoteEnd::Alone).then(|| Plant::new(&linear, index));
-        Ok(Side::of(&linear, peer, hand(if index == near { speed_m_per_s } else { 0.0 }, alone), 1 - index))
+        let speed_m_per_s = if index == near { speed_m_per_s } else { 0.0 };
+        Ok(Side::of(&linear, peer, Hand::new(angle_per_tick, omega, speed_m_per_s, alone), 1 - index))
     };
     let mut pair = Pair::of(&linear, [side(0)?, side(1)?]);
     // Whole periods, at least two, that are whole packets: M of them always are.
@@ -225,21 +203,18 @@ pub fn answer(
         pair.sides_mut().for_each(|side| side.plant.sums = [Complex::default(); 2]);
         (0..window).for_each(|_| pair.step());
         let over = 2.0 / (window as f64 * speed_m_per_s);
-        let mean = |sum: Complex| Complex { re: over * sum.re, im: over * sum.im };
-        pair.sides().map(|side| side.plant.sums.map(mean))
+        pair.sides().map(|side| side.plant.sums.map(|sum| sum * over))
     });
     let ([resists, _], [pulls, moves]) = (second[near], second[1 - near]);
-    let before = first[near][0];
-    let change = Complex { re: resists.re - before.re, im: resists.im - before.im }.abs();
+    let change = (resists - first[near][0]).norm();
     let own = of_device(&devices[near], omega, period_s, Complex::default());
-    let repeats = change <= REPEATS * (resists.abs() + own.abs());
+    let repeats = change <= REPEATS * (resists.norm() + own.norm());
     if pair.fault().is_some() || !repeats {
         return Ok(None);
     }
-    let pushes = Complex { re: -pulls.re, im: -pulls.im };
     Ok(Some(Answer {
         impedance: of_device(&devices[near], omega, period_s, resists),
-        motion: moves.times(Complex { re: 0.0, im: omega }),
-        pushed: held(&devices[1 - near], omega, period_s, pushes),
+        motion: moves * Complex::new(0.0, omega),
+        pushed: held(&devices[1 - near], omega, period_s, -pulls),
     }))
 }

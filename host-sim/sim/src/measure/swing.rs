@@ -9,6 +9,7 @@
 
 use haptic_core::{law::Sends, settings::Refused};
 
+use super::impedance::Complex;
 use crate::{pair::Pair, scene::Scene, user::User};
 
 /// Angular frequency, rad/s: one period a second.
@@ -26,28 +27,6 @@ pub struct Felt {
     pub drag_n_s_per_m: f64,
     /// Delay from a tick of one peer to the tick of the other that acts on it, mean of both ways, s.
     pub delay_s: f64,
-}
-
-/// A signal's part at [`OMEGA`]: cosine and sine.
-#[derive(Clone, Copy, Debug, Default)]
-struct Phasor {
-    cos: f64,
-    sin: f64,
-}
-
-impl Phasor {
-    fn see(&mut self, value: f64, angle: f64) {
-        self.cos += value * angle.cos();
-        self.sin += value * angle.sin();
-    }
-
-    /// self / other as a complex number, for signals Re(z·e^(iωt)), z = cos − i·sin.
-    fn over(self, other: Self) -> (f64, f64) {
-        let size = other.cos * other.cos + other.sin * other.sin;
-        let real = self.cos * other.cos + self.sin * other.sin;
-        let imaginary = self.cos * other.sin - self.sin * other.cos;
-        (real / size, imaginary / size)
-    }
 }
 
 /// Swings a scene with permanent contact for `periods` periods of 1 s, after it has settled.
@@ -69,9 +48,10 @@ pub fn felt(scene: &Scene, periods: u32) -> Result<Felt, Refused<'static>> {
     }
     let sends = scene.law().sends;
     let share = 1.0 / scene.peer.coordination.wave_impedance_n_s_per_m;
-    let (mut force, mut speed, mut sent, mut acted_on) = Default::default();
+    // A signal is the real part of z·e^(iωt).
+    let mut phasors = [Complex::default(); 4];
     for _ in 0..periods * per_period {
-        let angle = OMEGA * pair.time_s();
+        let turn = Complex::cis(OMEGA * pair.time_s()).conj();
         pair.step();
         for seen in pair.sides().into_iter().map(|side| side.peer.observed()[0]) {
             // What a law sends and acts on: positions, or waves in units of speed, u·√(2/b) (THEORY §2).
@@ -82,13 +62,11 @@ pub fn felt(scene: &Scene, periods: u32) -> Result<Felt, Refused<'static>> {
                     (speed - force, speed + force)
                 }
             };
-            Phasor::see(&mut force, seen.contact_force, angle);
-            Phasor::see(&mut speed, seen.object.velocity / 2.0, angle);
-            Phasor::see(&mut sent, out, angle);
-            Phasor::see(&mut acted_on, into, angle);
+            let values = [seen.contact_force, seen.object.velocity / 2.0, out, into];
+            phasors.iter_mut().zip(values).for_each(|(phasor, value)| *phasor += turn * value);
         }
     }
-    let (drag_n_s_per_m, reactance) = force.over(speed);
-    let (real, imaginary) = acted_on.over(sent);
-    Ok(Felt { mass_kg: reactance / OMEGA, drag_n_s_per_m, delay_s: -imaginary.atan2(real) / OMEGA })
+    let [force, speed, sent, acted_on] = phasors;
+    let (felt, late) = (force / speed, acted_on / sent);
+    Ok(Felt { mass_kg: felt.im / OMEGA, drag_n_s_per_m: felt.re, delay_s: -late.arg() / OMEGA })
 }

@@ -11,28 +11,18 @@
 //!
 //! A run begins in the middle of a satellite: the first change is after 7.5 s.
 
-use haptic_core::settings::Choice;
-
 use super::rule::{Direction, Fate, Rule, nanoseconds, seconds};
 use crate::rng::Rng;
 use crate::scene::Network;
 
-/// What a network is like.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Like {
-    /// None that was measured: it does what the other keys of its table say.
-    None,
-    /// A standalone 5G network of a campus.
-    Campus5g,
-    /// A line over Starlink's satellites.
-    Starlink,
-    /// Two computers on the Wi-Fi of a house.
-    HomeWifi,
-}
-
-impl Choice for Like {
-    const NAMES: &'static [&'static str] = &["none", "5g-campus", "starlink", "home-wifi"];
-    const ALL: &'static [Self] = &[Self::None, Self::Campus5g, Self::Starlink, Self::HomeWifi];
+crate::choices! {
+    /// What a network is like.
+    Like {
+        "none" => None, "None that was measured: it does what the other keys of its table say.";
+        "5g-campus" => Campus5g, "A standalone 5G network of a campus.";
+        "starlink" => Starlink, "A line over Starlink's satellites.";
+        "home-wifi" => HomeWifi, "Two computers on the Wi-Fi of a house.";
+    }
 }
 
 /// From one satellite to the next, and when the first change is, s.

@@ -2,10 +2,10 @@
 
 use std::array::from_fn;
 
-use haptic_core::num::{Motion, Scalar};
+use haptic_core::num::Scalar;
 use haptic_core::peer::Observed;
 use haptic_core::safety::{Fault, Mode};
-use haptic_core::sample::{OfAxis, Quantities, Quantity, Reach, SAMPLE};
+use haptic_core::sample::{OfAxis, OfPeer, PeerQuantity, Quantities, Quantity, Reach, SAMPLE};
 use haptic_report::{Columns, numbered};
 
 use super::outcome::{AxisOutcome, Figures, Options};
@@ -29,13 +29,18 @@ const OF_PORT: [Named; 2] = [
 const OF_BOTH: [Named; 2] =
     [TRUE_DISCREPANCY, ("decoded_discrepancy_2_m", "distance of peer 2's copy from its x_d, |x_o2 - x_d|")];
 
+/// What is recorded of a peer as a whole: its mode and its fault. Its ticks, which come before them, are the rows.
+fn of_peer(quantities: &Quantities) -> &'static [PeerQuantity] {
+    &quantities.peer[1..]
+}
+
 /// State of one peer along one shared axis after a tick, as an [`Account`] takes it in.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Ticked<F = f64> {
     observed: Observed<F>,
     received_j: F,
     sent_j: F,
-    fault: Option<Fault>,
+    mode: Mode,
     engaged: bool,
 }
 
@@ -53,7 +58,7 @@ impl<F: Figure> Ticked<F> {
             observed: observed.map(S::to_counter),
             received_j: received_j.to_counter(),
             sent_j: sent_j.to_counter(),
-            fault: if let Mode::Faulted(fault) = mode { Some(fault) } else { None },
+            mode,
             engaged,
         }
     }
@@ -146,7 +151,10 @@ impl<F: Figure> Account<F> {
         let energy_j = F::HALF * self.mass_kg * (speeds[0] * speeds[0] + speeds[1] * speeds[1]);
         self.energy.see(self.tick, energy_j.root());
         self.swing.see(&self.energy, forces[1]);
-        let fault = (1..).zip(&self.latest).find_map(|(peer, ticked)| Some((peer, ticked.fault?)));
+        let fault = (1..).zip(&self.latest).find_map(|(peer, ticked)| match ticked.mode {
+            Mode::Faulted(fault) => Some((peer, fault)),
+            _ => None,
+        });
         self.stopped = self.stopped.or(fault.map(|(peer, fault)| (peer, fault, self.tick as f64 * self.period_s)));
         if self.stopped.is_none() {
             let contact = F::HALF * (first.contact_force.abs() + second.contact_force.abs());
@@ -175,23 +183,16 @@ impl<F: Figure> Account<F> {
 
     /// What `of` makes of each number.
     pub(crate) fn map<G: Copy>(&self, of: impl Fn(F) -> G + Copy) -> Account<G> {
-        let motion = |seen: Motion<F>| Motion { position: of(seen.position), velocity: of(seen.velocity) };
         Account {
             period_s: self.period_s,
             mass_kg: of(self.mass_kg),
             record_every: self.record_every,
             tick: self.tick,
             latest: self.latest.map(|ticked| Ticked {
-                observed: Observed {
-                    device: motion(ticked.observed.device),
-                    object: motion(ticked.observed.object),
-                    desired: motion(ticked.observed.desired),
-                    contact_force: of(ticked.observed.contact_force),
-                    coordination_force: of(ticked.observed.coordination_force),
-                },
+                observed: ticked.observed.map(of),
                 received_j: of(ticked.received_j),
                 sent_j: of(ticked.sent_j),
-                fault: ticked.fault,
+                mode: ticked.mode,
                 engaged: ticked.engaged,
             }),
             ports: self.ports.each_ref().map(|port| port.map(of)),
@@ -219,8 +220,9 @@ impl Account {
     pub fn columns_of(quantities: &Quantities) -> impl Iterator<Item = (String, String)> + use<> {
         let owned = |(name, meaning): Named| (name.to_owned(), meaning.to_owned());
         let of_axis = quantities.reaching(Reach::Runs);
+        let of_peer = of_peer(quantities);
         let of = move |peer| {
-            let named = of_axis.clone().map(Quantity::named).chain(OF_PORT);
+            let named = of_peer.iter().map(Quantity::named).chain(of_axis.clone().map(Quantity::named)).chain(OF_PORT);
             named.map(move |(name, meaning)| (numbered(name, peer), format!("peer {peer}: {meaning}")))
         };
         let time = ("time_s", "since the start of the run");
@@ -230,9 +232,7 @@ impl Account {
     /// Ends a control period: adds it to the figures, and records it if it is one of those to be kept.
     pub fn period(&mut self) {
         self.measure();
-        if self.record_every > 0 && (self.tick - 1).is_multiple_of(self.record_every) {
-            self.table.push_row(&self.row());
-        }
+        self.record();
     }
 
     /// Who stopped first, why, and when (s).
@@ -269,7 +269,11 @@ impl Account {
     pub fn row_of(&self, quantities: &Quantities) -> Vec<f64> {
         let mut row = vec![self.tick.saturating_sub(1) as f64 * self.period_s];
         for (ticked, port) in self.latest.iter().zip(&self.ports) {
-            let Ticked { observed, received_j, sent_j, .. } = ticked;
+            let Ticked { observed, received_j, sent_j, mode, .. } = ticked;
+            let peer = OfPeer::new(self.tick, *mode);
+            for quantity in of_peer(quantities) {
+                row.push((quantity.get)(&peer));
+            }
             let of = OfAxis { observed, received_j: *received_j, sent_j: *sent_j };
             row.extend(quantities.reaching(Reach::Runs).map(|quantity| (quantity.get)(&of)));
             let energy = port.with_network(*received_j, *sent_j);

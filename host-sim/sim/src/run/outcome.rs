@@ -28,6 +28,11 @@ impl Options {
         Self { duration_s, record_every: ((duration_s / period_s) as u64).div_ceil(100_000).max(1) }
     }
 
+    /// A run of `duration_s` (s) that records no tick.
+    pub const fn unrecorded(duration_s: f64) -> Self {
+        Self { duration_s, record_every: 0 }
+    }
+
     /// Control periods of a run of this scene.
     pub fn ticks(&self, scene: &Scene) -> u64 {
         (self.duration_s / scene.peer.timing.control_period_s).round() as u64

@@ -5,120 +5,42 @@ use haptic_core::settings::{Allowed, Choice, number};
 
 use crate::network::fitted::Like;
 
-/// How the delay varies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Jitter {
-    /// The delay does not vary.
-    None,
-    /// Uniformly from 0 to jitter_s.
-    Uniform,
-    /// Gamma-distributed with shape 2 and mean jitter_s.
-    Gamma,
-    /// Heavy-tailed: Pareto-distributed (Lomax) with shape 2, cut at 100 times its mean jitter_s.
-    Pareto,
-}
+crate::choices! {
+    /// How the delay varies.
+    Jitter {
+        "none" => None, "The delay does not vary.";
+        "uniform" => Uniform, "Uniformly from 0 to jitter_s.";
+        "gamma" => Gamma, "Gamma-distributed with shape 2 and mean jitter_s.";
+        "pareto" => Pareto, "Heavy-tailed: Pareto-distributed (Lomax) with shape 2, cut at 100 times its mean jitter_s.";
+    }
 
-impl Choice for Jitter {
-    const NAMES: &'static [&'static str] = &["none", "uniform", "gamma", "pareto"];
-    const ALL: &'static [Self] = &[Self::None, Self::Uniform, Self::Gamma, Self::Pareto];
-}
+    /// What a motor's duty means to a simulated winding.
+    DriveName {
+        "voltage" => Voltage, "A voltage, as a share of the supply.";
+        "current" => Current, "A current: the reference of haptic-core's current loop.";
+    }
 
-/// What a motor's duty means to a simulated winding.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DriveName {
-    /// A voltage, as a share of the supply.
-    Voltage,
-    /// A current: the reference of haptic-core's current loop.
-    Current,
-}
-
-impl Choice for DriveName {
-    const NAMES: &'static [&'static str] = &["voltage", "current"];
-    const ALL: &'static [Self] = &[Self::Voltage, Self::Current];
-}
-
-/// A simulated failure of the first joint of the first device, its motor, power stage or encoder.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PlantFault {
-    /// No failure.
-    None,
-    /// A wire of the motor is disconnected.
-    OpenMotor,
-    /// The wires of the motor are short-circuited.
-    ShortedMotor,
-    /// The current's sensor reads zero.
-    DeadSense,
-    /// The two wires of the current's sensor are swapped.
-    ReversedSense,
-    /// The current's sensor reads the end of its range.
-    SenseAtEnd,
-    /// The bridge gives a fifth of its supply while it is off.
-    ConductingBridge,
-    /// The bridge drives its motor whether or not it is enabled.
-    IgnoredEnable,
-    /// The supply voltage of the bridges falls to 0.6 of its value.
-    LowSupply,
-    /// The supply voltage of the bridges rises to 1.4 of its value.
-    HighSupply,
-    /// The device is held fast, so that it cannot move.
-    Held,
-    /// The encoder does not count any more.
-    EncoderStuck,
-    /// Channel A of the encoder is dead.
-    EncoderWithoutA,
-    /// Channel B of the encoder is dead.
-    EncoderWithoutB,
-    /// The encoder does not follow the joint, but alternates by one count from tick to tick.
-    EncoderDithers,
-    /// The encoder counts in the wrong direction.
-    EncoderReversed,
-    /// The encoder counts only half of the edges.
-    EncoderHalved,
-    /// The encoder loses 40 counts, once.
-    EncoderLoses,
-}
-
-impl Choice for PlantFault {
-    const NAMES: &'static [&'static str] = &[
-        "none",
-        "open-motor",
-        "shorted-motor",
-        "dead-sense",
-        "reversed-sense",
-        "sense-at-end",
-        "conducting-bridge",
-        "ignored-enable",
-        "low-supply",
-        "high-supply",
-        "held",
-        "encoder-stuck",
-        "encoder-without-a",
-        "encoder-without-b",
-        "encoder-dithers",
-        "encoder-reversed",
-        "encoder-halved",
-        "encoder-loses",
-    ];
-    const ALL: &'static [Self] = &[
-        Self::None,
-        Self::OpenMotor,
-        Self::ShortedMotor,
-        Self::DeadSense,
-        Self::ReversedSense,
-        Self::SenseAtEnd,
-        Self::ConductingBridge,
-        Self::IgnoredEnable,
-        Self::LowSupply,
-        Self::HighSupply,
-        Self::Held,
-        Self::EncoderStuck,
-        Self::EncoderWithoutA,
-        Self::EncoderWithoutB,
-        Self::EncoderDithers,
-        Self::EncoderReversed,
-        Self::EncoderHalved,
-        Self::EncoderLoses,
-    ];
+    /// A simulated failure of the first joint of the first device, its motor, power stage or encoder.
+    PlantFault {
+        "none" => None, "No failure.";
+        "open-motor" => OpenMotor, "A wire of the motor is disconnected.";
+        "shorted-motor" => ShortedMotor, "The wires of the motor are short-circuited.";
+        "dead-sense" => DeadSense, "The current's sensor reads zero.";
+        "reversed-sense" => ReversedSense, "The two wires of the current's sensor are swapped.";
+        "sense-at-end" => SenseAtEnd, "The current's sensor reads the end of its range.";
+        "conducting-bridge" => ConductingBridge, "The bridge gives a fifth of its supply while it is off.";
+        "ignored-enable" => IgnoredEnable, "The bridge drives its motor whether or not it is enabled.";
+        "low-supply" => LowSupply, "The supply voltage of the bridges falls to 0.6 of its value.";
+        "high-supply" => HighSupply, "The supply voltage of the bridges rises to 1.4 of its value.";
+        "held" => Held, "The device is held fast, so that it cannot move.";
+        "encoder-stuck" => EncoderStuck, "The encoder does not count any more.";
+        "encoder-without-a" => EncoderWithoutA, "Channel A of the encoder is dead.";
+        "encoder-without-b" => EncoderWithoutB, "Channel B of the encoder is dead.";
+        "encoder-dithers" => EncoderDithers, "The encoder does not follow the joint, but alternates by one count from tick to tick.";
+        "encoder-reversed" => EncoderReversed, "The encoder counts in the wrong direction.";
+        "encoder-halved" => EncoderHalved, "The encoder counts only half of the edges.";
+        "encoder-loses" => EncoderLoses, "The encoder loses 40 counts, once.";
+    }
 }
 
 haptic_core::settings! {

@@ -14,18 +14,7 @@ fn scene(settings: &[&str]) -> Scene {
 
 #[track_caller]
 fn close(got: Complex, want: Complex, within: f64) {
-    let off = Complex { re: got.re - want.re, im: got.im - want.im }.abs();
-    assert!(off <= within * want.abs(), "{got:?}, not {want:?}");
-}
-
-/// One over a number.
-fn inverse(of: Complex) -> Complex {
-    let size = of.abs() * of.abs();
-    Complex { re: of.re / size, im: -of.im / size }
-}
-
-fn sum(one: Complex, other: Complex) -> Complex {
-    Complex { re: one.re + other.re, im: one.im + other.im }
+    assert!((got - want).norm() <= within * want.norm(), "{got:?}, not {want:?}");
 }
 
 /// Without coordination: the device, and behind its contact, a spring and a damper, the copy's mass. Far below the control rate
@@ -38,10 +27,9 @@ fn without_coordination_a_hand_feels_device_contact_and_copy() {
     for frequency_hz in [0.5, 2.0, 5.0, 20.0] {
         let omega = core::f64::consts::TAU * frequency_hz;
         let late = omega * 1e-3 * (device.force_delay_ticks + 0.5);
-        let contact = Complex { re: contact.damping_n_s_per_m, im: -contact.stiffness_n_per_m / omega };
-        let behind = inverse(sum(inverse(contact), inverse(Complex { re: 0.0, im: omega * copy.mass_kg })));
-        let held = behind.times(Complex { re: late.cos(), im: -late.sin() });
-        let want = sum(held, Complex { re: device.damping_n_s_per_m, im: omega * device.mass_kg });
+        let contact = Complex::new(contact.damping_n_s_per_m, -contact.stiffness_n_per_m / omega);
+        let behind = (contact.inv() + Complex::new(0.0, omega * copy.mass_kg).inv()).inv();
+        let want = behind * Complex::cis(-late) + Complex::new(device.damping_n_s_per_m, omega * device.mass_kg);
         for far in [RemoteEnd::Held, RemoteEnd::LetGo] {
             let got = felt(&scene, far, frequency_hz, SPEED_M_PER_S).expect("good settings").expect("it repeats");
             close(got, want, 0.01);

@@ -11,6 +11,7 @@ const SCENES: usize = if cfg!(debug_assertions) { 64 } else { 1000 };
 /// Scenes in a row that differ in gains, masses and users alone.
 const OF_A_KIND: usize = 20;
 const SECONDS: f64 = 1.0;
+const WHOLE: How = How::until(Until::TheEnd);
 
 /// Random scenes: of every law, integrator and decoding, any gains; stable or not, on good networks and bad ones.
 fn random_scenes(random: &mut Rng) -> Vec<Scene> {
@@ -75,7 +76,7 @@ fn printed(outcome: &Outcome) -> String {
 
 /// From 3 of a kind on, whatever pays on this processor.
 fn side_by_side(until: Until, scenes: &[Scene], duration_s: f64) -> Vec<Outcome> {
-    let outcomes = lanes::run_as(How { fewest: 3, until }, scenes, duration_s).unwrap();
+    let outcomes = lanes::run(How { fewest: 3, until }, scenes, duration_s).unwrap();
     assert_eq!(outcomes.len(), scenes.len());
     outcomes
 }
@@ -162,7 +163,7 @@ fn lanes_that_leave_one_after_another_have_the_figures_and_hashes_that_they_have
 #[test]
 fn a_run_that_ends_where_a_peer_stops_has_the_verdict_of_the_whole_one() {
     let scenes = gains("paper-5.2-wave-16ms", 1000.0, 10_000.0);
-    let whole = lanes::run(&scenes, 4.0).unwrap();
+    let whole = lanes::run(WHOLE, &scenes, 4.0).unwrap();
     let mut stopped = 0;
     for (whole, ended) in whole.iter().zip(side_by_side(Until::Stopped, &scenes, 4.0)) {
         assert_eq!((whole.reason, whole.fault_time_s), (ended.reason, ended.fault_time_s));
@@ -211,7 +212,7 @@ fn lanes_whose_packets_are_lost_and_late_at_other_times_have_the_bits_that_they_
             // Jumps of what is late may reach a limit.
             assert!(lanes_left().count_ones() <= 2, "{law} {network:?}");
             let mut hashes: Vec<u64> =
-                lanes::run(&scenes, SECONDS).unwrap().iter().map(|outcome| outcome.hash).collect();
+                lanes::run(WHOLE, &scenes, SECONDS).unwrap().iter().map(|outcome| outcome.hash).collect();
             hashes.sort_unstable();
             hashes.dedup();
             assert_eq!(hashes.len(), LANES, "{law} {network:?}");
@@ -235,7 +236,7 @@ fn a_lane_that_is_let_go_of_leaves() {
 fn what_draws_nothing_is_the_same_with_every_seed() {
     let quiet = gains_and_seeds(&["network.extra_delay_s=0.003"]);
     assert!(quiet.iter().all(|scene| !scene.draws()));
-    let outcomes = lanes::run(&quiet[..4], SECONDS).unwrap();
+    let outcomes = lanes::run(WHOLE, &quiet[..4], SECONDS).unwrap();
     assert!(outcomes.iter().all(|outcome| printed(outcome) == printed(&outcomes[0])));
     for random in ["network.loss=0.1", "network.jitter=uniform", "network.like=starlink", "network.corrupt=0.1"] {
         assert!(gains_and_seeds(&[random])[0].draws(), "{random}");
@@ -337,7 +338,7 @@ fn stepped<const SAYS: bool>() -> u32 {
     };
     let scenes: Vec<Scene> = (0..LANES).map(of).collect();
     same(&scenes);
-    let [one, two] = [0, 1].map(|lane| lanes::run(&scenes[lane..=lane], SECONDS).unwrap()[0].hash);
+    let [one, two] = [0, 1].map(|lane| lanes::run(WHOLE, &scenes[lane..=lane], SECONDS).unwrap()[0].hash);
     assert_ne!(one, two);
     Pairs::<1>::new(&scenes.iter().collect::<Vec<_>>()).unwrap();
     lanes_left()

@@ -91,9 +91,11 @@ fn pushing(from_s: f64, delay_s: f64) -> Scene {
     std::fs::write(&trace, format!("time_s,force_n\n{rows}")).expect("a trace");
     let traces = ["1", "2"].map(|user| format!("user.{user}.trace={}", trace.display()));
     let delay = format!("network.extra_delay_s={delay_s}");
-    // A line that may weigh what it does: how far apart copies are says how long it is, and a lighter one's that squared.
-    let heavy = "coordination.most_line_mass_kg=0";
-    for key in ["safety.max_delay_s=1", "network.one_way_delay_packets=0", heavy, &delay, &traces[0], &traces[1]] {
+    // A line that may weigh what it does, and takes nothing back: how far apart copies are says how long it is, and a lighter one's that squared.
+    let own = ["coordination.most_line_mass_kg=0", "coordination.tautness=0"];
+    for key in
+        ["safety.max_delay_s=1", "network.one_way_delay_packets=0", own[0], own[1], &delay, &traces[0], &traces[1]]
+    {
         scene.apply_override(key).expect("a good override");
     }
     scene.check("the test").expect("a good scene");

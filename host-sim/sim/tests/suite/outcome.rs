@@ -336,13 +336,13 @@ fn impacts_are_not_booked() {
     assert_eq!(outcome.peer_energy_made_mj(), None);
 }
 
-/// A limit of force far below what the users push: the run stops, and nothing of it is a figure of merit.
+/// A limit of speed far below what the users do: the run stops, and nothing of it is a figure of merit.
 #[test]
 fn a_run_that_is_broken_on_purpose_says_why() {
-    let broken = scene(&["safety.max_force_n=0.2", "user.1.push_n=1", "user.2.push_n=1"]);
+    let broken = scene(&["safety.max_speed_m_per_s=0.01", "user.1.push_n=1", "user.2.push_n=1"]);
     let outcome = run::<f64>(&broken, OPTIONS, &|_| {}).expect("a good scene");
     let reason = outcome.reason.expect("a reason").to_string();
-    assert!(reason.contains(": ForceSaturated: "), "{reason}");
+    assert!(reason.contains(": Overspeed: "), "{reason}");
     assert_eq!(outcome.metric(|o| o.whole.true_discrepancy_mm), None);
     // Half of everything lost a second at a time: what is left of the object is two of them, or none.
     let torn = scene(&[

@@ -142,6 +142,40 @@ fn a_line_that_follows_learns_the_delay() {
     }
 }
 
+/// THEORY §15: under a push F at rest the copies stand C·F apart, C = d₀·T_c/(ρ·b) + 2/K_T, less the share of it that a taut line takes back.
+#[test]
+fn a_taut_line_gives_way_by_what_is_left() {
+    for ([credit, delay, packets], stiffness, b, mass_kg) in [
+        ([12, 8, 1], 1e4, 60.0, 0.0),
+        ([60, 40, 1], 4e3, 20.0, 0.0),
+        ([120, 100, 1], 1e5, 60.0, 4.0),
+        ([40, 3, 8], 2e3, 40.0, 0.0),
+    ] {
+        let line_s = 1e-3 * f64::from(credit);
+        let light: f64 = if mass_kg > 0.0 { mass_kg / (b * line_s) } else { 1.0 };
+        let compliance = line_s / (light.min(1.0) * b) + 2.0 / stiffness;
+        for share in [0.0, 0.5, 0.9, 1.0] {
+            let settings = [
+                format!("coordination.credit_ticks={credit}"),
+                format!("network.one_way_delay_packets={}", delay / packets),
+                format!("timing.ticks_per_packet={packets}"),
+                format!("coordination.stiffness_n_per_m={stiffness}"),
+                format!("coordination.wave_impedance_n_s_per_m={b}"),
+                format!("coordination.most_line_mass_kg={mass_kg}"),
+                format!("coordination.tautness={share}"),
+                "user.2.sine_n=0".into(),
+            ];
+            let settings: Vec<&str> = settings.iter().map(String::as_str).collect();
+            let got = run(&scene(&settings, &[], 1), 10_000);
+            // Of a push of 1 N.
+            let wanted_mm = 1e3 * (1.0 - share) * compliance;
+            let within_mm = 0.02 * 1e3 * compliance;
+            assert!((got.true_mm - wanted_mm).abs() < within_mm, "{settings:?}: {} mm, {wanted_mm} mm", got.true_mm);
+            assert!(got.made_j < 0.06 && got.out_over_in <= 1.0 + 1e-9, "{settings:?}: {got:?}");
+        }
+    }
+}
+
 /// Hostile networks, stated and following credits: nothing is made anywhere (asserted in `mean`), and no end is left behind.
 #[test]
 fn no_network_makes_energy() {
@@ -199,6 +233,7 @@ fn a_thousand_hostile_runs_make_nothing() {
             format!("coordination.carry_s={}", spread(&mut random, 0.01, 2.0)),
             format!("coordination.carry_return_s={}", spread(&mut random, 0.005, 0.5)),
             format!("coordination.carry_energy_j={capital_j}"),
+            format!("coordination.tautness={}", if number % 2 == 0 { 0.0 } else { 1.5 * random.unit() }),
             // Pushed only: what is on its own side of the surface is let go of.
             one(&mut random, &["contact.one_sided=true", "contact.one_sided=false", "contact.gap_m=0.002"]).into(),
             format!("user.1.pulse_n={}", 3.0 * random.unit()),
@@ -249,14 +284,16 @@ fn outcome(settings: &[&[&str]]) -> Outcome {
 }
 
 /// N samples in a packet cost the delay of those beyond the 8 spare ones: (N − 8)·T_c of line each way, which is (N − 8)·T_c·F/b
-/// under a push F, and nothing else.
+/// under a push F, and nothing else, where no tautness takes it back.
 #[test]
 fn fewer_packets_cost_the_delay_of_the_samples_beyond_the_spare_ones() {
-    let each_tick = outcome(&[PUSHES]);
+    const SLACK: &[&str] = &["coordination.tautness=0"];
+    let each_tick = outcome(&[PUSHES, SLACK]);
     assert!((each_tick.packets_per_s - 1000.0).abs() < 1e-9);
     assert!((each_tick.bytes_per_s() - 116_000.0).abs() < 1e-6, "88 bytes sealed and 28 of UDP and IP");
     for together in [8, 9, 10, 12, 16] {
-        let of_events = outcome(&[PUSHES, &["event.longest_s=0.05", &format!("event.together_ticks={together}")]]);
+        let of_events =
+            outcome(&[PUSHES, SLACK, &["event.longest_s=0.05", &format!("event.together_ticks={together}")]]);
         let (b, force_n) = (60.0, 1.0);
         let expected_mm = each_tick.whole.true_discrepancy_mm + f64::from(together - 8) * force_n / b;
         let ratio = of_events.whole.true_discrepancy_mm / expected_mm;

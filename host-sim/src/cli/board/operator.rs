@@ -13,6 +13,7 @@ use haptic_board_tools::{
 };
 use haptic_core::settings::Settings;
 use haptic_io::Kind;
+use haptic_live::recording::mcap::INFO;
 use haptic_live::recording::origin::Origin;
 use haptic_live::recording::recorder::Recorder;
 use haptic_live::recording::ticks::{BoardTicks, board_channels, name_of};
@@ -178,20 +179,22 @@ impl Operate {
         let provenance = ui.provenance().with("board", number).with("every", self.every);
         let origin = Origin::here(&provenance, format!("operator of board {number}"), operator.start());
         let recorder = Recorder::create(file, &origin, board_channels(number, axes))?;
+        let log = |answer: String| recorder.log(recorder.now_ns(), INFO, answer);
+        let status = |operator: &mut Operator| operator.ask("status").map(log);
+        status(operator)?;
         let mut ticks = BoardTicks::new(period_s, axes);
         let refusal = operator.record_each(self.every, time, |now_ns, session| {
             let samples = session.take_stamped();
-            ticks.take(session.link(), &samples, |channel, row| recorder.put(channel, now_ns, row));
+            ticks.record(&recorder, now_ns, session.link(), &samples);
         });
+        let stopped = say(operator, "stream off").map(|_| status(operator));
         ui.status(recorder.finish().summary());
-        let stopped = say(operator, "stream off");
         if let Some(refusal) = refusal? {
             return Err(refusal.into());
         }
         if ticks.ticks == 0 {
             return Err(format!("board {number}: no tick came in {} s", self.time.seconds).into());
         }
-        stopped?;
-        Ok(())
+        Ok(stopped??)
     }
 }

@@ -59,6 +59,7 @@ impl Point {
             Some([to_first, to_second]) => format!("{to_first} and {to_second}"),
             None => "its own".to_owned(),
         };
+        let at_tautness = |mode: &Mode| mode.at_tautness.map_or("its own".to_owned(), |share| format!("{share:.2}"));
         let table = Columns::of(&judgement.modes)
             .value("mode", |mode| mode.name())
             .head("hands on")
@@ -72,6 +73,10 @@ impl Point {
         let table = match judgement.worst.line_ticks {
             Some(_) => table.value("line_ticks", |mode| mode.verdict.line_ticks).head("line, ticks"),
             None => table,
+        };
+        let table = match judgement.modes.iter().any(|mode| mode.at_tautness.is_some()) {
+            true => table.value("at_tautness", at_tautness).head("at tautness"),
+            false => table,
         };
         let table = match judgement.worst.direction {
             Some(_) => table

@@ -6,6 +6,7 @@ use clap::Args;
 use haptic_analysis::rendering::identify::{STIFFNESS_N_PER_M, identify, needs};
 use haptic_analysis::rendering::maps::{self, Curve, POINTS, Sweep};
 use haptic_analysis::rendering::{Body, Rendering as Setup, picture};
+use haptic_core::names::Choice;
 use haptic_core::num::Scalar;
 use haptic_report::{Columns, significant};
 use serde_json::json;

@@ -23,8 +23,10 @@ import { Timeline } from "./timeline.js";
 /** @typedef {{ name: string, unit: string, means: string }} Column */
 /** @typedef {{ environments: { name: string, story: boolean, columns: Column[], more: any }[], header_bytes: number, faults: Record<string, string>, fault_base: number, waits: number, alone: number,
  *   other: string | null, boards: boolean, clicks: { name: string, order: string }[], laws: string[], partners: string[], reach_m: number, period_s: number, recording?: Recorded }} Hello */
-/** A recording: of how many ticks, from which time on, s, when that was, and how far the copies were apart in each part of it.
- * @typedef {{ file: string, who: string, kind: number, ticks: number, start_s: number, unix_s: number, told: boolean, overview_mm: number[], left_out: string | null }} Recorded */
+/** A recording: of how many ticks, from which time on, s, when that was, how far the copies were apart in each part of it, which columns it has
+ * beside those of its environment, the tick of its first fault, and what happened.
+ * @typedef {{ file: string, who: string, kind: number, ticks: number, start_s: number, unix_s: number, told: boolean, overview_mm: number[], columns: Column[],
+ *   fault: number | null, marks: import("./timeline.js").Mark[], left_out: string | null }} Recorded */
 /** @typedef {import("./settings.js").Holds} Holds */
 /** @typedef {import("./settings.js").Question} Question */
 /** @typedef {{ number: number, fault: string | null, told: { name: string, there: boolean, status: string, said: [string, string][] } }} Board */
@@ -194,16 +196,27 @@ function greeted(greeting) {
 
 /** Shows a recording, whose ticks are asked for as they are looked at. @param {Recorded} recording */
 function opened(recording) {
-  const { file, who, ticks, start_s, overview_mm, left_out } = recording;
+  const { ticks, start_s, overview_mm, fault, marks } = recording;
   element("who").textContent = "– recorded";
-  say(`${file}, of ${who}, ${dateOf(recording)}${left_out ? `; ${left_out}` : ""}`, false);
   const ask = (/** @type {number} */ from, /** @type {number} */ count) => {
     const bytes = new DataView(new ArrayBuffer(8));
     bytes.setUint32(0, from, true);
     bytes.setUint32(4, count, true);
     socket?.send(bytes);
   };
-  timeline.open({ ticks, start_s, overview_mm, ask });
+  timeline.open({ ticks, start_s, overview_mm, fault, marks, ask });
+}
+
+/** Says whose recording it is, and which motors were off at the moment that is shown. @param {Recorded} recording */
+function sayRecorded(recording) {
+  const { file, who, left_out } = recording;
+  const off = [1, 2].flatMap((peer) => {
+    const fault = value(`fault_${peer}`);
+    if (fault > 0) return [`peer ${peer} has stopped: ${plainly(fault, hello?.faults ?? {})}`];
+    return value(`mode_${peer}`) === 0 ? [`the motors of peer ${peer} are off`] : [];
+  });
+  const whose = `${file}, of ${who}, ${dateOf(recording)}`;
+  say([...off, whose, ...(left_out ? [left_out] : [])].join("; "), off.length > 0);
 }
 
 /** When a recording was begun. @param {Recorded} recording */
@@ -216,7 +229,7 @@ function showKind(number) {
   kind = number;
   scene.append(hand);
   timeline.now();
-  samples.begin(environment.columns);
+  samples.begin([...environment.columns, ...(hello?.recording?.columns ?? [])]);
   stale = true;
   picture = 0;
   letGo();
@@ -729,6 +742,7 @@ function frame(now) {
     const moment = timeline.past ? samples.shown() : -samples.moved;
     const fresh = stale || moment !== drawn || replays();
     if (fresh) shown.draw(cut);
+    if (fresh && hello.recording) sayRecorded(hello.recording);
     if (fresh || holding()) drawHand();
     [stale, drawn] = [false, moment];
     if (now - written >= (busy ? NUMBERS.moving : NUMBERS.rest) || (fresh && timeline.past)) {

@@ -7,7 +7,9 @@ import { choice, element, write } from "./parts.js";
 /** What a timeline needs of a page: its samples, seconds in a tick, ticks in a packet period and in a plot, how it looks again at once; and, of a recording, how many ticks it has and how to ask for those
  * from one to before another.
  * @typedef {{ samples: import("./samples.js").Samples, period: () => number, packet: () => number, span: () => number, wake: () => void }} Of */
-/** @typedef {{ ticks: number, start_s: number, overview_mm: number[], ask: (from: number, count: number) => void }} Recording */
+/** @typedef {{ ticks: number, start_s: number, overview_mm: number[], fault: number | null, marks: Mark[], ask: (from: number, count: number) => void }} Recording */
+
+/** Something that happened: at which tick, whether it stopped somebody, and in words. @typedef {[number, boolean, string]} Mark */
 
 /** How far back one can go while it runs, ticks. */
 const REACH = 60000;
@@ -80,12 +82,34 @@ export class Timeline {
     return [Math.max(samples.there.first, end - REACH), end];
   }
 
-  /** A recording is opened: its beginning is shown. @param {Recording} recording */
+  /** A recording is opened: its first fault is shown, or its beginning. @param {Recording} recording */
   open(recording) {
     [this.recording, this.#asked] = [recording, undefined];
     element("now").hidden = true;
     this.#overview(recording.overview_mm);
-    this.seek(0);
+    for (const mark of document.querySelectorAll("#track .mark")) mark.remove();
+    for (const [tick, stopped, words] of recording.marks) {
+      const mark = element("track").appendChild(document.createElement("span"));
+      [mark.className, mark.title] = [stopped ? "mark bad" : "mark", words];
+      mark.style.setProperty("left", `${((100 * tick) / Math.max(1, recording.ticks - 1)).toFixed(2)}%`);
+    }
+    this.seek(recording.fault ?? 0);
+  }
+
+  /** Goes to the next thing that happened, or to the one before. @param {boolean} back */
+  #toMark(back) {
+    const ticks = (this.recording?.marks ?? []).map(([tick]) => tick);
+    const tick = back ? ticks.findLast((tick) => tick < this.#at) : ticks.find((tick) => tick > this.#at);
+    if (tick !== undefined) this.seek(tick);
+  }
+
+  /** What happened last at the moment that is shown, and when. */
+  #happened() {
+    const marks = this.recording?.marks ?? [];
+    const last = marks.findLast(([tick]) => tick <= this.#at)?.[0];
+    if (last === undefined) return "";
+    const words = marks.filter(([tick]) => tick === last).map(([, , words]) => words);
+    return `${((this.recording?.start_s ?? 0) + last * this.of.period()).toFixed(3)} s: ${words.join("; ")}`;
   }
 
   /** Shows the newest, as it comes. */
@@ -197,6 +221,7 @@ export class Timeline {
     if (step) this.step(step);
     else if (event.key === "Home") this.seek(from);
     else if (event.key === "End") this.recording ? this.seek(to - 1) : this.now();
+    else if (event.key === "n" || event.key === "p") this.#toMark(event.key === "p");
     else if (event.key === " ") this.toggle();
     else return;
     event.preventDefault();
@@ -228,6 +253,7 @@ export class Timeline {
     const [slider, pause] = [element("scrub"), element("pause")];
     document.body.classList.toggle("past", this.past && !this.recording);
     element("moment").textContent = words;
+    write(element("happened"), this.#happened());
     element("past").hidden = !this.past || Boolean(this.recording);
     element("when").textContent = `${words}, at ${(samples.shown() * this.of.period()).toFixed(3)} s`;
     element("steps").hidden = !this.past;

@@ -17,17 +17,11 @@ use std::f64::consts::TAU;
 use haptic_cases::filters::angle;
 use haptic_core::num::Scalar;
 use haptic_core::settings::{Refused, Settings};
+use haptic_sim::measure::impedance::Complex;
 
 use super::{Comparison, Family, counts::Processor, rms};
 
 pub use haptic_cases::filters::{Bilinear, Exact, Filter, ForwardEuler};
-
-type Complex = (f64, f64);
-
-fn quotient((a, b): Complex, (c, d): Complex) -> Complex {
-    let square = c * c + d * d;
-    ((a * c + b * d) / square, (b * c - a * d) / square)
-}
 
 /// RMS over the band of (relative error of gain and phase, relative error of the gain alone).
 pub fn errors<S: Scalar, F: Filter<S>>(settings: &Settings) -> (f64, f64) {
@@ -42,13 +36,10 @@ pub fn errors<S: Scalar, F: Filter<S>>(settings: &Settings) -> (f64, f64) {
     let error = |at: usize| {
         let angular = TAU * nyquist_hz * at as f64 / FREQUENCIES as f64;
         // What is sent is a tick old.
-        let sent = impulse.iter().enumerate().fold((0.0, 0.0), |(real, imaginary), (tick, value)| {
-            let (sine, cosine) = (angular * period_s * (tick + 1) as f64).sin_cos();
-            (real + value * cosine, imaginary - value * sine)
-        });
-        // Ω/(jω + Ω) turned round: times (jω + Ω)/Ω.
-        let (real, imaginary) = quotient(sent, quotient((cutoff, 0.0), (cutoff, angular)));
-        ((real - 1.0).hypot(imaginary), real.hypot(imaginary) - 1.0)
+        let sent =
+            (1..).zip(&impulse).map(|(tick, value)| Complex::cis(angular * period_s * f64::from(tick)).conj() * value);
+        let ratio = sent.sum::<Complex>() / (Complex::from(cutoff) / Complex::new(cutoff, angular));
+        ((ratio - 1.0).norm(), ratio.norm() - 1.0)
     };
     let errors: Vec<(f64, f64)> = (1..=FREQUENCIES).map(error).collect();
     (rms(errors.iter().map(|error| error.0)), rms(errors.iter().map(|error| error.1)))

@@ -27,16 +27,17 @@ pub mod tables;
 
 use std::path::{Path, PathBuf};
 
-use haptic_core::settings::LawInfo;
+use haptic_core::settings::{Choice, LawInfo};
 use haptic_report::Provenance;
 use haptic_sim::peers::Laws;
 use rayon::prelude::*;
 
+use self::motions::Motion;
 use self::networks::Network;
 use self::points::Point;
 use self::search::Tuning;
 use crate::Error;
-use crate::sweep::Book;
+use crate::sweep::{Book, with_traces};
 
 /// A bench: which laws, and how much of it.
 #[derive(Clone, Debug)]
@@ -72,7 +73,7 @@ pub type Step<'a> = &'a (dyn Fn() + Sync);
 impl Bench {
     /// Steps of the whole bench.
     pub fn steps(&self) -> usize {
-        self.chosen.len() * (self.budget + (1 + protocol::BOUNDS_N_S_PER_M.len()) * motions::ALL.len())
+        self.chosen.len() * (self.budget + (1 + protocol::BOUNDS_N_S_PER_M.len()) * Motion::ALL.len())
     }
 
     /// What is asked, for the files of what it finds.
@@ -85,10 +86,7 @@ impl Bench {
         question = question.with("budget", self.budget).with("seeds", self.seeds).with("search_seed", self.search_seed);
         let networks: Vec<&str> = self.networks.iter().map(|network| network.name.as_str()).collect();
         question = question.with("networks", networks.join(", "));
-        for (number, trace) in (1..).zip(&self.traces) {
-            question = question.with(&format!("trace_{number}_sha256"), crate::sweep::sha256_of(trace)?);
-        }
-        Ok(question)
+        with_traces(question, &self.traces)
     }
 
     /// Tunes and tests all laws; in `folder` it goes on where it was stopped. `step` is called at most [`Bench::steps`] times.

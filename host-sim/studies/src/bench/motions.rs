@@ -14,28 +14,16 @@ use haptic_sim::user::{Trace, User};
 
 use crate::Error;
 
-/// A motion.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Motion {
-    /// Pushes against each other.
-    Against,
-    /// A common push.
-    Together,
-    /// Imposed by an arm.
-    Led,
-    /// Contact made and lost.
-    Contact,
-    /// A hand that lets go.
-    LetGo,
+haptic_sim::choices! {
+    /// A motion.
+    Motion {
+        "against" => Against, "Pushes against each other.";
+        "together" => Together, "A common push.";
+        "led" => Led, "Imposed by an arm.";
+        "contact" => Contact, "Contact made and lost.";
+        "let go" => LetGo, "A hand that lets go.";
+    }
 }
-
-impl Choice for Motion {
-    const NAMES: &'static [&'static str] = &["against", "together", "led", "contact", "let go"];
-    const ALL: &'static [Self] = &ALL;
-}
-
-/// All of them.
-pub const ALL: [Motion; 5] = [Motion::Against, Motion::Together, Motion::Led, Motion::Contact, Motion::LetGo];
 
 /// When a common push begins and when a hand lets go, s: a line that follows the network has learned it.
 const AT_S: f64 = 3.0;

@@ -2,8 +2,7 @@
 
 use super::points::Point;
 use super::protocol::BOUNDS_N_S_PER_M;
-use super::tables;
-use super::{Bench, Found};
+use super::{Bench, Found, tables};
 
 /// Between these lines of the page stands what `host-sim bench --page` writes.
 pub const BENCH: [&str; 2] = ["<!-- bench begin -->", "<!-- bench end -->"];

@@ -11,7 +11,7 @@ use haptic_sim::scene::Scene;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::motions::{ALL, Motion};
+use super::motions::Motion;
 use super::search::Tuning;
 use super::tables::{self, heading};
 use super::{Bench, Step, networks, protocol};
@@ -92,7 +92,7 @@ pub fn test(
     step: Step<'_>,
 ) -> Result<Vec<Run>, Error> {
     let scene = protocol::scene(bench.laws, law, &tuning.gains)?;
-    let of_motion = |motion: Motion| {
+    let of_motion = |&motion: &Motion| {
         let mut entrant = Entrant { name: motion.name().to_owned(), scene: motion.of(&scene)? };
         entrant.scene.world.network.seed = SEED;
         let over = bench.networks.iter().map(Over::from).collect();
@@ -122,7 +122,7 @@ pub fn test(
         step();
         Ok::<_, Error>(runs.into_iter().flatten().collect::<Vec<_>>())
     };
-    let runs = ALL.into_par_iter().map(of_motion).collect::<Result<Vec<_>, _>>()?;
+    let runs = Motion::ALL.par_iter().map(of_motion).collect::<Result<Vec<_>, _>>()?;
     Ok(runs.into_iter().flatten().collect())
 }
 

@@ -153,7 +153,7 @@ fn is_linear(own: &Scene) -> Result<bool, Error> {
 }
 
 fn outcome(scene: &Scene, duration_s: f64) -> Result<Outcome, Error> {
-    Ok(run::<f64>(scene, Options { duration_s, record_every: 0 }, &|_| {})?)
+    Ok(run::<f64>(scene, Options::unrecorded(duration_s), &|_| {})?)
 }
 
 /// Measures a tuning.
@@ -188,7 +188,7 @@ fn fill(scene: &Scene, is_linear: bool, tuning: &mut Tuning) -> Result<Option<St
                 return Ok(Some("a peer stops where a hand leads it".to_owned()));
             };
             // The larger of both; what is no number yet gives way.
-            tuning.felt_n_s_per_m[at] = tuning.felt_n_s_per_m[at].max(impedance.abs());
+            tuning.felt_n_s_per_m[at] = tuning.felt_n_s_per_m[at].max(impedance.norm());
             if at == 1 {
                 let omega = core::f64::consts::TAU * FREQUENCIES_HZ[at];
                 tuning.mass_kg = tuning.mass_kg.max(impedance.im / omega - scene.world.device.mass_kg);

@@ -181,7 +181,7 @@ pub(super) fn of(study: &Study, periods: u32) -> Result<Vec<Cell>, Error> {
     let free = |entrant: &Entrant| Ok(push(&entrant.scene)?.map(|push| push.displacement_m));
     let free_m = study.entrants.par_iter().map(free).collect::<Result<Vec<Option<f64>>, Error>>()?;
     let job = |_, scene: &Scene| {
-        let outcome = run::<f64>(scene, Options { duration_s: study.seconds(), record_every: 0 }, &|_| {})?;
+        let outcome = run::<f64>(scene, Options::unrecorded(study.seconds()), &|_| {})?;
         Ok((outcome, push(scene)?))
     };
     let cell = |(point, runs): (usize, Vec<(Outcome, Option<PushOutcome>)>)| {

@@ -61,6 +61,7 @@ const SELF_TIMED: &[&str] = &[
     "network.one_way_delay_packets=8",
     "object.mass_kg=0.02",
     "coordination.wave_impedance_n_s_per_m=60",
+    "coordination.tautness=0.9",
     "coordination.stiffness_n_per_m=10000",
     "safety.fade_s=5",
     "safety.disengage_s=8",

@@ -1,15 +1,15 @@
 //! The architectures paper's claims: §2.3 with Figure 4, §3.2, §3.3 with equation 7; those on systems are in `environments.rs`.
 
+use haptic_analysis::rendering::Rendering;
 use haptic_analysis::rendering::closed::largest_stiffness;
-use haptic_analysis::rendering::identify::{DELAY_S, PERIOD_S, STIFFNESS_N_PER_M, identify, wall};
-use haptic_analysis::rendering::maps::{first, stiffness_limit};
-use haptic_analysis::rendering::{Place, Rendering};
+use haptic_analysis::rendering::identify::{DELAY_S, NETWORK, PERIOD_S, STIFFNESS_N_PER_M, identify, wall};
+use haptic_analysis::rendering::maps::{at, largest};
 use haptic_environments::collaborative::{Scheme, Trial, campaign};
 use haptic_environments::cooperative::limits;
 use haptic_report::significant;
 
 use super::claim::{Claim, of};
-use super::environments;
+use super::{environments, list, span};
 use crate::Error;
 use crate::architectures::{Architecture, Row};
 
@@ -39,24 +39,17 @@ fn stability_maps() -> Result<Vec<Claim>, Error> {
     });
     let own = devices[1];
     let device = wall(own.mass_kg, own.damping_n_s_per_m, own.computing_ticks);
-    let largest = |rendering: &Rendering| -> Result<f64, Error> {
-        Ok(first(&stiffness_limit(rendering)?).unwrap_or(f64::INFINITY))
-    };
     let periods_s = [1e-3, 2e-3, PERIOD_S, 0.01, 0.02];
     let sampled = periods_s.map(|period_s| largest(&Rendering { period_s, ..device }));
     let sampled = sampled.into_iter().collect::<Result<Vec<_>, _>>()?;
     let delays_s = [1e-3, 2e-3, DELAY_S, 0.01, 0.02, 0.03];
-    let delayed = delays_s.map(|delay_s| {
-        let fast = Rendering { period_s: delay_s / 40.0, ..device };
-        largest(&fast.delayed(Place::CollisionToDevice, delay_s))
-    });
+    let delayed = delays_s.map(|delay_s| largest(&at(&device, NETWORK, delay_s, None)));
     let delayed = delayed.into_iter().collect::<Result<Vec<_>, _>>()?;
     // Each lower than the one before, and the last less than a tenth of the first.
     let falls = |values: &[f64]| {
         values.windows(2).all(|pair| pair[1] < pair[0])
             && values.last().zip(values.first()).is_some_and(|(last, first)| last < &(DRAMATIC * first))
     };
-    let list = |values: &[f64]| values.iter().map(|value| significant(*value, 3)).collect::<Vec<_>>().join(", ");
     Ok(vec![
         Claim::not_testable(
             "§2.3",
@@ -80,10 +73,7 @@ fn stability_maps() -> Result<Vec<Claim>, Error> {
             format!(
                 "{} N/m at 1, 2, 5, 10, 20, 30 ms, sampled 40 times in a delay: the same rule; b/delay is {} at 5 ms",
                 list(&delayed),
-                {
-                    let fast = Rendering { period_s: DELAY_S / 40.0, ..device };
-                    significant(largest_stiffness(&fast.delayed(Place::CollisionToDevice, DELAY_S)), 3)
-                }
+                significant(largest_stiffness(&at(&device, NETWORK, DELAY_S, None)), 3)
             ),
         ),
         Claim::not_testable(
@@ -114,11 +104,7 @@ fn cooperative(rows: &[Row]) -> Result<Vec<Claim>, Error> {
     let table = limits::table()?;
     for round_trip_ms in [5.0, 10.0, 30.0] {
         let here: Vec<_> = table.iter().filter(|one| one.round_trip_ms == round_trip_ms).collect();
-        let both = |of: &dyn Fn(&limits::Stiffest) -> f64| -> [f64; 2] {
-            let values = here.iter().map(|one| of(one));
-            [f64::min, f64::max].map(|pick| values.clone().reduce(pick).unwrap_or(f64::NAN))
-        };
-        let [low, high] = both(&|one| one.simulated_n_per_m);
+        let [low, high] = span(here.iter().map(|one| one.simulated_n_per_m));
         let found = format!(
             "{} to {} N/m, contact at the server and at the clients",
             significant(low, 3),

@@ -4,27 +4,14 @@ use haptic_report::significant;
 
 use crate::Error;
 
-/// What is to be said of a claim.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
-    Matched,
-    InPart,
-    NotMatched,
-    Circular,
-    NotTestable,
-}
-
-impl Verdict {
-    pub const ALL: [Self; 5] = [Self::Matched, Self::InPart, Self::NotMatched, Self::Circular, Self::NotTestable];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Matched => "matched",
-            Self::InPart => "holds in part",
-            Self::NotMatched => "not matched",
-            Self::Circular => "circular",
-            Self::NotTestable => "not testable",
-        }
+haptic_sim::choices! {
+    /// What is to be said of a claim.
+    Verdict {
+        "matched" => Matched, "What was computed is what the paper says.";
+        "holds in part" => InPart, "It is so in some places, or under an assumption.";
+        "not matched" => NotMatched, "It is not what the paper says.";
+        "circular" => Circular, "It matches, but shows nothing.";
+        "not testable" => NotTestable, "The paper does not say enough.";
     }
 }
 

@@ -4,13 +4,13 @@ use haptic_analysis::{Map, figure4};
 use haptic_core::law::decimate::{Newest, OnePole};
 use haptic_core::names::Decode;
 use haptic_report::significant;
-use haptic_sim::run::{Options, run};
+use haptic_sim::run::{Options, Outcome, run};
 use haptic_sim::{Laws, scenes};
 
-use super::channel;
 use super::claim::{Claim, of};
-use super::paper::{DURATION_S, Experiment};
+use super::paper::{DURATION_S, Experiment, PRINTED, Printed};
 use super::readings::{DAMPINGS_N_S_PER_M, MASSES_KG, boundary, crossings, nearest, over_devices};
+use super::{channel, list, span};
 use crate::Error;
 
 /// What the claims are judged from.
@@ -20,10 +20,6 @@ pub struct Computed<'a> {
     /// The curves of Figure 4.
     pub curves: &'a [(figure4::Curve, Map)],
 }
-
-/// The paper's largest gains in its experiments, and its mean discrepancies at them (§5.1, Fig. 9).
-const PRINTED: [(&str, f64, f64); 3] =
-    [("power", 310.0, 3.5), ("wave", 1590.0, 0.644), ("passive-wave", 10620.0, 0.099)];
 
 /// How near a number of an experiment is to be: a tenth.
 const WITHIN: f64 = 0.1;
@@ -61,10 +57,6 @@ impl Computed<'_> {
     }
 }
 
-fn list(values: &[f64]) -> String {
-    values.iter().map(|value| significant(*value, 3)).collect::<Vec<_>>().join(", ")
-}
-
 /// All claims of the cooperation paper.
 pub fn claims(computed: &Computed<'_>) -> Result<Vec<Claim>, Error> {
     let all = [figure_4(computed)?, filters(computed)?, gains(computed)?, coherency(computed)?];
@@ -95,7 +87,7 @@ fn figure_4(computed: &Computed<'_>) -> Result<Vec<Claim>, Error> {
             format!("{} times {at}; ten times or more in {} places of Figure 4", list(&usual), words.join(", "));
         Claim::in_places(place, claim, holding, of, found).unless(|| Ok(why.to_owned()))
     };
-    let [(_, wave_gain, _), (_, passive_gain, _)] = [PRINTED[1], PRINTED[2]];
+    let [wave_gain, passive_gain] = [PRINTED[1], PRINTED[2]].map(|printed| printed.gain_n_per_m);
     let mut claims = vec![
         an_order(
             "§4.3, Fig. 4",
@@ -122,7 +114,7 @@ fn figure_4(computed: &Computed<'_>) -> Result<Vec<Claim>, Error> {
     for (name, law, columns) in [("traditional", "wave", &wave), ("passive", "passive-wave", &passive)] {
         let claim = format!("The largest stiffness of {name} waves is unaffected by the delay");
         let spread = |limits: &[f64]| {
-            let [low, high] = [f64::min, f64::max].map(|of| limits.iter().copied().reduce(of).unwrap_or(f64::NAN));
+            let [low, high] = span(limits.iter().copied());
             high / low - 1.0
         };
         let ends: Vec<_> = columns.iter().filter(|(_, limits)| limits.iter().all(|limit| limit.is_finite())).collect();
@@ -227,7 +219,7 @@ fn filters(computed: &Computed<'_>) -> Result<Vec<Claim>, Error> {
     for share in [1.0, 0.5, 0.25] {
         let mut scene = scenes::load(Laws::built_in(), "paper-5.2-power-16ms")?;
         scene.peer.coordination.stiffness_n_per_m *= share;
-        let outcome = run::<f64>(&scene, Options { duration_s: 20.0, record_every: 0 }, &|_| {})?;
+        let outcome = run::<f64>(&scene, Options::unrecorded(20.0), &|_| {})?;
         discrepancies.push(outcome.metric(|o| o.whole.true_discrepancy_mm).unwrap_or(f64::NAN));
     }
     claims.push(Claim::holds(
@@ -244,7 +236,7 @@ fn filters(computed: &Computed<'_>) -> Result<Vec<Claim>, Error> {
 
 fn gains(computed: &Computed<'_>) -> Result<Vec<Claim>, Error> {
     let mut claims = Vec::new();
-    for (law, gain, _) in PRINTED {
+    for Printed { law, gain_n_per_m: gain, .. } in PRINTED {
         let scene = scenes::load(Laws::built_in(), &format!("paper-5.1-{law}-16ms"))?;
         let found = crossings(&scene, 12_000.0)?;
         let own = boundary(&found, gain);
@@ -305,12 +297,11 @@ fn gains(computed: &Computed<'_>) -> Result<Vec<Claim>, Error> {
 fn coherency(computed: &Computed<'_>) -> Result<Vec<Claim>, Error> {
     let of = |law| computed.experiment("5.2", law, 16.0).map(|one| &one.outcome);
     let outcomes = [of("power")?, of("wave")?, of("passive-wave")?];
-    let [decoded, all_true] = [
-        outcomes.map(|outcome| outcome.metric(|o| o.whole.decoded_discrepancy_mm).unwrap_or(f64::NAN)),
-        outcomes.map(|outcome| outcome.metric(|o| o.whole.true_discrepancy_mm).unwrap_or(f64::NAN)),
-    ];
+    let [decoded, all_true] = discrepancies_mm(outcomes);
     let mut claims = Vec::new();
-    for (((law, _, papers), decoded), copies) in PRINTED.into_iter().zip(decoded).zip(all_true) {
+    for ((Printed { law, discrepancy_mm: papers, .. }, decoded), copies) in
+        PRINTED.into_iter().zip(decoded).zip(all_true)
+    {
         let claim = format!("The mean position discrepancy of {law} communications is {papers} mm");
         claims.push(Claim::number("§5.2, Fig. 9", &claim, (papers, decoded, "mm"), WITHIN).but(format!(
             "read as the distance to the remote copy as it is decoded at the same peer, which is F_T/K_T whatever lies between; the copies themselves, at one instant, are {} mm apart",
@@ -325,7 +316,7 @@ fn coherency(computed: &Computed<'_>) -> Result<Vec<Claim>, Error> {
             let found = format!("{} times", significant(fewer(values, at), 3));
             let holds = fewer(values, at) >= 10.0_f64.powf(wanted);
             claims.push(Claim::holds("§5.2, Fig. 9", &claim, holds, found).unless(|| {
-                let printed = PRINTED.map(|(_, _, papers)| papers);
+                let printed = PRINTED.map(|printed| printed.discrepancy_mm);
                 Ok(match which {
                     "true" => {
                         "between the copies themselves, at one instant: a wave line is a spring and adds its own way"
@@ -390,10 +381,7 @@ fn coherency(computed: &Computed<'_>) -> Result<Vec<Claim>, Error> {
     // Robust: within a tenth with twice the delay, in the paper's reading and between the copies themselves.
     let [near, far] = [16.0, 32.0].map(|round_trip_ms| computed.experiment("5.1", "passive-wave", round_trip_ms));
     let outcomes = [&near?.outcome, &far?.outcome];
-    let [decoded, copies] = [
-        outcomes.map(|outcome| outcome.metric(|o| o.whole.decoded_discrepancy_mm).unwrap_or(f64::NAN)),
-        outcomes.map(|outcome| outcome.metric(|o| o.whole.true_discrepancy_mm).unwrap_or(f64::NAN)),
-    ];
+    let [decoded, copies] = discrepancies_mm(outcomes);
     let robust = [decoded, copies].iter().filter(|[near, far]| (far / near - 1.0).abs() <= WITHIN).count();
     claims.push(
         Claim::in_places(
@@ -413,11 +401,17 @@ fn coherency(computed: &Computed<'_>) -> Result<Vec<Claim>, Error> {
     Ok(claims)
 }
 
+/// Mean discrepancies of these runs, decoded and true, mm.
+fn discrepancies_mm<const N: usize>(outcomes: [&Outcome; N]) -> [[f64; N]; 2] {
+    let of = |figure: fn(&Outcome) -> f64| outcomes.map(|outcome| outcome.metric(figure).unwrap_or(f64::NAN));
+    [of(|outcome| outcome.whole.decoded_discrepancy_mm), of(|outcome| outcome.whole.true_discrepancy_mm)]
+}
+
 /// Standard deviation of the coordination force at peer 2 with this share of the paper's gain, N.
 fn deviation(law: &str, share: f64) -> Result<f64, Error> {
     let mut scene = scenes::load(Laws::built_in(), &format!("paper-5.2-{law}-16ms"))?;
     scene.peer.coordination.stiffness_n_per_m *= share;
-    let outcome = run::<f64>(&scene, Options { duration_s: DURATION_S, record_every: 0 }, &|_| {})?;
+    let outcome = run::<f64>(&scene, Options::unrecorded(DURATION_S), &|_| {})?;
     Ok(outcome.whole.coordination_force_n.sd)
 }
 

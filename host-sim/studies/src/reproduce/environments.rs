@@ -1,18 +1,17 @@
 //! The architectures paper's claims on systems: impulsive rendering (§2.1), what is static (§3.1), one at a time (§3.2), squash (§3.2.1),
 //! and delays that are bought with stiffness or damping (§3.3).
 
-use haptic_analysis::rendering::identify::{identify, wall};
-use haptic_analysis::rendering::maps::{first, stiffness_limit};
-use haptic_analysis::rendering::{Place, Rendering};
+use haptic_analysis::rendering::identify::{NETWORK, identify, wall};
+use haptic_analysis::rendering::maps::{at, largest};
 use haptic_core::contact::impact::{Body, advance};
 use haptic_core::num::Motion;
 use haptic_environments::roles::squash::{Court, RALLIES};
 use haptic_environments::squash::{self, Cell, Options, Report};
-use haptic_report::significant;
 use haptic_sim::rng::Rng;
 use haptic_sim::scene::Network;
 
 use super::claim::Claim;
+use super::{list, span};
 use crate::Error;
 use crate::architectures::{Architecture, Row};
 
@@ -124,8 +123,7 @@ fn of(rows: &[Row], architecture: Architecture) -> impl Iterator<Item = &Row> + 
 /// Claims of §3.1 and §3.2 on delay and load.
 fn turns(rows: &[Row]) -> Vec<Claim> {
     let local = of(rows, Architecture::Static);
-    let [least, most] =
-        [f64::min, f64::max].map(|pick| local.clone().map(|row| row.peak_n).reduce(pick).unwrap_or(f64::NAN));
+    let [least, most] = span(local.clone().map(|row| row.peak_n));
     let stable = local.clone().filter(|row| row.stable).count();
     let longest = rows.iter().map(|row| row.delay_ms).fold(0.0, f64::max);
     let mut claims = vec![Claim::holds(
@@ -192,7 +190,6 @@ fn game() -> Vec<Claim> {
     };
     let court_m = f64::from(Court::SINGLES.length_m);
     let farthest = |bounder| over(bounder, |report| report.farthest_before_news_m, f64::max);
-    let list = |values: &[f64]| values.iter().map(|value| significant(*value, 3)).collect::<Vec<_>>().join(", ");
     let [free, bounded] = [farthest("none"), farthest("ball")];
     let kept = bounded.iter().filter(|m| **m <= court_m).count();
     let left = over("none", |report| f64::from(report.left_the_court), |sum, one| sum + one);
@@ -236,15 +233,13 @@ fn slow() -> Result<Vec<Claim>, Error> {
     let limits = |damping: f64| -> Result<Vec<f64>, Error> {
         [0.05, 0.1]
             .map(|delay_s| {
-                let rendering = wall(device.mass_kg, damping, device.computing_ticks);
-                let fast = Rendering { period_s: delay_s / 40.0, ..rendering };
-                Ok(first(&stiffness_limit(&fast.delayed(Place::CollisionToDevice, delay_s))?).unwrap_or(f64::INFINITY))
+                Ok(largest(&at(&wall(device.mass_kg, damping, device.computing_ticks), NETWORK, delay_s, None))?)
             })
             .into_iter()
             .collect()
     };
     let (own, more) = (limits(device.damping_n_s_per_m)?, limits(4.0 * device.damping_n_s_per_m)?);
-    let list = |values: &[f64]| values.iter().map(|value| significant(*value, 3)).collect::<Vec<_>>().join(" and ");
+    let list = |values: &[f64]| list(values).replace(", ", " and ");
     Ok(vec![
         Claim::holds(
             "§3.3",

@@ -28,7 +28,8 @@ pub mod paper;
 pub mod published;
 mod readings;
 
-use haptic_report::Columns;
+use haptic_core::names::Choice;
+use haptic_report::{Columns, significant};
 
 use self::claim::{Claim, Verdict};
 
@@ -57,14 +58,24 @@ pub fn columns(claims: &[Claim]) -> Columns {
         .done()
 }
 
+/// Numbers to three digits, one after the other.
+fn list(values: &[f64]) -> String {
+    values.iter().map(|value| significant(*value, 3)).collect::<Vec<_>>().join(", ")
+}
+
+/// The smallest and the largest of these numbers.
+fn span(values: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
+    [f64::min, f64::max].map(|pick| values.clone().reduce(pick).unwrap_or(f64::NAN))
+}
+
 /// How many there are of each verdict.
-pub fn counts(claims: &[Claim]) -> [(&'static str, usize); 5] {
-    Verdict::ALL.map(|verdict| (verdict.name(), claims.iter().filter(|claim| claim.verdict == verdict).count()))
+pub fn counts(claims: &[Claim]) -> impl Iterator<Item = (&'static str, usize)> {
+    Verdict::ALL.iter().map(|verdict| (verdict.name(), claims.iter().filter(|claim| claim.verdict == *verdict).count()))
 }
 
 /// The same as a sentence.
 pub fn counted(claims: &[Claim]) -> String {
-    counts(claims).map(|(name, count)| format!("{count} {name}")).join(", ")
+    counts(claims).map(|(name, count)| format!("{count} {name}")).collect::<Vec<_>>().join(", ")
 }
 
 /// One page: the claims of each paper as a table, and the figures behind it.

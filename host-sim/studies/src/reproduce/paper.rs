@@ -19,15 +19,15 @@ pub const DURATION_S: f64 = 20.0;
 
 /// What the paper says of one kind of communications.
 #[derive(Clone, Copy, Debug)]
-struct Printed {
-    law: &'static str,
+pub(super) struct Printed {
+    pub(super) law: &'static str,
     /// Largest coordination gain in the experiments, N/m (§5.1).
-    gain_n_per_m: f64,
+    pub(super) gain_n_per_m: f64,
     /// Mean position discrepancy at that gain, mm (Fig. 9).
-    discrepancy_mm: f64,
+    pub(super) discrepancy_mm: f64,
 }
 
-const PRINTED: [Printed; 3] = [
+pub(super) const PRINTED: [Printed; 3] = [
     Printed { law: "power", gain_n_per_m: 310.0, discrepancy_mm: 3.5 },
     Printed { law: "wave", gain_n_per_m: 1590.0, discrepancy_mm: 0.644 },
     Printed { law: "passive-wave", gain_n_per_m: 10620.0, discrepancy_mm: 0.099 },

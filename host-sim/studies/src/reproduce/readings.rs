@@ -88,9 +88,8 @@ pub(super) fn over_devices(scene: &Scene, gain_n_per_m: f64) -> Result<([f64; 2]
     let devices = MASSES_KG.map(|mass| DAMPINGS_N_S_PER_M.map(|damping| [mass, damping]));
     let devices = devices.as_flattened();
     let all: Vec<f64> = devices.par_iter().map(of).collect::<Result<_, _>>()?;
-    let [least, most] = [f64::min, f64::max].map(|pick| all.iter().copied().fold(f64::NAN, pick));
     let off = |at: &usize| (all[*at] / gain_n_per_m - 1.0).abs();
     let nearest =
         (0..all.len()).filter(|at| all[*at].is_finite()).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0);
-    Ok(([least, most], devices[nearest], all[nearest]))
+    Ok((super::span(all.iter().copied()), devices[nearest], all[nearest]))
 }

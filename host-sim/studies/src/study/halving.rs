@@ -18,7 +18,6 @@
 use std::collections::BTreeMap;
 
 use haptic_analysis::judge;
-use haptic_core::names::Choice;
 use rayon::prelude::*;
 
 use super::Study;
@@ -27,18 +26,12 @@ use crate::Error;
 use crate::paired::Paired;
 use crate::sweep::{Keep, Plan, Row, Todo, estimate, unstable_modes};
 
-/// Which runs a study does.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Search {
-    /// Every point with every seed.
-    Grid,
-    /// What decides the best point under a goal.
-    Halving,
-}
-
-impl Choice for Search {
-    const NAMES: &'static [&'static str] = &["grid", "halving"];
-    const ALL: &'static [Self] = &[Self::Grid, Self::Halving];
+haptic_sim::choices! {
+    /// Which runs a study does.
+    Search {
+        "grid" => Grid, "Every point with every seed.";
+        "halving" => Halving, "What decides the best point under a goal.";
+    }
 }
 
 /// A point that a search did not run.

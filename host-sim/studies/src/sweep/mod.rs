@@ -35,7 +35,7 @@ use super::Error;
 pub use self::axis::Axis;
 pub use self::journal::{Book, Journal, Kept, write};
 pub use self::metrics::{METRICS, Metric};
-pub use self::plan::{Keep, Plan, Todo, Unkept};
+pub use self::plan::{Keep, Plan, Todo};
 pub use self::row::Row;
 pub(crate) use self::row::{EVERY_MODE, UNSTABLE_MODES, of_runs, unstable_modes};
 pub use self::sample::{Design, MOST_KEYS, Sample, Spread};
@@ -252,16 +252,16 @@ pub fn tag(question: &Provenance) -> String {
 /// With what identifies these traces.
 pub(crate) fn with_traces(
     mut provenance: Provenance,
-    traces: impl IntoIterator<Item = PathBuf>,
+    traces: impl IntoIterator<Item = impl AsRef<Path>>,
 ) -> Result<Provenance, Error> {
     for (number, trace) in (1..).zip(traces) {
-        provenance = provenance.with(&format!("trace_{number}_sha256"), sha256_of(&trace)?);
+        provenance = provenance.with(&format!("trace_{number}_sha256"), sha256_of(trace.as_ref())?);
     }
     Ok(provenance)
 }
 
 /// SHA-256 of the content of a trace, in hexadecimal.
-pub(crate) fn sha256_of(trace: &Path) -> Result<String, Error> {
+fn sha256_of(trace: &Path) -> Result<String, Error> {
     let bytes = haptic_io::read(trace, haptic_sim::user::TRACE);
     let bytes = bytes.map_err(haptic_sim::Error::cannot("read", &trace.display()))?;
     Ok(hex(digest(&SHA256, &bytes).as_ref()))

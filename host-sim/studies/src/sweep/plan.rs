@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 use rayon::prelude::*;
 
 use haptic_analysis::Analysis;
-use haptic_sim::lanes::{self, number::LANES};
+use haptic_sim::lanes::{self, How, number::LANES};
 use haptic_sim::run::{Outcome, Until};
 use haptic_sim::scene::Scene;
 
@@ -40,10 +40,6 @@ pub trait Plan: Sync {
     fn seeds(&self) -> u32;
     /// Simulated time of a run, s.
     fn seconds(&self) -> f64;
-    /// How long a run goes on in which a peer stops.
-    fn until(&self) -> Until {
-        Until::TheEnd
-    }
 
     /// Runs of all points.
     fn runs(&self) -> usize {
@@ -56,13 +52,19 @@ pub trait Plan: Sync {
     }
 
     /// Runs what `there` lacks of these points, all cores at work; returns all of these points, those that were there included, by point
-    /// and seed.
+    /// and seed. If no rows are kept, a run may end when a peer stops: it has no figure of merit then, and its state hash is not reported.
     ///
     /// # Errors
     /// A scene that cannot be run, or what `keep` refuses.
-    fn run(&self, points: impl Iterator<Item = usize>, there: Vec<Row>, keep: Keep<'_>) -> Result<Vec<Row>, Error> {
+    fn run(
+        &self,
+        until: Until,
+        points: impl Iterator<Item = usize>,
+        there: Vec<Row>,
+        keep: Keep<'_>,
+    ) -> Result<Vec<Row>, Error> {
         let points: BTreeSet<usize> = points.collect();
-        let new = self.run_these(self.missing(&points, &there), keep)?;
+        let new = run_all(self, until, &self.missing(&points, &there), keep)?;
         let mut rows: Vec<Row> = there.into_iter().filter(|row| points.contains(&row.point)).collect();
         rows.extend(new);
         self.sort(&mut rows);
@@ -94,12 +96,7 @@ pub trait Plan: Sync {
     /// # Errors
     /// A scene that cannot be run, or what `keep` refuses.
     fn run_these(&self, runs: Todo, keep: Keep<'_>) -> Result<Vec<Row>, Error> {
-        // Runs side by side, as far as every core has some.
-        let all: usize = runs.iter().map(|(_, seeds)| seeds.len()).sum();
-        let lanes = (all / rayon::current_num_threads()).clamp(1, LANES);
-        let beside = |some: &[Lacking]| run_beside(self, some, lanes, keep);
-        let rows: Vec<Vec<Row>> = runs.par_chunks(LANES).map(beside).collect::<Result<_, _>>()?;
-        Ok(rows.into_iter().flatten().collect())
+        run_all(self, Until::TheEnd, &runs, keep)
     }
 
     /// By point and seed.
@@ -117,34 +114,13 @@ pub trait Plan: Sync {
     }
 }
 
-/// A plan whose rows nobody keeps: a run in which a peer stops ends there, for it has no figure of merit, and its state hash is not told.
-#[derive(Debug)]
-pub struct Unkept<'a, P>(pub &'a P);
-
-impl<P: Plan> Plan for Unkept<'_, P> {
-    fn points(&self) -> usize {
-        self.0.points()
-    }
-
-    fn scene_at(&self, point: usize) -> Result<Scene, Error> {
-        self.0.scene_at(point)
-    }
-
-    fn first_seed(&self) -> u32 {
-        self.0.first_seed()
-    }
-
-    fn seeds(&self) -> u32 {
-        self.0.seeds()
-    }
-
-    fn seconds(&self) -> f64 {
-        self.0.seconds()
-    }
-
-    fn until(&self) -> Until {
-        Until::Stopped
-    }
+/// Runs these seeds of these points side by side, as far as every core has some.
+fn run_all(plan: &(impl Plan + ?Sized), until: Until, runs: &[Lacking], keep: Keep<'_>) -> Result<Vec<Row>, Error> {
+    let all: usize = runs.iter().map(|(_, seeds)| seeds.len()).sum();
+    let lanes = (all / rayon::current_num_threads()).clamp(1, LANES);
+    let beside = |some: &[Lacking]| run_beside(plan, until, some, lanes, keep);
+    let rows: Vec<Vec<Row>> = runs.par_chunks(LANES).map(beside).collect::<Result<_, _>>()?;
+    Ok(rows.into_iter().flatten().collect())
 }
 
 /// A point that is run: its number, the scene that its runs have in common, and what is known of it without a run.
@@ -180,7 +156,13 @@ impl<'a> Same<'a> {
 }
 
 /// Runs these points with the seeds that each lacks, so many runs side by side.
-fn run_beside(plan: &(impl Plan + ?Sized), todo: &[Lacking], lanes: usize, keep: Keep<'_>) -> Result<Vec<Row>, Error> {
+fn run_beside(
+    plan: &(impl Plan + ?Sized),
+    until: Until,
+    todo: &[Lacking],
+    lanes: usize,
+    keep: Keep<'_>,
+) -> Result<Vec<Row>, Error> {
     let of = |(number, _): &(usize, _)| {
         let scene = plan.scene_at(*number)?;
         Ok::<_, Error>(Point { number: *number, analysis: Analysis::of(&scene)?, scene })
@@ -192,7 +174,7 @@ fn run_beside(plan: &(impl Plan + ?Sized), todo: &[Lacking], lanes: usize, keep:
     runs.sort_by_key(|run| run.scenes[0].world.network.seed);
     let beside = |runs: &[Same<'_>]| {
         let scenes: Vec<Scene> = runs.iter().map(|run| run.scenes[0].clone()).collect();
-        let outcomes = lanes::run_until(plan.until(), &scenes, plan.seconds())?;
+        let outcomes = lanes::run(How::until(until), &scenes, plan.seconds())?;
         let new: Vec<Row> = runs.iter().zip(&outcomes).flat_map(|(run, outcome)| run.rows(outcome)).collect();
         keep(&new)?;
         Ok(new)

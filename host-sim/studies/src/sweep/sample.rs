@@ -14,7 +14,6 @@
 
 use std::str::FromStr;
 
-use haptic_core::names::Choice;
 use haptic_sim::rng::Rng;
 
 use super::axis::{MOST, ends, form};
@@ -23,18 +22,12 @@ use crate::Error;
 /// Most keys of a sample.
 pub const MOST_KEYS: usize = 21;
 
-/// How points are spread.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Design {
-    /// One point in each of N parts of every range.
-    LatinHypercube,
-    /// Points of Sobol's sequence, shifted by the seed.
-    Sobol,
-}
-
-impl Choice for Design {
-    const NAMES: &'static [&'static str] = &["latin-hypercube", "sobol"];
-    const ALL: &'static [Self] = &[Self::LatinHypercube, Self::Sobol];
+haptic_sim::choices! {
+    /// How points are spread.
+    Design {
+        "latin-hypercube" => LatinHypercube, "One point in each of N parts of every range.";
+        "sobol" => Sobol, "Points of Sobol's sequence, shifted by the seed.";
+    }
 }
 
 /// A key and what its values are drawn from.

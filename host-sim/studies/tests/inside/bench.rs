@@ -211,7 +211,7 @@ fn every_motion_runs() {
     let laws = Laws::built_in();
     let law = asked_for(laws, "self-timed").expect("a law")[0];
     let scene = protocol::scene(laws, law, "").expect("a scene");
-    for motion in motions::ALL {
+    for &motion in Motion::ALL {
         let found = at_hand::run(&motion.of(&scene).expect("a motion"), motion.duration_s(), None).expect("a run");
         assert!(found.outcome.fault.is_none(), "{}: {:?}", motion.name(), found.outcome.reason);
         let peak_n = found.outcome.whole.peak_hand_force_n;

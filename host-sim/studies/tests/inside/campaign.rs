@@ -111,7 +111,8 @@ fn few_packets_do_where_the_line_has_margin() {
     let network = |name: &str| *networks::IMPAIRMENTS.iter().find(|(known, _)| *known == name).expect("a network");
     let over = |network: Named, together: &[&str]| {
         let pushes = ["user.1.push_n=1", "user.2.push_n=1", "user.2.sine_n=0.25", "user.2.sine_rad_per_s=3"];
-        let set: Vec<String> = pushes.iter().chain(together).map(|text| (*text).to_owned()).collect();
+        let slack = ["coordination.tautness=0"];
+        let set: Vec<String> = pushes.iter().chain(&slack).chain(together).map(|text| (*text).to_owned()).collect();
         let scene = scenes::find(Laws::built_in(), Some("any-network".as_ref()), &set).expect("a good scene");
         cells(&scene, &[network]).remove(0)
     };

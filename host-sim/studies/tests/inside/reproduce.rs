@@ -1,5 +1,7 @@
 //! Verdicts follow from numbers.
 
+use haptic_core::names::Choice;
+
 use super::*;
 
 #[test]

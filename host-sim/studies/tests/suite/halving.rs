@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::sync::Mutex;
 
 use haptic_sim::peers::Laws;
+use haptic_sim::run::Until;
 use haptic_studies::entrant::Entrant;
 use haptic_studies::study::answers::{Answer, Goal, metric};
 use haptic_studies::study::halving::Searched;
@@ -41,7 +42,7 @@ fn told(answers: &[Answer]) -> Vec<Option<(usize, f64, usize)>> {
 #[test]
 fn it_finds_what_the_grid_finds_with_less_than_half_of_the_runs() {
     let study = study();
-    let grid = study.run(0..study.points(), Vec::new(), &|_| Ok(())).expect("rows");
+    let grid = study.run(Until::TheEnd, 0..study.points(), Vec::new(), &|_| Ok(())).expect("rows");
     assert_eq!(grid.len(), 420);
     let goals = [
         goal("true_discrepancy_mm", &[]),
@@ -74,7 +75,8 @@ fn what_is_not_stable_in_every_mode_is_not_run() {
     let networks = ["own", "loss 20 %"].iter().flat_map(|name| Over::of(name).expect("a network")).collect();
     let study = Study::new(entrants.to_vec(), networks, &[axis], None, 6, 1.0).expect("a study");
     let goal = goal("true_discrepancy_mm", &[]);
-    let (found, grid) = (search(&study, &goal, &[]), study.run(0..28, Vec::new(), &|_| Ok(())).expect("rows"));
+    let (found, grid) =
+        (search(&study, &goal, &[]), study.run(Until::TheEnd, 0..28, Vec::new(), &|_| Ok(())).expect("rows"));
     let lets_go: BTreeSet<usize> = grid.iter().filter(|row| !row.every_mode_stable()).map(|row| row.point).collect();
     assert_eq!(found.left_out.iter().map(|one| one.point).collect::<BTreeSet<_>>(), lets_go);
     assert!(!lets_go.is_empty() && found.rows.iter().all(|row| !lets_go.contains(&row.point)));
@@ -114,7 +116,7 @@ fn whatever_is_there_the_runs_are_the_same() {
     let after = search(&study, &goal, &there);
     assert_eq!(lines(&after.rows), lines(&whole.rows));
     assert_eq!(after.new, whole.new - there.len());
-    let grid = study.run(0..study.points(), there, &|_| Ok(())).expect("rows");
+    let grid = study.run(Until::TheEnd, 0..study.points(), there, &|_| Ok(())).expect("rows");
     let all = search(&study, &goal, &grid);
     assert_eq!((lines(&all.rows), all.new), (lines(&whole.rows), 0));
 }
@@ -123,7 +125,7 @@ fn whatever_is_there_the_runs_are_the_same() {
 #[test]
 fn where_the_grid_has_a_point_so_has_the_search() {
     let study = study();
-    let grid = study.run(0..study.points(), Vec::new(), &|_| Ok(())).expect("rows");
+    let grid = study.run(Until::TheEnd, 0..study.points(), Vec::new(), &|_| Ok(())).expect("rows");
     let usual = goal("true_discrepancy_mm", &[]);
     let bests: BTreeSet<usize> =
         study.answers(&grid, &usual).iter().filter_map(|one| Some(one.best.as_ref()?.point)).collect();
@@ -149,7 +151,8 @@ fn a_single_seed_is_the_grid() {
     let own = Over::of("own").expect("a network");
     let study = Study::new(vec![entrant], own, &[axis], None, 1, 1.0).expect("a study");
     let goal = goal("true_discrepancy_mm", &[]);
-    let (found, grid) = (search(&study, &goal, &[]), study.run(0..3, Vec::new(), &|_| Ok(())).expect("rows"));
+    let (found, grid) =
+        (search(&study, &goal, &[]), study.run(Until::TheEnd, 0..3, Vec::new(), &|_| Ok(())).expect("rows"));
     let in_every_mode: Vec<Row> = grid.iter().filter(|row| row.every_mode_stable()).cloned().collect();
     assert_eq!((lines(&found.rows), in_every_mode.len()), (lines(&in_every_mode), 2));
     assert_eq!(told(&study.searched_answers(&found.rows, &found.left_out, &goal)), told(&study.answers(&grid, &goal)));
@@ -175,7 +178,7 @@ fn the_grids_best_in_a_third_of_the_runs() {
         Study::new(laws.map(entrant).to_vec(), networks, &[axis], None, seeds, 2.0).expect("a study")
     };
     let whole = study(1, SEEDS);
-    let grid = whole.run(0..whole.points(), Vec::new(), &|_| Ok(())).expect("rows");
+    let grid = whole.run(Until::TheEnd, 0..whole.points(), Vec::new(), &|_| Ok(())).expect("rows");
     let goal = goal("true_discrepancy_mm", &["peak_coordination_force_n=3"]);
     let mut table = String::from("seeds  law           network                runs of the grid's  same best  of\n");
     for seeds in [4, 10, 20, SEEDS] {

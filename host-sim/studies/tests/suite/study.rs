@@ -3,13 +3,13 @@
 use std::path::Path;
 
 use haptic_sim::peers::Laws;
-use haptic_sim::run::{Options, run};
+use haptic_sim::run::{Options, Until, run};
 use haptic_sim::scene::Scene;
 use haptic_sim::scenes;
 use haptic_studies::entrant::Entrant;
 use haptic_studies::study::answers::{Bound, Counts, Goal, metric};
 use haptic_studies::study::{Over, Place, Study};
-use haptic_studies::sweep::{Axis, METRICS, Plan, Row, Sweep, Unkept};
+use haptic_studies::sweep::{Axis, METRICS, Plan, Row, Sweep};
 
 fn scene(name: &str, set: &[&str]) -> Scene {
     let set: Vec<String> = set.iter().map(|text| (*text).to_owned()).collect();
@@ -154,8 +154,8 @@ fn a_sweep_is_a_study() {
     let axes: Vec<Axis> = vec!["coordination.stiffness_n_per_m=300..3000:3:log".parse().expect("an axis")];
     let sweep = Sweep { scene: one.scene.clone(), axes: axes.clone(), sample: None, seeds: 2, seconds: 1.0 };
     let study = Study::new(vec![one], over(&["own"]), &axes, None, 2, 1.0).expect("a study");
-    let all = |plan: &Sweep| plan.run(0..plan.points(), Vec::new(), &|_| Ok(())).expect("rows");
-    let rows = study.run(0..study.points(), Vec::new(), &|_| Ok(())).expect("rows");
+    let all = |plan: &Sweep| plan.run(Until::TheEnd, 0..plan.points(), Vec::new(), &|_| Ok(())).expect("rows");
+    let rows = study.run(Until::TheEnd, 0..study.points(), Vec::new(), &|_| Ok(())).expect("rows");
     assert_eq!(Row::lines(&rows).expect("lines"), Row::lines(&all(&sweep)).expect("lines"));
 }
 
@@ -205,7 +205,7 @@ fn rows_are_those_of_each_run_alone() {
         entrant.scene.apply_override(loss).expect("a good override");
         let axis = "coordination.stiffness_n_per_m=100,200,300,400,500".parse().expect("an axis");
         let study = Study::new(vec![entrant], over(&["own"]), &[axis], None, 7, 1.0).expect("a study");
-        let rows = study.run(0..study.points(), Vec::new(), &|_| Ok(())).expect("rows");
+        let rows = study.run(Until::TheEnd, 0..study.points(), Vec::new(), &|_| Ok(())).expect("rows");
         assert_eq!(rows.len(), 35);
         for row in &rows {
             let mut scene = study.scene_at(row.point).expect("a scene");
@@ -226,8 +226,8 @@ fn rows_are_those_of_each_run_alone() {
 fn rows_that_nobody_keeps_say_the_same_but_for_the_hash_of_what_stopped() {
     let axes = vec!["coordination.stiffness_n_per_m=1000..10000:16".parse().expect("an axis")];
     let sweep = Sweep { scene: scene("paper-5.2-wave-16ms", &[]), axes, sample: None, seeds: 1, seconds: 4.0 };
-    let whole = sweep.run(0..16, Vec::new(), &|_| Ok(())).expect("rows");
-    let unkept = Unkept(&sweep).run(0..16, Vec::new(), &|_| Ok(())).expect("rows");
+    let whole = sweep.run(Until::TheEnd, 0..16, Vec::new(), &|_| Ok(())).expect("rows");
+    let unkept = sweep.run(Until::Stopped, 0..16, Vec::new(), &|_| Ok(())).expect("rows");
     let stopped: Vec<bool> = whole.iter().map(|row| row.reason.contains("stopped at")).collect();
     assert!(stopped.contains(&true) && stopped.contains(&false));
     for ((whole, unkept), stopped) in whole.iter().zip(&unkept).zip(stopped) {

@@ -167,6 +167,7 @@ impl Browser {
             "Enter" => (13, "\r"),
             "End" => (35, ""),
             "Home" => (36, ""),
+            "ArrowLeft" => (37, ""),
             "ArrowRight" => (39, ""),
             _ => panic!("{key}: its number is not known"),
         };

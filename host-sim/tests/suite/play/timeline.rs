@@ -305,6 +305,54 @@ fn a_merge_is_opened() {
     }
 }
 
+/// A recording of a run that faulted opens at its fault: the bar says which one in red, marks stand where something happened, and keys go from
+/// one to the next.
+#[test]
+fn a_fault_is_opened() {
+    let folder = fresh("fault");
+    let file = folder.join("fault.mcap");
+    let pushes = ["--set=user.1.push_n=5", "--set=user.2.push_n=-5", "--set=safety.max_speed_m_per_s=0.2"];
+    let run = host_sim(&["cooperate", "--json", "--scene=any-network", "--seconds=2"])
+        .args(pushes)
+        .arg("--record")
+        .arg(&file)
+        .output();
+    assert_eq!(run.expect("host-sim runs").status.code(), Some(1));
+    let play = Play::start(&["--open", text(&file)]);
+    let mut browser = Browser::start(folder.join("profile"));
+    let page = browser.open(&play.addresses[0]);
+    let bar = "document.getElementById('status')";
+    browser.wait(
+        &page,
+        &format!("{bar}.textContent.startsWith('peer 1 has stopped: its device moved faster than it may')"),
+    );
+    browser.wait(
+        &page,
+        &format!("{bar}.classList.contains('bad') && page.value('fault_1') === 3 && page.value('fault_1', 1) === 0"),
+    );
+    browser.wait(
+        &page,
+        "document.getElementById('happened').textContent.includes('both peers: peer 1 stopped at 0.005 s: Overspeed')",
+    );
+    let marks = "[...document.querySelectorAll('#track .mark')]";
+    browser.wait(&page, &format!("{marks}.some((mark) => mark.classList.contains('bad') && mark.offsetWidth > 0)"));
+    browser.picture(&page, &folder.join("../fault.png"));
+    // Before it, the motors ran.
+    browser.evaluate(&page, "document.getElementById('scrub').focus()");
+    browser.key(&page, "ArrowLeft");
+    browser.wait(
+        &page,
+        &format!("!{bar}.classList.contains('bad') && {bar}.textContent.startsWith('fault.mcap, of both peers')"),
+    );
+    let [before] = browser.numbers(&page, "[page.moment()]");
+    browser.key(&page, "Home");
+    browser.wait(&page, "page.moment() === 0");
+    browser.key(&page, "n");
+    browser.wait(&page, &format!("page.moment() === {before} + 1"));
+    let complaints = browser.complaints(&[&page]);
+    assert!(complaints.is_empty(), "{complaints:?}");
+}
+
 /// Ten minutes of two peers over bursts of 200 ms: any second is there soon, and is what the recording's own columns say.
 #[test]
 fn ten_minutes_are_opened() {

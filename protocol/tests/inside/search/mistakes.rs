@@ -1,6 +1,7 @@
 //! Links that make a mistake: the real one but for what a call of theirs does wrong. Seen by the search alone, which has to find
 //! each of them.
 
+use crate::engagement::Rung;
 use crate::link::{Error, Link};
 use crate::wire::{Datagram, Greeting, Header, Message};
 
@@ -130,7 +131,7 @@ impl Mistake {
     fn unhurried<T>(self, link: &mut Link, now: u64, call: impl FnOnce(&mut Link) -> T) -> T {
         if self.has(Self::SilenceUnheard) {
             link.heard_us = now;
-            if link.engagement() > 0.0 {
+            if link.engagement.rung() != Rung::Disengaged {
                 link.engagement.hear(now);
             }
         }

@@ -8,6 +8,7 @@ use std::rc::Rc;
 use super::explore::Model;
 use super::mistakes::Mistake;
 use crate::ends::Ends;
+use crate::engagement::Rung;
 use crate::handshake::LIFE_US;
 use crate::key::Key;
 use crate::lease::Word;
@@ -346,7 +347,10 @@ impl World {
             promises.hold(Promise::UnconfirmedEnds, !unconfirmed || self.now - truth.began < LIFE_US);
             promises.hold(Promise::PeerIsThere, !link.is_up() || within(truth.heard, LIFE_US + APART_US));
             let flow = truth.flow.map(|(_, at)| at);
-            promises.hold(Promise::EngagedWithFlow, link.engagement() == 0.0 || within(flow, FLOW_US + APART_US));
+            promises.hold(
+                Promise::EngagedWithFlow,
+                link.engagement.rung() == Rung::Disengaged || within(flow, FLOW_US + APART_US),
+            );
         }
     }
 }

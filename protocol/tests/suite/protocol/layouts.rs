@@ -98,7 +98,6 @@ fn telemetry() {
         desired_position: 3.0,
         contact_force: 4.0,
         coordination_force: 5.0,
-        engagement: 0.5,
         energy_received: 6.0,
         energy_sent: 7.0,
         round_trip_us: 0x10,
@@ -115,7 +114,7 @@ fn telemetry() {
     #[rustfmt::skip]
     let bytes: [u8; Telemetry::LEN] = [
         2, 1, 2, 3, 4, 0, 0, 0,
-        0, 0, 0x80, 0x3f, 0, 0, 0x00, 0x40, 0, 0, 0x40, 0x40, 0, 0, 0x80, 0x40, 0, 0, 0xa0, 0x40, 0, 0, 0x00, 0x3f,
+        0, 0, 0x80, 0x3f, 0, 0, 0x00, 0x40, 0, 0, 0x40, 0x40, 0, 0, 0x80, 0x40, 0, 0, 0xa0, 0x40,
         0, 0, 0, 0, 0, 0, 0x18, 0x40, 0, 0, 0, 0, 0, 0, 0x1c, 0x40,
         0x10, 0, 0, 0, 0x11, 0, 0, 0, 0xfe, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0, 0, 0x80, 0xbf,
         0x12, 0, 0, 0, 0x13, 0, 0, 0, 0x14, 0, 0, 0, 0x15, 0, 0, 0, 0x16, 0, 0, 0, 0x17, 0, 0, 0,
@@ -125,9 +124,6 @@ fn telemetry() {
     refused(&bytes, 1, &[184], meaningless("mode"));
     refused(&bytes, 1, &[3], meaningless("mode"));
     refused(&bytes, 3, &[6], meaningless("stage"));
-    for engagement in [-0.1_f32, 1.1] {
-        refused(&bytes, 28, &engagement.to_le_bytes(), meaningless("engagement"));
-    }
 }
 
 #[test]

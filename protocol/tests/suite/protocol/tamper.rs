@@ -43,7 +43,7 @@ fn sealed() -> Vec<(&'static str, usize, World, Vec<u8>)> {
     let mut world = silent(2);
     let now = world.clock(0);
     let len = world.links[0].send(now, Telemetry::default(), &mut out).unwrap();
-    all.push(("telemetry", 140, world, out[..len].to_vec()));
+    all.push(("telemetry", 136, world, out[..len].to_vec()));
 
     let mut world = silent(3);
     world.links[0].push_event(Event::new(5, b"hello").unwrap()).unwrap();

@@ -205,9 +205,9 @@ impl World {
         [self.links[0].stage(), self.links[1].stage()]
     }
 
-    /// Both at full engagement.
+    /// Flow comes at both.
     pub(crate) fn is_engaged(&self) -> bool {
-        self.links.iter().all(|link| link.stage() == Stage::Running && link.engagement() == 1.0)
+        self.links.iter().all(|link| link.stage() == Stage::Running)
     }
 }
 

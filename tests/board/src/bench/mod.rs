@@ -60,6 +60,8 @@ pub struct Bench {
     /// Instructions of each board's current loop, once [`Bench::count_instructions`] was asked for.
     pub loops: Vec<Meter>,
     now_ns: u64,
+    /// How much later power came on at each board, ns: its own clock is so far behind the bench's.
+    late_ns: Vec<u64>,
     period_s: f64,
     /// Stops since power-on.
     stops: u64,
@@ -77,7 +79,7 @@ impl Bench {
     /// `boards` (1 or 2) boards at power-on, run until their network is up.
     ///
     /// # Panics
-    /// The tick does not start, or not at the same time on both.
+    /// The tick does not start.
     pub fn start(firmware: &Arc<Firmware>, boards: usize, line: Line) -> Self {
         Self::start_with(firmware, boards, line, &[])
     }
@@ -123,6 +125,7 @@ impl Bench {
             pc: Pc::default(),
             partner: None,
             now_ns: 1000,
+            late_ns: vec![0; boards],
             period_s: 1e-3,
             stops: 0,
             engaging: 0,
@@ -132,12 +135,18 @@ impl Bench {
         };
         let keys = keys_in_flash(&peers_key(), &operator_key());
         let paint = STACK.step_by(4).map(|address| (address, PAINT)).chain(keys);
-        for inputs in &mut bench.inputs {
+        let entries: Vec<u64> = images.iter().map(|image| image.address(TICK)).collect();
+        for (inputs, entry) in bench.inputs.iter_mut().zip(&entries) {
             inputs.poke.extend(paint.clone());
+            inputs.watch.push(*entry);
             first(inputs);
         }
         bench.run_to(ms * PERIOD_NS);
-        bench.align_each(images);
+        // Images take different times to start, and host-sim's peers begin at the same time.
+        let began = bench.stopped.iter().map(|stopped| stopped.hits.first().expect("the tick runs").at.0);
+        let latest = began.clone().max().expect("a board");
+        bench.late_ns = began.map(|began| latest - began).map(|late| if late < 100_000 { 0 } else { late }).collect();
+        bench.align_to(&entries);
         // The PHY is asked for its link every 500 ms: it is there the second time.
         for number in 1..=boards {
             bench.meet(number);
@@ -151,28 +160,23 @@ impl Bench {
         self.nodes.iter().for_each(Node::checkpoint);
     }
 
-    /// From here on every stop is in the middle between two ticks: after power-on, and after a reset, which begins whenever it does.
-    /// Devices stand still for some 3 ms.
+    /// From here on every stop is in the middle between two ticks of a board that is alone and was reset, which happens at any time.
+    /// Its device stands still for some 3 ms.
     ///
     /// # Panics
-    /// A board's tick does not run, or two boards' ticks are 0.1 ms apart.
-    pub fn align(&mut self, firmware: &Arc<Firmware>) {
-        self.align_each(&vec![firmware.clone(); self.nodes.len()]);
+    /// The board's tick does not run.
+    pub fn align(&mut self, firmware: &Firmware) {
+        let entry = firmware.address(TICK);
+        self.input(1).watch.push(entry);
+        self.align_to(&[entry]);
     }
 
-    fn align_each(&mut self, images: &[Arc<Firmware>]) {
-        let entries: Vec<u64> = images.iter().map(|image| image.address("TIM6_DAC")).collect();
-        let each = |entries: &[u64], inputs: &mut [Inputs], put: fn(&mut Inputs, u64)| {
-            inputs.iter_mut().zip(entries).for_each(|(inputs, entry)| put(inputs, *entry));
-        };
-        each(&entries, &mut self.inputs, |inputs, entry| inputs.watch.push(entry));
-        self.run_to(self.now_ns + 2 * PERIOD_NS);
-        let phases: Vec<u64> =
-            (self.stopped.iter()).map(|stopped| stopped.hits.last().expect("the tick runs").at.0 % PERIOD_NS).collect();
-        let spread = phases.iter().max().expect("a board") - phases.iter().min().expect("a board");
-        assert!(spread < 100_000, "the boards' ticks are {spread} ns apart");
-        each(&entries, &mut self.inputs, |inputs, entry| inputs.unwatch.push(entry));
-        let middle = (phases[0] + PERIOD_NS / 2) % PERIOD_NS;
+    /// [`Bench::align`] to board 1's ticks. Each board's entry of its tick is watched until then.
+    fn align_to(&mut self, entries: &[u64]) {
+        self.run_to(self.now_ns + 2 * PERIOD_NS + self.late_ns.iter().max().expect("a board"));
+        let tick = self.stopped[0].hits.last().expect("the tick runs").at.0 + self.late_ns[0];
+        self.inputs.iter_mut().zip(entries).for_each(|(inputs, entry)| inputs.unwatch.push(*entry));
+        let middle = (tick + PERIOD_NS / 2) % PERIOD_NS;
         self.run_to((self.now_ns / PERIOD_NS + 1) * PERIOD_NS + middle);
     }
 
@@ -205,17 +209,17 @@ impl Bench {
     }
 
     fn run_to(&mut self, until_ns: u64) {
-        for (node, inputs) in self.nodes.iter().zip(&mut self.inputs) {
-            node.run(until_ns, std::mem::take(inputs));
+        for ((node, inputs), late) in self.nodes.iter().zip(&mut self.inputs).zip(&self.late_ns) {
+            node.run(until_ns - late, std::mem::take(inputs));
         }
         self.stopped = self.nodes.iter().map(Node::wait).collect();
         self.now_ns = until_ns;
         for meters in [&mut self.meters, &mut self.loops] {
             meters.iter_mut().zip(&self.stopped).for_each(|(meter, stopped)| meter.see(&stopped.hits));
         }
-        for (port, stopped) in self.stopped.iter().enumerate() {
+        for (port, (stopped, late)) in self.stopped.iter().zip(&self.late_ns).enumerate() {
             for (at, frame) in &stopped.frames {
-                self.wire.send(port, *at, frame);
+                self.wire.send(port, at + late, frame);
             }
         }
         for frame in self.wire.receive(PC, until_ns) {
@@ -262,8 +266,9 @@ impl Bench {
         let begins_ns = self.now_ns + PERIOD_NS / 2 - 25_000;
         if !self.loose.is_empty() {
             let time_s = self.ticks as f64 * self.period_s;
-            for ((device, stopped), inputs) in self.loose.iter().zip(&self.stopped).zip(&mut self.inputs) {
-                let counts = device.step(time_s, &stopped.bridges, begins_ns);
+            let boards = self.stopped.iter().zip(&self.late_ns).zip(&mut self.inputs);
+            for (device, ((stopped, late), inputs)) in self.loose.iter().zip(boards) {
+                let counts = device.step(time_s, &stopped.bridges, begins_ns - late);
                 inputs.counts = counts.or(inputs.counts);
             }
             return;
@@ -286,12 +291,13 @@ impl Bench {
             return;
         }
         let mut moved = false;
-        for ((device, stopped), inputs) in self.devices.iter().zip(&self.stopped).zip(&mut self.inputs) {
+        let boards = self.stopped.iter().zip(&self.late_ns).zip(&mut self.inputs);
+        for (device, ((stopped, late), inputs)) in self.devices.iter().zip(boards) {
             let Some(device) = device else { continue };
             moved = true;
             let Some(period) = (self.ticks + u64::from(device.stage().is_some())).checked_sub(ahead) else { continue };
             let time_s = period as f64 * self.period_s;
-            inputs.counts = device.step(time_s, &stopped.bridges, begins_ns).or(inputs.counts);
+            inputs.counts = device.step(time_s, &stopped.bridges, begins_ns - late).or(inputs.counts);
         }
         self.ticks += u64::from(moved);
     }

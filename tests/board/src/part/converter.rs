@@ -5,7 +5,9 @@
 //!
 //! Its regulator takes some time; what was calibrated before that, or without linearity, misses codes at multiples of 2¹².
 //!
-//! Left out: the other group, the queue of contexts, watchdogs, how long a calibration takes, and its clock: 32 MHz are taken for granted.
+//! Calibration takes as long as ST's own library waits for it. What is written to the control register meanwhile spoils it for good.
+//!
+//! Left out: the other group, the queue of contexts, watchdogs, and its clock: 32 MHz are taken for granted.
 
 use rigless::device::{Device, DeviceContext, Level, RegisterFile};
 use rigless::emulator::InterruptLine;
@@ -28,19 +30,25 @@ const ADCAL: u64 = 1 << 31;
 const TRIGGERED: u64 = 1 << 7 | 8 << 2 | 2;
 /// How long the regulator takes, ns: more than anybody waits who does not ask for it.
 const REGULATED_NS: u64 = 30_000;
+/// 165,010 clocks of 32 MHz, ns.
+const CALIBRATED_NS: u64 = 5_156_563;
 /// Codes that are missing around each multiple of 2¹² where linearity was not calibrated.
 const MISSING: u16 = 8;
+/// What channels 15, 10 and 5 read while nothing hangs on them: no current, 24 V.
+const IDLE: [u16; 3] = [0x8000, 0x8000, 43_330];
 /// Three times 17 clocks of 32 MHz, ns.
 const LASTS_NS: u64 = 1594;
 
 /// Model of ADC1's injected group.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Converter {
     flags: u64,
     enables: u64,
     started: bool,
     /// When the regulator was turned on, ns.
     regulator_ns: Option<u64>,
+    /// When the calibration ends that is under way, ns.
+    calibrates_ns: Option<u64>,
     /// Calibrated with linearity, and with its regulator ready.
     linear: bool,
     /// JSQR.
@@ -52,27 +60,6 @@ pub struct Converter {
     pub missed: u64,
     /// So many triggers do not reach it.
     pub misses: u32,
-    /// What channels 15, 10 and 5 read while nothing hangs on them: no current, 24 V.
-    pub idle: [u16; 3],
-}
-
-impl Default for Converter {
-    fn default() -> Self {
-        Self {
-            flags: 0,
-            enables: 0,
-            started: false,
-            regulator_ns: None,
-            linear: false,
-            sequence: 0,
-            sampled: [0; 3],
-            data: [0; 3],
-            ended: None,
-            missed: 0,
-            misses: 0,
-            idle: [0x8000, 0x8000, 43_330],
-        }
-    }
 }
 
 impl Converter {
@@ -113,10 +100,15 @@ impl Converter {
         if self.linear || read.abs_diff(multiple) > MISSING { read } else { multiple.saturating_add(MISSING) }
     }
 
+    fn is_calibrating(&self, now: VirtualNanos) -> bool {
+        self.calibrates_ns.is_some_and(|ends| now.0 < ends)
+    }
+
     /// What a register reads that is not as it was written.
-    fn word(&self, r: Register, now: VirtualNanos) -> Option<u64> {
+    fn word(&self, r: Register, f: &RegisterFile, now: VirtualNanos) -> Option<u64> {
         let [one, two, three] = self.data.map(u64::from);
         match r {
+            Register::Cr if self.is_calibrating(now) => Some(f.get(Register::Cr) | ADCAL),
             Register::Isr => Some(self.flags | if self.is_regulated(now) { LDORDY } else { 0 }),
             Register::Jdr1 => Some(one),
             Register::Jdr2 => Some(two),
@@ -133,11 +125,11 @@ impl Converter {
 impl Device for Converter {
     type Register = Register;
 
-    fn read(&mut self, r: Register, _: &mut RegisterFile, c: &mut DeviceContext<'_>) -> Option<u64> {
-        self.word(r, c.now())
+    fn read(&mut self, r: Register, f: &mut RegisterFile, c: &mut DeviceContext<'_>) -> Option<u64> {
+        self.word(r, f, c.now())
     }
-    fn peek(&self, r: Register, _: &RegisterFile, now: VirtualNanos) -> Option<u64> {
-        self.word(r, now)
+    fn peek(&self, r: Register, f: &RegisterFile, now: VirtualNanos) -> Option<u64> {
+        self.word(r, f, now)
     }
     fn write(&mut self, r: Register, value: u64, f: &mut RegisterFile, c: &mut DeviceContext<'_>) {
         match r {
@@ -146,6 +138,11 @@ impl Device for Converter {
             Register::Jsqr => self.sequence = value,
             Register::Cr => {
                 let now = f.get(Register::Cr) & !ADCAL;
+                if self.is_calibrating(c.now()) {
+                    // It never comes any more.
+                    self.calibrates_ns = Some(u64::MAX);
+                    return;
+                }
                 let ready = if value & ADEN != 0 { ADRDY } else { 0 };
                 self.flags |= ready;
                 if now & ADVREGEN != 0 {
@@ -153,10 +150,11 @@ impl Device for Converter {
                 }
                 if value & ADCAL != 0 {
                     self.linear = value & ADCALLIN != 0 && self.is_regulated(c.now());
+                    self.calibrates_ns = Some(c.now().0 + CALIBRATED_NS);
                 }
                 self.started = now & JADSTART != 0;
                 if self.started {
-                    self.data = self.ranks(self.idle);
+                    self.data = self.ranks(IDLE);
                 }
                 f.set(Register::Cr, now);
             }
@@ -177,6 +175,6 @@ impl Device for Converter {
         }
     }
     fn reset(&mut self) {
-        *self = Self { idle: self.idle, ..Self::default() };
+        *self = Self::default();
     }
 }

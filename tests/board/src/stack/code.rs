@@ -94,8 +94,10 @@ impl Code {
             if *name == ".vector_table" {
                 vectors.extend(words.skip(1).map(|(_, word)| u64::from(word)));
             } else {
+                let data = words.filter(|(at, _)| *kind != SectionKind::Text || is_data(*at)).map(|(_, word)| word);
+                let mut before = 0;
                 taken.extend(
-                    words.filter(|(at, _)| *kind != SectionKind::Text || is_data(*at)).map(|(_, word)| u64::from(word)),
+                    data.filter(|word| !ends_text(core::mem::replace(&mut before, *word), *word)).map(u64::from),
                 );
             }
         }
@@ -120,6 +122,12 @@ impl Code {
     pub fn find(&self, name: &str) -> Option<u64> {
         self.functions.iter().find(|(_, function)| function.names.iter().any(|known| known == name)).map(|(at, _)| *at)
     }
+}
+
+/// Whether a word after this one is the end of a text: "…al" looks like the address 0x6c61, which lies in ITCM.
+fn ends_text(before: u32, word: u32) -> bool {
+    before.to_le_bytes().iter().all(u8::is_ascii_graphic)
+        && word.to_le_bytes().iter().all(|byte| *byte == 0 || byte.is_ascii_graphic())
 }
 
 /// The function that a veneer of the linker jumps to.

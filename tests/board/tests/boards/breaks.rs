@@ -1,5 +1,5 @@
-//! What turns outputs off in hardware does so at once, and is distinguished; a board without its external clock starts, talks, and is not
-//! armed.
+//! What turns outputs off in hardware does so at once, and is distinguished; a board without its external clock, or whose converter does not
+//! start, talks and is not armed.
 //!
 //! Not shown, because the emulator does not model it: that SYSCFG_CFGR connects the voltage detector and a locked-up core to the break.
 //! Here the detector is connected by hand.
@@ -178,16 +178,31 @@ fn a_board_whose_external_clock_stops_starts_anew_and_says_so() {
     }
 }
 
-#[test]
-fn a_board_without_its_external_clock_talks_and_is_not_armed() {
+/// One board that starts with this talks, says why it is not to be armed, and is not.
+fn talks_and_is_not_armed(reported: &str, why: &str, first: impl Fn(&mut Inputs)) {
     let firmware = Arc::new(Firmware::release());
-    let mut bench = Bench::power_on(&firmware, 1, Line::default(), 200, |inputs| inputs.clock_missing = true);
-    assert!(bench.ask(1, "status").starts_with("ok board 1 disarmed fault 0 "));
-    let why = "the external clock did not come: see to the 8 MHz of the ST-LINK and start anew";
+    let mut bench = Bench::power_on(&firmware, 1, Line::default(), 200, first);
+    let status = bench.ask(1, "status");
+    assert!(status.starts_with("ok board 1 ") && status.contains(reported), "{status}");
     for line in ["arm", "check 1", "clear", "arm"] {
         let answer = bench.ask(1, line);
         assert_eq!(answer, if line == "clear" { "ok disarmed".to_owned() } else { format!("error {why}") });
     }
     assert!(bench.log(&firmware, 1).iter().any(|line| line.starts_with("not to be armed: ")));
     bench.finish().iter().for_each(reviewed::check);
+}
+
+#[test]
+fn a_board_without_its_external_clock_talks_and_is_not_armed() {
+    let why = "the external clock did not come: see to the 8 MHz of the ST-LINK and start anew";
+    talks_and_is_not_armed(" disarmed fault 0 ", why, |inputs| inputs.clock_missing = true);
+}
+
+/// Why: the start looked 100,000 times whether the converter was calibrated, which is a millisecond, and went on in any case.
+#[test]
+fn a_board_whose_converter_does_not_start_talks_and_is_not_armed() {
+    // Its clock is on (RCC_AHB1ENR), and it is being calibrated (ADC1_CR) when the start writes to it, so that the calibration never ends.
+    const CALIBRATES: [(u64, u32); 2] = [(0x5802_44D8, 1 << 5), (0x4002_2008, 1 << 31 | 1 << 28)];
+    let why = "the current sensors' converter did not start: power off and on";
+    talks_and_is_not_armed(" faulted fault 18 ", why, |inputs| inputs.poke.extend(CALIBRATES));
 }

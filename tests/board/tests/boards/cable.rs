@@ -9,6 +9,7 @@ use board_bench::wire::Line;
 use board_bench::{docs, reviewed};
 use firmware_parts::record::{ENGAGED, Record};
 use haptic_board_tools::recording;
+use haptic_core::peer::STEP_N;
 use haptic_core::safety::Mode;
 
 use crate::breaks;
@@ -89,7 +90,12 @@ fn pulled_and_put_back() {
     // 12 packets of 8 ms after the last one, which was under way for up to 12 ms when the cable went.
     assert!((88..=116).contains(&(gone - pulled)), "it let go after {} ms", gone - pulled);
     let away = &records[gone..back];
-    assert!(away.iter().all(|record| coordination_n(record) == 0.0), "no coordination while alone");
+    let falls = away.iter().position(|record| coordination_n(record) == 0.0).expect("it falls to 0");
+    let most = coordination_n(&records[gone - 1]).abs() / STEP_N as f32;
+    assert!(falls as f32 <= most.ceil(), "{falls} ms for {most} steps");
+    assert!(away[falls..].iter().all(|record| coordination_n(record) == 0.0), "no coordination while alone");
+    let fallen = largest_step(&records[gone - 1..gone + falls], coordination_n);
+    assert!(fallen <= STEP_N as f32 + 1e-6, "what was left fell by {fallen} N in a tick");
     let (before, fading, rising) = (&records[1000..pulled], &records[pulled..gone], &records[back..]);
     let steps =
         [before, fading, away, rising].map(|records| largest_step(records, |record| record.observed().contact_force));
@@ -107,7 +113,7 @@ fn pulled_and_put_back() {
         [
             format!("{} ms later", gone - pulled),
             "it renders alone, armed".to_owned(),
-            "0".to_owned(),
+            format!("0 after {falls} ms more"),
             "`peer: disengaged`, `peer: lost`".to_owned(),
             newton(steps[2]),
         ],

@@ -214,12 +214,12 @@ fn a_stranger_gets_no_answer_and_changes_nothing() {
 }
 
 /// Two multiplications a side are 1.35 million instructions each: the tick goes on meanwhile, and they are done soon after the PHY's link
-/// is seen, for which it is asked every 500 ms.
+/// is seen, for which it is asked every 500 ms. The first time is after the converter was calibrated, which takes 5.2 ms.
 #[test]
 fn two_boards_have_met_when_a_second_has_passed() {
     let firmware = Arc::new(Firmware::release());
     let mut bench = Bench::start(&firmware, 2, Line::default());
-    while bench.now_ns() < 1_070_000_000 {
+    while bench.now_ns() < 1_076_000_000 {
         bench.step();
     }
     for number in 1..=2 {

@@ -10,13 +10,13 @@ use super::touch::Point;
 pub fn impedance(rows: &[Row]) -> Figure {
     let panel = |(at, row): (usize, &Row)| {
         let size = |of: fn(&Point) -> Option<Complex>| -> Vec<(f64, f64)> {
-            let size = |point: &Point| (point.frequency_hz, of(point).map_or(f64::NAN, Complex::abs));
+            let size = |point: &Point| (point.frequency_hz, of(point).map_or(f64::NAN, Complex::norm));
             row.touch.points.iter().map(size).collect()
         };
         let lacks = |of: fn(&Point) -> Option<Complex>| -> Vec<(f64, f64)> {
             let points = row.touch.points.iter();
             let active =
-                points.filter_map(|point| of(point).filter(|z| z.re < 0.0).map(|z| (point.frequency_hz, z.abs())));
+                points.filter_map(|point| of(point).filter(|z| z.re < 0.0).map(|z| (point.frequency_hz, z.norm())));
             active.collect()
         };
         let label = |text: &str| if at == 0 { text.to_owned() } else { String::new() };

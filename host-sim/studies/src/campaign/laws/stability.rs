@@ -70,7 +70,7 @@ pub(crate) fn not_linear(scene: &Scene) -> Result<Option<&'static str>, Error> {
     for frequency_hz in LOOKED_AT_HZ {
         let at = |speed| felt(scene, RemoteEnd::Held, frequency_hz, speed);
         if let (Some(slow), Some(fast)) = (at(SPEED_M_PER_S)?, at(2.0 * SPEED_M_PER_S)?)
-            && (fast.re - slow.re).hypot(fast.im - slow.im) > SAME * slow.abs()
+            && (fast - slow).norm() > SAME * slow.norm()
         {
             return Ok(Some("the law is not linear: what is felt at twice the speed is another impedance"));
         }

@@ -48,7 +48,7 @@ impl Touch {
     /// Z-width, dB; none where any frequency of it has no answer.
     pub fn width_db(&self) -> Option<f64> {
         let band: Vec<&Point> = self.points.iter().filter(|point| point.frequency_hz <= WIDTH_TO_HZ).collect();
-        let ratios = band.iter().map(|point| Some(20.0 * (point.held?.abs() / point.let_go?.abs()).log10()));
+        let ratios = band.iter().map(|point| Some(20.0 * (point.held?.norm() / point.let_go?.norm()).log10()));
         Some(ratios.collect::<Option<Vec<f64>>>()?.iter().sum::<f64>() / band.len() as f64)
     }
 

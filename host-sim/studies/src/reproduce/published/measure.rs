@@ -54,7 +54,7 @@ pub fn scene(law: &str, set: &[&str]) -> Result<Scene, Error> {
 /// Decoded discrepancy in the cooperation paper's §5.2, mm.
 pub fn discrepancy_mm(law: &str) -> Result<f64, Error> {
     let scene = scenes::load(Laws::built_in(), &format!("paper-5.2-{law}-16ms"))?;
-    let outcome = run::<f64>(&scene, Options { duration_s: DURATION_S, record_every: 0 }, &|_| {})?;
+    let outcome = run::<f64>(&scene, Options::unrecorded(DURATION_S), &|_| {})?;
     Ok(outcome.metric(|outcome| outcome.whole.decoded_discrepancy_mm).unwrap_or(f64::NAN))
 }
 
@@ -80,10 +80,10 @@ pub fn distance_by_its_mass_mm(law: &str) -> Result<f64, Error> {
     Ok(1e3 * (2.0 / stiffness + line_s / IMPEDANCE))
 }
 
-/// How far apart the copies stand in the end whose users push 1 N against each other, mm.
+/// How far apart the copies stand in the end whose users push 1 N against each other, mm, if no line is taut.
 pub fn distance_mm(law: &str) -> Result<f64, Error> {
-    let scene = scene(law, &["user.2.sine_n=0"])?;
-    let outcome = run::<f64>(&scene, Options { duration_s: DURATION_S, record_every: 0 }, &|_| {})?;
+    let scene = scene(law, &["user.2.sine_n=0", "coordination.tautness=0"])?;
+    let outcome = run::<f64>(&scene, Options::unrecorded(DURATION_S), &|_| {})?;
     Ok(outcome.metric(|outcome| outcome.whole.true_discrepancy_mm).unwrap_or(f64::NAN))
 }
 

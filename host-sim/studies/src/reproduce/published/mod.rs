@@ -10,6 +10,7 @@
 
 pub mod measure;
 
+use haptic_core::names::Choice;
 use haptic_report::Columns;
 use rayon::prelude::*;
 
@@ -19,22 +20,11 @@ use crate::Error;
 /// How near is near enough, relative.
 pub const WITHIN: f64 = 0.05;
 
-/// Where the number beside which ours is put comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ClaimSource {
-    /// It stands in the paper's text or figure.
-    Printed,
-    /// We worked it out from the law's equation, at the values of the scene.
-    Algebra,
-}
-
-impl ClaimSource {
-    /// The word for tables and JSON.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Printed => "printed",
-            Self::Algebra => "algebra of ours",
-        }
+haptic_sim::choices! {
+    /// Where the number beside which ours is put comes from.
+    ClaimSource {
+        "printed" => Printed, "It is in the paper's text or figure.";
+        "algebra of ours" => Algebra, "We worked it out from the law's equation, at the values of the scene.";
     }
 }
 

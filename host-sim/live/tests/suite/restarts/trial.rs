@@ -7,22 +7,20 @@
 //! Both peers' control periods are the engine's, so that the instants of a restart against the other's packets are whole periods; the phases of the two peers' packets change with every restart.
 
 use haptic_core::peer::Actuators;
-use haptic_core::safety::{Guard, Mode};
+use haptic_core::safety::Mode;
+use haptic_live::Error;
 use haptic_protocol::key::Key;
 use haptic_sim::engine::{Actor, Engine, EngineView, Out, Seat, Turn};
 use haptic_sim::{network::link::Route, network::rule::Direction, node::Node, plant::Plant, rng::Rng, scene::Scene};
-use serde::Serialize;
-
-use crate::Error;
 
 /// Longest that two peers may take to engage, s.
-pub const PATIENCE_S: f64 = 0.5;
+const PATIENCE_S: f64 = 0.5;
 /// Longest time from engaging to the next restart, packet periods: well before and well after full coordination is regained.
 const LONGEST_PEACE_PACKETS: u64 = 16;
 
 /// What the restarts showed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Report {
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Report {
     /// Number of restarts that were made.
     pub restarts: u64,
     /// Restarts after which the peers were not engaged again within [`PATIENCE_S`].
@@ -31,20 +29,16 @@ pub struct Report {
     pub held_on: u64,
     /// Peers that stopped with a fault.
     pub faults: u64,
-    /// Mean time from the restart until both are engaged, ms.
-    pub mean_ms: f64,
     /// Longest time from a restart until both are engaged, ms.
     pub slowest_ms: f64,
     /// Largest motor force in the first tick after arming, N.
     pub arming_force_n: f64,
     /// Largest coordination force in the first tick of an engagement, N: the first degradation step.
     pub first_force_n: f64,
+    /// Largest coordination force in the first tick after letting go, N.
+    pub let_go_n: f64,
     /// Largest step of a motor force from tick to tick, N.
     pub largest_step_n: f64,
-    /// What the scene allows of it, N.
-    pub allowed_step_n: f64,
-    /// Seed of the instants and of the peers' keys; the network has its own.
-    pub seed: u64,
 }
 
 /// One peer between restarts.
@@ -95,6 +89,9 @@ fn measure(report: &mut Report, life: &mut Life) {
         let first = f64::from(life.node.observed().coordination_force).abs();
         report.first_force_n = report.first_force_n.max(first);
     }
+    if life.engaged && !engaged {
+        report.let_go_n = report.let_go_n.max(f64::from(life.node.observed().coordination_force).abs());
+    }
     life.engaged = engaged;
     life.let_go |= !engaged;
     let [force_n, force_before_n] = life.did.map(|actuators| f64::from(actuators.forces[0]));
@@ -135,11 +132,11 @@ impl World<'_> {
     }
 }
 
-/// Restarts one peer or the other `count` times.
+/// Restarts one peer or the other `count` times; the seed is of the instants and of the peers' keys.
 ///
 /// # Errors
 /// A scene that cannot be built.
-pub fn run(scene: &Scene, count: u64, seed: u64) -> Result<Report, Error> {
+pub(super) fn run(scene: &Scene, count: u64, seed: u64) -> Result<Report, Error> {
     let mut rng = Rng::new(seed);
     let timing = &scene.peer.timing;
     let mut life = |number: u8| Life::new(scene, number, Plant::new(scene, usize::from(number) - 1), &mut rng);
@@ -147,12 +144,10 @@ pub fn run(scene: &Scene, count: u64, seed: u64) -> Result<Report, Error> {
     let direction = |from| if from == 0 { Direction::OneToTwo } else { Direction::TwoToOne };
     let route = |from, _| Route::of_scene(scene, direction(from), 0);
     let engine = Engine::new(timing.control_period_ns(), seats, route);
-    let allowed_step_n = Guard::<f64>::build(&scene.peer).max_step;
-    let mut world = World { scene, rng, engine, report: Report { allowed_step_n, seed, ..Report::default() } };
+    let mut world = World { scene, rng, engine, report: Report::default() };
     if world.meet().is_none() {
         return Err(format!("the two peers do not meet within {PATIENCE_S} s: is the network worse than that?").into());
     }
-    let mut sum_s = 0.0;
     for _ in 0..count {
         let peace = world.rng.below(LONGEST_PEACE_PACKETS * u64::from(timing.ticks_per_packet) + 1);
         (0..peace).for_each(|_| world.step());
@@ -165,11 +160,9 @@ pub fn run(scene: &Scene, count: u64, seed: u64) -> Result<Report, Error> {
         world.report.failed += u64::from(met.is_none());
         world.report.held_on += u64::from(!world.engine.seats[1 - peer].actor.let_go);
         let met_s = met.unwrap_or(PATIENCE_S);
-        sum_s += met_s;
         world.report.slowest_ms = world.report.slowest_ms.max(1e3 * met_s);
         let faulted = |life: &&mut Life| matches!(life.node.peer.mode(), Mode::Faulted(_));
         world.report.faults += world.lives().filter(faulted).count() as u64;
     }
-    world.report.mean_ms = 1e3 * sum_s / count.max(1) as f64;
     Ok(world.report)
 }
