@@ -79,18 +79,8 @@ pub struct Punctuality {
     pub missed: u64,
     /// Latest a tick began, µs.
     pub worst_us: u64,
-    /// Sum of all lateness, µs.
-    #[serde(skip)]
-    total_us: u64,
     /// The thread runs at a real-time priority.
     pub realtime_priority: bool,
-}
-
-impl Punctuality {
-    /// Mean lateness of a tick, µs.
-    pub fn mean_us(&self) -> f64 {
-        self.total_us as f64 / self.ticks.max(1) as f64
-    }
 }
 
 /// Ticks of one thread.
@@ -146,7 +136,6 @@ impl Ticker {
         self.kept.ticks += 1;
         self.kept.missed += u64::from(late > self.period);
         self.kept.worst_us = self.kept.worst_us.max(late_us);
-        self.kept.total_us += late_us;
         late
     }
 }

@@ -23,7 +23,6 @@ pub mod refused;
 pub mod relay;
 pub mod steering;
 pub mod tell;
-pub mod trials;
 pub mod verdict;
 pub mod watch;
 

@@ -138,7 +138,7 @@ commands! {
         /// A board on the bench: lines to it, calibration, recordings for another processor.
         #[command(subcommand)]
         Board(board::Board),
-        /// A bad network for real, a recording of one, and what peers bear: floods.
+        /// A bad network for real, a recording of one, and what a network between two machines does.
         #[command(subcommand)]
         Network(network::Network),
         /// The shared environments of the architectures paper: one engine, taking turns, a game, a world to visit.

@@ -3,7 +3,6 @@
 use std::{net::SocketAddr, path::PathBuf};
 
 use clap::Args;
-use haptic_live::trials::flood;
 use haptic_live::{endpoint::Stop, measuring, relay};
 use haptic_sim::network::link::Route;
 use haptic_sim::network::rule::{Direction, Found, NetworkTrace};
@@ -20,8 +19,6 @@ super::commands! {
         Trace(Trace),
         /// Measure the network between two machines: one listens and answers, the other one probes and writes a trace.
         Measure(Measure),
-        /// Forged datagrams by the hundred thousand against two peers on loopback: what they change, and what comes through.
-        Flood(Flood),
     }
 }
 
@@ -130,24 +127,5 @@ impl Measure {
         let told = "each way by itself, less its quickest; what is constant is half of the quickest round trip, and in no trace";
         let constant = json!({ "one_way_delay_ms": measured.constant_ms, "network.one_way_delay_packets": packets });
         ui.report("measured", &json!({ "probes": measured, "delays": told, "constant": constant, "files": [file] }))
-    }
-}
-
-#[derive(Debug, Args)]
-#[command(mut_arg("seconds", |arg| arg.default_value("5")))]
-pub(super) struct Flood {
-    #[command(flatten)]
-    scene: SceneArgs,
-    /// Forged datagrams per second, both peers together.
-    #[arg(long, default_value = "100000", value_name = "PER_S", value_parser = number(1.0..=1e7, "per s"))]
-    rate: f64,
-    #[command(flatten)]
-    time: Time,
-}
-
-impl Flood {
-    fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        let scene = self.scene.load_of_one_axis(ui)?;
-        ui.report("flood", &flood::run(&scene, self.rate, self.time.seconds, &Stop::on_signals()?)?)
     }
 }

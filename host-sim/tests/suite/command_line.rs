@@ -297,7 +297,7 @@ fn commands_are_listed() {
 /// What can be named is listed wherever a scene or a world is asked for, whatever else is missing there.
 #[test]
 fn keys_scenes_and_completions_are_listed() {
-    for command in ["cooperate", "peer", "shared cooperative", "network flood", "stability map", "board operator"] {
+    for command in ["cooperate", "peer", "shared cooperative", "network trace", "stability map", "board operator"] {
         let words = |flag| command.split(' ').chain([flag, "--json"]).collect::<Vec<_>>();
         let find = |list: &Value, key: &str, name: &str| {
             list.as_array().is_some_and(|rows| rows.iter().any(|row| row[key] == name))

@@ -95,16 +95,12 @@ fn whoever_waits_ends_with_an_empty_report() {
     std::thread::sleep(Duration::from_millis(700));
     let (seen, took) = ended(relay, "TERM");
     assert!(seen["ways"][0]["taken"] == 0 && took < Duration::from_secs(5), "{took:?}: {seen}");
-    let trials = [
-        (&["network", "flood", "--json", "--rate", "1000", "--seconds", "60"][..], "flood_s"),
-        (&["shared", "world", "crowd", "--json", "--clients", "5,6", "--warm-up-s", "0.5", "--seconds", "60"], "runs"),
-    ];
-    let trials = trials.map(|(arguments, field)| (host_sim(arguments).spawn().expect("host-sim runs"), field));
+    let crowd = ["shared", "world", "crowd", "--json", "--clients", "5,6", "--warm-up-s", "0.5", "--seconds", "60"];
+    let crowd = host_sim(&crowd).spawn().expect("host-sim runs");
     std::thread::sleep(Duration::from_millis(2_500));
-    let [(flood, flooded), (crowd, crowded)] = trials.map(|(child, field)| (ended(child, "TERM").0, field));
-    assert!(flood[flooded].as_f64().is_some_and(|seconds| seconds > 0.0 && seconds < 30.0), "{flood}");
-    assert_eq!(crowd[crowded].as_array().map(Vec::len), Some(1), "the second crowd is not begun: {crowd}");
-    assert!(crowd[crowded][0]["answered"].as_u64() > Some(10), "{crowd}");
+    let crowd = ended(crowd, "TERM").0;
+    assert_eq!(crowd["runs"].as_array().map(Vec::len), Some(1), "the second crowd is not begun: {crowd}");
+    assert!(crowd["runs"][0]["answered"].as_u64() > Some(10), "{crowd}");
 }
 
 /// A server, a hub and a game tell theirs.

@@ -70,7 +70,6 @@ fn ticks_are_counted_and_so_is_their_lateness() {
     (0..2).for_each(|_| _ = ticker.wait());
     let Punctuality { ticks, missed, worst_us, .. } = ticker.kept;
     assert!(ticks == 3 && (2..=3).contains(&missed) && worst_us >= 35_000, "{ticker:?}");
-    assert!(ticker.kept.mean_us() >= 20_000.0 && ticker.kept.mean_us() <= worst_us as f64, "{ticker:?}");
 }
 
 /// What the system says of this thread is what [`realtime`] says.

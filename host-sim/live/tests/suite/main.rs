@@ -1,7 +1,8 @@
-//! Peers in real time: the runner of live actors, and restarts in virtual time.
+//! Peers in real time: the runner of live actors, a flood, and restarts in virtual time.
 
 mod bridge;
 mod endpoint;
+mod flood;
 mod fuzz;
 mod invitation;
 mod mapping;

@@ -25,13 +25,11 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Barrier, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+use haptic_live::Error;
+use haptic_live::endpoint::{Endpoint, Live, Stop, Ticker};
 use haptic_protocol::{key::Key, link::Notice, wire::Greeting};
 use haptic_sim::engine::{Actor, Out};
 use haptic_sim::{key_file::entropy, node::Node, rng::Rng, scene::Scene};
-use serde::Serialize;
-
-use crate::Error;
-use crate::endpoint::{Endpoint, Live, Punctuality, Stop, Ticker};
 
 /// Of so many forged datagrams that are refused, one has the whole state compared.
 const COMPARE_EVERY: u64 = 64;
@@ -46,12 +44,12 @@ const LONGEST: usize = 160;
 /// How often a flood is refilled.
 const BURST: Duration = Duration::from_micros(500);
 
-/// Kinds of forged datagrams, in the order in which they take turns.
-const KINDS: [&str; 5] = ["random", "altered", "replayed", "reflected", "cut"];
+/// Kinds of forged datagrams: random, altered, replayed, reflected, cut.
+const KINDS: usize = 5;
 
 /// What one peer went through.
-#[derive(Clone, Debug, Default, Serialize)]
-pub struct Attacked {
+#[derive(Clone, Debug, Default)]
+pub(super) struct Attacked {
     /// Forged datagrams that arrived during the flood.
     pub forged_arrived: u64,
     /// Forged datagrams that were refused.
@@ -70,31 +68,8 @@ pub struct Attacked {
     pub engaged: bool,
     /// Share of the other peer's flow that came through during the flood.
     pub flow_through: f64,
-    /// Longest time without flow during the flood, ms.
-    pub longest_silence_ms: u64,
     /// From the end of the flood until nothing was missing any more, ms.
     pub whole_after_ms: u64,
-}
-
-/// What came of a flood.
-#[derive(Clone, Debug, Serialize)]
-pub struct Report {
-    /// Forged datagrams a second that were asked for.
-    pub rate_asked_per_s: f64,
-    /// Forged datagrams a second that were sent.
-    pub rate_sent_per_s: f64,
-    /// Number of datagrams of each kind of forgery.
-    pub sent: Vec<(&'static str, u64)>,
-    /// Share of them that the system dropped, because a socket's buffer was full.
-    pub dropped_by_system: f64,
-    /// Length of the flood by the clock, s.
-    pub flood_s: f64,
-    /// Length of the flood on the peers' clocks, ms: less, where the machine did not keep up with them.
-    pub flood_ms_of_peers: u64,
-    /// What either of the two peers went through.
-    pub peers: Vec<Attacked>,
-    /// How punctual the peers' ticks were.
-    pub punctuality: Punctuality,
 }
 
 /// What the threads share.
@@ -108,9 +83,9 @@ struct Field {
     flood: [AtomicU64; 2],
 }
 
-/// Holds the scene's object through a flood of so many datagrams per second on both peers together, which is over early if it is
-/// stopped.
-pub fn run(scene: &Scene, rate_per_s: f64, seconds: f64, stop: &Stop) -> Result<Report, Error> {
+/// Holds the scene's object through a flood of so many datagrams per second on both peers together; gives how many of each kind were
+/// sent, and what either peer went through.
+pub(super) fn run(scene: &Scene, rate_per_s: f64, seconds: f64) -> Result<([u64; KINDS], [Attacked; 2]), Error> {
     let endpoint = || Endpoint::polled(SocketAddr::from(([127, 0, 0, 1], 0)));
     let (endpoints, stranger) = ([endpoint()?, endpoint()?], endpoint()?);
     let addresses = endpoints.each_ref().map(|endpoint| endpoint.address);
@@ -121,42 +96,28 @@ pub fn run(scene: &Scene, rate_per_s: f64, seconds: f64, stop: &Stop) -> Result<
         Field { seen: Default::default(), tick: Barrier::new(2), now: AtomicU64::new(0), flood: Default::default() };
 
     let (flooded, held) = std::thread::scope(|scope| {
-        let flood = scope.spawn(|| flood(&field, &stranger, addresses, [rate_per_s, seconds], stop));
+        let flood = scope.spawn(|| flood(&field, &stranger, addresses, [rate_per_s, seconds]));
         let peers: Vec<_> = (nodes.into_iter().zip(&endpoints).enumerate())
             .map(|(index, (node, endpoint))| {
                 let (field, period_us, other) = (&field, period.as_micros() as u64, addresses[1 - index]);
                 let (attacked, flows) = (Attacked::default(), Vec::new());
                 let mut held = Held { field, index, node, other, now: 0, period_us, over: false, attacked, flows };
-                scope.spawn(move || {
-                    let kept = endpoint.run(Ticker::realtime(period), f64::MAX, &Stop::default(), &mut held);
-                    kept.map(|kept| (held, kept))
-                })
+                let ticker = Ticker::realtime(period);
+                scope.spawn(move || endpoint.run(ticker, f64::MAX, &Stop::default(), &mut held).map(|_| held))
             })
             .collect();
         let held: Vec<_> = peers.into_iter().map(std::thread::ScopedJoinHandle::join).collect();
         (flood.join(), held)
     });
     let ended = "one of its threads ended";
-    let (sent, flood_s) = flooded.map_err(|_| ended)?;
+    let sent = flooded.map_err(|_| ended)?;
     let held = held.into_iter().map(|held| held.map_err(|_| ended)?).collect::<Result<Vec<_>, Error>>()?;
-    let punctuality = held.first().map_or_else(Punctuality::default, |(_, kept)| *kept);
-
     let packet = u64::from(scene.peer.timing.ticks_per_packet);
     let ticks = field.now.load(Ordering::Relaxed);
     let [from, to] = [0, 1].map(|end: usize| field.flood[end].load(Ordering::Relaxed));
     let ms = |ticks: u64| (ticks as f64 * 1e3 * period.as_secs_f64()).round() as u64;
-    let arrived: u64 = held.iter().map(|(held, _)| held.attacked.forged_arrived).sum();
-    let total: u64 = sent.iter().sum();
-    Ok(Report {
-        rate_asked_per_s: rate_per_s,
-        rate_sent_per_s: total as f64 / flood_s.max(1e-9),
-        sent: KINDS.into_iter().zip(sent).collect(),
-        dropped_by_system: 1.0 - arrived as f64 / total.max(1) as f64,
-        flood_s,
-        flood_ms_of_peers: ms(to - from),
-        peers: held.into_iter().map(|(held, _)| evaluate(held, from..to, ticks, packet, &ms)).collect(),
-        punctuality,
-    })
+    let mut attacked = held.into_iter().map(|held| evaluate(held, from..to, ticks, packet, &ms));
+    Ok((sent, [(); 2].map(|()| attacked.next().unwrap_or_default())))
 }
 
 /// One peer, from its first tick to the end.
@@ -240,19 +201,18 @@ fn forged(node: &mut Node, seen: &mut Attacked, now_us: u64, datagram: &mut [u8]
     }
 }
 
-/// The stranger: waits for calm, floods, says when it was; gives how many of each kind it sent, and the time that took, s.
+/// The stranger: waits for calm, floods, says when it was; gives how many of each kind it sent.
 fn flood(
     field: &Field,
     endpoint: &Endpoint,
     addresses: [SocketAddr; 2],
     [rate_per_s, seconds]: [f64; 2],
-    stop: &Stop,
-) -> ([u64; KINDS.len()], f64) {
+) -> [u64; KINDS] {
     while field.now.load(Ordering::Relaxed) < CALM_TICKS {
         std::thread::sleep(BURST);
     }
     let mut random = Rng::new(1);
-    let (mut sent, mut total, mut seen) = ([0; KINDS.len()], 0_u64, [Vec::new(), Vec::new()]);
+    let (mut sent, mut total, mut seen) = ([0; KINDS], 0_u64, [Vec::new(), Vec::new()]);
     let start = Instant::now();
     field.flood[0].store(field.now.load(Ordering::Relaxed), Ordering::Relaxed);
     loop {
@@ -264,19 +224,18 @@ fn flood(
         let due = (rate_per_s * spent_s.min(seconds)) as u64;
         let most = (2.0 * rate_per_s * BURST.as_secs_f64()).ceil() as u64;
         for _ in 0..due.saturating_sub(total).min(most) {
-            let [kind, to] = [KINDS.len(), 2].map(|most| random.below(most as u64) as usize);
+            let [kind, to] = [KINDS, 2].map(|most| random.below(most as u64) as usize);
             let (to, datagram) = forge(kind, to, &seen, &mut random);
             sent[kind] += u64::from(endpoint.send(addresses[to], &datagram));
         }
         total = due;
-        if spent_s >= seconds || stop.is_asked() {
+        if spent_s >= seconds {
             break;
         }
         std::thread::sleep(BURST);
     }
-    let flood_s = start.elapsed().as_secs_f64();
     field.flood[1].store(field.now.load(Ordering::Relaxed), Ordering::Relaxed);
-    (sent, flood_s)
+    sent
 }
 
 /// A forged datagram of one of [`KINDS`], and the peer it goes to.
@@ -320,10 +279,6 @@ fn evaluate(
     let phase = flows.last().map_or(0, |[sent, _]| sent % packet);
     let sent = |ticks: std::ops::Range<u64>| ticks.filter(move |tick| tick % packet == phase);
     let came = |tick: &u64| flows.binary_search_by_key(tick, |[sent, _]| *sent).is_ok();
-    let marks =
-        [flood.start].into_iter().chain(flows.iter().map(|[_, came]| *came).filter(|came| flood.contains(came)));
-    let marks: Vec<u64> = marks.chain([flood.end]).collect();
-    let silence = marks.windows(2).map(|pair| pair[1] - pair[0]).max().unwrap_or(0);
     // Up to the last that may still be on its way.
     let missing = sent(flood.end..ticks.saturating_sub(2 * packet)).filter(|tick| !came(tick)).max();
     Attacked {
@@ -331,7 +286,6 @@ fn evaluate(
             && !node.line.notices.iter().any(lost),
         engaged: node.peer.is_engaged(),
         flow_through: sent(flood.clone()).filter(came).count() as f64 / sent(flood.clone()).count().max(1) as f64,
-        longest_silence_ms: ms(silence),
         whole_after_ms: missing.map_or(0, |sent| ms(sent + packet - flood.end)),
         ..attacked
     }

@@ -1,3 +1,0 @@
-//! What tries peers: forged datagrams.
-
-pub mod flood;
