@@ -50,7 +50,7 @@ pub(crate) fn device_states(linear: &Scene, index: usize) -> usize {
 }
 
 /// The answer of one peer to one packet period.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Response {
     /// Local state after the period for each local state before, when the packet that arrives is all zeros.
     pub own: Matrix,
@@ -75,13 +75,6 @@ pub struct Translation {
     pub stays: [bool; 3],
     /// Where the position of the object along the axis of the same number stands in the local state.
     pub object: usize,
-}
-
-impl Default for Response {
-    fn default() -> Self {
-        let [own, heard, sent] = [(); 3].map(|()| Matrix::zeros(0, 0));
-        Self { own, heard, sent, translations: Vec::new(), line_ticks: None }
-    }
 }
 
 impl Response {

@@ -28,16 +28,10 @@ pub(crate) mod rest;
 pub use crate::matrix::{Matrix, apply};
 
 /// A lifted matrix with the rest modes it must have.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Lifted {
     /// State before an exchange → state before the next one.
     pub matrix: Matrix,
     /// Directions that stay as they are: eigenvectors with eigenvalue 1, linearly independent.
     pub rest_modes: Vec<Vec<f64>>,
-}
-
-impl Default for Lifted {
-    fn default() -> Self {
-        Self { matrix: Matrix::zeros(0, 0), rest_modes: Vec::new() }
-    }
 }

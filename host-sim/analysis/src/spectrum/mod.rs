@@ -26,16 +26,10 @@ pub(crate) fn radius(polar: &[[f64; 2]]) -> f64 {
 }
 
 /// Finds spectral radii, one after the other, in the same memory.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Spectrum {
     francis: Francis,
     worked: Matrix,
-}
-
-impl Default for Spectrum {
-    fn default() -> Self {
-        Self { francis: Francis::default(), worked: Matrix::zeros(0, 0) }
-    }
 }
 
 impl Spectrum {
