@@ -1,6 +1,6 @@
 //! The cooperation paper's claims: §4.3 with Figure 4, what §1 to §3 say of filters, §5.1 with Figures 6 and 7, §5.2 with Figures 8 and 9.
 
-use haptic_analysis::{Map, figure4};
+use haptic_analysis::{Hands, Map, figure4, judge};
 use haptic_core::law::decimate::{Newest, OnePole};
 use haptic_core::names::Decode;
 use haptic_report::significant;
@@ -59,8 +59,33 @@ impl Computed<'_> {
 
 /// All claims of the cooperation paper.
 pub fn claims(computed: &Computed<'_>) -> Result<Vec<Claim>, Error> {
-    let all = [figure_4(computed)?, filters(computed)?, gains(computed)?, coherency(computed)?];
+    let all = [model()?, figure_4(computed)?, filters(computed)?, gains(computed)?, coherency(computed)?];
     Ok(of("cooperation", all.concat()))
+}
+
+/// What is sent (§3), and what the criterion of stability says (§4).
+fn model() -> Result<Vec<Claim>, Error> {
+    let mut rest = Vec::new();
+    for Printed { law, .. } in PRINTED {
+        let judged = judge(&scenes::load(Laws::built_in(), &format!("paper-5.1-{law}-16ms"))?)?;
+        let both = judged.modes.iter().find(|mode| mode.mode == Hands::Both && !mode.at_walls);
+        rest.push(both.map_or(0, |both| both.verdict.rest_modes));
+    }
+    let literal = rest.iter().filter(|rest| **rest == 0).count();
+    let found = format!(
+        "with the laws and gains of §5.1 at 16 ms {rest:?} eigenvalues are 1: {literal} of {} are stable by it",
+        rest.len()
+    );
+    Ok(vec![
+        Claim::not_testable(
+            "§3",
+            "Power-domain communications exchange velocity data",
+            "here a packet has position and velocity, and a copy is pulled to where the other was".to_owned(),
+            "not said of what the position is made at the other end; from velocities alone copies would be apart for good after a loss, of which the paper has none",
+        ),
+        Claim::in_places("§4, eq. 25", "Stable is what has all eigenvalues inside the unit circle", literal, rest.len(), found)
+            .unless(|| Ok("taken literally it calls all of the paper's own experiments unstable: nothing holds the pair where it is, and waves do not say where either copy is; here what stands still so is left out, and all else has to be inside".to_owned()))?,
+    ])
 }
 
 /// The column that is printed.

@@ -5,8 +5,12 @@ use haptic_analysis::rendering::identify::{NETWORK, identify, wall};
 use haptic_analysis::rendering::maps::{at, largest};
 use haptic_core::contact::impact::{Body, advance};
 use haptic_core::num::Motion;
-use haptic_environments::roles::squash::{Court, RALLIES};
+use haptic_environments::records::{self, Bounds, Database, Object, Region, Scope, Shape};
+use haptic_environments::roles::Role;
+use haptic_environments::roles::squash::{Ball, Court, Message, Player, PlayerConfig, RALLIES, Turn};
+use haptic_environments::roles::static_scene::{Download, Roam, Server};
 use haptic_environments::squash::{self, Cell, Options, Report};
+use haptic_protocol::wire::PeerId;
 use haptic_sim::rng::Rng;
 use haptic_sim::scene::Network;
 
@@ -29,7 +33,7 @@ const DEVICE_KG: f64 = 0.1;
 
 /// All of them; `rows` are of every architecture at every delay.
 pub(super) fn claims(rows: &[Row]) -> Result<Vec<Claim>, Error> {
-    Ok([impulsive(), turns(rows), game(), slow()?].concat())
+    Ok([impulsive(), told(), vec![regions()?, overtaken()], turns(rows), game(), slow()?].concat())
 }
 
 /// A body on a line.
@@ -118,6 +122,95 @@ fn impulsive() -> Vec<Claim> {
 
 fn of(rows: &[Row], architecture: Architecture) -> impl Iterator<Item = &Row> + Clone {
     rows.iter().filter(move |row| row.architecture == architecture)
+}
+
+/// §3.1: a client that walks through two regions, each of a server of its own, and back.
+fn regions() -> Result<Claim, Error> {
+    const BODIES: usize = 40;
+    const MARGIN_M: f32 = 5.0;
+    let mut world = Database::<BODIES>::default();
+    (world.version, world.margin_m) = (1, MARGIN_M);
+    let body = |id| records::Body { x_m: id as f32, radius_m: 0.5, ..records::Body::default() };
+    let object = |id| Object { id, version: 1, shape: Shape::Body(body(id)) };
+    (0..BODIES as u32).try_for_each(|id| world.put(object(id))).map_err(|full| full.to_string())?;
+    for (id, from, to) in [(0, -1.0, 20.0), (1, 20.0, 41.0)] {
+        let bounds = Bounds { min: [from, -1.0], max: [to, 1.0] };
+        world.put_region(Region { id, server: id, bounds }).map_err(|full| full.to_string())?;
+    }
+    let server = |region| Server::new(world.clone(), Some(region)).map_err(|error| error.to_string());
+    let servers = [server(0)?, server(1)?];
+    let (mut downloads, mut roam) = ([(); 2].map(|()| Download::<BODIES>::default()), Roam::new(0));
+    let (mut held, mut touched) = (0, 0);
+    // From 10 m to 30 m and back at 1 m/s, asking each 8 ms.
+    let steps = 5_000;
+    for step in 0..steps {
+        let x = 30.0 - 20.0 * (2.0 * step as f32 / steps as f32 - 1.0).abs();
+        for server in roam.needs(world.regions(), MARGIN_M, [x, 0.0]) {
+            let (server, download) = (&servers[usize::from(server)], &mut downloads[usize::from(server)]);
+            download.look(Scope::Around { x: (2.0 * x).round() / 2.0, y: 0.0, radius: 2.0 });
+            if let Some(ask) = download.poll(8_000 * (1 + step as u64), 100_000) {
+                server.answer(&ask).for_each(|part| _ = download.take(&part));
+            }
+        }
+        roam.update(world.regions(), [x, 0.0], |server| downloads[usize::from(server)].is_complete());
+        let home = &downloads[usize::from(roam.home())];
+        // What it touches; the first seconds are those of the first download.
+        for object in world.objects().iter().filter(|object| step > 100 && (object.id as f32 - x).abs() < 0.5) {
+            touched += 1;
+            held += u32::from(home.objects().any(|known| known == object));
+        }
+    }
+    let moves = roam.moves();
+    Ok(Claim::holds(
+        "§3.1",
+        "A world may be split over servers by region, and clients migrate between them",
+        held == touched && touched > 0 && (roam.home(), moves) == (0, 2),
+        format!(
+            "a client that walks through two regions and back moves {moves} times; what it touches its server holds in {held} of {touched} instants"
+        ),
+    ))
+}
+
+/// What no run here can tell, of §2 and §3.2.
+fn told() -> Vec<Claim> {
+    vec![
+        Claim::not_testable(
+            "§2",
+            "Graphics and haptics run in loops of their own",
+            "so it is here: the control loop hands its rows on, and waits for no page, picture or file".to_owned(),
+            "how a program is built, without a number",
+        ),
+        Claim::not_testable(
+            "§3.2",
+            "News are there sooner from peer to peer than by a server",
+            "counted, a way by a server is two transmissions and a straight one is one".to_owned(),
+            "a straight way is never longer, but delays of real routes need not grow with the way, and none is given",
+        ),
+    ]
+}
+
+/// §3.2.1: positions of another player in a random order.
+fn overtaken() -> Claim {
+    let config = PlayerConfig { number: PeerId(1), court: Court::SINGLES, ball_kg: 0.024, life: 1 };
+    let (mut player, mut rng) = (Player::new(config), Rng::new(1));
+    let (mut newest, mut late, mut kept) = (0, 0, 0);
+    for _ in 0..COLLISIONS {
+        let number = 1 + rng.below(COLLISIONS as u64) as u32;
+        let racket = Ball { position: [number as f32, 0.0], velocity: [0.0; 2] };
+        let place = Message::Place { turn: Turn::default(), revision: 0, life: 1, number, round_trip_us: 0, racket };
+        player.receive(0, PeerId(2), &place, &mut |_, _| {});
+        late += u32::from(number < newest);
+        newest = number.max(newest);
+        kept += usize::from(player.racket_of(PeerId(2)).is_some_and(|racket| racket.position[0] == newest as f32));
+    }
+    Claim::holds(
+        "§3.2.1",
+        "Packets of a flow that come out of order are dropped",
+        kept == COLLISIONS && late > 0,
+        format!(
+            "of {COLLISIONS} positions in a random order {late} came after a newer one; the newest stood in {kept}"
+        ),
+    )
 }
 
 /// Claims of §3.1 and §3.2 on delay and load.

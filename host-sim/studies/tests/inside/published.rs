@@ -25,7 +25,8 @@ fn every_number_is_met_or_told_why_not() {
         let Row { number, theirs, ours } = row;
         format!("{}, {}: {ours} {}, the paper's {theirs}; why: {:?}", number.law, number.what, number.unit, number.why)
     };
-    let open: Vec<String> = ROWS.iter().filter(|row| !row.is_accounted_for()).map(told).collect();
+    let open: Vec<String> =
+        ROWS.iter().filter(|row| (row.off().abs() <= WITHIN) != row.number.why.is_empty()).map(told).collect();
     assert!(open.is_empty(), "{open:#?}");
 }
 

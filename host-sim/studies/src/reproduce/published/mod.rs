@@ -65,11 +65,6 @@ impl Row {
     pub fn off(&self) -> f64 {
         self.ours / self.theirs - 1.0
     }
-
-    /// Near enough, or further off for a reason that is given.
-    pub fn is_accounted_for(&self) -> bool {
-        (self.off().abs() <= WITHIN) == self.number.why.is_empty()
-    }
 }
 
 const COOPERATION: &str = "Rakhsha & Constantinescu 2012";
