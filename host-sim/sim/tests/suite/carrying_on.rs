@@ -1,6 +1,9 @@
 //! The scene `any-network` where packets are lost in bursts (THEORY §11): what a hand feels, how far it gets and how near the copies are,
 //! where an end carries on and where it stands like a wall.
 
+use std::sync::Arc;
+
+use haptic_sim::network::rule::{Arrival, NetworkTrace};
 use haptic_sim::pair::Pair;
 use haptic_sim::{Laws, Scene, scenes};
 use rayon::prelude::*;
@@ -156,6 +159,32 @@ fn a_hand_that_is_led_is_stopped_nowhere() {
         }
         println!("{network:?}: {got:?}");
         assert!(got.stopped == 0 && got.most_hand_n < 40.0, "{network:?}: {got:?}");
+    }
+}
+
+/// What carrying on does not do: over a LAN of 1 ms of which one direction alone is dead for a while, a hand that is led leaves the other copy behind, for the
+/// one end hears nothing and the other hears of an end that stands. It feels no wall and no jolt, nobody stops, and the copies meet again. Twenty instants at which
+/// the direction dies, each way.
+#[test]
+fn one_dead_direction_parts_the_copies_and_they_meet_again() {
+    for (dead_ms, most_mm, most_n) in [(200, 40.0, 12.0), (1_000, 300.0, 16.0), (2_500, 300.0, 16.0)] {
+        let (mut got, mut last_mm, mut far_mm) = (Got::default(), 0.0_f64, 0.0_f64);
+        for at in 0..2 * SEEDS {
+            let mut lan = scene(&[LED, &["network.one_way_delay_packets=1"]], None, 1);
+            let from = 11_000 + 71 * (at / 2) as usize;
+            let packet = |dies: bool, nth| {
+                let lost = dies && (from..from + dead_ms).contains(&nth);
+                if lost { Vec::new() } else { vec![Arrival { delay_ns: 0, corrupt: false }] }
+            };
+            let way = |dies| (0..20_000).map(|nth| packet(dies, nth)).collect();
+            lan.network_trace = Some(Arc::new(NetworkTrace::of_packets([way(at % 2 == 0), way(at % 2 == 1)])));
+            let apart_m = run(&lan, 20_000, &mut got);
+            far_mm = apart_m.iter().fold(far_mm, |far_mm, apart_m| far_mm.max(1e3 * apart_m));
+            last_mm =
+                apart_m[apart_m.len() - 500..].iter().fold(last_mm, |last_mm, apart_m| last_mm.max(1e3 * apart_m));
+        }
+        println!("{dead_ms} ms: at most {far_mm:.0} mm, in the end {last_mm:.2} mm; {got:?}");
+        assert!(got.stopped == 0 && far_mm < most_mm && got.most_hand_n < most_n && last_mm < 3.0, "{got:?}");
     }
 }
 
