@@ -33,6 +33,7 @@ const OTHERS: &[(&str, &str)] = scenes![
     "impulsive",
     "any-network",
     "board-device",
+    "four-channel-near",
     "hub",
     "leader-follower",
     "leader-follower-wall",

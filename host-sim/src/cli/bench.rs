@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use haptic_core::law::Sends;
 use haptic_report::Provenance;
+use haptic_studies::bench::chooser::{self, CHOOSER};
 use haptic_studies::bench::networks::{Network, TEST};
 use haptic_studies::bench::page::{BENCH, PICTURE, section};
 use haptic_studies::bench::{Found, figure, tables};
@@ -26,21 +27,28 @@ pub(super) struct Bench {
     /// Runs over each network that draws random numbers, from seed 1 on.
     #[arg(long, default_value_t = 4, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     seeds: u32,
-    /// Seed of the search.
-    #[arg(long, default_value_t = 1, value_name = "N")]
-    search_seed: u32,
+    /// Searches of each law, with seeds from 1 on; how far apart they end is shown.
+    #[arg(long, default_value_t = 3, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100))]
+    searches: u32,
     /// A network that was measured, as one more to test on: a file of `irtt client -o`, or of `network trace` or `network measure`; may be repeated.
     #[arg(long, value_name = "FILE")]
     trace: Vec<PathBuf>,
-    /// Also write the bench into this page, between its two lines; the picture then stands beside it.
+    /// Also write into this page what belongs between its lines: the bench, with its picture beside the page, and which law is nearest; may be repeated.
     #[arg(long, value_name = "FILE")]
-    page: Option<PathBuf>,
+    page: Vec<PathBuf>,
     #[command(flatten)]
     out: Out,
 }
 
 impl Bench {
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
+        // Said before the work, and not after it.
+        for page in &self.page {
+            if !Ui::has(page, CHOOSER)? && !Ui::has(page, BENCH)? {
+                let [here, there] = [CHOOSER[0], BENCH[0]];
+                return Err(format!("--page {}: there is no line {here} and no line {there}", page.display()).into());
+            }
+        }
         let bench = self.bench(ui)?;
         let question = bench.question(ui.provenance())?;
         let folder = ui.writes(&self.out).then(|| self.folder(&question));
@@ -50,22 +58,27 @@ impl Bench {
             Some(folder) => self.files(ui, folder, &question, &found)?,
             None => Vec::new(),
         };
-        let pages = match &self.page {
-            Some(page) => {
-                ui.rewrite(page, BENCH, &section(&bench, &found))?;
-                vec![page.clone(), Ui::beside(page, PICTURE, &figure::fronts(&found.points))?]
+        let mut pages = Vec::new();
+        for page in &self.page {
+            pages.push(page.clone());
+            if Ui::has(page, CHOOSER)? {
+                ui.rewrite(page, CHOOSER, &chooser::section(&found))?;
             }
-            None => Vec::new(),
-        };
+            if Ui::has(page, BENCH)? {
+                ui.rewrite(page, BENCH, &section(&bench, &found))?;
+                pages.push(Ui::beside(page, PICTURE, &figure::fronts(&found))?);
+            }
+        }
         let files = [files, pages].concat();
-        let (fronts, points) = (tables::fronts(&found.points), tables::points(&found.points));
-        ui.document_of(&question, &json!({ "fronts": fronts, "points": points, "wall_s": wall_s, "files": files }))?;
-        let [moved, felt] = tables::parts(&found.points);
+        let (fronts, points) = (tables::fronts(&found), tables::points(&found.points));
+        ui.document_of(&question, &json!({ "fronts": fronts, "nearest": chooser::nearest(&found), "points": points, "wall_s": wall_s, "files": files }))?;
+        let [moved, felt] = tables::parts(&found);
         writeln!(
             ui,
             "True discrepancy of the worst test network, mm/N, at a law's own gains and at the best within each bound of what a hand feels\n"
         );
         ui.table(&fronts);
+        ui.table(&chooser::nearest(&found));
         ui.table(&moved);
         ui.table(&felt);
         let runs: usize = found.points.iter().map(|point| point.runs.len()).sum();
@@ -89,7 +102,7 @@ impl Bench {
             chosen,
             budget: self.budget as usize,
             seeds: self.seeds,
-            search_seed: self.search_seed,
+            searches: self.searches,
             networks,
             traces: self.trace.clone(),
         })
@@ -106,7 +119,8 @@ impl Bench {
         let out = self.out.in_folder(folder.to_owned());
         let runs: Vec<_> = found.points.iter().flat_map(|point| &point.runs).collect();
         let tables = [
-            ("fronts", tables::fronts(&found.points)),
+            ("fronts", tables::fronts(found)),
+            ("nearest", chooser::nearest(found)),
             ("gains", tables::points(&found.points)),
             ("all-runs", tables::runs(&runs)),
             ("all-tunings", tables::tunings(&found.tunings)),
@@ -116,7 +130,7 @@ impl Bench {
             files.extend(ui.files(&out, "bench", name, question, |files| {
                 files.csv(table)?;
                 files.parquet(table)?;
-                if *name == "fronts" { files.figure(None, &figure::fronts(&found.points)) } else { Ok(()) }
+                if *name == "fronts" { files.figure(None, &figure::fronts(found)) } else { Ok(()) }
             })?);
         }
         Ok(files)

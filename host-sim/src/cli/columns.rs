@@ -118,7 +118,18 @@ fn kinds(ui: &Ui) -> Vec<TableKind> {
             "the gains of a law",
             bench::tables::points(&[]),
         ),
-        TableKind::new("bench-fronts", "fronts.csv, fronts.parquet of `bench`", "a law", bench::tables::fronts(&[])),
+        TableKind::new(
+            "bench-fronts",
+            "fronts.csv, fronts.parquet of `bench`",
+            "a law",
+            bench::tables::fronts(&bench::Found::default()),
+        ),
+        TableKind::new(
+            "bench-nearest",
+            "nearest.csv, nearest.parquet of `bench`; `bench --json`, nearest",
+            "a bound of what a hand feels, and which laws",
+            bench::chooser::nearest(&bench::Found::default()),
+        ),
         TableKind::new(
             "bench-runs",
             "all-runs.csv, all-runs.parquet of `bench`; runs-1-of-1.csv",

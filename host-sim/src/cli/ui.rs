@@ -197,6 +197,12 @@ impl Ui {
         Ok(path)
     }
 
+    /// Whether a page has these two lines.
+    pub(super) fn has(file: &std::path::Path, lines: [&str; 2]) -> Result<bool, Failure> {
+        let refused = |cause| Failure::from(format!("--page {}: {cause}", file.display()));
+        Ok(page::between(&haptic_io::text(file, page::MOST).map_err(refused)?, lines).is_some())
+    }
+
     /// Writes what is new of a page between two lines of it.
     pub(super) fn rewrite(&self, file: &PathBuf, lines: [&str; 2], text: &str) -> Result<(), Failure> {
         let refused = |cause: Failure| Failure::from(format!("--page {}: {cause}", file.display()));

@@ -17,21 +17,28 @@ fn folder(name: &str) -> PathBuf {
 #[test]
 fn anybody_s_law_on_anybody_s_network() {
     let folder = folder("one");
-    let page = folder.join("page.md");
+    let [page, front, bare] = ["page.md", "front.md", "bare.md"].map(|name| folder.join(name));
     fs::write(&page, "before\n<!-- bench begin -->\nold\n<!-- bench end -->\nafter\n").expect("a page");
+    fs::write(&front, "before\n<!-- chooser begin -->\nold\n<!-- chooser end -->\nafter\n").expect("a page");
+    fs::write(&bare, "nothing\n").expect("a page");
     let trace = Path::new(env!("CARGO_MANIFEST_DIR")).join("sim/tests/data/irtt.json");
     let (out, trace) = (folder.join("out"), trace.display().to_string());
-    let asked = ["bench", "--json", "--law", "p-plus-d", "--budget", "2", "--seeds", "1", "--trace", &trace];
-    let places = ["--out", out.to_str().expect("UTF-8"), "--page", page.to_str().expect("UTF-8")];
+    let asked =
+        ["bench", "--json", "--law", "p-plus-d", "--budget", "2", "--searches", "2", "--seeds", "1", "--trace", &trace];
+    let [out_path, page_path, front_path] = [&out, &page, &front].map(|path| path.to_str().expect("UTF-8"));
+    let places = ["--out", out_path, "--page", page_path, "--page", front_path];
     let done = report(host_sim(&[&asked[..], &places].concat()).spawn().expect("host-sim runs"));
     let points = done["points"].as_array().expect("points");
     assert_eq!((points[0]["law"].as_str(), points[0]["gains"].as_str()), (Some("p-plus-d"), Some("declared")));
     // Five motions over ten networks and the one that was measured.
     assert_eq!(points[0]["runs"], 55);
     assert_eq!(done["fronts"].as_array().map(Vec::len), Some(1));
+    // Three bounds, of all laws and of those that promise passivity.
+    assert_eq!(done["nearest"].as_array().map(Vec::len), Some(6));
     for (kind, name) in [
         ("bench", "gains"),
         ("bench-fronts", "fronts"),
+        ("bench-nearest", "nearest"),
         ("bench-runs", "all-runs"),
         ("bench-tunings", "all-tunings"),
         ("bench-runs", "runs-1-of-1"),
@@ -42,11 +49,17 @@ fn anybody_s_law_on_anybody_s_network() {
     let runs = fs::read_to_string(out.join("all-runs.csv")).expect("runs");
     assert_eq!(runs.lines().filter(|line| line.contains(",irtt,")).count(), 5 * points.len());
     // Every mode of this law is stable over the one that was measured, and each row says so.
-    let modes = |line: &str| line.split(',').skip(5).take(2).map(str::to_owned).collect::<Vec<_>>();
+    let modes = |line: &str| line.split(',').skip(6).take(2).map(str::to_owned).collect::<Vec<_>>();
     assert!(runs.lines().filter(|line| line.contains(",irtt,")).all(|line| modes(line) == ["1", ""]), "{runs}");
     let text = fs::read_to_string(&page).expect("the page");
     assert!(text.starts_with("before\n") && text.ends_with("after\n") && !text.contains("old"), "{text}");
     assert!(text.contains("p-plus-d") && folder.join("laws-bench.png").exists(), "{text}");
+    let text = fs::read_to_string(&front).expect("the page");
+    assert!(text.starts_with("before\n") && text.ends_with("after\n") && text.contains("under pushes"), "{text}");
+    let quick = ["bench", "--law", "p-plus-d", "--budget", "1", "--searches", "1", "--seeds", "1", "--page"];
+    let refused = host_sim(&quick).arg(&bare).output().expect("host-sim runs");
+    let said = String::from_utf8_lossy(&refused.stderr);
+    assert!(refused.status.code() == Some(2) && said.contains("bench begin"), "{said}");
     assert!(declared("bench").iter().any(|[name, unit, _]| name == "led_peak_n" && unit == "N"));
 }
 

@@ -2,6 +2,7 @@
 
 use haptic_plot::{Dash, Figure, Panel, Series, ShareY};
 
+use super::Found;
 use super::points::Point;
 
 /// Black, and the colours of a front and of what a law declares.
@@ -24,8 +25,9 @@ fn places(points: &[Point], declared: bool) -> Vec<(f64, f64)> {
 }
 
 /// True discrepancy of the worst network against what a hand feels, law by law.
-pub fn fronts(points: &[Point]) -> Figure {
-    let laws: Vec<&[Point]> = points.chunk_by(|one, other| one.law.name == other.law.name).collect();
+pub fn fronts(found: &Found) -> Figure {
+    let best: Vec<Point> = found.best().cloned().collect();
+    let laws: Vec<&[Point]> = best.chunk_by(|one, other| one.law.name == other.law.name).collect();
     let behind: Vec<Series> = laws.iter().map(|law| Series::line("", BLACK, places(law, false)).wide(0.7)).collect();
     let panel = |(at, law): (usize, &&[Point])| {
         let label = |text: &str| if at == 0 { text.to_owned() } else { String::new() };
@@ -52,7 +54,7 @@ pub fn fronts(points: &[Point]) -> Figure {
     };
     Figure {
         title: "How near the copies are, against what a hand feels".to_owned(),
-        caption: "Of every law the best gains that the same search found under three bounds of what a hand alone feels, on networks apart from these; the \
+        caption: "Of every law the best gains that the same searches found under three bounds of what a hand alone feels, on networks apart from these; the \
                   worst of the test networks. Thin: the fronts of all others. Lower and further left is better."
             .to_owned(),
         columns: 3,

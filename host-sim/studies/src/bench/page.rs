@@ -12,17 +12,18 @@ pub const PICTURE: &str = "laws-bench.png";
 
 /// What the page says of a bench.
 pub fn section(bench: &Bench, found: &Found) -> String {
-    let fronts = tables::fronts(&found.points);
-    let [moved, felt] = tables::parts(&found.points);
+    let fronts = tables::fronts(found);
+    let [moved, felt] = tables::parts(found);
     let bounds = BOUNDS_N_S_PER_M.map(|bound| bound.to_string()).join(", ");
     let networks: Vec<&str> = bench.networks.iter().map(|network| network.name.as_str()).collect();
-    let gains: String = found.points.iter().filter(|point| point.name != "declared").map(line).collect();
+    let gains: String = found.best().filter(|point| point.name != "declared").map(line).collect();
     format!(
-        "Written by `host-sim bench --budget {budget} --page docs/laws.md` by [the protocol](bench.md): one scene, {budget} tunings for every law by the same search, on networks apart\n\
+        "Written by `host-sim bench --budget {budget} --page docs/laws.md` by [the protocol](bench.md): one scene, {searches} searches of {budget} tunings for every law, on networks apart\n\
          from those of the test; what a hand alone feels is bounded by {bounds} N·s/m (|Z| at 1 Hz), each bound a point of a law's front. Test networks, {seeds} seeds each: {networks}.\n\
          {tunings} tunings, {runs} runs of the test. [What the columns mean](data.md#the-bench); every run and tuning is in the files (`--out`).\n\n\
          True discrepancy over the force of contact under pushes against each other, **worst test network**, mm/N, at the gains that a law declares (with what a hand then feels) and at\n\
-         the best that the search found within each bound; `-`: there are none within it, or a run stopped. *stops*: runs of any motion in which a peer stopped.\n\n\
+         the best that the searches found within each bound; `-`: there are none within it, or a run stopped. *from* and *to*: the least and the most over the searches' own best gains;\n\
+         no *to* where one of them found none, or such that stop. *stops*: runs of any motion in which a peer stopped.\n\n\
          ```text\n{fronts}```\n\n\
          <img src=\"{PICTURE}\" width=\"500\" alt=\"Fronts: true discrepancy of the worst network against what a hand feels, law by law\">\n\n\
          What the hands meet, motion by motion: *against* mm/N and largest instant in mm, *together* the way of a common push of 1 s in mm (not normalised) and the largest force\n\
@@ -32,8 +33,9 @@ pub fn section(bench: &Bench, found: &Found) -> String {
          What a hand feels, the mass of the object, the least balance of energy of the link in J (what it began with, E₀, may be given back: `coordination.tank_j`,\n\
          `coordination.carry_energy_j`), and what it costs. *tuning*: what the search saw on its own networks.\n\n\
          ```text\n{felt}```\n\n\
-         Gains that the search chose:\n\n{gains}",
+         Gains that the searches chose:\n\n{gains}",
         budget = bench.budget,
+        searches = bench.searches,
         seeds = bench.seeds,
         networks = networks.join("; "),
         runs = found.points.iter().map(|point| point.runs.len()).sum::<usize>(),

@@ -35,8 +35,9 @@ const LINE: (&str, f64, f64) = ("coordination.wave_impedance_n_s_per_m", 3.0, 20
 /// A law's own key goes from a tenth of what it declares to ten times that, within what the key accepts.
 const OWN: f64 = 10.0;
 
-/// What is tuned of a law: the common gains, the line's, and of its own keys those numbers that are not 0 where it declares them (0 is off, and
-/// stays off) and that are no joules: what may be given away before anything was taken is a promise, and no gain.
+/// What is tuned of a law: the common gains, the line's, and the numbers among its own keys: from a tenth of what it declares to ten times that, and, of
+/// one that has no unit and is 0 there, all that it accepts. Joules are none of them: what may be given away before anything was taken is a promise, and no
+/// gain. Nor is a quantity with a unit that is 0, for nothing says how large it would be.
 ///
 /// # Errors
 /// A law whose scene at its own gains is refused.
@@ -55,8 +56,8 @@ pub fn gains(laws: Laws, law: &LawInfo) -> Result<Vec<Gain>, Error> {
         // Silence on purpose is part of a law only if it declares some.
         let silent = key.name.starts_with("event.") && !law.gains.iter().any(|gain| gain.starts_with("event."));
         match scene.get(key.name) {
-            Some(Value::Number(own)) if own > 0.0 && !silent => {
-                let ends = [min.max(own / OWN), max.min(own * OWN)];
+            Some(Value::Number(own)) if !silent && (own > 0.0 || key.unit.is_empty()) => {
+                let ends = if own > 0.0 { [min.max(own / OWN), max.min(own * OWN)] } else { [min, max] };
                 gains.push(Gain { key: key.name.to_owned(), ends, whole });
             }
             _ => {}

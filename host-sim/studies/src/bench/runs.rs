@@ -30,6 +30,8 @@ pub struct Run {
     pub law: String,
     /// Name of its gains: `declared`, or the bound within which they were chosen.
     pub point: String,
+    /// Seed of the search that found them.
+    pub search_seed: u32,
     /// Name of the motion.
     pub motion: String,
     /// Name of the network.
@@ -68,10 +70,11 @@ pub struct Run {
 
 impl Kept for Run {
     const ROWS: &'static str = "runs";
-    type Key = (String, String, String, String, u32);
+    type Key = (String, String, u32, String, String, u32);
 
     fn key(&self) -> Self::Key {
-        (self.law.clone(), self.point.clone(), self.motion.clone(), self.network.clone(), self.seed)
+        let [law, point, motion, network] = [&self.law, &self.point, &self.motion, &self.network].map(String::clone);
+        (law, point, self.search_seed, motion, network, self.seed)
     }
 
     fn heading() -> String {
@@ -109,14 +112,14 @@ pub fn test(
             let (network, seed) = (study.networks[study.place(at).network].name.as_str(), over.world.network.seed);
             let names = [law.name, gains, motion.name(), network];
             let [law, point, hands, over_network] = names.map(str::to_owned);
-            if let Some(known) = book.known(&(law, point, hands, over_network, seed)) {
+            if let Some(known) = book.known(&(law, point, tuning.search_seed, hands, over_network, seed)) {
                 return Ok(known.clone());
             }
             let free = free.as_ref().map_err(|error: &Error| error.to_string())?;
             let forces = Some(free).filter(|free| free.outcome.fault.is_none()).map(|free| free.forces.as_slice());
             let found = at_hand::run(over, study.seconds(), forces)?;
             let modes = modes[at].as_ref().map_err(|error| error.to_string())?;
-            book.kept(row(names, seed, modes, &found, motion))
+            book.kept(row(names, [tuning.search_seed, seed], modes, &found, motion))
         };
         let runs = study.each(&run)?;
         step();
@@ -127,7 +130,13 @@ pub fn test(
 }
 
 /// The row of a run.
-fn row([law, point, motion, network]: [&str; 4], seed: u32, modes: &str, found: &at_hand::AtHand, of: Motion) -> Run {
+fn row(
+    [law, point, motion, network]: [&str; 4],
+    [search_seed, seed]: [u32; 2],
+    modes: &str,
+    found: &at_hand::AtHand,
+    of: Motion,
+) -> Run {
     let outcome = &found.outcome;
     // What grows is told of where hands push on without end; other motions end when they are largest.
     let fails = |outcome: &Outcome| if of == Motion::Against { !outcome.bounded } else { outcome.fault.is_some() };
@@ -138,6 +147,7 @@ fn row([law, point, motion, network]: [&str; 4], seed: u32, modes: &str, found: 
     Run {
         law: law.to_owned(),
         point: point.to_owned(),
+        search_seed,
         motion: motion.to_owned(),
         network: network.to_owned(),
         seed,

@@ -19,6 +19,7 @@ use haptic_core::settings::{LawInfo, Value};
 use haptic_sim::measure::led::felt;
 use haptic_sim::run::{Options, Outcome, Verdict, run};
 use haptic_sim::scene::Scene;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::motions::Motion;
@@ -42,7 +43,9 @@ const SEED: u32 = 1001;
 pub struct Tuning {
     /// Name of the law.
     pub law: String,
-    /// Its number, from 0.
+    /// Seed of the search.
+    pub search_seed: u32,
+    /// Its number in that search, from 0.
     pub number: usize,
     /// The gains, as settings with blanks between; none are the law's own.
     pub gains: String,
@@ -58,10 +61,10 @@ pub struct Tuning {
 
 impl Kept for Tuning {
     const ROWS: &'static str = "tunings";
-    type Key = (String, usize);
+    type Key = (String, u32, usize);
 
-    fn key(&self) -> (String, usize) {
-        (self.law.clone(), self.number)
+    fn key(&self) -> Self::Key {
+        (self.law.clone(), self.search_seed, self.number)
     }
 
     fn heading() -> String {
@@ -99,12 +102,15 @@ impl Tried for Tuning {
     }
 }
 
-/// What is tested of a law: its own gains, and the best within each bound if there is any, by name.
+/// What is tested of a law, by name: its own gains, and within each bound the best of each search that found any, the best of all first.
 pub fn chosen(tunings: &[Tuning]) -> Vec<(String, Tuning)> {
     let own = tunings.first().map(|tuning| ("declared".to_owned(), tuning.clone()));
-    let tuned = BOUNDS_N_S_PER_M.iter().filter_map(|bound| {
-        let best = best(tunings, *bound).filter(|best| best.is_within(*bound))?;
-        Some((point_name(*bound), best.clone()))
+    let tuned = BOUNDS_N_S_PER_M.iter().flat_map(|bound| {
+        let searches = tunings.chunk_by(|one, other| one.search_seed == other.search_seed);
+        let mut found: Vec<&Tuning> = searches.filter_map(|search| best(search, *bound)).collect();
+        found.retain(|best| best.is_within(*bound));
+        found.sort_by(|one, other| one.worst_mm_per_n.total_cmp(&other.worst_mm_per_n));
+        found.into_iter().map(|best| (point_name(*bound), best.clone()))
     });
     own.into_iter().chain(tuned).collect()
 }
@@ -114,7 +120,7 @@ pub fn point_name(bound_n_s_per_m: f64) -> String {
     format!("≤ {bound_n_s_per_m}")
 }
 
-/// Tunes a law; what the book holds already is not measured again.
+/// Tunes a law by each search; what the book holds already is not measured again.
 ///
 /// # Errors
 /// What the book cannot keep, or a law that its own gains do not suit.
@@ -127,18 +133,21 @@ pub fn tune(bench: &Bench, law: &'static LawInfo, book: &Book<Tuning>, step: Ste
         _ => gain.ends[0],
     };
     let own: Vec<f64> = gains.iter().map(own).collect();
-    let (budget, seed) = (bench.budget, bench.search_seed);
-    let search = Around { gains: &gains, own: &own, bounds: &BOUNDS_N_S_PER_M, budget, seed };
-    search.search(&|number, gains| {
-        // What was found for other gains, as by another search, is no answer.
-        let known = book.known(&(law.name.to_owned(), number)).filter(|known| known.gains == gains);
-        let tuning = match known {
-            Some(known) => known.clone(),
-            None => book.kept(measured(bench, law, is_linear, number, gains)?)?,
-        };
-        step();
-        Ok(tuning)
-    })
+    let searched = |seed: u32| {
+        let search = Around { gains: &gains, own: &own, bounds: &BOUNDS_N_S_PER_M, budget: bench.budget, seed };
+        search.search(&|number, gains| {
+            // What was found for other gains, as by another version of the search, is no answer.
+            let known = book.known(&(law.name.to_owned(), seed, number)).filter(|known| known.gains == gains);
+            let tuning = match known {
+                Some(known) => known.clone(),
+                None => book.kept(measured(bench, law, is_linear, (seed, number), gains)?)?,
+            };
+            step();
+            Ok(tuning)
+        })
+    };
+    let found = (1..=bench.searches).into_par_iter().map(searched).collect::<Result<Vec<_>, _>>()?;
+    Ok(found.into_iter().flatten().collect())
 }
 
 /// Whether the analyser's matrices say all of a law: of its own gains they do, and the run is not stable where they say it grows.
@@ -157,10 +166,17 @@ fn outcome(scene: &Scene, duration_s: f64) -> Result<Outcome, Error> {
 }
 
 /// Measures a tuning.
-fn measured(bench: &Bench, law: &LawInfo, is_linear: bool, number: usize, gains: String) -> Result<Tuning, Error> {
+fn measured(
+    bench: &Bench,
+    law: &LawInfo,
+    is_linear: bool,
+    (search_seed, number): (u32, usize),
+    gains: String,
+) -> Result<Tuning, Error> {
     let nothing = f64::NAN;
     let mut tuning = Tuning {
         law: law.name.to_owned(),
+        search_seed,
         number,
         felt_n_s_per_m: [nothing; 3],
         mass_kg: nothing,

@@ -2,6 +2,7 @@
 
 use haptic_report::{Column, Columns};
 
+use super::Found;
 use super::motions::Motion;
 use super::points::Point;
 use super::protocol::BOUNDS_N_S_PER_M;
@@ -14,41 +15,38 @@ pub(super) fn heading(columns: &Columns) -> String {
     columns.data().map(Column::name).collect::<Vec<_>>().join(",") + "\n"
 }
 
-/// The points of each law, in their order.
-fn by_law(points: &[Point]) -> Vec<&[Point]> {
-    points.chunk_by(|one, other| one.law.name == other.law.name).collect()
-}
-
-/// The gains of this name of a law.
-fn named<'a>(points: &[&'a [Point]], law: usize, name: &str) -> Option<&'a Point> {
-    points[law].iter().find(|point| point.name == name)
-}
-
 /// A row a law: the worst network's distance at the law's own gains and at the best within each bound.
-pub fn fronts(points: &[Point]) -> Columns {
-    let laws = by_law(points);
-    let rows: Vec<usize> = (0..laws.len()).collect();
-    let laws = &laws;
-    let mut columns = Columns::of(&rows)
-        .value("law", |law| laws[*law][0].law.name)
+pub fn fronts(found: &Found) -> Columns {
+    let declared: Vec<&Point> = found.best().filter(|point| point.name == "declared").collect();
+    let mut columns = Columns::of(&declared)
+        .value("law", |own| own.law.name)
         .means("what coordination.comm calls it")
-        .significant("declared_felt_n_s_per_m", 3, |law| {
-            Some(laws[*law][0].tuning.felt_n_s_per_m[1]).filter(|felt| !felt.is_nan())
+        .significant("declared_felt_n_s_per_m", 3, |own| {
+            Some(own.tuning.felt_n_s_per_m[1]).filter(|felt| !felt.is_nan())
         })
         .means("|Z| that a hand alone feels at 1 Hz at the gains that the law declares")
         .head("declared: felt")
-        .significant("declared_mm_per_n", 3, |law| named(laws, *law, "declared")?.worst_mm_per_n())
+        .significant("declared_mm_per_n", 3, |own| own.worst_mm_per_n())
         .means(
             "distance of the copies over the force of contact at these, worst test network; none where a run stopped",
         )
         .head("true");
     for bound in BOUNDS_N_S_PER_M {
-        let point = move |law: &usize| named(laws, *law, &point_name(bound));
+        let point = move |own: &&Point| {
+            found.best().find(|point| point.law.name == own.law.name && point.name == point_name(bound))
+        };
+        let spread = move |own: &&Point| point(own).map_or([None; 2], |best| found.spread(best, Point::worst_mm_per_n));
         columns = columns
-            .significant(format!("within_{bound}_mm_per_n"), 3, move |law| point(law)?.worst_mm_per_n())
-            .means(&format!("the same at the best gains of which a hand feels at most {bound} N·s/m; none where there are none, or a run stopped"))
+            .significant(format!("within_{bound}_mm_per_n"), 3, move |own| point(own)?.worst_mm_per_n())
+            .means(&format!("the same at the best gains of all searches of which a hand feels at most {bound} N·s/m; none where there are none, or a run stopped"))
             .head(&point_name(bound))
-            .value(format!("within_{bound}_stopped"), move |law| point(law).map(Point::stopped))
+            .significant(format!("within_{bound}_least_mm_per_n"), 3, move |own| spread(own)[0])
+            .means("the least that any search came to")
+            .head("from")
+            .significant(format!("within_{bound}_most_mm_per_n"), 3, move |own| spread(own)[1])
+            .means("the most; none where a search found no gains, or such that stop")
+            .head("to")
+            .value(format!("within_{bound}_stopped"), move |own| point(own).map(Point::stopped))
             .means("runs of any motion in which a peer stopped at these, or what it did grew")
             .head("stops");
     }
@@ -60,9 +58,10 @@ pub fn points(points: &[Point]) -> Columns {
     felt(moved(named_points(points))).done()
 }
 
-/// The same in two tables, so that each fits a page.
-pub fn parts(points: &[Point]) -> [Columns; 2] {
-    [moved(named_points(points)).done(), felt(named_points(points)).done()]
+/// The same in two tables, so that each fits a page, of the best gains alone.
+pub fn parts(found: &Found) -> [Columns; 2] {
+    let best: Vec<Point> = found.best().cloned().collect();
+    [moved(named_points(&best)).done(), felt(named_points(&best)).done()]
 }
 
 type Rows<'a> = haptic_report::Rows<'a, Point>;
@@ -73,6 +72,9 @@ fn named_points(points: &[Point]) -> Rows<'_> {
         .means("what coordination.comm calls it")
         .value("gains", |point| point.name.as_str())
         .means("declared, or the most that a hand feels of the best within it, N·s/m")
+        .value("search_seed", |point| point.tuning.search_seed)
+        .means("seed of the search that found them")
+        .data_only()
 }
 
 /// What came of the motions.
@@ -167,8 +169,10 @@ pub fn tunings(tunings: &[Tuning]) -> Columns {
     Columns::of(tunings)
         .value("law", |tuning| tuning.law.as_str())
         .means("name of the law")
+        .value("search_seed", |tuning| tuning.search_seed)
+        .means("seed of the search")
         .value("number", |tuning| tuning.number)
-        .means("number of the tuning, from 0, the law's own gains")
+        .means("number of the tuning in its search, from 0, the law's own gains")
         .value("gains", |tuning| tuning.gains.as_str())
         .means("the gains as settings, with blanks between; none are the law's own")
         .value("felt_slow_n_s_per_m", felt(0))
@@ -198,6 +202,8 @@ pub fn runs<'a>(runs: &'a [&'a Run]) -> Columns {
         .means("name of the law")
         .value("gains", |run| run.point.as_str())
         .means("declared, or the most that a hand feels of the best within it, N·s/m")
+        .value("search_seed", |run| run.search_seed)
+        .means("seed of the search that found them")
         .value("motion", |run| run.motion.as_str())
         .means("what the hands do: against, together, led, contact, let go")
         .value("network", |run| run.network.as_str())

@@ -22,7 +22,7 @@ const STEP: f64 = 0.15;
 /// And by how much less in each next one.
 const SHRINK: f64 = 0.6;
 
-/// A gain and between which ends it is tuned, equal ratios alike.
+/// A gain and between which ends it is tuned: equal ratios alike, or equal differences where it may be 0 or less.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gain {
     /// The key of a scene.
@@ -38,14 +38,16 @@ impl Gain {
     pub fn value(&self, share: f64) -> String {
         let [low, high] = self.ends;
         // libm: the same bits on every machine.
-        let value = low * libm::pow(high / low, share);
+        let value = if low > 0.0 { low * libm::pow(high / low, share) } else { low + (high - low) * share };
         if self.whole { format!("{}", value.round()) } else { short(value) }
     }
 
     /// Where in the range this value lies; outside, its nearer end.
     pub fn share(&self, value: f64) -> f64 {
         let [low, high] = self.ends;
-        (libm::log(value / low) / libm::log(high / low)).clamp(0.0, 1.0)
+        let share =
+            if low > 0.0 { libm::log(value / low) / libm::log(high / low) } else { (value - low) / (high - low) };
+        share.clamp(0.0, 1.0)
     }
 }
 

@@ -21,7 +21,7 @@ fn bench(names: &str, budget: usize) -> Bench {
     let laws = Laws::built_in();
     let chosen = asked_for(laws, names).expect("laws");
     let networks = Network::named(FEW);
-    Bench { laws, chosen, budget, seeds: 1, search_seed: 1, networks, traces: Vec::new() }
+    Bench { laws, chosen, budget, seeds: 1, searches: 1, networks, traces: Vec::new() }
 }
 
 /// Finding 3 and 10: within the same bound of what a hand feels, and the same number of tunings, the self-timed line is nearer than P+d by far, as the
@@ -62,7 +62,7 @@ fn all(found: &Found) -> String {
 fn it_goes_on_where_it_was_stopped_with_the_same_rows() {
     let folder = std::env::temp_dir().join(format!("haptic-bench-{}", std::process::id()));
     let folder = folder.as_path();
-    let bench = bench("power", 6);
+    let bench = Bench { searches: 2, ..bench("power", 6) };
     let question = bench.question(Provenance::now("1", "c")).expect("a question");
     let on = |threads, folder: Option<&Path>| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
@@ -128,7 +128,8 @@ fn what_single_gains_decide_is_tuned() {
         gains.iter().any(|gain| gain.key == key && gain.share(200.0) > 0.0)
     };
     assert!(tuned("model-mediated", "model_mediated.correction_n_per_m"));
-    for key in ["coordination.damping_n_s_per_m", "four_channel.local_damping_n_s_per_m"] {
+    // Of these the last is 0 where the law declares it: all that the key accepts, and no feedback somewhere between.
+    for key in ["coordination.damping_n_s_per_m", "four_channel.local_damping_n_s_per_m", "four_channel.local_force"] {
         assert!(tuned("four-channel", key), "{key}");
     }
     assert!(tuned("p-plus-d", "coordination.stiffness_n_per_m"));
@@ -221,4 +222,64 @@ fn every_motion_runs() {
         let opens = found.forces.iter().skip(3_100).filter(|force| force[0] == 0.0).count();
         assert_eq!(opens > 500, lets_go, "{}: no force in {opens} ticks", motion.name());
     }
+}
+
+/// Of three searches that ended at 2, 1 and 3 mm/N the second is shown, as its own networks told, with how far apart they ended; no end where one of them found
+/// nothing, or gains that stop. The nearest law is one that stops nowhere, and among those that promise passivity another one.
+#[test]
+fn every_search_is_shown_and_the_nearest_is_named() {
+    let bench = bench("p-plus-d,self-timed", 1);
+    let own = bench.run(None, &|| ()).expect("a bench").points;
+    assert!(own.iter().all(|point| point.stopped() == 0), "these laws stop nowhere at their own gains");
+    let tuned = |law: usize, search_seed: u32, tuned: f64, tested: f64| {
+        let Point { law, tuning, mut runs, .. } = own[law].clone();
+        runs.iter_mut()
+            .for_each(|run| (run.search_seed, run.mm_per_n, run.true_mm) = (search_seed, tested, 2.0 * tested));
+        Point { law, name: "≤ 25".to_owned(), tuning: Tuning { search_seed, worst_mm_per_n: tuned, ..tuning }, runs }
+    };
+    let found = |points: &[Point]| Found { points: points.to_vec(), searches: 3, ..Found::default() };
+    let tunings = [(1, 1.9), (2, 0.9), (3, 2.9)].map(|(search_seed, worst_mm_per_n)| {
+        let (felt_n_s_per_m, reason) = ([10.0; 3], String::new());
+        Tuning { search_seed, worst_mm_per_n, felt_n_s_per_m, mass_kg: 0.1, reason, ..own[0].tuning.clone() }
+    });
+    let chosen: Vec<_> =
+        search::chosen(&tunings).into_iter().map(|(name, tuning)| (name, tuning.search_seed)).collect();
+    let within = |bound: &str| [2, 1, 3].map(|search_seed| (bound.to_owned(), search_seed));
+    assert_eq!(chosen, [&[("declared".to_owned(), 1)][..], &within("≤ 25"), &within("≤ 50")].concat());
+    let (near, far) = ([tuned(0, 2, 0.9, 1.0), tuned(0, 1, 1.9, 2.0), tuned(0, 3, 2.9, 3.0)], [tuned(1, 1, 4.0, 5.0)]);
+    let all = found(&[&near[..], &far].concat());
+    let shown: Vec<_> = all.best().map(|point| (point.law.name, point.tuning.search_seed)).collect();
+    assert_eq!(shown, [("p-plus-d", 2), ("self-timed", 1)]);
+    let figure: fn(&Point) -> Option<f64> = Point::worst_mm_per_n;
+    let spread = |found: &Found, at: usize| found.spread(found.best().nth(at).expect("a point"), figure);
+    assert_eq!([spread(&all, 0), spread(&all, 1)], [[Some(1.0), Some(3.0)], [Some(5.0), None]]);
+    // The rows: up to 5, 25 and 50 N·s/m, of all laws and of those that promise passivity.
+    let named = |found: &Found, row| chooser::nearest(found).row(row);
+    assert_eq!(
+        (named(&all, 2)["pushed_law"].as_str(), named(&all, 3)["pushed_law"].as_str()),
+        (Some("p-plus-d"), Some("self-timed"))
+    );
+    assert_eq!((named(&all, 2)["led_mm"].as_f64(), named(&all, 2)["led_most_mm"].as_f64()), (Some(2.0), Some(6.0)));
+    assert!(named(&all, 0)["pushed_law"].is_null(), "{}", named(&all, 0));
+    let mut stops = near;
+    stops[0].runs[0].stopped = true;
+    let stops = found(&[&stops[..], &far].concat());
+    assert_eq!(spread(&stops, 0), [Some(2.0), None]);
+    assert_eq!(named(&stops, 2)["pushed_law"].as_str(), Some("self-timed"));
+}
+
+/// The scene with the gains of four channels is the bench's, with the gains that the page has.
+#[test]
+fn the_scene_of_the_nearest_law_is_that_of_the_page() {
+    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/laws.md");
+    let page = std::fs::read_to_string(page).expect("the page of laws");
+    let gains = |line: &str| Some(line.strip_prefix("- `four-channel` ≤ 25: `")?.strip_suffix('`')?.to_owned());
+    let gains = page.lines().find_map(gains).expect("the bench has gains of four channels for 25 N·s/m");
+    let laws = Laws::built_in();
+    let benched = protocol::scene(laws, asked_for(laws, "four-channel").expect("a law")[0], &gains).expect("a scene");
+    let near = haptic_sim::scenes::load(laws, "four-channel-near").expect("a built-in scene");
+    let settings = |scene: &haptic_sim::Scene| {
+        scene.settings().into_iter().filter(|(key, _)| !key.starts_with("user.")).collect::<Vec<_>>()
+    };
+    assert_eq!(settings(&near), settings(&benched));
 }
