@@ -64,12 +64,14 @@ fn ticks_are_counted_and_so_is_their_lateness() {
     ticker.wait();
     assert_eq!((ticker.kept.ticks, ticker.kept.missed), (1, 0), "{ticker:?}");
     let mut ticker = Ticker::new(Duration::from_millis(10));
-    ticker.wait();
+    let mut late = ticker.wait();
     std::thread::sleep(Duration::from_millis(45));
     // Due at 10 ms and 20 ms, and not skipped.
-    (0..2).for_each(|_| _ = ticker.wait());
+    (0..2).for_each(|_| late += ticker.wait());
     let Punctuality { ticks, missed, worst_us, .. } = ticker.kept;
     assert!(ticks == 3 && (2..=3).contains(&missed) && worst_us >= 35_000, "{ticker:?}");
+    let mean_us = late.as_micros() as f64 / 3.0;
+    assert!(mean_us >= 20_000.0 && mean_us <= worst_us as f64, "{mean_us}: {ticker:?}");
 }
 
 /// What the system says of this thread is what [`realtime`] says.
