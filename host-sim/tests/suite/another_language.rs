@@ -3,18 +3,34 @@
 
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
+use std::time::Duration;
 
 use serde_json::{Value, json};
 
 use crate::program::{Keys, free, host_sim, report};
 use crate::static_scene::TWO_ROOMS;
 
+/// What the program in Python says for so many seconds.
+#[derive(Clone, Copy)]
+enum Says {
+    Flow,
+    /// Flow, and with each three messages that no honest end would say, from this seed.
+    Mutated(u32, f64),
+    Asks,
+}
+
 /// The program in Python as number `from` of this line, from one address to another.
-fn python(key: &str, [from, to]: [u8; 2], line: u32, [listen, connect]: [&str; 2], asks: bool) -> Child {
+fn python(key: &str, [from, to]: [u8; 2], line: u32, [listen, connect]: [&str; 2], says: Says) -> Child {
     let program = Path::new(env!("CARGO_MANIFEST_DIR")).join("../protocol/tests/inside/peer.py");
     let port = |address: &str| address.rsplit(':').next().and_then(|port| port.parse::<u16>().ok()).expect("a port");
+    let (seconds, ask, mutate) = match says {
+        Says::Flow => (2.5, false, 0),
+        Says::Mutated(seed, seconds) => (seconds, false, seed),
+        Says::Asks => (2.5, true, 0),
+    };
     let told = json!({
-        "key": key, "from": from, "to": to, "line": line, "listen": port(listen), "connect": port(connect), "seconds": 2.5, "ask": asks,
+        "key": key, "from": from, "to": to, "line": line, "listen": port(listen), "connect": port(connect), "seconds": seconds, "ask": ask,
+        "mutate": mutate,
     });
     let mut command = Command::new("python3");
     command.arg(&program).arg(told.to_string()).env("PYTHONDONTWRITEBYTECODE", "1");
@@ -51,7 +67,7 @@ fn a_peer_meets_it() {
         .args(["--scene", "hub", "--key-file", &key])
         .spawn()
         .expect("host-sim runs");
-    let python = report(python(&key, [2, 1], 0, [&other, &own], false));
+    let python = report(python(&key, [2, 1], 0, [&other, &own], Says::Flow));
     was_there(&report(peer), &python);
 }
 
@@ -62,8 +78,8 @@ fn a_hub_meets_two_of_it() {
         host_sim(&["hub", "--json", "--users", "2", "--listen", &hub, "--seconds", "8", "--key-file", &keys.file(0)])
             .spawn()
             .expect("host-sim runs");
-    let one = python(&keys.file(1), [1, 2], 0, [&others[0], &hub], false);
-    let two = python(&keys.file(2), [2, 1], 0, [&others[1], &hub], false);
+    let one = python(&keys.file(1), [1, 2], 0, [&others[0], &hub], Says::Flow);
+    let two = python(&keys.file(2), [2, 1], 0, [&others[1], &hub], Says::Flow);
     let (ends, hub) = ([one, two].map(report), report(running));
     (0..2).for_each(|line| was_there(&hub["lines"][line], &ends[line]));
 }
@@ -73,7 +89,7 @@ fn a_server_gives_it_the_whole_world() {
     let (keys, address, other) = (Keys::new("python-server", 3), free(), free());
     let server = ["shared", "world", "serve", "--json", "--world", TWO_ROOMS, "--listen", &address, "--seconds", "8"];
     let running = host_sim(&server).args(["--key-file", &keys.file(0)]).spawn().expect("host-sim runs");
-    let (python, server) = (report(python(&keys.file(3), [0, 1], 3, [&other, &address], true)), report(running));
+    let (python, server) = (report(python(&keys.file(3), [0, 1], 3, [&other, &address], Says::Asks)), report(running));
     assert_eq!(python["confirmed"], true, "{python}");
     assert_eq!(
         (&python["objects"], &python["computed"], &python["world"]),
@@ -82,4 +98,84 @@ fn a_server_gives_it_the_whole_world() {
     let counts = &server["counts"];
     assert_eq!((number(&server, "clients"), number(counts, "refused")), (1.0, 0.0), "{server}");
     assert!(number(counts, "asks") > 50.0 && number(counts, "parts") > 50.0, "{server}");
+}
+
+/// For how long the ends below say what is mutated, s: ten minutes with `MUTATED_SECONDS=600`.
+fn mutated_s() -> f64 {
+    std::env::var("MUTATED_SECONDS").map_or(2.5, |seconds| seconds.parse().expect("MUTATED_SECONDS is a number"))
+}
+
+/// What a process that ends by itself printed, and how much memory it had half a second before its last look and at its largest, bytes.
+fn watched(mut child: Child) -> (Value, [u64; 2]) {
+    let resident = |id: u32| {
+        let pages = std::fs::read_to_string(format!("/proc/{id}/statm")).ok()?;
+        Some(4096 * pages.split(' ').nth(1)?.parse::<u64>().ok()?)
+    };
+    let mut seen = Vec::new();
+    while child.try_wait().expect("it is a child").is_none() {
+        seen.extend(resident(child.id()).filter(|bytes| *bytes > 0));
+        std::thread::sleep(Duration::from_millis(100));
+    }
+    // It has met the other end by then.
+    let early = seen[20.min(seen.len() - 1)];
+    (report(child), [early, seen.into_iter().max().expect("it ran")])
+}
+
+/// An end that has the key seals flows with numbers that are none or far too large, and messages with bits turned, cut, grown or made up (issue 52).
+/// The peer that holds an object with it presses its hand with no more than `safety.max_force_n`, and takes no memory for it.
+#[test]
+fn a_peer_is_not_moved_by_what_no_honest_end_says() {
+    let (keys, own, other, seconds) = (Keys::new("mutated-peer", 0), free(), free(), mutated_s());
+    let [key, recording] = [keys.file(0), keys.0.join("run.mcap").display().to_string()];
+    let table = keys.0.join("run.csv");
+    let lasts = format!("{}", 6.0 + seconds.ceil());
+    let peer = host_sim(&["peer", "--json", "--quiet", "--number", "1", "--listen", &own, "--connect", &other])
+        .args(["--scene", "any-network", "--set", "timing.ticks_per_packet=8", "--seconds", &lasts])
+        .args(["--key-file", &key, "--record", &recording])
+        .spawn()
+        .expect("host-sim runs");
+    let python = python(&key, [2, 1], 0, [&other, &own], Says::Mutated(7, seconds));
+    let (said, [early, most]) = watched(peer);
+    let python = report(python);
+    assert!(number(&python, "mutated") > 60.0 * seconds, "{python}");
+    assert!(number(&said, "datagrams_refused") > 20.0 * seconds && said["fault"].is_null(), "{said}");
+    assert!(most < early + 8_000_000, "{early} bytes, and then {most}");
+    assert!(host_sim(&["convert", &recording]).arg(&table).output().expect("host-sim runs").status.success());
+    let table = std::fs::read_to_string(table).expect("a table");
+    let (names, rows) = table.split_once('\n').expect("a row of names");
+    for column in ["device_m", "object_m", "decoded_m", "contact_n", "coordination_n"] {
+        let at = names.split(',').position(|name| name == column).expect("a column of every recording");
+        let values = rows.lines().map(|row| row.split(',').nth(at).and_then(|cell| cell.parse::<f64>().ok()));
+        let most = values.map(|value| value.expect("a number").abs()).fold(0.0, f64::max);
+        assert!(most.is_finite() && (column != "contact_n" || most <= 40.1), "{column}: {most}");
+    }
+}
+
+/// The same against a hub: whoever is on the other line has his flow, and is not let go of.
+#[test]
+fn a_hub_keeps_who_is_honest_from_who_is_not() {
+    let (keys, hub, others, seconds) = (Keys::new("mutated-hub", 2), free(), [free(), free()], mutated_s());
+    let lasts = format!("{}", 6.0 + seconds.ceil());
+    let running = host_sim(&[
+        "hub",
+        "--json",
+        "--users",
+        "2",
+        "--listen",
+        &hub,
+        "--seconds",
+        &lasts,
+        "--key-file",
+        &keys.file(0),
+    ])
+    .spawn()
+    .expect("host-sim runs");
+    let wicked = python(&keys.file(1), [1, 2], 0, [&others[0], &hub], Says::Mutated(8, seconds));
+    let honest = python(&keys.file(2), [2, 1], 0, [&others[1], &hub], Says::Flow);
+    let (said, [early, most]) = watched(running);
+    let [wicked, honest] = [wicked, honest].map(report);
+    was_there(&said["lines"][1], &honest);
+    assert!(number(&wicked, "mutated") > 60.0 * seconds && wicked["confirmed"] == true, "{wicked}");
+    assert!(number(&said, "datagrams_refused") > 20.0 * seconds, "{said}");
+    assert!(most < early + 8_000_000, "{early} bytes, and then {most}");
 }

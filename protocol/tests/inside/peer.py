@@ -3,12 +3,14 @@
     python3 peer.py '{"key": "FILE", "from": 2, "to": 1, "line": 0, "listen": PORT, "connect": PORT, "seconds": 1.5, "ask": false}'
 
 Calls on loopback and answers calls, has a session, says flow each 8 ms, or asks a server for what it has, for so long; then says goodbye. Of a world that came the checksums are computed, too.
-Prints what came, as JSON. Of parameters it takes whatever the other end was told: their hashes stand in its greetings.
+With "mutate": SEED it says three messages more beside each flow: flows with numbers that are none or far too large, and what it says with bits turned, cut,
+grown or made up, each sealed as it should be. Prints what came, as JSON. Of parameters it takes whatever the other end was told: their hashes stand in its greetings.
 """
 
 import hashlib
 import json
 import os
+import random
 import socket
 import struct
 import sys
@@ -117,12 +119,33 @@ class Peer:
         return self.session.seal(self.sequence - 1, message)
 
 
-def main(key, ends, line, listen, connect, seconds, ask):
+ODD = [float("nan"), float("inf"), -float("inf"), 3.4e38, -3.4e38, 1e-45, 1e3, -1e3, 50.0, -50.0, 1.0, -1.0, 0.01, 0.0]
+
+
+def mutated(dice, tick, honest):
+    """A message that no honest end would say."""
+    kind = dice.randrange(4)
+    if kind == 0:
+        odd = [dice.choice(ODD) for _ in range(5)]
+        return struct.pack("<BBHIfffddI", FLOW, dice.randrange(4), 0, tick, *odd, dice.choice([tick, 0, 2**32 - 1, dice.getrandbits(32)]))
+    if kind == 1:
+        flags, ahead = dice.getrandbits(8), dice.choice([0, 1, 2**16, 2**31])
+        return struct.pack("<BBHIfffddI", FLOW, flags, 0, (tick + ahead) % 2**32, *[dice.uniform(-9, 9) for _ in range(5)], tick)
+    if kind == 2:
+        turned = bytearray(honest)
+        for _ in range(dice.randrange(1, 9)):
+            turned[dice.randrange(len(turned))] ^= 1 << dice.randrange(8)
+        return bytes(turned[: dice.randrange(1, len(turned) + 1)]) + dice.randbytes(dice.choice([0, 0, 1, 40]))
+    return bytes([dice.choice([1, 2, 3, 4, 5, 6, 8, 9, 10, 11, *range(16, 21), dice.getrandbits(8)])]) + dice.randbytes(dice.randrange(120))
+
+
+def main(key, ends, line, listen, connect, seconds, ask, mutate=0):
     peer = Peer(key, ends, line)
     wire = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     wire.bind(("127.0.0.1", listen))
     say = lambda datagram: wire.sendto(datagram, ("127.0.0.1", connect))
-    seen = {"flows": 0, "replies": 0, "confirmed": False, "world": None, "computed": None, "objects": 0}
+    dice = random.Random(mutate)
+    seen = {"flows": 0, "mutated": 0, "replies": 0, "confirmed": False, "world": None, "computed": None, "objects": 0}
     parts = {}
     patience, end, beat, tick = time.monotonic() + 30, None, 0.0, 0
     while time.monotonic() < (end or patience):
@@ -137,7 +160,13 @@ def main(key, ends, line, listen, connect, seconds, ask):
                 topic = tick // 8 % 4
                 say(peer.seal(struct.pack("<BBHBBBBfff", ASK, topic, 0, 0, 0, 7, 0, 0, 0, 0) + b"\xff\xff\xff\xff" + bytes(28)))
             elif session and session.confirmed:
-                say(peer.seal(struct.pack("<BBHIfffddI", FLOW, 1, 0, tick, 0, 0, 0, 0, 0, tick)))
+                flow = struct.pack("<BBHIfffddI", FLOW, 1, 0, tick, 0, 0, 0, 0, 0, tick)
+                say(peer.seal(flow))
+                for _ in range(3 if mutate else 0):
+                    # Who says goodbye is gone.
+                    message = mutated(dice, tick, flow)
+                    seen["mutated"] += message[0] != GOODBYE
+                    message[0] != GOODBYE and say(peer.seal(message))
         wire.settimeout(max(beat - time.monotonic(), 0.0005))
         try:
             datagram = wire.recv(2048)
@@ -179,4 +208,4 @@ if __name__ == "__main__":
     told = json.loads(sys.argv[1])
     with open(told["key"]) as file:
         shared = bytes.fromhex(file.read().strip())
-    main(shared, [told["from"], told["to"]], told["line"], told["listen"], told["connect"], told["seconds"], told["ask"])
+    main(shared, [told["from"], told["to"]], *(told[name] for name in ("line", "listen", "connect", "seconds", "ask", "mutate")))
