@@ -74,22 +74,22 @@ pub(crate) fn board(given: &Options<'_>) -> Result<(), Failure> {
 
 /// Builds the release image and says where it is.
 pub(crate) fn image(ready: &Ready) -> Result<PathBuf, Failure> {
-    built(&mut build(ready, IMAGES[0]))
+    built(&mut build(ready, "build", IMAGES[0]))
 }
 
 /// Builds the other images, which are put beside the first, and that one again: all come out under one name.
 pub(crate) fn images(ready: &Ready) -> Result<PathBuf, Failure> {
     for (features, name) in IMAGES[1..].iter().zip(BESIDES) {
-        let other = built(&mut build(ready, features))?;
+        let other = built(&mut build(ready, "build", features))?;
         let place = other.with_file_name(name);
         fs::copy(&other, &place).map_err(|cause| Failure::new(format!("cannot write {}: {cause}", place.display())))?;
     }
     image(ready)
 }
 
-/// Builds the image with these features.
-pub(crate) fn build(ready: &Ready, features: &[&str]) -> Command {
-    let mut build = ready.cargo(&["build", "--locked", "--profile", "firmware", "--package", "firmware"]);
+/// Cargo on the image with these features: `build`, or `rustc`.
+pub(crate) fn build(ready: &Ready, what: &str, features: &[&str]) -> Command {
+    let mut build = ready.cargo(&[what, "--locked", "--profile", "firmware", "--package", "firmware"]);
     build.args(["--bin", "firmware", "--target", THUMB_TARGET]).args(features);
     build
 }

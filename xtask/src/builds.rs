@@ -41,10 +41,8 @@ pub(crate) fn took(what: &str, seconds: Option<f64>) -> Result<(), Failure> {
 
 /// Packages that a call of cargo needs, and a number for each compilation, the same in every call.
 fn units(call: &Command) -> Result<(BTreeSet<String>, BTreeSet<u64>), Failure> {
-    // Clippy is another program, which prints no graph.
-    let words = call.get_args().map(|word| word.to_string_lossy().replace("clippy", "check"));
     let mut cargo = run::cargo(&[]);
-    cargo.args(words.take_while(|word| word != "--")).arg("--unit-graph");
+    cargo.args(call.get_args().take_while(|word| *word != "--")).arg("--unit-graph");
     let unstable = cargo.args(["-Z", "unstable-options"]).env("RUSTC_BOOTSTRAP", "1");
     let mut graph = run::output(unstable)?;
     // The profiles of tests and benches have names of their own, and the same settings.

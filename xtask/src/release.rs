@@ -144,7 +144,7 @@ fn images(tag: &str) -> impl Iterator<Item = String> {
 
 /// An image's build.
 fn image(ready: &Ready, source: &Path, features: &[&str], flags: &str) -> Command {
-    let mut build = board::build(ready, features);
+    let mut build = board::build(ready, "build", features);
     build.args(["--config", flags]).current_dir(source).env("CARGO_TARGET_DIR", source.join("target"));
     // Set by hand, they would take the place of the project's.
     ["RUSTFLAGS", "CARGO_ENCODED_RUSTFLAGS", "DEFMT_LOG"].into_iter().for_each(|name| _ = build.env_remove(name));

@@ -155,7 +155,7 @@ pub(crate) fn image(ready: &Ready) -> Result<PathBuf, Failure> {
     Ok(target().join(THUMB_TARGET).join("firmware/rig"))
 }
 
-/// Cargo on the rig's image: `build`, or `clippy`.
+/// Cargo on the rig's image: `build`, or `rustc`.
 pub(crate) fn build(ready: &Ready, what: &str) -> Command {
     let mut build = ready.cargo(&[what, "--locked", "--profile", "firmware", "--package", "haptic-rig"]);
     build.args(["--bin", "rig", "--target", THUMB_TARGET]);

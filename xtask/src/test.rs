@@ -51,14 +51,15 @@ const BOARDS: [Step; 5] = [
     Step("qemu", Unless(&["host-sim"], &["tests/qemu"]), |ready, _| qemu(ready)),
 ];
 
-/// Everything else, cheapest first; from `first build` on what a newcomer's first command builds.
+/// Everything else, cheapest first; from `first build` on what a newcomer's first command builds. Cargo has one folder for what it builds, and one lane waits while
+/// the other is in there: so what calls it in debug stands before the tests, which run while the other lane builds its bench.
 const REST: [Step; 15] = [
     Step("format", Always, |_, _| format()),
     Step("rooms", Always, |ready, _| rooms::rooms(&calls(ready), false)),
     Step("licences", Always, |_, _| licences::licences()),
     Step("page", Always, |_, _| page::browser().and_then(|()| page::page(false))),
-    Step("tests", Parts, |_, packages| tests(packages)),
     Step("platforms", Unless(&[], &[]), |_, _| platforms::check()),
+    Step("tests", Parts, |_, packages| tests(packages)),
     Step("recordings", Unless(&["host-sim"], &["tests/recordings"]), |_, _| recordings::recordings()),
     Step("python", Unless(&["host-sim/python"], &["docs", "scenes", "examples"]), |_, _| python::python()),
     Step("packages", Unless(&["host-sim/python"], &[]), |_, _| packages::check()),
@@ -70,7 +71,7 @@ const REST: [Step; 15] = [
         builds::took("the first build", run::processor_s().zip(before).map(|(now, then)| now - then))
     }),
     Step("readme", Always, |_, _| readme::readme(true, None)),
-    Step("golden traces", Always, |_, _| both_parts(golden)),
+    Step("as released", Unless(&["host-sim/studies"], &[]), |_, _| both_parts(as_released)),
     Step("bench-check", Unless(&["host-sim/cases"], &[]), |_, _| {
         run::unless(count::obstacle(), || count::ticks(false))
     }),
@@ -193,6 +194,7 @@ fn tests(packages: &Packages) -> Result<(), Failure> {
     if folders.iter().zip(&inputs).any(|(folder, inputs)| kept::passed(&name(folder), inputs).is_none()) {
         programs = step("tests, debug: build", build_tests)?;
     }
+    kept::step("tests of documentation", &packages.inputs(&["host-sim"], &[])?, || run(debug_tests().arg("--doc")))?;
     for (folder, inputs) in folders.iter().zip(&inputs) {
         let here = run::root().join(folder);
         let own = programs.iter().filter(|(manifest, _)| manifest.parent() == Some(&here));
@@ -204,7 +206,7 @@ fn tests(packages: &Packages) -> Result<(), Failure> {
             })
         })?;
     }
-    kept::step("tests of documentation", &packages.inputs(&["host-sim"], &[])?, || run(debug_tests().arg("--doc")))
+    Ok(())
 }
 
 /// What a peer at a device says if this machine was too busy for it.
@@ -249,7 +251,7 @@ fn build_tests() -> Result<Vec<(PathBuf, PathBuf)>, Failure> {
 
 /// What `cargo xtask test` has cargo compile, without the few crates of tests/qemu.
 pub(crate) fn calls(ready: &Ready) -> Vec<Command> {
-    let mut calls = vec![first_build(), debug_tests(), golden(), interleavings(), count::bench()];
+    let mut calls = vec![first_build(), debug_tests(), as_released(), interleavings(), count::bench()];
     calls.extend([
         board::bench(&["test"], Path::new("")),
         run::linted(cargo(&["build", "--locked", "--package", "haptic-python"])),
@@ -257,12 +259,11 @@ pub(crate) fn calls(ready: &Ready) -> Vec<Command> {
     calls.extend(platforms::calls());
     calls.push(rooms_on_chip(ready));
     for features in board::IMAGES {
-        calls.push(board::build(ready, features));
-        calls.push(lints_of_image(ready, features));
+        calls.extend(["build", "rustc"].map(|what| board::build(ready, what, features)));
         calls.push(no_panic::link(ready, "proof", features));
     }
     calls.push(no_panic::link(ready, "planted-panic", board::IMAGES[0]));
-    calls.extend(["build", "clippy"].map(|what| rig::build(ready, what)));
+    calls.extend(["build", "rustc"].map(|what| rig::build(ready, what)));
     calls
 }
 
@@ -298,9 +299,11 @@ pub(crate) fn first_build() -> Command {
     cargo(&["build", "--locked", "--release"])
 }
 
-/// The golden traces as a release computes them, on what the first build has compiled: the same bits in every build.
-fn golden() -> Command {
-    cargo(&["test", "--locked", "--release", "--test", "golden"])
+/// What a release computes, on what the first build has compiled: golden traces, the same bits in every build, and tables from thousands of runs,
+/// which take a part of the time.
+fn as_released() -> Command {
+    let words: Vec<&str> = "test --locked --release --test golden --test reviewed".split(' ').collect();
+    cargo(&words)
 }
 
 /// The memory that interrupt and tasks share, under loom, which runs every order that its operations can have.
@@ -325,14 +328,16 @@ fn lints_of_images(ready: &Ready) -> Result<(), Failure> {
         run::not_checked("the images, their toolchain is Debian's");
         return Ok(());
     }
-    board::IMAGES.into_iter().try_for_each(|features| compile(&mut lints_of_image(ready, features)))?;
-    compile(rig::build(ready, "clippy").args(["--", "-D", "warnings"]))
+    for features in board::IMAGES {
+        compile(&mut unlinked(board::build(ready, "rustc", features)))?;
+    }
+    compile(&mut unlinked(rig::build(ready, "rustc")))
 }
 
-/// Clippy on the image with these features.
-fn lints_of_image(ready: &Ready, features: &[&str]) -> Command {
-    let mut lints = ready.cargo(&["clippy", "--locked", "--profile", "firmware", "--package", "firmware"]);
-    lints.args(["--bin", "firmware", "--target", THUMB_TARGET]).args(features).args(["--", "-D", "warnings"]);
+/// Clippy compiles an image upon the libraries that it has, and links nothing: they are not compiled a second time, and the image stays where it is.
+fn unlinked(image: Command) -> Command {
+    let mut lints = run::linted(image);
+    lints.args("-- -C linker=true -C lto=off -C opt-level=0".split(' '));
     lints
 }
 

@@ -366,6 +366,7 @@ fn the_reach_is_the_persons() {
 #[test]
 fn the_command_says_everything() {
     let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("accuracy");
+    let _ = std::fs::remove_dir_all(&folder);
     let start = std::time::Instant::now();
     let output = Command::new(env!("CARGO_BIN_EXE_host-sim"))
         .args(["accuracy", "--json", "--out"])
@@ -375,6 +376,7 @@ fn the_command_says_everything() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let took = start.elapsed();
     crate::declared::has_columns_of("accuracy", &folder.join("accuracy.csv"));
+    crate::letters::are_readable(&folder, 8, true);
     // What a person waits for, in a release build; a test build on a busy machine has more.
     let limit_s = if cfg!(debug_assertions) { 240 } else { 20 };
     assert!(took.as_secs() < limit_s, "{took:?}");

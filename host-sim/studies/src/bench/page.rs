@@ -23,16 +23,12 @@ pub fn section(bench: &Bench, found: &Found) -> String {
          {networks}. {tunings} tunings, {runs} runs of the test. [What the columns mean](data.md#the-bench); every run and tuning is in the files (`--out`).\n\n\
          *mm/N* is the true discrepancy over the force of contact, under pushes against each other, on the **worst test network**. First it is given at the gains that a law\n\
          declares, with what a hand then feels. Then it is given at the best gains that the searches found within each bound.\n\n\
-         - `-`: no search found gains within the bound, or a run stopped.\n\
-         - *from*, *to*: the least and the most over the searches' own best gains. There is no *to* where a search found none, or such that stop.\n\
-         - *stops*: runs of any motion in which a peer stopped.\n\n\
+         - `-`: no search found gains within the bound, or a run stopped.\n- *from*, *to*: the least and the most over the searches' own best gains. There is no *to* where a search found none, or such that stop.\n- *stops*: runs of any motion in which a peer stopped.\n\n\
          ```text\n{fronts}```\n\n\
          <img src=\"{PICTURE}\" width=\"500\" alt=\"Fronts: true discrepancy of the worst network against what a hand feels, law by law\">\n\n\
          What the hands meet, motion by motion. A force is that of the motor at the hand; means of the worst network, the largest of any run where it says peak, change or worst.\n\n\
-         - *against*: mm/N, and the largest instant in mm.\n\
-         - *together*: the way of a common push of 1 s in mm (not normalised), and the largest force at a hand.\n\
-         - *led*: by an arm over 200 mm at 0.7 Hz: the distance in mm, the force at the hand, its largest change in a tick, and its error.\n\
-         - *contact* is made and lost; a hand is *let go*.\n\n\
+         - *against*: mm/N, and the largest instant in mm.\n- *together*: the way of a common push of 1 s in mm (not normalised), and the largest force at a hand.\n\
+         - *led*: by an arm over 200 mm at 0.7 Hz: the distance in mm, the force at the hand, its largest change in a tick, and its error.\n- *contact* is made and lost; a hand is *let go*.\n\n\
          ```text\n{moved}```\n\n\
          What a hand feels, the mass of the object, the least balance of energy of the link in J (what it began with, E₀, may be given back: `coordination.tank_j`,\n\
          `coordination.carry_energy_j`), and what it costs. *tuning*: what the search saw on its own networks.\n\n\

@@ -95,6 +95,18 @@ impl Runs<'_> {
         self.rows.extend(rows.into_iter().map(|row| ((row.point, row.seed.wrapping_sub(first)), row)));
     }
 
+    /// Those of these points, in their order, that are not stable in every mode: what its first run found, or else the analyser says.
+    fn left_out(&self, points: &[usize]) -> Result<Vec<LeftOut>, Error> {
+        let of = |point: &usize| {
+            let judged = || Ok::<_, Error>(unstable_modes(&judge(&self.study.scene_at(*point)?)?));
+            let known = |row: &Row| Ok(row.unstable_modes.clone());
+            let unstable_modes = self.rows.get(&(*point, 0)).map_or_else(judged, known)?;
+            Ok((!unstable_modes.is_empty()).then_some(LeftOut { point: *point, unstable_modes }))
+        };
+        let found = points.par_iter().map(of);
+        found.filter_map(Result::transpose).collect()
+    }
+
     /// The first so many seeds of a point.
     fn of(&self, point: usize, seeds: u32) -> Vec<Row> {
         self.rows.range((point, 0)..(point, seeds)).map(|(_, row)| row.clone()).collect()
@@ -128,10 +140,8 @@ impl Cell {
         if self.live.iter().any(allowed) {
             return true;
         }
-        match self.gone.pop() {
-            Some(back) => self.live = back,
-            None => return true,
-        }
+        let Some(back) = self.gone.pop() else { return true };
+        self.live = back;
         false
     }
 }
@@ -158,7 +168,7 @@ impl Study {
         runs.add(there);
         let (all, grid) = ((0..self.points()).collect::<Vec<_>>(), self.grid().points().max(1));
         let mine: Vec<&[usize]> = all.chunks(grid).skip(shard - 1).step_by(shards).collect();
-        let left_out = self.left_out(&mine.concat())?;
+        let left_out = runs.left_out(&mine.concat())?;
         let is_run = |point: &usize| left_out.binary_search_by_key(point, |one| one.point).is_err();
         let cell = |points: &&[usize]| Cell { live: points.iter().copied().filter(is_run).collect(), gone: Vec::new() };
         let mut cells: Vec<Cell> = mine.iter().map(cell).collect();
@@ -172,15 +182,5 @@ impl Study {
         }
         let rows = runs.asked.iter().flat_map(|(point, seeds)| runs.of(*point, *seeds)).collect();
         Ok(Searched { rows, left_out, new: runs.new })
-    }
-
-    /// Those of these points, in their order, that the analyser says are not stable in every mode.
-    fn left_out(&self, points: &[usize]) -> Result<Vec<LeftOut>, Error> {
-        let of = |point: &usize| {
-            let unstable_modes = unstable_modes(&judge(&self.scene_at(*point)?)?);
-            Ok((!unstable_modes.is_empty()).then_some(LeftOut { point: *point, unstable_modes }))
-        };
-        let found = points.par_iter().map(of).collect::<Result<Vec<Option<LeftOut>>, Error>>()?;
-        Ok(found.into_iter().flatten().collect())
     }
 }

@@ -31,7 +31,7 @@ pub struct Row {
     /// Figures of merit; NaN where there is none.
     #[serde(rename = "merits")]
     pub metrics: [f64; METRICS.len()],
-    /// Hash of both peers' states over every tick that was run ([`Plan::until`](super::Plan::until)).
+    /// Hash of both peers' states over every tick that was run ([`Until`](haptic_sim::run::Until)).
     pub state_hash: String,
 }
 
