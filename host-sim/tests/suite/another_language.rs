@@ -14,7 +14,7 @@ use crate::static_scene::TWO_ROOMS;
 #[derive(Clone, Copy)]
 enum Says {
     Flow,
-    /// Flow, and with each three messages that no honest end would say, from this seed.
+    /// Flow, and with each a message that no honest end would say, from this seed.
     Mutated(u32, f64),
     Asks,
 }
@@ -141,8 +141,8 @@ fn a_peer_is_not_moved_by_what_no_honest_end_says() {
     let python = python(&key, [2, 1], 0, [&other, &own], Says::Mutated(7, seconds));
     let (said, [early, most]) = watched(peer);
     let python = report(python);
-    assert!(number(&python, "mutated") > 60.0 * seconds, "{python}");
-    assert!(number(&said, "datagrams_refused") > 20.0 * seconds, "{said}");
+    assert!(number(&python, "mutated") > 10.0 * seconds, "{python}");
+    assert!(number(&said, "datagrams_refused") > 5.0 * seconds, "{said}");
     // In the end nobody is there any more.
     assert!(said["fault"].as_str().is_none_or(|fault| fault.starts_with("fault 5:")), "{said}");
     assert!(most < early + 8_000_000, "{early} bytes, and then {most}");
@@ -182,7 +182,7 @@ fn a_hub_keeps_who_is_honest_from_who_is_not() {
     let (said, [early, most]) = watched(running);
     let [wicked, honest] = [wicked, honest].map(report);
     was_there(&said["lines"][1], &honest);
-    assert!(number(&wicked, "mutated") > 60.0 * seconds && wicked["confirmed"] == true, "{wicked}");
-    assert!(number(&said, "datagrams_refused") > 20.0 * seconds, "{said}");
+    assert!(number(&wicked, "mutated") > 10.0 * seconds && wicked["confirmed"] == true, "{wicked}");
+    assert!(number(&said, "datagrams_refused") > 5.0 * seconds, "{said}");
     assert!(most < early + 8_000_000, "{early} bytes, and then {most}");
 }

@@ -3,7 +3,7 @@
     python3 peer.py '{"key": "FILE", "from": 2, "to": 1, "line": 0, "listen": PORT, "connect": PORT, "seconds": 1.5, "ask": false}'
 
 Calls on loopback and answers calls, has a session, says flow each 8 ms, or asks a server for what it has, for so long; then says goodbye. Of a world that came the checksums are computed, too.
-With "mutate": SEED it says three messages more beside each flow: flows with numbers that are none or far too large, and what it says with bits turned, cut,
+With "mutate": SEED it says a message more beside each flow: flows with numbers that are none or far too large, and what it says with bits turned, cut,
 grown or made up, each sealed as it should be. Prints what came, as JSON. Of parameters it takes whatever the other end was told: their hashes stand in its greetings.
 """
 
@@ -162,11 +162,11 @@ def main(key, ends, line, listen, connect, seconds, ask, mutate=0):
             elif session and session.confirmed:
                 flow = struct.pack("<BBHIfffddI", FLOW, 1, 0, tick, 0, 0, 0, 0, 0, tick)
                 say(peer.seal(flow))
-                for _ in range(3 if mutate else 0):
-                    # Who says goodbye is gone.
-                    message = mutated(dice, tick, flow)
-                    seen["mutated"] += message[0] != GOODBYE
-                    message[0] != GOODBYE and say(peer.seal(message))
+                message = mutated(dice, tick, flow) if mutate else None
+                # Who says goodbye is gone.
+                if message and message[0] != GOODBYE:
+                    seen["mutated"] += 1
+                    say(peer.seal(message))
         wire.settimeout(max(beat - time.monotonic(), 0.0005))
         try:
             datagram = wire.recv(2048)
