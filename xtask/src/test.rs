@@ -53,7 +53,7 @@ const BOARDS: [Step; 5] = [
 
 /// Everything else, cheapest first; from `first build` on what a newcomer's first command builds. Cargo has one folder for what it builds, and one lane waits while
 /// the other is in there: so what calls it in debug stands before the tests, which run while the other lane builds its bench.
-const REST: [Step; 15] = [
+const REST: [Step; 16] = [
     Step("format", Always, |_, _| format()),
     Step("rooms", Always, |ready, _| rooms::rooms(&calls(ready), false)),
     Step("licences", Always, |_, _| licences::licences()),
@@ -71,7 +71,8 @@ const REST: [Step; 15] = [
         builds::took("the first build", run::processor_s().zip(before).map(|(now, then)| now - then))
     }),
     Step("readme", Always, |_, _| readme::readme(true, None)),
-    Step("as released", Unless(&["host-sim/studies"], &[]), |_, _| both_parts(as_released)),
+    Step("golden traces", Always, |_, _| both_parts(|| as_released("golden"))),
+    Step("reviewed tables", Unless(&["host-sim/studies"], &[]), |_, _| both_parts(|| as_released("reviewed"))),
     Step("bench-check", Unless(&["host-sim/cases"], &[]), |_, _| {
         run::unless(count::obstacle(), || count::ticks(false))
     }),
@@ -251,8 +252,10 @@ fn build_tests() -> Result<Vec<(PathBuf, PathBuf)>, Failure> {
 
 /// What `cargo xtask test` has cargo compile, without the few crates of tests/qemu.
 pub(crate) fn calls(ready: &Ready) -> Vec<Command> {
-    let mut calls = vec![first_build(), debug_tests(), as_released(), interleavings(), count::bench()];
+    let mut calls = vec![first_build(), debug_tests(), as_released("golden"), as_released("reviewed")];
     calls.extend([
+        interleavings(),
+        count::bench(),
         board::bench(&["test"], Path::new("")),
         run::linted(cargo(&["build", "--locked", "--package", "haptic-python"])),
     ]);
@@ -299,11 +302,10 @@ pub(crate) fn first_build() -> Command {
     cargo(&["build", "--locked", "--release"])
 }
 
-/// What a release computes, on what the first build has compiled: golden traces, the same bits in every build, and tables from thousands of runs,
-/// which take a part of the time.
-fn as_released() -> Command {
-    let words: Vec<&str> = "test --locked --release --test golden --test reviewed".split(' ').collect();
-    cargo(&words)
+/// Tests of this name as a release computes them, on what the first build has compiled: golden traces are the same bits in every build, and tables
+/// from thousands of runs take a part of the time.
+fn as_released(name: &str) -> Command {
+    cargo(&["test", "--locked", "--release", "--test", name])
 }
 
 /// The memory that interrupt and tasks share, under loom, which runs every order that its operations can have.
@@ -337,7 +339,7 @@ fn lints_of_images(ready: &Ready) -> Result<(), Failure> {
 /// Clippy compiles an image upon the libraries that it has, and links nothing: they are not compiled a second time, and the image stays where it is.
 fn unlinked(image: Command) -> Command {
     let mut lints = run::linted(image);
-    lints.args("-- -C linker=true -C lto=off -C opt-level=0".split(' '));
+    lints.args("-- -C linker=true -C lto=off -C opt-level=0 -C debug-assertions=off".split(' '));
     lints
 }
 

@@ -556,7 +556,6 @@ fn on_both_networks(name: &str, cycle_s: u32, seconds: u32) -> [Vec<Phase>; 2] {
         assert!((mean / pushed - 1.0).abs() < 1e-3, "{mean} N, {pushed} N at the wall");
         assert!(ends[0].said.get("wall_force_n").is_none(), "the leader has no wall");
         let phases = phases(&ends, cycle_s);
-        println!("{phases:?}");
         for phase in &phases {
             assert!(phase.least_n > 0.0 && phase.wall_n > 2.0 && phase.ripple_n < RIPPLE_N, "{phases:#?}");
             assert!((phase.felt_n / phase.wall_n - 1.0).abs() < 0.02, "{phases:#?}");

@@ -1,6 +1,6 @@
 """The other end of a line in another language, from FORMAT.md alone, with nothing to install (cryptography: rfc.py).
 
-    python3 peer.py '{"key": "FILE", "from": 2, "to": 1, "line": 0, "listen": PORT, "connect": PORT, "seconds": 1.5, "ask": false}'
+    python3 peer.py '{"key": "FILE", "from": 2, "to": 1, "line": 0, "listen": PORT, "connect": PORT, "seconds": 1.5, "ask": false, "mutate": 0}'
 
 Calls on loopback and answers calls, has a session, says flow each 8 ms, or asks a server for what it has, for so long; then says goodbye. Of a world that came the checksums are computed, too.
 With "mutate": SEED it says a message more beside each flow: flows with numbers that are none or far too large, and what it says with bits turned, cut,
@@ -139,7 +139,7 @@ def mutated(dice, tick, honest):
     return bytes([dice.choice([1, 2, 3, 4, 5, 6, 8, 9, 10, 11, *range(16, 21), dice.getrandbits(8)])]) + dice.randbytes(dice.randrange(120))
 
 
-def main(key, ends, line, listen, connect, seconds, ask, mutate=0):
+def main(key, ends, line, listen, connect, seconds, ask, mutate):
     peer = Peer(key, ends, line)
     wire = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     wire.bind(("127.0.0.1", listen))
