@@ -193,8 +193,8 @@ crate::settings! {
             "Crossover of the current loop; phase margin 63° at 1000, 36° at 2000.";
         back_emf_forward: bool = false, Allowed::Flag, "",
             "The current loop adds the voltage that the motor makes by moving, from the joint's speed.";
-        sense_a: f64 = 5.5, number(1e-3, 1e3), "A",
-            "Current at which its sensor is at the end of its range, either way; at least 1.1 times the largest asked for.";
+        sense_a: f64 = 6.875, number(1e-3, 1e3), "A",
+            "Current that would take its sensor to either supply rail, which its amplifier does not reach; at least 1.28 times the largest asked for.";
         emf_tolerance_v: f64 = 0.6, number(0.01, 60.0), "V",
             "With a current loop: voltage that dead time, sensors and brushes may take, unseen by the check of encoders against the motor.";
         min_supply_v: f64 = 18.0, number(5.0, 65.0), "V",

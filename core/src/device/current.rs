@@ -81,6 +81,9 @@ pub fn periods_per_tick(settings: &Settings) -> Result<u32, Refused<'static>> {
     if fits { Ok(whole) } else { Err(settings.refuses("timing.control_period_s", allowed)) }
 }
 
+/// Part of `motor.sense_a` that a sensor measures, 3.07 V of 3.3 V. Its amplifier ends 0.2 V below its supply (TI SBOS808E, INA240: 3.10 V).
+pub const REACHED: f64 = 0.86;
+
 /// Mean delay of the current behind its reference, s: the area between a unit step of the reference and the response to
 /// it. Summed sample by sample that area is 1/ω_c in any such loop; half a PWM period of it lies before the step.
 pub fn lag_s(settings: &Settings) -> f64 {
@@ -91,8 +94,8 @@ impl CurrentLoop {
     /// From the table `motor`, for a PWM timer in which `counts` stands for the full supply.
     ///
     /// # Errors
-    /// A winding whose gains cannot be written as whole numbers for every supply of [`SUPPLY_MV`]; a sensor that does not reach
-    /// a tenth beyond the largest reference; a control period that is not a whole number of PWM periods.
+    /// A winding whose gains cannot be written as whole numbers for every supply of [`SUPPLY_MV`]; a sensor that does not measure
+    /// a tenth more than the largest reference ([`REACHED`]); a control period that is not a whole number of PWM periods.
     pub fn build(settings: &Settings, counts: u16) -> Result<Self, Refused<'static>> {
         periods_per_tick(settings)?;
         let motor = &settings.motor;
@@ -109,7 +112,7 @@ impl CurrentLoop {
         };
         within("motor.inductance_h", per_henry)?;
         within("motor.resistance_ohm", per_ohm)?;
-        let least = 1.1 * motor.max_duty * motor.full_scale_a;
+        let least = 1.1 * motor.max_duty * motor.full_scale_a / REACHED;
         settings.within("motor.sense_a", Allowed::Number { min: least, max: f64::MAX })?;
         let towards = if motor.reversed { -1.0 } else { 1.0 };
         let forward = if motor.back_emf_forward { towards * motor.newton_or_newton_metre_per_a } else { 0.0 };

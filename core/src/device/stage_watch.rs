@@ -6,10 +6,10 @@
 //! **Supply** ([`Fault::SupplyOutOfRange`]): outside `motor.min_supply_v` to `motor.max_supply_v` for [`LASTS_S`] while the motors are
 //! on; while they are off it only keeps them from being turned on.
 //!
-//! **Sensor** ([`Fault::CurrentSensor`]): at the end of its range at the end of two ticks running; or, while the motors are off, further
-//! than 5 % of `motor.sense_a` from zero for [`LASTS_S`], be it the sensor or a bridge that conducts although it is off.
+//! **Sensor** ([`Fault::CurrentSensor`]): at the end of what it measures ([`current::REACHED`]), or at `motor.full_scale_a`, at the end of two ticks running; or, while the motors are off, further
+//! than 4 % of `motor.sense_a` from zero for [`LASTS_S`], be it the sensor or a bridge that conducts although it is off.
 //!
-//! **Current** ([`Fault::CurrentNotFollowed`]): e = i − i_ref, codes, beside what is tolerated of it: 2 % of `motor.sense_a`, ⅛ of the
+//! **Current** ([`Fault::CurrentNotFollowed`]): e = i − i_ref, codes, beside what is tolerated of it: 1.6 % of `motor.sense_a`, ⅛ of the
 //! reference, and its changes times half a tick and the loop's lag.
 //!
 //! **Encoder** ([`Fault::EncoderImplausible`]): a motor that turns is a second speed sensor. r = u − R·i − L·Δi/T − k·Δq/T, V, where
@@ -48,10 +48,9 @@ pub const LASTS_S: f64 = 0.01;
 /// How long after the motors went on currents and encoders are not judged, s: the bridges need it to wake up.
 pub const SETTLES_S: f64 = 0.004;
 
-/// Parts of `motor.sense_a` that a current may be off its reference by, and off zero; and from where its sensor is at its end.
-const STRAYS: f64 = 0.02;
-const ZERO: f64 = 0.05;
-const END: f64 = 0.98;
+/// Parts of `motor.sense_a` that a current may be off its reference by, and off zero.
+const STRAYS: f64 = 0.016;
+const ZERO: f64 = 0.04;
 
 /// Codes of two means that are no noise: 0.2 % of full scale.
 const NOISE: i32 = 128;
@@ -172,7 +171,7 @@ impl<S: Scalar> StageWatch<S> {
             supply_mv: (millivolts(motor.min_supply_v), millivolts(motor.max_supply_v)),
             lasts: pairs(LASTS_S),
             settles: pairs(SETTLES_S),
-            end: codes(END * motor.sense_a).min(i32::from(i16::MAX)),
+            end: codes(current::REACHED * motor.sense_a).min(i32::from(i16::MAX)),
             zero: codes(ZERO * motor.sense_a),
             strays: codes(2.0 * STRAYS * motor.sense_a),
             lags: (16.0 * late).min(1024.0) as i32,

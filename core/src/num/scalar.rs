@@ -1,6 +1,6 @@
 //! The number types a peer computes in, and the only maths functions it may call.
 //!
-//! [`f32`] is for the board, [`f64`] for the analyser, [`Fixed`] (I32F32: range ±2³¹, step 2⁻³² ≈ 2.3e-10)
+//! [`f32`] is for the board, [`f64`] for the analyser, [`Fixed`] (the crate `fixed`'s I32F32: range ±2³¹, step 2⁻³² ≈ 2.3e-10)
 //! is for processors without an FPU. Results are the same bits on every machine: plain IEEE operations in source order,
 //! no fused multiply-add, no platform maths; square root and trigonometry are pure Rust (`libm`).
 //!
@@ -8,6 +8,8 @@
 
 use core::fmt::Debug;
 use core::ops::{Add, Mul, Neg, Sub};
+
+use fixed::types::{I32F32, I64F64};
 
 /// A number type the whole peer can be built on.
 pub trait Scalar:
@@ -179,18 +181,15 @@ float_scalar!(f32, "f32", super::sqrt::sqrt, super::sin_cos::sin_cos {
 });
 float_scalar!(f64, "f64", libm::sqrt, libm::sincos {});
 
-/// Signed fixed point, 32 integer and 32 fractional bits, saturating in every operation.
+/// [`I32F32`], saturating in every operation, with products to the nearest step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Fixed(i64);
+pub struct Fixed(I32F32);
 
 impl Fixed {
-    /// Steps in 1.
-    const STEPS: f64 = 4_294_967_296.0;
-
     /// The number of so many steps of 2⁻³².
     #[inline]
     pub const fn from_bits(steps: i64) -> Self {
-        Self(steps)
+        Self(I32F32::from_bits(steps))
     }
 }
 
@@ -212,10 +211,11 @@ impl Mul for Fixed {
     type Output = Self;
     #[inline]
     fn mul(self, other: Self) -> Self {
-        // To the nearest step: with a bias of half a step each product, as cutting off gives, positions would creep. Ties
+        // To the nearest step: with a bias of half a step each product, as the crate's own product has, positions would creep. Ties
         // go away from zero, so that (−x)·y is −(x·y): two peers that mirror each other do so bit for bit.
-        let wide = i128::from(self.0) * i128::from(other.0);
-        Self(saturated((wide + (1 << 31) + (wide >> 127)) >> 32))
+        let wide = self.0.wide_mul(other.0);
+        let half = I64F64::from_bits((1 << 31) - i128::from(wide.is_negative()));
+        Self(I32F32::saturating_from_num(wide + half))
     }
 }
 impl Neg for Fixed {
@@ -229,17 +229,15 @@ impl Neg for Fixed {
 impl Scalar for Fixed {
     type Counter = f64;
     const NAME: &'static str = "i32f32";
-    const ZERO: Self = Self(0);
-    const ONE: Self = Self(1 << 32);
+    const ZERO: Self = Self(I32F32::ZERO);
+    const ONE: Self = Self(I32F32::ONE);
     #[inline]
     fn from_f64(value: f64) -> Self {
-        // A float-to-integer cast saturates and turns NaN into 0: total.
-        Self(libm::rint(value * Self::STEPS) as i64)
+        Self(if value.is_nan() { I32F32::ZERO } else { I32F32::saturating_from_num(value) })
     }
     #[inline]
     fn to_f64(self) -> f64 {
-        // Dividing by a power of two is exact: rounded is once.
-        self.0 as f64 / Self::STEPS
+        self.0.to_num()
     }
     #[inline]
     fn to_counter(self) -> f64 {
@@ -251,12 +249,11 @@ impl Scalar for Fixed {
     }
     #[inline]
     fn from_i32(value: i32) -> Self {
-        Self(i64::from(value) << 32)
+        Self(value.into())
     }
     #[inline]
     fn round_to_i32(self) -> i32 {
-        // Half a step of an integer, a little less where that would carry a tie towards zero.
-        (self.0.saturating_add((1 << 31) + (self.0 >> 63)) >> 32) as i32
+        self.0.saturating_round().to_num()
     }
     #[inline]
     fn is_finite(self) -> bool {
@@ -264,7 +261,7 @@ impl Scalar for Fixed {
     }
     #[inline]
     fn bits(self) -> u64 {
-        self.0.cast_unsigned()
+        self.0.to_bits().cast_unsigned()
     }
     fn sqrt(self) -> Self {
         Self::from_f64(Scalar::sqrt(self.to_f64()))
@@ -275,16 +272,6 @@ impl Scalar for Fixed {
     }
     #[inline]
     fn ratio(self, divisor: Self) -> Self {
-        Self((i128::from(self.0) << 32).checked_div(i128::from(divisor.0)).map_or(0, saturated))
-    }
-}
-
-/// The nearest of 64 bits.
-#[inline]
-fn saturated(wide: i128) -> i64 {
-    match i64::try_from(wide) {
-        Ok(bits) => bits,
-        Err(_) if wide < 0 => i64::MIN,
-        Err(_) => i64::MAX,
+        if divisor == Self::ZERO { divisor } else { Self(self.0.saturating_div(divisor.0)) }
     }
 }

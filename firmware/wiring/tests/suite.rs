@@ -218,8 +218,8 @@ fn values_give_what_firmware_and_guide_reckon_with() {
     // Its filter: above the rail's ripple at 20 kHz, far below the 10 ms of a supply fault.
     let tau_s = of("C2") * of("R3") * share;
     assert!((50e-6..0.001).contains(&tau_s), "{tau_s} s");
-    // INA240A1 on its shunt: 0.3 V/A about 1.65 V is 5.5 A either way, as `motor.sense_a` is by default.
-    assert!((1.65 / (20.0 * of("RS1")) - 5.5).abs() < 1e-9 && of("RS1") == of("RS2"));
+    // INA240A1 on its shunt: 0.24 V/A about 1.65 V is 6.875 A either way, as `motor.sense_a` is by default.
+    assert!((1.65 / (20.0 * of("RS1")) - 6.875).abs() < 1e-9 && of("RS1") == of("RS2"));
     // With the stop pressed the motors' supply is below 4.5 V within 10 s from the highest that is allowed, 30 V, and 3.7 s from 24 V.
     let seconds = |volts: f64| {
         let parallel = 1.0 / (1.0 / of("R2") + 1.0 / (of("R3") + of("R4")));

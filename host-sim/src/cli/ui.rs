@@ -4,12 +4,13 @@
 //! A result is given in both forms, and the one that was asked for is printed: [`Ui::document`] under `--json`, what is written
 //! with `writeln!(ui, …)`, [`Ui::table`] and [`Ui::wrote`] without. So no command asks which. [`Ui::report`] needs the document only.
 
-use std::io::ErrorKind;
+use std::io::{ErrorKind, IsTerminal, Write, stderr};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::{Duration, Instant};
-use std::{fmt, path::PathBuf};
+use std::{fmt, path::PathBuf, thread};
 
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -267,23 +268,34 @@ impl Ui {
         }
     }
 
-    /// Works with a progress bar on standard error, or where there are no steps the time so far; invisible where that is no terminal.
-    /// Says how long it took, s.
+    /// Works, and says on standard error, where that is a terminal, for how long and how much of it is done. Gives how long it took, s.
     pub(super) fn work<T, E>(
         &self,
         steps: usize,
         what: &str,
         work: impl FnOnce(&(dyn Fn() + Sync)) -> Result<T, E>,
     ) -> Result<(T, f64), E> {
-        let start = Instant::now();
-        let template =
-            if steps > 1 { "{msg} {bar:40} {percent:>3} % {elapsed}, {eta} left" } else { "{spinner} {msg} {elapsed}" };
-        let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
-        let bar = ProgressBar::new(steps as u64).with_style(style).with_message(what.to_owned());
-        bar.enable_steady_tick(Duration::from_millis(200));
-        let done = work(&|| bar.inc(1));
-        bar.finish_and_clear();
-        Ok((done?, start.elapsed().as_secs_f64()))
+        let (start, done) = (Instant::now(), &AtomicUsize::new(0));
+        let show = |ended: mpsc::Receiver<()>| {
+            while ended.recv_timeout(Duration::from_millis(200)) == Err(RecvTimeoutError::Timeout) {
+                let (took_s, share) = (start.elapsed().as_secs_f64(), done.load(Ordering::Relaxed) as f64 / steps as f64);
+                let left = if steps > 1 && share > 0.0 {
+                    format!("{:.0} %, {took_s:.0} s, {:.0} s left", 100.0 * share, took_s / share - took_s)
+                } else {
+                    format!("{took_s:.0} s")
+                };
+                let _ = write!(stderr(), "\r\u{1b}[K{what}: {left}");
+            }
+            let _ = write!(stderr(), "\r\u{1b}[K");
+        };
+        // Whatever ends the work drops this, and so ends the line.
+        let (works, ended) = mpsc::channel();
+        thread::scope(|scope| {
+            let _works = works;
+            stderr().is_terminal().then(|| scope.spawn(|| show(ended)));
+            let result = work(&|| drop(done.fetch_add(1, Ordering::Relaxed)))?;
+            Ok((result, start.elapsed().as_secs_f64()))
+        })
     }
 }
 

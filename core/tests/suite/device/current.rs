@@ -173,9 +173,9 @@ fn gains_are_the_winding_times_the_crossover_and_follow_the_supply() {
 fn a_sensor_reads_its_range() {
     let sensor = Sensor::build(&Settings::default(), 12);
     assert_eq!(sensor.codes(2048), 0);
-    // 5.5 A of 5 A full scale at the ends.
-    assert!((sensor.codes(0) + 36044).abs() <= 1, "{}", sensor.codes(0));
-    assert!((sensor.codes(2048 + 1024) - 18022).abs() <= 1);
+    // 6.875 A of 5 A full scale at the ends.
+    assert!((sensor.codes(0) + 45055).abs() <= 1, "{}", sensor.codes(0));
+    assert!((sensor.codes(2048 + 1024) - 22527).abs() <= 1);
     let mut measured = sensor;
     measured.zero = 2050;
     assert_eq!(measured.codes(2050), 0);
@@ -197,7 +197,7 @@ fn what_cannot_be_is_refused_by_name() {
         refused(&[("motor.resistance_ohm", number(0.001))]).starts_with("motor.resistance_ohm = 0.001 is not allowed")
     );
     let short = refused(&[("motor.sense_a", number(5.0))]);
-    assert!(short.starts_with("motor.sense_a = 5 is not allowed: it must be a number from 5.225"), "{short}");
+    assert!(short.starts_with("motor.sense_a = 5 is not allowed: it must be a number from 6.07"), "{short}");
     let uneven = refused(&[("timing.control_period_s", number(0.00033))]);
     assert_eq!(
         uneven,

@@ -163,12 +163,12 @@ every_number! {
 
     /// Two ticks that end at the end of its range; while the motors are off, 10 ms off zero.
     fn a_sensor_that_cannot_be<S: Scalar>() {
-        // 5.5 A are more than the numbers hold.
+        // 5 A are all that the numbers hold.
         let at_end = |truth: &mut True| (truth.measured.motors[0].last, truth.measured.motors[0].mean) = (-32767, -32767);
         let mut rig = Rig::<S>::armed(&settings(), 0.0);
         assert_eq!(rig.run(9, at_end), Some((2, Fault::CurrentSensor)), "{}", S::NAME);
 
-        // 5 % of 5.5 A are 1802 codes.
+        // 4 % of 6.875 A are 1802 codes.
         let off = |codes: i16| move |truth: &mut True| truth.measured.motors[1].mean = codes;
         for (codes, found) in [(1803, Some((10, Fault::CurrentSensor))), (-1803, Some((10, Fault::CurrentSensor))), (1801, None)] {
             let mut rig = Rig::<S>::new(&settings(), 0.0);

@@ -18,6 +18,10 @@ use super::winding::{Flow, Winding};
 use crate::rng::Rng;
 use crate::scene::{DriveName, PlantFault, PlantSettings};
 
+/// Supply of the current sensor's amplifier and of the converter, V, and what the amplifier reaches at either end (TI SBOS808E, INA240).
+const SUPPLY_V: f64 = 3.3;
+const AMPLIFIER_V: [f64; 2] = [0.05, SUPPLY_V - 0.2];
+
 /// Share of the supply that a bridge gives which conducts although it is off.
 const LEAKS: f64 = 0.2;
 
@@ -48,8 +52,9 @@ impl Converter {
     pub fn read(&mut self, current_a: f64) -> u16 {
         let noise_a = if self.noise_a > 0.0 { self.noise_a * self.rng.normal() } else { 0.0 };
         let steps = self.half + (current_a + self.zero_a + noise_a) / self.sense_a * self.half;
+        let [least, most] = AMPLIFIER_V.map(|volts| volts / SUPPLY_V * 2.0 * self.half);
         // At most 16 bits.
-        steps.round().clamp(0.0, 2.0 * self.half - 1.0) as u16
+        steps.round().clamp(least, most) as u16
     }
 }
 

@@ -162,11 +162,11 @@ fn off_is_off_at_once_and_forgets() {
 fn a_converter_rounds_clips_and_is_noisy_the_same_way_again() {
     let scene = scene(&["plant.current_noise_a=0"]);
     let mut quiet = Converter::new(&scene.peer, &scene.world.plant, 1);
-    assert_eq!([0.0, 5.5 / 2048.0, -99.0, 99.0].map(|current| quiet.read(current)), [2048, 2049, 0, 4095]);
+    assert_eq!([0.0, 6.875 / 2048.0, -99.0, 99.0].map(|current| quiet.read(current)), [2048, 2049, 62, 3847]);
     let scene = self::scene(&["plant.current_noise_a=0.1", "plant.current_bits=16"]);
     let read = |seed: u64| {
         let mut converter = Converter::new(&scene.peer, &scene.world.plant, seed);
-        (0..20_000).map(|_| (f64::from(converter.read(1.0)) - 32768.0) * 5.5 / 32768.0).collect::<Vec<f64>>()
+        (0..20_000).map(|_| (f64::from(converter.read(1.0)) - 32768.0) * 6.875 / 32768.0).collect::<Vec<f64>>()
     };
     let all = read(7);
     assert!(all == read(7) && all != read(8));
