@@ -190,7 +190,7 @@ crate::settings! {
         resistance_ohm: f64 = 4.8, number(0.001, 1e4), "Ω", "Resistance R of the winding, for the current loop.";
         inductance_h: f64 = 0.0005, number(1e-6, 10.0), "H", "Inductance L of the winding, for the current loop.";
         current_loop_hz: f64 = 1000.0, number(50.0, 2000.0), "Hz",
-            "Crossover of the current loop; phase margin 63° at 1000, 36° at 2000.";
+            "Crossover of the current loop; phase margin 63° at 1000 and 36° at 2000, after a negative voltage 54° and 18°.";
         back_emf_forward: bool = false, Allowed::Flag, "",
             "The current loop adds the voltage that the motor makes by moving, from the joint's speed.";
         sense_a: f64 = 6.875, number(1e-3, 1e3), "A",

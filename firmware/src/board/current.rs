@@ -1,5 +1,9 @@
-//! The current loop: ADC1 samples both motors' currents and the supply at the start of every PWM period, and the interrupt at the end of
-//! that, 20,000 times a second, gives both bridges their voltages for the next one.
+//! The current loop: ADC1 samples both motors' currents and the supply at the start of every PWM period, ADC2 the same in its middle, and the
+//! interrupt at the end of the first, 20,000 times a second, gives both bridges their voltages for the next period.
+//!
+//! **Which sample**: a sensor rides on its bridge's first leg, and needs 9.8 µs after each edge of it (TI, INA240: host-sim/sim/src/plant/drive.rs).
+//! That leg rises (1 + V)·12.5 µs before a period begins and falls (1 − V)·12.5 µs before its middle, for a voltage of V of the supply. So
+//! after a voltage below none the sample is that of the middle before, 25 µs older, and never one that is nearer to an edge than 12.5 µs.
 //!
 //! **Deadline**: the update after the one that started the conversions, 50 µs; it needs some 3, of which the conversions are 1.6. A period
 //! that is missed keeps its voltage, and the next tick finds fewer periods than a tick has ([`Stage::measured`]): motors off, as
@@ -20,7 +24,7 @@ use cortex_m::peripheral::DWT;
 use embassy_stm32::interrupt::{self, InterruptExt, Priority};
 use embassy_stm32::pac;
 use embassy_stm32::pac::adc::vals::{Boost, Exten, Pcsel, SampleTime};
-use embassy_stm32::pac::timer::vals::Mms2;
+use embassy_stm32::pac::timer::vals::{Mms, Mms2};
 use embassy_time::{Duration, Instant};
 use firmware_parts::exchange::{Reader, Writer};
 use haptic_core::device::current::{Controller, CurrentLoop, Gains, PWM_HZ, Sensor};
@@ -34,8 +38,8 @@ use super::legs;
 
 /// What the pins PA3, PC0 and PB1 are to the converter: currents of motors 1 and 2, the supply over [`DIVIDER`].
 const CHANNELS: [u8; AXES + 1] = [15, 10, 5];
-/// TIM1_TRGO2, the bridges' timer's update.
-const TRIGGER: u8 = 8;
+/// The converters with their triggers: TIM1_TRGO, the bridges' timer's update, and TIM1_TRGO2, its top.
+const CONVERTERS: [(pac::adc::Adc, u8); 2] = [(pac::ADC1, 0), (pac::ADC2, 8)];
 /// Bits of a conversion.
 const BITS: u32 = 16;
 /// Millivolts of the supply at the end of the converter's range: 3.3 V before an eleventh.
@@ -129,7 +133,7 @@ pub(crate) fn run(number: u32) -> Run {
     Run { began, ended, late: late & (FIRST - 1), first: late & FIRST != 0 }
 }
 
-/// Starts the converter; the interrupt stays off.
+/// Starts both converters; the interrupt stays off.
 ///
 /// # Errors
 /// Why motors must not be on: it did not come.
@@ -138,37 +142,43 @@ pub(crate) fn init() -> Result<(), &'static str> {
     pac::RCC.ahb1enr().modify(|w| w.set_adc12en(true));
     let _ = pac::RCC.ahb1enr().read();
     // Out of reset the pins are analogue, and so they stay.
-    let adc = pac::ADC1;
     let by = Instant::now() + STARTS;
-    adc.cr().modify(|w| w.set_deeppwd(false));
-    adc.cr().modify(|w| w.set_advregen(true));
-    // Its regulator is ready when it says so (RM0433 §25.4.6).
-    soon(by, || adc.isr().read().ldordy())?;
-    adc.cr().modify(|w| w.set_boost(Boost::LT50));
-    // Offset and linearity: without the latter codes are missing at multiples of 2¹², and no current is one of them (RM0433 §25.4.8).
-    adc.cr().modify(|w| {
-        w.set_adcallin(true);
-        w.set_adcal(true);
-    });
-    // Nothing may be written to CR until it is calibrated.
-    soon(by, || !adc.cr().read().adcal())?;
-    for channel in CHANNELS.map(usize::from) {
-        adc.pcsel().modify(|w| w.set_pcsel(channel, Pcsel::PRESELECTED));
-        adc.smpr(channel / 10).modify(|w| w.set_smp(channel % 10, SampleTime::CYCLES8_5));
+    for (adc, _) in CONVERTERS {
+        adc.cr().modify(|w| w.set_deeppwd(false));
+        adc.cr().modify(|w| w.set_advregen(true));
+        // Its regulator is ready when it says so (RM0433 §25.4.6).
+        soon(by, || adc.isr().read().ldordy())?;
+        adc.cr().modify(|w| w.set_boost(Boost::LT50));
+        // Offset and linearity: without the latter codes are missing at multiples of 2¹², and no current is one of them (RM0433 §25.4.8).
+        adc.cr().modify(|w| {
+            w.set_adcallin(true);
+            w.set_adcal(true);
+        });
     }
-    adc.isr().write(|w| w.set_adrdy(true));
-    adc.cr().modify(|w| w.set_aden(true));
-    soon(by, || adc.isr().read().adrdy())?;
-    adc.jsqr().write(|w| {
-        w.set_jl(AXES as u8);
-        w.set_jextsel(TRIGGER);
-        w.set_jexten(Exten::RISING_EDGE);
-        for (rank, channel) in CHANNELS.into_iter().enumerate() {
-            w.set_jsq(rank, channel);
+    for (adc, trigger) in CONVERTERS {
+        // Nothing may be written to CR until it is calibrated.
+        soon(by, || !adc.cr().read().adcal())?;
+        for channel in CHANNELS.map(usize::from) {
+            adc.pcsel().modify(|w| w.set_pcsel(channel, Pcsel::PRESELECTED));
+            adc.smpr(channel / 10).modify(|w| w.set_smp(channel % 10, SampleTime::CYCLES8_5));
         }
+        adc.isr().write(|w| w.set_adrdy(true));
+        adc.cr().modify(|w| w.set_aden(true));
+        soon(by, || adc.isr().read().adrdy())?;
+        adc.jsqr().write(|w| {
+            w.set_jl(AXES as u8);
+            w.set_jextsel(trigger);
+            w.set_jexten(Exten::RISING_EDGE);
+            for (rank, channel) in CHANNELS.into_iter().enumerate() {
+                w.set_jsq(rank, channel);
+            }
+        });
+        adc.cr().modify(|w| w.set_jadstart(true));
+    }
+    pac::TIM1.cr2().modify(|w| {
+        w.set_mms(Mms::UPDATE);
+        w.set_mms2(Mms2::COMPARE_OC6);
     });
-    adc.cr().modify(|w| w.set_jadstart(true));
-    pac::TIM1.cr2().modify(|w| w.set_mms2(Mms2::UPDATE));
     Ok(())
 }
 
@@ -230,17 +240,23 @@ fn start() {
 #[unsafe(link_section = ".itcm.current")]
 extern "C" fn ADC() {
     let (began, late) = (DWT::cycle_count(), u32::from(pac::TIM1.cnt().read().cnt()));
-    let adc = pac::ADC1;
-    adc.isr().write(|w| {
-        w.set_jeoc(true);
-        w.set_jeos(true);
-    });
+    let whole = pac::ADC2.isr().read().jeos();
+    for (adc, _) in CONVERTERS {
+        adc.isr().write(|w| {
+            w.set_jeoc(true);
+            w.set_jeos(true);
+        });
+    }
+    // Without a new sample of the middle the period is missed.
+    if !whole {
+        return;
+    }
     // SAFETY: `prepare` ran before the interrupt was enabled, and nothing but this handler touches LOOP.
     let this = unsafe {
         let place = &raw mut LOOP;
         (*place).assume_init_mut()
     };
-    this.period(adc);
+    this.period();
     let run = this.total.runs;
     let late = late | core::mem::take(&mut this.first);
     for (place, word) in TOOK[(run % RING) as usize].iter().zip([began, DWT::cycle_count(), late]) {
@@ -251,7 +267,8 @@ extern "C" fn ADC() {
 
 impl Loop {
     #[inline(always)]
-    fn period(&mut self, adc: pac::adc::Adc) {
+    fn period(&mut self) {
+        let [(start, _), (middle, _)] = CONVERTERS;
         let total = &mut self.total;
         total.runs = total.runs.wrapping_add(1);
         total.supply = total.supply.wrapping_add(self.supply);
@@ -265,9 +282,10 @@ impl Loop {
         self.orders.fetch();
         let order = self.orders.get();
         let drives = legs::driven();
-        self.supply = adc.jdr(AXES).read().jdata();
-        self.voltages = self.next;
+        self.supply = start.jdr(AXES).read().jdata();
         for joint in 0..AXES {
+            let adc = if self.voltages[joint] < 0 { middle } else { start };
+            self.voltages[joint] = self.next[joint];
             let codes = order.sensors[joint].codes(adc.jdr(joint).read().jdata() as u16);
             self.codes[joint] = codes;
             let controller = &mut self.controllers[joint];

@@ -1,7 +1,7 @@
 //! Two quadrature encoders, or three (feature `three-axes`), on 16-bit counters: every edge counts, and the counter wraps; the peer takes care of that.
 //!
-//! The input filter takes an edge only when 8 samples at the timer's clock agree (33 ns at 240 MHz): a glitch of the wiring
-//! is shorter, and no encoder that a hand moves is faster than a few MHz.
+//! The input filter takes an edge only when 8 samples at a quarter of the timer's clock agree (0.13 µs): what the bridges' edges
+//! put on the wires is shorter, and a level of the fastest encoder allowed, 3 MHz of edges, lasts five times as long.
 //!
 //! No pull inside the chip is on: with one, a pin that bears 5 V does not bear them (its data sheet, "I/O structure"). What open
 //! collectors and cut wires need is on the wiring (docs/assembly.md).
@@ -64,12 +64,12 @@ fn look(timer: TimGp16, mut index: Flex<'static>, function: u8) {
     index.set_as_af_unchecked(function, AfType::input(Pull::None));
     core::mem::forget(index);
     timer.ccmr_input(0).modify(|w| {
-        w.set_icf(0, vals::FilterValue::FCK_INT_N8);
-        w.set_icf(1, vals::FilterValue::FCK_INT_N8);
+        w.set_icf(0, vals::FilterValue::FDTS_DIV4_N8);
+        w.set_icf(1, vals::FilterValue::FDTS_DIV4_N8);
     });
     timer.ccmr_input(1).modify(|w| {
         w.set_ccs(0, vals::CcmrInputCcs::TI4);
-        w.set_icf(0, vals::FilterValue::FCK_INT_N8);
+        w.set_icf(0, vals::FilterValue::FDTS_DIV4_N8);
     });
     timer.ccer().modify(|w| w.set_cce(2, true));
 }

@@ -344,7 +344,7 @@ impl Scene {
 
     /// Control periods from sensing to the force that comes of it: `device.force_delay_ticks`, or, with a winding in a current loop, the
     /// PWM period that the tick takes and the lag of the loop. That of a winding with more resistance than configured is longer, for more
-    /// voltage has to add up; and what is sampled later in its period leaves less of it to the sum.
+    /// voltage has to add up.
     pub fn force_delay_ticks(&self) -> f64 {
         let plant = &self.world.plant;
         if !plant.winding || plant.drive == DriveName::Voltage {
@@ -352,9 +352,8 @@ impl Scene {
         }
         let crossover = std::f64::consts::TAU * self.peer.motor.current_loop_hz;
         let warmer_s = (plant.resistance_ratio - 1.0) / crossover;
-        let sampled_s = (1.5 - plant.loop_delay_periods) * current::PWM_PERIOD_S;
-        let lag_s = current::lag_s(&self.peer) + warmer_s + sampled_s;
-        (current::PWM_PERIOD_S + lag_s) / self.peer.timing.control_period_s
+        // After a negative voltage the loop's first sample is half a period older: a quarter on the average.
+        (0.75 * current::PWM_PERIOD_S + current::lag_s(&self.peer) + warmer_s) / self.peer.timing.control_period_s
     }
 
     /// The value of a key, a user's included.

@@ -67,7 +67,7 @@ fn the_limit_of_a_contact_is_the_simulators() {
         &["plant.drive=current", "motor.current_loop_hz=2000"],
         &["plant.drive=current", "motor.resistance_ohm=1.5", "motor.newton_or_newton_metre_per_a=6.25"],
         &["plant.drive=current", "motor.back_emf_forward=true"],
-        &["plant.drive=current", "plant.resistance_ratio=1.3", "plant.loop_delay_periods=1"],
+        &["plant.drive=current", "plant.resistance_ratio=1.3"],
     ] {
         let scene = scene(keys);
         let (analysed, simulated) = (analysed(&scene), simulated(&scene));

@@ -4,8 +4,11 @@
 //! control period; a virtual board's power stage, whose voltage comes from its timer, calls what that calls ([`Drive::flow`]).
 //!
 //! **Time**: what the tick computes is there when its first PWM period ends. The bridge alone takes it for the second; the loop
-//! compares it with the current that the second period begins with, and the voltage that comes of it acts in the third. Sampled in
-//! the middle of a period instead, `plant.loop_delay_periods` = 1, the same voltage comes of a newer current.
+//! compares it with the current that the second period begins with, and the voltage that comes of it acts in the third.
+//!
+//! **Samples**: at the start of each period and in its middle. The sensor rides on the first leg and is wrong for a while after each of its
+//! edges ([`SETTLES_S`]). Of the two samples the loop takes the one that is farther from them, as the board does.
+//! After a negative voltage that is the older one, of the middle.
 //!
 //! Off, a bridge lets go: the current is gone at once. [`Drive::fail`] breaks one of motor, bridge and sensor.
 
@@ -72,8 +75,8 @@ struct Closed {
     volts: i32,
     last: i32,
     periods: i32,
-    /// When in a period the current is sampled, s.
-    sample_s: f64,
+    /// What was read in the middle of the period before.
+    middle: u16,
 }
 
 impl Closed {
@@ -109,6 +112,14 @@ enum Order {
 
 /// The order for zero current.
 const OFF: Order = Order::Current(Duty::OFF, 0);
+/// How long the sensor is wrong after an edge of its leg, s: TI gives 9.6 to 9.8 µs until an INA240 is within 0.5 % (e2e.ti.com 796955).
+const SETTLES_S: f64 = 9.8e-6;
+
+/// The part of its range by which the sensor is wrong so long after an edge, s: all of it at first, and e times less after each 1.85 µs.
+fn unsettled(since_s: f64) -> f64 {
+    if since_s < SETTLES_S { libm::exp(since_s / SETTLES_S * libm::log(0.005)) } else { 0.0 }
+}
+
 /// Ω and H of a motor whose wires touch.
 const SHORTED: [f64; 2] = [0.02, 1e-5];
 
@@ -126,8 +137,9 @@ pub struct Drive {
     /// What acts, and what does from the next period on.
     now: Order,
     next: Order,
-    /// Voltage of this period, counts.
+    /// Voltages of this period and of the one before, counts.
     voltage: i32,
+    before: i32,
     current_a: f64,
     /// Largest |current| since it was asked for.
     peak_a: f64,
@@ -158,7 +170,7 @@ impl Drive {
                     volts: 0,
                     last: 0,
                     periods: 0,
-                    sample_s: (1.5 - plant.loop_delay_periods) * PWM_PERIOD_S,
+                    middle: 0,
                 })
             }
         };
@@ -176,6 +188,7 @@ impl Drive {
             now: OFF,
             next: OFF,
             voltage: 0,
+            before: 0,
             current_a: 0.0,
             peak_a: 0.0,
             fault: PlantFault::None,
@@ -218,7 +231,7 @@ impl Drive {
 
     /// Turns the bridge off and resets the current loop.
     pub fn off(&mut self) {
-        (self.now, self.next, self.voltage) = (OFF, OFF, 0);
+        (self.now, self.next, self.voltage, self.before) = (OFF, OFF, 0, 0);
         if self.fault != PlantFault::ConductingBridge {
             self.current_a = 0.0;
         }
@@ -256,26 +269,33 @@ impl Drive {
     }
 
     /// One PWM period of a voltage (counts; none, where the bridge is off) on a joint that moves at this speed (m/s or rad/s): what the converter
-    /// reads, 0 without one, and the mean force, N or N·m.
-    pub fn flow(&mut self, voltage: Option<i32>, joint_speed: f64) -> (u16, f64) {
-        let sample_s = self.closed.as_ref().map_or(0.0, |closed| closed.sample_s);
+    /// reads at its start and in its middle, 0 without one, and the mean force, N or N·m.
+    pub fn flow(&mut self, voltage: Option<i32>, joint_speed: f64) -> ([u16; 2], f64) {
         let conducts = voltage.is_some() || self.fault == PlantFault::ConductingBridge;
         let share = voltage.map_or(LEAKS, |voltage| f64::from(voltage) / self.counts);
-        let Flow { mut sampled_a, mean_a, end_a } = if conducts && self.fault != PlantFault::OpenMotor {
-            self.winding.period(self.current_a, share, self.force_per_a * joint_speed, sample_s)
+        let (begins_a, Flow { sampled_a, mean_a, end_a }) = if conducts && self.fault != PlantFault::OpenMotor {
+            let emf_v = self.force_per_a * joint_speed;
+            (self.current_a, self.winding.period(self.current_a, share, emf_v, 0.5 * PWM_PERIOD_S))
         } else {
-            Flow::default()
+            Default::default()
         };
         self.current_a = end_a;
         self.peak_a = self.peak_a.max(end_a.abs()).max(sampled_a.abs());
-        match self.fault {
-            PlantFault::DeadSense => sampled_a = 0.0,
-            PlantFault::ReversedSense => sampled_a = -sampled_a,
-            PlantFault::SenseAtEnd => sampled_a = f64::INFINITY,
-            _ => {}
-        }
-        let read = self.closed.as_mut().map_or(0, |closed| closed.converter.read(sampled_a));
-        (read, self.force_per_a * mean_a)
+        // The first leg rises in the period before, and falls in this one.
+        let [rose_s, fell_s] = [f64::from(self.before) / self.counts, -share].map(|share| 0.25 * (1.0 + share) * PWM_PERIOD_S);
+        self.before = voltage.unwrap_or(0);
+        let reads = self.closed.as_mut().map_or([0; 2], |closed| {
+            let sense_a = closed.converter.sense_a;
+            [begins_a + sense_a * unsettled(rose_s), sampled_a - sense_a * unsettled(fell_s)].map(|seen_a| {
+                closed.converter.read(match self.fault {
+                    PlantFault::DeadSense => 0.0,
+                    PlantFault::ReversedSense => -seen_a,
+                    PlantFault::SenseAtEnd => f64::INFINITY,
+                    _ => seen_a,
+                })
+            })
+        });
+        (reads, self.force_per_a * mean_a)
     }
 
     /// Whether the bridge gives what its inputs say even while it is not enabled.
@@ -299,13 +319,15 @@ impl Drive {
 
     /// One PWM period of a joint that moves at this speed (m/s or rad/s): its mean force, N or N·m.
     pub fn period(&mut self, joint_speed: f64) -> f64 {
-        let (read, force) = self.flow(self.on.then_some(self.voltage), joint_speed);
+        let before = self.before;
+        let ([start, middle], force) = self.flow(self.on.then_some(self.voltage), joint_speed);
         let order = self.now;
         self.now = self.next;
         let volts = |Duty(duty)| (f64::from(duty) / f64::from(Duty::FULL_SCALE) * self.counts).round() as i32;
         self.voltage = match &mut self.closed {
             Some(closed) => {
-                closed.last = closed.sensor.codes(read);
+                let read = if before < 0 { closed.middle } else { start };
+                (closed.last, closed.middle) = (closed.sensor.codes(read), middle);
                 closed.codes += closed.last;
                 closed.volts += self.voltage;
                 closed.periods += 1;

@@ -333,8 +333,8 @@ impl<const N: usize> Plant<N> {
 
     /// One PWM period under these voltages (timer counts; none where a bridge is off): what the current converters
     /// read. Without [`Held`] from [`Plant::begin`] nothing moves.
-    pub fn period(&mut self, held: Option<&Held<N>>, voltages: [Option<i32>; N]) -> [u16; N] {
-        let Some(mut windings) = self.windings.take() else { return [0; N] };
+    pub fn period(&mut self, held: Option<&Held<N>>, voltages: [Option<i32>; N]) -> [[u16; 2]; N] {
+        let Some(mut windings) = self.windings.take() else { return [[0; 2]; N] };
         let speeds = held.map_or([0.0; N], |held| self.speeds(held.pose.as_ref()));
         let flows: [_; N] = from_fn(|joint| windings.drives[joint].flow(voltages[joint], speeds[joint]));
         if let Some(Held { pushes, pose }) = held {
@@ -344,7 +344,7 @@ impl<const N: usize> Plant<N> {
             self.turn();
         }
         self.windings = Some(windings);
-        flows.map(|(read, _)| read)
+        flows.map(|(reads, _)| reads)
     }
 
     /// Whether its first bridge gives what its inputs say even while it is not enabled.

@@ -79,8 +79,6 @@ haptic_core::settings! {
             "Converter of the current, from -motor.sense_a to motor.sense_a.";
         current_noise_a: f64 = 0.0032, number(0.0, 1.0), "A", "Noise of the current's sensor, root mean square.";
         current_zero_a: f64 = 0.0, number(-1.0, 1.0), "A", "What the current's sensor reads while none flows.";
-        loop_delay_periods: f64 = 1.5, number(1.0, 1.5), "",
-            "PWM periods of 50 µs from a sample of the current to the middle of the voltage that comes of it.";
         fault: PlantFault = PlantFault::None, Allowed::Names(PlantFault::NAMES), "",
             "What goes wrong with the first joint of device 1: its motor and power stage (with plant.drive = \"current\"), its encoder, or its hand.";
         fault_at_s: f64 = 1.0, number(0.0, 1e6), "s", "When it does.";

@@ -23,7 +23,7 @@ fn the_force_of_the_loop_is_the_command_to_3_percent_and_20_mn() {
     let motors: [&[&str]; 3] = [
         &[],
         &["motor.resistance_ohm=1.5", "motor.newton_or_newton_metre_per_a=6.25"],
-        &["plant.resistance_ratio=1.24", "plant.loop_delay_periods=1"],
+        &["plant.resistance_ratio=1.24"],
     ];
     for (keys, drag) in motors.into_iter().zip([64.0 / 4.8, 6.25 * 6.25 / 1.5, 64.0 / 4.8 / 1.24]) {
         let found = measure(&scene(keys), 3.0).expect("a good motor");

@@ -1,4 +1,4 @@
-//! ADC1's injected group, as the image uses it: three ranks, started by TIM1's second trigger output, 16 bits, an interrupt at their end.
+//! ADC1's injected group, or ADC2's, as the image uses it: three ranks, started by a trigger output of TIM1, 16 bits, an interrupt at their end.
 //!
 //! What its inputs read comes from outside ([`Converter::sample`], at the trigger). The emulator's own converter knows no injected group and
 //! takes no trigger. With its interrupt off, what was sampled is there at once: nobody can see when.
@@ -26,8 +26,8 @@ const JADSTART: u64 = 1 << 3;
 const ADCALLIN: u64 = 1 << 16;
 const ADVREGEN: u64 = 1 << 28;
 const ADCAL: u64 = 1 << 31;
-/// External trigger 8 on its rising edge, three ranks.
-const TRIGGERED: u64 = 1 << 7 | 8 << 2 | 2;
+/// An external trigger on its rising edge, 0 or 8, and three ranks.
+const TRIGGERED: [u64; 2] = [1 << 7 | 2, 1 << 7 | 8 << 2 | 2];
 /// How long the regulator takes, ns: more than anybody waits who does not ask for it.
 const REGULATED_NS: u64 = 30_000;
 /// 165,010 clocks of 32 MHz, ns.
@@ -65,7 +65,7 @@ pub struct Converter {
 impl Converter {
     /// TIM1's trigger came while channels 15, 10 and 5 read this.
     pub fn sample(&mut self, reads: [u16; 3], c: &mut DeviceContext<'_>) {
-        if !self.started || self.sequence & 0x1FF != TRIGGERED {
+        if !self.started || !TRIGGERED.contains(&(self.sequence & 0x1FF)) {
             return;
         }
         if let Some(left) = self.misses.checked_sub(1) {
@@ -81,6 +81,7 @@ impl Converter {
             self.ended = Some(c.schedule(VirtualNanos(c.now().0 + LASTS_NS)));
         } else {
             self.data = self.sampled;
+            self.flags |= JEOC | JEOS;
         }
     }
 

@@ -7,7 +7,7 @@
 //! | [`oscillator`] | the clock controller while the external clock does not come |
 //! | [`iwdg`] | the independent watchdog |
 //! | [`wwdg`] | the window watchdog |
-//! | [`converter`] | the injected group of ADC1 |
+//! | [`converter`] | the injected groups of ADC1 and ADC2 |
 //! | [`as5047p`] | an absolute encoder on each of two SPI |
 //! | [`usb`] | the second USB core, and the PC at its cable |
 //! | [`fdcan`] | FDCAN1, its message memory and the bus behind it |
@@ -90,8 +90,8 @@ pub struct Part {
     pub iwdg: Iwdg,
     /// Watchdog on the bus's.
     pub wwdg: Wwdg,
-    /// Converter ADC1 with the motors' currents.
-    pub converter: Converter,
+    /// Converters ADC1 and ADC2 with the motors' currents.
+    pub converters: [Converter; 2],
     /// FDCAN1 with a motor's controller behind it.
     pub can: Fdcan,
     message_memory: MessageMemory,
@@ -99,8 +99,10 @@ pub struct Part {
     pub usb: Usb,
     /// TIM3, TIM4 and TIM2 with an encoder each.
     pub encoders: [EncoderTimer; MOTORS],
-    /// Pulses of TIM1's second trigger output so far.
-    triggers: u64,
+    /// Pulses of TIM1's two trigger outputs so far.
+    triggers: [u64; 2],
+    /// What the converters' inputs read in the middle of the PWM period.
+    middle: [u16; 3],
     slots: Slots,
     missing: Missing,
     stop_released: bool,
@@ -123,7 +125,7 @@ struct Slots {
     pwr: usize,
     iwdg: usize,
     wwdg: usize,
-    adc1: usize,
+    adc: [usize; 2],
     can: usize,
     message_memory: usize,
     encoders: [usize; MOTORS],
@@ -151,7 +153,7 @@ impl Part {
             pwr: slot("PWR")?,
             iwdg: slot("IWDG")?,
             wwdg: slot("WWDG")?,
-            adc1: slot("ADC1")?,
+            adc: [slot("ADC1")?, slot("ADC2")?],
             can: slot("FDCAN1")?,
             message_memory,
             encoders: [slot("TIM3")?, slot("TIM4")?, slot("TIM2")?],
@@ -179,12 +181,13 @@ impl Part {
             dma,
             iwdg: Iwdg::default(),
             wwdg: Wwdg::default(),
-            converter: Converter::default(),
+            converters: Default::default(),
             can,
             message_memory: memory,
             usb,
             encoders,
-            triggers: 0,
+            triggers: [0; 2],
+            middle: [0; 3],
             slots,
             missing: Missing::default(),
             stop_released: true,
@@ -356,8 +359,8 @@ impl Part {
     /// What hangs at the bridges goes on by a PWM period, which begins now.
     pub fn period(&mut self, at: VirtualNanos, motors: &mut Motors) {
         let bridges = self.bridges(at);
-        let (reads, counts, indexes) = motors.period(at.0, &bridges);
-        self.convert(at, reads);
+        let ([start, middle], counts, indexes) = motors.period(at.0, &bridges);
+        self.convert(at, start, middle);
         // As the counters', whose edges of this period are still to come.
         let begins = self.encoders.each_ref().map(EncoderTimer::target);
         self.on_spi().into_iter().zip(begins).for_each(|(encoder, counts)| encoder.counts = counts);
@@ -369,12 +372,18 @@ impl Part {
         }
     }
 
-    /// The converter's inputs (PA3, PC0, PB1) have read this if the bridges' timer has triggered it since this was called last.
-    pub fn convert(&mut self, at: VirtualNanos, reads: [u16; 3]) {
-        let triggers = self.chip.advanced[0].trigger2_output().1;
-        if triggers != core::mem::replace(&mut self.triggers, triggers) {
-            let (_, mut context) = self.chip.bus_mut().drive(at, self.slots.adc1);
-            self.converter.sample(reads, &mut context);
+    /// The converters' inputs (PA3, PC0, PB1) read this at the beginning of the PWM period, which is now, and in its middle, for those
+    /// converters that the bridges' timer has triggered since this was called last.
+    pub fn convert(&mut self, at: VirtualNanos, start: [u16; 3], middle: [u16; 3]) {
+        let timer = &self.chip.advanced[0];
+        let triggers = [timer.trigger_output().1, timer.trigger2_output().1];
+        let before = core::mem::replace(&mut self.triggers, triggers);
+        let reads = [start, core::mem::replace(&mut self.middle, middle)];
+        for (at_which, slot) in self.slots.adc.into_iter().enumerate() {
+            if triggers[at_which] != before[at_which] {
+                let (_, mut context) = self.chip.bus_mut().drive(at, slot);
+                self.converters[at_which].sample(reads[at_which], &mut context);
+            }
         }
     }
 
@@ -430,7 +439,7 @@ impl Mcu for Part {
         Device::reset(&mut self.dma);
         Device::reset(&mut self.iwdg);
         Device::reset(&mut self.wwdg);
-        Device::reset(&mut self.converter);
+        self.converters.iter_mut().for_each(Device::reset);
         Device::reset(&mut self.can);
         for encoder in &mut self.encoders {
             Device::reset(encoder);
@@ -457,12 +466,14 @@ impl Mcu for Part {
             return (self.chip.bus_mut(), Some(&mut self.missing));
         }
         let [one, two, three] = &mut self.encoders;
+        let [start, middle] = &mut self.converters;
         let model: &mut dyn ErasedDevice = match slot {
             s if s == self.slots.mac => &mut self.mac,
             s if s == self.slots.dma => &mut self.dma,
             s if s == self.slots.iwdg => &mut self.iwdg,
             s if s == self.slots.wwdg => &mut self.wwdg,
-            s if s == self.slots.adc1 => &mut self.converter,
+            s if s == self.slots.adc[0] => start,
+            s if s == self.slots.adc[1] => middle,
             s if s == self.slots.can => &mut self.can,
             s if s == self.usb.slots[0] => &mut self.usb.blocks[0],
             s if s == self.usb.slots[1] => &mut self.usb.blocks[1],

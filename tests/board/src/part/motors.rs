@@ -218,12 +218,12 @@ impl Motors {
         }
     }
 
-    /// The PWM period that begins now: what the converter's three inputs read at its beginning, where the encoders are at its end, and
+    /// The PWM period that begins now: what the converters' three inputs read at its beginning and in its middle, where the encoders are at its end, and
     /// what their counters say at the index if they pass it.
     ///
     /// # Panics
     /// It has three motors: a board with three has no current loop.
-    pub fn period(&mut self, now_ns: u64, bridges: &Bridges) -> ([u16; 3], [i64; MOTORS], [Option<u16>; MOTORS]) {
+    pub fn period(&mut self, now_ns: u64, bridges: &Bridges) -> ([[u16; 3]; 2], [i64; MOTORS], [Option<u16>; MOTORS]) {
         self.feed(PWM_S);
         let Body::Plane(plant) = &mut self.body else { panic!("three motors, and windings") };
         if let Some((_, time_s)) = self.next.take_if(|(begins_ns, _)| *begins_ns <= now_ns) {
@@ -236,7 +236,8 @@ impl Motors {
         let marks: [_; AXES] = plant.sensors::<f32>().marks.unwrap_or_default();
         let [first, second] = marks.map(|marks| marks.index.map(|Counts(index)| index));
         let indexes = [first, second, None];
-        ([one, two, supply.round().clamp(0.0, 65535.0) as u16], self.turn(), indexes)
+        let supply = supply.round().clamp(0.0, 65535.0) as u16;
+        ([0, 1].map(|at| [one[at], two[at], supply]), self.turn(), indexes)
     }
 }
 

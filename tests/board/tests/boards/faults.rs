@@ -328,12 +328,14 @@ fn outputs_go_off_and_stay_off() {
         let fails = once(|bench| bench.fail(1, fault));
         campaign.inject(what, 2, &faulted(within, reported), &fails, &|bench| bench.mend(1));
     }
-    for (what, misses) in
-        [("one conversion of the current loop is missing", 1), ("the current loop's trigger stops", u32::MAX)]
-    {
-        let miss = |bench: &mut Bench, misses: u32| bench.input(1).misses = Some(misses);
+    for (what, misses) in [
+        ("one conversion of the current loop is missing", [1, 0]),
+        ("the current loop's trigger stops", [u32::MAX, 0]),
+        ("the trigger of the current loop's second sample stops", [0, u32::MAX]),
+    ] {
+        let miss = |bench: &mut Bench, misses| bench.input(1).misses = Some(misses);
         let missing = once(|bench| miss(bench, misses));
-        campaign.inject(what, 1, &faulted(1, "fault 64"), &missing, &|bench| miss(bench, 0));
+        campaign.inject(what, 1, &faulted(1, "fault 64"), &missing, &|bench| miss(bench, [0; 2]));
     }
     campaign.break_code("current loop hangs", &restarted(3, "no tick came"), "ADC", &[FOR_EVER]);
     let words = board_bench::power::cuts(&firmware);
