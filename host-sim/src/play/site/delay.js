@@ -15,6 +15,9 @@ const BOX = "-160 -38 320 146";
 /** Where the lens stands, below the ground. */
 const GLASS = { x: -150, y: 52, width: 300, height: 52, most: 20 };
 
+/** How long after another delay was set nothing is said of the spring that it makes, ms. */
+const SETTLES = 2000;
+
 /** Copies apart, mm. @param {Value} value @param {number} ago */
 export const apart = (value, ago = 0) => 1e3 * Math.abs(value("object_1", ago) - value("object_2", ago));
 
@@ -56,12 +59,15 @@ function pulled(value, ago) {
 export function delay(svg, says, value, me, holds) {
   const { view } = inLens(svg, value, me);
   let state = /** @type {[string, boolean]} */ (["starting", false]);
+  /** The delay that was set last, ms, and when that was, or a start, ms. */
+  let [set, since] = ["", 0];
   /** The motors of a peer are off. */
   let off = false;
   function tell() {
     const gap = mean((ago) => apart(value, ago), 200);
     const ms = (1e3 * (holds()?.one_way_s ?? NaN)).toFixed(0);
     if (!Number.isFinite(gap + Number(ms))) return;
+    if (ms !== set) [set, since] = [ms, performance.now()];
     const far = `${gap.toFixed(1)} mm`;
     state =
       gap > TOGETHER_MM
@@ -77,8 +83,12 @@ export function delay(svg, says, value, me, holds) {
     const [now, before] = [pulled(value, 0), pulled(value, 800)];
     const does = now.force > 0 ? "pull one object apart" : "press one object together";
     const hands = `Two people, each at a copy of the object, ${does} with ${Math.abs(now.force).toFixed(1)} N.`;
-    // While it moves, its mass counts as well.
-    const rests = Math.abs(now.force) > 0.2 && now.spring > 0 && Math.abs(now.spring / before.spring - 1) < 0.2;
+    // While the line moves, its mass counts as well, and after another delay its length changes.
+    const rests =
+      performance.now() - since > SETTLES &&
+      Math.abs(now.force) > 0.2 &&
+      now.spring > 0 &&
+      Math.abs(now.spring / before.spring - 1) < 0.2;
     write(
       says,
       rests
@@ -91,7 +101,9 @@ export function delay(svg, says, value, me, holds) {
     slowly: tell,
     status: () => state,
     told: (modes) => {
-      off = modes.some((mode) => mode !== 1);
+      const stopped = modes.some((mode) => mode !== 1);
+      if (off && !stopped) since = performance.now();
+      off = stopped;
     },
     help: "Drag the ring to take a hand as well. Springs are drawn as springs, arrows are forces with whose they are, and the ruler is in millimetres.",
   };
