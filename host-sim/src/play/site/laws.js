@@ -35,7 +35,8 @@ const mm = (/** @type {number} */ far) => `${far.toFixed(far < 100 ? 1 : 0)} mm`
 
 /** @typedef {{ text: string, short: string, bad: boolean }} State */
 
-/** Draws each packet of the last ticks where it was sent, a lost one short and red. They are the same in every lane that goes on.
+/** Draws each packet of the last ticks where it was sent, a lost one short and red. They are the same in every lane that goes on. What it
+ * returns draws them, and writes how many there were where that is wanted.
  * @param {HTMLElement} to @param {Value} value */
 function packets(to, value) {
   to.className = "packets";
@@ -44,7 +45,7 @@ function packets(to, value) {
   const [came, lost] = [make(svg, "path", { class: "came" }), make(svg, "path", { class: "lost" })];
   const caption = document.createElement("figcaption");
   to.append(svg, caption);
-  return () => {
+  return (counts = false) => {
     const id = LAWS.find(({ id }) => !(value(`fault_${id}`) > 0))?.id ?? "timed";
     const of = (/** @type {string} */ name, ago = 0) => value(`${name}_${id}`, ago);
     const since = (/** @type {string} */ name, /** @type {number} */ ago) => of(name, ago) - of(name, ago + 1);
@@ -62,6 +63,7 @@ function packets(to, value) {
     to.toggleAttribute("hidden", !Number.isFinite(of("lost_1")));
     put(came, { d: arrived });
     put(lost, { d: missing });
+    if (!counts) return;
     write(
       caption,
       "Packets of the last 2 s, the newest at the right end. Upper row: from left to right. Lower row: from right to left. " +
@@ -127,7 +129,7 @@ export function laws(to, value, me, faults) {
   /** @type {(State | undefined)[]} */
   let states = [];
   function tell() {
-    drawPackets();
+    drawPackets(true);
     states = lanes.map(({ id }) => stateOf(id));
     for (const [at, { lane, state }] of lanes.entries()) {
       const now = states[at];
@@ -174,7 +176,6 @@ export function laws(to, value, me, faults) {
       return [known.map(({ short }) => short).join(", ") || "starting", known.some(({ bad }) => bad)];
     },
     numbers: [
-      ["packets lost, of those sent", () => `${text(value("lost_timed"), 0)} of ${text(value("sent_timed"), 0)}`],
       ["pushes of hands 1, 2", () => `${text(value("push_1"), 2)}, ${text(value("push_2"), 2)} N`],
     ],
     strips: LAWS.map(({ id, name }, at) =>
