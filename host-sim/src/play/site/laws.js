@@ -175,9 +175,7 @@ export function laws(to, value, me, faults) {
       const known = states.flatMap((state) => state ?? []);
       return [known.map(({ short }) => short).join(", ") || "starting", known.some(({ bad }) => bad)];
     },
-    numbers: [
-      ["pushes of hands 1, 2", () => `${text(value("push_1"), 2)}, ${text(value("push_2"), 2)} N`],
-    ],
+    numbers: [["pushes of hands 1, 2", () => `${text(value("push_1"), 2)}, ${text(value("push_2"), 2)} N`]],
     strips: LAWS.map(({ id, name }, at) =>
       strip(`apart-${id}`, `Copies apart, ${at + 1} ${name}`, "mm", [1], () => ["true", (ago) => apart(id, ago)]),
     ),
