@@ -7,7 +7,6 @@
 //!
 //! A lane in which a peer faults stands from then on, and says which peer and why; the others go on.
 
-use haptic_core::safety::Fault;
 use haptic_sim::{AXES, scene::Scene};
 
 use super::environment::{ARMED, Column, Command, Environment, MOST, OFF, Sample, Standing, joined};
@@ -36,27 +35,34 @@ const LOSS: f64 = 0.3;
 const BURST_PACKETS: f64 = 40.0;
 
 /// Numbers of a lane, in [`COLUMNS`].
-const OF_LANE: usize = 11;
+const OF_LANE: usize = 14;
 /// Numbers before those of the lanes.
 const OF_ALL: usize = 4;
 /// What a lane shows of its two peers, by their own columns.
 const SHOWN: [&str; 6] = ["device_1", "device_2", "object_1", "object_2", "delay_1", "delay_2"];
 
+/// The columns of a lane, by what their names begin with.
 macro_rules! lane {
+    ($law:literal $($name:literal, $unit:literal, $means:expr;)+) => {
+        [$((concat!($name, "_", $law), $unit, $means)),+]
+    };
     ($law:literal) => {
-        [
-            (concat!("device_1_", $law), "m", concat!("device 1 under ", $law)),
-            (concat!("device_2_", $law), "m", "device 2"),
-            (concat!("object_1_", $law), "m", "copy of the object at peer 1"),
-            (concat!("object_2_", $law), "m", "copy of the object at peer 2"),
-            (concat!("delay_1_", $law), "s", "how long the newest packet was on its way to peer 1"),
-            (concat!("delay_2_", $law), "s", "how long the newest packet was on its way to peer 2"),
-            (concat!("sent_", $law), "", "packets that both have sent"),
-            (concat!("lost_", $law), "", "packets of those that were lost"),
-            (concat!("fault_", $law), "", "number of the fault that stopped this lane, 0 for none"),
-            (concat!("faulted_", $law), "", "which peer it was"),
-            (concat!("lasted_", $law), "s", "time from the start to now, or to the fault"),
-        ]
+        lane! { $law
+            "device_1", "m", concat!("device 1 under ", $law);
+            "device_2", "m", "device 2";
+            "object_1", "m", "copy of the object at peer 1";
+            "object_2", "m", "copy of the object at peer 2";
+            "delay_1", "s", "how long the newest packet was on its way to peer 1";
+            "delay_2", "s", "how long the newest packet was on its way to peer 2";
+            "sent", "", "packets that both have sent";
+            "lost", "", "packets of those that were lost";
+            "lost_1", "", "packets of those that were lost on their way to peer 1";
+            "fault", "", "number of the fault that stopped this lane, 0 for none";
+            "faulted", "", "which peer it was";
+            "lasted", "s", "time from the start to now, or to the fault";
+            "worst", "m", "largest distance of the copies since the start";
+            "worst_at", "s", "time from the start to that distance";
+        }
     };
 }
 
@@ -92,31 +98,30 @@ fn lane_scene(scene: &Scene, law: &str) -> Result<Scene, Error> {
 /// Two peers under one law.
 struct Lane {
     session: Session<1, AXES>,
-    /// What stopped it: the number of the peer, and why.
-    fault: Option<(usize, Fault)>,
     numbers: [f32; OF_LANE],
 }
 
 impl Lane {
     fn new(scene: &Scene, law: &str) -> Result<Self, Error> {
         let session = Session::new(lane_scene(scene, law)?, Model::Absent)?;
-        Ok(Self { session, fault: None, numbers: [0.0; OF_LANE] })
+        Ok(Self { session, numbers: [0.0; OF_LANE] })
     }
 
     /// A tick of both peers, unless one has faulted: `shown` says where its numbers are in the sample.
     fn step(&mut self, lasted_s: f64, shown: [usize; SHOWN.len()]) -> Result<(), Error> {
-        if self.fault.is_some() {
+        if self.session.fault().is_some() {
             return Ok(());
         }
         let sample = self.session.step()?;
-        self.fault = self.session.fault();
-        let counts = self.session.packets();
-        let [sent, lost] =
-            [counts.map(|of| of.taken), counts.map(|of| of.lost)].map(|of| of.iter().sum::<u64>() as f32);
-        let (peer, fault) = self.fault.map_or((0, 0), |(peer, fault)| (peer, fault.number()));
-        let [device_1, device_2, object_1, object_2, delay_1, delay_2] = shown.map(|at| sample[at]);
-        let (fault, peer, lasted) = (f32::from(fault), peer as f32, lasted_s as f32);
-        self.numbers = [device_1, device_2, object_1, object_2, delay_1, delay_2, sent, lost, fault, peer, lasted];
+        let [to_2, to_1] = self.session.packets();
+        let packets = [to_1.taken + to_2.taken, to_1.lost + to_2.lost, to_1.lost].map(|of| of as f32);
+        let (peer, fault) = self.session.fault().map_or((0, 0), |(peer, fault)| (peer, fault.number()));
+        let shown = shown.map(|at| sample[at]);
+        let faulted = [f32::from(fault), peer as f32, lasted_s as f32];
+        let (apart, [.., worst, worst_at]) = ((shown[2] - shown[3]).abs(), self.numbers);
+        let worst = if apart > worst { [apart, lasted_s as f32] } else { [worst, worst_at] };
+        let numbers = shown.into_iter().chain(packets).chain(faulted).chain(worst);
+        self.numbers.iter_mut().zip(numbers).for_each(|(to, number)| *to = number);
         Ok(())
     }
 }
@@ -160,7 +165,7 @@ impl ThreeLaws {
 
     fn sample(&self) -> Sample {
         // What is the same in every lane is that of one that goes on.
-        let live = self.lanes.iter().find(|lane| lane.fault.is_none()).map(|lane| &lane.session);
+        let live = self.lanes.iter().find(|lane| lane.session.fault().is_none()).map(|lane| &lane.session);
         let [push_1, push_2] = live.map(Session::pushes).unwrap_or_default().map(|newton| newton as f32);
         let wanted = live.map(Session::holds).unwrap_or_default();
         let [wanted_1, wanted_2] = wanted.map(|at| at.map_or(f32::NAN, |[at]| at as f32));

@@ -28,6 +28,10 @@ fn run(laws: &mut ThreeLaws, seconds: f64) -> ([f64; LANES], Sample) {
         last = laws.step().expect("a tick");
         for (most, law) in most.iter_mut().zip(["power", "wave", "timed"]) {
             *most = most.max(apart(&last, law));
+            // A page that looks only now is told of it as well.
+            let [worst, at, lasted] =
+                ["worst", "worst_at", "lasted"].map(|name| column(&last, &format!("{name}_{law}")));
+            assert!(worst > *most - 1e-6 && at <= lasted, "{law}: {worst} {most} at {at} of {lasted}");
         }
     }
     (most, last)
@@ -46,15 +50,17 @@ fn on_a_bad_network_one_law_holds() {
         let torn = |at: usize, law: &str| most[at] > TOGETHER_M || column(&last, &format!("fault_{law}")) > 0.0;
         assert!(torn(0, "power") && torn(1, "wave") && !torn(2, "timed"), "seed {seed}: {most:?} {last:?}");
         assert!(column(&last, "lasted_timed") > 19.99);
+        assert!((column(&last, "worst_power") - most[0]).abs() < 1e-6, "seed {seed}: {most:?}");
     }
 }
 
-/// As many packets are sent and lost in one lane as in the others, and each takes as long.
+/// As many packets are sent and lost in one lane as in the others, and each takes as long. Both peers send in the same tick, so that a page can
+/// say of each packet which way it went, and whether it was lost.
 #[test]
 fn the_same_packets_meet_the_same_fates() {
     let mut laws =
         open(&["network.loss=0.2", "network.loss_burst_packets=3", "network.jitter=uniform", "network.jitter_s=0.01"]);
-    let (mut sent, mut compared) = (0.0, 0);
+    let (mut sent, mut compared, mut before, mut one_way) = (0.0, 0, [0.0; 3], 0.0);
     for tick in 0..6000 {
         // A change in flight is one for all of them, too.
         if tick == 3000 {
@@ -74,9 +80,13 @@ fn the_same_packets_meet_the_same_fates() {
                 }
             }
         }
-        [sent, ..] = [of("sent")[2], of("lost")[2]];
+        let now = ["sent", "lost", "lost_1"].map(|name| of(name)[2]);
+        let [more, lost, lost_1] = std::array::from_fn(|at| now[at] - std::mem::replace(&mut before[at], now[at]));
+        assert!(more == 0.0 || more == 2.0, "{more} at {tick}");
+        assert!((0.0..=0.5 * more).contains(&lost_1) && (0.0..=0.5 * more).contains(&(lost - lost_1)), "at {tick}");
+        (sent, one_way) = (now[0], one_way + f64::from(u8::from(lost == 1.0)));
     }
-    assert!(sent > 1400.0 && compared > 6000, "{sent} {compared}");
+    assert!(sent > 1400.0 && compared > 6000 && one_way > 100.0, "{sent} {compared} {one_way}");
 }
 
 /// A lane that has faulted stands as it was; the others go on, and all begin again when they are asked to.
@@ -97,6 +107,7 @@ fn a_lane_that_faults_stands() {
     laws.command(Command::Start).expect("it starts");
     let (_, anew) = run(&mut laws, 0.01);
     assert_eq!([column(&anew, "fault_power"), f64::from(anew[MOST - 1])], [0.0, 1.0]);
+    assert!(column(&anew, "worst_power") < 1e-4 && column(&last, "worst_power") > 1e-3, "{anew:?} {last:?}");
 }
 
 /// A person's hand holds the devices of all lanes, beside the simulated pushes.

@@ -1,5 +1,6 @@
 // @ts-check
-// Delay: two simulated hands pull one object apart, and a lens shows the gap that their delay leaves between its copies.
+// Delay: two simulated hands pull one object apart, and a lens shows the gap between its copies. The line is not taut here, so that it gives
+// way at rest like a spring: F·(2/K_T + T/b), softer the longer it is. What is said of it is measured.
 
 import { make, put, strip } from "./environments.js";
 import { mean } from "./numbers.js";
@@ -13,6 +14,9 @@ import { TOGETHER_MM } from "./status.js";
 const BOX = "-160 -38 320 146";
 /** Where the lens stands, below the ground. */
 const GLASS = { x: -150, y: 52, width: 300, height: 52, most: 20 };
+
+/** How long after another delay was set nothing is said of the spring that it makes, ms. */
+const SETTLES = 2000;
 
 /** Copies apart, mm. @param {Value} value @param {number} ago */
 export const apart = (value, ago = 0) => 1e3 * Math.abs(value("object_1", ago) - value("object_2", ago));
@@ -41,33 +45,66 @@ export function inLens(svg, value, me, ago = () => 0) {
   return { picture, view };
 }
 
+/** Over so many ticks: the force that pulls the copies apart, N, how far they are, m, each below 0 where the hands press, and the spring that they
+ * make of the line, N/m. @param {Value} value @param {number} ago */
+function pulled(value, ago) {
+  const over = (/** @type {(ago: number) => number} */ of) => mean((at) => of(at + ago), 200);
+  const force = 0.5 * over((at) => value("coordination_1", at) - value("coordination_2", at));
+  const far = over((at) => value("object_2", at) - value("object_1", at));
+  return { force, far, spring: force / far };
+}
+
 /** @param {SVGSVGElement} svg @param {HTMLElement} says @param {Value} value @param {number} me
  * @param {() => { one_way_s: number } | undefined} holds @returns {View} */
 export function delay(svg, says, value, me, holds) {
   const { view } = inLens(svg, value, me);
   let state = /** @type {[string, boolean]} */ (["starting", false]);
+  /** The delay that was set last, ms, and when that was, or a start, ms. */
+  let [set, since] = ["", 0];
+  /** The motors of a peer are off. */
+  let off = false;
   function tell() {
-    const [gap, one, two] = [
-      mean((ago) => apart(value, ago), 200),
-      mean((ago) => value("push_1", ago), 200),
-      mean((ago) => value("push_2", ago), 200),
-    ];
-    const ms = 1e3 * (holds()?.one_way_s ?? NaN);
-    if (!Number.isFinite(gap + ms)) return;
-    const pull = 0.5 * (Math.abs(one) + Math.abs(two));
-    const text =
-      `Two people hold one object, each at a copy of it, and pull with about ${pull.toFixed(1)} N. ` +
-      `Each feels what the other did ${ms.toFixed(0)} ms ago, so the two copies stand ${gap.toFixed(1)} mm apart: the later the news, the wider the gap.`;
-    write(says, text);
+    const gap = mean((ago) => apart(value, ago), 200);
+    const ms = (1e3 * (holds()?.one_way_s ?? NaN)).toFixed(0);
+    if (!Number.isFinite(gap + Number(ms))) return;
+    if (ms !== set) [set, since] = [ms, performance.now()];
+    const far = `${gap.toFixed(1)} mm`;
     state =
       gap > TOGETHER_MM
         ? [`the copies are ${gap.toFixed(0)} mm apart`, true]
         : ["two simulated hands pull the object apart, and it holds", false];
+    if (off) {
+      write(
+        says,
+        `Stopped: the motors are off, and no hand reaches the object now. The gap of ${far} is left from before. Press Start.`,
+      );
+      return;
+    }
+    const [now, before] = [pulled(value, 0), pulled(value, 800)];
+    const does = now.force > 0 ? "pull one object apart" : "press one object together";
+    const hands = `Two people, each at a copy of the object, ${does} with ${Math.abs(now.force).toFixed(1)} N.`;
+    // While the line moves, its mass counts as well, and after another delay its length changes.
+    const rests =
+      performance.now() - since > SETTLES &&
+      Math.abs(now.force) > 0.2 &&
+      now.spring > 0 &&
+      Math.abs(now.spring / before.spring - 1) < 0.2;
+    write(
+      says,
+      rests
+        ? `${hands} Over a delay of ${ms} ms the line between them gives way like a spring of ${Number(now.spring.toPrecision(2))} N/m, so the copies stand ${far} apart. A longer line is a softer spring: the force stays, the gap grows.`
+        : `${hands} The line between them, over a delay of ${ms} ms, is not at rest: the copies are ${far} apart now.`,
+    );
   }
   return {
     ...view,
     slowly: tell,
     status: () => state,
+    told: (modes) => {
+      const stopped = modes.some((mode) => mode !== 1);
+      if (off && !stopped) since = performance.now();
+      off = stopped;
+    },
     help: "Drag the ring to take a hand as well. Springs are drawn as springs, arrows are forces with whose they are, and the ruler is in millimetres.",
   };
 }

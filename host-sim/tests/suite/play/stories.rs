@@ -61,8 +61,17 @@ const FIRST_TOUCH: &str = "window.touch = [0, 0]; (function look() { \
      const gap = parseFloat(document.querySelector('#pair .lens .gap').textContent) || 0; \
      touch = [Math.max(touch[0], arrow), Math.max(touch[1], gap)]; requestAnimationFrame(look); })()";
 
+/// What the picture of the delay says at this delay, once its line is at rest: the pull, N, the spring that the line is, N/m, and the gap, mm.
+fn delay_says(browser: &mut Browser, window: &Window, ms: u32) -> [f64; 3] {
+    let says = format!(
+        "(document.getElementById('delay-says').textContent.match(/ pull one object apart with (\\S+) N\\. Over a delay of {ms} ms the line between \
+         them gives way like a spring of (\\d+) N\\/m, so the copies stand (\\S+) mm apart\\. A longer line is a softer spring/) ?? []).slice(1).map(Number)"
+    );
+    browser.numbers(window, &says)
+}
+
 /// Nothing asked for, the page opens with two hands that pull an object apart. The lens enlarges the gap twenty times, beside a ruler that
-/// says so, and a later delay, set by keys, makes it wider.
+/// says so, and a later delay, set by keys, makes it wider: the line is a spring, softer the longer it is. Stopped, it claims nothing of that.
 #[test]
 fn the_delay_is_seen_under_a_lens() {
     let play = Play::plainly(&[]);
@@ -80,7 +89,11 @@ fn the_delay_is_seen_under_a_lens() {
     assert!((by_lens - apart).abs() < 0.3 && by_lens > 0.8, "{by_lens} {apart}");
     assert!(text(&mut browser, &one, "#delay-picture .lens .power").ends_with("×20"));
     assert!(!is_red(&mut browser, &one));
-    browser.wait(&one, "document.getElementById('delay-says').textContent.includes('60 ms ago')");
+    let [pull, spring, gap] = delay_says(&mut browser, &one, 60);
+    // 2/K_T + T/b, and the line a few ticks longer than the delay; what is written is rounded.
+    let by_settings = 1.0 / (2.0 / 10_000.0 + 0.0625 / 60.0);
+    assert!((1.0..2.0).contains(&pull) && (spring / by_settings - 1.0).abs() < 0.1, "{pull} {spring}");
+    assert!((1e3 * pull / spring - gap).abs() < 0.2, "{pull} {spring} {gap}");
     // Whose force an arrow is stands beside it.
     let owners = browser.evaluate(
         &one,
@@ -92,7 +105,8 @@ fn the_delay_is_seen_under_a_lens() {
 
     tab_to(&mut browser, &one, "story-delay", false);
     browser.press(&one, "End", false);
-    browser.wait(&one, "document.getElementById('delay-says').textContent.includes('150 ms ago')");
+    let [_, softer, wider] = delay_says(&mut browser, &one, 150);
+    assert!(softer < 0.5 * spring && wider > 2.0 * gap, "{softer} {wider}");
     browser.wait(&one, &format!("{BY_THE_LENS}[0] > 1.6 * {by_lens} && {BY_THE_LENS}[0] < 12"));
     browser.press(&one, "Home", false);
     browser.wait(&one, &format!("{BY_THE_LENS}[0] < 0.7 * {by_lens}"));
@@ -103,6 +117,14 @@ fn the_delay_is_seen_under_a_lens() {
         browser.press(&one, "ArrowRight", false);
     }
     browser.wait(&one, "page.value('wanted_1') > page.value('device_1') && page.value('hand_1') > 0.1");
+
+    click(&mut browser, &one, "stop");
+    let says = |text: &str| format!("document.getElementById('delay-says').textContent.{text}");
+    browser.wait(&one, &says("startsWith('Stopped: the motors are off, and no hand reaches the object now.')"));
+    assert_eq!(browser.evaluate(&one, &says("match(/ pull| spring/)")), json!(null));
+    browser.wait(&one, "page.value('coordination_1') === 0 && page.value('contact_1') === 0");
+    click(&mut browser, &one, "start");
+    delay_says(&mut browser, &one, 0);
     let complaints = browser.complaints(&[&one]);
     assert!(complaints.is_empty(), "{complaints:?}");
 }
