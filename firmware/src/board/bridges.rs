@@ -27,7 +27,7 @@
 use core::sync::atomic::{AtomicBool, Ordering, compiler_fence};
 
 use embassy_stm32::gpio::{AfType, Flex, Input, Level, Output, Pull, Speed};
-use embassy_stm32::pac::timer::vals::{Cms, Ocm, OcmGp};
+use embassy_stm32::pac::timer::vals::{Cms, OcmGp};
 use embassy_stm32::peripherals::{PD15, PE6, PE15, PF3, TIM1};
 use embassy_stm32::{Peri, pac, pac::timer::regs::BdtrAdv, timer::low_level::Timer};
 use haptic_core::device::current::PWM_HZ;
@@ -128,7 +128,7 @@ pub(crate) fn init(timer: Peri<'static, TIM1>, pins: Pins) {
         });
     }
     // High from a count before the top to the top: the current loop's second sample (38.3.27).
-    tim.ccmr3().modify(|w| w.set_ocm(1, Ocm::PWM_MODE2));
+    tim.ccmr3().modify(|w| w.set_ocm(1, OcmGp::PWM_MODE2));
     tim.ccr6().write(|w| w.set_ccr(TOP - 1));
     // Behind the modes and outputs of the channels, which it locks.
     tim.bdtr().write_value(BdtrAdv(BDTR_OFF));

@@ -40,6 +40,8 @@ use super::legs;
 const CHANNELS: [u8; AXES + 1] = [15, 10, 5];
 /// The converters with their triggers: TIM1_TRGO, the bridges' timer's update, and TIM1_TRGO2, its top.
 const CONVERTERS: [(pac::adc::Adc, u8); 2] = [(pac::ADC1, 0), (pac::ADC2, 8)];
+/// JEOC and JEOS in ISR: a conversion has ended, and all of a sample.
+const ENDED: u32 = 1 << 5 | 1 << 6;
 /// Bits of a conversion.
 const BITS: u32 = 16;
 /// Millivolts of the supply at the end of the converter's range: 3.3 V before an eleventh.
@@ -91,11 +93,9 @@ struct Loop {
     orders: Reader<'static, Order>,
     sums: Writer<'static, Sums>,
     total: Sums,
+    /// Of this period, which the tick gets to see when it is over.
+    now: Sums,
     controllers: [Controller; AXES],
-    /// Of this period, which the tick gets to see when it is over: currents, voltages and supply as in [`Sums`].
-    codes: [i32; AXES],
-    voltages: [i32; AXES],
-    supply: u32,
     /// Voltages of the next period, counts.
     next: [i32; AXES],
     /// [`FIRST`] until it has run.
@@ -175,10 +175,8 @@ pub(crate) fn init() -> Result<(), &'static str> {
         });
         adc.cr().modify(|w| w.set_jadstart(true));
     }
-    pac::TIM1.cr2().modify(|w| {
-        w.set_mms(Mms::UPDATE);
-        w.set_mms2(Mms2::COMPARE_OC6);
-    });
+    pac::TIM1.cr2().modify(|w| w.set_mms(Mms::UPDATE));
+    pac::TIM1.cr2().modify(|w| w.set_mms2(Mms2::COMPARE_OC6));
     Ok(())
 }
 
@@ -201,10 +199,8 @@ pub(crate) fn prepare(orders: Reader<'static, Order>, sums: Writer<'static, Sums
         orders,
         sums,
         total: Sums::default(),
+        now: Sums::default(),
         controllers: [Controller::default(); AXES],
-        codes: [0; AXES],
-        voltages: [0; AXES],
-        supply: 0,
         next: [0; AXES],
         first: FIRST,
     };
@@ -228,12 +224,17 @@ fn start() {
     };
     this.controllers = [Controller::default(); AXES];
     this.first = FIRST;
-    (this.codes, this.voltages, this.supply, this.next) = ([0; AXES], [0; AXES], 0, [0; AXES]);
-    pac::ADC1.isr().write(|w| {
-        w.set_jeoc(true);
-        w.set_jeos(true);
-    });
+    (this.now, this.next) = (Sums::default(), [0; AXES]);
+    forget();
     pac::ADC1.ier().write(|w| w.set_jeosie(true));
+}
+
+/// Takes note of what both converters have ended.
+#[inline(always)]
+fn forget() {
+    for (adc, _) in CONVERTERS {
+        adc.isr().write(|w| w.0 = ENDED);
+    }
 }
 
 #[unsafe(no_mangle)]
@@ -241,22 +242,16 @@ fn start() {
 extern "C" fn ADC() {
     let (began, late) = (DWT::cycle_count(), u32::from(pac::TIM1.cnt().read().cnt()));
     let whole = pac::ADC2.isr().read().jeos();
-    for (adc, _) in CONVERTERS {
-        adc.isr().write(|w| {
-            w.set_jeoc(true);
-            w.set_jeos(true);
-        });
-    }
-    // Without a new sample of the middle the period is missed.
-    if !whole {
-        return;
-    }
+    forget();
     // SAFETY: `prepare` ran before the interrupt was enabled, and nothing but this handler touches LOOP.
     let this = unsafe {
         let place = &raw mut LOOP;
         (*place).assume_init_mut()
     };
-    this.period();
+    // Without a new sample of the middle the period is missed.
+    if whole {
+        this.period();
+    }
     let run = this.total.runs;
     let late = late | core::mem::take(&mut this.first);
     for (place, word) in TOOK[(run % RING) as usize].iter().zip([began, DWT::cycle_count(), late]) {
@@ -268,26 +263,25 @@ extern "C" fn ADC() {
 impl Loop {
     #[inline(always)]
     fn period(&mut self) {
-        let [(start, _), (middle, _)] = CONVERTERS;
-        let total = &mut self.total;
+        let (total, now) = (&mut self.total, &mut self.now);
         total.runs = total.runs.wrapping_add(1);
-        total.supply = total.supply.wrapping_add(self.supply);
+        total.supply = total.supply.wrapping_add(now.supply);
         for joint in 0..AXES {
-            total.codes[joint] = total.codes[joint].wrapping_add(self.codes[joint]);
-            total.voltages[joint] = total.voltages[joint].wrapping_add(self.voltages[joint]);
+            total.codes[joint] = total.codes[joint].wrapping_add(now.codes[joint]);
+            total.voltages[joint] = total.voltages[joint].wrapping_add(now.voltages[joint]);
         }
-        total.last = self.codes;
+        total.last = now.codes;
         self.sums.write(*total);
 
         self.orders.fetch();
         let order = self.orders.get();
         let drives = legs::driven();
-        self.supply = start.jdr(AXES).read().jdata();
+        now.supply = pac::ADC1.jdr(AXES).read().jdata();
         for joint in 0..AXES {
-            let adc = if self.voltages[joint] < 0 { middle } else { start };
-            self.voltages[joint] = self.next[joint];
+            let adc = if now.voltages[joint] < 0 { pac::ADC2 } else { pac::ADC1 };
+            now.voltages[joint] = self.next[joint];
             let codes = order.sensors[joint].codes(adc.jdr(joint).read().jdata() as u16);
-            self.codes[joint] = codes;
+            now.codes[joint] = codes;
             let controller = &mut self.controllers[joint];
             self.next[joint] = match order.wanted[joint] {
                 MotorRequest::Current(duty, forward) if drives => controller.step(&order.gains, duty, codes, forward),

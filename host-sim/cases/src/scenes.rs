@@ -35,6 +35,13 @@ fn implicit(settings: &mut Settings) {
     settings.coordination.decode = Decode::Implicit;
 }
 
+/// One solve of contact, law and object.
+fn solved(settings: &mut Settings, integrator: IntegratorName) {
+    implicit(settings);
+    settings.object.integrator = integrator;
+    settings.object.force_delay_ticks = 0.0;
+}
+
 fn encoder(settings: &mut Settings, velocity: VelocityName) {
     implicit(settings);
     settings.axis.velocity = velocity;
@@ -79,21 +86,13 @@ pub const SCENES: &[Scene] = &[
         "implicit-midpoint",
         Some("implicit-forward-euler"),
         "one solve of contact, law and object (midpoint)",
-        |s| {
-            implicit(s);
-            s.object.integrator = IntegratorName::Midpoint;
-            s.object.force_delay_ticks = 0.0;
-        },
+        |s| solved(s, IntegratorName::Midpoint),
     ),
     scene(
         "implicit-backward-euler",
         Some("implicit-midpoint"),
         "the same solve, forces as the tick ends (backward Euler)",
-        |s| {
-            implicit(s);
-            s.object.integrator = IntegratorName::BackwardEuler;
-            s.object.force_delay_ticks = 0.0;
-        },
+        |s| solved(s, IntegratorName::BackwardEuler),
     ),
     scene("passive-mean", Some("implicit-forward-euler"), "mean of a packet instead of the filter", |s| {
         implicit(s);
@@ -109,15 +108,11 @@ pub const SCENES: &[Scene] = &[
         s.coordination.drift_correction = true;
     }),
     scene("self-timed", Some("implicit-midpoint"), "a line with a time of its own instead of the filter", |s| {
-        implicit(s);
-        s.object.integrator = IntegratorName::Midpoint;
-        s.object.force_delay_ticks = 0.0;
+        solved(s, IntegratorName::Midpoint);
         s.coordination.comm = "self-timed";
     }),
     scene("self-timed-backward-euler", Some("self-timed"), "the same solve, forces as the tick ends", |s| {
-        implicit(s);
-        s.object.integrator = IntegratorName::BackwardEuler;
-        s.object.force_delay_ticks = 0.0;
+        solved(s, IntegratorName::BackwardEuler);
         s.coordination.comm = "self-timed";
     }),
     scene("play", Some("implicit-forward-euler"), "contact with play to both sides", |s| {
@@ -167,9 +162,7 @@ pub const NAMED: Scene = scene("named-models", Some("delayed-forward-euler"), "m
 /// The settings of a peer where laws are compared: one solve a tick, and the gains that the law declares.
 pub fn of_law(law: &LawInfo) -> Settings {
     let mut settings = Settings::default();
-    implicit(&mut settings);
-    settings.object.integrator = IntegratorName::Midpoint;
-    settings.object.force_delay_ticks = 0.0;
+    solved(&mut settings, IntegratorName::Midpoint);
     settings.coordination.comm = law.name;
     for (key, value) in law.gains.iter().filter_map(|gain| gain.split_once('=')) {
         // A key of the world (a network's) is nothing that a peer is configured with.

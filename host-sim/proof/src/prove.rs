@@ -129,16 +129,8 @@ pub fn prove<L: Law<Number>>(law: &'static LawInfo, tick: Tick<L>) -> Proved {
     prove_in(&scenes::<L, 1, AXES, AnyKinematics<Number>>(law, &[], true), tick)
 }
 
-/// [`prove`] with two shared axes of two: without choices, and without the claims about packets.
-pub fn prove_shared<L: Law<Number>>(law: &'static LawInfo) -> Proved {
-    let shared = ["axis.count", "axis.shared"].map(|key| (key, Value::Number(2.0)));
-    prove_in::<L, 2, 2, AnyKinematics<Number>>(
-        &scenes::<L, 2, 2, AnyKinematics<Number>>(law, &shared, false),
-        Peer::tick,
-    )
-}
-
-fn prove_in<L: Law<Number>, const SHARED: usize, const N: usize, K: Kinematics<Number, N>>(
+/// [`prove`] in these scenes of it ([`scenes`]), with any axes.
+pub fn prove_in<L: Law<Number>, const SHARED: usize, const N: usize, K: Kinematics<Number, N>>(
     scenes: &[(String, Settings)],
     tick: Tick<L, SHARED, N, K>,
 ) -> Proved {
@@ -146,10 +138,11 @@ fn prove_in<L: Law<Number>, const SHARED: usize, const N: usize, K: Kinematics<N
     each.collect::<Vec<_>>().into_iter().fold(Proved::default(), Proved::and)
 }
 
-type Change = (&'static str, Value<'static>);
+/// A key, and what it is set to.
+pub type Change = (&'static str, Value<'static>);
 
-/// The scenes of a law, by what they differ in.
-fn scenes<L: Law<Number>, const SHARED: usize, const N: usize, K: Kinematics<Number, N>>(
+/// The scenes of a law with these changes, by what they differ in; with choices only if they are asked for.
+pub fn scenes<L: Law<Number>, const SHARED: usize, const N: usize, K: Kinematics<Number, N>>(
     law: &'static LawInfo,
     changes: &[Change],
     choose: bool,

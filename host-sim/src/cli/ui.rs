@@ -278,7 +278,8 @@ impl Ui {
         let (start, done) = (Instant::now(), &AtomicUsize::new(0));
         let show = |ended: mpsc::Receiver<()>| {
             while ended.recv_timeout(Duration::from_millis(200)) == Err(RecvTimeoutError::Timeout) {
-                let (took_s, share) = (start.elapsed().as_secs_f64(), done.load(Ordering::Relaxed) as f64 / steps as f64);
+                let (took_s, share) =
+                    (start.elapsed().as_secs_f64(), done.load(Ordering::Relaxed) as f64 / steps as f64);
                 let left = if steps > 1 && share > 0.0 {
                     format!("{:.0} %, {took_s:.0} s, {:.0} s left", 100.0 * share, took_s / share - took_s)
                 } else {
@@ -293,7 +294,9 @@ impl Ui {
         thread::scope(|scope| {
             let _works = works;
             stderr().is_terminal().then(|| scope.spawn(|| show(ended)));
-            let result = work(&|| drop(done.fetch_add(1, Ordering::Relaxed)))?;
+            let result = work(&|| {
+                done.fetch_add(1, Ordering::Relaxed);
+            })?;
             Ok((result, start.elapsed().as_secs_f64()))
         })
     }

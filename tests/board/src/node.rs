@@ -52,8 +52,8 @@ pub struct Inputs {
     pub counts_per_rev: Option<f64>,
     /// What is wrong with the encoder of a joint (from 0) on SPI from now on.
     pub encoder: Option<(usize, as5047p::Planted)>,
-    /// So many triggers do not reach each of the converters.
-    pub misses: Option<[u32; 2]>,
+    /// So many triggers do not reach the first converter.
+    pub misses: Option<u32>,
     /// The chip's supply dips below what its voltage detector is set to.
     pub supply_dips: bool,
     /// The external clock stops for a moment.
@@ -291,9 +291,7 @@ impl Driver<Nucleo> for Stepper {
         given(inputs.controller, |planted| part.can.controller.planted = planted);
         given(inputs.counts_per_rev, |counts| part.can.controller.counts_per_rev = counts);
         given(inputs.encoder, |(joint, planted)| part.on_spi()[joint].planted = planted);
-        given(inputs.misses, |[start, middle]| {
-            (part.converters[0].misses, part.converters[1].misses) = (start, middle);
-        });
+        given(inputs.misses, |misses| part.converters[0].misses = misses);
         if inputs.clock_stops {
             part.stop_clock(at);
         }

@@ -1,7 +1,9 @@
 //! Every law of core, whichever there are, and the law that says anything.
 
+use haptic_core::device::kinematics::AnyKinematics;
 use haptic_core::law::{AnyLaw, Law};
-use haptic_proof::prove::prove_shared;
+use haptic_core::{peer::Peer, settings::Value};
+use haptic_proof::prove::{prove_in, scenes};
 use haptic_proof::{Number, Proved, Whatever, prove_named};
 
 fn named(name: &str) {
@@ -33,5 +35,7 @@ fn so_does_a_law_that_says_anything() {
 #[test]
 fn so_it_does_along_two_shared_axes() {
     let [law] = Whatever::LAWS else { unreachable!() };
-    holds(law.name, &prove_shared::<Whatever>(law), 2);
+    let shared = ["axis.count", "axis.shared"].map(|key| (key, Value::Number(2.0)));
+    let scenes = scenes::<Whatever, 2, 2, AnyKinematics<Number>>(law, &shared, false);
+    holds(law.name, &prove_in::<Whatever, 2, 2, AnyKinematics<Number>>(&scenes, Peer::tick), 2);
 }

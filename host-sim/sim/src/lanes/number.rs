@@ -197,33 +197,25 @@ impl Neg for F64s {
         self.each(|a| -a)
     }
 }
+
+macro_rules! compared {
+    ($($name:ident $of_lanes:ident),+) => {$(
+        #[inline(always)]
+        fn $name(&self, other: &Self) -> bool {
+            decide(Self::bits_of(self.with(*other, |a, b| a.$of_lanes(b))))
+        }
+    )+};
+}
+
 impl PartialEq for F64s {
-    #[inline(always)]
-    fn eq(&self, other: &Self) -> bool {
-        decide(Self::bits_of(self.with(*other, |a, b| a.simd_eq(b))))
-    }
+    compared! { eq simd_eq }
 }
 impl PartialOrd for F64s {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         let (these, those) = (self.lanes(), other.lanes());
         agree(|lane| these[lane].partial_cmp(&those[lane]))
     }
-    #[inline(always)]
-    fn lt(&self, other: &Self) -> bool {
-        decide(Self::bits_of(self.with(*other, |a, b| a.simd_lt(b))))
-    }
-    #[inline(always)]
-    fn le(&self, other: &Self) -> bool {
-        decide(Self::bits_of(self.with(*other, |a, b| a.simd_le(b))))
-    }
-    #[inline(always)]
-    fn gt(&self, other: &Self) -> bool {
-        decide(Self::bits_of(self.with(*other, |a, b| a.simd_gt(b))))
-    }
-    #[inline(always)]
-    fn ge(&self, other: &Self) -> bool {
-        decide(Self::bits_of(self.with(*other, |a, b| a.simd_ge(b))))
-    }
+    compared! { lt simd_lt, le simd_le, gt simd_gt, ge simd_ge }
 }
 
 impl Scalar for F64s {

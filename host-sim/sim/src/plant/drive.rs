@@ -281,19 +281,18 @@ impl Drive {
         };
         self.current_a = end_a;
         self.peak_a = self.peak_a.max(end_a.abs()).max(sampled_a.abs());
-        // The first leg rises in the period before, and falls in this one.
-        let [rose_s, fell_s] = [f64::from(self.before) / self.counts, -share].map(|share| 0.25 * (1.0 + share) * PWM_PERIOD_S);
+        let seen = |current_a: f64| match self.fault {
+            PlantFault::DeadSense => 0.0,
+            PlantFault::ReversedSense => -current_a,
+            PlantFault::SenseAtEnd => f64::INFINITY,
+            _ => current_a,
+        };
+        // The first leg has risen in the period before, and falls in this one.
+        let edges = [f64::from(self.before) / self.counts, -share].map(|share| 0.25 * (1.0 + share) * PWM_PERIOD_S);
         self.before = voltage.unwrap_or(0);
-        let reads = self.closed.as_mut().map_or([0; 2], |closed| {
-            let sense_a = closed.converter.sense_a;
-            [begins_a + sense_a * unsettled(rose_s), sampled_a - sense_a * unsettled(fell_s)].map(|seen_a| {
-                closed.converter.read(match self.fault {
-                    PlantFault::DeadSense => 0.0,
-                    PlantFault::ReversedSense => -seen_a,
-                    PlantFault::SenseAtEnd => f64::INFINITY,
-                    _ => seen_a,
-                })
-            })
+        let reads = self.closed.as_mut().map_or([0; 2], |Closed { converter, .. }| {
+            let [rose, fell] = edges.map(|since_s| converter.sense_a * unsettled(since_s));
+            [begins_a + rose, sampled_a - fell].map(|current_a| converter.read(seen(current_a)))
         });
         (reads, self.force_per_a * mean_a)
     }

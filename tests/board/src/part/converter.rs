@@ -44,6 +44,8 @@ const LASTS_NS: u64 = 1594;
 pub struct Converter {
     flags: u64,
     enables: u64,
+    /// Triggers so far.
+    triggers: u64,
     started: bool,
     /// When the regulator was turned on, ns.
     regulator_ns: Option<u64>,
@@ -63,9 +65,10 @@ pub struct Converter {
 }
 
 impl Converter {
-    /// TIM1's trigger came while channels 15, 10 and 5 read this.
-    pub fn sample(&mut self, reads: [u16; 3], c: &mut DeviceContext<'_>) {
-        if !self.started || !TRIGGERED.contains(&(self.sequence & 0x1FF)) {
+    /// Channels 15, 10 and 5 read this while TIM1 gives its trigger for the so-manieth time, or again for the last.
+    pub fn sample(&mut self, triggers: u64, reads: [u16; 3], c: &mut DeviceContext<'_>) {
+        let again = triggers == core::mem::replace(&mut self.triggers, triggers);
+        if again || !self.started || !TRIGGERED.contains(&(self.sequence & 0x1FF)) {
             return;
         }
         if let Some(left) = self.misses.checked_sub(1) {

@@ -99,8 +99,6 @@ pub struct Part {
     pub usb: Usb,
     /// TIM3, TIM4 and TIM2 with an encoder each.
     pub encoders: [EncoderTimer; MOTORS],
-    /// Pulses of TIM1's two trigger outputs so far.
-    triggers: [u64; 2],
     /// What the converters' inputs read in the middle of the PWM period.
     middle: [u16; 3],
     slots: Slots,
@@ -186,7 +184,6 @@ impl Part {
             message_memory: memory,
             usb,
             encoders,
-            triggers: [0; 2],
             middle: [0; 3],
             slots,
             missing: Missing::default(),
@@ -377,13 +374,9 @@ impl Part {
     pub fn convert(&mut self, at: VirtualNanos, start: [u16; 3], middle: [u16; 3]) {
         let timer = &self.chip.advanced[0];
         let triggers = [timer.trigger_output().1, timer.trigger2_output().1];
-        let before = core::mem::replace(&mut self.triggers, triggers);
-        let reads = [start, core::mem::replace(&mut self.middle, middle)];
-        for (at_which, slot) in self.slots.adc.into_iter().enumerate() {
-            if triggers[at_which] != before[at_which] {
-                let (_, mut context) = self.chip.bus_mut().drive(at, slot);
-                self.converters[at_which].sample(reads[at_which], &mut context);
-            }
+        for (which, reads) in [start, core::mem::replace(&mut self.middle, middle)].into_iter().enumerate() {
+            let (_, mut context) = self.chip.bus_mut().drive(at, self.slots.adc[which]);
+            self.converters[which].sample(triggers[which], reads, &mut context);
         }
     }
 
@@ -465,23 +458,21 @@ impl Mcu for Part {
         if slot == self.slots.rcc && self.missing.wanted {
             return (self.chip.bus_mut(), Some(&mut self.missing));
         }
-        let [one, two, three] = &mut self.encoders;
-        let [start, middle] = &mut self.converters;
         let model: &mut dyn ErasedDevice = match slot {
             s if s == self.slots.mac => &mut self.mac,
             s if s == self.slots.dma => &mut self.dma,
             s if s == self.slots.iwdg => &mut self.iwdg,
             s if s == self.slots.wwdg => &mut self.wwdg,
-            s if s == self.slots.adc[0] => start,
-            s if s == self.slots.adc[1] => middle,
+            s if s == self.slots.adc[0] => &mut self.converters[0],
+            s if s == self.slots.adc[1] => &mut self.converters[1],
             s if s == self.slots.can => &mut self.can,
             s if s == self.usb.slots[0] => &mut self.usb.blocks[0],
             s if s == self.usb.slots[1] => &mut self.usb.blocks[1],
             s if s == self.usb.slots[2] => &mut self.usb.blocks[2],
             s if s == self.slots.message_memory => &mut self.message_memory,
-            s if s == self.slots.encoders[0] => one,
-            s if s == self.slots.encoders[1] => two,
-            s if s == self.slots.encoders[2] => three,
+            s if s == self.slots.encoders[0] => &mut self.encoders[0],
+            s if s == self.slots.encoders[1] => &mut self.encoders[1],
+            s if s == self.slots.encoders[2] => &mut self.encoders[2],
             _ => return self.chip.split(slot),
         };
         (self.chip.bus_mut(), Some(model))

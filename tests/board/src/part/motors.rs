@@ -229,14 +229,14 @@ impl Motors {
         if let Some((_, time_s)) = self.next.take_if(|(begins_ns, _)| *begins_ns <= now_ns) {
             self.held = plant.begin(time_s);
         }
-        let supply = plant.supply_v().unwrap_or(0.0) / SUPPLY_SPAN_V * 65536.0;
+        // To the nearest; a cast saturates.
+        let supply = (plant.supply_v().unwrap_or(0.0) / SUPPLY_SPAN_V * 65536.0 + 0.5) as u16;
         let on = bridges.on() || bridges.outputs && plant.ignores_enable();
         let [first, second] = bridges.voltages().map(|voltage| on.then_some(voltage));
         let [one, two] = plant.period(self.held.as_ref(), [first, second]);
         let marks: [_; AXES] = plant.sensors::<f32>().marks.unwrap_or_default();
         let [first, second] = marks.map(|marks| marks.index.map(|Counts(index)| index));
         let indexes = [first, second, None];
-        let supply = supply.round().clamp(0.0, 65535.0) as u16;
         ([0, 1].map(|at| [one[at], two[at], supply]), self.turn(), indexes)
     }
 }

@@ -4,6 +4,22 @@
 //! the board at the end of its step. A step is 50 µs, and ends where the board's timer updates; 50 ns while the rig's light says that it is
 //! measuring, so that a break is measured late by a step at the most, and never early.
 
+/// What the virtual boards and those on a table do alike with the records that they take.
+macro_rules! by_records {
+    () => {
+        fn codes(&mut self) -> [Vec<i16>; 2] {
+            told::codes(&self.take())
+        }
+        fn came(&mut self) -> Came {
+            let new = self.take();
+            told::came(&new, &mut self.counted)
+        }
+        fn stop_is_seen(&mut self, pressed: &[&str], released: &[&str]) -> Outcome {
+            stop::seen(self, pressed, released)
+        }
+    };
+}
+
 mod legs;
 pub mod openocd;
 pub mod port;
@@ -358,18 +374,7 @@ impl Boards for Rigged {
         Ok(())
     }
 
-    fn codes(&mut self) -> [Vec<i16>; 2] {
-        told::codes(&self.take())
-    }
-
-    fn came(&mut self) -> Came {
-        let new = self.take();
-        told::came(&new, &mut self.counted)
-    }
-
-    fn stop_is_seen(&mut self, pressed: &[&str], released: &[&str]) -> Outcome {
-        stop::seen(self, pressed, released)
-    }
+    by_records! {}
 
     fn meet(&mut self) -> Done {
         self.wait_ms(1300)?;

@@ -113,18 +113,7 @@ impl Boards for Table {
         self.probe(&openocd::halt(ms))
     }
 
-    fn codes(&mut self) -> [Vec<i16>; 2] {
-        told::codes(&self.take())
-    }
-
-    fn came(&mut self) -> Came {
-        let new = self.take();
-        told::came(&new, &mut self.counted)
-    }
-
-    fn stop_is_seen(&mut self, pressed: &[&str], released: &[&str]) -> Outcome {
-        stop::seen(self, pressed, released)
-    }
+    by_records! {}
 
     fn meet(&mut self) -> Done {
         let begun = Instant::now();

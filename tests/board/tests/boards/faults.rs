@@ -328,15 +328,23 @@ fn outputs_go_off_and_stay_off() {
         let fails = once(|bench| bench.fail(1, fault));
         campaign.inject(what, 2, &faulted(within, reported), &fails, &|bench| bench.mend(1));
     }
-    for (what, misses) in [
-        ("one conversion of the current loop is missing", [1, 0]),
-        ("the current loop's trigger stops", [u32::MAX, 0]),
-        ("the trigger of the current loop's second sample stops", [0, u32::MAX]),
-    ] {
-        let miss = |bench: &mut Bench, misses| bench.input(1).misses = Some(misses);
+    for (what, misses) in
+        [("one conversion of the current loop is missing", 1), ("the current loop's trigger stops", u32::MAX)]
+    {
+        let miss = |bench: &mut Bench, misses: u32| bench.input(1).misses = Some(misses);
         let missing = once(|bench| miss(bench, misses));
-        campaign.inject(what, 1, &faulted(1, "fault 64"), &missing, &|bench| miss(bench, [0; 2]));
+        campaign.inject(what, 1, &faulted(1, "fault 64"), &missing, &|bench| miss(bench, 0));
     }
+    // TIM1_CR2: the update is TRGO, and nothing is TRGO2 (MMS2).
+    let stops = once(|bench| bench.input(1).poke.push((0x4001_0004, 2 << 4)));
+    let goes_on = |bench: &mut Bench| bench.input(1).poke.push((0x4001_0004, 9 << 20 | 2 << 4));
+    campaign.inject(
+        "the trigger of the current loop's second sample stops",
+        1,
+        &faulted(1, "fault 64"),
+        &stops,
+        &goes_on,
+    );
     campaign.break_code("current loop hangs", &restarted(3, "no tick came"), "ADC", &[FOR_EVER]);
     let words = board_bench::power::cuts(&firmware);
     campaign.rows.push(format!(
