@@ -176,7 +176,7 @@ pub(crate) fn init() -> Result<(), &'static str> {
         adc.cr().modify(|w| w.set_jadstart(true));
     }
     pac::TIM1.cr2().modify(|w| w.set_mms(Mms::UPDATE));
-    pac::TIM1.cr2().modify(|w| w.set_mms2(Mms2::COMPARE_OC6));
+    pac::TIM1.cr2().modify(|w| w.set_mms2(Mms2::COMPARE_PULSE_OC5_OR_OC6_RISING));
     Ok(())
 }
 

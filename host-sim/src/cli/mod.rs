@@ -6,6 +6,7 @@
 //! bad input, with one line that says what to change, 141 when whoever read the results went away.
 
 mod accuracy;
+mod address;
 mod architectures;
 mod bench;
 mod board;

@@ -1,6 +1,6 @@
 //! `host-sim board operator`: a scene for a board, lines of text and its answers, and what its ticks did.
 
-use std::net::{IpAddr, SocketAddr};
+use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::{io::BufRead, sync::mpsc::TryRecvError, time::Duration};
 
@@ -21,6 +21,7 @@ use haptic_live::{endpoint::Stop, operator::Operator};
 use haptic_report::files::write_csv;
 use serde_json::json;
 
+use crate::cli::address::place_at;
 use crate::cli::flags::{KeyFile, Time, number};
 use crate::cli::{Failure, SceneArgs, Ui};
 
@@ -58,13 +59,7 @@ pub(in crate::cli) struct Operate {
 
 /// The address of a board's operator's port, with or without it.
 pub(in crate::cli) fn address(text: &str) -> Result<SocketAddr, Failure> {
-    address_at(text, PORT)
-}
-
-/// An address with or without a port, which is this one then.
-pub(super) fn address_at(text: &str, port: u16) -> Result<SocketAddr, Failure> {
-    let address = text.parse::<IpAddr>().map(|address| SocketAddr::new(address, port));
-    address.or_else(|_| text.parse()).map_err(|_| format!("{text} is no address: it must be like 192.168.77.1").into())
+    place_at(text, Some(PORT))
 }
 
 /// Whether the motors are on, as far as these answers tell, and stay on only while an operator does.

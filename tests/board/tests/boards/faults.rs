@@ -337,7 +337,7 @@ fn outputs_go_off_and_stay_off() {
     }
     // TIM1_CR2: the update is TRGO, and nothing is TRGO2 (MMS2).
     let stops = once(|bench| bench.input(1).poke.push((0x4001_0004, 2 << 4)));
-    let goes_on = |bench: &mut Bench| bench.input(1).poke.push((0x4001_0004, 9 << 20 | 2 << 4));
+    let goes_on = |bench: &mut Bench| bench.input(1).poke.push((0x4001_0004, 14 << 20 | 2 << 4));
     campaign.inject(
         "the trigger of the current loop's second sample stops",
         1,
