@@ -24,3 +24,7 @@ pub(super) fn place_at(text: &str, port: Option<u16>) -> Result<SocketAddr, Fail
     let first = found.iter().find(|address| address.is_ipv4()).or(found.first());
     first.copied().ok_or_else(|| no("the name has none"))
 }
+
+#[cfg(test)]
+#[path = "../../tests/inside/address.rs"]
+mod tests;
