@@ -5,12 +5,12 @@ use std::net::{Ipv4Addr, SocketAddr, ToSocketAddrs};
 use super::Failure;
 
 /// An address with its port; of a name that has several the first of IPv4, if it has one.
-pub(super) fn place(text: &str) -> Result<SocketAddr, Failure> {
-    place_at(text, None)
+pub(super) fn endpoint(text: &str) -> Result<SocketAddr, Failure> {
+    endpoint_at(text, None)
 }
 
 /// An address whose port is this one unless it says another.
-pub(super) fn place_at(text: &str, port: Option<u16>) -> Result<SocketAddr, Failure> {
+pub(super) fn endpoint_at(text: &str, port: Option<u16>) -> Result<SocketAddr, Failure> {
     let no = |why: &str| Failure::from(format!("{text} is no address: {why}"));
     // An IPv6 address has colons of its own: with a port it stands in brackets.
     let split = text.rsplit_once(':').filter(|(host, _)| host.ends_with(']') || !host.contains(':'));

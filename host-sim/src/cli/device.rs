@@ -8,7 +8,7 @@ use haptic_live::devices::{AXES, DeviceOptions, Kind, board, haply, mit};
 use haptic_protocol::key::Role;
 use haptic_sim::key_file;
 
-use super::address::place;
+use super::address::endpoint;
 use super::flags::{SceneArgs, number};
 use super::{Failure, Ui, refusal};
 use crate::live_peer::OF_A_HAND;
@@ -56,7 +56,7 @@ pub(super) struct DeviceArgs {
     #[arg(long, value_name = "FILE")]
     device_key_file: Option<PathBuf>,
     /// A board: where its flow is listened to, and so where it sends it.
-    #[arg(long, value_name = "ADDRESS:PORT", value_parser = place, default_value = "0.0.0.0:7701")]
+    #[arg(long, value_name = "ADDRESS:PORT", value_parser = endpoint, default_value = "0.0.0.0:7701")]
     device_listen: SocketAddr,
     /// A board: the scene that it was told.
     #[arg(long, value_name = "NAME|FILE", default_value = board::SCENE)]
@@ -150,12 +150,12 @@ impl DeviceArgs {
             "simulated" if at.is_empty() => Ok(Kind::Simulated),
             "haply" => {
                 let at = if at.is_empty() { haply::LISTENS } else { at };
-                place(at).map(Kind::Haply).map_err(|cause| failed(&cause))
+                endpoint(at).map(Kind::Haply).map_err(|cause| failed(&cause))
             }
             "moteus" => bus().map(Kind::Moteus),
             "mit" => bus().map(Kind::Mit),
             "board" => {
-                let at = place(at).map_err(|cause| failed(&cause))?;
+                let at = endpoint(at).map_err(|cause| failed(&cause))?;
                 let file = self.device_key_file.as_ref().ok_or_else(|| failed(&"it needs --device-key-file"))?;
                 let key = key_file::read(file, Role::Peers)?;
                 let scene = Box::new(SceneArgs::of(&self.device_scene).load(ui)?);

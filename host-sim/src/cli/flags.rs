@@ -21,7 +21,7 @@ use haptic_sim::run::Account;
 use haptic_sim::scene::{MOST, Scene};
 use haptic_sim::{key_file, scenes};
 
-use super::address::place;
+use super::address::endpoint;
 use super::ui::{Failure, Ui};
 
 pub(super) use super::number::number;
@@ -211,7 +211,7 @@ impl Time {
 #[derive(Clone, Debug, Args)]
 pub(super) struct End {
     /// Where this end listens; port 0 is any.
-    #[arg(long, value_name = "ADDRESS:PORT", value_parser = place)]
+    #[arg(long, value_name = "ADDRESS:PORT", value_parser = endpoint)]
     pub(super) listen: SocketAddr,
     #[command(flatten)]
     pub(super) key: KeyFile,

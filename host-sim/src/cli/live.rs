@@ -9,7 +9,7 @@ use haptic_environments::live::hub;
 use haptic_live::endpoint::{Span, Stop};
 use haptic_live::watch::LiveOptions;
 
-use super::address::place;
+use super::address::endpoint;
 use super::device::DeviceArgs;
 use super::flags::{End, LiveTime, Patience, Watching};
 use super::meeting::{MeetingArgs, Met};
@@ -26,11 +26,11 @@ pub(super) struct Peer {
         required_unless_present_any = ["invite", "accept"], conflicts_with_all = ["invite", "accept"])]
     number: Option<u8>,
     /// Where the other peer, or the hub, listens.
-    #[arg(long, value_name = "ADDRESS:PORT", value_parser = place,
+    #[arg(long, value_name = "ADDRESS:PORT", value_parser = endpoint,
         required_unless_present_any = ["meet", "accept"], conflicts_with_all = ["meet", "accept"])]
     connect: Option<SocketAddr>,
     /// Where this end listens; port 0 is any.
-    #[arg(long, value_name = "ADDRESS:PORT", value_parser = place, required_unless_present_any = ["meet", "accept"])]
+    #[arg(long, value_name = "ADDRESS:PORT", value_parser = endpoint, required_unless_present_any = ["meet", "accept"])]
     listen: Option<SocketAddr>,
     /// Key file, the same at both ends (`host-sim key generate`).
     #[arg(long, value_name = "FILE", required_unless_present_any = ["invite", "accept"])]

@@ -14,7 +14,7 @@ use haptic_meeting::invite::Invite;
 use haptic_protocol::key::{Key, Role};
 use haptic_sim::key_file;
 
-use super::address::place;
+use super::address::endpoint;
 use super::flags::seconds;
 use super::{Failure, Ui};
 use crate::play::qr::Code;
@@ -53,10 +53,10 @@ pub(super) struct MeetingArgs {
 #[command(next_help_heading = "Meeting")]
 pub(super) struct Shown {
     /// An outer address that the router of this home passes on to this end's port, as it was told to, where the router cannot be asked for one.
-    #[arg(long, value_name = "ADDRESS:PORT", value_parser = place)]
+    #[arg(long, value_name = "ADDRESS:PORT", value_parser = endpoint)]
     mapped: Option<SocketAddr>,
     /// The router that is asked (PCP, NAT-PMP) to pass a port on; without it the one that this machine sends by.
-    #[arg(long, value_name = "ADDRESS:PORT", value_parser = place, conflicts_with_all = ["mapped", "relay_only"])]
+    #[arg(long, value_name = "ADDRESS:PORT", value_parser = endpoint, conflicts_with_all = ["mapped", "relay_only"])]
     router: Option<SocketAddr>,
     /// Stay on the relay, so that the partner learns no address of this end.
     #[arg(long)]
@@ -132,7 +132,7 @@ impl MeetingArgs {
 #[derive(Debug, Args)]
 pub(super) struct Meet {
     /// Where it listens; `[::]:PORT` is of IPv4 and IPv6.
-    #[arg(long, value_name = "ADDRESS:PORT", value_parser = place)]
+    #[arg(long, value_name = "ADDRESS:PORT", value_parser = endpoint)]
     listen: SocketAddr,
     /// End after so long, s; without it at Ctrl-C.
     #[arg(long, value_name = "S", value_parser = seconds)]

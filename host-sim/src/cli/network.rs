@@ -8,7 +8,7 @@ use haptic_sim::network::link::Route;
 use haptic_sim::network::rule::{Direction, Found, NetworkTrace};
 use serde_json::json;
 
-use super::address::place;
+use super::address::endpoint;
 use super::flags::{LiveTime, Time, number};
 use super::{Failure, SceneArgs, Ui};
 
@@ -29,16 +29,16 @@ pub(super) struct Relay {
     #[command(flatten)]
     scene: SceneArgs,
     /// Where peer 1 sends to.
-    #[arg(long, value_name = "ADDRESS:PORT", value_parser = place)]
+    #[arg(long, value_name = "ADDRESS:PORT", value_parser = endpoint)]
     listen_1: SocketAddr,
     /// Where peer 2 sends to.
-    #[arg(long, value_name = "ADDRESS:PORT", value_parser = place)]
+    #[arg(long, value_name = "ADDRESS:PORT", value_parser = endpoint)]
     listen_2: SocketAddr,
     /// Where peer 1 listens; what comes to --listen-1 from elsewhere goes nowhere.
-    #[arg(long, value_name = "ADDRESS:PORT", value_parser = place)]
+    #[arg(long, value_name = "ADDRESS:PORT", value_parser = endpoint)]
     peer_1: SocketAddr,
     /// Where peer 2 listens; what comes to --listen-2 from elsewhere goes nowhere.
-    #[arg(long, value_name = "ADDRESS:PORT", value_parser = place)]
+    #[arg(long, value_name = "ADDRESS:PORT", value_parser = endpoint)]
     peer_2: SocketAddr,
     /// Recorded network (as `--set network.trace=FILE`).
     #[arg(long, value_name = "FILE")]
@@ -96,13 +96,13 @@ impl Trace {
 #[command(mut_arg("seconds", |arg| arg.default_value("60")))]
 pub(super) struct Measure {
     /// Answer probes that come here, and write nothing; whoever can reach it can measure.
-    #[arg(long, value_name = "ADDRESS:PORT", value_parser = place, conflicts_with_all = ["to", "from", "every_ms", "file"], required_unless_present = "to")]
+    #[arg(long, value_name = "ADDRESS:PORT", value_parser = endpoint, conflicts_with_all = ["to", "from", "every_ms", "file"], required_unless_present = "to")]
     listen: Option<SocketAddr>,
     /// Where the other machine listens; this one is peer 1.
-    #[arg(long, value_name = "ADDRESS:PORT", value_parser = place, requires = "file")]
+    #[arg(long, value_name = "ADDRESS:PORT", value_parser = endpoint, requires = "file")]
     to: Option<SocketAddr>,
     /// Where the probes come from; without it, any port.
-    #[arg(long, value_name = "ADDRESS:PORT", value_parser = place, requires = "to")]
+    #[arg(long, value_name = "ADDRESS:PORT", value_parser = endpoint, requires = "to")]
     from: Option<SocketAddr>,
     /// From one probe to the next, ms: the packet period of the scenes that are to have this network (`bench`: 1).
     #[arg(long, default_value = "1", value_name = "MS", value_parser = number(1.0..=1000.0, "ms"))]

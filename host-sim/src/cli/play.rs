@@ -11,7 +11,7 @@ use haptic_report::Provenance;
 use haptic_sim::{key_file, scene::Scene};
 use serde_json::json;
 
-use super::address::place;
+use super::address::endpoint;
 use super::board::address;
 use super::device::DeviceArgs;
 use super::flags::{RecordTo, choice, seconds};
@@ -41,10 +41,10 @@ pub(super) struct Play {
     #[arg(long, value_parser = choice::<Model>(), value_name = "NAME")]
     partner: Option<Model>,
     /// One peer only, whose partner joins here by `play --join` or `peer` on another machine.
-    #[arg(long, value_name = "ADDRESS:PORT", value_parser = place, requires = "key_file", conflicts_with = "join")]
+    #[arg(long, value_name = "ADDRESS:PORT", value_parser = endpoint, requires = "key_file", conflicts_with = "join")]
     listen: Option<SocketAddr>,
     /// One peer only, whose partner listens there: `play --listen`, or `peer` on another machine.
-    #[arg(long, value_name = "ADDRESS:PORT", value_parser = place, requires = "key_file")]
+    #[arg(long, value_name = "ADDRESS:PORT", value_parser = endpoint, requires = "key_file")]
     join: Option<SocketAddr>,
     /// One board or two, whose operator this page is: ADDRESS[:PORT] of each, or `simulated` for two with software devices.
     #[arg(long, value_name = "ADDRESS,…", value_delimiter = ',', conflicts_with_all = ["listen", "join"])]

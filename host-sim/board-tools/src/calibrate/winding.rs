@@ -183,7 +183,8 @@ fn fit(rows: &[Row], periods: f64) -> Option<([f64; 4], [f64; 2])> {
         }
         let constants = -a.ln();
         let resistance = r * pulses(constants);
-        let inductance = resistance * PWM_PERIOD_S / constants;
+        // After a negative voltage a sample is half a period older: a quarter on the average, which looks like R·T/4 of inductance.
+        let inductance = resistance * PWM_PERIOD_S * (1.0 / constants - 0.25);
         moved = kappa * early(1.0 / (constants * periods), LATE_PERIODS / periods);
         found = [resistance, inductance, kappa / 2.0, moved * periods * PWM_PERIOD_S];
     }

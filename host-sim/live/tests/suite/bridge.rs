@@ -20,7 +20,7 @@ fn a_board_behind_a_pc_keeps_its_line_while_the_path_is_found_dies_and_comes_bac
             let counts = Counts { from_board, to_board, arrivals: 1, ..Counts::default() };
             assert_eq!(bridge.as_ref().map(|bridge| bridge.counts), Some(counts), "{arrivals} arrivals");
             let taken = world.nodes[side].line.link.counts();
-            assert!(from_board > 31_000 && to_board >= taken.taken.into(), "{counts:?}, {taken:?}");
+            assert!(from_board > 31_000 && to_board >= u64::from(taken.taken), "{counts:?}, {taken:?}");
             assert!(taken.missing <= 60, "{taken:?}");
         }
     }

@@ -6,7 +6,7 @@ use clap::Args;
 use haptic_live::bridge::{Ends, Open, PORT};
 use haptic_live::endpoint::Stop;
 
-use crate::cli::address::{place, place_at};
+use crate::cli::address::{endpoint, endpoint_at};
 use crate::cli::flags::{KeyFile, Telling, live_seconds};
 use crate::cli::meeting::Shown;
 use crate::cli::{Failure, Ui};
@@ -17,7 +17,7 @@ use crate::cli::{Failure, Ui};
 #[command(mut_arg("json_lines", |arg| arg.help("Say that, and in the end the report, as a JSON object each, one a line, on standard output")))]
 pub(in crate::cli) struct Bridging {
     /// The board's address; its port is 7701 unless another is given. What comes from elsewhere goes nowhere.
-    #[arg(long, value_name = "ADDRESS[:PORT]", value_parser = |text: &str| place_at(text, Some(PORT)))]
+    #[arg(long, value_name = "ADDRESS[:PORT]", value_parser = |text: &str| endpoint_at(text, Some(PORT)))]
     board: SocketAddr,
     /// Which of the two the board is: 1 (strap open) or 2.
     #[arg(long, value_parser = clap::value_parser!(u8).range(1..=2))]
@@ -28,10 +28,10 @@ pub(in crate::cli) struct Bridging {
     #[arg(long, value_name = "HOST:PORT")]
     meet: String,
     /// Where the board sends to: this PC is its partner (`network.peer`).
-    #[arg(long, value_name = "ADDRESS:PORT", value_parser = place, default_value_t = SocketAddr::from((Ipv4Addr::UNSPECIFIED, PORT)))]
+    #[arg(long, value_name = "ADDRESS:PORT", value_parser = endpoint, default_value_t = SocketAddr::from((Ipv4Addr::UNSPECIFIED, PORT)))]
     listen: SocketAddr,
     /// Where the far end's datagrams come to, for --mapped; any port without it.
-    #[arg(long, value_name = "ADDRESS:PORT", value_parser = place)]
+    #[arg(long, value_name = "ADDRESS:PORT", value_parser = endpoint)]
     outside: Option<SocketAddr>,
     /// End after so long, s; without it at Ctrl-C.
     #[arg(long, value_name = "S", value_parser = live_seconds)]

@@ -21,7 +21,7 @@ use haptic_live::{endpoint::Stop, operator::Operator};
 use haptic_report::files::write_csv;
 use serde_json::json;
 
-use crate::cli::address::place_at;
+use crate::cli::address::endpoint_at;
 use crate::cli::flags::{KeyFile, Time, number};
 use crate::cli::{Failure, SceneArgs, Ui};
 
@@ -59,7 +59,7 @@ pub(in crate::cli) struct Operate {
 
 /// The address of a board's operator's port, with or without it.
 pub(in crate::cli) fn address(text: &str) -> Result<SocketAddr, Failure> {
-    place_at(text, Some(PORT))
+    endpoint_at(text, Some(PORT))
 }
 
 /// Whether the motors are on, as far as these answers tell, and stay on only while an operator does.

@@ -10,7 +10,7 @@ use haptic_live::endpoint::Stop;
 use haptic_report::Columns;
 use serde_json::json;
 
-use crate::cli::address::place;
+use crate::cli::address::endpoint;
 use crate::cli::flags::{KeyFile, Out, Time, number, switch};
 use crate::cli::ui::and;
 use crate::cli::{Failure, SceneArgs, Ui};
@@ -140,7 +140,7 @@ struct Live {
     #[arg(long, value_name = "N")]
     number: u8,
     /// Where each of them listens, in order, the server first; the same for all.
-    #[arg(long, value_name = "ADDRESS:PORT,…", value_parser = place, value_delimiter = ',', required = true)]
+    #[arg(long, value_name = "ADDRESS:PORT,…", value_parser = endpoint, value_delimiter = ',', required = true)]
     addresses: Vec<SocketAddr>,
     #[command(flatten)]
     key: KeyFile,

@@ -47,7 +47,7 @@ pub(in crate::cli) struct Visit {
 fn numbered(text: &str) -> Result<(u32, SocketAddr), Failure> {
     let (number, address) = text.split_once('=').ok_or("write it as NUMBER=ADDRESS:PORT")?;
     let number = number.parse().map_err(|_| format!("{number} is no number"))?;
-    Ok((number, crate::cli::address::place(address)?))
+    Ok((number, crate::cli::address::endpoint(address)?))
 }
 
 fn server(text: &str) -> Result<(u8, SocketAddr), Failure> {
