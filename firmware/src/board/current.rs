@@ -40,6 +40,8 @@ use super::legs;
 const CHANNELS: [u8; AXES + 1] = [15, 10, 5];
 /// The converters with their triggers: TIM1_TRGO, the bridges' timer's update, and TIM1_TRGO2, its top.
 const CONVERTERS: [(pac::adc::Adc, u8); 2] = [(pac::ADC1, 0), (pac::ADC2, 8)];
+/// The second: a pulse as OC6REF rises ([`super::bridges`]).
+const TOP: Mms2 = Mms2::COMPARE_PULSE_OC5_OR_OC6_RISING;
 /// JEOC and JEOS in ISR: a conversion has ended, and all of a sample.
 const ENDED: u32 = 1 << 5 | 1 << 6;
 /// Bits of a conversion.
@@ -176,7 +178,7 @@ pub(crate) fn init() -> Result<(), &'static str> {
         adc.cr().modify(|w| w.set_jadstart(true));
     }
     pac::TIM1.cr2().modify(|w| w.set_mms(Mms::UPDATE));
-    pac::TIM1.cr2().modify(|w| w.set_mms2(Mms2::COMPARE_PULSE_OC5_OR_OC6_RISING));
+    pac::TIM1.cr2().modify(|w| w.set_mms2(TOP));
     Ok(())
 }
 

@@ -179,7 +179,7 @@ fn each_rule_sees_what_breaks_it() {
             "no gate of PF3 and PE14, seen by PD15, enables the amplifiers",
         ),
         (r#""G1.-", "ST1.2""#, r#""ST1.2""#, "ST1 does not join the ground of the board and that of the supply"),
-        (r#""N1.PA3", "U3.OUT""#, r#""N1.PA3", "U3.IN-""#, "U3.IN- is in"),
+        (r#""R9.2", "U3.OUT""#, r#""R9.2", "U3.IN-""#, "U3.IN- is in"),
         (r#"for = ["U5"]"#, "for = []", "U5 is on 0 lines of the parts list"),
         (r#"for = ["U5"]"#, r#"for = ["U5", "U9"]"#, "the parts list has U9"),
         (r#""N1.RJ45", "SW1.port1""#, r#""N1.RJ45", "W1.1""#, "a socket meets a bare wire"),

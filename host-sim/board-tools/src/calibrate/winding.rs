@@ -122,16 +122,19 @@ fn rows(run: &Run, settings: &Settings, number: u32, periods: f64) -> (Vec<Row>,
     let seen: Vec<MotorReading> = run.stage.iter().map(|stage| MotorReading::of(stage, settings, number)).collect();
     let given = |tick: usize| run.duties[tick] * seen[tick].supply_v;
     let rest = REST_TICKS as usize;
+    let motor = &settings.motor;
+    let kept = (-0.5 * PWM_PERIOD_S * motor.resistance_ohm / motor.inductance_h).exp();
     let rows = (rest..seen.len() - 1).map(|tick| {
         // What was commanded in this tick is what the next one measured. A sample is taken before the voltage that its period adds to the
         // mean: the last period of the mean is the next tick's first.
         let (last, now) = (seen[tick], seen[tick + 1]);
-        let change = now.last_a - last.last_a;
-        Row {
-            volts: now.mean_v + (given(tick - 1) - given(tick)) / periods,
-            before: now.mean_a - change / periods,
-            change,
-        }
+        let (change, from, to) = (now.last_a - last.last_a, given(tick - 1), given(tick));
+        // After a negative voltage a sample is half a period older: the first step is longer where it ends, and shorter where it begins. What
+        // that is worth, on the average of both, has decayed for as long.
+        let longer = 0.5 * kept * (f64::from(u8::from(from < 0.0)) - f64::from(u8::from(to < 0.0)));
+        let volts = now.mean_v + (from - to + longer * from.min(to)) / periods;
+        let before = now.mean_a - (change - longer * last.last_a) / periods;
+        Row { volts, before, change }
     });
     (rows.collect(), seen[SETTLED..=rest].iter().map(|seen| seen.mean_a).collect())
 }
@@ -183,8 +186,7 @@ fn fit(rows: &[Row], periods: f64) -> Option<([f64; 4], [f64; 2])> {
         }
         let constants = -a.ln();
         let resistance = r * pulses(constants);
-        // After a negative voltage a sample is half a period older: a quarter on the average, which looks like R·T/4 of inductance.
-        let inductance = resistance * PWM_PERIOD_S * (1.0 / constants - 0.25);
+        let inductance = resistance * PWM_PERIOD_S / constants;
         moved = kappa * early(1.0 / (constants * periods), LATE_PERIODS / periods);
         found = [resistance, inductance, kappa / 2.0, moved * periods * PWM_PERIOD_S];
     }

@@ -169,27 +169,21 @@ impl F64s {
     }
 }
 
-impl Add for F64s {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        self.with(other, |a, b| a + b)
-    }
+macro_rules! computed {
+    ($Op:ident $op:ident $sign:tt) => {
+        impl $Op for F64s {
+            type Output = Self;
+            #[inline(always)]
+            fn $op(self, other: Self) -> Self {
+                self.with(other, |a, b| a $sign b)
+            }
+        }
+    };
 }
-impl Sub for F64s {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        self.with(other, |a, b| a - b)
-    }
-}
-impl Mul for F64s {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        self.with(other, |a, b| a * b)
-    }
-}
+computed!(Add add +);
+computed!(Sub sub -);
+computed!(Mul mul *);
+
 impl Neg for F64s {
     type Output = Self;
     #[inline(always)]
