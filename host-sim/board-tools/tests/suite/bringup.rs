@@ -113,7 +113,7 @@ fn windings_of_any_kind_pass_and_take_no_more_than_was_asked_for() {
         let Currents { closed, open_a } = board.currents();
         let what = format!("{ohm:.3} ohm, {:.4} mH: {before_a:.3} A, {open_a:.3} A, {closed:.3}", 1e3 * henry);
         println!("{what}: {}", passed.as_ref().map_or_else(ToString::to_string, |_| "passed".to_owned()));
-        assert!(before_a < 1.2 * ASKED_A && open_a < 1.2 * ASKED_A && closed < 1.3, "{what}");
+        assert!(before_a < 1.2 * ASKED_A && open_a < 1.2 * ASKED_A && closed < 1.25, "{what}");
         (most_a, most_closed) = (most_a.max(before_a), most_closed.max(closed));
         match passed {
             Ok(passed) => counts[0] += u32::from(passed.len() == 12),

@@ -65,7 +65,11 @@ fn the_true_winding_and_constant_are_within_their_intervals() {
             }
         }
         println!("{ohm} Ω, {henry} H, {newton} N/A: held {held:?} of {SEEDS}");
-        assert!(held.iter().all(|held| *held >= 16), "{held:?} of {SEEDS} intervals hold the truth");
+        // Of the sensor's zero 16 do, at these seeds.
+        assert!(
+            held[..3].iter().all(|held| *held >= 17) && held[3] >= 16,
+            "{held:?} of {SEEDS} intervals hold the truth"
+        );
     }
 }
 

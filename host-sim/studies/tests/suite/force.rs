@@ -71,8 +71,9 @@ fn what_a_delay_makes_is_what_it_should() {
         let Command::Sine(hz) = row.command else { panic!("{row:?}") };
         let phase = -360.0 * hz * 1e-3 * found.delay_ticks;
         assert!((row.closed.phase - phase).abs() < 0.3 + 0.06 * phase.abs(), "{hz} Hz: {} {phase}", row.closed.phase);
-        // After a negative voltage the loop's phase margin is 54°, and it gives 3 % more at 400 Hz.
-        assert!((row.closed.gain - 1.0).abs() < 0.035, "{hz} Hz: {}", row.closed.gain);
+        // After a negative voltage the loop's phase margin is 54°, and at 400 Hz it gives 3.0 % more.
+        let most = if hz < 400.0 { 0.025 } else { 0.031 };
+        assert!((row.closed.gain - 1.0).abs() < most, "{hz} Hz: {}", row.closed.gain);
     }
 }
 
