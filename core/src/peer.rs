@@ -300,7 +300,6 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         }
         self.forces = [S::ZERO; N];
         self.grips = [Grip::default(); N];
-        self.fast_path = self.plain;
         self.saturated = Patience::default();
         self.engagement = self.degradation.engaged();
         self.age_ticks = 0;
@@ -358,12 +357,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         self.mode = mode;
         let free = self.fixture.is_none() && (SHARED == 1 || self.oblique.is_none()) && !self.at_device;
         self.plain = mode == Mode::Armed && free && self.slips.iter().all(Slip::is_none);
-        self.fast_path = self.plain && self.is_firm();
-    }
-
-    /// Whether nothing has slipped, and no axis has been let go of.
-    fn is_firm(&self) -> bool {
-        self.shared_axes.iter().all(|axis| axis.grip.is_firm()) && self.grips.iter().all(Grip::is_firm)
+        self.fast_path = false;
     }
 
     /// Everything is firm again where every slip and all that is left of a force is back at 0: one question for all of them.
@@ -498,10 +492,14 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
     #[cold]
     #[inline(never)]
     fn slow_path(&mut self) -> Option<[S; SHARED]> {
-        if !self.is_firm() {
-            self.firm_up();
+        self.firm_up();
+        let device = self.device;
+        self.guard.ease(self.envelope.most(&self.load, self.guard.full_force, device));
+        let mut felt = self.advance::<false>(&device)?;
+        for (felt, motion) in felt.iter_mut().zip(&device) {
+            *felt = *felt - self.guard.brake(motion.velocity);
         }
-        self.advance::<false>(&{ self.device })
+        Some(felt)
     }
 
     /// A tick with motors that are off, or probed.
@@ -670,20 +668,21 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
     }
 
     /// The fault of axes of which one is too fast, too far from home or no number. Too fast or too far is no fault while nothing is
-    /// rendered; a probe has limits of its own.
+    /// rendered; a probe has limits of its own. An axis that is fast brakes in this tick.
     #[cold]
-    fn doubt(&self, axes: [Motion<S>; N]) -> Result<(), Fault> {
+    fn doubt(&mut self, axes: [Motion<S>; N]) -> Result<(), Fault> {
         for (axis, home) in axes.iter().zip(&self.home).take(self.axes) {
             if !axis.is_finite() {
                 return Err(Fault::NonFiniteInput);
             }
-            if self.mode == Mode::Armed && axis.velocity.abs() > self.guard.max_speed {
+            if self.mode == Mode::Armed && axis.velocity.abs() > self.guard.fastest {
                 return Err(Fault::Overspeed);
             }
             if self.mode == Mode::Armed && (axis.position - *home).abs() > self.guard.workspace {
                 return Err(Fault::OutOfWorkspace);
             }
         }
+        self.fast_path = false;
         Ok(())
     }
 
@@ -721,9 +720,13 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
             return Actuators::default();
         }
         let power = envelope::power(forces, pose.axes);
-        if let Some(fault) = self.envelope.exceeded(&mut self.load, forces, power) {
-            self.trip(fault);
-            return Actuators::default();
+        if self.envelope.nears(&mut self.load, forces, power) {
+            // The next tick may have less force.
+            self.fast_path = false;
+            if let Some(fault) = self.envelope.fault(&self.load) {
+                self.trip(fault);
+                return Actuators::default();
+            }
         }
         if self.has_encoders() {
             if self.watch.is_too_much(power) {

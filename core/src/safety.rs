@@ -44,7 +44,7 @@ numbered! {
     pub enum Fault {
         1 NonFiniteInput: "a sensor or a packet gave a value that is not a number",
         2 EncoderJump: "an encoder moved further in one tick than the device can",
-        3 Overspeed: "the device moved faster than safety.max_speed_m_per_s",
+        3 Overspeed: "the device moved faster than 1.5 times safety.max_speed_m_per_s, although it braked",
         4 ForceSaturated: "the device gave less than the object got, a motor at motor.max_duty, for safety.saturated_ticks",
         5 PeerLost: "the other peer was silent for safety.peer_lost_s",
         6 TickOverrun: "a tick began before the last one ended",
@@ -52,8 +52,8 @@ numbered! {
         8 EncoderStuck: "a motor's force changed and its encoder did not count: safety.stuck_duty",
         9 Runaway: "the device ran away against its motor, or was struck: safety.max_hand_power_w",
         10 PeerDelayed: "what the other peer said was older than safety.max_delay_s for safety.peer_lost_s",
-        11 ForceTooLong: "the force on the hand was above safety.max_rms_force_n over safety.rms_s",
-        12 PowerTooLong: "the device gave the hand more power than safety.max_rms_power_w over safety.rms_s",
+        11 ForceTooLong: "the force on the hand was 5 % above safety.max_rms_force_n over safety.rms_s, although it was limited",
+        12 PowerTooLong: "the device gave the hand 5 % more power than safety.max_rms_power_w over safety.rms_s, although it was limited",
         13 OutOfWorkspace: "an axis was further than safety.workspace_m from where the encoders were first read",
         14 BridgeFailed: "a motor bridge reported that it is too hot, carries too much current or has too little supply",
         15 ChipFailed: "the supply, the clock or the core of the board's chip failed: its timer turned the motors off",
@@ -175,17 +175,29 @@ impl Mode {
     }
 }
 
+/// How many times `safety.max_speed_m_per_s` a device may move before its peer faults. Above once that speed it brakes.
+pub const FASTEST: f64 = 1.5;
+
+/// Largest damping with which a device brakes, N·s/m: a device of 0.1 kg bears it at 1 kHz, with a velocity that is 3 ms old.
+pub const MOST_BRAKING: f64 = 20.0;
+
 /// Limits of force, slew and speed.
 #[derive(Clone, Copy, Debug)]
 pub struct Guard<S> {
-    /// Largest force of either sign, N.
+    /// Largest force of either sign in this tick, N: `safety.max_force_n`, or less where its mean would be too much ([`crate::device::envelope`]).
     pub max_force: S,
     /// Largest growth of a force away from zero in one tick, N.
     pub max_step: S,
     /// Forces below this (N) are within both limits, whatever was commanded before.
     free: S,
-    /// Fastest motion while armed, m/s.
+    /// Largest force of either sign in any tick, N.
+    pub full_force: S,
+    /// Fastest motion while armed at which the device does not brake, m/s.
     pub max_speed: S,
+    /// Fastest motion while armed, m/s: [`FASTEST`] times that.
+    pub fastest: S,
+    /// Damping with which the device brakes above `max_speed`, N·s/m: all of its force at `fastest`, or [`MOST_BRAKING`].
+    braking: S,
     /// Fastest that a copy of the object may be, m/s: four times as fast. What a device and its line are within their limits moves none faster.
     pub fastest_copy: S,
     /// Largest distance of an axis from where the encoders were first read, m.
@@ -196,7 +208,7 @@ pub struct Guard<S> {
     pub silent_packets: u32,
 }
 
-configured!([S: Scalar] Guard<S> { max_force, max_step, free, max_speed, fastest_copy, workspace, saturated_ticks, silent_packets });
+configured!([S: Scalar] Guard<S> { max_force, max_step, free, full_force, max_speed, fastest, braking, fastest_copy, workspace, saturated_ticks, silent_packets });
 
 impl<S: Scalar> Guard<S> {
     /// The limits of the scene's table `safety`.
@@ -204,16 +216,34 @@ impl<S: Scalar> Guard<S> {
         let safety = &settings.safety;
         let [max_force, max_step] =
             [safety.max_force_n, safety.max_slew_n_per_s * settings.timing.control_period_s].map(S::from_f64);
+        let most_braking = MOST_BRAKING * settings.scale.force / settings.scale.position;
+        let braking = safety.max_force_n / ((FASTEST - 1.0) * safety.max_speed_m_per_s);
         Self {
             max_force,
             max_step,
             free: max_force.min(max_step),
+            full_force: max_force,
             max_speed: S::from_f64(safety.max_speed_m_per_s),
+            fastest: S::from_f64(FASTEST * safety.max_speed_m_per_s),
+            braking: S::from_f64(braking.min(most_braking)),
             fastest_copy: S::from_f64(4.0 * safety.max_speed_m_per_s),
             workspace: S::from_f64(safety.workspace_m),
             saturated_ticks: safety.saturated_ticks,
             silent_packets: settings.timing.packet_periods(safety.peer_lost_s).max(1),
         }
+    }
+
+    /// From now on no force is larger than `most` (N).
+    #[inline]
+    pub fn ease(&mut self, most: S) {
+        self.max_force = most;
+        self.free = most.min(self.max_step);
+    }
+
+    /// The force (N) with which a device of this velocity (m/s) brakes; 0 up to `max_speed`.
+    #[inline]
+    pub fn brake(&self, velocity: S) -> S {
+        self.braking * (velocity.limit(self.max_speed) - velocity)
     }
 
     /// Whether a device can give this force (N) whatever it gave before; most are like this, and nothing else need be asked of them.

@@ -211,13 +211,13 @@ crate::settings! {
         max_slew_n_per_s: f64 = 20000.0, number(1.0, 1e6), "N/s",
             "Fastest growth of a force on any axis, away from zero; a force falls at once.";
         max_speed_m_per_s: f64 = 10.0, number(0.01, 100.0), "m/s",
-            "Fastest that the device may move while armed; above it the peer faults.";
+            "Speed above which an armed device brakes, with up to max_force_n; at 1.5 times it the peer faults.";
         workspace_m: f64 = 100.0, number(0.001, 1000.0), "m",
             "Farthest that an axis may be from where the encoders were first read, while armed.";
         max_rms_force_n: f64 = 40.0, number(0.01, 200.0), "N",
-            "Largest force on the hand over rms_s, as a leaky root-mean-square over all axes.";
+            "Largest force on the hand over rms_s, as a leaky root-mean-square over all axes; what is asked beyond it neither hand nor object gets.";
         max_rms_power_w: f64 = 100.0, number(0.01, 1000.0), "W",
-            "Most power that the device may give the hand over rms_s, as a leaky root-mean-square.";
+            "Most power that the device may give the hand over rms_s, as a leaky root-mean-square; near it the device has less force.";
         rms_s: f64 = 1.0, number(0.01, 100.0), "s", "Time over which force and power on the hand are averaged.";
         saturated_ticks: u32 = 100, whole(1, 10000), "ticks",
             "Ticks of a motor at motor.max_duty, counted up while at it and down while off it, before the peer faults.";

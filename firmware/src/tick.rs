@@ -12,7 +12,7 @@
 
 use core::mem::MaybeUninit;
 
-use firmware_parts::exchange::{Producer, Reader, Writer};
+use firmware_parts::exchange::{Producer, Reader, Writer, put};
 use firmware_parts::image::{JOINTS, Peer, SHARED};
 use firmware_parts::record::{self, Record, digest, joints};
 use firmware_parts::signals::Signals;
@@ -253,8 +253,8 @@ impl Loop {
         let new = self.peer.mode() == Mode::Disarmed && self.side.plans.fetch();
         if new {
             let plan = self.side.plans.get();
-            self.peer = plan.peer;
-            self.plan = plan.drive;
+            put(&mut self.peer, &plan.peer);
+            put(&mut self.plan, &plan.drive);
             if plan.device != self.device {
                 self.device = plan.device;
                 self.passed = [false; JOINTS];

@@ -6,7 +6,7 @@
 //! strays from it by at most F·T_c²/(8·m_O)). There they exchange the impulse ΔQ that their present velocities ask for, the
 //! device with the mass that the scene gives it. No crossing is missed at any speed below `safety.max_speed_m_per_s`.
 //!
-//! **What is felt is what acts**: a pulse lasts a tick, and [`Guard`] limits it: F = ΔQ/T_c if the limits of force and slew
+//! **What is felt is what acts**: a pulse lasts a tick, and [`crate::safety::Guard`] limits it: F = ΔQ/T_c if the limits of force and slew
 //! allow that, and otherwise as much as they allow. The object takes T_c·F in the same tick, not ΔQ, and the impulse still
 //! owed is given in the ticks that follow; the last pulse gives what is left, since a force may fall at once. So the momentum of object and
 //! device together is conserved in every tick, to rounding; with a motor that acts a tick late, a tick later. An impact dissipates only
@@ -30,11 +30,10 @@
 
 use super::continuous::Contact;
 use super::impact::{Exchange, exchange};
-use super::rendering::{Press, Rendering, Strikes, Touch};
+use super::rendering::{Limits, Press, Rendering, Strikes, Touch};
 use crate::device::kinematics::Joints;
 use crate::model::Model;
 use crate::num::{Motion, Scalar};
-use crate::safety::Guard;
 use crate::settings::{Allowed, Refused, Settings};
 
 /// Ticks after a pulse until the device's velocity shows it: one of delay, one of pulse.
@@ -47,7 +46,6 @@ pub const CHATTER: u32 = 2 * SETTLING;
 #[derive(Clone, Copy, Debug)]
 pub struct Impulsive<S> {
     contact: Contact<S>,
-    guard: Guard<S>,
     period: S,
     /// 1/T_c.
     rate: S,
@@ -63,7 +61,7 @@ pub struct Impulsive<S> {
 }
 
 configured!([S: Scalar] Impulsive<S> {
-    contact, guard, period, rate, object_inverse, device_inverse, reduced, restitution, slowest
+    contact, period, rate, object_inverse, device_inverse, reduced, restitution, slowest
 });
 
 impl<S: Scalar> Model<S> for Impulsive<S> {
@@ -75,11 +73,10 @@ impl<S: Scalar> Model<S> for Impulsive<S> {
             return Err(settings.refuses("contact.rendering", allowed));
         }
         let (period, contact, object) = (settings.timing.control_period_s, &settings.contact, &settings.object);
-        let (guard, Joints { counts_per_unit, most_per_m, .. }) = (Guard::<S>::build(settings), Joints::of(settings));
+        let Joints { counts_per_unit, most_per_m, .. } = Joints::of(settings);
         let [object_inverse, device_inverse] = [1.0 / object.mass_kg, 1.0 / contact.device_mass_kg];
         Ok(Self {
             contact: Contact::build(settings),
-            guard,
             period: S::from_f64(period),
             rate: S::from_f64(1.0 / period),
             object_inverse: S::from_f64(object_inverse),
@@ -106,7 +103,13 @@ impl<S: Scalar> Impulsive<S> {
     }
 
     #[inline]
-    fn act(&self, state: &mut Strikes<S>, device: Motion<S>, object: &mut Motion<S>, commanded: S) -> Act<S> {
+    fn act(
+        &self,
+        state: &mut Strikes<S>,
+        device: Motion<S>,
+        object: &mut Motion<S>,
+        (guard, commanded): Limits<'_, S>,
+    ) -> Act<S> {
         let past = self.contact.past(device.position - object.position);
         let approach = self.contact.past(device.velocity - object.velocity);
         let before = state.before.replace([device.position, object.position]);
@@ -137,7 +140,7 @@ impl<S: Scalar> Impulsive<S> {
         state.owed = state.owed.max(S::ZERO);
         let asked = self.contact.past(self.rate * state.owed);
         // What is no number goes to the object as none: the peer stops.
-        let given = self.guard.reaction(commanded, asked) + S::ZERO * asked;
+        let given = guard.reaction(commanded, asked) + S::ZERO * asked;
         if given != S::ZERO {
             state.recent = SETTLING + CHATTER;
             let impulse = self.period * given;
@@ -165,20 +168,34 @@ impl<S: Scalar> Rendering<S> for Impulsive<S> {
         self.contact.clear_of(position)
     }
 
-    fn touch(&self, state: &mut Strikes<S>, device: Motion<S>, object: &mut Motion<S>, commanded: S) -> Touch<S> {
-        match self.act(state, device, object, commanded) {
+    fn touch(
+        &self,
+        state: &mut Strikes<S>,
+        device: Motion<S>,
+        mut object: Motion<S>,
+        limits: Limits<'_, S>,
+    ) -> (Motion<S>, Touch<S>) {
+        let touch = match self.act(state, device, &mut object, limits) {
             Act::Pulse(given) => Touch { pushing: S::ZERO, felt: given },
             Act::Spring => {
-                let force = self.push(self.contact.force(device, *object));
+                let force = self.push(self.contact.force(device, object));
                 Touch { pushing: force, felt: force }
             }
-        }
+        };
+        (object, touch)
     }
 
-    fn press(&self, state: &mut Strikes<S>, device: Motion<S>, object: &mut Motion<S>, commanded: S) -> Press<S> {
-        match self.act(state, device, object, commanded) {
+    fn press(
+        &self,
+        state: &mut Strikes<S>,
+        device: Motion<S>,
+        mut object: Motion<S>,
+        limits: Limits<'_, S>,
+    ) -> (Motion<S>, Press<S>) {
+        let press = match self.act(state, device, &mut object, limits) {
             Act::Pulse(given) => Press { pulse: given, ..Press::default() },
-            Act::Spring => self.contact.port(device, *object),
-        }
+            Act::Spring => self.contact.port(device, object),
+        };
+        (object, press)
     }
 }

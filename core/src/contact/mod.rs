@@ -22,7 +22,7 @@ use crate::num::{Motion, Scalar};
 pub use crate::names::{RenderingName, Side};
 pub use continuous::Contact;
 pub use grip::Grip;
-pub use rendering::{Impacts, Press, Rendering, Strikes, Touch};
+pub use rendering::{Impacts, Limits, Press, Rendering, Strikes, Touch};
 
 list! {
     /// Any rendering of contact.
@@ -54,13 +54,9 @@ impl<S: Scalar> AnyRendering<S> {
         strikes: &mut Strikes<S>,
         device: Motion<S>,
         object: Motion<S>,
-        commanded: S,
+        limits: Limits<'_, S>,
     ) -> (Motion<S>, Touch<S>) {
-        each!(self: Continuous | Impulsive, model => {
-            let mut moved = object;
-            let touch = model.touch(strikes, device, &mut moved, commanded);
-            (moved, touch)
-        })
+        each!(self: Continuous | Impulsive, model => model.touch(strikes, device, object, limits))
     }
 
     /// One tick of the contact as a port ([`Rendering::press`]), and the object's motion after any impacts.
@@ -70,12 +66,8 @@ impl<S: Scalar> AnyRendering<S> {
         strikes: &mut Strikes<S>,
         device: Motion<S>,
         object: Motion<S>,
-        commanded: S,
+        limits: Limits<'_, S>,
     ) -> (Motion<S>, Press<S>) {
-        each!(self: Continuous | Impulsive, model => {
-            let mut moved = object;
-            let press = model.press(strikes, device, &mut moved, commanded);
-            (moved, press)
-        })
+        each!(self: Continuous | Impulsive, model => model.press(strikes, device, object, limits))
     }
 }

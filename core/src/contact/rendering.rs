@@ -3,6 +3,7 @@
 use crate::model::Model;
 use crate::num::{Motion, Scalar, Sum};
 use crate::object::Port;
+use crate::safety::Guard;
 
 /// Forces of the contact in one tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -38,17 +39,32 @@ pub struct Impacts<S> {
     pub lost_j: S,
 }
 
+/// What a device can give in a tick: its limits, and the force (N) that it was commanded last.
+pub type Limits<'a, S> = (&'a Guard<S>, S);
+
 /// A rendering of contact. All renderings share one type of state, so that a scene of springs does not pay for
 /// another.
 pub trait Rendering<S: Scalar>: Model<S> {
     /// Position (m) at which to put an object so that a device at `position` (m) does not touch it before crossing the gap.
     fn clear_of(&self, position: S) -> S;
-    /// One tick: the forces of contact between device and object, given the force (N) last commanded to the device. An
-    /// impact changes the motion of `object`, by as much as the limits let the device feel of it; those of springs are the peer's matter.
-    fn touch(&self, strikes: &mut Strikes<S>, device: Motion<S>, object: &mut Motion<S>, commanded: S) -> Touch<S>;
+    /// One tick: the forces of contact between device and object, given what the device can give, and the object's motion. An
+    /// impact changes that, by as much as the limits let the device feel of it; those of springs are the peer's matter.
+    fn touch(
+        &self,
+        strikes: &mut Strikes<S>,
+        device: Motion<S>,
+        object: Motion<S>,
+        limits: Limits<'_, S>,
+    ) -> (Motion<S>, Touch<S>);
     /// [`Rendering::touch`] where the copy is moved by ports: the contact is a port of the copy, and the impacts'
     /// force on the device.
-    fn press(&self, strikes: &mut Strikes<S>, device: Motion<S>, object: &mut Motion<S>, commanded: S) -> Press<S>;
+    fn press(
+        &self,
+        strikes: &mut Strikes<S>,
+        device: Motion<S>,
+        object: Motion<S>,
+        limits: Limits<'_, S>,
+    ) -> (Motion<S>, Press<S>);
 }
 
 /// State of impulsive contact, and the account of its impacts.

@@ -6,21 +6,47 @@
 //! A short peak counts by its square, and is forgotten with the time constant τ. A constant force F from rest is too
 //! much after −τ·ln(1 − (limit/F)²).
 //!
+//! **They limit.** From [`NEAR`] of a limit's square on, the largest force of every axis falls, in proportion to what is left to
+//! the limit, from `safety.max_force_n` to what may last: `max_rms_force_n` shared among the axes, and for power that divided by how fast
+//! they all move. So a mean comes near its limit and stays below, however long a hand presses, and the object receives as little as the
+//! hand ([`crate::contact::grip`]). Only where a force outruns that, for τ is a few ticks, does the peer fault, at [`TOO_MUCH`] of the square.
+//!
 //! Not forgotten by a fault or by arming: while the motors are off both means fall as under no force.
 
 use crate::num::{Motion, Scalar};
 use crate::safety::Fault;
 use crate::{device::leaky::Leaky, settings::Settings};
 
+/// Share of a limit's square from which on the largest force falls.
+pub const NEAR: f64 = 0.5;
+
+/// Share of a limit's square at which the peer faults: 5 % above the limit itself.
+pub const TOO_MUCH: f64 = 1.1025;
+
+/// A device as slow as this gives as little power as one at rest.
+const STILL_M_PER_S: f64 = 1e-6;
+
 /// Limits of the root-mean-square force (N) and power (W) at the hand over `safety.rms_s`.
 #[derive(Clone, Copy, Debug)]
 pub struct Envelope<S> {
     leaky: Leaky<S>,
-    /// Squares of the limits, N² and W².
-    force: S,
-    power: S,
+    force: Limit<S>,
+    power: Limit<S>,
 }
 
+/// A limit, for force of each axis.
+#[derive(Clone, Copy, Debug)]
+struct Limit<S> {
+    /// What may last, N or W.
+    lasting: S,
+    /// [`NEAR`] and [`TOO_MUCH`] of its square, N² or W².
+    near: S,
+    too_much: S,
+    /// One over the way from [`NEAR`] to the square itself.
+    steep: S,
+}
+
+configured!([S: Scalar] Limit<S> { lasting, near, too_much, steep });
 configured!([S: Scalar] Envelope<S> { leaky, force, power });
 
 /// Leaky means of the squares of force and power at the hand, N² and W².
@@ -30,14 +56,33 @@ pub struct Load<S> {
     power: S,
 }
 
+impl<S: Scalar> Limit<S> {
+    /// Of what may last over all axes (N or W), of which this is an axis' share.
+    fn of(most: f64, share: f64) -> Self {
+        let square = most * most;
+        Self {
+            lasting: S::from_f64(share * most),
+            near: S::from_f64(NEAR * square),
+            too_much: S::from_f64(TOO_MUCH * square),
+            steep: S::from_f64(1.0 / ((1.0 - NEAR) * square)),
+        }
+    }
+
+    /// The part of the force beyond what may last that is left at this mean, 0 to 1.
+    #[inline]
+    fn left(&self, mean: S) -> S {
+        (S::ONE - (mean.min(self.too_much) - self.near) * self.steep).max(S::ZERO).min(S::ONE)
+    }
+}
+
 impl<S: Scalar> Envelope<S> {
     /// From `safety.max_rms_force_n`, `safety.max_rms_power_w` and `safety.rms_s`.
     pub fn build(settings: &Settings) -> Self {
         let safety = &settings.safety;
         Self {
             leaky: Leaky::new(settings.timing.control_period_s, safety.rms_s),
-            force: S::from_f64(safety.max_rms_force_n * safety.max_rms_force_n),
-            power: S::from_f64(safety.max_rms_power_w * safety.max_rms_power_w),
+            force: Limit::of(safety.max_rms_force_n, libm::sqrt(1.0 / f64::from(settings.axis.count))),
+            power: Limit::of(safety.max_rms_power_w, 1.0),
         }
     }
 
@@ -48,20 +93,32 @@ impl<S: Scalar> Envelope<S> {
         load.power = self.leaky.forget(load.power);
     }
 
-    /// Advances the means by one tick of forces (N) and power (W) given to the hand: the limit exceeded, if any.
+    /// Advances the means by one tick of forces (N) and power (W) given to the hand: whether one of them is near its limit.
     #[inline]
-    pub fn exceeded<const N: usize>(&self, load: &mut Load<S>, forces: [S; N], power: S) -> Option<Fault> {
+    pub fn nears<const N: usize>(&self, load: &mut Load<S>, forces: [S; N], power: S) -> bool {
         let given = power.max(S::ZERO);
         load.force = self.leaky.after(load.force, total(forces.map(|force| force * force)));
         load.power = self.leaky.after(load.power, given * given);
-        if load.force > self.force || load.power > self.power { Some(self.fault(load)) } else { None }
+        load.force > self.force.near || load.power > self.power.near
     }
 
-    /// The fault of a load of which one is too much.
+    /// The fault of a load that is too much.
     #[cold]
     #[inline(never)]
-    fn fault(&self, load: &Load<S>) -> Fault {
-        if load.force > self.force { Fault::ForceTooLong } else { Fault::PowerTooLong }
+    pub fn fault(&self, load: &Load<S>) -> Option<Fault> {
+        if load.force > self.force.too_much {
+            return Some(Fault::ForceTooLong);
+        }
+        (load.power > self.power.too_much).then_some(Fault::PowerTooLong)
+    }
+
+    /// The largest force (N) of every axis after this load, of `full` (N) at most, while the axes move like this.
+    #[inline]
+    pub fn most<const N: usize>(&self, load: &Load<S>, full: S, axes: [Motion<S>; N]) -> S {
+        let speed = total(axes.map(|axis| axis.velocity.abs()));
+        let lasting = self.power.lasting.ratio(speed.max(S::from_f64(STILL_M_PER_S)));
+        let most = full.min(full * self.force.left(load.force) + self.force.lasting);
+        most.min(full * self.power.left(load.power) + lasting)
     }
 }
 

@@ -16,7 +16,7 @@
 //! **Promises**: nothing drifts, for positions are what is sent. It is not passive: delay lowers the largest stable K_T as in the power-domain law.
 
 use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Sends, Spring};
-use crate::num::{Motion, Scalar, StateVector};
+use crate::num::{Motion, Scalar};
 use crate::object::Solve;
 use crate::settings::{Refused, Settings};
 
@@ -41,13 +41,7 @@ pub struct AveragePositionState<S> {
     due: bool,
 }
 
-impl<S> StateVector<S> for AveragePositionState<S> {
-    #[inline]
-    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
-        self.mean.visit(each);
-        self.remote.visit(each);
-    }
-}
+visited!([S: Scalar] AveragePositionState<S> { mean, remote });
 
 impl<S: Scalar> AveragePosition<S> {
     /// x_d, ẋ_d of this tick: made anew in the first one after a packet.

@@ -132,15 +132,7 @@ pub struct CodingState<S: Scalar, T> {
     force: S,
 }
 
-impl<S: Scalar, T: StateVector<S>> StateVector<S> for CodingState<S, T> {
-    #[inline]
-    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
-        self.law.visit(each);
-        self.held.motion.visit(each);
-        each(&mut self.carried);
-        each(&mut self.force);
-    }
-}
+visited!([S: Scalar, T: StateVector<S>] CodingState<S, T> { law, held.motion, carried, force });
 
 impl<S: Scalar, L: Coded<S>> Coding<S, L> {
     /// Δ at this velocity, m/s.

@@ -109,13 +109,7 @@ pub struct MeanState<S> {
     count: u32,
 }
 
-impl<S> StateVector<S> for MeanState<S> {
-    #[inline]
-    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
-        each(&mut self.sum);
-        each(&mut self.level);
-    }
-}
+visited!([S: Scalar] MeanState<S> { sum, level });
 
 impl<S: Scalar> Decimator<S> for Mean<S> {
     const INFO: LawInfo = LawInfo {

@@ -28,7 +28,7 @@
 
 use super::bounds::WITHIN;
 use super::{Coupled, Law, LawInfo, Observation, Packet, Sends, Spring};
-use crate::num::{Motion, Scalar, StateVector};
+use crate::num::{Motion, Scalar};
 use crate::object::{Port, Solve};
 use crate::settings::{Allowed, Key, Refused, Settings};
 
@@ -92,14 +92,7 @@ pub struct FourChannelState<S> {
     own_force: S,
 }
 
-impl<S> StateVector<S> for FourChannelState<S> {
-    #[inline]
-    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
-        self.desired.visit(each);
-        each(&mut self.remote_force);
-        each(&mut self.own_force);
-    }
-}
+visited!([S: Scalar] FourChannelState<S> { desired, remote_force, own_force });
 
 impl<S: Scalar> FourChannel<S> {
     /// λ·F_LC of the other hand and μ·F_LC of the own, N.

@@ -24,7 +24,7 @@
 //! **Promises** that nothing drifts, for positions are what is sent. It is not linear: no matrix says where it is stable.
 
 use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Sends, Spring};
-use crate::num::{Motion, Scalar, StateVector};
+use crate::num::{Motion, Scalar};
 use crate::object::port::{Port, Solve, met_midway};
 use crate::settings::{Refused, Settings};
 
@@ -49,14 +49,7 @@ pub struct FractalImpedanceState<S> {
     turned: S,
 }
 
-impl<S> StateVector<S> for FractalImpedanceState<S> {
-    #[inline]
-    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
-        each(&mut self.desired);
-        each(&mut self.before);
-        each(&mut self.turned);
-    }
-}
+visited!([S: Scalar] FractalImpedanceState<S> { desired, before, turned });
 
 impl<S: Scalar> Law<S> for FractalImpedance<S> {
     const LAWS: &'static [LawInfo] = &[LawInfo {

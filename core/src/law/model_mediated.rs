@@ -39,7 +39,7 @@ use super::credit::CAP_J;
 use super::decimate::{Decimator, Mean, MeanState};
 use super::tank::{START, needs_midpoint};
 use super::{Coupled, Law, LawInfo, Observation, Packet, Sends, Spring};
-use crate::num::{Carry, Motion, Scalar, StateVector};
+use crate::num::{Carry, Motion, Scalar};
 use crate::object::port::{Port, Solve, met_midway};
 use crate::settings::{Key, PLENTY_J, Refused, Settings};
 use estimate::Estimate;
@@ -166,15 +166,8 @@ impl<S: Scalar> ModelMediatedState<S> {
     }
 }
 
-/// What moves; the model and the account are constants of a linear law.
-impl<S: Scalar> StateVector<S> for ModelMediatedState<S> {
-    #[inline]
-    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
-        self.body.visit(each);
-        self.remote.visit(each);
-        self.sent.visit(each);
-    }
-}
+// What moves; the model and the account are constants of a linear law.
+visited!([S: Scalar] ModelMediatedState<S> { body, remote, sent });
 
 impl<S: Scalar> Model<S> {
     /// ½·m̂·ẋ_p² + ½·k̂·(x_p − x̂₀)², J.

@@ -28,7 +28,7 @@
 
 use super::tank::{START, Tank, Tanks};
 use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Sends};
-use crate::num::{Motion, Scalar, StateVector};
+use crate::num::{Motion, Scalar};
 use crate::object::port::{Port, Solve, met_midway};
 use crate::settings::{Refused, Settings};
 
@@ -59,12 +59,7 @@ pub struct PassiveSpringState<S: Scalar> {
     tank: Tank<S::Counter>,
 }
 
-impl<S: Scalar> StateVector<S> for PassiveSpringState<S> {
-    #[inline]
-    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
-        self.remote.visit(each);
-    }
-}
+visited!([S: Scalar] PassiveSpringState<S> { remote });
 
 impl<S: Scalar> Law<S> for PassiveSpring<S> {
     const LAWS: &'static [LawInfo] = &[LawInfo {

@@ -26,7 +26,7 @@
 use super::credit::CAP_J;
 use super::tank::{START, needs_midpoint};
 use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Sends, Spring};
-use crate::num::{Motion, Scalar, StateVector};
+use crate::num::{Motion, Scalar};
 use crate::object::{Port, Solve};
 use crate::settings::{Refused, Settings};
 
@@ -59,13 +59,8 @@ impl<S: Scalar> PassivityObserverState<S> {
     }
 }
 
-/// What was received; the account is a constant of a linear law.
-impl<S> StateVector<S> for PassivityObserverState<S> {
-    #[inline]
-    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
-        self.desired.visit(each);
-    }
-}
+// What was received; the account is a constant of a linear law.
+visited!([S: Scalar] PassivityObserverState<S> { desired });
 
 impl<S: Scalar> Law<S> for PassivityObserver<S> {
     const LAWS: &'static [LawInfo] = &[LawInfo {

@@ -22,7 +22,7 @@
 //! network's.
 
 use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Sends, Spring};
-use crate::num::{Carry, Motion, Scalar, StateVector};
+use crate::num::{Carry, Motion, Scalar};
 use crate::object::port::{Port, Solve, met_midway};
 use crate::settings::{Key, Refused, Settings};
 
@@ -78,13 +78,7 @@ pub struct ProxyState<S> {
     carry: Carry<S>,
 }
 
-impl<S> StateVector<S> for ProxyState<S> {
-    #[inline]
-    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
-        self.proxy.visit(each);
-        self.remote.visit(each);
-    }
-}
+visited!([S: Scalar] ProxyState<S> { proxy, remote });
 
 impl<S: Scalar> Law<S> for RemoteDynamicProxy<S> {
     const LAWS: &'static [LawInfo] = &[LawInfo {

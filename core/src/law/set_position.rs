@@ -24,7 +24,7 @@
 
 use super::tank::{START, Tank, Tanks};
 use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Sends, Spring};
-use crate::num::{Motion, Scalar, StateVector};
+use crate::num::{Motion, Scalar};
 use crate::object::{Port, Solve};
 use crate::settings::{Refused, Settings};
 
@@ -51,12 +51,7 @@ pub struct SetPositionState<S: Scalar> {
     tank: Tank<S::Counter>,
 }
 
-impl<S: Scalar> StateVector<S> for SetPositionState<S> {
-    #[inline]
-    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
-        each(&mut self.wanted);
-    }
-}
+visited!([S: Scalar] SetPositionState<S> { wanted });
 
 impl<S: Scalar> Law<S> for SetPosition<S> {
     const LAWS: &'static [LawInfo] = &[LawInfo {

@@ -19,7 +19,7 @@
 
 use super::tank::{START, Tank, Tanks};
 use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Sends, Spring};
-use crate::num::{Motion, Scalar, StateVector};
+use crate::num::{Motion, Scalar};
 use crate::object::{Port, Solve};
 use crate::settings::{Key, Refused, Settings};
 
@@ -70,12 +70,7 @@ pub struct TwoLayerState<S: Scalar> {
     tank: Tank<S::Counter>,
 }
 
-impl<S: Scalar> StateVector<S> for TwoLayerState<S> {
-    #[inline]
-    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
-        self.desired.visit(each);
-    }
-}
+visited!([S: Scalar] TwoLayerState<S> { desired });
 
 impl<S: Scalar> Law<S> for TwoLayer<S> {
     const LAWS: &'static [LawInfo] = &[LawInfo {

@@ -73,15 +73,7 @@ pub struct LineState<S: Scalar, D> {
     carry: Carry<S>,
 }
 
-impl<S: Scalar, D: StateVector<S>> StateVector<S> for LineState<S, D> {
-    #[inline]
-    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
-        self.desired.visit(each);
-        each(&mut self.force);
-        each(&mut self.wave_in);
-        self.outgoing.visit(each);
-    }
-}
+visited!([S: Scalar, D: StateVector<S>] LineState<S, D> { desired, force, wave_in, outgoing });
 
 impl<S: Scalar, D: Decimator<S>> Line<S, D> {
     /// u_in of this tick, √W.

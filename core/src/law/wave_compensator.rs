@@ -24,7 +24,7 @@ use super::tank::{Tank, Tanks, WAVE_START};
 use super::terminal::{Ended, Terminal};
 use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Sends};
 use crate::names::Side;
-use crate::num::{Carry, Motion, Scalar, StateVector};
+use crate::num::{Carry, Motion, Scalar};
 use crate::object::Solve;
 use crate::settings::{Key, Refused, Settings};
 
@@ -71,16 +71,7 @@ pub struct WaveCompensatorState<S: Scalar> {
     tank: Tank<S::Counter>,
 }
 
-impl<S: Scalar> StateVector<S> for WaveCompensatorState<S> {
-    #[inline]
-    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
-        self.desired.visit(each);
-        each(&mut self.wave);
-        each(&mut self.remote);
-        each(&mut self.compensation);
-        self.outgoing.visit(each);
-    }
-}
+visited!([S: Scalar] WaveCompensatorState<S> { desired, wave, remote, compensation, outgoing });
 
 impl<S: Scalar> Law<S> for WaveCompensator<S> {
     const LAWS: &'static [LawInfo] = &[LawInfo {

@@ -7,6 +7,7 @@ mod configured;
 mod scalar;
 mod sin_cos;
 mod sqrt;
+#[macro_use]
 mod state;
 
 pub use configured::Configured;

@@ -13,6 +13,30 @@ pub trait StateVector<S> {
     fn visit(&mut self, each: &mut impl FnMut(&mut S));
 }
 
+/// Implements [`StateVector`](crate::num::StateVector) for a struct: its generics, its type, and the fields that are visited, in this order.
+///
+/// ```
+/// use haptic_core::{num::{Motion, Scalar}, visited};
+///
+/// struct Predicted<S> {
+///     desired: Motion<S>,
+///     ahead: S,
+///     packets: u32,
+/// }
+/// visited!([S: Scalar] Predicted<S> { desired, ahead });
+/// ```
+#[macro_export]
+macro_rules! visited {
+    ([$($generics:tt)*] $Type:ty { $($($field:ident).+),* }) => {
+        impl<$($generics)*> $crate::num::StateVector<S> for $Type {
+            #[inline]
+            fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
+                $( $crate::num::StateVector::visit(&mut self.$($field).+, each); )*
+            }
+        }
+    };
+}
+
 impl<S> StateVector<S> for () {
     fn visit(&mut self, _: &mut impl FnMut(&mut S)) {}
 }

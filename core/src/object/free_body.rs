@@ -15,7 +15,7 @@
 
 use super::rigid::{Rotor, Three, TorquePort, Turned, Turning};
 use super::vector::{Body, Moving, VectorPort, combined, dot, solved, times};
-use crate::num::{Scalar, StateVector};
+use crate::num::Scalar;
 
 /// Force (N) and torque about the centre (N·m), as functions of the velocity of the centre (m/s) and the angular velocity (rad/s).
 pub type Wrench<S> = VectorPort<S, 6>;
@@ -47,12 +47,7 @@ pub struct Flying<S> {
     pub turning: Turning<S>,
 }
 
-impl<S: Scalar> StateVector<S> for Flying<S> {
-    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
-        self.moving.visit(each);
-        self.turning.visit(each);
-    }
-}
+visited!([S: Scalar] Flying<S> { moving, turning });
 
 /// What the body did in a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]

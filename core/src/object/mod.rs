@@ -18,7 +18,7 @@ pub mod rigid;
 pub mod vector;
 
 use crate::model::Model;
-use crate::num::{Carry, Motion, Scalar, StateVector};
+use crate::num::{Carry, Motion, Scalar};
 
 pub use crate::names::IntegratorName;
 pub use port::{Port, Solve, Staged};
@@ -78,9 +78,4 @@ pub struct Before<S> {
     carry: Carry<S>,
 }
 
-impl<S> StateVector<S> for Before<S> {
-    #[inline]
-    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
-        each(&mut self.force);
-    }
-}
+visited!([S: Scalar] Before<S> { force });

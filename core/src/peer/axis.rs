@@ -9,7 +9,7 @@
 use crate::contact::{AnyRendering, Contact, Grip, Press, Strikes, Touch};
 use crate::law::ledger::Ledger;
 use crate::law::{Coupled, Law, Observation, Packet, Spring};
-use crate::num::{Motion, Scalar, StateVector};
+use crate::num::{Motion, Scalar};
 use crate::object::fixture::{self, Fixture, Pushes};
 use crate::object::midpoint::Midpoint;
 use crate::object::plane::Oblique;
@@ -314,7 +314,7 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
         let (object, next, force, coupled) = if let AnyIntegrator::Midpoint(midpoint, carries)
         | AnyIntegrator::BackwardEuler(midpoint, carries) = &mut self.integrator
         {
-            let (object, press) = contact.press(&mut self.strikes, gripped, self.object, felt.commanded);
+            let (object, press) = contact.press(&mut self.strikes, gripped, self.object, (guard, felt.commanded));
             let seen = Observation { local: object, contact_force: self.observed.contact_force, age_ticks };
             let midpoint = &*midpoint;
             let mut solved = (S::ZERO, S::ZERO);
@@ -355,7 +355,7 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
             let (object, mut touch) = if at_device {
                 (gripped, Touch { pushing: S::ZERO, felt: -felt.commanded })
             } else {
-                contact.touch(&mut self.strikes, gripped, self.object, felt.commanded)
+                contact.touch(&mut self.strikes, gripped, self.object, (guard, felt.commanded))
             };
             if !at_device && !guard.is_free(felt.of(touch.felt)) {
                 touch = give_way_in_stages(&mut self.grip, contact.spring(), (felt, guard), touch, period_s);
@@ -437,7 +437,7 @@ pub(super) fn advance_together<S: Scalar, L: Law<S>, const N: usize>(
         axes.iter_mut().zip(sensed.zip(objects.iter_mut().zip(&mut presses)))
     {
         let gripped = axis.gripped(tick, device);
-        (*object, *press) = tick.contact.press(&mut axis.strikes, gripped, axis.object, felt.commanded);
+        (*object, *press) = tick.contact.press(&mut axis.strikes, gripped, axis.object, (tick.guard, felt.commanded));
     }
     let solve = |laws: [Port<S>; N]| {
         let mut pushing = presses.map(|press| press.port);
@@ -526,12 +526,5 @@ fn gather<S: Scalar, L: Law<S>, const N: usize>(
     });
 }
 
-/// Object, integrator and coordination law, in this order.
-impl<S: Scalar, L: Law<S>> StateVector<S> for SharedAxis<S, L> {
-    #[inline]
-    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
-        self.object.visit(each);
-        self.integrator.visit(each);
-        self.coordination.visit(each);
-    }
-}
+// Object, integrator and coordination law, in this order.
+visited!([S: Scalar, L: Law<S>] SharedAxis<S, L> { object, integrator, coordination });

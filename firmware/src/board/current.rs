@@ -26,7 +26,7 @@ use embassy_stm32::pac;
 use embassy_stm32::pac::adc::vals::{Boost, Exten, Pcsel, SampleTime};
 use embassy_stm32::pac::timer::vals::{Mms, Mms2};
 use embassy_time::{Duration, Instant};
-use firmware_parts::exchange::{Reader, Writer};
+use firmware_parts::exchange::{Reader, Writer, put};
 use haptic_core::device::current::{Controller, CurrentLoop, Gains, PWM_HZ, Sensor};
 use haptic_core::device::kinematics::Joints;
 use haptic_core::device::stage::{Flow, Measured};
@@ -416,16 +416,19 @@ impl Stage {
             };
         }
         self.counts = counts;
-        let sensors = self.zeros.each_ref().map(|zero| {
-            let mut sensor = power.sensor;
-            sensor.zero = zero.is;
-            sensor
+        self.orders.fill(|order| {
+            order.gains = power.design.gains(self.supply_mv);
+            for (sensor, zero) in order.sensors.iter_mut().zip(&self.zeros) {
+                *sensor = power.sensor;
+                sensor.zero = zero.is;
+            }
+            order.wanted = wanted;
+            true
         });
-        self.orders.write(Order { gains: power.design.gains(self.supply_mv), sensors, wanted });
         if !self.runs {
             self.runs = true;
             self.sums.fetch();
-            self.before = *self.sums.get();
+            put(&mut self.before, self.sums.get());
             start();
         }
     }

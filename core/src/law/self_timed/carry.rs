@@ -37,7 +37,7 @@ use crate::law::Spring;
 use crate::law::bounds::WITHIN;
 use crate::law::credit::CAP_J;
 use crate::law::terminal::Ended;
-use crate::num::{Motion, Scalar, StateVector};
+use crate::num::{Motion, Scalar};
 use crate::settings::{Key, Settings};
 
 pub(super) const DAMPING: Key = Key::number(
@@ -211,15 +211,9 @@ pub(super) struct Slip<S: Scalar> {
     heard: Slips,
 }
 
-/// F₋, all that a live line feels of it. What is told of slips is driven by nothing while both ends are live, and rests where it began: a
-/// loop of its own, ė = (e_far(t − T) − e)/2τ_c at both ends, whose roots but for the common slip decay at any delay T.
-impl<S: Scalar> StateVector<S> for Slip<S> {
-    #[inline]
-    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
-        each(&mut self.force);
-        self.taken.visit(each);
-    }
-}
+// F₋, all that a live line feels of it. What is told of slips is driven by nothing while both ends are live, and rests where it began: a
+// loop of its own, ė = (e_far(t − T) − e)/2τ_c at both ends, whose roots but for the common slip decay at any delay T.
+visited!([S: Scalar] Slip<S> { force, taken });
 
 /// The spring of a tick, in a row with what it is tied to.
 #[derive(Clone, Copy, Debug)]

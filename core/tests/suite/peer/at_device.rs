@@ -110,7 +110,7 @@ fn limits_and_faults_are_those_of_any_peer() {
     assert_eq!(bench.tick(Some(-1.0), Motion::REST).0, -0.06, "it falls at once, and grows slowly");
     let faults = [
         (Some(f32::NAN), Motion::REST, Fault::NonFiniteInput),
-        (Some(1.0), Motion { position: 0.0, velocity: 0.6 }, Fault::Overspeed),
+        (Some(1.0), Motion { position: 0.0, velocity: 0.76 }, Fault::Overspeed),
         (Some(1.0), Motion::at(0.3), Fault::OutOfWorkspace),
         (Some(1.0), Motion::at(f32::NAN), Fault::NonFiniteInput),
     ];

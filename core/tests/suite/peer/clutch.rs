@@ -130,7 +130,7 @@ fn a_clutched_device_is_guarded_as_ever() {
     let mut bench = pressed(&settings);
     bench.command(Command::Clutch);
     stay(&mut bench, 200, |_| 0.004);
-    bench.at(0.004, 0.6);
+    bench.at(0.004, 0.76);
     assert!(matches!(bench.peer.mode(), Mode::Faulted(_)), "{:?}", bench.peer.mode());
 }
 

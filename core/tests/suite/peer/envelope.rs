@@ -1,5 +1,6 @@
 //! What the device may do to a hand: force and power over time, and how far it goes, against closed forms.
 
+use haptic_core::device::envelope::NEAR;
 use haptic_core::device::{AXES, Reading};
 use haptic_core::law::Packet;
 use haptic_core::num::{Fixed, Motion, Scalar};
@@ -21,78 +22,100 @@ fn held() -> Settings {
     settings
 }
 
-/// Ticks that 30 N on an axis at this speed are allowed, and why they end.
-fn allowed<S: Scalar>(bench: &mut Bench<S>, speed: f64) -> (u32, Mode) {
+/// What the second axis gave in each of these ticks where 30 N are asked of it at this speed, N.
+fn given<S: Scalar>(bench: &mut Bench<S>, speed: f64, ticks: u32) -> Vec<f64> {
     let second = Motion { position: S::from_f64(-0.02), velocity: S::from_f64(speed) };
-    (0..20_000)
-        .find_map(|ticks| {
-            let actuators = bench.read(Reading::Exact([Motion::REST, second]));
-            let mode = bench.peer.mode();
-            assert!(mode != Mode::Armed || (actuators.forces[1].to_f64() - FORCE_N).abs() < 1e-5);
-            (mode != Mode::Armed).then_some((ticks, mode))
-        })
-        .unwrap_or((20_000, bench.peer.mode()))
+    (0..ticks).map(|_| bench.read(Reading::Exact([Motion::REST, second])).forces[1].to_f64()).collect()
 }
 
-/// m reaches 1 after n = ln(1 − (limit/x)²) / ln(1 − T_c/τ) ticks.
-fn closed_form(limit: f64, x: f64, settings: &Settings) -> u32 {
-    let share = settings.timing.control_period_s / settings.safety.rms_s;
-    ((1.0 - (limit / x).powi(2)).ln() / (1.0 - share).ln()) as u32
+/// Ticks in which x reaches this share of the limit's square: ln(1 − share·(limit/x)²) / ln(1 − T_c/τ).
+fn closed_form(share: f64, limit: f64, x: f64, settings: &Settings) -> f64 {
+    let weight = settings.timing.control_period_s / settings.safety.rms_s;
+    (1.0 - share * (limit / x).powi(2)).ln() / (1.0 - weight).ln()
 }
 
-fn a_force_is_taken_for_as_long_as_its_mean_square_allows<S: Scalar>() {
+/// The root of the mean square after so many ticks of the law by which what is asked is cut, by a method of its own: the differential
+/// equation of the mean, in a hundredth of a tick.
+fn by_its_equation(limit: f64, lasting: f64, asked: f64, settings: &Settings, ticks: u32) -> (f64, f64) {
+    let step = settings.timing.control_period_s / settings.safety.rms_s / 100.0;
+    let (mut mean, mut given) = (0.0, asked);
+    for _ in 0..100 * ticks {
+        let left = ((1.0 - mean / (limit * limit)) / (1.0 - NEAR)).clamp(0.0, 1.0);
+        given = asked.min(settings.safety.max_force_n * left + lasting);
+        mean += step * (given * given - mean);
+    }
+    (given, mean.sqrt())
+}
+
+fn a_force_lasts_as_its_mean_square_allows<S: Scalar>() {
     for limit in [10.0, 20.0, 29.0] {
         let mut settings = held();
         settings.safety.max_rms_force_n = limit;
+        let told = format!("{} at {limit} N", S::NAME);
         let mut bench = Bench::<S>::armed(&settings);
-        let (ticks, mode) = allowed(&mut bench, 0.0);
-        assert_eq!(mode, Mode::Faulted(Fault::ForceTooLong), "{} at {limit} N", S::NAME);
-        assert!(ticks.abs_diff(closed_form(limit, FORCE_N, &settings)) <= 1, "{} at {limit} N: {ticks}", S::NAME);
-
-        // A fault and arming anew forgive nothing.
-        bench.command(Command::Clear);
-        bench.command(Command::Arm);
-        assert!(allowed(&mut bench, 0.0).0 <= 1, "{} at {limit} N", S::NAME);
-
-        // With the motors off for a time of 3 τ, all but e⁻³ of it is.
-        bench.command(Command::Clear);
-        for _ in 0..1500 {
-            bench.at(S::ZERO, S::ZERO);
+        let forces = given(&mut bench, 0.0, 3000);
+        assert_eq!(bench.peer.mode(), Mode::Armed, "{told}");
+        // In full until the mean square is near its limit. What falls first is force that is not asked for.
+        let whole = forces.iter().take_while(|force| (*force - FORCE_N).abs() < 1e-5).count();
+        assert!(whole as f64 >= closed_form(NEAR, limit, FORCE_N, &settings) - 1.0, "{told}: {whole}");
+        // It falls as fast as its mean square rises, and at last to what may last on each of two axes.
+        let rise = (FORCE_N / limit).powi(2) * settings.timing.control_period_s / settings.safety.rms_s;
+        let most = settings.safety.max_force_n * rise / (1.0 - NEAR);
+        assert!(forces.windows(2).all(|pair| pair[1] <= pair[0] + 1e-5 && pair[1] > pair[0] - most), "{told}");
+        let mut square = 0.0;
+        for (tick, force) in forces.iter().enumerate() {
+            square += 1e-3 / settings.safety.rms_s * (force * force - square);
+            assert!(square.sqrt() <= limit * (1.0 + 1e-6), "{told}: {} N at tick {tick}", square.sqrt());
         }
+        let (last, _) = by_its_equation(limit, limit * 0.5_f64.sqrt(), FORCE_N, &settings, 3000);
+        assert!((forces[2999] / last - 1.0).abs() < 5e-3, "{told}: {} N, {last} N", forces[2999]);
+
+        // Arming anew forgives nothing.
+        bench.command(Command::Disarm);
         bench.command(Command::Arm);
-        let again = f64::from(allowed(&mut bench, 0.0).0);
-        let left = (-3.0_f64).exp();
-        let expected = ((1.0 - (limit / FORCE_N).powi(2)) / (1.0 - left * (limit / FORCE_N).powi(2))).ln()
-            / (1.0 - settings.timing.control_period_s / settings.safety.rms_s).ln();
-        assert!((again - expected).abs() <= 3.0, "{} at {limit} N: {again} for {expected}", S::NAME);
+        let again = given(&mut bench, 0.0, 2)[1];
+        assert!((again / last - 1.0).abs() < 2e-2, "{told}: {again} N, {last} N");
     }
     let mut settings = held();
-    settings.safety.max_rms_force_n = 30.5;
-    assert_eq!(allowed(&mut Bench::<S>::armed(&settings), 0.0).1, Mode::Armed);
+    settings.safety.max_rms_force_n = 35.0;
+    let forces = given(&mut Bench::<S>::armed(&settings), 0.0, 3000);
+    assert!(forces.iter().all(|force| (force - FORCE_N).abs() < 1e-5), "{} with 35 N", S::NAME);
 }
 
 #[test]
 fn force_over_time_in_every_number_type() {
-    a_force_is_taken_for_as_long_as_its_mean_square_allows::<f32>();
-    a_force_is_taken_for_as_long_as_its_mean_square_allows::<f64>();
-    a_force_is_taken_for_as_long_as_its_mean_square_allows::<Fixed>();
+    a_force_lasts_as_its_mean_square_allows::<f32>();
+    a_force_lasts_as_its_mean_square_allows::<f64>();
+    a_force_lasts_as_its_mean_square_allows::<Fixed>();
 }
 
-/// P = 30 N · 1.2 m/s. What the hand gives the device is not its doing.
+/// 30 N at 1.2 m/s are 36 W. What the hand gives the device is not its doing.
 #[test]
 fn power_over_time() {
     for limit in [5.0, 20.0, 35.0] {
         let mut settings = held();
         settings.safety.max_rms_force_n = 200.0;
         settings.safety.max_rms_power_w = limit;
-        let (ticks, mode) = allowed(&mut Bench::<f64>::armed(&settings), 1.2);
-        assert_eq!(mode, Mode::Faulted(Fault::PowerTooLong));
-        assert!(ticks.abs_diff(closed_form(limit, 36.0, &settings)) <= 1, "{limit} W: {ticks}");
-        assert_eq!(allowed(&mut Bench::<f64>::armed(&settings), -1.2).1, Mode::Armed);
+        let mut bench = Bench::<f64>::armed(&settings);
+        let forces = given(&mut bench, 1.2, 3000);
+        assert_eq!(bench.peer.mode(), Mode::Armed);
+        let whole = forces.iter().take_while(|force| (*force - FORCE_N).abs() < 1e-5).count();
+        assert!(whole as f64 >= closed_form(NEAR, limit, 36.0, &settings) - 1.0, "{limit} W: {whole}");
+        let mut square = 0.0;
+        for force in &forces {
+            square += 1e-3 / settings.safety.rms_s * ((1.2 * force).powi(2) - square);
+            assert!(square.sqrt() <= limit * (1.0 + 1e-9), "{} W for {limit} W", square.sqrt());
+        }
+        // In the units of power: what is asked, and what the largest force would give.
+        settings.safety.max_force_n *= 1.2;
+        let (last, _) = by_its_equation(limit, limit, 36.0, &settings, 3000);
+        assert!((1.2 * forces[2999] / last - 1.0).abs() < 5e-3, "{limit} W: {} N, {last} W", forces[2999]);
+        let mut bench = Bench::<f64>::armed(&settings);
+        assert!(given(&mut bench, -1.2, 3000).iter().all(|force| (force - FORCE_N).abs() < 1e-5));
     }
 }
 
-/// The smallest limits and the largest forces that settings allow overflow no number type.
+/// The smallest limits and the largest forces that settings allow overflow no number type. A mean over ten ticks is outrun: that is a fault.
 #[test]
 fn the_ends_of_the_ranges() {
     let mut settings = held();
@@ -105,10 +128,14 @@ fn the_ends_of_the_ranges() {
     let mut bench = Bench::<Fixed>::armed(&settings);
     assert!(!bench.read(Reading::Exact([Motion::REST, fast])).enable);
     assert_eq!(bench.peer.mode(), Mode::Faulted(Fault::ForceTooLong));
+    settings.safety.max_rms_force_n = 200.0;
+    let mut bench = Bench::<Fixed>::armed(&settings);
+    assert!(!bench.read(Reading::Exact([Motion::REST, fast])).enable);
+    assert_eq!(bench.peer.mode(), Mode::Faulted(Fault::PowerTooLong));
 }
 
-/// The partner moves his end by ±8.5 cm, five times a second, and asks for 50 N: at the limit of 40 N for less than half of the time,
-/// so that fault 4 forgets it again and again.
+/// The partner moves his end by ±8.5 cm, five times a second, and asks for 50 N, at the limit of 40 N for less than half of the time. The hand gets
+/// no more than its mean allows, and nothing ends.
 #[test]
 fn a_partner_who_shakes_the_hand() {
     let shaken = |max_rms_force_n: f64| {
@@ -118,7 +145,7 @@ fn a_partner_who_shakes_the_hand() {
         settings.coordination.damping_n_s_per_m = 20.0;
         settings.safety.max_rms_force_n = max_rms_force_n;
         let mut bench = Bench::<f32>::armed(&settings);
-        let mut square = 0.0;
+        let (mut square, mut most) = (0.0, 0.0_f64);
         for tick in 0..6000_u16 {
             let turn = core::f64::consts::TAU * 5.0 * f64::from(tick) * 1e-3;
             if bench.peer.packet_due() {
@@ -128,19 +155,16 @@ fn a_partner_who_shakes_the_hand() {
             }
             // Held still.
             let [force, _] = bench.at(0.0, 0.0).forces;
-            square += f64::from(force * force);
-            if bench.peer.mode() != Mode::Armed {
-                return (tick, bench.peer.mode(), square);
-            }
+            square += 1e-3 * (f64::from(force * force) - square);
+            most = most.max(square.sqrt());
+            assert_eq!(bench.peer.mode(), Mode::Armed);
         }
-        (6000, bench.peer.mode(), square)
+        most
     };
-    let (_, mode, square) = shaken(200.0);
-    assert_eq!(mode, Mode::Armed, "no other guard sees it");
-    assert!((square / 6000.0).sqrt() > 22.0, "{} N", (square / 6000.0).sqrt());
-    let (tick, mode, _) = shaken(20.0);
-    assert_eq!(mode, Mode::Faulted(Fault::ForceTooLong));
-    assert!(tick < 2000, "{tick}");
+    let free = shaken(200.0);
+    assert!(free > 22.0, "{free} N: no other guard sees it");
+    let limited = shaken(15.0);
+    assert!((12.0..=15.0).contains(&limited), "{limited} N");
 }
 
 /// A free device that is dragged away, and one that stands too far out.

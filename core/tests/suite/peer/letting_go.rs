@@ -50,6 +50,8 @@ struct Found {
     after_n: f64,
     /// What the coordination force did to a copy from then on, J.
     work_j: f64,
+    /// Largest change of the force on the hand in a tick, since nothing is heard, N.
+    felt_n: f64,
 }
 
 /// Two persons who push against each other with a constant force until the first peer hears nothing any more, or `parts`.
@@ -63,7 +65,7 @@ fn run<const SHARED: usize, const N: usize, K: Kinematics<f64, N>>(
     peers.iter_mut().for_each(|peer| peer.command(Command::Arm));
     let mut hands = [[Motion::<f64>::REST; N]; 2];
     let mut last = peers[0].observed().map(|seen| *seen);
-    let mut work_j = [0.0; SHARED];
+    let (mut work_j, mut felt) = ([0.0; SHARED], [0.0; N]);
     let mut found = Found::default();
     for tick in 0..SETTLED + SILENT {
         if tick == SETTLED && parts {
@@ -81,6 +83,11 @@ fn run<const SHARED: usize, const N: usize, K: Kinematics<f64, N>>(
         for (at, peer) in peers.iter_mut().enumerate() {
             let forces = peer.tick(&Sensors::of(Reading::Exact(hands[at]))).forces;
             assert_eq!(peer.mode(), Mode::Armed, "tick {tick}");
+            if at == 0 {
+                let changes =
+                    forces.iter().zip(core::mem::replace(&mut felt, forces)).map(|(now, was)| (now - was).abs());
+                found.felt_n = changes.fold(if tick < SETTLED { 0.0 } else { found.felt_n }, f64::max);
+            }
             for (axis, hand) in hands[at].iter_mut().enumerate() {
                 let share = f64::from(tick.min(1000)) / 1000.0;
                 let sign = [1.0, -1.0][at] * [1.0, -0.7, 0.4][axis];
@@ -129,6 +136,11 @@ fn worst<const SHARED: usize, const N: usize, K: Kinematics<f64, N>>(
         // The force of this law jumps where its spring turns round, in the last tick as well.
         let jumps_n = if law.name == "fractal-impedance" { 1.0 } else { 0.0 };
         assert!(found.step_n <= STEP_N.max(jumps_n) + 1e-9 && found.after_n == 0.0, "{told}");
+        // A law fades along a straight line from its force to none, by a step in each packet period; the copy's mass smooths the steps. This
+        // law fades by where it stands, too, and falls twice as fast.
+        let twice = if law.name == "wave-integral" { 2.0 } else { 1.0 };
+        let fades_ticks = (settings.safety.disengage_s - settings.safety.fade_s) / PERIOD_S;
+        assert!(found.felt_n <= STEP_N.max(twice * push_n / fades_ticks), "{told}");
         let stored_j = 0.5 * found.let_go_n * found.let_go_n / settings.coordination.stiffness_n_per_m;
         assert!(found.work_j <= stored_j + 1e-12, "{told}");
     }

@@ -7,7 +7,7 @@ use haptic_core::names::{Decode, FixtureName};
 use haptic_core::num::Motion;
 use haptic_core::object::IntegratorName;
 use haptic_core::peer::{Peer, Sensors};
-use haptic_core::safety::{Command, Mode};
+use haptic_core::safety::{Command, Fault, Mode};
 use haptic_core::settings::Settings;
 
 use crate::contact::setup::Random;
@@ -61,6 +61,9 @@ struct Found {
     /// Of all that the hand did, one way or the other.
     most_j: f64,
     limited: u32,
+    braked: u32,
+    /// Runs that ended because limiting failed.
+    ended: u32,
 }
 
 /// A hand that pushes the device about at random, for so many ticks.
@@ -76,10 +79,17 @@ fn shaken(settings: &Settings, random: &mut Random, ticks: u32) -> Found {
             pushes = [strength * random.between(-1.0, 1.0), 0.5 * strength * random.between(-1.0, 1.0)];
         }
         let forces = peer.tick(&Sensors::of(Reading::Exact(device.axes))).forces;
+        if peer.mode() == Mode::Faulted(Fault::Overspeed) {
+            found.ended += 1;
+            break;
+        }
         assert_eq!(peer.mode(), Mode::Armed);
         let seen = *peer.observed()[0];
-        // What the device feels is what the copy gets, in every tick.
-        assert!((forces[0] + seen.contact_force).abs() < 1e-12, "{} N, {} N", forces[0], seen.contact_force);
+        // What the device feels is what the copy gets, in every tick in which it does not brake.
+        let (braked, velocity) = (forces[0] + seen.contact_force, seen.device.velocity);
+        let brakes = velocity.abs() > settings.safety.max_speed_m_per_s;
+        assert!(if brakes { braked * velocity <= 1e-12 } else { braked.abs() < 1e-12 }, "{braked} N at {velocity} m/s");
+        found.braked += u32::from(brakes);
         found.limited += u32::from(forces[0].abs() > last.abs() + 0.0599 || forces[0].abs() > 2.999);
         last = forces[0];
         let copy_j = 0.5 * settings.object.mass_kg * seen.object.velocity.powi(2);
@@ -93,7 +103,26 @@ fn shaken(settings: &Settings, random: &mut Random, ticks: u32) -> Found {
 /// Two-sided, with play, one-sided and with impacts; with a guide or a wall at the copy; beside an axis that is held.
 #[test]
 fn no_contact_that_is_cut_gives_more_than_it_was_given() {
-    let (mut random, mut limited) = (Random(21), 0);
+    let found = every_contact(Random(21), |_, _| ());
+    assert!(found.limited > 20_000 && found.braked == 0, "{found:?}");
+}
+
+/// Hands that move faster than devices may, and press harder than they may for long: both are limited, a device that brakes only takes, and
+/// where that does not help it ends.
+#[test]
+fn no_device_that_brakes_or_tires_gives_more_than_it_was_given() {
+    let found = every_contact(Random(22), |settings, random| {
+        settings.safety.max_speed_m_per_s = random.scale(0.3, 3.0);
+        settings.safety.max_rms_force_n = random.scale(0.3, 3.0);
+        settings.safety.max_rms_power_w = random.scale(0.3, 3.0);
+        settings.safety.rms_s = random.scale(0.2, 1.0);
+    });
+    assert!(found.limited > 20_000 && found.braked > 20_000 && (10..500).contains(&found.ended), "{found:?}");
+}
+
+/// Runs of 1,000 contacts, with settings changed like this.
+fn every_contact(mut random: Random, change: impl Fn(&mut Settings, &mut Random)) -> Found {
+    let mut all = Found::default();
     for run in 0..1000 {
         let mut settings = settings();
         settings.object.mass_kg = random.scale(0.05, 1.0);
@@ -117,9 +146,48 @@ fn no_contact_that_is_cut_gives_more_than_it_was_given() {
         }
         settings.axis.count = 1 + (run % 2) as u32;
         settings.contact.side = if random.unit() < 0.5 { Side::Left } else { Side::Right };
+        change(&mut settings, &mut random);
         let found = shaken(&settings, &mut random, 2000);
-        limited += found.limited;
+        all.limited += found.limited;
+        all.braked += found.braked;
+        all.ended += found.ended;
         assert!(found.least_j > -1e-4 * found.most_j.max(1e-3), "run {run}: {found:?}, {:?}", settings.contact);
     }
-    assert!(limited > 20_000, "{limited} ticks were limited");
+    all
+}
+
+/// A hand that sweeps to and fro by 0.15 m in 0.4 s, with an arm of 300 N/m and 10 N·s/m that follows a movement of least jerk: how fast the
+/// device went, m/s, and the most with which it braked, N.
+fn sweep(max_speed_m_per_s: f64) -> (f64, f64) {
+    let mut settings = settings();
+    settings.safety.max_speed_m_per_s = max_speed_m_per_s;
+    let mut peer = Peer::<f64, AnyLaw<f64>>::new(&settings, [Motion::REST; AXES]).expect("good settings");
+    peer.command(Command::Arm);
+    let mut device = Device { mass_kg: 0.1, damping: 1.0, axes: [Motion::REST; AXES], work_j: 0.0 };
+    let (mut fastest, mut braked) = (0.0_f64, 0.0_f64);
+    for sweep in 0..6 {
+        for tick in 0..800 {
+            let s = (f64::from(tick) / 400.0).min(1.0);
+            let [way, rate] = [s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s), 30.0 * (s * (1.0 - s)).powi(2) / 0.4]
+                .map(|part| 0.15 * part);
+            let (goal, rate) = if sweep % 2 == 0 { (way, rate) } else { (0.15 - way, -rate) };
+            let forces = peer.tick(&Sensors::of(Reading::Exact(device.axes))).forces;
+            assert_eq!(peer.mode(), Mode::Armed, "sweep {sweep}, tick {tick}: {:?}", device.axes[0]);
+            let at = device.axes[0];
+            fastest = fastest.max(at.velocity.abs());
+            braked = braked.max((forces[0] + peer.observed()[0].contact_force).abs());
+            device.fly(forces, [300.0 * (goal - at.position) + 10.0 * (rate - at.velocity), 0.0]);
+        }
+        let goal = if sweep % 2 == 0 { 0.15 } else { 0.0 };
+        assert!((device.axes[0].position - goal).abs() < 0.01, "{:?}", device.axes[0]);
+    }
+    (fastest, braked)
+}
+
+/// Beside a device that is limited to 3 N and 0.5 m/s, as at a PC and on a board: it brakes, the hand comes to where it wanted, and nothing ends.
+#[test]
+fn a_hand_that_sweeps_goes_on() {
+    let (free, none) = sweep(10.0);
+    let (braked, most) = sweep(0.5);
+    assert!(free > 0.7 && none < 1e-9 && braked < free && (1.0..3.0).contains(&most), "{free}, {braked} m/s, {most} N");
 }

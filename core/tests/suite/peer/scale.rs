@@ -86,8 +86,8 @@ fn limits_of_speed_and_workspace_are_metres_of_the_device() {
             bench.at(longer * position, longer * velocity);
             bench.peer.mode()
         };
-        assert_eq!(stopped(0.0199, 0.499), Mode::Armed);
-        assert_eq!(stopped(0.0, 0.501), Mode::Faulted(Fault::Overspeed));
+        assert_eq!(stopped(0.0199, 0.749), Mode::Armed);
+        assert_eq!(stopped(0.0, 0.751), Mode::Faulted(Fault::Overspeed));
         assert_eq!(stopped(0.0201, 0.0), Mode::Faulted(Fault::OutOfWorkspace));
     }
 }
@@ -99,7 +99,7 @@ fn a_device_that_only_counts_is_as_far_and_as_fast_as_its_own_limits_say() {
         let mut settings = spring(KinematicsName::Direct, [longer, 1.0]);
         settings.safety.max_speed_m_per_s = 0.5;
         settings.contact.stiffness_n_per_m = 0.0;
-        for (step, mode) in [(80_u16, Mode::Armed), (120, Mode::Faulted(Fault::Overspeed))] {
+        for (step, mode) in [(80_u16, Mode::Armed), (160, Mode::Faulted(Fault::Overspeed))] {
             let mut bench = Bench::<f64>::armed(&settings);
             for at in [0, step, 2 * step] {
                 bench.read(Reading::Counts([Counts(at), Counts(0)]));

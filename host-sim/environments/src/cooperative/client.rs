@@ -137,7 +137,7 @@ impl Client {
         let [device, ..] = self.plant.motions();
         let stopped = if !force_n.is_finite() || !device.is_finite() {
             Some(Fault::Diverged)
-        } else if device.velocity.abs() > self.guard.max_speed {
+        } else if device.velocity.abs() > self.guard.fastest {
             Some(Fault::Overspeed)
         } else if self.saturated.spent(force_n.abs() > self.guard.max_force, self.guard.saturated_ticks) {
             Some(Fault::ForceSaturated)

@@ -8,7 +8,7 @@
 //!
 //! **At rest** it has to be to begin: under [`STILL_M_PER_S`] for [`STILL`], within [`FIRST`]; and within `safety.workspace_m` of its origin.
 //!
-//! **A jump** further than `safety.max_speed_m_per_s` allows in the time between two readings, and 2 mm, is no motion of a hand.
+//! **A jump** further than 1.5 times `safety.max_speed_m_per_s` allows in the time between two readings, and 2 mm, is no motion of a hand.
 //!
 //! **Not armed at all** is a device that is not homed, whose own time to let go is not known, that has fewer axes than the scene uses, or
 //! that gives less force than the scene may ask for.
@@ -19,6 +19,7 @@ use std::time::{Duration, Instant};
 use haptic_core::device::Reading;
 use haptic_core::num::Motion;
 use haptic_core::peer::{Actuators, Sensors};
+use haptic_core::safety::FASTEST;
 use haptic_core::settings::Scale;
 use haptic_sim::device::{Device, DeviceFault, Gone};
 use haptic_sim::scene::Scene;
@@ -43,7 +44,7 @@ pub struct Attached<P, const N: usize> {
     origin_m: [f64; AXES],
     scale: Scale,
     silent: Duration,
-    max_speed_m_per_s: f64,
+    fastest_m_per_s: f64,
     clutch: u8,
     newest: Sensed,
     /// When this end last looked.
@@ -141,7 +142,7 @@ impl<P: Port, const N: usize> Attached<P, N> {
             origin_m: options.origin_m.unwrap_or(newest.position_m),
             scale: settings.scale,
             silent: Duration::from_secs_f64(options.silent_s),
-            max_speed_m_per_s: settings.safety.max_speed_m_per_s,
+            fastest_m_per_s: FASTEST * settings.safety.max_speed_m_per_s,
             clutch,
             newest,
             share: 0.0,
@@ -165,7 +166,7 @@ impl<P: Port, const N: usize> Attached<P, N> {
             return implausible("a place or a speed is not a number".to_owned());
         }
         let took = sensed.between[1].saturating_duration_since(self.newest.between[0]);
-        let allowed_m = SLACK_M + self.max_speed_m_per_s * took.as_secs_f64();
+        let allowed_m = SLACK_M + self.fastest_m_per_s * took.as_secs_f64();
         let moved_m = used().map(|axis| (sensed.position_m[axis] - self.newest.position_m[axis]).abs());
         let moved_m = moved_m.fold(0.0, f64::max);
         if moved_m > allowed_m {

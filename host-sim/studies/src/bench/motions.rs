@@ -58,31 +58,23 @@ impl Motion {
         for (user, trace) in scene.users.iter_mut().zip(traces) {
             user.trace = trace;
         }
-        self.settings().iter().try_for_each(|setting| scene.apply_override(setting))?;
+        self.settings().split_whitespace().try_for_each(|setting| scene.apply_override(setting))?;
         scene.check(self.name())?;
         Ok(scene)
     }
 
-    fn settings(self) -> &'static [&'static str] {
+    fn settings(self) -> &'static str {
         match self {
-            Self::Against => &["user.1.push_n=1", "user.2.push_n=1", "user.2.sine_n=0.25", "user.2.sine_rad_per_s=3"],
-            Self::Together => &[],
-            Self::Led => &[
-                "user.1.arm_stiffness_n_per_m=400",
-                "user.1.arm_damping_n_s_per_m=5",
-                "user.1.tremor_m=0.1",
-                "user.1.tremor_hz=0.7",
-            ],
-            Self::Contact => &[
-                "contact.one_sided=true",
-                "user.1.arm_stiffness_n_per_m=200",
-                "user.1.arm_damping_n_s_per_m=5",
-                "user.1.tremor_m=0.02",
-                "user.1.tremor_hz=0.5",
-                "user.2.arm_stiffness_n_per_m=100",
-                "user.2.arm_damping_n_s_per_m=5",
-            ],
-            Self::LetGo => &["user.1.arm_stiffness_n_per_m=200", "user.1.arm_damping_n_s_per_m=5", "user.2.push_n=2"],
+            Self::Against => "user.1.push_n=1 user.2.push_n=1 user.2.sine_n=0.25 user.2.sine_rad_per_s=3",
+            Self::Together => "",
+            Self::Led => {
+                "user.1.arm_stiffness_n_per_m=400 user.1.arm_damping_n_s_per_m=5 user.1.tremor_m=0.1 user.1.tremor_hz=0.7"
+            }
+            Self::Contact => {
+                "contact.one_sided=true user.1.arm_stiffness_n_per_m=200 user.1.arm_damping_n_s_per_m=5 user.1.tremor_m=0.02 \
+                 user.1.tremor_hz=0.5 user.2.arm_stiffness_n_per_m=100 user.2.arm_damping_n_s_per_m=5"
+            }
+            Self::LetGo => "user.1.arm_stiffness_n_per_m=200 user.1.arm_damping_n_s_per_m=5 user.2.push_n=2",
         }
     }
 }

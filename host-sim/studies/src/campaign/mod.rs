@@ -78,44 +78,30 @@ fn with_outside(laws: Laws, named: &[Named]) -> Vec<(&'static str, Vec<String>)>
     all
 }
 
+const STIFF: &str = "coordination.stiffness_n_per_m=10000";
+const WAVE: &[&str] = &["coordination.comm=wave", "coordination.stiffness_n_per_m=1590", LEDGER];
+const PASSIVE_WAVE: &[&str] = &["coordination.comm=passive-wave", STIFF, LEDGER];
+const MEAN: &[&str] = &[
+    "coordination.comm=passive-mean",
+    STIFF,
+    LEDGER,
+    "coordination.drift_correction=true",
+    "network.playout_packets=2",
+];
+const LEDGER: &str = "coordination.ledger=true";
+
 /// Ways to hold the copies together: name and settings.
 pub const CHOICES: [Named; 10] = [
     ("power", &["coordination.comm=power", "coordination.stiffness_n_per_m=310"]),
-    ("wave", &["coordination.comm=wave", "coordination.stiffness_n_per_m=1590"]),
-    ("wave + ledger", &["coordination.comm=wave", "coordination.stiffness_n_per_m=1590", "coordination.ledger=true"]),
-    ("passive-wave", &["coordination.comm=passive-wave", "coordination.stiffness_n_per_m=10000"]),
-    (
-        "passive-wave + ledger",
-        &["coordination.comm=passive-wave", "coordination.stiffness_n_per_m=10000", "coordination.ledger=true"],
-    ),
-    ("passive-mean", &["coordination.comm=passive-mean", "coordination.stiffness_n_per_m=10000"]),
-    (
-        "passive-mean + ledger",
-        &["coordination.comm=passive-mean", "coordination.stiffness_n_per_m=10000", "coordination.ledger=true"],
-    ),
-    (
-        "passive-mean + ledger + correction",
-        &[
-            "coordination.comm=passive-mean",
-            "coordination.stiffness_n_per_m=10000",
-            "coordination.ledger=true",
-            "coordination.drift_correction=true",
-        ],
-    ),
-    (
-        "passive-mean + ledger + correction + play-out",
-        &[
-            "coordination.comm=passive-mean",
-            "coordination.stiffness_n_per_m=10000",
-            "coordination.ledger=true",
-            "coordination.drift_correction=true",
-            "network.playout_packets=2",
-        ],
-    ),
-    (
-        "self-timed",
-        &["coordination.comm=self-timed", "coordination.stiffness_n_per_m=10000", "object.integrator=midpoint"],
-    ),
+    ("wave", WAVE.split_at(2).0),
+    ("wave + ledger", WAVE),
+    ("passive-wave", PASSIVE_WAVE.split_at(2).0),
+    ("passive-wave + ledger", PASSIVE_WAVE),
+    ("passive-mean", MEAN.split_at(2).0),
+    ("passive-mean + ledger", MEAN.split_at(3).0),
+    ("passive-mean + ledger + correction", MEAN.split_at(4).0),
+    ("passive-mean + ledger + correction + play-out", MEAN),
+    ("self-timed", &["coordination.comm=self-timed", STIFF, "object.integrator=midpoint"]),
 ];
 
 /// The scene that every law is tried in, with gains of its own.
