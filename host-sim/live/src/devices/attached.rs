@@ -4,7 +4,9 @@
 //! origin where the device is first read, it begins where the scene's simulated one does, clear of the object.
 //!
 //! **Age.** A reading is as old as the moment it was asked for. From half of the silence that is allowed on the force fades, in proportion,
-//! to nothing at its end; then the device is [`Gone`], and the motors are off. It does not come back by itself.
+//! to nothing at its end; then the device is [`Gone`], and the motors are off. It does not come back by itself. A reading that says of a device
+//! that it moves, with the very numbers of the one before, is that one, and as old: no device moves at one place. A state that is frozen at rest
+//! looks like a hand at rest.
 //!
 //! **At rest** it has to be to begin: under [`STILL_M_PER_S`] for [`STILL`], within [`FIRST`]; and within `safety.workspace_m` of its origin.
 //!
@@ -164,6 +166,11 @@ impl<P: Port, const N: usize> Attached<P, N> {
         let used = || self.axes.iter().map(|(axis, _)| *axis);
         if used().any(|axis| !(sensed.position_m[axis].is_finite() && sensed.velocity_m_per_s[axis].is_finite())) {
             return implausible("a place or a speed is not a number".to_owned());
+        }
+        let told = |of: &Sensed| (of.position_m, of.velocity_m_per_s);
+        if told(&sensed) == told(&self.newest) && sensed.velocity_m_per_s != [0.0; AXES] {
+            self.newest.buttons = sensed.buttons;
+            return Ok(());
         }
         let took = sensed.between[1].saturating_duration_since(self.newest.between[0]);
         let allowed_m = SLACK_M + self.fastest_m_per_s * took.as_secs_f64();

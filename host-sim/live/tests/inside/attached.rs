@@ -148,6 +148,33 @@ fn an_end_that_stood_still_does_not_go_on() {
     assert!(gone.cause.contains("stood still for 3") && gone.cause.contains("of 20 allowed"), "{gone}");
 }
 
+/// A device that tells again and again, each time as new, that it moves, and always at one place: until it moves again it is as old as that.
+#[test]
+fn a_state_that_is_frozen_is_as_old_as_when_it_froze() {
+    let (mut device, told) = attach(able(), &DeviceOptions::default(), &[]).expect("fit");
+    let tell = |position_m: [f64; AXES], velocity_m_per_s: [f64; AXES], buttons: u8| {
+        told.borrow_mut().sensed = Some(Sensed { velocity_m_per_s, buttons, ..at(position_m, Duration::ZERO) });
+    };
+    let began = Instant::now();
+    let wait = |device: &mut Attached<Written, 3>, velocity: f64| {
+        std::thread::sleep(Duration::from_millis(2));
+        tell([0.1, 0.2, 0.3], [velocity, 0.0, 0.0], 1);
+        device.look()
+    };
+    while began.elapsed() < Duration::from_millis(80) {
+        wait(&mut device, 0.0).expect("a hand at rest may be at rest");
+    }
+    let froze = Instant::now();
+    let gone = loop {
+        if let Err(gone) = wait(&mut device, 0.2) {
+            break gone;
+        }
+        assert!(froze.elapsed() < Duration::from_secs(5), "frozen for 5 s, and believed");
+        assert!(device.clutches(0.0) == (device.clutch == 1), "buttons are heard");
+    };
+    assert!(gone.fault == DeviceFault::Silent && froze.elapsed() > Duration::from_millis(50), "{gone}");
+}
+
 #[test]
 fn what_no_hand_can_do_is_no_reading() {
     let jumps = [[0.15, 0.2, 0.3], [f64::NAN, 0.2, 0.3]];
