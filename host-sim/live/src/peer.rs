@@ -18,7 +18,7 @@ use haptic_sim::{key_file::entropy, node::Node, of_axes, scene::Scene};
 
 mod report;
 
-use super::endpoint::{Endpoint, Live, Span, Stop, Ticker};
+use super::endpoint::{Endpoint, Live, NO_PRIORITY, Span, Stop, Ticker};
 use super::steering::Steered;
 use super::verdict::Judging;
 use super::watch::{LiveOptions, TELLING_S, Watch, fault};
@@ -291,6 +291,9 @@ where
         steering.begin();
     }
     let ticker = Ticker::realtime(Duration::from_secs_f64(period_s));
+    if !ticker.kept.realtime_priority {
+        peer.watch.teller.words(NO_PRIORITY.to_owned());
+    }
     let punctuality = endpoint.run(ticker, patience_s, stop, &mut peer)?;
     let LivePeer { node, halves, whole, ports, watch, judging, refused_us, .. } = peer;
     let (verdict, verdicts) = judging.map_or_else(Default::default, |judging| (judging.verdict, judging.said));

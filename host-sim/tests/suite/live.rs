@@ -1,5 +1,6 @@
 //! Two peers as two processes over loopback, for real: what they hold is what the same scene holds in memory.
 
+use std::io::{BufRead, BufReader};
 use std::net::UdpSocket;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -105,6 +106,35 @@ fn may_run_in_real_time() -> bool {
         thread_priority::set_thread_priority_and_policy(thread_priority::thread_native_id(), priority, Realtime(Fifo))
     };
     std::thread::spawn(move || ask().is_ok()).join().expect("a thread")
+}
+
+/// A peer without the right to a real-time priority says so before anything else happens, and what gives it.
+#[test]
+fn a_priority_that_is_refused_is_said_at_the_start_with_the_remedy() {
+    let (folder, one, two) = (folder("no-priority"), free(), free());
+    let arguments = ["peer", "--number", "1", "--listen", &one, "--connect", &two, "--seconds", "60", "--key-file"];
+    // Of root the right is taken; of another user only if he has it at all.
+    let mut command = if may_run_in_real_time() {
+        let mut command = Command::new("setpriv");
+        command.args(["--bounding-set=-sys_nice", "--inh-caps=-sys_nice", env!("CARGO_BIN_EXE_host-sim")]);
+        command
+    } else {
+        Command::new(env!("CARGO_BIN_EXE_host-sim"))
+    };
+    let mut peer = command
+        .args(arguments)
+        .arg(folder.join("key"))
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("it runs");
+    let lines = BufReader::new(peer.stderr.take().expect("it is piped")).lines().map_while(Result::ok);
+    let said: Vec<String> = lines.take(2).collect();
+    peer.kill().and_then(|()| peer.wait()).expect("it is a child");
+    assert!(
+        said.iter().any(|line| line.contains("may have no real-time priority") && line.contains("setcap")),
+        "{said:?}"
+    );
 }
 
 #[test]
