@@ -24,7 +24,7 @@ pub struct Switch {
 
 impl Switch {
     /// A switch that nobody has looked at.
-    pub const fn new() -> Self {
+    pub const fn unseen() -> Self {
         Self { closed: AtomicU32::new(0) }
     }
 
@@ -48,11 +48,5 @@ impl Switch {
             signals.released.set(true);
             signals.disarm.release(true);
         }
-    }
-}
-
-impl Default for Switch {
-    fn default() -> Self {
-        Self::new()
     }
 }

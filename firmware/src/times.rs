@@ -93,7 +93,7 @@ pub struct Load {
 
 impl Load {
     /// A load of which nothing is counted.
-    pub const fn new() -> Self {
+    pub const fn none() -> Self {
         Self { sum: Word::zero(), second: Word::zero() }
     }
 
@@ -114,12 +114,6 @@ impl Load {
     }
 }
 
-impl Default for Load {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
 /// The three times of a tick.
 #[derive(Debug)]
 pub struct Times {
@@ -135,7 +129,7 @@ pub struct Times {
 
 impl Times {
     /// Times of which nothing is counted.
-    pub const fn new() -> Self {
+    pub const fn none() -> Self {
         let [delay, duration, spacing] = [const { Histogram::new() }; 3];
         Self { delay, duration, spacing, last: Word::zero(), began: Word::zero() }
     }
@@ -156,11 +150,5 @@ impl Times {
             self.spacing.see(took.began.wrapping_sub(self.began.get()).abs_diff(period), took);
         }
         self.began.set(took.began);
-    }
-}
-
-impl Default for Times {
-    fn default() -> Self {
-        Self::new()
     }
 }

@@ -30,9 +30,9 @@ use embassy_stm32::gpio::{AfType, Flex, Input, Level, Output, Pull, Speed};
 use embassy_stm32::pac::timer::vals::{Cms, OcmGp};
 use embassy_stm32::peripherals::{PD15, PE6, PE15, PF3, TIM1};
 use embassy_stm32::{Peri, pac, pac::timer::regs::BdtrAdv, timer::low_level::Timer};
-use haptic_core::device::current::PWM_HZ;
+use haptic_core::{device::current::PWM_HZ, safety::Fault};
 
-use super::{clocks::TIMERS_HZ, legs};
+use super::{clocks::TIMERS_HZ, drive::Cut, legs};
 
 /// Counts from the bottom of the period to its top: a leg that is high all the time, and a voltage that is all of the supply.
 pub(super) const TOP: u16 = (TIMERS_HZ / PWM_HZ / 2) as u16;
@@ -67,17 +67,6 @@ pub(crate) const WAKE_TICKS: u32 = 2;
 
 /// Outputs were turned on, and not off since: whoever writes voltages without being asked may do so.
 pub(super) static DRIVEN: AtomicBool = AtomicBool::new(false);
-
-/// What turned the outputs off without a command.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Cut {
-    /// The emergency stop was pressed.
-    Stop,
-    /// A bridge's fault output.
-    Bridge,
-    /// Supply, clock or core of the chip; or nothing that left a mark.
-    Chip,
-}
 
 pub(crate) struct Pins {
     pub(crate) legs: legs::Legs,
@@ -183,17 +172,14 @@ pub(crate) fn rest() {
     }
 }
 
-/// What turned the outputs off since [`forget`]. A press of the stop takes the bridges' supply, too, and they report it; so does a failing
-/// supply: what the others follow from comes first.
+/// What turned the outputs off since [`forget`]: the stop, a bridge's fault output, or supply, clock or core of the chip, which is also what
+/// leaves no mark. A press of the stop takes the bridges' supply, too, and they report it; so does a failing supply: what the others follow
+/// from comes first.
 pub(crate) fn cut() -> Cut {
     let flags = pac::TIM1.sr().read().0;
-    if flags & STOP != 0 {
-        Cut::Stop
-    } else if flags & CHIP == 0 && flags & BRIDGE != 0 {
-        Cut::Bridge
-    } else {
-        Cut::Chip
-    }
+    let by_stop = flags & STOP != 0;
+    let fault = if flags & (CHIP | BRIDGE) == BRIDGE { Fault::BridgeFailed } else { Fault::ChipFailed };
+    Cut { by_stop, fault: if by_stop { None } else { Some(fault) } }
 }
 
 /// Everything off: enable line, outputs, and the compare values back to no voltage.

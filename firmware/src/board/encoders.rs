@@ -34,28 +34,23 @@ pub(crate) struct Pins {
     pub(crate) three: Encoder<TIM2, PA5, PB3, PB10>,
 }
 
-/// Starts all counters, at 0.
-pub(crate) fn init(pins: Pins) {
-    let (one, a1, b1, index1) = pins.one;
-    let (two, a2, b2, index2) = pins.two;
-    let config = Config { ch1_pull: Pull::None, ch2_pull: Pull::None, ..Config::default() };
-    // Dropping a counter would stop its clock: they run until the power goes.
-    core::mem::forget(Qei::new(one, a1, b1, config));
-    core::mem::forget(Qei::new(two, a2, b2, config));
-    // Alternate function 2 of both.
-    look(pac::TIM3, Flex::new(index1), 2);
-    look(pac::TIM4, Flex::new(index2), 2);
-    #[cfg(feature = "three-axes")]
-    init_third(pins.three);
+/// Starts an encoder's counter, at 0; its index is at this alternate function.
+macro_rules! start {
+    ($pins:expr, $number:literal, $function:literal) => {{
+        let (timer, a, b, index) = $pins;
+        let config = Config { ch1_pull: Pull::None, ch2_pull: Pull::None, ..Config::default() };
+        // Dropping a counter would stop its clock: they run until the power goes.
+        core::mem::forget(Qei::new(timer, a, b, config));
+        look(timers()[$number], Flex::new(index), $function);
+    }};
 }
 
-/// Starts the third one, of whose counter the lower half counts.
-#[cfg(feature = "three-axes")]
-fn init_third((timer, a, b, index): Encoder<TIM2, PA5, PB3, PB10>) {
-    let config = Config { ch1_pull: Pull::None, ch2_pull: Pull::None, ..Config::default() };
-    core::mem::forget(Qei::new(timer, a, b, config));
-    let [.., third] = timers();
-    look(third, Flex::new(index), 1);
+/// Starts all counters; of the third one the lower half counts.
+pub(crate) fn init(pins: Pins) {
+    start!(pins.one, 0, 2);
+    start!(pins.two, 1, 2);
+    #[cfg(feature = "three-axes")]
+    start!(pins.three, 2, 1);
 }
 
 /// Filters of an encoder that counts already, and its index, to which this alternate function of the pin leads.

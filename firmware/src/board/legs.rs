@@ -28,6 +28,13 @@ pub(super) const CHANNELS: core::ops::Range<usize> = 0..LEGS * JOINTS;
 /// What the gate's channel is compared with while it is open: more than the counter ever is.
 const GATE_OPEN: u16 = TOP + 1;
 
+/// Leads pins to their channels, for as long as there is power.
+macro_rules! lead {
+    ($kind:ident: $($pin:expr),*) => {
+        $(core::mem::forget($kind::new($pin, OutputType::PushPull));)*
+    };
+}
+
 /// Pins of each bridge's two legs.
 #[cfg(not(feature = "three-axes"))]
 pub(crate) struct Legs {
@@ -39,10 +46,7 @@ pub(crate) struct Legs {
 impl Legs {
     pub(super) fn connect(self) {
         let ((one_a, one_b), (two_a, two_b)) = (self.bridge_1, self.bridge_2);
-        core::mem::forget(PwmPin::new(one_a, OutputType::PushPull));
-        core::mem::forget(PwmPin::new(one_b, OutputType::PushPull));
-        core::mem::forget(PwmPin::new(two_a, OutputType::PushPull));
-        core::mem::forget(PwmPin::new(two_b, OutputType::PushPull));
+        lead!(PwmPin: one_a, one_b, two_a, two_b);
     }
 }
 
@@ -59,13 +63,8 @@ pub(crate) struct Legs {
 impl Legs {
     pub(super) fn connect(self) {
         let ((one_a, one_b), (two_a, two_b), (three_a, three_b)) = (self.bridge_1, self.bridge_2, self.bridge_3);
-        core::mem::forget(PwmPin::new(one_a, OutputType::PushPull));
-        core::mem::forget(PwmPin::new(two_a, OutputType::PushPull));
-        core::mem::forget(PwmPin::new(three_a, OutputType::PushPull));
-        core::mem::forget(ComplementaryPwmPin::new(one_b, OutputType::PushPull));
-        core::mem::forget(ComplementaryPwmPin::new(two_b, OutputType::PushPull));
-        core::mem::forget(ComplementaryPwmPin::new(three_b, OutputType::PushPull));
-        core::mem::forget(PwmPin::new(self.gate, OutputType::PushPull));
+        lead!(PwmPin: one_a, two_a, three_a, self.gate);
+        lead!(ComplementaryPwmPin: one_b, two_b, three_b);
     }
 }
 

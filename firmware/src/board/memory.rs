@@ -35,13 +35,6 @@ pub(crate) fn load_itcm() {
     cortex_m::asm::isb();
 }
 
-/// A region of the MPU: base and size (a power of two), and attributes as in RASR bits 16–28.
-struct Region {
-    base: u32,
-    size: u32,
-    attributes: u32,
-}
-
 /// No access at all, never executed.
 const NO_ACCESS: u32 = 1 << 28;
 /// Read and execute only.
@@ -55,27 +48,27 @@ const PROGRAM: u32 = 0b110 << 24 | 1 << 17;
 
 /// Sets up the MPU and the instruction cache.
 pub(crate) fn protect() {
-    // Where two overlap, the later decides: the guard lies in DTCM.
+    // Base, size (a power of two), and attributes as in RASR bits 16–28. Where two overlap, the later decides: the guard lies in DTCM.
     let regions = [
-        Region { base: 0x2000_0000, size: 128 * 1024, attributes: NOT_CACHED },
-        Region { base: addr_of!(_stack_guard) as u32, size: 256, attributes: NO_ACCESS },
-        Region { base: 0, size: 64 * 1024, attributes: READ_ONLY },
-        Region { base: 0x0800_0000, size: 1024 * 1024, attributes: PROGRAM },
-        Region { base: 0x2400_0000, size: 512 * 1024, attributes: NOT_CACHED },
+        (0x2000_0000, 128 * 1024, NOT_CACHED),
+        (addr_of!(_stack_guard) as u32, 256, NO_ACCESS),
+        (0, 64 * 1024, READ_ONLY),
+        (0x0800_0000, 1024 * 1024, PROGRAM),
+        (0x2400_0000, 512 * 1024, NOT_CACHED),
         // A read ahead of a bank that is being erased would wait for seconds.
-        Region { base: 0x0810_0000, size: 1024 * 1024, attributes: DEVICE },
-        Region { base: 0x6000_0000, size: 512 * 1024 * 1024, attributes: NO_ACCESS },
-        Region { base: 0x8000_0000, size: 512 * 1024 * 1024, attributes: NO_ACCESS },
+        (0x0810_0000, 1024 * 1024, DEVICE),
+        (0x6000_0000, 512 * 1024 * 1024, NO_ACCESS),
+        (0x8000_0000, 512 * 1024 * 1024, NO_ACCESS),
     ];
     // SAFETY: single-threaded start-up; nobody else holds these.
     let mut p = unsafe { Peripherals::steal() };
     // SAFETY: the regions forbid only what nothing does; memory outside them keeps its default attributes.
     unsafe {
         p.MPU.ctrl.write(0);
-        for (number, region) in (0..).zip(&regions) {
+        for (number, (base, size, attributes)) in (0..).zip(regions) {
             p.MPU.rnr.write(number);
-            p.MPU.rbar.write(region.base);
-            p.MPU.rasr.write(region.attributes | (region.size.trailing_zeros() - 1) << 1 | 1);
+            p.MPU.rbar.write(base);
+            p.MPU.rasr.write(attributes | (u32::trailing_zeros(size) - 1) << 1 | 1);
         }
         // Enabled, with the default map behind it, also for privileged code; not in HardFault and NMI.
         p.MPU.ctrl.write(0b101);

@@ -36,11 +36,11 @@ const LOOKS: u32 = 10_000;
 const _: () = assert!(COUNTS <= 1 << 16 && COUNTS * PRESCALER * 1000 == TIMERS_HZ);
 
 /// Times of the tick since the start, and of the current loop.
-pub(crate) static TIMES: Times = Times::new();
-pub(crate) static LOOP_TIMES: Times = Times::new();
+pub(crate) static TIMES: Times = Times::none();
+pub(crate) static LOOP_TIMES: Times = Times::none();
 /// What both have of the processor.
-pub(crate) static LOAD: Load = Load::new();
-pub(crate) static LOOP_LOAD: Load = Load::new();
+pub(crate) static LOAD: Load = Load::none();
+pub(crate) static LOOP_LOAD: Load = Load::none();
 /// The last run of the current loop that was counted.
 static COUNTED: AtomicU32 = AtomicU32::new(0);
 /// What the last tick left about itself: its number, when it began and ended, how late it was in its timer's counts with its flags above.

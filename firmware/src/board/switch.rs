@@ -5,7 +5,7 @@ use embassy_stm32::{Peri, pac, peripherals::PG14};
 use embassy_sync::once_lock::OnceLock;
 use firmware_parts::{signals::Signals, switch::Switch};
 
-static SWITCH: Switch = Switch::new();
+static SWITCH: Switch = Switch::unseen();
 /// Whom it is told.
 static SIGNALS: OnceLock<&'static Signals> = OnceLock::new();
 

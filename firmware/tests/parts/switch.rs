@@ -13,7 +13,7 @@ fn looks(switch: &Switch, signals: &Signals, closed: bool, times: u32) -> bool {
 
 #[test]
 fn a_steady_press_holds_it_and_nothing_shorter() {
-    let (switch, signals) = (Switch::new(), Signals::at_power_on());
+    let (switch, signals) = (Switch::unseen(), Signals::at_power_on());
     assert!(!looks(&switch, &signals, false, 1));
     assert!(!looks(&switch, &signals, true, STEADY - 1));
     assert!(looks(&switch, &signals, true, 1));
@@ -27,7 +27,7 @@ fn a_steady_press_holds_it_and_nothing_shorter() {
 
 #[test]
 fn one_that_was_closed_before_the_start_holds_nothing_until_it_was_open() {
-    let (switch, signals) = (Switch::new(), Signals::at_power_on());
+    let (switch, signals) = (Switch::unseen(), Signals::at_power_on());
     assert!(!looks(&switch, &signals, true, 10 * STEADY));
     assert!(!looks(&switch, &signals, false, 1));
     assert!(looks(&switch, &signals, true, STEADY));
@@ -41,7 +41,7 @@ fn one_look_that_finds_it_open_turns_off_what_is_on_where_it_is_asked_for() {
         (Mode::Armed, false, false),
         (Mode::Disarmed, true, false),
     ] {
-        let (switch, signals) = (Switch::new(), Signals::at_power_on());
+        let (switch, signals) = (Switch::unseen(), Signals::at_power_on());
         signals.by_switch.set(by_switch);
         looks(&switch, &signals, false, 1);
         looks(&switch, &signals, true, STEADY);

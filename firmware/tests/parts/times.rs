@@ -11,7 +11,7 @@ fn a_tick_is_counted_in_the_bin_of_its_highest_bit() {
     for (cycles, bin) in
         [(0, 0), (1, 0), (2, 1), (3, 1), (4, 2), (1023, 9), (1024, 10), (32_767, 14), (32_768, 15), (u32::MAX, 15)]
     {
-        let times = Times::new();
+        let times = Times::none();
         times.see(
             &Took { tick: 7, delay: cycles, began: 5, ended: 5_u32.wrapping_add(cycles), ..Took::default() },
             PERIOD,
@@ -25,7 +25,7 @@ fn a_tick_is_counted_in_the_bin_of_its_highest_bit() {
 
 #[test]
 fn spacing_is_of_two_ticks_in_a_row_and_the_counter_may_wrap() {
-    let times = Times::new();
+    let times = Times::none();
     let mut began = u32::MAX - PERIOD / 2;
     for (tick, late) in [(1, 0), (2, 0), (3, 100), (4, 0), (6, 0), (7, 0)] {
         times.see(
@@ -43,7 +43,7 @@ fn spacing_is_of_two_ticks_in_a_row_and_the_counter_may_wrap() {
 
 #[test]
 fn the_longest_is_told_with_what_its_tick_did() {
-    let times = Times::new();
+    let times = Times::none();
     let ticks = [(1, 600, 0), (2, 2_000, SENT | RECEIVED), (3, 1_999, 0), (4, 2_000, 0)];
     for (tick, ended, flags) in ticks {
         times.see(&Took { tick, flags, ended, ..Took::default() }, PERIOD);

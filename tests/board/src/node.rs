@@ -278,8 +278,12 @@ impl Driver<Nucleo> for Stepper {
         let at = stop.at;
         given(inputs.cable, |cable| part.plug(at, cable));
         given(inputs.reader, |reader| part.read_serial(at, reader));
-        given(inputs.press, |pressed| part.press_stop(at, pressed));
-        given(inputs.bridge_fails, |fails| part.fail_bridge(at, fails));
+        given(inputs.press, |pressed| part.stop_released = !pressed);
+        given(inputs.bridge_fails, |fails| part.bridge_fails = fails);
+        given(inputs.button, |pressed| part.button_pressed = pressed);
+        if [inputs.press, inputs.bridge_fails, inputs.button].iter().any(Option::is_some) {
+            part.wire(at);
+        }
         if inputs.supply_dips {
             part.dip_supply(at);
         }
@@ -295,10 +299,7 @@ impl Driver<Nucleo> for Stepper {
         if inputs.clock_stops {
             part.stop_clock(at);
         }
-        if inputs.clock_missing {
-            part.miss_clock();
-        }
-        given(inputs.button, |pressed| part.press_button(at, pressed));
+        part.missing.wanted |= inputs.clock_missing;
         given(inputs.noise, |works| part.noise(at, works));
         self.motors.extend(hangs.made.as_ref().map(Motors::again));
         self.hangs = hangs.which;

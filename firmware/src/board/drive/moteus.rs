@@ -72,11 +72,7 @@ impl Drive for Moteus {
     }
 
     fn cut(&self, _: &Self::Plan) -> Cut {
-        match bridges::cut() {
-            bridges::Cut::Stop => Cut { by_stop: true, fault: None },
-            bridges::Cut::Bridge => Cut { by_stop: false, fault: Some(Fault::BridgeFailed) },
-            bridges::Cut::Chip => Cut { by_stop: false, fault: Some(Fault::ChipFailed) },
-        }
+        bridges::cut()
     }
 
     #[inline(always)]

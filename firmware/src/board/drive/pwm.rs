@@ -84,11 +84,7 @@ impl Drive for Pwm {
     }
 
     fn cut(&self, plan: &Self::Plan) -> Cut {
-        let (by_stop, fault) = match bridges::cut() {
-            bridges::Cut::Stop => (true, None),
-            bridges::Cut::Bridge => (false, Some(Fault::BridgeFailed)),
-            bridges::Cut::Chip => (false, Some(Fault::ChipFailed)),
-        };
+        let Cut { by_stop, fault } = bridges::cut();
         // PE14 fell with the outputs, and nobody has taken the enable line yet.
         let passes = plan.power.is_none() && legs::gate_passes();
         Cut { by_stop, fault: if passes { Some(Fault::EnableGate) } else { fault } }

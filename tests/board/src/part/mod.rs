@@ -102,13 +102,17 @@ pub struct Part {
     /// What the converters' inputs read in the middle of the PWM period.
     middle: [u16; 3],
     slots: Slots,
-    missing: Missing,
-    stop_released: bool,
-    bridge_fails: bool,
+    /// Whether the external clock comes when it is asked for.
+    pub missing: Missing,
+    /// The emergency stop's first contact is closed. Of this and the next two [`Part::wire`] tells the pins.
+    pub stop_released: bool,
+    /// A bridge reports a fault.
+    pub bridge_fails: bool,
+    /// The blue button is pressed.
+    pub button_pressed: bool,
     gate: Gate,
     /// PD15 is high.
     gate_passes: bool,
-    button_pressed: bool,
     strap_to_ground: bool,
     noise_works: bool,
     /// A PC is at USART3.
@@ -210,7 +214,7 @@ impl Part {
     }
 
     /// Puts on the pins what the wiring holds there.
-    fn wire(&mut self, at: VirtualNanos) {
+    pub fn wire(&mut self, at: VirtualNanos) {
         // An open strap is pulled up by the chip; ground is ground.
         self.drive(at, Place::of("PG12"), self.strap_to_ground.then_some(false));
         // The blue button connects to 3.3 V while it is pressed, and is pulled down while it is not.
@@ -279,18 +283,6 @@ impl Part {
         self.peek(at, 0x4000_7408, Width::W32).unwrap_or(0) as u16
     }
 
-    /// Presses or releases the emergency stop.
-    pub fn press_stop(&mut self, at: VirtualNanos, pressed: bool) {
-        self.stop_released = !pressed;
-        self.wire(at);
-    }
-
-    /// A bridge reports a fault, or none any more.
-    pub fn fail_bridge(&mut self, at: VirtualNanos, fails: bool) {
-        self.bridge_fails = fails;
-        self.wire(at);
-    }
-
     /// The amplifiers' enable is wired another way from now on.
     pub fn wire_gate(&mut self, at: VirtualNanos, gate: Gate) {
         self.gate = gate;
@@ -318,17 +310,6 @@ impl Part {
         let (_, mut context) = self.chip.bus_mut().drive(at, self.slots.pwr);
         context.request(SUPPLY_LOW, Level::High);
         context.request(SUPPLY_LOW, Level::Low);
-    }
-
-    /// The external clock does not come when it is asked for, until the chip gives up.
-    pub fn miss_clock(&mut self) {
-        self.missing.wanted = true;
-    }
-
-    /// Presses or releases the blue button.
-    pub fn press_button(&mut self, at: VirtualNanos, pressed: bool) {
-        self.button_pressed = pressed;
-        self.wire(at);
     }
 
     /// Lets the noise source fail, or work again.
