@@ -11,6 +11,7 @@ use core::fmt::{self, Write};
 
 use embassy_time::{Duration, Instant, Timer};
 use firmware_parts::ceiling::{self, Above};
+use firmware_parts::contacts::Contacts;
 use firmware_parts::exchange::{Reader, Writer};
 use firmware_parts::image::{JOINTS, Peer};
 use firmware_parts::kept::{HOLD_SWITCH, Kept};
@@ -25,7 +26,7 @@ use haptic_core::{device::velocity::VelocityName, num::Motion};
 use haptic_protocol::{lease::Word, lines::Line};
 
 use crate::board::drive::{Drive, Fitted};
-use crate::board::{Number, bridges, clocks::CORE_HZ, pace, update};
+use crate::board::{Number, bridges, clocks::CORE_HZ, current, pace, update};
 use crate::storage::{self, Origin};
 use crate::tick::Plan;
 use crate::{fault::Cause, flow, lease::Lease, telemetry::Telemetry};
@@ -37,6 +38,8 @@ pub(crate) struct Console {
     pub(crate) unacknowledged: bool,
     /// What stands against arming whatever anybody acknowledges.
     pub(crate) unfit: Option<&'static str>,
+    /// The emergency stop's.
+    pub(crate) contacts: Contacts,
     pub(crate) origin: Origin,
     /// What the board started with, or what was applied last with its button held.
     pub(crate) ceiling: &'static mut Kept,
@@ -275,6 +278,9 @@ impl Console {
         if let Some(why) = last.or(now) {
             write!(to, "{why}; ")?;
         }
+        if let Some(why) = self.contacts() {
+            write!(to, "{why}; ")?;
+        }
         if signals.released.get() {
             to.write_str("motors off: the hold-to-run switch was released; ")?;
         }
@@ -362,6 +368,8 @@ impl Console {
             Err(No::Clear("the emergency stop was pressed"))
         } else if !bridges::stop_released() {
             Err(No::Because("the emergency stop is pressed, or not connected"))
+        } else if let Some(why) = self.contacts() {
+            Err(No::Because(why))
         } else if self.signals.by_switch.get() && !self.signals.held.get() {
             Err(No::Because("hold the hold-to-run switch: it is open, not connected, or closed since before the start"))
         } else if let [Some(why), _] = Fitted::says(self.signals) {
@@ -373,6 +381,28 @@ impl Console {
                 Mode::Disarmed => Ok(()),
                 mode => Err(No::Mode(mode)),
             }
+        }
+    }
+
+    /// Supply of the bridges, mV, if it is measured.
+    fn supply_mv(&self) -> Option<u32> {
+        current::supply_mv(self.applied.settings.motor.drive)
+    }
+
+    /// What was found against the emergency stop's contacts; none while the supply is not measured.
+    #[inline(never)]
+    fn contacts(&self) -> Option<&'static str> {
+        self.supply_mv().and_then(|_| self.contacts.says())
+    }
+
+    /// Compares the emergency stop's contacts, in every mode; to be called now and then.
+    pub(crate) fn compare(&mut self) {
+        let least_mv = (1e3 * self.applied.settings.motor.min_supply_v) as u32;
+        let (now_us, open) = (Instant::now().as_micros() as u32, !bridges::stop_released());
+        if self.contacts.look(now_us, open, self.supply_mv(), least_mv)
+            && let Some(why) = self.contacts()
+        {
+            defmt::error!("contacts of the stop: {=str}", why);
         }
     }
 

@@ -7,6 +7,7 @@ pub mod as5047p;
 pub mod boots;
 pub mod button;
 pub mod ceiling;
+pub mod contacts;
 pub mod exchange;
 pub mod hedge;
 pub mod hold;

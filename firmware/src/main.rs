@@ -138,6 +138,7 @@ mod image {
             cause,
             unacknowledged: cause.stop.latches(),
             unfit: board.unfit,
+            contacts: Default::default(),
             origin,
             ceiling: CEILING.init(kept),
             applied: kept,

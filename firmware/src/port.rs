@@ -103,6 +103,7 @@ pub(crate) async fn run(stack: Stack<'static>, console: Console, link: &'static 
             Err(_) => answers.tend(),
         }
         port.console.leave();
+        port.console.compare();
         teller.look(&port.console);
         let now = Instant::now().as_micros();
         let (lease, signals) = (port.console.lease, port.console.signals);

@@ -31,6 +31,7 @@ use haptic_core::device::current::{Controller, CurrentLoop, Gains, PWM_HZ, Senso
 use haptic_core::device::kinematics::Joints;
 use haptic_core::device::stage::{Flow, Measured};
 use haptic_core::device::{AXES, encoder::Counts, motor::Duty};
+use haptic_core::names::MotorDrive;
 use haptic_core::peer::Actuators;
 use haptic_core::settings::{Refused, Settings};
 
@@ -325,6 +326,17 @@ impl Power {
     }
 }
 
+/// The supply of the bridges that the converter read last, mV, if bridges are driven: with amplifiers its pin is open.
+pub(crate) fn supply_mv(drive: MotorDrive) -> Option<u32> {
+    (drive == MotorDrive::CurrentLoop).then(|| millivolts(pac::ADC1.jdr(AXES).read().jdata()))
+}
+
+/// 65535 · 36300 < 2³²: to the nearest mV, of which a step of the converter is half.
+#[inline(always)]
+fn millivolts(supply_read: u32) -> u32 {
+    (supply_read * SUPPLY_MV + (1 << (BITS - 1))) >> BITS
+}
+
 /// What a record tells of it.
 pub(crate) fn reported(measured: Option<&Measured>) -> Option<&Measured> {
     measured
@@ -394,8 +406,7 @@ impl Stage {
 
     #[inline(always)]
     fn said(&mut self, motors: [Flow; AXES], supply_read: u32) -> Measured {
-        // 65535 · 36300 < 2³²: to the nearest mV, of which a step of the converter is half.
-        self.supply_mv = (supply_read * SUPPLY_MV + (1 << (BITS - 1))) >> BITS;
+        self.supply_mv = millivolts(supply_read);
         Measured { motors, supply_mv: self.supply_mv as u16, supply_counts: legs::COUNTS }
     }
 

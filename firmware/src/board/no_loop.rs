@@ -2,6 +2,7 @@
 
 use firmware_parts::image::JOINTS;
 use haptic_core::device::stage::Measured;
+use haptic_core::names::MotorDrive;
 
 /// PWM periods in a tick, and runs that are remembered: there are none.
 pub(crate) const PERIODS: u32 = 0;
@@ -26,6 +27,11 @@ pub(crate) fn runs() -> u32 {
 
 pub(crate) fn run(_: u32) -> Run {
     Run { began: 0, ended: 0, late: 0, first: true }
+}
+
+/// The supply of the bridges: nobody measures it.
+pub(crate) fn supply_mv(_: MotorDrive) -> Option<u32> {
+    None
 }
 
 /// What a record tells of what was measured.

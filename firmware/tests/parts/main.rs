@@ -3,6 +3,7 @@
 mod as5047p;
 mod button;
 mod ceiling;
+mod contacts;
 mod exchange;
 mod hedge;
 mod hold;

@@ -65,6 +65,8 @@ pub struct Bench {
     period_s: f64,
     /// Stops since power-on.
     stops: u64,
+    /// Of the emergency stops' two contacts, those that are bridged, on every board.
+    pub bridged: [bool; 2],
     /// Periods that armed boards are given to engage: a whole number of packets.
     engaging: u64,
     /// At which stop the motors of each board were first seen on.
@@ -130,6 +132,7 @@ impl Bench {
             stops: 0,
             engaging: 0,
             on: vec![None; boards],
+            bridged: [false; 2],
             begun: None,
             ticks: 0,
         };

@@ -195,11 +195,19 @@ impl Bench {
         self.run_to(self.now_ns + PERIOD_NS);
     }
 
-    /// Presses the emergency stop of a board (1 or 2), both contacts, or releases it; takes effect at the next stop.
+    /// Presses the emergency stop of a board (1 or 2), each contact that is not bridged, or releases it; takes effect at the next stop.
     pub fn press_stop(&mut self, number: usize, pressed: bool) {
-        self.input(number).press = Some(pressed);
+        let [first, second] = self.bridged;
+        self.input(number).press = (!first).then_some(pressed);
+        if !second {
+            self.cut_supply(number, pressed);
+        }
+    }
+
+    /// The supply of a board's (1 or 2) bridges is switched off, or on again, whoever does it.
+    pub fn cut_supply(&mut self, number: usize, cut: bool) {
         if let Some(device) = self.device(number) {
-            device.motors().act(Act::Cut(pressed));
+            device.motors().act(Act::Cut(cut));
         }
     }
 

@@ -26,8 +26,6 @@ struct Table {
     bench: Rc<RefCell<Bench>>,
     truth: Scene,
     taken: Rc<RefCell<usize>>,
-    /// The stop's second contact is in no supply.
-    uncut: bool,
     /// What the voltmeter shows of the supply.
     shows: f64,
 }
@@ -64,11 +62,7 @@ impl Person for Table {
                 bench.run_for_ms(5);
             }
             Task::PressStop | Task::ReleaseStop => {
-                if self.uncut {
-                    bench.input(1).press = Some(*task == Task::PressStop);
-                } else {
-                    bench.press_stop(1, *task == Task::PressStop);
-                }
+                bench.press_stop(1, *task == Task::PressStop);
                 bench.run_for_ms(5);
                 assert!(!bench.stopped[0].bridges.on(), "off, pressed or released");
             }
@@ -118,7 +112,7 @@ fn table(set: &[&str]) -> Table {
         bench.tell_of_amplifiers(1);
     }
     bench.let_go(Some(&truth));
-    Table { bench: Rc::new(RefCell::new(bench)), truth, taken: Rc::default(), uncut: false, shows: 1.0 }
+    Table { bench: Rc::new(RefCell::new(bench)), truth, taken: Rc::default(), shows: 1.0 }
 }
 
 /// The motors of a board with a current loop.
@@ -157,6 +151,10 @@ fn steps(file: &Path, board: &mut Table, sheet: Sheet) -> Result<usize, Error> {
 fn what_is_wrong_ends_the_first_hour_before_anything_drives() {
     let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("brought-up-wrong.toml");
     let looped = || table(&LOOP);
+    let uncut = |board: Table| {
+        board.bench.borrow_mut().bridged[1] = true;
+        board
+    };
     let ungated = || {
         let board = table(&[]);
         board.bench.borrow_mut().input(1).gate = Some(Gate::EnableAlone);
@@ -165,8 +163,8 @@ fn what_is_wrong_ends_the_first_hour_before_anything_drives() {
     type Case<'a> = (&'a str, Table, [f64; 2], &'a str);
     let exchanged = [0.0007 / 3.0, 3.0 / 0.0007];
     let cases: [Case<'_>; 8] = [
-        ("the stop's second contact is in no supply", Table { uncut: true, ..looped() }, [1.0; 2], "emergency stop: "),
-        ("the same, with amplifiers", Table { uncut: true, ..table(&[]) }, [1.0; 2], "emergency stop: "),
+        ("the stop's second contact is in no supply", uncut(looped()), [1.0; 2], "emergency stop: "),
+        ("the same, with amplifiers", uncut(table(&[])), [1.0; 2], "emergency stop: "),
         ("the divider at PB1 is off by 10 %", Table { shows: 1.1, ..looped() }, [1.0; 2], "supply: "),
         ("data sheet of three times the resistance", looped(), [3.0, 1.0], "winding: "),
         ("of a third of it", looped(), [1.0 / 3.0, 1.0], "winding: "),

@@ -21,6 +21,7 @@
 //! | [`far`] | does it hold one object with a peer far away, by the PC beside it? |
 //! | [`bad_wire`], [`cable`] | what does a bad wire do, and none? |
 //! | [`faults`] (one of them an [`impostor`]), [`encoder_faults`], [`stop`], [`switch`], [`breaks`], [`deadman`], [`store`] | do outputs go off, and settings stay whole? |
+//! | [`contacts`] | is a contact of the emergency stop that is bridged found? |
 //! | [`update`] | does an order lead to the ROM's bootloader, safely, and start what that is given? |
 //! | [`budgets`], [`static_stack`], [`times`] | do flash, memory, stack, instructions and times keep to their budgets? |
 
@@ -32,6 +33,7 @@ mod cable;
 mod calibrate;
 mod ceiling;
 mod clutch;
+mod contacts;
 mod current_loop;
 mod deadman;
 mod encoder_faults;
