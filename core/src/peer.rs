@@ -26,7 +26,7 @@ use crate::device::{self, AXES, Reading};
 use crate::law::degradation::{Degradation, Engagement};
 use crate::law::{AnyLaw, Law, Spring, credit};
 use crate::num::{Configured, Motion, Scalar, StateVector};
-use crate::safety::{Command, Fault, Guard, Mode, Patience};
+use crate::safety::{Command, Fault, Guard, Limits, Mode, Patience};
 use crate::settings::{Refused, Settings, Tables};
 use crate::{
     device::clutch::{Clutch, Slip},
@@ -469,33 +469,34 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
             self.judge(measured);
         }
         // Not one question for both: what the slow one gives in memory would be there for both.
-        let felt = if self.fast_path {
-            let Some(felt) = self.advance::<true>(&pose.axes) else {
+        let (felt, limits) = if self.fast_path {
+            let limits = self.guard.limits;
+            let Some(felt) = self.advance::<true>(&pose.axes, limits) else {
                 self.trip(Fault::Diverged);
                 return Actuators::default();
             };
-            felt
+            (felt, limits)
         } else if self.mode == Mode::Armed {
-            let Some(felt) = self.slow_path() else {
+            let limits = self.guard.limits.eased(self.envelope.most(&self.load, self.guard.limits.most, pose.axes));
+            let Some(felt) = self.slow_path(limits) else {
                 self.trip(Fault::Diverged);
                 return Actuators::default();
             };
-            felt
+            (felt, limits)
         } else {
             let Actuators { forces, duties, enable, open } = self.unarmed(stage.as_ref());
             return Actuators { forces, duties, enable, open };
         };
-        self.actuate(&pose, felt)
+        self.actuate(&pose, felt, limits)
     }
 
     /// [`Peer::advance`] in an armed tick that is not [`Peer::fast_path`].
     #[cold]
     #[inline(never)]
-    fn slow_path(&mut self) -> Option<[S; SHARED]> {
+    fn slow_path(&mut self, limits: Limits<S>) -> Option<[S; SHARED]> {
         self.firm_up();
         let device = self.device;
-        self.guard.ease(self.envelope.most(&self.load, self.guard.full_force, device));
-        let mut felt = self.advance::<false>(&device)?;
+        let mut felt = self.advance::<false>(&device, limits)?;
         for (felt, motion) in felt.iter_mut().zip(&device) {
             *felt = *felt - self.guard.brake(motion.velocity);
         }
@@ -516,12 +517,13 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
     /// One tick of the copy along every shared axis, with devices there: the force on it whose reaction the device feels, N, if all of them
     /// are numbers. `PLAIN`: clutch, fixture and slips are skipped, so that a peer with none pays for none.
     #[inline(always)]
-    fn advance<const PLAIN: bool>(&mut self, sensed: &[Motion<S>; N]) -> Option<[S; SHARED]> {
+    fn advance<const PLAIN: bool>(&mut self, sensed: &[Motion<S>; N], limits: Limits<S>) -> Option<[S; SHARED]> {
         let tick = Tick {
             law: &self.law,
             contact: &self.contact,
             spring: &self.spring,
             guard: &self.guard,
+            limits,
             fixture: if PLAIN { None } else { self.fixture },
             at_device: !PLAIN && self.at_device,
             engaged: self.engagement.is_engaged(),
@@ -688,7 +690,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
 
     /// The reaction of the contact on the shared axes and the hold of the others, within the limits.
     #[inline(always)]
-    fn actuate(&mut self, pose: &Pose<S, N>, felt: [S; SHARED]) -> Actuators<S, N> {
+    fn actuate(&mut self, pose: &Pose<S, N>, felt: [S; SHARED], limits: Limits<S>) -> Actuators<S, N> {
         let mut wanted = [S::ZERO; N];
         for (force, felt) in wanted.iter_mut().zip(&felt) {
             *force = -*felt;
@@ -702,7 +704,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         let mut forces = self.forces;
         for (at, (last, wanted)) in forces.iter_mut().zip(&wanted).enumerate() {
             if at < self.axes {
-                *last = if self.guard.is_free(*wanted) { *wanted } else { self.limited(at, *last, *wanted) };
+                *last = if limits.is_free(*wanted) { *wanted } else { self.limited(at, limits, *last, *wanted) };
             }
         }
         // What a limit of force cuts off, the object does not get either: that may last. What a duty cuts off, it gets.
@@ -746,8 +748,8 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
     /// The force (N) that an axis has after `last` where `wanted` is asked of it; where the axis is held, its line slips for what is cut.
     #[cold]
     #[inline(never)]
-    fn limited(&mut self, at: usize, last: S, wanted: S) -> S {
-        let given = self.guard.limit(last, wanted);
+    fn limited(&mut self, at: usize, limits: Limits<S>, last: S, wanted: S) -> S {
+        let given = limits.limit(last, wanted);
         if at >= SHARED
             && given != wanted
             && let Some(grip) = self.grips.get_mut(at)

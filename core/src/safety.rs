@@ -184,14 +184,8 @@ pub const MOST_BRAKING: f64 = 20.0;
 /// Limits of force, slew and speed.
 #[derive(Clone, Copy, Debug)]
 pub struct Guard<S> {
-    /// Largest force of either sign in this tick, N: `safety.max_force_n`, or less where its mean would be too much ([`crate::device::envelope`]).
-    pub max_force: S,
-    /// Largest growth of a force away from zero in one tick, N.
-    pub max_step: S,
-    /// Forces below this (N) are within both limits, whatever was commanded before.
-    free: S,
-    /// Largest force of either sign in any tick, N.
-    pub full_force: S,
+    /// Of the forces of any tick.
+    pub limits: Limits<S>,
     /// Fastest motion while armed at which the device does not brake, m/s.
     pub max_speed: S,
     /// Fastest motion while armed, m/s: [`FASTEST`] times that.
@@ -208,21 +202,18 @@ pub struct Guard<S> {
     pub silent_packets: u32,
 }
 
-configured!([S: Scalar] Guard<S> { max_force, max_step, free, full_force, max_speed, fastest, braking, fastest_copy, workspace, saturated_ticks, silent_packets });
+configured!([S: Scalar] Guard<S> { limits, max_speed, fastest, braking, fastest_copy, workspace, saturated_ticks, silent_packets });
 
 impl<S: Scalar> Guard<S> {
     /// The limits of the scene's table `safety`.
     pub fn build(settings: &Settings) -> Self {
         let safety = &settings.safety;
-        let [max_force, max_step] =
+        let [most, step] =
             [safety.max_force_n, safety.max_slew_n_per_s * settings.timing.control_period_s].map(S::from_f64);
         let most_braking = MOST_BRAKING * settings.scale.force / settings.scale.position;
         let braking = safety.max_force_n / ((FASTEST - 1.0) * safety.max_speed_m_per_s);
         Self {
-            max_force,
-            max_step,
-            free: max_force.min(max_step),
-            full_force: max_force,
+            limits: Limits { most, step, free: most.min(step) },
             max_speed: S::from_f64(safety.max_speed_m_per_s),
             fastest: S::from_f64(FASTEST * safety.max_speed_m_per_s),
             braking: S::from_f64(braking.min(most_braking)),
@@ -233,17 +224,31 @@ impl<S: Scalar> Guard<S> {
         }
     }
 
-    /// From now on no force is larger than `most` (N).
-    #[inline]
-    pub fn ease(&mut self, most: S) {
-        self.max_force = most;
-        self.free = most.min(self.max_step);
-    }
-
     /// The force (N) with which a device of this velocity (m/s) brakes; 0 up to `max_speed`.
     #[inline]
     pub fn brake(&self, velocity: S) -> S {
         self.braking * (velocity.limit(self.max_speed) - velocity)
+    }
+}
+
+/// What the forces of a device may be in a tick.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits<S> {
+    /// Largest force of either sign, N.
+    pub most: S,
+    /// Largest growth of a force away from zero in one tick, N.
+    pub step: S,
+    /// Forces below this (N) are within both, whatever was commanded before.
+    free: S,
+}
+
+configured!([S: Scalar] Limits<S> { most, step, free });
+
+impl<S: Scalar> Limits<S> {
+    /// The same with no force larger than this (N), which is no more than before.
+    #[inline]
+    pub fn eased(self, most: S) -> Self {
+        Self { most, free: most.min(self.step), ..self }
     }
 
     /// Whether a device can give this force (N) whatever it gave before; most are like this, and nothing else need be asked of them.
@@ -252,12 +257,12 @@ impl<S: Scalar> Guard<S> {
         force.abs() < self.free
     }
 
-    /// The force (N) that may follow `last` (N) when `wanted` (N) is asked for: within ±max_force, and no more than a step farther from zero
+    /// The force (N) that may follow `last` (N) when `wanted` (N) is asked for: within ±most, and no more than a step farther from zero
     /// than `last` was on that side. NaN asks for 0. Without a branch, of which a proof would have to go both ways.
     #[inline]
     pub fn limit(&self, last: S, wanted: S) -> S {
-        let (least, most) = (last.min(S::ZERO) - self.max_step, last.max(S::ZERO) + self.max_step);
-        wanted.limit(self.max_force).max(least).min(most)
+        let (least, most) = (last.min(S::ZERO) - self.step, last.max(S::ZERO) + self.step);
+        wanted.limit(self.most).max(least).min(most)
     }
 
     /// The force on the object (N) whose reaction the device can give after it was commanded `commanded` (N), where `asked` (N) is asked

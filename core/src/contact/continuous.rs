@@ -6,7 +6,7 @@
 //! A scene with neither gap nor side has no contact detection at all.
 
 use super::grip::Grip;
-use super::rendering::{Limits, Press, Rendering, Strikes, Touch};
+use super::rendering::{Giving, Press, Rendering, Strikes, Touch};
 use crate::num::{Configured, Motion, Scalar};
 use crate::object::port::{Port, met_midway};
 use crate::settings::{Refused, Settings};
@@ -156,24 +156,12 @@ impl<S: Scalar> Rendering<S> for Contact<S> {
         self.clear_of(position)
     }
     #[inline]
-    fn touch(
-        &self,
-        _: &mut Strikes<S>,
-        device: Motion<S>,
-        object: Motion<S>,
-        _: Limits<'_, S>,
-    ) -> (Motion<S>, Touch<S>) {
+    fn touch(&self, _: &mut Strikes<S>, device: Motion<S>, object: Motion<S>, _: Giving<S>) -> (Motion<S>, Touch<S>) {
         let force = self.force(device, object);
         (object, Touch { pushing: force, felt: force })
     }
     #[inline]
-    fn press(
-        &self,
-        _: &mut Strikes<S>,
-        device: Motion<S>,
-        object: Motion<S>,
-        _: Limits<'_, S>,
-    ) -> (Motion<S>, Press<S>) {
+    fn press(&self, _: &mut Strikes<S>, device: Motion<S>, object: Motion<S>, _: Giving<S>) -> (Motion<S>, Press<S>) {
         (object, self.port(device, object))
     }
 }

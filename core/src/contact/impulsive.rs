@@ -6,7 +6,7 @@
 //! strays from it by at most F·T_c²/(8·m_O)). There they exchange the impulse ΔQ that their present velocities ask for, the
 //! device with the mass that the scene gives it. No crossing is missed at any speed below `safety.max_speed_m_per_s`.
 //!
-//! **What is felt is what acts**: a pulse lasts a tick, and [`crate::safety::Guard`] limits it: F = ΔQ/T_c if the limits of force and slew
+//! **What is felt is what acts**: a pulse lasts a tick, and [`crate::safety::Limits`] limit it: F = ΔQ/T_c if the limits of force and slew
 //! allow that, and otherwise as much as they allow. The object takes T_c·F in the same tick, not ΔQ, and the impulse still
 //! owed is given in the ticks that follow; the last pulse gives what is left, since a force may fall at once. So the momentum of object and
 //! device together is conserved in every tick, to rounding; with a motor that acts a tick late, a tick later. An impact dissipates only
@@ -30,7 +30,7 @@
 
 use super::continuous::Contact;
 use super::impact::{Exchange, exchange};
-use super::rendering::{Limits, Press, Rendering, Strikes, Touch};
+use super::rendering::{Giving, Press, Rendering, Strikes, Touch};
 use crate::device::kinematics::Joints;
 use crate::model::Model;
 use crate::num::{Motion, Scalar};
@@ -108,7 +108,7 @@ impl<S: Scalar> Impulsive<S> {
         state: &mut Strikes<S>,
         device: Motion<S>,
         object: &mut Motion<S>,
-        (guard, commanded): Limits<'_, S>,
+        (limits, commanded): Giving<S>,
     ) -> Act<S> {
         let past = self.contact.past(device.position - object.position);
         let approach = self.contact.past(device.velocity - object.velocity);
@@ -140,7 +140,7 @@ impl<S: Scalar> Impulsive<S> {
         state.owed = state.owed.max(S::ZERO);
         let asked = self.contact.past(self.rate * state.owed);
         // What is no number goes to the object as none: the peer stops.
-        let given = guard.reaction(commanded, asked) + S::ZERO * asked;
+        let given = limits.reaction(commanded, asked) + S::ZERO * asked;
         if given != S::ZERO {
             state.recent = SETTLING + CHATTER;
             let impulse = self.period * given;
@@ -173,9 +173,9 @@ impl<S: Scalar> Rendering<S> for Impulsive<S> {
         state: &mut Strikes<S>,
         device: Motion<S>,
         mut object: Motion<S>,
-        limits: Limits<'_, S>,
+        giving: Giving<S>,
     ) -> (Motion<S>, Touch<S>) {
-        let touch = match self.act(state, device, &mut object, limits) {
+        let touch = match self.act(state, device, &mut object, giving) {
             Act::Pulse(given) => Touch { pushing: S::ZERO, felt: given },
             Act::Spring => {
                 let force = self.push(self.contact.force(device, object));
@@ -190,9 +190,9 @@ impl<S: Scalar> Rendering<S> for Impulsive<S> {
         state: &mut Strikes<S>,
         device: Motion<S>,
         mut object: Motion<S>,
-        limits: Limits<'_, S>,
+        giving: Giving<S>,
     ) -> (Motion<S>, Press<S>) {
-        let press = match self.act(state, device, &mut object, limits) {
+        let press = match self.act(state, device, &mut object, giving) {
             Act::Pulse(given) => Press { pulse: given, ..Press::default() },
             Act::Spring => self.contact.port(device, object),
         };

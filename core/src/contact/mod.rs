@@ -22,7 +22,7 @@ use crate::num::{Motion, Scalar};
 pub use crate::names::{RenderingName, Side};
 pub use continuous::Contact;
 pub use grip::Grip;
-pub use rendering::{Impacts, Limits, Press, Rendering, Strikes, Touch};
+pub use rendering::{Giving, Impacts, Press, Rendering, Strikes, Touch};
 
 list! {
     /// Any rendering of contact.
@@ -54,9 +54,9 @@ impl<S: Scalar> AnyRendering<S> {
         strikes: &mut Strikes<S>,
         device: Motion<S>,
         object: Motion<S>,
-        limits: Limits<'_, S>,
+        giving: Giving<S>,
     ) -> (Motion<S>, Touch<S>) {
-        each!(self: Continuous | Impulsive, model => model.touch(strikes, device, object, limits))
+        each!(self: Continuous | Impulsive, model => model.touch(strikes, device, object, giving))
     }
 
     /// One tick of the contact as a port ([`Rendering::press`]), and the object's motion after any impacts.
@@ -66,8 +66,8 @@ impl<S: Scalar> AnyRendering<S> {
         strikes: &mut Strikes<S>,
         device: Motion<S>,
         object: Motion<S>,
-        limits: Limits<'_, S>,
+        giving: Giving<S>,
     ) -> (Motion<S>, Press<S>) {
-        each!(self: Continuous | Impulsive, model => model.press(strikes, device, object, limits))
+        each!(self: Continuous | Impulsive, model => model.press(strikes, device, object, giving))
     }
 }

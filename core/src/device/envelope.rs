@@ -23,9 +23,6 @@ pub const NEAR: f64 = 0.5;
 /// Share of a limit's square at which the peer faults: 5 % above the limit itself.
 pub const TOO_MUCH: f64 = 1.1025;
 
-/// A device as slow as this gives as little power as one at rest.
-const STILL_M_PER_S: f64 = 1e-6;
-
 /// Limits of the root-mean-square force (N) and power (W) at the hand over `safety.rms_s`.
 #[derive(Clone, Copy, Debug)]
 pub struct Envelope<S> {
@@ -39,14 +36,13 @@ pub struct Envelope<S> {
 struct Limit<S> {
     /// What may last, N or W.
     lasting: S,
-    /// [`NEAR`] and [`TOO_MUCH`] of its square, N² or W².
+    /// [`NEAR`] of its square, N² or W².
     near: S,
-    too_much: S,
     /// One over the way from [`NEAR`] to the square itself.
     steep: S,
 }
 
-configured!([S: Scalar] Limit<S> { lasting, near, too_much, steep });
+configured!([S: Scalar] Limit<S> { lasting, near, steep });
 configured!([S: Scalar] Envelope<S> { leaky, force, power });
 
 /// Leaky means of the squares of force and power at the hand, N² and W².
@@ -63,7 +59,6 @@ impl<S: Scalar> Limit<S> {
         Self {
             lasting: S::from_f64(share * most),
             near: S::from_f64(NEAR * square),
-            too_much: S::from_f64(TOO_MUCH * square),
             steep: S::from_f64(1.0 / ((1.0 - NEAR) * square)),
         }
     }
@@ -71,7 +66,7 @@ impl<S: Scalar> Limit<S> {
     /// The part of the force beyond what may last that is left at this mean, 0 to 1.
     #[inline]
     fn left(&self, mean: S) -> S {
-        (S::ONE - (mean.min(self.too_much) - self.near) * self.steep).max(S::ZERO).min(S::ONE)
+        (S::ONE - (mean - self.near) * self.steep).max(S::ZERO).min(S::ONE)
     }
 }
 
@@ -106,17 +101,19 @@ impl<S: Scalar> Envelope<S> {
     #[cold]
     #[inline(never)]
     pub fn fault(&self, load: &Load<S>) -> Option<Fault> {
-        if load.force > self.force.too_much {
+        let too_much = S::from_f64(TOO_MUCH / NEAR);
+        if load.force > too_much * self.force.near {
             return Some(Fault::ForceTooLong);
         }
-        (load.power > self.power.too_much).then_some(Fault::PowerTooLong)
+        (load.power > too_much * self.power.near).then_some(Fault::PowerTooLong)
     }
 
     /// The largest force (N) of every axis after this load, of `full` (N) at most, while the axes move like this.
     #[inline]
     pub fn most<const N: usize>(&self, load: &Load<S>, full: S, axes: [Motion<S>; N]) -> S {
         let speed = total(axes.map(|axis| axis.velocity.abs()));
-        let lasting = self.power.lasting.ratio(speed.max(S::from_f64(STILL_M_PER_S)));
+        // A micrometre a second gives as little power as rest.
+        let lasting = self.power.lasting.ratio(speed.max(S::from_f64(1e-6)));
         let most = full.min(full * self.force.left(load.force) + self.force.lasting);
         most.min(full * self.power.left(load.power) + lasting)
     }

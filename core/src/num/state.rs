@@ -30,8 +30,8 @@ macro_rules! visited {
     ([$($generics:tt)*] $Type:ty { $($($field:ident).+),* }) => {
         impl<$($generics)*> $crate::num::StateVector<S> for $Type {
             #[inline]
-            fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
-                $( $crate::num::StateVector::visit(&mut self.$($field).+, each); )*
+            fn visit(&mut self, _each: &mut impl FnMut(&mut S)) {
+                $( $crate::num::StateVector::visit(&mut self.$($field).+, _each); )*
             }
         }
     };
@@ -111,13 +111,7 @@ impl<S: Scalar> Motion<S> {
     }
 }
 
-impl<S> StateVector<S> for Motion<S> {
-    #[inline]
-    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
-        each(&mut self.position);
-        each(&mut self.velocity);
-    }
-}
+visited!([S: Scalar] Motion<S> { position, velocity });
 
 /// The rounding error of a sum that is kept elsewhere, made good with the next term.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

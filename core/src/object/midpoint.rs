@@ -13,7 +13,7 @@ use super::Integrator;
 use super::port::Port;
 use crate::model::Model;
 use crate::names::Decode;
-use crate::num::{Carry, Motion, Scalar, StateVector};
+use crate::num::{Carry, Motion, Scalar};
 use crate::settings::{Allowed, Refused, Settings};
 
 /// A mass that is moved by ports, by the midpoint rule or by backward Euler.
@@ -37,10 +37,7 @@ pub struct Carries<S> {
     velocity: Carry<S>,
 }
 
-impl<S> StateVector<S> for Carries<S> {
-    #[inline]
-    fn visit(&mut self, _: &mut impl FnMut(&mut S)) {}
-}
+visited!([S: Scalar] Carries<S> {});
 
 impl<S: Scalar> Midpoint<S> {
     /// Half of the velocity change of a tick under these ports, v − ẋ_o, m/s: mean velocity less the one that the

@@ -23,7 +23,7 @@
 //! free body); Simo & Wong, "Unconditionally stable algorithms for rigid body dynamics that exactly preserve energy and momentum", Int.
 //! J. Numer. Methods Eng. 31, 1991.
 
-use crate::num::{Carry, Scalar, StateVector};
+use crate::num::{Carry, Scalar};
 
 /// Most Newton steps in a tick; each about doubles the correct digits, from a first relative error of about T_c·ω.
 pub const MOST: u32 = 5;
@@ -50,11 +50,7 @@ pub struct Turning<S> {
     carries: [Carry<S>; 4],
 }
 
-impl<S> StateVector<S> for Turning<S> {
-    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
-        self.orientation.iter_mut().chain(&mut self.momentum).for_each(each);
-    }
-}
+visited!([S: Scalar] Turning<S> { orientation, momentum });
 
 /// Mean angular velocity and torque of a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -14,7 +14,7 @@
 use core::ops::Add;
 
 use super::port::Port;
-use crate::num::{Carry, Motion, Scalar, StateVector};
+use crate::num::{Carry, Motion, Scalar};
 
 /// Mean force on a body through one tick, as a function of its mean velocity.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -144,11 +144,7 @@ impl<S: Scalar, const N: usize> Moving<S, N> {
     }
 }
 
-impl<S: Scalar, const N: usize> StateVector<S> for Moving<S, N> {
-    fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
-        self.axes.iter_mut().for_each(|axis| axis.visit(each));
-    }
-}
+visited!([S: Scalar, const N: usize] Moving<S, N> { axes });
 
 impl<S: Scalar, const N: usize> Body<S, N> {
     /// A body of this mass (kg, above 0) and damping (N·s/m), in ticks of `period_s` (s).

@@ -15,7 +15,7 @@ use crate::object::midpoint::Midpoint;
 use crate::object::plane::Oblique;
 use crate::object::vector::VectorPort;
 use crate::object::{AnyIntegrator, Port, Staged};
-use crate::safety::Guard;
+use crate::safety::{Guard, Limits};
 
 /// By how much what is left of a coordination force falls in a tick, N, when a peer has let go: after silence, or because the other peer is gone.
 pub const STEP_N: f64 = 0.02;
@@ -120,8 +120,9 @@ pub(super) struct Tick<'a, S: Scalar, L> {
     pub(super) contact: &'a AnyRendering<S>,
     /// Of what is left of a force ([`Remnant`]).
     pub(super) spring: &'a Spring<S>,
-    /// Limits of the device's forces.
     pub(super) guard: &'a Guard<S>,
+    /// Of the device's forces in this tick.
+    pub(super) limits: Limits<S>,
     pub(super) fixture: Option<Fixture<S>>,
     /// The law's force acts on the device, which is the copy ([`Law::acts_on_device`]).
     pub(super) at_device: bool,
@@ -150,9 +151,9 @@ impl<S: Scalar> Felt<S> {
 
     /// The contact force on the copy whose reaction the device can give, N; none if it can give that of this one.
     #[inline(always)]
-    fn cut(self, guard: &Guard<S>, asked: S) -> Option<S> {
+    fn cut(self, limits: Limits<S>, asked: S) -> Option<S> {
         let felt = self.of(asked);
-        let given = guard.reaction(self.commanded, felt);
+        let given = limits.reaction(self.commanded, felt);
         if given == felt {
             return None;
         }
@@ -181,7 +182,7 @@ struct Solving<'a, S: Scalar> {
     press: Press<S>,
     fixture: Option<Pushes<S>>,
     felt: Felt<S>,
-    guard: &'a Guard<S>,
+    limits: Limits<S>,
     period_s: S,
 }
 
@@ -192,7 +193,7 @@ impl<S: Scalar> Solving<'_, S> {
     #[cold]
     #[inline(never)]
     fn give_way(self, grip: &mut Grip<S>, coordination: Port<S>, asked: S) -> Option<(S, S)> {
-        let given = self.felt.cut(self.guard, asked)?;
+        let given = self.felt.cut(self.limits, asked)?;
         let fixture = self.fixture.unwrap_or_default();
         let others = coordination + Port::of_force(given);
         let (half_change, _) = pushed(self.midpoint, self.velocity, fixture, others);
@@ -209,12 +210,12 @@ impl<S: Scalar> Solving<'_, S> {
 fn give_way_in_stages<S: Scalar>(
     grip: &mut Grip<S>,
     spring: &Contact<S>,
-    felt: (Felt<S>, &Guard<S>),
+    felt: (Felt<S>, Limits<S>),
     touch: Touch<S>,
     period_s: S,
 ) -> Touch<S> {
-    let (felt, guard) = felt;
-    let Some(given) = felt.cut(guard, touch.felt) else { return touch };
+    let (felt, limits) = felt;
+    let Some(given) = felt.cut(limits, touch.felt) else { return touch };
     grip.slide(touch.felt - given, given, spring.staged_impedance(period_s), period_s);
     Touch { pushing: given, felt: given }
 }
@@ -308,13 +309,13 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
         device: Motion<S>,
         felt: Felt<S>,
     ) -> Option<S> {
-        let Tick { law, contact, spring, guard, fixture, at_device, engaged, age_ticks, period_s } = *tick;
+        let Tick { law, contact, spring, limits, fixture, at_device, engaged, age_ticks, period_s, .. } = *tick;
         let gripped = if PLAIN { device } else { self.gripped(tick, device) };
         let left = if PLAIN { None } else { Some(self.remnant.port(self.object, spring)) };
         let (object, next, force, coupled) = if let AnyIntegrator::Midpoint(midpoint, carries)
         | AnyIntegrator::BackwardEuler(midpoint, carries) = &mut self.integrator
         {
-            let (object, press) = contact.press(&mut self.strikes, gripped, self.object, (guard, felt.commanded));
+            let (object, press) = contact.press(&mut self.strikes, gripped, self.object, (limits, felt.commanded));
             let seen = Observation { local: object, contact_force: self.observed.contact_force, age_ticks };
             let midpoint = &*midpoint;
             let mut solved = (S::ZERO, S::ZERO);
@@ -333,9 +334,9 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
                 } else {
                     (half_change, contact_force) = pushed(midpoint, object.velocity, contact, coordination);
                 }
-                if !guard.is_free(felt.of(contact_force)) {
+                if !limits.is_free(felt.of(contact_force)) {
                     let velocity = object.velocity;
-                    let solving = Solving { midpoint, velocity, press, fixture, felt, guard, period_s };
+                    let solving = Solving { midpoint, velocity, press, fixture, felt, limits, period_s };
                     if let Some(cut) = solving.give_way(grip, coordination, contact_force) {
                         (half_change, contact_force) = cut;
                     }
@@ -355,10 +356,10 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
             let (object, mut touch) = if at_device {
                 (gripped, Touch { pushing: S::ZERO, felt: -felt.commanded })
             } else {
-                contact.touch(&mut self.strikes, gripped, self.object, (guard, felt.commanded))
+                contact.touch(&mut self.strikes, gripped, self.object, (limits, felt.commanded))
             };
-            if !at_device && !guard.is_free(felt.of(touch.felt)) {
-                touch = give_way_in_stages(&mut self.grip, contact.spring(), (felt, guard), touch, period_s);
+            if !at_device && !limits.is_free(felt.of(touch.felt)) {
+                touch = give_way_in_stages(&mut self.grip, contact.spring(), (felt, limits), touch, period_s);
             }
             let seen = Observation { local: object, contact_force: touch.felt, age_ticks };
             let coupled = if engaged && !L::PORTS_ONLY {
@@ -417,9 +418,9 @@ const TRIES: usize = 27;
 
 impl<S: Scalar> Press<S> {
     /// The force (N) that the contact has on a copy of this mean velocity (m/s), and what the limits give of it.
-    fn limited(&self, felt: &Felt<S>, guard: &Guard<S>, mean: S) -> (S, S) {
+    fn limited(&self, felt: &Felt<S>, limits: Limits<S>, mean: S) -> (S, S) {
         let asked = self.port.at(mean);
-        (asked, felt.cut(guard, asked).unwrap_or(asked))
+        (asked, felt.cut(limits, asked).unwrap_or(asked))
     }
 }
 
@@ -437,7 +438,7 @@ pub(super) fn advance_together<S: Scalar, L: Law<S>, const N: usize>(
         axes.iter_mut().zip(sensed.zip(objects.iter_mut().zip(&mut presses)))
     {
         let gripped = axis.gripped(tick, device);
-        (*object, *press) = tick.contact.press(&mut axis.strikes, gripped, axis.object, (tick.guard, felt.commanded));
+        (*object, *press) = tick.contact.press(&mut axis.strikes, gripped, axis.object, (tick.limits, felt.commanded));
     }
     let solve = |laws: [Port<S>; N]| {
         let mut pushing = presses.map(|press| press.port);
@@ -452,7 +453,7 @@ pub(super) fn advance_together<S: Scalar, L: Law<S>, const N: usize>(
             // 1974), for each force falls with its velocity.
             let asked = presses.iter().zip(&felt).zip(means);
             let wrong = pushing.iter_mut().zip(asked).find_map(|(pushing, ((press, felt), mean))| {
-                let (force, given) = press.limited(felt, tick.guard, mean);
+                let (force, given) = press.limited(felt, tick.limits, mean);
                 let right = if given == force { press.port } else { Port::of_force(given) };
                 (*pushing != right).then_some((pushing, right))
             });
@@ -486,7 +487,7 @@ pub(super) fn advance_together<S: Scalar, L: Law<S>, const N: usize>(
             // Refused where there is a fixture.
             _ => object,
         };
-        let (asked, given) = press.limited(felt, tick.guard, mean);
+        let (asked, given) = press.limited(felt, tick.limits, mean);
         if given != asked {
             axis.grip.slide(asked - given, given, press.port.impedance, tick.period_s);
         }

@@ -139,13 +139,13 @@ impl Client {
             Some(Fault::Diverged)
         } else if device.velocity.abs() > self.guard.fastest {
             Some(Fault::Overspeed)
-        } else if self.saturated.spent(force_n.abs() > self.guard.max_force, self.guard.saturated_ticks) {
+        } else if self.saturated.spent(force_n.abs() > self.guard.limits.most, self.guard.saturated_ticks) {
             Some(Fault::ForceSaturated)
         } else {
             None
         };
         self.fault = self.fault.or(stopped);
-        self.motor_n = if self.fault.is_some() { 0.0 } else { self.guard.limit(self.motor_n, -force_n) };
+        self.motor_n = if self.fault.is_some() { 0.0 } else { self.guard.limits.limit(self.motor_n, -force_n) };
         let mut forces = [0.0; AXES];
         forces[0] = self.motor_n;
         self.plant.step(time_s, &Actuators { forces, enable: self.fault.is_none(), ..Actuators::<f64>::default() });

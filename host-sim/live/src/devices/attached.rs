@@ -5,8 +5,8 @@
 //!
 //! **Age.** A reading is as old as the moment it was asked for. From half of the silence that is allowed on the force fades, in proportion,
 //! to nothing at its end; then the device is [`Gone`], and the motors are off. It does not come back by itself. A reading that says of a device
-//! that it moves, with the very numbers of the one before, is that one, and as old: no device moves at one place. A state that is frozen at rest
-//! looks like a hand at rest.
+//! that it moves, faster than [`STILL_M_PER_S`] and with the very numbers of the one before, is that one, and as old: no device moves at one
+//! place. A state that is frozen at rest looks like a hand at rest.
 //!
 //! **At rest** it has to be to begin: under [`STILL_M_PER_S`] for [`STILL`], within [`FIRST`]; and within `safety.workspace_m` of its origin.
 //!
@@ -88,6 +88,11 @@ fn refusal(can: &Abilities, options: &DeviceOptions, scene: &Scene, index: usize
         .map(|reach_m| format!("{name} reaches {reach_m} m: set peer.{}.safety.workspace_m to that or less", index + 1))
 }
 
+/// How fast it moves along the axis along which it is fastest.
+fn fastest_m_per_s(sensed: &Sensed) -> f64 {
+    sensed.velocity_m_per_s.iter().fold(0.0, |most, speed| most.max(speed.abs()))
+}
+
 /// The reading of a device once it is at rest, with its motors off.
 fn at_rest(port: &mut impl Port) -> Result<Sensed, Error> {
     let by = Instant::now() + FIRST;
@@ -97,8 +102,7 @@ fn at_rest(port: &mut impl Port) -> Result<Sensed, Error> {
         newest = port.read().map_err(|gone| gone.to_string())?.or(newest);
         let now = Instant::now();
         if let Some(sensed) = newest {
-            let fastest = sensed.velocity_m_per_s.iter().fold(0.0, |most: f64, speed| most.max(speed.abs()));
-            still_since = (fastest < STILL_M_PER_S).then(|| still_since.unwrap_or(now));
+            still_since = (fastest_m_per_s(&sensed) < STILL_M_PER_S).then(|| still_since.unwrap_or(now));
             if still_since.is_some_and(|since| now >= since + STILL) {
                 return Ok(sensed);
             }
@@ -168,7 +172,7 @@ impl<P: Port, const N: usize> Attached<P, N> {
             return implausible("a place or a speed is not a number".to_owned());
         }
         let told = |of: &Sensed| (of.position_m, of.velocity_m_per_s);
-        if told(&sensed) == told(&self.newest) && sensed.velocity_m_per_s != [0.0; AXES] {
+        if told(&sensed) == told(&self.newest) && fastest_m_per_s(&sensed) > STILL_M_PER_S {
             self.newest.buttons = sensed.buttons;
             return Ok(());
         }

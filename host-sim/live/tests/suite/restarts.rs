@@ -20,7 +20,7 @@ fn restarts(count: u64, overrides: &[&str]) -> Report {
     assert_eq!((report.restarts, report.failed, report.held_on, report.faults), (count, 0, 0, 0), "{report:?}");
     assert!(report.slowest_ms <= 500.0, "{report:?}");
     // Motors begin at rest, and no step of theirs, nor the first of the coordination, is larger than the slew limit.
-    let allowed = Guard::<f64>::build(&scene.peer).max_step;
+    let allowed = Guard::<f64>::build(&scene.peer).limits.step;
     assert_eq!(report.arming_force_n, 0.0);
     assert!(report.largest_step_n <= allowed && report.first_force_n <= allowed, "{report:?}");
     report
