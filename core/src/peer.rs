@@ -725,7 +725,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         if self.envelope.nears(&mut self.load, forces, power) {
             // The next tick may have less force.
             self.fast_path = false;
-            if let Some(fault) = self.envelope.fault(&self.load) {
+            if let Some(fault) = self.load.fault() {
                 self.trip(fault);
                 return Actuators::default();
             }

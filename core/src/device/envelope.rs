@@ -27,57 +27,33 @@ pub const TOO_MUCH: f64 = 1.1025;
 #[derive(Clone, Copy, Debug)]
 pub struct Envelope<S> {
     leaky: Leaky<S>,
-    force: Limit<S>,
-    power: Limit<S>,
+    /// What may last along each axis, N, and in all, W.
+    force: S,
+    power: S,
+    /// One over the squares of the limits, 1/N² and 1/W².
+    per_force: S,
+    per_power: S,
 }
 
-/// A limit, for force of each axis.
-#[derive(Clone, Copy, Debug)]
-struct Limit<S> {
-    /// What may last, N or W.
-    lasting: S,
-    /// [`NEAR`] of its square, N² or W².
-    near: S,
-    /// One over the way from [`NEAR`] to the square itself.
-    steep: S,
-}
+configured!([S: Scalar] Envelope<S> { leaky, force, power, per_force, per_power });
 
-configured!([S: Scalar] Limit<S> { lasting, near, steep });
-configured!([S: Scalar] Envelope<S> { leaky, force, power });
-
-/// Leaky means of the squares of force and power at the hand, N² and W².
+/// Leaky means of the squares of force and power at the hand, as shares of their limits' squares.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Load<S> {
     force: S,
     power: S,
 }
 
-impl<S: Scalar> Limit<S> {
-    /// Of what may last over all axes (N or W), of which this is an axis' share.
-    fn of(most: f64, share: f64) -> Self {
-        let square = most * most;
-        Self {
-            lasting: S::from_f64(share * most),
-            near: S::from_f64(NEAR * square),
-            steep: S::from_f64(1.0 / ((1.0 - NEAR) * square)),
-        }
-    }
-
-    /// The part of the force beyond what may last that is left at this mean, 0 to 1.
-    #[inline]
-    fn left(&self, mean: S) -> S {
-        (S::ONE - (mean - self.near) * self.steep).max(S::ZERO).min(S::ONE)
-    }
-}
-
 impl<S: Scalar> Envelope<S> {
     /// From `safety.max_rms_force_n`, `safety.max_rms_power_w` and `safety.rms_s`.
     pub fn build(settings: &Settings) -> Self {
-        let safety = &settings.safety;
+        let (force, power) = (settings.safety.max_rms_force_n, settings.safety.max_rms_power_w);
         Self {
-            leaky: Leaky::new(settings.timing.control_period_s, safety.rms_s),
-            force: Limit::of(safety.max_rms_force_n, libm::sqrt(1.0 / f64::from(settings.axis.count))),
-            power: Limit::of(safety.max_rms_power_w, 1.0),
+            leaky: Leaky::new(settings.timing.control_period_s, settings.safety.rms_s),
+            force: S::from_f64(force / libm::sqrt(f64::from(settings.axis.count))),
+            power: S::from_f64(power),
+            per_force: S::from_f64(1.0 / (force * force)),
+            per_power: S::from_f64(1.0 / (power * power)),
         }
     }
 
@@ -92,30 +68,32 @@ impl<S: Scalar> Envelope<S> {
     #[inline]
     pub fn nears<const N: usize>(&self, load: &mut Load<S>, forces: [S; N], power: S) -> bool {
         let given = power.max(S::ZERO);
-        load.force = self.leaky.after(load.force, total(forces.map(|force| force * force)));
-        load.power = self.leaky.after(load.power, given * given);
-        load.force > self.force.near || load.power > self.power.near
-    }
-
-    /// The fault of a load that is too much.
-    #[cold]
-    #[inline(never)]
-    pub fn fault(&self, load: &Load<S>) -> Option<Fault> {
-        let too_much = S::from_f64(TOO_MUCH / NEAR);
-        if load.force > too_much * self.force.near {
-            return Some(Fault::ForceTooLong);
-        }
-        (load.power > too_much * self.power.near).then_some(Fault::PowerTooLong)
+        load.force = self.leaky.after(load.force, total(forces.map(|force| force * force)) * self.per_force);
+        load.power = self.leaky.after(load.power, given * given * self.per_power);
+        load.force.max(load.power) > S::from_f64(NEAR)
     }
 
     /// The largest force (N) of every axis after this load, of `full` (N) at most, while the axes move like this.
     #[inline]
     pub fn most<const N: usize>(&self, load: &Load<S>, full: S, axes: [Motion<S>; N]) -> S {
+        let left = |mean: S| ((S::ONE - mean) * S::from_f64(1.0 / (1.0 - NEAR))).max(S::ZERO).min(S::ONE);
         let speed = total(axes.map(|axis| axis.velocity.abs()));
         // A micrometre a second gives as little power as rest.
-        let lasting = self.power.lasting.ratio(speed.max(S::from_f64(1e-6)));
-        let most = full.min(full * self.force.left(load.force) + self.force.lasting);
-        most.min(full * self.power.left(load.power) + lasting)
+        let lasting = self.power.ratio(speed.max(S::from_f64(1e-6)));
+        full.min(full * left(load.force) + self.force).min(full * left(load.power) + lasting)
+    }
+}
+
+impl<S: Scalar> Load<S> {
+    /// The fault of what is too much.
+    #[cold]
+    #[inline(never)]
+    pub fn fault(&self) -> Option<Fault> {
+        let too_much = S::from_f64(TOO_MUCH);
+        if self.force.max(self.power) > too_much {
+            return Some(if self.force > too_much { Fault::ForceTooLong } else { Fault::PowerTooLong });
+        }
+        None
     }
 }
 

@@ -332,7 +332,7 @@ fn a_fault_is_opened() {
     );
     browser.wait(
         &page,
-        "document.getElementById('happened').textContent.includes('both peers: peer 1 stopped at 0.005 s: Overspeed')",
+        "document.getElementById('happened').textContent.includes('both peers: peer 1 stopped at 0.007 s: Overspeed')",
     );
     let marks = "[...document.querySelectorAll('#track .mark')]";
     browser.wait(&page, &format!("{marks}.some((mark) => mark.classList.contains('bad') && mark.offsetWidth > 0)"));
