@@ -77,7 +77,7 @@ fn a_wrap_that_nobody_could_see_is_refused() {
         assert!(refused.contains("encoder.max_speed_m_per_s = 10 is not allowed"), "{refused}");
         let fastest = fastest_m_per_s(counts_per_m);
         let too_fast = scene(&format!(
-            "{} contact.stiffness_n_per_m=0 contact.damping_n_s_per_m=0 user.1.push_n={}",
+            "{} contact.stiffness_n_per_m=0 contact.damping_n_s_per_m=0 safety.max_hand_power_w=1000 user.1.push_n={}",
             sensing(bits, "difference"),
             40.0 * fastest
         ));
