@@ -403,6 +403,11 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         self.mode == Mode::Armed && self.engagement.has_heard() && self.degradation.is_whole(&self.engagement)
     }
 
+    /// What forces may be until the next tick that finds a mean near its limit ([`crate::device::envelope`]), or away from it.
+    pub fn limits(&self) -> Limits<S> {
+        self.guard.limits
+    }
+
     /// Motions and forces of the last tick along every shared axis.
     pub fn observed(&self) -> [&Observed<S>; SHARED] {
         self.shared_axes.each_ref().map(|axis| &axis.observed)
@@ -469,34 +474,33 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
             self.judge(measured);
         }
         // Not one question for both: what the slow one gives in memory would be there for both.
-        let (felt, limits) = if self.fast_path {
-            let limits = self.guard.limits;
-            let Some(felt) = self.advance::<true>(&pose.axes, limits) else {
+        let felt = if self.fast_path {
+            let Some(felt) = self.advance::<true>(&pose.axes) else {
                 self.trip(Fault::Diverged);
                 return Actuators::default();
             };
-            (felt, limits)
+            felt
         } else if self.mode == Mode::Armed {
-            let limits = self.guard.limits.eased(self.envelope.most(&self.load, self.guard.limits.most, pose.axes));
-            let Some(felt) = self.slow_path(limits) else {
+            let Some(felt) = self.slow_path() else {
                 self.trip(Fault::Diverged);
                 return Actuators::default();
             };
-            (felt, limits)
+            felt
         } else {
             let Actuators { forces, duties, enable, open } = self.unarmed(stage.as_ref());
             return Actuators { forces, duties, enable, open };
         };
-        self.actuate(&pose, felt, limits)
+        self.actuate(&pose, felt)
     }
 
     /// [`Peer::advance`] in an armed tick that is not [`Peer::fast_path`].
     #[cold]
     #[inline(never)]
-    fn slow_path(&mut self, limits: Limits<S>) -> Option<[S; SHARED]> {
+    fn slow_path(&mut self) -> Option<[S; SHARED]> {
         self.firm_up();
         let device = self.device;
-        let mut felt = self.advance::<false>(&device, limits)?;
+        self.guard.limits.ease(self.envelope.most(&self.load, self.guard.full_force, device));
+        let mut felt = self.advance::<false>(&device)?;
         for (felt, motion) in felt.iter_mut().zip(&device) {
             *felt = *felt - self.guard.brake(motion.velocity);
         }
@@ -517,13 +521,12 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
     /// One tick of the copy along every shared axis, with devices there: the force on it whose reaction the device feels, N, if all of them
     /// are numbers. `PLAIN`: clutch, fixture and slips are skipped, so that a peer with none pays for none.
     #[inline(always)]
-    fn advance<const PLAIN: bool>(&mut self, sensed: &[Motion<S>; N], limits: Limits<S>) -> Option<[S; SHARED]> {
+    fn advance<const PLAIN: bool>(&mut self, sensed: &[Motion<S>; N]) -> Option<[S; SHARED]> {
         let tick = Tick {
             law: &self.law,
             contact: &self.contact,
             spring: &self.spring,
             guard: &self.guard,
-            limits,
             fixture: if PLAIN { None } else { self.fixture },
             at_device: !PLAIN && self.at_device,
             engaged: self.engagement.is_engaged(),
@@ -690,7 +693,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
 
     /// The reaction of the contact on the shared axes and the hold of the others, within the limits.
     #[inline(always)]
-    fn actuate(&mut self, pose: &Pose<S, N>, felt: [S; SHARED], limits: Limits<S>) -> Actuators<S, N> {
+    fn actuate(&mut self, pose: &Pose<S, N>, felt: [S; SHARED]) -> Actuators<S, N> {
         let mut wanted = [S::ZERO; N];
         for (force, felt) in wanted.iter_mut().zip(&felt) {
             *force = -*felt;
@@ -704,7 +707,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         let mut forces = self.forces;
         for (at, (last, wanted)) in forces.iter_mut().zip(&wanted).enumerate() {
             if at < self.axes {
-                *last = if limits.is_free(*wanted) { *wanted } else { self.limited(at, limits, *last, *wanted) };
+                *last = if self.guard.limits.is_free(*wanted) { *wanted } else { self.limited(at, *last, *wanted) };
             }
         }
         // What a limit of force cuts off, the object does not get either: that may last. What a duty cuts off, it gets.
@@ -748,8 +751,8 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
     /// The force (N) that an axis has after `last` where `wanted` is asked of it; where the axis is held, its line slips for what is cut.
     #[cold]
     #[inline(never)]
-    fn limited(&mut self, at: usize, limits: Limits<S>, last: S, wanted: S) -> S {
-        let given = limits.limit(last, wanted);
+    fn limited(&mut self, at: usize, last: S, wanted: S) -> S {
+        let given = self.guard.limits.limit(last, wanted);
         if at >= SHARED
             && given != wanted
             && let Some(grip) = self.grips.get_mut(at)

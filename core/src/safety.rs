@@ -184,8 +184,10 @@ pub const MOST_BRAKING: f64 = 20.0;
 /// Limits of force, slew and speed.
 #[derive(Clone, Copy, Debug)]
 pub struct Guard<S> {
-    /// Of the forces of any tick.
+    /// Of the forces of this tick.
     pub limits: Limits<S>,
+    /// Largest force of either sign in any tick, N.
+    pub full_force: S,
     /// Fastest motion while armed at which the device does not brake, m/s.
     pub max_speed: S,
     /// Fastest motion while armed, m/s: [`FASTEST`] times that.
@@ -202,7 +204,7 @@ pub struct Guard<S> {
     pub silent_packets: u32,
 }
 
-configured!([S: Scalar] Guard<S> { limits, max_speed, fastest, braking, fastest_copy, workspace, saturated_ticks, silent_packets });
+configured!([S: Scalar] Guard<S> { limits, full_force, max_speed, fastest, braking, fastest_copy, workspace, saturated_ticks, silent_packets });
 
 impl<S: Scalar> Guard<S> {
     /// The limits of the scene's table `safety`.
@@ -214,6 +216,7 @@ impl<S: Scalar> Guard<S> {
         let braking = safety.max_force_n / ((FASTEST - 1.0) * safety.max_speed_m_per_s);
         Self {
             limits: Limits { most, step, free: most.min(step) },
+            full_force: most,
             max_speed: S::from_f64(safety.max_speed_m_per_s),
             fastest: S::from_f64(FASTEST * safety.max_speed_m_per_s),
             braking: S::from_f64(braking.min(most_braking)),
@@ -234,21 +237,21 @@ impl<S: Scalar> Guard<S> {
 /// What the forces of a device may be in a tick.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits<S> {
-    /// Largest force of either sign, N.
+    /// Largest force of either sign, N: `safety.max_force_n`, or less where its mean would be too much ([`crate::device::envelope`]).
     pub most: S,
     /// Largest growth of a force away from zero in one tick, N.
     pub step: S,
     /// Forces below this (N) are within both, whatever was commanded before.
-    free: S,
+    pub free: S,
 }
 
 configured!([S: Scalar] Limits<S> { most, step, free });
 
 impl<S: Scalar> Limits<S> {
-    /// The same with no force larger than this (N), which is no more than before.
+    /// From now on no force is larger than this (N).
     #[inline]
-    pub fn eased(self, most: S) -> Self {
-        Self { most, free: most.min(self.step), ..self }
+    pub fn ease(&mut self, most: S) {
+        (self.most, self.free) = (most, most.min(self.step));
     }
 
     /// Whether a device can give this force (N) whatever it gave before; most are like this, and nothing else need be asked of them.

@@ -156,12 +156,24 @@ impl<S: Scalar> Rendering<S> for Contact<S> {
         self.clear_of(position)
     }
     #[inline]
-    fn touch(&self, _: &mut Strikes<S>, device: Motion<S>, object: Motion<S>, _: Giving<S>) -> (Motion<S>, Touch<S>) {
+    fn touch(
+        &self,
+        _: &mut Strikes<S>,
+        device: Motion<S>,
+        object: Motion<S>,
+        _: Giving<'_, S>,
+    ) -> (Motion<S>, Touch<S>) {
         let force = self.force(device, object);
         (object, Touch { pushing: force, felt: force })
     }
     #[inline]
-    fn press(&self, _: &mut Strikes<S>, device: Motion<S>, object: Motion<S>, _: Giving<S>) -> (Motion<S>, Press<S>) {
+    fn press(
+        &self,
+        _: &mut Strikes<S>,
+        device: Motion<S>,
+        object: Motion<S>,
+        _: Giving<'_, S>,
+    ) -> (Motion<S>, Press<S>) {
         (object, self.port(device, object))
     }
 }

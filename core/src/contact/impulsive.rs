@@ -108,7 +108,7 @@ impl<S: Scalar> Impulsive<S> {
         state: &mut Strikes<S>,
         device: Motion<S>,
         object: &mut Motion<S>,
-        (limits, commanded): Giving<S>,
+        (limits, commanded): Giving<'_, S>,
     ) -> Act<S> {
         let past = self.contact.past(device.position - object.position);
         let approach = self.contact.past(device.velocity - object.velocity);
@@ -173,7 +173,7 @@ impl<S: Scalar> Rendering<S> for Impulsive<S> {
         state: &mut Strikes<S>,
         device: Motion<S>,
         mut object: Motion<S>,
-        giving: Giving<S>,
+        giving: Giving<'_, S>,
     ) -> (Motion<S>, Touch<S>) {
         let touch = match self.act(state, device, &mut object, giving) {
             Act::Pulse(given) => Touch { pushing: S::ZERO, felt: given },
@@ -190,7 +190,7 @@ impl<S: Scalar> Rendering<S> for Impulsive<S> {
         state: &mut Strikes<S>,
         device: Motion<S>,
         mut object: Motion<S>,
-        giving: Giving<S>,
+        giving: Giving<'_, S>,
     ) -> (Motion<S>, Press<S>) {
         let press = match self.act(state, device, &mut object, giving) {
             Act::Pulse(given) => Press { pulse: given, ..Press::default() },

@@ -54,7 +54,7 @@ impl<S: Scalar> AnyRendering<S> {
         strikes: &mut Strikes<S>,
         device: Motion<S>,
         object: Motion<S>,
-        giving: Giving<S>,
+        giving: Giving<'_, S>,
     ) -> (Motion<S>, Touch<S>) {
         each!(self: Continuous | Impulsive, model => model.touch(strikes, device, object, giving))
     }
@@ -66,7 +66,7 @@ impl<S: Scalar> AnyRendering<S> {
         strikes: &mut Strikes<S>,
         device: Motion<S>,
         object: Motion<S>,
-        giving: Giving<S>,
+        giving: Giving<'_, S>,
     ) -> (Motion<S>, Press<S>) {
         each!(self: Continuous | Impulsive, model => model.press(strikes, device, object, giving))
     }

@@ -40,7 +40,7 @@ pub struct Impacts<S> {
 }
 
 /// What a device can give in a tick: its limits, and the force (N) that it was commanded last.
-pub type Giving<S> = (Limits<S>, S);
+pub type Giving<'a, S> = (&'a Limits<S>, S);
 
 /// A rendering of contact. All renderings share one type of state, so that a scene of springs does not pay for
 /// another.
@@ -54,7 +54,7 @@ pub trait Rendering<S: Scalar>: Model<S> {
         strikes: &mut Strikes<S>,
         device: Motion<S>,
         object: Motion<S>,
-        giving: Giving<S>,
+        giving: Giving<'_, S>,
     ) -> (Motion<S>, Touch<S>);
     /// [`Rendering::touch`] where the copy is moved by ports: the contact is a port of the copy, and the impacts'
     /// force on the device.
@@ -63,7 +63,7 @@ pub trait Rendering<S: Scalar>: Model<S> {
         strikes: &mut Strikes<S>,
         device: Motion<S>,
         object: Motion<S>,
-        giving: Giving<S>,
+        giving: Giving<'_, S>,
     ) -> (Motion<S>, Press<S>);
 }
 

@@ -74,7 +74,7 @@ impl<S: Scalar> Envelope<S> {
     }
 
     /// The largest force (N) of every axis after this load, of `full` (N) at most, while the axes move like this.
-    #[inline]
+    #[inline(always)]
     pub fn most<const N: usize>(&self, load: &Load<S>, full: S, axes: [Motion<S>; N]) -> S {
         let left = |mean: S| ((S::ONE - mean) * S::from_f64(1.0 / (1.0 - NEAR))).max(S::ZERO).min(S::ONE);
         let speed = total(axes.map(|axis| axis.velocity.abs()));

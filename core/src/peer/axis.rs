@@ -121,8 +121,6 @@ pub(super) struct Tick<'a, S: Scalar, L> {
     /// Of what is left of a force ([`Remnant`]).
     pub(super) spring: &'a Spring<S>,
     pub(super) guard: &'a Guard<S>,
-    /// Of the device's forces in this tick.
-    pub(super) limits: Limits<S>,
     pub(super) fixture: Option<Fixture<S>>,
     /// The law's force acts on the device, which is the copy ([`Law::acts_on_device`]).
     pub(super) at_device: bool,
@@ -151,7 +149,7 @@ impl<S: Scalar> Felt<S> {
 
     /// The contact force on the copy whose reaction the device can give, N; none if it can give that of this one.
     #[inline(always)]
-    fn cut(self, limits: Limits<S>, asked: S) -> Option<S> {
+    fn cut(self, limits: &Limits<S>, asked: S) -> Option<S> {
         let felt = self.of(asked);
         let given = limits.reaction(self.commanded, felt);
         if given == felt {
@@ -182,7 +180,7 @@ struct Solving<'a, S: Scalar> {
     press: Press<S>,
     fixture: Option<Pushes<S>>,
     felt: Felt<S>,
-    limits: Limits<S>,
+    limits: &'a Limits<S>,
     period_s: S,
 }
 
@@ -210,7 +208,7 @@ impl<S: Scalar> Solving<'_, S> {
 fn give_way_in_stages<S: Scalar>(
     grip: &mut Grip<S>,
     spring: &Contact<S>,
-    felt: (Felt<S>, Limits<S>),
+    felt: (Felt<S>, &Limits<S>),
     touch: Touch<S>,
     period_s: S,
 ) -> Touch<S> {
@@ -309,7 +307,17 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
         device: Motion<S>,
         felt: Felt<S>,
     ) -> Option<S> {
-        let Tick { law, contact, spring, limits, fixture, at_device, engaged, age_ticks, period_s, .. } = *tick;
+        let Tick {
+            law,
+            contact,
+            spring,
+            guard: Guard { limits, .. },
+            fixture,
+            at_device,
+            engaged,
+            age_ticks,
+            period_s,
+        } = *tick;
         let gripped = if PLAIN { device } else { self.gripped(tick, device) };
         let left = if PLAIN { None } else { Some(self.remnant.port(self.object, spring)) };
         let (object, next, force, coupled) = if let AnyIntegrator::Midpoint(midpoint, carries)
@@ -418,7 +426,7 @@ const TRIES: usize = 27;
 
 impl<S: Scalar> Press<S> {
     /// The force (N) that the contact has on a copy of this mean velocity (m/s), and what the limits give of it.
-    fn limited(&self, felt: &Felt<S>, limits: Limits<S>, mean: S) -> (S, S) {
+    fn limited(&self, felt: &Felt<S>, limits: &Limits<S>, mean: S) -> (S, S) {
         let asked = self.port.at(mean);
         (asked, felt.cut(limits, asked).unwrap_or(asked))
     }
@@ -438,7 +446,8 @@ pub(super) fn advance_together<S: Scalar, L: Law<S>, const N: usize>(
         axes.iter_mut().zip(sensed.zip(objects.iter_mut().zip(&mut presses)))
     {
         let gripped = axis.gripped(tick, device);
-        (*object, *press) = tick.contact.press(&mut axis.strikes, gripped, axis.object, (tick.limits, felt.commanded));
+        (*object, *press) =
+            tick.contact.press(&mut axis.strikes, gripped, axis.object, (&tick.guard.limits, felt.commanded));
     }
     let solve = |laws: [Port<S>; N]| {
         let mut pushing = presses.map(|press| press.port);
@@ -453,7 +462,7 @@ pub(super) fn advance_together<S: Scalar, L: Law<S>, const N: usize>(
             // 1974), for each force falls with its velocity.
             let asked = presses.iter().zip(&felt).zip(means);
             let wrong = pushing.iter_mut().zip(asked).find_map(|(pushing, ((press, felt), mean))| {
-                let (force, given) = press.limited(felt, tick.limits, mean);
+                let (force, given) = press.limited(felt, &tick.guard.limits, mean);
                 let right = if given == force { press.port } else { Port::of_force(given) };
                 (*pushing != right).then_some((pushing, right))
             });
@@ -487,7 +496,7 @@ pub(super) fn advance_together<S: Scalar, L: Law<S>, const N: usize>(
             // Refused where there is a fixture.
             _ => object,
         };
-        let (asked, given) = press.limited(felt, tick.limits, mean);
+        let (asked, given) = press.limited(felt, &tick.guard.limits, mean);
         if given != asked {
             axis.grip.slide(asked - given, given, press.port.impedance, tick.period_s);
         }

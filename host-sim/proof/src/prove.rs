@@ -6,7 +6,7 @@
 //! they hold for ever.
 //!
 //! **For every number**: readings are any bits; counts any there are; packets any finite numbers. Of the state, last forces are
-//! anything within the limit, the copy's motion anything finite (both are checked before they are stored), and every other number that
+//! anything within the limit, what limits the next ones too, the copy's motion anything finite (both are checked before they are stored), and every other number that
 //! has changed since the peer was built is any bits at all, also of what nobody can visit: sums, accounts, filters, warmth.
 //!
 //! **Not for every whole number**: modes, counters and phases are those of runs to begin with ([`STATES`] of them for each scene), which
@@ -312,6 +312,9 @@ fn armed<L: Law<Number>, const SHARED: usize, const N: usize, K: Kinematics<Numb
     let (mut peer, Actuators { forces, .. }) = last?;
     let most = f64::from(settings.safety.max_force_n as f32);
     let mut known: Vec<(Place, Range)> = forces.iter().map(|force| (force.place(), Range::of(-most, most))).collect();
+    // What a force may be falls with its mean and never rises above the scene's limit, which is claimed of each tick.
+    let (limits, step) = (peer.limits(), peer.limits().step.range().hi);
+    known.extend([(limits.most.place(), Range::of(0.0, most)), (limits.free.place(), Range::of(0.0, most.min(step)))]);
     let mut visited = 0;
     peer.visit(&mut |number: &mut Number| {
         if SHARED == 1 && visited < 2 {
@@ -345,17 +348,20 @@ fn one_tick<L: Law<Number>, const SHARED: usize, const N: usize, K: Kinematics<N
         || {
             let mut peer = *before;
             let (actuators, sent) = step(&mut peer, tick, outside);
-            (peer.mode(), actuators, sent)
+            (peer.mode(), actuators, sent, peer.limits())
         },
         |path| {
             proved.paths += 1;
-            let (mode, actuators, sent) = path.gave;
+            let (mode, actuators, sent, limits) = path.gave;
             let mut claim = |holds: bool, what: Broken| {
                 if !holds && broken.is_none() {
                     broken = Some(what);
                 }
             };
             claim(!path.escaped, Broken::Escaped);
+            for (limit, most) in [(limits.most.range(), most), (limits.free.range(), most.min(step_n))] {
+                claim(!limit.nan && (0.0..=most).contains(&limit.lo) && limit.hi <= most, Broken::Force(limit));
+            }
             for (force, last) in actuators.forces.into_iter().zip(last) {
                 let range = force.range();
                 if mode == Mode::Armed {
