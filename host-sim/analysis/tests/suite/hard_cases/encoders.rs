@@ -79,7 +79,7 @@ fn a_wrap_that_nobody_could_see_is_refused() {
         let too_fast = scene(&format!(
             "{} contact.stiffness_n_per_m=0 contact.damping_n_s_per_m=0 safety.max_hand_power_w=1000 user.1.push_n={}",
             sensing(bits, "difference"),
-            40.0 * fastest
+            10.0 * fastest
         ));
         let mut pair = Pair::<f32>::new(&too_fast).expect("a good scene");
         (0..500).for_each(|_| pair.step());
