@@ -44,7 +44,7 @@ numbered! {
     pub enum Fault {
         1 NonFiniteInput: "a sensor or a packet gave a value that is not a number",
         2 EncoderJump: "an encoder moved further in one tick than the device can",
-        3 Overspeed: "braking did not keep the device below 1.5 times safety.max_speed_m_per_s",
+        3 Overspeed: "braking did not keep the device below 1.5 times safety.max_speed_m_per_s or encoder.max_speed_m_per_s",
         4 ForceSaturated: "the device gave less than the object got, a motor at motor.max_duty, for safety.saturated_ticks",
         5 PeerLost: "the other peer was silent for safety.peer_lost_s",
         6 TickOverrun: "a tick began before the last one ended",
@@ -176,7 +176,14 @@ impl Mode {
 }
 
 /// How many times `safety.max_speed_m_per_s` a device may move before its peer faults. Above once that speed it brakes.
-pub const FASTEST: f64 = 1.5;
+const FASTEST: f64 = 1.5;
+
+/// The fastest that a device with these settings may move while armed, m/s: 1.5 times `safety.max_speed_m_per_s`, but no faster than
+/// `encoder.max_speed_m_per_s` if that is more than `max_speed_m_per_s`. An encoder that is faster than it may be is not believed.
+pub fn fastest_m_per_s(settings: &Settings) -> f64 {
+    let allowed = settings.safety.max_speed_m_per_s;
+    (FASTEST * allowed).min(settings.encoder.max_speed_m_per_s.max(allowed))
+}
 
 /// Largest damping with which a device brakes, N·s/m: a device of 0.1 kg bears it at 1 kHz, with a velocity that is 3 ms old.
 pub const MOST_BRAKING: f64 = 20.0;
@@ -190,9 +197,9 @@ pub struct Guard<S> {
     pub full_force: S,
     /// Fastest motion while armed at which the device does not brake, m/s.
     pub max_speed: S,
-    /// Fastest motion while armed, m/s: [`FASTEST`] times that.
+    /// Fastest motion while armed, m/s: [`fastest_m_per_s`].
     pub fastest: S,
-    /// Damping with which the device brakes above `max_speed`, N·s/m: all of its force at `fastest`, or [`MOST_BRAKING`].
+    /// Damping with which the device brakes above `max_speed`, N·s/m: all of its force at 1.5 times that, or [`MOST_BRAKING`].
     braking: S,
     /// Fastest that a copy of the object may be, m/s: four times as fast. What a device and its line are within their limits moves none faster.
     pub fastest_copy: S,
@@ -218,7 +225,7 @@ impl<S: Scalar> Guard<S> {
             limits: Limits { most, step, free: most.min(step) },
             full_force: most,
             max_speed: S::from_f64(safety.max_speed_m_per_s),
-            fastest: S::from_f64(FASTEST * safety.max_speed_m_per_s),
+            fastest: S::from_f64(fastest_m_per_s(settings)),
             braking: S::from_f64(braking.min(most_braking)),
             fastest_copy: S::from_f64(4.0 * safety.max_speed_m_per_s),
             workspace: S::from_f64(safety.workspace_m),

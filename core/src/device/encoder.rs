@@ -79,9 +79,9 @@ pub struct EncoderState {
     pub lone: Patience,
 }
 
-/// A plausible step may exceed `encoder.max_speed_m_per_s` by this factor, so that a motion that is faster than 1.5 times
+/// A plausible step may exceed `encoder.max_speed_m_per_s` by this factor, so that a motion that is faster than
 /// `safety.max_speed_m_per_s`, where the two are equal, is called that before it is called a broken encoder…
-const SPEED_MARGIN: f64 = 1.6;
+const SPEED_MARGIN: f64 = 1.25;
 /// …and by these counts, one for the rounding of each of the two readings.
 const ROUNDING_COUNTS: f64 = 2.0;
 /// Ticks with edges on one channel only that make a fault: a device that vibrates on an edge gives no two rising edges

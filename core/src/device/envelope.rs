@@ -90,10 +90,8 @@ impl<S: Scalar> Load<S> {
     #[inline(never)]
     pub fn fault(&self) -> Option<Fault> {
         let too_much = S::from_f64(TOO_MUCH);
-        if self.force.max(self.power) > too_much {
-            return Some(if self.force > too_much { Fault::ForceTooLong } else { Fault::PowerTooLong });
-        }
-        None
+        let which = || if self.force > too_much { Fault::ForceTooLong } else { Fault::PowerTooLong };
+        (self.force.max(self.power) > too_much).then(which)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Bounds on the numbers in a received packet, from the physical limits of its sender; checked once, on reception.
 //!
 //! An authentic packet may still contain any numbers. Only those are accepted that the scene's limits allow. With V =
-//! 1.5 · `safety.max_speed_m_per_s`, F = `safety.max_force_n` and b = `coordination.wave_impedance_n_s_per_m`, an end of a
+//! [`fastest_m_per_s`], F = `safety.max_force_n` and b = `coordination.wave_impedance_n_s_per_m`, an end of a
 //! line that moves no faster than V and pulls no harder than F sends waves of
 //!
 //! > |u_out| = |b·ẋ_d − F_T|/√(2b) ≤ (b·V + F)/√(2b) = U
@@ -14,7 +14,7 @@
 //!
 //! A line of [`Sends::Counters`] sends its slip and how fast it goes on beside them ([`super::self_timed`]), and for a wave by how much
 //! less its impedance should be, or 2 less that where it hears nothing. Where that falls to ρ·b its waves keep the unit of b, and a pull of F is one of F/ρ in them: such a line is
-//! bounded with the least ρ that an end goes to, a quarter: U = (b·V + F/ρ₀)/√(2b). Whoever lies pushes with 1,060 N instead of 940 at the most,
+//! bounded with the least ρ that an end goes to, a quarter: U = (b·V + F/ρ₀)/√(2b). Whoever lies pushes with 760 N instead of 640 at the most,
 //! in `any-network`, before the limits of whoever is pushed.
 //!
 //! Sums without a stated number of ticks are bounded as if over [`MOST_TICKS`], so that the difference of two stays within the
@@ -26,7 +26,7 @@
 use super::self_timed::{MOST_TOLD_M, least_share};
 use super::{Packet, Sends};
 use crate::num::Scalar;
-use crate::safety::FASTEST;
+use crate::safety::fastest_m_per_s;
 use crate::settings::Settings;
 
 /// Largest number of ticks that a sum may cover, 2³², after which its counter wraps: 49 days at 1 kHz.
@@ -66,8 +66,9 @@ pub struct Sums {
 impl Bounds {
     /// Bounds on the packets of an end with the limits of these settings, whose law sends `sends`.
     pub fn build(settings: &Settings, sends: Sends) -> Self {
-        let (safety, impedance) = (settings.in_the_world().safety, settings.coordination.wave_impedance_n_s_per_m);
-        let (speed_m_per_s, period_s) = (FASTEST * safety.max_speed_m_per_s, settings.timing.control_period_s);
+        let (world, impedance) = (settings.in_the_world(), settings.coordination.wave_impedance_n_s_per_m);
+        let safety = &world.safety;
+        let (speed_m_per_s, period_s) = (fastest_m_per_s(&world), settings.timing.control_period_s);
         // What a newton is in the waves of a line that may be lighter than b.
         let share = if sends == Sends::Counters { least_share(settings) } else { 1.0 };
         let wave = (impedance * speed_m_per_s + safety.max_force_n / share) / libm::sqrt(2.0 * impedance);

@@ -37,9 +37,7 @@ macro_rules! visited {
     };
 }
 
-impl<S> StateVector<S> for () {
-    fn visit(&mut self, _: &mut impl FnMut(&mut S)) {}
-}
+visited!([S] () {});
 
 impl<S: Scalar> StateVector<S> for S {
     #[inline]

@@ -254,7 +254,7 @@ fn what_is_told_of_it_comes_back_and_has_a_sentence() {
 #[test]
 fn a_speed_that_an_angle_cannot_be_followed_at_is_refused() {
     let mut settings = Settings::default();
-    let fastest = 2728.0 / (1.6 * 0.001 * settings.encoder.counts_per_m);
+    let fastest = 2728.0 / (1.25 * 0.001 * settings.encoder.counts_per_m);
     settings.encoder.max_speed_m_per_s = fastest;
     assert!(Design::build(&settings).is_ok());
     settings.encoder.max_speed_m_per_s = 1.001 * fastest;

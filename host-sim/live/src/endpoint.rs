@@ -141,10 +141,10 @@ impl Ticker {
 }
 
 /// What a person reads whose system gives no real-time priority, and may do about it.
-pub const NO_PRIORITY: &str = if cfg!(unix) {
+pub const NO_PRIORITY: &str = if cfg!(target_os = "linux") {
     "this user may have no real-time priority, so ticks come late when the machine is busy: run `sudo setcap cap_sys_nice=ep` on this program, or add `USER - rtprio 50` to /etc/security/limits.conf and log in anew (docs/devices.md, Real-time priority)"
 } else {
-    "Windows gives an ordinary process no real-time priority: ticks have the highest other one, and come late when the machine is busy"
+    "the system gives no real-time priority, so ticks come late when the machine is busy (docs/devices.md, Real-time priority)"
 };
 
 /// Asks for a real-time priority for this thread, and says whether it got one.

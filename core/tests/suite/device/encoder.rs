@@ -21,7 +21,7 @@ fn the_longest_step_is_the_fastest_motion_and_a_margin() {
     assert_eq!(longest(&[("encoder.counts_per_m", number(2e8))]), 32767);
     // The paddle's motor turns by 10/0.08 = 125 rad per metre: 1.25 rad in a tick, 8192/2π counts each.
     let capstan = ("kinematics.model", Value::Text("capstan"));
-    assert_eq!(longest(&[capstan]), (1.6_f64 * 1.25 * 8192.0 / core::f64::consts::TAU + 2.0).floor() as i32);
+    assert_eq!(longest(&[capstan]), (1.25_f64 * 1.25 * 8192.0 / core::f64::consts::TAU + 2.0).floor() as i32);
 }
 
 #[test]

@@ -99,7 +99,7 @@ fn an_encoder_that_jumps() {
 #[test]
 fn a_motion_too_fast() {
     let mut bench = Bench::armed(&Settings::default());
-    let last = bench.at(0.0, 15.1);
+    let last = bench.at(0.0, 10.5);
     bench.assert_stopped(last, Fault::Overspeed);
 }
 

@@ -10,7 +10,7 @@
 //!
 //! **At rest** it has to be to begin: under [`STILL_M_PER_S`] for [`STILL`], within [`FIRST`]; and within `safety.workspace_m` of its origin.
 //!
-//! **A jump** further than 1.5 times `safety.max_speed_m_per_s` allows in the time between two readings, and 2 mm, is no motion of a hand.
+//! **A jump** further than [`safety::fastest_m_per_s`] allows in the time between two readings, and 2 mm, is no motion of a hand.
 //!
 //! **Not armed at all** is a device that is not homed, whose own time to let go is not known, that has fewer axes than the scene uses, or
 //! that gives less force than the scene may ask for.
@@ -21,7 +21,7 @@ use std::time::{Duration, Instant};
 use haptic_core::device::Reading;
 use haptic_core::num::Motion;
 use haptic_core::peer::{Actuators, Sensors};
-use haptic_core::safety::FASTEST;
+use haptic_core::safety;
 use haptic_core::settings::Scale;
 use haptic_sim::device::{Device, DeviceFault, Gone};
 use haptic_sim::scene::Scene;
@@ -89,7 +89,7 @@ fn refusal(can: &Abilities, options: &DeviceOptions, scene: &Scene, index: usize
 }
 
 /// How fast it moves along the axis along which it is fastest.
-fn fastest_m_per_s(sensed: &Sensed) -> f64 {
+fn speed_m_per_s(sensed: &Sensed) -> f64 {
     sensed.velocity_m_per_s.iter().fold(0.0, |most, speed| most.max(speed.abs()))
 }
 
@@ -102,7 +102,7 @@ fn at_rest(port: &mut impl Port) -> Result<Sensed, Error> {
         newest = port.read().map_err(|gone| gone.to_string())?.or(newest);
         let now = Instant::now();
         if let Some(sensed) = newest {
-            still_since = (fastest_m_per_s(&sensed) < STILL_M_PER_S).then(|| still_since.unwrap_or(now));
+            still_since = (speed_m_per_s(&sensed) < STILL_M_PER_S).then(|| still_since.unwrap_or(now));
             if still_since.is_some_and(|since| now >= since + STILL) {
                 return Ok(sensed);
             }
@@ -148,7 +148,7 @@ impl<P: Port, const N: usize> Attached<P, N> {
             origin_m: options.origin_m.unwrap_or(newest.position_m),
             scale: settings.scale,
             silent: Duration::from_secs_f64(options.silent_s),
-            fastest_m_per_s: FASTEST * settings.safety.max_speed_m_per_s,
+            fastest_m_per_s: safety::fastest_m_per_s(settings),
             clutch,
             newest,
             share: 0.0,
@@ -172,7 +172,7 @@ impl<P: Port, const N: usize> Attached<P, N> {
             return implausible("a place or a speed is not a number".to_owned());
         }
         let told = |of: &Sensed| (of.position_m, of.velocity_m_per_s);
-        if told(&sensed) == told(&self.newest) && fastest_m_per_s(&sensed) > STILL_M_PER_S {
+        if told(&sensed) == told(&self.newest) && speed_m_per_s(&sensed) > STILL_M_PER_S {
             self.newest.buttons = sensed.buttons;
             return Ok(());
         }

@@ -35,7 +35,7 @@ fn the_log_says_what_happened() {
     let ended = recorder.finish();
     let recording = read(&path).expect("a recording");
     let said = recording.log().map(|(at_ns, line)| (at_ns, line.who.as_str(), line.level, line.words.as_str()));
-    let speed = "fault 3: braking did not keep the device below 1.5 times safety.max_speed_m_per_s";
+    let speed = "fault 3: braking did not keep the device below 1.5 times safety.max_speed_m_per_s or encoder.max_speed_m_per_s";
     let socket = "fault 24: the device stopped, or its socket or bus is closed";
     let wanted = [
         (1_000_005, "peer 2", INFO, "armed"),

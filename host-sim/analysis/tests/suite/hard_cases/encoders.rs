@@ -12,10 +12,10 @@ use super::setup::{COMMS, scene};
 const BITS_PER_M: [i32; 5] = [16, 18, 20, 22, 24];
 const ESTIMATORS: [&str; 3] = ["difference", "filtered", "adaptive"];
 
-/// The largest encoder.max_speed_m_per_s at which the counter cannot wrap unseen: the step that is believed, 1.6 times the
+/// The largest encoder.max_speed_m_per_s at which the counter cannot wrap unseen: the step that is believed, 1.25 times the
 /// fastest and two counts of rounding, is then less than half of 2¹⁶ counts.
 fn fastest_m_per_s(counts_per_m: f64) -> f64 {
-    f64::min(10.0, (32_767.0 - 2.0) / (1.6 * 1e-3 * counts_per_m))
+    f64::min(10.0, (32_767.0 - 2.0) / (1.25 * 1e-3 * counts_per_m))
 }
 
 fn sensing(bits: i32, estimator: &str) -> String {
@@ -77,7 +77,7 @@ fn a_wrap_that_nobody_could_see_is_refused() {
         assert!(refused.contains("encoder.max_speed_m_per_s = 10 is not allowed"), "{refused}");
         let fastest = fastest_m_per_s(counts_per_m);
         let too_fast = scene(&format!(
-            "{} contact.stiffness_n_per_m=0 contact.damping_n_s_per_m=0 safety.max_force_n=1 user.1.push_n={}",
+            "{} contact.stiffness_n_per_m=0 contact.damping_n_s_per_m=0 user.1.push_n={}",
             sensing(bits, "difference"),
             3.0 * fastest
         ));
