@@ -8,9 +8,9 @@
 
 mod world;
 
-use std::collections::HashMap;
 use std::collections::hash_map::Entry;
-use std::hash::{BuildHasherDefault, DefaultHasher, Hash, Hasher};
+use std::collections::{HashMap, VecDeque};
+use std::hash::{BuildHasherDefault, Hasher};
 use std::time::Instant;
 
 use super::{Motors, Number, Told, Want, Word};
@@ -48,48 +48,51 @@ impl Hasher for Same {
     }
 }
 
-fn mark(state: &State) -> u64 {
-    let mut hasher = DefaultHasher::new();
-    state.hash(&mut hasher);
-    hasher.finish()
-}
+/// The state before each state, by fingerprint.
+type Known = HashMap<u64, u64, BuildHasherDefault<Same>>;
 
-/// The states before each state, and the actions that led on from there, by fingerprint.
-type Known = HashMap<u64, (u64, Option<Action>), BuildHasherDefault<Same>>;
-
-fn path(known: &Known, mut at: u64) -> Vec<Action> {
-    let mut actions = Vec::new();
-    while let Some((before, Some(action))) = known.get(&at) {
-        actions.push(*action);
+/// How a state came about.
+fn path(world: &World, known: &Known, mut at: u64) -> Vec<Action> {
+    let mut marks = vec![at];
+    while let Some(before) = known.get(&at).filter(|before| **before != at) {
+        marks.push(*before);
         at = *before;
     }
-    actions.reverse();
-    actions
+    let mut state = world.start();
+    let to = |state: &State, mark| {
+        let next = world.actions(state).into_iter().filter_map(|action| Some((action, world.next(state, action)?)));
+        next.into_iter().find(|(_, next)| next.mark() == mark).expect("a way that was gone before")
+    };
+    let step = |mark| {
+        let (action, next) = to(&state, mark);
+        state = next;
+        action
+    };
+    marks.into_iter().rev().skip(1).map(step).collect()
 }
 
 /// Explores states, and no more than this: whether those were all, or the promise that is broken and how.
 fn explore(name: &str, world: &World, most: usize) -> Result<bool, (&'static str, Vec<Action>)> {
     let (begun, start) = (Instant::now(), world.start());
     let (mut known, mut depth, mut kinds) = (Known::default(), 0, [false; 3]);
-    known.insert(mark(&start), (0, None));
-    let mut level = vec![start];
+    known.insert(start.mark(), start.mark());
+    let mut level = VecDeque::from([start]);
     while !level.is_empty() && known.len() < most {
-        let mut next_level = Vec::new();
-        for state in &level {
-            let at = mark(state);
-            for action in world.actions(state) {
-                let Some(next) = world.next(state, action) else { continue };
-                let number = mark(&next);
-                let Entry::Vacant(place) = known.entry(number) else { continue };
-                place.insert((at, Some(action)));
-                if let Some(broken) = world.broken(&next, number) {
-                    return Err((broken, path(&known, number)));
+        for _ in 0..level.len() {
+            let Some(state) = level.pop_front() else { break };
+            let at = state.mark();
+            for action in world.actions(&state) {
+                let Some(next) = world.next(&state, action) else { continue };
+                let mark = next.mark();
+                let Entry::Vacant(place) = known.entry(mark) else { continue };
+                place.insert(at);
+                if let Some(broken) = world.broken(&next, mark) {
+                    return Err((broken, path(world, &known, mark)));
                 }
                 kinds.iter_mut().zip(world.kinds(&next)).for_each(|(kind, there)| *kind |= there);
-                next_level.push(next);
+                level.push_back(next);
             }
         }
-        level = next_level;
         depth += 1;
     }
     let (states, whole, seconds) = (known.len(), level.is_empty(), begun.elapsed().as_secs_f64());

@@ -5,6 +5,8 @@
 //! datagrams each way, and passes any of them on at any time and in any order, or drops it. Copies need no action: a session takes each
 //! datagram once. **Assumed**: datagrams are authentic, a handshake is one step, and no number comes again while a line is under way.
 
+use std::hash::{DefaultHasher, Hash, Hasher};
+
 use super::super::{AtBoard, AtOperator, Giver, Holder, LAST, Motors, Number, Told, Want, Word};
 
 /// Now, in every state.
@@ -440,17 +442,36 @@ impl World {
         if motors != Motors::Leased && (word.want != Want::Run || used) && self.planted != Planted::UsedAgain {
             state.holder.said_us = None;
         }
-        for operator in &mut state.operators {
+        let fresh = |said_us: &u64| NOW - said_us < self.lease;
+        state.holder.said_us = state.holder.said_us.filter(fresh);
+        state.under_way.iter_mut().for_each(|came| came.echo = came.echo.filter(fresh));
+        let rows = [Planted::GateByRow, Planted::ShownWithoutAge].contains(&self.planted);
+        for (by, operator) in state.operators.iter_mut().enumerate() {
             let giver = &mut operator.giver;
             if giver.want() != Want::Run {
                 giver.asked_us = 0;
             }
             giver.asked_us = giver.asked_us.max(NOW - self.silence - 1);
-            let rows = [Planted::GateByRow, Planted::ShownWithoutAge].contains(&self.planted);
-            if giver.shown(NOW).is_none() && !rows {
-                (giver.told, giver.told_us) = (Told::default(), None);
-            }
+            // What the board has heard is this end's word, or any other; of an old row no more counts than that it confirms a stop.
+            let (number, stop) = (giver.word.number, giver.want() == Want::Stop && !giver.stopped);
+            let confirmed = Told { motors: Motors::Off, heard: number };
+            let one_form = |told: &mut Told, said_us: &mut Option<u64>, stop: bool| {
+                *said_us = said_us.filter(|said_us| rows || NOW - said_us <= self.shown);
+                if told.heard != number {
+                    told.heard = Number::default();
+                }
+                if said_us.is_none() && !(stop && *told == confirmed) && !rows {
+                    *told = Told::default();
+                }
+            };
+            one_form(&mut giver.told, &mut giver.told_us, false);
+            operator.came.iter_mut().for_each(|came| one_form(&mut came.told, &mut came.echo, stop));
             operator.line = operator.line.filter(|line| giver.word == line.word);
+            // A session begins without these.
+            if state.session != Some(by) {
+                (operator.line, operator.stamp) = (None, None);
+                operator.came.iter_mut().for_each(|came| came.sealed = NOW);
+            }
         }
         // What came out of order counts for nothing but its line, and that only while a word of its number may be about.
         if let Some(by) = state.session {
@@ -530,7 +551,7 @@ impl World {
     /// What there must be among all states: a run, one that is alone, and a stop that is confirmed.
     pub(super) fn kinds(&self, state: &State) -> [bool; 3] {
         let alone = state.holder.motors == Motors::Alone;
-        [state.driven && !alone, state.driven && alone, state.operators[0].giver.is_stopped()]
+        [state.driven && !alone, state.driven && alone, state.operators.iter().any(|operator| operator.giver.is_stopped())]
     }
 
     /// Everything under way comes, in order, and each end says something once more.
@@ -587,6 +608,28 @@ impl World {
 }
 
 impl State {
+    /// A fingerprint, which two operators share whichever of them is the first.
+    pub(super) fn mark(&self) -> u64 {
+        let hash = |state: &Self| {
+            let mut hasher = DefaultHasher::new();
+            state.hash(&mut hasher);
+            hasher.finish()
+        };
+        if self.operators.len() == 2 { hash(self).min(hash(&self.swapped())) } else { hash(self) }
+    }
+
+    /// The same with its two operators in each other's place.
+    fn swapped(&self) -> Self {
+        let mut state = self.clone();
+        state.operators.reverse();
+        for by in [&mut state.session, &mut state.peer].into_iter().flatten() {
+            *by = 1 - *by;
+        }
+        state.ran.iter_mut().for_each(|ran| ran.by = 1 - ran.by);
+        state.lines(|line| line.stops = line.stops >> 1 & 1 | line.stops << 1 & 2);
+        state
+    }
+
     fn lines(&mut self, mut each: impl FnMut(&mut Line)) {
         self.under_way.iter_mut().filter_map(|came| came.line.as_mut()).for_each(&mut each);
         self.operators.iter_mut().filter_map(|operator| operator.line.as_mut()).for_each(&mut each);
