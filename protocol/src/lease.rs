@@ -13,6 +13,8 @@
 //! Sans-IO, without allocation and without a clock. Times are µs. `tests/inside/lease` explores both ends over a network that drops,
 //! holds, repeats and reorders.
 
+use crate::aged::Aged;
+
 /// Numbers wrap after this one; 0 is the number of nothing. At most three words are ahead of the newest one that the board has heard.
 const LAST: u8 = 63;
 
@@ -273,9 +275,8 @@ pub struct Giver {
     shown_us: u64,
     word: Word,
     asked_us: u64,
-    told: Told,
-    /// When the board said that at the earliest, µs of this end's clock.
-    told_us: Option<u64>,
+    /// What the board said last, at the earliest then by this end's clock.
+    told: Option<Aged<Told>>,
     stopped: bool,
 }
 
@@ -283,8 +284,7 @@ impl Default for Giver {
     /// An end that wants nothing, whose permissions need nobody who asks.
     fn default() -> Self {
         let word = Word { want: Want::Nothing, number: Number::default().next() };
-        let (told, told_us) = (Told::default(), None);
-        Self { silence_us: u64::MAX, shown_us: SHOWN_US, word, asked_us: 0, told, told_us, stopped: false }
+        Self { silence_us: u64::MAX, shown_us: SHOWN_US, word, asked_us: 0, told: None, stopped: false }
     }
 }
 
@@ -296,17 +296,17 @@ impl Giver {
     pub fn step(&mut self, now_us: u64, event: AtOperator) -> Result<(), No> {
         match event {
             AtOperator::Session => {
-                (self.told, self.told_us) = (Told::default(), None);
+                self.told = None;
                 // A stop that is not confirmed goes on.
                 if self.want() == Want::Run || self.stopped {
                     self.change(Want::Nothing);
                 }
             }
             AtOperator::Start => {
-                match self.shown(now_us) {
+                match self.fresh(now_us) {
                     _ if self.want() == Want::Stop && !self.stopped => return Err(No::Unstopped),
-                    Some(Motors::Leased | Motors::Alone) => return Err(No::On),
-                    Some(Motors::Off) if self.told.heard == self.word.number => {}
+                    Some(Told { motors: Motors::Leased | Motors::Alone, .. }) => return Err(No::On),
+                    Some(Told { heard, .. }) if *heard == self.word.number => {}
                     _ => return Err(No::Unknown),
                 }
                 self.asked_us = now_us;
@@ -317,7 +317,7 @@ impl Giver {
             AtOperator::Stop | AtOperator::Leave => {}
             AtOperator::Asked => self.asked_us = now_us,
             AtOperator::Heard { told, echo_us } => {
-                (self.told, self.told_us) = (told, echo_us);
+                self.told = echo_us.map(|echo_us| Aged::new(told, echo_us));
                 let off = Told { motors: Motors::Off, heard: self.word.number };
                 self.stopped |= self.want() == Want::Stop && told == off;
             }
@@ -340,8 +340,11 @@ impl Giver {
 
     /// What a person may be shown of the motors. `None`: the board's newest word is too old, motors may be on.
     pub fn shown(&self, now_us: u64) -> Option<Motors> {
-        let told_us = self.told_us.filter(|told_us| now_us.saturating_sub(*told_us) <= self.shown_us);
-        told_us.map(|_| self.told.motors)
+        self.fresh(now_us).map(|told| told.motors)
+    }
+
+    fn fresh(&self, now_us: u64) -> Option<&Told> {
+        self.told.as_ref()?.within(now_us, self.shown_us)
     }
 
     /// Whether the board has said *off* after it heard the newest stop. Only then a person is told *stopped*.

@@ -84,6 +84,7 @@
     deny(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::unreachable)
 )]
 
+pub mod aged;
 pub mod bytes;
 pub mod cipher;
 pub mod clock;

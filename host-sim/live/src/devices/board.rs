@@ -21,6 +21,7 @@ use haptic_core::law::{AnyLaw, Law, Packet};
 use haptic_core::num::Motion;
 use haptic_core::peer::STEP_N;
 use haptic_core::safety::Fault;
+use haptic_protocol::aged::Aged;
 use haptic_protocol::key::Key;
 use haptic_protocol::link::Error as Refusal;
 use haptic_protocol::peer::flow_of;
@@ -72,7 +73,7 @@ struct Talk<const SHARED: usize> {
     period: Duration,
     ticks: u32,
     /// The force that is wanted, N, and when that was.
-    order: Option<([f64; AXES], Instant)>,
+    order: Option<Aged<[f64; AXES], Instant>>,
     /// An order may be this old.
     silent: Duration,
     /// When something was said last.
@@ -149,8 +150,7 @@ where
         if self.mute.is_some_and(|until| now < until) {
             return;
         }
-        let wanted = self.order.filter(|(_, at)| at.elapsed() <= self.silent).map(|(force_n, _)| force_n);
-        let force_n = wanted.unwrap_or_default();
+        let force_n = self.order.as_ref().and_then(|order| order.within(now, self.silent)).copied().unwrap_or_default();
         let mut forces = force_n.into_iter();
         let packets = std::array::from_fn(|_| Packet::<f64> {
             motion: Motion::at(0.0),
@@ -348,7 +348,7 @@ where
     fn write(&mut self, force_n: Option<[f64; AXES]>) {
         // Where the thread is just speaking, the next tick's force is the next that is said.
         if let Ok(mut talk) = self.talk.try_lock() {
-            talk.order = force_n.map(|force_n| (force_n, Instant::now()));
+            talk.order = force_n.map(|force_n| Aged::new(force_n, Instant::now()));
             talk.speak();
         }
     }
@@ -362,7 +362,7 @@ where
         talk.hear();
         let told = talk.told()?;
         // What was wanted before a silence is not wanted after it.
-        (talk.mute, talk.order) = (None, talk.order.filter(|(_, at)| *at > until));
+        (talk.mute, talk.order) = (None, talk.order.filter(|order| order.at() > until));
         Ok(told.map(|_| talk.acts_n))
     }
 }

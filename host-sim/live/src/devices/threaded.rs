@@ -13,6 +13,7 @@ use std::sync::{Arc, Mutex, TryLockError};
 use std::thread::{JoinHandle, park_timeout};
 use std::time::{Duration, Instant};
 
+use haptic_protocol::aged::Aged;
 use haptic_sim::device::{DeviceFault, Gone};
 
 use super::{AXES, Abilities, Health, Port, Sensed};
@@ -31,12 +32,8 @@ pub fn stopped(cause: impl ToString) -> Gone {
     Gone::new(DeviceFault::Stopped, cause)
 }
 
-/// What is asked of the device.
-#[derive(Clone, Copy)]
-struct Order {
-    force_n: Option<[f64; AXES]>,
-    at: Instant,
-}
+/// What is asked of the device; none lets go.
+type Order = Option<Aged<[f64; AXES], Instant>>;
 
 /// What the thread and the peer's tick exchange.
 pub(super) struct Desk {
@@ -56,16 +53,13 @@ pub(super) type Acts = Result<Option<f64>, Gone>;
 impl Desk {
     /// The force that is wanted now; none lets go.
     pub(super) fn wanted(&self) -> Option<[f64; AXES]> {
-        let order = self.order.lock().map(|order| *order).ok()?;
-        order.force_n.filter(|_| order.at.elapsed() <= self.silent)
+        self.order.lock().ok()?.as_ref()?.within(Instant::now(), self.silent).copied()
     }
 
     /// An order of before then is none.
     fn forget(&self, then: Instant) {
-        if let Ok(mut order) = self.order.lock()
-            && order.at < then
-        {
-            order.force_n = None;
+        if let Ok(mut order) = self.order.lock() {
+            *order = order.filter(|order| order.at() >= then);
         }
     }
 
@@ -127,7 +121,7 @@ impl Threaded {
     /// Begins to ask the device. An order that is not renewed for `silent` is no longer given.
     pub(super) fn start(abilities: Abilities, silent: Duration, line: impl Line) -> Result<Self, Error> {
         let desk = Arc::new(Desk {
-            order: Mutex::new(Order { force_n: None, at: Instant::now() }),
+            order: Mutex::new(None),
             told: Mutex::new(Ok(None)),
             health: Mutex::new(Health::default()),
             silence: Mutex::new(None),
@@ -186,7 +180,7 @@ impl Port for Threaded {
     fn write(&mut self, force_n: Option<[f64; AXES]>) {
         // Where the thread is just reading the order, it takes the next one, a tick later.
         if let Ok(mut order) = self.desk.order.try_lock() {
-            *order = Order { force_n, at: Instant::now() };
+            *order = force_n.map(|force_n| Aged::new(force_n, Instant::now()));
         }
         self.wake();
     }

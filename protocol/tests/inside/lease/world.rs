@@ -7,7 +7,7 @@
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-use super::super::{AtBoard, AtOperator, Giver, Holder, LAST, Motors, Number, Told, Want, Word};
+use super::super::{Aged, AtBoard, AtOperator, Giver, Holder, LAST, Motors, Number, Told, Want, Word};
 
 /// Now, in every state.
 const NOW: u64 = 16;
@@ -147,6 +147,11 @@ pub(super) enum Action {
     Release,
     Hold,
     Fault,
+}
+
+/// What was told, however old it is.
+fn told_at_all(told: &Aged<Told>) -> Told {
+    *told.within(NOW, NOW).expect("no time is before 0")
 }
 
 impl World {
@@ -333,7 +338,7 @@ impl World {
         let operator = &mut state.operators[by];
         (operator.met && state.session == Some(by) && state.under_way.len() < self.to_board).then_some(())?;
         let asked = operator.giver.asked_us;
-        if self.planted == Planted::GateByRow && operator.giver.told.motors != Motors::Leased {
+        if self.planted == Planted::GateByRow && operator.giver.told.is_none_or(|told| told_at_all(&told).motors != Motors::Leased) {
             operator.giver.asked_us = NOW;
         }
         let word = operator.giver.word(NOW);
@@ -414,7 +419,11 @@ impl World {
         for operator in &mut state.operators {
             maybe(&mut operator.stamp, of_board);
             older(&mut operator.giver.asked_us, self.silence + 1);
-            maybe(&mut operator.giver.told_us, of_operator);
+            if let Some(told) = &mut operator.giver.told {
+                let mut at = told.at();
+                older(&mut at, of_operator);
+                *told = Aged::new(told_at_all(told), at);
+            }
             for came in &mut operator.came {
                 maybe(&mut came.echo, of_operator);
                 older(&mut came.sealed, of_board);
@@ -455,17 +464,16 @@ impl World {
             // What the board has heard is this end's word, or any other; of an old row no more counts than that it confirms a stop.
             let (number, stop) = (giver.word.number, giver.want() == Want::Stop && !giver.stopped);
             let confirmed = Told { motors: Motors::Off, heard: number };
-            let one_form = |told: &mut Told, said_us: &mut Option<u64>, stop: bool| {
-                *said_us = said_us.filter(|said_us| rows || NOW - said_us <= self.shown);
-                if told.heard != number {
-                    told.heard = Number::default();
+            let young = |said_us: u64| rows || NOW - said_us <= self.shown;
+            let plain = |told: Told| if told.heard == number { told } else { Told { heard: Number::default(), ..told } };
+            let told = giver.told.filter(|told| young(told.at()));
+            giver.told = told.map(|told| Aged::new(plain(told_at_all(&told)), told.at()));
+            for came in &mut operator.came {
+                (came.told, came.echo) = (plain(came.told), came.echo.filter(|echo| young(*echo)));
+                if came.echo.is_none() && !(stop && came.told == confirmed) && !rows {
+                    came.told = Told::default();
                 }
-                if said_us.is_none() && !(stop && *told == confirmed) && !rows {
-                    *told = Told::default();
-                }
-            };
-            one_form(&mut giver.told, &mut giver.told_us, false);
-            operator.came.iter_mut().for_each(|came| one_form(&mut came.told, &mut came.echo, stop));
+            }
             operator.line = operator.line.filter(|line| giver.word == line.word);
             // A session begins without these.
             if state.session != Some(by) {
@@ -500,7 +508,11 @@ impl World {
         };
         let operator = &mut state.operators[by];
         less(&mut operator.giver.word.number);
-        less(&mut operator.giver.told.heard);
+        if let Some(told) = &mut operator.giver.told {
+            let mut now_known = told_at_all(told);
+            less(&mut now_known.heard);
+            *told = Aged::new(now_known, told.at());
+        }
         operator.line.iter_mut().for_each(|line| less(&mut line.word.number));
         operator.came.iter_mut().for_each(|came| less(&mut came.told.heard));
         // An end that has restarted has other numbers than what is left of it.
@@ -520,7 +532,7 @@ impl World {
         let shows = |motors: Motors| {
             state.operators.iter().any(|operator| {
                 let shown = match self.planted {
-                    Planted::ShownWithoutAge => operator.giver.told_us.map(|_| operator.giver.told.motors),
+                    Planted::ShownWithoutAge => operator.giver.told.map(|told| told_at_all(&told).motors),
                     _ => operator.giver.shown(NOW),
                 };
                 shown == Some(motors)
