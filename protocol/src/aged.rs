@@ -6,25 +6,18 @@ use core::ops::Sub;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Aged<T, At = u64> {
     value: T,
-    at: At,
+    /// When it was so.
+    pub at: At,
 }
 
-impl<T, At: Copy + PartialOrd + Sub> Aged<T, At> {
+impl<T, At: Copy + PartialOrd + Sub<Output: PartialOrd>> Aged<T, At> {
     /// This was so then.
     pub const fn new(value: T, at: At) -> Self {
         Self { value, at }
     }
 
     /// The value, if it is no older than `most`. What is said to be of a time to come is of now.
-    pub fn within(&self, now: At, most: At::Output) -> Option<&T>
-    where
-        At::Output: PartialOrd,
-    {
+    pub fn within(&self, now: At, most: At::Output) -> Option<&T> {
         (now <= self.at || now - self.at <= most).then_some(&self.value)
-    }
-
-    /// When it was so.
-    pub const fn at(&self) -> At {
-        self.at
     }
 }

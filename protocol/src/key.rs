@@ -18,6 +18,10 @@ use zeroize::Zeroize;
 pub const TAG_LEN: usize = 16;
 /// Bytes of the number that a key seals with once and never again.
 pub const NONCE_LEN: usize = 12;
+/// What a datagram is sealed with once and never again.
+pub type Nonce = [u8; NONCE_LEN];
+/// What shows that a sealed body and what stands before it are whole.
+pub type Tag = [u8; TAG_LEN];
 
 /// What a key is for. A board has one of each, drawn by itself: who holds one has nothing of the other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -120,12 +124,12 @@ impl Key {
         Derivation(mac)
     }
 
-    pub(crate) fn tag(&self, bytes: &[u8]) -> [u8; TAG_LEN] {
+    pub(crate) fn tag(&self, bytes: &[u8]) -> Tag {
         Blake2sMac::<U16>::new(&Array(self.0)).chain_update(bytes).finalize_fixed().0
     }
 
     /// Whether `tag` is the tag of `bytes` under this key, in a time that does not tell where it differs.
-    pub(crate) fn verifies(&self, bytes: &[u8], tag: &[u8; TAG_LEN]) -> bool {
+    pub(crate) fn verifies(&self, bytes: &[u8], tag: &Tag) -> bool {
         Blake2sMac::<U16>::new(&Array(self.0)).chain_update(bytes).verify(&Array(*tag)).is_ok()
     }
 }

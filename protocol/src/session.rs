@@ -25,7 +25,7 @@ use crate::wire::{self, Ephemeral, Greeting, Header, Message, PeerId, Stamps, TA
 use crate::{
     ends::Ends,
     error::Refusal,
-    key::{Key, NONCE_LEN},
+    key::{Key, NONCE_LEN, Nonce},
 };
 
 /// What one end puts into a session.
@@ -273,7 +273,7 @@ impl Direction {
         Cipher::new(&base.derive("epoch").with(&epoch.to_le_bytes()).end())
     }
 
-    fn nonce(sequence: u64) -> [u8; NONCE_LEN] {
+    fn nonce(sequence: u64) -> Nonce {
         let mut nonce = [0; NONCE_LEN];
         if let Some(low) = nonce.last_chunk_mut() {
             *low = sequence.to_le_bytes();

@@ -8,10 +8,10 @@ extern crate alloc;
 use alloc::boxed::Box;
 use core::hint::black_box;
 
-use ring::aead::{Aad, CHACHA20_POLY1305, LessSafeKey, Nonce, UnboundKey};
+use ring::aead::{self, Aad, CHACHA20_POLY1305, LessSafeKey, UnboundKey};
 
 use crate::error::Refusal;
-use crate::key::{Key, NONCE_LEN, TAG_LEN};
+use crate::key::{Key, Nonce, Tag};
 
 /// ChaCha20-Poly1305 under one key, wiped when dropped. Always with one: ring refuses none of this length.
 #[cfg_attr(test, derive(Clone))]
@@ -37,26 +37,20 @@ impl Cipher {
         UnboundKey::new(&CHACHA20_POLY1305, key).ok().map(LessSafeKey::new)
     }
 
-    /// Encrypts `body` in place and gives the tag of it and of `head`. A nonce serves one body and no other.
+    /// Encrypts `body` in place and gives the tag of it and of `aad`, the data that stand in the open. A nonce serves one body and no other.
     ///
     /// # Errors
     /// A body of 256 GB or more.
-    pub fn seal(&self, nonce: [u8; NONCE_LEN], head: &[u8], body: &mut [u8]) -> Result<[u8; TAG_LEN], Refusal> {
-        let (nonce, key) = (Nonce::assume_unique_for_key(nonce), self.0.as_ref().ok_or(Refusal::Forged)?);
-        let tag = key.seal_in_place_separate_tag(nonce, Aad::from(head), body);
+    pub fn seal(&self, nonce: Nonce, aad: &[u8], body: &mut [u8]) -> Result<Tag, Refusal> {
+        let (nonce, key) = (aead::Nonce::assume_unique_for_key(nonce), self.0.as_ref().ok_or(Refusal::Forged)?);
+        let tag = key.seal_in_place_separate_tag(nonce, Aad::from(aad), body);
         tag.ok().and_then(|tag| tag.as_ref().try_into().ok()).ok_or(Refusal::Forged)
     }
 
-    /// Decrypts `body` if `tag` is of it and of `head`; else the error is [`Refusal::Forged`].
-    pub fn open(
-        &self,
-        nonce: [u8; NONCE_LEN],
-        head: &[u8],
-        body: &mut [u8],
-        tag: [u8; TAG_LEN],
-    ) -> Result<(), Refusal> {
-        let (nonce, key) = (Nonce::assume_unique_for_key(nonce), self.0.as_ref().ok_or(Refusal::Forged)?);
-        let opened = key.open_in_place_separate_tag(nonce, Aad::from(head), tag.into(), body, 0..);
+    /// Decrypts `body` if `tag` is of it and of `aad`; else the error is [`Refusal::Forged`].
+    pub fn open(&self, nonce: Nonce, aad: &[u8], body: &mut [u8], tag: Tag) -> Result<(), Refusal> {
+        let (nonce, key) = (aead::Nonce::assume_unique_for_key(nonce), self.0.as_ref().ok_or(Refusal::Forged)?);
+        let opened = key.open_in_place_separate_tag(nonce, Aad::from(aad), tag.into(), body, 0..);
         opened.map(|_| ()).map_err(|_| Refusal::Forged)
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::bytes::{Reader, byte_enum, emit, layout, newtype};
 use crate::error::{Error, VERSION};
-use crate::key::TAG_LEN;
+use crate::key::{TAG_LEN, Tag};
 
 /// Number of a peer within the installation; the two ends of a link have different numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -142,7 +142,7 @@ impl Greeting {
     ///
     /// # Errors
     /// A wrong length, or a field without a meaning.
-    pub fn parse(datagram: &[u8]) -> Result<(Self, &[u8], &[u8; TAG_LEN]), Error> {
+    pub fn parse(datagram: &[u8]) -> Result<(Self, &[u8], &Tag), Error> {
         let mut reader = Reader::exact(datagram, "greeting", Self::TAGGED)?;
         let greeting: Self = reader.get()?;
         if greeting.tables.iter().skip(usize::from(greeting.count)).any(|unused| *unused != TableHash::default()) {

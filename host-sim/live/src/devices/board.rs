@@ -362,7 +362,7 @@ where
         talk.hear();
         let told = talk.told()?;
         // What was wanted before a silence is not wanted after it.
-        (talk.mute, talk.order) = (None, talk.order.filter(|order| order.at() > until));
+        (talk.mute, talk.order) = (None, talk.order.filter(|order| order.at > until));
         Ok(told.map(|_| talk.acts_n))
     }
 }

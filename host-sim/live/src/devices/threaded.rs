@@ -59,7 +59,7 @@ impl Desk {
     /// An order of before then is none.
     fn forget(&self, then: Instant) {
         if let Ok(mut order) = self.order.lock() {
-            *order = order.filter(|order| order.at() >= then);
+            *order = order.filter(|order| order.at >= then);
         }
     }
 

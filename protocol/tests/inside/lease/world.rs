@@ -338,7 +338,9 @@ impl World {
         let operator = &mut state.operators[by];
         (operator.met && state.session == Some(by) && state.under_way.len() < self.to_board).then_some(())?;
         let asked = operator.giver.asked_us;
-        if self.planted == Planted::GateByRow && operator.giver.told.is_none_or(|told| told_at_all(&told).motors != Motors::Leased) {
+        if self.planted == Planted::GateByRow
+            && operator.giver.told.is_none_or(|told| told_at_all(&told).motors != Motors::Leased)
+        {
             operator.giver.asked_us = NOW;
         }
         let word = operator.giver.word(NOW);
@@ -419,11 +421,7 @@ impl World {
         for operator in &mut state.operators {
             maybe(&mut operator.stamp, of_board);
             older(&mut operator.giver.asked_us, self.silence + 1);
-            if let Some(told) = &mut operator.giver.told {
-                let mut at = told.at();
-                older(&mut at, of_operator);
-                *told = Aged::new(told_at_all(told), at);
-            }
+            operator.giver.told.iter_mut().for_each(|told| older(&mut told.at, of_operator));
             for came in &mut operator.came {
                 maybe(&mut came.echo, of_operator);
                 older(&mut came.sealed, of_board);
@@ -465,9 +463,10 @@ impl World {
             let (number, stop) = (giver.word.number, giver.want() == Want::Stop && !giver.stopped);
             let confirmed = Told { motors: Motors::Off, heard: number };
             let young = |said_us: u64| rows || NOW - said_us <= self.shown;
-            let plain = |told: Told| if told.heard == number { told } else { Told { heard: Number::default(), ..told } };
-            let told = giver.told.filter(|told| young(told.at()));
-            giver.told = told.map(|told| Aged::new(plain(told_at_all(&told)), told.at()));
+            let plain =
+                |told: Told| if told.heard == number { told } else { Told { heard: Number::default(), ..told } };
+            let told = giver.told.filter(|told| young(told.at));
+            giver.told = told.map(|told| Aged::new(plain(told_at_all(&told)), told.at));
             for came in &mut operator.came {
                 (came.told, came.echo) = (plain(came.told), came.echo.filter(|echo| young(*echo)));
                 if came.echo.is_none() && !(stop && came.told == confirmed) && !rows {
@@ -511,7 +510,7 @@ impl World {
         if let Some(told) = &mut operator.giver.told {
             let mut now_known = told_at_all(told);
             less(&mut now_known.heard);
-            *told = Aged::new(now_known, told.at());
+            *told = Aged::new(now_known, told.at);
         }
         operator.line.iter_mut().for_each(|line| less(&mut line.word.number));
         operator.came.iter_mut().for_each(|came| less(&mut came.told.heard));
@@ -563,7 +562,11 @@ impl World {
     /// What there must be among all states: a run, one that is alone, and a stop that is confirmed.
     pub(super) fn kinds(&self, state: &State) -> [bool; 3] {
         let alone = state.holder.motors == Motors::Alone;
-        [state.driven && !alone, state.driven && alone, state.operators.iter().any(|operator| operator.giver.is_stopped())]
+        [
+            state.driven && !alone,
+            state.driven && alone,
+            state.operators.iter().any(|operator| operator.giver.is_stopped()),
+        ]
     }
 
     /// Everything under way comes, in order, and each end says something once more.
