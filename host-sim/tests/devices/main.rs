@@ -4,6 +4,7 @@
 //! A device lets go when its peer is late, and a peer when its device is: who shares two cores with a browser is. So these are a program of their own,
 //! and what is in time has a real-time priority: a pair at its devices takes half of a core, so that as many tests run at once as there are cores.
 
+mod another_language;
 mod board;
 mod bus;
 mod emulate;

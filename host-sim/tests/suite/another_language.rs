@@ -1,5 +1,5 @@
-//! A program in another language, written from protocol/FORMAT.md alone, is the other end of what a user runs:
-//! protocol/tests/inside/peer.py, which needs Python 3 and nothing else.
+//! A program in another language, written from protocol/FORMAT.md alone, is the other end of what a user runs (protocol/tests/inside/peer.py), or
+//! attacks a meeting (thief.py beside it). Both need Python 3 and nothing else.
 
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 
+use crate::peers::{Running, Told};
 use crate::program::{Keys, free, host_sim, report};
 use crate::static_scene::TWO_ROOMS;
 
@@ -19,9 +20,16 @@ enum Says {
     Asks,
 }
 
+/// A program beside this format's tests, with what it is told.
+fn started(program: &str, told: &Value) -> Command {
+    let program = Path::new(env!("CARGO_MANIFEST_DIR")).join("../protocol/tests/inside").join(program);
+    let mut command = Command::new("python3");
+    command.arg(program).arg(told.to_string()).env("PYTHONDONTWRITEBYTECODE", "1");
+    command
+}
+
 /// The program in Python as number `from` of this line, from one address to another.
 fn python(key: &str, [from, to]: [u8; 2], line: u32, [listen, connect]: [&str; 2], says: Says) -> Child {
-    let program = Path::new(env!("CARGO_MANIFEST_DIR")).join("../protocol/tests/inside/peer.py");
     let port = |address: &str| address.rsplit(':').next().and_then(|port| port.parse::<u16>().ok()).expect("a port");
     let (seconds, ask, mutate) = match says {
         Says::Flow => (2.5, false, 0),
@@ -32,9 +40,7 @@ fn python(key: &str, [from, to]: [u8; 2], line: u32, [listen, connect]: [&str; 2
         "key": key, "from": from, "to": to, "line": line, "listen": port(listen), "connect": port(connect), "seconds": seconds, "ask": ask,
         "mutate": mutate,
     });
-    let mut command = Command::new("python3");
-    command.arg(&program).arg(told.to_string()).env("PYTHONDONTWRITEBYTECODE", "1");
-    let started = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
+    let started = started("peer.py", &told).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
     started.unwrap_or_else(|cause| panic!("this test needs Python 3, and `python3` does not start: {cause}"))
 }
 
@@ -186,4 +192,100 @@ fn a_hub_keeps_who_is_honest_from_who_is_not() {
     assert!(number(&wicked, "mutated") > 10.0 * seconds && wicked["confirmed"] == true, "{wicked}");
     assert!(number(&said, "datagrams_refused") > 5.0 * seconds, "{said}");
     assert!(most < early + 8_000_000, "{early} bytes, and then {most}");
+}
+
+/// A meeting place on loopback, and its address.
+fn meeting_place() -> (Running, String) {
+    let meet = Running::start(host_sim(&["meet", "--listen", "127.0.0.1:0"]));
+    let place = meet.says("meeting place on").split_whitespace().nth(3).expect("an address").to_owned();
+    (meet, place)
+}
+
+/// A peer for so many seconds, a packet every 8 ms, by the relay alone; `more` says whom it meets.
+fn meets(seconds: &str, more: &[&str]) -> Command {
+    let mut command = host_sim(&["peer", "--json-lines", "--anyway", "--relay-only", "--seconds", seconds]);
+    command.args(["--patience-s", "30", "--set", "timing.ticks_per_packet=8"]).args(more);
+    command
+}
+
+/// The last line in Python is what an attacker gained.
+fn gained(attacker: Running) -> Value {
+    let (good, said) = attacker.end();
+    assert!(good, "{said}");
+    serde_json::from_str(&said).expect("JSON")
+}
+
+/// A thief has read a link before it was used. He agrees with the inviter, then takes the inviter's seat and answers whoever was invited: with the answer that he
+/// got, and with answers of his own. Whoever was invited gets no code and is told why; the inviter is told that somebody else came. So the thief is
+/// between nobody.
+#[test]
+fn a_thief_with_the_link_is_between_nobody_and_both_ends_are_told() {
+    let (meet, place) = meeting_place();
+    let inviter = Running::start(meets("30", &["--invite", "--meet", &place]));
+    let link = inviter.says("haptic://");
+    let thief = Running::start(started("thief.py", &json!({ "attack": "thief", "link": link })));
+    let agreed = thief.says("agreed with the inviter: ");
+    let code = inviter.says("code of this meeting: ");
+    assert_eq!(code.rsplit(": ").next(), agreed.rsplit(": ").next(), "he was quicker: this code is his");
+    // He keeps the inviter from the meeting place until he has answered every offer, with all that he can make.
+    inviter.signal("STOP");
+    thief.says("sits where the inviter sat");
+    let invited = meets("30", &["--accept", &link]).stdin(Stdio::null()).spawn().expect("host-sim runs");
+    thief.says("has answered all offers");
+    inviter.signal("CONT");
+    inviter.says("warning: somebody else came with the link and was refused");
+    let invited = invited.wait_with_output().expect("it ends");
+    let said = String::from_utf8_lossy(&invited.stderr);
+    assert!(invited.status.code().is_some_and(|code| code != 0), "{said}");
+    assert!(said.contains("this link has been used") && said.contains("ask who has used it if you did not"), "{said}");
+    assert!(!said.contains("code of this meeting") && invited.stdout.is_empty(), "no code and no session: {said}");
+    let thief = gained(thief);
+    let sent = thief["sent"].as_object().expect("how he answered");
+    assert!(number(&thief, "offers") >= 10.0 && sent.len() == 7, "{thief}");
+    assert!(sent.values().all(|times| times.as_f64() >= Some(10.0)), "{thief}");
+    assert_eq!((number(&thief, "others"), number(&thief, "reads")), (0.0, 0.0), "offers are all that he got: {thief}");
+    inviter.kill();
+    meet.kill();
+}
+
+/// Both ends and their session, seen by an onlooker who passes everything on: they meet, flow both ways stays on the relay, and nearly nothing is lost.
+fn met(ends: [Running; 2]) {
+    let codes = [&ends[0], &ends[1]].map(|end| end.says("code of this meeting: "));
+    assert_eq!(codes[0], codes[1]);
+    let told: [Told; 2] = ends.map(Running::report);
+    for told in &told {
+        let engaged = told.noticed("Engaged").unwrap_or_else(|| panic!("{told:?}"));
+        assert!(told.noticed("Lost").is_none_or(|at| at > engaged + 3.0), "the session stays: {told:?}");
+        assert_eq!(told.way(), "relayed", "{}", told.report);
+        assert!(told.ways.iter().all(|(_, way)| way == "relayed"), "{:?}", told.ways);
+        let (taken, missing) = (told.number("/datagrams_taken"), told.number("/datagrams_missing"));
+        assert!(taken > 300.0 && missing < 0.1 * taken, "{}", told.report);
+        assert!(told.report["fault"].is_null() && told.number("/datagrams_refused") == 0.0, "{}", told.report);
+    }
+}
+
+/// An onlooker without the link sees every join of both ends. He repeats them from other addresses, with cookies of his own and with proofs of all kinds, before the
+/// second end comes and while the two have a session. He takes no seat and moves none.
+#[test]
+fn an_onlooker_of_a_meeting_takes_no_seat_and_its_session_stays() {
+    let (meet, place) = meeting_place();
+    let onlooker = Running::start(started("thief.py", &json!({ "attack": "onlooker", "place": place })));
+    let between = onlooker.says("between: ");
+    let inviter = Running::start(meets("4", &["--invite", "--meet", between.trim_start_matches("between: ")]));
+    let link = inviter.says("haptic://");
+    onlooker.says("has tried to take the free seat");
+    let invited = Running::start(meets("4", &["--accept", &link]));
+    met([inviter, invited]);
+    onlooker.interrupt();
+    let onlooker = gained(onlooker);
+    // Two seats of the link's room and two of the session's: he saw them all, and tried each.
+    assert_eq!(number(&onlooker, "seats_seen"), 4.0, "{onlooker}");
+    assert!(number(&onlooker, "passed") > 600.0 && number(&onlooker, "live") > 30.0, "{onlooker}");
+    assert!(number(&onlooker, "welcomes") > 80.0 && number(&onlooker, "refused") > 60.0, "{onlooker}");
+    let tried = onlooker["tried"].as_object().expect("what he tried");
+    assert!(tried.len() == 10 && tried.values().all(|times| times.as_f64() >= Some(5.0)), "{onlooker}");
+    assert_eq!((number(&onlooker, "seated"), number(&onlooker, "others")), (0.0, 0.0), "no seat, no flow: {onlooker}");
+    // His proofs are right where a key is his own, so the others were refused as wrong. Nobody is with him there.
+    assert_eq!(onlooker["own_room"], json!({ "seated": true, "other": false, "others": 0 }), "{onlooker}");
+    meet.kill();
 }
