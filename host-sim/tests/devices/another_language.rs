@@ -24,7 +24,8 @@ impl Service {
         let mut command = Command::new("python3");
         command.arg(program).arg(json!({ "wrong": wrong }).to_string());
         let started = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
-        let child = started.unwrap_or_else(|cause| panic!("this test needs Python 3, and `python3` does not start: {cause}"));
+        let child =
+            started.unwrap_or_else(|cause| panic!("this test needs Python 3, and `python3` does not start: {cause}"));
         let mut service = Self(child, String::new());
         let mut said = BufReader::new(service.0.stderr.as_mut().expect("kept"));
         said.read_line(&mut service.1).expect("text");
@@ -70,7 +71,10 @@ fn goes_wrong(wrong: &str) -> (Value, String) {
     let number_of = fault.trim_start_matches("fault ").split(':').next().and_then(|number| number.parse().ok());
     assert_eq!(other["other"]["fault"].as_f64(), number_of, "the other end is told: {said}\n{fault}: {other}");
     println!("{wrong}: {told}; {fault}");
-    assert!(number(&told, "most_before_n") > 1.0 && number(&told, "oldest_before_s") < SILENT_S, "it was well before: {told}");
+    assert!(
+        number(&told, "most_before_n") > 1.0 && number(&told, "oldest_before_s") < SILENT_S,
+        "it was well before: {told}"
+    );
     (told, fault)
 }
 
@@ -91,5 +95,8 @@ fn a_service_whose_moving_state_is_frozen_is_let_go_of_in_time() {
     assert!(fault.starts_with("fault 23: ") && fault.contains("ms old, of 100 allowed"), "{fault}");
     // No force rests on a place that is older than readings may be.
     assert!(number(&told, "asked") > 5.0 && number(&told, "pushes") > 0.0, "{told}");
-    assert!(number(&told, "oldest_s") < SILENT_S + BUSY_S && number(&told, "last_push_s") < SILENT_S + BUSY_S, "{told}");
+    assert!(
+        number(&told, "oldest_s") < SILENT_S + BUSY_S && number(&told, "last_push_s") < SILENT_S + BUSY_S,
+        "{told}"
+    );
 }

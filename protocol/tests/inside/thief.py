@@ -189,6 +189,9 @@ def thief(link):
             if datagram[0] in (SEALED, SIGNAL):
                 told["reads"] += 1
                 continue
+            if datagram == got:
+                # Offers of his that crossed the answer are answered again.
+                continue
             theirs = datagram[2:34]
             if len(datagram) != 50 or datagram != offer(key, theirs) or theirs == accepts:
                 told["others"] += 1
