@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 
-use super::{Running, armed, number};
+use super::{armed, number};
 use crate::program::signal;
 
 /// How old a reading may be here, s: twice the default, as the service may have to wait for a processor.
