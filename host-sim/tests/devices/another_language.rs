@@ -88,6 +88,15 @@ fn a_service_that_says_what_nobody_asked_for_is_let_go_of_at_once() {
     assert!(number(&told, "oldest_s") < SILENT_S + BUSY_S, "{told}");
 }
 
+/// The same, and before each state a ping. A look that takes the ping for all that has come misses the state behind it: readings became 1.5 s old within 3 s, and were
+/// believed fresh.
+#[test]
+fn a_state_that_nobody_asked_for_is_seen_behind_a_ping() {
+    let (told, fault) = goes_wrong("hidden");
+    assert!(number(&told, "oldest_s") < SILENT_S + BUSY_S && told["gone"] == true, "{told}");
+    assert!(fault.starts_with("fault 24: ") && fault.contains("nobody asked for"), "{fault}");
+}
+
 /// It says the same moving state for ever, to each question at once. So each answer is new, and none of them is news.
 #[test]
 fn a_service_whose_moving_state_is_frozen_is_let_go_of_in_time() {
