@@ -39,6 +39,11 @@ const LOOK: Duration = Duration::from_millis(2);
 /// What is quoted of a text that is not understood, characters.
 const QUOTED: usize = 160;
 
+/// Why a state without a question is a fault.
+const UNASKED: &str = "the service said a state that nobody asked for: how old its states are is not known any more";
+/// So many pings and the like may come between two states.
+const OTHERS: usize = 16;
+
 const NAMES: [&str; AXES] = ["x", "y", "z"];
 
 /// The first Inverse3 of what the service told, or the one that is called so.
@@ -168,27 +173,38 @@ impl Service {
         self.socket.send(Message::text(text)).map_err(stopped)
     }
 
-    /// Looks whether something has come, without waiting.
+    /// Looks whether something has come, without waiting, up to the end of what has: a ping may stand before a state.
     fn look(&mut self) -> Result<(), Gone> {
         self.socket.get_ref().set_nonblocking(true).map_err(stopped)?;
-        let heard = self.hear();
+        let heard = self.rest();
         self.socket.get_ref().set_nonblocking(false).map_err(stopped)?;
-        heard.map(|_| ())
+        heard
+    }
+
+    /// Passes over what is no state; a state is one that nobody asked for.
+    fn rest(&mut self) -> Result<(), Gone> {
+        for _ in 0..OTHERS {
+            match self.message()? {
+                None => return Ok(()),
+                Some(Message::Text(_)) => return Err(stopped(UNASKED)),
+                Some(_) => {}
+            }
+        }
+        Err(stopped("the service says more than states: how old those are is not known any more"))
     }
 
     /// The next answer, and when it was asked for; none while there is none yet.
     fn hear(&mut self) -> Result<Option<(String, Instant)>, Gone> {
+        let Some(Message::Text(text)) = self.message()? else { return Ok(None) };
+        let asked = self.asked.pop_front().ok_or_else(|| stopped(UNASKED))?;
+        Ok(Some((text.as_str().to_owned(), asked)))
+    }
+
+    /// The next message of any kind; none while there is none yet.
+    fn message(&mut self) -> Result<Option<Message>, Gone> {
         match self.socket.read() {
-            Ok(Message::Text(text)) => {
-                let asked = self.asked.pop_front().ok_or_else(|| {
-                    stopped(
-                        "the service said a state that nobody asked for: how old its states are is not known any more",
-                    )
-                })?;
-                Ok(Some((text.as_str().to_owned(), asked)))
-            }
             Ok(Message::Close(_)) => Err(stopped("the service has closed the line")),
-            Ok(_) => Ok(None),
+            Ok(message) => Ok(Some(message)),
             Err(tungstenite::Error::Io(cause))
                 if matches!(cause.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted) =>
             {
