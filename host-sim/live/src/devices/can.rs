@@ -9,7 +9,7 @@
 //! No way blocks on writing: what a full adapter does not take is left out, for the next tick's frames are newer. A frame may be lost.
 
 use std::io;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use moteus_protocol::CanFdFrame;
 
@@ -34,6 +34,22 @@ pub(super) fn frame(id: u32, payload: &[u8], fd: bool) -> CanFdFrame {
     frame.set_fdcan(fd);
     frame.set_brs(fd);
     frame
+}
+
+/// The first of the frames that come until then of which this makes something.
+pub(super) fn next<T>(
+    bus: &mut dyn Bus,
+    by: Instant,
+    of: impl Fn(&CanFdFrame) -> Option<T>,
+) -> Result<Option<T>, Error> {
+    let mut came = Vec::new();
+    while Instant::now() < by {
+        bus.receive(by.saturating_duration_since(Instant::now()), &mut came).map_err(|cause| cause.to_string())?;
+        if let Some(found) = came.drain(..).find_map(|frame| of(&frame)) {
+            return Ok(Some(found));
+        }
+    }
+    Ok(None)
 }
 
 /// The bus at this place, and what it is, for people.

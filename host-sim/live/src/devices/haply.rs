@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 
 use haptic_sim::device::Gone;
 use serde_json::{Value, json};
-use tungstenite::{Message, WebSocket, client};
+use tungstenite::{Error as Broken, Message, WebSocket, client};
 
 use super::threaded::{Acts, Desk, Line, Threaded, stopped};
 use super::{AXES, Abilities, Sensed};
@@ -41,7 +41,9 @@ const QUOTED: usize = 160;
 
 /// Why a state without a question is a fault.
 const UNASKED: &str = "the service said a state that nobody asked for: how old its states are is not known any more";
-/// So many pings and the like may come between two states.
+/// What a read says while nothing has come.
+const NONE_YET: [ErrorKind; 3] = [ErrorKind::WouldBlock, ErrorKind::TimedOut, ErrorKind::Interrupted];
+/// So many pings and the like may come before a state.
 const OTHERS: usize = 16;
 
 const NAMES: [&str; AXES] = ["x", "y", "z"];
@@ -173,45 +175,29 @@ impl Service {
         self.socket.send(Message::text(text)).map_err(stopped)
     }
 
-    /// Looks whether something has come, without waiting, up to the end of what has: a ping may stand before a state.
+    /// Looks whether something has come, without waiting.
     fn look(&mut self) -> Result<(), Gone> {
         self.socket.get_ref().set_nonblocking(true).map_err(stopped)?;
-        let heard = self.rest();
+        let heard = self.hear();
         self.socket.get_ref().set_nonblocking(false).map_err(stopped)?;
-        heard
+        heard.map(|_| ())
     }
 
-    /// Passes over what is no state; a state is one that nobody asked for.
-    fn rest(&mut self) -> Result<(), Gone> {
+    /// The next answer, and when it was asked for; none while there is none yet. A ping may stand before it.
+    fn hear(&mut self) -> Result<Option<(String, Instant)>, Gone> {
         for _ in 0..OTHERS {
-            match self.message()? {
-                None => return Ok(()),
-                Some(Message::Text(_)) => return Err(stopped(UNASKED)),
-                Some(_) => {}
+            match self.socket.read() {
+                Ok(Message::Text(text)) => {
+                    let asked = self.asked.pop_front().ok_or_else(|| stopped(UNASKED))?;
+                    return Ok(Some((text.as_str().to_owned(), asked)));
+                }
+                Ok(Message::Close(_)) => return Err(stopped("the service has closed the line")),
+                Ok(_) => {}
+                Err(Broken::Io(cause)) if NONE_YET.contains(&cause.kind()) => return Ok(None),
+                Err(cause) => return Err(stopped(cause)),
             }
         }
         Err(stopped("the service says more than states: how old those are is not known any more"))
-    }
-
-    /// The next answer, and when it was asked for; none while there is none yet.
-    fn hear(&mut self) -> Result<Option<(String, Instant)>, Gone> {
-        let Some(Message::Text(text)) = self.message()? else { return Ok(None) };
-        let asked = self.asked.pop_front().ok_or_else(|| stopped(UNASKED))?;
-        Ok(Some((text.as_str().to_owned(), asked)))
-    }
-
-    /// The next message of any kind; none while there is none yet.
-    fn message(&mut self) -> Result<Option<Message>, Gone> {
-        match self.socket.read() {
-            Ok(Message::Close(_)) => Err(stopped("the service has closed the line")),
-            Ok(message) => Ok(Some(message)),
-            Err(tungstenite::Error::Io(cause))
-                if matches!(cause.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted) =>
-            {
-                Ok(None)
-            }
-            Err(cause) => Err(stopped(cause)),
-        }
     }
 }
 

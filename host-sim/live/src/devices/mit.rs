@@ -219,19 +219,10 @@ impl Protocol for Mit {
 fn register(bus: &mut dyn Bus, id: u8, register: u8) -> Result<Option<[u8; 4]>, Error> {
     let ask = [id, 0, REGISTER, register, 0, 0, 0, 0];
     bus.send(&[can::frame(REGISTERS, &ask, false)]).map_err(|cause| cause.to_string())?;
-    let (by, mut came) = (Instant::now() + PATIENCE, Vec::new());
-    while Instant::now() < by {
-        bus.receive(by.saturating_duration_since(Instant::now()), &mut came).map_err(|cause| cause.to_string())?;
-        for frame in came.drain(..) {
-            if let [who, _, REGISTER, which, value @ ..] = frame.payload()
-                && (*who, *which) == (id, register)
-                && let Ok(value) = <[u8; 4]>::try_from(value)
-            {
-                return Ok(Some(value));
-            }
-        }
-    }
-    Ok(None)
+    can::next(bus, Instant::now() + PATIENCE, |frame| match frame.payload() {
+        [who, _, REGISTER, which, value @ ..] if (*who, *which) == (id, register) => value.try_into().ok(),
+        _ => None,
+    })
 }
 
 /// How long these motors go on after the last frame, s; none if one goes on for ever.

@@ -136,16 +136,8 @@ impl Protocol for Moteus {
 
 /// The next answer of this motor.
 fn answer(bus: &mut dyn Bus, id: u8, by: Instant) -> Result<Option<CanFdFrame>, Error> {
-    let mut came = Vec::new();
-    while Instant::now() < by {
-        bus.receive(by.saturating_duration_since(Instant::now()), &mut came).map_err(|cause| cause.to_string())?;
-        let of = |frame: &&CanFdFrame| parse_arbitration_id(frame.arbitration_id).0 == id.cast_signed();
-        if let Some(frame) = came.iter().find(of) {
-            return Ok(Some(frame.clone()));
-        }
-        came.clear();
-    }
-    Ok(None)
+    let of = |frame: &CanFdFrame| parse_arbitration_id(frame.arbitration_id).0 == id.cast_signed();
+    can::next(bus, by, |frame| of(frame).then(|| frame.clone()))
 }
 
 /// What a motor's console answers to `conf get` of this setting.

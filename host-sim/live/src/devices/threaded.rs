@@ -50,6 +50,12 @@ pub(super) struct Desk {
 /// The largest force or torque that the device itself says acts, N or N·m; none if it does not say.
 pub(super) type Acts = Result<Option<f64>, Gone>;
 
+fn put<T>(place: &Mutex<T>, value: T) {
+    if let Ok(mut place) = place.lock() {
+        *place = value;
+    }
+}
+
 impl Desk {
     /// The force that is wanted now; none lets go.
     pub(super) fn wanted(&self) -> Option<[f64; AXES]> {
@@ -65,16 +71,12 @@ impl Desk {
 
     /// Keeps what the device told.
     pub(super) fn tell(&self, told: Result<Option<Sensed>, Gone>) {
-        if let Ok(mut place) = self.told.lock() {
-            *place = told;
-        }
+        put(&self.told, told);
     }
 
     /// Keeps how the device is.
     pub(super) fn note(&self, health: Health) {
-        if let Ok(mut place) = self.health.lock() {
-            *place = health;
-        }
+        put(&self.health, health);
     }
 
     /// The peer has ended.
@@ -191,9 +193,7 @@ impl Port for Threaded {
 
     fn stay_silent(&mut self, time: Duration) -> Result<Option<f64>, Gone> {
         let (asks, answer): (_, Receiver<Acts>) = channel();
-        if let Ok(mut silence) = self.desk.silence.lock() {
-            *silence = Some((Instant::now() + time, asks));
-        }
+        put(&self.desk.silence, Some((Instant::now() + time, asks)));
         let acts = answer.recv_timeout(time + ANSWER);
         acts.map_err(|_| stopped("it did not answer after it was not spoken to"))?
     }
