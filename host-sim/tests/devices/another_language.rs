@@ -2,13 +2,13 @@
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Stdio};
 use std::time::Duration;
 
 use serde_json::{Value, json};
 
 use super::{armed, number};
-use crate::program::signal;
+use crate::program::{in_python, signal};
 
 /// How old a reading may be here, s: twice the default, as the service may have to wait for a processor.
 const SILENT_S: f64 = 0.1;
@@ -20,12 +20,8 @@ struct Service(Child, String);
 
 impl Service {
     fn start(wrong: &str) -> Self {
-        let program = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/devices/service.py");
-        let mut command = Command::new("python3");
-        command.arg(program).arg(json!({ "wrong": wrong }).to_string());
-        let started = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
-        let child =
-            started.unwrap_or_else(|cause| panic!("this test needs Python 3, and `python3` does not start: {cause}"));
+        let mut command = in_python(Path::new("tests/devices/service.py"), &json!({ "wrong": wrong }));
+        let child = command.stdin(Stdio::piped()).spawn().expect("these tests need Python 3");
         let mut service = Self(child, String::new());
         let mut said = BufReader::new(service.0.stderr.as_mut().expect("kept"));
         said.read_line(&mut service.1).expect("text");

@@ -150,8 +150,8 @@ where
         if self.mute.is_some_and(|until| now < until) {
             return;
         }
-        let force_n = self.order.as_ref().and_then(|order| order.within(now, self.silent)).copied().unwrap_or_default();
-        let mut forces = force_n.into_iter();
+        let wanted = self.order.as_ref().and_then(|order| order.within(now, self.silent)).copied();
+        let mut forces = wanted.unwrap_or_default().into_iter();
         let packets = std::array::from_fn(|_| Packet::<f64> {
             motion: Motion::at(0.0),
             wave: forces.next().unwrap_or_default(),

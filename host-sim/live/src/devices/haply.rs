@@ -43,7 +43,7 @@ const QUOTED: usize = 160;
 const UNASKED: &str = "the service said a state that nobody asked for: how old its states are is not known any more";
 /// What a read says while nothing has come.
 const NONE_YET: [ErrorKind; 3] = [ErrorKind::WouldBlock, ErrorKind::TimedOut, ErrorKind::Interrupted];
-/// So many pings and the like may come before a state.
+/// So many pings and the like may come at once while nothing is asked for.
 const OTHERS: usize = 16;
 
 const NAMES: [&str; AXES] = ["x", "y", "z"];
@@ -183,7 +183,7 @@ impl Service {
         heard.map(|_| ())
     }
 
-    /// The next answer, and when it was asked for; none while there is none yet. A ping may stand before it.
+    /// The next answer, and when it was asked for; none while there is none yet. Where nothing is asked for, a ping hides no state behind it.
     fn hear(&mut self) -> Result<Option<(String, Instant)>, Gone> {
         for _ in 0..OTHERS {
             match self.socket.read() {
@@ -192,7 +192,8 @@ impl Service {
                     return Ok(Some((text.as_str().to_owned(), asked)));
                 }
                 Ok(Message::Close(_)) => return Err(stopped("the service has closed the line")),
-                Ok(_) => {}
+                Ok(_) if self.asked.is_empty() => {}
+                Ok(_) => return Ok(None),
                 Err(Broken::Io(cause)) if NONE_YET.contains(&cause.kind()) => return Ok(None),
                 Err(cause) => return Err(stopped(cause)),
             }

@@ -50,6 +50,7 @@ pub(super) struct Desk {
 /// The largest force or torque that the device itself says acts, N or N·m; none if it does not say.
 pub(super) type Acts = Result<Option<f64>, Gone>;
 
+/// Leaves a value, unless whoever held the place has panicked.
 fn put<T>(place: &Mutex<T>, value: T) {
     if let Ok(mut place) = place.lock() {
         *place = value;

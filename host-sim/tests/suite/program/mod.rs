@@ -15,6 +15,14 @@ pub(crate) fn host_sim(arguments: &[&str]) -> Command {
     command
 }
 
+/// A program in Python that needs nothing installed, by its path from this package, with what it is told; its output is kept.
+pub(crate) fn in_python(program: &Path, told: &Value) -> Command {
+    let mut command = Command::new("python3");
+    command.arg(Path::new(env!("CARGO_MANIFEST_DIR")).join(program)).arg(told.to_string());
+    command.env("PYTHONDONTWRITEBYTECODE", "1").stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
+
 /// An address on loopback that nobody listens on.
 pub(crate) fn free() -> String {
     free::free().to_string()
