@@ -29,7 +29,7 @@ use crate::board::drive::{Drive, Fitted};
 use crate::board::{Number, bridges, clocks::CORE_HZ, current, pace, update};
 use crate::storage::{self, Origin};
 use crate::tick::Plan;
-use crate::{fault::Cause, flow, lease::Lease, telemetry::Telemetry};
+use crate::{fault::Cause, flow, lease::Lease, log::log, telemetry::Telemetry};
 
 pub(crate) struct Console {
     pub(crate) number: Number,
@@ -402,7 +402,7 @@ impl Console {
         if self.contacts.look(now_us, open, self.supply_mv(), least_mv)
             && let Some(why) = self.contacts()
         {
-            defmt::error!("contacts of the stop: {=str}", why);
+            log!(error, "contacts of the stop: {}", why);
         }
     }
 
@@ -458,8 +458,9 @@ impl Console {
             if !at_the_board {
                 return Err(No::Above(above));
             }
-            let value = defmt::Display2Format(&above.value);
-            defmt::warn!("set at the board, beyond what it was: {=str} = {}", above.key, value);
+            let mut value = Line::new();
+            let _ = write!(value, "{}", above.value);
+            log!(warn, "set at the board, beyond what it was: {} = {}", above.key, value.as_str());
         }
         if at_the_board {
             *self.ceiling = self.draft;

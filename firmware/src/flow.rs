@@ -20,6 +20,7 @@ use haptic_protocol::wire::{Datagram, MAX_DATAGRAM};
 use haptic_protocol::{ends::Ends, key::Key};
 
 use crate::board::{Number, pace, random};
+use crate::log::log;
 use crate::sockets::{self, send_now};
 use crate::tick::{Outgoing, Received};
 
@@ -85,7 +86,7 @@ impl Flow {
                     Ok(None) => {}
                     Err(_) => {
                         self.signals.refused.count();
-                        defmt::warn!("peer: let go of, it says more than the limits in [safety] allow");
+                        log!(warn, "peer: let go of, it says more than the limits in [safety] allow");
                         self.part();
                     }
                 }
@@ -98,19 +99,19 @@ impl Flow {
     fn heed(&mut self) {
         while let Some(notice) = self.link.take_notice() {
             match notice {
-                Notice::Joined => defmt::info!("peer: joined"),
-                Notice::NewPeer(_) => defmt::info!("peer: has started anew"),
-                Notice::Engaged => defmt::info!("peer: engaged, flow comes"),
-                Notice::Fading => defmt::warn!("peer: fading, no flow comes"),
-                Notice::Resumed => defmt::info!("peer: resumed, flow again"),
+                Notice::Joined => log!(info, "peer: joined"),
+                Notice::NewPeer(_) => log!(info, "peer: has started anew"),
+                Notice::Engaged => log!(info, "peer: engaged, flow comes"),
+                Notice::Fading => log!(warn, "peer: fading, no flow comes"),
+                Notice::Resumed => log!(info, "peer: resumed, flow again"),
                 Notice::Disengaged => {
-                    defmt::warn!("peer: disengaged, no flow for too long or another session");
+                    log!(warn, "peer: disengaged, no flow for too long or another session");
                     self.part();
                 }
-                Notice::Lost => defmt::warn!("peer: lost, silent for too long or another session"),
-                Notice::Old(delay_us) => defmt::warn!("peer: flow takes {=u32} us, too old to be taken", delay_us),
+                Notice::Lost => log!(warn, "peer: lost, silent for too long or another session"),
+                Notice::Old(delay_us) => log!(warn, "peer: flow takes {} us, too old to be taken", delay_us),
                 Notice::Refused(table) => {
-                    defmt::error!("peer: refused, it was told other settings: table {=str}", table);
+                    log!(error, "peer: refused, it was told other settings: table {}", table);
                 }
             }
         }
@@ -133,7 +134,7 @@ impl Flow {
             self.outdated = false;
         } else {
             self.outdated = true;
-            defmt::error!("peer: no randomness for a new session, so no peer: the old session has the old settings");
+            log!(error, "peer: no randomness for a new session, so no peer: the old session has the old settings");
         }
     }
 }

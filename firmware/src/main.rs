@@ -22,6 +22,8 @@ mod flow;
 #[cfg(target_os = "none")]
 mod lease;
 #[cfg(target_os = "none")]
+mod log;
+#[cfg(target_os = "none")]
 mod net;
 #[cfg(target_os = "none")]
 mod port;
@@ -53,6 +55,7 @@ mod image {
     use crate::board::{self, pace, switch};
     use crate::console::{self, Console};
     use crate::lease::Lease;
+    use crate::log::log;
     use crate::tick::{Outgoing, Plan, RECORDS, Received};
     use crate::{fault, net, storage, supervisor, telemetry::Telemetry, tick};
 
@@ -90,9 +93,9 @@ mod image {
     async fn main(spawner: Spawner) {
         let board = board::init();
         let cause = fault::cause();
-        defmt::info!("board {}: {=str}", board.number, cause.stop.explain());
+        log!(info, "board {}: {}", board.number.peer().0, cause.stop.explain());
         if let Some(why) = board.unfit {
-            defmt::error!("not to be armed: {=str}", why);
+            log!(error, "not to be armed: {}", why);
         }
 
         let fits = |kept: &Kept| console::plan(&kept.settings, board.number).is_ok();

@@ -8,26 +8,24 @@
 //! **Run is a lease**: every datagram of the operator's end says whether the motors may run, and every datagram of the board whether
 //! they do ([`firmware_parts::hold`]).
 //!
-//! Lines are taken one at a time, an answer each ([`Console`]). A line that was said more than half a second ago does nothing. A record
-//! that the network does not take now waits.
+//! Lines are taken one at a time, an answer each ([`Console`]). Lines of the log come in between ([`crate::log`]). A line that was said more
+//! than half a second ago does nothing. A record that the network does not take now waits.
+
+use core::fmt::Write;
 
 use embassy_net::{IpEndpoint, Stack};
 use embassy_time::{Duration, Instant, with_timeout};
 use haptic_protocol::lease::{AtBoard, Told, Word};
-use haptic_protocol::lines::{Line, Lines};
-use haptic_protocol::link::{Config, ConfigError, Link, Notice};
-use haptic_protocol::parameters::{Parameters, Table};
+use haptic_protocol::lines::{self, Line, Lines, OPERATOR, PORT};
+use haptic_protocol::link::{ConfigError, Link, Notice};
 use haptic_protocol::path::Path;
-use haptic_protocol::wire::{Datagram, MAX_DATAGRAM, PeerId};
+use haptic_protocol::wire::{Datagram, MAX_DATAGRAM};
 use haptic_protocol::{ends::Ends, key::Key};
 
 use crate::board::{Number, random};
+use crate::log::{LINES, log};
 use crate::{console::Console, serial::Teller, sockets, telemetry::Telemetry};
 
-const PORT: u16 = 7702;
-const OPERATOR: PeerId = PeerId(0);
-/// The link's period, as the operator's end has it.
-const PERIOD_US: u32 = 20_000;
 /// Between two looks while nothing comes: with records to send, and without.
 const BUSY: Duration = Duration::from_millis(2);
 const IDLE: Duration = Duration::from_millis(10);
@@ -38,12 +36,7 @@ const IDLE: Duration = Duration::from_millis(10);
 /// [`Link::new`]'s: without randomness, that there is none.
 pub(crate) fn link(key: &Key, seed: &Key, number: Number) -> Result<Link, ConfigError> {
     let entropy = random::draw(seed, number).ok_or(ConfigError::ZeroEntropy)?;
-    let mut parameters = Parameters::new();
-    // What the lines mean: an operator who means something else is refused by name.
-    // There is room for one.
-    let _ = parameters.add(Table::new("operator").number("version", 1.0));
-    let ends = Ends { local: number.peer(), remote: OPERATOR };
-    Link::new(Config { key: key.clone(), ends, packet_period_us: PERIOD_US, parameters, entropy })
+    Link::new(lines::config(key.clone(), Ends { local: number.peer(), remote: OPERATOR }, entropy))
 }
 
 struct Port {
@@ -68,13 +61,13 @@ impl Port {
         while let Some(notice) = self.link.take_notice() {
             match notice {
                 Notice::NewPeer(_) => {
-                    defmt::info!("operator: here");
+                    log!(info, "operator: here");
                     self.console.lease.with(|hold, now_us| hold.step(now_us, AtBoard::Session));
                     self.lines.forget();
                     self.telemetry.stream(0);
                 }
                 Notice::Lost => {
-                    defmt::info!("operator: gone");
+                    log!(info, "operator: gone");
                     self.telemetry.stream(0);
                 }
                 _ => {}
@@ -111,7 +104,7 @@ pub(crate) async fn run(stack: Stack<'static>, console: Console, link: &'static 
         if let Some(said) = port.link.heard()
             && lease.with(|hold, now_us| hold.hear(now_us, said, signals))
         {
-            defmt::info!("operator: stop");
+            log!(info, "operator: stop");
         }
         if !port.lines.is_saying()
             && let Some(heard) = port.lines.hear(now, port.link)
@@ -125,6 +118,13 @@ pub(crate) async fn run(stack: Stack<'static>, console: Console, link: &'static 
             }
             defmt::info!("operator: {=str}", answer.as_str());
             port.lines.say(&answer, Word::default());
+        }
+        // Behind the answers, which no flood of the log holds up.
+        let is_free = !port.lines.is_saying() && port.link.is_up();
+        if let Some(Ok((at, words))) = is_free.then(|| LINES.try_receive()) {
+            let mut line = Line::new();
+            let _ = write!(line, "log {} {words}", at.as_micros());
+            port.lines.say(&line, Word::default());
         }
         // A session that is not confirmed has heard nothing of this operator.
         let told = lease.with(|hold, _| hold.told(signals));

@@ -6,7 +6,7 @@ use embassy_sync::{blocking_mutex::raw::CriticalSectionRawMutex, signal::Signal}
 use firmware_parts::signals::{Saving, Signals};
 use firmware_parts::{kept::Kept, store::Store};
 
-use crate::board::flash;
+use crate::{board::flash, log::log};
 
 static ASKED: Signal<CriticalSectionRawMutex, Kept> = Signal::new();
 
@@ -38,18 +38,16 @@ pub(crate) fn load(flash: &flash::Settings, signals: &Signals, fits: impl Fn(&Ke
         None => (Kept::default(), Origin::Defaults),
         Some(Ok(kept)) if fits(&kept) => (kept, Origin::Stored),
         Some(Ok(Kept { hold_switch, .. })) => {
-            defmt::error!("the stored settings do not fit this image: defaults");
+            log!(error, "the stored settings do not fit this image: defaults");
             (Kept { hold_switch, ..Kept::default() }, Origin::Refused)
         }
         Some(Err(unreadable)) => {
-            defmt::error!(
-                "the stored settings have a line that means nothing: {=str}: defaults",
-                unreadable.line.as_str()
-            );
+            let line = unreadable.line.as_str();
+            log!(error, "the stored settings have a line that means nothing: {}: defaults", line);
             (Kept { hold_switch: unreadable.hold_switch, ..Kept::default() }, Origin::Refused)
         }
     };
-    defmt::info!("settings {=u32}: {=str}", store.generation(), origin.explain());
+    log!(info, "settings {}: {}", store.generation(), origin.explain());
     (store, kept, origin)
 }
 
@@ -70,11 +68,11 @@ pub(crate) async fn run(mut flash: flash::Settings, mut store: Store, signals: &
         let saving = match store.save(&mut flash, &kept).await {
             Ok(generation) => {
                 signals.saves.set(generation);
-                defmt::info!("settings {=u32} saved", generation);
+                log!(info, "settings {} saved", generation);
                 Saving::Done
             }
             Err(_) => {
-                defmt::error!("the settings could not be saved: the flash does not take them");
+                log!(error, "the settings could not be saved: the flash does not take them");
                 Saving::Failed
             }
         };

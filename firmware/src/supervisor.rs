@@ -11,7 +11,7 @@ use firmware_parts::signals::{Button, Signals};
 use firmware_parts::{button::Watch, hold};
 use haptic_core::safety::Mode;
 
-use crate::lease::Lease;
+use crate::{lease::Lease, log::log};
 
 /// Between two looks, ms; and so the ticks expected in between.
 const EVERY_MS: u32 = hold::LOOK_EVERY;
@@ -43,21 +43,21 @@ pub(crate) async fn run(
         looks = looks.wrapping_add(1);
         let held = watch.look(button.is_high());
         if held != signals.button.get() && held == Button::Stuck {
-            defmt::warn!("the blue button is down since before the start: it counts once it was released");
+            log!(warn, "the blue button is down since before the start: it counts once it was released");
         }
         signals.button.set(held);
         if looks.is_multiple_of(100) {
             alive.toggle();
         }
         if hold.with(|hold, now_us| hold.look(now_us, signals)) {
-            defmt::warn!("tick {=u32}: the operator does not let the motors run: off", now);
+            log!(warn, "the operator does not let the motors run: off");
         }
         let new = signals.mode.get();
         if new != mode {
             let (before, after) = (mode.name(), new.name());
             defmt::info!("tick {=u32}: {=str} -> {=str}, fault {=u8}", now, before, after, new.fault_number());
             if new == Mode::Disarmed && signals.released.get() {
-                defmt::warn!("the hold-to-run switch was released: off");
+                log!(warn, "the hold-to-run switch was released: off");
             }
             let lit = matches!(new, Mode::Armed | Mode::Probing);
             armed.set_level(if lit { Level::High } else { Level::Low });

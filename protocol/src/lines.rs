@@ -12,9 +12,17 @@
 
 use heapless::{String, Vec};
 
-use crate::lease::Word;
-use crate::link::Link;
-use crate::wire::{Event, Stamps};
+use crate::link::{Config, Link};
+use crate::parameters::{Parameters, Table};
+use crate::wire::{Event, PeerId, Stamps};
+use crate::{ends::Ends, key::Key, lease::Word};
+
+/// The UDP port of a board's operator.
+pub const PORT: u16 = 7702;
+/// The operator's number.
+pub const OPERATOR: PeerId = PeerId(0);
+/// Both ends poll this often, µs; after twelve times as long in silence they call anew.
+const PERIOD_US: u32 = 20_000;
 
 /// Longest line of text, bytes.
 pub const LONGEST: usize = 384;
@@ -59,6 +67,14 @@ pub struct Lines {
     /// The token that it goes with, once it has begun to be said.
     token: Option<u64>,
     hearing: Vec<u8, LONGEST>,
+}
+
+/// The link between a board's operator and the board, as one of these ends has it: `entropy` must never be the same twice.
+pub fn config(key: Key, ends: Ends, entropy: [u8; Key::LEN]) -> Config {
+    let mut parameters = Parameters::new();
+    // What lines mean: an end that means something else is refused by name. There is room for one.
+    let _ = parameters.add(Table::new("operator").number("version", 2.0));
+    Config { key, ends, packet_period_us: PERIOD_US, parameters, entropy }
 }
 
 impl Lines {

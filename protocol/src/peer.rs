@@ -67,14 +67,10 @@ pub fn packets_of<S: Scalar, const AXES: usize>(flow: &Flows<AXES>) -> [Packet<S
 
 /// The flow in a message, if it is of so many shared axes.
 pub fn flow_in<const AXES: usize>(message: &Message) -> Option<Flows<AXES>> {
-    fn of<const CAME: usize, const AXES: usize>(flow: &Flows<CAME>) -> Option<Flows<AXES>> {
-        let Flows { engaged, fading, tick, axes } = flow;
-        axes.as_slice().try_into().ok().map(|axes| Flows { engaged: *engaged, fading: *fading, tick: *tick, axes })
-    }
     match message {
-        Message::Flow(flow) => of(flow),
-        Message::Flow2(flow) => of(flow),
-        Message::Flow3(flow) => of(flow),
+        Message::Flow(flow) if AXES == 1 => Some(flow.along()),
+        Message::Flow2(flow) if AXES == 2 => Some(flow.along()),
+        Message::Flow3(flow) if AXES == 3 => Some(flow.along()),
         _ => None,
     }
 }

@@ -70,11 +70,8 @@ configured!([S: Scalar] OnePole<S> { keep, take });
 impl<S: Scalar> Decimator<S> for OnePole<S> {
     const INFO: LawInfo = LawInfo {
         name: "passive-wave",
-        sends: Sends::Waves,
-        keys: &[],
-        gains: &["coordination.stiffness_n_per_m=1590"],
         source: "Rakhsha & Constantinescu 2012, eq. 1",
-        promises: &[],
+        ..<Newest as Decimator<S>>::INFO
     };
     type State = S;
     fn build(settings: &Settings) -> Self {
@@ -114,11 +111,9 @@ visited!([S: Scalar] MeanState<S> { sum, level });
 impl<S: Scalar> Decimator<S> for Mean<S> {
     const INFO: LawInfo = LawInfo {
         name: "passive-mean",
-        sends: Sends::Waves,
-        keys: &[],
-        gains: &["coordination.stiffness_n_per_m=1590"],
         source: "THEORY §5",
         promises: &[Promise::PassiveOnConstantDelay],
+        ..<Newest as Decimator<S>>::INFO
     };
     const KEEPS_INTEGRAL: bool = true;
     type State = MeanState<S>;

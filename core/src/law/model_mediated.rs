@@ -220,12 +220,7 @@ impl<S: Scalar> Law<S> for ModelMediated<S> {
         name: "model-mediated",
         sends: Sends::Motion,
         keys: &[START, STIFFNESS, DAMPING, RATE, MEMORY],
-        gains: &[
-            "coordination.stiffness_n_per_m=1590",
-            "coordination.decode=implicit",
-            "object.integrator=midpoint",
-            "object.force_delay_ticks=0",
-        ],
+        gains: super::MIDPOINT,
         source: "Mitra & Niemeyer 2008; Passenberg, Peer & Buss 2010; estimation by recursive least squares",
         promises: &[],
     }];

@@ -67,12 +67,7 @@ impl<S: Scalar> Law<S> for PassivityObserver<S> {
         name: "passivity-observer",
         sends: Sends::Motion,
         keys: &[START],
-        gains: &[
-            "coordination.stiffness_n_per_m=1590",
-            "coordination.decode=implicit",
-            "object.integrator=midpoint",
-            "object.force_delay_ticks=0",
-        ],
+        gains: super::MIDPOINT,
         source: "after Hannaford & Ryu 2002, one-port passivity observer and controller; a gate for the damper",
         promises: &[Promise::Passive],
     }];

@@ -7,7 +7,7 @@ use haptic_core::device::{encoder::Counts, motor::Duty};
 use haptic_core::law::{AnyLaw, Packet};
 use haptic_core::num::{Motion, StateVector};
 use haptic_core::peer::{Observed, Peer};
-use haptic_core::safety::Mode;
+use haptic_core::safety::{Fault, Mode};
 use haptic_core::sample::OfAxis;
 use haptic_core::settings::Settings;
 
@@ -85,6 +85,48 @@ fn what_the_stage_measured_comes_out_whole() {
         );
         assert_eq!(Record::from_bytes(&record.bytes()).unwrap().stage().as_ref(), stage);
     }
+}
+
+/// Offsets of protocol/FORMAT.md.
+#[test]
+fn the_bytes_lie_where_the_format_says() {
+    let [device, object, desired] =
+        [(1.0, 2.0), (3.0, 4.0), (5.0, 6.0)].map(|(position, velocity)| Motion { position, velocity });
+    let seen = Observed { device, object, desired, contact_force: 7.0, coordination_force: 8.0 };
+    let motion = Motion { position: 11.0, velocity: 12.0 };
+    let packet = Packet::<f32> { motion, wave: 13.0, energy_j: 14.0, wave_integral: 15.0, live_ticks: 0x1716_1514 };
+    let motors = [Flow { mean: 21, last: 22, voltage: 23 }, Flow { mean: -24, last: 25, voltage: 26 }];
+    let stage = Measured { motors, supply_mv: 24_000, supply_counts: 6000 };
+    let mode = mode_code(Mode::Faulted(Fault::PeerLost));
+    let of = Tick {
+        tick: 0x0403_0201,
+        axis: 2,
+        counts: [Counts(0x0605), Counts(0x0807)],
+        duties: [Duty(-2), Duty(3)],
+        stage: Some(&stage),
+        mode,
+        flags: ENABLED | RECEIVED,
+        digest: 0x0D0C_0B0A,
+    };
+    let mut record = Record::default();
+    record.fill(&of, Some(&packet), &OfAxis { observed: &seen, received_j: 9.0, sent_j: 10.0 });
+    let bytes = record.bytes();
+    assert_eq!(bytes[..16], [1, 2, 3, 4, 5, 6, 7, 8, 0xFE, 0xFF, 3, 0, 2, Fault::PeerLost.number(), 5, 2]);
+    let floats = |at: usize, count: usize| {
+        let words = bytes[at..at + 4 * count].as_chunks().0;
+        words.iter().map(|word| f32::from_le_bytes(*word)).collect::<Vec<_>>()
+    };
+    assert_eq!(floats(16, 3), [11.0, 12.0, 13.0]);
+    assert_eq!(floats(28, 8), [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]);
+    assert_eq!(bytes[60..64], [0x0A, 0x0B, 0x0C, 0x0D]);
+    assert_eq!(floats(64, 2), [9.0, 10.0]);
+    assert_eq!(
+        [&bytes[72..80], &bytes[80..88]],
+        [14.0_f64, 15.0].map(f64::to_le_bytes).each_ref().map(|eight| &eight[..])
+    );
+    assert_eq!(bytes[88..92], [0x14, 0x15, 0x16, 0x17]);
+    let halves: Vec<_> = bytes[92..].as_chunks().0.iter().map(|half| i16::from_le_bytes(*half)).collect();
+    assert_eq!(halves, [21, 22, 23, -24, 25, 26, 24_000, 6000]);
 }
 
 #[test]

@@ -16,24 +16,21 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use haptic_protocol::lease::{AtOperator, Giver, No, Told, Word};
-use haptic_protocol::link::{Config, Link, Notice, Stage};
-use haptic_protocol::parameters::{Parameters, Table};
+use haptic_protocol::lines::{self, Lines, OPERATOR};
+use haptic_protocol::link::{Link, Notice, Stage};
 use haptic_protocol::wire::{Datagram, Event, Message, PeerId, Sample};
-use haptic_protocol::{ends::Ends, key::Key, lines::Lines};
+use haptic_protocol::{ends::Ends, key::Key};
+
+pub use haptic_protocol::lines::PORT;
 
 use crate::Error;
 
-/// The port on the board.
-pub const PORT: u16 = 7702;
-const OPERATOR: PeerId = PeerId(0);
-/// Most answers that wait to be taken: of more, the oldest are gone.
+/// Most answers, and most lines of the log, that wait to be taken: of more, the oldest are gone.
 pub const MOST_ANSWERS: usize = 64;
 /// Most samples that wait to be taken, 5 s of three axes at 1 kHz: what comes beyond them is lost.
 pub const MOST_SAMPLES: usize = 1 << 14;
 /// How long the board's newest word may be under way when something is to be started, µs.
 const SETTLES_US: u64 = 500_000;
-/// Both ends poll this often, µs; after twelve times as long in silence they call anew.
-const PERIOD_US: u32 = 20_000;
 
 /// What a person is told of a stop that the board has confirmed.
 pub const STOPPED: &str = "stopped: the board says that its motors are off";
@@ -44,6 +41,18 @@ pub const UNCONFIRMED: &str = "stop not confirmed: press the stop at the board. 
 /// Whether a line to a board turns motors on.
 pub fn is_start(line: &str) -> bool {
     matches!(line.split_whitespace().next(), Some("arm" | "check" | "probe"))
+}
+
+/// When a line of the board's log was said, µs of its clock, and its words; none if the line is an answer.
+fn logged(line: &str) -> Option<(u64, &str)> {
+    let (at_us, words) = line.strip_prefix("log ")?.split_once(' ')?;
+    Some((at_us.parse().ok()?, words))
+}
+
+/// Puts one more behind those that wait, of which the oldest goes if they are too many.
+fn push<T>(waiting: &mut VecDeque<T>, one: T) {
+    waiting.drain(..waiting.len().saturating_sub(MOST_ANSWERS - 1));
+    waiting.push_back(one);
 }
 
 /// An operator's side of the lease, in the hands of all who start and all who stop.
@@ -78,6 +87,7 @@ pub struct Session {
     link: Link,
     lines: Lines,
     answers: VecDeque<String>,
+    logged: VecDeque<(u64, String)>,
     samples: Vec<(u64, Sample)>,
     reins: Reins,
     /// A start that waits for the board's word that its motors are off, the word that it was said after, and until when, µs.
@@ -92,16 +102,13 @@ impl Session {
     /// # Errors
     /// The link cannot be made, such as of two ends with one number.
     pub fn new(key: Key, number: u8, entropy: [u8; Key::LEN]) -> Result<Self, Error> {
-        let mut parameters = Parameters::new();
-        // What the lines mean; a board that means something else is refused by name.
-        parameters.add(Table::new("operator").number("version", 1.0)).map_err(|error| error.to_string())?;
         let ends = Ends { local: OPERATOR, remote: PeerId(number) };
-        let link = Link::new(Config { key, ends, packet_period_us: PERIOD_US, parameters, entropy })
-            .map_err(haptic_sim::Error::from)?;
+        let link = Link::new(lines::config(key, ends, entropy)).map_err(haptic_sim::Error::from)?;
         Ok(Self {
             link: link.of_one_length(Event::MAX_LEN),
             lines: Lines::default(),
             answers: VecDeque::new(),
+            logged: VecDeque::new(),
             samples: Vec::new(),
             reins: Reins::default(),
             waits: None,
@@ -130,15 +137,16 @@ impl Session {
             self.samples.push((self.link.sealed_us(), sample));
         }
         while let Some(heard) = self.lines.hear(now_us, &mut self.link) {
-            self.answered(haptic_io::escaped(heard.line.as_str()).into_owned());
+            let line = haptic_io::escaped(heard.line.as_str());
+            match logged(&line) {
+                None => push(&mut self.answers, line.into_owned()),
+                Some((at_us, words)) => {
+                    // What was said before this end's clock began has no time on it.
+                    let at_us = now_us.checked_sub(self.link.sealed_us().saturating_sub(at_us));
+                    at_us.into_iter().for_each(|at_us| push(&mut self.logged, (at_us, words.to_owned())));
+                }
+            }
         }
-    }
-
-    fn answered(&mut self, answer: String) {
-        if self.answers.len() == MOST_ANSWERS {
-            self.answers.pop_front();
-        }
-        self.answers.push_back(answer);
     }
 
     /// The next datagram to send, if any; call until there is none, at least every 20 ms.
@@ -187,7 +195,7 @@ impl Session {
         match run {
             Ok(word) => drop(self.lines.say(&line, word)),
             Err(No::Unknown | No::On) if self.now_us < until_us => self.waits = Some((line, after, until_us)),
-            Err(no) => self.answered(format!("error {}", no.explain())),
+            Err(no) => push(&mut self.answers, format!("error {}", no.explain())),
         }
     }
 
@@ -205,6 +213,11 @@ impl Session {
     /// The next answer of the board that has not been taken.
     pub fn answer(&mut self) -> Option<String> {
         self.answers.pop_front()
+    }
+
+    /// The oldest line of the board's log that has not been taken: when it was said, µs of the caller's clock, and its words.
+    pub fn logged(&mut self) -> Option<(u64, String)> {
+        self.logged.pop_front()
     }
 
     /// What the board's ticks saw since the last time; lost if it was lost.

@@ -6,7 +6,7 @@ use std::{net::SocketAddr, time::Duration};
 use haptic_core::safety::Mode;
 use haptic_protocol::key::Key;
 use haptic_protocol::link::Error;
-use haptic_protocol::wire::{Flows, Message, Telemetry};
+use haptic_protocol::wire::Telemetry;
 use haptic_sim::device::Device;
 use haptic_sim::engine::{Actor, Out};
 use haptic_sim::measure::port::ObjectPort;
@@ -66,10 +66,7 @@ struct LivePeer<const SHARED: usize, const N: usize> {
     wanted_us: Option<u64>,
 }
 
-impl<const SHARED: usize, const N: usize> LivePeer<SHARED, N>
-where
-    Flows<SHARED>: Into<Message>,
-{
+impl<const SHARED: usize, const N: usize> LivePeer<SHARED, N> {
     /// Keeps the motors off until the verdict, and whoever steers, let them be armed. Once they are, no verdict turns them off.
     fn heed(&mut self) {
         let held = self.steer();
@@ -99,10 +96,7 @@ where
     }
 }
 
-impl<const SHARED: usize, const N: usize> Actor<SocketAddr> for LivePeer<SHARED, N>
-where
-    Flows<SHARED>: Into<Message>,
-{
+impl<const SHARED: usize, const N: usize> Actor<SocketAddr> for LivePeer<SHARED, N> {
     type Packet = [u8];
 
     fn hear(&mut self, now_ns: u64, from: SocketAddr, datagram: &mut [u8], _: &mut Out<'_, SocketAddr, [u8]>) {
@@ -163,10 +157,7 @@ where
     }
 }
 
-impl<const SHARED: usize, const N: usize> Live for LivePeer<SHARED, N>
-where
-    Flows<SHARED>: Into<Message>,
-{
+impl<const SHARED: usize, const N: usize> Live for LivePeer<SHARED, N> {
     fn waited(&mut self, waited: Duration) {
         self.node.line.link.waited(waited.as_micros() as u64);
     }
@@ -246,7 +237,6 @@ fn live<const SHARED: usize, const N: usize>(
     stop: &Stop,
 ) -> Result<Report, crate::Error>
 where
-    Flows<SHARED>: Into<Message>,
     f32: Builds<SHARED, N>,
 {
     let period_s = scene.peer.timing.control_period_s;

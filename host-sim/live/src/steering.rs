@@ -11,7 +11,6 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use haptic_core::num::Motion;
 use haptic_core::peer::Observed;
 use haptic_core::safety::{Command, Mode};
-use haptic_protocol::wire::{Flows, Message};
 use haptic_sim::device::Device;
 use haptic_sim::node::Node;
 
@@ -65,10 +64,7 @@ impl<const SHARED: usize> Steered<SHARED> {
         &mut self,
         node: &mut Node<SHARED, N, D>,
         period_s: f64,
-    ) -> Wanted
-    where
-        Flows<SHARED>: Into<Message>,
-    {
+    ) -> Wanted {
         let before = self.wanted;
         self.wanted = self.steering.order().unwrap_or(before);
         self.ticks += 1;
@@ -163,9 +159,7 @@ impl Steering {
         now_ns: u64,
         (node, forces): (&Node<SHARED, N, D>, [f32; N]),
         (watch, judging): (&Watch, Option<&Judging>),
-    ) where
-        Flows<SHARED>: Into<Message>,
-    {
+    ) {
         let Ok(mut seen) = self.seen.try_lock() else { return };
         seen.time_s = now_ns as f64 * 1e-9;
         seen.tick = node.armed_ticks;

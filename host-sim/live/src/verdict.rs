@@ -18,7 +18,6 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
 use haptic_core::safety::Mode;
-use haptic_protocol::wire::{Flows, Message};
 use haptic_sim::device::Device;
 use haptic_sim::node::Node;
 use serde::Serialize;
@@ -174,10 +173,7 @@ impl Judging {
         now_us: u64,
         node: &mut Node<SHARED, N, D>,
         stopped: bool,
-    ) -> Option<String>
-    where
-        Flows<SHARED>: Into<Message>,
-    {
+    ) -> Option<String> {
         let mode = node.peer.mode();
         let words = self.look(now_us, mode == Mode::Armed);
         let held = stopped || !self.lets_arm();

@@ -7,7 +7,7 @@ use std::time::Instant;
 use haptic_core::law::Sends;
 use haptic_core::safety::Mode;
 use haptic_core::sample::OfPeer;
-use haptic_protocol::wire::{Flows, Message, Telemetry};
+use haptic_protocol::wire::Telemetry;
 use haptic_report::Provenance;
 use haptic_sim::device::Device;
 use haptic_sim::node::{Line, Node};
@@ -126,10 +126,7 @@ pub fn who(number: u8) -> String {
 pub(crate) fn state<const SHARED: usize, const N: usize, D: Device<f32, N>>(
     node: &Node<SHARED, N, D>,
     judging: Option<&Judging>,
-) -> &'static str
-where
-    Flows<SHARED>: Into<Message>,
-{
+) -> &'static str {
     match node.peer.mode() {
         Mode::Faulted(_) => "faulted",
         _ if node.gone().is_some() => "faulted",
@@ -141,10 +138,9 @@ where
 }
 
 /// What stopped a peer, or its device, in words.
-pub(crate) fn fault<const SHARED: usize, const N: usize, D: Device<f32, N>>(node: &Node<SHARED, N, D>) -> Option<String>
-where
-    Flows<SHARED>: Into<Message>,
-{
+pub(crate) fn fault<const SHARED: usize, const N: usize, D: Device<f32, N>>(
+    node: &Node<SHARED, N, D>,
+) -> Option<String> {
     match node.peer.mode() {
         Mode::Faulted(fault) => Some(format!("fault {}: {}", fault.number(), fault.explain())),
         _ => node.gone().map(ToString::to_string),
@@ -284,9 +280,7 @@ impl Watch {
         now_ns: u64,
         node: &Node<SHARED, N, D>,
         judging: Option<&Judging>,
-    ) where
-        Flows<SHARED>: Into<Message>,
-    {
+    ) {
         // All axes count the same.
         let live_ticks = node.peer.outgoing()[0].live_ticks;
         let live = if self.counts_ticks { live_ticks != self.live_ticks } else { self.silent < self.patience };
@@ -329,9 +323,7 @@ impl Watch {
         now_ns: u64,
         node: &Node<SHARED, N, D>,
         judging: Option<&Judging>,
-    ) where
-        Flows<SHARED>: Into<Message>,
-    {
+    ) {
         self.clock.look();
         let (time_s, link, sum) = (now_ns as f64 * 1e-9, &node.line.link, std::mem::take(&mut self.of_second));
         let [ticks, live] = std::mem::take(&mut self.of_this);

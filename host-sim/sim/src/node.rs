@@ -188,7 +188,6 @@ impl Node {
 
 impl<const SHARED: usize, const N: usize> Node<SHARED, N>
 where
-    Flows<SHARED>: Into<Message>,
     f32: Builds<SHARED, N>,
 {
     /// Peer `number` (1 or 2) of a scene that shares the object along `SHARED` axes, disarmed and calling. `entropy` must never be the
@@ -203,7 +202,6 @@ where
 
 impl<const SHARED: usize, const N: usize, D: Device<f32, N>> Node<SHARED, N, D>
 where
-    Flows<SHARED>: Into<Message>,
     f32: Builds<SHARED, N>,
 {
     /// [`Node::build`], with the same errors, for a device that exists already: what a reset leaves of a peer, or one that is really
@@ -238,10 +236,7 @@ where
     }
 }
 
-impl<const SHARED: usize, const N: usize, D: Device<f32, N>> Node<SHARED, N, D>
-where
-    Flows<SHARED>: Into<Message>,
-{
+impl<const SHARED: usize, const N: usize, D: Device<f32, N>> Node<SHARED, N, D> {
     /// This node, which sends its telemetry every `telemetry_s` seconds.
     #[must_use]
     pub fn telling_every(self, telemetry_s: f64) -> Self {

@@ -44,29 +44,25 @@ pub type GoOn<'a> = &'a dyn Fn(u64) -> bool;
 /// Is called with every recorded row, as the index of its shared axis (from 0) and the values of its columns.
 pub type EachRow<'a> = &'a dyn Fn(usize, &[f64]);
 
+/// Who watches a run while it goes on.
+pub type Watch<'a> = (GoOn<'a>, Option<EachRow<'a>>);
+
+/// What a run comes to, or the first key of the scene that is out of range or impossible beside the others.
+pub type Ran = Result<Outcome, Refused<'static>>;
+
 /// A number type in which scenes can be run.
 pub trait Run: Number + Scalar<Counter = f64> {
     /// [`run`] in this type. Compiled here, once and optimised, and not wherever it is called.
     #[doc(hidden)]
-    fn run(
-        scene: &Scene,
-        options: Options,
-        go_on: GoOn<'_>,
-        each: Option<EachRow<'_>>,
-    ) -> Result<Outcome, Refused<'static>>;
+    fn run(scene: &Scene, options: Options, watch: Watch<'_>) -> Ran;
 }
 
 macro_rules! runs {
     ($($(#[$inline:meta])? $Number:ty),+) => {
         $(impl Run for $Number {
             $(#[$inline])?
-            fn run(
-                scene: &Scene,
-                options: Options,
-                go_on: GoOn<'_>,
-                each: Option<EachRow<'_>>,
-            ) -> Result<Outcome, Refused<'static>> {
-                of_axes!(scene, run_in::<Self>(scene, options, go_on, each))
+            fn run(scene: &Scene, options: Options, watch: Watch<'_>) -> Ran {
+                of_axes!(scene, run_alone::<Self>(scene, options, Until::TheEnd, watch))
             }
         })+
     };
@@ -84,8 +80,8 @@ runs!(
 ///
 /// # Errors
 /// The first key of the scene that is out of range or impossible beside the others.
-pub fn run<S: Run>(scene: &Scene, options: Options, progress: Progress<'_>) -> Result<Outcome, Refused<'static>> {
-    S::run(scene, options, &report_progress(progress), None)
+pub fn run<S: Run>(scene: &Scene, options: Options, progress: Progress<'_>) -> Ran {
+    run_seen::<S>(scene, options, progress, None)
 }
 
 /// [`run`] for as long as `go_on`, which is asked every 10,000 ticks, says so. A run that is ended early has made
@@ -93,29 +89,20 @@ pub fn run<S: Run>(scene: &Scene, options: Options, progress: Progress<'_>) -> R
 ///
 /// # Errors
 /// As [`run`].
-pub fn run_while<S: Run>(scene: &Scene, options: Options, go_on: GoOn<'_>) -> Result<Outcome, Refused<'static>> {
-    S::run(scene, options, go_on, None)
+pub fn run_while<S: Run>(scene: &Scene, options: Options, go_on: GoOn<'_>) -> Ran {
+    S::run(scene, options, (go_on, None))
 }
 
-/// [`run`]; `each` sees every tick of every axis as a row of [`Account::columns`], whatever is kept in the tables.
+/// [`run`]; `each`, if it is there, sees every tick of every axis as a row of [`Account::columns`], whatever is kept in the tables.
 ///
 /// # Errors
 /// As [`run`].
-pub fn run_seen<S: Run>(
-    scene: &Scene,
-    options: Options,
-    progress: Progress<'_>,
-    each: EachRow<'_>,
-) -> Result<Outcome, Refused<'static>> {
-    S::run(scene, options, &report_progress(progress), Some(each))
-}
-
-/// A [`GoOn`] that never ends the run.
-fn report_progress(progress: Progress<'_>) -> impl Fn(u64) -> bool {
-    move |tick| {
+pub fn run_seen<S: Run>(scene: &Scene, options: Options, progress: Progress<'_>, each: Option<EachRow<'_>>) -> Ran {
+    let go_on = |tick| {
         progress(tick);
         true
-    }
+    };
+    S::run(scene, options, (&go_on, each))
 }
 
 /// A run of which the first ticks are accounted for already: the lanes that it left have seen to them ([`crate::lanes`]).
@@ -134,14 +121,14 @@ impl<const SHARED: usize> Begun<SHARED> {
     }
 }
 
-fn run_in<S: Run + Builds<SHARED, N>, const SHARED: usize, const N: usize>(
+/// A run from its start, in no lane.
+pub(crate) fn run_alone<S: Scalar<Counter = f64> + Builds<SHARED, N>, const SHARED: usize, const N: usize>(
     scene: &Scene,
     options: Options,
-    go_on: GoOn<'_>,
-    each: Option<EachRow<'_>>,
-) -> Result<Outcome, Refused<'static>> {
-    let begun = Begun::at_the_start(scene, options);
-    run_from::<S, SHARED, N>(scene, begun, (options.ticks(scene), Until::TheEnd), go_on, each)
+    until: Until,
+    watch: Watch<'_>,
+) -> Ran {
+    run_from::<S, SHARED, N>(scene, Begun::at_the_start(scene, options), (options.ticks(scene), until), watch)
 }
 
 /// A run of so many ticks at most, from its start, accounted for from where it is not yet.
@@ -149,9 +136,8 @@ pub(crate) fn run_from<S: Scalar<Counter = f64> + Builds<SHARED, N>, const SHARE
     scene: &Scene,
     begun: Begun<SHARED>,
     (ticks, until): (u64, Until),
-    go_on: GoOn<'_>,
-    each: Option<EachRow<'_>>,
-) -> Result<Outcome, Refused<'static>> {
+    (go_on, each): Watch<'_>,
+) -> Ran {
     let mut pair = Pair::<S, Plant<N>, SHARED, N>::build(scene)?;
     let Begun { ticks: known, turns, mut accounts, mut hash } = begun;
     for tick in 0..ticks {

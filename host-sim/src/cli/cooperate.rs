@@ -7,7 +7,7 @@ use haptic_core::safety::Fault;
 use haptic_core::settings::Refused;
 use haptic_live::recording::mcap::{ERROR, INFO};
 use haptic_report::Columns;
-use haptic_sim::run::{self, AXIS_NAMES, EachRow, Options, Outcome, Run, run, run_seen};
+use haptic_sim::run::{self, AXIS_NAMES, EachRow, Options, Outcome, Run, run_seen};
 use haptic_sim::scene::Scene;
 use haptic_studies::figures;
 use serde_json::json;
@@ -105,11 +105,7 @@ fn go<S: Run>(
     step: &(dyn Fn() + Sync),
     each: Option<EachRow<'_>>,
 ) -> Result<(Outcome, &'static str), Refused<'static>> {
-    let outcome = match each {
-        Some(each) => run_seen::<S>(scene, options, &|_| step(), each),
-        None => run::<S>(scene, options, &|_| step()),
-    };
-    outcome.map(|outcome| (outcome, S::NAME))
+    run_seen::<S>(scene, options, &|_| step(), each).map(|outcome| (outcome, S::NAME))
 }
 
 /// Of both peers' states over every tick.

@@ -11,7 +11,6 @@ use haptic_live::recording::mcap::Channel;
 use haptic_live::recording::origin::Origin;
 use haptic_live::recording::recorder::Recorder;
 use haptic_live::watch;
-use haptic_protocol::wire::{Flows, Message};
 use haptic_report::Provenance;
 use haptic_sim::peers::Builds;
 use haptic_sim::{of_axes, scene::Scene};
@@ -44,7 +43,6 @@ pub(crate) enum Shown {
 /// One peer, along as many axes as the scene says.
 fn remote<const SHARED: usize, const N: usize>(scene: Scene, end: End) -> Result<Box<dyn Environment>, Error>
 where
-    Flows<SHARED>: Into<Message>,
     f32: Builds<SHARED, N>,
 {
     Ok(Box::new(Remote::<SHARED, N>::new(scene, end)?))

@@ -29,7 +29,7 @@ use haptic_live::verdict::{Judge, Judging};
 use haptic_live::watch::{TELLING_S, Watch};
 use haptic_protocol::key::Key;
 use haptic_protocol::path::Path;
-use haptic_protocol::wire::{Flows, Message, Telemetry};
+use haptic_protocol::wire::Telemetry;
 use haptic_sim::device::Device;
 use haptic_sim::node::{Node, Transmit as _};
 use haptic_sim::peers::Builds;
@@ -132,10 +132,7 @@ struct PartnerState {
 }
 
 /// One peer that shares the object along `SHARED` axes of its device of `N`, and its line.
-pub(super) struct Remote<const SHARED: usize, const N: usize>
-where
-    Flows<SHARED>: Into<Message>,
-{
+pub(super) struct Remote<const SHARED: usize, const N: usize> {
     scene: Scene,
     node: Node<SHARED, N, Box<dyn Device<f32, N>>>,
     /// 0 or 1.
@@ -173,7 +170,6 @@ where
 
 impl<const SHARED: usize, const N: usize> Remote<SHARED, N>
 where
-    Flows<SHARED>: Into<Message>,
     f32: Builds<SHARED, N>,
 {
     /// Calls, and arms when the other one is there.
@@ -308,7 +304,6 @@ where
 
 impl<const SHARED: usize, const N: usize> Environment for Remote<SHARED, N>
 where
-    Flows<SHARED>: Into<Message>,
     f32: Builds<SHARED, N>,
 {
     fn command(&mut self, command: Command) -> Result<(), Error> {
@@ -421,10 +416,7 @@ where
     }
 }
 
-impl<const SHARED: usize, const N: usize> Drop for Remote<SHARED, N>
-where
-    Flows<SHARED>: Into<Message>,
-{
+impl<const SHARED: usize, const N: usize> Drop for Remote<SHARED, N> {
     fn drop(&mut self) {
         let Self { node, endpoint, join, path, .. } = self;
         node.goodbye(endpoint.now_ns() / 1_000, |bytes| {

@@ -11,7 +11,6 @@ fn pair(scene: &str, to: &str) -> [One; 2] {
 
 fn ends<const SHARED: usize, const N: usize>([here, there]: [Scene; 2]) -> [Remote<SHARED, N>; 2]
 where
-    Flows<SHARED>: Into<Message>,
     f32: Builds<SHARED, N>,
 {
     let key = || Key::new([7; Key::LEN]);
@@ -28,7 +27,6 @@ fn until<const SHARED: usize, const N: usize>(
     done: impl Fn(&[Sample; 2]) -> bool,
 ) -> [Sample; 2]
 where
-    Flows<SHARED>: Into<Message>,
     f32: Builds<SHARED, N>,
 {
     let start = Instant::now();

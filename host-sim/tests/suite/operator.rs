@@ -56,7 +56,7 @@ impl Board {
             let config = Config { key, ends, packet_period_us: 20_000, parameters, entropy: [9; 32] };
             let (mut link, mut lines) = (Link::new(config).unwrap(), Lines::default());
             let (start, mut came, mut out, mut to) = (Instant::now(), [0; 2048], [0; MAX_DATAGRAM], None);
-            let (mut streams, mut holder) = (false, Holder::new(194_000));
+            let (mut streams, mut logs, mut holder) = (false, None, Holder::new(194_000));
             while !over.load(Ordering::Relaxed) {
                 let now = start.elapsed().as_micros() as u64;
                 let away = out_of_reach.load(Ordering::Relaxed);
@@ -98,6 +98,12 @@ impl Board {
                     lines.say(&answer, Word::default());
                     sample = Some(Sample::new(7, line.as_bytes()).unwrap());
                     streams = line == "stream 1";
+                    logs = streams.then(|| format!("log {now} peer: fading\u{1b}[2J"));
+                }
+                if !lines.is_saying()
+                    && let Some(line) = logs.take()
+                {
+                    lines.say(&line, Word::default());
                 }
                 if let Some(length) = sample.and_then(|sample| link.send(now, sample, &mut out)) {
                     assert!(send(&out[..length], to));
@@ -127,7 +133,7 @@ fn lines_are_answered_and_samples_come_under_the_right_key_only() {
     let (right, wrong) = (folder.join("right.key"), folder.join("wrong.key"));
     key_file::generate(&right, Role::Operator).unwrap();
     key_file::generate(&wrong, Role::Operator).unwrap();
-    let board = Board::start(key_file::read(&right, Role::Operator).unwrap(), 1.0);
+    let board = Board::start(key_file::read(&right, Role::Operator).unwrap(), 2.0);
 
     let mut operator = Operator::connect(board.address, &right).unwrap();
     assert_eq!(operator.number(), 2);
@@ -170,7 +176,7 @@ fn lines_are_answered_and_samples_come_under_the_right_key_only() {
 fn disarm_is_confirmed_by_the_board_or_says_what_to_press() {
     let key = folder("operator-stop").join("a.key");
     key_file::generate(&key, Role::Operator).unwrap();
-    let board = Board::start(key_file::read(&key, Role::Operator).unwrap(), 1.0);
+    let board = Board::start(key_file::read(&key, Role::Operator).unwrap(), 2.0);
     let run = |line: &str| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_host-sim"));
         command.args(["board", "operator", "--board", &board.address.to_string(), "--key-file"]).arg(&key).arg(line);
@@ -206,7 +212,7 @@ fn a_recording_outlives_the_cable() {
     let folder = folder("operator-cable");
     let (key, file) = (folder.join("a.key"), folder.join("ticks.csv"));
     key_file::generate(&key, Role::Operator).unwrap();
-    let board = Board::start(key_file::read(&key, Role::Operator).unwrap(), 1.0);
+    let board = Board::start(key_file::read(&key, Role::Operator).unwrap(), 2.0);
     let record = |seconds: &str| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_host-sim"));
         command.args([
@@ -259,6 +265,21 @@ fn a_recording_outlives_the_cable() {
     assert!(file.exists());
 }
 
+#[test]
+fn a_recording_has_what_the_board_logs_and_no_answer_is_taken_for_it() {
+    let folder = folder("operator-log");
+    let (key, file) = (folder.join("a.key"), folder.join("ticks.mcap"));
+    key_file::generate(&key, Role::Operator).unwrap();
+    let board = Board::start(key_file::read(&key, Role::Operator).unwrap(), 2.0);
+    let mut command = Command::new(env!("CARGO_BIN_EXE_host-sim"));
+    command.args(["board", "operator", "--board", &board.address.to_string(), "--every", "1", "--seconds", "1"]);
+    let output = command.arg("--key-file").arg(&key).arg("--record").arg(&file).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let recording = haptic_live::recording::file::read(&file).unwrap();
+    let said: Vec<_> = recording.log().map(|(_, line)| line.words.as_str()).collect();
+    assert_eq!(said, ["ok status", "peer: fading\\u001b[2J", "ok status"]);
+}
+
 /// Why: a board that said it shared 18446744073709551615 axes ended the operator's program for want of memory.
 #[test]
 fn a_board_that_says_what_none_can_is_refused_by_name() {
@@ -266,7 +287,7 @@ fn a_board_that_says_what_none_can_is_refused_by_name() {
     let key = folder.join("a.key");
     key_file::generate(&key, Role::Operator).unwrap();
     for (axes, ending) in [("18446744073709551615", "csv"), ("4", "mcap"), ("0", "csv"), ("many", "mcap")] {
-        let board = Board::sharing(axes, key_file::read(&key, Role::Operator).unwrap(), 1.0);
+        let board = Board::sharing(axes, key_file::read(&key, Role::Operator).unwrap(), 2.0);
         let file = folder.join(format!("ticks.{ending}"));
         let mut command = Command::new(env!("CARGO_BIN_EXE_host-sim"));
         command.args(["board", "operator", "--seconds", "0.2", "--board", &board.address.to_string()]);
@@ -283,7 +304,7 @@ fn a_board_that_says_what_none_can_is_refused_by_name() {
 fn what_a_board_answers_is_shown_and_not_obeyed() {
     let key = folder("operator-spell").join("a.key");
     key_file::generate(&key, Role::Operator).unwrap();
-    let board = Board::start(key_file::read(&key, Role::Operator).unwrap(), 1.0);
+    let board = Board::start(key_file::read(&key, Role::Operator).unwrap(), 2.0);
     for more in [&["spell"][..], &["spell", "--json"], &["spell", "no"]] {
         let mut command = Command::new(env!("CARGO_BIN_EXE_host-sim"));
         command.args(["board", "operator", "--board", &board.address.to_string(), "--key-file"]).arg(&key);
@@ -300,7 +321,7 @@ fn what_a_board_answers_is_shown_and_not_obeyed() {
 fn a_board_that_takes_other_commands_is_named() {
     let key = folder("operator-version").join("a.key");
     key_file::generate(&key, Role::Operator).unwrap();
-    let board = Board::start(key_file::read(&key, Role::Operator).unwrap(), 2.0);
+    let board = Board::start(key_file::read(&key, Role::Operator).unwrap(), 1.0);
     let error = Operator::connect(board.address, &key).map(|_| ()).unwrap_err().to_string();
     assert!(error.contains("takes other commands than this program"), "{error}");
 }
@@ -414,7 +435,7 @@ fn an_update_writes_its_bytes_and_says_what_is_next_and_what_is_no_image_asks_no
     let image = folder.join("haptic-v0.1.0.elf");
     let bytes = folder.join("haptic-v0.1.0.elf.bin");
     std::fs::write(&image, image_file()).unwrap();
-    let board = Board::start(key_file::read(&key, Role::Operator).unwrap(), 1.0);
+    let board = Board::start(key_file::read(&key, Role::Operator).unwrap(), 2.0);
     let (status, said, told) = run(board.address, &image);
     assert_eq!(status, Some(0), "{told}");
     assert_eq!(said, format!("dfu-util -d 0483:df11 -a 0 -s 0x08000000 -D {}\n", bytes.display()));

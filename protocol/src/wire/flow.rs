@@ -2,7 +2,7 @@
 //! not at all. Every number is finite.
 
 use crate::bytes::{Field, Reader, Writer, byte_of, emit, layout};
-use crate::error::Error;
+use crate::{error::Error, wire::Message};
 
 layout! {
     /// What the flow says along one shared axis.
@@ -61,6 +61,13 @@ impl<const AXES: usize> Flows<AXES> {
     /// Length of the message, bytes.
     pub const LEN: usize = 8 + AXES * AxisFlow::LEN;
 
+    /// What it says along its first axes; nothing along those that it lacks.
+    pub(crate) fn along<const FIRST: usize>(&self) -> Flows<FIRST> {
+        let (axes, Self { engaged, fading, tick, .. }) = (self.axes.iter().copied(), *self);
+        let mut axes = axes.chain(core::iter::repeat(AxisFlow::default()));
+        Flows { engaged, fading, tick, axes: [(); FIRST].map(|()| axes.next().unwrap_or_default()) }
+    }
+
     /// Reads the message, which must fill `bytes` exactly.
     ///
     /// # Errors
@@ -75,6 +82,16 @@ impl<const AXES: usize> Flows<AXES> {
     /// Too little room in `out`, or a number that is not finite.
     pub fn emit(&self, out: &mut [u8]) -> Result<usize, Error> {
         emit(self, Self::NAMES.1, out)
+    }
+}
+
+impl<const AXES: usize> From<Flows<AXES>> for Message {
+    fn from(flow: Flows<AXES>) -> Self {
+        match const { Flows::<AXES>::KIND } {
+            Flow::KIND => Self::Flow(flow.along()),
+            Flow2::KIND => Self::Flow2(flow.along()),
+            _ => Self::Flow3(flow.along()),
+        }
     }
 }
 

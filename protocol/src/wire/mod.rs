@@ -43,11 +43,11 @@ const _: () = assert!(Telemetry::LEN <= MAX_MESSAGE && Flow3::LEN <= MAX_MESSAGE
 pub type Datagram = [u8; MAX_DATAGRAM];
 
 macro_rules! kinds {
-    ($($Kind:ident, $meaning:literal;)+) => {
+    ({ $($Flow:ident, $flow:literal;)+ } $($Kind:ident, $meaning:literal;)+) => {
         /// What a sealed datagram holds; the first byte says which.
         #[derive(Clone, Copy, Debug, PartialEq)]
         #[allow(clippy::large_enum_variant)] // 96 bytes on the way to the caller, and nowhere else.
-        pub enum Message { $(#[doc = $meaning] $Kind($Kind),)+ }
+        pub enum Message { $(#[doc = $flow] $Flow($Flow),)+ $(#[doc = $meaning] $Kind($Kind),)+ }
 
         impl Message {
             /// Reads one message, which must fill `bytes` exactly.
@@ -56,6 +56,7 @@ macro_rules! kinds {
             /// An unknown kind, a wrong length, a reserved byte that is not 0, or a field without a meaning.
             pub fn parse(bytes: &[u8]) -> Result<Self, Error> {
                 match bytes.first().copied() {
+                    $(Some($Flow::KIND) => $Flow::parse(bytes).map(Self::$Flow),)+
                     $(Some($Kind::KIND) => $Kind::parse(bytes).map(Self::$Kind),)+
                     Some(kind) => Err(Error::UnknownKind(kind)),
                     None => Err(Error::Length { message: "message", wanted: 1, got: 0 }),
@@ -67,7 +68,10 @@ macro_rules! kinds {
             /// # Errors
             /// Too little room in `out`, or a number that is not finite.
             pub fn emit(&self, out: &mut [u8]) -> Result<usize, Error> {
-                match self { $(Self::$Kind(message) => message.emit(out),)+ }
+                match self {
+                    $(Self::$Flow(message) => message.emit(out),)+
+                    $(Self::$Kind(message) => message.emit(out),)+
+                }
             }
         }
 
@@ -80,9 +84,11 @@ macro_rules! kinds {
 }
 
 kinds! {
-    Flow, "The coordination flow, once each packet period.";
-    Flow2, "The same of two shared axes.";
-    Flow3, "The same of three.";
+    {
+        Flow, "The coordination flow, once each packet period.";
+        Flow2, "The same of two shared axes.";
+        Flow3, "The same of three.";
+    }
     Telemetry, "How the sender is doing.";
     Event, "Something that happens once and must arrive.";
     Ack, "Which events have arrived.";

@@ -7,9 +7,8 @@ use std::path::Path;
 
 use firmware_parts::record::{CODE, Record};
 use haptic_board_tools::operator::{PORT, Session};
-use haptic_live::recording::origin::Origin;
-use haptic_live::recording::recorder::Recorder;
 use haptic_live::recording::ticks::{BoardTicks, board_channels};
+use haptic_live::recording::{mcap::INFO, origin::Origin, recorder::Recorder};
 use haptic_protocol::key::{Key, Role};
 use haptic_protocol::wire::MAX_DATAGRAM;
 use haptic_report::Provenance;
@@ -228,14 +227,13 @@ impl Pc {
         let samples = session.take_stamped();
         if let Some((ticks, recorder)) = &mut self.recordings[at] {
             ticks.take(session.link(), &samples, |channel, row| recorder.put_all(channel, now_ns, row));
+            while let Some((at_us, words)) = session.logged() {
+                recorder.log(1000 * at_us, INFO, words);
+            }
         }
         for (_, sample) in &samples {
-            let record = || Record::from_bytes(sample.payload()).expect("a record");
-            match sample.code.checked_sub(CODE) {
-                Some(0) => self.records[at].push(record()),
-                Some(axis) if axis < 3 => self.further[at].push(record()),
-                _ => {}
-            }
+            let record = Record::from_bytes(sample.payload()).expect("a record");
+            [&mut self.records, &mut self.further][usize::from(sample.code != CODE)][at].push(record);
         }
     }
 }

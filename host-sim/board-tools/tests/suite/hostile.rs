@@ -147,10 +147,15 @@ impl World {
     fn take(&mut self) -> Result<(), String> {
         let answers: Vec<String> = std::iter::from_fn(|| self.session.answer()).collect();
         let samples = self.session.take_samples();
-        if answers.len() > MOST_ANSWERS || samples.len() > MOST_SAMPLES {
-            return Err(format!("{} answers and {} samples wait", answers.len(), samples.len()));
+        let log: Vec<_> = std::iter::from_fn(|| self.session.logged()).collect();
+        if answers.len() > MOST_ANSWERS || samples.len() > MOST_SAMPLES || log.len() > MOST_ANSWERS {
+            let [answers, samples, log] = [answers.len(), samples.len(), log.len()];
+            return Err(format!("{answers} answers, {samples} samples and {log} lines of the log wait"));
         }
-        for answer in &answers {
+        if let Some((at_us, _)) = log.iter().find(|(at_us, _)| *at_us > self.now_us()) {
+            return Err(format!("a line of the log is of {at_us} µs, which will be"));
+        }
+        for answer in answers.iter().chain(log.iter().map(|(_, words)| words)) {
             // Of a character that is an order, the six that spell it out.
             let order = |character: char| character.is_control() && character != '\t';
             if answer.contains(order) || answer.chars().count() > 6 * LONGEST {
@@ -258,10 +263,11 @@ fn what_is_planted_in_an_operator_is_found() {
 fn what_nobody_takes_has_a_bound() {
     let mut world = World::new(Planted::Nothing, 1);
     let flood = Program::flood();
-    while world.session.link().counts().taken < 2 * MOST_SAMPLES as u32 + 10_000 {
+    while world.session.link().counts().taken < 3 * MOST_SAMPLES as u32 + 10_000 {
         world.step(&flood, false).expect("all is well");
         assert!(world.now_ms < 10_000, "it is not flooded");
     }
     let answers = std::iter::from_fn(|| world.session.answer()).count();
-    assert_eq!((answers, world.session.take_samples().len()), (MOST_ANSWERS, MOST_SAMPLES));
+    let log = std::iter::from_fn(|| world.session.logged()).count();
+    assert_eq!((answers, log, world.session.take_samples().len()), (MOST_ANSWERS, MOST_ANSWERS, MOST_SAMPLES));
 }

@@ -55,7 +55,7 @@ struct Board {
 impl Board {
     fn new(planted: Planted) -> Self {
         let mut parameters = Parameters::new();
-        parameters.add(Table::new("operator").number("version", 1.0)).expect("room for one");
+        parameters.add(Table::new("operator").number("version", 2.0)).expect("room for one");
         let ends = Ends { local: PeerId(1), remote: PeerId(0) };
         let config = Config { key: key(), ends, packet_period_us: 20_000, parameters, entropy: [9; 32] };
         let link = Link::new(config).expect("a link");

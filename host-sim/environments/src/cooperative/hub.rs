@@ -115,10 +115,7 @@ pub struct Hub<A, const SHARED: usize = 1> {
     begun: bool,
 }
 
-impl<A: Copy + PartialEq + Display, const SHARED: usize> Hub<A, SHARED>
-where
-    Flows<SHARED>: Into<Message>,
-{
+impl<A: Copy + PartialEq + Display, const SHARED: usize> Hub<A, SHARED> {
     /// A hub for `users` peers of a scene, on lines 1 to `users`; `entropy` must never give the same twice.
     ///
     /// # Errors

@@ -6,7 +6,6 @@ use haptic_live::endpoint::{Endpoint, Live, Punctuality, Span, Stop, Ticker};
 use haptic_live::peer::{RemoteReport, notice_texts};
 use haptic_live::watch::{LiveOptions, LiveSummary};
 use haptic_protocol::key::Key;
-use haptic_protocol::wire::{Flows, Message};
 use haptic_sim::engine::{Actor, Out};
 use haptic_sim::run::AXIS_NAMES;
 use haptic_sim::{key_file::entropy, of_axes, scene::Scene};
@@ -118,10 +117,7 @@ struct HubActor<const SHARED: usize> {
     watch: HubWatch,
 }
 
-impl<const SHARED: usize> Actor<SocketAddr> for HubActor<SHARED>
-where
-    Flows<SHARED>: Into<Message>,
-{
+impl<const SHARED: usize> Actor<SocketAddr> for HubActor<SHARED> {
     type Packet = [u8];
 
     fn hear(&mut self, now_ns: u64, from: SocketAddr, datagram: &mut [u8], out: &mut Out<'_, SocketAddr, [u8]>) {
@@ -150,10 +146,7 @@ where
     }
 }
 
-impl<const SHARED: usize> HubActor<SHARED>
-where
-    Flows<SHARED>: Into<Message>,
-{
+impl<const SHARED: usize> HubActor<SHARED> {
     /// The lines that nobody is on, and whether somebody was refused there.
     fn absent(&self) -> Vec<String> {
         let absent = (1_u32..).zip(self.hub.lines()).filter(|(_, (end, _))| !end.line.link.is_up());
@@ -165,10 +158,7 @@ where
     }
 }
 
-impl<const SHARED: usize> Live for HubActor<SHARED>
-where
-    Flows<SHARED>: Into<Message>,
-{
+impl<const SHARED: usize> Live for HubActor<SHARED> {
     fn waited(&mut self, waited: Duration) {
         self.hub.waited(waited.as_micros() as u64);
     }
@@ -218,10 +208,7 @@ fn live<const SHARED: usize, const N: usize>(
     Span { duration_s, patience_s }: Span,
     wanted: &LiveOptions,
     stop: &Stop,
-) -> Result<Report, Error>
-where
-    Flows<SHARED>: Into<Message>,
-{
+) -> Result<Report, Error> {
     let timing = &scene.peer.timing;
     let packets = (duration_s / timing.packet_period_s()).round() as u64;
     let endpoint = Endpoint::polled(listen)?;

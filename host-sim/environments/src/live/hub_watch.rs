@@ -12,7 +12,6 @@ use haptic_live::recording::ticks;
 use haptic_live::tell::{Second, Teller};
 use haptic_live::watch::{LiveOptions, LiveSummary};
 use haptic_protocol::link::Notice;
-use haptic_protocol::wire::{Flows, Message};
 use haptic_sim::scene::Scene;
 
 use crate::Error;
@@ -75,10 +74,7 @@ impl HubWatch {
     }
 
     /// A datagram was taken.
-    pub(crate) fn heard<const SHARED: usize>(&mut self, now_ns: u64, hub: &Hub<SocketAddr, SHARED>)
-    where
-        Flows<SHARED>: Into<Message>,
-    {
+    pub(crate) fn heard<const SHARED: usize>(&mut self, now_ns: u64, hub: &Hub<SocketAddr, SHARED>) {
         for (at, (end, _)) in hub.lines().enumerate() {
             let line = &end.line;
             if let Some(exchange) = self.clocks[at].see(line.link.clock().newest()) {
@@ -104,10 +100,7 @@ impl HubWatch {
     }
 
     /// A tick is over.
-    pub(crate) fn ticked<const SHARED: usize>(&mut self, now_ns: u64, hub: &Hub<SocketAddr, SHARED>)
-    where
-        Flows<SHARED>: Into<Message>,
-    {
+    pub(crate) fn ticked<const SHARED: usize>(&mut self, now_ns: u64, hub: &Hub<SocketAddr, SHARED>) {
         let time_s = now_ns as f64 * 1e-9;
         for (axis, motion) in hub.junction.motion.iter().enumerate() {
             self.row.clear();
@@ -137,10 +130,7 @@ impl HubWatch {
         }
     }
 
-    fn second<const SHARED: usize>(&mut self, now_ns: u64, time_s: f64, hub: &Hub<SocketAddr, SHARED>)
-    where
-        Flows<SHARED>: Into<Message>,
-    {
+    fn second<const SHARED: usize>(&mut self, now_ns: u64, time_s: f64, hub: &Hub<SocketAddr, SHARED>) {
         self.clocks.iter_mut().for_each(Watched::look);
         let sum = std::mem::take(&mut self.of_second);
         let up = hub.lines().filter(|(end, _)| end.line.link.is_up()).count();

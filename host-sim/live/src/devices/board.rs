@@ -88,10 +88,7 @@ struct Talk<const SHARED: usize> {
     gone: Option<Gone>,
 }
 
-impl<const SHARED: usize> Talk<SHARED>
-where
-    Flows<SHARED>: Into<Message>,
-{
+impl<const SHARED: usize> Talk<SHARED> {
     fn now_us(&self) -> u64 {
         self.begun.elapsed().as_micros() as u64
     }
@@ -223,10 +220,7 @@ pub(super) fn open(told: &Told, silent: Duration) -> Result<Box<dyn Port>, Error
 }
 
 /// [`open`], of a board that shares `SHARED` axes.
-fn talk<const SHARED: usize, const N: usize>(told: &Told, silent: Duration) -> Result<Box<dyn Port>, Error>
-where
-    Flows<SHARED>: Into<Message>,
-{
+fn talk<const SHARED: usize, const N: usize>(told: &Told, silent: Duration) -> Result<Box<dyn Port>, Error> {
     let Told { at, listen, key, scene } = told;
     let cannot = haptic_sim::Error::cannot::<std::io::Error>("listen on", listen);
     let socket = UdpSocket::bind(listen).map_err(&cannot)?;
@@ -300,10 +294,7 @@ where
     Ok(Box::new(Board::start(abilities, talk)?))
 }
 
-impl<const SHARED: usize> Board<SHARED>
-where
-    Flows<SHARED>: Into<Message>,
-{
+impl<const SHARED: usize> Board<SHARED> {
     fn start(abilities: Abilities, talk: Talk<SHARED>) -> Result<Self, Error> {
         let (talk, ends) = (Arc::new(Mutex::new(talk)), Arc::new(AtomicBool::new(false)));
         let (of_thread, until) = (talk.clone(), ends.clone());
@@ -324,10 +315,7 @@ where
     }
 }
 
-impl<const SHARED: usize> Port for Board<SHARED>
-where
-    Flows<SHARED>: Into<Message>,
-{
+impl<const SHARED: usize> Port for Board<SHARED> {
     fn abilities(&self) -> &Abilities {
         &self.abilities
     }

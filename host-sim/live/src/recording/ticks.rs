@@ -4,13 +4,14 @@ use haptic_core::num::Scalar;
 use haptic_core::peer::Observed;
 use haptic_core::sample::{OfAxis, OfPeer, Quantities, SAMPLE};
 
+use haptic_board_tools::operator::Session;
 use haptic_meeting::carrier::PathReport;
 use haptic_protocol::{link::Link, wire::Sample};
 use haptic_sim::quantities::{self, Named};
 use haptic_sim::run::AXIS_NAMES;
 
 use super::common_clock::{Exchange, Relation, Watched};
-use super::mcap::Channel;
+use super::mcap::{Channel, INFO};
 use super::recorder::Recorder;
 
 /// Since when a recording's times count.
@@ -186,11 +187,15 @@ impl BoardTicks {
         Self { period_s, axes, clock: Watched::default(), ticks: 0, mode: [0.0; 2] }
     }
 
-    /// Records samples that came over a link, each with when it was sealed, and says when the board's mode changes.
-    pub fn record(&mut self, recorder: &Recorder, now_ns: u64, link: &Link, samples: &[(u64, Sample)]) {
+    /// Records what came in a session since the last time: samples, lines of the board's log, and changes of its mode.
+    pub fn record(&mut self, recorder: &Recorder, now_ns: u64, session: &mut Session) {
+        let samples = session.take_stamped();
+        while let Some((at_us, words)) = session.logged() {
+            recorder.log(1000 * at_us, INFO, words);
+        }
         let place = |name| quantities::place(&haptic_board_tools::recording::COLUMNS, name);
         let (places, mut mode) = (["mode", "fault"].map(place), self.mode);
-        self.take(link, samples, |channel, row| {
+        self.take(session.link(), &samples, |channel, row| {
             recorder.put(channel, now_ns, row);
             if channel == TICKS {
                 recorder.log_mode(now_ns, &recorder.who, &mut mode, places.map(|at| row[at]));

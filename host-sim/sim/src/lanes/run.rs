@@ -7,7 +7,7 @@ use super::number::{F64s, LANES, lanes_left};
 use super::pairs::Pairs;
 use crate::of_axes;
 use crate::peers::Builds;
-use crate::run::{Accounts, Begun, Options, Outcome, Ticked, Until, run_from};
+use crate::run::{Accounts, Begun, Options, Outcome, Ticked, Until, Watch, run_alone, run_from};
 use crate::scene::Scene;
 
 /// Fewest scenes that are worth lanes: a tick of all costs as much as so many scenes' alone, whether or not each lane has one. AVX-512 has masks, which
@@ -49,22 +49,13 @@ pub fn run(how: How, scenes: &[Scene], duration_s: f64) -> Result<Vec<Outcome>, 
         group.into_iter().zip(together).for_each(|(at, outcome)| outcomes[at] = Some(outcome));
     }
     for at in alone {
-        outcomes[at] = Some(of_axes!(scenes[at], run_alone(&scenes[at], options, how.until))?);
+        outcomes[at] = Some(of_axes!(scenes[at], run_alone::<f64>(&scenes[at], options, how.until, TO_THE_END))?);
     }
     Ok(outcomes.into_iter().flatten().collect())
 }
 
-fn run_alone<const SHARED: usize, const N: usize>(
-    scene: &Scene,
-    options: Options,
-    until: Until,
-) -> Result<Outcome, Refused<'static>>
-where
-    f64: Builds<SHARED, N>,
-{
-    let begun = Begun::at_the_start(scene, options);
-    run_from::<f64, SHARED, N>(scene, begun, (options.ticks(scene), until), &|_| true, None)
-}
+/// Nobody ends it.
+const TO_THE_END: Watch<'_> = (&|_| true, None);
 
 /// Lanes that have left, and what was known of each until then.
 struct Leavers<const SHARED: usize> {
@@ -149,7 +140,7 @@ where
             return Ok(Outcome { hash: hashes[lane], packets_per_s, ..outcome });
         }
         let begun = leavers.known[lane].take().unwrap_or_else(|| Begun::at_the_start(scene, options));
-        run_from::<f64, SHARED, N>(scene, begun, (ticks, how.until), &|_| true, None)
+        run_from::<f64, SHARED, N>(scene, begun, (ticks, how.until), TO_THE_END)
     };
     scenes.iter().enumerate().map(&mut outcome).collect()
 }

@@ -4,7 +4,6 @@ use std::path::Path;
 
 use haptic_core::safety::Mode;
 use haptic_protocol::key::Key;
-use haptic_protocol::wire::{Flows, Message};
 use haptic_sim::Laws;
 use haptic_sim::node::Node;
 use haptic_sim::run::{AxisOutcome, Options, run};
@@ -17,10 +16,7 @@ const MESSAGE: usize = 32;
 
 /// Runs both for 20 s on a line that takes a tick; every flow that comes is of this kind. Gives F_T of peer 2 and the place of peer 1's
 /// device.
-fn meet<const N: usize>(mut nodes: [Node<N, N>; 2], kind: u8) -> [[f64; N]; 2]
-where
-    Flows<N>: Into<Message>,
-{
+fn meet<const N: usize>(mut nodes: [Node<N, N>; 2], kind: u8) -> [[f64; N]; 2] {
     let mut under_way = [const { Vec::<Vec<u8>>::new() }; 2];
     let mut flows = 0;
     for tick in 1..=20_000 {

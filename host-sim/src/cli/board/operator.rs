@@ -178,10 +178,8 @@ impl Operate {
         let status = |operator: &mut Operator| operator.ask("status").map(log);
         status(operator)?;
         let mut ticks = BoardTicks::new(period_s, axes);
-        let refusal = operator.record_each(self.every, time, |now_ns, session| {
-            let samples = session.take_stamped();
-            ticks.record(&recorder, now_ns, session.link(), &samples);
-        });
+        let refusal =
+            operator.record_each(self.every, time, |now_ns, session| ticks.record(&recorder, now_ns, session));
         let stopped = say(operator, "stream off").map(|_| status(operator));
         ui.status(recorder.finish().summary());
         if let Some(refusal) = refusal? {

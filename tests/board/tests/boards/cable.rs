@@ -11,6 +11,7 @@ use firmware_parts::record::{ENGAGED, Record};
 use haptic_board_tools::recording;
 use haptic_core::peer::STEP_N;
 use haptic_core::safety::Mode;
+use haptic_live::recording::file::read;
 
 use crate::breaks;
 
@@ -24,6 +25,12 @@ fn pulled_and_put_back() {
     // The operator is on the same cable: his lease outlasts it.
     let scene = breaks::scene(&["safety.operator_lost_s=1"]);
     let mut bench = breaks::just_armed(&firmware, 2, Line::default(), &scene);
+    let files = [1, 2].map(|number| {
+        let file = std::env::temp_dir().join(format!("cable-{number}-{}.mcap", std::process::id()));
+        let _ = std::fs::remove_file(&file);
+        bench.pc.record(number, 1, &file);
+        file
+    });
     bench.run_for_ms(3000);
 
     // Board 2's cable stays in: its records tell what a peer does whose other one falls silent.
@@ -41,13 +48,31 @@ fn pulled_and_put_back() {
     assert!(bench.ask(2, "status").contains("link running"));
 
     // And the logs of both say what happened, in that order.
+    const SAID: [&str; 5] =
+        ["peer: fading, no flow", "peer: disengaged", "peer: lost", "peer: joined", "peer: engaged"];
     for number in 1..=2 {
         let log = bench.log(&firmware, number);
         let mut said = log.iter();
-        for line in ["peer: fading, no flow", "peer: disengaged", "peer: lost", "peer: joined", "peer: engaged"] {
+        for line in SAID {
             assert!(said.any(|said| said.starts_with(line)), "{line:?} is not in its place in {number}: {log:#?}");
         }
     }
+    // So do the recordings, at the same times, although what board 1 said came when its cable was back.
+    bench.pc.end_recordings();
+    let times = files.map(|file| {
+        let recording = read(&file).expect("a recording");
+        std::fs::remove_file(&file).expect("it is there");
+        let log: Vec<_> = recording.log().collect();
+        let pulled = log.iter().rposition(|(_, said)| said.words.starts_with(SAID[0])).expect("it faded");
+        let mut said = log[pulled..].iter();
+        SAID.map(|line| said.find(|(_, said)| said.words.starts_with(line)).expect("it is in its place").0)
+    });
+    println!("{SAID:?} at {times:?} ns");
+    let [one, two] = times;
+    // Each is as exact as the way there takes equally long.
+    assert!(one.windows(2).all(|two| two[1] + 1_000_000 > two[0]), "{one:?}");
+    assert!((400_000_000..700_000_000).contains(&(one[3] - one[0])), "{one:?}");
+    assert!(one.iter().zip(two).all(|(one, two)| one.abs_diff(two) < 60_000_000), "{one:?} {two:?}");
     // Board 1 was out of its operator's reach: it says so, and sends ticks again once it is asked to.
     let log = bench.log(&firmware, 1);
     assert!(log.iter().any(|said| said == "operator: gone"), "{log:#?}");

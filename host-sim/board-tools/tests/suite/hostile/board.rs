@@ -51,7 +51,7 @@ enum Lie {
 }
 
 /// Texts of answers; those of `ok` contradict each other.
-const TEXTS: [&str; 12] = [
+const TEXTS: [&str; 15] = [
     "ok armed",
     "ok disarmed",
     "ok board 1 armed fault 0; disarmed fault 12; the operator was silent",
@@ -64,6 +64,9 @@ const TEXTS: [&str; 12] = [
     "ok \u{202e}demra\u{2066}\u{feff}",
     "ok probe 1: running: running; agree: agree; ; : : ",
     "ok axis.shared = 18446744073709551615",
+    "log 18446744073709551615 peer: \u{1b}[2J",
+    "log 0 \u{202e}",
+    "log -1 peer: lost",
 ];
 
 /// Lies, each every so many milliseconds and so often then.
@@ -113,7 +116,7 @@ impl Program {
 
     /// More than anybody takes.
     pub(super) fn flood() -> Self {
-        Self(vec![(Lie::Records(0, 1), 1, FLOOD), (Lie::Answers(0), 1, FLOOD)])
+        Self(vec![(Lie::Records(0, 1), 1, FLOOD), (Lie::Answers(0), 1, FLOOD), (Lie::Answers(13), 1, FLOOD)])
     }
 }
 

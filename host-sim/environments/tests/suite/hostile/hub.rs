@@ -5,7 +5,7 @@ use super::table::Table;
 use super::{asked, scene};
 use haptic_core::device::AXES;
 use haptic_core::settings::Safety;
-use haptic_protocol::wire::{Flows, Message};
+use haptic_protocol::wire::Flows;
 use haptic_sim::peers::Builds;
 use haptic_sim::rng::Rng;
 
@@ -24,7 +24,6 @@ const BETWEEN_LOOKS: u64 = 25;
 /// Along each shared axis it says another one.
 fn programs<const SHARED: usize, const N: usize>(name: &str, programs: u64, limits: Option<Safety>)
 where
-    Flows<SHARED>: Into<Message>,
     f32: Builds<SHARED, N>,
 {
     let mut rng = Rng::new(asked("HOSTILE_SEED", 1));

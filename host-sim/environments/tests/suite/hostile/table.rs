@@ -8,7 +8,7 @@ use haptic_core::safety::{Command, Mode};
 use haptic_core::settings::{Safety, Settings};
 use haptic_environments::cooperative::junction::{Junction, Port};
 use haptic_protocol::peer::{Inbox, flow_of, packets_of};
-use haptic_protocol::wire::{Flows, Message};
+use haptic_protocol::wire::Flows;
 use haptic_sim::peers::{Builds, DynPeer};
 use haptic_sim::plant::Plant;
 use haptic_sim::scene::Scene;
@@ -55,7 +55,6 @@ pub(super) struct Table<const SHARED: usize, const N: usize> {
 
 impl<const SHARED: usize, const N: usize> Table<SHARED, N>
 where
-    Flows<SHARED>: Into<Message>,
     f32: Builds<SHARED, N>,
 {
     /// A table whose hub takes what is within the limits of the scene, or of `limits` instead.

@@ -5,7 +5,7 @@ use haptic_core::device::AXES;
 use haptic_core::safety::Mode;
 use haptic_environments::cooperative::hub::Hub;
 use haptic_protocol::key::Key;
-use haptic_protocol::wire::{AxisFlow, Flows, Message};
+use haptic_protocol::wire::{AxisFlow, Flows};
 use haptic_sim::node::Transmit as _;
 use haptic_sim::peers::Builds;
 use haptic_sim::plant::Plant;
@@ -59,7 +59,6 @@ fn alone(of_several: &Scene, axis: usize) -> Scene {
 /// so long that it is let go of and comes back, and another life begins on another line.
 fn course<const SHARED: usize, const N: usize>(scene: &Scene, goes: bool) -> Vec<Vec<u64>>
 where
-    Flows<SHARED>: Into<Message>,
     f32: Builds<SHARED, N>,
 {
     let mut trial = HubTrial::<SHARED, N>::new(scene.clone(), LINES);
@@ -98,7 +97,6 @@ where
 /// would be sent.
 fn beside<const SHARED: usize, const N: usize>(name: &str)
 where
-    Flows<SHARED>: Into<Message>,
     f32: Builds<SHARED, N>,
 {
     // A line with a time of its own is let go of in the silence, too.
@@ -129,7 +127,6 @@ fn each_axis_around_a_hub_is_a_trial_of_one_to_the_bit() {
 /// Largest distance of two copies along an axis, m.
 fn apart_m<const SHARED: usize, const N: usize>(trial: &HubTrial<SHARED, N>, axis: usize) -> f64
 where
-    Flows<SHARED>: Into<Message>,
     f32: Builds<SHARED, N>,
 {
     let places = || trial.peers().map(|peer| f64::from(peer.peer.observed()[axis].object.position));
@@ -140,7 +137,6 @@ where
 /// their devices' mean is ΣF_i/(k·n). It is checked with three, with the two that are left, and with three again.
 fn meet<const SHARED: usize, const N: usize>(name: &str, network: &[&str])
 where
-    Flows<SHARED>: Into<Message>,
     f32: Builds<SHARED, N>,
 {
     let scene = people(name, SHARED as u32, network);

@@ -4,7 +4,6 @@ use haptic_core::device::AXES;
 use haptic_core::settings::Value;
 use haptic_environments::cooperative::hub::{Hub, number_on};
 use haptic_protocol::key::Key;
-use haptic_protocol::wire::{Flows, Message};
 use haptic_sim::engine::{Actor, Engine, Out, Seat};
 use haptic_sim::network::link::Route;
 use haptic_sim::network::rule::Direction;
@@ -31,10 +30,7 @@ pub(super) enum Participant<const SHARED: usize = 1, const N: usize = AXES> {
     Peer(Box<Node<SHARED, N>>, usize),
 }
 
-impl<const SHARED: usize, const N: usize> Actor<usize> for Participant<SHARED, N>
-where
-    Flows<SHARED>: Into<Message>,
-{
+impl<const SHARED: usize, const N: usize> Actor<usize> for Participant<SHARED, N> {
     type Packet = [u8];
 
     fn hear(&mut self, now_ns: u64, from: usize, datagram: &mut [u8], out: &mut Out<'_, usize, [u8]>) {
@@ -58,10 +54,7 @@ where
 }
 
 /// A hub, its peers and their lines; a peer may be gone.
-pub(super) struct HubTrial<const SHARED: usize = 1, const N: usize = AXES>
-where
-    Flows<SHARED>: Into<Message>,
-{
+pub(super) struct HubTrial<const SHARED: usize = 1, const N: usize = AXES> {
     pub(super) scene: Scene,
     pub(super) engine: Engine<Participant<SHARED, N>>,
     lives: u8,
@@ -69,7 +62,6 @@ where
 
 impl<const SHARED: usize, const N: usize> HubTrial<SHARED, N>
 where
-    Flows<SHARED>: Into<Message>,
     f32: Builds<SHARED, N>,
 {
     pub(super) fn new(scene: Scene, users: usize) -> Self {
@@ -141,7 +133,6 @@ fn life<const SHARED: usize, const N: usize>(
     device: Plant<N>,
 ) -> Participant<SHARED, N>
 where
-    Flows<SHARED>: Into<Message>,
     f32: Builds<SHARED, N>,
 {
     let line = index as u32 + 1;
