@@ -3,7 +3,7 @@
 //! promises S1 to S5 ([`world`]). Mistakes that are planted are found, those of wire version 3 among them; what is printed then is a
 //! shortest sequence of actions.
 //!
-//! Bounds and counts of states are printed. Larger bounds, an hour of processor time and 8 GB:
+//! Bounds and counts of states are printed. Larger bounds, an hour of processor time:
 //! `cargo test --release -p haptic-protocol --lib lease -- --ignored --nocapture`.
 
 mod world;
