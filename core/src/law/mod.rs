@@ -92,14 +92,6 @@ pub struct Observation<S> {
     pub age_ticks: u32,
 }
 
-/// Gains of laws that need such an order ([`needs_midpoint`]).
-const MIDPOINT: &[&str] = &[
-    "coordination.stiffness_n_per_m=1590",
-    "coordination.decode=implicit",
-    "object.integrator=midpoint",
-    "object.force_delay_ticks=0",
-];
-
 /// Refuses every order but those in which a force works with the way of the same tick; `allowed` says which and where.
 fn needs_midpoint(settings: &Settings, allowed: &'static str) -> Result<(), Refused<'static>> {
     if settings.object.integrator.solves() {

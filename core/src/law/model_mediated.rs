@@ -37,7 +37,7 @@ mod estimate;
 
 use super::credit::CAP_J;
 use super::decimate::{Decimator, Mean, MeanState};
-use super::tank::{START, needs_midpoint};
+use super::tank::{MIDPOINT, START, needs_midpoint};
 use super::{Coupled, Law, LawInfo, Observation, Packet, Sends, Spring};
 use crate::num::{Carry, Motion, Scalar};
 use crate::object::port::{Port, Solve, met_midway};
@@ -220,7 +220,7 @@ impl<S: Scalar> Law<S> for ModelMediated<S> {
         name: "model-mediated",
         sends: Sends::Motion,
         keys: &[START, STIFFNESS, DAMPING, RATE, MEMORY],
-        gains: super::MIDPOINT,
+        gains: MIDPOINT,
         source: "Mitra & Niemeyer 2008; Passenberg, Peer & Buss 2010; estimation by recursive least squares",
         promises: &[],
     }];

@@ -24,7 +24,7 @@
 //! `input-gated`, its name before, is another method (Kanai, Kanazawa, Ichiwara, Ito, Noguchi & Ogata 2025, arXiv 2509.08226; docs/theory.md, section 12).
 
 use super::credit::CAP_J;
-use super::tank::{START, needs_midpoint};
+use super::tank::{MIDPOINT, START, needs_midpoint};
 use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Sends, Spring};
 use crate::num::{Motion, Scalar};
 use crate::object::{Port, Solve};
@@ -67,7 +67,7 @@ impl<S: Scalar> Law<S> for PassivityObserver<S> {
         name: "passivity-observer",
         sends: Sends::Motion,
         keys: &[START],
-        gains: super::MIDPOINT,
+        gains: MIDPOINT,
         source: "after Hannaford & Ryu 2002, one-port passivity observer and controller; a gate for the damper",
         promises: &[Promise::Passive],
     }];

@@ -31,6 +31,14 @@ pub const WAVE_START: Key = Key::number(
     "Wave laws with an energy tank: energy that may be emitted beyond what was heard.",
 );
 
+/// Gains of laws that solve for their force with the copy's motion.
+pub(super) const MIDPOINT: &[&str] = &[
+    "coordination.stiffness_n_per_m=1590",
+    "coordination.decode=implicit",
+    "object.integrator=midpoint",
+    "object.force_delay_ticks=0",
+];
+
 /// What a tank begins with and may hold.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Tanks<C> {

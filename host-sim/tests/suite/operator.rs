@@ -205,6 +205,14 @@ fn disarm_is_confirmed_by_the_board_or_says_what_to_press() {
     assert!(!is_armed() && operator.reins().giver().is_stopped());
 }
 
+/// Records every tick of a board for so many seconds.
+fn recording(board: &Board, key: &Path, seconds: &str, file: &Path) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_host-sim"));
+    command.args(["board", "operator", "--board", &board.address.to_string(), "--every", "1", "--seconds", seconds]);
+    command.arg("--key-file").arg(key).arg("--record").arg(file);
+    command
+}
+
 /// Why: a cable that was out for a quarter of a second ended a recording in silence, and one that was out at its end took
 /// all of it away.
 #[test]
@@ -213,21 +221,7 @@ fn a_recording_outlives_the_cable() {
     let (key, file) = (folder.join("a.key"), folder.join("ticks.csv"));
     key_file::generate(&key, Role::Operator).unwrap();
     let board = Board::start(key_file::read(&key, Role::Operator).unwrap(), 2.0);
-    let record = |seconds: &str| {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_host-sim"));
-        command.args([
-            "board",
-            "operator",
-            "--board",
-            &board.address.to_string(),
-            "--every",
-            "1",
-            "--seconds",
-            seconds,
-        ]);
-        command.arg("--key-file").arg(&key).arg("--record").arg(&file);
-        command.stderr(Stdio::piped()).spawn().unwrap()
-    };
+    let record = |seconds| recording(&board, &key, seconds, &file).stderr(Stdio::piped()).spawn().unwrap();
     let said = |child: Child| {
         let output = child.wait_with_output().unwrap();
         (output.status.code(), String::from_utf8(output.stderr).unwrap())
@@ -271,9 +265,7 @@ fn a_recording_has_what_the_board_logs_and_no_answer_is_taken_for_it() {
     let (key, file) = (folder.join("a.key"), folder.join("ticks.mcap"));
     key_file::generate(&key, Role::Operator).unwrap();
     let board = Board::start(key_file::read(&key, Role::Operator).unwrap(), 2.0);
-    let mut command = Command::new(env!("CARGO_BIN_EXE_host-sim"));
-    command.args(["board", "operator", "--board", &board.address.to_string(), "--every", "1", "--seconds", "1"]);
-    let output = command.arg("--key-file").arg(&key).arg("--record").arg(&file).output().unwrap();
+    let output = recording(&board, &key, "1", &file).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let recording = haptic_live::recording::file::read(&file).unwrap();
     let said: Vec<_> = recording.log().map(|(_, line)| line.words.as_str()).collect();
@@ -289,9 +281,7 @@ fn a_board_that_says_what_none_can_is_refused_by_name() {
     for (axes, ending) in [("18446744073709551615", "csv"), ("4", "mcap"), ("0", "csv"), ("many", "mcap")] {
         let board = Board::sharing(axes, key_file::read(&key, Role::Operator).unwrap(), 2.0);
         let file = folder.join(format!("ticks.{ending}"));
-        let mut command = Command::new(env!("CARGO_BIN_EXE_host-sim"));
-        command.args(["board", "operator", "--seconds", "0.2", "--board", &board.address.to_string()]);
-        let output = command.arg("--key-file").arg(&key).arg("--record").arg(&file).output().unwrap();
+        let output = recording(&board, &key, "0.2", &file).output().unwrap();
         let why = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(2), "{why}");
         assert_eq!(why, format!("host-sim: the board has axis.shared = {axes}, which is not allowed\n"));

@@ -12,9 +12,8 @@ use haptic_core::safety::Mode;
 use haptic_protocol::ends::Ends;
 use haptic_protocol::key::Key;
 use haptic_protocol::lease::{AtBoard, AtOperator, Motors, No, Told, Want, Word};
-use haptic_protocol::lines::{Heard, Line, Lines};
-use haptic_protocol::link::{Config, Link, Notice};
-use haptic_protocol::parameters::{Parameters, Table};
+use haptic_protocol::lines::{self, Heard, Line, Lines, OPERATOR};
+use haptic_protocol::link::{Link, Notice};
 use haptic_protocol::wire::{MAX_DATAGRAM, PeerId};
 
 use super::on_path::{self, Fate, PASS, Path, Strategy};
@@ -54,11 +53,8 @@ struct Board {
 
 impl Board {
     fn new(planted: Planted) -> Self {
-        let mut parameters = Parameters::new();
-        parameters.add(Table::new("operator").number("version", 2.0)).expect("room for one");
-        let ends = Ends { local: PeerId(1), remote: PeerId(0) };
-        let config = Config { key: key(), ends, packet_period_us: 20_000, parameters, entropy: [9; 32] };
-        let link = Link::new(config).expect("a link");
+        let ends = Ends { local: PeerId(1), remote: OPERATOR };
+        let link = Link::new(lines::config(key(), ends, [9; 32])).expect("a link");
         let (signals, hold) = (Signals::at_power_on(), Hold::default());
         Self { planted, link, lines: Lines::default(), signals, hold, taken: 0, run: None }
     }
