@@ -4,9 +4,6 @@ use crate::run::{self, Failure, cargo};
 
 /// Writes drawings and tables, or fails where they are not what the netlist says.
 pub(crate) fn drawings(check: bool) -> Result<(), Failure> {
-    let mut draw = cargo(&["run", "--quiet", "--locked", "--package", "haptic-wiring"]);
-    if check {
-        draw.args(["--", "--check"]);
-    }
-    run::run(&mut draw)
+    let draw = ["run", "--quiet", "--locked", "--package", "haptic-wiring", "--"];
+    run::run(cargo(&draw).args(check.then_some("--check")))
 }

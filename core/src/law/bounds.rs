@@ -13,7 +13,7 @@
 //! much, since its other end may be a hub ([`Bounds::beyond_a_junction`]); a hub accepts U.
 //!
 //! A line of [`Sends::Counters`] sends its slip and how fast it goes on beside them ([`super::self_timed`]), and for a wave by how much
-//! less its impedance should be, or 2 less that where it hears nothing. Where that falls to ρ·b its waves keep the unit of b, and a pull of F is one of F/ρ in them: such a line is
+//! less its impedance should be, or 2 less that where it hears nothing, and how many samples it has left. Where that falls to ρ·b its waves keep the unit of b, and a pull of F is one of F/ρ in them: such a line is
 //! bounded with the least ρ that an end goes to, a quarter: U = (b·V + F/ρ₀)/√(2b). Whoever lies pushes with 760 N instead of 640 at the most,
 //! in `any-network`, before the limits of whoever is pushed.
 //!
@@ -23,7 +23,7 @@
 //! **Limits**: a hand at V or F, or a spring that is released, moves a light copy faster for a moment; a peer at its own limits is
 //! about to be stopped by them ([`crate::safety`]), and is disconnected if its copy was faster. Tick counters wrap after 49 days.
 
-use super::self_timed::{MOST_TOLD_M, least_share};
+use super::self_timed::{MOST_TOLD_M, least_share, most_told};
 use super::{Packet, Sends};
 use crate::num::Scalar;
 use crate::safety::fastest_m_per_s;
@@ -77,8 +77,8 @@ impl Bounds {
             speed_m_per_s,
             wave: match sends {
                 Sends::Motion => f64::MAX,
-                // At most 2 ([`super::self_timed`]).
-                Sends::Counters => wave.max(2.0),
+                // No wave, but what an end says of itself ([`super::self_timed`]).
+                Sends::Counters => wave.max(most_told(settings)),
                 _ => wave,
             },
             integral_per_tick: period_s * wave,

@@ -15,13 +15,8 @@
 use crate::settings::{Allowed, Key, Refused, Settings};
 
 /// Longest silence on purpose, s; 0: a packet in each packet period. A key of every law that sends by events.
-pub const LONGEST: Key = Key::number(
-    "event.longest_s",
-    0.0,
-    [0.0, 10.0],
-    "s",
-    "Longest that a law keeps silent that sends only what is worth a packet; 0: a packet each packet period.",
-);
+pub const LONGEST: Key = Key::number("event.longest_s", 0.0, [0.0, 10.0], "s")
+    .means("Longest that a law keeps silent that sends only what is worth a packet; 0: a packet each packet period.");
 
 /// The longest silence on purpose, s ([`LONGEST`]), checked against the times of `safety`.
 ///

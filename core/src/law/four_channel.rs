@@ -32,31 +32,14 @@ use crate::num::{Motion, Scalar};
 use crate::object::{Port, Solve};
 use crate::settings::{Allowed, Key, Refused, Settings};
 
-const REMOTE: Key = Key::number(
-    "four_channel.remote_force",
-    1.0,
-    [0.0, 5.0],
-    "",
-    "Four channels: how much of the other hand's force acts on the copy; transparent at 1 + local_force.",
-);
-const LOCAL: Key = Key::number(
-    "four_channel.local_force",
-    0.0,
-    [-0.9, 4.0],
-    "",
-    "Four channels: how much more of the own hand's force acts on the copy (local force feedback).",
-);
-const DAMPING: Key = Key::number(
-    "four_channel.local_damping_n_s_per_m",
-    0.0,
-    [0.0, 1e3],
-    "N·s/m",
-    "Four channels: damper d of the copy to the ground (local controller).",
-);
+const REMOTE: Key = Key::number("four_channel.remote_force", 1.0, [0.0, 5.0], "")
+    .means("Four channels: how much of the other hand's force acts on the copy; transparent at 1 + local_force.");
+const LOCAL: Key = Key::number("four_channel.local_force", 0.0, [-0.9, 4.0], "")
+    .means("Four channels: how much more of the own hand's force acts on the copy (local force feedback).");
+const DAMPING: Key = Key::number("four_channel.local_damping_n_s_per_m", 0.0, [0.0, 1e3], "N·s/m")
+    .means("Four channels: damper d of the copy to the ground (local controller).");
 
-const AT_DEVICE: Key = Key::flag(
-    "four_channel.at_device",
-    false,
+const AT_DEVICE: Key = Key::flag("four_channel.at_device", false).means(
     "Four channels: there is no copy, and the law's force acts on the device itself; told is the force that acts.",
 );
 

@@ -50,7 +50,8 @@ pub struct Packet<S: Scalar> {
     /// the copy is tied.
     pub motion: Motion<S>,
     /// Wave sample, √W (wave-domain), or what a law sends beside the motion, in a unit of its own, such as a force,
-    /// N; of [`self_timed`] by how much its impedance should fall, d, or 2 − d where it hears nothing. 0 from a peer that is not engaged.
+    /// N; of [`self_timed`] by how much its impedance should fall, d, or 2 − d where it hears nothing, and 4 for
+    /// each sample that it has left. 0 from a peer that is not engaged.
     pub wave: S,
     /// Energy that the sender has given to the network since arming, up to its last tick, J: of its waves, or from its
     /// tank. The peer fills it in from its [`ledger`], unless the law has.

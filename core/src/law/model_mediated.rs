@@ -44,34 +44,14 @@ use crate::object::port::{Port, Solve, met_midway};
 use crate::settings::{Key, PLENTY_J, Refused, Settings};
 use estimate::Estimate;
 
-const STIFFNESS: Key = Key::number(
-    "model_mediated.correction_n_per_m",
-    100.0,
-    [0.0, 1e5],
-    "N/m",
-    "Model-mediated: stiffness K_c that draws the model to the motion that was received.",
-);
-const DAMPING: Key = Key::number(
-    "model_mediated.correction_n_s_per_m",
-    4.0,
-    [0.1, 1e3],
-    "N·s/m",
-    "Model-mediated: damping B_c toward the motion that was received.",
-);
-const RATE: Key = Key::number(
-    "model_mediated.rate_per_s",
-    5.0,
-    [0.0, 1000.0],
-    "1/s",
-    "Model-mediated: how fast the model goes toward the estimate; 0: it stays as it begins.",
-);
-const MEMORY: Key = Key::number(
-    "model_mediated.memory_s",
-    0.5,
-    [0.01, 100.0],
-    "s",
-    "Model-mediated: after this time a packet counts for 1/e in the estimate.",
-);
+const STIFFNESS: Key = Key::number("model_mediated.correction_n_per_m", 100.0, [0.0, 1e5], "N/m")
+    .means("Model-mediated: stiffness K_c that draws the model to the motion that was received.");
+const DAMPING: Key = Key::number("model_mediated.correction_n_s_per_m", 4.0, [0.1, 1e3], "N·s/m")
+    .means("Model-mediated: damping B_c toward the motion that was received.");
+const RATE: Key = Key::number("model_mediated.rate_per_s", 5.0, [0.0, 1000.0], "1/s")
+    .means("Model-mediated: how fast the model goes toward the estimate; 0: it stays as it begins.");
+const MEMORY: Key = Key::number("model_mediated.memory_s", 0.5, [0.01, 100.0], "s")
+    .means("Model-mediated: after this time a packet counts for 1/e in the estimate.");
 
 /// Units of m, b, k and f in which the estimate is kept: kg, N·s/m, N/m, N.
 pub const UNITS: [f64; 4] = [1.0, 10.0, 1000.0, 10.0];

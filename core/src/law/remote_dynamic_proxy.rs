@@ -26,21 +26,12 @@ use crate::num::{Carry, Motion, Scalar};
 use crate::object::port::{Port, Solve, met_midway};
 use crate::settings::{Key, Refused, Settings};
 
-const MASS: Key = Key::number("remote_proxy.mass_kg", 0.02, [1e-4, 10.0], "kg", "Remote dynamic proxy: mass m_p.");
-const STIFFNESS: Key = Key::number(
-    "remote_proxy.stiffness_n_per_m",
-    310.0,
-    [0.0, 1e6],
-    "N/m",
-    "Remote dynamic proxy: stiffness K_p that draws it to the motion that was received.",
-);
-const DAMPING: Key = Key::number(
-    "remote_proxy.damping_n_s_per_m",
-    4.0,
-    [0.0, 1e3],
-    "N·s/m",
-    "Remote dynamic proxy: damping B_p toward the motion that was received.",
-);
+const MASS: Key =
+    Key::number("remote_proxy.mass_kg", 0.02, [1e-4, 10.0], "kg").means("Remote dynamic proxy: mass m_p.");
+const STIFFNESS: Key = Key::number("remote_proxy.stiffness_n_per_m", 310.0, [0.0, 1e6], "N/m")
+    .means("Remote dynamic proxy: stiffness K_p that draws it to the motion that was received.");
+const DAMPING: Key = Key::number("remote_proxy.damping_n_s_per_m", 4.0, [0.0, 1e3], "N·s/m")
+    .means("Remote dynamic proxy: damping B_p toward the motion that was received.");
 
 /// A proxy between the copy and what is received.
 #[derive(Clone, Copy, Debug)]

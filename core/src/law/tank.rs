@@ -13,23 +13,13 @@ use crate::num::Scalar;
 use crate::settings::{Key, PLENTY_J, Refused, Settings};
 
 /// Energy in a tank when its law begins, J; two peers can give out at most twice this beyond what was put in.
-pub const START: Key = Key::number(
-    "coordination.tank_j",
-    0.02,
-    [0.0, PLENTY_J],
-    "J",
-    "Laws with an energy tank: what is in it when they begin.",
-);
+pub const START: Key = Key::number("coordination.tank_j", 0.02, [0.0, PLENTY_J], "J")
+    .means("Laws with an energy tank: what is in it when they begin.");
 
 /// Energy in the tank of a law that sends waves when it begins, J: by this much the energy that it emits may exceed the
 /// energy of the waves that it has received.
-pub const WAVE_START: Key = Key::number(
-    "coordination.wave_tank_j",
-    0.0,
-    [0.0, PLENTY_J],
-    "J",
-    "Wave laws with an energy tank: energy that may be emitted beyond what was heard.",
-);
+pub const WAVE_START: Key = Key::number("coordination.wave_tank_j", 0.0, [0.0, PLENTY_J], "J")
+    .means("Wave laws with an energy tank: energy that may be emitted beyond what was heard.");
 
 /// Gains of laws that solve for their force with the copy's motion.
 pub(super) const MIDPOINT: &[&str] = &[

@@ -23,27 +23,12 @@ use crate::num::{Motion, Scalar};
 use crate::object::{Port, Solve};
 use crate::settings::{Key, Refused, Settings};
 
-const LEVEL: Key = Key::number(
-    "coordination.tank_level_j",
-    0.01,
-    [0.0, 1.0],
-    "J",
-    "Two-layer: level H_d below which a damper fills the tank.",
-);
-const FILL: Key = Key::number(
-    "coordination.tank_damping_n_s_per_m_j",
-    200.0,
-    [0.0, 1e5],
-    "N·s/(m·J)",
-    "Two-layer: damping α for each joule that is missing from the tank's level.",
-);
-const SHARE: Key = Key::number(
-    "coordination.tank_share",
-    0.01,
-    [0.0, 0.5],
-    "",
-    "Two-layer: share β of the tank that goes to the other peer each tick.",
-);
+const LEVEL: Key = Key::number("coordination.tank_level_j", 0.01, [0.0, 1.0], "J")
+    .means("Two-layer: level H_d below which a damper fills the tank.");
+const FILL: Key = Key::number("coordination.tank_damping_n_s_per_m_j", 200.0, [0.0, 1e5], "N·s/(m·J)")
+    .means("Two-layer: damping α for each joule that is missing from the tank's level.");
+const SHARE: Key = Key::number("coordination.tank_share", 0.01, [0.0, 0.5], "")
+    .means("Two-layer: share β of the tank that goes to the other peer each tick.");
 
 /// One end: a spring and a damper whose force is limited to what the energy tank pays for.
 #[derive(Clone, Copy, Debug)]

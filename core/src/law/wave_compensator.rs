@@ -28,13 +28,8 @@ use crate::num::{Carry, Motion, Scalar};
 use crate::object::Solve;
 use crate::settings::{Key, Refused, Settings};
 
-const BANDWIDTH: Key = Key::number(
-    "coordination.compensator_hz",
-    2.0,
-    [0.0, 50.0],
-    "Hz",
-    "Wave compensator: bandwidth λ/2π below which the reflected force is freed of its bias.",
-);
+const BANDWIDTH: Key = Key::number("coordination.compensator_hz", 2.0, [0.0, 50.0], "Hz")
+    .means("Wave compensator: bandwidth λ/2π below which the reflected force is freed of its bias.");
 
 /// One end of a wave line that compensates what it reflects.
 #[derive(Clone, Copy, Debug)]

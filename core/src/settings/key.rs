@@ -101,35 +101,29 @@ pub struct Key {
     pub(super) default: f64,
 }
 
-/// Keys that a law declares beside itself: `const AHEAD: Key = Key::number("predict.ahead_s", 0.008, [0.0, 0.2], "s", "…")`.
+/// Keys that a law declares beside itself: `const AHEAD: Key = Key::number("predict.ahead_s", 0.008, [0.0, 0.2], "s").means("…")`.
 impl Key {
     /// A finite number between two ends, both included.
-    pub const fn number(
-        name: &'static str,
-        default: f64,
-        [min, max]: [f64; 2],
-        unit: &'static str,
-        doc: &'static str,
-    ) -> Self {
+    pub const fn number(name: &'static str, default: f64, [min, max]: [f64; 2], unit: &'static str) -> Self {
         assert!(min <= default && default <= max, "the default of a key lies outside its range");
-        Self { name, allowed: Allowed::Number { min, max }, unit, doc, default }
+        Self { name, allowed: Allowed::Number { min, max }, unit, doc: "", default }
     }
 
     /// A whole number between two ends, both included.
-    pub const fn whole(
-        name: &'static str,
-        default: u32,
-        [min, max]: [u32; 2],
-        unit: &'static str,
-        doc: &'static str,
-    ) -> Self {
+    pub const fn whole(name: &'static str, default: u32, [min, max]: [u32; 2], unit: &'static str) -> Self {
         assert!(min <= default && default <= max, "the default of a key lies outside its range");
-        Self { name, allowed: Allowed::Whole { min, max }, unit, doc, default: default as f64 }
+        Self { name, allowed: Allowed::Whole { min, max }, unit, doc: "", default: default as f64 }
     }
 
     /// A switch, `true` or `false`; [`Settings::own`](super::Settings::own) gives 1 or 0.
-    pub const fn flag(name: &'static str, default: bool, doc: &'static str) -> Self {
-        Self { name, allowed: Allowed::Flag, unit: "", doc, default: if default { 1.0 } else { 0.0 } }
+    pub const fn flag(name: &'static str, default: bool) -> Self {
+        let default = if default { 1.0 } else { 0.0 };
+        Self { name, allowed: Allowed::Flag, unit: "", doc: "", default }
+    }
+
+    /// The same key, with one line of meaning.
+    pub const fn means(self, doc: &'static str) -> Self {
+        Self { doc, ..self }
     }
 
     /// A key of a table, for [`settings!`](crate::settings!).

@@ -11,8 +11,9 @@ use haptic_core::safety::Command;
 use haptic_core::schema::Schema;
 use haptic_core::settings::{Allowed, Key, Refused, SetError, Settings, Tables, Value};
 
-const AHEAD: Key = Key::number("predict.ahead_s", 0.008, [0.0, 0.2], "s", "How far the remote copy is carried on.");
-const STOPS: Key = Key::flag("predict.stops", false, "The remote copy is taken to be at rest.");
+const AHEAD: Key =
+    Key::number("predict.ahead_s", 0.008, [0.0, 0.2], "s").means("How far the remote copy is carried on.");
+const STOPS: Key = Key::flag("predict.stops", false).means("The remote copy is taken to be at rest.");
 
 /// Power-domain, the remote copy carried on at its last velocity.
 #[derive(Clone, Copy, Debug)]

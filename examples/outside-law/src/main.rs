@@ -18,7 +18,8 @@ use haptic_core::object::Solve;
 use haptic_core::settings::{Key, Refused, Settings};
 
 /// Name, default, range, unit and meaning: scene files, `--set`, `--keys`, sweeps and error messages go by this.
-const AHEAD: Key = Key::number("predict.ahead_s", 0.008, [0.0, 0.2], "s", "How far the remote copy is carried on.");
+const AHEAD: Key =
+    Key::number("predict.ahead_s", 0.008, [0.0, 0.2], "s").means("How far the remote copy is carried on.");
 
 /// A spring to where the remote copy will be.
 #[derive(Clone, Copy, Debug)]

@@ -277,7 +277,7 @@ pub(crate) fn add_law(law: &Bound<'_, PyAny>) -> PyResult<()> {
             let must = format!("a law's own key is {name}.…, its default between its ends");
             return Err(refused(format!("{key} = {default} from {min} to {max} is not allowed: {must}")));
         }
-        keys.push(Key::number(leak(key), default, [min, max], leak(unit), leak(meaning)));
+        keys.push(Key::number(leak(key), default, [min, max], leak(unit)).means(leak(meaning)));
     }
     let known = laws();
     let mut written = WRITTEN.write().unwrap_or_else(PoisonError::into_inner);

@@ -40,34 +40,13 @@ use crate::law::terminal::Ended;
 use crate::num::{Motion, Scalar};
 use crate::settings::{Key, Settings};
 
-pub(super) const DAMPING: Key = Key::number(
-    "coordination.carry_damping_n_s_per_m",
-    5.0,
-    [0.0, 1000.0],
-    "N·s/m",
-    "Self-timed line, where nothing comes: damping with which the point that the copy is tied to goes another way than on; 0 is a wall.",
-);
-pub(super) const FADE: Key = Key::number(
-    "coordination.carry_s",
-    0.35,
-    [0.001, 100.0],
-    "s",
-    "Self-timed line, where nothing comes: time in which going on as before fades.",
-);
-pub(super) const RETURN: Key = Key::number(
-    "coordination.carry_return_s",
-    0.05,
-    [0.001, 100.0],
-    "s",
-    "Self-timed line: time in which both ends come together again, where they have gone different ways.",
-);
-pub(super) const ENERGY: Key = Key::number(
-    "coordination.carry_energy_j",
-    0.03,
-    [0.0, 1.0],
-    "J",
-    "Self-timed line: what carrying on may give at most before it has taken anything, at each end.",
-);
+pub(super) const DAMPING: Key = Key::number("coordination.carry_damping_n_s_per_m", 5.0, [0.0, 1000.0], "N·s/m").means("Self-timed line, where nothing comes: damping with which the point that the copy is tied to goes another way than on; 0 is a wall.");
+pub(super) const FADE: Key = Key::number("coordination.carry_s", 0.35, [0.001, 100.0], "s")
+    .means("Self-timed line, where nothing comes: time in which going on as before fades.");
+pub(super) const RETURN: Key = Key::number("coordination.carry_return_s", 0.05, [0.001, 100.0], "s")
+    .means("Self-timed line: time in which both ends come together again, where they have gone different ways.");
+pub(super) const ENERGY: Key = Key::number("coordination.carry_energy_j", 0.03, [0.0, 1.0], "J")
+    .means("Self-timed line: what carrying on may give at most before it has taken anything, at each end.");
 
 /// D of an end that hears the other one, as a multiple of that of an end that hears nothing.
 const HEARD: f64 = 1.6;
@@ -212,7 +191,8 @@ pub(super) struct Slip<S: Scalar> {
 }
 
 // F₋, all that a live line feels of it. What is told of slips is driven by nothing while both ends are live, and rests where it began: a
-// loop of its own, ė = (e_far(t − T) − e)/2τ_c at both ends, whose roots but for the common slip decay at any delay T.
+// loop of its own, ė = (e_far(t − T) − e)/2τ_c at both ends, whose roots but for the common slip decay at any delay T. That an end is behind drives
+// it, and no linear line has such an end: as many samples are outstanding at both.
 visited!([S: Scalar] Slip<S> { force, taken });
 
 /// The spring of a tick, in a row with what it is tied to.
@@ -355,9 +335,9 @@ impl<S: Scalar> Carry<S> {
         slip.rate_m_per_s = slip.rate_m_per_s - (more - more.max(-self.jolt_m_per_s).min(self.jolt_m_per_s));
     }
 
-    /// The spring of this tick, which begins with this pull, N, at the end of a line so many ticks long with ρ.
+    /// The spring of this tick, which begins with this pull, N, at the end of a line so many ticks long with ρ, so many s behind the other end.
     #[inline]
-    pub(super) fn tie(&self, slip: &mut Slip<S>, doing: Doing, pull: S, line: [S; 2]) -> Tied<S> {
+    pub(super) fn tie(&self, slip: &mut Slip<S>, doing: Doing, pull: S, line: [S; 3]) -> Tied<S> {
         let mut taut_m_per_s = S::ZERO;
         if doing == Doing::Live {
             taut_m_per_s = self.taut.goes(&mut slip.taken, line, slip.force, slip.tank_j);
@@ -366,7 +346,10 @@ impl<S: Scalar> Carry<S> {
         }
         slip.took_m = self.period_s * taut_m_per_s;
         let (series, force, goal) = match doing {
-            Doing::Live => (&self.live, slip.force, (self.back * slip.ahead_m).limit(self.live_m_per_s)),
+            Doing::Live => {
+                let ahead_m = slip.ahead_m + line[2] * slip.lately_m_per_s;
+                (&self.live, slip.force, (self.back * ahead_m).limit(self.live_m_per_s))
+            }
             Doing::Hears => {
                 let back = (self.back * slip.ahead_m).limit(self.standing_m_per_s);
                 (&self.hears, slip.lately_force.limit(self.most_n), slip.far_m_per_s + back)

@@ -20,17 +20,20 @@
 //! than a line can hold: the other end sees that and begins anew with it. Needs `object.integrator = "midpoint"`.
 
 mod carry;
+mod even;
 mod events;
 mod incoming;
 mod mass;
 mod taut;
 
 use carry::{Carry, DAMPING, Doing, ENERGY, FADE, MODULUS_M, RETURN, Slip};
+use even::{EVEN, Even};
 use events::{Announced, Events, THRESHOLD, TOGETHER};
 use incoming::{CREDIT, Incoming, Outstanding, anew};
 use mass::{End, MASS, Met, Share};
 use taut::SLOWNESS;
 
+pub(super) use even::most_told;
 pub(super) use mass::least as least_share;
 pub use taut::TAUTNESS;
 
@@ -50,6 +53,7 @@ pub struct SelfTimed<S: Scalar> {
     end: End<S>,
     incoming: Incoming<S::Counter>,
     carry: Carry<S>,
+    even: Even<S>,
     events: Option<Events<S::Counter>>,
     ticks_per_packet: u32,
     half: S,
@@ -59,7 +63,7 @@ pub struct SelfTimed<S: Scalar> {
     wave_to_position_s: S::Counter,
 }
 
-configured!([S: Scalar] SelfTimed<S> { end, incoming, carry, events, ticks_per_packet, half, period_s, wave_to_position_s });
+configured!([S: Scalar] SelfTimed<S> { end, incoming, carry, even, events, ticks_per_packet, half, period_s, wave_to_position_s });
 
 /// State of one end of a self-timed line.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -67,8 +71,9 @@ pub struct SelfTimedState<S: Scalar> {
     /// x_d, m.
     desired: S::Counter,
     outstanding: Outstanding<S::Counter>,
-    /// What the other end says of itself.
+    /// What the other end says of itself, and samples outstanding there.
     told: S,
+    far_samples: i32,
     share: Share<S>,
     slip: Slip<S>,
     /// ∫u_out up to the packet before, and since, √W·s.
@@ -98,7 +103,7 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
     const LAWS: &'static [LawInfo] = &[LawInfo {
         name: "self-timed",
         sends: Sends::Counters,
-        keys: &[CREDIT, MASS, DAMPING, FADE, RETURN, ENERGY, TAUTNESS, SLOWNESS, LONGEST, THRESHOLD, TOGETHER],
+        keys: &[CREDIT, MASS, DAMPING, FADE, RETURN, ENERGY, TAUTNESS, SLOWNESS, EVEN, LONGEST, THRESHOLD, TOGETHER],
         // A line that stands loses nothing by a silence: it is let go of late.
         gains: &[
             "coordination.stiffness_n_per_m=10000",
@@ -120,6 +125,7 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
             end: End::build(settings, Carry::<S>::impedance(settings)),
             incoming: Incoming::build(settings),
             carry: Carry::build(settings),
+            even: Even::build(settings),
             events: Events::build(settings),
             ticks_per_packet: settings.timing.ticks_per_packet,
             half: S::from_f64(0.5),
@@ -147,8 +153,8 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
         if !self.incoming.receive(&mut state.outstanding, &packet, state.live) {
             return;
         }
-        state.told = packet.wave;
-        self.end.hear(&mut state.share, packet.wave);
+        (state.told, state.far_samples) = self.even.hears(packet.wave);
+        self.end.hear(&mut state.share, state.told);
         if state.told < -self.half {
             self.carry.hear_idle(&mut state.slip);
         } else {
@@ -173,7 +179,8 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
         let pull = self.end.pull(S::of_counter(anchor - observed.local.position.to_counter()));
         let position = S::of_counter(anchor);
         let own = self.end.own(&mut state.share, state.outstanding.length);
-        let line = [S::from_i32(state.outstanding.length), own];
+        let behind_s = self.even.behind_s(state.outstanding.samples, state.far_samples);
+        let line = [S::from_i32(state.outstanding.length), own, behind_s];
         let before = state.outstanding.last;
         let (wave_in, share) = self.incoming.emit(&mut state.outstanding, own);
         if share == S::ZERO {
@@ -211,7 +218,7 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
         let wave_integral = state.sent + state.fresh;
         Packet {
             motion: self.carry.says(&state.slip),
-            wave: self.end.says(&state.share, state.outstanding.is_cut_off),
+            wave: self.even.says(self.end.says(&state.share, state.outstanding.is_cut_off), state.outstanding.samples),
             wave_integral,
             energy_j: state.sent_j.total(),
             live_ticks: state.live,

@@ -17,20 +17,9 @@ use crate::num::{Scalar, StateVector};
 use crate::settings::{Key, Settings};
 
 /// α, which the analyser judges at what the tank may leave of it.
-pub const TAUTNESS: Key = Key::number(
-    "coordination.tautness",
-    0.0,
-    [0.0, 1.5],
-    "",
-    "Self-timed line: share of what line and spring give way under a lasting force that is taken back.",
-);
-pub(super) const SLOWNESS: Key = Key::number(
-    "coordination.taut_s",
-    0.5,
-    [0.001, 10.0],
-    "s",
-    "Self-timed line: time constant τ at least with which it is taken back; motions faster than 0.22/τ are damped by it.",
-);
+pub const TAUTNESS: Key = Key::number("coordination.tautness", 0.0, [0.0, 1.5], "")
+    .means("Self-timed line: share of what line and spring give way under a lasting force that is taken back.");
+pub(super) const SLOWNESS: Key = Key::number("coordination.taut_s", 0.5, [0.001, 10.0], "s").means("Self-timed line: time constant τ at least with which it is taken back; motions faster than 0.22/τ are damped by it.");
 
 /// τ as a multiple of the line's delay.
 const SLOWER: f64 = 1.8;
@@ -111,14 +100,13 @@ impl<S: Scalar> Taut<S> {
         Taken { is_taut: self.share > S::ZERO, ..Taken::default() }
     }
 
-    /// ġ of a tick, m/s, of a line so many ticks long with ρ, after a tick in which the spring pulled with this force, N; the tank holds so
+    /// ġ of a tick, m/s, of a line so many ticks long with ρ (what else is said of it is of no meaning here), after a tick in which the spring pulled with this force, N; the tank holds so
     /// much, J.
     #[inline(never)]
-    pub(super) fn goes(&self, taken: &mut Taken<S>, line: [S; 2], force: S, tank_j: S) -> S {
+    pub(super) fn goes(&self, taken: &mut Taken<S>, [ticks, share, _]: [S; 3], force: S, tank_j: S) -> S {
         if !taken.is_taut {
             return S::ZERO;
         }
-        let [ticks, share] = line;
         let compliance = self.spring_m_per_n + (self.tick_m_per_n * ticks).over(share);
         let slow_s = self.least_s.max(self.tick_s * ticks);
         let soon = self.period_s.over(slow_s);

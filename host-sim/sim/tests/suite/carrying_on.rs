@@ -217,6 +217,33 @@ fn a_push_against_each_other_holds() {
     }
 }
 
+/// An end that had to stand is behind in motion, and makes up for it if it may: the copies come nearer, whatever the hands do, and nobody feels more (THEORY
+/// §15). Where paths of different delay are taken for that, it does no harm.
+#[test]
+fn who_is_behind_makes_up_for_it() {
+    const COMMON: &[&str] =
+        &["user.1.sine_n=2", "user.1.sine_rad_per_s=3", "user.2.sine_n=-2", "user.2.sine_rad_per_s=3"];
+    const ASYMMETRY: &[&str] = &["network.asymmetry_s=0.04"];
+    for (users, network, other, share) in [
+        (LED, Some(SHORT[0]), OTHERS[0], 0.6),
+        (LED, Some(SHORT[1]), OTHERS[0], 0.95),
+        (COMMON, Some(SHORT[0]), OTHERS[0], 0.35),
+        (COMMON, Some(SHORT[1]), OTHERS[0], 0.7),
+        (AGAINST, Some(SHORT[0]), OTHERS[0], 0.5),
+        (AGAINST, Some(SHORT[1]), OTHERS[0], 0.85),
+        (COMMON, None, OTHERS[1], 0.8),
+        (LED, None, ASYMMETRY, 1.0),
+        (COMMON, None, ASYMMETRY, 1.0),
+    ] {
+        let [without, with] = ["coordination.even_ticks=0", "coordination.even_ticks=20"]
+            .map(|key| over(&[users, other, &[key]], network, 10_000));
+        println!("{users:?}, {network:?}, {other:?}: {without:?}, made up for {with:?}");
+        assert!(with.true_mm < share * without.true_mm && with.stopped == 0, "{with:?}, not made up for {without:?}");
+        assert!(with.most_hand_n < 1.05 * without.most_hand_n + 0.1, "{with:?}, not made up for {without:?}");
+        assert!(with.most_jump_n < 1.3 * without.most_jump_n + 0.05, "{with:?}, not made up for {without:?}");
+    }
+}
+
 /// Two hands that push against each other hardly part ends whose tanks begin with nothing: an empty one is a wall. One that was a damper let the
 /// copies go 6 to 8 mm apart, and stopped two runs of eight.
 #[test]

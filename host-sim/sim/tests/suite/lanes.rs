@@ -275,7 +275,7 @@ mod stepped {
     use haptic_core::object::Solve;
     use haptic_core::settings::{Key, Refused, Settings};
 
-    const TIMES: Key = Key::number("stepped.times", 1.0, [1.0, 8.0], "", "How often the spring is there.");
+    const TIMES: Key = Key::number("stepped.times", 1.0, [1.0, 8.0], "").means("How often the spring is there.");
 
     #[derive(Clone, Copy)]
     pub(super) struct Stepped<S, const SAYS: bool> {
