@@ -70,7 +70,7 @@ impl LawInfo {
 }
 
 /// Most keys of laws that may differ from their defaults at once.
-pub const MOST_OWN_KEYS: usize = 12;
+pub const MOST_OWN_KEYS: usize = 11;
 
 /// Values of laws' own keys where they are not the default, by name; numbers in bytes, which need no place of eight.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

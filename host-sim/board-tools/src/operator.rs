@@ -119,7 +119,7 @@ impl Session {
     /// Takes a datagram, which is opened in place; one that is not the board's is not taken.
     pub fn receive(&mut self, now_us: u64, datagram: &mut [u8]) {
         self.now_us = now_us;
-        let taken = self.link.receive(now_us, datagram);
+        let (before, taken) = (self.link.heard(), self.link.receive(now_us, datagram));
         while let Some(notice) = self.link.take_notice() {
             if matches!(notice, Notice::NewPeer(_)) {
                 self.reins.note(now_us, AtOperator::Session);
@@ -128,7 +128,8 @@ impl Session {
                 }
             }
         }
-        if let Some((told, echo_us)) = self.link.heard() {
+        // What the board said before this, and before a stop, says nothing of that stop.
+        if let Some((told, echo_us)) = self.link.heard().filter(|heard| Some(*heard) != before) {
             self.reins.note(now_us, AtOperator::Heard { told: Told::of_byte(told), echo_us });
         }
         if let Ok(Some(Message::Sample(sample))) = taken

@@ -102,7 +102,8 @@ fn any(seed: u64) -> Scene {
     for gain in law.gains.iter().filter(|gain| gain.starts_with("safety.") || gain.starts_with(table)) {
         scene.apply_override(gain).expect("a good key");
     }
-    for key in law.keys {
+    // As many samples are outstanding at both ends of a linear scene: making up for line time is nothing to it.
+    for key in law.keys.iter().filter(|key| key.name != "coordination.even_ticks") {
         let (part, factor, usual) = (random.unit(), random.spread(0.1, 10.0), scene.peer.own(key));
         let number = match key.allowed {
             Allowed::Number { min, max } if usual == 0.0 => {

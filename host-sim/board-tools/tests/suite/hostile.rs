@@ -92,8 +92,10 @@ impl World {
         for mut said in std::mem::take(&mut self.coming) {
             let now_us = self.now_us();
             let heard = self.session.reins().giver().word(now_us).number;
-            self.word |= said.told == Some(Told { motors: Motors::Off, heard });
+            let taken = self.session.link().counts().taken;
             self.session.receive(now_us, &mut said.datagram);
+            let is_taken = self.session.link().counts().taken != taken;
+            self.word |= is_taken && said.told == Some(Told { motors: Motors::Off, heard });
         }
     }
 

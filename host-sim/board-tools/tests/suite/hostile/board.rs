@@ -26,6 +26,8 @@ enum Lie {
     Clock,
     /// It says anything of its motors, of the newest word or of any.
     Tells,
+    /// It says that they are off by the operator's next word, which he has not said yet.
+    Ahead,
     /// Answers, asked for or not, of this text.
     Answers(usize),
     /// A line that never ends.
@@ -89,6 +91,7 @@ impl Program {
             Lie::EchoesNothing,
             Lie::Clock,
             Lie::Tells,
+            Lie::Ahead,
             Lie::Answers(rng.below(TEXTS.len() as u64) as usize),
             Lie::Answers(rng.below(TEXTS.len() as u64) as usize),
             Lie::NoEnd,
@@ -121,6 +124,7 @@ impl Program {
 }
 
 /// A datagram, and what it tells of the motors, where it is sealed.
+#[derive(Clone)]
 pub(super) struct Said {
     pub(super) datagram: Vec<u8>,
     pub(super) told: Option<Told>,
@@ -142,7 +146,7 @@ pub(super) struct Board {
     greeting: Option<Vec<u8>>,
     /// Messages that any board would say.
     due: Vec<Message>,
-    past: Vec<Vec<u8>>,
+    past: Vec<Said>,
 }
 
 impl Board {
@@ -205,6 +209,7 @@ impl Board {
                 Lie::EchoesNothing => echo_us = if rng.chance(0.5) { 0 } else { self.heard_us[1] },
                 Lie::Tells if rng.chance(0.5) => told = rng.below(256) as u8,
                 Lie::Tells => told = self.word & !3 | rng.below(4) as u8,
+                Lie::Ahead => told = (self.word & !3).wrapping_add(4),
                 Lie::Clock => self.clock_us = rng.below(u64::MAX) >> rng.below(60),
                 Lie::Leaves => {
                     messages.push(vec![7, 0, 0, 0]);
@@ -212,10 +217,12 @@ impl Board {
                 }
                 Lie::Replays => {
                     for _ in 0..*often {
-                        let Some(mut datagram) = self.past.get(rng.below(64) as usize).cloned() else { continue };
+                        let Some(past) = self.past.get(rng.below(64) as usize) else { continue };
+                        // What came before the operator had this session comes for the first time.
+                        let (mut datagram, told) = (past.datagram.clone(), past.told);
                         let (at, bit) = (rng.below(datagram.len() as u64) as usize, rng.below(8));
                         datagram[at] ^= u8::from(rng.chance(0.5)) << bit;
-                        said.push(Said { datagram, told: None });
+                        said.push(Said { datagram, told });
                     }
                 }
                 _ => (0..*often).for_each(|_| messages.extend(self.lie(rng, *lie))),
@@ -226,10 +233,10 @@ impl Board {
             self.sequence += 1;
             let stamps = [(self.clock_us & CLOCK).max(1), echo_us & CLOCK | u64::from(told) << 56];
             let datagram = session.seal(1, 0, self.sequence, stamps, &message);
-            let place = self.sequence as usize % 64;
-            self.past.resize(64, datagram.clone());
-            self.past[place].clone_from(&datagram);
-            said.push(Said { datagram, told: Some(Told::of_byte(told)) });
+            let (place, new) = (self.sequence as usize % 64, Said { datagram, told: Some(Told::of_byte(told)) });
+            self.past.resize(64, new.clone());
+            self.past[place].clone_from(&new);
+            said.push(new);
         }
         said
     }

@@ -89,7 +89,7 @@ fn self_timed_lines_meet_in_a_copy() {
 }
 
 /// Through bursts, jitter, reordering and a life that ends in the middle, the copies of up to eight people stay together, and no more
-/// energy goes back into the lines than came out of them ([`HubTrial::step`]); nearer where ends that are behind make up for it.
+/// energy goes back into the lines than came out of them ([`HubTrial::step`]). So it is where ends that are behind make up for it, and no farther apart.
 #[test]
 fn self_timed_lines_around_a_hub_stand_through_bursts() {
     const PEOPLE: [&str; 7] = [
