@@ -16,7 +16,7 @@ use haptic_core::object::IntegratorName;
 use haptic_core::peer::{Peer, Sensors};
 use haptic_core::safety::{Command, Mode};
 use haptic_core::schema::Schema;
-use haptic_core::settings::{Allowed, Choice, Settings, Value};
+use haptic_core::settings::{Allowed, Choice, MOST_OWN_KEYS, Settings, Value};
 use std::array::from_fn;
 
 use proptest::prelude::*;
@@ -82,11 +82,13 @@ fn outside() -> impl Strategy<Value = Outside> {
 fn settings(draws: &[f64]) -> Settings {
     let mut settings = Settings::default();
     for (key, &draw) in Settings::keys().zip(draws) {
-        // Of laws' own keys, which come last, those of the law that was drawn: there is no room for all. One in twelve keeps its default, so that
-        // the longest list has room.
+        // Of laws' own keys, which come last, those of the law that was drawn: there is no room for all. Of a list that is
+        // longer than the room, one in turn keeps its default.
         let of_a_law = Schema::BUILT_IN.laws().iter().any(|law| law.keys.contains(&key));
-        let own = Schema::BUILT_IN.law(&settings).and_then(|law| law.keys.iter().position(|own| *own == key));
-        if of_a_law && own.is_none_or(|nth| nth == (12.0 * draws[0]) as usize % 12) {
+        let own = Schema::BUILT_IN.law(&settings).map_or(&[][..], |law| law.keys);
+        let left = (own.len() as f64 * draws[0]) as usize % own.len().max(1);
+        let is_left = |nth| nth == left && own.len() > MOST_OWN_KEYS;
+        if of_a_law && own.iter().position(|own| *own == key).is_none_or(is_left) {
             continue;
         }
         let value = match key.allowed {

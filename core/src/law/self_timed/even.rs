@@ -17,7 +17,7 @@ const MODULUS: i32 = 256;
 const STEP: i32 = 4;
 /// What is told is less; without samples in it, at most 2.
 pub(in crate::law) fn most_told(settings: &Settings) -> f64 {
-    if settings.own(&EVEN) > 0.0 { f64::from(STEP * MODULUS) } else { 2.0 }
+    (settings.own(&EVEN) * f64::from(STEP * MODULUS)).clamp(2.0, f64::from(STEP * MODULUS))
 }
 
 /// How an end makes up for line time.
@@ -54,6 +54,9 @@ impl<S: Scalar> Even<S> {
     /// By how much an end with so many samples outstanding is behind one that told `far`, s.
     #[inline]
     pub(super) fn behind_s(&self, own: i32, far: i32) -> S {
+        if self.most == S::ZERO {
+            return S::ZERO;
+        }
         let more = i32::from(((own - far) as u8).cast_signed());
         self.half_period_s * S::from_i32(more).limit(self.most)
     }
