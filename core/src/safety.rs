@@ -74,6 +74,7 @@ numbered! {
         69 DriveLetGo: "a motor's own controller stopped without being told to: its watchdog heard no command, or somebody else commands it",
         70 EncoderSilent: "an encoder on SPI gave no whole reading three times in a row: `status` says which; look at its supply and its wires",
         71 EncoderMagnet: "the field of an encoder's magnet was too weak or too strong three times in a row: `status` says which",
+        72 Halted: "a debugger halted the board's processor, and nobody saw what the device did",
     }
 }
 

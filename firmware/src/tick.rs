@@ -20,7 +20,7 @@ use haptic_core::device::Reading;
 use haptic_core::device::encoder::Shown;
 use haptic_core::device::probe::{Outcome, Probe};
 use haptic_core::law::Packet;
-use haptic_core::safety::{Command, Mode};
+use haptic_core::safety::{Command, Fault, Mode};
 use haptic_core::sample::OfAxis;
 
 use crate::board::drive::{self, Drive, Fitted, Sensed};
@@ -134,7 +134,8 @@ impl Loop {
         if self.side.drive.went_off() {
             self.broken();
         }
-        if let Some(fault) = fault {
+        let halted = began.stood && matches!(self.peer.mode(), Mode::Armed | Mode::Probing);
+        if let Some(fault) = halted.then_some(Fault::Halted).or(fault) {
             self.peer.trip(fault);
         }
         if self.side.signals.disarm.get() {

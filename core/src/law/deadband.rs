@@ -30,8 +30,10 @@ use crate::num::{Configured, Motion, Scalar, StateVector};
 use crate::object::Solve;
 use crate::settings::{Key, PLENTY_J, Refused, Settings};
 
-const WEBER: Key = Key::number("deadband.weber", 0.1, [0.0, 1.0], "").means("Deadband coding: change of velocity that is worth a packet, over the velocity that was sent last: Weber's fraction k.");
-const LEAST: Key = Key::number("deadband.least_m_per_s", 0.002, [1e-6, 1.0], "m/s").means("Deadband coding: the least change of velocity that is worth a packet, for Weber's law ends where a hand feels nothing.");
+const WEBER: Key = Key::number("deadband.weber", 0.1, [0.0, 1.0], "")
+    .means("Deadband coding: change of velocity that is worth a packet, over the velocity that was sent last: Weber's fraction k.");
+const LEAST: Key = Key::number("deadband.least_m_per_s", 0.002, [1e-6, 1.0], "m/s")
+    .means("Deadband coding: the least change of velocity that is worth a packet, for Weber's law ends where a hand feels nothing.");
 
 /// A law that sends motions, of which deadband coding chooses the ones worth a packet.
 pub trait Coded<S: Scalar>: Law<S> {

@@ -5,7 +5,7 @@
 //! | the external clock stops | clock security system | NMI: the board starts anew and says so |
 //! | the chip's supply falls below 2.76 V | voltage detector, level 6 | fault 15 |
 //! | the core locks up | itself | the dead man ([`super::deadman`]) |
-//! | a debugger halts the core | the timer, whose clock stops with it (RM0433 §60.5.8) | outputs off until it goes on |
+//! | a debugger halts the core | the timer, whose clock stops with it (RM0433 §60.5.8) | outputs off until it goes on, and then the tick's stop ([`super::pace`]) |
 //!
 //! Left out are errors of two bits in a memory word, which can break as well: flash, because the store reads words that power left
 //! half-written; DTCM and ITCM, because start-up reads and fetches ahead where nothing was ever written. On the way to the core such
@@ -34,8 +34,9 @@ pub(crate) fn connect(external: bool) {
         w.set_pls(LEVEL);
         w.set_pvde(true);
     });
-    // The window watchdog stands still while a debugger halts the core, so the outputs must not go on.
+    // The window watchdog stands still while a debugger halts the core, so the outputs must not go on; nor the tick's timer, which stays in step.
     pac::DBGMCU.apb2fzr1().modify(|w| w.set_tim1(true));
+    pac::DBGMCU.apb1lfzr1().modify(|w| w.set_tim6(true));
     // SAFETY: a register of the chip (RM0433 §12.3.6) whose clock `embassy_stm32::init` enabled, and nobody else writes it.
     unsafe { SYSCFG_CFGR.write_volatile(PVDL | CM7L) };
 }

@@ -6,7 +6,7 @@
 //! unused interrupt of lower priority instead, one store, and that one signals. It also counts how long the tick took
 //! ([`TIMES`]), from what the tick left of two clocks: its own timer, which says how late it began, and the core's counter of cycles.
 
-use core::sync::atomic::{AtomicU32, Ordering};
+use core::sync::atomic::{AtomicU16, AtomicU32, Ordering};
 
 use cortex_m::peripheral::{DWT, NVIC};
 use embassy_stm32::interrupt::{self, InterruptExt, Priority};
@@ -46,6 +46,8 @@ static COUNTED: AtomicU32 = AtomicU32::new(0);
 /// What the last tick left about itself: its number, when it began and ended, how late it was in its timer's counts with its flags above.
 static TOOK: [AtomicU32; 4] = [const { AtomicU32::new(0) }; 4];
 
+/// When the last tick was due by the time driver's counter, µs, which goes on while a debugger halts the processor.
+static DUE_US: AtomicU16 = AtomicU16::new(0);
 /// The last tick in which a packet went out, and the last of these that somebody was woken for.
 static SENT_IN: AtomicU32 = AtomicU32::new(0);
 static TOLD: AtomicU32 = AtomicU32::new(0);
@@ -88,12 +90,18 @@ pub(crate) fn start(timer: Peri<'static, TIM6>) {
 pub(crate) struct Began {
     cycle: u32,
     late: u16,
+    /// The tick's timer stood still since the last one, for more than 100 µs. Not seen if it was for a multiple of the time driver's round, 65.536 ms.
+    pub(crate) stood: bool,
 }
 
 /// Takes note that the tick began.
 #[inline(always)]
 pub(crate) fn begin() -> Began {
-    let began = Began { late: pac::TIM6.cnt().read().cnt(), cycle: DWT::cycle_count() };
+    let late = pac::TIM6.cnt().read().cnt();
+    let due_us = (pac::TIM5.cnt().read() as u16).wrapping_sub(late / (COUNTS / 1000) as u16);
+    let since_us = due_us.wrapping_sub(DUE_US.load(Ordering::Relaxed));
+    DUE_US.store(due_us, Ordering::Relaxed);
+    let began = Began { late, cycle: DWT::cycle_count(), stood: since_us.wrapping_sub(900) > 200 };
     pac::TIM6.sr().write(|w| w.set_uif(false));
     began
 }

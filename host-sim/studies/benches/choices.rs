@@ -1,15 +1,13 @@
 //! Instructions of every numerical choice, exactly: each is replayed under valgrind's callgrind, which counts nothing but
 //! the call.
 //!
-//! `cargo bench --package haptic-studies --bench choices` prints the table that `src/accuracy/instructions-x86-64.txt` holds;
-//! `-- --check` compares with it (each count within 2 %, as `cargo xtask bench-check` does for the ticks of core) and
-//! `-- --bless` rewrites it. The program starts itself once under callgrind for every number type (`--replay SCALAR`);
+//! `cargo bench --package haptic-studies --bench choices` prints the table that `src/accuracy/instructions-x86-64.txt` holds: written over that
+//! file, its difference in the commit is what changed. The program starts itself once under callgrind for every number type (`--replay SCALAR`);
 //! after each case [`case_done`] makes callgrind write what it counted. The same binary gives the same counts on every run.
 //!
 //! Counted: `measured_call` with everything it calls, so loading parameters, storing state and the call itself are in it;
 //! mean over the calls of a case. What is called and on which data, `haptic_cases` says.
 
-use std::collections::BTreeMap;
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
@@ -17,12 +15,7 @@ use std::process::{Command, ExitCode};
 use haptic_cases::{Case, Meter};
 use haptic_core::num::Fixed;
 use haptic_studies::Error;
-use haptic_studies::accuracy::counts::{Processor, SCALARS, parse};
-
-/// Where the reviewed counts are.
-const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/accuracy/instructions-x86-64.txt");
-/// Largest accepted change, either way, as a fraction.
-const TOLERANCE: f64 = 0.02;
+use haptic_studies::accuracy::counts::SCALARS;
 
 /// What callgrind counts: `body`, in a function that it can find by its name.
 #[inline(never)]
@@ -103,7 +96,7 @@ fn table() -> Result<String, Error> {
     }
     let mut text = format!(
         "# Instructions per call, x86-64, release build; tick/… per tick of a whole peer.\n\
-         # Counted by `cargo bench --package haptic-studies --bench choices`; `-- --check` compares, `-- --bless` rewrites.\n\
+         # Counted by `cargo bench --package haptic-studies --bench choices`, which prints this table.\n\
          # {:<32} {:>7} {:>7} {:>7}\n",
         "case", SCALARS[0], SCALARS[1], SCALARS[2]
     );
@@ -113,32 +106,6 @@ fn table() -> Result<String, Error> {
         text += "\n";
     }
     Ok(text)
-}
-
-/// Every case in both tables, every count within the tolerance.
-fn compare(now: &str) -> Result<(), Error> {
-    let (reviewed, now) = (parse(Processor::X86.reviewed()), parse(now));
-    let names: BTreeMap<_, _> = reviewed.iter().chain(&now).collect();
-    let mut differences = String::new();
-    for name in names.keys() {
-        match (reviewed.get(*name), now.get(*name)) {
-            (Some(before), Some(after)) => {
-                for ((scalar, before), after) in SCALARS.iter().zip(before).zip(after) {
-                    if (*after as f64 / *before as f64 - 1.0).abs() > TOLERANCE {
-                        differences += &format!("{name} in {scalar}: {after}, was {before}\n");
-                    }
-                }
-            }
-            _ => differences += &format!("{name} is in one of them only\n"),
-        }
-    }
-    if differences.is_empty() {
-        return Ok(());
-    }
-    Err(format!(
-        "the counts are not those of {FILE}:\n{differences}undo what changed them, or accept them with --bless"
-    )
-    .into())
 }
 
 fn main() -> ExitCode {
@@ -153,13 +120,7 @@ fn main() -> ExitCode {
             Ok(())
         }
         [] => table().map(|text| print!("{text}")),
-        ["--check"] => table().and_then(|text| compare(&text)),
-        ["--bless"] => table().and_then(|text| {
-            std::fs::write(FILE, text).map_err(|cause| format!("cannot write {FILE}: {cause}"))?;
-            eprintln!("{FILE} rewritten: look at its difference");
-            Ok(())
-        }),
-        _ => Err(format!("there is no option {}: use --check or --bless", words.join(" ")).into()),
+        _ => Err(format!("there is no option {}", words.join(" ")).into()),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

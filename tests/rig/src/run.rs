@@ -489,14 +489,18 @@ fn soak(boards: &mut dyn Boards, seconds: u32) -> Outcome {
 /// Half a period of the outputs, and more: they end with the processor.
 const PERIOD: u32 = 50 * 240;
 
-/// A halted processor leaves no output on.
+/// A halted processor leaves no output on. It is halted for longer than the rig watches: what turns outputs off is not what the board does afterwards.
 fn halt(boards: &mut dyn Boards, times: u32) -> Outcome {
-    let (mut least, mut most) = (u32::MAX, 0);
+    let (mut least, mut most, ms) = (u32::MAX, 0, boards.probing_ms() + 5);
     for _ in 0..times {
-        let [edge, _] = watched(boards, |boards| boards.halt(5))?;
+        let [edge, _] = watched(boards, |boards| boards.halt(ms))?;
         (least, most) = (least.min(edge), most.max(edge));
         rig(boards, "device held")?;
-        board(boards, "disarm")?;
+        let said = boards.ask("arm")?;
+        if said != "error faulted, fault 72" {
+            return Err(format!("after the halt the board says to `arm`: {said}"));
+        }
+        board(boards, "clear")?;
         boards.wait_ms(5)?;
     }
     judge(most < PERIOD, format!("{} to {} ns after the last pulse, {times} times", ns(least), ns(most)))

@@ -40,7 +40,8 @@ use crate::law::terminal::Ended;
 use crate::num::{Motion, Scalar};
 use crate::settings::{Key, Settings};
 
-pub(super) const DAMPING: Key = Key::number("coordination.carry_damping_n_s_per_m", 5.0, [0.0, 1000.0], "N·s/m").means("Self-timed line, where nothing comes: damping with which the point that the copy is tied to goes another way than on; 0 is a wall.");
+pub(super) const DAMPING: Key = Key::number("coordination.carry_damping_n_s_per_m", 5.0, [0.0, 1000.0], "N·s/m")
+    .means("Self-timed line, where nothing comes: damping with which the point that the copy is tied to goes another way than on; 0 is a wall.");
 pub(super) const FADE: Key = Key::number("coordination.carry_s", 0.35, [0.001, 100.0], "s")
     .means("Self-timed line, where nothing comes: time in which going on as before fades.");
 pub(super) const RETURN: Key = Key::number("coordination.carry_return_s", 0.05, [0.001, 100.0], "s")

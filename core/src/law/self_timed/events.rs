@@ -17,7 +17,8 @@ use crate::law::event;
 use crate::num::Scalar;
 use crate::settings::{Key, Settings};
 
-pub(super) const THRESHOLD: Key = Key::number("event.threshold_root_w", 0.2, [0.001, 100.0], "√W").means("Self-timed line, where it may keep silent: change θ of the outgoing wave that is worth a packet; below θ/10 the line is at rest.");
+pub(super) const THRESHOLD: Key = Key::number("event.threshold_root_w", 0.2, [0.001, 100.0], "√W")
+    .means("Self-timed line, where it may keep silent: change θ of the outgoing wave that is worth a packet; below θ/10 the line is at rest.");
 pub(super) const TOGETHER: Key = Key::whole("event.together_ticks", 9, [1, 1000], "ticks")
     .means("Self-timed line, where it may keep silent: samples that go in one packet while the line is in motion.");
 

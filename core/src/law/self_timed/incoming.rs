@@ -23,7 +23,8 @@ use crate::law::event::LONGEST;
 use crate::num::Scalar;
 use crate::settings::{Key, Settings};
 
-pub(super) const CREDIT: Key = Key::whole("coordination.credit_ticks", 0, [0, 2000], "ticks").means("Self-timed line: its delay each way in its own time, as samples of zero that an end begins with; 0 follows the network.");
+pub(super) const CREDIT: Key = Key::whole("coordination.credit_ticks", 0, [0, 2000], "ticks")
+    .means("Self-timed line: its delay each way in its own time, as samples of zero that an end begins with; 0 follows the network.");
 /// Samples that are added beside what was missing.
 const SPARE: i32 = 2;
 /// Samples that may always be left before the line is made shorter: 20 % of single losses are bridged without standing.

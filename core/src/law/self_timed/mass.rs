@@ -22,7 +22,8 @@ use crate::num::Scalar;
 use crate::object::{Port, Solve};
 use crate::settings::{Key, Settings};
 
-pub(super) const MASS: Key = Key::number("coordination.most_line_mass_kg", 4.0, [0.0, 1000.0], "kg").means("Self-timed line: what the line between both hands may weigh, b·T; where it is long, b falls for that; 0 leaves b as it is.");
+pub(super) const MASS: Key = Key::number("coordination.most_line_mass_kg", 4.0, [0.0, 1000.0], "kg")
+    .means("Self-timed line: what the line between both hands may weigh, b·T; where it is long, b falls for that; 0 leaves b as it is.");
 
 /// The least ρ that an end goes to: a line that would still be heavier is.
 const LEAST: f64 = 0.25;

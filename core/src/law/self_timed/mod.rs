@@ -71,9 +71,11 @@ pub struct SelfTimedState<S: Scalar> {
     /// x_d, m.
     desired: S::Counter,
     outstanding: Outstanding<S::Counter>,
-    /// What the other end says of itself, and samples outstanding there.
+    /// What the other end says of itself.
     told: S,
-    far_samples: i32,
+    /// Samples outstanding at the end of a packet's ticks, here and there, as they are told.
+    own_samples: u8,
+    far_samples: u8,
     share: Share<S>,
     slip: Slip<S>,
     /// ∫u_out up to the packet before, and since, √W·s.
@@ -171,7 +173,10 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
             state.sent = state.sent + state.fresh;
             state.fresh = S::Counter::ZERO;
         }
-        state.phase = if state.phase + 1 >= self.ticks_per_packet { 0 } else { state.phase + 1 };
+        state.phase += 1;
+        if state.phase >= self.ticks_per_packet {
+            (state.phase, state.own_samples) = (0, state.outstanding.samples as u8);
+        }
         if let Some(more) = self.carry.turn(&mut state.slip) {
             state.desired = state.desired + more;
         }
@@ -179,7 +184,7 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
         let pull = self.end.pull(S::of_counter(anchor - observed.local.position.to_counter()));
         let position = S::of_counter(anchor);
         let own = self.end.own(&mut state.share, state.outstanding.length);
-        let behind_s = self.even.behind_s(state.outstanding.samples, state.far_samples);
+        let behind_s = self.even.behind_s(state.own_samples, state.far_samples);
         let line = [S::from_i32(state.outstanding.length), own, behind_s];
         let before = state.outstanding.last;
         let (wave_in, share) = self.incoming.emit(&mut state.outstanding, own);
@@ -218,7 +223,7 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
         let wave_integral = state.sent + state.fresh;
         Packet {
             motion: self.carry.says(&state.slip),
-            wave: self.even.says(self.end.says(&state.share, state.outstanding.is_cut_off), state.outstanding.samples),
+            wave: self.even.says(self.end.says(&state.share, state.outstanding.is_cut_off), state.own_samples),
             wave_integral,
             energy_j: state.sent_j.total(),
             live_ticks: state.live,

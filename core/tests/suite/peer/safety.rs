@@ -249,8 +249,9 @@ fn fault_numbers_never_change() {
         Fault::DriveLetGo,
         Fault::EncoderSilent,
         Fault::EncoderMagnet,
+        Fault::Halted,
     ];
-    assert!(faults.map(Fault::number).into_iter().eq((1..=22).chain([31]).chain(64..=71)));
+    assert!(faults.map(Fault::number).into_iter().eq((1..=22).chain([31]).chain(64..=72)));
     assert_eq!(Fault::ALL, faults);
     assert!((0..=255).all(|number| Fault::from_number(number).is_none_or(|fault| fault.number() == number)));
 }

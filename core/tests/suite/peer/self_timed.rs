@@ -9,8 +9,14 @@ use haptic_core::safety::Mode;
 use haptic_core::settings::{Settings, Value};
 
 use super::Bench;
+use crate::contact::setup::Random;
 
 fn settings(credit_ticks: f64) -> Settings {
+    with(credit_ticks, &[])
+}
+
+/// And keys of the law's own.
+fn with(credit_ticks: f64, own: &[(&str, f64)]) -> Settings {
     let mut settings = Settings::default();
     settings.timing.ticks_per_packet = 1;
     settings.object.integrator = IntegratorName::Midpoint;
@@ -21,21 +27,10 @@ fn settings(credit_ticks: f64) -> Settings {
     settings.safety.fade_s = 50.0;
     settings.safety.disengage_s = 60.0;
     settings.safety.peer_lost_s = 100.0;
-    settings.set("coordination.credit_ticks", Value::Number(credit_ticks)).expect("it is allowed");
-    settings
-}
-
-/// SplitMix64.
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    for (key, value) in [("coordination.credit_ticks", credit_ticks)].iter().chain(own) {
+        settings.set(key, Value::Number(*value)).expect("it is allowed");
     }
+    settings
 }
 
 /// One way of a network: packets with the tick at which they come.
@@ -63,6 +58,11 @@ impl<S: Scalar> Direction<S> {
             twice: 0.3 * twice,
             burst: 0,
         }
+    }
+
+    /// Nothing is lost, and all takes as long.
+    fn steady(delay: u32) -> Self {
+        Self { delay, jitter: 0.0, loss: 0.0, twice: 0.0, ..Self::new(1) }
     }
 
     /// What is sent at this tick, and the newest that comes.
@@ -190,13 +190,10 @@ fn a_line_that_follows_the_network_is_passive_too() {
 
 /// The same line, which says only what is worth a packet.
 fn of_events(together: f64, threshold: f64) -> Settings {
-    let mut settings = settings(0.0);
+    let own = [("event.longest_s", 0.05), ("event.together_ticks", together), ("event.threshold_root_w", threshold)];
+    let mut settings = with(0.0, &own);
     // Hands that do not give way to a line that stands.
     settings.safety.saturated_ticks = 10_000;
-    let own = [("event.longest_s", 0.05), ("event.together_ticks", together), ("event.threshold_root_w", threshold)];
-    for (key, value) in own {
-        settings.set(key, Value::Number(value)).expect("it is allowed");
-    }
     settings
 }
 
@@ -214,9 +211,7 @@ fn whatever_is_not_worth_a_packet_makes_no_energy_and_no_drift() {
 fn packets_go_as_often_as_the_keys_say() {
     for (together, threshold, every) in [(9.0, 0.2, 9), (40.0, 0.2, 40), (9.0, 100.0, 50)] {
         let mut couple = Couple::<f64>::new(&of_events(together, threshold), 1);
-        for direction in &mut couple.directions {
-            *direction = Direction { delay: 5, jitter: 0.0, loss: 0.0, twice: 0.0, ..Direction::new(1) };
-        }
+        couple.directions = [(); 2].map(|()| Direction::steady(5));
         // Both press with the same force for ever: the waves are F/√(2b) each, some 0.4 √W, and do not change.
         let press = |at: f64| [Motion::at(at), Motion::at(-at)];
         (0..4000).for_each(|tick| couple.step(press(0.01 * f64::min(1.0, f64::from(tick) / 1000.0))));
@@ -232,9 +227,7 @@ fn packets_go_as_often_as_the_keys_say() {
 fn two_ends_that_stand_do_not_wait_for_each_other() {
     for phase in 0..9 {
         let mut couple = Couple::<f64>::new(&of_events(9.0, 1.0), 1);
-        for direction in &mut couple.directions {
-            *direction = Direction { delay: 5, jitter: 0.0, loss: 0.0, twice: 0.0, ..Direction::new(1) };
-        }
+        couple.directions = [(); 2].map(|()| Direction::steady(5));
         let press = |at: f64| [Motion::at(at), Motion::at(-at)];
         (0..4000).for_each(|tick| couple.step(press(0.01 * f64::min(1.0, f64::from(tick) / 1000.0))));
         (0..phase).for_each(|_| couple.step(press(0.01)));
@@ -253,9 +246,7 @@ fn two_ends_that_stand_do_not_wait_for_each_other() {
 #[test]
 fn a_jolt_goes_at_once() {
     let mut couple = Couple::<f64>::new(&of_events(40.0, 0.2), 1);
-    for direction in &mut couple.directions {
-        *direction = Direction { delay: 5, jitter: 0.0, loss: 0.0, twice: 0.0, ..Direction::new(1) };
-    }
+    couple.directions = [(); 2].map(|()| Direction::steady(5));
     (0..500).for_each(|_| couple.step([Motion::REST; 2]));
     couple.sent = 0;
     let struck = [Motion { position: 0.01, velocity: 0.0 }, Motion::REST];
@@ -269,8 +260,6 @@ fn carries_on_at_its_own_expense<S: Scalar>(seeds: u64, rounding_j: f64) {
     let (mut borrowed_j, mut stood) = (0.0_f64, 0);
     for seed in 0..seeds {
         let mut random = Random(1000 + seed);
-        let mut settings = settings(if seed % 2 == 0 { 0.0 } else { 15.0 });
-        settings.safety.saturated_ticks = 10_000;
         let capital_j = [0.0, 0.001, 0.02][seed as usize % 3];
         let own = [
             ("coordination.carry_damping_n_s_per_m", 1.0 + 50.0 * random.unit()),
@@ -282,9 +271,8 @@ fn carries_on_at_its_own_expense<S: Scalar>(seeds: u64, rounding_j: f64) {
             ("coordination.taut_s", 0.001 + 0.1 * random.unit()),
             ("coordination.even_ticks", [0.0, 10.0, 60.0][seed as usize / 3 % 3]),
         ];
-        for (key, value) in own {
-            settings.set(key, Value::Number(value)).expect("it is allowed");
-        }
+        let mut settings = with(if seed % 2 == 0 { 0.0 } else { 15.0 }, &own);
+        settings.safety.saturated_ticks = 10_000;
         let mut couple = Couple::<S>::new(&settings, seed);
         let (mut done_j, mut before) = ([0.0; 2], [None; 2]);
         for tick in 0..4000 {
@@ -323,9 +311,7 @@ fn carrying_on_gives_no_more_than_its_capital() {
 /// Nothing has come yet, or nothing carries on: x_d stands, and the copy hangs on the spring there.
 #[test]
 fn silence_is_a_wall() {
-    let mut stands = settings(10.0);
-    stands.set("coordination.carry_damping_n_s_per_m", Value::Number(0.0)).expect("it is allowed");
-    for settings in [stands, settings(10.0)] {
+    for settings in [with(10.0, &[("coordination.carry_damping_n_s_per_m", 0.0)]), settings(10.0)] {
         let mut bench = Bench::<f64>::armed(&settings);
         for tick in 0..500 {
             let [hand, _] = hands(tick);
@@ -350,9 +336,7 @@ fn silence_is_a_wall() {
 /// most, F_T = −D·(v + r), with what the spring in between takes.
 #[test]
 fn silence_yields_like_a_damper() {
-    let mut settings = settings(10.0);
-    settings.set("coordination.carry_damping_n_s_per_m", Value::Number(8.0)).expect("it is allowed");
-    let mut bench = Bench::<f64>::armed(&settings);
+    let mut bench = Bench::<f64>::armed(&with(10.0, &[("coordination.carry_damping_n_s_per_m", 8.0)]));
     bench.peer.hear(&[Packet::default()]);
     let velocity = 0.05;
     for tick in 0..1000 {
@@ -373,9 +357,7 @@ fn a_slip_is_agreed_where_a_line_begins_anew() {
         let mut settings = settings(12.0);
         settings.safety.workspace_m = 3.0;
         let mut couple = Couple::<f64>::new(&settings, 3);
-        for direction in &mut couple.directions {
-            *direction = Direction { delay: 5, jitter: 0.0, loss: 0.0, twice: 0.0, ..Direction::new(3) };
-        }
+        couple.directions = [(); 2].map(|()| Direction::steady(5));
         // Led together, most of it through an outage.
         let led = |tick: u32| [Motion { position: 2e-4 * f64::from(tick), velocity: 0.2 }; 2];
         (0..500).for_each(|tick| couple.step(led(tick)));
@@ -404,9 +386,7 @@ fn a_slip_may_go_as_far_as_it_likes() {
     let mut settings = settings(12.0);
     (settings.safety.workspace_m, settings.safety.max_speed_m_per_s) = (50.0, 2.0);
     let mut couple = Couple::<f64>::new(&settings, 3);
-    for direction in &mut couple.directions {
-        *direction = Direction { delay: 5, jitter: 0.0, loss: 0.0, twice: 0.0, ..Direction::new(3) };
-    }
+    couple.directions = [(); 2].map(|()| Direction::steady(5));
     let led = |tick: u32| [Motion { position: 1e-3 * f64::from(tick), velocity: 1.0 }; 2];
     (0..100).for_each(|_| couple.step([Motion::REST; 2]));
     let (mut turned, mut last) = (0, 0.0);
@@ -434,9 +414,7 @@ fn a_slip_may_go_as_far_as_it_likes() {
 fn the_delay_is_the_credit_whatever_the_networks_is() {
     for (delay, credit) in [(0_u32, 8_u32), (3, 8), (7, 8), (20, 30)] {
         let mut couple = Couple::<f64>::new(&settings(f64::from(credit)), 1);
-        for direction in &mut couple.directions {
-            *direction = Direction { delay, jitter: 0.0, loss: 0.0, twice: 0.0, ..Direction::new(1) };
-        }
+        couple.directions = [(); 2].map(|()| Direction::steady(delay));
         (0..100).for_each(|_| couple.step([Motion::REST; 2]));
         let live = couple.benches.each_ref().map(|bench| bench.peer.outgoing()[0].live_ticks);
         // Nothing is emitted before the first packet has come.
@@ -460,10 +438,7 @@ fn a_line_begins_with_the_samples_of_both_ends_and_no_more() {
         let mut below = |most: f64| (most * random.unit()) as u32;
         let credit = [16, 8, 30][below(3.0) as usize];
         let mut couple = Couple::<f64>::new(&settings(f64::from(credit)), 1);
-        for direction in &mut couple.directions {
-            let delay = below(60.0);
-            *direction = Direction { delay, jitter: 0.0, loss: 0.0, twice: 0.0, ..Direction::new(1) };
-        }
+        couple.directions = [(); 2].map(|()| Direction::steady(below(60.0)));
         couple.benches.iter_mut().for_each(|bench| bench.peer.part());
         // Twice deaf, each end for itself, and then not.
         let deaf = [(); 4].map(|()| (below(100.0), below(60.0)));
@@ -494,9 +469,7 @@ fn a_line_begins_with_the_samples_of_both_ends_and_no_more() {
 #[test]
 fn a_peer_that_begins_anew_takes_the_other_with_it() {
     let mut couple = Couple::<f64>::new(&settings(12.0), 3);
-    for direction in &mut couple.directions {
-        *direction = Direction { delay: 5, jitter: 0.0, loss: 0.0, twice: 0.0, ..Direction::new(3) };
-    }
+    couple.directions = [(); 2].map(|()| Direction::steady(5));
     (0..2000).for_each(|tick| couple.step(hands(tick)));
     let before = couple.energies();
     couple.benches[0].peer.part();
@@ -515,8 +488,7 @@ fn a_peer_that_begins_anew_takes_the_other_with_it() {
 #[test]
 fn a_light_line_is_passive_and_without_drift() {
     for (most_kg, credit) in [(0.15, 30.0), (0.1, 0.0), (0.01, 0.0)] {
-        let mut settings = settings(credit);
-        settings.set("coordination.most_line_mass_kg", Value::Number(most_kg)).expect("it is allowed");
+        let settings = with(credit, &[("coordination.most_line_mass_kg", most_kg)]);
         is_passive_and_does_not_drift::<f64>(&settings, 30, 2e-6);
         is_passive_and_does_not_drift::<f32>(&settings, 10, 2e-6);
         is_passive_and_does_not_drift::<Fixed>(&settings, 3, 2e-6);
@@ -529,13 +501,9 @@ fn a_light_line_is_passive_and_without_drift() {
 fn a_line_weighs_what_it_may() {
     // b = 10 N·s/m and 300 ms: 3 kg. No end is lighter than a quarter of b.
     for (most_kg, weighs_kg) in [(0.0, 3.0), (4.0, 3.0), (1.0, 1.0), (0.05, 3.0 / 4.0)] {
-        let mut settings = settings(300.0);
-        settings.set("coordination.carry_damping_n_s_per_m", Value::Number(0.0)).expect("it is allowed");
-        settings.set("coordination.most_line_mass_kg", Value::Number(most_kg)).expect("it is allowed");
-        let mut couple = Couple::<f64>::new(&settings, 1);
-        for direction in &mut couple.directions {
-            *direction = Direction { delay: 20, jitter: 0.0, loss: 0.0, twice: 0.0, ..Direction::new(1) };
-        }
+        let own = [("coordination.carry_damping_n_s_per_m", 0.0), ("coordination.most_line_mass_kg", most_kg)];
+        let mut couple = Couple::<f64>::new(&with(300.0, &own), 1);
+        couple.directions = [(); 2].map(|()| Direction::steady(20));
         (0..500).for_each(|_| couple.step([Motion::REST; 2]));
         // Up to 20 mm/s within 40 s, so that emitting means of what is outstanding loses less than 1 %.
         let led = |tick: u32| {
@@ -552,16 +520,10 @@ fn a_line_weighs_what_it_may() {
 /// Two ends that were told different masses: the line is as light as the lighter one makes it, and no energy is made on the way there.
 #[test]
 fn the_lighter_end_decides() {
-    let [light, heavy] = [1.0, 100.0].map(|most_kg| {
-        let mut settings = settings(300.0);
-        settings.set("coordination.most_line_mass_kg", Value::Number(most_kg)).expect("it is allowed");
-        settings
-    });
+    let [light, heavy] = [1.0, 100.0].map(|most_kg| with(300.0, &[("coordination.most_line_mass_kg", most_kg)]));
     let mut couple = Couple::<f64>::new(&heavy, 1);
     couple.benches[0] = Bench::armed(&light);
-    for direction in &mut couple.directions {
-        *direction = Direction { delay: 20, jitter: 0.0, loss: 0.0, twice: 0.0, ..Direction::new(1) };
-    }
+    couple.directions = [(); 2].map(|()| Direction::steady(20));
     for tick in 0..6000 {
         couple.step(hands(tick));
         for (out, sent) in couple.energies() {

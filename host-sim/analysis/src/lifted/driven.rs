@@ -373,7 +373,7 @@ struct Seat<const SHARED: usize, const N: usize> {
     device_states: usize,
     local: Vec<f64>,
     packet: Vec<f64>,
-    /// What arrives next at rest: the counters of a packet.
+    /// What arrives next at rest: the counters of a packet, and what a peer says at rest.
     due: [Packet<f64>; SHARED],
     line_ticks: Option<usize>,
 }
@@ -449,7 +449,7 @@ where
         self.plant.visit_axes(SHARED, |number| *number = device.next().unwrap_or(0.0));
         let mut packets = self.due;
         let mut numbers = self.packet.iter();
-        visit_all(&mut packets, |number| *number = numbers.next().copied().unwrap_or(0.0) * UNIT);
+        visit_all(&mut packets, |number| *number += numbers.next().copied().unwrap_or(0.0) * UNIT);
 
         for tick in 0..self.ticks_per_packet {
             before_tick(&mut *peer, tick, (tick == self.at_tick).then_some(packets));

@@ -149,9 +149,10 @@ fn a_radius_is_the_decay_of_a_kicked_run() {
         ("space", 1, 16, 1500),
         ("space", 4, 2, 1200),
     ] {
-        for tautness in [0.0, 0.9] {
-            let taut = [format!("coordination.tautness={tautness}"), "coordination.taut_s=0.05".to_owned()];
-            let mut scene = scene(name, ticks, delay, &[&format!("{STIFFNESS}={stiffness}"), &taut[0], &taut[1]]);
+        for (tautness, even) in [(0.0, 0), (0.9, 0), (0.9, 20)] {
+            let own = [format!("coordination.tautness={tautness}"), format!("coordination.even_ticks={even}")];
+            let keys = [&own[0], &own[1], "coordination.taut_s=0.05", &format!("{STIFFNESS}={stiffness}")];
+            let mut scene = scene(name, ticks, delay, &keys);
             let both = haptic_analysis::verdict(&scene).expect("a good scene");
             if let Some(ticks) = both.line_ticks {
                 scene.set_number("coordination.credit_ticks", ticks as f64).expect("it is allowed");
@@ -160,7 +161,7 @@ fn a_radius_is_the_decay_of_a_kicked_run() {
             let runs = (3..6).map(|seed| decay(&scene.linear(), 4.0, seed)).fold(0.0, f64::max);
             let off = (both.spectral_radius.ln() - runs.ln()).abs() / runs.ln().abs().max(1e-5);
             println!(
-                "{name} M={ticks} {delay} packets, {stiffness} N/m, tautness {tautness}: radius {:.6} (line {:?}, {} states), runs {runs:.6}, off {off:.4}",
+                "{name} M={ticks} {delay} packets, {stiffness} N/m, tautness {tautness}, {even}: radius {:.6} (line {:?}, {} states), runs {runs:.6}, off {off:.4}",
                 both.spectral_radius, both.line_ticks, both.states
             );
             worst = worst.max(off);

@@ -52,6 +52,30 @@ pub(crate) fn armed(firmware: &Arc<Firmware>, scene: &Scene) -> Bench {
     bench
 }
 
+/// A board with a part that does not answer, which starts, and is armed no more than it is checked.
+pub(crate) fn silent(firmware: Firmware, scene: &Scene, dead: fn(&mut Inputs), why: &str) -> Bench {
+    let mut bench = Bench::power_on(&Arc::new(firmware), 1, Line::default(), 58, dead);
+    bench.set_up(scene).expect("the board takes it");
+    assert!(bench.ask(1, "status").contains(" disarmed fault 0 "), "silence is no fault before the first answer");
+    assert_eq!([bench.ask(1, "check 1"), bench.ask(1, "arm")], [why, why]);
+    bench
+}
+
+/// Settings that a board does not apply, each with another with which it does, and what it says.
+pub(crate) fn refuses(firmware: Firmware, settings: &[(&str, &str, &str)]) {
+    let mut bench = Bench::start(&Arc::new(firmware), 1, Line::default());
+    bench.hold_buttons(true);
+    bench.run_for_ms(100);
+    for (set, back, says) in settings {
+        assert!(bench.ask(1, &format!("set {set}")).starts_with("ok"), "{set}");
+        let refused = bench.ask(1, "apply");
+        assert!(refused.starts_with("error ") && refused.contains(says), "{set}: {refused}");
+        assert!(bench.ask(1, &format!("set {back}")).starts_with("ok"), "{back}");
+    }
+    assert_eq!(bench.ask(1, "apply"), "ok applied");
+    bench.finish();
+}
+
 /// Clears what stopped a board's motors, which turns nothing on, and arms it; whether signs had to be checked again, as after a reset or a fault
 /// that puts encoders in doubt.
 pub(crate) fn arm_again(bench: &mut Bench, what: &str) -> bool {

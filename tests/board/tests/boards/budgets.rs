@@ -25,6 +25,11 @@ fn memory(firmware: &Firmware, measured: &mut Measured) {
     measured.add("axi_bytes", bytes(&[".axi"]) as f64);
 }
 
+fn instructions_of(measured: &mut Measured, name: &str, counted: MedianAndMost) {
+    measured.add(format!("tick_instructions_median.{name}"), counted.median);
+    measured.add(format!("tick_instructions_max.{name}"), counted.max);
+}
+
 /// Of an armed tick, with every tick recorded, as it is while somebody watches at full rate.
 fn instructions(firmware: &Arc<Firmware>, measured: &mut Measured) {
     for (name, comm, set) in [
@@ -37,22 +42,18 @@ fn instructions(firmware: &Arc<Firmware>, measured: &mut Measured) {
         let scene = breaks::built_in(&format!("paper-5.2-{comm}-16ms"), set);
         let trial = trial::run(firmware, &scene, 2.0).expect("the boards run it");
         assert_eq!((trial.equal.first_difference, trial.ticks_missed), (None, 0), "{name}");
-        measured.add(format!("tick_instructions_median.{name}"), trial.instructions.median);
-        measured.add(format!("tick_instructions_max.{name}"), trial.instructions.max);
+        instructions_of(measured, name, trial.instructions);
     }
     let trial = trial::run(firmware, &current_loop::scene(&[]), 1.0).expect("the boards run it");
     assert_eq!((trial.equal.first_difference, trial.ticks_missed), (None, 0), "current loop");
-    measured.add("tick_instructions_median.current-loop", trial.instructions.median);
-    measured.add("tick_instructions_max.current-loop", trial.instructions.max);
+    instructions_of(measured, "current-loop", trial.instructions);
     let (equal, three) = three_axes::run(2);
     assert_eq!(equal.first_difference, None, "three axes");
-    measured.add("tick_instructions_median.three-axes", three.median);
-    measured.add("tick_instructions_max.three-axes", three.max);
+    instructions_of(measured, "three-axes", three);
     measured.add("itcm_bytes.three-axes", Firmware::three_axes().sections[".itcm"].1 as f64);
     let (equal, instructions) = spi_encoders::run(1);
     assert_eq!(equal.first_difference, None, "encoders on SPI");
-    measured.add("tick_instructions_median.spi-encoders", instructions.median);
-    measured.add("tick_instructions_max.spi-encoders", instructions.max);
+    instructions_of(measured, "spi-encoders", instructions);
     measured.add("itcm_bytes.spi-encoders", Firmware::spi_encoders().sections[".itcm"].1 as f64);
     measured.add("loop_instructions_median", trial.loop_instructions.median);
     measured.add("loop_instructions_max", trial.loop_instructions.max);
@@ -159,8 +160,7 @@ fn static_stack(measured: &mut Measured) -> f64 {
 fn of_a_moteus(measured: &mut Measured) {
     let (equal, instructions, _) = moteus::run(&current_loop::scene(&[]), 1);
     assert_eq!(equal.first_difference, None, "moteus");
-    measured.add("tick_instructions_median.moteus", instructions.median);
-    measured.add("tick_instructions_max.moteus", instructions.max);
+    instructions_of(measured, "moteus", instructions);
 }
 
 /// Stack and memory of an image that lies beside the usual one.

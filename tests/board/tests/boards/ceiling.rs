@@ -27,6 +27,15 @@ fn hold_button(bench: &mut Bench, held: bool) {
     bench.run_for_ms(10);
 }
 
+/// The board's next start, with what it has saved.
+fn saved(mut bench: Bench, firmware: &Arc<Firmware>) -> Bench {
+    assert!(bench.ask(1, "save").starts_with("ok"));
+    bench.run_for_ms(1100);
+    let flash = bench.flash(1, STORE);
+    bench.finish();
+    board(firmware, &flash)
+}
+
 #[test]
 fn limits_are_lowered_from_afar_and_raised_at_the_board_only() {
     let firmware = Arc::new(Firmware::release());
@@ -54,11 +63,7 @@ fn limits_are_lowered_from_afar_and_raised_at_the_board_only() {
     }
 
     // Saved, what was applied is the ceiling of the next start; `defaults` does not lead beyond it.
-    assert!(bench.ask(1, "save").starts_with("ok"));
-    bench.run_for_ms(1100);
-    let flash = bench.flash(1, STORE);
-    bench.finish();
-    let mut bench = board(&firmware, &flash);
+    let mut bench = saved(bench, &firmware);
     assert!(bench.ask(1, "status").contains("settings stored 1;"));
     for (newtons, fits) in [("2.6", false), ("3", false), ("2.5", true), ("0.5", true), ("2.5", true)] {
         assert_eq!(force(&mut bench, newtons), fits, "{newtons} N after 2.5 N were saved");
@@ -66,11 +71,7 @@ fn limits_are_lowered_from_afar_and_raised_at_the_board_only() {
     assert_eq!(bench.ask(1, "defaults"), "ok the draft holds the defaults");
     assert!(bench.ask(1, "apply").starts_with("error safety.max_force_n = 3 is above "));
     // What was refused is not in force, and not saved.
-    assert!(bench.ask(1, "save").starts_with("ok"));
-    bench.run_for_ms(1100);
-    let flash = bench.flash(1, STORE);
-    bench.finish();
-    let mut bench = board(&firmware, &flash);
+    let mut bench = saved(bench, &firmware);
     assert_eq!(bench.ask(1, "get safety.max_force_n"), "ok safety.max_force_n = 2.5");
     bench.finish();
 }

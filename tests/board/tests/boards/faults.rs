@@ -15,6 +15,8 @@ use haptic_sim::scene::PlantFault;
 
 use crate::{amplifiers, breaks, impostor::Impostor, switch};
 
+/// The time driver's counter, which goes on while a debugger halts the processor.
+const TIM5_CNT: u64 = 0x4000_0C24;
 /// Two instructions each: for ever, and one that is none.
 const FOR_EVER: u32 = 0xE7FE_E7FE;
 const NO_INSTRUCTION: u32 = 0xDE00_DE00;
@@ -269,6 +271,14 @@ fn outputs_go_off_and_stay_off() {
     let what = "emergency stop pressed, later released";
     let pressed = once(|bench| press(bench, true));
     campaign.inject(what, 1, &faulted(1, "disarmed"), &pressed, &|bench| press(bench, false));
+
+    let halt = once(|bench| {
+        let count = bench.peek_now(1, [TIM5_CNT])[0];
+        // Not over a half of its round, whose interrupt would be lost; that of its alarm (EGR, CC2G) is due.
+        let gone_on = count + 5000.min(0x7FFF - (count & 0x7FFF));
+        bench.input(1).poke.extend([(TIM5_CNT, gone_on), (TIM5_CNT - 0x10, 1 << 2)]);
+    });
+    campaign.inject("a debugger halts the processor for 5 ms", 1, &faulted(1, "fault 72"), &halt, &nothing);
 
     let fail = |bench: &mut Bench, fails: bool| bench.input(1).bridge_fails = Some(fails);
     let what = "a bridge reports a fault (nFAULT)";

@@ -14,7 +14,6 @@ use board_bench::part::fdcan::BusFault;
 use board_bench::part::moteus::Planted;
 use board_bench::trial;
 use board_bench::twin::{self, Equal};
-use board_bench::wire::Line;
 use board_bench::{node::Report, reviewed};
 use firmware_parts::moteus::{LOST, WATCHDOG_MS};
 use haptic_sim::scene::Scene;
@@ -179,14 +178,9 @@ fn a_board_that_stands_sends_nothing_and_the_motor_lets_go_by_itself() {
 
 #[test]
 fn a_board_without_an_answering_motor_starts_and_is_not_armed() {
-    let firmware = Arc::new(Firmware::moteus());
-    let mut bench = Bench::power_on(&firmware, 1, Line::default(), 58, |inputs| {
-        inputs.controller = Some(Planted::Dead);
-    });
-    bench.set_up(&scene()).expect("the board takes it");
-    assert!(bench.ask(1, "status").contains(" disarmed fault 0 "), "silence is no fault before the first answer");
     let why = "error the motor's controller does not answer: look at its supply, its bus, its identifier (1)";
-    assert_eq!([bench.ask(1, "check 1"), bench.ask(1, "arm")], [why, why]);
+    let dead = |inputs: &mut Inputs| inputs.controller = Some(Planted::Dead);
+    let mut bench = breaks::silent(Firmware::moteus(), &scene(), dead, why);
     bench.input(1).controller = Some(Planted::None);
     bench.run_for_ms(5);
     bench.check(1).expect("it passes");
@@ -196,23 +190,10 @@ fn a_board_without_an_answering_motor_starts_and_is_not_armed() {
 
 #[test]
 fn what_one_motor_cannot_do_is_refused() {
-    let firmware = Arc::new(Firmware::moteus());
-    let mut bench = Bench::start(&firmware, 1, Line::default());
-    bench.hold_buttons(true);
-    bench.run_for_ms(100);
-    for (set, back, says) in [
+    let current = "amplifier, because a moteus makes the current of its torque by itself";
+    let settings = [
         ("axis.count 2", "axis.count 1", "1, because the image for a moteus drives one motor"),
-        (
-            "motor.drive current-loop",
-            "motor.drive amplifier",
-            "amplifier, because a moteus makes the current of its torque by itself",
-        ),
-    ] {
-        assert!(bench.ask(1, &format!("set {set}")).starts_with("ok"), "{set}");
-        let refused = bench.ask(1, "apply");
-        assert!(refused.starts_with("error ") && refused.contains(says), "{set}: {refused}");
-        assert!(bench.ask(1, &format!("set {back}")).starts_with("ok"), "{back}");
-    }
-    assert_eq!(bench.ask(1, "apply"), "ok applied");
-    bench.finish();
+        ("motor.drive current-loop", "motor.drive amplifier", current),
+    ];
+    breaks::refuses(Firmware::moteus(), &settings);
 }

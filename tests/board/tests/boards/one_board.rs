@@ -52,8 +52,8 @@ fn what_a_start_leaves_in_the_chip() {
     const THIRD: [(char, u64); 3] = [('A', 5), ('B', 3), ('B', 10)];
     // The stop, the bridges' fault, the amplifiers' gate.
     const WIRES: [(char, u64); 3] = [('E', 15), ('E', 6), ('D', 15)];
-    // DBGMCU_APB2FZ1: TIM1; DBGMCU_APB3FZ1: WWDG1; DBGMCU_APB4FZ1: IWDG1; ADC1_JDR1: what a sensor in the middle of its range reads, at a multiple of 2¹².
-    const REGISTERS: [u64; 4] = [0x5C00_104C, 0x5C00_1034, 0x5C00_1054, 0x4002_2080];
+    // DBGMCU_APB2FZ1: TIM1; APB3FZ1: WWDG1; APB4FZ1: IWDG1; APB1LFZ1: TIM6; ADC1_JDR1: what a sensor in the middle of its range reads, at a multiple of 2¹².
+    const REGISTERS: [u64; 5] = [0x5C00_104C, 0x5C00_1034, 0x5C00_1054, 0x5C00_103C, 0x4002_2080];
     let mut rows = Vec::new();
     for (image, firmware) in [("one or two motors", Firmware::release()), ("three", Firmware::three_axes().alone())] {
         let three = image == "three";
@@ -62,16 +62,16 @@ fn what_a_start_leaves_in_the_chip() {
         assert!(pulled(&mut bench, &encoders).iter().all(|pull| *pull == 0), "{image}: encoders' pins have no pull");
         assert_eq!(pulled(&mut bench, &WIRES), [2, 1, 2], "{image}");
         let words = bench.peek(1, REGISTERS);
-        let halt = (words[0] & 1, words[1] >> 6 & 1, words[2] >> 18 & 1);
-        assert_eq!(halt, (1, 1, 1), "{image}: TIM1 and both watchdogs halt with the core");
+        let halt = [words[0] & 1, words[1] >> 6 & 1, words[2] >> 18 & 1, words[3] >> 4];
+        assert_eq!(halt, [1; 4], "{image}: TIM1, both watchdogs and TIM6 alone halt with the core");
         rows.push(format!("| {image} | {} pins of encoders | no pull |", encoders.len()));
         rows.push(format!("| {image} | PE15 (stop), PE6 (fault), PD15 (gate) | down, up, down |"));
         rows.push(format!(
-            "| {image} | DBGMCU: TIM1, WWDG1, IWDG1 | stand still while a debugger halts the core, TIM1 with its outputs off |"
+            "| {image} | DBGMCU: TIM1, TIM6, WWDG1, IWDG1 | stand still while a debugger halts the core, TIM1 with its outputs off |"
         ));
         if !three {
             // 0x8008 where it was calibrated without linearity, or before its regulator was ready.
-            assert_eq!(words[3], 0x8000, "{image}: no code is missing");
+            assert_eq!(words[4], 0x8000, "{image}: no code is missing");
             rows.push(format!(
                 "| {image} | ADC1 at no current | 0x8000: calibrated with linearity, its regulator ready |"
             ));

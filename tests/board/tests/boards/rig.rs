@@ -32,7 +32,7 @@ fn what_is_wrong_with_a_board_is_found() {
     rigged.spoil(GOES_ON.0, GOES_ON.1);
     let found = test(&mut rigged, "halt-while-armed");
     assert!(found.as_ref().is_err_and(|why| why.contains("PE14 did not fall")), "{found:?}");
-    assert_eq!(rigged.ask("disarm").as_deref(), Ok("ok disarmed"));
+    assert_eq!(rigged.ask("clear").as_deref(), Ok("ok disarmed"));
     rigged.spoil(LONGER.0, LONGER.1);
     let found = test(&mut rigged, "tick-spacing");
     assert!(found.as_ref().is_err_and(|why| why.contains(" 0 of them 20 periods after the last")), "{found:?}");

@@ -9,6 +9,7 @@ use std::sync::Arc;
 use board_bench::bench::Bench;
 use board_bench::cost::MedianAndMost;
 use board_bench::image::Firmware;
+use board_bench::node::Inputs;
 use board_bench::part::as5047p::Planted;
 use board_bench::reviewed;
 use board_bench::trial;
@@ -207,14 +208,9 @@ fn a_bus_without_a_clock_turns_the_motors_off_in_the_third_tick() {
 
 #[test]
 fn a_board_without_an_encoder_in_use_starts_and_is_not_armed() {
-    let firmware = Arc::new(Firmware::spi_encoders());
-    let mut bench = Bench::power_on(&firmware, 1, Line::default(), 58, |inputs| {
-        inputs.encoder = Some((0, Planted::Dead));
-    });
-    bench.set_up(&breaks::scene(&[])).expect("the board takes it");
-    assert!(bench.ask(1, "status").contains(" disarmed fault 0 "), "silence is no fault before the first answer");
     let why = "error encoder 1 does not answer: look at its supply, its chip select (PA4) and its wires";
-    assert_eq!([bench.ask(1, "check 1"), bench.ask(1, "arm")], [why, why]);
+    let dead = |inputs: &mut Inputs| inputs.encoder = Some((0, Planted::Dead));
+    let mut bench = breaks::silent(Firmware::spi_encoders(), &breaks::scene(&[]), dead, why);
     // The second encoder's joint is not in use.
     bench.input(1).encoder = Some((0, Planted::None));
     bench.run_for_ms(5);
@@ -227,14 +223,6 @@ fn a_board_without_an_encoder_in_use_starts_and_is_not_armed() {
 
 #[test]
 fn a_speed_that_an_angle_cannot_be_followed_at_is_refused() {
-    let firmware = Arc::new(Firmware::spi_encoders());
-    let mut bench = Bench::start(&firmware, 1, Line::default());
-    bench.hold_buttons(true);
-    bench.run_for_ms(100);
-    assert!(bench.ask(1, "set encoder.counts_per_m 400000").starts_with("ok"));
-    let refused = bench.ask(1, "apply");
-    assert!(refused.starts_with("error ") && refused.contains("encoder.max_speed_m_per_s"), "{refused}");
-    assert!(bench.ask(1, "set encoder.max_speed_m_per_s 5").starts_with("ok"));
-    assert_eq!(bench.ask(1, "apply"), "ok applied");
-    bench.finish();
+    let settings = [("encoder.counts_per_m 400000", "encoder.max_speed_m_per_s 5", "encoder.max_speed_m_per_s")];
+    breaks::refuses(Firmware::spi_encoders(), &settings);
 }
