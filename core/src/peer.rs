@@ -594,7 +594,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
     /// One tick of a probe; disarmed when it is over.
     #[cold]
     fn push(&mut self, stage: Option<&Measured<N>>) -> Actuators<S, N> {
-        match self.probing.step(self.joints.iter().map(|joint| joint.encoder.total), stage.copied()) {
+        match self.probing.tick(self.joints.iter().map(|joint| joint.encoder.total), stage) {
             Some(Push { duties, enable, open }) => Actuators { duties, enable, open, ..Actuators::default() },
             None => {
                 self.enter(Mode::Disarmed);

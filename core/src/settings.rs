@@ -271,8 +271,17 @@ impl Settings {
         if key.allowed == Allowed::Flag { Value::Flag(number != 0.0) } else { Value::Number(number) }
     }
 
+    /// Refuses the first of these values that does not fit where they are to be run: its key, whether it fits, what would.
+    ///
+    /// # Errors
+    /// That one.
+    pub fn all_fit(&self, values: &[(&'static str, bool, &'static str)]) -> Result<(), Refused<'static>> {
+        let wrong = values.iter().find(|(_, fits, _)| !fits);
+        wrong.map_or(Ok(()), |(key, _, only)| Err(Refused { unit: "", ..self.refuses(key, Allowed::Only(only)) }))
+    }
+
     /// That the value of a key of these tables is not `allowed` beside the others.
-    pub(crate) fn refuses(&self, name: &'static str, allowed: Allowed) -> Refused<'static> {
+    pub fn refuses(&self, name: &'static str, allowed: Allowed) -> Refused<'static> {
         let unit = <Self as Tables>::KEYS.iter().find(|key| key.name == name).map_or("", |key| key.unit);
         Refused { key: name, value: Tables::get(self, name).unwrap_or(Value::Flag(false)), allowed, unit }
     }

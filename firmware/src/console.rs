@@ -16,12 +16,13 @@ use firmware_parts::exchange::{Reader, Writer};
 use firmware_parts::image::{JOINTS, Peer};
 use firmware_parts::kept::{HOLD_SWITCH, Kept};
 use firmware_parts::operator::{self, Misread, Request, Time, Whose};
+use firmware_parts::rate::Rate;
 use firmware_parts::signals::{Button, Order, Saving, Signals};
 use firmware_parts::status;
 use haptic_core::contact::{Contact, Side};
 use haptic_core::device::probe::{Outcome, Probe};
 use haptic_core::safety::{Command, Mode};
-use haptic_core::settings::{Allowed, Refused, SetError, Settings, Value};
+use haptic_core::settings::{Refused, SetError, Settings, Value};
 use haptic_core::{device::velocity::VelocityName, num::Motion};
 use haptic_protocol::{lease::Word, lines::Line};
 
@@ -62,9 +63,8 @@ pub(crate) struct Console {
 /// From the order to the bootloader: the answer is heard before.
 const LEAVES_AFTER: Duration = Duration::from_millis(500);
 
-/// Most ticks between two packets: orders are carried out at packets, and answered within 50 ms.
-const MAX_TICKS_PER_PACKET: u32 = 40;
-const _: () = assert!(pace::PERIOD_S == 0.001 && MAX_TICKS_PER_PACKET == 40, "as refusals in `plan` say");
+/// Longest from packet to packet, ns: orders are carried out at packets, and answered within 50 ms.
+const LONGEST_NS: u64 = 40_000_000;
 
 /// The settings as this board runs them, turned into what the tick takes.
 pub(crate) fn plan(settings: &Settings, number: Number) -> Result<Plan, Refused<'static>> {
@@ -73,34 +73,28 @@ pub(crate) fn plan(settings: &Settings, number: Number) -> Result<Plan, Refused<
         Number::One => Side::Left,
         Number::Two => Side::Right,
     };
-    for (key, fits, allowed) in [
-        (
-            "timing.control_period_s",
-            settings.timing.control_period_s == pace::PERIOD_S,
-            "0.001, the period of the board's tick",
-        ),
+    let rate = Rate::of(&settings.timing);
+    settings.all_fit(&[
+        ("timing.control_period_s", rate.is_some(), Rate::PERIODS),
         (
             "timing.ticks_per_packet",
-            settings.timing.ticks_per_packet <= MAX_TICKS_PER_PACKET,
-            "at most 40, because orders wait for a packet",
+            settings.timing.packet_period_ns() <= LONGEST_NS,
+            "at most 40 ms of ticks, because orders wait for a packet",
         ),
         (
             "axis.velocity",
             settings.axis.velocity != VelocityName::Measured,
             "difference, filtered or adaptive, because encoders measure no velocity",
         ),
-    ] {
-        if let (false, Some(value)) = (fits, settings.get(key)) {
-            return Err(Refused { key, value, allowed: Allowed::Only(allowed), unit: "" });
-        }
-    }
+    ])?;
     haptic_core::device::encoder::check(&settings)?;
     // The object starts at zero, so the device starts where it is just clear of it.
     let clear = -Contact::<f32>::build(&settings).clear_of(0.0);
     let mut device = [Motion::REST; JOINTS];
     device[0] = Motion::at(clear);
     let peer = Peer::build(&settings, device)?;
-    Ok(Plan { peer, drive: Fitted::plan(&settings)?, device: 0 })
+    let rate = rate.unwrap_or(Rate::Khz1);
+    Ok(Plan { peer, rate, drive: Fitted::plan(&settings, rate)?, device: 0 })
 }
 
 /// Why the answer is `error`.

@@ -18,6 +18,7 @@ pub mod mac;
 pub mod moteus;
 pub mod operator;
 mod order;
+pub mod rate;
 pub mod signals;
 pub mod status;
 pub mod store;

@@ -119,7 +119,7 @@ mod image {
         });
         SIGNALS.by_switch.set(kept.hold_switch);
         switch::start(board.switch, &SIGNALS);
-        pace::start(board.pace);
+        pace::start(board.pace, board.halts, plan.rate);
 
         interrupt::UART4.set_priority(Priority::P3);
         interrupt::UART5.set_priority(Priority::P6);

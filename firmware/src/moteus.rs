@@ -20,8 +20,9 @@ use haptic_core::device::{kinematics::Joints, motor::Duty};
 use haptic_core::names::MotorDrive;
 use haptic_core::num::Scalar;
 use haptic_core::safety::{Fault, Patience};
-use haptic_core::settings::{Allowed, Refused, Settings};
+use haptic_core::settings::{Refused, Settings};
 
+use crate::rate::Rate;
 use crate::signals::Coded;
 
 /// Until when a controller stops by itself after the last command, ms.
@@ -230,18 +231,16 @@ impl Design {
     /// From the tables `motor`, `encoder` and `kinematics`. A slide is moved by a drum of which a turn is `counts_per_rev` of its counts.
     ///
     /// # Errors
-    /// More axes than the one that is driven, or a drive that asks for a current loop.
+    /// More axes than the one that is driven, a drive that asks for a current loop, or a faster tick.
     pub fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
         let only_one = "1, because the image for a moteus drives one motor";
         let only_amplifier = "amplifier, because a moteus makes the current of its torque by itself";
-        for (key, fits, allowed) in [
+        let only_khz_1 = "0.001, as long as a question and its answer take on the bus";
+        settings.all_fit(&[
             ("axis.count", settings.axis.count == 1, only_one),
             ("motor.drive", settings.motor.drive == MotorDrive::Amplifier, only_amplifier),
-        ] {
-            if let (false, Some(value)) = (fits, settings.get(key)) {
-                return Err(Refused { key, value, allowed: Allowed::Only(allowed), unit: "" });
-            }
-        }
+            ("timing.control_period_s", Rate::of(&settings.timing) == Some(Rate::Khz1), only_khz_1),
+        ])?;
         let (motor, counts_per_rev) = (&settings.motor, settings.encoder.counts_per_rev);
         // N·m per N of a slide; of a joint that turns 1.
         let drum = counts_per_rev / (core::f64::consts::TAU * Joints::of(settings).counts_per_unit);

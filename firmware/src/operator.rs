@@ -60,7 +60,7 @@ pub enum Request<'a> {
 /// The interrupt that a time belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Whose {
-    /// 1000 times a second.
+    /// Once a control period.
     Tick,
     /// 20,000 times a second, while motors are on.
     CurrentLoop,

@@ -22,12 +22,12 @@ use haptic_protocol::path::Path;
 use haptic_protocol::wire::{Datagram, MAX_DATAGRAM};
 use haptic_protocol::{ends::Ends, key::Key};
 
-use crate::board::{Number, random};
+use crate::board::{Number, pace, random};
 use crate::log::{LINES, log};
 use crate::{console::Console, serial::Teller, sockets, telemetry::Telemetry};
 
-/// Between two looks while nothing comes: with records to send, and without.
-const BUSY: Duration = Duration::from_millis(2);
+/// Between two looks while nothing comes and there is no record to send; with records it is two ticks, so that a socket has room for what they
+/// left.
 const IDLE: Duration = Duration::from_millis(10);
 
 /// The board's end of the link.
@@ -86,7 +86,8 @@ pub(crate) async fn run(stack: Stack<'static>, console: Console, link: &'static 
     // A record that is sealed and waits.
     let mut waiting: Option<(usize, Datagram)> = None;
     loop {
-        let look = if port.telemetry.is_on() { BUSY } else { IDLE };
+        let busy = Duration::from_micros(2000 / u64::from(pace::per_ms()));
+        let look = if port.telemetry.is_on() { busy } else { IDLE };
         let mut caller = None;
         match with_timeout(look, socket.recv_from(&mut bytes)).await {
             Ok(Ok((length, from))) => {
@@ -104,7 +105,7 @@ pub(crate) async fn run(stack: Stack<'static>, console: Console, link: &'static 
         if let Some(said) = port.link.heard()
             && lease.with(|hold, now_us| hold.hear(now_us, said, signals))
         {
-            log!(info, "operator: stop");
+            log!(info, "the operator does not let the motors run: off");
         }
         if !port.lines.is_saying()
             && let Some(heard) = port.lines.hear(now, port.link)

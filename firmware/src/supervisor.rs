@@ -1,7 +1,7 @@
 //! The supervisor: feeds the watchdog while the tick makes progress, lets go when the operator does, looks at the blue button,
 //! shows signs of life, logs what changes.
 //!
-//! Every 5 ms it looks at the tick counter. It feeds the watchdog only if the tick advanced by 3 to 7 since the last look:
+//! Every 5 ms it looks at the tick counter. It feeds the watchdog only if the tick advanced by 3 to 7 ms since the last look:
 //! a tick that stands still, and a supervisor that does, both end in a reset within [`crate::board::WATCHDOG_MS`].
 
 use embassy_stm32::gpio::{Input, Level, Output};
@@ -11,11 +11,11 @@ use firmware_parts::signals::{Button, Signals};
 use firmware_parts::{button::Watch, hold};
 use haptic_core::safety::Mode;
 
-use crate::{lease::Lease, log::log};
+use crate::{board::pace, lease::Lease, log::log};
 
-/// Between two looks, ms; and so the ticks expected in between.
+/// Between two looks, ms; and so the milliseconds of ticks expected in between.
 const EVERY_MS: u32 = hold::LOOK_EVERY;
-/// What the phases of two timers may make of it.
+/// What the phases of two timers may make of it, ms.
 const SLACK: u32 = 2;
 
 #[embassy_executor::task]
@@ -36,7 +36,8 @@ pub(crate) async fn run(
     loop {
         pace.next().await;
         let now = signals.ticks.get();
-        if now.wrapping_sub(last).abs_diff(EVERY_MS) <= SLACK {
+        let per_ms = pace::per_ms();
+        if now.wrapping_sub(last).abs_diff(EVERY_MS * per_ms) <= SLACK * per_ms {
             watchdog.pet();
         }
         last = now;

@@ -1,10 +1,10 @@
-//! The tick: the 1 kHz interrupt that reads the joints, runs the peer and commands the drive.
+//! The tick: the interrupt that reads the joints, runs the peer and commands the drive, 1000 to 5000 times a second as the scene asks.
 //!
-//! **Deadline**: 1 ms from entry to exit; it needs a few microseconds. A tick that has not ended when the next is due is
+//! **Deadline**: a control period from entry to exit; it needs a few microseconds. A tick that has not ended when the next is due is
 //! seen at its end and handed to the next, which latches [`haptic_core::safety::Fault::TickOverrun`]: motors off. One that
-//! lasts for two periods is ended by a reset ([`crate::board::deadman`]).
+//! lasts for 2 ms is ended by a reset ([`crate::board::deadman`]).
 //!
-//! **Rules**: above every critical section, and below nothing but the current loop; code in ITCM, data in DTCM. No lock, no log, no
+//! **Rules**: above every critical section, and below nothing but the current loop; code in ITCM (but for what only a probe needs), data in DTCM. No lock, no log, no
 //! allocation, no executor, no await; what it shares with tasks is in [`Side`]. It cannot panic.
 //!
 //! Order, as in host-sim's harness: joints; operator's orders, probes and a new scene at packet boundaries, stopping at once;
@@ -14,6 +14,7 @@ use core::mem::MaybeUninit;
 
 use firmware_parts::exchange::{Producer, Reader, Writer, put};
 use firmware_parts::image::{JOINTS, Peer, SHARED};
+use firmware_parts::rate::Rate;
 use firmware_parts::record::{self, Record, digest, joints};
 use firmware_parts::signals::Signals;
 use haptic_core::device::Reading;
@@ -30,6 +31,7 @@ use crate::board::{current, deadman, pace};
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Plan {
     pub(crate) peer: Peer,
+    pub(crate) rate: Rate,
     /// What the drive is to know of the settings.
     pub(crate) drive: drive::Plan,
     /// Changes whenever the settings of encoders, mechanism or motors do: signs are then to be checked again.
@@ -54,7 +56,7 @@ pub(crate) struct Received {
     pub(crate) packets: [Packet<f32>; SHARED],
 }
 
-/// Records that may wait for telemetry: 64 ms at full rate of one shared axis, 42 ms of three.
+/// Records that may wait for telemetry: of every tick at 1 kHz 64 ms with one shared axis and 42 ms with three, at 4 kHz a quarter of that.
 pub(crate) const RECORDS: usize = if SHARED == 1 { 64 } else { 128 };
 
 /// The tick's side of what it shares with the tasks.
@@ -256,6 +258,7 @@ impl Loop {
             let plan = self.side.plans.get();
             put(&mut self.peer, &plan.peer);
             put(&mut self.plan, &plan.drive);
+            pace::set(plan.rate);
             if plan.device != self.device {
                 self.device = plan.device;
                 self.passed = [false; JOINTS];
@@ -286,7 +289,7 @@ impl Loop {
 
     /// After the tick that ended a probe.
     #[cold]
-    #[unsafe(link_section = ".itcm.probe")]
+    #[unsafe(link_section = ".slow.probe")]
     fn after_probe(&mut self) {
         self.probing = false;
         let outcome = self.peer.probed();

@@ -10,8 +10,8 @@
 //! 3. Stop is a level, said in every datagram until the board confirms it. It ends every run, also one that runs alone.
 //! 4. Only the board says that motors are off. An operator's end says *stopped* if the board says *off* after it heard that very stop.
 //!
-//! Sans-IO, without allocation and without a clock. Times are µs. `tests/inside/lease` explores both ends over a network that drops,
-//! holds, repeats and reorders.
+//! Sans-IO, without allocation and without a clock. Times are µs, and each age is measured by one clock, so clocks may drift.
+//! `tests/inside/lease` explores both ends over a network that drops, holds and reorders.
 
 use crate::aged::Aged;
 

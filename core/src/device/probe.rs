@@ -2,7 +2,7 @@
 //!
 //! Calibration and the check before arming need motion whose cause is known, from a device of which neither scale nor sign
 //! may be known yet. So a probe commands a duty, not a force, and its limits are in duty, encoder counts and seconds:
-//! largest duty, travel from where it began, counts in one tick, duration (table `probe`). At any of them the motor is off in
+//! largest duty, travel from where it began, counts in one step, duration (table `probe`). At any of them the motor is off in
 //! the same tick, and the reason is kept until the next probe. The guards of [`crate::safety`] trip as always.
 //!
 //! | shape | duty, as a fraction of the largest | for |
@@ -11,13 +11,16 @@
 //! | `swing` | 1, −1, −1, 1, a quarter of the time each | sign, inertia: a device without friction ends where it began, at rest |
 //! | `ramp` | from 0 to 1 | the force at which it breaks away |
 //! | `sine` | cos 2πft: velocity begins at zero, so it does not drift | friction and inertia, back-EMF |
-//! | `winding` | a voltage, a share of the supply: 0, then one way or the other from tick to tick ([`winding`]) | resistance, inductance |
+//! | `winding` | a voltage, a share of the supply: 0, then one way or the other from step to step ([`winding`]) | resistance, inductance |
 //!
 //! [`Outcome::verdict`]: whatever the device, as long as it is passive and began at rest, a motor cannot have taken work
 //! out of it. So W = Σ sign(duty)·Δcounts, duty and counts both along the joint, never falls below zero where the signs of
 //! motor and encoder agree, and never rises above it where they do not. A hand that pushes one way gives both, and is
-//! recognised: no verdict. Force follows duty late, by a tick or two; so the first three after a change of sign do not
+//! recognised: no verdict. Force follows duty late, by a millisecond or two; so the first three steps after a change of sign do not
 //! count.
+//!
+//! A **step** is a millisecond, or a tick where that is longer. The duty changes and motion is judged from step to step, so that a check
+//! says the same whatever the tick; limits are looked at in every tick.
 //!
 //! **With a current loop** the check begins with a trial ([`winding`]), before the loop is closed, and ends with what voltage and current say
 //! of the winding and of the encoder's scale ([`Electric`]). A probe ends as soon as a motor's current is [`RUNAWAY`] times what was asked
@@ -29,10 +32,10 @@
 
 use core::fmt;
 
-use super::stage::Measured;
+use super::stage::{Flow, Measured};
 use super::winding::{self, Electric, Expected, Sums, Trial};
 use crate::names::{Choice, words};
-use crate::settings::{Allowed, Refused, Settings, Value};
+use crate::settings::{Allowed, Refused, Settings, Timing, Value};
 use crate::{device::motor::Duty, num::Scalar};
 
 words! {
@@ -42,7 +45,7 @@ words! {
         "swing" => Swing, "one way, the other way for twice as long, the first way again";
         "ramp" => Ramp, "evenly up from zero";
         "sine" => Sine, "a cosine";
-        "winding" => Winding, "a voltage, none and then one way or the other from tick to tick";
+        "winding" => Winding, "a voltage, none and then one way or the other from step to step";
     }
 
     /// How a probe ended.
@@ -100,8 +103,10 @@ pub struct Probe<S> {
     /// Duty code, negative where positive duty pushes against the joint and the push is along it.
     code: S,
     along: i32,
-    ticks: u32,
-    radians_per_tick: S,
+    /// Ticks of a step, and steps.
+    step_ticks: u32,
+    steps: u32,
+    radians_per_step: S,
     max_travel_counts: i32,
     max_step_counts: i32,
     /// Work at which a verdict is passed, counts.
@@ -119,8 +124,18 @@ pub const RUNAWAY: i32 = 2;
 /// Current that is more than any noise of the sensor, codes: 1/32 of full scale.
 pub const SMALL_CODES: i32 = 1024;
 
-/// Ticks after a change of sign that do not count; a force that follows its duty by two is still judged right.
-const LATE_TICKS: u32 = 3;
+/// A step of a probe, s, or a tick where that is longer: duties change, motion and current are judged from step to step, whatever the tick.
+pub const STEP_S: f64 = 0.001;
+
+/// Steps after a change of sign that do not count; a force that follows its duty by two is still judged right.
+const LATE: u32 = 3;
+
+/// Ticks of a step, and how long it is, s.
+pub(crate) fn step(timing: &Timing) -> (u32, f64) {
+    // A cast saturates, and a tick is 10 µs or more.
+    let ticks = ((STEP_S / timing.control_period_s + 0.5) as u32).max(1);
+    (ticks, f64::from(ticks) * timing.control_period_s)
+}
 
 /// Travel of the check before arming, in the work that it asks for: an undisturbed swing travels twice its work.
 const CHECK_TRAVEL: u32 = 20;
@@ -133,15 +148,15 @@ impl<S: Scalar> Probe<S> {
     pub fn build(settings: &Settings, request: &Request) -> Result<Self, Refused<'static>> {
         let limits = &settings.probe;
         let most = limits.max_duty.min(settings.motor.max_duty);
-        let period_s = settings.timing.control_period_s;
+        let (step_ticks, step_s) = step(&settings.timing);
         within("joint", f64::from(request.joint), [1.0, f64::from(settings.axis.count)], "")?;
         within("duty", request.duty, [-most, most], "")?;
-        within("duration", request.duration_s, [4.0 * period_s, limits.max_s], "s")?;
+        within("duration", request.duration_s, [4.0 * step_s, limits.max_s], "s")?;
         if request.shape == Shape::Sine {
-            within("frequency", request.frequency_hz, [0.1, 0.1 / period_s], "Hz")?;
+            within("frequency", request.frequency_hz, [0.1, 0.1 / step_s], "Hz")?;
         }
         // Float-to-integer casts saturate.
-        let quarter = (request.duration_s / (4.0 * period_s)) as u32;
+        let quarter = (request.duration_s / (4.0 * step_s)) as u32;
         let along = if settings.motor.reversed { -1 } else { 1 };
         // The nearest code that is no more than the largest duty.
         let full_scale = f64::from(Duty::FULL_SCALE);
@@ -152,17 +167,18 @@ impl<S: Scalar> Probe<S> {
             shape: request.shape,
             code: S::from_i32(along * code),
             along,
-            ticks: 4 * quarter.max(1),
-            radians_per_tick: S::from_f64(core::f64::consts::TAU * request.frequency_hz * period_s),
+            step_ticks,
+            steps: 4 * quarter.max(1),
+            radians_per_step: S::from_f64(core::f64::consts::TAU * request.frequency_hz * step_s),
             max_travel_counts: limits.max_travel_counts as i32,
-            max_step_counts: (limits.max_speed_counts_per_s * period_s + 1.0) as i32,
+            max_step_counts: (limits.max_speed_counts_per_s * step_s + 1.0) as i32,
             verdict_counts: limits.check_counts as i32,
             check: false,
             most_codes: [RUNAWAY * code.saturating_abs() + SMALL_CODES, (settings.motor.max_duty * full_scale) as i32],
             trial_mv: {
                 let motor = &settings.motor;
                 let amperes = winding::TRIAL_SHARE * code.unsigned_abs() as f64 / full_scale * motor.full_scale_a;
-                1e3 * amperes * (motor.resistance_ohm + motor.inductance_h / period_s)
+                1e3 * amperes * (motor.resistance_ohm + motor.inductance_h / step_s)
             },
             expected: Expected::build(settings),
         })
@@ -175,8 +191,8 @@ impl<S: Scalar> Probe<S> {
     pub fn check(settings: &Settings, joint: u32) -> Result<Self, Refused<'static>> {
         let probe = &settings.probe;
         let (duty, duration_s) = (probe.check_duty, probe.check_s);
-        // With fewer than 5 ticks to a quarter, those that do not count would hide what a hand does.
-        within("probe.check_s", duration_s, [20.0 * settings.timing.control_period_s, probe.max_s], "s")?;
+        // With fewer than 5 steps to a quarter, those that do not count would hide what a hand does.
+        within("probe.check_s", duration_s, [20.0 * step(&settings.timing).1, probe.max_s], "s")?;
         let built =
             Self::build(settings, &Request { joint, shape: Shape::Swing, duty, duration_s, frequency_hz: 0.0 })?;
         let travel = CHECK_TRAVEL * probe.check_counts;
@@ -190,7 +206,7 @@ impl<S: Scalar> Probe<S> {
 
     /// How long it takes if nothing ends it, ticks.
     pub fn ticks(&self) -> u32 {
-        self.ticks
+        self.steps.saturating_mul(self.step_ticks)
     }
 
     /// The trial's voltage at this supply as a share of it, a code: no larger than the duty.
@@ -201,17 +217,17 @@ impl<S: Scalar> Probe<S> {
         wanted.min(code.saturating_abs()).saturating_mul(code.signum())
     }
 
-    /// The duty at a tick.
+    /// The duty in a step.
     #[inline]
-    fn duty(&self, tick: u32) -> Duty {
+    fn duty(&self, step: u32) -> Duty {
         let code = match self.shape {
             Shape::Pulse => self.code,
-            Shape::Swing if (self.ticks / 4..self.ticks / 4 * 3).contains(&tick) => -self.code,
+            Shape::Swing if (self.steps / 4..self.steps / 4 * 3).contains(&step) => -self.code,
             Shape::Swing => self.code,
-            // At most 10⁶ ticks: 10 s at the shortest control period.
-            Shape::Ramp => self.code * S::from_i32(tick as i32).ratio(S::from_i32(self.ticks.max(1) as i32)),
-            Shape::Winding => self.code * S::from_i32(winding::way(tick)),
-            Shape::Sine => self.code * (self.radians_per_tick * S::from_i32(tick as i32)).sin_cos().1,
+            // At most 12,000 steps: 10 s of the shortest.
+            Shape::Ramp => self.code * S::from_i32(step as i32).ratio(S::from_i32(self.steps.max(1) as i32)),
+            Shape::Winding => self.code * S::from_i32(winding::way(step)),
+            Shape::Sine => self.code * (self.radians_per_step * S::from_i32(step as i32)).sin_cos().1,
         };
         Duty(code.limit(self.code.abs()).round_to_i32() as i16)
     }
@@ -298,10 +314,16 @@ impl fmt::Display for Outcome {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Probing<S> {
     probe: Probe<S>,
-    tick: u32,
-    /// Where the joint was when the probe began, and at the last tick, counts; none before the first tick.
+    /// The step that follows.
+    step: u32,
+    /// Ticks of this step that are over, and the sums of current and voltage in them.
+    over: u32,
+    flows: [i32; 2],
+    /// What this step does, and whether the bridges are enabled in it.
+    doing: (Duty, bool),
+    /// Where the joint was when the probe began, and when this step did, counts; none before the first tick.
     places: Option<(i32, i32)>,
-    /// Sign of the last duty, along the joint, and for how many more ticks the force may still be the old one.
+    /// Sign of the last duty, along the joint, and for how many more steps the force may still be the old one.
     pushing: i32,
     late: u32,
     work: i32,
@@ -345,54 +367,81 @@ impl<S: Scalar> Probing<S> {
 
     /// One tick, with every joint's counts and what the power stage measured since the last; nothing when it is over.
     #[inline]
-    pub(crate) fn step<const N: usize>(
+    pub(crate) fn tick<const N: usize>(
         &mut self,
         mut counts: impl Iterator<Item = i32>,
-        stage: Option<Measured<N>>,
+        stage: Option<&Measured<N>>,
     ) -> Option<Push<N>> {
         let now = counts.nth(self.probe.joint).unwrap_or_default();
-        if self.places.is_none() && stage.is_some() && self.probe.check {
+        let begins = self.places.is_none();
+        if begins && stage.is_some() && self.probe.check {
             self.trial = Some(Trial::default());
         }
         let (start, last) = *self.places.get_or_insert((now, now));
-        self.places = Some((start, now));
-        let step = now.saturating_sub(last);
-        if self.late == 0 {
-            self.work = self.work.saturating_add(step.saturating_mul(self.pushing));
-        }
-        self.outcome.most_counts = self.outcome.most_counts.max(self.work);
-        self.outcome.least_counts = self.outcome.least_counts.min(self.work);
-        let moved = now.saturating_sub(start).saturating_abs();
+        let (moved, step) = (now.saturating_sub(start).saturating_abs(), now.saturating_sub(last));
         if moved > self.probe.max_travel_counts {
             self.end(End::Travel);
         }
         if step.saturating_abs() > self.probe.max_step_counts {
             self.end(End::Speed);
         }
-        let open = self.trial.is_some() || self.probe.shape == Shape::Winding;
-        let flow = stage.and_then(|stage| stage.motors.get(self.probe.joint).map(|flow| (stage, *flow)));
-        if let Some((stage, flow)) = flow {
+        let flow = stage
+            .and_then(|stage| Some((*stage.motors.get(self.probe.joint)?, [stage.supply_mv, stage.supply_counts])));
+        if let Some((flow, _)) = flow {
             let [closed_most, open_most] = self.probe.most_codes;
-            let most = if open { open_most } else { closed_most };
+            let most = if self.is_open() { open_most } else { closed_most };
             if i32::from(flow.mean).abs().max(i32::from(flow.last).abs()) >= most {
                 self.end(End::Current);
             }
-            // Not before there is a voltage to be compared with.
-            if self.late == 0 && self.pushing != 0 {
-                self.sums.add(&stage, flow, step);
-            }
-        } else if open {
+            let [current, voltage] = self.flows;
+            self.flows = [current.saturating_add(flow.mean.into()), voltage.saturating_add(flow.voltage.into())];
+        } else if self.is_open() {
             self.end(End::Unmeasured);
         }
+        self.over += 1;
+        if begins || self.over >= self.probe.step_ticks {
+            let [current, voltage] = core::mem::take(&mut self.flows);
+            let ticks = core::mem::take(&mut self.over).cast_signed();
+            let flow = flow.map(|(flow, supply)| (Flow::of(current, voltage, flow.last.into(), ticks), supply));
+            self.places = Some((start, now));
+            self.next(moved, step, flow);
+        }
+        if self.outcome.end != End::Running {
+            return None;
+        }
+        let (duty, enable) = self.doing;
+        let mut duties = [Duty::OFF; N];
+        if let Some(own) = duties.get_mut(self.probe.joint) {
+            *own = duty;
+        }
+        Some(Push { duties, enable, open: self.is_open() })
+    }
+
+    /// No loop is closed around the current.
+    fn is_open(&self) -> bool {
+        self.trial.is_some() || self.probe.shape == Shape::Winding
+    }
+
+    /// A step is over: so far from where the probe began and in it, counts, and what flowed in it, from which supply, mV and counts.
+    #[inline(never)]
+    fn next(&mut self, moved: i32, step: i32, flow: Option<(Flow, [u16; 2])>) {
+        if self.late == 0 {
+            self.work = self.work.saturating_add(step.saturating_mul(self.pushing));
+            // Not before there is a voltage to be compared with.
+            if let (Some((flow, supply)), true) = (flow, self.pushing != 0) {
+                self.sums.add(supply, flow, step);
+            }
+        }
+        self.outcome.most_counts = self.outcome.most_counts.max(self.work);
+        self.outcome.least_counts = self.outcome.least_counts.min(self.work);
         self.late = self.late.saturating_sub(1);
-        let mut duty = Duty::OFF;
-        let mut enable = true;
-        if let (Some(trial), Some((stage, flow))) = (&mut self.trial, flow) {
+        self.doing = (Duty::OFF, true);
+        if let (Some(trial), Some((flow, [supply_mv, _]))) = (&mut self.trial, flow) {
             match trial.step([flow.mean, flow.last].map(|code| self.probe.along * i32::from(code)), moved) {
                 winding::Next::Way(way, enabled) => {
                     // At most ±32767, and a sign.
-                    duty = Duty(self.probe.trial_code(stage.supply_mv).saturating_mul(way) as i16);
-                    enable = enabled;
+                    let code = self.probe.trial_code(supply_mv).saturating_mul(way) as i16;
+                    self.doing = (Duty(code), enabled);
                 }
                 winding::Next::Passed => self.trial = None,
                 winding::Next::Failed(why) => self.end(match why {
@@ -403,26 +452,19 @@ impl<S: Scalar> Probing<S> {
             }
         }
         if self.trial.is_none() {
-            if self.tick >= self.probe.ticks {
+            if self.step >= self.probe.steps {
                 if flow.is_some() && self.probe.check {
                     self.outcome.electric = Some(self.sums.fit(&self.probe.expected));
                 }
                 self.end(End::Done);
             }
-            duty = self.probe.duty(self.tick);
-            self.tick += 1;
+            let duty = self.probe.duty(self.step);
+            self.doing = (duty, true);
+            self.step += 1;
             let pushing = i32::from(duty.0).signum().saturating_mul(self.probe.along);
             if pushing != self.pushing {
-                (self.pushing, self.late) = (pushing, LATE_TICKS);
+                (self.pushing, self.late) = (pushing, LATE);
             }
         }
-        if self.outcome.end != End::Running {
-            return None;
-        }
-        let mut duties = [Duty::OFF; N];
-        if let Some(own) = duties.get_mut(self.probe.joint) {
-            *own = duty;
-        }
-        Some(Push { duties, enable, open: self.trial.is_some() || self.probe.shape == Shape::Winding })
     }
 }

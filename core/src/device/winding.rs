@@ -1,13 +1,13 @@
 //! Checks a motor's winding, its current sensor, its bridge and the encoder's scale by measured voltage and current.
 //!
-//! Over a tick L·Δi = ∫(u − R·i − k·v) dt, whatever happens within it: mean voltage and current, the change of the current and the
-//! encoder's step, which a tick knows all four ([`super::stage`]), give R, L and k by least squares. On a PC all of it is done from
+//! Over a step of a probe, a millisecond, L·Δi = ∫(u − R·i − k·v) dt, whatever happens within it: mean voltage and current, the change of
+//! the current and what the encoder moved, which its ticks know all four ([`super::stage`]), give R, L and k by least squares. On a PC all of it is done from
 //! records (host-sim's `calibrate`), out of a probe that goes as [`way`] says. Here is what has to stand before arming, on the board itself:
 //!
 //! **Before the loop is closed**, a trial: with the enable low and a voltage at the bridge's inputs, neither current nor motion
 //! may come; with it high, the current must change, and along the voltage. Otherwise a loop around the current would run away, or
 //! push with all its voltage. Its voltage is what drives half (`TRIAL_SHARE`) of the check's current through the configured winding in a
-//! tick, I·(R + L/T_c): no more than 1.1 I flows with that, whatever R and L are, while the free device takes a millisecond or more to come to
+//! step, I·(R + L/1 ms): no more than 1.1 I flows with that, whatever R and L are, while the free device takes a millisecond or more to come to
 //! speed (R·m/k²).
 //!
 //! **After the check's swing**, [`Electric`]: R and k by u = R·i + k·Δcounts, in percent of what the settings say. The current of a swing
@@ -23,51 +23,51 @@
 use core::fmt;
 
 use super::kinematics::Joints;
-use super::stage::{Flow, Measured};
+use super::stage::Flow;
 use crate::device::motor::Duty;
 use crate::settings::Settings;
 
-/// Ticks without voltage that a winding's probe begins with: what the sensor reads then is its zero.
-pub const REST_TICKS: u32 = 40;
-/// Sign of the probe's voltage in each tick after the rest, repeated. Sum and first moment are zero: a rotor that is
+/// Steps without voltage that a winding's probe begins with: what the sensor reads then is its zero.
+pub const REST_STEPS: u32 = 40;
+/// Sign of the probe's voltage in each step after the rest, repeated. Sum and first moment are zero: a rotor that is
 /// free to move comes back to where it was, at rest (the Thue–Morse sequence).
 pub const WAYS: [i32; 8] = [1, -1, -1, 1, -1, 1, 1, -1];
 
-/// Sign of the voltage of a winding's probe at this tick: −1, 0 or 1.
+/// Sign of the voltage of a winding's probe in this step: −1, 0 or 1.
 #[inline]
-pub fn way(tick: u32) -> i32 {
-    tick.checked_sub(REST_TICKS).map_or(0, alternating)
+pub fn way(step: u32) -> i32 {
+    step.checked_sub(REST_STEPS).map_or(0, alternating)
 }
 
-fn alternating(tick: u32) -> i32 {
-    WAYS.get(tick as usize % WAYS.len()).copied().unwrap_or_default()
+fn alternating(step: u32) -> i32 {
+    WAYS.get(step as usize % WAYS.len()).copied().unwrap_or_default()
 }
 
 /// Smallest current that counts as one, codes: 1/2048 of full scale, a step of a converter of 12 bits. Means over six
-/// ticks are sure to a few codes.
+/// steps are sure to a few codes.
 pub const LEAST_CODES: i32 = 16;
 /// Counts that an encoder may go to and fro by at rest.
 const REST_COUNTS: i32 = 2;
 
-/// Share of the check's current that a trial's voltage is for. Two ticks the same way after one the other way drive 1.7 times that through a
-/// winding whose time constant is a tick, and 2.2 times where back-EMF that has just turned helps.
+/// Share of the check's current that a trial's voltage is for. Two steps the same way after one the other way drive 1.7 times that through a
+/// winding whose time constant is a step, and 2.2 times where back-EMF that has just turned helps.
 pub(crate) const TRIAL_SHARE: f64 = 0.5;
 
-/// What comes before the loop is closed: so many ticks without voltage, with one at the inputs of a bridge that is not enabled (one way,
+/// What comes before the loop is closed: so many steps without voltage, with one at the inputs of a bridge that is not enabled (one way,
 /// then the other), enabled without voltage until it is awake, and with [`WAYS`] twice.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Trial {
-    tick: u32,
+    step: u32,
     /// Sum along the voltage, codes: of the currents, and once the bridge is enabled of their changes, too. The mean of a slow winding's current
-    /// follows the voltage of the tick before; how it changed follows its own.
+    /// follows the voltage of the step before; how it changed follows its own.
     along: i32,
-    /// The last current of the tick before, codes.
+    /// The last current of the step before, codes.
     last: i32,
 }
 
 /// What a trial does next.
 pub(crate) enum Next {
-    /// Sign of the voltage for the next tick, and whether the bridge is enabled.
+    /// Sign of the voltage for the next step, and whether the bridge is enabled.
     Way(i32, bool),
     /// The loop may be closed.
     Passed,
@@ -93,32 +93,32 @@ const DRIVEN: u32 = 16;
 const OVER: u32 = DRIVEN + 2 * WAYS.len() as u32;
 
 impl Trial {
-    /// Sign of the trial's voltage at this tick: −1, 0 or 1.
-    fn way(tick: u32) -> i32 {
-        match tick {
+    /// Sign of the trial's voltage in this step: −1, 0 or 1.
+    fn way(step: u32) -> i32 {
+        match step {
             DISABLED..AGAINST => 1,
             AGAINST..AWAKE => -1,
-            DRIVEN..OVER => alternating(tick - DRIVEN),
+            DRIVEN..OVER => alternating(step - DRIVEN),
             _ => 0,
         }
     }
 
-    /// A tick: what flowed along the joint since the last one, its mean and its end, codes, and how far the joint is from where it began, counts.
+    /// A step is over: what flowed along the joint since the last one, its mean and its end, codes, and how far the joint is from where it began, counts.
     pub(crate) fn step(&mut self, [mean, last]: [i32; 2], moved_counts: i32) -> Next {
-        let tick = self.tick;
-        // What was measured is of the tick before; in the first after a change of a voltage that stands it may be that of the other.
-        let (before, earlier) = (Self::way(tick.wrapping_sub(1)), Self::way(tick.wrapping_sub(2)));
-        if tick > DRIVEN {
+        let step = self.step;
+        // What was measured is of the step before; in the first after a change of a voltage that stands it may be that of the other.
+        let (before, earlier) = (Self::way(step.wrapping_sub(1)), Self::way(step.wrapping_sub(2)));
+        if step > DRIVEN {
             self.along += before * (mean + last - self.last);
         } else if before == earlier {
             self.along += before * mean;
         }
         self.last = last;
-        if tick <= AWAKE && moved_counts > REST_COUNTS {
+        if step <= AWAKE && moved_counts > REST_COUNTS {
             return Next::Failed(Why::Enable);
         }
-        match tick {
-            // Of three ticks each way.
+        match step {
+            // Of three steps each way.
             AWAKE if self.along.abs() > 6 * LEAST_CODES => return Next::Failed(Why::Enable),
             AWAKE => self.along = 0,
             OVER if self.along < -(2 * WAYS.len() as i32) * LEAST_CODES => return Next::Failed(Why::Sensor),
@@ -126,12 +126,12 @@ impl Trial {
             OVER => return Next::Passed,
             _ => {}
         }
-        self.tick += 1;
-        Next::Way(Self::way(tick), tick >= AWAKE)
+        self.step += 1;
+        Next::Way(Self::way(step), step >= AWAKE)
     }
 }
 
-/// What the settings say: volts along the motor per code of current, and per count that the joint makes in a tick.
+/// What the settings say: volts along the motor per code of current, and per count that the joint makes in a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Expected {
     per_code: f64,
@@ -146,7 +146,9 @@ impl Expected {
         Self {
             per_code: motor.resistance_ohm * motor.full_scale_a / f64::from(Duty::FULL_SCALE),
             // A constant in newtons per ampere is one in volts per metre per second.
-            per_count: along * motor.newton_or_newton_metre_per_a / counts_per_unit / settings.timing.control_period_s,
+            per_count: along * motor.newton_or_newton_metre_per_a
+                / counts_per_unit
+                / super::probe::step(&settings.timing).1,
         }
     }
 }
@@ -154,7 +156,7 @@ impl Expected {
 /// Sums of u = R·i + k·Δcounts, exact: a number of 16 bits times another, 2³¹ times.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Sums {
-    ticks: u32,
+    steps: u32,
     /// mV in as many counts, of the last tick.
     supply: [u16; 2],
     uu: i64,
@@ -166,11 +168,11 @@ pub(crate) struct Sums {
 }
 
 impl Sums {
-    /// One tick, and the counts that the joint made in it.
-    pub(crate) fn add<const N: usize>(&mut self, stage: &Measured<N>, flow: Flow, step_counts: i32) {
+    /// One step, and the counts that the joint made in it.
+    pub(crate) fn add(&mut self, supply: [u16; 2], flow: Flow, step_counts: i32) {
         let [u, i, c] = [i64::from(flow.voltage), i64::from(flow.mean), i64::from(step_counts)];
-        self.ticks = self.ticks.saturating_add(1);
-        self.supply = [stage.supply_mv, stage.supply_counts];
+        self.steps = self.steps.saturating_add(1);
+        self.supply = supply;
         self.uu += u * u;
         self.ui += u * i;
         self.uc += u * c;
@@ -184,7 +186,7 @@ impl Sums {
         let [uu, ui, uc, ii, ic, cc] = [self.uu, self.ui, self.uc, self.ii, self.ic, self.cc].map(|sum| sum as f64);
         let determinant = ii * cc - ic * ic;
         let (per_code, per_count) = ((ui * cc - uc * ic) / determinant, (uc * ii - ui * ic) / determinant);
-        let variance = (uu - per_code * ui - per_count * uc).max(0.0) / (f64::from(self.ticks) - 2.0);
+        let variance = (uu - per_code * ui - per_count * uc).max(0.0) / (f64::from(self.steps) - 2.0);
         let [supply_mv, counts] = self.supply.map(f64::from);
         let volts = supply_mv / counts / 1e3;
         // A cast saturates, and takes NaN to 0.

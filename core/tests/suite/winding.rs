@@ -5,7 +5,7 @@ use haptic_core::device::encoder::Counts;
 use haptic_core::device::motor::Duty;
 use haptic_core::device::probe::{End, Outcome, Probe, Request, Shape, Verdict};
 use haptic_core::device::stage::{Flow, Measured};
-use haptic_core::device::winding::{REST_TICKS, WAYS};
+use haptic_core::device::winding::{REST_STEPS, WAYS};
 use haptic_core::device::{AXES, Reading};
 use haptic_core::law::AnyLaw;
 use haptic_core::num::Motion;
@@ -233,7 +233,7 @@ fn a_windings_probe_rests_and_then_alternates_without_drift() {
     let probe = Probe::build(&settings, &request).expect("within the limits");
     let (outcome, ticks, device) = run(&settings, probe, Device { resistance_ohm: 48.0, ..Device::default() });
     assert_eq!((outcome.end, outcome.electric), (End::Done, None));
-    assert_eq!(ticks, [0, REST_TICKS + 640, 0], "no loop is closed");
+    assert_eq!(ticks, [0, REST_STEPS + 640, 0], "no loop is closed");
     assert!(device.position_m.abs() < 2e-5, "{} m", device.position_m);
     // Nothing measures, nothing is reported: it does not push at all.
     let mut peer = Peer::<f32, AnyLaw<f32>>::new(&settings, [Motion::REST; AXES]).expect("a good scene");

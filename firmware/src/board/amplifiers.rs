@@ -7,6 +7,7 @@ use core::convert::Infallible;
 
 use firmware_parts::exchange::{Reader, Writer};
 use firmware_parts::image::JOINTS;
+use firmware_parts::rate::Rate;
 use haptic_core::device::{encoder::Counts, stage::Measured};
 use haptic_core::peer::Actuators;
 use haptic_core::settings::{Allowed, Refused, Settings};
@@ -29,11 +30,9 @@ pub(crate) fn prepare(_: Reader<'static, Order>, _: Writer<'static, Sums>) {}
 
 impl Power {
     /// Refuses any drive but amplifiers: there is no current loop.
-    pub(crate) fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
-        let key = "motor.drive";
-        let value = settings.get(key).unwrap_or(haptic_core::settings::Value::Flag(false));
-        let allowed = Allowed::Only("amplifier, because the image for three axes has no current loop");
-        Err(Refused { key, value, allowed, unit: "" })
+    pub(crate) fn build(settings: &Settings, _: Rate) -> Result<Self, Refused<'static>> {
+        let only = Allowed::Only("amplifier, because the image for three axes has no current loop");
+        Err(settings.refuses("motor.drive", only))
     }
 }
 

@@ -30,6 +30,8 @@ use embassy_stm32::gpio::{AfType, Flex, Input, Level, Output, Pull, Speed};
 use embassy_stm32::pac::timer::vals::{Cms, OcmGp};
 use embassy_stm32::peripherals::{PD15, PE6, PE15, PF3, TIM1};
 use embassy_stm32::{Peri, pac, pac::timer::regs::BdtrAdv, timer::low_level::Timer};
+#[cfg(not(feature = "moteus"))]
+use firmware_parts::rate::Ms;
 use haptic_core::{device::current::PWM_HZ, safety::Fault};
 
 use super::{clocks::TIMERS_HZ, drive::Cut, legs};
@@ -61,9 +63,9 @@ const ENABLE_RESET: u32 = ENABLE_SET << 16;
 /// Addresses and values that turn everything off: the enable line, then the timer's outputs.
 pub(crate) const OFF: [(u32, u32); 2] = [(0x5802_1418, ENABLE_RESET), (0x4001_0044, BDTR_OFF)];
 
-/// Ticks from enabling the bridges to driving them. They need a millisecond to wake, and may report a fault meanwhile (DRV8874).
+/// From enabling the bridges to driving them. They need a millisecond to wake, and may report a fault meanwhile (DRV8874).
 #[cfg(not(feature = "moteus"))]
-pub(crate) const WAKE_TICKS: u32 = 2;
+pub(crate) const WAKES: Ms = Ms(2);
 
 /// Outputs were turned on, and not off since: whoever writes voltages without being asked may do so.
 pub(super) static DRIVEN: AtomicBool = AtomicBool::new(false);

@@ -27,6 +27,7 @@ use embassy_stm32::pac::adc::vals::{Boost, Exten, Pcsel, SampleTime};
 use embassy_stm32::pac::timer::vals::{Mms, Mms2};
 use embassy_time::{Duration, Instant};
 use firmware_parts::exchange::{Reader, Writer, put};
+use firmware_parts::rate::Rate;
 use haptic_core::device::current::{Controller, CurrentLoop, Gains, PWM_HZ, Sensor};
 use haptic_core::device::kinematics::Joints;
 use haptic_core::device::stage::{Flow, Measured};
@@ -49,9 +50,8 @@ const ENDED: u32 = 1 << 5 | 1 << 6;
 const BITS: u32 = 16;
 /// Millivolts of the supply at the end of the converter's range: 3.3 V before an eleventh.
 const SUPPLY_MV: u32 = 3_300 * 11;
-/// PWM periods in a tick, and how long that is, s.
+/// PWM periods in a millisecond.
 pub(crate) const PERIODS: u32 = PWM_HZ / 1000;
-const TICK_S: f64 = 0.001;
 
 /// What one motor is to be given.
 #[derive(Clone, Copy, Debug)]
@@ -107,7 +107,7 @@ struct Loop {
 
 static mut LOOP: MaybeUninit<Loop> = MaybeUninit::uninit();
 
-/// Runs that are remembered: more than a tick has.
+/// Runs that are remembered: more than the longest tick has.
 pub(crate) const RING: u32 = 32;
 /// Of each: when it began and ended, and how late in its period it began, in the timer's counts, with [`FIRST`] above.
 static TOOK: [[AtomicU32; 3]; RING as usize] = [const { [const { AtomicU32::new(0) }; 3] }; RING as usize];
@@ -308,6 +308,9 @@ pub(crate) struct Power {
     sensor: Sensor,
     /// Speed of a joint that moves a count a tick, m/s or rad/s.
     speed_per_count: f32,
+    /// PWM periods in a tick, and ticks in a millisecond.
+    periods: u32,
+    per_ms: u32,
 }
 
 impl Power {
@@ -315,13 +318,15 @@ impl Power {
     ///
     /// # Errors
     /// What [`CurrentLoop::build`] refuses.
-    pub(crate) fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
+    pub(crate) fn build(settings: &Settings, rate: Rate) -> Result<Self, Refused<'static>> {
         let unit_per_count = 1.0 / Joints::of(settings).counts_per_unit;
         let unit_per_count = if settings.encoder.reversed { -unit_per_count } else { unit_per_count };
         Ok(Self {
             design: CurrentLoop::build(settings, legs::COUNTS)?,
             sensor: Sensor::build(settings, BITS),
-            speed_per_count: (unit_per_count / TICK_S) as f32,
+            speed_per_count: (unit_per_count / rate.period_s()) as f32,
+            periods: PERIODS / rate.per_ms(),
+            per_ms: rate.per_ms(),
         })
     }
 }
@@ -350,6 +355,8 @@ pub(crate) struct Stage {
     zeros: [Zero; AXES],
     counts: [Counts; AXES],
     supply_mv: u32,
+    /// Ticks until the sensors' zeros are looked at again.
+    until: u32,
     /// The interrupt runs.
     runs: bool,
 }
@@ -363,6 +370,7 @@ impl Stage {
             zeros: [Zero::default(); AXES],
             counts: [Counts(0); AXES],
             supply_mv: 0,
+            until: 0,
             runs: false,
         }
     }
@@ -377,7 +385,7 @@ impl Stage {
         let (now, before) = (*self.sums.get(), self.before);
         self.before = now;
         let periods = now.runs.wrapping_sub(before.runs);
-        if periods < PERIODS {
+        if periods < power.periods {
             return None;
         }
         let since = |now: i32, before: i32| now.wrapping_sub(before);
@@ -392,12 +400,17 @@ impl Stage {
     }
 
     /// With the bridges off: what the converter read last.
-    #[inline(always)]
+    #[inline(never)]
+    #[unsafe(link_section = ".itcm.current")]
     fn at_rest(&mut self, power: &Power) -> Measured {
         let mut motors = [Flow::default(); AXES];
+        let looks = self.until == 0;
+        self.until = if looks { power.per_ms } else { self.until } - 1;
         for (joint, (flow, zero)) in motors.iter_mut().zip(&mut self.zeros).enumerate() {
             let read = pac::ADC1.jdr(joint).read().jdata() as u16;
-            zero.see(read);
+            if looks {
+                zero.see(read);
+            }
             let codes = power.sensor.codes(read);
             *flow = Flow::of(codes, 0, codes, 1);
         }
@@ -456,11 +469,11 @@ impl Stage {
     }
 }
 
-/// The zero of one sensor: the mean of [`Zero::READS`] ticks with the bridges off, [`Zero::REST`] ticks after they went.
+/// The zero of one sensor: the mean of [`Zero::READS`] milliseconds with the bridges off, [`Zero::REST`] after they went.
 #[derive(Clone, Copy, Debug)]
 struct Zero {
     is: i32,
-    /// Ticks to go, and the sum so far.
+    /// Looks to go, one a millisecond, and the sum so far.
     left: u32,
     sum: i32,
 }

@@ -6,11 +6,12 @@
 //! clock: the independent watchdog ([`crate::board::WATCHDOG_MS`]), which has an oscillator of its own, stays.
 //!
 //! It is started with the tick, at every start, armed or not: nothing but a reset stops it, and a state that is the same in every
-//! run is the one that is tried in every run. A tick may last to the end of the next one's period ([`haptic_core::safety::Fault::TickOverrun`]
+//! run is the one that is tried in every run. A tick of 1 ms may last to the end of the next one's period ([`haptic_core::safety::Fault::TickOverrun`]
 //! tells of it) and not longer. Whoever erases or programs flash goes on being preempted by the tick. A debugger that halts the
 //! processor halts it and the independent watchdog, too. No lower edge of the window is set: ticks that come too often are the supervisor's to notice.
 //!
-//! **Limit**: below 2.7 V the window watchdog does not work at this core voltage (ES0392 §2.2.23).
+//! **Limit**: below 2.7 V the window watchdog does not work at this core voltage (ES0392 §2.2.23). The supply's break has turned the outputs off by
+//! then, at 2.76 V ([`super::breaks`]).
 
 use embassy_stm32::pac;
 
@@ -23,7 +24,10 @@ const COUNTS: u32 = PERIPHERALS_HZ / CLOCKS / 500;
 /// Running, and so many counts to go until bit 6 falls.
 const WOUND: u32 = 1 << 7 | 0x40 | (COUNTS - 1);
 const _: () = assert!(COUNTS <= 64, "the counter has 6 bits until it resets");
-const _: () = assert!((COUNTS - 1) * CLOCKS / (PERIPHERALS_HZ / 10_000) >= 19, "at least 1.9 ms: ticks come each ms");
+const _: () = assert!(
+    (COUNTS - 1) * CLOCKS / (PERIPHERALS_HZ / 10_000) >= 19,
+    "at least 1.9 ms: ticks come each millisecond or more often"
+);
 
 /// Starts it: from here on ticks must come.
 pub(crate) fn start() {

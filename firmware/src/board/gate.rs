@@ -17,15 +17,18 @@
 //! Anything else is [`haptic_core::safety::Fault::EnableGate`], motors off in that tick. So it is when PD15 is still high after a break,
 //! which has taken PE14 and left PF3.
 //!
-//! When amplifiers are disabled by the program, commands stay at no current for a tick more ([`shut`]): they have a millisecond to let go.
+//! When amplifiers are disabled by the program, commands stay at no current for [`LETS_GO`] more ([`shut`]): so long they have to let go.
 //! A break cannot wait: it takes the commands in the same instant as PE14. An amplifier that is slower to let go than it is to follow
 //! must take a line that does not change for no current; docs/assembly.md asks for one of the two.
 
 use firmware_parts::image::JOINTS;
+use firmware_parts::rate::Ms;
 use haptic_core::device::motor::Duty;
 
 use super::{bridges, legs};
 
+/// From disabling amplifiers to taking their commands.
+pub(crate) const LETS_GO: Ms = Ms(1);
 /// The tick in which all was seen; in those after it there is nothing left to try.
 pub(crate) const SEEN: u32 = 5;
 

@@ -37,7 +37,7 @@ mod uptime;
 
 use embassy_stm32::gpio::{Input, Level, Output, Pull, Speed};
 use embassy_stm32::interrupt::{self, InterruptExt, Priority};
-use embassy_stm32::peripherals::{FLASH, IWDG1, PB0, PB14, PC13, PG12, PG14, RNG, TIM1, TIM6};
+use embassy_stm32::peripherals::{FLASH, IWDG1, PB0, PB14, PC13, PG12, PG14, RNG, TIM1, TIM6, TIM7};
 use embassy_stm32::{Peri, wdg::IndependentWatchdog};
 use haptic_protocol::wire::PeerId;
 
@@ -71,6 +71,7 @@ pub(crate) struct Board {
     pub(crate) unfit: Option<&'static str>,
     /// The 1 kHz timer, not yet running.
     pub(crate) pace: Peri<'static, TIM6>,
+    pub(crate) halts: Peri<'static, TIM7>,
     /// The watchdog, not yet running.
     pub(crate) watchdog: IndependentWatchdog<'static, IWDG1>,
     pub(crate) flash: flash::Settings,
@@ -95,6 +96,7 @@ pub(crate) struct Wiring {
     pub(crate) flash: Peri<'static, FLASH>,
     pub(crate) random: Peri<'static, RNG>,
     pub(crate) pace: Peri<'static, TIM6>,
+    pub(crate) halts: Peri<'static, TIM7>,
     pub(crate) watchdog: Peri<'static, IWDG1>,
     /// To ground: board 2.
     pub(crate) strap: Peri<'static, PG12>,
@@ -143,6 +145,7 @@ pub(crate) fn init() -> Board {
         number: if strap.is_high() { Number::One } else { Number::Two },
         unfit: breaks::unfit(external).or(converter.err()),
         pace: w.pace,
+        halts: w.halts,
         watchdog: IndependentWatchdog::new(w.watchdog, WATCHDOG_MS * 1000),
         flash,
         cable: w.cable,

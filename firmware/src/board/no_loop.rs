@@ -4,7 +4,7 @@ use firmware_parts::image::JOINTS;
 use haptic_core::device::stage::Measured;
 use haptic_core::names::MotorDrive;
 
-/// PWM periods in a tick, and runs that are remembered: there are none.
+/// PWM periods in a millisecond, and runs that are remembered: there are none.
 pub(crate) const PERIODS: u32 = 0;
 pub(crate) const RING: u32 = 1;
 

@@ -14,7 +14,6 @@
 //! | [`figure4`] | the cooperation paper's Figure 4; [`picture`] draws it, and any map |
 //! | [`rendering`] | one device and one object, delay at any of four places: the architectures paper's Figure 4 |
 //! | [`answers()`] | what a hand feels, and what comes of it at the far end, frequency by frequency |
-//! | [`speed`] | how many verdicts a second? |
 //!
 //! What is analysed is the linear scene behind a scene ([`haptic_sim::scene::Scene::linear`]): permanent two-sided contact of
 //! both hands, of one or of none, exact sensors and motors, nobody pushing, each constant delay that the network can produce.
@@ -43,7 +42,6 @@ pub mod picture;
 pub mod rendering;
 mod search;
 mod spectrum;
-pub mod speed;
 mod sweep;
 pub mod tune;
 mod verdict;

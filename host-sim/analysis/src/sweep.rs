@@ -7,7 +7,7 @@ use haptic_core::settings::{Allowed, Value};
 use haptic_sim::scene::Scene;
 
 use super::modes::Hands;
-use super::verdict::{Analyser, Verdict};
+use super::verdict::Analyser;
 use crate::error::Error;
 
 /// A key and the values it runs through.
@@ -93,11 +93,6 @@ impl Sweep {
             .into_iter()
             .any(|value| self.at(value).is_ok_and(|scene| scene.at_walls().is_some()))
             .then_some(met)
-    }
-
-    /// The verdict at this value, both hands on.
-    pub(crate) fn verdict(&self, analyser: &mut Analyser, value: f64) -> Result<Verdict, Error> {
-        analyser.verdict(&self.at(value)?.linear())
     }
 
     /// The largest spectral radius at this value, of one mode or of all that the scene can enter.

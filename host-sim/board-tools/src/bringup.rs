@@ -28,6 +28,7 @@ use super::calibrate::counts::{self, Distance};
 use super::calibrate::motor::{self, Against};
 use super::calibrate::winding::{self, Sheet};
 use super::calibrate::{Found, Person, Task, motion, settings_file};
+use super::operator::UNCONFIRMED;
 use super::status::Status;
 use crate::Error;
 
@@ -125,6 +126,9 @@ pub fn bring_up(
     plan: Plan<'_>,
     mut each: impl FnMut(&Passed),
 ) -> Result<Vec<Passed>, Error> {
+    let settings = settings(board)?;
+    let paced = settings.timing.control_period_s == TICK_S;
+    settings.all_fit(&[("timing.control_period_s", paced, "0.001 while a board is brought up")])?;
     let mut bring_up = BringUp { board, person, plan };
     let mut passed = Vec::new();
     for (step, run, look_at) in steps() {
@@ -133,7 +137,7 @@ pub fn bring_up(
                 Mode::Faulted(fault) => Some(format!("; fault {}: {}", fault.number(), fault.explain())),
                 _ => None,
             });
-            let off = say(bring_up.board, "disarm").map_or("; it cannot be told to disarm: press the stop", |_| "");
+            let off = say(bring_up.board, "disarm").map_or_else(|_| format!("; {UNCONFIRMED}"), |_| String::new());
             format!("{step}: {why}{}; look at {look_at}{off}", fault.unwrap_or_default())
         })?;
         let row = Passed { step, seen };

@@ -34,6 +34,8 @@ const SETTLES_US: u64 = 500_000;
 
 /// What a person is told of a stop that the board has confirmed.
 pub const STOPPED: &str = "stopped: the board says that its motors are off";
+/// What a person is told of a stop that is on its way.
+pub const STOPPING: &str = "stop sent: the board has not confirmed it yet";
 /// What a person is told of a stop that the board has not confirmed.
 pub const UNCONFIRMED: &str = "stop not confirmed: press the stop at the board. Motors that this program let run go off by themselves. Motors \
                                that run alone or for another operator may be on";

@@ -219,7 +219,7 @@ pub trait Live: Actor<SocketAddr, Packet = [u8]> {
 /// A socket and the clock that its times are read from.
 #[derive(Debug)]
 pub struct Endpoint {
-    socket: UdpSocket,
+    pub(crate) socket: UdpSocket,
     /// The address on which it listens.
     pub address: SocketAddr,
     answers: bool,

@@ -135,12 +135,15 @@ impl Operator {
     /// Stops all motors of the board, and waits until the board says that they are off.
     ///
     /// # Errors
-    /// The board did not say it in time, and what to do then. The socket failed.
+    /// The board did not say it in time, or the socket failed; and what to do then.
     pub fn stop(&mut self) -> Result<(), Error> {
         let reins = self.reins();
         reins.note(self.now_us(), AtOperator::Stop);
-        self.wait(PATIENCE, |_| reins.giver().is_stopped())?;
-        if reins.giver().is_stopped() { Ok(()) } else { Err(UNCONFIRMED.to_owned().into()) }
+        let waited = self.wait(PATIENCE, |_| reins.giver().is_stopped());
+        if reins.giver().is_stopped() {
+            return Ok(());
+        }
+        Err(waited.map_or_else(|why| format!("{why}; {UNCONFIRMED}"), |()| UNCONFIRMED.to_owned()).into())
     }
 
     /// Says a line and gives the answer, which begins with `ok` or `error`. A line that turns motors on lets them run. `disarm` is
@@ -184,7 +187,9 @@ impl Operator {
             // It may have started all the same: it does not go on.
             self.reins().note(self.now_us(), AtOperator::Leave);
         }
-        answer.ok_or_else(|| format!("no answer from {} to {line:?}", self.board).into())
+        // Motors that were to run alone may be on.
+        let then = if is_start(line) { format!("; {UNCONFIRMED}") } else { String::new() };
+        answer.ok_or_else(|| format!("no answer from {} to {line:?}{then}", self.board).into())
     }
 
     fn now_us(&self) -> u64 {
@@ -270,3 +275,7 @@ impl Board for Operator {
         Ok(samples.iter().filter_map(|sample| Tick::from_record(sample.payload())).collect())
     }
 }
+
+#[cfg(all(test, unix))]
+#[path = "../tests/inside/operator.rs"]
+mod tests;

@@ -183,15 +183,11 @@ fn newtons(text: &str) -> Result<f64, Failure> {
 impl Force {
     fn run(&self, ui: &Ui) -> Result<(), Failure> {
         let scene = self.scene.load(ui)?;
-        let ((found, stiffest), _) = ui.work(1, "forces", |_| {
-            Ok::<_, Failure>((force::measure(&scene, self.command)?, force::stiffest(&scene)?))
-        })?;
+        let (found, _) = ui.work(1, "forces", |_| force::measure(&scene, self.command))?;
         let (response, moving) = (force::response_columns(&found.response), force::moving_columns(&found.moving));
         let (within, in_time_hz) = (found.within(), found.in_time_hz());
-        let stiffest = force::stiffest_columns(&stiffest);
         ui.document(&json!({
-            "response": response, "moving": moving, "delay_ticks": found.delay_ticks, "within": within, "in_time_hz": in_time_hz,
-            "stiffest": stiffest,
+            "response": response, "moving": moving, "delay_ticks": found.delay_ticks, "within": within, "in_time_hz": in_time_hz
         }))?;
         let motor = &scene.peer.motor;
         writeln!(
@@ -223,8 +219,6 @@ impl Force {
             ui,
             "The loop's force {right} within what is allowed over 0-{to} Hz, but for its delay; with its delay up to {in_time_hz} Hz.\n"
         );
-        writeln!(ui, "What the delay costs: the stiffest contact that is stable with both hands on, by the analyser\n");
-        ui.table(&stiffest);
         Ok(())
     }
 }

@@ -211,12 +211,6 @@ fn kinds(ui: &Ui) -> Vec<TableKind> {
         ),
         TableKind::new("force-moving", "`accuracy force --json`, moving", "a command", force::moving_columns(&[])),
         TableKind::new(
-            "force-stiffest",
-            "`accuracy force --json`, stiffest",
-            "a way to make a force",
-            force::stiffest_columns(&[]),
-        ),
-        TableKind::new(
             "transparency",
             "`accuracy transparency --json`, ends",
             "an end at a delay",

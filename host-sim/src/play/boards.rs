@@ -20,7 +20,7 @@ use std::time::{Duration, Instant};
 
 use haptic_board_tools::calibrate::board::{Board, FAULTED, Joint, settings};
 use haptic_board_tools::calibrate::simulated::SharedSimulation;
-use haptic_board_tools::operator::{Reins, STOPPED, UNCONFIRMED, is_start};
+use haptic_board_tools::operator::{Reins, STOPPED, STOPPING, UNCONFIRMED, is_start};
 use haptic_board_tools::recording::{COLUMNS, row};
 use haptic_board_tools::status::Probed;
 use haptic_core::safety::Fault;
@@ -46,7 +46,7 @@ const LEASE_US: u64 = 200_000;
 const LOOK_S: f64 = 0.02;
 /// From one question for its status to the next.
 const STATUS: Duration = Duration::from_millis(500);
-/// Every how-many-th tick is sent.
+/// Every how-many-th millisecond a tick is sent; rows count milliseconds, whatever the board's tick is.
 const EVERY: u32 = 4;
 /// How far behind its newest tick a board is shown, ticks, and how far before what is shown begins anew.
 const BEHIND: f64 = 60.0;
@@ -57,6 +57,8 @@ const NICENESS: i32 = 5;
 const ANSWERS: usize = 6;
 /// Rows of a board that wait to be shown, several times what lies between the newest and what is shown.
 const ROWS: usize = 1024;
+/// What is shown instead of a status that is older than the board's newest word may be.
+const SILENT: &str = "nothing is heard of it";
 /// Numbers of a tick: how it went, as [`COLUMNS`] has them.
 const NUMBERS: usize = COLUMNS.len();
 const TICK: usize = place(&COLUMNS, "tick");
@@ -95,8 +97,11 @@ struct BoardStatus {
 }
 
 impl BoardStatus {
-    /// One more line and its answer; of more than [`ANSWERS`] the oldest is gone.
+    /// One more line and its answer, which takes the place of [`STOPPING`]; of more than [`ANSWERS`] the oldest is gone.
     fn say(&mut self, line: &str, answer: String) {
+        if self.said.back().is_some_and(|last| (last.0.as_str(), last.1.as_str()) == (line, STOPPING)) {
+            self.said.pop_back();
+        }
         if self.said.len() == ANSWERS {
             self.said.pop_front();
         }
@@ -134,6 +139,8 @@ struct Seat {
     at: f64,
     shown: Option<[f64; NUMBERS]>,
     rows: VecDeque<[f64; NUMBERS]>,
+    /// Its newest word is too old.
+    silent: bool,
 }
 
 /// Whoever answers lines and gives ticks.
@@ -266,18 +273,20 @@ fn attend(link: &mut dyn BoardLink, mailbox: &Mutex<BoardMailbox>, over: &Atomic
     let lock = || mailbox.lock().unwrap_or_else(PoisonError::into_inner);
     let note = |line: &str, answer: Result<String, Error>| {
         let mut mailbox = lock();
-        mailbox.reported.there = answer.is_ok();
+        let is_there = answer.is_ok();
         let answer = answer.unwrap_or_else(|why| why.to_string());
-        if line == "status" {
+        if line == "status" || !is_there {
             // `ok board 1 disarmed …`: which it is stands above.
             let own = answer.strip_prefix("ok board ").and_then(|rest| rest.split_once(' '));
             mailbox.reported.status = own.map_or(answer.as_str(), |(_, own)| own).to_owned();
-        } else {
+            mailbox.reported.there = is_there;
+        }
+        if line != "status" {
             mailbox.reported.say(line, answer.clone());
         }
         answer
     };
-    let (mut asked, mut came, mut probing) = (None::<Instant>, Instant::now(), false);
+    let (mut asked, mut came, mut probing, mut tick_ms) = (None::<Instant>, Instant::now(), false, 1.0);
     while !over.load(Ordering::Relaxed) {
         let (stop, line) = {
             let mut mailbox = lock();
@@ -286,9 +295,11 @@ fn attend(link: &mut dyn BoardLink, mailbox: &Mutex<BoardMailbox>, over: &Atomic
         };
         if stop {
             note("stop", link.stop().map(|()| STOPPED.to_owned()));
+            asked = None;
         } else if let Some((line, run)) = line {
             let text = line.text();
             let answer = note(&text, link.ask(&text, run));
+            asked = None;
             probing = matches!(line, Line::Check(_)) && answer.starts_with("ok");
         } else if asked.is_none_or(|asked| asked.elapsed() >= STATUS) {
             asked = Some(Instant::now());
@@ -303,14 +314,17 @@ fn attend(link: &mut dyn BoardLink, mailbox: &Mutex<BoardMailbox>, over: &Atomic
             }
             // A board that was away, or has started anew, has forgotten what it was asked for.
             if came.elapsed() >= STATUS && lock().reported.there {
-                let _ = link.ask(&format!("stream {EVERY}"), None);
+                let said = link.ask("get timing.control_period_s", None).unwrap_or_default();
+                tick_ms = said.rsplit(' ').next().and_then(|text| text.parse().ok()).map_or(1.0, |s: f64| 1e3 * s);
+                let _ = link.ask(&format!("stream {}", (f64::from(EVERY) / tick_ms).round()), None);
                 came = Instant::now();
             }
         }
         match link.rows(LOOK_S) {
             Ok(rows) if rows.is_empty() => {}
-            Ok(rows) => {
+            Ok(mut rows) => {
                 came = Instant::now();
+                rows.iter_mut().for_each(|row| row[TICK] *= tick_ms);
                 wait_for(&mut lock().rows, rows);
             }
             Err(why) => {
@@ -345,7 +359,7 @@ impl Seat {
     /// The seat of a board that is opened on its thread.
     fn attend(name: String, index: usize, (reins, clock): (Reins, Instant), open: Open) -> Result<Self, Error> {
         reins.giver().silence_us = SILENCE_US;
-        let reported = BoardStatus { name, ..BoardStatus::default() };
+        let reported = BoardStatus { name, status: SILENT.to_owned(), ..BoardStatus::default() };
         let (mailbox, over) =
             (Arc::new(Mutex::new(BoardMailbox { reported, ..BoardMailbox::default() })), Arc::default());
         let (theirs, stop) = (Arc::clone(&mailbox), Arc::clone(&over));
@@ -358,7 +372,18 @@ impl Seat {
         };
         let thread = std::thread::Builder::new().name("board".into()).spawn(work)?;
         let thread = Some(thread);
-        Ok(Self { index, mailbox, reins, clock, over, thread, at: 0.0, shown: None, rows: VecDeque::new() })
+        Ok(Self {
+            index,
+            mailbox,
+            reins,
+            clock,
+            over,
+            thread,
+            at: 0.0,
+            shown: None,
+            rows: VecDeque::new(),
+            silent: true,
+        })
     }
 
     /// The board's mailbox, which its thread holds for microseconds.
@@ -386,21 +411,24 @@ impl Seat {
         // What waits is forgotten.
         let mut mailbox = self.mailbox();
         mailbox.stop = true;
+        mailbox.reported.say("stop", STOPPING.to_owned());
         mailbox.lines.clear();
     }
 
     /// Takes what its thread has laid down, if that does not hold it just now; what is reported is new, if it is.
     fn look(&mut self, reported: &mut BoardStatus) -> bool {
+        let silent = self.mode() == WAITS;
         let Ok(mut mailbox) = self.mailbox.try_lock() else { return false };
         wait_for(&mut self.rows, mailbox.rows.drain(..));
-        let news = mailbox.reported != *reported;
+        let news = mailbox.reported != *reported || silent != self.silent;
+        self.silent = silent;
         if news {
             reported.clone_from(&mailbox.reported);
         }
         news
     }
 
-    /// Plays back the recorded rows by one tick.
+    /// Plays back the recorded rows by a millisecond.
     fn play(&mut self) {
         let Some(newest) = self.rows.back().map(|row| row[TICK]) else { return };
         self.at += 1.0;
@@ -525,7 +553,11 @@ impl Environment for Boards {
                 .map(|(seat, reported)| {
                     let mode = seat.mode();
                     let fault = mode.checked_sub(FAULT).and_then(Fault::from_number).map(Fault::explain);
-                    json!({ "number": seat.index + 1, "told": reported, "fault": fault })
+                    let mut told = reported.clone();
+                    if mode == WAITS && told.there {
+                        (told.there, told.status) = (false, SILENT.to_owned());
+                    }
+                    json!({ "number": seat.index + 1, "told": told, "fault": fault })
                 })
                 .collect();
             json!({ "boards": boards }).to_string()

@@ -10,14 +10,12 @@
 //!
 //! **Open loop** is calibrated: full duty is taken for what the supply drives through the cold winding at rest.
 //!
-//! **What the delay costs** is the stiffest contact that the analyser calls stable with both hands on, one row for each way to make a
-//! force ([`stiffest`]).
+//! What the delay costs is the stiffest contact that is stable: `host-sim stability limit --of contact.stiffness_n_per_m`.
 //!
 //! Units: N, Hz, degrees, N/m. Not in it: friction, cogging, an encoder.
 
 use std::f64::consts::{PI, SQRT_2, TAU};
 
-use haptic_analysis::{Effort, Range, limit};
 use haptic_core::device::current::{PWM_PERIOD_S, periods_per_tick};
 use haptic_core::device::kinematics::KinematicsName;
 use haptic_core::device::motor::Motor;
@@ -263,64 +261,5 @@ pub fn moving_columns(rows: &[Row]) -> Columns {
         .means("the same against the command as late as the loop is")
         .number("allowed_n", 3, |row| row.allowed_n())
         .means("the most that may be wrong")
-        .done()
-}
-
-/// How stiff a contact may be where the force is made in one way.
-#[derive(Clone, Debug)]
-pub struct Stiffest {
-    /// How the force is made, in words.
-    pub force: String,
-    /// Control periods from sensing to the force.
-    pub delay_ticks: f64,
-    /// The first crossing, N/m; none up to 10 kN/m.
-    pub contact_n_per_m: Option<f64>,
-}
-
-/// Where the search ends, N/m.
-const STIFFEST_N_PER_M: f64 = 10_000.0;
-/// Crossovers that are compared, Hz.
-const LOOPS_HZ: [f64; 4] = [300.0, 500.0, 1000.0, 2000.0];
-
-/// The scene with a force at once, with loops of several crossovers, and a control period late.
-///
-/// # Errors
-/// A scene that the analyser cannot judge.
-pub fn stiffest(scene: &Scene) -> Result<Vec<Stiffest>, Error> {
-    let exact = |force: &str, delay_ticks: f64| {
-        let mut scene = scene.clone();
-        scene.world.plant.winding = false;
-        scene.world.device.force_delay_ticks = delay_ticks;
-        (force.to_owned(), scene)
-    };
-    let looped = |hz: f64| {
-        let mut scene = scene.clone();
-        let plant = &mut scene.world.plant;
-        (plant.motor, plant.winding, plant.drive) = (true, true, DriveName::Current);
-        scene.peer.motor.current_loop_hz = hz;
-        (format!("current loop, {hz} Hz"), scene)
-    };
-    let late = exact("one control period late, as in the papers", 1.0);
-    let methods = [late].into_iter().chain(LOOPS_HZ.map(looped)).chain([exact("at once", 0.0)]);
-    let found = methods.map(|(force, scene)| {
-        scene.check("accuracy force")?;
-        let range = Range { key: "contact.stiffness_n_per_m".to_owned(), from: 1.0, to: STIFFEST_N_PER_M };
-        let found = limit(&scene, range, Effort { steps: 100, ..Effort::default() })?;
-        let first = found.crossings.first().copied();
-        let contact_n_per_m = if found.stable_at_start { first } else { Some(0.0) };
-        Ok(Stiffest { force, delay_ticks: scene.force_delay_ticks(), contact_n_per_m })
-    });
-    found.collect()
-}
-
-/// One row for each way.
-pub fn stiffest_columns(rows: &[Stiffest]) -> Columns {
-    Columns::of(rows)
-        .value("force", |row| row.force.as_str())
-        .means("how the force is made")
-        .number("delay_ticks", 3, |row| row.delay_ticks)
-        .means("control periods from sensing to the force")
-        .number("contact_n_per_m", 0, |row| row.contact_n_per_m)
-        .means("stiffest contact that is stable with both hands on; nothing where all are, up to 10 kN/m")
         .done()
 }

@@ -36,6 +36,9 @@ impl BoardLink for Written {
     fn ask(&mut self, line: &str, run: Option<Word>) -> Result<String, Error> {
         self.said.lock().expect("a list").push(line.to_owned());
         self.exchange();
+        if self.path.cut.load(Ordering::Relaxed) {
+            return Err("no answer".into());
+        }
         if let Some(Err(no)) = run.map(|run| self.near.start(run)) {
             return Ok(format!("error {}", no.explain()));
         }
@@ -193,18 +196,33 @@ fn a_board_that_is_armed_alone_is_shown_as_such_and_stopped() {
     assert!(!path.driven.load(Ordering::Relaxed));
 }
 
-/// Nothing is said to be off without the board's word; a stop goes on being said until it has come.
+/// What a page is told of whether the board is there, and of its status.
+fn told(boards: &mut Boards) -> (bool, String) {
+    boards.news = true;
+    let news: serde_json::Value = serde_json::from_str(&boards.news().expect("news")).expect("JSON");
+    let told = &news["boards"][0]["told"];
+    (told["there"] == true, told["status"].as_str().expect("words").to_owned())
+}
+
+/// Nothing is said to be off without the board's word; a stop goes on being said until it has come. Why: a status from before the stop was
+/// shown after it.
 #[test]
 fn a_stop_that_nobody_confirms_is_no_stop() {
     let (mut boards, _, path) = boards(true);
     until(&mut boards, true, |boards, _| boards.standing().modes[0] == ALONE);
+    until(&mut boards, true, |boards, _| boards.reported[0].there);
+    assert_eq!(told(&mut boards), (true, "ok status".into()));
     path.cut.store(true, Ordering::Relaxed);
     boards.command(Command::Stop).expect("it is said");
     until(&mut boards, true, |boards, _| answers(boards, "stop") == [UNCONFIRMED]);
+    assert!(matches!(told(&mut boards), (false, status) if status != "ok status"));
     until(&mut boards, true, |boards, _| boards.standing().modes[0] == WAITS);
     boards.command(Command::Board(1, Line::Arm)).expect("it is refused");
     until(&mut boards, true, |boards, _| answers(boards, "arm") == ["error the board has not confirmed the stop"]);
     assert!(path.driven.load(Ordering::Relaxed));
+    // Its last status is not shown, also while its answer is waited for.
+    boards.reported[0].there = true;
+    assert_eq!(told(&mut boards), (false, SILENT.into()));
     path.cut.store(false, Ordering::Relaxed);
     until(&mut boards, true, |boards, _| boards.standing().modes[0] == OFF);
     assert!(!path.driven.load(Ordering::Relaxed));

@@ -1,5 +1,5 @@
 //! A program in another language, written from protocol/FORMAT.md alone, is the other end of what a user runs (protocol/tests/inside/peer.py), or
-//! attacks a meeting (thief.py beside it). Both need Python 3 and nothing else.
+//! attacks a meeting (thief.py beside it), or is a board (board.py). All need Python 3 and nothing else.
 
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -203,9 +203,9 @@ fn meets(seconds: &str, more: &[&str]) -> Command {
     command
 }
 
-/// The last line in Python is what an attacker gained.
-fn gained(attacker: Running) -> Value {
-    let (good, said) = attacker.end();
+/// The last line in Python is what an attacker gained, or what a board did.
+fn gained(python: Running) -> Value {
+    let (good, said) = python.end();
     assert!(good, "{said}");
     serde_json::from_str(&said).expect("JSON")
 }
@@ -283,4 +283,133 @@ fn an_onlooker_of_a_meeting_takes_no_seat_and_its_session_stays() {
     // His proofs are right where a key is his own, so the others were refused as wrong. Nobody is with him there.
     assert_eq!(onlooker["own_room"], json!({ "seated": true, "other": false, "others": 0 }), "{onlooker}");
     meet.kill();
+}
+
+/// A board in Python on loopback: number 2, with motors that run by its own reading of FORMAT.md.
+pub(crate) struct Board {
+    running: Running,
+    /// The options by which the program reaches it, with the operator's key.
+    pub(crate) reached: [String; 4],
+}
+
+impl Board {
+    /// A board with this lease. Its manner is how it takes a stop, and its path drops datagrams of these lengths: board.py says more.
+    pub(crate) fn start(name: &str, manner: &str, drops: &[u16], lease_s: f64) -> Self {
+        let key = Keys::new(name, 0).0.join("operator.key").display().to_string();
+        assert!(host_sim(&["key", "generate", &key, "--operator"]).status().expect("host-sim runs").success());
+        let told = json!({ "key": key, "number": 2, "manner": manner, "drops": drops, "lease_s": lease_s });
+        let running = Running::start(started("board.py", &told));
+        let address = running.says("listens on ").trim_start_matches("listens on ").to_owned();
+        Self { running, reached: ["--board".to_owned(), address, "--key-file".to_owned(), key] }
+    }
+
+    /// The next thing with this in it that happens to it.
+    pub(crate) fn says(&self, what: &str) -> String {
+        self.running.says(what)
+    }
+
+    /// The program that says these to it.
+    fn operator(&self, lines: &[&str]) -> Command {
+        let mut command = host_sim(&["board", "operator"]);
+        command.args(&self.reached).args(lines);
+        command
+    }
+
+    /// What one run of the program that says these lines gives: its status, its answers, its errors.
+    pub(crate) fn run(&self, lines: &[&str]) -> (Option<i32>, String, String) {
+        ended(self.operator(lines).spawn().expect("host-sim runs"))
+    }
+
+    /// Both it and its path are honest from now on.
+    pub(crate) fn heal(&self) {
+        self.running.signal("USR1");
+        self.says("honest again");
+    }
+
+    /// What it did, and each turn of its motors: when, ms, and to what.
+    pub(crate) fn end(self) -> (Value, Vec<(f64, String)>) {
+        self.running.interrupt();
+        let did = gained(self.running);
+        let turns = did["motors"].as_array().expect("a list").iter();
+        let turns =
+            turns.map(|turn| (turn[0].as_f64().expect("a time"), turn[1].as_str().expect("a state").to_owned()));
+        let turns = turns.collect();
+        (did, turns)
+    }
+}
+
+/// The status, answers and errors of a run of the program.
+fn ended(run: Child) -> (Option<i32>, String, String) {
+    let output = run.wait_with_output().expect("it ends");
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("text");
+    (output.status.code(), text(output.stdout), text(output.stderr))
+}
+
+fn states(turns: &[(f64, String)]) -> Vec<&str> {
+    turns.iter().map(|(_, state)| state.as_str()).collect()
+}
+
+#[test]
+fn a_board_that_runs_alone_is_stopped_by_another_run_of_the_program() {
+    let board = Board::start("python-board", "honest", &[], 0.2);
+    assert_eq!(board.run(&["arm alone"]), (Some(0), "ok armed alone\n".into(), String::new()));
+    std::thread::sleep(Duration::from_millis(600));
+    assert_eq!(board.run(&["status"]), (Some(0), "ok board 2 alone\n".into(), String::new()));
+    assert_eq!(board.run(&["disarm"]), (Some(0), "ok disarmed\n".into(), String::new()));
+    let (did, turns) = board.end();
+    assert_eq!(states(&turns), ["alone", "off"], "{did}");
+    let first = did["stops"][0][0].as_f64().expect("a stop came");
+    assert!((first..first + 100.0).contains(&turns[1].0), "{did}");
+}
+
+/// Motors run alone and stay on, because the board is deaf to a stop or its path is cut when the stop arrives. The program never says that they are
+/// off, even if the board says that it has heard the stop, or says *off* with the number of an older word. It says what to press.
+#[test]
+fn a_stop_that_a_board_does_not_confirm_is_no_stop() {
+    let stopping = ["deaf", "stuck", "stale", "late"].map(|manner| {
+        let board = Board::start(&format!("python-board-{manner}"), manner, &[], 0.2);
+        assert_eq!(board.run(&["arm alone"]), (Some(0), "ok armed alone\n".into(), String::new()), "{manner}");
+        let disarm = board.operator(&["disarm"]).spawn().expect("host-sim runs");
+        (manner, board, disarm)
+    });
+    for (manner, board, disarm) in stopping {
+        board.says("ignores the stop");
+        let (status, said, why) = ended(disarm);
+        assert_eq!((status, said.as_str(), why.lines().count()), (Some(2), "", 1), "{manner}: {why}");
+        assert!(why.starts_with("host-sim: stop not confirmed: press the stop at the board."), "{manner}: {why}");
+        board.heal();
+        assert_eq!(board.run(&["disarm"]), (Some(0), "ok disarmed\n".into(), String::new()), "{manner}");
+        let (did, turns) = board.end();
+        assert_eq!(states(&turns), ["alone", "off"], "{manner}: {did}");
+        let first = did["stops"][0][0].as_f64().expect("a stop came");
+        assert!(turns[1].0 > first + 2000.0, "{manner}: its motors were on all the while: {did}");
+    }
+}
+
+/// Motors that run for an operator are on as long as the program is there. They are off by the board's own lease when the program is killed, and
+/// also when it ends by itself.
+#[test]
+fn a_board_is_off_within_its_lease_when_the_program_is_killed() {
+    let board = Board::start("python-board-killed", "honest", &[], 1.0);
+    let folder = Keys::new("python-board-recording", 0).0;
+    let recorded = |file: &str, seconds: &str| {
+        let mut command = board.operator(&["arm", "--seconds", seconds, "--record"]);
+        command.arg(folder.join(file));
+        command
+    };
+    let killed = Running::start(recorded("killed.csv", "60"));
+    board.says("line stream 4");
+    std::thread::sleep(Duration::from_secs(3));
+    killed.kill();
+    board.says("motors off: lease");
+    let (status, said, why) = ended(recorded("ended.csv", "2").spawn().expect("host-sim runs"));
+    assert_eq!((status, said.as_str()), (Some(0), "ok armed\n"), "{why}");
+    board.says("motors off");
+    let (did, turns) = board.end();
+    assert_eq!(states(&turns), ["leased", "off", "leased", "off"], "{did}");
+    let runs: Vec<f64> = did["runs"].as_array().expect("a list").iter().filter_map(|run| run[0].as_f64()).collect();
+    let last = runs.iter().copied().filter(|at| *at < turns[1].0).fold(0.0, f64::max);
+    assert!(turns[1].0 - turns[0].0 > 3000.0, "on for three leases: {did}");
+    assert!(turns[1].0 - last < 1500.0, "off within the lease: {last} {turns:?}");
+    assert!(number(&did, "ticks") > 100.0, "{did}");
 }

@@ -131,10 +131,17 @@ fn traces() {
         refused_scene(&format!("{csv}.toml"), &format!("[user.1]\ntrace = \"{csv}\"\n"), names);
     };
     traced("ragged.csv", "time_s,force_n\n0,1\n1\n", &["user.1.trace", "ragged.csv", "row 2"]);
-    traced("words.csv", "time_s,force_n\n0,much\n", &["words.csv", "row 1", "much"]);
+    traced("words.csv", "time_s,force_n\n0,much\n", &["words.csv", "row 1", "two finite numbers"]);
     traced("nan.csv", "time_s,force_n\n0,NaN\n", &["nan.csv", "row 1"]);
     traced("back.csv", "time_s,force_n\n1,0\n0.5,0\n", &["back.csv", "row 2", "0.5 s"]);
     traced("header.csv", "t,f\n0,0\n", &["header.csv", "time_s,force_n"]);
+    // A scene of somebody else's may name any file: what it holds is not told.
+    let secret = "root:$6$salt:19000";
+    for (csv, text) in [("shadow.csv", format!("{secret}\n0,0\n")), ("row.csv", format!("time_s,force_n\n{secret}\n"))]
+    {
+        let error = haptic_sim::user::Trace::read(Path::new(&file(csv, &text))).expect_err("no trace").to_string();
+        assert!(error.contains(csv) && !error.contains("salt"), "{error}");
+    }
     traced("empty.csv", "time_s,force_n\n", &["empty.csv", "no samples"]);
     refused_scene("gone.toml", "[user.2]\ntrace = \"gone.csv\"\n", &["user.2.trace", "gone.csv"]);
     refused_set("user.1.trace=5", &["user.1.trace = 5"]);

@@ -292,7 +292,6 @@ fn rows_in_json_have_what_is_declared() {
         ("sweep-points", &sweep["points"][0]),
         ("force-response", &force["response"][0]),
         ("force-moving", &force["moving"][0]),
-        ("force-stiffest", &force["stiffest"][0]),
         ("accuracy-precision", &precision[0]),
         ("accuracy-rigid", &rigid[0]),
     ];

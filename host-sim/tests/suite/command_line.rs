@@ -372,3 +372,45 @@ fn a_run_and_the_analyser_agree_on_leader_and_follower() {
     assert_eq!((&run["verdict"], &run["stable"], &judged["stable"]), (&"stable".into(), &true.into(), &true.into()));
     assert!(run["true_discrepancy_mm"].as_f64().is_some_and(|mm| (20.0..50.0).contains(&mm)), "{run}");
 }
+
+/// What says whether motors are on, and that they are stopped.
+const OF_STOP: [&str; 15] = [
+    include_str!("../../../firmware/src/hold.rs"),
+    include_str!("../../../firmware/src/port.rs"),
+    include_str!("../../../firmware/src/supervisor.rs"),
+    include_str!("../../../protocol/src/lease.rs"),
+    include_str!("../../board-tools/src/bringup.rs"),
+    include_str!("../../board-tools/src/operator.rs"),
+    include_str!("../../live/src/endpoint.rs"),
+    include_str!("../../live/src/operator.rs"),
+    include_str!("../../src/cli/board/operator.rs"),
+    include_str!("../../src/play/boards.rs"),
+    include_str!("../../src/play/site/delay.js"),
+    include_str!("../../src/play/site/join.js"),
+    include_str!("../../src/play/site/page.js"),
+    include_str!("../../src/play/site/status.js"),
+    include_str!("../../src/play/site/stiff.js"),
+];
+
+/// The sentences of Stop in docs/play.md are those of the sources, whole. Words in italics, in braces in a source, differ.
+#[test]
+fn every_sentence_of_stop_is_in_the_documentation() {
+    const WORDS: &str =
+        "stopped|confirmed|motors are o|board * are on|board * may be|motors off|motors run|has ended|press the stop";
+    let unfilled = |text: &str, marks: &[char]| text.split(marks).step_by(2).collect::<Vec<_>>().join("*");
+    let (_, table) = include_str!("../../../docs/play.md").split_once("| sentence | where |").expect("a table");
+    let rows = table.lines().skip(2).map_while(|row| row.strip_prefix("| ")?.split_once(" |"));
+    let told: Vec<_> = rows.map(|(sentence, _)| unfilled(sentence, &['*'])).collect();
+    let mut said = Vec::new();
+    for source in OF_STOP {
+        let lines: Vec<_> = source.lines().map(str::trim).filter(|line| !line.starts_with("//")).collect();
+        let text = lines.join("\n").replace("\\\n", "").replace("` +\n`", "").replace("${", "{");
+        let quoted = |quote| text.lines().flat_map(move |line| line.split(quote).skip(1).step_by(2));
+        let strings = quoted('"').chain(quoted('`')).map(|text| unfilled(text, &['{', '}']).replace("**", "*"));
+        said.extend(strings.map(|text| text.trim_matches([';', ' ']).to_owned()));
+    }
+    let of_stop = |text: &&String| WORDS.split('|').any(|word| text.to_lowercase().contains(word));
+    let missing: Vec<_> = said.iter().filter(of_stop).filter(|text| !told.contains(text)).collect();
+    let unsaid: Vec<_> = told.iter().filter(|text| !said.contains(text)).collect();
+    assert!(told.len() > 30 && missing.is_empty() && unsaid.is_empty(), "{missing:?} {unsaid:?}");
+}

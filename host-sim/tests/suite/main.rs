@@ -23,6 +23,7 @@ mod peers;
 mod play;
 mod precision;
 mod program;
+mod rates;
 mod recordings;
 mod reproduce;
 mod signals;

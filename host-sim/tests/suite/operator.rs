@@ -7,6 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use haptic_board_tools::operator::UNCONFIRMED;
 use haptic_live::operator::Operator;
 use haptic_protocol::ends::Ends;
 use haptic_protocol::key::{Key, Role};
@@ -169,6 +170,10 @@ fn lines_are_answered_and_samples_come_under_the_right_key_only() {
     let (status, said, why) = run(&wrong, &["disarm"]);
     assert_eq!((status, said.as_str()), (Some(2), ""));
     assert!(why.contains("nobody who holds the key of") && why.lines().count() == 1, "{why}");
+    // It was not said: nobody knows whether motors are on.
+    assert!(why.ends_with(&format!("wrong.key; {UNCONFIRMED}\n")), "{why}");
+    let (status, _, why) = run(&right, &["no", "disarm"]);
+    assert_eq!((status, why), (Some(2), format!("host-sim: board 2: no: never; {UNCONFIRMED}\n")));
 }
 
 /// Why: "stopped" was said of a board that had been armed alone and went on, and of one that nothing reached.

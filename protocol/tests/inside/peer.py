@@ -39,13 +39,15 @@ class Session:
         self.bases = [derive(secret, "direction", bytes(pair)) for pair in (ends, ends[::-1])]
         self.theirs, self.ends = theirs[40:80], ends
         self.began, self.newest, self.stamp, self.confirmed = now_us(), -1, 0, False
+        # Of the newest datagram: its byte about the lease, and its echo. When the newest fresh one came.
+        self.lease, self.echo, self.fresh_us = 0, 0, self.began
 
     def key(self, base, sequence):
         return derive(base, "epoch", struct.pack("<Q", sequence >> 20))
 
-    def seal(self, sequence, message):
+    def seal(self, sequence, message, lease=0):
         head = bytes([VERSION, SEALED, *self.ends]) + self.number + struct.pack("<Q", sequence)
-        nonce, stamps = bytes(4) + head[8:], struct.pack("<QQ", now_us(), self.stamp)
+        nonce, stamps = bytes(4) + head[8:], struct.pack("<QQ", now_us(), lease << 56 | self.stamp)
         return head + aead(self.key(self.bases[0], sequence), nonce, stamps + message, head)
 
     def open(self, datagram):
@@ -60,13 +62,15 @@ class Session:
         if aead(key, nonce, body, head) != sealed:
             return None
         self.newest = sequence
-        # The eighth byte is how many zeros follow the message, the last one is of the lease, which this peer does not heed.
+        # The eighth byte is how many zeros follow the message, the last one is of the lease, which a peer does not heed (board.py does).
         self.stamp, padding, echo = int.from_bytes(body[:7], "little"), body[7], int.from_bytes(body[8:15], "little")
+        self.echo, self.lease = echo, body[15]
         if padding > len(body) - 17 or any(body[len(body) - padding :]):
             return None
         body = body[: len(body) - padding]
         fresh = self.began <= echo <= now_us() < echo + LIFE_US
         self.confirmed |= fresh
+        self.fresh_us = now_us() if fresh else self.fresh_us
         return body[16:] if fresh or body[16] == PROBE else None
 
 
@@ -114,9 +118,9 @@ class Peer:
             return None
         return self.greet(WELCOME, body[8:24]) if body[1] == HELLO else None
 
-    def seal(self, message):
+    def seal(self, message, lease=0):
         self.sequence += 1
-        return self.session.seal(self.sequence - 1, message)
+        return self.session.seal(self.sequence - 1, message, lease)
 
 
 ODD = [float("nan"), float("inf"), -float("inf"), 3.4e38, -3.4e38, 1e-45, 1e3, -1e3, 50.0, -50.0, 1.0, -1.0, 0.01, 0.0]

@@ -106,13 +106,6 @@ impl Firmware {
         self.symbols.get(symbol).unwrap_or_else(|| panic!("the image has no {symbol}")).0
     }
 
-    /// The address of a function or static whose mangled name ends like this.
-    pub fn address_ending(&self, end: &str) -> u64 {
-        let mut found = self.symbols.iter().filter(|(name, _)| name.ends_with(end));
-        let (_, (address, _)) = found.next().unwrap_or_else(|| panic!("the image has no …{end}"));
-        *address
-    }
-
     /// The code of a function, halfword by halfword.
     pub fn code(&self, symbol: &str) -> Vec<u16> {
         let (address, size) = *self.symbols.get(symbol).unwrap_or_else(|| panic!("the image has no {symbol}"));

@@ -13,7 +13,7 @@ use haptic_sim::run::{Accounts, Options, Outcome, Ticked};
 use haptic_sim::scene::Scene;
 use host_sim::Error;
 
-use crate::bench::{Bench, PERIOD_NS, for_boards};
+use crate::bench::{Bench, for_boards};
 use crate::cost;
 use crate::image::Firmware;
 use crate::node::Report;
@@ -70,9 +70,12 @@ pub fn line(scene: &Scene) -> Result<Line, Error> {
                     network.playout_packets alone; `host-sim cooperate` runs them"
             .into());
     }
-    let packet_ns = u64::from(scene.peer.timing.ticks_per_packet) * PERIOD_NS;
+    let timing = &scene.peer.timing;
     // It is heard a control period after it has arrived.
-    Ok(Line { delay_ns: u64::from(network.one_way_delay_packets) * packet_ns - PERIOD_NS, ..Line::default() })
+    Ok(Line {
+        delay_ns: u64::from(network.one_way_delay_packets) * timing.packet_period_ns() - timing.control_period_ns(),
+        ..Line::default()
+    })
 }
 
 /// Dropped and refused packets, by a board's own account.
@@ -95,7 +98,8 @@ pub fn run(firmware: &Arc<Firmware>, scene: &Scene, seconds: f64) -> Result<Tria
     let line = line(&scene)?;
     let given = of_scene(&scene, Direction::OneToTwo, 0).is_some() || scene.law().sends == Sends::Counters;
     let ticks = (seconds / scene.peer.timing.control_period_s).round() as u64;
-    let host_sim = haptic_sim::run::run::<f32>(&scene, Options::recorded(seconds, 1e-3), &|_| {})?;
+    let options = Options::recorded(seconds, scene.peer.timing.control_period_s);
+    let host_sim = haptic_sim::run::run::<f32>(&scene, options, &|_| {})?;
     let wall = Instant::now();
     let mut bench = Bench::start(firmware, 2, line);
     bench.set_up(&scene)?;
@@ -109,7 +113,7 @@ pub fn run(firmware: &Arc<Firmware>, scene: &Scene, seconds: f64) -> Result<Tria
     while bench.ticks < ticks + 1 {
         bench.step();
     }
-    let due = (bench.now_ns() - counted_from) / PERIOD_NS;
+    let due = (bench.now_ns() - counted_from) / scene.peer.timing.control_period_ns();
     let instructions = cost::MedianAndMost::of(bench.meters.iter().flat_map(|meter| meter.ticks.iter().copied()));
     let loop_instructions = cost::MedianAndMost::of(bench.loops.iter().flat_map(|meter| meter.ticks.iter().copied()));
     let late = bench.meters.iter().map(|meter| due.abs_diff(meter.ticks.len() as u64)).sum::<u64>();
@@ -133,7 +137,7 @@ pub fn run(firmware: &Arc<Firmware>, scene: &Scene, seconds: f64) -> Result<Tria
     let both = [&*records[0], &*records[1]];
     let settings = scene.peers();
     Ok(Trial {
-        boards: outcome(both, &scene, &host_sim),
+        boards: outcome(both, &scene, &host_sim, options),
         ticks_missed: late + records.iter().map(|records| gaps(records)).sum::<u64>(),
         packets_sent: flagged(SENT),
         packets_received: flagged(RECEIVED),
@@ -152,9 +156,9 @@ pub fn run(firmware: &Arc<Firmware>, scene: &Scene, seconds: f64) -> Result<Tria
 }
 
 /// What host-sim forms of a run of its own (host-sim/sim/src/run), of what the boards recorded.
-fn outcome(both: [&[Record]; 2], scene: &Scene, like: &Outcome) -> Outcome {
+fn outcome(both: [&[Record]; 2], scene: &Scene, like: &Outcome, options: Options) -> Outcome {
     let ticks = both.map(<[Record]>::len).into_iter().min().unwrap_or(0);
-    let mut account = Accounts::<1>::new(scene, ticks as u64, Options::recorded(like.ticks as f64 * 1e-3, 1e-3));
+    let mut account = Accounts::<1>::new(scene, ticks as u64, options);
     for tick in 0..ticks {
         for (at, records) in both.iter().enumerate() {
             let record = &records[tick];

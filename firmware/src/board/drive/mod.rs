@@ -19,6 +19,7 @@ mod pwm;
 use core::fmt::Debug;
 
 use firmware_parts::image::JOINTS;
+use firmware_parts::rate::Rate;
 use firmware_parts::signals::Signals;
 use haptic_core::device::encoder::{Counts, Marks};
 use haptic_core::device::stage::Measured;
@@ -56,11 +57,11 @@ pub(crate) trait Drive: Sized {
     /// What the settings make of it.
     type Plan: Copy + Debug;
 
-    /// Of these settings.
+    /// Of these settings, with ticks at this rate.
     ///
     /// # Errors
     /// It cannot do what they ask for.
-    fn plan(settings: &Settings) -> Result<Self::Plan, Refused<'static>>;
+    fn plan(settings: &Settings, rate: Rate) -> Result<Self::Plan, Refused<'static>>;
 
     /// The only one; call once, before the tick runs.
     fn start(signals: &'static Signals) -> Self;

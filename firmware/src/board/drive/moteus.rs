@@ -9,6 +9,7 @@
 
 use firmware_parts::image::JOINTS;
 use firmware_parts::moteus::{Design, Motor, Told, Trouble};
+use firmware_parts::rate::Rate;
 use firmware_parts::signals::Signals;
 use haptic_core::device::encoder::{Counts, Marks};
 use haptic_core::device::stage::Measured;
@@ -34,7 +35,7 @@ pub(crate) struct Moteus {
 impl Drive for Moteus {
     type Plan = Design;
 
-    fn plan(settings: &Settings) -> Result<Self::Plan, Refused<'static>> {
+    fn plan(settings: &Settings, _: Rate) -> Result<Self::Plan, Refused<'static>> {
         Design::build(settings)
     }
 

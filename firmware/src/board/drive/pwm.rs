@@ -2,6 +2,7 @@
 
 use firmware_parts::exchange::Latest;
 use firmware_parts::image::JOINTS;
+use firmware_parts::rate::Rate;
 use firmware_parts::signals::Signals;
 use haptic_core::device::encoder::{Counts, Marks};
 use haptic_core::device::motor::Duty;
@@ -23,8 +24,10 @@ pub(crate) struct Pwm {
     stage: Stage,
     /// Bridges or amplifiers are driven, or waking.
     driving: bool,
-    /// Ticks since they were to be enabled, until they are awake: [`bridges::WAKE_TICKS`] and one, of amplifiers [`gate::SEEN`].
+    /// Ticks since they were to be enabled, until they are awake: those of [`bridges::WAKES`] and one, of amplifiers [`gate::SEEN`].
     awake: u32,
+    /// Ticks for which amplifiers that are disabled still have their command.
+    going: u32,
     /// Their outputs were turned on.
     outputs: bool,
     encoders: Encoders,
@@ -36,17 +39,21 @@ pub(crate) struct Plan {
     /// The current loop; none where amplifiers make the current.
     power: Option<Power>,
     encoders: encoders::Plan,
+    /// Ticks until bridges are awake, and until amplifiers have let go.
+    wakes: u32,
+    lets_go: u32,
 }
 
 impl Drive for Pwm {
     type Plan = Plan;
 
-    fn plan(settings: &Settings) -> Result<Self::Plan, Refused<'static>> {
+    fn plan(settings: &Settings, rate: Rate) -> Result<Self::Plan, Refused<'static>> {
         let power = match settings.motor.drive {
-            MotorDrive::CurrentLoop => Some(Power::build(settings)?),
+            MotorDrive::CurrentLoop => Some(Power::build(settings, rate)?),
             MotorDrive::Amplifier => None,
         };
-        Ok(Plan { power, encoders: encoders::Plan::build(settings)? })
+        let (wakes, lets_go) = (rate.ticks(bridges::WAKES), rate.ticks(gate::LETS_GO));
+        Ok(Plan { power, encoders: encoders::Plan::build(settings)?, wakes, lets_go })
     }
 
     fn start(signals: &'static Signals) -> Self {
@@ -56,7 +63,7 @@ impl Drive for Pwm {
         let (sums_in, sums) = SUMS.init_with(|| Latest::new(Sums::default())).split();
         current::prepare(orders, sums_in);
         let encoders = Encoders::start(signals);
-        Self { stage: Stage::new(orders_in, sums), driving: false, awake: 0, outputs: false, encoders }
+        Self { stage: Stage::new(orders_in, sums), driving: false, awake: 0, going: 0, outputs: false, encoders }
     }
 
     fn says(signals: &Signals) -> [Option<&'static str>; 2] {
@@ -100,15 +107,15 @@ impl Drive for Pwm {
         counts: [Counts; JOINTS],
     ) -> Result<(), Fault> {
         if !self.driving {
-            self.driving = true;
+            (self.driving, self.going) = (true, 0);
             self.encoders.forget();
             bridges::forget();
         }
         let outputs = if let Some(power) = &plan.power {
-            self.awake = if actuators.enable { (self.awake + 1).min(bridges::WAKE_TICKS + 1) } else { 0 };
+            self.awake = if actuators.enable { (self.awake + 1).min(plan.wakes + 1) } else { 0 };
             self.stage.act(power, actuators, counts);
             bridges::enable(actuators.enable);
-            !actuators.enable || self.awake > bridges::WAKE_TICKS
+            !actuators.enable || self.awake > plan.wakes
         } else {
             if self.awake == gate::SEEN && actuators.enable {
                 legs::amplify(actuators.duties);
@@ -131,6 +138,10 @@ impl Drive for Pwm {
     #[inline(always)]
     fn rest(&mut self, plan: &Self::Plan, counts: [Counts; JOINTS]) {
         if self.driving && plan.power.is_none() {
+            self.going = plan.lets_go;
+        }
+        if let Some(left) = self.going.checked_sub(1) {
+            self.going = left;
             gate::shut();
         } else {
             bridges::off();
@@ -142,7 +153,7 @@ impl Drive for Pwm {
 
 impl Pwm {
     /// A tick of enabling amplifiers; an error: their gate does not work, and they are disabled. The outputs go off as after any other fault,
-    /// two ticks later: what is enabled without a gate needs its command until it has let go.
+    /// two milliseconds later: what is enabled without a gate needs its command until it has let go.
     #[cold]
     #[inline(never)]
     #[unsafe(link_section = ".itcm.gate")]

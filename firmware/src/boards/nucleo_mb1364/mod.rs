@@ -56,6 +56,7 @@ pub(crate) fn wiring(p: Peripherals) -> Wiring {
         flash: p.FLASH,
         random: p.RNG,
         pace: p.TIM6,
+        halts: p.TIM7,
         watchdog: p.IWDG1,
         strap: p.PG12,
         button: p.PC13,

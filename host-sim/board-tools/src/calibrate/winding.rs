@@ -20,9 +20,9 @@
 //! of it is 15 % of L at the most. What the supply's measurement is off by is in no interval.
 
 use haptic_core::device::current::periods_per_tick;
-use haptic_core::device::probe::End;
+use haptic_core::device::probe::{End, STEP_S};
 use haptic_core::device::stage::Measured;
-use haptic_core::device::winding::{LEAST_CODES, REST_TICKS, WAYS};
+use haptic_core::device::winding::{LEAST_CODES, REST_STEPS, WAYS};
 use haptic_core::device::{current::PWM_PERIOD_S, motor::Duty};
 use haptic_core::settings::Settings;
 
@@ -121,7 +121,7 @@ struct Row {
 fn rows(run: &Run, settings: &Settings, number: u32, periods: f64) -> (Vec<Row>, Vec<f64>) {
     let seen: Vec<MotorReading> = run.stage.iter().map(|stage| MotorReading::of(stage, settings, number)).collect();
     let given = |tick: usize| run.duties[tick] * seen[tick].supply_v;
-    let rest = REST_TICKS as usize;
+    let rest = REST_STEPS as usize;
     let motor = &settings.motor;
     let kept = (-0.5 * PWM_PERIOD_S * motor.resistance_ohm / motor.inductance_h).exp();
     let rows = (rest..seen.len() - 1).map(|tick| {
@@ -141,7 +141,7 @@ fn rows(run: &Run, settings: &Settings, number: u32, periods: f64) -> (Vec<Row>,
 
 /// Variance of what the current changes by in a tick at rest, A²: noise of the sensor.
 fn noise(run: &Run, settings: &Settings, number: u32) -> f64 {
-    let rest = &run.stage[SETTLED..REST_TICKS as usize];
+    let rest = &run.stage[SETTLED..REST_STEPS as usize];
     let read: Vec<f64> = rest.iter().map(|stage| MotorReading::of(stage, settings, number).last_a).collect();
     let squares = read.windows(2).map(|two| (two[1] - two[0]).powi(2));
     squares.sum::<f64>() / (read.len() - 1) as f64
@@ -199,7 +199,7 @@ fn fit(rows: &[Row], periods: f64) -> Option<([f64; 4], [f64; 2])> {
 /// The probes do not determine resistance and inductance, or the currents leave the sensor's range.
 pub fn identify(runs: [&Run; 2], settings: &Settings, number: u32) -> Result<Winding, Error> {
     let periods = f64::from(periods_per_tick(settings)?);
-    let ticks = |run: &Run| run.stage.len().saturating_sub(REST_TICKS as usize + 1);
+    let ticks = |run: &Run| run.stage.len().saturating_sub(REST_STEPS as usize + 1);
     if let Some(few) = runs.map(ticks).into_iter().find(|ticks| *ticks < FEWEST) {
         return Err(format!("{few} ticks of voltage are too few: raise probe.max_s").into());
     }
@@ -311,7 +311,7 @@ fn largest(settings: &Settings, supply_v: f64) -> (f64, f64) {
 /// That the current of a probe was no larger than that of a winding as the settings say.
 fn bounded(run: &Run, settings: &Settings, number: u32, most_a: f64) -> Result<(), Error> {
     let read: Vec<_> = run.stage.iter().map(|stage| MotorReading::of(stage, settings, number)).collect();
-    let rest = &read[SETTLED.min(read.len())..read.len().min(REST_TICKS as usize)];
+    let rest = &read[SETTLED.min(read.len())..read.len().min(REST_STEPS as usize)];
     let zero_a = rest.iter().map(|read| read.mean_a).sum::<f64>() / rest.len().max(1) as f64;
     let from_zero = read.iter().flat_map(|read| [read.last_a, read.mean_a]).map(|read_a| (read_a - zero_a).abs());
     let peak_a = from_zero.fold(0.0, f64::max);
@@ -332,7 +332,8 @@ pub fn winding(board: &mut dyn Board, number: u32, sheet: Sheet) -> Result<Optio
     let settings = settings(board)?;
     let (limits, motor) = (&settings.probe, &settings.motor);
     let period_s = settings.timing.control_period_s;
-    let wanted_s = period_s * f64::from(REST_TICKS + (STRETCHES * TICKS) as u32);
+    settings.all_fit(&[("timing.control_period_s", period_s >= STEP_S, "0.001 while a winding is measured")])?;
+    let wanted_s = period_s * f64::from(REST_STEPS + (STRETCHES * TICKS) as u32);
     let Some(supply_v) = supply_v(board)? else { return Ok(None) };
     let constant_s = motor.inductance_h / motor.resistance_ohm;
     if constant_s < LEAST_CONSTANT_S {

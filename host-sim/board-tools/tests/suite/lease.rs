@@ -3,7 +3,7 @@
 //! never on without one, and an operator who says "stopped" is right.
 //!
 //! Virtual time, a millisecond a step. The operator's end is the one that command line and page have; the board's is its own link and
-//! its own lease, as `firmware/src/port.rs` and `supervisor.rs` call them. The lease itself is explored whole in `protocol`.
+//! its own lease, as `firmware/src/port.rs` and `supervisor.rs` call them. The lease itself is explored in `protocol`.
 
 use firmware_parts::hold::{self, Hold};
 use firmware_parts::signals::Signals;

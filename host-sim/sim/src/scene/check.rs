@@ -6,7 +6,7 @@ use haptic_core::device::current::{self, CurrentLoop};
 use haptic_core::device::kinematics::KinematicsName;
 use haptic_core::device::velocity::VelocityName;
 use haptic_core::num::Motion;
-use haptic_core::settings::{Allowed, Choice, Refused, Settings, Tables, Value};
+use haptic_core::settings::{Choice, Refused, Settings, Tables};
 
 use super::{DriveName, Scene};
 use crate::Error;
@@ -61,18 +61,12 @@ impl Scene {
     fn check_peer(&self, peer: &Settings) -> Result<(), Refused<'static>> {
         peer.check_ranges()?;
         let axis = &peer.axis;
-        let allowed = match axis.shared {
-            1 if axis.count > AXES as u32 => {
-                Some("1 or 2, or 3 with axis.shared = 3: a simulated device in space shares all of its axes")
-            }
-            shared if shared > 1 && shared < axis.count => {
-                Some("axis.shared where that is more than 1: a simulated device shares all of its axes")
-            }
-            _ => None,
-        };
-        if let Some(allowed) = allowed.map(Allowed::Only) {
-            return Err(Refused { key: "axis.count", value: Value::Number(f64::from(axis.count)), allowed, unit: "" });
-        }
+        let in_space = "1 or 2, or 3 with axis.shared = 3: a simulated device in space shares all of its axes";
+        let several = "axis.shared where that is more than 1: a simulated device shares all of its axes";
+        peer.all_fit(&[
+            ("axis.count", axis.shared != 1 || axis.count <= AXES as u32, in_space),
+            ("axis.count", axis.shared <= 1 || axis.shared >= axis.count, several),
+        ])?;
         match axis.shared {
             2 => self.laws.peer::<f64, 2, 2>(peer, [Motion::REST; 2]).map(drop),
             3.. => self.laws.peer::<f64, 3, 3>(peer, [Motion::REST; 3]).map(drop),

@@ -8,7 +8,7 @@ use clap::Args;
 use haptic_board_tools::{
     calibrate::board::{say, take},
     calibrate::settings_file,
-    operator::PORT,
+    operator::{PORT, UNCONFIRMED},
     recording,
 };
 use haptic_core::settings::Settings;
@@ -75,8 +75,17 @@ fn of_axis(file: &Path, axis: usize) -> PathBuf {
 }
 
 impl Operate {
-    /// Gives the scene, says the lines and prints the answers, and records.
+    /// Gives the scene, says the lines and prints the answers, and records. A `disarm` that a failure keeps from being said is not confirmed.
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
+        let mut said = 0;
+        self.operate(ui, &mut said).map_err(|why| {
+            let mut unsaid = self.lines.iter().skip(said);
+            let stops = unsaid.any(|line| line.split_whitespace().next() == Some("disarm"));
+            if stops { format!("{why}; {UNCONFIRMED}").into() } else { why }
+        })
+    }
+
+    fn operate(&self, ui: &Ui, lines_said: &mut usize) -> Result<(), Failure> {
         let stop = Stop::on_signals()?;
         let mut operator = Operator::connect(self.board, &self.key.key_file)?.until(stop.clone());
         if self.scene.is_given() {
@@ -94,6 +103,7 @@ impl Operate {
             Ok(())
         };
         for line in &self.lines {
+            *lines_said += 1;
             ask(&mut operator, line)?;
         }
         if self.lines.is_empty() && !self.scene.is_given() && self.record.is_none() {

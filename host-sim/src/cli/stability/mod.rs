@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use clap::Args;
 use haptic_analysis::figure4::{self, Curve};
-use haptic_analysis::{Axis, Column, Effort, Hands, Mode, Range, Verdict, advice, judge, map, picture, speed};
+use haptic_analysis::{Axis, Column, Effort, Hands, Mode, Range, Verdict, advice, judge, map, picture};
 use haptic_core::names::Choice;
 use haptic_core::num::Scalar;
 use haptic_report::Columns;
@@ -32,8 +32,6 @@ super::commands! {
         Rendering(rendering::Rendering),
         /// The stiffest contact and coordination that leave a margin, for this device, network and loop.
         Tune(tune::Tune),
-        /// Spectral radii per second.
-        Bench(Bench),
     }
 }
 
@@ -270,32 +268,6 @@ impl Paper {
         }
         writeln!(ui, "{}\n{evaluations} spectral radii in {wall_s:.2} s", table.done());
         ui.wrote(&files);
-        Ok(())
-    }
-}
-
-#[derive(Debug, Args)]
-pub(in crate::cli) struct Bench {
-    /// Radii on each thread.
-    #[arg(long, default_value_t = 20_000, value_parser = clap::value_parser!(u32).range(1..=100_000_000))]
-    radii: u32,
-}
-
-impl Bench {
-    fn run(&self, ui: &Ui) -> Result<(), Failure> {
-        let cores = std::thread::available_parallelism().map_or(1, usize::from);
-        let measure = |threads| speed::measure(self.radii as usize, threads);
-        let speeds = if cores > 1 { vec![measure(1)?, measure(cores)?] } else { vec![measure(1)?] };
-        let table = Columns::of(&speeds)
-            .value("threads", |speed| speed.threads)
-            .value("states", |speed| speed.states)
-            .number("radii_per_s", 0, |speed| speed.radii_per_s)
-            .number("radii_per_s_and_core", 0, |speed| speed.radii_per_s_and_core)
-            .head("radii/s and core")
-            .number("checksum", 9, |speed| speed.checksum)
-            .done();
-        ui.result(&table)?;
-        writeln!(ui, "The same work in NumPy: python3 tests/oracle/numpy_speed.py");
         Ok(())
     }
 }

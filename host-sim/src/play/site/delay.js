@@ -61,8 +61,10 @@ export function delay(svg, says, value, me, holds) {
   let state = /** @type {[string, boolean]} */ (["starting", false]);
   /** The delay that was set last, ms, and when that was, or a start, ms. */
   let [set, since] = ["", 0];
-  /** The motors of a peer are off. */
+  /** A peer does not run. */
   let off = false;
+  /** Why not, in a sentence. */
+  let why = "";
   function tell() {
     const gap = mean((ago) => apart(value, ago), 200);
     const ms = (1e3 * (holds()?.one_way_s ?? NaN)).toFixed(0);
@@ -74,10 +76,7 @@ export function delay(svg, says, value, me, holds) {
         ? [`the copies are ${gap.toFixed(0)} mm apart`, true]
         : ["two simulated hands pull the object apart, and it holds", false];
     if (off) {
-      write(
-        says,
-        `Stopped: the motors are off, and no hand reaches the object now. The gap of ${far} is left from before. Press Start.`,
-      );
+      write(says, `${why}. The gap of ${far} is left from before. Press Start.`);
       return;
     }
     const [now, before] = [pulled(value, 0), pulled(value, 800)];
@@ -100,8 +99,10 @@ export function delay(svg, says, value, me, holds) {
     ...view,
     slowly: tell,
     status: () => state,
-    told: (modes) => {
+    told: (modes, base) => {
       const stopped = modes.some((mode) => mode !== 1);
+      const fault = modes.findIndex((mode) => mode > base);
+      why = fault < 0 ? "Stopped: the motors are off, and no hand reaches the object now" : `Peer ${fault + 1} stopped itself`;
       if (off && !stopped) since = performance.now();
       off = stopped;
     },

@@ -113,16 +113,24 @@ const plots = new Plots({
 
 /** @type {ReturnType<typeof join> | undefined} */
 let line;
+/** Why there is no line, and what is said of a Stop since which nothing has come. */
+let [gone, unheard] = ["connecting", ""];
+const sayGone = () => say(unheard ? `${unheard}. ${gone}` : gone, true);
 const connect = () =>
   join(ring, {
     opened: (now) => {
       socket = now;
     },
-    hear: (data) => (typeof data === "string" ? told(JSON.parse(data)) : take(data)),
+    hear: (data) => {
+      unheard = "";
+      if (typeof data === "string") told(JSON.parse(data));
+      else take(data);
+    },
     lost: (why) => {
       letGo();
       hello = undefined;
-      say(why, true);
+      gone = why;
+      sayGone();
     },
   });
 
@@ -314,7 +322,8 @@ let stopped = false;
 function report(modes, people, isCut, partner) {
   cut = isCut;
   const { faults = {}, fault_base = 100, partners = [], waits, other = null, boards = false } = hello ?? {};
-  showPeople(people, hasHand ? me : 0, Number(other?.match(/^peer ([12])/)?.[1] ?? 0));
+  const far = Number(other?.match(/^peer ([12])/)?.[1] ?? 0);
+  showPeople(people, hasHand ? me : 0, far);
   if (element("cut").getAttribute("aria-pressed") !== `${cut}`) {
     element("cut").setAttribute("aria-pressed", `${cut}`);
     element("cut").textContent = cut ? "Join the cable" : "Cut the cable";
@@ -346,7 +355,8 @@ function report(modes, people, isCut, partner) {
       : keptFromArming
         ? "a better line: this scene is unstable on it"
         : `${other}`,
-    off: modes.includes(0),
+    off: [1, 2].filter((peer) => modes[peer - 1] === 0),
+    far,
     cut,
     told: timeline.past ? undefined : shown.status?.(),
     apart: axes > 0 && !timeline.past ? apart(0) : NaN,
@@ -551,7 +561,13 @@ const { ask, answered, show, question, holds } = settings(speak);
 /** @param {string} command */
 const command = (command) => void speak(command);
 choice("partner").addEventListener("change", () => command(`partner ${choice("partner").value}`));
-element("stop").addEventListener("click", () => command("stop"));
+element("stop").addEventListener("click", () => {
+  const sent = speak("stop");
+  unheard = sent
+    ? "Stop may not have arrived: press the stop at the board or device"
+    : "Stop was not sent: press the stop at the board or device";
+  if (!sent) sayGone();
+});
 for (const id of ["start", "again", "stiff-again"]) element(id).addEventListener("click", () => command("start"));
 element("let-go").addEventListener("click", letGo);
 element("cut").addEventListener("click", () => command(element("cut").getAttribute("aria-pressed") === "true" ? "join" : "cut"));
@@ -616,7 +632,7 @@ function showBoard({ number, fault, told: { name, there, status, said } }) {
   };
   tell("name", name);
   tell("status", there ? status : `not there: ${status}`);
-  tell("fault", fault ? `Stopped: ${fault}. When the cause is gone, clear the fault, then arm.` : "");
+  tell("fault", fault ? `Fault: ${fault}. When the cause is gone, clear the fault, then arm.` : "");
   const lines = said.map(([line, answer]) => {
     const item = document.createElement("li");
     item.textContent = `${line}: ${answer}`;
@@ -640,7 +656,10 @@ function sayBoards(modes) {
     ],
     [which((mode) => mode > fault_base), (of) => `fault at board ${of}: its motors are off`],
   ];
-  const said = sentences.flatMap(([of, text]) => (of ? [text(of)] : []));
+  // Cards come after the first picture.
+  const said = element("boards").childElementCount
+    ? sentences.flatMap(([of, text]) => (of ? [text(of)] : []))
+    : ["waiting for the boards"];
   say(said.join(". ") || "all motors are off", said.length > 0);
 }
 

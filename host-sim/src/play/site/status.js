@@ -21,16 +21,27 @@ const PLAINLY = {
 /** Why a peer stopped itself, in plain words; of other faults what the program says. @param {number} fault @param {Record<string, string>} faults */
 export const plainly = (fault, faults) => PLAINLY[fault] ?? faults[`${fault}`] ?? "a fault";
 
-/** What is known of it: who has stopped itself and why, whom it waits for, what a picture says of itself, how far the copies are apart (mm),
- * which share of the last moments was fresh at either peer, and who has the hands.
- * @typedef {{ fault: { peer: number, why: string } | undefined, waits: string | undefined, off: boolean, cut: boolean,
+/** What is known of it: who has stopped itself and why, whom it waits for, the peers whose motors are off, which of them is on another machine (0:
+ * none), what a picture says of itself, how far the copies are apart (mm), which share of the last moments was fresh at either peer, and who has
+ * the hands.
+ * @typedef {{ fault: { peer: number, why: string } | undefined, waits: string | undefined, off: number[], far: number, cut: boolean,
  *   told: [string, boolean] | undefined, apart: number, live: number[], hands: string }} Known */
 
 /** The sentence, and whether it is bad. @param {Known} known @returns {[string, boolean]} */
-export function sentence({ fault, waits, off, cut, told, apart, live, hands }) {
-  if (fault && !told?.[1]) return [`peer ${fault.peer} stopped: ${fault.why}. Press Start.`, true];
-  if (waits !== undefined) return [`waiting for ${waits}`, true];
-  if (off && !fault) return ["stopped: motors are off. Press Start.", true];
+export function sentence({ fault, waits, off, far, cut, told, apart, live, hands }) {
+  const halts =
+    fault && !told?.[1]
+      ? `peer ${fault.peer} stopped: ${fault.why}. Press Start.`
+      : waits !== undefined
+        ? `waiting for ${waits}`
+        : undefined;
+  // On two machines each end has a Stop of its own.
+  const [here, there] = [off.includes(3 - far), off.includes(far)];
+  const other = halts ?? `the motors of peer ${far} are on`;
+  if (far && here && !there) return [`stopped: your motors are off. Press Start. ${other}`, true];
+  if (halts !== undefined) return [halts, true];
+  if (far && there && !here) return [`the motors of peer ${far} are off, yours are on. Press Stop to turn yours off.`, true];
+  if (off.length > 0 && !fault) return ["stopped: motors are off. Press Start.", true];
   if (cut) return ["the cable is cut", true];
   if (told) return told;
   if (apart > TOGETHER_MM) return [`the copies are ${apart.toFixed(0)} mm apart: they are no longer one object`, true];

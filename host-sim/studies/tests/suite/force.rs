@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, SQRT_2, TAU};
 
 use haptic_sim::{Laws, scene::Scene};
-use haptic_studies::force::{Command, HAND_HZ, HAND_M, Row, measure, stiffest};
+use haptic_studies::force::{Command, HAND_HZ, HAND_M, Row, measure};
 
 fn scene(keys: &[&str]) -> Scene {
     let keys: Vec<String> = keys.iter().map(|key| key.to_string()).collect();
@@ -90,31 +90,15 @@ fn an_open_bridge_is_a_lag() {
     }
 }
 
-/// §5.2: 1583 N/m a control period late and 2967 at once (THEORY's notes); a loop of 1 kHz is nearer the latter.
+/// Every slide has the same motor.
 #[test]
-fn a_loop_lets_a_contact_be_stiffer_than_a_control_period_does() {
-    let scene = haptic_sim::scenes::load(Laws::built_in(), "paper-5.2-passive-wave-16ms").expect("a built-in scene");
-    let found = stiffest(&scene).expect("limits");
-    let limits: Vec<f64> = found.iter().map(|way| way.contact_n_per_m.expect("a limit")).collect();
-    assert!(limits.is_sorted(), "{limits:?}");
-    assert!((limits[0] - 1583.0).abs() < 3.0 && (limits[5] - 2967.0).abs() < 3.0, "{limits:?}");
-    assert!((2500.0..2600.0).contains(&limits[3]), "{limits:?}");
-}
-
-/// Every slide has the same motor, and a contact of its own.
-#[test]
-fn several_shared_axes_have_the_motor_and_the_limits_of_one() {
+fn several_shared_axes_have_the_motor_of_one() {
     let one = scene(&["contact.damping_n_s_per_m=2"]);
     let figures = |scene: &Scene| format!("{:?}", measure(scene, 3.0).expect("a good motor"));
-    let limits = |scene: &Scene| stiffest(scene).expect("limits").into_iter().map(|way| way.contact_n_per_m);
     for axes in ["2", "3"] {
         let several =
             scene(&[&format!("axis.count={axes}"), &format!("axis.shared={axes}"), "contact.damping_n_s_per_m=2"]);
         assert_eq!(figures(&several), figures(&one));
-        for (several, one) in limits(&several).zip(limits(&one)) {
-            let (several, one) = several.zip(one).expect("a limit");
-            assert!((several / one - 1.0).abs() < 1e-3, "{axes} axes: {several} N/m, not {one}");
-        }
     }
 }
 

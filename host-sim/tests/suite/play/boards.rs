@@ -1,6 +1,104 @@
 //! The page as the operator of two simulated boards: what turns motors on is confirmed, Stop is always there, a closed page lets go.
 
-use super::{Browser, Play, click, folder, press};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use super::{Browser, Play, Socket, click, folder, press};
+use crate::another_language::Board;
+
+/// How the motors of a board are shown, as a page gets it.
+const OFF: u8 = 0;
+const NOT_KNOWN: u8 = 2;
+const ALONE: u8 = 3;
+
+/// The page of a board in Python, and its operator's window.
+fn page_of(board: &Board) -> (Play, Socket) {
+    let play = Play::start(&board.reached.each_ref().map(String::as_str));
+    let page = Socket::open(&play.addresses[0]).expect("it is let in");
+    (play, page)
+}
+
+/// Until board 2 is shown so.
+fn until(page: &mut Socket, shown: impl Fn(u8) -> bool) {
+    let start = Instant::now();
+    while !shown(page.looks().0[1]) {
+        assert!(start.elapsed() < Duration::from_secs(30), "{:?}", page.looks());
+    }
+}
+
+/// What the page is told of its stop, and whether board 2 was shown as off before that.
+fn stopped(page: &mut Socket) -> (String, bool) {
+    page.say("stop");
+    let (start, mut shown_off) = (Instant::now(), false);
+    while start.elapsed() < Duration::from_secs(30) {
+        let ([_, shown], boards) = page.looks();
+        let said = boards.as_ref().and_then(|boards| boards[0]["told"]["said"].as_array()).into_iter().flatten();
+        if let Some(answer) = said.filter(|one| one[0] == "stop").find_map(|one| one[1].as_str()) {
+            return (answer.to_owned(), shown_off);
+        }
+        shown_off |= shown == OFF;
+    }
+    panic!("nothing is said of the stop");
+}
+
+/// An attacker on the path, without a key, drops what a board sends by its length once its motors are on: samples, or probes and replies, or
+/// everything. The page never shows them as off while they are on, and they go off when the page is closed.
+#[test]
+fn a_path_that_drops_by_length_hides_no_motor_and_keeps_none_on() {
+    for (name, drops) in [("samples", &[160][..]), ("probes", &[60, 76]), ("all", &[0])] {
+        let board = Board::start(&format!("python-dropped-{name}"), "honest", drops, 1.0);
+        let (_play, mut page) = page_of(&board);
+        // Without its ticks, which are asked for after half a second, nothing of a board without probes arrives.
+        board.says("line stream 4");
+        until(&mut page, |shown| shown == OFF);
+        page.say("board 2 arm");
+        board.says("motors leased");
+        until(&mut page, |shown| shown != OFF);
+        let (start, mut shown) = (Instant::now(), OFF);
+        while start.elapsed() < Duration::from_secs(3) {
+            shown = page.looks().0[1];
+            assert_ne!(shown, OFF, "{name}");
+        }
+        assert!(name != "all" || shown == NOT_KNOWN, "{name}: {shown}");
+        let closed = Instant::now();
+        drop(page);
+        board.says("motors off");
+        // The page may be silent for a second, and the lease is another.
+        assert!(closed.elapsed() < Duration::from_secs(4), "{name}: {:?}", closed.elapsed());
+        let (did, turns) = board.end();
+        let states: Vec<_> = turns.iter().map(|(_, state)| state.as_str()).collect();
+        assert_eq!(states, ["leased", "off"], "{name}: {did}");
+        assert!(did["lost"].as_f64() > Some(50.0), "{name}: {did}");
+    }
+}
+
+/// A board runs alone. The page says so, and its Stop is *stopped* only if the board says so itself.
+#[test]
+fn stop_on_a_page_ends_what_runs_alone_or_says_what_to_press() {
+    let alone = |manner: &str| {
+        let board = Board::start(&format!("python-page-{manner}"), manner, &[], 0.2);
+        assert_eq!(board.run(&["arm alone"]).0, Some(0));
+        let (play, mut page) = page_of(&board);
+        until(&mut page, |shown| shown == ALONE);
+        (board, play, page)
+    };
+    let last = |did: &Value| did["motors"].as_array().and_then(|turns| turns.last()).map(|turn| turn[1].clone());
+
+    let (board, _play, mut page) = alone("honest");
+    assert_eq!(stopped(&mut page).0, "stopped: the board says that its motors are off");
+    let (did, _) = board.end();
+    assert_eq!(last(&did), Some("off".into()), "{did}");
+
+    for manner in ["deaf", "late"] {
+        let (board, _play, mut page) = alone(manner);
+        let (said, shown_off) = stopped(&mut page);
+        assert!(said.starts_with("stop not confirmed: press the stop at the board"), "{manner}: {said}");
+        assert!(!shown_off && page.looks().0[1] != OFF, "{manner}: {:?}", page.looks());
+        let (did, _) = board.end();
+        assert_eq!(last(&did), Some("alone".into()), "{manner}: {did}");
+    }
+}
 
 #[test]
 fn two_boards_are_commanded_from_a_page() {
@@ -31,6 +129,8 @@ fn two_boards_are_commanded_from_a_page() {
     browser.wait(&one, &format!("{status}.startsWith('the motors of board 2 are on')"));
     click(&mut browser, &one, "stop");
     browser.wait(&one, &format!("{status} === 'all motors are off'"));
+    let answer = "document.querySelector('#board2 .said').textContent";
+    browser.wait(&one, &format!("{answer}.endsWith('stop: stopped: the board says that its motors are off')"));
 
     // A line of another making is none.
     browser.evaluate(&one, "page.command('board 1 set safety.max_force_n 40')");
@@ -64,4 +164,14 @@ fn two_boards_are_commanded_from_a_page() {
     browser.wait(&watching, &format!("{status} === 'all motors are off'"));
     let complaints = browser.complaints(&[&one, &watching]);
     assert!(complaints.is_empty(), "{complaints:?}");
+
+    // Until it has heard of a board, a window says nothing of motors.
+    let keeps_back = "const { set } = Object.getOwnPropertyDescriptor(WebSocket.prototype, 'onmessage'); \
+        Object.defineProperty(WebSocket.prototype, 'onmessage', { set(hear) { \
+        set.call(this, (event) => `${event.data}`.startsWith('{\"boards\"') || hear(event)); } });";
+    let script = serde_json::json!({ "source": keeps_back });
+    browser.call(&watching, "Page.addScriptToEvaluateOnNewDocument", script);
+    browser.call(&watching, "Page.reload", serde_json::json!({}));
+    browser.wait(&watching, &format!("{status} === 'waiting for the boards'"));
+    assert_eq!(browser.evaluate(&watching, "document.getElementById('status').className"), "bad");
 }

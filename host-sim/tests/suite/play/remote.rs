@@ -27,15 +27,30 @@ fn two_machines_hold_one_object() {
     browser.picture(&two, &folder().join("far.png"));
     browser.mouse(&one, "mouseReleased", at);
 
-    // Stop at one end is seen at both; nothing but a start there takes it back.
+    // Stop at one end turns off its own motors and no others, and both say so; nothing but a start there takes it back.
+    let says = |words: &str| format!("{status} === '{words}'");
     click(&mut browser, &one, "stop");
+    browser.wait(&one, &says("stopped: your motors are off. Press Start. the motors of peer 2 are on"));
+    browser.wait(&two, &says("the motors of peer 1 are off, yours are on. Press Stop to turn yours off."));
+    click(&mut browser, &two, "stop");
     for window in [&one, &two] {
-        browser.wait(window, &format!("{status}.startsWith('stopped: motors are off')"));
+        browser.wait(window, &says("stopped: motors are off. Press Start."));
     }
-    click(&mut browser, &one, "start");
+    for window in [&one, &two] {
+        click(&mut browser, window, "start");
+    }
     browser.wait(&two, &format!("{status}.endsWith('has the other hand')"));
+    click(&mut browser, &two, "stop");
+    browser.wait(&two, &says("stopped: your motors are off. Press Start. the motors of peer 1 are on"));
     drop(here);
-    browser.wait(&two, &format!("{status}.startsWith('waiting for peer 1')"));
+    browser
+        .wait(&two, &format!("{status}.startsWith('stopped: your motors are off. Press Start. waiting for peer 1')"));
     let complaints = browser.complaints(&[&two]);
     assert!(complaints.is_empty(), "{complaints:?}");
+
+    // A Stop that nobody receives says so, and what to press.
+    drop(there);
+    browser.wait(&two, &format!("{status}.startsWith('no answer from the program')"));
+    click(&mut browser, &two, "stop");
+    browser.wait(&two, &format!("{status}.startsWith('Stop was not sent: press the stop at the board or device. ')"));
 }

@@ -41,6 +41,25 @@ impl Socket {
         self.asks(u32::MAX, [along, 0.0, 0.0]).expect("it answers");
     }
 
+    /// Asks as a window does, and waits a frame. How the motors of both boards are shown: 0 off, 1 on, 2 not known, 3 on without an operator; and the
+    /// newest that it is told of the boards meanwhile.
+    pub(super) fn looks(&mut self) -> ([u8; 2], Option<serde_json::Value>) {
+        self.question(u32::MAX, [f32::NAN; 3]).expect("it hears");
+        let mut boards = None;
+        let answer = loop {
+            match self.0.read().expect("it answers") {
+                Message::Binary(answer) => break answer,
+                Message::Text(text) => {
+                    let mut said: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+                    boards = Some(said["boards"].take()).filter(serde_json::Value::is_array).or(boards);
+                }
+                _ => {}
+            }
+        };
+        std::thread::sleep(Duration::from_micros(16_667));
+        ([answer[12], answer[13]], boards)
+    }
+
     /// Asks for what came since, 60 times a second as a window that looks on does, until the program ends.
     pub(super) fn looks_on(mut self) {
         let (mut next, mut seen) = (u32::MAX, 0);
@@ -55,9 +74,13 @@ impl Socket {
         assert!(seen > 100, "it looked on {seen} times");
     }
 
-    fn asks(&mut self, next: u32, hand: [f32; 3]) -> Result<Vec<u8>, tungstenite::Error> {
+    fn question(&mut self, next: u32, hand: [f32; 3]) -> Result<(), tungstenite::Error> {
         let question = [&next.to_le_bytes()[..], &hand.map(f32::to_le_bytes).concat(), &0_u32.to_le_bytes()].concat();
-        self.0.send(Message::Binary(question.into()))?;
+        self.0.send(Message::Binary(question.into()))
+    }
+
+    fn asks(&mut self, next: u32, hand: [f32; 3]) -> Result<Vec<u8>, tungstenite::Error> {
+        self.question(next, hand)?;
         loop {
             if let Message::Binary(answer) = self.0.read()? {
                 return Ok(answer.to_vec());

@@ -5,7 +5,7 @@
 //! datagrams each way, and passes any of them on at any time and in any order, or drops it. Copies need no action: a session takes each
 //! datagram once. **Assumed**: datagrams are authentic, a handshake is one step, and no number comes again while a line is under way.
 
-use std::hash::{DefaultHasher, Hash, Hasher};
+use std::hash::{Hash, Hasher};
 
 use super::super::{Aged, AtBoard, AtOperator, Giver, Holder, LAST, Motors, Number, Told, Want, Word};
 
@@ -28,6 +28,10 @@ pub(super) enum Planted {
     YesOfAnyAge,
     /// A start counts as often as it comes.
     UsedAgain,
+    /// The board measures the lease by the operator's clock.
+    OtherClock,
+    /// Each operator stops only its own run, and is told of no other.
+    OwnRunAlone,
 }
 
 /// Bounds, and times in units.
@@ -45,8 +49,17 @@ pub(super) struct World {
     pub(super) alone: bool,
     pub(super) switch: bool,
     pub(super) restarts: bool,
+    /// The board's clock and the operators' clock advance independently, so at any rates. Otherwise they are one clock.
+    pub(super) drift: bool,
     /// Of how many states one is tried for what a person may count on; 0: none.
     pub(super) live_every: u64,
+}
+
+/// A moment by the operators' clock, and by the board's, which only promises look at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct Moment {
+    operators: u64,
+    board: u64,
 }
 
 /// A line that starts something.
@@ -64,7 +77,7 @@ struct Line {
 struct ToBoard {
     word: Word,
     echo: Option<u64>,
-    sealed: u64,
+    sealed: Moment,
     line: Option<Line>,
     /// Something newer has come.
     late: bool,
@@ -112,8 +125,8 @@ pub(super) struct State {
     session: Option<usize>,
     /// Whose words the board has; none if that end has restarted.
     peer: Option<usize>,
-    /// The newest time of its operator's clock.
-    stamp: Option<u64>,
+    /// When the newest datagram of its operator was sealed.
+    stamp: Option<Moment>,
     under_way: Vec<ToBoard>,
     operators: Vec<Operator>,
     ran: Option<Ran>,
@@ -122,7 +135,10 @@ pub(super) struct State {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Action {
-    Tick,
+    Tick {
+        board: bool,
+        operators: bool,
+    },
     /// The tick does what the holder wants.
     CarryOut,
     Connect(usize),
@@ -155,17 +171,14 @@ fn told_at_all(told: &Aged<Told>) -> Told {
 }
 
 impl World {
+    /// Longer ago than a lease.
+    fn long_ago(&self) -> u64 {
+        NOW - self.lease - 1
+    }
+
     fn operator(&self) -> Operator {
         let giver = Giver { shown_us: self.shown, silence_us: self.silence, ..Giver::default() };
-        Operator {
-            giver,
-            met: false,
-            knows: false,
-            stamp: None,
-            line: None,
-            came: Vec::new(),
-            yes: NOW - self.lease - 1,
-        }
+        Operator { giver, met: false, knows: false, stamp: None, line: None, came: Vec::new(), yes: self.long_ago() }
     }
 
     pub(super) fn start(&self) -> State {
@@ -187,7 +200,9 @@ impl World {
     }
 
     pub(super) fn actions(&self, state: &State) -> Vec<Action> {
-        let mut actions = vec![Action::Tick, Action::CarryOut, Action::Say, Action::Fault];
+        let mut actions = vec![Action::CarryOut, Action::Say, Action::Fault];
+        let clocks: &[_] = if self.drift { &[(true, false), (false, true)] } else { &[(true, true)] };
+        actions.extend(clocks.iter().map(|&(board, operators)| Action::Tick { board, operators }));
         if self.switch {
             actions.extend([Action::Release, Action::Hold]);
         }
@@ -223,13 +238,15 @@ impl World {
 
     fn act(&self, state: &mut State, action: Action) -> Option<()> {
         match action {
-            Action::Tick => {
-                if state.lags {
+            Action::Tick { board, operators } => {
+                if board && state.lags {
                     self.carry_out(state);
                 }
-                self.pass(state);
-                let _ = state.holder.step(NOW, AtBoard::Look);
-                state.lags = state.driven != (state.holder.motors != Motors::Off);
+                self.pass(state, board, operators);
+                if board {
+                    let _ = state.holder.step(NOW, AtBoard::Look);
+                    state.lags = state.driven != (state.holder.motors != Motors::Off);
+                }
                 for by in 0..self.operators {
                     let Operator { giver, yes, .. } = &state.operators[by];
                     if self.planted == Planted::LeaseOver && giver.want() == Want::Stop && NOW - yes > self.lease {
@@ -291,7 +308,10 @@ impl World {
             Action::Send { by, line } => self.send(state, by, line)?,
             Action::Say => {
                 let by = state.session?;
-                let (told, echo) = (state.holder.told(state.driven), state.stamp);
+                let (mut told, echo) = (state.holder.told(state.driven), state.stamp.map(|stamp| stamp.operators));
+                if self.planted == Planted::OwnRunAlone && state.ran.is_some_and(|ran| ran.by != by) {
+                    told.motors = Motors::Off;
+                }
                 let operator = &mut state.operators[by];
                 (operator.met && operator.came.len() < self.to_operator).then_some(())?;
                 let said = ToOperator { told, echo, sealed: NOW };
@@ -353,7 +373,10 @@ impl World {
         }
         // An end that has changed its mind does not say the line again.
         let line = if line { Some(operator.line.filter(|line| word == line.word)?) } else { None };
-        let said = ToBoard { word, echo: operator.stamp, sealed: NOW, line, late: false };
+        // Promises are about how old a yes is, and there is none in other words.
+        let board = if word.want == Want::Run { NOW } else { self.long_ago() };
+        let sealed = Moment { operators: NOW, board };
+        let said = ToBoard { word, echo: operator.stamp, sealed, line, late: false };
         (state.under_way.last() != Some(&said)).then_some(())?;
         state.under_way.push(said);
         Some(())
@@ -365,12 +388,19 @@ impl World {
         let came = state.under_way.remove(at);
         if !came.late {
             state.stamp = Some(came.sealed);
-            let old_stop = self.planted == Planted::OldStop && came.word.want == Want::Stop;
+            let stops = match self.planted {
+                Planted::OldStop => false,
+                Planted::OwnRunAlone => state.ran.is_none_or(|ran| ran.by == by),
+                _ => true,
+            };
+            let old_stop = !stops && came.word.want == Want::Stop;
             let heard = if old_stop { Word { want: Want::Nothing, ..came.word } } else { came.word };
-            let _ = state.holder.step(NOW, AtBoard::Heard { word: heard, echo_us: came.echo });
+            let other_clock = self.planted == Planted::OtherClock;
+            let echo_us = if other_clock { Some(came.sealed.operators) } else { came.echo };
+            let _ = state.holder.step(NOW, AtBoard::Heard { word: heard, echo_us });
             state.under_way[..at].iter_mut().for_each(|older| older.late = true);
             let run = |ran: &&mut Ran| ran.by == by && came.word == ran.line.word;
-            state.ran.as_mut().filter(run).into_iter().for_each(|ran| ran.yes = came.sealed);
+            state.ran.as_mut().filter(run).into_iter().for_each(|ran| ran.yes = came.sealed.board);
         }
         // The console refuses a line before the lease does if motors are on or the switch is not held.
         let Some(line) = came.line.filter(|_| !state.driven && state.held) else { return Some(()) };
@@ -382,7 +412,7 @@ impl World {
         }
         if state.holder.step(NOW, AtBoard::Start { word: line.word, alone: line.alone }).is_ok() {
             // The newest datagram says the run of this line, or it had not started.
-            let yes = state.stamp.unwrap_or_default();
+            let yes = state.stamp.map_or(0, |stamp| stamp.board);
             if line.void || line.done || NOW - yes > self.lease {
                 state.broken = Some("S4: something old, used or stopped has started");
             }
@@ -402,37 +432,35 @@ impl World {
         (state.driven, state.lags) = (driven, false);
     }
 
-    /// A unit of time passes. Each time saturates beyond what it is compared with.
-    fn pass(&self, state: &mut State) {
-        fn older(time: &mut u64, longest: u64) {
-            *time = (*time - 1).max(NOW - longest);
+    /// A unit of time passes by these clocks. Each time saturates beyond what it is compared with.
+    fn pass(&self, state: &mut State, board: bool, operators: bool) {
+        fn older(time: &mut u64, passed: bool, longest: u64) {
+            *time = (*time - u64::from(passed)).max(NOW - longest);
         }
-        fn maybe(time: &mut Option<u64>, longest: u64) {
-            time.iter_mut().for_each(|time| older(time, longest));
-        }
-        let (of_board, of_operator) = (self.lease, self.shown + 1);
-        let both = (self.lease + 1).max(of_operator);
-        maybe(&mut state.holder.said_us, of_board);
-        maybe(&mut state.stamp, both);
-        for came in &mut state.under_way {
-            maybe(&mut came.echo, of_board);
-            older(&mut came.sealed, both);
+        let by_board = |time: &mut u64| older(time, board, self.lease + 1);
+        let by_operators = |time: &mut u64| older(time, operators, self.shown + 1);
+        let fresh_by_board = |time: &mut u64| older(time, board, self.lease);
+        state.holder.said_us.iter_mut().for_each(fresh_by_board);
+        state.under_way.iter_mut().filter_map(|came| came.echo.as_mut()).for_each(fresh_by_board);
+        for sealed in state.stamp.iter_mut().chain(state.under_way.iter_mut().map(|came| &mut came.sealed)) {
+            by_board(&mut sealed.board);
+            by_operators(&mut sealed.operators);
         }
         for operator in &mut state.operators {
-            maybe(&mut operator.stamp, of_board);
-            older(&mut operator.giver.asked_us, self.silence + 1);
-            operator.giver.told.iter_mut().for_each(|told| older(&mut told.at, of_operator));
+            operator.stamp.iter_mut().for_each(fresh_by_board);
+            older(&mut operator.giver.asked_us, operators, self.silence + 1);
+            operator.giver.told.iter_mut().for_each(|told| by_operators(&mut told.at));
             for came in &mut operator.came {
-                maybe(&mut came.echo, of_operator);
-                older(&mut came.sealed, of_board);
+                came.echo.iter_mut().for_each(by_operators);
+                fresh_by_board(&mut came.sealed);
             }
             if self.planted == Planted::LeaseOver {
-                older(&mut operator.yes, self.lease + 1);
+                older(&mut operator.yes, operators, self.lease + 1);
             }
         }
         if let Some(ran) = &mut state.ran {
-            older(&mut ran.since, self.shown + 1);
-            older(&mut ran.yes, self.lease + 1);
+            by_operators(&mut ran.since);
+            by_board(&mut ran.yes);
         }
     }
 
@@ -448,6 +476,9 @@ impl World {
         let Holder { word, used, motors, .. } = state.holder;
         if motors != Motors::Leased && (word.want != Want::Run || used) && self.planted != Planted::UsedAgain {
             state.holder.said_us = None;
+        }
+        if word.want != Want::Run || used {
+            state.stamp.iter_mut().for_each(|stamp| stamp.board = self.long_ago());
         }
         let fresh = |said_us: &u64| NOW - said_us < self.lease;
         state.holder.said_us = state.holder.said_us.filter(fresh);
@@ -487,7 +518,8 @@ impl World {
             state.under_way.retain(|came| !came.late || came.line.is_some_and(|line| words.contains(&line.word)));
         }
         for came in state.under_way.iter_mut().filter(|came| came.late) {
-            (came.word, came.echo, came.sealed) = (Word::default(), None, NOW);
+            (came.word, came.echo) = (Word::default(), None);
+            came.sealed = Moment { operators: NOW, board: NOW };
         }
         for by in 0..state.operators.len() {
             self.renumber(state, by);
@@ -589,7 +621,7 @@ impl World {
         flush(state);
         let _ = self.act(state, Action::Say);
         flush(state);
-        let _ = self.act(state, Action::Tick);
+        let _ = self.act(state, Action::Tick { board: true, operators: true });
     }
 
     /// From here on nobody disturbs: whether a person at operator `by` can stop what runs, start, keep it running and stop it.
@@ -622,11 +654,31 @@ impl World {
     }
 }
 
+/// A faster hash than SipHash. Both gave the same counts of states.
+#[derive(Default)]
+pub(super) struct Mixed(u64);
+
+impl Hasher for Mixed {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+    fn write(&mut self, bytes: &[u8]) {
+        for part in bytes.chunks(8) {
+            let number = part.iter().rev().fold(0, |number, byte| number << 8 | u64::from(*byte));
+            self.write_u64(number);
+        }
+    }
+    fn write_u64(&mut self, number: u64) {
+        let wide = u128::from(self.0.rotate_left(23) ^ number ^ 0x243f_6a88_85a3_08d3) * 0x9e37_79b9_7f4a_7c15_u128;
+        self.0 = wide as u64 ^ (wide >> 64) as u64;
+    }
+}
+
 impl State {
     /// A fingerprint, which two operators share whichever of them is the first.
     pub(super) fn mark(&self) -> u64 {
         let hash = |state: &Self| {
-            let mut hasher = DefaultHasher::new();
+            let mut hasher = Mixed::default();
             state.hash(&mut hasher);
             hasher.finish()
         };

@@ -1,6 +1,6 @@
 //! Two boards, their devices and a PC on one wire, running a scene.
 //!
-//! Time goes in steps of 1 ms that end in the middle between two ticks. At every stop, in this order: frames that left go
+//! Time goes in steps of a control period that end in the middle between two ticks. At every stop, in this order: frames that left go
 //! onto the wire and those that arrived come off it; each device (host-sim's plant) moves by one period under what its
 //! board's bridges are commanded; its encoder begins to turn there. So a device does on the bench exactly what it does
 //! in host-sim's harness, and what is compared is the board.
@@ -29,7 +29,7 @@ use crate::wire::{Line, PC, Wire};
 
 pub use device::{AMPLIFIER_STEPS, CURRENT_LOOP, PWM_STEPS, duties, for_boards};
 
-/// A control period, ns.
+/// A control period of boards that have no scene yet, and a millisecond, ns.
 pub const PERIOD_NS: u64 = 1_000_000;
 
 /// The stack (memory.x), without the guard at its bottom and what start-up may be using of its top.
@@ -62,7 +62,9 @@ pub struct Bench {
     now_ns: u64,
     /// How much later power came on at each board, ns: its own clock is so far behind the bench's.
     late_ns: Vec<u64>,
+    /// The control period of the boards' scenes, s, and of their ticks, ns.
     period_s: f64,
+    period_ns: u64,
     /// Stops since power-on.
     stops: u64,
     /// Of the emergency stops' two contacts, those that are bridged, on every board.
@@ -129,6 +131,7 @@ impl Bench {
             now_ns: 1000,
             late_ns: vec![0; boards],
             period_s: 1e-3,
+            period_ns: PERIOD_NS,
             stops: 0,
             engaging: 0,
             on: vec![None; boards],
@@ -246,7 +249,7 @@ impl Bench {
     /// One period in which devices stand still and a board's (1 or 2) emergency stop is pressed, so long after its beginning and for
     /// so long, ns. The tick comes in the middle of it.
     pub fn press_for(&mut self, number: usize, after_ns: u64, length_ns: u64) {
-        let end_ns = self.now_ns + PERIOD_NS;
+        let end_ns = self.now_ns + self.period_ns;
         self.run_to(self.now_ns + after_ns);
         self.input(number).press = Some(true);
         self.run_to(self.now_ns + length_ns);
@@ -256,7 +259,7 @@ impl Bench {
 
     /// One period of boards and devices.
     pub fn step(&mut self) {
-        self.run_to(self.now_ns + PERIOD_NS);
+        self.run_to(self.now_ns + self.period_ns);
         if let Some(partner) = &mut self.partner {
             for frame in self.wire.receive(1, self.now_ns) {
                 partner.hear(self.now_ns, &frame);
@@ -266,7 +269,7 @@ impl Bench {
             }
         }
         // Half a PWM period before the next tick.
-        let begins_ns = self.now_ns + PERIOD_NS / 2 - 25_000;
+        let begins_ns = self.now_ns + self.period_ns / 2 - 25_000;
         if !self.loose.is_empty() {
             let time_s = self.ticks as f64 * self.period_s;
             let boards = self.stopped.iter().zip(&self.late_ns).zip(&mut self.inputs);
@@ -359,9 +362,18 @@ impl Bench {
         self.run_to(self.now_ns + 1000 * us);
     }
 
-    /// Runs the bench for so many periods of 1 ms.
-    pub fn run_for_ms(&mut self, periods: u64) {
-        (0..periods).for_each(|_| self.step());
+    /// Runs the bench for so many ms.
+    pub fn run_for_ms(&mut self, ms: u64) {
+        (0..ms * PERIOD_NS / self.period_ns).for_each(|_| self.step());
+    }
+
+    /// The ticks of every board are to come with the scene's period, from one of those that they have on.
+    fn pace(&mut self, scene: &Scene) {
+        let (timing, tick_ns) = (&scene.peer.timing, self.now_ns - self.period_ns / 2);
+        (self.period_s, self.period_ns) = (timing.control_period_s, timing.control_period_ns());
+        // Again in the middle between two ticks.
+        let periods = (self.now_ns - tick_ns) / self.period_ns + 1;
+        self.run_to(tick_ns + periods * self.period_ns + self.period_ns / 2);
     }
 
     /// How fast a board's (1 or 2) device moves along its free axis, m/s.

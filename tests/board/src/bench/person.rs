@@ -45,7 +45,7 @@ impl Bench {
     pub fn ask(&mut self, number: usize, line: &str) -> String {
         let before = self.pc.answers[number - 1].len();
         self.send(number, line);
-        for _ in 0..1000 {
+        for _ in 0..1000 * PERIOD_NS / self.period_ns {
             self.step();
             if let Some(answer) = self.pc.answers[number - 1].get(before) {
                 return answer.clone();
@@ -94,7 +94,6 @@ impl Bench {
     pub fn set_up_each(&mut self, scenes: &[Scene]) -> Result<(), Error> {
         self.scenes = scenes.to_vec();
         let (timing, boards) = (&self.scenes[0].peer.timing, self.scenes.iter().enumerate());
-        self.period_s = timing.control_period_s;
         let ticks_per_packet = u64::from(timing.ticks_per_packet);
         self.devices = boards.map(|(index, scene)| Some(Device::new(scene, index))).collect();
         for ((device, scene), inputs) in self.devices.iter().flatten().zip(scenes).zip(&mut self.inputs) {
@@ -112,6 +111,7 @@ impl Bench {
             }
         }
         self.hold_buttons(false);
+        self.pace(&scenes[0]);
         // The scene is taken at the next packet boundary, and the peers meet again under it.
         self.run_for_ms(2 * ticks_per_packet);
         self.settle()
@@ -192,7 +192,7 @@ impl Bench {
             inputs.motors = Some(device.stage());
         }
         self.devices = held;
-        self.run_to(self.now_ns + PERIOD_NS);
+        self.run_to(self.now_ns + self.period_ns);
     }
 
     /// Presses the emergency stop of a board (1 or 2), each contact that is not bridged, or releases it; takes effect at the next stop.
@@ -288,7 +288,7 @@ impl Bench {
         for number in 1..=self.nodes.len() {
             self.send(number, "arm");
         }
-        self.run_for_ms(self.engaging);
+        (0..self.engaging).for_each(|_| self.step());
         while self.ticks < 24 {
             assert!(self.stops < 1_000_000, "the boards do not arm");
             self.step();

@@ -15,8 +15,8 @@ use rigless::time::{EventId, VirtualNanos};
 type Inner = Tim<General>;
 type Register = <Inner as Device>::Register;
 
-/// Time over which a move's edges are spread, ns: well within the pause between two ticks.
-const SPREAD_NS: u64 = 250_000;
+/// Time over which a move's edges are spread, ns: within half of the shortest control period, after which the tick reads them.
+const SPREAD_NS: u64 = 80_000;
 /// Two edges are never closer, ns.
 const CLOSEST_NS: u64 = 150;
 

@@ -80,6 +80,8 @@ pub struct Motors {
     supply_v: [f64; 2],
     /// That contact is open.
     cut: bool,
+    /// A control period, s.
+    period_s: f64,
     /// Torque at full current of a motor that turns as its controller counts, N·m.
     full_nm: f64,
 }
@@ -88,9 +90,8 @@ pub struct Motors {
 const SUPPLY_SPAN_V: f64 = 36.3;
 /// By what a supply falls that is cut, s: 1000 µF and 2.2 kΩ.
 const FALLS_S: f64 = 2.2;
-/// A PWM period and a control period, s.
+/// A PWM period, s.
 const PWM_S: f64 = 50e-6;
-const TICK_S: f64 = 1e-3;
 
 impl Motors {
     /// Of a peer of the scene, its encoders where they are when power comes on.
@@ -111,7 +112,9 @@ impl Motors {
         let (held, next, cut, counts, read) = (None, None, false, [0; MOTORS], [0; MOTORS]);
         let keys = scene.settings().into_iter().map(|(key, value)| format!("{key}={value}"));
         let (made, acts) = ((keys.collect(), index), Vec::new());
-        let mut motors = Self { made, acts, body, counts, read, has_stage, held, next, supply_v, cut, full_nm };
+        let period_s = scene.peer.timing.control_period_s;
+        let mut motors =
+            Self { made, acts, body, counts, read, has_stage, held, next, supply_v, cut, period_s, full_nm };
         motors.turn();
         motors
     }
@@ -191,7 +194,7 @@ impl Motors {
 
     /// One control period under these duties, without windings.
     pub fn step(&mut self, time_s: f64, duties: [Duty; MOTORS], enable: bool) -> [i64; MOTORS] {
-        self.feed(TICK_S);
+        self.feed(self.period_s);
         match &mut self.body {
             Body::Plane(plant) => step(plant, time_s, duties, enable),
             Body::Space(plant) => step(plant, time_s, duties, enable),

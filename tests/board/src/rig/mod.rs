@@ -51,9 +51,9 @@ const STEP_NS: u64 = 50_000;
 const STOPPED_NS: u64 = 5000;
 /// 10 kΩ and 10 µF, ns.
 const SLOW_NS: f64 = 1e8;
-/// DBGMCU_APB2FZ1, whose lowest bit stops TIM1 while a debugger halts the core, and so turns its outputs off (RM0433 §60.5.8); and the time driver's
-/// counter, which goes on.
-const AT_HALT: [u64; 2] = [0x5C00_104C, 0x4000_0C24];
+/// DBGMCU_APB2FZ1, whose lowest bit stops TIM1 while a debugger halts the core, and so turns its outputs off (RM0433 §60.5.8); and TIM7's counter,
+/// 10 counts a millisecond, which goes on.
+const AT_HALT: [u64; 2] = [0x5C00_104C, 0x4000_1424];
 
 /// Pins of the rig that go to pins of the same name.
 const ENCODERS: [Place; 5] =
@@ -370,9 +370,7 @@ impl Boards for Rigged {
         let (begun, count) = (self.lag_ns, self.stopped.peeked[1]);
         self.wait_ms(ms)?;
         self.halted = None;
-        // Not over a half of its round, whose interrupt would be lost; that of its alarm is due.
-        self.spoil(AT_HALT[1], count + (50 + 1000 * ms as u32).min(0x7FFF - (count & 0x7FFF)));
-        self.spoil(AT_HALT[1] - 0x10, 1 << 2);
+        self.spoil(AT_HALT[1], (count + 10 * ms as u32) & 0xFFFF);
         self.update = self.update.map(|update| update + STOPPED_NS + self.lag_ns - begun);
         Ok(())
     }

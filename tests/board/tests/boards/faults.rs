@@ -15,8 +15,8 @@ use haptic_sim::scene::PlantFault;
 
 use crate::{amplifiers, breaks, impostor::Impostor, switch};
 
-/// The time driver's counter, which goes on while a debugger halts the processor.
-const TIM5_CNT: u64 = 0x4000_0C24;
+/// The counter that goes on while a debugger halts the processor, 10 counts a millisecond.
+const TIM7_CNT: u64 = 0x4000_1424;
 /// Two instructions each: for ever, and one that is none.
 const FOR_EVER: u32 = 0xE7FE_E7FE;
 const NO_INSTRUCTION: u32 = 0xDE00_DE00;
@@ -273,10 +273,8 @@ fn outputs_go_off_and_stay_off() {
     campaign.inject(what, 1, &faulted(1, "disarmed"), &pressed, &|bench| press(bench, false));
 
     let halt = once(|bench| {
-        let count = bench.peek_now(1, [TIM5_CNT])[0];
-        // Not over a half of its round, whose interrupt would be lost; that of its alarm (EGR, CC2G) is due.
-        let gone_on = count + 5000.min(0x7FFF - (count & 0x7FFF));
-        bench.input(1).poke.extend([(TIM5_CNT, gone_on), (TIM5_CNT - 0x10, 1 << 2)]);
+        let count = bench.peek_now(1, [TIM7_CNT])[0];
+        bench.input(1).poke.push((TIM7_CNT, (count + 50) & 0xFFFF));
     });
     campaign.inject("a debugger halts the processor for 5 ms", 1, &faulted(1, "fault 72"), &halt, &nothing);
 
@@ -305,7 +303,9 @@ fn outputs_go_off_and_stay_off() {
     let runs = |bench: &mut Bench| breaks::mend_clock(bench, &firmware);
     campaign.inject("external clock stops", 1, &restarted(1, "external clock stopped"), &stopped, &runs);
 
-    let panics = firmware.address_ending("4core9panicking5panic") as u32;
+    let (_, (panics, _)) =
+        firmware.symbols.iter().find(|(name, _)| name.ends_with("4core9panicking5panic")).expect("it can panic");
+    let panics = *panics as u32;
     // ldr.w pc, [pc]; the address.
     campaign.break_code("panic in a task", &restarted(6, "excludes"), "UART4", &[0xF000_F8DF, panics | 1]);
     campaign.break_code(

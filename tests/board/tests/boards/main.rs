@@ -46,6 +46,7 @@ mod moteus;
 mod one_board;
 mod papers_comms;
 mod partner;
+mod rates;
 mod recordings;
 mod rig;
 mod same_bits;

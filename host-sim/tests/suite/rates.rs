@@ -1,0 +1,86 @@
+//! How stiff a contact may be at each rate of the tick, and what an encoder's steps make of it: the table of docs/hardware.md.
+
+use haptic_analysis::{Effort, Range, limit};
+use haptic_core::device::velocity::{AnyVelocity, VelocityName};
+use haptic_core::num::Motion;
+use haptic_core::settings::Settings;
+use haptic_sim::Laws;
+use haptic_sim::scene::Scene;
+
+/// Ticks in a millisecond that a board can have.
+const RATES: [u32; 4] = [1, 2, 4, 5];
+/// What a device with encoders has, with a current loop around its motors.
+const DEVICE: [&str; 5] =
+    ["plant.encoder=true", "plant.motor=true", "plant.winding=true", "plant.drive=current", "axis.velocity=filtered"];
+
+fn scene(per_ms: u32, set: &[&str]) -> Scene {
+    let mut scene = Scene::new(Laws::built_in());
+    set.iter().for_each(|text| scene.apply_override(text).expect("a key of a scene"));
+    let timing = &mut scene.peer.timing;
+    (timing.control_period_s, timing.ticks_per_packet) = (1e-3 / f64::from(per_ms), 8 * per_ms);
+    scene
+}
+
+/// The stiffest contact up to which all are stable, in every mode, N/m.
+fn stiffest(per_ms: u32, damping: &str, device: &[&str]) -> f64 {
+    let damping = format!("contact.damping_n_s_per_m={damping}");
+    let range = Range { key: "contact.stiffness_n_per_m".to_owned(), from: 100.0, to: 40_000.0 };
+    let found = limit(&scene(per_ms, &[&[damping.as_str()], device].concat()), range, Effort::default());
+    *found.expect("a limit").crossings.first().expect("an edge below 40 kN/m")
+}
+
+/// What counts of so many metres make of the velocity of a hand that speeds up from 0 to 0.2 m/s in 2 s, mm/s, root mean square: what
+/// is off beside the mean, which is lag.
+fn noise(per_ms: u32, velocity: VelocityName, count_m: f64) -> f64 {
+    let mut settings = Settings::default();
+    settings.timing.control_period_s = 1e-3 / f64::from(per_ms);
+    settings.axis.velocity = velocity;
+    settings.encoder.counts_per_m = 1.0 / count_m;
+    let mut estimator = AnyVelocity::<f64>::build(&settings).expect("an estimator");
+    estimator.start(Motion::at(0.0));
+    let ticks = 2000 * per_ms;
+    let errors: Vec<f64> = (1..=ticks)
+        .map(|tick| {
+            let time_s = f64::from(tick) * settings.timing.control_period_s;
+            let count = (0.05 * time_s * time_s / count_m).floor();
+            estimator.step(Motion::at(count * count_m)) - 0.1 * time_s
+        })
+        .skip(ticks as usize / 10)
+        .collect();
+    let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+    1e3 * (errors.iter().map(|error| (error - mean).powi(2)).sum::<f64>() / errors.len() as f64).sqrt()
+}
+
+/// `HAPTIC_BLESS=1 cargo test -p host-sim --test suite -- rates` writes the table.
+#[test]
+fn the_table_of_stiffness_against_rate() {
+    let mut table = String::from(
+        "| control period | stiffest contact: exact sensor, B = 2 | encoder and current loop: B = 2 | B = 10 | velocity noise at counts of \
+         5 µm: `difference` | `filtered` | `adaptive` | at 50 µm: `difference` | `filtered` | `adaptive` |\n|---|---|---|---|---|---|---|---|---|---|\n",
+    );
+    // docs/theory.md's numbers, a control period late and at once.
+    for (set, n_per_m) in [(&[][..], 1583.0), (&["device.force_delay_ticks=0"], 2967.0)] {
+        let found = stiffest(1, "2", set);
+        assert!((found - n_per_m).abs() < 3.0, "{set:?}: {found} N/m");
+    }
+    for per_ms in RATES {
+        let stiff = [("2", &[][..]), ("2", &DEVICE), ("10", &DEVICE)].map(|(b, device)| stiffest(per_ms, b, device));
+        let names = [VelocityName::Difference, VelocityName::Filtered, VelocityName::Adaptive];
+        let noise = [5e-6, 50e-6].map(|count| names.map(|name| noise(per_ms, name, count)));
+        let stiff = stiff.map(|n_per_m| format!(" {:.1} kN/m |", n_per_m / 1e3)).concat();
+        let noise = noise.as_flattened().iter().map(|mm| format!(" {mm:.1} mm/s |")).collect::<String>();
+        table += &format!("| {} ms |{stiff}{noise}\n", 1.0 / f64::from(per_ms));
+    }
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/hardware.md");
+    let page = std::fs::read_to_string(path).expect("docs/hardware.md");
+    let (before, rest) =
+        page.split_once("<!-- rates: written by host-sim/tests/suite/rates.rs -->\n").expect("its place");
+    let (_, after) = rest.split_once("<!-- end of rates -->").expect("its end");
+    let now = format!(
+        "{before}<!-- rates: written by host-sim/tests/suite/rates.rs -->\n{table}<!-- end of rates -->{after}"
+    );
+    if std::env::var_os("HAPTIC_BLESS").is_some() {
+        std::fs::write(path, &now).expect("writes the table");
+    }
+    assert!(now == page, "docs/hardware.md has another table; HAPTIC_BLESS=1 writes it:\n{table}");
+}
