@@ -126,7 +126,7 @@ fn nothing_that_two_operators_do_first_breaks_a_promise() {
 }
 
 #[test]
-#[ignore = "takes half an hour: see the top of this file"]
+#[ignore = "takes minutes: see the top of this file"]
 fn nothing_breaks_a_promise_within_larger_bounds() {
     holds("by command: one operator", &World { to_board: 2, live_every: 1, ..LONGER });
     holds("by command: one operator, two datagrams back", &World { to_board: 2, to_operator: 2, ..ONE });
@@ -135,7 +135,14 @@ fn nothing_breaks_a_promise_within_larger_bounds() {
     holds("by command: one operator, switch and restarts", &World { lease: 3, live_every: 64, ..world });
     holds("by command: one operator, clocks at any rates", &World { to_board: 2, drift: true, ..ONE });
     holds("by command: two operators", &World { operators: 2, to_board: 2, ..ONE });
-    holds("by command: two operators", &World { operators: 2, ..ONE });
+}
+
+/// docs/security.md states this count, of a run before states with the same future were merged: now there are fewer.
+#[test]
+#[ignore = "takes an hour and 8 GB: see the top of this file"]
+fn nothing_that_two_operators_can_do_breaks_a_promise() {
+    let explored = explore(&World { operators: 2, ..ONE }, 111_246_071);
+    assert!(matches!(explored, Ok((_, _, true))), "{explored:?}");
 }
 
 #[test]
