@@ -489,12 +489,12 @@ fn soak(boards: &mut dyn Boards, seconds: u32) -> Outcome {
 /// Half a period of the outputs, and more: they end with the processor.
 const PERIOD: u32 = 50 * 240;
 
-/// A halted processor leaves no output on. Pulses that went on in a halt do not change in it: 2 ms after the last that changed is late.
+/// A halted processor leaves no output on. Pulses that went on in a halt of 5 ms do not change in it: 4 ms after the last that changed is late.
 fn halt(boards: &mut dyn Boards, times: u32) -> Outcome {
     let (mut least, mut most) = (u32::MAX, 0);
     for _ in 0..times {
         let [edge, change] = watched(boards, |boards| boards.halt(5))?;
-        let late = edge.max(change.saturating_sub(DEAD_MAN));
+        let late = edge.max(change.saturating_sub(2 * DEAD_MAN));
         (least, most) = (least.min(late), most.max(late));
         rig(boards, "device held")?;
         boards.ask("arm").and_then(|said| judge(said == "error faulted, fault 72", said))?;

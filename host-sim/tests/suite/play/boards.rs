@@ -34,7 +34,8 @@ fn stopped(page: &mut Socket) -> (String, bool) {
     while start.elapsed() < Duration::from_secs(30) {
         let ([_, shown], boards) = page.looks();
         let said = boards.as_ref().and_then(|boards| boards[0]["told"]["said"].as_array()).into_iter().flatten();
-        if let Some(answer) = said.filter(|one| one[0] == "stop").find_map(|one| one[1].as_str()) {
+        let mut answers = said.filter(|one| one[0] == "stop").filter_map(|one| one[1].as_str());
+        if let Some(answer) = answers.find(|answer| !answer.starts_with("stop sent: ")) {
             return (answer.to_owned(), shown_off);
         }
         shown_off |= shown == OFF;
