@@ -157,9 +157,11 @@ fn a_bridge_may_report_a_fault_while_it_wakes_and_no_longer() {
             bench.step();
         }
         bench.input(1).bridge_fails = Some(false);
-        // By then `arm` is answered, too.
-        bench.run_for_ms(20);
-        let status = bench.ask(1, "status");
+        bench.run_for_ms(5);
+        // The first answer is that to `arm`, if it has not come yet.
+        let status = Some(bench.ask(1, "status"))
+            .filter(|said| said.contains("board"))
+            .unwrap_or_else(|| bench.ask(1, "status"));
         assert!(status.contains(&format!(" {fault} ")), "low for {ms} ms: {status}");
         assert_eq!(bench.stopped[0].bridges.on(), fault == "fault 0");
         bench.finish();
