@@ -148,7 +148,7 @@ pub struct Peer<S: Scalar, L: Law<S>, const SHARED: usize = 1, const N: usize = 
     until_packet: u32,
     /// Since it was made.
     ticks: u32,
-    engagement: Engagement,
+    engagement: Engagement<S>,
     /// Since the newest packet came.
     age_ticks: u32,
     /// Packets come and are too old to be taken.
@@ -364,7 +364,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
     fn firm_up(&mut self) {
         let grips = self.shared_axes.iter().map(|axis| &axis.grip).chain(&self.grips);
         let slipped = grips.fold(S::ZERO, |sum, grip| sum + grip.slip_m().abs());
-        if self.shared_axes.iter().fold(slipped, |sum, axis| sum + axis.remnant.most.abs()) == S::ZERO {
+        if slipped == S::ZERO && !self.falls() {
             self.shared_axes.iter_mut().for_each(|axis| axis.grip = Grip::default());
             self.grips = [Grip::default(); N];
             self.fast_path = self.plain;

@@ -128,7 +128,7 @@ corpus/ of protocol/fuzz or host-sim/{environments/,live/,}fuzz; a crash leaves 
         options: " [--probe VID:PID[:SERIAL]]",
         does: "Attaches to a running board and adds what it says to out/board.log",
         more: "With probe-rs, without flashing it. The image must be the one that was flashed. Disarm first: probe-rs halts the
-processor for a moment when it attaches and when it ends, which turns an armed board's motors off (fault 64).
+processor for a moment when it attaches and when it ends, which turns an armed board's motors off (fault 72).
   --probe  which board, where two are connected (`probe-rs list` names them)",
         run: probe::log,
     },

@@ -2,11 +2,12 @@
 //!
 //! Counted in packet periods in which no packet came: up to `safety.fade_s` the last packet stands; then the
 //! coordination fades, one step a period, until the peer disengages after `safety.disengage_s`. Both
-//! are times, rounded to packet periods, and there is at least one step between them. What is left of the force then
-//! falls ([`crate::peer::STEP_N`]), and when nothing is left the peer renders alone. The first packet after that starts
+//! are times, rounded to packet periods, and there is at least one step between them. Where a step of a large force would be more than
+//! [`STEP_N`] a tick, the coordination keeps as much as that. What is left of the force at the end
+//! falls by [`STEP_N`], too, and when nothing is left the peer renders alone. The first packet after that starts
 //! the law anew where the object is, from no force, and every packet period with a packet takes one step back, or as
-//! many as were silent on purpose before it ([`super::event`]). Each law defines what fading does to its packets
-//! ([`super::Law::fade`]).
+//! many as were silent on purpose before it ([`super::event`]). What fading does to packets is the same for all laws ([`super::Packet::faded`])
+//! but those whose packets stand ([`super::Law::fades`]).
 //!
 //! The degradation depends on silence alone. A link that knows that the other peer is gone, or is another one than
 //! before (its session ended), takes the last step at once ([`crate::peer::Peer::part`]): what comes next is counted
@@ -14,6 +15,7 @@
 
 use super::event;
 use crate::num::Scalar;
+use crate::peer::STEP_N;
 use crate::settings::{Allowed, Refused, Settings};
 
 /// Lengths of hold, fade and return, in packet periods.
@@ -25,17 +27,21 @@ pub struct Degradation<S> {
     steps: u32,
     /// One step.
     step: S,
-    /// From packet to packet at most, in packet periods: so many steps back a packet may take.
-    longest: u32,
+    /// By how much a force may fall in a packet period, N.
+    fall_n: S,
+    /// From packet to packet at most, in packet periods, 1 where a packet is sent in each: so many steps back a packet may take.
+    pub(crate) longest: u32,
 }
 
-configured!([S: Scalar] Degradation<S> { hold, steps, step, longest });
+configured!([S: Scalar] Degradation<S> { hold, steps, step, fall_n, longest });
 
 /// How far a peer's coordination is degraded by silence.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Engagement {
+#[derive(Clone, Copy, Debug)]
+pub struct Engagement<S> {
     /// Steps above disengaged: 0 is disengaged, the most is fully engaged.
     level: u32,
+    /// How far the coordination acts at least, whatever the level: no force falls faster.
+    kept: S,
     /// Packet periods without a packet, since the last one.
     silent: u32,
     /// A packet has come since the peer was armed: before that there is no silence.
@@ -58,23 +64,18 @@ impl<S: Scalar> Degradation<S> {
         let hold = timing.packet_periods(safety.fade_s);
         let steps = timing.packet_periods(safety.disengage_s).saturating_sub(hold).max(1);
         let longest = event::longest_periods(settings)?;
-        Ok(Self { hold, steps, step: S::from_f64(1.0 / f64::from(steps)), longest })
-    }
-
-    /// Longest time from one packet to the next, in packet periods; 1 where a packet is sent in each.
-    #[inline]
-    pub fn longest(&self) -> u32 {
-        self.longest
+        let fall_n = S::from_f64(STEP_N * f64::from(timing.ticks_per_packet));
+        Ok(Self { hold, steps, step: S::from_f64(1.0 / f64::from(steps)), fall_n, longest })
     }
 
     /// The state at arming: fully engaged, and no packet has come yet.
-    pub fn engaged(&self) -> Engagement {
-        Engagement { level: self.steps, silent: 0, heard: false, came: false }
+    pub fn engaged(&self) -> Engagement<S> {
+        Engagement { level: self.steps, kept: S::ZERO, silent: 0, heard: false, came: false }
     }
 
     /// Takes note of a packet: the first of a packet period takes one step back, or as many as its sender may have
     /// kept silent for. True if the law has to start anew.
-    pub fn hear(&self, at: &mut Engagement) -> bool {
+    pub fn hear(&self, at: &mut Engagement<S>) -> bool {
         let anew = at.level == 0;
         if !self.is_whole(at) && !at.came {
             let step = at.silent.saturating_add(1).min(self.longest);
@@ -84,37 +85,37 @@ impl<S: Scalar> Degradation<S> {
         anew
     }
 
-    /// Ends a packet period; if no packet came in it, that is silence. Whether it disengages.
-    pub fn pass(&self, at: &mut Engagement) -> bool {
+    /// Ends a packet period; if no packet came in it, that is silence. Whether it disengages. None of these `forces` of the law (N) is to fall faster
+    /// than by [`STEP_N`] a tick.
+    pub fn pass(&self, at: &mut Engagement<S>, forces: impl IntoIterator<Item = S>) -> bool {
         let came = core::mem::take(&mut at.came);
-        if !at.heard || came {
+        at.silent = at.silent.saturating_add(u32::from(at.heard && !came));
+        if at.silent <= self.hold || at.level == 0 {
             return false;
         }
-        at.silent = at.silent.saturating_add(1);
-        let before = at.level;
-        if at.silent > self.hold {
-            at.level = at.level.saturating_sub(1);
-        }
-        at.level < before && at.level == 0
+        let most = forces.into_iter().fold(self.fall_n, |most, force| most.max(force.abs()));
+        at.kept = self.share(at) * (S::ONE - self.fall_n.ratio(most));
+        at.level -= 1;
+        at.level == 0
     }
 
     /// Whether the coordination acts in full: [`Degradation::share`] is 1.
     #[inline]
-    pub fn is_whole(&self, at: &Engagement) -> bool {
+    pub fn is_whole(&self, at: &Engagement<S>) -> bool {
         at.level >= self.steps
     }
 
     /// How far the coordination may act, from 0, disengaged, to exactly 1, engaged.
-    pub fn share(&self, at: &Engagement) -> S {
-        if self.is_whole(at) { S::ONE } else { S::from_f64(f64::from(at.level)) * self.step }
+    pub fn share(&self, at: &Engagement<S>) -> S {
+        let share = S::from_f64(f64::from(at.level)) * self.step;
+        if self.is_whole(at) { S::ONE } else { at.kept.max(share) }
     }
 }
 
-impl Engagement {
+impl<S: Scalar> Engagement<S> {
     /// Disengages at once. Silence goes on being counted.
     pub fn part(&mut self) {
-        self.level = 0;
-        self.came = false;
+        (self.level, self.kept, self.came) = (0, S::ZERO, false);
     }
 
     /// Takes note of a packet that ends a silence, and changes nothing else.

@@ -80,6 +80,14 @@ impl<S: Scalar> Packet<S> {
         let none = S::Counter::ZERO;
         nothing == S::ZERO && none * self.energy_j + none * self.wave_integral == none
     }
+
+    /// During silence, when this share (below 1) of it still counts: a motion moved toward that of the copy, and a wave made smaller, which
+    /// takes energy out of the line and never puts any in.
+    pub fn faded(self, share: S, local: Motion<S>) -> Self {
+        let position = local.position + share * (self.motion.position - local.position);
+        let velocity = local.velocity + share * (self.motion.velocity - local.velocity);
+        Self { motion: Motion { position, velocity }, wave: share * self.wave, ..self }
+    }
 }
 
 /// What a law is given to observe in one tick.
@@ -207,18 +215,9 @@ pub trait Law<S: Scalar>: Configured + Copy + core::fmt::Debug + Send + Sync + '
     fn idle(&self, packet: Packet<S>, local: Motion<S>) -> Packet<S> {
         Packet { motion: Motion::at(local.position), wave: S::ZERO, ..packet }
     }
-    /// A packet during silence, of which this share (below 1) still counts: a motion moved toward the local one, and
-    /// a wave made smaller, which takes energy out of the line and never puts any in.
-    fn fade(&self, share: S, packet: Packet<S>, local: Motion<S>) -> Packet<S> {
-        let toward = |local: S, remote: S| local + share * (remote - local);
-        Packet {
-            motion: Motion {
-                position: toward(local.position, packet.motion.position),
-                velocity: toward(local.velocity, packet.motion.velocity),
-            },
-            wave: share * packet.wave,
-            ..packet
-        }
+    /// Whether its packets count for less and less during silence ([`Packet::faded`]); if not, they stand until the peer disengages.
+    fn fades(&self) -> bool {
+        true
     }
 }
 
@@ -312,8 +311,8 @@ macro_rules! laws {
             fn idle(&self, packet: Packet<S>, local: Motion<S>) -> Packet<S> {
                 match self { $( Self::$Variant(law) => Law::<S>::idle(law, packet, local) ),+ }
             }
-            fn fade(&self, share: S, packet: Packet<S>, local: Motion<S>) -> Packet<S> {
-                match self { $( Self::$Variant(law) => Law::<S>::fade(law, share, packet, local) ),+ }
+            fn fades(&self) -> bool {
+                match self { $( Self::$Variant(law) => Law::<S>::fades(law) ),+ }
             }
         }
     };

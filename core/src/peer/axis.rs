@@ -17,8 +17,9 @@ use crate::object::vector::VectorPort;
 use crate::object::{AnyIntegrator, Port, Staged};
 use crate::safety::{Guard, Limits};
 
-/// By how much what is left of a coordination force falls in a tick, N, when a peer has let go: after silence, or because the other peer is gone.
-pub const STEP_N: f64 = 0.02;
+/// By how much a coordination force may fall in a tick, N, because of silence, or because the other peer is gone. The mass of the copy swings a little
+/// at each step, so that the force on the hand falls by up to 0.02 N.
+pub const STEP_N: f64 = 0.018;
 
 /// Motions and forces of one tick along one shared axis, for telemetry, reports and tests.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -284,7 +285,8 @@ impl<S: Scalar, L: Law<S>> SharedAxis<S, L> {
 
     /// Gives the law the packet that stands, of which this share still counts.
     pub(super) fn fade(&mut self, law: &L, share: S) {
-        let packet = if share == S::ONE { self.standing } else { law.fade(share, self.standing, self.object) };
+        let stands = share == S::ONE || !law.fades();
+        let packet = if stands { self.standing } else { self.standing.faded(share, self.object) };
         law.receive(&mut self.coordination, packet);
     }
 

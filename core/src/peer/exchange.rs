@@ -44,7 +44,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         for (packet, axis) in packets.iter_mut().zip(&self.shared_axes) {
             *packet = axis.outgoing(&self.law, engaged);
         }
-        self.degradation.longest() <= 1 || !self.keeps_silent(packets)
+        self.degradation.longest <= 1 || !self.keeps_silent(packets)
     }
 
     /// What [`Peer::exchange`] would send now, if it is worth sending.
@@ -57,7 +57,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
     #[inline(never)]
     fn keeps_silent(&mut self, packets: &[Packet<S>; SHARED]) -> bool {
         self.quiet = self.quiet.saturating_add(1);
-        let may = self.is_engaged() && self.quiet < self.degradation.longest();
+        let may = self.is_engaged() && self.quiet < self.degradation.longest;
         if may
             && !self.shared_axes.iter().zip(packets).any(|(axis, packet)| self.law.speaks(&axis.coordination, packet))
         {
@@ -73,12 +73,14 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
     /// The second half of [`Peer::exchange`]: counts the silence if nothing has been heard in this packet period.
     pub fn listen(&mut self) {
         if self.mode == Mode::Armed {
-            if self.degradation.pass(&mut self.engagement) {
+            let forces = self.shared_axes.iter().map(|axis| axis.observed.coordination_force);
+            if self.degradation.pass(&mut self.engagement, forces) {
                 self.let_go();
+                self.engagement.part();
             } else if self.engagement.is_fading() {
                 self.fade();
             }
-            if self.engagement.silent() >= self.guard.silent_packets {
+            if self.engagement.silent() >= self.guard.silent_packets && !self.falls() {
                 self.trip(if self.delayed { Fault::PeerDelayed } else { Fault::PeerLost });
             }
         }
@@ -97,7 +99,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         }
         self.age_ticks = 0;
         self.delayed = false;
-        if !self.engagement.is_engaged() && self.shared_axes.iter().any(|axis| !axis.remnant.is_none()) {
+        if !self.engagement.is_engaged() && self.falls() {
             return self.engagement.note();
         }
         let anew = self.degradation.hear(&mut self.engagement);
@@ -121,13 +123,9 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         self.law.only_holds()
     }
 
-    /// These packets as the law would receive them if only this share of them counted ([`Law::fade`]).
+    /// These packets as the law would receive them if only this share of them counted ([`Packet::faded`]).
     pub fn faded(&self, share: S, packets: &[Packet<S>; SHARED]) -> [Packet<S>; SHARED] {
-        let mut faded = *packets;
-        for (packet, axis) in faded.iter_mut().zip(&self.shared_axes) {
-            *packet = self.law.fade(share, *packet, axis.object);
-        }
-        faded
+        core::array::from_fn(|at| packets[at].faded(share, self.shared_axes[at].object))
     }
 
     /// Gives the law the packets that stand, as far as they still count.
@@ -137,6 +135,11 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         for axis in &mut self.shared_axes {
             axis.fade(&self.law, share);
         }
+    }
+
+    /// Whether something is left of a force that falls.
+    pub(super) fn falls(&self) -> bool {
+        self.shared_axes.iter().any(|axis| !axis.remnant.is_none())
     }
 
     /// The coordination lets go: what is left of its force falls to 0 ([`super::STEP_N`]).

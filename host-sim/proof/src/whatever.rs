@@ -16,16 +16,6 @@ fn motion() -> Motion<Number> {
     Motion { position: Number::any(), velocity: Number::any() }
 }
 
-fn packet() -> Packet<Number> {
-    Packet {
-        motion: motion(),
-        wave: Number::any(),
-        energy_j: Unknown::any(),
-        wave_integral: Unknown::any(),
-        live_ticks: 0,
-    }
-}
-
 impl Configured for Whatever {}
 
 impl Law<Number> for Whatever {
@@ -46,9 +36,12 @@ impl Law<Number> for Whatever {
         Coupled { desired: motion(), force: Number::any(), power_in: Number::any(), power_out: Number::any() }
     }
     fn send(&self, (): &(), _: Motion<Number>) -> Packet<Number> {
-        packet()
-    }
-    fn fade(&self, _: Number, _: Packet<Number>, _: Motion<Number>) -> Packet<Number> {
-        packet()
+        Packet {
+            motion: motion(),
+            wave: Number::any(),
+            energy_j: Unknown::any(),
+            wave_integral: Unknown::any(),
+            live_ticks: 0,
+        }
     }
 }

@@ -248,7 +248,7 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
     }
 
     /// Counters that came before stay what they are.
-    fn fade(&self, _: S, packet: Packet<S>, _: Motion<S>) -> Packet<S> {
-        packet
+    fn fades(&self) -> bool {
+        false
     }
 }

@@ -13,7 +13,7 @@ impl Bench {
     /// Packet periods with packets until nothing is left of a force of at most 7 N, which falls by a step in each tick.
     fn let_go(&mut self) {
         let mut last = self.peer.observed()[0].coordination_force.abs();
-        for _ in 0..350 {
+        for _ in 0..400 {
             if last > 2.0 * STEP_N {
                 self.peer.hear(&[at(1.0).expect("a packet")]);
             }
@@ -149,6 +149,7 @@ fn what_comes_between_two_exchanges_acts_at_the_next_tick() {
     while !bench.peer.packet_due() {
         bench.at(0.0, 0.0);
     }
+    bench.peer.listen();
     for step in [1.0, 1.0, 1.0] {
         let force = pulled(&mut bench, 0.01);
         assert!((force - step / 9.0 * 3.1).abs() < 1e-9, "{force} N");

@@ -149,7 +149,7 @@ impl<const AXES: usize> Junction<AXES> {
             }
         }
         if packets {
-            ports.iter_mut().for_each(|port| _ = degradation.pass(&mut port.engagement));
+            ports.iter_mut().for_each(|port| _ = degradation.pass(&mut port.engagement, []));
         }
         for (axis, (copy, motion)) in copies.iter_mut().zip(motion).enumerate() {
             if packets {

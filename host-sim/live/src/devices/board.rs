@@ -278,9 +278,7 @@ fn talk<const SHARED: usize, const N: usize>(told: &Told, silent: Duration) -> R
     let talk = if number == 1 { one } else { two };
     let peers = scene.peers();
     let (safety, timing) = (&peers[found].safety, &scene.peer.timing);
-    // What the last step of the fading leaves of the largest force.
-    let left_n = safety.max_force_n * timing.packet_period_s() / (safety.disengage_s - safety.fade_s);
-    let falls_s = left_n / STEP_N * timing.control_period_s;
+    let falls_s = safety.max_force_n / STEP_N * timing.control_period_s;
     let abilities = Abilities {
         name: format!("board {number} at {at}"),
         axes: SHARED,

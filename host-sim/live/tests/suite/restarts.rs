@@ -18,7 +18,8 @@ fn restarts(count: u64, overrides: &[&str]) -> Report {
     scene.check("the test").expect("a good scene");
     let report = run(&scene, count, 7).expect("they meet");
     assert_eq!((report.restarts, report.failed, report.held_on, report.faults), (count, 0, 0, 0), "{report:?}");
-    assert!(report.slowest_ms <= 500.0, "{report:?}");
+    // Before it meets the new one, the peer that stayed lets its last force fall.
+    assert!(report.slowest_ms <= 400.0 + report.let_go_n / STEP_N, "{report:?}");
     // Motors begin at rest, and no step of theirs, nor the first of the coordination, is larger than the slew limit.
     let allowed = Guard::<f64>::build(&scene.peer).limits.step;
     assert_eq!(report.arming_force_n, 0.0);
@@ -37,7 +38,6 @@ const BAD: [&str; 4] =
 fn a_clean_network() {
     let report = restarts(10_000, &EXACT);
     // Hello, welcome, first sealed packet, its answer, first flow: five ways of 8 ms and four packet periods of waiting, to the tick.
-    // Before that the peer that stayed lets its last force fall.
     let falls_ms = report.let_go_n / STEP_N;
     assert!(report.slowest_ms < 5.0 * 8.0 + 4.0 * 8.0 + 1.0 + falls_ms, "{report:?}");
     assert!(report.first_force_n < PUSH_N, "{report:?}");

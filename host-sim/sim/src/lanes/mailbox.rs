@@ -51,7 +51,7 @@ pub(super) struct Networks<const SHARED: usize> {
     /// The numbers of the packets that are due, and the lanes in which.
     in_flight: InFlight<(u64, u32)>,
     newest: [Option<u64>; LANES],
-    engagement: [Engagement; LANES],
+    engagement: [Engagement<f64>; LANES],
     /// Lanes in which a packet has come.
     heard: u32,
     standing: [Packet<F64s>; SHARED],
@@ -147,14 +147,14 @@ impl<const SHARED: usize> Networks<SHARED> {
     }
 
     /// The lanes in which what stands is to be given to the law again, after these have heard a packet: a silence is counted if an exchange
-    /// of packets is `due`.
-    fn count(&mut self, came: u32, due: bool) -> u32 {
+    /// of packets is `due`, with these `forces` of the law (N).
+    fn count(&mut self, came: u32, due: bool, forces: [F64s; SHARED]) -> u32 {
         for (lane, at) in self.engagement.iter_mut().enumerate() {
             if came >> lane & 1 == 1 {
                 self.degradation.hear(at);
             }
             if due {
-                self.degradation.pass(at);
+                self.degradation.pass(at, forces.map(|force| force.lane(lane)));
             }
         }
         let at = &self.engagement;
@@ -240,7 +240,7 @@ impl<const SHARED: usize, const N: usize> Mailbox<F64s, SHARED, N> for LaneMailb
         }
         networks.heard |= came;
         networks.delivered += u64::from(came != 0);
-        let again = networks.count(came, due);
+        let again = networks.count(came, due, peer.observed().map(|seen| seen.coordination_force));
         networks.give(again, peer);
         if networks.heard != 0 {
             networks.tell(peer);

@@ -63,7 +63,7 @@ impl AxisPort {
     /// One packet period of a line that is engaged so far: the wave that comes out of it, √W.
     fn take(
         &mut self,
-        engagement: &Engagement,
+        engagement: &Engagement<f64>,
         credit: Option<&Credit<f64>>,
         packet_s: f64,
         came: Option<Packet<f64>>,
@@ -125,7 +125,7 @@ impl AxisPort {
 /// The end of one line.
 #[derive(Clone, Copy, Debug)]
 pub struct Port<const AXES: usize = 1> {
-    pub(super) engagement: Engagement,
+    pub(super) engagement: Engagement<f64>,
     /// The peer is gone: nothing is heard until the line is quiet.
     leaving: bool,
     /// Along each shared axis.
@@ -134,7 +134,7 @@ pub struct Port<const AXES: usize = 1> {
 
 impl<const AXES: usize> Port<AXES> {
     /// Engaged, with nothing on the line.
-    pub(super) fn new(engagement: Engagement) -> Self {
+    pub(super) fn new(engagement: Engagement<f64>) -> Self {
         Self { engagement, leaving: false, axes: [AxisPort::default(); AXES] }
     }
 
@@ -174,7 +174,7 @@ impl<const AXES: usize> Port<AXES> {
         if came.is_some() && degradation.hear(&mut self.engagement) {
             self.axes.iter_mut().for_each(AxisPort::begin_anew);
         }
-        degradation.pass(&mut self.engagement);
+        degradation.pass(&mut self.engagement, []);
         for (at, axis) in self.axes.iter_mut().enumerate() {
             axis.out = axis.take(&self.engagement, credit, packet_s, came.map(|came| came[at]));
         }

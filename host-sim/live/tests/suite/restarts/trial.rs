@@ -14,7 +14,7 @@ use haptic_sim::engine::{Actor, Engine, EngineView, Out, Seat, Turn};
 use haptic_sim::{network::link::Route, network::rule::Direction, node::Node, plant::Plant, rng::Rng, scene::Scene};
 
 /// Longest that two peers may take to engage, s.
-const PATIENCE_S: f64 = 0.5;
+const PATIENCE_S: f64 = 2.0;
 /// Longest time from engaging to the next restart, packet periods: well before and well after full coordination is regained.
 const LONGEST_PEACE_PACKETS: u64 = 16;
 
