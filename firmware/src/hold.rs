@@ -22,8 +22,8 @@ pub struct Hold {
     holder: Holder,
     /// The tick has an order that turns motors on.
     starting: bool,
-    /// The motors went off because the operator was silent.
-    silent: bool,
+    /// Why the motors went off by the lease, if they did.
+    off: Option<&'static str>,
 }
 
 impl Hold {
@@ -35,7 +35,9 @@ impl Hold {
     /// The operator's newest datagram says this ([`haptic_protocol::link::Link::heard`]); true if motors go off by it.
     pub fn hear(&mut self, now_us: u64, (word, echo_us): (u8, Option<u64>), signals: &Signals) -> bool {
         self.step(now_us, AtBoard::Heard { word: Word::of_byte(word), echo_us });
-        self.turns_off(signals)
+        let off = self.turns_off(signals);
+        self.off = if off { Some("motors off: the operator does not let them run; ") } else { self.off };
+        off
     }
 
     /// Turns motors on by giving the tick an order, if the lease lets them: `lost_s` is `safety.operator_lost_s`.
@@ -56,7 +58,7 @@ impl Hold {
             self.holder.lease_us = ((1e6 * lost_s) as u64).saturating_sub(TO_TURN_OFF_US);
         }
         self.holder.step(now_us, AtBoard::Start { word, alone })?;
-        (self.starting, self.silent) = (true, false);
+        (self.starting, self.off) = (true, None);
         order();
         Ok(())
     }
@@ -79,7 +81,9 @@ impl Hold {
         }
         let before = self.holder.motors();
         self.step(now_us, AtBoard::Look);
-        self.silent |= before != self.holder.motors();
+        if before != self.holder.motors() {
+            self.off = Some("motors off: the operator was silent; ");
+        }
         self.turns_off(signals)
     }
 
@@ -91,7 +95,7 @@ impl Hold {
     /// Why the motors went off, or for whom they are on, if `status` is to say it.
     pub fn says(&self) -> Option<&'static str> {
         let alone = (self.holder.motors() == Motors::Alone).then_some("armed alone; ");
-        if self.silent { Some("motors off: the operator was silent; ") } else { alone }
+        self.off.or(alone)
     }
 
     fn drives(&self, signals: &Signals) -> bool {

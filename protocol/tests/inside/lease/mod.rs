@@ -11,6 +11,7 @@ mod world;
 use std::collections::hash_map::Entry;
 use std::collections::{HashMap, VecDeque};
 use std::hash::BuildHasherDefault;
+use std::io::Write as _;
 
 use super::{Motors, Number, Told, Want, Word};
 use world::{Action, Mixed, Planted, State, World};
@@ -98,6 +99,8 @@ fn holds(name: &str, world: &World) {
     let (found, depth, whole) = explore(world, if explored == "all |" { 2 * states } else { states })
         .unwrap_or_else(|(broken, actions)| panic!("{name}: {broken}, in {} actions: {actions:?}", actions.len()));
     let reached = if whole { "all |".into() } else { format!("the first {depth} actions |") };
+    // Not println!, which the test harness keeps to itself while all is well: CI is to show what was explored.
+    let _ = writeln!(std::io::stdout(), "{bounds}{found} | {reached}");
     assert_eq!((found, reached.as_str()), (states, explored), "{name}");
 }
 

@@ -218,7 +218,8 @@ fn outputs_go_off_and_stay_off() {
         campaign.inject(what, 2, &faulted(within, reported), &reads(instead), &nothing);
     }
 
-    let (lost, silent) = (faulted(112, "fault 5"), |bench: &mut Bench, is: bool| bench.wire.line.silent = is);
+    // The force falls first.
+    let (lost, silent) = (faulted(200, "fault 5"), |bench: &mut Bench, is: bool| bench.wire.line.silent = is);
     let what = "peer silent (12 packets, as set)";
     campaign.inject(what, 2, &lost, &once(|bench| silent(bench, true)), &|bench| silent(bench, false));
 

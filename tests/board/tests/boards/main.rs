@@ -7,6 +7,7 @@
 //! | [`one_board`] | does it start with its outputs off, answer, arm, stop? |
 //! | [`keys`] | does it talk only to who holds the key? |
 //! | [`amplifiers`] | are amplifiers commanded no current before they are enabled and after? |
+//! | [`any_line`] | does it do what a line says and no more? |
 //! | [`ceiling`] | are limits raised by who is at the board only? |
 //! | [`calibrate`] | do host-sim's calibrations find what a board's device is? |
 //! | [`same_bits`], [`papers_comms`], [`current_loop`] | do two boards compute what host-sim computes? |
@@ -26,6 +27,7 @@
 //! | [`budgets`], [`static_stack`], [`times`] | do flash, memory, stack, instructions and times keep to their budgets? |
 
 mod amplifiers;
+mod any_line;
 mod bad_wire;
 mod breaks;
 mod budgets;
