@@ -138,7 +138,7 @@ fn no_line_does_what_it_does_not_say() {
     for key in ["safety.max_force_n", "safety.max_slew_n_per_s", "safety.max_speed_m_per_s"] {
         assert!(bench.ask(1, &format!("set {key} 100")).starts_with("ok "));
         let refused = bench.ask(1, "apply");
-        assert!(refused.contains(" is above what this board was set to, "), "{key}: {refused}");
+        assert!(refused.contains(" what this board was set to, "), "{key}: {refused}");
         assert!(bench.ask(1, "defaults").starts_with("ok "));
     }
     assert!(done > lines / 10 && armed > 0, "{done} lines of {lines} did something, {armed} of them with motors");
