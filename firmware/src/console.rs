@@ -278,9 +278,7 @@ impl Console {
         if signals.released.get() {
             to.write_str("motors off: the hold-to-run switch was released; ")?;
         }
-        if let Some(why) = self.lease.with(|hold, _| hold.says()) {
-            to.write_str(why)?;
-        }
+        to.write_str(self.lease.with(|hold, _| hold.says()))?;
         if signals.button.get() == Button::Stuck {
             to.write_str("the blue button is down since before the start; ")?;
         }

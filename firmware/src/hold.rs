@@ -15,6 +15,10 @@ use crate::signals::Signals;
 pub const LOOK_EVERY: u32 = 5;
 /// From a look that finds the lease over to motors that are off, µs: the time between two looks, and a tick.
 const TO_TURN_OFF_US: u64 = 1_000 * (LOOK_EVERY as u64 + 1);
+/// What `status` says of motors that a word turned off, or another operator.
+const NOT_LET: &str = "motors off: the operator does not let them run; ";
+/// The same of motors whose lease has run out.
+const SILENT: &str = "motors off: the operator was silent; ";
 
 /// The board's lease, and what is under way of it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -22,8 +26,8 @@ pub struct Hold {
     holder: Holder,
     /// The tick has an order that turns motors on.
     starting: bool,
-    /// Why the motors went off by the lease, if they did.
-    off: Option<&'static str>,
+    /// Why the motors went off by the lease; empty if they did not.
+    off: &'static str,
 }
 
 impl Hold {
@@ -35,9 +39,7 @@ impl Hold {
     /// The operator's newest datagram says this ([`haptic_protocol::link::Link::heard`]); true if motors go off by it.
     pub fn hear(&mut self, now_us: u64, (word, echo_us): (u8, Option<u64>), signals: &Signals) -> bool {
         self.step(now_us, AtBoard::Heard { word: Word::of_byte(word), echo_us });
-        let off = self.turns_off(signals);
-        self.off = if off { Some("motors off: the operator does not let them run; ") } else { self.off };
-        off
+        self.turns_off(signals, NOT_LET)
     }
 
     /// Turns motors on by giving the tick an order, if the lease lets them: `lost_s` is `safety.operator_lost_s`.
@@ -58,7 +60,7 @@ impl Hold {
             self.holder.lease_us = ((1e6 * lost_s) as u64).saturating_sub(TO_TURN_OFF_US);
         }
         self.holder.step(now_us, AtBoard::Start { word, alone })?;
-        (self.starting, self.off) = (true, None);
+        (self.starting, self.off) = (true, "");
         order();
         Ok(())
     }
@@ -81,10 +83,8 @@ impl Hold {
         }
         let before = self.holder.motors();
         self.step(now_us, AtBoard::Look);
-        if before != self.holder.motors() {
-            self.off = Some("motors off: the operator was silent; ");
-        }
-        self.turns_off(signals)
+        let lapsed = (before != self.holder.motors()).then_some(SILENT);
+        self.turns_off(signals, lapsed.unwrap_or(NOT_LET))
     }
 
     /// What is said in every datagram to the operator.
@@ -92,20 +92,21 @@ impl Hold {
         self.holder.told(self.drives(signals))
     }
 
-    /// Why the motors went off, or for whom they are on, if `status` is to say it.
-    pub fn says(&self) -> Option<&'static str> {
+    /// Why the motors went off, or for whom they are on, as `status` says it; empty if it does not.
+    pub fn says(&self) -> &'static str {
         let alone = (self.holder.motors() == Motors::Alone).then_some("armed alone; ");
-        self.off.or(alone)
+        alone.unwrap_or(self.off)
     }
 
     fn drives(&self, signals: &Signals) -> bool {
         self.starting || matches!(signals.mode.get(), Mode::Armed | Mode::Probing)
     }
 
-    fn turns_off(&self, signals: &Signals) -> bool {
+    fn turns_off(&mut self, signals: &Signals, why: &'static str) -> bool {
         let over = self.holder.motors() == Motors::Off && self.drives(signals);
         if over {
             signals.disarm.release(true);
+            self.off = if self.off.is_empty() { why } else { self.off };
         }
         over
     }

@@ -69,9 +69,9 @@ fn motors_go_off_when_the_operator_has_been_silent() {
     let lease_ms = 200 - u64::from(LOOK_EVERY) - 1;
     for mode in [Mode::Armed, Mode::Probing] {
         let mut board = Board::on(mode, false, 7_000_000);
-        assert_eq!((board.motors(), board.hold.says()), (Motors::Leased, None));
+        assert_eq!((board.motors(), board.hold.says()), (Motors::Leased, ""));
         assert_eq!(board.off_after(), Some(lease_ms));
-        assert_eq!(board.hold.says(), Some("motors off: the operator was silent; "));
+        assert_eq!(board.hold.says(), "motors off: the operator was silent; ");
         assert_eq!(board.motors(), Motors::Leased, "until the tick has turned them off");
         board.signals.mode.set(Mode::Disarmed);
         assert_eq!(board.motors(), Motors::Off);
@@ -83,7 +83,7 @@ fn motors_go_off_when_the_operator_has_been_silent() {
     }
     let mut board = Board::on(Mode::Armed, true, 7_000_000);
     assert_eq!((board.off_after(), board.motors()), (None, Motors::Alone));
-    assert_eq!(board.hold.says(), Some("armed alone; "));
+    assert_eq!(board.hold.says(), "armed alone; ");
 }
 
 #[test]
@@ -93,15 +93,19 @@ fn another_word_turns_off_at_once_and_a_stop_also_what_runs_alone() {
     {
         let mut board = Board::on(Mode::Armed, alone, 7_000_000);
         assert_eq!(board.hear(byte, 0), off, "{byte}");
-        assert_eq!(board.hold.says().is_some(), alone, "this is no silence");
+        let says = if alone { "armed alone; " } else { "motors off: the operator does not let them run; " };
+        assert_eq!(board.hold.says(), says);
+        board.hold.look(board.now_us, &board.signals);
+        assert_eq!(board.hold.says(), says);
     }
     let mut board = Board::on(Mode::Armed, true, 7_000_000);
     board.hold.step(board.now_us, AtBoard::Session);
     assert!(!board.look() && board.hear(2 << 2 | 1, 0), "a stop of any operator");
-    assert_eq!(board.hold.says(), None);
+    assert_eq!(board.hold.says(), "motors off: the operator does not let them run; ");
     let mut board = Board::on(Mode::Armed, false, 7_000_000);
     board.hold.step(board.now_us, AtBoard::Session);
     assert!(board.look(), "another operator has let nothing run");
+    assert_eq!(board.hold.says(), "motors off: the operator does not let them run; ");
 }
 
 #[test]
