@@ -61,7 +61,7 @@ const VALUES: [&str; 20] = [
 ];
 const NUMBERS: [&str; 8] = ["0", "1", "2", "3", "4294967295", "4294967296", "-1", "x"];
 const SHAPES: [&str; 6] = ["pulse", "swing", "ramp", "sine", "winding", "none"];
-/// What is no word of the language.
+/// What is no line, or has more in it than it needs.
 const OTHERS: [&str; 6] =
     ["", " ", "disarm now", "ärm", "\u{1}\u{7f}", "set set set set set set set set set set set set set set"];
 
