@@ -39,7 +39,7 @@ use crate::{
 };
 use axis::{Felt, SharedAxis, Tick};
 
-pub use axis::{Observed, STEP_N};
+pub use axis::Observed;
 
 /// What a tick reads. Positions that are not encoder counts are in the shared world's units ([`crate::device::scale`]).
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -13,10 +13,14 @@
 //! before (its session ended), takes the last step at once ([`crate::peer::Peer::part`]): what comes next is counted
 //! from zero by a peer that started anew, and must not be measured by the old one's counters.
 
-use super::event;
-use crate::num::Scalar;
-use crate::peer::STEP_N;
+use super::{Spring, event};
+use crate::num::{Motion, Scalar};
+use crate::object::Port;
 use crate::settings::{Allowed, Refused, Settings};
+
+/// By how much a coordination force may fall in a tick, N, because of silence, or because the other peer is gone. The mass of the copy swings a little
+/// at each step, so that the force on the hand falls by up to 0.02 N.
+pub const STEP_N: f64 = 0.018;
 
 /// Lengths of hold, fade and return, in packet periods.
 #[derive(Clone, Copy, Debug)]
@@ -142,5 +146,49 @@ impl<S: Scalar> Engagement<S> {
     /// Packet periods without a packet since the last one came.
     pub fn silent(&self) -> u32 {
         self.silent
+    }
+}
+
+/// What is left of the coordination force when a peer or a hub has let go, whatever the law is: a spring of K_T and B_T that pulls the copy to
+/// where the law would have held it, and can pull with less and less. It stores what such a force stores at most, and generates nothing. If the
+/// scene has no K_T, it is a force that falls.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Remnant<S> {
+    /// The most that it can pull with, to either side, and the sign of what it pulled with first, N; with 0 there is none.
+    most: S,
+    /// Where it is at rest, m.
+    rest_m: S,
+}
+
+impl<S: Scalar> Remnant<S> {
+    /// Of this force (N) in the tick before.
+    pub fn of(force: S, object: Motion<S>, spring: &Spring<S>) -> Self {
+        let mut remnant = Self { most: force, rest_m: object.position + force.ratio(spring.stiffness) };
+        remnant.fall();
+        remnant
+    }
+
+    /// Whether nothing is left.
+    #[inline]
+    pub fn is_none(&self) -> bool {
+        self.most == S::ZERO
+    }
+
+    /// As a port of the tick that begins with the copy there, limited by the force at the velocity that the copy has then.
+    #[inline(never)]
+    pub fn port(&self, object: Motion<S>, spring: &Spring<S>) -> Port<S> {
+        if self.is_none() || spring.stiffness == S::ZERO {
+            return Port::of_force(self.most);
+        }
+        let free = spring.port(Motion::at(self.rest_m), object);
+        let asked = free.at(object.velocity);
+        let given = asked.limit(self.most.abs());
+        if given == asked { free } else { Port::of_force(given) }
+    }
+
+    /// The next tick has less of it.
+    pub fn fall(&mut self) {
+        let step = S::from_f64(STEP_N);
+        self.most = self.most - self.most.min(step).max(-step);
     }
 }

@@ -7,6 +7,7 @@
 //! ([`crate::contact::grip`]): what the device feels is what the copy gets.
 
 use crate::contact::{AnyRendering, Contact, Grip, Press, Strikes, Touch};
+use crate::law::degradation::Remnant;
 use crate::law::ledger::Ledger;
 use crate::law::{Coupled, Law, Observation, Packet, Spring};
 use crate::num::{Motion, Scalar};
@@ -16,10 +17,6 @@ use crate::object::plane::Oblique;
 use crate::object::vector::VectorPort;
 use crate::object::{AnyIntegrator, Port, Staged};
 use crate::safety::{Guard, Limits};
-
-/// By how much a coordination force may fall in a tick, N, because of silence, or because the other peer is gone. The mass of the copy swings a little
-/// at each step, so that the force on the hand falls by up to 0.02 N.
-pub const STEP_N: f64 = 0.018;
 
 /// Motions and forces of one tick along one shared axis, for telemetry, reports and tests.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -48,50 +45,6 @@ impl<S> Observed<S> {
             contact_force: of(self.contact_force),
             coordination_force: of(self.coordination_force),
         }
-    }
-}
-
-/// What is left of the coordination force when a peer has let go, whatever its law is: a spring of K_T and B_T that pulls the copy to where the
-/// law would have held it, and can pull with less and less. It stores what such a force stores at most, and generates nothing. Where the scene
-/// has no K_T it is a force that falls.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Remnant<S> {
-    /// The most that it can pull with, to either side, and the sign of what it pulled with first, N; with 0 there is none.
-    pub(super) most: S,
-    /// Where it is at rest, m.
-    rest_m: S,
-}
-
-impl<S: Scalar> Remnant<S> {
-    /// Of this force (N) in the tick before.
-    pub(super) fn of(force: S, object: Motion<S>, spring: &Spring<S>) -> Self {
-        let mut remnant = Self { most: force, rest_m: object.position + force.ratio(spring.stiffness) };
-        remnant.fall();
-        remnant
-    }
-
-    #[inline]
-    pub(super) fn is_none(&self) -> bool {
-        self.most == S::ZERO
-    }
-
-    /// As a port of the tick that begins with the copy there, limited by the force at the velocity that the copy has then.
-    #[inline(never)]
-    fn port(&self, object: Motion<S>, spring: &Spring<S>) -> Port<S> {
-        if self.is_none() || spring.stiffness == S::ZERO {
-            return Port::of_force(self.most);
-        }
-        let free = spring.port(Motion::at(self.rest_m), object);
-        let asked = free.at(object.velocity);
-        let most = self.most.abs();
-        let given = asked.min(most).max(-most);
-        if given == asked { free } else { Port::of_force(given) }
-    }
-
-    /// The next tick has less of it.
-    fn fall(&mut self) {
-        let step = S::from_f64(STEP_N);
-        self.most = self.most - self.most.min(step).max(-step);
     }
 }
 

@@ -4,8 +4,8 @@
 //! share, and copies cost more than what is decided here.
 
 use super::Peer;
-use super::axis::Remnant;
 use crate::device::kinematics::Kinematics;
+use crate::law::degradation::Remnant;
 use crate::law::{Law, Packet};
 use crate::num::Scalar;
 use crate::safety::{Fault, Mode};
@@ -142,7 +142,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         self.shared_axes.iter().any(|axis| !axis.remnant.is_none())
     }
 
-    /// The coordination lets go: what is left of its force falls to 0 ([`super::STEP_N`]).
+    /// The coordination lets go: what is left of its force falls to 0 ([`crate::law::degradation::STEP_N`]).
     #[cold]
     #[inline(never)]
     fn let_go(&mut self) {
@@ -161,7 +161,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
     }
 
     /// Disengages at once from the other peer, which is known to be gone or to have restarted: this peer renders alone, but for what is left of
-    /// the force ([`super::STEP_N`]), until a packet comes, which starts the coordination anew from no force, step by step. A peer that is armed and
+    /// the force ([`crate::law::degradation::STEP_N`]), until a packet comes, which starts the coordination anew from no force, step by step. A peer that is armed and
     /// never parted uses its first packet in full, for both copies begin at rest.
     pub fn part(&mut self) {
         if self.is_engaged() {

@@ -2,11 +2,12 @@
 
 use haptic_core::contact::RenderingName;
 use haptic_core::device::{AXES, Reading};
+use haptic_core::law::degradation::STEP_N;
 use haptic_core::law::{AnyLaw, Packet};
 use haptic_core::names::Decode;
 use haptic_core::num::Motion;
 use haptic_core::object::IntegratorName;
-use haptic_core::peer::{Peer, STEP_N, Sensors};
+use haptic_core::peer::{Peer, Sensors};
 use haptic_core::safety::{Command, Fault, Mode};
 use haptic_core::schema::Schema;
 use haptic_core::settings::{Settings, Value};

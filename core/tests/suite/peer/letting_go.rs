@@ -2,10 +2,11 @@
 
 use haptic_core::device::Reading;
 use haptic_core::device::kinematics::{AnyKinematics, AnySpatial, Kinematics};
+use haptic_core::law::degradation::STEP_N;
 use haptic_core::law::{AnyLaw, Law, LawInfo};
 use haptic_core::names::{Decode, FixtureName, IntegratorName};
 use haptic_core::num::Motion;
-use haptic_core::peer::{Peer, STEP_N, Sensors};
+use haptic_core::peer::{Peer, Sensors};
 use haptic_core::safety::{Command, Mode};
 use haptic_core::settings::{Settings, Value};
 

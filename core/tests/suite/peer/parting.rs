@@ -1,9 +1,9 @@
 //! A peer that parts lets go and begins again from no force, with whoever comes, counting from whatever they count.
 
 use haptic_core::law::Packet;
+use haptic_core::law::degradation::STEP_N;
 use haptic_core::law::wave::Decode;
 use haptic_core::num::Motion;
-use haptic_core::peer::STEP_N;
 use haptic_core::safety::{Fault, Mode};
 use haptic_core::settings::Settings;
 

@@ -13,12 +13,13 @@
 //! **Silence.** A port fades with silence as a peer does ([`haptic_core::law::degradation`]). At share s it is matched to its
 //! line of impedance b and is a line of impedance s·b to the node: of the wave u that comes √s·u goes in, of what the node
 //! answers √s comes back, together s·(√(2b)·v − u); the rest ends in the port. So s = 1 is the line itself and s = 0 none,
-//! all is continuous between them, and no s makes energy: a line goes quiet, and comes back, without a jump for the others.
+//! all is continuous between them, and no s makes energy: a line goes quiet, and comes back, without a jump for the others. Along each
+//! axis s falls so slowly that the line's force on the node falls by no more than [`STEP_N`] a tick, however large it was.
 //! A peer that is known to be gone, or another life of it ([`Junction::part`]), counts as silent until its line is quiet:
 //! the last wave fades as in any silence, as far as the ledger pays for it, and the counters of two lives never meet.
 //!
-//! **Lines with a time of their own** (self-timed) meet in a copy of the object instead (`copy.rs`). They lose nothing and let go
-//! at once: a silence is stood through, not faded, and another life begins where the copy is.
+//! **Lines with a time of their own** (self-timed) meet in a copy of the object instead (`copy.rs`). They lose nothing: a silence is
+//! stood through, not faded; then the force falls, as in silence at a peer, and another life begins where the copy is.
 //!
 //! **Several shared axes.** Each axis has a node of its own, or a copy, with accounts of its own, so that each is passive by itself. A
 //! line is one all the same: its peer is there, fades, leaves and begins anew along all axes at once (`port.rs`).
@@ -27,7 +28,7 @@
 
 use copy::SharedCopy;
 use haptic_core::law::credit::Credit;
-use haptic_core::law::degradation::Degradation;
+use haptic_core::law::degradation::{Degradation, STEP_N};
 use haptic_core::law::{Packet, Sends};
 use haptic_core::settings::{Allowed, Refused, Value};
 use haptic_core::{law::node::Node, num::Motion};
@@ -51,6 +52,8 @@ pub struct Junction<const AXES: usize = 1> {
     impedance: f64,
     packet_s: f64,
     period_s: f64,
+    /// By how much the force of a line that fades may fall in a packet period, N.
+    fall_n: f64,
     /// Where self-timed lines meet along each axis.
     copies: Option<[SharedCopy; AXES]>,
     /// The most, at the end of any exchange, that had gone back into all lines beyond what their peers had put in, along each axis, J.
@@ -92,6 +95,7 @@ impl<const AXES: usize> Junction<AXES> {
             impedance: coordination.wave_impedance_n_s_per_m,
             packet_s,
             period_s: settings.timing.control_period_s,
+            fall_n: STEP_N * f64::from(settings.timing.ticks_per_packet),
             copies,
             made_j: [0.0; AXES],
             motion: [Motion::REST; AXES],
@@ -100,10 +104,12 @@ impl<const AXES: usize> Junction<AXES> {
 
     /// Lets go of the peer on a line, which is not there yet, is gone, or began anew.
     pub fn part(&mut self, line: usize) {
-        if let Some(port) = self.ports.get_mut(line) {
-            // Before anything was said there is nothing to fade, and a line with a time of its own fades nothing.
-            port.part(!port.engagement.has_heard() || self.copies.is_some());
+        let Some(port) = self.ports.get_mut(line) else { return };
+        if port.is_engaged() {
+            self.copies.iter_mut().flatten().zip(&self.motion).for_each(|(copy, at)| copy.let_go(line, *at));
         }
+        // Before anything was said there is nothing to fade, and a line with a time of its own fades nothing.
+        port.part(!port.engagement.has_heard() || self.copies.is_some());
     }
 
     /// Whether all of what comes on a line reaches the node.
@@ -149,7 +155,11 @@ impl<const AXES: usize> Junction<AXES> {
             }
         }
         if packets {
-            ports.iter_mut().for_each(|port| _ = degradation.pass(&mut port.engagement, []));
+            for (line, port) in ports.iter_mut().enumerate() {
+                if degradation.pass(&mut port.engagement, []) {
+                    copies.iter_mut().zip(&*motion).for_each(|(copy, at)| copy.let_go(line, *at));
+                }
+            }
         }
         for (axis, (copy, motion)) in copies.iter_mut().zip(motion).enumerate() {
             if packets {
@@ -166,21 +176,20 @@ impl<const AXES: usize> Junction<AXES> {
 
     /// One packet period of waves.
     fn scatter(&mut self, came: impl IntoIterator<Item = Option<[Packet<f64>; AXES]>>) {
-        let mut shares = [0.0; MOST_USERS];
-        for ((port, came), share) in self.ports.iter_mut().zip(came).zip(&mut shares) {
+        for (port, came) in self.ports.iter_mut().zip(came) {
             port.take(&self.degradation, self.credit.as_ref(), self.packet_s, came);
-            *share = self.degradation.share(&port.engagement);
         }
-        let node = Node::new(shares.map(|share| share * self.impedance));
-        let root = (0.5 * self.impedance).sqrt();
+        let (impedance, root) = (self.impedance, (0.5 * self.impedance).sqrt());
         for (axis, motion) in self.motion.iter_mut().enumerate() {
-            let mut waves = [0.0; MOST_USERS];
-            for ((port, wave), share) in self.ports.iter_mut().zip(&mut waves).zip(shares) {
-                *wave = port.axes[axis].give(share, self.packet_s);
+            let (mut impedances, mut waves) = ([0.0; MOST_USERS], [0.0; MOST_USERS]);
+            for ((port, own), wave) in self.ports.iter_mut().zip(&mut impedances).zip(&mut waves) {
+                let (engaged, axis) = (self.degradation.share(&port.engagement), &mut port.axes[axis]);
+                *own = impedance * axis.open(engaged, self.fall_n, impedance, motion.velocity);
+                *wave = axis.give(self.packet_s);
             }
-            let scattered = node.scatter(waves);
-            for ((port, wave), share) in self.ports.iter_mut().zip(scattered.back).zip(shares) {
-                port.axes[axis].send(share.sqrt() * wave, self.packet_s, root);
+            let scattered = Node::new(impedances).scatter(waves);
+            for (port, answer) in self.ports.iter_mut().zip(scattered.back) {
+                port.axes[axis].send(answer, self.packet_s, root);
             }
             *motion =
                 Motion { position: motion.position + self.packet_s * scattered.velocity, velocity: scattered.velocity };

@@ -17,9 +17,9 @@ use std::sync::{Arc, Mutex, TryLockError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use haptic_core::law::degradation::STEP_N;
 use haptic_core::law::{AnyLaw, Law, Packet};
 use haptic_core::num::Motion;
-use haptic_core::peer::STEP_N;
 use haptic_core::safety::Fault;
 use haptic_protocol::aged::Aged;
 use haptic_protocol::key::Key;

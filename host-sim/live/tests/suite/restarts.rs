@@ -1,6 +1,6 @@
 //! Either peer restarts at any instant, 10,000 times and more: core and protocol together, in virtual time.
 
-use haptic_core::peer::STEP_N;
+use haptic_core::law::degradation::STEP_N;
 use haptic_core::safety::Guard;
 use haptic_sim::scenes;
 

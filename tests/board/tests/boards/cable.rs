@@ -9,7 +9,7 @@ use board_bench::wire::Line;
 use board_bench::{docs, reviewed};
 use firmware_parts::record::{ENGAGED, Record};
 use haptic_board_tools::recording;
-use haptic_core::peer::STEP_N;
+use haptic_core::law::degradation::STEP_N;
 use haptic_core::safety::Mode;
 use haptic_live::recording::file::read;
 

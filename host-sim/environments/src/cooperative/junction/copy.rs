@@ -2,11 +2,13 @@
 //!
 //! Every line ends in the coordination law that flies, and all of them push on one more mass m_O, which is solved for once a tick
 //! (THEORY §7): each law gives its port, and gets the mean velocity that all ports together lead to. So a line that stands holds
-//! the copy by its spring, as it holds a peer's, and lets go as it does there; what the copy does to one line, the others take.
+//! the copy by its spring, as it holds a peer's, and lets go as it does there, by a force that falls ([`Remnant`]); what the copy does to one
+//! line, the others take.
 //! Energy: each end of a line emits no more than it was given (THEORY §8), the copy and the springs start at rest, so that what goes
 //! back into all lines never is more than what came out of them. Of several shared axes each has a copy of its own.
 
-use haptic_core::law::{AnyLaw, AnyLawState, Coupled, Law, Observation, Packet};
+use haptic_core::law::degradation::Remnant;
+use haptic_core::law::{AnyLaw, AnyLawState, Coupled, Law, Observation, Packet, Spring};
 use haptic_core::model::Model as _;
 use haptic_core::num::Motion;
 use haptic_core::object::{Port, midpoint::Carries, midpoint::Midpoint};
@@ -16,6 +18,9 @@ use haptic_core::settings::{Refused, Settings};
 #[derive(Clone, Debug)]
 pub(super) struct SharedCopy {
     law: AnyLaw<f64>,
+    spring: Spring<f64>,
+    /// What is left of a force is no more than a device may show, N.
+    most_n: f64,
     midpoint: Midpoint<f64>,
     carries: Carries<f64>,
     ends: Vec<End>,
@@ -26,6 +31,8 @@ pub(super) struct SharedCopy {
 struct End {
     state: AnyLawState<f64>,
     coupled: Coupled<f64>,
+    /// What is left of its force when the line has let go.
+    remnant: Remnant<f64>,
 }
 
 impl SharedCopy {
@@ -33,8 +40,13 @@ impl SharedCopy {
     pub(super) fn build(settings: &Settings, lines: usize) -> Result<Self, Refused<'static>> {
         let law = AnyLaw::build(settings)?;
         Ok(Self {
-            ends: vec![End { state: law.start(Motion::REST), coupled: Coupled::default() }; lines],
+            ends: vec![
+                End { state: law.start(Motion::REST), coupled: Coupled::default(), remnant: Remnant::default() };
+                lines
+            ],
             law,
+            spring: Spring::build(settings),
+            most_n: settings.safety.max_force_n,
             midpoint: Midpoint::build(settings)?,
             carries: Carries::default(),
         })
@@ -60,7 +72,13 @@ impl SharedCopy {
         self.ends[line].coupled
     }
 
-    /// One tick of the copy from `at`, under all lines that are engaged; where it is then.
+    /// Lets go of a line, with the copy there.
+    pub(super) fn let_go(&mut self, line: usize, at: Motion<f64>) {
+        let end = &mut self.ends[line];
+        end.remnant = Remnant::of(end.coupled.force.clamp(-self.most_n, self.most_n), at, &self.spring);
+    }
+
+    /// One tick of the copy from `at`, under all lines that are engaged, and what is left of the others; where it is then.
     pub(super) fn tick(&mut self, engaged: impl Fn(usize) -> bool, at: Motion<f64>) -> Motion<f64> {
         let seen = Observation { local: at, contact_force: 0.0, age_ticks: 0 };
         let mut half_change = 0.0;
@@ -68,9 +86,14 @@ impl SharedCopy {
             half_change = self.midpoint.half_change(at.velocity, all);
             at.velocity + half_change
         };
-        self.ends.iter_mut().for_each(|end| end.coupled = Coupled::default());
+        let mut left = Port::default();
+        for end in &mut self.ends {
+            end.coupled = Coupled::default();
+            left = left + end.remnant.port(at, &self.spring);
+            end.remnant.fall();
+        }
         let mut lines = self.ends.iter_mut().enumerate().filter(|(line, _)| engaged(*line)).map(|(_, end)| end);
-        meet(&self.law, &mut lines, &seen, Port::default(), &mut solve);
+        meet(&self.law, &mut lines, &seen, left, &mut solve);
         self.midpoint.advance(&mut self.carries, at, half_change)
     }
 }
@@ -83,7 +106,7 @@ fn meet(
     before: Port<f64>,
     solve: &mut dyn FnMut(Port<f64>) -> f64,
 ) -> f64 {
-    let Some(End { state, coupled }) = lines.next() else { return solve(before) };
+    let Some(End { state, coupled, .. }) = lines.next() else { return solve(before) };
     let mut velocity = 0.0;
     *coupled = law.couple(state, seen, |own: Port<f64>| {
         velocity = meet(law, lines, seen, before + own, solve);

@@ -45,6 +45,8 @@ pub struct AxisPort {
     in_hand_j: f64,
     /// What came out of the line in this packet period, √W.
     out: f64,
+    /// How far a wave line is open, from 0 to 1: as far as its peer is engaged, but it never falls faster than a force may.
+    share: f64,
     /// Force at the end of the line, N. While a wave line fades, a part of it ends in the port.
     pub force_n: f64,
     /// What goes back, with this end's own counters.
@@ -60,7 +62,7 @@ impl AxisPort {
         self.energy.put_in_j -= std::mem::take(&mut self.in_hand_j);
     }
 
-    /// One packet period of a line that is engaged so far: the wave that comes out of it, √W.
+    /// One packet period of a line that is open so far: the wave that comes out of it, √W.
     fn take(
         &mut self,
         engagement: &Engagement<f64>,
@@ -81,11 +83,11 @@ impl AxisPort {
             self.counted_j = Some(packet.energy_j.max(before_j));
             self.standing = packet;
         }
-        if !engagement.is_engaged() {
+        if self.share == 0.0 && !engagement.is_engaged() {
             return 0.0;
         }
         let Some(credit) = credit else { return self.standing.wave };
-        if came.is_some() || engagement.is_fading() {
+        if came.is_some() || engagement.silent() > 0 {
             credit.receive(&mut self.account, &self.standing);
         }
         let wave = credit.spend(&mut self.account, self.standing.wave);
@@ -93,15 +95,24 @@ impl AxisPort {
         wave
     }
 
+    /// Opens or closes the port of a line of this impedance (N·s/m) to where its peer's engagement is. At a node that moves with `velocity`
+    /// (m/s) its force is share·(√(2b)·u − b·v), which falls by no more than `fall_n`.
+    pub(super) fn open(&mut self, engaged: f64, fall_n: f64, impedance: f64, velocity: f64) -> f64 {
+        let whole_n = (2.0 * impedance).sqrt() * self.out - impedance * velocity;
+        self.share = engaged.max(self.share - fall_n / whole_n.abs());
+        self.share
+    }
+
     /// What came out of the line as far as the port is open, √W: the node takes it.
-    pub(super) fn give(&mut self, share: f64, packet_s: f64) -> f64 {
-        let wave = share.sqrt() * self.out;
+    pub(super) fn give(&mut self, packet_s: f64) -> f64 {
+        let wave = self.share.sqrt() * self.out;
         self.energy.taken_j += 0.5 * packet_s * wave * wave;
         wave
     }
 
-    /// Sends a wave back, √W; `root` is √(b/2) of the line.
-    pub(super) fn send(&mut self, wave: f64, packet_s: f64, root: f64) {
+    /// Sends what the node answers back as far as the port is open, √W; `root` is √(b/2) of the line.
+    pub(super) fn send(&mut self, answer: f64, packet_s: f64, root: f64) {
+        let wave = self.share.sqrt() * answer;
         self.energy.sent_j += 0.5 * packet_s * wave * wave;
         self.back = Packet {
             wave,
@@ -140,7 +151,12 @@ impl<const AXES: usize> Port<AXES> {
 
     /// Whether anything of the line reaches the node.
     pub fn is_engaged(&self) -> bool {
-        self.engagement.is_engaged()
+        self.engagement.is_engaged() || self.falls()
+    }
+
+    /// Whether something is left of the line's force.
+    fn falls(&self) -> bool {
+        self.axes.iter().any(|axis| axis.share > 0.0)
     }
 
     /// What goes back, along each axis.
@@ -157,6 +173,7 @@ impl<const AXES: usize> Port<AXES> {
     pub(super) fn part(&mut self, at_once: bool) {
         if at_once {
             self.engagement.part();
+            self.axes.iter_mut().for_each(|axis| axis.share = 0.0);
         }
         self.leaving = self.is_engaged();
     }
@@ -170,7 +187,12 @@ impl<const AXES: usize> Port<AXES> {
         came: Option<[Packet<f64>; AXES]>,
     ) {
         self.leaving &= self.is_engaged();
-        let came = came.filter(|_| !self.leaving);
+        let mut came = came.filter(|_| !self.leaving);
+        if came.is_some() && !self.engagement.is_engaged() && self.falls() {
+            // As a peer that lets go hears nothing until it has let go.
+            self.engagement.note();
+            came = None;
+        }
         if came.is_some() && degradation.hear(&mut self.engagement) {
             self.axes.iter_mut().for_each(AxisPort::begin_anew);
         }

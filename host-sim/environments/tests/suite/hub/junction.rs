@@ -44,15 +44,15 @@ fn lines_that_are_there_meet_in_the_plain_node() {
 #[test]
 fn a_line_that_falls_silent_goes_quiet_step_by_step() {
     let mut junction = Junction::new(&scene(false), 3).expect("waves");
-    let waves = [0.4, 0.2, 0.9];
-    let velocity = |share: f64| (2.0 * B).sqrt() * (0.6 + share * 0.9) / (B * (2.0 + share));
+    let waves = [0.04, 0.02, 0.09];
+    let velocity = |share: f64| (2.0 * B).sqrt() * (0.06 + share * 0.09) / (B * (2.0 + share));
     junction.exchange(waves.map(wave), true);
     assert!((junction.motion[0].velocity - velocity(1.0)).abs() < 1e-15);
     for silent in 1..=20_u32 {
-        junction.exchange([wave(0.4), wave(0.2), None], true);
+        junction.exchange([wave(0.04), wave(0.02), None], true);
         let share = 1.0 - f64::from(silent.clamp(3, 12) - 3) / 9.0;
         assert!((junction.motion[0].velocity - velocity(share)).abs() < 1e-14, "{silent} periods");
-        let back = share * ((2.0 * B).sqrt() * velocity(share) - 0.9);
+        let back = share * ((2.0 * B).sqrt() * velocity(share) - 0.09);
         assert!((junction.ports[2].axes[0].back.wave - back).abs() < 1e-13, "{silent} periods");
         let energy = junction.energy();
         assert!(energy.sent_j <= energy.taken_j * (1.0 + 1e-12), "{energy:?}");
@@ -62,6 +62,43 @@ fn a_line_that_falls_silent_goes_quiet_step_by_step() {
         junction.exchange(waves.map(wave), true);
         let share = f64::from(packet.min(9)) / 9.0;
         assert!((junction.motion[0].velocity - velocity(share)).abs() < 1e-14, "{packet} packets");
+    }
+}
+
+/// However much a line pulls with, what it and the others feel falls by no more than 0.02 N a tick, in silence and when its peer is known to be gone;
+/// and only then is it let go.
+#[test]
+fn a_large_force_falls_as_slowly_as_a_small_one() {
+    for (name, parts) in [("is silent", false), ("is gone", true)] {
+        for own in [0.5, 1.0, -2.0, 8.0] {
+            let mut junction = Junction::<1>::new(&scene(false), 3).expect("waves");
+            let waves = [0.4, 0.2, own];
+            (0..10).for_each(|_| junction.exchange(waves.map(wave), true));
+            // What each line does to the node: √(b/2)·(√s·u − w) for what of its wave goes in and what the node answers.
+            let force_n = |share: f64, velocity: f64| share * ((2.0 * B).sqrt() * own - B * velocity);
+            let mut before = (1.0, force_n(1.0, junction.motion[0].velocity), junction.ports[0].axes[0].force_n);
+            let first_n = before.1.abs();
+            if parts {
+                junction.part(2);
+            }
+            let mut periods = 0;
+            while junction.ports[2].is_engaged() {
+                junction.exchange([wave(0.4), wave(0.2), None], true);
+                let [port] = junction.ports[2].axes;
+                let velocity = junction.motion[0].velocity;
+                // Of what comes back, w = s·(√(2b)·v − u).
+                let share = port.back.wave / ((2.0 * B).sqrt() * velocity - own);
+                let now = (share, force_n(share, velocity), junction.ports[0].axes[0].force_n);
+                let told = format!("{own} √W, {name}, period {periods}: {now:?} after {before:?}");
+                assert!(share <= before.0 + 1e-12, "{told}");
+                let most_n = 8.0 * 0.02;
+                assert!((now.1 - before.1).abs() < most_n && (now.2 - before.2).abs() < most_n, "{told}");
+                (before, periods) = (now, periods + 1);
+                assert!(periods < 1_000, "{told}");
+            }
+            assert!(f64::from(periods) > first_n / (8.0 * 0.02), "{own} √W: {first_n} N in {periods} periods");
+            assert_eq!(junction.ports[2].axes[0].back.wave, 0.0);
+        }
     }
 }
 
@@ -227,7 +264,7 @@ fn each_axis_of_a_junction_is_a_junction_of_one() {
                     part(&mut whole, &mut ones, line);
                 }
                 for packet in &mut sent[line] {
-                    packet.wave = 0.4 * (unit() - 0.45);
+                    packet.wave = 0.15 * (unit() - 0.45);
                     packet.energy_j += 0.5 * packet_s * packet.wave * packet.wave;
                     packet.wave_integral += packet_s * packet.wave;
                     packet.live_ticks += alone.peer.timing.ticks_per_packet;

@@ -200,6 +200,47 @@ fn a_peer_that_restarts_is_let_go_and_taken_in_again() {
     }
 }
 
+/// Three people push; one of them falls silent, or is another life of itself: the force on the others' hands falls by no more than 0.02 N a tick
+/// where lines have a time of their own. Waves end with what pays for them, in any loss, and a force with them in about 30 ms.
+#[test]
+fn nobody_feels_a_step_when_another_one_falls_silent() {
+    for (name, most_n) in [("hub", 0.07), ("any-network", 0.02)] {
+        for (push_n, leaves) in [(1.0, false), (3.0, false), (5.0, false), (1.0, true), (3.0, true), (5.0, true)] {
+            let arms = [1, 2].map(|user| {
+                let key = |name: &str, value: f64| format!("user.{user}.{name}={value}");
+                [key("push_n", push_n), key("arm_stiffness_n_per_m", 200.0), key("arm_damping_n_s_per_m", 5.0)]
+            });
+            let soon = ["safety.fade_s=0.1", "safety.disengage_s=0.2"].map(str::to_owned);
+            let mut trial: HubTrial = HubTrial::new(built_in(name, &[&arms.concat()[..], &soon].concat()), 3);
+            let (mut before, mut steps_n) = ([0.0_f64; 3], [0.0_f64; 2]);
+            // Somebody who comes again pushes anew meanwhile.
+            for tick in 0..if leaves { 6_200 } else { 9_000 } {
+                if tick == 6_000 && leaves {
+                    let device = trial.peers().nth(1).expect("a peer").device();
+                    trial.restart(1, device);
+                }
+                trial.engine.seats[1].off = tick >= 6_000 && !leaves;
+                trial.step();
+                for at in [0, 2] {
+                    let Participant::Peer(node, _) = &trial.engine.seats[at].actor else { continue };
+                    let now = f64::from(node.observed().contact_force);
+                    let step_n = &mut steps_n[usize::from(tick >= 6_000)];
+                    if tick > 5_000 {
+                        *step_n = step_n.max((now - before[at]).abs());
+                    }
+                    before[at] = now;
+                }
+            }
+            let told = format!("{name}, {push_n} N, leaves {leaves}: {steps_n:?} N a tick before and after");
+            println!("{told}");
+            assert!(
+                steps_n[0] < 1e-4 && steps_n[1] <= if leaves { 1.4 * most_n } else { most_n } && steps_n[1] > 1e-3,
+                "{told}"
+            );
+        }
+    }
+}
+
 /// Any closure is a rule, here as in the relay: every third datagram on the way of one peer is lost, and all hold on.
 #[test]
 fn a_planted_rule_loses_what_it_says() {
