@@ -3,7 +3,7 @@
 use haptic_core::device::Reading;
 use haptic_core::device::kinematics::{AnyKinematics, AnySpatial, Kinematics};
 use haptic_core::law::degradation::STEP_N;
-use haptic_core::law::{AnyLaw, Law, LawInfo};
+use haptic_core::law::{AnyLaw, Law, LawInfo, Sends};
 use haptic_core::names::{Decode, FixtureName, IntegratorName};
 use haptic_core::num::Motion;
 use haptic_core::peer::{Peer, Sensors};
@@ -165,5 +165,22 @@ fn no_force_steps_along_axes_that_are_solved_for_together() {
         };
         worst::<2, 2, AnyKinematics<f64>>(law, guide);
         worst::<3, 3, AnySpatial<f64>>(law, guide);
+    }
+}
+
+/// A wave that is paid for ends with what pays for it, in silence as in any loss: its force goes before the line fades.
+#[test]
+fn a_paid_wave_takes_its_force_with_it() {
+    for law in LAWS.iter().filter(|law| law.sends == Sends::Waves) {
+        for (ticks_per_packet, push_n) in [(1, 1.0), (8, 3.0), (2, 5.0)] {
+            let mut settings = settings(law, 1, ticks_per_packet);
+            settings.coordination.ledger = true;
+            if settings.check().is_err() {
+                continue;
+            }
+            let found = run::<1, 2, AnyKinematics<f64>>(&settings, push_n, false);
+            let told = format!("{}, {push_n} N, {ticks_per_packet}: {found:?}", law.name);
+            assert!(found.felt_n <= 0.026 * push_n && found.step_n <= STEP_N + 1e-9 && found.after_n == 0.0, "{told}");
+        }
     }
 }
