@@ -33,7 +33,7 @@ fn sources() -> Result<(), Failure> {
     let packed = sdist(run::root(), &place)?;
     let folder = unpacked(&packed, &place)?;
     // Beside what was checked for another platform: of others' packages it is the same.
-    let Some(mut check) = platforms::zig()? else { return Ok(()) };
+    let Some(mut check) = platforms::without_c(cargo(&[]))? else { return Ok(()) };
     check
         .args(["check", "--target", platforms::LINTED, "--manifest-path"])
         .arg(folder.join("host-sim/python/Cargo.toml"));

@@ -2,12 +2,11 @@
 //! runs on, and the lints of what no test compiles. Clippy looks at one of these systems: of the others it would say the same of
 //! nearly every line.
 //!
-//! Nothing is linked or run. `ring` compiles C in its build script even so: zig is the C compiler for every target, and comes with
-//! cargo-zigbuild from Python's registry, as for the wheel. PyO3 needs no Python of the target, because the module uses the stable ABI.
+//! Nothing is linked or run, so no C is compiled either: where a build script asks for it, `true` stands in for compiler and archiver.
+//! PyO3 needs no Python of the target, because the module uses the stable ABI.
 
 use std::process::Command;
 
-use crate::python;
 use crate::run::{self, Failure, cargo, command, compile, everything};
 
 /// What is only checked.
@@ -26,19 +25,21 @@ pub(crate) fn calls() -> [Command; 3] {
         call
     };
     let mut lints = on("check", &[LINTED]);
-    lints.args(["--lib", "--bins", "--benches", "--examples"]);
+    // Not `--benches`, which checks each library once more.
+    lints.args(["--lib", "--bins", "--bench", "*", "--examples"]);
     // Of what a fresh clone builds: all else has no public documentation.
     let documentation = cargo(&["doc", "--locked", "--no-deps", "--lib", "--target", LINTED]);
     [on("check", &CHECKED), lints, documentation]
 }
 
-/// cargo-zigbuild with every target's core; if a platform cannot be prepared it says so, and fails where CI is set.
-pub(crate) fn zig() -> Result<Option<Command>, Failure> {
+/// The call with every target's core, and without a C compiler; if a platform cannot be prepared it says so, and fails where CI is set.
+pub(crate) fn without_c(mut call: Command) -> Result<Option<Command>, Failure> {
+    call.env("TARGET_CC", "true").env("TARGET_AR", "true");
     let targets = CHECKED.into_iter().chain([LINTED]);
-    match run::run(command("rustup", &["target", "add"]).args(targets)).and_then(|()| python::by_zig()) {
-        Ok(zig) => Ok(Some(zig)),
+    match run::run(command("rustup", &["target", "add"]).args(targets)) {
+        Ok(()) => Ok(Some(call)),
         Err(failure) => run::due_in_ci(format!(
-            "{failure}, so nothing is compiled for other platforms; the first time needs static.rust-lang.org and Python's registry"
+            "{failure}, so nothing is compiled for other platforms; the first time needs static.rust-lang.org"
         ))
         .map(|()| None),
     }
@@ -47,9 +48,12 @@ pub(crate) fn zig() -> Result<Option<Command>, Failure> {
 /// Checks every platform, lints and documentation.
 pub(crate) fn check() -> Result<(), Failure> {
     for (nth, call) in calls().into_iter().enumerate() {
-        let Some(zig) = zig()? else { return Ok(()) };
-        let (mut zig, flags) = if nth == 0 { (zig, "RUSTFLAGS") } else { (run::linted(zig), "RUSTDOCFLAGS") };
-        compile(zig.args(call.get_args()).env(flags, "-D warnings"))?;
+        let Some(mut call) = without_c(call)? else { return Ok(()) };
+        // What is only checked is not linted.
+        match nth {
+            0 => compile(call.env_remove("RUSTC_WORKSPACE_WRAPPER").env("RUSTFLAGS", "-D warnings"))?,
+            _ => compile(run::linted(call).env("RUSTDOCFLAGS", "-D warnings"))?,
+        }
     }
     Ok(())
 }

@@ -74,23 +74,16 @@ pub(crate) fn wheel(source: &Path, folder: &Path, profile: &str) -> Result<PathB
     Ok(wheel)
 }
 
-/// cargo-zigbuild, without its arguments: cargo whose C compiler and linker are zig.
-pub(crate) fn by_zig() -> Result<Command, Failure> {
-    let python = own_environment()?;
-    run(pip(&python).args(ZIG))?;
-    let mut zig = command(&python.with_file_name("cargo-zigbuild").to_string_lossy(), &[]);
-    zig.env(ZIG_IN, &python);
-    Ok(zig)
-}
-
 /// Cargo's build for Linux with glibc 2.17 and later, linked by zig, and where it leaves a release; elsewhere that of this machine's system.
 pub(crate) fn build_by_zig() -> Result<(Command, String), Failure> {
     if !cfg!(target_os = "linux") {
         return Ok((cargo(&["build"]), "release".to_owned()));
     }
     let target = format!("{}-unknown-linux-gnu", env::consts::ARCH);
-    let mut build = by_zig()?;
-    build.args(["zigbuild", "--target", &format!("{target}.2.17")]);
+    let python = own_environment()?;
+    run(pip(&python).args(ZIG))?;
+    let mut build = command(&python.with_file_name("cargo-zigbuild").to_string_lossy(), &[]);
+    build.env(ZIG_IN, &python).args(["zigbuild", "--target", &format!("{target}.2.17")]);
     Ok((build, format!("{target}/release")))
 }
 

@@ -13,7 +13,7 @@
 //! end that stands for more than a tenth of the time although packets come, there and at the other end ([`Outstanding::impatience`]; what is
 //! lost in bursts is stood through: a line that bridged it would be slow where nothing is lost) adds half as many samples as it stood, for the other end stands as long and adds its half, and [`SPARE`]
 //! more. Where a line begins, whose hands rest, it adds them at once ([`FIRST_AT_ONCE`]): a delay is learned in one round trip. After a quiet time it
-//! adds no more than [`LEAST_AT_ONCE`], then twice as many each time. A sample less costs energy: where for a [`WINDOW_S`] nothing stood and more than [`KEPT`] samples were always left, half
+//! adds no more than [`LEAST_AT_ONCE`], then twice as many each time. A sample less costs energy: where for a [`WINDOW_S`] nothing stood and more than [`KEPT`] was always left, half
 //! of what is left over goes, each over [`SLICES`] ticks, so that hands feel no step, if averaging has saved what that costs and the line is
 //! nearly at rest.
 
@@ -25,19 +25,19 @@ use crate::settings::{Key, Settings};
 
 pub(super) const CREDIT: Key = Key::whole("coordination.credit_ticks", 0, [0, 2000], "ticks")
     .means("Self-timed line: its delay each way in its own time, as samples of zero that an end begins with; 0 follows the network.");
-/// Samples that are added beside what was missing.
+/// What is added beside what was missing, ms.
 const SPARE: i32 = 2;
-/// Samples that may always be left before the line is made shorter: 20 % of single losses are bridged without standing.
+/// What may always be left before the line is made shorter, ms: 20 % of single losses are bridged without standing.
 const KEPT: i32 = 8;
-/// For how long they must have been left, s.
+/// For how long it must have been left, s.
 const WINDOW_S: f64 = 1.0;
-/// The credit that following begins with, beside what a packet's ticks take, s.
-const FIRST_S: f64 = 0.016;
+/// The credit that following begins with, beside a packet's ticks, s.
+const FIRST_S: f64 = 0.015;
 /// What a tick that stands adds to impatience, and a live one takes from it: balanced at a tenth of the time.
-const STANDING: u32 = 10;
-/// Impatience from which on the line is made longer, and the most there is: 100 and 200 ticks in a row.
-const IMPATIENT: u32 = 100 * STANDING;
-/// Samples that may be added at once after a quiet time, and at most.
+const STANDING: i32 = 10;
+/// Impatience from which on the line is made longer, and the most there is: 100 and 200 ms in a row.
+const IMPATIENT: i32 = 100 * STANDING;
+/// What may be added at once after a quiet time, and at most, ms.
 const LEAST_AT_ONCE: i32 = 4;
 const MOST_AT_ONCE: i32 = 128;
 /// And where a line begins: half of a round trip of a second.
@@ -67,14 +67,13 @@ pub(super) struct Incoming<C> {
     follows: bool,
     /// What may always be left: [`KEPT`], less what silence uses up.
     kept: i32,
-    /// [`WINDOW_S`] in ticks.
-    window: u32,
+    /// Ticks of a millisecond, and of [`WINDOW_S`].
+    per_ms: i32,
+    window: i32,
     /// [`NEARLY_AT_REST`].
     nearly_at_rest: C,
     /// ½·T_c, s.
     half_period_s: C,
-    /// [`ROUNDING_J`].
-    rounding_j: C,
     /// ρ₀; 1 where b stays what it is.
     least: C,
     /// 1/[`SLICES`].
@@ -84,7 +83,7 @@ pub(super) struct Incoming<C> {
 }
 
 configured!([C: Scalar] Incoming<C> {
-    period_s, credit, follows, kept, window, nearly_at_rest, half_period_s, rounding_j, least, slice, gap
+    period_s, credit, follows, kept, per_ms, window, nearly_at_rest, half_period_s, least, slice, gap
 });
 
 /// The other end's counters, as they came.
@@ -113,14 +112,14 @@ pub(super) struct Outstanding<C> {
     /// It stands because nothing reaches it.
     pub(super) is_cut_off: bool,
     /// Ticks that the line has stood since something came.
-    stood: u32,
+    stood: i32,
     /// How much more than a tenth of the time it has stood lately.
-    impatience: u32,
-    /// Most samples that may be added at once.
+    impatience: i32,
+    /// What may be added at once, ms.
     reach: i32,
     /// Fewest samples left in this window, and ticks of it.
     fewest: i32,
-    watched: u32,
+    watched: i32,
     /// Samples by which the line is to be made shorter, and slices of the next of them that have come out.
     surplus: i32,
     sliced: i32,
@@ -138,25 +137,27 @@ impl<C: Scalar> Incoming<C> {
     pub(super) fn build(settings: &Settings) -> Self {
         let timing = &settings.timing;
         let credit = settings.own(&CREDIT) as i32;
+        let per_ms = (libm::round(0.001 / timing.control_period_s) as i32).max(1);
+        let kept = (KEPT * per_ms).cast_unsigned();
         // A cast saturates; a tick is at least 10 µs and a packet at most 1000 of them.
         // Where packets come by events, silence uses up what may always be left.
         let events = Events::<C>::build(settings);
         let silence = (settings.own(&LONGEST) / timing.control_period_s) as u32;
         let longest = silence.max(timing.ticks_per_packet);
-        let together = events.map_or(timing.ticks_per_packet - 1, |events| events.beyond(KEPT.cast_unsigned()));
-        let first = together.cast_signed() + (FIRST_S / timing.control_period_s) as i32;
+        let together = events.map_or(timing.ticks_per_packet, |events| events.beyond(kept) + 1);
+        let first = together.cast_signed() + libm::round(FIRST_S / timing.control_period_s) as i32;
         Self {
             period_s: C::from_f64(timing.control_period_s),
             credit: if credit > 0 { credit } else { first },
             follows: credit == 0,
-            kept: events.map_or(KEPT, |events| events.left_of(KEPT.cast_unsigned()).cast_signed()),
-            window: (WINDOW_S / timing.control_period_s) as u32,
+            kept: events.map_or(kept, |events| events.left_of(kept)).cast_signed(),
+            per_ms,
+            window: (WINDOW_S / timing.control_period_s) as i32,
             nearly_at_rest: C::from_f64(NEARLY_AT_REST),
             half_period_s: C::from_f64(0.5 * timing.control_period_s),
-            rounding_j: C::from_f64(ROUNDING_J),
             least: C::from_f64(super::mass::least(settings)),
             slice: C::from_f64(1.0 / f64::from(SLICES)),
-            gap: longest.saturating_add(KEPT.cast_unsigned()),
+            gap: longest.saturating_add(kept),
         }
     }
 
@@ -188,10 +189,10 @@ impl<C: Scalar> Incoming<C> {
             state.samples = state.samples.saturating_add(new);
             state.integral = state.integral + (heard.integral - before.integral);
             state.account_j = state.account_j + (heard.energy_j - before.energy_j);
-            if self.follows && state.stood > 0 && state.impatience >= IMPATIENT {
-                // The other end stands as long and adds its half.
-                let half = i32::try_from(state.stood.div_ceil(2)).unwrap_or(i32::MAX);
-                let more = half.min(state.reach) + SPARE;
+            if self.follows && state.stood > 0 && state.impatience >= IMPATIENT * self.per_ms {
+                // The other end stands as long and adds its half, in whole milliseconds.
+                let half = state.stood.saturating_add(2 * self.per_ms - 1) / (2 * self.per_ms);
+                let more = self.per_ms * (half.min(state.reach) + SPARE);
                 (state.samples, state.length) = (state.samples.saturating_add(more), state.length.saturating_add(more));
                 state.reach = (2 * state.reach).min(MOST_AT_ONCE);
                 (state.fewest, state.watched, state.surplus) = (i32::MAX, 0, 0);
@@ -214,7 +215,7 @@ impl<C: Scalar> Incoming<C> {
             heard: Some(heard),
             samples: (self.credit + self.of_first(heard.live) - self.of_first(own)).max(0),
             length: self.credit,
-            account_j: self.rounding_j,
+            account_j: C::from_f64(ROUNDING_J),
             reach: FIRST_AT_ONCE,
             fewest: i32::MAX,
             ..Outstanding::default()
@@ -252,7 +253,7 @@ impl<C: Scalar> Incoming<C> {
         let share = S::of_counter(pays.min(own.to_counter()).max(self.least));
         let paid = share.to_counter();
         let wave = if self.follows { self.follow(state, mean, [outstanding, paid]) } else { mean };
-        state.impatience = state.impatience.saturating_sub(1);
+        state.impatience = (state.impatience - 1).max(0);
         // What comes out is what is booked, to the bit.
         let wave = S::of_counter(wave);
         state.last = wave.to_counter();
@@ -275,7 +276,7 @@ impl<C: Scalar> Incoming<C> {
         state.is_cut_off = age_ticks > self.gap;
         if !state.is_cut_off && !far_is_cut_off {
             state.stood = state.stood.saturating_add(1);
-            state.impatience = (state.impatience + STANDING).min(2 * IMPATIENT);
+            state.impatience = (state.impatience + STANDING).min(2 * IMPATIENT * self.per_ms);
         }
         state.fewest = 0;
         state.last = C::ZERO;

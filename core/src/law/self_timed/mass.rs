@@ -5,7 +5,7 @@
 //!
 //! > ρ = min(1, m/(b·d₀·T_c)), and no less than [`LEAST`]
 //!
-//! in steps of 1/[`STEPS`]. Each end tells the other one what it would have, and goes to the lesser of both by a step a tick. Waves keep the
+//! in steps of 1/[`STEPS`]. Each end tells the other one what it would have, and goes to the lesser of both by a step a millisecond. Waves keep the
 //! unit that they have at ρ = 1, so that x_d, the sum of both over √(2b), is what it was, whatever ρ is at either end, and whenever it changes:
 //!
 //! > ρ·b·w + F_T = ρ·√(2b)·u_in,   u_out = √(2b)·w − u_in = u_in − √(2/b)·F_T/ρ,   F_T·w = ½ρ·(u_in² − u_out²)
@@ -27,14 +27,15 @@ pub(super) const MASS: Key = Key::number("coordination.most_line_mass_kg", 4.0, 
 
 /// The least ρ that an end goes to: a line that would still be heavier is.
 const LEAST: f64 = 0.25;
-/// Steps of ρ from nothing to 1, of which it changes by one in a tick. Every number type has them exactly.
+/// Steps of ρ from nothing to 1, of which it changes by one in a millisecond. Every number type has them exactly.
 const STEPS: i32 = 1024;
+const STEP: f64 = 1.0 / STEPS as f64;
 /// The longest line that is told from longer ones, ticks: 17 minutes at 1 kHz.
 const MOST_TICKS: i32 = 1 << 20;
 
 /// ρ₀, below which no end emits: a step less than it would ever go to; 1 where b stays what it is.
 pub(in crate::law) fn least(settings: &Settings) -> f64 {
-    if settings.own(&MASS) > 0.0 { LEAST - 1.0 / f64::from(STEPS) } else { 1.0 }
+    if settings.own(&MASS) > 0.0 { LEAST - STEP } else { 1.0 }
 }
 
 /// The end of a line behind the coordination spring, as a port of the object ([`crate::law::terminal`]), for any ρ.
@@ -52,11 +53,11 @@ pub(super) struct End<S> {
     /// m/(b·T_c) in steps: the ticks up to which ρ is 1, times [`STEPS`]; as many as there are where it always is.
     light: i32,
     least: S,
-    step: S,
-    two: S,
+    /// By how much ρ changes in a tick at most.
+    goes: S,
 }
 
-configured!([S: Scalar] End<S> { stiffness, kappa, impedance, root, force_to_wave, light, least, step, two });
+configured!([S: Scalar] End<S> { stiffness, kappa, impedance, root, force_to_wave, light, least, goes });
 
 /// ρ of an end. No number here is asked which of two it is: a tick has one way through it, whatever the lines weigh.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -86,12 +87,13 @@ impl<S: Scalar> End<S> {
         let light = if most_kg > 0.0 { most_kg / (impedance * settings.timing.control_period_s) } else { f64::MAX };
         let least = if most_kg > 0.0 { LEAST } else { 1.0 };
         let root = libm::sqrt(2.0 * impedance);
-        let numbers = [kappa, impedance, root, 2.0 / root, least, 1.0 / f64::from(STEPS), 2.0];
-        let [kappa, impedance, root, force_to_wave, least, step, two] = numbers.map(S::from_f64);
+        let goes = STEP * (settings.timing.control_period_s / 0.001);
+        let numbers = [kappa, impedance, root, 2.0 / root, least, goes];
+        let [kappa, impedance, root, force_to_wave, least, goes] = numbers.map(S::from_f64);
         let stiffness = Spring::build(settings).stiffness;
         // A cast saturates.
         let light = (f64::from(STEPS) * light).min(f64::from(i32::MAX - MOST_TICKS)) as i32;
-        Self { stiffness, kappa, impedance, root, force_to_wave, light, least, step, two }
+        Self { stiffness, kappa, impedance, root, force_to_wave, light, least, goes }
     }
 
     /// ρ of a line so many ticks long.
@@ -99,7 +101,7 @@ impl<S: Scalar> End<S> {
     fn wanted(&self, ticks: i32) -> S {
         let ticks = ticks.clamp(1, MOST_TICKS);
         let steps = (self.light + ticks / 2) / ticks;
-        (S::from_i32(steps.min(STEPS)) * self.step).max(self.least)
+        (S::from_i32(steps.min(STEPS)) * S::from_f64(STEP)).max(self.least)
     }
 
     /// An end of a line that begins, so many ticks long.
@@ -111,13 +113,13 @@ impl<S: Scalar> End<S> {
     /// What a packet says of this end: by how much the ρ that it would have is below 1; and where nothing reaches it, that much less than 2.
     pub(super) fn says(&self, share: &Share<S>, is_cut_off: bool) -> S {
         let less = S::ONE - share.wanted;
-        if is_cut_off { self.two - less } else { less }
+        if is_cut_off { S::ONE + S::ONE - less } else { less }
     }
 
     /// Takes in what the other end says.
     #[inline]
     pub(super) fn hear(&self, share: &mut Share<S>, told: S) {
-        share.far = (S::ONE - told.min(self.two - told)).max(self.least).min(S::ONE);
+        share.far = (S::ONE - told.min(S::ONE + S::ONE - told)).max(self.least).min(S::ONE);
     }
 
     /// ρ that this end would have in this tick, of a line so many ticks long.
@@ -127,7 +129,7 @@ impl<S: Scalar> End<S> {
             (share.ticks, share.wanted) = (ticks, self.wanted(ticks));
         }
         let agreed = share.wanted.min(share.far);
-        share.own = share.own + (agreed - share.own).limit(self.step);
+        share.own = share.own + (agreed - share.own).limit(self.goes);
         share.own
     }
 

@@ -4,5 +4,6 @@ mod architectures;
 mod costs;
 mod force;
 mod precision;
+mod rates;
 mod record;
 mod study;
