@@ -191,8 +191,9 @@ impl<C: Scalar> Incoming<C> {
             state.account_j = state.account_j + (heard.energy_j - before.energy_j);
             if self.follows && state.stood > 0 && state.impatience >= IMPATIENT * self.per_ms {
                 // The other end stands as long and adds its half, in whole milliseconds.
-                let half = state.stood.saturating_add(2 * self.per_ms - 1) / (2 * self.per_ms);
-                let more = self.per_ms * (half.min(state.reach) + SPARE);
+                let twice = 2 * self.per_ms;
+                let half = state.stood.saturating_add(twice - 1).checked_div(twice);
+                let more = self.per_ms * (half.unwrap_or(0).min(state.reach) + SPARE);
                 (state.samples, state.length) = (state.samples.saturating_add(more), state.length.saturating_add(more));
                 state.reach = (2 * state.reach).min(MOST_AT_ONCE);
                 (state.fewest, state.watched, state.surplus) = (i32::MAX, 0, 0);
