@@ -4,6 +4,7 @@ use haptic_analysis::{Effort, Range, limit};
 use haptic_core::device::velocity::{AnyVelocity, VelocityName};
 use haptic_core::num::Motion;
 use haptic_core::settings::Settings;
+use haptic_plot::{Figure, Panel, Print, Series, paint};
 use haptic_sim::Laws;
 use haptic_sim::scene::Scene;
 
@@ -73,9 +74,48 @@ fn a_loop_lets_a_contact_be_stiffer_than_a_control_period_does() {
     }
 }
 
-/// `HAPTIC_BLESS=1 cargo test -p host-sim --test suite -- rates` writes the table.
+/// The table as two panels: points of each rate, kHz, by column.
+fn picture(rows: &[(f64, Vec<f64>)]) -> Vec<u8> {
+    let series = |columns: &[(usize, &str)]| {
+        let points = |at: usize| rows.iter().map(|(khz, row)| (*khz, row[at])).collect::<Vec<_>>();
+        let both = columns.iter().enumerate().flat_map(|(color, (at, label))| {
+            [Series::line(*label, color, points(*at)), Series::dots("", color, points(*at), Vec::new())]
+        });
+        both.collect()
+    };
+    let panel = |y_label: &str, columns: &[(usize, &str)]| Panel {
+        x_label: "Ticks (kHz)".to_owned(),
+        y_label: y_label.to_owned(),
+        x_range: Some((0.0, 5.5)),
+        y_range: Some((0.0, if y_label.starts_with('S') { 25.0 } else { 12.0 })),
+        series: series(columns),
+        ..Panel::default()
+    };
+    let stiff = [(2, "current loop, B = 10"), (1, "current loop, B = 2"), (0, "exact sensor, B = 2")];
+    let noise = [(3, "difference"), (4, "filtered"), (5, "adaptive")];
+    let figure = Figure {
+        columns: 1,
+        share_x: true,
+        panels: vec![panel("Stiffest contact (kN/m)", &stiff), panel("Velocity noise (mm/s), counts of 5 µm", &noise)],
+        ..Figure::default()
+    };
+    let [(_, svg), ..] = paint(&figure, Print::default(), "host-sim/tests/suite/rates.rs").expect("a picture");
+    svg
+}
+
+/// This file of the documentation is what it should be; `HAPTIC_BLESS=1` writes it.
+fn is_as_written(file: &str, now: &[u8]) {
+    let path = format!("{}/../docs/{file}", env!("CARGO_MANIFEST_DIR"));
+    if std::env::var_os("HAPTIC_BLESS").is_some() {
+        std::fs::write(&path, now).expect("writes it");
+    }
+    assert!(std::fs::read(&path).is_ok_and(|page| page == now), "docs/{file} is another; HAPTIC_BLESS=1 writes it");
+}
+
+/// `HAPTIC_BLESS=1 cargo test -p host-sim --test suite -- rates` writes the table and its picture.
 #[test]
 fn the_table_of_stiffness_against_rate() {
+    let mut rows = Vec::new();
     let mut table = String::from(
         "| control period | stiffest contact: exact sensor, B = 2 | encoder and current loop: B = 2 | B = 10 | velocity noise at counts of \
          5 µm: `difference` | `filtered` | `adaptive` | at 50 µm: `difference` | `filtered` | `adaptive` |\n|---|---|---|---|---|---|---|---|---|---|\n",
@@ -84,6 +124,8 @@ fn the_table_of_stiffness_against_rate() {
         let stiff = [("2", &[][..]), ("2", &DEVICE), ("10", &DEVICE)].map(|(b, device)| stiffest(per_ms, b, device));
         let names = [VelocityName::Difference, VelocityName::Filtered, VelocityName::Adaptive];
         let noise = [5e-6, 50e-6].map(|count| names.map(|name| noise(per_ms, name, count)));
+        let whole = stiff.iter().map(|n_per_m| n_per_m / 1e3).chain(noise.as_flattened().iter().copied());
+        rows.push((f64::from(per_ms), whole.collect::<Vec<f64>>()));
         let stiff = stiff.map(|n_per_m| format!(" {:.1} kN/m |", n_per_m / 1e3)).concat();
         let noise = noise.as_flattened().iter().map(|mm| format!(" {mm:.1} mm/s |")).collect::<String>();
         table += &format!("| {} ms |{stiff}{noise}\n", 1.0 / f64::from(per_ms));
@@ -96,8 +138,6 @@ fn the_table_of_stiffness_against_rate() {
     let now = format!(
         "{before}<!-- rates: written by host-sim/tests/suite/rates.rs -->\n{table}<!-- end of rates -->{after}"
     );
-    if std::env::var_os("HAPTIC_BLESS").is_some() {
-        std::fs::write(path, &now).expect("writes the table");
-    }
-    assert!(now == page, "docs/hardware.md has another table; HAPTIC_BLESS=1 writes it:\n{table}");
+    is_as_written("hardware.md", now.as_bytes());
+    is_as_written("stiffness.svg", &picture(&rows));
 }
