@@ -70,6 +70,16 @@ fn parquet_says(kind: &str, file: &Path, but: Option<&str>) {
     }
 }
 
+/// This file of docs/ is what it should be; `HAPTIC_BLESS=1` writes it.
+pub(crate) fn is_documented(file: &str, now: &[u8]) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs").join(file);
+    if std::env::var_os("HAPTIC_BLESS").is_some() {
+        fs::write(&path, now).unwrap_or_else(|cause| panic!("docs/{file} cannot be written: {cause}"));
+    }
+    let documented = fs::read(&path).unwrap_or_else(|cause| panic!("docs/{file}: {cause}"));
+    assert!(documented == now, "docs/{file} is another; HAPTIC_BLESS=1 writes it");
+}
+
 /// docs/columns.csv is what `host-sim columns --json` says, a line for each column of each kind of table. To write it anew:
 /// `HAPTIC_BLESS=1 cargo test -p host-sim --test suite -- columns::every_column`
 #[test]
@@ -92,16 +102,7 @@ fn every_column_has_a_meaning_and_a_line_of_the_documentation() {
         }
     }
     assert_eq!(kinds.len(), 62);
-    let lines = String::from_utf8(lines.into_inner().expect("all lines")).expect("a text");
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/columns.csv");
-    if std::env::var_os("HAPTIC_BLESS").is_some() {
-        fs::write(&path, &lines).expect("docs/columns.csv can be written");
-    }
-    let documented = fs::read_to_string(&path).expect("docs/columns.csv is there");
-    assert!(
-        lines == documented,
-        "docs/columns.csv is not what `host-sim columns --json` says; HAPTIC_BLESS=1 writes it"
-    );
+    is_documented("columns.csv", &lines.into_inner().expect("all lines"));
 }
 
 /// One name for one quantity: what a live peer or a board tells, the simulator tells of both peers with their numbers.
