@@ -1,7 +1,7 @@
 //! `cargo xtask test`: everything that must pass before a change is taken. Stops at the first failure.
 //!
-//! Two lanes run side by side: the board's images with the virtual boards, and the rest. A step that passed on this machine with the same
-//! content does not run again ([`kept`]). Most steps run on everything that builds on a PC, whatever they then choose of it, and Clippy is
+//! Two lanes run side by side: the board's images with the virtual boards and then all that is built as a release, and the rest. A step that
+//! passed on this machine with the same content does not run again ([`kept`]). Most steps run on everything that builds on a PC, whatever they then choose of it, and Clippy is
 //! the compiler: so nothing is built twice. The check takes the machine as it is: what is missing is installed. `Cargo.lock` is part of the
 //! project: a step that would have to change it fails.
 
@@ -38,8 +38,9 @@ const LANES: [&[Step]; 2] = [&BOARDS, &REST];
 /// What they are called.
 const NAMES: [&str; 2] = ["boards", "rest"];
 
-/// All that is for the board's processor, the virtual boards last: their emulator takes minutes to build.
-const BOARDS: [Step; 5] = [
+/// All that is for the board's processor, the virtual boards last: their emulator takes minutes to build. Then, in a folder of its own, what is
+/// built as a release: from `first build` on what a newcomer's first command builds.
+const BOARDS: [Step; 10] = [
     Step("rooms of the microcontroller", Unless(&["core", "protocol", "host-sim/environments"], &[]), |ready, _| {
         compile(&mut rooms_on_chip(ready))
     }),
@@ -49,22 +50,6 @@ const BOARDS: [Step; 5] = [
         virtual_boards(ready, &board::images(ready)?)
     }),
     Step("qemu", Unless(&["host-sim"], &["tests/qemu"]), |ready, _| qemu(ready)),
-];
-
-/// Everything else, cheapest first; from `first build` on what a newcomer's first command builds. Cargo has one folder for what it builds, and one lane waits while
-/// the other is in there: so what calls it in debug stands before the tests, which run while the other lane builds its bench.
-const REST: [Step; 16] = [
-    Step("format", Always, |_, _| format()),
-    Step("rooms", Always, |ready, _| rooms::rooms(&calls(ready), false)),
-    Step("licences", Always, |_, _| licences::licences()),
-    Step("page", Always, |_, _| page::browser().and_then(|()| page::page(false))),
-    Step("platforms", Unless(&[], &[]), |_, _| platforms::check()),
-    Step("tests", Parts, |_, packages| tests(packages)),
-    Step("recordings", Unless(&["host-sim"], &["tests/recordings"]), |_, _| recordings::recordings()),
-    Step("python", Unless(&["host-sim/python"], &["docs", "scenes", "examples"]), |_, _| python::python()),
-    Step("packages", Unless(&["host-sim/python"], &[]), |_, _| packages::check()),
-    Step("interleavings", Unless(&["firmware"], &[]), |_, _| both_parts(interleavings)),
-    Step("homes", Unless(&["host-sim"], &[]), |_, _| run::unless(homes::obstacle(), homes::homes)),
     Step("first build", Always, |_, _| {
         let before = run::processor_s();
         compile(&mut first_build())?;
@@ -76,6 +61,22 @@ const REST: [Step; 16] = [
     Step("bench-check", Unless(&["host-sim/cases"], &[]), |_, _| {
         run::unless(count::obstacle(), || count::ticks(false))
     }),
+];
+
+/// Everything else, cheapest first. Cargo has one folder for what it builds, and one lane waits while the other is in there: so what calls it in
+/// debug stands before the tests, which run while the other lane builds its bench.
+const REST: [Step; 11] = [
+    Step("format", Always, |_, _| format()),
+    Step("rooms", Always, |ready, _| rooms::rooms(&calls(ready), false)),
+    Step("licences", Always, |_, _| licences::licences()),
+    Step("page", Always, |_, _| page::browser().and_then(|()| page::page(false))),
+    Step("platforms", Unless(&[], &[]), |_, _| platforms::check()),
+    Step("tests", Parts, |_, packages| tests(packages)),
+    Step("recordings", Unless(&["host-sim"], &["tests/recordings"]), |_, _| recordings::recordings()),
+    Step("python", Unless(&["host-sim/python"], &["docs", "scenes", "examples"]), |_, _| python::python()),
+    Step("packages", Unless(&["host-sim/python"], &[]), |_, _| packages::check()),
+    Step("interleavings", Unless(&["firmware"], &[]), |_, _| both_parts(interleavings)),
+    Step("homes", Unless(&["host-sim"], &[]), |_, _| run::unless(homes::obstacle(), homes::homes)),
 ];
 /// The rig's image, without the tests of its list, which look at all there is.
 const RIG: [&str; 4] = ["tests/rig/src", "tests/rig/Cargo.toml", "tests/rig/build.rs", "tests/rig/rig.x"];
@@ -103,7 +104,7 @@ pub(crate) fn test(given: &Options<'_>) -> Result<(), Failure> {
     let lane = given.value("--lane").and_then(|lane| NAMES.iter().position(|name| *name == lane));
     // Both lanes need programs of Debian's; only this one may ask.
     if lane.is_none() {
-        let _ = qemu::obstacle();
+        let _ = (qemu::obstacle(), count::obstacle());
     }
     match (only, lane) {
         (None, None) => both(given, &ready, &packages)?,
