@@ -61,8 +61,8 @@ const CHORES: [Chore; 18] = [
         more: "Two lanes run side by side. A step that passed on this machine with the same content does not run again. The first failure stops
 both lanes. At a terminal the check asks before apt-get installs a package. At the end it prints what each step took.
 `boards` proves with the linker that the 1 kHz interrupt cannot panic and lies in ITCM, and runs every image on virtual boards and
-haptic-core on QEMU's processor. `rest` is everything else: all tests of a PC in debug with Clippy as the compiler, other platforms,
-recordings read by Python's `mcap`, the Python module, packages, two homes behind routers, the first build and what pages say of it.
+haptic-core on QEMU's processor; then come the first build, pages, golden traces, tables and instructions. `rest` is everything
+else: tests of a PC in debug with Clippy as the compiler, other platforms, recordings, the Python module, packages, two homes.
   --anew  run every step, whatever passed before
   --lane  run one lane alone: boards or rest
   --only  run one step alone, whatever passed before; a wrong name prints all of them",

@@ -1,9 +1,9 @@
 //! `cargo xtask test`: everything that must pass before a change is taken. Stops at the first failure.
 //!
 //! Two lanes run side by side: the board's images with the virtual boards and then all that is built as a release, and the rest. A step that
-//! passed on this machine with the same content does not run again ([`kept`]). Most steps run on everything that builds on a PC, whatever they then choose of it, and Clippy is
-//! the compiler: so nothing is built twice. The check takes the machine as it is: what is missing is installed. `Cargo.lock` is part of the
-//! project: a step that would have to change it fails.
+//! passed on this machine with the same content does not run again ([`kept`]). Most steps run on everything that builds on a PC, whatever they
+//! then choose of it, and Clippy is the compiler: so nothing is built twice. The check takes the machine as it is: what is missing is
+//! installed. `Cargo.lock` is part of the project: a step that would have to change it fails.
 
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
