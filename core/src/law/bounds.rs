@@ -13,7 +13,8 @@
 //! much, since its other end may be a hub ([`Bounds::beyond_a_junction`]); a hub accepts U.
 //!
 //! A line of [`Sends::Counters`] sends its slip and how fast it goes on beside them ([`super::self_timed`]), and for a wave by how much
-//! less its impedance should be, or 2 less that where it hears nothing, and how many samples it has left. Where that falls to ρ·b its waves keep the unit of b, and a pull of F is one of F/ρ in them: such a line is
+//! less its impedance should be, or 2 less that where it hears nothing, and how many samples it had left. It keeps the bound on its sums
+//! whatever moves it: what is more it tells later. Where that falls to ρ·b its waves keep the unit of b, and a pull of F is one of F/ρ in them: such a line is
 //! bounded with the least ρ that an end goes to, a quarter: U = (b·V + F/ρ₀)/√(2b). Whoever lies pushes with 760 N instead of 640 at the most,
 //! in `any-network`, before the limits of whoever is pushed.
 //!
@@ -47,7 +48,7 @@ pub struct Bounds {
     /// U, √W, or any number.
     wave: f64,
     /// U·T_c, √W·s.
-    integral_per_tick: f64,
+    pub(super) integral_per_tick: f64,
     /// ½·T_c·U², J.
     energy_per_tick_j: f64,
     /// Ticks that the integral is over are in the packet.

@@ -131,6 +131,39 @@ proptest! {
     }
 }
 
+/// A copy that somebody else makes faster than its own limits allow sends larger waves than anybody would believe. What is
+/// told of them is believed all the same, and in the end all of it is told.
+#[test]
+fn a_self_timed_end_that_is_pushed_beyond_its_limits_is_believed() {
+    let mut settings = settings("self-timed", 1, 60.0);
+    for key in ["coordination.most_line_mass_kg", "coordination.carry_damping_n_s_per_m"] {
+        settings.set(key, Value::Number(0.0)).expect("it is allowed");
+    }
+    let law = AnyLaw::<f64>::build(&settings).expect("good settings");
+    let bounds = Bounds::build(&settings, Sends::Counters);
+    let (mut state, mut local) = (law.start(Motion::REST), Motion::REST);
+    let (mut heard, mut newest, mut larger, mut ends) = (Packet::<f64>::default(), None, 0, [0.0; 2]);
+    for tick in 0..4_000_u32 {
+        let (size, swing) = (if tick < 2_000 { 1.0 } else { 0.0 }, (0.01 * f64::from(tick)).sin());
+        let (wave, velocity) = (3.0 * bounds.wave() * size * swing, 25.0 * size * swing);
+        heard.live_ticks += 1;
+        heard.wave_integral += 1e-3 * wave;
+        heard.energy_j += 0.5e-3 * wave * wave;
+        law.receive(&mut state, heard);
+        let seen = Observation { local, contact_force: 0.0, age_ticks: 0 };
+        let coupled = law.couple(&mut state, &seen, |_: Port<f64>| velocity);
+        local = Motion { position: local.position + 1e-3 * velocity, velocity };
+        larger += u32::from((2.0 * coupled.power_out).sqrt() > bounds.wave());
+        let packet = law.send(&state, local);
+        law.spoke(&mut state, &packet);
+        assert_eq!(bounds.take(&mut newest, &packet), Ok(()), "tick {tick}");
+        let last = coupled.desired.position * 120_f64.sqrt();
+        ends = [packet.wave_integral, last - heard.wave_integral];
+    }
+    assert!(larger > 500, "{larger}");
+    assert!((ends[0] - ends[1]).abs() < 1e-9, "{ends:?}");
+}
+
 /// An end that moves at the limit and pulls at the limit says just the bound: with 10 m/s, 40 N and 10 N·s/m (10·10 + 40)/√20 √W.
 #[test]
 fn the_bound_is_what_the_limits_come_to() {

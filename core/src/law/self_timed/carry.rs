@@ -274,10 +274,10 @@ impl<S: Scalar> Carry<S> {
 
     /// A slip that cannot be told is the line's own: gives by how much x_d is more then, m.
     #[inline]
-    pub(super) fn turn(&self, slip: &mut Slip<S>) -> Option<S::Counter> {
+    pub(super) fn turn(&self, slip: &mut Slip<S>) -> S::Counter {
         let (own_m, turn_m) = self.within(slip.own_m);
         slip.own_m = own_m;
-        (turn_m != S::Counter::ZERO).then_some(turn_m)
+        turn_m
     }
 
     /// Where the point is that the spring is tied to, for an x_d, m.

@@ -101,8 +101,9 @@ pub(super) struct Outstanding<C> {
     heard: Option<Counters<C>>,
     /// Wave integral outstanding R, √W·s.
     pub(super) integral: C,
-    /// k.
+    /// k, and what it was when the newest packet had come.
     pub(super) samples: i32,
+    pub(super) came: u16,
     /// What was heard less what was emitted, J: what averaging has saved, and what is outstanding.
     account_j: C,
     /// The sample that came out last, √W.
@@ -198,7 +199,7 @@ impl<C: Scalar> Incoming<C> {
                 state.reach = (2 * state.reach).min(MOST_AT_ONCE);
                 (state.fewest, state.watched, state.surplus) = (i32::MAX, 0, 0);
             }
-            state.stood = 0;
+            (state.stood, state.came) = (0, state.samples as u16);
         }
         true
     }

@@ -14,6 +14,9 @@
 //! Nothing is live before a packet has come; what the other end sent before that (at most d₀ samples, both at rest) is not in
 //! the line.
 //!
+//! Somebody else may make a copy faster than its own limits allow. Its end then has larger waves than anybody believes
+//! ([`super::bounds`]): it tells them no faster than that, and the rest later, as a line does that is a little longer.
+//!
 //! Which packets are worth sending, `events` says.
 //!
 //! A peer that begins anew (a restart, a silence after which it was let go of) goes on with its counters, which jump by more
@@ -37,6 +40,7 @@ pub(super) use even::most_told;
 pub(super) use mass::least as least_share;
 pub use taut::TAUTNESS;
 
+use super::bounds::{Bounds, WITHIN};
 use super::event::LONGEST;
 use super::terminal::Terminal;
 use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Sends, needs_midpoint};
@@ -61,9 +65,11 @@ pub struct SelfTimed<S: Scalar> {
     period_s: S::Counter,
     /// T_c/√(2b).
     wave_to_position_s: S::Counter,
+    /// What a tick tells of ∫u_out at most, √W·s.
+    most_told: S::Counter,
 }
 
-configured!([S: Scalar] SelfTimed<S> { end, incoming, carry, even, events, ticks_per_packet, half, period_s, wave_to_position_s });
+configured!([S: Scalar] SelfTimed<S> { end, incoming, carry, even, events, ticks_per_packet, half, period_s, wave_to_position_s, most_told });
 
 /// State of one end of a self-timed line.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -73,14 +79,16 @@ pub struct SelfTimedState<S: Scalar> {
     outstanding: Outstanding<S::Counter>,
     /// What the other end says of itself.
     told: S,
-    /// Samples outstanding at the end of a packet's ticks, here and there, as they are told.
-    own_samples: u8,
-    far_samples: u8,
+    /// Samples that were outstanding when the newest packet had come, here and there, as they are told.
+    own_samples: u16,
+    far_samples: u16,
     share: Share<S>,
     slip: Slip<S>,
     /// ∫u_out up to the packet before, and since, √W·s.
     sent: S::Counter,
     fresh: S::Counter,
+    /// And what nobody would believe, who is told it at once.
+    untold: S::Counter,
     /// T_c·Σ½ρ·u_out², J.
     sent_j: Sum<S::Counter>,
     /// Ticks that it is over.
@@ -110,6 +118,7 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
         gains: &[
             "coordination.stiffness_n_per_m=10000",
             "coordination.tautness=0.9",
+            "coordination.even_s=0.02",
             "object.integrator=midpoint",
             "safety.fade_s=5",
             "safety.disengage_s=8",
@@ -135,6 +144,7 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
             wave_to_position_s: S::Counter::from_f64(
                 settings.timing.control_period_s / libm::sqrt(2.0 * coordination.wave_impedance_n_s_per_m),
             ),
+            most_told: S::Counter::from_f64(WITHIN * Bounds::build(settings, Sends::Counters).integral_per_tick),
         })
     }
 
@@ -160,10 +170,7 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
         if state.told < -self.half {
             self.carry.hear_idle(&mut state.slip);
         } else {
-            let less = self.carry.hear(&mut state.slip, packet.motion);
-            if less != S::Counter::ZERO {
-                state.desired = state.desired - less;
-            }
+            state.desired = state.desired - self.carry.hear(&mut state.slip, packet.motion);
         }
     }
 
@@ -173,13 +180,10 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
             state.sent = state.sent + state.fresh;
             state.fresh = S::Counter::ZERO;
         }
-        state.phase += 1;
-        if state.phase >= self.ticks_per_packet {
-            (state.phase, state.own_samples) = (0, state.outstanding.samples as u8);
-        }
-        if let Some(more) = self.carry.turn(&mut state.slip) {
-            state.desired = state.desired + more;
-        }
+        state.phase = if state.phase + 1 < self.ticks_per_packet { state.phase + 1 } else { 0 };
+        // What a packet says does not depend on whether another one came just before it.
+        state.own_samples = state.outstanding.came;
+        state.desired = state.desired + self.carry.turn(&mut state.slip);
         let anchor = self.carry.anchor(&state.slip, state.desired);
         let pull = self.end.pull(S::of_counter(anchor - observed.local.position.to_counter()));
         let position = S::of_counter(anchor);
@@ -206,7 +210,9 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
         let Met { ended, wave_out } = self.end.meet(tied.pull, [wave_in, share], solve);
         let (taken, given) = (wave_in.to_counter(), wave_out.to_counter());
         state.desired = state.desired + self.wave_to_position_s * (taken + given);
-        state.fresh = state.fresh + self.period_s * given;
+        let untold = state.untold + self.period_s * given;
+        let told = untold.limit(self.most_told);
+        (state.fresh, state.untold) = (state.fresh + told, untold - told);
         state.sent_j.add(share.to_counter() * self.incoming.price_j(given));
         state.live = state.live.wrapping_add(1);
         state.announced.newest = given;
@@ -220,11 +226,11 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
     }
 
     fn send(&self, state: &Self::State, _: Motion<S>) -> Packet<S> {
-        let wave_integral = state.sent + state.fresh;
+        let share = self.end.says(&state.share, state.outstanding.is_cut_off);
         Packet {
             motion: self.carry.says(&state.slip),
-            wave: self.even.says(self.end.says(&state.share, state.outstanding.is_cut_off), state.own_samples),
-            wave_integral,
+            wave: self.even.says(share, state.own_samples),
+            wave_integral: state.sent + state.fresh,
             energy_j: state.sent_j.total(),
             live_ticks: state.live,
         }

@@ -269,7 +269,7 @@ fn carries_on_at_its_own_expense<S: Scalar>(seeds: u64, rounding_j: f64) {
             ("coordination.damping_n_s_per_m", 10.0 * random.unit()),
             ("coordination.tautness", if seed % 4 < 2 { 0.0 } else { 1.5 * random.unit() }),
             ("coordination.taut_s", 0.001 + 0.1 * random.unit()),
-            ("coordination.even_ticks", [0.0, 10.0, 60.0][seed as usize / 3 % 3]),
+            ("coordination.even_s", [0.0, 0.01, 0.1][seed as usize / 3 % 3]),
         ];
         let mut settings = with(if seed % 2 == 0 { 0.0 } else { 15.0 }, &own);
         settings.safety.saturated_ticks = 10_000;

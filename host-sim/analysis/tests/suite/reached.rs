@@ -149,8 +149,8 @@ fn a_radius_is_the_decay_of_a_kicked_run() {
         ("space", 1, 16, 1500),
         ("space", 4, 2, 1200),
     ] {
-        for (tautness, even) in [(0.0, 0), (0.9, 0), (0.9, 20)] {
-            let own = [format!("coordination.tautness={tautness}"), format!("coordination.even_ticks={even}")];
+        for (tautness, even) in [(0.0, 0.0), (0.9, 0.0), (0.9, 0.02)] {
+            let own = [format!("coordination.tautness={tautness}"), format!("coordination.even_s={even}")];
             let keys = [&own[0], &own[1], "coordination.taut_s=0.05", &format!("{STIFFNESS}={stiffness}")];
             let mut scene = scene(name, ticks, delay, &keys);
             let both = haptic_analysis::verdict(&scene).expect("a good scene");

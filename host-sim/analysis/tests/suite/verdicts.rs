@@ -103,7 +103,7 @@ fn any(seed: u64) -> Scene {
         scene.apply_override(gain).expect("a good key");
     }
     // As many samples are outstanding at both ends of a linear scene: making up for line time is nothing to it.
-    for key in law.keys.iter().filter(|key| key.name != "coordination.even_ticks") {
+    for key in law.keys.iter().filter(|key| key.name != "coordination.even_s") {
         let (part, factor, usual) = (random.unit(), random.spread(0.1, 10.0), scene.peer.own(key));
         let number = match key.allowed {
             Allowed::Number { min, max } if usual == 0.0 => {

@@ -235,7 +235,7 @@ fn who_is_behind_makes_up_for_it() {
         (LED, None, ASYMMETRY, 1.0),
         (COMMON, None, ASYMMETRY, 1.0),
     ] {
-        let [without, with] = ["coordination.even_ticks=0", "coordination.even_ticks=20"]
+        let [without, with] = ["coordination.even_s=0", "coordination.even_s=0.02"]
             .map(|key| over(&[users, other, &[key]], network, 10_000));
         println!("{users:?}, {network:?}, {other:?}: {without:?}, made up for {with:?}");
         assert!(with.true_mm < share * without.true_mm && with.stopped == 0, "{with:?}, not made up for {without:?}");

@@ -234,7 +234,7 @@ fn a_thousand_hostile_runs_make_nothing() {
             format!("coordination.carry_return_s={}", spread(&mut random, 0.005, 0.5)),
             format!("coordination.carry_energy_j={capital_j}"),
             format!("coordination.tautness={}", if number % 2 == 0 { 0.0 } else { 1.5 * random.unit() }),
-            format!("coordination.even_ticks={}", [0, 20, 60][number as usize / 3 % 3]),
+            format!("coordination.even_s={}", ["0", "0.02", "0.1"][number as usize / 3 % 3]),
             // Pushed only: what is on its own side of the surface is let go of.
             one(&mut random, &["contact.one_sided=true", "contact.one_sided=false", "contact.gap_m=0.002"]).into(),
             format!("user.1.pulse_n={}", 3.0 * random.unit()),

@@ -39,8 +39,7 @@ use haptic_core::law::Sends;
 use haptic_report::{Columns, Rows};
 use haptic_sim::peers::Laws;
 use haptic_sim::run::{Outcome, Verdict};
-use haptic_sim::scene::Scene;
-use haptic_sim::{scenes, user::User};
+use haptic_sim::{scene::Scene, scenes, user::User};
 
 use super::Error;
 use crate::entrant::Entrant;
@@ -62,6 +61,7 @@ const SELF_TIMED: &[&str] = &[
     "object.mass_kg=0.02",
     "coordination.wave_impedance_n_s_per_m=60",
     "coordination.tautness=0.9",
+    "coordination.even_s=0.02",
     "coordination.stiffness_n_per_m=10000",
     "safety.fade_s=5",
     "safety.disengage_s=8",

@@ -60,6 +60,7 @@ impl Program {
             bound,
             -bound,
             300.0,
+            1e4,
             1e9,
             3.4e38,
             -3.4e38,

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 
 use haptic_core::law::bounds::Bounds;
 use haptic_core::safety::{Command, Mode};
-use haptic_core::settings::{Safety, Settings};
+use haptic_core::settings::{Safety, Settings, Value};
 use haptic_environments::cooperative::junction::{Junction, Port};
 use haptic_protocol::peer::{Inbox, flow_of, packets_of};
 use haptic_protocol::wire::Flows;
@@ -65,7 +65,10 @@ where
         let mut junction = Junction::new(&scene, 3).expect("waves");
         (0..3).for_each(|line| junction.part(line));
         let bounds = [0, 1, 0].map(|index| Bounds::build(&peers[index], sends));
-        let bound = Bounds::build(&scene.peer, sends).wave();
+        // Of the waves themselves: what a packet says for one may be more.
+        let mut waves = scene.peer;
+        waves.set("coordination.even_s", Value::Number(0.0)).expect("it is allowed");
+        let bound = Bounds::build(&waves, sends).wave();
         let honest = (0..2).map(|index| {
             let plant = Plant::build(&scene, index);
             let mut peer: Box<dyn DynPeer<f32, SHARED, N>> = scene.peer_from(index, plant.motions()).expect("a peer");

@@ -110,12 +110,12 @@ fn self_timed_lines_around_a_hub_stand_through_bursts() {
     ];
     let mut means_m = Vec::new();
     for (users, network, even) in [
-        (2, &[][..], "coordination.even_ticks=0"),
-        (2, &[], "coordination.even_ticks=20"),
-        (3, &BAD, "coordination.even_ticks=0"),
-        (3, &BAD, "coordination.even_ticks=20"),
-        (8, &BAD, "coordination.even_ticks=0"),
-        (8, &BAD, "coordination.even_ticks=20"),
+        (2, &[][..], "coordination.even_s=0"),
+        (2, &[], "coordination.even_s=0.02"),
+        (3, &BAD, "coordination.even_s=0"),
+        (3, &BAD, "coordination.even_s=0.02"),
+        (8, &BAD, "coordination.even_s=0"),
+        (8, &BAD, "coordination.even_s=0.02"),
     ] {
         let keys: Vec<String> = PEOPLE.iter().chain(network).chain([&even]).map(|key| (*key).to_owned()).collect();
         let mut trial: HubTrial = HubTrial::new(built_in("any-network", &keys), users);
