@@ -14,9 +14,9 @@
 //!
 //! A line of [`Sends::Counters`] sends its slip and how fast it goes on beside them ([`super::self_timed`]), and for a wave by how much
 //! less its impedance should be, or 2 less that where it hears nothing, and how many samples it had left. It keeps the bound on its sums
-//! whatever moves it: what is more it tells later. Where that falls to ρ·b its waves keep the unit of b, and a pull of F is one of F/ρ in them: such a line is
-//! bounded with the least ρ that an end goes to, a quarter: U = (b·V + F/ρ₀)/√(2b). Whoever lies pushes with 760 N instead of 640 at the most,
-//! in `any-network`, before the limits of whoever is pushed.
+//! whatever moves it: what is more it tells later. Where its impedance falls to ρ·b its waves keep the unit of b, and a pull of F is one
+//! of F/ρ in them: such a line is bounded with the least ρ that an end goes to, a quarter: U = (b·V + F/ρ₀)/√(2b). Whoever lies pushes
+//! with 760 N instead of 640 at the most, in `any-network`, before the limits of whoever is pushed.
 //!
 //! Sums without a stated number of ticks are bounded as if over [`MOST_TICKS`], so that the difference of two stays within the
 //! range of numbers. What a law of [`Sends::Motion`] sends beside the motion has a unit of its own, and need only be finite.

@@ -1,10 +1,12 @@
 //! Line time: of two ends the one that is behind goes farther, and the one that is ahead less far (THEORY §15).
 //!
-//! In motion at v the copies of a self-timed line stand (n₁ − n₂)·T_c·v apart, n the live ticks of an end: one that had to stand is behind, for
-//! seconds. The samples that an end has heard and not emitted yet, k, say by how much: ½(k − k_far) = n_far − n, with either k
-//! as the newest packet left it: so it is the same however many samples a packet brings. An end draws its slip to where that way is made up for ([`super::carry`]), and the tank pays as for the rest of the slip. No end waits.
+//! In motion at v the copies of a self-timed line stand (n₁ − n₂)·T_c·v apart, n the live ticks of an end: one that had to stand is
+//! behind, for seconds. The samples that an end has heard and not emitted yet, k, say by how much: ½(k − k_far) = n_far − n. Either k
+//! is as the newest packet left it, so that it is the same however many samples a packet brings. An end draws its slip to where that
+//! way is made up for ([`super::carry`]), and the tank pays as for the rest of the slip. No end waits.
 //!
-//! k is told modulo [`MODULUS`], beside ρ. Ways of different delay bias it by half their difference, as any clock without a reference, within [`EVEN`].
+//! k is told modulo [`MODULUS`], beside ρ. Ways of different delay bias it by half their difference, as any clock without a reference,
+//! within [`EVEN`].
 
 use crate::num::Scalar;
 use crate::settings::{Key, Settings};
