@@ -403,7 +403,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         self.mode == Mode::Armed && self.engagement.has_heard() && self.degradation.is_whole(&self.engagement)
     }
 
-    /// What forces may be until the next tick that finds a mean near its limit ([`crate::device::envelope`]), or away from it.
+    /// What forces may be until the next tick that finds a mean near its limit ([`crate::device::envelope`], [`crate::device::thermal`]), or away from it.
     pub fn limits(&self) -> Limits<S> {
         self.guard.limits
     }
@@ -499,7 +499,8 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
     fn slow_path(&mut self) -> Option<[S; SHARED]> {
         self.firm_up();
         let device = self.device;
-        self.guard.limits.ease(self.envelope.most(&self.load, self.guard.full_force, device));
+        let most = self.envelope.most(&self.load, self.guard.full_force, device);
+        self.guard.limits.ease(most.min(self.stage_watch.most(&self.stage, most, self.asked, self.forces)));
         let mut felt = self.advance::<false>(&device)?;
         for (felt, motion) in felt.iter_mut().zip(&device) {
             *felt = *felt - self.guard.brake(motion.velocity);
@@ -588,6 +589,9 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         let counts = || joints.each_ref().map(|joint| joint.encoder.total);
         if let Some(fault) = self.stage_watch.step(&mut self.stage, measured, self.asked, driven, counts) {
             self.trip(fault);
+        }
+        if self.stage.is_warm() {
+            self.fast_path = false;
         }
     }
 
@@ -713,7 +717,8 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         // What a limit of force cuts off, the object does not get either: that may last. What a duty cuts off, it gets.
         let mut clips = false;
         let mut duties = [Duty::OFF; N];
-        for (at, (duty, joint_force)) in duties.iter_mut().zip(&pose.joint_forces(forces)).enumerate() {
+        let driven = if self.motor.takes_over() { self.motor.eased(forces, &pose.axes) } else { forces };
+        for (at, (duty, joint_force)) in duties.iter_mut().zip(&pose.joint_forces(driven)).enumerate() {
             if at < self.axes {
                 let (value, clipped) = self.motor.duty(*joint_force);
                 *duty = value;

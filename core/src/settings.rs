@@ -203,6 +203,8 @@ crate::settings! {
             "Largest supply of the bridges, where it is measured; above it the motors go off.";
         continuous_a: f64 = 2.0, number(1e-3, 1e3), "A", "Current that the winding bears for ever.";
         thermal_s: f64 = 30.0, number(0.1, 1e4), "s", "Time constant with which the winding warms.";
+        friction_n: f64 = 0.0, number(0.0, 20.0), "N",
+            "Dry friction along each axis that the motors take over; at most 0.8 of what the device has.";
     }
 
     /// Limits of force, speed, power and silence that hold whatever the other tables say.

@@ -13,6 +13,7 @@ use embassy_time::{Duration, Instant, Timer};
 use firmware_parts::ceiling::{self, Above};
 use firmware_parts::contacts::Contacts;
 use firmware_parts::exchange::{Reader, Writer};
+use firmware_parts::history::History;
 use firmware_parts::image::{JOINTS, Peer};
 use firmware_parts::kept::{HOLD_SWITCH, Kept};
 use firmware_parts::operator::{self, Misread, Request, Time, Whose};
@@ -41,6 +42,9 @@ pub(crate) struct Console {
     pub(crate) unfit: Option<&'static str>,
     /// The emergency stop's.
     pub(crate) contacts: Contacts,
+    pub(crate) history: History,
+    /// A fault holds the motors off that is in it.
+    pub(crate) faulted: bool,
     pub(crate) origin: Origin,
     /// What the board started with, or what was applied last with its button held.
     pub(crate) ceiling: &'static mut Kept,
@@ -210,10 +214,18 @@ impl Console {
                 telemetry.stream(every);
                 write!(to, "ok every {every} ticks")?;
             }
-            Request::Capture(ticks) => {
-                telemetry.capture(ticks);
-                write!(to, "ok the next {ticks} ticks")?;
+            Request::Capture { ticks, at } => {
+                telemetry.capture(ticks, at);
+                write!(to, "ok the next {ticks} ticks{}", if at > 0 { " from then on" } else { "" })?;
             }
+            Request::Blackbox => {
+                let (ticks, periods) = telemetry.blackbox();
+                if ticks == 0 {
+                    return Err(No::Because("no fault has turned the motors off since power came on"));
+                }
+                write!(to, "ok {ticks} ticks, {periods} PWM periods")?;
+            }
+            Request::History => write!(to, "ok {}", self.history)?,
             Request::Time(whose, which) => {
                 let times = match whose {
                     Whose::Tick => &pace::TIMES,
@@ -396,6 +408,18 @@ impl Console {
         {
             log!(error, "contacts of the stop: {}", why);
         }
+    }
+
+    /// Notes a fault that has turned the motors off; to be called now and then.
+    pub(crate) fn note(&mut self) {
+        let mode = self.signals.mode.get();
+        if let (Mode::Faulted(fault), false) = (mode, self.faulted) {
+            let at_ms = u32::try_from(Instant::now().as_millis()).unwrap_or(u32::MAX);
+            if let Some(entry) = self.history.fault(fault, at_ms) {
+                storage::note(entry);
+            }
+        }
+        self.faulted = matches!(mode, Mode::Faulted(_));
     }
 
     /// Begins a probe; what comes of it is asked for later, so that `disarm` is heard in between.

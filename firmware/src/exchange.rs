@@ -61,12 +61,16 @@ unsafe impl<T: Send> Sync for Latest<T> {}
 impl<T: Copy> Latest<T> {
     /// A cell that shows `value` until something is written.
     pub fn new(value: T) -> Self {
-        let slot = || UnsafeCell::new(value);
-        Self { slots: (slot(), slot(), slot()), free: AtomicU8::new(2) }
+        Self::of([value; 3])
     }
 }
 
 impl<T> Latest<T> {
+    /// A cell of three values: the first is written next, the second is shown until then.
+    pub fn of([own, shown, free]: [T; 3]) -> Self {
+        Self { slots: (UnsafeCell::new(own), UnsafeCell::new(shown), UnsafeCell::new(free)), free: AtomicU8::new(2) }
+    }
+
     /// The writer's and the reader's side.
     pub fn split(&mut self) -> (Writer<'_, T>, Reader<'_, T>) {
         let free = self.free.load(Ordering::Relaxed) & INDEX;

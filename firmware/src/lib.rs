@@ -4,12 +4,12 @@
 #![no_std]
 
 pub mod as5047p;
-pub mod boots;
 pub mod button;
 pub mod ceiling;
 pub mod contacts;
 pub mod exchange;
 pub mod hedge;
+pub mod history;
 pub mod hold;
 pub mod image;
 pub mod kept;
@@ -19,6 +19,7 @@ pub mod moteus;
 pub mod operator;
 mod order;
 pub mod rate;
+pub mod recorder;
 pub mod signals;
 pub mod status;
 pub mod store;

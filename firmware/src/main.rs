@@ -43,21 +43,26 @@ mod tick;
 
 #[cfg(target_os = "none")]
 mod image {
+    use core::mem::MaybeUninit;
+
     use defmt_rtt as _;
     use embassy_executor::{InterruptExecutor, Spawner};
     use embassy_stm32::interrupt::{self, InterruptExt, Priority};
     use firmware_parts::exchange::{Latest, Queue};
+    use firmware_parts::recorder::{self, Reel};
+    use firmware_parts::status::Stop;
     use firmware_parts::{kept::Kept, record::Record, signals::Signals};
     use haptic_core::device::probe::{Outcome, Probe};
     use static_cell::StaticCell;
 
     use crate::board::drive::{Drive, Fitted};
-    use crate::board::{self, pace, switch};
+    use crate::board::{self, current, pace, random, switch};
     use crate::console::{self, Console};
     use crate::lease::Lease;
     use crate::log::log;
-    use crate::tick::{Outgoing, Plan, RECORDS, Received};
-    use crate::{fault, net, storage, supervisor, telemetry::Telemetry, tick};
+    use crate::telemetry::{self, Telemetry};
+    use crate::tick::{self, Outgoing, Plan, Received};
+    use crate::{fault, net, storage, supervisor};
 
     /// The words that interrupt and tasks share. Has a name in the image for debuggers and tests/board.
     #[unsafe(no_mangle)]
@@ -69,6 +74,16 @@ mod image {
             static PLACE: StaticCell<$type> = StaticCell::new();
             PLACE.init_with(|| $value).split()
         }};
+    }
+
+    #[unsafe(link_section = ".axi.reels")]
+    static mut REELS: [MaybeUninit<Reel>; 3] = [const { MaybeUninit::uninit() }; 3];
+
+    /// The reels, put in order for this start.
+    fn reels(stop: Stop) -> [&'static mut Reel; 3] {
+        // SAFETY: any bits make a Reel, of whole numbers; called once, before anything else knows of them.
+        let reels = unsafe { (&raw mut REELS).as_mut_unchecked().each_mut().map(|reel| reel.assume_init_mut()) };
+        recorder::after(stop, reels)
     }
 
     /// An executor, and the interrupt that it runs on, whose peripheral nothing uses.
@@ -91,8 +106,15 @@ mod image {
 
     #[embassy_executor::main]
     async fn main(spawner: Spawner) {
-        let board = board::init();
+        let mut board = board::init();
         let cause = fault::cause();
+        let mut history = board.flash.history();
+        // Before anything is drawn: no two starts draw the same.
+        let _ = history.start(cause.stop).map(|entry| board.flash.note(entry));
+        random::start(board.random, history.number());
+        if cause.stop.lost_memory() {
+            current::forget_runs();
+        }
         log!(info, "board {}: {}", board.number.peer().0, cause.stop.explain());
         if let Some(why) = board.unfit {
             log!(error, "not to be armed: {}", why);
@@ -104,7 +126,9 @@ mod image {
         let (plans, plans_out) = shared!(Latest<Plan>, Latest::new(plan));
         let (incoming, incoming_out) = shared!(Latest<Received>, Latest::new(Received::default()));
         let (outgoing_in, outgoing) = shared!(Latest<Outgoing>, Latest::new(Outgoing::default()));
-        let (records_in, records) = shared!(Queue<Record, RECORDS>, Queue::default());
+        let (reels_in, reels) = shared!(Latest<&'static mut Reel>, Latest::of(reels(cause.stop)));
+        let (records_in, records_out) = shared!(Queue<Record, { tick::RECORDS }>, Queue::default());
+        let (told_in, told) = shared!(Queue<Record, { telemetry::RECORDS }>, Queue::default());
         let (probes, probes_out) = shared!(Latest<(u32, Probe<f32>)>, Latest::new((0, Probe::default())));
         let (probed_in, probed) = shared!(Latest<Outcome>, Latest::new(Outcome::default()));
         tick::prepare(tick::Side {
@@ -119,6 +143,15 @@ mod image {
         });
         SIGNALS.by_switch.set(kept.hold_switch);
         switch::start(board.switch, &SIGNALS);
+        telemetry::prepare(telemetry::Recorder {
+            from: records_out,
+            reels: reels_in,
+            to: told_in,
+            signals: &SIGNALS,
+            asked: false,
+            until: 0,
+            on: false,
+        });
         pace::start(board.pace, board.halts, plan.rate);
 
         interrupt::UART4.set_priority(Priority::P3);
@@ -142,6 +175,8 @@ mod image {
             unacknowledged: cause.stop.latches(),
             unfit: board.unfit,
             contacts: Default::default(),
+            history,
+            faulted: false,
             origin,
             ceiling: CEILING.init(kept),
             applied: kept,
@@ -155,7 +190,7 @@ mod image {
             probed,
             leaves: None,
         };
-        let telemetry = Telemetry::new(records, &SIGNALS);
+        let telemetry = Telemetry::new(told, reels, &SIGNALS);
         let net = net::start(board.cable, board.number, outgoing, incoming, telemetry, console);
         NETWORK.start(interrupt::UART5).spawn(defmt::unwrap!(net));
         // Thread mode, below everything: programming flash may take its time.

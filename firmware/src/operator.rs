@@ -8,6 +8,7 @@ use core::str::FromStr;
 
 use haptic_core::device::probe::{self, Shape};
 use haptic_core::settings::{Choice, Value};
+use haptic_protocol::record;
 
 /// What a line asks for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,7 +49,16 @@ pub enum Request<'a> {
     /// Every how-many-th tick to the sender; 0 is none.
     Stream(u32),
     /// Records of this many ticks in a row, without gaps.
-    Capture(u32),
+    Capture {
+        /// How many.
+        ticks: u32,
+        /// From the first on that has this flag of a record; 0 is at once.
+        at: u8,
+    },
+    /// Records of the ticks before the last fault, and the PWM periods before the motors went off.
+    Blackbox,
+    /// Starts and faults of the board.
+    History,
     /// How long ticks took on the chip, or runs of the current loop.
     Time(Whose, Time),
     /// How much of the processor both took.
@@ -95,11 +105,11 @@ impl Misread {
             Self::Empty => "send one line of text",
             Self::Word => {
                 "the words are status, check, arm, disarm, clear, home, clutch, release, probe, probed, set, get, defaults, apply, save, stream, \
-                 capture, time, update"
+                 capture, blackbox, history, time, update"
             }
             Self::Arguments => {
                 "the forms are arm, arm alone, check joint, probe joint pulse|swing|ramp|sine|winding duty seconds [hertz], \
-                 set key value, get key, stream n, stream off, capture n, time delay|duration|spacing"
+                 set key value, get key, stream n, stream off, capture n, capture n at enabled|received|overrun|parted|engaged, time delay|duration|spacing"
             }
         }
     }
@@ -132,7 +142,13 @@ pub fn parse(line: &str) -> Result<Request<'_>, Misread> {
         "apply" => Some(Request::Apply),
         "save" => Some(Request::Save),
         "stream" => words.next().and_then(|n| if n == "off" { Some(0) } else { n.parse().ok() }).map(Request::Stream),
-        "capture" => number(&mut words).map(Request::Capture),
+        "capture" => number(&mut words).and_then(|ticks| match words.next() {
+            None => Some(Request::Capture { ticks, at: 0 }),
+            Some("at") => words.next().and_then(flag).map(|at| Request::Capture { ticks, at }),
+            Some(_) => None,
+        }),
+        "blackbox" => Some(Request::Blackbox),
+        "history" => Some(Request::History),
         "update" => Some(Request::Update),
         "time" => match words.next() {
             Some("load") => Some(Request::Load),
@@ -150,6 +166,18 @@ fn time(word: &str) -> Option<Time> {
         "delay" => Some(Time::Delay),
         "duration" => Some(Time::Duration),
         "spacing" => Some(Time::Spacing),
+        _ => None,
+    }
+}
+
+/// A flag of records ([`record`]).
+fn flag(word: &str) -> Option<u8> {
+    match word {
+        "enabled" => Some(record::ENABLED),
+        "received" => Some(record::RECEIVED),
+        "overrun" => Some(record::OVERRUN),
+        "parted" => Some(record::PARTED),
+        "engaged" => Some(record::ENGAGED),
         _ => None,
     }
 }

@@ -98,6 +98,7 @@ pub(crate) async fn run(stack: Stack<'static>, console: Console, link: &'static 
         }
         port.console.leave();
         port.console.compare();
+        port.console.note();
         teller.look(&port.console);
         let now = Instant::now().as_micros();
         let (lease, signals) = (port.console.lease, port.console.signals);

@@ -25,6 +25,11 @@ impl Stop {
     pub fn latches(self) -> bool {
         !matches!(self, Self::PowerOn | Self::Request)
     }
+
+    /// Whether memory may have lost what was in it.
+    pub fn lost_memory(self) -> bool {
+        matches!(self, Self::PowerOn | Self::BrownOut)
+    }
 }
 
 /// How far the link to the other peer is.

@@ -1,14 +1,24 @@
-//! Storage: saves settings when the console asks, in thread mode, where nothing waits for it.
+//! Storage: saves settings when the console asks, and notes faults, in thread mode, where nothing waits for it.
 //!
 //! While it is at work the motors stay off ([`Saving::Busy`] refuses arming), and saving is asked for only while they are.
 
+use embassy_futures::select::{Either, select};
+use embassy_sync::channel::Channel;
 use embassy_sync::{blocking_mutex::raw::CriticalSectionRawMutex, signal::Signal};
 use firmware_parts::signals::{Saving, Signals};
-use firmware_parts::{kept::Kept, store::Store};
+use firmware_parts::store::{Store, Word};
+use firmware_parts::{history::FAULTS, kept::Kept};
 
 use crate::{board::flash, log::log};
 
 static ASKED: Signal<CriticalSectionRawMutex, Kept> = Signal::new();
+/// Words of the board's history, and where they go: room for all of one start.
+static NOTES: Channel<CriticalSectionRawMutex, (u32, Word), { FAULTS as usize }> = Channel::new();
+
+/// Has a word of the board's history programmed.
+pub(crate) fn note(entry: (u32, Word)) {
+    let _ = NOTES.try_send(entry);
+}
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Origin {
@@ -64,7 +74,15 @@ pub(crate) fn save(signals: &Signals, kept: &Kept) -> bool {
 #[embassy_executor::task]
 pub(crate) async fn run(mut flash: flash::Settings, mut store: Store, signals: &'static Signals) -> ! {
     loop {
-        let kept = ASKED.wait().await;
+        let kept = match select(ASKED.wait(), NOTES.receive()).await {
+            Either::First(kept) => kept,
+            Either::Second(entry) => {
+                if flash.note(entry).is_err() {
+                    log!(error, "a fault could not be noted: the flash does not take it");
+                }
+                continue;
+            }
+        };
         let saving = match store.save(&mut flash, &kept).await {
             Ok(generation) => {
                 signals.saves.set(generation);

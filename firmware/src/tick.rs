@@ -56,8 +56,8 @@ pub(crate) struct Received {
     pub(crate) packets: [Packet<f32>; SHARED],
 }
 
-/// Records that may wait for telemetry: of every tick at 1 kHz 64 ms with one shared axis and 42 ms with three, at 4 kHz a quarter of that.
-pub(crate) const RECORDS: usize = if SHARED == 1 { 64 } else { 128 };
+/// Records that may wait for the recorder, which takes them after every tick.
+pub(crate) const RECORDS: usize = 4 * SHARED.next_power_of_two();
 
 /// The tick's side of what it shares with the tasks.
 pub(crate) struct Side {
@@ -84,7 +84,6 @@ struct Loop {
     plan: drive::Plan,
     tick: u32,
     life: u32,
-    until_record: u32,
     overrun: bool,
 }
 
@@ -101,7 +100,6 @@ pub(crate) fn prepare(side: Side) {
         plan: plan.drive,
         tick: 0,
         life: 0,
-        until_record: 0,
         overrun: false,
         side,
     };
@@ -202,22 +200,22 @@ impl Loop {
         let mode = record::mode_code(self.peer.mode());
         self.side.signals.mode.set_code(mode);
         self.side.signals.ticks.set(self.tick);
-        if self.record_due() {
-            let (tick, digest) = (self.tick, digest(&mut self.peer));
-            let (seen, ledgers) = (self.peer.observed(), self.peer.ledger());
-            let heard = flags & record::RECEIVED != 0;
-            let incoming = heard.then(|| &self.side.incoming.get().packets);
-            #[allow(clippy::needless_range_loop, reason = "iterators over arrays of one stay in memory")]
-            for axis in 0..SHARED {
-                // Without room it is lost: whoever misses it sees it by the numbers.
-                let _ = self.side.records.put(|record| {
-                    let (counts, duties) = (joints(counts, axis), joints(actuators.duties, axis));
-                    let (stage, number) = (current::reported(stage.as_ref()), axis as u8);
-                    let of = record::Tick { tick, axis: number, counts, duties, stage, mode, flags, digest };
-                    let did = OfAxis::new(seen[axis], ledgers[axis]);
-                    record.fill(&of, incoming.map(|packets| &packets[axis]), &did);
-                });
-            }
+        // For whoever runs the tick again, which is nobody unless he asked for it.
+        let asked = self.side.signals.record_every.get() > 0;
+        let (tick, digest) = (self.tick, if asked { digest(&mut self.peer) } else { 0 });
+        let (seen, ledgers) = (self.peer.observed(), self.peer.ledger());
+        let heard = flags & record::RECEIVED != 0;
+        let incoming = heard.then(|| &self.side.incoming.get().packets);
+        #[allow(clippy::needless_range_loop, reason = "iterators over arrays of one stay in memory")]
+        for axis in 0..SHARED {
+            // Without room it is lost: whoever misses it sees it by the numbers.
+            let _ = self.side.records.put(|record| {
+                let (counts, duties) = (joints(counts, axis), joints(actuators.duties, axis));
+                let (stage, number) = (current::reported(stage.as_ref()), axis as u8);
+                let of = record::Tick { tick, axis: number, counts, duties, stage, mode, flags, digest };
+                let did = OfAxis::new(seen[axis], ledgers[axis]);
+                record.fill(&of, incoming.map(|packets| &packets[axis]), &did);
+            });
         }
         self.overrun = pace::due();
         if self.overrun {
@@ -325,17 +323,5 @@ impl Loop {
             // Nobody is there until he is heard.
             self.peer.part();
         }
-    }
-
-    #[inline(always)]
-    fn record_due(&mut self) -> bool {
-        let every = self.side.signals.record_every.get();
-        if every == 0 {
-            self.until_record = 0;
-            return false;
-        }
-        let due = self.until_record == 0;
-        self.until_record = if due { every - 1 } else { self.until_record - 1 };
-        due
     }
 }

@@ -52,6 +52,45 @@ pub mod word {
     pub const STAGE: usize = 23;
 }
 
+/// What a sample is called that holds PWM periods in a row: the number of the first, u32, then of each a [`Period`].
+pub const PERIODS: u16 = 16;
+/// Periods in such a sample.
+pub const PERIODS_IN_ONE: usize = 10;
+
+/// What the current loop saw and did in one period of its PWM, of two motors, 1/32767 of full scale and of the supply.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Period {
+    /// Currents at its beginning.
+    pub currents: [i16; 2],
+    /// Voltages over it.
+    pub voltages: [i16; 2],
+}
+
+impl Period {
+    /// Bytes of one.
+    pub const BYTES: usize = 8;
+
+    /// The bytes on the wire.
+    pub fn bytes(self) -> [u8; Self::BYTES] {
+        let ([a, b], [c, d]) = (self.currents.map(i16::to_le_bytes), self.voltages.map(i16::to_le_bytes));
+        [a[0], a[1], b[0], b[1], c[0], c[1], d[0], d[1]]
+    }
+
+    /// The periods in the payload of a sample, each with its number.
+    pub fn of_payload(payload: &[u8]) -> impl Iterator<Item = (u32, Self)> {
+        let (first, rest) = payload.split_first_chunk().unwrap_or((&[0; 4], &[]));
+        let first = u32::from_le_bytes(*first);
+        let halves = |bytes: &[u8; Self::BYTES]| {
+            let [a, b, c, d, e, f, g, h] = *bytes;
+            [[a, b], [c, d], [e, f], [g, h]].map(i16::from_le_bytes)
+        };
+        rest.as_chunks().0.iter().enumerate().map(move |(nth, bytes)| {
+            let [a, b, c, d] = halves(bytes);
+            (first.wrapping_add(nth as u32), Self { currents: [a, b], voltages: [c, d] })
+        })
+    }
+}
+
 /// The bridges are enabled.
 pub const ENABLED: u8 = 1;
 /// A packet went out before this tick.
@@ -121,9 +160,14 @@ pub fn mode_of_code(code: u32) -> Mode {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Record<const MORE: usize = ADDED>(pub [u32; WORDS], pub [u32; MORE]);
 
+impl<const MORE: usize> Record<MORE> {
+    /// All words 0.
+    pub const EMPTY: Self = Self([0; WORDS], [0; MORE]);
+}
+
 impl<const MORE: usize> Default for Record<MORE> {
     fn default() -> Self {
-        Self([0; WORDS], [0; MORE])
+        Self::EMPTY
     }
 }
 

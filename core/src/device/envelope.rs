@@ -76,7 +76,6 @@ impl<S: Scalar> Envelope<S> {
     /// The largest force (N) of every axis after this load, of `full` (N) at most, while the axes move like this.
     #[inline(always)]
     pub fn most<const N: usize>(&self, load: &Load<S>, full: S, axes: [Motion<S>; N]) -> S {
-        let left = |mean: S| ((S::ONE - mean) * S::from_f64(1.0 / (1.0 - NEAR))).max(S::ZERO).min(S::ONE);
         let speed = total(axes.map(|axis| axis.velocity.abs()));
         // A micrometre a second gives as little power as rest.
         let lasting = self.power.ratio(speed.max(S::from_f64(1e-6)));
@@ -93,6 +92,12 @@ impl<S: Scalar> Load<S> {
         let which = || if self.force > too_much { Fault::ForceTooLong } else { Fault::PowerTooLong };
         (self.force.max(self.power) > too_much).then(which)
     }
+}
+
+/// What is left of the largest force where a mean is this share of its limit: all up to [`NEAR`], nothing from 1 on.
+#[inline(always)]
+pub fn left<S: Scalar>(mean: S) -> S {
+    ((S::ONE - mean) * S::from_f64(1.0 / (1.0 - NEAR))).max(S::ZERO).min(S::ONE)
 }
 
 /// The power that forces (N) on axes in motion give the hand, W.

@@ -7,9 +7,16 @@
 //!
 //! Invariants: |duty| ≤ max_duty whatever comes in; NaN gives no duty at all.
 //!
-//! Limits: no amplifier dynamics, no friction or cogging compensation, no thermal model.
+//! **Friction.** Of the dry friction of an axis the motor takes over a force f = `motor.friction_n` that goes with the velocity, from
+//! −f to f within [`FROM_REST`] either way. While f is less than the friction, motor and friction together take energy at any velocity,
+//! however late or noisy the one is that f goes by: the friction takes more than f·|v|, and the motor gives at the most that.
+//!
+//! Limits: no amplifier dynamics, no compensation of cogging.
 
-use crate::{num::Scalar, settings::Settings};
+use crate::{num::Motion, num::Scalar, settings::Settings};
+
+/// Velocity at which the whole of `motor.friction_n` acts, m/s.
+pub const FROM_REST: f64 = 0.02;
 
 /// Signed duty of an amplifier; [`Duty::FULL_SCALE`] is full current.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -30,9 +37,12 @@ pub struct Motor<S> {
     force_per_code: S,
     /// Largest code, a whole number ≤ [`Duty::FULL_SCALE`].
     max_code: S,
+    /// Dry friction that it takes over, N, and that for each m/s from rest on.
+    friction: S,
+    from_rest: S,
 }
 
-configured!([S: Scalar] Motor<S> { codes_per_force, force_per_code, max_code });
+configured!([S: Scalar] Motor<S> { codes_per_force, force_per_code, max_code, friction, from_rest });
 
 impl<S: Scalar> Motor<S> {
     /// From the table `motor`.
@@ -46,7 +56,25 @@ impl<S: Scalar> Motor<S> {
             codes_per_force: S::from_f64(full_scale_code / full_scale_force),
             force_per_code: S::from_f64(full_scale_force / full_scale_code),
             max_code: S::from_i32(max_code.clamp(0, i32::from(Duty::FULL_SCALE))),
+            friction: S::from_f64(motor.friction_n),
+            from_rest: S::from_f64(motor.friction_n / FROM_REST),
         }
+    }
+
+    /// Whether there is friction to take over.
+    #[inline(always)]
+    pub fn takes_over(&self) -> bool {
+        self.friction > S::ZERO
+    }
+
+    /// Forces along axes that move like this (N), with what it takes over of their friction.
+    #[cold]
+    #[inline(never)]
+    pub fn eased<const N: usize>(&self, mut forces: [S; N], axes: &[Motion<S>; N]) -> [S; N] {
+        for (force, motion) in forces.iter_mut().zip(axes) {
+            *force = *force + (motion.velocity * self.from_rest).limit(self.friction);
+        }
+        forces
     }
 
     /// Duty for a force along the joint (N or N·m), and whether the force was more than the duty limit gives.

@@ -32,11 +32,12 @@
 //! rests. A supply that is measured wrongly raises r. Encoder faults below the tolerated speed are not seen.
 
 use crate::device::current::{self, PWM_PERIOD_S};
+use crate::device::envelope::{self, NEAR};
 use crate::device::kinematics::Joints;
 use crate::device::leaky::Leaky;
 use crate::device::motor::Duty;
 use crate::device::stage::Measured;
-use crate::device::thermal::{Heat, Thermal};
+use crate::device::thermal::{self, Heat, Thermal};
 use crate::safety::{Fault, Patience};
 use crate::settings::{Allowed, Refused, Settings};
 use crate::{device::AXES, num::Scalar};
@@ -59,6 +60,8 @@ const NOISE: i32 = 128;
 #[derive(Clone, Copy, Debug)]
 pub struct StageWatch<S> {
     thermal: Thermal<S>,
+    /// The current that a winding near its limit is left, codes.
+    lasting: S,
     leaky: Leaky<S>,
     supply_mv: (u16, u16),
     /// Pairs of ticks.
@@ -86,7 +89,7 @@ pub struct StageWatch<S> {
 }
 
 configured!([S: Scalar] StageWatch<S> {
-    thermal, leaky, supply_mv, lasts, settles, end, zero, strays, lags, amperes, ohms, inductive, emf, tolerance,
+    thermal, lasting, leaky, supply_mv, lasts, settles, end, zero, strays, lags, amperes, ohms, inductive, emf, tolerance,
     half, eighth, axes
 });
 
@@ -101,7 +104,16 @@ pub struct StageState<S, const N: usize = AXES> {
     supply: Patience,
     /// Whether the last supply measured is out of range.
     pub supply_is_wrong: bool,
+    /// Share of its limit that the mean square of the warmest motor's current is.
+    warmth: S,
     motors: [Motor<S>; N],
+}
+
+impl<S: Scalar, const N: usize> StageState<S, N> {
+    /// Whether a winding is near its limit.
+    pub fn is_warm(&self) -> bool {
+        self.warmth > S::from_f64(NEAR)
+    }
 }
 
 impl<S: Scalar, const N: usize> Default for StageState<S, N> {
@@ -112,6 +124,7 @@ impl<S: Scalar, const N: usize> Default for StageState<S, N> {
             conducts: Patience::default(),
             supply: Patience::default(),
             supply_is_wrong: false,
+            warmth: S::ZERO,
             motors: [Motor::default(); N],
         }
     }
@@ -167,6 +180,7 @@ impl<S: Scalar> StageWatch<S> {
         let late = 0.5 + (current::lag_s(settings) + PWM_PERIOD_S) / settings.timing.control_period_s;
         Ok(Self {
             thermal: Thermal::build(settings, pair_s),
+            lasting: S::from_f64(thermal::LASTS * motor.continuous_a * ampere),
             leaky: Leaky::new(pair_s, MEAN_S),
             supply_mv: (millivolts(motor.min_supply_v), millivolts(motor.max_supply_v)),
             lasts: pairs(LASTS_S),
@@ -206,9 +220,19 @@ impl<S: Scalar> StageWatch<S> {
         }
     }
 
+    /// The largest force (N) of every axis that windings this warm bear, of `full` (N) at most, if now they carry this (codes) for that (N).
+    #[inline(always)]
+    pub fn most<const N: usize>(&self, state: &StageState<S, N>, full: S, asked: [Duty; N], forces: [S; N]) -> S {
+        let largest = |each: [S; N]| each.into_iter().fold(S::ZERO, |largest, one| largest.max(one.abs()));
+        let codes = largest(asked.map(|duty| S::from_i32(duty.0.into())));
+        let lasting = if codes > S::ZERO { self.lasting.ratio(codes) * largest(forces) } else { full };
+        full.min(full * envelope::left(state.warmth) + lasting)
+    }
+
     /// Forgets past current references and errors, as the motors go on; the thermal state stays.
     pub fn start<const N: usize>(&self, state: &mut StageState<S, N>) {
-        *state = StageState { motors: state.motors, supply_is_wrong: state.supply_is_wrong, ..StageState::default() };
+        let StageState { motors, supply_is_wrong, warmth, .. } = *state;
+        *state = StageState { motors, supply_is_wrong, warmth, ..StageState::default() };
     }
 
     #[inline(never)]
@@ -229,7 +253,7 @@ impl<S: Scalar> StageWatch<S> {
         let volts = supply.ratio(S::from_i32(4000 * i32::from(two.supply_counts)));
         // Nine tenths of the most, which is 0.95 of the supply.
         let limit = (7 * i32::from(two.supply_counts)) >> 3;
-        let (mut conducts, mut fault) = (false, None);
+        let (mut conducts, mut warmth, mut fault) = (false, S::ZERO, None);
         let flows = one.motors.iter().zip(&two.motors);
         let asked = asked_one.iter().zip(&asked_two).map(|(one, two)| [one.0, two.0]);
         for ((motor, (one, two)), (asked, counts)) in
@@ -252,7 +276,9 @@ impl<S: Scalar> StageWatch<S> {
                 emf: S::from_i32(moved) * self.emf,
             };
             fault = fault.or(self.motor(motor, &pair, compared));
+            warmth = warmth.max(motor.heat.mean);
         }
+        state.warmth = warmth;
         if driven == Driven::Off {
             state.supply = Patience::default();
             return state.conducts.spent(conducts, self.lasts).then_some(Fault::CurrentSensor);

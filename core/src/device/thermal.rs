@@ -4,6 +4,10 @@
 //! the square of `motor.continuous_a`. A constant current i from cold is too much after −τ·ln(1 − (continuous/i)²), to within
 //! 2⁻¹⁰·τ; one up to `continuous_a` never is. Squares are first summed for that long, so that `f32` does not lose them.
 //!
+//! **It limits.** From half of that square on, the largest force of every axis falls with what is left of it, to that of [`LASTS`] of
+//! `continuous_a` ([`super::envelope`] has the same for the hand). So a winding comes near its limit and stays below, however long a hand
+//! presses, and only one that carries more than was asked for is a fault.
+//!
 //! Units: A, A². Limits: the surroundings are as warm as where `continuous_a` was measured; a restart begins cold, so who restarts
 //! waits; the copper's own, faster time is within τ; what the current does between two readings is not in its mean.
 
@@ -12,23 +16,25 @@ use crate::{device::leaky::Leaky, num::Scalar, settings::Settings};
 /// Means that τ is resolved into.
 const STEPS: f64 = 1024.0;
 
+/// Share of `motor.continuous_a` that a winding near its limit is left: sensors are off by less than the rest.
+pub const LASTS: f64 = 0.9;
+
 /// The thermal limit of one motor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Thermal<S> {
     leaky: Leaky<S>,
-    /// Readings to a step of the mean, and 1 over them.
+    /// Readings to a step of the mean, and 1 over them and over the square of the limit, 1/A².
     readings: u32,
     share: S,
-    /// A².
-    most: S,
 }
 
-configured!([S: Scalar] Thermal<S> { leaky, readings, share, most });
+configured!([S: Scalar] Thermal<S> { leaky, readings, share });
 
-/// Mean square of one motor's current, A², and the readings since it was last taken.
+/// Mean square of one motor's current, as a share of its limit, and the readings since it was last taken.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Heat<S> {
-    mean: S,
+    /// From 0 to 1, at which it is too warm.
+    pub mean: S,
     sum: S,
     readings: u32,
 }
@@ -42,8 +48,7 @@ impl<S: Scalar> Thermal<S> {
         Self {
             leaky: Leaky::new(period_s * f64::from(readings), motor.thermal_s),
             readings,
-            share: S::from_f64(1.0 / f64::from(readings)),
-            most: S::from_f64(motor.continuous_a * motor.continuous_a),
+            share: S::from_f64(1.0 / (f64::from(readings) * motor.continuous_a * motor.continuous_a)),
         }
     }
 
@@ -56,6 +61,6 @@ impl<S: Scalar> Thermal<S> {
         if heat.readings >= self.readings {
             *heat = Heat { mean: self.leaky.after(heat.mean, heat.sum), ..Heat::default() };
         }
-        heat.mean > self.most
+        heat.mean > S::ONE
     }
 }

@@ -28,6 +28,7 @@ use embassy_stm32::pac::timer::vals::{Mms, Mms2};
 use embassy_time::{Duration, Instant};
 use firmware_parts::exchange::{Reader, Writer, put};
 use firmware_parts::rate::Rate;
+use firmware_parts::record::{PERIODS_IN_ONE, Period};
 use haptic_core::device::current::{Controller, CurrentLoop, Gains, PWM_HZ, Sensor};
 use haptic_core::device::kinematics::Joints;
 use haptic_core::device::stage::{Flow, Measured};
@@ -78,7 +79,7 @@ impl Default for Order {
     }
 }
 
-/// What the interrupt tells the tick, since the start of the board; all of it wraps.
+/// What the interrupt tells the tick, since the start of the board, and its runs since power came on; all of it wraps.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sums {
     /// How often the interrupt has run.
@@ -109,11 +110,18 @@ static mut LOOP: MaybeUninit<Loop> = MaybeUninit::uninit();
 
 /// Runs that are remembered: more than the longest tick has.
 pub(crate) const RING: u32 = 32;
-/// Of each: when it began and ended, and how late in its period it began, in the timer's counts, with [`FIRST`] above.
-static TOOK: [[AtomicU32; 3]; RING as usize] = [const { [const { AtomicU32::new(0) }; 3] }; RING as usize];
+/// Of each: when it began and ended, how late in its period it began, in the timer's counts, with [`FIRST`] above, and the currents and the
+/// voltages of both motors ([`Period`]). Start-up leaves them alone.
+#[unsafe(link_section = ".uninit.periods")]
+static TOOK: [[AtomicU32; 3 + 2 * AXES]; RING as usize] =
+    [const { [const { AtomicU32::new(0) }; 3 + 2 * AXES] }; RING as usize];
 const FIRST: u32 = 1 << 16;
-/// How often the interrupt has run.
+/// How often the interrupt has run, since power came on.
+#[unsafe(link_section = ".uninit.runs")]
 static RUNS: AtomicU32 = AtomicU32::new(0);
+/// Periods that are told of, the last ones in which motors were on.
+pub(crate) const TOLD: u32 = 3 * PERIODS_IN_ONE as u32;
+const _: () = assert!(TOLD < RING);
 
 /// One run of the interrupt, in cycles.
 pub(crate) struct Run {
@@ -125,15 +133,30 @@ pub(crate) struct Run {
     pub(crate) first: bool,
 }
 
-/// How often the interrupt has run, since the start of the board.
+/// How often the interrupt has run, since power came on.
 pub(crate) fn runs() -> u32 {
     RUNS.load(Ordering::Acquire)
 }
 
+/// Nothing of the runs before is known.
+pub(crate) fn forget_runs() {
+    TOOK.iter().flatten().chain([&RUNS]).for_each(|word| word.store(0, Ordering::Relaxed));
+}
+
 /// A run by its number, if it is one of the last [`RING`].
 pub(crate) fn run(number: u32) -> Run {
-    let [began, ended, late] = TOOK[(number % RING) as usize].each_ref().map(|word| word.load(Ordering::Relaxed));
+    let [began, ended, late, ..] = TOOK[(number % RING) as usize].each_ref().map(|word| word.load(Ordering::Relaxed));
     Run { began, ended, late: late & (FIRST - 1), first: late & FIRST != 0 }
+}
+
+/// What a run saw and did, likewise.
+pub(crate) fn period(number: u32) -> Period {
+    let [.., a, b, c, d] =
+        TOOK[(number % RING) as usize].each_ref().map(|word| word.load(Ordering::Relaxed).cast_signed());
+    // A sensor reads more than a motor is asked for.
+    let share = |codes: i32| codes.clamp(-32_767, 32_767) as i16;
+    let of_supply = |counts: i32| share(counts * 32_767 / i32::from(legs::COUNTS));
+    Period { currents: [a, b].map(share), voltages: [c, d].map(of_supply) }
 }
 
 /// Starts both converters; the interrupt stays off.
@@ -201,7 +224,7 @@ pub(crate) fn prepare(orders: Reader<'static, Order>, sums: Writer<'static, Sums
     let this = Loop {
         orders,
         sums,
-        total: Sums::default(),
+        total: Sums { runs: runs(), ..Sums::default() },
         now: Sums::default(),
         controllers: [Controller::default(); AXES],
         next: [0; AXES],
@@ -257,7 +280,10 @@ extern "C" fn ADC() {
     }
     let run = this.total.runs;
     let late = late | core::mem::take(&mut this.first);
-    for (place, word) in TOOK[(run % RING) as usize].iter().zip([began, DWT::cycle_count(), late]) {
+    let Sums { codes: [a, b], voltages: [c, d], .. } = this.now;
+    let [a, b, c, d] = [a, b, c, d].map(i32::cast_unsigned);
+    let words = [began, DWT::cycle_count(), late, a, b, c, d];
+    for (place, word) in TOOK[(run % RING) as usize].iter().zip(words) {
         place.store(word, Ordering::Relaxed);
     }
     RUNS.store(run, Ordering::Release);

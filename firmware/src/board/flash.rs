@@ -17,7 +17,7 @@ use core::sync::atomic::{Ordering, compiler_fence};
 use embassy_stm32::pac::flash::regs::{Ccr, Sr};
 use embassy_stm32::{Peri, pac, peripherals::FLASH};
 use embassy_time::{Duration, Timer};
-use firmware_parts::boots;
+use firmware_parts::history::History;
 use firmware_parts::keys::{Keyless, Keys};
 use firmware_parts::store::{Broken, Medium, SECTOR, Word};
 
@@ -120,10 +120,14 @@ impl Settings {
         &raw const _store_start as u32
     }
 
-    /// Counts this start, behind the keys.
-    pub(crate) fn count_boot(&mut self) -> u32 {
-        let start = &raw const _key_start as u32;
-        boots::count(|at| read(start + WORD * at), |at, word| program(start + WORD * at, word))
+    /// What happened to this board, behind the keys.
+    pub(crate) fn history(&self) -> History {
+        History::open(|at| read(&raw const _key_start as u32 + WORD * at))
+    }
+
+    /// Programs a word of it.
+    pub(crate) fn note(&mut self, (at, word): (u32, Word)) -> Result<(), Broken> {
+        program(&raw const _key_start as u32 + WORD * at, &word)
     }
 }
 

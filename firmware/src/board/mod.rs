@@ -75,6 +75,8 @@ pub(crate) struct Board {
     /// The watchdog, not yet running.
     pub(crate) watchdog: IndependentWatchdog<'static, IWDG1>,
     pub(crate) flash: flash::Settings,
+    /// The source of random numbers, not yet running.
+    pub(crate) random: Peri<'static, RNG>,
     pub(crate) cable: cable::Pins,
     /// The blue one; high while pressed.
     pub(crate) button: Input<'static>,
@@ -136,8 +138,6 @@ pub(crate) fn init() -> Board {
     // All interrupts come out of reset at priority 0, the current loop's own.
     interrupt::TIM5.set_priority(Priority::P4);
     cable::INTERRUPT.set_priority(Priority::P5);
-    let mut flash = flash::Settings::new(w.flash);
-    random::start(w.random, flash.count_boot());
     let strap = Input::new(w.strap, Pull::Up);
     // The pull-up charges the pin within a microsecond; give it ten.
     cortex_m::asm::delay(4_800);
@@ -147,7 +147,8 @@ pub(crate) fn init() -> Board {
         pace: w.pace,
         halts: w.halts,
         watchdog: IndependentWatchdog::new(w.watchdog, WATCHDOG_MS * 1000),
-        flash,
+        flash: flash::Settings::new(w.flash),
+        random: w.random,
         cable: w.cable,
         // Pulled down on the Nucleo, too: without it nothing is pressed.
         button: Input::new(w.button, Pull::Down),

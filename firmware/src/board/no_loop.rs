@@ -1,12 +1,14 @@
 //! What others ask of the current loop where there is none: the chip measures nothing.
 
 use firmware_parts::image::JOINTS;
+use firmware_parts::record::Period;
 use haptic_core::device::stage::Measured;
 use haptic_core::names::MotorDrive;
 
 /// PWM periods in a millisecond, and runs that are remembered: there are none.
 pub(crate) const PERIODS: u32 = 0;
 pub(crate) const RING: u32 = 1;
+pub(crate) const TOLD: u32 = 0;
 
 /// One run of the loop: there is none.
 pub(crate) struct Run {
@@ -25,8 +27,14 @@ pub(crate) fn runs() -> u32 {
     0
 }
 
+pub(crate) fn forget_runs() {}
+
 pub(crate) fn run(_: u32) -> Run {
     Run { began: 0, ended: 0, late: 0, first: true }
+}
+
+pub(crate) fn period(_: u32) -> Period {
+    Period::default()
 }
 
 /// The supply of the bridges: nobody measures it.

@@ -98,6 +98,7 @@ pub(crate) fn start(timer: Peri<'static, TIM6>, halts: Peri<'static, TIM7>, rate
     processor.DCB.enable_trace();
     DWT::unlock();
     processor.DWT.enable_cycle_counter();
+    COUNTED.store(current::runs(), Ordering::Relaxed);
     deadman::start();
     // Nothing may come between the update and the start; for 50 µs at the most, unless the bridges' timer stands still.
     cortex_m::interrupt::free(|_| {
@@ -155,9 +156,8 @@ pub(crate) async fn rung() {
     BELL.wait().await;
 }
 
-/// UART8 is not used as such; its interrupt is the bell.
-#[unsafe(no_mangle)]
-extern "C" fn UART8() {
+/// What the bell does after every tick: looks at the hold-to-run switch, counts times, and wakes who waits.
+pub(crate) fn after_tick() {
     switch::look();
     let [tick, began, ended, rest] = TOOK.each_ref().map(|word| word.load(Ordering::Relaxed));
     // A tick that came between is counted when it rings itself.

@@ -2,10 +2,11 @@
 
 use std::collections::HashSet;
 
-use firmware_parts::boots::{self, FIRST, MOST};
 use firmware_parts::hedge::Sources;
+use firmware_parts::history::{FIRST, History, MOST};
 use firmware_parts::keys::Keys;
-use firmware_parts::store::{Broken, SECTOR, Word};
+use firmware_parts::status::Stop;
+use firmware_parts::store::{SECTOR, Word};
 use haptic_protocol::ends::Ends;
 use haptic_protocol::key::Key;
 use haptic_protocol::link::{Config, Link};
@@ -19,20 +20,12 @@ fn sector() -> Vec<Option<Word>> {
 
 /// One start; flash that takes what it is given, if it does.
 fn start(flash: &mut [Option<Word>], takes: bool) -> u32 {
-    let before = flash.to_vec();
-    let mut written = None;
-    let number = boots::count(
-        |at| before[at as usize],
-        |at, word| {
-            assert_eq!(before[at as usize], Some([0xFF; 32]), "word {at} is not blank");
-            written = takes.then_some((at, *word));
-            if takes { Ok(()) } else { Err(Broken) }
-        },
-    );
-    if let Some((at, word)) = written {
-        flash[at as usize] = Some(word);
+    let mut history = History::open(|at| flash[at as usize]);
+    if let Some((at, word)) = history.start(Stop::PowerOn) {
+        assert_eq!(flash[at as usize], Some([0xFF; 32]), "word {at} is not blank");
+        flash[at as usize] = if takes { Some(word) } else { Some([0xFF; 32]) };
     }
-    number
+    history.number()
 }
 
 #[test]

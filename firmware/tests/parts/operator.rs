@@ -1,6 +1,7 @@
 //! The operator's lines: what is read, and what is none.
 
 use firmware_parts::operator::{Misread, Request, Time, Whose, parse};
+use firmware_parts::record;
 use haptic_core::device::probe::{self, Shape};
 use haptic_core::settings::Value;
 
@@ -20,7 +21,9 @@ fn lines_are_read_as_written() {
     assert_eq!(parse("set object.mass_kg 0.3"), Ok(Request::Set("object.mass_kg", Value::Number(0.3))));
     assert_eq!(parse("set contact.one_sided true"), Ok(Request::Set("contact.one_sided", Value::Flag(true))));
     assert_eq!(parse("stream off"), Ok(Request::Stream(0)));
-    assert_eq!(parse("capture 500"), Ok(Request::Capture(500)));
+    assert_eq!(parse("capture 500"), Ok(Request::Capture { ticks: 500, at: 0 }));
+    assert_eq!(parse("capture 9 at parted"), Ok(Request::Capture { ticks: 9, at: record::PARTED }));
+    assert_eq!((parse("blackbox"), parse("history")), (Ok(Request::Blackbox), Ok(Request::History)));
     assert_eq!(parse("time spacing"), Ok(Request::Time(Whose::Tick, Time::Spacing)));
     assert_eq!(parse("time loop delay"), Ok(Request::Time(Whose::CurrentLoop, Time::Delay)));
     assert_eq!(parse("time load"), Ok(Request::Load));

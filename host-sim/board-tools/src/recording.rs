@@ -6,7 +6,8 @@
 
 use haptic_core::device::stage::Measured;
 use haptic_core::sample::{Quantities, SAMPLE};
-use haptic_protocol::record::Record;
+use haptic_protocol::record::{self, Record};
+use haptic_protocol::wire::Sample;
 
 use haptic_report::Columns;
 use haptic_sim::{quantities, quantities::Named};
@@ -94,6 +95,27 @@ pub fn tables<'a>(payloads: impl IntoIterator<Item = &'a [u8]>, period_s: f64, a
         }
     }
     tables
+}
+
+/// What a sample is called that holds PWM periods.
+pub use haptic_protocol::record::PERIODS;
+
+/// Columns of a PWM period: of what the current loop did in it.
+pub const PERIOD: [Named; 5] = [
+    ("period", "number of the PWM period, of those with motors on since power came on"),
+    ("current_1", "current of motor 1 at its beginning, of full scale"),
+    ("current_2", "current of motor 2 at its beginning, of full scale"),
+    ("voltage_1", "voltage of motor 1 over it, of the supply"),
+    ("voltage_2", "voltage of motor 2 over it, of the supply"),
+];
+
+/// The rows of [`PERIOD`] in a sample, if it holds any.
+pub fn periods(sample: &Sample) -> impl Iterator<Item = [f64; PERIOD.len()]> {
+    let payload = if sample.code == PERIODS { sample.payload() } else { &[] };
+    record::Period::of_payload(payload).map(|(number, period)| {
+        let [[a, b], [c, d]] = [period.currents, period.voltages].map(|two| two.map(|part| f64::from(part) / 32767.0));
+        [f64::from(number), a, b, c, d]
+    })
 }
 
 /// When the longest gap in a recording began and how long it was, s; `None` where the ticks come evenly. One or two that the

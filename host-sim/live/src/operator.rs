@@ -201,38 +201,48 @@ impl Operator {
         self.endpoint.start()
     }
 
-    /// Has every `every`-th tick sent for so long, and gives what came, with why the board refused to go on if it did.
+    /// Says a line that has samples sent, for so long, and gives what came, with why the board refused to go on if it did.
     ///
     /// # Errors
     /// The board fell silent, or the socket failed.
-    pub fn record(&mut self, every: u32, time: Duration) -> Result<(Vec<Sample>, Option<String>), Error> {
+    pub fn record(&mut self, line: &str, time: Duration) -> Result<(Vec<Sample>, Option<String>), Error> {
         let mut samples = Vec::new();
-        let refusal = self.record_each(every, time, |_, session| samples.extend(session.take_samples()))?;
+        let refusal = self.record_each(line, time, |_, session| {
+            let before = samples.len();
+            samples.extend(session.take_samples());
+            samples.len() > before
+        })?;
         Ok((samples, refusal))
     }
 
-    /// Has every `every`-th tick sent for so long; `each` takes what came, ns after the clock began. A board that was away, or has started anew, has forgotten
-    /// it: it is sent again as soon as it is back. If it then refuses, that ends it.
+    /// Says a line that has samples sent, for so long; `each` takes what came, ns after the clock began, and says whether anything did. A board that
+    /// was away, or has started anew, has forgotten a `stream`: it is sent again as soon as it is back. If it then refuses, that ends it. Any
+    /// other line ends when no more has come for a while.
     pub fn record_each(
         &mut self,
-        every: u32,
+        line: &str,
         time: Duration,
-        mut each: impl FnMut(u64, &mut Session),
+        mut each: impl FnMut(u64, &mut Session) -> bool,
     ) -> Result<Option<String>, Error> {
-        let line = format!("stream {every}");
-        let answer = self.ask(&line)?;
+        /// With nothing that comes.
+        const SILENCE: Duration = Duration::from_millis(500);
+        let is_endless = line.starts_with("stream");
+        let answer = self.ask(line)?;
         let refusal_of = |number: u8, answer: &str| format!("board {number}: {line}: {answer}");
         if !answer.starts_with("ok") {
             return Err(refusal_of(self.number, &answer).into());
         }
         let (start, mut said, mut answered, mut refusal) = (Instant::now(), true, true, None);
+        let mut newest = None;
         let (number, stop, begun) = (self.number, self.stop.clone(), self.endpoint.start());
         self.wait(time + PATIENCE, |session| {
-            each(begun.elapsed().as_nanos() as u64, session);
+            if each(begun.elapsed().as_nanos() as u64, session) {
+                newest = Some(Instant::now());
+            }
             if !session.is_there() {
                 said = false;
-            } else if !said {
-                said = session.say(&line);
+            } else if !said && is_endless {
+                said = session.say(line);
                 answered = false;
             }
             if let Some(answer) = session.answer() {
@@ -240,7 +250,9 @@ impl Operator {
                 refusal = (!answer.starts_with("ok")).then(|| refusal_of(number, &answer));
             }
             // An answer that is still on its way would be taken for the next line's.
-            refusal.is_some() || (stop.is_asked() || start.elapsed() >= time) && (answered || !said)
+            let all_came = !is_endless && newest.is_some_and(|newest| newest.elapsed() >= SILENCE);
+            let over = stop.is_asked() || start.elapsed() >= time || all_came;
+            refusal.is_some() || over && (answered || !said)
         })?;
         Ok(refusal)
     }

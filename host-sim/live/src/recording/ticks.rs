@@ -135,8 +135,13 @@ pub fn paths(axes: usize) -> u16 {
     SECONDS + axes as u16
 }
 
+/// Index of the PWM periods of a board that shares so many axes in [`board_channels`].
+fn periods(axes: usize) -> u16 {
+    EXCHANGES + axes as u16
+}
+
 /// The channels of a board that shares so many axes, as its operator records them: [`TICKS`] as the board tells them, with when each
-/// was sealed, and [`EXCHANGES`]; ticks of each further axis.
+/// was sealed, and [`EXCHANGES`]; ticks of each further axis; PWM periods before a fault.
 pub fn board_channels(number: u8, axes: usize) -> Vec<Channel> {
     let sealed = || ("sealed_s".to_owned(), "when the record was sealed, by the board's clock");
     let ticks = |axis: usize| {
@@ -146,6 +151,7 @@ pub fn board_channels(number: u8, axes: usize) -> Vec<Channel> {
     let exchanges = Channel::new(format!("/board_{number}/exchanges"), "Exchange", EXCHANGE);
     let mut channels = vec![ticks(0), exchanges];
     channels.extend((1..axes).map(ticks));
+    channels.push(Channel::new(format!("/board_{number}/periods"), "Period", haptic_board_tools::recording::PERIOD));
     channels
 }
 
@@ -208,6 +214,7 @@ impl BoardTicks {
     /// [`board_channels`].
     pub fn take(&mut self, link: &Link, samples: &[(u64, Sample)], mut put: impl FnMut(u16, &[f64])) {
         for (sealed_us, sample) in samples {
+            haptic_board_tools::recording::periods(sample).for_each(|row| put(periods(self.axes), &row));
             let row = haptic_board_tools::recording::row(sample.payload(), self.period_s);
             if let Some((axis, row)) = row.filter(|(axis, _)| *axis < self.axes) {
                 self.ticks += u64::from(axis == 0);

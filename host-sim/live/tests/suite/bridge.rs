@@ -64,26 +64,30 @@ fn a_board_that_starts_anew_is_met_again_as_a_peer_is() {
     assert!(jumped_n <= jumps_n + 0.05, "{jumped_n} N instead of {jumps_n}");
 }
 
-/// What either end does then is what it does at any silence: it is compared with a peer whose own carrier is gone for as long.
+/// What either end does then is what it does at any silence: it is compared with a peer whose own carrier is gone for as long. Of three phases
+/// of the led hand the worst counts: a contact that opens or closes just within or just after the silence is no difference.
 #[test]
 fn a_pc_that_is_killed_is_a_silence_and_its_next_run_goes_on() {
-    for gone_ms in [40, 300, 2500, 12_000] {
+    for gone_ms in [40, 500, 2500, 12_000] {
         let [silence, bridged] = [false, true].map(|board| {
-            let mut world = World::new([board, false]);
-            world.run(8000);
-            world.kill(0);
-            let [gone_n, ..] = world.run(gone_ms);
-            world.begin(0, board, 77);
-            let [back_n, ..] = world.run(12_000);
-            let (ways, together, parted) = (world.ways(), world.are_together(), world.have_parted());
-            assert_eq!(ways, [Way::Direct; 2], "the path is found again");
+            let worst = [8000, 8250, 9000].map(|from_ms| {
+                let mut world = World::new([board, false]);
+                world.run(from_ms);
+                world.kill(0);
+                let [gone_n, ..] = world.run(gone_ms);
+                world.begin(0, board, 77);
+                let [back_n, ..] = world.run(12_000);
+                assert_eq!(world.ways(), [Way::Direct; 2], "the path is found again");
+                // Short of safety.disengage_s nothing is let go of; beyond safety.peer_lost_s motors stay off.
+                let met = (world.are_together(), world.have_parted());
+                assert_eq!(met, (gone_ms < 10_000, gone_ms > 6000), "{gone_ms} ms, behind a bridge {board}");
+                [gone_n, back_n]
+            });
+            let [gone_n, back_n] = worst.into_iter().reduce(|[a, b], [c, d]| [a.max(c), b.max(d)]).expect("three");
             eprintln!("gone for {gone_ms} ms, behind a bridge {board}: {gone_n:.3} N a tick, and back {back_n:.3} N");
-            ((together, parted), [gone_n, back_n])
+            [gone_n, back_n]
         });
-        assert_eq!(silence.0, bridged.0, "{gone_ms} ms");
-        // Short of safety.disengage_s nothing is let go of; beyond safety.peer_lost_s motors stay off.
-        assert_eq!(bridged.0, (gone_ms < 10_000, gone_ms > 6000), "{gone_ms} ms");
-        for (silent_n, bridged_n) in silence.1.into_iter().zip(bridged.1) {
+        for (silent_n, bridged_n) in silence.into_iter().zip(bridged) {
             assert!(bridged_n <= 1.2 * silent_n + 0.05, "{gone_ms} ms: {bridged_n} N instead of {silent_n}");
         }
     }

@@ -13,6 +13,9 @@ use crate::Error;
 use crate::plant::{self, Beyond};
 use crate::user::User;
 
+/// Largest share of a device's dry friction that its motors may take over.
+const TAKEN_OVER: f64 = 0.8;
+
 impl Scene {
     /// Checks every range and combination, for scenes put together in code.
     ///
@@ -40,6 +43,7 @@ impl Scene {
         }
         self.check_mass()
             .and_then(|()| self.check_winding())
+            .and_then(|()| self.check_friction())
             .and_then(|()| self.check_scale())
             .and_then(|()| self.check_joint_inertia())
             .and_then(|()| self.check_reach())
@@ -72,6 +76,21 @@ impl Scene {
             3.. => self.laws.peer::<f64, 3, 3>(peer, [Motion::REST; 3]).map(drop),
             _ => self.laws.peer::<f64, 1, AXES>(peer, [Motion::REST; AXES]).map(drop),
         }
+    }
+
+    /// A motor that takes over more friction than there is pushes whoever moves it.
+    fn check_friction(&self) -> Result<(), Error> {
+        for (peer, world) in self.ends() {
+            let (taken, there) = (peer.motor.friction_n, world.plant.coulomb_n);
+            if taken > TAKEN_OVER * there {
+                return Err(format!(
+                    "motor.friction_n = {taken} is not allowed with plant.coulomb_n = {there}: it must be at most {TAKEN_OVER} of that, \
+                     {:.4} N, so that motor and friction together still brake",
+                    TAKEN_OVER * there
+                ).into());
+            }
+        }
+        Ok(())
     }
 
     /// A device as the shared world has it must be one that could be written down: the analysis takes it for that.

@@ -5,6 +5,7 @@ mod double_double;
 mod engine;
 mod faults;
 mod fitted;
+mod friction;
 mod hands;
 mod impedance;
 mod impulsive;

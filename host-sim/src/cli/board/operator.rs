@@ -18,7 +18,7 @@ use haptic_live::recording::origin::Origin;
 use haptic_live::recording::recorder::Recorder;
 use haptic_live::recording::ticks::{BoardTicks, board_channels, name_of};
 use haptic_live::{endpoint::Stop, operator::Operator};
-use haptic_report::files::write_csv;
+use haptic_report::{Columns, files::write_csv};
 use serde_json::json;
 
 use crate::cli::address::endpoint_at;
@@ -43,7 +43,7 @@ pub(in crate::cli) struct Operate {
     #[command(flatten)]
     scene: SceneArgs,
     /// After the lines, record what the ticks do in this file: CSV in the end where its name ends in .csv; else MCAP, while it
-    /// goes on, in a file that must not be there yet.
+    /// goes on, in a file that must not be there yet. Where the last line is `blackbox` or `capture …`, what that one gives.
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
     #[command(flatten)]
@@ -68,10 +68,14 @@ fn left_armed(answers: &[String]) -> bool {
     answers.iter().rev().find(said).is_some_and(|last| last == "ok armed")
 }
 
-/// The file of a shared axis: of the first the one that was named, of the others one beside it, as `convert` names them.
+/// A file beside the one that was named, as `convert` names them.
+fn named(file: &Path, what: &str) -> PathBuf {
+    file.with_file_name(format!("{}-{what}.csv", file.file_stem().unwrap_or_default().to_string_lossy()))
+}
+
+/// The file of a shared axis: of the first the one that was named, of the others one beside it.
 fn of_axis(file: &Path, axis: usize) -> PathBuf {
-    let stem = file.file_stem().unwrap_or_default().to_string_lossy();
-    if axis == 0 { file.to_owned() } else { file.with_file_name(format!("{stem}-{}.csv", name_of(axis))) }
+    if axis == 0 { file.to_owned() } else { named(file, &name_of(axis)) }
 }
 
 impl Operate {
@@ -102,7 +106,10 @@ impl Operate {
             answers.push(answer);
             Ok(())
         };
-        for line in &self.lines {
+        // A line that gives ticks is said by who records them.
+        let gives = |line: &&String| matches!(line.split_whitespace().next(), Some("blackbox" | "capture"));
+        let given = self.lines.last().filter(gives).filter(|_| self.record.is_some());
+        for line in &self.lines[..self.lines.len() - usize::from(given.is_some())] {
             *lines_said += 1;
             ask(&mut operator, line)?;
         }
@@ -119,7 +126,10 @@ impl Operate {
             }
         }
         let files = match &self.record {
-            Some(file) => self.record(ui, &mut operator, file)?,
+            Some(file) => {
+                let line = given.cloned().unwrap_or_else(|| format!("stream {}", self.every));
+                self.record(ui, &mut operator, &line, file)?
+            }
             None => Vec::new(),
         };
         if left_armed(&answers) {
@@ -129,23 +139,23 @@ impl Operate {
     }
 
     /// Has the ticks sent, and writes down those that came, whatever becomes of the board meanwhile.
-    fn record(&self, ui: &Ui, operator: &mut Operator, file: &Path) -> Result<Vec<PathBuf>, Failure> {
+    fn record(&self, ui: &Ui, operator: &mut Operator, line: &str, file: &Path) -> Result<Vec<PathBuf>, Failure> {
         let mut settings = Settings::default();
         for key in ["timing.control_period_s", "axis.shared"] {
             take(operator, &mut settings, key)?;
         }
         let (period_s, axes) = (settings.timing.control_period_s, settings.axis.shared as usize);
         if file.extension().is_none_or(|ending| ending != "csv") {
-            self.record_as_it_goes(ui, operator, file, period_s, axes)?;
+            self.record_as_it_goes(ui, operator, line, file, (period_s, axes))?;
             return Ok(vec![file.to_owned()]);
         }
-        let files: Vec<PathBuf> = (0..axes).map(|axis| of_axis(file, axis)).collect();
+        let mut files: Vec<PathBuf> = (0..axes).map(|axis| of_axis(file, axis)).collect();
         // Not after an hour of recording.
         if let Some(there) = files[1..].iter().find(|file| file.symlink_metadata().is_ok()) {
             let why = "it exists, and is not written over: give the recording another name";
             return Err(format!("{}: {why}", there.display()).into());
         }
-        let (samples, refusal) = operator.record(self.every, Duration::from_secs_f64(self.time.seconds))?;
+        let (samples, refusal) = operator.record(line, Duration::from_secs_f64(self.time.seconds))?;
         let stopped = say(operator, "stream off");
         let tables = recording::tables(samples.iter().map(|sample| sample.payload()), period_s, axes);
         let table = tables.first().filter(|table| !table.is_empty());
@@ -153,6 +163,13 @@ impl Operate {
             table.ok_or_else(|| format!("board {}: no tick came in {} s", operator.number(), self.time.seconds))?;
         for (at, (table, file)) in tables.iter().zip(&files).enumerate() {
             write_csv(table, file, if at == 0 { Kind::Named } else { Kind::Beside })?;
+        }
+        let mut periods = Columns::named(recording::PERIOD.map(|(name, meaning)| (name.to_owned(), meaning)));
+        samples.iter().flat_map(recording::periods).for_each(|row| periods.push_row(&row));
+        if !periods.is_empty() {
+            let beside = named(file, "periods");
+            write_csv(&periods, &beside, Kind::Beside)?;
+            files.push(beside);
         }
         if let Some(row) = recording::started_anew(table) {
             ui.status(format_args!(
@@ -162,8 +179,8 @@ impl Operate {
         let gap = recording::longest_gap(table).map_or_else(String::new, |(from_s, gap_s)| {
             format!("; none came from {from_s:.3} s on for {gap_s:.3} s, the longest gap")
         });
-        let named: Vec<_> = files.iter().map(|file| file.display().to_string()).collect();
-        ui.status(format_args!("{} ticks written to {}{gap}", table.len(), named.join(", ")));
+        let written: Vec<_> = files.iter().map(|file| file.display().to_string()).collect();
+        ui.status(format_args!("{} ticks written to {}{gap}", table.len(), written.join(", ")));
         if let Some(refusal) = refusal {
             return Err(refusal.into());
         }
@@ -176,20 +193,23 @@ impl Operate {
         &self,
         ui: &Ui,
         operator: &mut Operator,
+        line: &str,
         file: &Path,
-        period_s: f64,
-        axes: usize,
+        (period_s, axes): (f64, usize),
     ) -> Result<(), Failure> {
         let (number, time) = (operator.number(), Duration::from_secs_f64(self.time.seconds));
-        let provenance = ui.provenance().with("board", number).with("every", self.every);
+        let provenance = ui.provenance().with("board", number).with("line", line);
         let origin = Origin::here(&provenance, format!("operator of board {number}"), operator.start());
         let recorder = Recorder::create(file, &origin, board_channels(number, axes))?;
         let log = |answer: String| recorder.log(recorder.now_ns(), INFO, answer);
         let status = |operator: &mut Operator| operator.ask("status").map(log);
         status(operator)?;
         let mut ticks = BoardTicks::new(period_s, axes);
-        let refusal =
-            operator.record_each(self.every, time, |now_ns, session| ticks.record(&recorder, now_ns, session));
+        let refusal = operator.record_each(line, time, |now_ns, session| {
+            let before = ticks.ticks;
+            ticks.record(&recorder, now_ns, session);
+            ticks.ticks > before
+        });
         let stopped = say(operator, "stream off").map(|_| status(operator));
         ui.status(recorder.finish().summary());
         if let Some(refusal) = refusal? {

@@ -15,7 +15,7 @@ use haptic_core::settings::Settings;
 /// Lines in a check.
 const LINES: u64 = 600;
 /// First words, and forms of what follows: K is a key, V a value, N a number, S a shape of a probe.
-const FORMS: [&str; 20] = [
+const FORMS: [&str; 23] = [
     "status",
     "arm",
     "arm alone",
@@ -36,8 +36,11 @@ const FORMS: [&str; 20] = [
     "save",
     "stream N",
     "capture N",
+    "capture N at V",
+    "blackbox",
+    "history",
 ];
-const VALUES: [&str; 20] = [
+const VALUES: [&str; 21] = [
     "0",
     "1",
     "-1",
@@ -58,6 +61,7 @@ const VALUES: [&str; 20] = [
     "wave",
     "self-timed",
     "midpoint",
+    "engaged",
 ];
 const NUMBERS: [&str; 8] = ["0", "1", "2", "3", "4294967295", "4294967296", "-1", "x"];
 const SHAPES: [&str; 6] = ["pulse", "swing", "ramp", "sine", "winding", "none"];

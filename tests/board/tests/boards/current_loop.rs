@@ -11,7 +11,6 @@ use board_bench::reviewed;
 use board_bench::twin::{self, Equal};
 use board_bench::wire::Line;
 use firmware_parts::record::Record;
-use haptic_core::safety::Mode;
 use haptic_sim::scene::Scene;
 
 use crate::breaks;
@@ -39,34 +38,28 @@ fn two_boards_with_windings_equal_host_sim() {
     bench.finish().iter().for_each(reviewed::check);
 }
 
-/// Both users push and nothing moves: the winding warms by i²·R alone, and the motors go off when the mean square of the current, over
+/// Both users push and nothing moves: the winding warms by i²·R alone, and the force falls before the mean square of the current, over
 /// `motor.thermal_s`, is that of `motor.continuous_a`. Reckoned here from the currents that were asked for.
 #[test]
-fn a_motor_that_is_held_goes_off_when_it_is_too_warm() {
+fn a_motor_that_is_held_gives_way_before_it_is_too_warm() {
     const CONTINUOUS_A: f64 = 0.15;
     const THERMAL_S: f64 = 0.5;
     let set = ["user.1.push_n=2", "user.2.push_n=2", "motor.continuous_a=0.15", "motor.thermal_s=0.5"];
     let (firmware, scene) = (Arc::new(Firmware::release()), scene(&set));
     let mut bench = breaks::just_armed(&firmware, 2, Line::default(), &scene);
-    let off = (0..3000).find(|_| {
-        bench.step();
-        !bench.stopped[0].bridges.on()
-    });
-    bench.run_for_ms(30);
-    let status = bench.ask(1, "status");
-    assert!(off.is_some() && status.contains(" faulted fault 16 "), "{off:?}: {status}");
-    let armed = bench.since_armed(1).records.iter().take_while(|record| record.mode() == Mode::Armed);
+    bench.run_for_ms(4000);
+    assert!(bench.stopped[0].bridges.on(), "{}", bench.ask(1, "status"));
     let amperes = |record: &Record| f64::from(record.duties()[0].0) / 32767.0 * scene.peer.motor.full_scale_a;
     let mut square = 0.0;
-    let squares: Vec<f64> = armed
+    let squares: Vec<f64> = (bench.since_armed(1).records.iter())
         .map(|record| {
             square += (amperes(record).powi(2) - square) * 1e-3 / THERMAL_S;
             square
         })
         .collect();
-    let expected = squares.iter().position(|square| *square > CONTINUOUS_A.powi(2)).unwrap_or(squares.len());
-    println!("off after {} ms of {expected} expected, {off:?} steps", squares.len());
-    assert!(squares.len() > 300 && squares.len().abs_diff(expected) <= squares.len() / 50, "{expected}");
+    let most = squares.iter().fold(0.0_f64, |most, square| most.max(*square));
+    println!("{} ticks, a mean square of {most} A² at the most, {square} A² at last", squares.len());
+    assert!(squares.len() > 3900 && most < CONTINUOUS_A.powi(2) && square > 0.8 * CONTINUOUS_A.powi(2), "{most}");
     bench.finish();
 }
 

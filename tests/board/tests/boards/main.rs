@@ -22,6 +22,7 @@
 //! | [`far`] | does it hold one object with a peer far away, by the PC beside it? |
 //! | [`bad_wire`], [`cable`] | what does a bad wire do, and none? |
 //! | [`faults`] (one of them an [`impostor`]), [`encoder_faults`], [`stop`], [`switch`], [`breaks`], [`deadman`], [`store`] | do outputs go off, and settings stay whole? |
+//! | [`blackbox`] | does a fault leave the ticks before it, through a reset, and a line that survives power? |
 //! | [`contacts`] | is a contact of the emergency stop that is bridged found? |
 //! | [`update`] | does an order lead to the ROM's bootloader, safely, and start what that is given? |
 //! | [`budgets`], [`static_stack`], [`times`] | do flash, memory, stack, instructions and times keep to their budgets? |
@@ -29,6 +30,7 @@
 mod amplifiers;
 mod any_line;
 mod bad_wire;
+mod blackbox;
 mod breaks;
 mod budgets;
 mod cable;
