@@ -214,7 +214,9 @@ pub struct Buy {
     /// Another one that fits.
     pub second: String,
     /// For one piece, rough.
-    pub euros: u32,
+    pub euros: String,
+    /// What of this line was compared with a data sheet or a shop's page, and with which.
+    pub checked: String,
     /// Which parts.
     #[serde(rename = "for")]
     pub parts: Vec<String>,

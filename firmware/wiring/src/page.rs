@@ -1,17 +1,15 @@
 //! The tables of docs/assembly.md, between marks that name them.
 
-use crate::netlist::{Netlist, Sheet, split};
+use crate::netlist::{Buy, Netlist, Sheet, split};
 
 /// A page with its tables as the netlist says.
 ///
 /// # Errors
 /// It lacks the marks of a table.
 pub fn filled(page: &str, netlist: &Netlist) -> Result<String, String> {
-    let mut page = between(page, "parts", &parts(netlist))?;
-    for sheet in &netlist.sheet {
-        page = between(&page, &sheet.file, &wires(netlist, sheet))?;
-    }
-    Ok(page)
+    let first = between(page, "parts", &parts(netlist))?;
+    let fill = |page: String, sheet: &Sheet| between(&page, &sheet.file, &wires(netlist, sheet));
+    netlist.sheet.iter().try_fold(first, fill)
 }
 
 fn between(page: &str, table: &str, rows: &str) -> Result<String, String> {
@@ -25,10 +23,9 @@ fn between(page: &str, table: &str, rows: &str) -> Result<String, String> {
 
 fn parts(netlist: &Netlist) -> String {
     let mut rows =
-        "| parts | what it must be | fits, by its data sheet | or | about, € |\n|---|---|---|---|---|\n".to_owned();
-    for buy in &netlist.buy {
-        let euros = if buy.euros == 0 { "–".to_owned() } else { buy.euros.to_string() };
-        rows += &format!("| {} | {} | {} | {} | {euros} |\n", buy.parts.join(", "), buy.what, buy.number, buy.second);
+        "| parts | what it must be | fits | or | about, € | looked up |\n|---|---|---|---|---|---|\n".to_owned();
+    for Buy { what, number, second, euros, checked, parts } in &netlist.buy {
+        rows += &format!("| {} | {what} | {number} | {second} | {euros} | {checked} |\n", parts.join(", "));
     }
     rows
 }

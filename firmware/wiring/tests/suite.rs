@@ -7,6 +7,8 @@ use haptic_wiring::netlist::{Image, Is, Netlist, Pull, Role, split};
 use haptic_wiring::sheet::{self, Anchor, Drawing, Line, Text};
 use haptic_wiring::{page, rules, svg};
 
+mod paddle;
+
 fn place(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
 }
