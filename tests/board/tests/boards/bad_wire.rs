@@ -100,6 +100,6 @@ fn any_network_gives_the_same_bits_through_bursts() {
     assert_eq!((trial.boards.fault, trial.boards.ticks, trial.ticks_missed), (None, (1000.0 * seconds) as u64, 0));
     assert_eq!(trial.equal.first_difference, None);
     assert_eq!(trial.replayed.map(|equal| equal.first_difference), [None; 2]);
-    assert!(trial.instructions.max <= 1475, "{:?}", trial.instructions);
+    assert!(trial.instructions.max <= 1490, "{:?}", trial.instructions);
     assert!(load > 1000.0, "{load} packets a second");
 }

