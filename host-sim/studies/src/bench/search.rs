@@ -23,12 +23,12 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::motions::Motion;
-use super::networks::{Network, TUNING};
 use super::protocol::{self, BOUNDS_N_S_PER_M, FREQUENCIES_HZ, MOST_AT_5_HZ_N_S_PER_M, MOST_MASS_KG};
 use super::tables::{self, heading};
 use super::{Bench, Step};
 use crate::Error;
 use crate::campaign::laws::stability::{GROWS, not_linear};
+use crate::networks::{Network, TUNING};
 use crate::study::around::{Around, Gain, Tried, best};
 use crate::sweep::{Book, Kept};
 
