@@ -205,24 +205,6 @@ impl std::fmt::Debug for Outside {
     }
 }
 
-impl Port for Box<dyn Port> {
-    fn abilities(&self) -> &Abilities {
-        (**self).abilities()
-    }
-    fn read(&mut self) -> Result<Option<Sensed>, Gone> {
-        (**self).read()
-    }
-    fn write(&mut self, force_n: Option<[f64; AXES]>) {
-        (**self).write(force_n);
-    }
-    fn health(&self) -> Option<Health> {
-        (**self).health()
-    }
-    fn stay_silent(&mut self, time: Duration) -> Result<Option<f64>, Gone> {
-        (**self).stay_silent(time)
-    }
-}
-
 /// What a device can do; by default nothing that it may be armed with.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Abilities {

@@ -24,11 +24,12 @@
 use core::iter::Sum;
 
 use haptic_core::peer::Observed;
+use serde::Serialize;
 
 use super::Figure;
 
 /// Energy that crossed the ports of one peer's coordination, J.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct PortEnergy<F = f64> {
     /// Energy that came in from the network, J.
     pub received_j: F,
