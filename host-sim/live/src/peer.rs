@@ -29,7 +29,7 @@ pub use report::{AxisReport, Forces, Ports, RemoteReport, Report, notice_texts};
 const LINGER_US: u64 = 500_000;
 
 struct LivePeer<const SHARED: usize, const N: usize> {
-    node: Node<SHARED, N, Box<dyn Device<f32, N>>>,
+    node: Node<SHARED, N, dyn Device<f32, N>>,
     connect: SocketAddr,
     patience_s: f64,
     /// A tick, s.

@@ -122,36 +122,3 @@ impl<S: Scalar, const N: usize> Device<S, N> for Plant<N> {
         self.wall_n()
     }
 }
-
-impl<S: Scalar, const N: usize, D: Device<S, N> + ?Sized> Device<S, N> for Box<D> {
-    fn look(&mut self) -> Result<(), Gone> {
-        (**self).look()
-    }
-    fn sensors(&self) -> Sensors<S, N> {
-        (**self).sensors()
-    }
-    fn step(&mut self, time_s: f64, actuators: &Actuators<S, N>) {
-        (**self).step(time_s, actuators);
-    }
-    fn wait(&mut self, actuators: &Actuators<S, N>) {
-        (**self).wait(actuators);
-    }
-    fn idle(&mut self) {
-        (**self).idle();
-    }
-    fn clutches(&self, time_s: f64) -> bool {
-        (**self).clutches(time_s)
-    }
-    fn start(&self) -> [Motion<S>; N] {
-        (**self).start()
-    }
-    fn motions(&self) -> [Motion<f64>; N] {
-        (**self).motions()
-    }
-    fn pull(&mut self, forces_n: [f64; N]) {
-        (**self).pull(forces_n);
-    }
-    fn wall_n(&self) -> f64 {
-        (**self).wall_n()
-    }
-}

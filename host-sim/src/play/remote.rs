@@ -134,7 +134,7 @@ struct PartnerState {
 /// One peer that shares the object along `SHARED` axes of its device of `N`, and its line.
 pub(super) struct Remote<const SHARED: usize, const N: usize> {
     scene: Scene,
-    node: Node<SHARED, N, Box<dyn Device<f32, N>>>,
+    node: Node<SHARED, N, dyn Device<f32, N>>,
     /// 0 or 1.
     own: usize,
     endpoint: Endpoint,
