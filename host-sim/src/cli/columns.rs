@@ -16,7 +16,7 @@ use haptic_studies::entrant::Entrant;
 use haptic_studies::reproduce::{paper, published};
 use haptic_studies::study::{Network, Study, answers::Goal};
 use haptic_studies::sweep;
-use haptic_studies::sweep::{Row, Sweep};
+use haptic_studies::sweep::{Kept as _, Row, Sweep};
 use haptic_studies::{accuracy, architectures, bench, campaign, force, precision, reproduce, transparency};
 use serde_json::{Value, json};
 

@@ -5,6 +5,7 @@ use std::sync::LazyLock;
 use haptic_analysis::judge;
 use haptic_core::names::Choice;
 use haptic_core::settings::LawInfo;
+use haptic_report::Columns;
 use haptic_sim::measure::at_hand;
 use haptic_sim::run::Outcome;
 use haptic_sim::scene::Scene;
@@ -13,8 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use super::motions::Motion;
 use super::search::Tuning;
-use super::tables::{self, heading};
-use super::{Bench, Step, protocol};
+use super::{Bench, Step, protocol, tables};
 use crate::Error;
 use crate::entrant::Entrant;
 use crate::networks::perfect;
@@ -78,8 +78,8 @@ impl Kept for Run {
         (law, point, self.search_seed, motion, network, self.seed)
     }
 
-    fn heading() -> String {
-        heading(&tables::runs(&[]))
+    fn columns() -> Columns {
+        tables::runs(&[])
     }
 }
 
