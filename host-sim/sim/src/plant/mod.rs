@@ -38,6 +38,7 @@ use linkage::{Body, Linkage};
 use principal::Principal;
 use wall::{Moving, Wall};
 
+use crate::device::Device;
 use crate::scene::{PlantFault, PlantSettings, Scene};
 use crate::user::User;
 
@@ -223,11 +224,6 @@ impl<const N: usize> Plant<N> {
         self.motions
     }
 
-    /// Where each axis is in the shared world, at rest.
-    pub fn in_the_world<S: Scalar>(&self) -> [Motion<S>; N] {
-        self.motions.map(|axis| Motion::at(S::from_f64(self.scale.position * axis.position)))
-    }
-
     /// This device, displaced along each axis by so much, m.
     #[must_use]
     pub fn moved(mut self, by_m: [f64; N]) -> Self {
@@ -253,11 +249,6 @@ impl<const N: usize> Plant<N> {
     /// nothing of.
     pub fn pull(&mut self, forces_n: [f64; N]) {
         self.pulls_n = forces_n;
-    }
-
-    /// Whether its user holds the clutch open at this time.
-    pub fn clutches(&self, time_s: f64) -> bool {
-        self.user.clutches(time_s)
     }
 
     /// Force of the wall that the device can meet (`user.….wall_m`), N; 0 without one.
@@ -295,12 +286,6 @@ impl<const N: usize> Plant<N> {
     pub fn step<S: Scalar>(&mut self, time_s: f64, actuators: &Actuators<S, N>) {
         self.fail_at(time_s);
         self.drive(self.pushes(time_s), actuators);
-        self.turn();
-    }
-
-    /// One control period of a hand that does nothing yet: only the motors act on the device.
-    pub fn wait<S: Scalar>(&mut self, actuators: &Actuators<S, N>) {
-        self.drive([0.0; N], actuators);
         self.turn();
     }
 
@@ -528,5 +513,36 @@ impl<const N: usize> Plant<N> {
     /// Motion of every axis (m, m/s) and the motor force on it before (N), mutable.
     pub fn each_axis(&mut self) -> impl Iterator<Item = (&mut Motion<f64>, &mut f64)> {
         self.motions.iter_mut().zip(&mut self.motor_before)
+    }
+}
+
+impl<S: Scalar, const N: usize> Device<S, N> for Plant<N> {
+    #[inline]
+    fn sensors(&self) -> Sensors<S, N> {
+        self.sensors()
+    }
+    #[inline]
+    fn step(&mut self, time_s: f64, actuators: &Actuators<S, N>) {
+        self.step(time_s, actuators);
+    }
+    fn wait(&mut self, actuators: &Actuators<S, N>) {
+        self.drive([0.0; N], actuators);
+        self.turn();
+    }
+    #[inline]
+    fn clutches(&self, time_s: f64) -> bool {
+        self.user.clutches(time_s)
+    }
+    fn start(&self) -> [Motion<S>; N] {
+        self.motions.map(|axis| Motion::at(S::from_f64(self.scale.position * axis.position)))
+    }
+    fn motions(&self) -> [Motion<f64>; N] {
+        self.motions()
+    }
+    fn pull(&mut self, forces_n: [f64; N]) {
+        self.pull(forces_n);
+    }
+    fn wall_n(&self) -> f64 {
+        self.wall_n()
     }
 }
