@@ -80,14 +80,16 @@ pub struct Plant<const N: usize = AXES> {
     period_s: f64,
     /// What `linear` advances by: a control period, or a PWM period.
     step_s: f64,
-    linear: Linear,
+    /// What advances each axis.
+    pub(crate) linear: Linear,
     /// What advances all axes of a device whose mass couples them.
     principal: Option<Principal<N>>,
     /// The joints of a device that lives in them.
     linkage: Option<Linkage<N>>,
     wall: Option<Wall>,
     windings: Option<Windings<N>>,
-    axes_in_use: usize,
+    /// Number of axes that move.
+    pub(crate) axes_in_use: usize,
     friction_n: f64,
     moving_mass_kg: f64,
     joints: Option<Joints>,
@@ -148,7 +150,7 @@ impl<const N: usize> Plant<N> {
             Wall::new(place, gains, &Moving { mass: moving_mass_kg, damping, stiffness }, (step_s, late))
         });
         let moving = |mass_kg| Linear::new(mass_kg, damping, stiffness, late, step_s);
-        let linkage = (turns && !scene.is_at_home()).then(|| {
+        let linkage = (turns && !scene.at_home).then(|| {
             let body = Body {
                 mass: moving_mass_kg,
                 damping,
@@ -209,16 +211,6 @@ impl<const N: usize> Plant<N> {
             && profile.clutch_for_s == 0.0
     }
 
-    /// What advances each axis.
-    pub(crate) fn linear(&self) -> &Linear {
-        &self.linear
-    }
-
-    /// Number of axes that move.
-    pub(crate) fn axes_in_use(&self) -> usize {
-        self.axes_in_use
-    }
-
     /// Position and velocity of every axis.
     pub fn motions(&self) -> [Motion<f64>; N] {
         self.motions
@@ -253,7 +245,7 @@ impl<const N: usize> Plant<N> {
 
     /// Force of the wall that the device can meet (`user.….wall_m`), N; 0 without one.
     pub fn wall_n(&self) -> f64 {
-        self.wall.as_ref().map_or(0.0, Wall::force_n)
+        self.wall.as_ref().map_or(0.0, |wall| wall.force_n)
     }
 
     /// Stops the device, as a hand does that holds it still, with the motors off.
@@ -300,7 +292,7 @@ impl<const N: usize> Plant<N> {
             encoders.turn(match &mut self.linkage {
                 Some(linkage) => {
                     linkage.put(self.motions);
-                    joints.counted(linkage.turned().map(|joint| joint.position))
+                    joints.counted(linkage.turned.map(|joint| joint.position))
                 }
                 None => joints.counts(self.motions),
             });
@@ -394,7 +386,7 @@ impl<const N: usize> Plant<N> {
         match (&mut self.linkage, pose) {
             (Some(linkage), _) => {
                 linkage.put(self.motions);
-                linkage.turned().map(|joint| joint.velocity)
+                linkage.turned.map(|joint| joint.velocity)
             }
             (None, Some(pose)) => pose.speeds(self.motions),
             (None, None) => [0.0; N],
@@ -432,7 +424,7 @@ impl<const N: usize> Plant<N> {
         let pose = match &mut self.linkage {
             Some(linkage) => {
                 linkage.put(self.motions);
-                windings.seen = joints.told(linkage.turned().map(|joint| joint.position));
+                windings.seen = joints.told(linkage.turned.map(|joint| joint.position));
                 None
             }
             None => {

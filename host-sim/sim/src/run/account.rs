@@ -93,8 +93,10 @@ pub struct Account<F = f64> {
     /// Of the square root of the copies' kinetic energy, an amplitude as a force is.
     energy: Growth<F>,
     swing: Swing<F>,
-    stopped: Option<(usize, Fault, f64)>,
-    true_m: F,
+    /// Who stopped first, why, and when (s).
+    pub(crate) stopped: Option<(usize, Fault, f64)>,
+    /// |x_o1 − x_o2| after the control period that is over, m.
+    pub(crate) true_m: F,
     largest_true_m: F,
     table: Columns,
 }
@@ -169,12 +171,6 @@ impl<F: Figure> Account<F> {
         &self.latest[at].observed
     }
 
-    /// |x_o1 − x_o2| after the control period that is over, m.
-    #[inline]
-    pub(crate) fn true_m(&self) -> F {
-        self.true_m
-    }
-
     /// A peer has stopped, so that nothing is averaged any more.
     #[inline]
     pub(crate) fn is_over(&self) -> bool {
@@ -233,11 +229,6 @@ impl Account {
     pub fn period(&mut self) {
         self.measure();
         self.record();
-    }
-
-    /// Who stopped first, why, and when (s).
-    pub(crate) fn stopped(&self) -> Option<(usize, Fault, f64)> {
-        self.stopped
     }
 
     /// The changes of a coordination force grew until the end.

@@ -88,7 +88,7 @@ impl<const SHARED: usize, F: Figure> Accounts<SHARED, F> {
     }
 
     fn measure_together(&mut self) {
-        self.true_m = length(self.axes.iter().map(Account::true_m));
+        self.true_m = length(self.axes.iter().map(|axis| axis.true_m));
         self.largest_true_m = self.largest_true_m.larger(self.true_m);
         let forces = [0, 1].map(|at| self.axes.each_ref().map(|axis| axis.observed(at).coordination_force));
         for (now, last) in forces.iter().zip(&mut self.last) {
@@ -158,13 +158,13 @@ impl<const SHARED: usize> Accounts<SHARED> {
     /// Outcome of the run, without impacts and hash, which are not recorded here.
     pub fn outcome(self) -> Outcome {
         let ticks = self.tick;
-        let stopped = self.axes.iter().find_map(Account::stopped);
+        let stopped = self.axes.iter().find_map(|axis| axis.stopped);
         let let_go = self.axes.iter().find_map(Account::let_go);
         let [force_grew, energy_grew] =
             [Account::force_grew, Account::energy_grew].map(|grew| self.axes.iter().any(grew));
         let swings = self.axes.iter().find_map(|axis| axis.goes_on_swinging(self.pushes_n));
         let [true_m, decoded_m, contact_force_n] = self.halves.means();
-        let last_true_m = if SHARED == 1 { self.axes[0].true_m() } else { self.true_m };
+        let last_true_m = if SHARED == 1 { self.axes[0].true_m } else { self.true_m };
         let axes: Vec<AxisOutcome> = self.axes.into_iter().map(Account::along).collect();
         let whole = if SHARED == 1 {
             axes[0].figures
