@@ -88,10 +88,10 @@ pub struct Account<F = f64> {
     /// The most that either end has taken from the network beyond what the other had given to it, J.
     made_j: F,
     halves: LastHalf<5, F>,
-    forces: Forces<F>,
+    pub(crate) forces: Forces<F>,
     hands: Hands<1, F>,
     /// Of the square root of the copies' kinetic energy, an amplitude as a force is.
-    energy: Growth<F>,
+    pub(crate) energy: Growth<F>,
     swing: Swing<F>,
     /// Who stopped first, why, and when (s).
     pub(crate) stopped: Option<(usize, Fault, f64)>,
@@ -171,12 +171,6 @@ impl<F: Figure> Account<F> {
         &self.latest[at].observed
     }
 
-    /// A peer has stopped, so that nothing is averaged any more.
-    #[inline]
-    pub(crate) fn is_over(&self) -> bool {
-        self.stopped.is_some()
-    }
-
     /// What `of` makes of each number.
     pub(crate) fn map<G: Copy>(&self, of: impl Fn(F) -> G + Copy) -> Account<G> {
         Account {
@@ -229,16 +223,6 @@ impl Account {
     pub fn period(&mut self) {
         self.measure();
         self.record();
-    }
-
-    /// The changes of a coordination force grew until the end.
-    pub(crate) fn force_grew(&self) -> bool {
-        self.forces.grew()
-    }
-
-    /// The kinetic energy of the copies grew until the end.
-    pub(crate) fn energy_grew(&self) -> bool {
-        self.energy.grew()
     }
 
     /// How the coordination force of peer 2 goes on swinging beyond what users push with, N.

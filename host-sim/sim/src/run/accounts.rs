@@ -112,7 +112,7 @@ impl<const SHARED: usize, F: Figure> Accounts<SHARED, F> {
     /// A peer has stopped.
     #[inline]
     pub(crate) fn is_over(&self) -> bool {
-        self.axes.iter().any(Account::is_over)
+        self.axes.iter().any(|axis| axis.stopped.is_some())
     }
 
     /// What `of` makes of each number.
@@ -160,8 +160,8 @@ impl<const SHARED: usize> Accounts<SHARED> {
         let ticks = self.tick;
         let stopped = self.axes.iter().find_map(|axis| axis.stopped);
         let let_go = self.axes.iter().find_map(Account::let_go);
-        let [force_grew, energy_grew] =
-            [Account::force_grew, Account::energy_grew].map(|grew| self.axes.iter().any(grew));
+        let force_grew = self.axes.iter().any(|axis| axis.forces.grew());
+        let energy_grew = self.axes.iter().any(|axis| axis.energy.grew());
         let swings = self.axes.iter().find_map(|axis| axis.goes_on_swinging(self.pushes_n));
         let [true_m, decoded_m, contact_force_n] = self.halves.means();
         let last_true_m = if SHARED == 1 { self.axes[0].true_m } else { self.true_m };
