@@ -41,11 +41,6 @@ fn size(panel: &Panel, frame: &Frame) -> Option<(f64, f64)> {
     Some((widest + 2.0 * PADDING, widths.len() as f64 * LINE + 2.0 * PADDING - 4.0))
 }
 
-/// Whether a series of the panel has a label.
-pub(crate) fn has_labels(panel: &Panel) -> bool {
-    labelled(panel).next().is_some()
-}
-
 /// Whether the labels of the panel's series are too long for a box in it.
 pub(crate) fn is_wide(panel: &Panel, frame: &Frame) -> bool {
     labelled(panel)
@@ -117,7 +112,8 @@ pub(crate) fn below(panel: &Panel, name: &str, top: f64, (left, right): (f64, f6
     (marks, top + LINE * rows as f64)
 }
 
-fn labelled(panel: &Panel) -> impl Iterator<Item = &Series> {
+/// The series of a panel that have a label.
+pub(crate) fn labelled(panel: &Panel) -> impl Iterator<Item = &Series> {
     panel.series.iter().filter(|series| !series.label.is_empty())
 }
 
