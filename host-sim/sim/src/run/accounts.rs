@@ -54,7 +54,7 @@ impl<const SHARED: usize, F: Figure> Accounts<SHARED, F> {
             true_m: F::ZERO,
             largest_true_m: F::ZERO,
             forces: Forces::new(ticks),
-            hands: Hands::new(),
+            hands: Hands::default(),
             largest_jump: F::ZERO,
             last: [[F::ZERO; SHARED]; 2],
         }
@@ -182,8 +182,8 @@ impl<const SHARED: usize> Accounts<SHARED> {
                 contact_force_n,
                 peak_coordination_force_n: self.forces.peak(),
                 largest_jump_n: self.largest_jump,
-                peak_hand_force_n: self.hands.peak_n(),
-                largest_hand_change_n: self.hands.change_n(),
+                peak_hand_force_n: self.hands.peak,
+                largest_hand_change_n: self.hands.change,
                 energy: [0, 1].map(|at| axes.iter().map(|axis| axis.figures.energy[at]).sum()),
                 made_j: axes.iter().map(|axis| axis.figures.made_j).sum(),
             }
