@@ -96,7 +96,7 @@ impl Operate {
         let mut ask = |operator: &mut Operator, line: &str| -> Result<(), Failure> {
             let answer = operator.ask(line)?;
             if let Some(why) = answer.strip_prefix("error ").filter(|_| !self.lines.is_empty()) {
-                return Err(format!("board {}: {line}: {why}", operator.number()).into());
+                return Err(format!("board {}: {line}: {why}", operator.number).into());
             }
             writeln!(ui, "{answer}");
             answers.push(answer);
@@ -150,7 +150,7 @@ impl Operate {
         let tables = recording::tables(samples.iter().map(|sample| sample.payload()), period_s, axes);
         let table = tables.first().filter(|table| !table.is_empty());
         let table =
-            table.ok_or_else(|| format!("board {}: no tick came in {} s", operator.number(), self.time.seconds))?;
+            table.ok_or_else(|| format!("board {}: no tick came in {} s", operator.number, self.time.seconds))?;
         for (at, (table, file)) in tables.iter().zip(&files).enumerate() {
             write_csv(table, file, if at == 0 { Kind::Named } else { Kind::Beside })?;
         }
@@ -180,7 +180,7 @@ impl Operate {
         period_s: f64,
         axes: usize,
     ) -> Result<(), Failure> {
-        let (number, time) = (operator.number(), Duration::from_secs_f64(self.time.seconds));
+        let (number, time) = (operator.number, Duration::from_secs_f64(self.time.seconds));
         let provenance = ui.provenance().with("board", number).with("every", self.every);
         let origin = Origin::here(&provenance, format!("operator of board {number}"), operator.start());
         let recorder = Recorder::create(file, &origin, board_channels(number, axes))?;
