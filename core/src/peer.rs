@@ -500,7 +500,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         self.firm_up();
         let device = self.device;
         let most = self.envelope.most(&self.load, self.guard.full_force, device);
-        self.guard.limits.ease(most.min(self.stage_watch.most(&self.stage, most, self.asked, self.forces)));
+        self.guard.limits.ease(self.stage_watch.most(&self.stage, most, self.asked, self.forces));
         let mut felt = self.advance::<false>(&device)?;
         for (felt, motion) in felt.iter_mut().zip(&device) {
             *felt = *felt - self.guard.brake(motion.velocity);
@@ -590,7 +590,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         if let Some(fault) = self.stage_watch.step(&mut self.stage, measured, self.asked, driven, counts) {
             self.trip(fault);
         }
-        if self.stage.is_warm() {
+        if self.stage.warmth > S::from_f64(envelope::NEAR) {
             self.fast_path = false;
         }
     }
@@ -717,7 +717,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         // What a limit of force cuts off, the object does not get either: that may last. What a duty cuts off, it gets.
         let mut clips = false;
         let mut duties = [Duty::OFF; N];
-        let driven = if self.motor.takes_over() { self.motor.eased(forces, &pose.axes) } else { forces };
+        let driven = if self.motor.friction > S::ZERO { self.motor.eased(forces, &pose.axes) } else { forces };
         for (at, (duty, joint_force)) in duties.iter_mut().zip(&pose.joint_forces(driven)).enumerate() {
             if at < self.axes {
                 let (value, clipped) = self.motor.duty(*joint_force);

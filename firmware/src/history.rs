@@ -66,8 +66,8 @@ impl fmt::Display for Entry {
 /// What happened last, and how much did.
 #[derive(Clone, Copy, Debug)]
 pub struct History {
-    /// Words that are not blank.
-    used: u32,
+    /// Words that are not blank: the number of a start that was just noted, from 1.
+    pub used: u32,
     faults: u32,
     /// The newest first; none of those that there are not.
     last: [Option<Entry>; TOLD],
@@ -82,11 +82,6 @@ impl History {
             *to = Some(read(at).map_or_else(Entry::default, |word| Entry::of(&word)));
         }
         Self { used, faults: 0, last }
-    }
-
-    /// The number of a start that was just noted, from 1.
-    pub fn number(&self) -> u32 {
-        self.used
     }
 
     /// Why the board started. Gives the word to program and where, if there is room; where the flash does not take it, the number may come

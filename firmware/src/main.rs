@@ -50,8 +50,7 @@ mod image {
     use embassy_stm32::interrupt::{self, InterruptExt, Priority};
     use firmware_parts::exchange::{Latest, Queue};
     use firmware_parts::recorder::{self, Reel};
-    use firmware_parts::status::Stop;
-    use firmware_parts::{kept::Kept, record::Record, signals::Signals};
+    use firmware_parts::{kept::Kept, record::Record, signals::Signals, status};
     use haptic_core::device::probe::{Outcome, Probe};
     use static_cell::StaticCell;
 
@@ -80,7 +79,7 @@ mod image {
     static mut REELS: [MaybeUninit<Reel>; 3] = [const { MaybeUninit::uninit() }; 3];
 
     /// The reels, put in order for this start.
-    fn reels(stop: Stop) -> [&'static mut Reel; 3] {
+    fn reels(stop: status::Stop) -> [&'static mut Reel; 3] {
         // SAFETY: any bits make a Reel, of whole numbers; called once, before anything else knows of them.
         let reels = unsafe { (&raw mut REELS).as_mut_unchecked().each_mut().map(|reel| reel.assume_init_mut()) };
         recorder::after(stop, reels)
@@ -111,7 +110,7 @@ mod image {
         let mut history = board.flash.history();
         // Before anything is drawn: no two starts draw the same.
         let _ = history.start(cause.stop).map(|entry| board.flash.note(entry));
-        random::start(board.random, history.number());
+        random::start(board.random, history.used);
         if cause.stop.lost_memory() {
             current::forget_runs();
         }

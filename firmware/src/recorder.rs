@@ -60,19 +60,14 @@ impl Reel {
     }
 
     /// How many records are on it.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         if self.full == 1 { RECORDS } else { self.next as usize % RECORDS }
-    }
-
-    /// Whether none is.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
     }
 
     /// The oldest record is number 0.
     pub fn get(&self, number: usize) -> Option<&Record> {
         let first = if self.full == 1 { self.next as usize } else { 0 };
-        (number < self.len()).then(|| &self.records[(first + number) % RECORDS])
+        (number < self.count()).then(|| &self.records[(first + number) % RECORDS])
     }
 }
 

@@ -135,7 +135,7 @@ impl Telemetry {
     pub(crate) fn blackbox(&mut self) -> (usize, usize) {
         self.stream(0);
         self.reels.fetch();
-        let records = self.reels.get().len();
+        let records = self.reels.get().count();
         let periods = if records > 0 { current::TOLD as usize } else { 0 };
         self.told = [(0, records), (0, periods)];
         (records / SHARED, periods)

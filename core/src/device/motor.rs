@@ -38,7 +38,7 @@ pub struct Motor<S> {
     /// Largest code, a whole number ≤ [`Duty::FULL_SCALE`].
     max_code: S,
     /// Dry friction that it takes over, N, and that for each m/s from rest on.
-    friction: S,
+    pub friction: S,
     from_rest: S,
 }
 
@@ -59,12 +59,6 @@ impl<S: Scalar> Motor<S> {
             friction: S::from_f64(motor.friction_n),
             from_rest: S::from_f64(motor.friction_n / FROM_REST),
         }
-    }
-
-    /// Whether there is friction to take over.
-    #[inline(always)]
-    pub fn takes_over(&self) -> bool {
-        self.friction > S::ZERO
     }
 
     /// Forces along axes that move like this (N), with what it takes over of their friction.

@@ -32,7 +32,7 @@
 //! rests. A supply that is measured wrongly raises r. Encoder faults below the tolerated speed are not seen.
 
 use crate::device::current::{self, PWM_PERIOD_S};
-use crate::device::envelope::{self, NEAR};
+use crate::device::envelope;
 use crate::device::kinematics::Joints;
 use crate::device::leaky::Leaky;
 use crate::device::motor::Duty;
@@ -105,15 +105,8 @@ pub struct StageState<S, const N: usize = AXES> {
     /// Whether the last supply measured is out of range.
     pub supply_is_wrong: bool,
     /// Share of its limit that the mean square of the warmest motor's current is.
-    warmth: S,
+    pub warmth: S,
     motors: [Motor<S>; N],
-}
-
-impl<S: Scalar, const N: usize> StageState<S, N> {
-    /// Whether a winding is near its limit.
-    pub fn is_warm(&self) -> bool {
-        self.warmth > S::from_f64(NEAR)
-    }
 }
 
 impl<S: Scalar, const N: usize> Default for StageState<S, N> {
@@ -225,8 +218,8 @@ impl<S: Scalar> StageWatch<S> {
     pub fn most<const N: usize>(&self, state: &StageState<S, N>, full: S, asked: [Duty; N], forces: [S; N]) -> S {
         let largest = |each: [S; N]| each.into_iter().fold(S::ZERO, |largest, one| largest.max(one.abs()));
         let codes = largest(asked.map(|duty| S::from_i32(duty.0.into())));
-        let lasting = if codes > S::ZERO { self.lasting.ratio(codes) * largest(forces) } else { full };
-        full.min(full * envelope::left(state.warmth) + lasting)
+        let lasting = if codes >= S::ONE { self.lasting.ratio(codes.max(S::ONE)) * largest(forces) } else { full };
+        (full * envelope::left(state.warmth) + lasting).min(full)
     }
 
     /// Forgets past current references and errors, as the motors go on; the thermal state stays.

@@ -43,6 +43,12 @@ pub trait Scalar:
     fn from_i32(value: i32) -> Self;
     /// Nearest integer, saturating; NaN gives 0. Ties, and floats within one rounding of a tie, go away from zero.
     fn round_to_i32(self) -> i32;
+    /// Two numbers that are told as one: how often `step` is in the value, `most` times at the most, and what is left.
+    #[inline]
+    fn apart(self, step: i32, most: i32) -> (i32, Self) {
+        let times = (self.round_to_i32() / step).clamp(0, most);
+        (times, self - Self::from_i32(step * times))
+    }
     /// The nearest integer of a value within ±32767, as a motor's duty code.
     #[inline]
     fn to_code(self) -> i16 {

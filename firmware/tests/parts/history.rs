@@ -49,10 +49,7 @@ fn a_start_that_an_image_of_before_counted_and_a_word_that_was_lost_are_starts()
     let mut flash = sector();
     (flash[FIRST as usize], flash[FIRST as usize + 1]) = (Some([0; 32]), None);
     let history = start(&mut flash, Stop::PowerOn);
-    assert_eq!(
-        (history.number(), history.to_string().as_str()),
-        (3, "newest first; start: power came on; start; start")
-    );
+    assert_eq!((history.used, history.to_string().as_str()), (3, "newest first; start: power came on; start; start"));
 }
 
 #[test]
@@ -62,13 +59,13 @@ fn faults_leave_room_for_starts() {
     let (mut starts, mut last) = (0, 0);
     loop {
         let mut history = start(&mut flash, Stop::PowerOn);
-        if history.number() == last {
+        if history.used == last {
             break;
         }
-        last = history.number();
+        last = history.used;
         starts += 1;
         (0..2 * FAULTS).for_each(|at| program(&mut flash, history.fault(Fault::Runaway, at)));
-        assert!(history.number() <= last + FAULTS);
+        assert!(history.used <= last + FAULTS);
     }
     assert_eq!(last, MOST, "the sector is full");
     assert!(starts >= STARTS, "{starts} starts");

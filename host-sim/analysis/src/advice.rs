@@ -92,7 +92,7 @@ pub fn change(scene: &Scene) -> Result<Option<Change>, Error> {
 
 /// The nearest value that is stable with a margin.
 fn nearest(sweep: &Sweep, limit: &Limit, now: f64, key: &Key) -> Result<Option<Change>, Error> {
-    let range = sweep.range();
+    let range = &sweep.range;
     let mut edges = vec![range.from];
     edges.extend(&limit.crossings);
     edges.push(range.to);

@@ -163,13 +163,13 @@ fn of_mode(sweep: &Sweep, points: &[f64], tolerance: f64, mode: Hands) -> Result
                 driven(analyser, value, parts)
             }
         };
-        let mut found = crossings(points, sweep.is_whole(), tolerance, followed)?;
+        let mut found = crossings(points, sweep.whole, tolerance, followed)?;
         found.evaluations += 2 * found.crossings.len();
         if bears_out(sweep, &found, tolerance, mode)? {
             return Ok(found);
         }
     }
-    crossings(points, sweep.is_whole(), tolerance, driven)
+    crossings(points, sweep.whole, tolerance, driven)
 }
 
 /// Whether the peers, driven a tolerance before and after each crossing, are on the side that was found.

@@ -34,8 +34,10 @@ const GAINS: [&str; 4] = [
 pub(crate) struct Sweep {
     /// As the user wrote it, but for recordings.
     scene: Scene,
-    range: Range,
-    whole: bool,
+    /// The key that is swept, and its range.
+    pub(crate) range: Range,
+    /// The key takes whole numbers only.
+    pub(crate) whole: bool,
     /// With every wall met ([`Scene::at_walls`]).
     at_walls: bool,
 }
@@ -62,16 +64,6 @@ impl Sweep {
         sweep.at(sweep.range.from)?;
         sweep.at(sweep.range.to)?;
         Ok(sweep)
-    }
-
-    /// The key that is swept, and its range.
-    pub(crate) fn range(&self) -> &Range {
-        &self.range
-    }
-
-    /// The key takes whole numbers only.
-    pub(crate) fn is_whole(&self) -> bool {
-        self.whole
     }
 
     /// The key enters forces as a factor, and nothing else: delays and times stay as they are.

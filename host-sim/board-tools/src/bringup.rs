@@ -358,7 +358,7 @@ impl BringUp<'_> {
             self.person.please(&Task::Unfasten { joint })?;
         }
         self.person.please(&Task::LetGo { joint })?;
-        let moves = [motion::inertia(self.board, joint)?, motion::friction(self.board, joint, false)?].concat();
+        let moves = [motion::inertia(self.board, joint)?, motion::friction(self.board, joint)?].concat();
         settings_file::add(self.plan.file, &moves)?;
         found.extend(moves);
         Ok(listed(&found))

@@ -20,8 +20,9 @@ pub struct ReceivedBatch {
     room: Box<[[u8; ROOM]; MOST]>,
     /// Where each came from, and its length.
     from: Vec<(SocketAddr, usize)>,
-    /// How long each had waited in the socket.
-    waited: Vec<Duration>,
+    /// How long each had waited in the socket when it was taken, oldest first; 0 where the system does not tell
+    /// ([`super::endpoint::Endpoint`] asks for it).
+    pub waited: Vec<Duration>,
     #[cfg(target_os = "linux")]
     headers: nix::sys::socket::MultiHeaders<nix::sys::socket::SockaddrStorage>,
 }
@@ -88,12 +89,6 @@ impl ReceivedBatch {
     pub(super) fn clear(&mut self) {
         self.from.clear();
         self.waited.clear();
-    }
-
-    /// How long each had waited in the socket when it was taken, oldest first; 0 where the system does not tell
-    /// ([`super::endpoint::Endpoint`] asks for it).
-    pub fn waited(&self) -> &[Duration] {
-        &self.waited
     }
 
     /// Leaves what somebody who looks at each, and at how long it has waited, says is to stay, and where he says that it came from.

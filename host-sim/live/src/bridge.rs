@@ -67,7 +67,6 @@ struct Passes {
     far: SocketAddr,
     came: ReceivedBatch,
     teller: Teller,
-    over_ns: f64,
     end: Option<Result<(), Error>>,
 }
 
@@ -98,7 +97,7 @@ impl Actor<SocketAddr> for Passes {
                 ),
             });
         }
-        self.end = (heard.is_err() || now_ns as f64 >= self.over_ns).then_some(heard);
+        self.end = heard.is_err().then_some(heard);
     }
 }
 
@@ -126,8 +125,8 @@ impl Open {
         let outer = Endpoint::carried(outside, &meeting, key, number - 1)?;
         let watch = PathWatch::new(outer.paths().ok_or("this end meets nobody")?);
         let (bridge, teller, came) = (Bridge::new(board, Instant::now()), Teller::new(manner), Default::default());
-        let (far, over_ns, end) = (canonical(meeting.place), f64::INFINITY, None);
-        Ok(Self { inner, passes: Passes { outer, bridge, watch, far, came, teller, over_ns, end } })
+        let far = canonical(meeting.place);
+        Ok(Self { inner, passes: Passes { outer, bridge, watch, far, came, teller, end: None } })
     }
 
     /// Where the board is listened to.
@@ -141,8 +140,7 @@ impl Open {
     /// A socket failed.
     pub fn run(self, seconds: f64, stop: &Stop) -> Result<Report, Error> {
         let Self { inner, mut passes } = self;
-        passes.over_ns = inner.now_ns() as f64 + 1e9 * seconds;
-        let ticks = inner.run(Ticker::realtime(PERIOD), f64::MAX, stop, &mut passes)?;
+        let ticks = inner.run(Ticker::realtime(PERIOD).lasting(seconds), f64::MAX, stop, &mut passes)?;
         let Passes { bridge, watch, .. } = passes;
         let (board, listened, unsent) = (bridge.board(), inner.address, inner.unsent.into_inner());
         Ok(Report { board, listened, counts: bridge.counts, unsent, path: watch.report(), ticks })

@@ -390,7 +390,7 @@ impl Endpoint {
         actor: &mut impl Live,
     ) -> Result<(), Error> {
         while Instant::now() < until && self.take(came)? {
-            let waited: [Duration; MOST] = std::array::from_fn(|at| came.waited().get(at).copied().unwrap_or_default());
+            let waited: [Duration; MOST] = std::array::from_fn(|at| came.waited.get(at).copied().unwrap_or_default());
             for ((from, datagram), waited) in came.each().zip(waited) {
                 actor.waited(waited);
                 actor.hear(self.now_ns(), from, datagram, &mut |to, bytes| self.say(going, to, bytes));

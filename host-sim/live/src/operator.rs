@@ -82,7 +82,8 @@ fn wait(
 pub struct Operator {
     endpoint: Endpoint,
     board: SocketAddr,
-    number: u8,
+    /// Number of the board, 1 or 2.
+    pub number: u8,
     session: Session,
     stop: Stop,
 }
@@ -115,11 +116,6 @@ impl Operator {
     pub fn until(mut self, stop: Stop) -> Self {
         self.stop = stop;
         self
-    }
-
-    /// Number of the board, 1 or 2.
-    pub fn number(&self) -> u8 {
-        self.number
     }
 
     fn wait(&mut self, time: Duration, mut done: impl FnMut(&mut Session) -> bool) -> Result<(), Error> {

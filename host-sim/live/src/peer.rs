@@ -9,7 +9,7 @@ use haptic_protocol::link::Error;
 use haptic_protocol::wire::Telemetry;
 use haptic_sim::device::Device;
 use haptic_sim::engine::{Actor, Out};
-use haptic_sim::measure::port::ObjectPort;
+use haptic_sim::measure::port::{ObjectPort, PortEnergy};
 use haptic_sim::measure::{LastHalf, Statistics};
 use haptic_sim::peers::Builds;
 use haptic_sim::run::AXIS_NAMES;
@@ -29,7 +29,7 @@ pub use report::{AxisReport, Forces, Ports, RemoteReport, Report, notice_texts};
 const LINGER_US: u64 = 500_000;
 
 struct LivePeer<const SHARED: usize, const N: usize> {
-    node: Node<SHARED, N, Box<dyn Device<f32, N>>>,
+    node: Node<SHARED, N, dyn Device<f32, N>>,
     connect: SocketAddr,
     patience_s: f64,
     /// A tick, s.
@@ -297,6 +297,7 @@ where
     let axes: Vec<AxisReport> = AXIS_NAMES.into_iter().zip(&halves).map(along).collect();
     let energies = ports.iter().zip(node.peer.ledger());
     let energies = energies.map(|(port, booked)| port.with_network(booked.received_j().into(), booked.sent_j().into()));
+    let energy: PortEnergy = energies.sum();
     // What is in joules among a law's keys it may give before it has taken anything, along each axis.
     let starts = scene.law().keys.iter().filter(|key| key.unit == "J").map(|key| scene.peer.own(key));
     let start_j = SHARED as f64 * starts.sum::<f64>();
@@ -311,7 +312,7 @@ where
         axes: if SHARED > 1 { axes } else { Vec::new() },
         wall_force_n: (scene.users[usize::from(number == 2)].has_wall())
             .then(|| Statistics::of_moments(wall, wall_squared)),
-        port_energy: Ports::of(energies.sum(), start_j),
+        port_energy: Ports { energy, least_balance_j: start_j - energy.made_j },
         fault: fault(&node),
         verdict,
         verdicts,

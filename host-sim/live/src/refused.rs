@@ -12,7 +12,8 @@ const AGAIN_US: u64 = 60_000_000;
 /// The newest refusal of a line, or of nobody's line: whose it was, and why.
 #[derive(Clone, Copy, Debug)]
 pub struct Refused<A, W = Error> {
-    newest: Option<(A, W)>,
+    /// The newest one, reported or not.
+    pub newest: Option<(A, W)>,
     reported: Option<((A, W), u64)>,
     waits: bool,
 }
@@ -40,11 +41,6 @@ impl<A: Copy + PartialEq, W: Copy + PartialEq> Refused<A, W> {
         self.waits = false;
         self.reported = Some((newest, now_us));
         Some(newest)
-    }
-
-    /// The newest one, reported or not.
-    pub fn newest(&self) -> Option<(A, W)> {
-        self.newest
     }
 }
 

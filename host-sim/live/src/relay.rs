@@ -46,7 +46,6 @@ struct Relay {
     peers: [SocketAddr; 2],
     lines: [Link<[u8]>; 2],
     strangers: u64,
-    over_ns: f64,
     end: Option<Result<(), Error>>,
 }
 
@@ -77,7 +76,7 @@ impl Actor<SocketAddr> for Relay {
         while let Some((_, datagram)) = there.take(now_ns) {
             second.send(*two, &datagram);
         }
-        self.end = (heard.is_err() || now_ns as f64 >= self.over_ns).then_some(heard);
+        self.end = heard.is_err().then_some(heard);
     }
 }
 
@@ -95,8 +94,8 @@ pub fn run(routes: [Route; 2], ends: [End; 2], duration_s: f64, stop: &Stop) -> 
     let [first, second] = ends.map(|end| Endpoint::polled(end.listen));
     let (first, second, peers) = (first?, second?, ends.map(|end| end.peer));
     first.reaches(peers[0]).and_then(|()| second.reaches(peers[1]))?;
-    let (lines, over_ns) = (routes.map(|route| Link::new(route).holding(MOST_BYTES)), 1e9 * duration_s);
-    let mut relay = Relay { second, came: ReceivedBatch::default(), peers, lines, strangers: 0, over_ns, end: None };
-    first.run(Ticker::realtime(PERIOD), f64::MAX, stop, &mut relay)?;
+    let lines = routes.map(|route| Link::new(route).holding(MOST_BYTES));
+    let mut relay = Relay { second, came: ReceivedBatch::default(), peers, lines, strangers: 0, end: None };
+    first.run(Ticker::realtime(PERIOD).lasting(duration_s), f64::MAX, stop, &mut relay)?;
     Ok(Report { ways: relay.lines.map(|line| line.counts()), strangers: relay.strangers })
 }

@@ -60,7 +60,7 @@ impl<const SHARED: usize> Steered<SHARED> {
 
     /// Does what is wanted in this tick, but for arming, and says what that is. The hand takes the device where that is when its motors go on,
     /// and goes from there to where it is to be.
-    pub(crate) fn heed<const N: usize, D: Device<f32, N>>(
+    pub(crate) fn heed<const N: usize, D: Device<f32, N> + ?Sized>(
         &mut self,
         node: &mut Node<SHARED, N, D>,
         period_s: f64,
@@ -154,7 +154,7 @@ impl Steering {
     }
 
     /// Leaves what a tick saw, with the forces that it commanded.
-    pub(crate) fn leave<const SHARED: usize, const N: usize, D: Device<f32, N>>(
+    pub(crate) fn leave<const SHARED: usize, const N: usize, D: Device<f32, N> + ?Sized>(
         &self,
         now_ns: u64,
         (node, forces): (&Node<SHARED, N, D>, [f32; N]),

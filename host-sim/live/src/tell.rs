@@ -170,16 +170,18 @@ pub fn words(notice: &Notice) -> String {
     }
 }
 
-fn path_words(path: &PathSecond) -> String {
-    format!("the path is now: {}", path.words())
+fn path_words(words: &str) -> String {
+    format!("the path is now: {words}")
 }
 
-/// A line that waits.
+/// A line that waits, as JSON has it.
+#[derive(Serialize)]
+#[serde(tag = "kind", rename_all = "lowercase")]
 enum Line {
     Second(Box<Second>),
     Notice { time_s: f64, notice: String, words: String },
-    Path { time_s: f64, path: PathSecond },
-    Words(String),
+    Path { time_s: f64, path: PathSecond, words: String },
+    Words { words: String },
 }
 
 /// Says lines until it is dropped.
@@ -229,14 +231,15 @@ impl Teller {
 
     /// Flow goes another way.
     pub fn path(&self, time_us: u64, path: &PathSecond) {
-        self.record(Some(time_us), &path_words(path));
-        self.put(Line::Path { time_s: time_us as f64 * 1e-6, path: *path });
+        let words = path.words();
+        self.record(Some(time_us), &path_words(&words));
+        self.put(Line::Path { time_s: time_us as f64 * 1e-6, path: *path, words });
     }
 
     /// What there is no notice for.
     pub fn words(&self, words: String) {
         self.record(None, &words);
-        self.put(Line::Words(words));
+        self.put(Line::Words { words });
     }
 }
 
@@ -245,13 +248,6 @@ impl Drop for Teller {
         self.queue = None;
         let _ = self.thread.take().map(JoinHandle::join);
     }
-}
-
-#[derive(Serialize)]
-struct TaggedSecond<'a> {
-    kind: &'static str,
-    #[serde(flatten)]
-    second: &'a Second,
 }
 
 /// Shows a person so many lines about the network, and counts the others.
@@ -279,26 +275,16 @@ fn say(lines: &Receiver<Line>, manner: Manner) {
         if manner == Manner::Words {
             let (about_the_network, words) = match line {
                 Line::Second(second) => (false, second.words()),
-                Line::Words(words) => (false, words),
+                Line::Words { words } => (false, words),
                 Line::Notice { words, .. } => (true, words),
-                Line::Path { path, .. } => (true, path_words(&path)),
+                Line::Path { words, .. } => (true, path_words(&words)),
             };
             let shown = if about_the_network { limiter.shown(Instant::now(), words) } else { Some(words) };
             shown.into_iter().for_each(haptic_io::say);
             continue;
         }
-        let object = match line {
-            Line::Second(second) => json!(TaggedSecond { kind: "second", second: &second }),
-            Line::Notice { time_s, notice, words } => {
-                json!({ "kind": "notice", "time_s": time_s, "notice": notice, "words": words })
-            }
-            Line::Path { time_s, path } => {
-                json!({ "kind": "path", "time_s": time_s, "path": path, "words": path.words() })
-            }
-            Line::Words(words) => json!({ "kind": "words", "words": words }),
-        };
         // Whoever does not read on is sent nothing more; the run goes on.
-        if haptic_io::out(format_args!("{object}\n")).is_err() {
+        if haptic_io::out(format_args!("{}\n", json!(line))).is_err() {
             return;
         }
     }

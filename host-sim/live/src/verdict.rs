@@ -168,7 +168,7 @@ impl Judging {
 
     /// Keeps the motors of a peer off until the verdict lets them be armed, and while a person has `stopped` them; once they are armed, a verdict
     /// leaves them so. To be called before each tick, at `now_us` of the peer's clock, µs; what is to be said of the verdict, if that is new.
-    pub fn heed<const SHARED: usize, const N: usize, D: Device<f32, N>>(
+    pub fn heed<const SHARED: usize, const N: usize, D: Device<f32, N> + ?Sized>(
         &mut self,
         now_us: u64,
         node: &mut Node<SHARED, N, D>,

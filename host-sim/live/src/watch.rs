@@ -123,7 +123,7 @@ pub fn who(number: u8) -> String {
 }
 
 /// What a peer is at: `calling`, `waiting`, `refused`, `armed`, `faulted`.
-pub(crate) fn state<const SHARED: usize, const N: usize, D: Device<f32, N>>(
+pub(crate) fn state<const SHARED: usize, const N: usize, D: Device<f32, N> + ?Sized>(
     node: &Node<SHARED, N, D>,
     judging: Option<&Judging>,
 ) -> &'static str {
@@ -138,7 +138,7 @@ pub(crate) fn state<const SHARED: usize, const N: usize, D: Device<f32, N>>(
 }
 
 /// What stopped a peer, or its device, in words.
-pub(crate) fn fault<const SHARED: usize, const N: usize, D: Device<f32, N>>(
+pub(crate) fn fault<const SHARED: usize, const N: usize, D: Device<f32, N> + ?Sized>(
     node: &Node<SHARED, N, D>,
 ) -> Option<String> {
     match node.peer.mode() {
@@ -275,7 +275,7 @@ impl Watch {
     }
 
     /// A tick is over.
-    pub fn ticked<const SHARED: usize, const N: usize, D: Device<f32, N>>(
+    pub fn ticked<const SHARED: usize, const N: usize, D: Device<f32, N> + ?Sized>(
         &mut self,
         now_ns: u64,
         node: &Node<SHARED, N, D>,
@@ -318,7 +318,7 @@ impl Watch {
         }
     }
 
-    fn second<const SHARED: usize, const N: usize, D: Device<f32, N>>(
+    fn second<const SHARED: usize, const N: usize, D: Device<f32, N> + ?Sized>(
         &mut self,
         now_ns: u64,
         node: &Node<SHARED, N, D>,

@@ -41,7 +41,7 @@ pub(crate) fn csv(figure: &Figure, axes: &[Axes], widths: &[f64]) -> Result<Stri
 fn rows(panel: &Panel, series: &Series, axes: &Axes, width: f64) -> Vec<Row> {
     let plain = |(x, y): &(f64, f64)| (String::new(), [Some(*x), Some(*y), None, None]);
     match &series.shape {
-        Shape::Line { points, .. } | Shape::Steps(points) => {
+        Shape::Line { points, .. } => {
             let inside = |at: Option<usize>| at.and_then(|at| points.get(at)).is_some_and(|(x, _)| axes.x.holds(*x));
             let seen =
                 (0..points.len()).filter(|at| [at.checked_sub(1), Some(*at), Some(at + 1)].into_iter().any(inside));

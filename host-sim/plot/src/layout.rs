@@ -55,7 +55,8 @@ pub(crate) fn sheet(figure: &Figure, print: Print) -> Result<Sheet, Cause> {
         writer.around(axes, slot);
     }
     let mut base = bottom + 6.0;
-    let below = figure.panels.iter().zip(&tall).filter(|(panel, tall)| **tall && legend::has_labels(panel));
+    let below =
+        figure.panels.iter().zip(&tall).filter(|(panel, tall)| **tall && legend::labelled(panel).next().is_some());
     let below: Vec<&Panel> = below.map(|(panel, _)| panel).collect();
     for panel in &below {
         let name = if below.len() > 1 { &*panel.y_label } else { "" };

@@ -41,11 +41,6 @@ fn size(panel: &Panel, frame: &Frame) -> Option<(f64, f64)> {
     Some((widest + 2.0 * PADDING, widths.len() as f64 * LINE + 2.0 * PADDING - 4.0))
 }
 
-/// Whether a series of the panel has a label.
-pub(crate) fn has_labels(panel: &Panel) -> bool {
-    labelled(panel).next().is_some()
-}
-
 /// Whether the labels of the panel's series are too long for a box in it.
 pub(crate) fn is_wide(panel: &Panel, frame: &Frame) -> bool {
     labelled(panel)
@@ -66,7 +61,7 @@ pub(crate) fn place(panel: &Panel, frame: &Frame, obstacles: &[Point]) -> Option
     let place = |column: usize, row: usize| {
         let left = room.left + room.width() * column as f64 / COLUMNS as f64;
         let top = room.top + room.height() * row as f64 / ROWS as f64;
-        let area = Frame { left, top, right: left + width, bottom: top + height };
+        let area = Frame::sized((left, top), width, height);
         let grown = area.grown(CLEARANCE);
         Spot { area, covered: obstacles.iter().filter(|p| grown.contains(**p)).count() }
     };
@@ -84,10 +79,7 @@ pub(crate) fn headroom(panel: &Panel, frame: &Frame) -> f64 {
 
 /// The box at its place in the frame.
 pub(crate) fn marks(panel: &Panel, frame: &Frame, area: Frame) -> Vec<Mark> {
-    let mut marks = vec![
-        Mark::Fill { frames: vec![area], color: PAPER, opacity: 0.88 },
-        Mark::Line { points: area.outline(), color: GRID, width: 1.0, dash: Dash::Solid },
-    ];
+    let mut marks = vec![Mark::fill(area, PAPER, 0.88), Mark::line(area.outline(), GRID, 1.0)];
     let (left, mut base) = (area.left + PADDING, area.top + PADDING + 16.0);
     for series in labelled(panel) {
         marks.extend(entry(series, (left, base)));
@@ -120,14 +112,15 @@ pub(crate) fn below(panel: &Panel, name: &str, top: f64, (left, right): (f64, f6
     (marks, top + LINE * rows as f64)
 }
 
-fn labelled(panel: &Panel) -> impl Iterator<Item = &Series> {
+/// The series of a panel that have a label.
+pub(crate) fn labelled(panel: &Panel) -> impl Iterator<Item = &Series> {
     panel.series.iter().filter(|series| !series.label.is_empty())
 }
 
 /// A sample of a series and its label, which begin at this point of the base line.
 fn entry(series: &Series, (left, base): Point) -> Vec<Mark> {
     let (color, middle) = (color(series.color), base - 7.0);
-    let square = Frame { left: left + 8.0, top: middle - 8.0, right: left + 32.0, bottom: middle + 8.0 };
+    let square = Frame::sized((left + 8.0, middle - 8.0), 24.0, 16.0);
     let stroke = |dash: Dash| {
         let points = vec![(left, middle), (left + SAMPLE - 10.0, middle)];
         Mark::Line { points, color, width: series.width, dash }
@@ -135,11 +128,10 @@ fn entry(series: &Series, (left, base): Point) -> Vec<Mark> {
     let at = (left + 20.0, middle);
     let mut marks = match &series.shape {
         Shape::Line { dash, .. } => vec![stroke(*dash)],
-        Shape::Steps(_) => vec![stroke(Dash::Solid)],
         Shape::Dots { .. } | Shape::Intervals(_) => vec![Mark::Disc { at, radius: panel::DOT, color }],
         Shape::Rings(_) => panel::ring(at, color).to_vec(),
-        Shape::Bars(_) => vec![Mark::Fill { frames: vec![square], color, opacity: 1.0 }],
-        Shape::Region(_) => vec![Mark::Fill { frames: vec![square], color, opacity: panel::TINT }],
+        Shape::Bars(_) => vec![Mark::fill(square, color, 1.0)],
+        Shape::Region(_) => vec![Mark::fill(square, color, panel::TINT)],
     };
     marks.push(Mark::text((left + SAMPLE, base), Anchor::Start, SIZE, INK, &series.label));
     marks

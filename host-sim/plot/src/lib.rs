@@ -91,8 +91,6 @@ pub struct Panel {
     pub x_range: Option<(f64, f64)>,
     /// Vertical range; found from the data in view when absent.
     pub y_range: Option<(f64, f64)>,
-    /// Bounds that a vertical range found from the data never leaves.
-    pub y_cap: Option<(f64, f64)>,
     /// Logarithmic horizontal axis; values that are not positive are not drawn.
     pub log_x: bool,
     /// Logarithmic vertical axis; values that are not positive are not drawn.
@@ -132,8 +130,6 @@ pub enum Shape {
         /// Solid or broken.
         dash: Dash,
     },
-    /// A value that holds until the next point.
-    Steps(Vec<(f64, f64)>),
     /// Separate dots, each with its own name if there is one.
     Dots {
         /// The points.
@@ -170,11 +166,6 @@ impl Series {
     /// A line with this dash.
     pub fn dashed(label: impl Into<String>, color: usize, dash: Dash, points: Vec<(f64, f64)>) -> Self {
         Self::new(label, color, Shape::Line { points, dash })
-    }
-
-    /// A line that holds each value until the next point.
-    pub fn steps(label: impl Into<String>, color: usize, points: Vec<(f64, f64)>) -> Self {
-        Self::new(label, color, Shape::Steps(points))
     }
 
     /// Dots with the names in `names` beside them.

@@ -47,7 +47,6 @@ pub(crate) fn draw(panel: &Panel, axes: &Axes, frame: &Frame, x_ticks: &[f64], y
     for series in &others {
         match &series.shape {
             Shape::Line { points, dash } => canvas.line(&ends(canvas.pixels(points)), series, *dash),
-            Shape::Steps(points) => canvas.line(&trace::steps(&ends(canvas.pixels(points))), series, Dash::Solid),
             Shape::Dots { points, .. } => canvas.dots(points, series.color),
             Shape::Rings(points) => canvas.rings(points, series.color),
             Shape::Intervals(points) => canvas.intervals(points, series),
@@ -55,7 +54,7 @@ pub(crate) fn draw(panel: &Panel, axes: &Axes, frame: &Frame, x_ticks: &[f64], y
         }
     }
     canvas.names(&others);
-    canvas.out.marks.push(Mark::Line { points: frame.outline(), color: INK, width: 1.5, dash: Dash::Solid });
+    canvas.out.marks.push(Mark::line(frame.outline(), INK, 1.5));
     canvas.out
 }
 
@@ -86,7 +85,7 @@ impl Canvas<'_> {
         let lines = |xs: &[f64], ys: &[f64], color| -> Vec<Mark> {
             let upright = xs.iter().map(|x| upright(self.x(*x)));
             let level = ys.iter().map(|y| level(self.y(*y)));
-            upright.chain(level).map(|points| Mark::Line { points, color, width: 1.0, dash: Dash::Solid }).collect()
+            upright.chain(level).map(|points| Mark::line(points, color, 1.0)).collect()
         };
         let marks = [lines(&minor_x, &minor_y, FAINT), lines(x_ticks, y_ticks, GRID)].concat();
         self.out.marks.extend(marks);
@@ -152,16 +151,16 @@ impl Canvas<'_> {
         let text = value_text(value);
         let half = font::width(&text, NAME) / 2.0 + 2.0;
         let (down, top) = if end > base { (1.0, end + 4.0) } else { (-1.0, end - NAME - 4.0) };
-        let at = |top: f64| Frame { left: middle - half, right: middle + half, top, bottom: top + NAME };
+        let at = |top: f64| Frame::sized((middle - half, top), 2.0 * half, NAME);
         let free = |area: &Frame| !written.iter().any(|other| other.overlaps(area));
         let label = (0..4).map(|i| at(top + down * NAME * f64::from(i))).find(free).unwrap_or_else(|| at(top));
         let top = label.top.clamp(self.frame.top + 2.0, self.frame.bottom - NAME - 2.0);
         let label = at(top);
 
         self.out.obstacles.extend(lattice(&bar).into_iter().chain(lattice(&label)));
-        self.out.marks.push(Mark::Fill { frames: vec![bar], color: color(number), opacity: 1.0 });
+        self.out.marks.push(Mark::fill(bar, color(number), 1.0));
         if label.overlaps(&bar) {
-            self.out.marks.push(Mark::Fill { frames: vec![label], color: PAPER, opacity: 0.9 });
+            self.out.marks.push(Mark::fill(label, PAPER, 0.9));
         }
         self.out.marks.push(Mark::text((middle, label.bottom - 4.0), Anchor::Middle, NAME, INK, &text));
         label
@@ -187,7 +186,7 @@ impl Canvas<'_> {
         let visible = self.visible(points);
         self.out.marks.extend(visible.iter().map(|at| Mark::Disc { at: *at, radius: DOT, color: color(number) }));
         // What covers a dot covers more than what crosses a line.
-        let about = |(x, y): &Point| Frame { left: *x, top: *y, right: *x, bottom: *y }.grown(DOT - 2.0);
+        let about = |at: &Point| Frame::sized(*at, 0.0, 0.0).grown(DOT - 2.0);
         self.out.obstacles.extend(visible.iter().flat_map(|at| lattice(&about(at))));
     }
 
@@ -220,7 +219,7 @@ impl Canvas<'_> {
                 } else {
                     (left, top)
                 };
-                Frame { left, right: left + width, top, bottom: top + NAME }
+                Frame::sized((left, top), width, NAME)
             };
             let cost = |(off, area): &(f64, Frame)| {
                 let inside = area.corners().into_iter().all(|corner| self.frame.grown(-3.0).contains(corner));
@@ -233,12 +232,7 @@ impl Canvas<'_> {
                 taken.push(area);
                 if off > 1.0 {
                     let end = (at.0.clamp(area.left, area.right), at.1.clamp(area.top, area.bottom));
-                    self.out.marks.push(Mark::Line {
-                        points: vec![at, end],
-                        color: INK,
-                        width: 1.0,
-                        dash: Dash::Solid,
-                    });
+                    self.out.marks.push(Mark::line(vec![at, end], INK, 1.0));
                 }
                 self.out.marks.push(Mark::text((area.left, area.bottom - 4.0), Anchor::Start, NAME, INK, &name));
             }

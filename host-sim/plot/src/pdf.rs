@@ -124,9 +124,7 @@ impl Painter {
                 self.path(points);
                 self.content.stroke();
             }
-            Mark::Fill { frames, color, opacity } => {
-                self.fill(frames.iter().map(|frame| frame.corners()), *color, *opacity);
-            }
+            Mark::Fill { frame, color, opacity } => self.fill(std::iter::once(frame.corners()), *color, *opacity),
             Mark::Region { strips, color, opacity } => {
                 self.fill(strips.iter().map(|corners| corners.to_vec()), *color, *opacity)
             }

@@ -65,9 +65,7 @@ impl Painter<'_> {
                 let strokes = trace::dashes(points, dash.pattern());
                 strokes.iter().try_for_each(|stroke| self.stroke(stroke, *width, &style(*color, 1.0)))
             }
-            Mark::Fill { frames, color, opacity } => {
-                frames.iter().try_for_each(|frame| self.fill(frame, &style(*color, *opacity)))
-            }
+            Mark::Fill { frame, color, opacity } => self.fill(frame, &style(*color, *opacity)),
             Mark::Region { strips, color, opacity } => {
                 strips.iter().try_for_each(|corners| self.strip(corners, &style(*color, *opacity)))
             }

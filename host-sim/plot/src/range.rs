@@ -1,7 +1,7 @@
 //! Ranges: what part of its data each panel shows.
 //!
 //! A range found from data holds the finite values (positive ones on a logarithmic axis) of the points inside the horizontal range, and
-//! zero under bars; then the bounds of [`Panel::y_cap`] apply, then a margin is added. Panels that share an axis of the same kind get the
+//! zero under bars; then a margin is added. Panels that share an axis of the same kind get the
 //! union; [`Panel::off_scale`] panels add to it only if there is nothing else.
 
 use super::scale::{Scale, showable};
@@ -72,9 +72,6 @@ fn found_y(panel: &Panel, x: &Scale) -> Range {
     let bars = panel.series.iter().any(|s| matches!(s.shape, Shape::Bars(_)));
     let region = panel.series.iter().any(|s| matches!(s.shape, Shape::Region(_)));
     let (mut lo, mut hi) = extent(visible, panel.log_y)?;
-    if let Some((a, b)) = panel.y_cap.filter(|(a, b)| !a.is_nan() && !b.is_nan()) {
-        (lo, hi) = (lo.clamp(a.min(b), a.max(b)), hi.clamp(a.min(b), a.max(b)));
-    }
     // Bars stand on the axis and carry their values at the end; regions fill the panel to its edge.
     let sides = match (bars, region, panel.log_y) {
         (true, _, true) => (0.25, 0.15),
@@ -104,8 +101,9 @@ fn hull(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
 /// Points that span a series: its own, or the corners of a region.
 fn span(series: &Series) -> Vec<(f64, f64)> {
     match &series.shape {
-        Shape::Line { points, .. } | Shape::Dots { points, .. } => points.clone(),
-        Shape::Steps(points) | Shape::Bars(points) | Shape::Rings(points) => points.clone(),
+        Shape::Line { points, .. } | Shape::Dots { points, .. } | Shape::Bars(points) | Shape::Rings(points) => {
+            points.clone()
+        }
         Shape::Intervals(points) => {
             points.iter().flat_map(|(x, y, within)| [(*x, y - within), (*x, *y), (*x, y + within)]).collect()
         }

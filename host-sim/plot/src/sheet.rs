@@ -112,6 +112,11 @@ pub(crate) struct Frame {
 }
 
 impl Frame {
+    /// The rectangle of this size with this upper left corner.
+    pub(crate) fn sized((left, top): Point, width: f64, height: f64) -> Self {
+        Self { left, top, right: left + width, bottom: top + height }
+    }
+
     pub(crate) fn width(&self) -> f64 {
         self.right - self.left
     }
@@ -187,9 +192,8 @@ pub(crate) enum Mark {
         width: f64,
         dash: Dash,
     },
-    /// Rectangles that do not overlap, as one shape.
     Fill {
-        frames: Vec<Frame>,
+        frame: Frame,
         color: Rgb,
         opacity: f64,
     },
@@ -208,6 +212,16 @@ pub(crate) enum Mark {
 }
 
 impl Mark {
+    /// A solid line.
+    pub(crate) fn line(points: Vec<Point>, color: Rgb, width: f64) -> Self {
+        Self::Line { points, color, width, dash: Dash::Solid }
+    }
+
+    /// A filled rectangle.
+    pub(crate) fn fill(frame: Frame, color: Rgb, opacity: f64) -> Self {
+        Self::Fill { frame, color, opacity }
+    }
+
     /// A text to the right, the anchor of its base line at a point.
     pub(crate) fn text(at: Point, anchor: Anchor, size: f64, color: Rgb, text: &str) -> Self {
         Self::Text(Text { at, anchor, size, color, upward: false, text: text.to_owned() })

@@ -32,9 +32,9 @@ pub(crate) fn render(sheet: &Sheet, about: &str) -> String {
                     format!("fill=\"none\" stroke=\"{color}\" stroke-width=\"{width}\" stroke-linejoin=\"round\"");
                 writeln!(out, "<path d=\"{path}\" {stroke}{dash}/>")
             }
-            Mark::Fill { frames, color, opacity } => {
-                let boxes: String = frames.iter().map(|f| path(&f.corners()) + "z").collect();
-                writeln!(out, "<path d=\"{boxes}\" fill=\"{}\" fill-opacity=\"{opacity}\"/>", hex(*color))
+            Mark::Fill { frame, color, opacity } => {
+                let piece = path(&frame.corners()) + "z";
+                writeln!(out, "<path d=\"{piece}\" fill=\"{}\" fill-opacity=\"{opacity}\"/>", hex(*color))
             }
             Mark::Region { strips, color, opacity } => {
                 let pieces: String = strips.iter().map(|corners| path(corners) + "z").collect();

@@ -80,15 +80,6 @@ fn segment_inside(from: Point, to: Point, frame: &Frame) -> Option<(Point, Point
     (enter <= leave).then(|| (at(enter), at(leave)))
 }
 
-/// The corners of a signal that holds each value until the next point.
-pub(crate) fn steps(points: &[Point]) -> Vec<Point> {
-    let corner = |pair: &[Point]| match pair {
-        [from, to] => vec![*from, (to.0, from.1)],
-        _ => Vec::new(),
-    };
-    points.windows(2).flat_map(corner).chain(points.last().copied()).collect()
-}
-
 /// The strokes of a line that is broken by a pattern of stroke and gap lengths; the line itself if there is no pattern.
 pub(crate) fn dashes(points: &[Point], pattern: &[f64]) -> Vec<Vec<Point>> {
     if pattern.is_empty() || pattern.iter().any(|length| *length <= 0.0) {

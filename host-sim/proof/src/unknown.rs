@@ -154,6 +154,10 @@ impl<F: Float> Scalar for Unknown<F> {
     fn round_to_i32(self) -> i32 {
         F::from_f64(self.to_f64()).round_to_i32()
     }
+    /// Whole numbers stand for any: so of what is left all is there that it may be.
+    fn apart(self, _: i32, _: i32) -> (i32, Self) {
+        (0, self - Self::from_i32(0))
+    }
     /// Both ends, one after the other: a code decides about faults and nothing else. What lies between is noted.
     fn to_code(self) -> i16 {
         graph::code::<F>(self.place) as i16

@@ -9,10 +9,10 @@ use haptic_plot::Print;
 use haptic_report::{Files, Provenance};
 use haptic_sim::Laws;
 use haptic_studies::entrant::Entrant;
+use haptic_studies::networks::{Network, OWN};
 use haptic_studies::study;
 use haptic_studies::study::answers::{Answer, Goal, metric};
 use haptic_studies::study::halving::{LeftOut, Search};
-use haptic_studies::study::{OWN, Over};
 use haptic_studies::sweep;
 use haptic_studies::sweep::{Keep, METRICS, Plan, Row};
 use host_sim::provenance;
@@ -63,11 +63,11 @@ fn entrants(py: Python<'_>, of: &Bound<'_, PyAny>) -> PyResult<Vec<Entrant>> {
 }
 
 /// The networks of names and paths.
-fn networks(of: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<Over>> {
-    let named = |name: &str| Over::of(name).map_err(refused);
+fn networks(of: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<Network>> {
+    let named = |name: &str| Network::of(name).map_err(refused);
     let one = |network: &Bound<'_, PyAny>| match network.cast::<PyString>() {
         Ok(name) => named(&name.to_string()),
-        Err(_) => Ok(vec![Over::of_trace(&network.extract::<PathBuf>()?).map_err(refused)?]),
+        Err(_) => Ok(vec![Network::of_trace(&network.extract::<PathBuf>()?).map_err(refused)?]),
     };
     match of {
         None => named(OWN),
@@ -138,7 +138,7 @@ impl Study {
     /// The names that `networks` takes beside "all".
     #[staticmethod]
     fn network_names() -> Vec<&'static str> {
-        Over::names().collect()
+        Network::names().collect()
     }
 
     /// Runs everything on so many threads (0: as many as there are cores); or with `search="halving"` only what decides which points have the least

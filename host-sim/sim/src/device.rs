@@ -9,8 +9,6 @@ use haptic_core::num::{Motion, Scalar};
 use haptic_core::numbered;
 use haptic_core::peer::{Actuators, Sensors};
 
-use crate::plant::Plant;
-
 numbered! {
     /// Why a device that is really there must not be driven. The numbers go on where those of a peer's own faults
     /// ([`haptic_core::safety::Fault`]) end, and are never reused either.
@@ -90,68 +88,5 @@ pub trait Device<S: Scalar, const N: usize = AXES> {
     /// Force of a wall in the device's own room that is known to push it, N; 0 without one.
     fn wall_n(&self) -> f64 {
         0.0
-    }
-}
-
-impl<S: Scalar, const N: usize> Device<S, N> for Plant<N> {
-    #[inline]
-    fn sensors(&self) -> Sensors<S, N> {
-        self.sensors()
-    }
-    #[inline]
-    fn step(&mut self, time_s: f64, actuators: &Actuators<S, N>) {
-        self.step(time_s, actuators);
-    }
-    fn wait(&mut self, actuators: &Actuators<S, N>) {
-        self.wait(actuators);
-    }
-    #[inline]
-    fn clutches(&self, time_s: f64) -> bool {
-        self.clutches(time_s)
-    }
-    fn start(&self) -> [Motion<S>; N] {
-        self.in_the_world()
-    }
-    fn motions(&self) -> [Motion<f64>; N] {
-        self.motions()
-    }
-    fn pull(&mut self, forces_n: [f64; N]) {
-        self.pull(forces_n);
-    }
-    fn wall_n(&self) -> f64 {
-        self.wall_n()
-    }
-}
-
-impl<S: Scalar, const N: usize, D: Device<S, N> + ?Sized> Device<S, N> for Box<D> {
-    fn look(&mut self) -> Result<(), Gone> {
-        (**self).look()
-    }
-    fn sensors(&self) -> Sensors<S, N> {
-        (**self).sensors()
-    }
-    fn step(&mut self, time_s: f64, actuators: &Actuators<S, N>) {
-        (**self).step(time_s, actuators);
-    }
-    fn wait(&mut self, actuators: &Actuators<S, N>) {
-        (**self).wait(actuators);
-    }
-    fn idle(&mut self) {
-        (**self).idle();
-    }
-    fn clutches(&self, time_s: f64) -> bool {
-        (**self).clutches(time_s)
-    }
-    fn start(&self) -> [Motion<S>; N] {
-        (**self).start()
-    }
-    fn motions(&self) -> [Motion<f64>; N] {
-        (**self).motions()
-    }
-    fn pull(&mut self, forces_n: [f64; N]) {
-        (**self).pull(forces_n);
-    }
-    fn wall_n(&self) -> f64 {
-        (**self).wall_n()
     }
 }

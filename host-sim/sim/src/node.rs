@@ -58,10 +58,10 @@ impl Transmit for Link {
 
 /// One peer that shares the object along `SHARED` axes of its device of `N`, that device and its link.
 #[derive(Debug)]
-pub struct Node<const SHARED: usize = 1, const N: usize = AXES, D = Plant<N>> {
+pub struct Node<const SHARED: usize = 1, const N: usize = AXES, D: ?Sized = Plant<N>> {
     /// The peer; only the node gives it a tick.
     pub peer: Box<dyn DynPeer<f32, SHARED, N>>,
-    device: D,
+    device: Box<D>,
     /// Why the device is driven no more.
     gone: Option<Gone>,
     /// Its motors are off until somebody says otherwise.
@@ -196,11 +196,11 @@ where
     /// # Errors
     /// A scene that cannot be built, another number of shared axes, or settings from which no link can be built.
     pub fn build(scene: &Scene, number: u8, key: Key, entropy: [u8; Key::LEN]) -> Result<Self, crate::Error> {
-        Self::with_device(scene, number, key, entropy, Plant::build(scene, usize::from(number == 2)))
+        Self::with_device(scene, number, key, entropy, Box::new(Plant::build(scene, usize::from(number == 2))))
     }
 }
 
-impl<const SHARED: usize, const N: usize, D: Device<f32, N>> Node<SHARED, N, D>
+impl<const SHARED: usize, const N: usize, D: Device<f32, N> + ?Sized> Node<SHARED, N, D>
 where
     f32: Builds<SHARED, N>,
 {
@@ -211,7 +211,7 @@ where
         number: u8,
         key: Key,
         entropy: [u8; Key::LEN],
-        device: D,
+        device: Box<D>,
     ) -> Result<Self, crate::Error> {
         let peer = scene.laws.peer(&scene.peers()[usize::from(number == 2)], device.start())?;
         let (line, period_s) = (Line::open(scene, number, key, entropy)?, scene.peer.timing.control_period_s);
@@ -236,7 +236,7 @@ where
     }
 }
 
-impl<const SHARED: usize, const N: usize, D: Device<f32, N>> Node<SHARED, N, D> {
+impl<const SHARED: usize, const N: usize, D: Device<f32, N> + ?Sized> Node<SHARED, N, D> {
     /// This node, which sends its telemetry every `telemetry_s` seconds.
     #[must_use]
     pub fn telling_every(self, telemetry_s: f64) -> Self {
@@ -428,7 +428,7 @@ impl<const SHARED: usize, const N: usize, D: Device<f32, N>> Node<SHARED, N, D> 
 impl<const SHARED: usize, const N: usize> Node<SHARED, N> {
     /// What a reset leaves: the device, in a hand that holds it still.
     pub fn device(&self) -> Plant<N> {
-        let mut plant = self.device.clone();
+        let mut plant = (*self.device).clone();
         plant.rest();
         plant
     }

@@ -44,7 +44,7 @@ pub struct Scene {
     /// Settings of one end alone, by key: `peer.1.…` and `peer.2.…`, of [`OWN`].
     own: [OwnKeys; 2],
     /// Devices are what they are at home, and linear: [`Scene::linear`].
-    at_home: bool,
+    pub(crate) at_home: bool,
     /// A recording of what the network did (`network.trace`), instead of what its table would draw.
     pub network_trace: Option<Arc<NetworkTrace>>,
 }
@@ -325,11 +325,6 @@ impl Scene {
     /// The device of each end.
     pub fn devices(&self) -> [Device; 2] {
         self.ends().map(|(_, world)| world.device)
-    }
-
-    /// Whether its devices are taken for what their mechanisms are at home, as the linear analysis has them.
-    pub(crate) fn is_at_home(&self) -> bool {
-        self.at_home
     }
 
     /// Whether the inertia of a device's joints couples its axes.

@@ -1,7 +1,7 @@
 //! `host-sim architectures`: the same task in every architecture, side by side.
 
 use clap::Args;
-use haptic_core::num::Scalar;
+use haptic_core::{names::Choice, num::Scalar};
 use haptic_report::significant;
 use haptic_studies::architectures::together::unbounded_radius;
 use haptic_studies::architectures::{Architecture, DELAYS_MS, Row, TASK, across, columns, picture, rows};
@@ -40,7 +40,7 @@ impl Architectures {
         };
         let if_stable = |row: &Row, cell: String| if row.stable { cell } else { "NO".to_owned() };
         let title = "True discrepancy, mean / largest (mm); NO with the spectral radius of a packet period";
-        print_table(title, &Architecture::ALL, &|row| {
+        print_table(title, Architecture::ALL, &|row| {
             let [mean, largest] = [row.true_discrepancy_mm, row.peak_discrepancy_mm].map(|mm| significant(mm, 3));
             if row.stable { format!("{mean} / {largest}") } else { format!("NO {:.3}", row.spectral_radius) }
         });
@@ -58,13 +58,13 @@ impl Architectures {
             let [one, two] = row.contact_n_per_m.map(|stiffness| significant(stiffness, 3));
             format!("{one} {two}")
         });
-        print_table("Mean / largest force felt (N)", &Architecture::ALL, &|row| {
+        print_table("Mean / largest force felt (N)", Architecture::ALL, &|row| {
             if_stable(row, format!("{:.2} / {:.1}", row.felt_n, row.peak_n))
         });
-        print_table("Placed after (s), and where (mm, both users)", &Architecture::ALL, &|row| {
+        print_table("Placed after (s), and where (mm, both users)", Architecture::ALL, &|row| {
             if_stable(row, format!("{:.1}: {:.0} {:.0}", row.placed_s, row.rests_mm[0], row.rests_mm[1]))
         });
-        print_table("Bytes a second: one user / server (kB/s, sealed)", &Architecture::ALL, &|row| {
+        print_table("Bytes a second: one user / server (kB/s, sealed)", Architecture::ALL, &|row| {
             if_stable(row, format!("{:.1} / {:.1}", 1e-3 * row.user_bytes_per_s, 1e-3 * row.server_bytes_per_s))
         });
         writeln!(ui, "{:.1} s", wall_s);

@@ -6,10 +6,10 @@ use clap::Args;
 use haptic_core::law::Sends;
 use haptic_report::Provenance;
 use haptic_studies::bench::chooser::{self, CHOOSER};
-use haptic_studies::bench::networks::{Network, TEST};
 use haptic_studies::bench::page::{BENCH, PICTURE, section};
 use haptic_studies::bench::{Found, figure, tables};
 use haptic_studies::campaign::laws::asked_for;
+use haptic_studies::networks::{Network, TEST};
 use haptic_studies::{bench, sweep};
 use serde_json::json;
 

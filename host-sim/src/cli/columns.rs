@@ -14,9 +14,9 @@ use haptic_sim::network::trace;
 use haptic_sim::{run::Account, scene::Scene};
 use haptic_studies::entrant::Entrant;
 use haptic_studies::reproduce::{paper, published};
-use haptic_studies::study::{Over, Study, answers::Goal};
+use haptic_studies::study::{Network, Study, answers::Goal};
 use haptic_studies::sweep;
-use haptic_studies::sweep::{Row, Sweep};
+use haptic_studies::sweep::{Kept as _, Row, Sweep};
 use haptic_studies::{accuracy, architectures, bench, campaign, force, precision, reproduce, transparency};
 use serde_json::{Value, json};
 
@@ -79,7 +79,7 @@ fn kinds(ui: &Ui) -> Vec<TableKind> {
     let scene = Scene::new(ui.laws);
     let axes = vec![sweep::Axis { key: KEY.to_owned(), values: Vec::new() }];
     let example = Entrant { name: String::new(), scene: scene.clone() };
-    let studied = Study::new(vec![example], vec![Over::own()], &axes, None, 1, 0.0).ok();
+    let studied = Study::new(vec![example], vec![Network::own()], &axes, None, 1, 0.0).ok();
     let studied = |table: fn(&Study) -> Columns| studied.as_ref().map_or(Columns::default(), table);
     const GOAL: Goal = Goal { metric: 0, bounds: Vec::new() };
     let swept = Sweep { scene, axes, sample: None, seeds: 1, seconds: 0.0 };

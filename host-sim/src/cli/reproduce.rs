@@ -3,7 +3,7 @@
 use clap::Args;
 use haptic_analysis::rendering::{identify, maps, picture as rendering};
 use haptic_analysis::{figure4, picture};
-use haptic_core::num::Scalar;
+use haptic_core::{names::Choice, num::Scalar};
 use haptic_studies::reproduce::paper::{DURATION_S, experiment_columns, experiments, gain_columns, gains};
 use haptic_studies::reproduce::{Computed, architectures, columns, cooperation, counted, counts, page};
 use haptic_studies::{architectures as choice, figures};

@@ -8,7 +8,7 @@ use haptic_report::{Columns, Provenance};
 use haptic_sim::run::Until;
 use haptic_studies::study::answers::{Answer, Bound, Goal, metric};
 use haptic_studies::study::halving::Search;
-use haptic_studies::study::{OWN, Over, Study as Asked};
+use haptic_studies::study::{Network, OWN, Study as Asked};
 use haptic_studies::sweep::{Plan, Row, tag};
 use serde_json::json;
 
@@ -53,10 +53,10 @@ pub(super) struct Study {
 }
 
 /// Networks of a name.
-type Networks = Box<[Over]>;
+type Networks = Box<[Network]>;
 
 fn networks(text: &str) -> Result<Networks, haptic_studies::Error> {
-    Over::of(text).map(Vec::into_boxed_slice)
+    Network::of(text).map(Vec::into_boxed_slice)
 }
 
 impl Study {
@@ -121,12 +121,12 @@ impl Study {
     /// What is asked.
     fn study(&self, ui: &Ui) -> Result<Asked, Failure> {
         let entrants = self.entrants.load(ui, &self.scenes, self.time)?;
-        let mut networks: Vec<Over> = self.network.iter().flatten().cloned().collect();
+        let mut networks: Vec<Network> = self.network.iter().flatten().cloned().collect();
         for trace in &self.trace {
-            networks.push(Over::of_trace(trace).map_err(|error| format!("--trace: {error}"))?);
+            networks.push(Network::of_trace(trace).map_err(|error| format!("--trace: {error}"))?);
         }
         if networks.is_empty() {
-            networks = Over::of(OWN)?;
+            networks = Network::of(OWN)?;
         }
         let (grid, sample) = (&self.grid, self.grid.sample()?);
         let study = Asked::new(entrants, networks, &grid.over, sample.as_ref(), grid.seeds, self.time.seconds)?;

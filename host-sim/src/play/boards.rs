@@ -349,7 +349,7 @@ impl Seat {
             }
             Place::At(at, key_file) => {
                 let operator = Operator::connect(at, &key_file)?;
-                let (number, reins) = (operator.number(), (operator.reins(), operator.start()));
+                let (number, reins) = (operator.number, (operator.reins(), operator.start()));
                 let board = move || Ok(Box::new(operator) as Box<dyn BoardLink>);
                 Self::attend(format!("board {number} at {at}"), usize::from(number) - 1, reins, Box::new(board))
             }

@@ -377,7 +377,7 @@ fn of_page(rows: &Rows) -> Option<EnvironmentKind> {
 
 /// The tick of each row, from 0.
 fn ticks_of(rows: &Rows) -> Vec<usize> {
-    let counted = rows.column("tick").unwrap_or_else(|| rows.sequences());
+    let counted = rows.column("tick").unwrap_or(&rows.sequences);
     let mut ticks = Vec::with_capacity(counted.len());
     let (mut tick, mut before) = (0_usize, None);
     let mut left = counted.len() + LONGEST_GAP;

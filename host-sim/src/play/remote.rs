@@ -134,7 +134,7 @@ struct PartnerState {
 /// One peer that shares the object along `SHARED` axes of its device of `N`, and its line.
 pub(super) struct Remote<const SHARED: usize, const N: usize> {
     scene: Scene,
-    node: Node<SHARED, N, Box<dyn Device<f32, N>>>,
+    node: Node<SHARED, N, dyn Device<f32, N>>,
     /// 0 or 1.
     own: usize,
     endpoint: Endpoint,
@@ -213,7 +213,7 @@ where
         let Self { node, endpoint, join, path, came, going, cut, heard, watch, judging, .. } = self;
         let mut said = None;
         while Instant::now() < until && endpoint.take(came)? {
-            let waited: [Duration; MOST] = from_fn(|at| came.waited().get(at).copied().unwrap_or_default());
+            let waited: [Duration; MOST] = from_fn(|at| came.waited.get(at).copied().unwrap_or_default());
             for ((from, datagram), waited) in came.each().zip(waited) {
                 let now_ns = endpoint.now_ns();
                 let now_us = now_ns / 1_000;

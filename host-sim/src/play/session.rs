@@ -72,7 +72,7 @@ impl<const SHARED: usize> Side<SHARED> {
             let [received, sent] = [ledger.received_j(), ledger.sent_j()].map(f64::from);
             port.see(&seen.map(f64::from), [received, sent]);
             sent_j += sent - received;
-            kept_j += port.balance_j() - port.with_network(received, sent).stored_j;
+            kept_j += port.balance_j - port.with_network(received, sent).stored_j;
         }
         let live_ticks = peer.outgoing()[0].live_ticks;
         self.silent = if heard == self.heard { self.silent.saturating_add(1) } else { 0 };

@@ -10,7 +10,7 @@ mod error;
 pub mod estimate;
 pub mod figures;
 pub mod force;
-mod networks;
+pub mod networks;
 pub mod paired;
 pub mod precision;
 pub mod proof;

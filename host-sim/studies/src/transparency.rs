@@ -17,7 +17,7 @@ use std::f64::consts::TAU;
 use haptic_analysis::{answers, judge};
 use haptic_plot::{Dash, Figure, Panel, Series};
 use haptic_report::Columns;
-use haptic_sim::measure::impedance::{Answer, RemoteEnd, SPEED_M_PER_S, answer};
+use haptic_sim::measure::impedance::{Answer, RemoteEnd, SPEED_M_PER_S, answer, frequencies_hz};
 use haptic_sim::scene::Scene;
 use rayon::prelude::*;
 
@@ -151,8 +151,7 @@ pub fn study(scene: &Scene, round_trips_ms: &[f64], done: &(dyn Fn() + Sync)) ->
     let cases = round_trips_ms.iter().flat_map(|round_trip_ms| [1, 2].map(|end| (*round_trip_ms, end)));
     let curve = |(round_trip_ms, end): (f64, usize)| {
         let scene = delayed(scene, round_trip_ms)?;
-        let frequencies = frequencies_hz(&scene, FINER);
-        let run = frequencies_hz(&scene, 1);
+        let [frequencies, run] = [FINER, 1].map(|finer| frequencies_hz(&scene, BAND_HZ, finer * (POINTS - 1) + 1));
         let [held, alone] = FARS.map(|far| answers(&scene, end - 1, far, &frequencies));
         let analysed = held?.into_iter().zip(alone?).map(|(held, alone)| [held, alone]);
         let points: Vec<(f64, [Answer; 2])> = frequencies.iter().copied().zip(analysed).collect();
@@ -170,17 +169,6 @@ pub fn study(scene: &Scene, round_trips_ms: &[f64], done: &(dyn Fn() + Sync)) ->
         Ok(curve)
     };
     cases.map(curve).collect()
-}
-
-/// [`POINTS`] frequencies whose periods are whole control periods, about evenly spaced by their logarithm; so many times finer.
-fn frequencies_hz(scene: &Scene, finer: usize) -> Vec<f64> {
-    let (period_s, [low, high]) = (scene.peer.timing.control_period_s, BAND_HZ);
-    let high = high.min(0.2 / period_s);
-    let last = finer * (POINTS - 1);
-    let at = |point: usize| low * (high / low).powf(point as f64 / last as f64);
-    let mut ticks: Vec<u32> = (0..=last).map(|point| (1.0 / (at(point) * period_s)).round() as u32).collect();
-    ticks.dedup();
-    ticks.into_iter().map(|ticks| 1.0 / (f64::from(ticks) * period_s)).collect()
 }
 
 /// The stiffest wall up to which the device of peer `number` may meet all of [`WALLS_N_PER_M`], for good, in every mode.
@@ -274,7 +262,7 @@ pub fn figure(curves: &[Curve]) -> Figure {
     let [held, alone]: [Of; 2] = [|both| both[0].impedance.norm(), |both| both[1].impedance.norm()];
     let [held_deg, alone_deg]: [Of; 2] =
         [|both| both[0].impedance.arg().to_degrees(), |both| both[1].impedance.arg().to_degrees()];
-    let errors: [Of; 2] = [|both| Point::position_error(&both[1]), |both| Point::force_error(&both[0])];
+    let [position, force]: [Of; 2] = [|both| Point::position_error(&both[1]), |both| Point::force_error(&both[0])];
     let panel = |end: usize, title: String, y_label: &str, lines: &[(Of, Dash, &str)], log_y: bool, legend: bool| {
         let of_end = curves.iter().filter(|curve| curve.end == end);
         let series = of_end.enumerate().flat_map(|(colour, curve)| {
@@ -313,7 +301,6 @@ pub fn figure(curves: &[Curve]) -> Figure {
             panel(end, format!("Felt at the {who}, phase"), "Phase (degrees)", &phases, false, false),
         ]
     });
-    let [position, force] = errors;
     let last = [
         panel(1, "Follower alone".to_owned(), "Position error", &[(position, Dash::Solid, "")], true, false),
         panel(1, "Follower held".to_owned(), "Force error", &[(force, Dash::Solid, "")], true, false),

@@ -119,7 +119,7 @@ impl Lab {
         let handle = Handle(Arc::new(Mutex::new(World { hand, fault: Fault::None, asked: Vec::new() })));
         let scene = scene(set);
         let entropy = key_file::entropy().expect("random bytes");
-        let mut node = Node::<1, AXES, _>::with_device(&scene, number, key, entropy, handle.clone())
+        let mut node = Node::<1, AXES, _>::with_device(&scene, number, key, entropy, Box::new(handle.clone()))
             .expect("a board")
             .telling_every(0.02);
         let socket = UdpSocket::bind(&ends[0]).expect("a socket");

@@ -137,7 +137,7 @@ fn lines_are_answered_and_samples_come_under_the_right_key_only() {
     let board = Board::start(key_file::read(&right, Role::Operator).unwrap(), 2.0);
 
     let mut operator = Operator::connect(board.address, &right).unwrap();
-    assert_eq!(operator.number(), 2);
+    assert_eq!(operator.number, 2);
     let long = "set coordination.wave_impedance_n_s_per_m 10.000000000000002";
     assert_eq!(operator.ask(long).unwrap(), format!("ok {long}"));
     assert_eq!(operator.ask("arm").unwrap(), "ok arm");

@@ -5,7 +5,7 @@
 use std::net::{SocketAddr, UdpSocket};
 use std::path::Path;
 
-use firmware_parts::record::{CODE, PERIODS, Period, Record};
+use firmware_parts::record::{CODE, Record};
 use haptic_board_tools::operator::{PORT, Session};
 use haptic_live::recording::ticks::{BoardTicks, board_channels};
 use haptic_live::recording::{mcap::INFO, origin::Origin, recorder::Recorder};
@@ -60,8 +60,6 @@ pub struct Pc {
     pub records: [Vec<Record>; 2],
     /// Ticks of each board along further shared axes, oldest first.
     pub further: [Vec<Record>; 2],
-    /// PWM periods that each board has told of, with their numbers.
-    pub periods: [Vec<(u32, Period)>; 2],
     /// Says nothing to anybody.
     pub away: bool,
     /// It only carries datagrams between board 1 and whoever wrote to this socket last.
@@ -121,7 +119,6 @@ impl Pc {
             answers: Default::default(),
             records: Default::default(),
             further: Default::default(),
-            periods: Default::default(),
             away: false,
             carries: None,
             recordings: Default::default(),
@@ -235,12 +232,9 @@ impl Pc {
             }
         }
         for (_, sample) in &samples {
-            if sample.code == PERIODS {
-                self.periods[at].extend(Period::of_payload(sample.payload()));
-                continue;
-            }
-            let record = Record::from_bytes(sample.payload()).expect("a record");
-            [&mut self.records, &mut self.further][usize::from(sample.code != CODE)][at].push(record);
+            // PWM periods are recorded only.
+            let record = Record::from_bytes(sample.payload());
+            [&mut self.records, &mut self.further][usize::from(sample.code != CODE)][at].extend(record);
         }
     }
 }

@@ -47,8 +47,8 @@ impl<S: Scalar> Even<S> {
 
     /// What it says of ρ, and how many samples.
     pub(super) fn hears(&self, told: S) -> (S, u16) {
-        let samples = (told.round_to_i32() / STEP).clamp(0, MODULUS - 1);
-        (told - S::from_i32(STEP * samples), samples as u16)
+        let (samples, share) = told.apart(STEP, MODULUS - 1);
+        (share, samples as u16)
     }
 
     /// By how much an end with so many samples outstanding is behind one that told `far`, s.

@@ -27,7 +27,8 @@ const NOTHING: f64 = f64::MIN_POSITIVE / f64::EPSILON;
 /// Finds eigenvalues, one matrix after the other, in the same memory.
 #[derive(Debug, Default)]
 pub(super) struct Francis {
-    found: Vec<(f64, f64)>,
+    /// Those of the matrix before as (real, imaginary), in no order.
+    pub(super) found: Vec<(f64, f64)>,
     sums: Vec<f64>,
 }
 
@@ -44,11 +45,6 @@ impl Francis {
             rows -= off;
         }
         true
-    }
-
-    /// Those of the matrix before as (real, imaginary), in no order.
-    pub(super) fn found(&self) -> &[(f64, f64)] {
-        &self.found
     }
 }
 

@@ -65,7 +65,7 @@ impl Spectrum {
         while !francis.iterate(worked) {
             *worked = mirrored(matrix, *mirrors.next()?);
         }
-        Some(francis.found())
+        Some(&francis.found)
     }
 }
 

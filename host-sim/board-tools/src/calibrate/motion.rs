@@ -206,14 +206,11 @@ pub fn newton_per_duty(settings: &Settings, joint: &Joint) -> f64 {
     settings.motor.newton_or_newton_metre_per_a * settings.motor.full_scale_a / joint.lever.abs()
 }
 
-/// Share of the dry friction, as it is at least, that the motor takes over where that is asked for.
-const TAKEN_OVER: f64 = 0.7;
-
-/// Moves joint `number` and gives its friction: viscous and dry, N at the hand; and what the motor is to take over, if it is.
+/// Moves joint `number` and gives its friction: viscous and dry, N at the hand.
 ///
 /// # Errors
 /// The board refused a motion, or the fit does not determine the friction.
-pub fn friction(board: &mut dyn Board, number: u32, compensate: bool) -> Result<Vec<Found>, Error> {
+pub fn friction(board: &mut dyn Board, number: u32) -> Result<Vec<Found>, Error> {
     let (motion, joint, settings) = identify(board, number)?;
     let newton = newton_per_duty(&settings, &joint);
     // A friction below zero is none, as far as the data go.
@@ -225,16 +222,10 @@ pub fn friction(board: &mut dyn Board, number: u32, compensate: bool) -> Result<
             );
         }
     }
-    let dry = motion.dry.times(newton);
-    let mut found = vec![
+    Ok(vec![
         Found::number("device.damping_n_s_per_m", at_least_none(motion.damping.times(newton)), "N·s/m"),
-        Found::number("plant.coulomb_n", at_least_none(dry), "N"),
-    ];
-    if compensate {
-        let taken = Estimate { value: TAKEN_OVER * (dry.value - dry.within).max(0.0), within: 0.0 };
-        found.push(Found::number("motor.friction_n", taken, "N"));
-    }
-    Ok(found)
+        Found::number("plant.coulomb_n", at_least_none(motion.dry.times(newton)), "N"),
+    ])
 }
 
 /// Moves joint `number` and gives its mass, kg at the hand, and by how much force follows duty.

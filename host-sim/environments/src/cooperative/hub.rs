@@ -262,7 +262,7 @@ impl<A: Copy + PartialEq + Display, const SHARED: usize> Hub<A, SHARED> {
 
     /// Why the newest datagram that is of no line was refused.
     pub(crate) fn stranger(&self) -> Option<String> {
-        self.strangers.newest().map(|(from, why)| wrong(from, &why))
+        self.strangers.newest.map(|(from, why)| wrong(from, &why))
     }
 
     /// Waits no more for those who are not there, if two are.

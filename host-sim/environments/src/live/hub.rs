@@ -50,7 +50,7 @@ pub struct LineReport {
 
 impl LineReport {
     fn new<const SHARED: usize>((line, (end, port)): (u32, (&End<SocketAddr, SHARED>, &Port<SHARED>))) -> Self {
-        let (address, refused) = (end.address(), end.refused.newest());
+        let (address, refused) = (end.address(), end.refused.newest);
         let (end, counts) = (&end.line, end.line.link.counts());
         Self {
             line,
@@ -151,7 +151,7 @@ impl<const SHARED: usize> HubActor<SHARED> {
     fn absent(&self) -> Vec<String> {
         let absent = (1_u32..).zip(self.hub.lines()).filter(|(_, (end, _))| !end.line.link.is_up());
         let name = |(line, (end, _)): (u32, (&End<SocketAddr, SHARED>, &Port<SHARED>))| {
-            let refused = end.refused.newest().map(|(from, why)| format!(": {}", line_wrong(line, from, &why)));
+            let refused = end.refused.newest.map(|(from, why)| format!(": {}", line_wrong(line, from, &why)));
             format!("{line} (peer number {}{})", number_on(line), refused.unwrap_or_default())
         };
         absent.map(name).collect()

@@ -256,7 +256,7 @@ impl<A: Copy + PartialEq + Display> Host<A> {
 
     /// Who was refused last, and why, of what tells something.
     pub(crate) fn refused(&self) -> Option<String> {
-        self.refused.newest().map(|(from, why)| wrong(from, &why))
+        self.refused.newest.map(|(from, why)| wrong(from, &why))
     }
 }
 

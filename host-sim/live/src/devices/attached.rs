@@ -38,8 +38,8 @@ const STILL: Duration = Duration::from_millis(100);
 const SLACK_M: f64 = 2e-3;
 
 /// A device that a peer reads and drives.
-pub struct Attached<P, const N: usize> {
-    port: P,
+pub struct Attached<const N: usize> {
+    port: Box<dyn Port>,
     axes: [(usize, f64); N],
     /// Where the origin of the device is on the scene's axes, m.
     start_m: [f64; N],
@@ -94,7 +94,7 @@ fn speed_m_per_s(sensed: &Sensed) -> f64 {
 }
 
 /// The reading of a device once it is at rest, with its motors off.
-fn at_rest(port: &mut impl Port) -> Result<Sensed, Error> {
+fn at_rest(port: &mut dyn Port) -> Result<Sensed, Error> {
     let by = Instant::now() + FIRST;
     let (mut newest, mut still_since) = (None, None);
     loop {
@@ -116,16 +116,16 @@ fn at_rest(port: &mut impl Port) -> Result<Sensed, Error> {
     }
 }
 
-impl<P: Port, const N: usize> Attached<P, N> {
+impl<const N: usize> Attached<N> {
     /// This device as peer `index` (0 or 1) of a scene has it, once it has been read.
     ///
     /// # Errors
     /// It must not be armed, or was not read in time.
-    pub fn new(mut port: P, options: &DeviceOptions, scene: &Scene, index: usize) -> Result<Self, Error> {
+    pub fn new(mut port: Box<dyn Port>, options: &DeviceOptions, scene: &Scene, index: usize) -> Result<Self, Error> {
         if let Some(why) = refusal(port.abilities(), options, scene, index) {
             return Err(why.into());
         }
-        let newest = at_rest(&mut port)?;
+        let newest = at_rest(&mut *port)?;
         let peers = scene.peers();
         let settings = &peers[index];
         let (name, reach_m) = (&port.abilities().name, settings.safety.workspace_m);
@@ -218,7 +218,7 @@ fn share(age: Duration, silent: Duration) -> f64 {
     (2.0 * (1.0 - age.as_secs_f64() / silent.as_secs_f64())).clamp(0.0, 1.0)
 }
 
-impl<P: Port, const N: usize> Device<f32, N> for Attached<P, N> {
+impl<const N: usize> Device<f32, N> for Attached<N> {
     fn look(&mut self) -> Result<(), Gone> {
         // An end that stood still would go on with a fresh reading and with forces of before, at a device that has let go meanwhile.
         let before = self.looked.replace(Instant::now());

@@ -178,7 +178,7 @@ pub type Opened<const N: usize> = (Box<dyn Device<f32, N>>, Option<Seen>);
 pub type Opens = fn(at: &str, options: &DeviceOptions) -> Result<Box<dyn Port>, Error>;
 
 /// An adapter from outside: it is opened with what stands after its name and a colon, and with what is told of the device.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Outside {
     /// As `--device` has it.
     pub name: &'static str,
@@ -196,30 +196,6 @@ pub type Makes = dyn Fn(&DeviceOptions) -> Result<Box<dyn Port>, Error> + Send +
 impl std::fmt::Debug for Own {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str("a device of the program")
-    }
-}
-
-impl std::fmt::Debug for Outside {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.name)
-    }
-}
-
-impl Port for Box<dyn Port> {
-    fn abilities(&self) -> &Abilities {
-        (**self).abilities()
-    }
-    fn read(&mut self) -> Result<Option<Sensed>, Gone> {
-        (**self).read()
-    }
-    fn write(&mut self, force_n: Option<[f64; AXES]>) {
-        (**self).write(force_n);
-    }
-    fn health(&self) -> Option<Health> {
-        (**self).health()
-    }
-    fn stay_silent(&mut self, time: Duration) -> Result<Option<f64>, Gone> {
-        (**self).stay_silent(time)
     }
 }
 

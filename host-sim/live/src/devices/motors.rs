@@ -90,7 +90,7 @@ pub(super) fn open<P: Protocol>(
             name: format!("{} {list} at {at}", ready.name),
             axes,
             workspace_m: None,
-            max_force_n: Some(motors.weakest_n(&pose)),
+            max_force_n: Some(pose.weakest_n(ready.most_nm)),
             is_homed: ready.is_homed || options.is_homed,
             buttons: 0,
             lets_go_s: ready.lets_go_s,
@@ -155,11 +155,6 @@ impl<P: Protocol> Motors<P> {
         Ok(self.sense().map_err(|gone| gone.to_string())?.0)
     }
 
-    /// The force along each axis that the motors can give here, N.
-    pub(super) fn weakest_n(&self, pose: &Pose) -> f64 {
-        pose.weakest_n(self.most_nm)
-    }
-
     fn is_asking(&self) -> bool {
         self.motors.iter().any(|motor| motor.open > 0)
     }
@@ -207,24 +202,17 @@ impl<P: Protocol> Motors<P> {
     fn sense(&mut self) -> Result<(Pose, [Instant; 2]), Gone> {
         let (mut angles, mut speeds) = ([0.0; AXES], [0.0; AXES]);
         let mut between: Option<[Instant; 2]> = None;
-        let mut supply_v: Option<[f64; 2]> = None;
-        let mut warmest_c = f64::NEG_INFINITY;
+        let Health { supply_v, warmest_c, .. } = &mut self.health;
         for (at, motor) in self.motors.iter().enumerate() {
             let Some((told, [asked, heard])) = motor.newest else { return Err(stopped("a motor has not answered")) };
             (angles[at], speeds[at]) = (self.signs[at] * told.angle_rad, self.signs[at] * told.speed_rad_per_s);
             between = Some(between.map_or([asked, heard], |[first, last]| [first.min(asked), last.max(heard)]));
             if let Some(volts) = told.supply_v {
-                supply_v = Some(supply_v.map_or([volts; 2], |[least, most]| [least.min(volts), most.max(volts)]));
+                let [least, most] = supply_v.unwrap_or([volts; 2]);
+                *supply_v = Some([least.min(volts), most.max(volts)]);
             }
-            warmest_c = warmest_c.max(told.temperature_c);
+            *warmest_c = Some(warmest_c.unwrap_or(f64::NEG_INFINITY).max(told.temperature_c));
         }
-        let range = |known: Option<[f64; 2]>, now: [f64; 2]| {
-            known.map_or(now, |[least, most]| [least.min(now[0]), most.max(now[1])])
-        };
-        if let Some(now) = supply_v {
-            self.health.supply_v = Some(range(self.health.supply_v, now));
-        }
-        self.health.warmest_c = Some(self.health.warmest_c.map_or(warmest_c, |before| before.max(warmest_c)));
         let pose = self.mechanism.pose(angles, speeds);
         let finite = angles.iter().chain(&speeds).all(|number| number.is_finite());
         if finite && pose.is_singular() {

@@ -17,7 +17,7 @@
 
 use std::time::{Duration, Instant};
 
-use serde::Serialize;
+pub use haptic_board_tools::bringup::Passed;
 
 use super::{AXES, Port, Sensed};
 use crate::Error;
@@ -45,15 +45,6 @@ const SPRING: [f64; 2] = [100.0, 1.0];
 /// What is left of a torque or a force that has let go, as a share of what acted.
 const LEFT: f64 = 0.05;
 const NAMES: [&str; AXES] = ["x", "y", "z"];
-
-/// A step that passed.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Passed {
-    /// Its name.
-    pub step: &'static str,
-    /// What was seen, in a sentence.
-    pub seen: String,
-}
 
 /// Asks the person at the device for something, and returns when it is done.
 pub type Please<'a> = &'a (dyn Fn(&str) -> Result<(), Error> + Sync);

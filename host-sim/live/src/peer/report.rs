@@ -94,21 +94,9 @@ pub struct AxisReport {
 /// peer whose law is passive is never below 0 but for rounding.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Ports {
-    received_j: f64,
-    sent_j: f64,
-    to_object_j: f64,
-    from_object_j: f64,
-    stored_j: f64,
-    made_j: f64,
-    least_balance_j: f64,
-}
-
-impl Ports {
-    /// Of a law that began with so much, J.
-    pub(super) fn of(energy: PortEnergy, start_j: f64) -> Self {
-        let PortEnergy { received_j, sent_j, to_object_j, from_object_j, stored_j, made_j } = energy;
-        Self { received_j, sent_j, to_object_j, from_object_j, stored_j, made_j, least_balance_j: start_j - made_j }
-    }
+    #[serde(flatten)]
+    pub(super) energy: PortEnergy,
+    pub(super) least_balance_j: f64,
 }
 
 /// What the other peer's telemetry says.

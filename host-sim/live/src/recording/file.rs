@@ -87,7 +87,8 @@ pub struct Rows {
     meanings: BTreeMap<String, String>,
     /// Field numbers of the columns.
     numbers: Vec<u64>,
-    sequences: Vec<f64>,
+    /// The number of each row, from 0: one that is left out was lost while it was recorded.
+    pub sequences: Vec<f64>,
     /// When each was recorded, ns of Unix time.
     pub times_ns: Vec<u64>,
     columns: Vec<Vec<f64>>,
@@ -115,11 +116,6 @@ impl Rows {
     /// The numbers of a row.
     pub fn values(&self, row: usize) -> impl Iterator<Item = f64> {
         self.columns.iter().map(move |column| column[row])
-    }
-
-    /// The number of each row, from 0: one that is left out was lost while it was recorded.
-    pub fn sequences(&self) -> &[f64] {
-        &self.sequences
     }
 
     /// How many there are.

@@ -226,8 +226,9 @@ struct Chunk {
 
 /// A file that is being written.
 pub(super) struct Writer<W> {
-    out: W,
-    at: u64,
+    pub(super) out: W,
+    /// Bytes in the file.
+    pub(super) at: u64,
     channels: Vec<Channel>,
     chunk: Chunk,
     chunks: Vec<Placed>,
@@ -329,15 +330,6 @@ impl<W: Write> Writer<W> {
         }
         self.chunks.push(Placed { times, start, length, indices, index_length, size });
         Ok(())
-    }
-
-    /// Bytes in the file.
-    pub(super) fn written(&self) -> u64 {
-        self.at
-    }
-
-    pub(super) fn out(&mut self) -> &mut W {
-        &mut self.out
     }
 
     /// Closes the file with its summary.

@@ -217,11 +217,6 @@ impl Clocks {
         };
         self.between.iter().chain(&self.second).fold(begin, step)
     }
-
-    /// What the second recording's clock showed, when the first's shows this.
-    fn second_recording_s(&self, at_s: f64) -> f64 {
-        self.between.iter().rev().fold(at_s, |at_s, relation| relation.own_s(at_s))
-    }
 }
 
 /// How the second clock goes beside the first, by the exchanges of sessions that both were ends of; and how many these are.
@@ -293,8 +288,8 @@ pub fn on_the_first_clock(
     hub: Option<&Recording>,
 ) -> Result<impl Fn(f64) -> f64 + use<>, Error> {
     let [one, two] = ends(one, two)?;
-    let clocks = Clocks::of(&one, &two, hub)?;
-    Ok(move |at_s: f64| clocks.second_recording_s(at_s))
+    let Clocks { between, .. } = Clocks::of(&one, &two, hub)?;
+    Ok(move |at_s: f64| between.iter().rev().fold(at_s, |at_s, relation| relation.own_s(at_s)))
 }
 
 /// Length of a vector.

@@ -264,11 +264,11 @@ fn write(
 
 /// One chunk more; of one that the file does not take whole, nothing stays.
 fn flush(writer: &mut Writer<File>) -> io::Result<()> {
-    let whole = writer.written();
+    let whole = writer.at;
     let flushed = writer.flush();
     if flushed.is_err() {
         // What cannot be cut off is left to `convert`.
-        let file = writer.out();
+        let file = &mut writer.out;
         let _ = file.set_len(whole).and_then(|()| io::Seek::seek(file, io::SeekFrom::Start(whole)));
     }
     flushed

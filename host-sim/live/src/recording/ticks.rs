@@ -193,8 +193,8 @@ impl BoardTicks {
         Self { period_s, axes, clock: Watched::default(), ticks: 0, mode: [0.0; 2] }
     }
 
-    /// Records what came in a session since the last time: samples, lines of the board's log, and changes of its mode.
-    pub fn record(&mut self, recorder: &Recorder, now_ns: u64, session: &mut Session) {
+    /// Records what came in a session since the last time: samples, lines of the board's log, and changes of its mode; whether a sample did.
+    pub fn record(&mut self, recorder: &Recorder, now_ns: u64, session: &mut Session) -> bool {
         let samples = session.take_stamped();
         while let Some((at_us, words)) = session.logged() {
             recorder.log(1000 * at_us, INFO, words);
@@ -208,6 +208,7 @@ impl BoardTicks {
             }
         });
         self.mode = mode;
+        !samples.is_empty()
     }
 
     /// Takes samples that came over a link, each with when it was sealed, µs of the board's clock; `put` gets rows of

@@ -60,11 +60,11 @@ fn attach(
     abilities: Abilities,
     options: &DeviceOptions,
     settings: &[&str],
-) -> Result<(Attached<Written, 3>, Rc<RefCell<Told>>), Error> {
+) -> Result<(Attached<3>, Rc<RefCell<Told>>), Error> {
     // At rest, or it is not armed.
     let first = Sensed { velocity_m_per_s: [0.0; AXES], ..at([0.1, 0.2, 0.3], Duration::ZERO) };
     let told = Rc::new(RefCell::new(Told { sensed: Some(first), ..Told::default() }));
-    let port = Written { abilities, told: told.clone() };
+    let port = Box::new(Written { abilities, told: told.clone() });
     Ok((Attached::new(port, options, &scene(settings), 0)?, told))
 }
 
@@ -156,7 +156,7 @@ fn a_state_that_is_frozen_is_as_old_as_when_it_froze() {
         told.borrow_mut().sensed = Some(Sensed { velocity_m_per_s, buttons, ..at(position_m, Duration::ZERO) });
     };
     let began = Instant::now();
-    let wait = |device: &mut Attached<Written, 3>, velocity: f64| {
+    let wait = |device: &mut Attached<3>, velocity: f64| {
         std::thread::sleep(Duration::from_millis(2));
         tell([0.1, 0.2, 0.3], [velocity, 0.0, 0.0], 1);
         device.look()

@@ -12,7 +12,7 @@ fn table(panel: Panel) -> Vec<String> {
 #[test]
 fn every_shape_has_its_rows() {
     let series = vec![
-        Series::steps("held, with a comma", 0, vec![(0.0, 1.0), (1.0, -2.5)]),
+        Series::line("held, with a comma", 0, vec![(0.0, 1.0), (1.0, -2.5)]),
         Series::dots("", 1, vec![(0.5, 3.0), (1.0, 4.0)], vec!["first".to_owned()]),
         Series::intervals("mean", 2, vec![(0.25, 2.0, 0.5)]),
         Series::region(

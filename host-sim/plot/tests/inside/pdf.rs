@@ -21,7 +21,7 @@ fn sheet() -> Sheet {
             width: 2.6,
             dash: Dash::Dashed,
         },
-        Mark::Fill { frames: vec![Frame { left: 1.0, top: 2.0, right: 3.0, bottom: 5.0 }], color: INK, opacity: 0.25 },
+        Mark::fill(Frame::sized((1.0, 2.0), 2.0, 3.0), INK, 0.25),
         Mark::Disc { at: (50.0, 60.0), radius: 7.0, color: INK },
         Mark::text((100.0, 50.0), Anchor::End, 20.0, INK, "K_T = 10^−3 ≤ Ω"),
         Mark::Text(upward),

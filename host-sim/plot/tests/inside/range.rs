@@ -27,9 +27,7 @@ fn a_run_that_diverges_does_not_flatten_the_others() {
     let axes = common_ranges(vec![panel(vec![(0.0, -1.0), (1.0, 1.0)]), wild.clone()]);
     assert_eq!(axes[0].y, axes[1].y);
     assert!(axes[0].y.hi < 2.0);
-    assert!(common_ranges(vec![wild.clone()])[0].y.hi > 1e12, "alone it sets its own range");
-    wild.y_cap = Some((-50.0, 50.0));
-    assert!(common_ranges(vec![wild])[0].y.hi < 60.0);
+    assert!(common_ranges(vec![wild])[0].y.hi > 1e12, "alone it sets its own range");
 }
 
 #[test]

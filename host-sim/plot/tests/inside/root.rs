@@ -47,7 +47,6 @@ fn shapes(points: &[(f64, f64)]) -> Figure {
         vec![
             Series::line("line", 0, points.to_vec()),
             Series::dashed("dots and strokes", 1, Dash::DashDot, points.to_vec()),
-            Series::steps("steps", 2, points.to_vec()),
             Series::dots("dots", 3, points.to_vec(), names),
             Series::bars("bars", 4, points.to_vec()),
             Series::bars("more bars", 5, points.to_vec()),
@@ -59,7 +58,6 @@ fn shapes(points: &[(f64, f64)]) -> Figure {
         log_x: i & 1 > 0,
         log_y: i & 2 > 0,
         off_scale: i & 4 > 0,
-        y_cap: (i & 8 > 0).then_some((3.0, f64::NEG_INFINITY)),
         x_range: (i == 9).then_some((f64::NAN, 2.0)),
         y_range: (i == 10).then_some((5.0, 5.0)),
         categories: if i == 11 { vec!["one".to_owned(), "a second one".to_owned()] } else { Vec::new() },
@@ -116,7 +114,7 @@ fn assert_finite(sheet: &Sheet) {
     for mark in &sheet.marks {
         let points = match mark {
             Mark::Line { points, .. } => points.clone(),
-            Mark::Fill { frames, .. } => frames.iter().flat_map(Frame::corners).collect(),
+            Mark::Fill { frame, .. } => frame.corners(),
             Mark::Region { strips, .. } => strips.concat(),
             Mark::Disc { at, .. } => vec![*at],
             Mark::Text(text) => vec![text.at],
@@ -196,7 +194,7 @@ fn a_row_has_one_vertical_axis_and_its_texts_once() {
 fn a_legend_gets_room_above_dense_data() {
     let sheet = sheet(&grid(3000), page());
     let boxes = sheet.marks.iter().enumerate().filter_map(|(i, mark)| match mark {
-        Mark::Fill { frames, color: sheet::PAPER, .. } => Some((i, frames[0])),
+        Mark::Fill { frame, color: sheet::PAPER, .. } => Some((i, *frame)),
         _ => None,
     });
     let boxes: Vec<(usize, Frame)> = boxes.collect();

@@ -63,9 +63,3 @@ fn strokes_and_gaps_have_the_lengths_of_the_pattern() {
     assert_eq!(dashes(&[(0.0, 0.0), (9.0, 0.0)], &[]), [vec![(0.0, 0.0), (9.0, 0.0)]]);
     assert!(dashes(&[], &[1.0, 1.0]).is_empty());
 }
-
-#[test]
-fn held_values_become_corners() {
-    assert_eq!(steps(&[(0.0, 1.0), (2.0, 3.0)]), [(0.0, 1.0), (2.0, 1.0), (2.0, 3.0)]);
-    assert!(steps(&[]).is_empty());
-}

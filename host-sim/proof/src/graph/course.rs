@@ -42,32 +42,19 @@ pub(super) trait Tell: Copy {
     fn again(told: Told) -> Option<Self>;
 }
 
-impl Tell for Place {
-    fn tell(self) -> Told {
-        Told::Place(self)
-    }
-    fn again(told: Told) -> Option<Self> {
-        if let Told::Place(place) = told { Some(place) } else { None }
-    }
+macro_rules! tells {
+    ($($of:ty => $Kind:ident),+) => { $(
+        impl Tell for $of {
+            fn tell(self) -> Told {
+                Told::$Kind(self)
+            }
+            fn again(told: Told) -> Option<Self> {
+                if let Told::$Kind(said) = told { Some(said) } else { None }
+            }
+        }
+    )+ };
 }
-
-impl Tell for Range {
-    fn tell(self) -> Told {
-        Told::Range(self)
-    }
-    fn again(told: Told) -> Option<Self> {
-        if let Told::Range(range) = told { Some(range) } else { None }
-    }
-}
-
-impl Tell for bool {
-    fn tell(self) -> Told {
-        Told::Answer(self)
-    }
-    fn again(told: Told) -> Option<Self> {
-        if let Told::Answer(answer) = told { Some(answer) } else { None }
-    }
-}
+tells!(Place => Place, Range => Range, bool => Answer);
 
 /// What this says, or what it said when the path before came by here.
 pub(super) fn told<T: Tell>(act: impl FnOnce(&mut Graph) -> T) -> T {

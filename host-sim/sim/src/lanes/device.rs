@@ -26,10 +26,10 @@ impl<const N: usize> Plants<N> {
     /// Of these plants, one a lane, which all are bare; `alike` where every user does the same.
     pub(super) fn new(plants: Vec<Plant<N>>, alike: bool) -> Self {
         let of = |number: &dyn Fn(&Plant<N>) -> f64| F64s::of(|lane| number(&plants[lane]));
-        let gain = |row: usize| of(&|plant| plant.linear().gain_before[row]);
-        let now = |row: usize| of(&|plant| plant.linear().gain_now[row]);
+        let gain = |row: usize| of(&|plant| plant.linear.gain_before[row]);
+        let now = |row: usize| of(&|plant| plant.linear.gain_now[row]);
         let linear = Linear {
-            transition: from_fn(|row| from_fn(|column| of(&|plant| plant.linear().transition[row][column]))),
+            transition: from_fn(|row| from_fn(|column| of(&|plant| plant.linear.transition[row][column]))),
             gain_before: from_fn(gain),
             gain_now: from_fn(now),
         };
@@ -37,7 +37,7 @@ impl<const N: usize> Plants<N> {
             position: of(&|plant| plant.motions()[axis].position),
             velocity: of(&|plant| plant.motions()[axis].velocity),
         });
-        let axes_in_use = plants[0].axes_in_use();
+        let axes_in_use = plants[0].axes_in_use;
         Self { plants, alike, linear, axes_in_use, motions, motor_before: [F64s::ZERO; N] }
     }
 

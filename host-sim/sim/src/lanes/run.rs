@@ -101,32 +101,28 @@ where
     let some = (1_u32 << scenes.len()) - 1;
     let mut leavers = Leavers::nobody();
     leavers.note(lanes_left(), |_| None);
+    let begun = |account: &Accounts<SHARED, F64s>, [ticks, turns]: [u64; 2], hash: u64, lane: usize| {
+        Some(Begun { ticks, turns, accounts: account.map(|figure| figure.lane(lane)), hash })
+    };
     for tick in 0..ticks {
         let hashes = pairs.hashes();
-        let known = |account: &Accounts<SHARED, F64s>, turns, lane: usize| {
-            let accounts = account.map(|figure| figure.lane(lane));
-            Some(Begun { ticks: tick, turns, accounts, hash: hashes[lane] })
-        };
         let mut turns = 0;
         pairs.step(&mut |seen| {
-            leavers.note(lanes_left(), |lane| known(&account, turns, lane));
+            leavers.note(lanes_left(), |lane| begun(&account, [tick, turns], hashes[lane], lane));
             account.ticked(seen.number - 1, Ticked::of(seen.peer));
             account.pressed(seen.number - 1, seen.motors_n());
             turns += 1;
             // Whom the account itself asked has none.
             leavers.note(lanes_left(), |_| None);
         });
-        leavers.note(lanes_left(), |lane| known(&account, turns, lane));
+        leavers.note(lanes_left(), |lane| begun(&account, [tick, turns], hashes[lane], lane));
         pairs.hash();
         account.measure();
         leavers.note(lanes_left(), |_| None);
         if (some & !leavers.lanes).count_ones() < how.fewest as u32 {
             // The rest is faster alone.
             let hashes = pairs.hashes();
-            leavers.note(leavers.lanes | some, |lane| {
-                let accounts = account.map(|figure| figure.lane(lane));
-                Some(Begun { ticks: tick + 1, turns: 0, accounts, hash: hashes[lane] })
-            });
+            leavers.note(leavers.lanes | some, |lane| begun(&account, [tick + 1, 0], hashes[lane], lane));
             break;
         }
         if how.until == Until::Stopped && account.is_over() {

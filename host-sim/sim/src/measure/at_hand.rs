@@ -63,7 +63,7 @@ pub fn run(scene: &Scene, duration_s: f64, other: Option<&[[f32; 2]]>) -> Result
             now_n[at] = seen.actuators.forces[0];
         });
         accounts.period();
-        least_balance_j = least_balance_j.min(ports.iter().map(ObjectPort::balance_j).sum());
+        least_balance_j = least_balance_j.min(ports.iter().map(|port| port.balance_j).sum());
         way_m = 0.5 * pair.sides().iter().map(|side| side.peer.observed()[0].object.position).sum::<f64>();
         forces.push(now_n.map(|force| force as f32));
         if pair.fault().is_some() {

@@ -9,18 +9,13 @@ use super::Figure;
 #[derive(Clone, Copy, Debug)]
 pub struct Hands<const SHARED: usize, F = f64> {
     last: [[F; SHARED]; 2],
-    /// Of either peer, N.
-    peak: F,
-    change: F,
-    told: bool,
+    /// The largest force of either peer, N; NaN of who was never told.
+    pub peak: F,
+    /// Its largest change in a tick, N; NaN of who was never told.
+    pub change: F,
 }
 
 impl<const SHARED: usize, F: Figure> Hands<SHARED, F> {
-    /// Before the first tick, when no motor presses.
-    pub fn new() -> Self {
-        Self { last: [[F::ZERO; SHARED]; 2], peak: F::ZERO, change: F::ZERO, told: false }
-    }
-
     /// Takes in what the motors of peer `at` (0 or 1) press with in a tick, N.
     #[inline(always)]
     pub fn see(&mut self, at: usize, forces: [F; SHARED]) {
@@ -29,31 +24,20 @@ impl<const SHARED: usize, F: Figure> Hands<SHARED, F> {
         self.peak = self.peak.larger(length(forces));
         self.change = self.change.larger(length(changes));
         self.last[at] = forces;
-        self.told = true;
     }
 
     /// With what `of` makes of each number.
     pub(crate) fn map<G: Copy>(&self, of: impl Fn(F) -> G + Copy) -> Hands<SHARED, G> {
-        let Self { last, peak, change, told } = *self;
-        Hands { last: last.map(|forces| forces.map(of)), peak: of(peak), change: of(change), told }
+        let Self { last, peak, change } = *self;
+        Hands { last: last.map(|forces| forces.map(of)), peak: of(peak), change: of(change) }
     }
 }
 
+/// Before the first tick, when no motor presses.
 impl<const SHARED: usize, F: Figure> Default for Hands<SHARED, F> {
     fn default() -> Self {
-        Self::new()
-    }
-}
-
-impl<const SHARED: usize> Hands<SHARED> {
-    /// The largest force, N; NaN of who was never told.
-    pub fn peak_n(&self) -> f64 {
-        if self.told { self.peak } else { f64::NAN }
-    }
-
-    /// Its largest change in a tick, N; NaN of who was never told.
-    pub fn change_n(&self) -> f64 {
-        if self.told { self.change } else { f64::NAN }
+        let never = F::from_f64(f64::NAN);
+        Self { last: [[F::ZERO; SHARED]; 2], peak: never, change: never }
     }
 }
 

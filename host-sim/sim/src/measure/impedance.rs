@@ -33,7 +33,7 @@ pub const SPEED_M_PER_S: f64 = 0.02;
 pub const BAND_HZ: [f64; 2] = [0.5, 200.0];
 
 /// Number of frequencies in the band.
-const POINTS: usize = 28;
+pub const POINTS: usize = 28;
 /// Time for what the start leaves to die away, s.
 const SETTLE_S: f64 = 20.0;
 /// Shortest time of a projection, s.
@@ -68,12 +68,11 @@ pub type Complex = num_complex::Complex64;
 
 /// The frequencies at which the impedance of a scene is measured: those whose periods are whole control periods, about evenly spaced by
 /// their logarithm, without those that packets only ever meet at one or two phases.
-pub fn frequencies_hz(scene: &Scene) -> Vec<f64> {
+pub fn frequencies_hz(scene: &Scene, [low, high]: [f64; 2], points: usize) -> Vec<f64> {
     let timing = &scene.peer.timing;
-    let [low, high] = BAND_HZ;
     let high = high.min(0.2 / timing.control_period_s);
-    let at = |point: usize| low * (high / low).powf(point as f64 / (POINTS - 1) as f64);
-    let mut found: Vec<u32> = (0..POINTS)
+    let at = |point: usize| low * (high / low).powf(point as f64 / (points - 1) as f64);
+    let mut found: Vec<u32> = (0..points)
         .map(|point| {
             let ticks = (1.0 / (at(point) * timing.control_period_s)).round() as u32;
             if (2 * timing.ticks_per_packet).is_multiple_of(ticks) { ticks + 1 } else { ticks }

@@ -24,11 +24,12 @@
 use core::iter::Sum;
 
 use haptic_core::peer::Observed;
+use serde::Serialize;
 
 use super::Figure;
 
 /// Energy that crossed the ports of one peer's coordination, J.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct PortEnergy<F = f64> {
     /// Energy that came in from the network, J.
     pub received_j: F,
@@ -66,8 +67,8 @@ pub struct ObjectPort<F = f64> {
     before: Option<[F; 4]>,
     /// Work on the object so far, J.
     net_j: F,
-    /// What went in less what came out by the end of the tick before, J.
-    balance_j: F,
+    /// What went in at both ports less what came out, by the end of the tick before, J.
+    pub balance_j: F,
     booked: PortEnergy<F>,
 }
 
@@ -127,11 +128,6 @@ impl<F: Figure> ObjectPort<F> {
 }
 
 impl ObjectPort {
-    /// What went in at both ports less what came out, by the end of the tick before, J.
-    pub fn balance_j(&self) -> f64 {
-        self.balance_j
-    }
-
     /// The account of both ports, given the energy that crossed the network port, J.
     pub fn with_network(&self, received_j: f64, sent_j: f64) -> PortEnergy {
         PortEnergy { received_j, sent_j, ..self.booked }

@@ -114,11 +114,7 @@ pub struct SeededRule {
 impl SeededRule {
     /// As `network` describes it for packets every `packet_s` seconds; each direction has its own stream.
     pub fn new(network: Network, direction: Direction, packet_s: f64) -> Self {
-        let stream = match direction {
-            Direction::OneToTwo => 0,
-            Direction::TwoToOne => 1 << 32,
-        };
-        let rng = Rng::new(u64::from(network.seed) | stream);
+        let rng = Rng::new(u64::from(network.seed) | (direction as u64) << 32);
         Self { network, direction, packet_s, rng, losing: false, next: 0, free_s: 0.0 }
     }
 

@@ -90,10 +90,7 @@ impl NetworkTrace {
 
     /// What became of that packet, or of what was sent then; after its end a trace begins anew.
     pub(super) fn of(&self, direction: Direction, packet: u64, sent_ns: u64) -> &[Arrival] {
-        let half = match direction {
-            Direction::OneToTwo => &self.packets[0],
-            Direction::TwoToOne => &self.packets[1],
-        };
+        let half = &self.packets[direction as usize];
         let entry = sent_ns.checked_div(self.every_ns).unwrap_or(packet);
         half.get((entry % half.len().max(1) as u64) as usize).map_or(&[], Vec::as_slice)
     }

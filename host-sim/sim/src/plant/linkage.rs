@@ -44,7 +44,8 @@ pub(super) struct Linkage<const N: usize> {
     body: Body,
     /// Where the hand is when every joint is zero, m.
     origin: [f64; N],
-    turned: [Motion<f64>; N],
+    /// Positions and speeds of the joints, rad and rad/s.
+    pub(super) turned: [Motion<f64>; N],
     /// The hand as it came of that.
     hand: [Motion<f64>; N],
     substep_s: f64,
@@ -89,11 +90,6 @@ impl<const N: usize> Linkage<N> {
         let speeds = self.joints.at(positions).1.speeds(hand);
         self.turned = from_fn(|joint| Motion { position: positions[joint], velocity: speeds[joint] });
         self.hand = hand;
-    }
-
-    /// Positions and speeds of the joints, rad and rad/s.
-    pub(super) fn turned(&self) -> [Motion<f64>; N] {
-        self.turned
     }
 
     /// Torques (N·m) at the joints that act on the hand as these forces (N) do, where it is.

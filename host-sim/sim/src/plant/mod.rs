@@ -38,6 +38,7 @@ use linkage::{Body, Linkage};
 use principal::Principal;
 use wall::{Moving, Wall};
 
+use crate::device::Device;
 use crate::scene::{PlantFault, PlantSettings, Scene};
 use crate::user::User;
 
@@ -79,14 +80,16 @@ pub struct Plant<const N: usize = AXES> {
     period_s: f64,
     /// What `linear` advances by: a control period, or a PWM period.
     step_s: f64,
-    linear: Linear,
+    /// What advances each axis.
+    pub(crate) linear: Linear,
     /// What advances all axes of a device whose mass couples them.
     principal: Option<Principal<N>>,
     /// The joints of a device that lives in them.
     linkage: Option<Linkage<N>>,
     wall: Option<Wall>,
     windings: Option<Windings<N>>,
-    axes_in_use: usize,
+    /// Number of axes that move.
+    pub(crate) axes_in_use: usize,
     friction_n: f64,
     moving_mass_kg: f64,
     joints: Option<Joints>,
@@ -147,7 +150,7 @@ impl<const N: usize> Plant<N> {
             Wall::new(place, gains, &Moving { mass: moving_mass_kg, damping, stiffness }, (step_s, late))
         });
         let moving = |mass_kg| Linear::new(mass_kg, damping, stiffness, late, step_s);
-        let linkage = (turns && !scene.is_at_home()).then(|| {
+        let linkage = (turns && !scene.at_home).then(|| {
             let body = Body {
                 mass: moving_mass_kg,
                 damping,
@@ -208,24 +211,9 @@ impl<const N: usize> Plant<N> {
             && profile.clutch_for_s == 0.0
     }
 
-    /// What advances each axis.
-    pub(crate) fn linear(&self) -> &Linear {
-        &self.linear
-    }
-
-    /// Number of axes that move.
-    pub(crate) fn axes_in_use(&self) -> usize {
-        self.axes_in_use
-    }
-
     /// Position and velocity of every axis.
     pub fn motions(&self) -> [Motion<f64>; N] {
         self.motions
-    }
-
-    /// Where each axis is in the shared world, at rest.
-    pub fn in_the_world<S: Scalar>(&self) -> [Motion<S>; N] {
-        self.motions.map(|axis| Motion::at(S::from_f64(self.scale.position * axis.position)))
     }
 
     /// This device, displaced along each axis by so much, m.
@@ -255,14 +243,9 @@ impl<const N: usize> Plant<N> {
         self.pulls_n = forces_n;
     }
 
-    /// Whether its user holds the clutch open at this time.
-    pub fn clutches(&self, time_s: f64) -> bool {
-        self.user.clutches(time_s)
-    }
-
     /// Force of the wall that the device can meet (`user.….wall_m`), N; 0 without one.
     pub fn wall_n(&self) -> f64 {
-        self.wall.as_ref().map_or(0.0, Wall::force_n)
+        self.wall.as_ref().map_or(0.0, |wall| wall.force_n)
     }
 
     /// Stops the device, as a hand does that holds it still, with the motors off.
@@ -298,12 +281,6 @@ impl<const N: usize> Plant<N> {
         self.turn();
     }
 
-    /// One control period of a hand that does nothing yet: only the motors act on the device.
-    pub fn wait<S: Scalar>(&mut self, actuators: &Actuators<S, N>) {
-        self.drive([0.0; N], actuators);
-        self.turn();
-    }
-
     fn fail_at(&mut self, time_s: f64) {
         if let Some((fault, _)) = self.fault.take_if(|(_, at_s)| time_s >= *at_s) {
             self.fail(fault);
@@ -315,7 +292,7 @@ impl<const N: usize> Plant<N> {
             encoders.turn(match &mut self.linkage {
                 Some(linkage) => {
                     linkage.put(self.motions);
-                    joints.counted(linkage.turned().map(|joint| joint.position))
+                    joints.counted(linkage.turned.map(|joint| joint.position))
                 }
                 None => joints.counts(self.motions),
             });
@@ -409,7 +386,7 @@ impl<const N: usize> Plant<N> {
         match (&mut self.linkage, pose) {
             (Some(linkage), _) => {
                 linkage.put(self.motions);
-                linkage.turned().map(|joint| joint.velocity)
+                linkage.turned.map(|joint| joint.velocity)
             }
             (None, Some(pose)) => pose.speeds(self.motions),
             (None, None) => [0.0; N],
@@ -447,7 +424,7 @@ impl<const N: usize> Plant<N> {
         let pose = match &mut self.linkage {
             Some(linkage) => {
                 linkage.put(self.motions);
-                windings.seen = joints.told(linkage.turned().map(|joint| joint.position));
+                windings.seen = joints.told(linkage.turned.map(|joint| joint.position));
                 None
             }
             None => {
@@ -528,5 +505,36 @@ impl<const N: usize> Plant<N> {
     /// Motion of every axis (m, m/s) and the motor force on it before (N), mutable.
     pub fn each_axis(&mut self) -> impl Iterator<Item = (&mut Motion<f64>, &mut f64)> {
         self.motions.iter_mut().zip(&mut self.motor_before)
+    }
+}
+
+impl<S: Scalar, const N: usize> Device<S, N> for Plant<N> {
+    #[inline]
+    fn sensors(&self) -> Sensors<S, N> {
+        self.sensors()
+    }
+    #[inline]
+    fn step(&mut self, time_s: f64, actuators: &Actuators<S, N>) {
+        self.step(time_s, actuators);
+    }
+    fn wait(&mut self, actuators: &Actuators<S, N>) {
+        self.drive([0.0; N], actuators);
+        self.turn();
+    }
+    #[inline]
+    fn clutches(&self, time_s: f64) -> bool {
+        self.user.clutches(time_s)
+    }
+    fn start(&self) -> [Motion<S>; N] {
+        self.motions.map(|axis| Motion::at(S::from_f64(self.scale.position * axis.position)))
+    }
+    fn motions(&self) -> [Motion<f64>; N] {
+        self.motions()
+    }
+    fn pull(&mut self, forces_n: [f64; N]) {
+        self.pull(forces_n);
+    }
+    fn wall_n(&self) -> f64 {
+        self.wall_n()
     }
 }

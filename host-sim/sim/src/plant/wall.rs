@@ -26,7 +26,7 @@ pub(super) struct Wall {
     /// Share of the step in which the force before still acts.
     late: f64,
     /// What it pushed with at the end of the last step, N toward the other peer.
-    force_n: f64,
+    pub(super) force_n: f64,
 }
 
 /// What moves: mass (kg), damping (N·s/m), stiffness (N/m).
@@ -88,10 +88,5 @@ impl Wall {
     /// Takes in where the device is that others have moved.
     pub(super) fn see(&mut self, motion: Motion<f64>) {
         self.force_n = self.push(motion).abs();
-    }
-
-    /// What it pushed with at the end of the last step, N toward the other peer.
-    pub(super) fn force_n(&self) -> f64 {
-        self.force_n
     }
 }

@@ -88,13 +88,15 @@ pub struct Account<F = f64> {
     /// The most that either end has taken from the network beyond what the other had given to it, J.
     made_j: F,
     halves: LastHalf<5, F>,
-    forces: Forces<F>,
+    pub(crate) forces: Forces<F>,
     hands: Hands<1, F>,
     /// Of the square root of the copies' kinetic energy, an amplitude as a force is.
-    energy: Growth<F>,
+    pub(crate) energy: Growth<F>,
     swing: Swing<F>,
-    stopped: Option<(usize, Fault, f64)>,
-    true_m: F,
+    /// Who stopped first, why, and when (s).
+    pub(crate) stopped: Option<(usize, Fault, f64)>,
+    /// |x_o1 − x_o2| after the control period that is over, m.
+    pub(crate) true_m: F,
     largest_true_m: F,
     table: Columns,
 }
@@ -112,7 +114,7 @@ impl<F: Figure> Account<F> {
             made_j: F::ZERO,
             halves: LastHalf::new(ticks),
             forces: Forces::new(ticks),
-            hands: Hands::new(),
+            hands: Hands::default(),
             energy: Growth::new(ticks),
             swing: Swing::new(),
             stopped: None,
@@ -169,18 +171,6 @@ impl<F: Figure> Account<F> {
         &self.latest[at].observed
     }
 
-    /// |x_o1 − x_o2| after the control period that is over, m.
-    #[inline]
-    pub(crate) fn true_m(&self) -> F {
-        self.true_m
-    }
-
-    /// A peer has stopped, so that nothing is averaged any more.
-    #[inline]
-    pub(crate) fn is_over(&self) -> bool {
-        self.stopped.is_some()
-    }
-
     /// What `of` makes of each number.
     pub(crate) fn map<G: Copy>(&self, of: impl Fn(F) -> G + Copy) -> Account<G> {
         Account {
@@ -235,21 +225,6 @@ impl Account {
         self.record();
     }
 
-    /// Who stopped first, why, and when (s).
-    pub(crate) fn stopped(&self) -> Option<(usize, Fault, f64)> {
-        self.stopped
-    }
-
-    /// The changes of a coordination force grew until the end.
-    pub(crate) fn force_grew(&self) -> bool {
-        self.forces.grew()
-    }
-
-    /// The kinetic energy of the copies grew until the end.
-    pub(crate) fn energy_grew(&self) -> bool {
-        self.energy.grew()
-    }
-
     /// How the coordination force of peer 2 goes on swinging beyond what users push with, N.
     pub(crate) fn goes_on_swinging(&self, pushes_n: f64) -> Option<Swings> {
         self.swing.goes_on(&self.energy, pushes_n, self.period_s)
@@ -299,8 +274,8 @@ impl Account {
             contact_force_n: contact,
             peak_coordination_force_n: self.forces.peak(),
             largest_jump_n: self.forces.largest_change(),
-            peak_hand_force_n: self.hands.peak_n(),
-            largest_hand_change_n: self.hands.change_n(),
+            peak_hand_force_n: self.hands.peak,
+            largest_hand_change_n: self.hands.change,
             energy,
             made_j: self.made_j,
         };

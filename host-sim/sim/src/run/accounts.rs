@@ -54,7 +54,7 @@ impl<const SHARED: usize, F: Figure> Accounts<SHARED, F> {
             true_m: F::ZERO,
             largest_true_m: F::ZERO,
             forces: Forces::new(ticks),
-            hands: Hands::new(),
+            hands: Hands::default(),
             largest_jump: F::ZERO,
             last: [[F::ZERO; SHARED]; 2],
         }
@@ -88,7 +88,7 @@ impl<const SHARED: usize, F: Figure> Accounts<SHARED, F> {
     }
 
     fn measure_together(&mut self) {
-        self.true_m = length(self.axes.iter().map(Account::true_m));
+        self.true_m = length(self.axes.iter().map(|axis| axis.true_m));
         self.largest_true_m = self.largest_true_m.larger(self.true_m);
         let forces = [0, 1].map(|at| self.axes.each_ref().map(|axis| axis.observed(at).coordination_force));
         for (now, last) in forces.iter().zip(&mut self.last) {
@@ -112,7 +112,7 @@ impl<const SHARED: usize, F: Figure> Accounts<SHARED, F> {
     /// A peer has stopped.
     #[inline]
     pub(crate) fn is_over(&self) -> bool {
-        self.axes.iter().any(Account::is_over)
+        self.axes.iter().any(|axis| axis.stopped.is_some())
     }
 
     /// What `of` makes of each number.
@@ -158,13 +158,13 @@ impl<const SHARED: usize> Accounts<SHARED> {
     /// Outcome of the run, without impacts and hash, which are not recorded here.
     pub fn outcome(self) -> Outcome {
         let ticks = self.tick;
-        let stopped = self.axes.iter().find_map(Account::stopped);
+        let stopped = self.axes.iter().find_map(|axis| axis.stopped);
         let let_go = self.axes.iter().find_map(Account::let_go);
-        let [force_grew, energy_grew] =
-            [Account::force_grew, Account::energy_grew].map(|grew| self.axes.iter().any(grew));
+        let force_grew = self.axes.iter().any(|axis| axis.forces.grew());
+        let energy_grew = self.axes.iter().any(|axis| axis.energy.grew());
         let swings = self.axes.iter().find_map(|axis| axis.goes_on_swinging(self.pushes_n));
         let [true_m, decoded_m, contact_force_n] = self.halves.means();
-        let last_true_m = if SHARED == 1 { self.axes[0].true_m() } else { self.true_m };
+        let last_true_m = if SHARED == 1 { self.axes[0].true_m } else { self.true_m };
         let axes: Vec<AxisOutcome> = self.axes.into_iter().map(Account::along).collect();
         let whole = if SHARED == 1 {
             axes[0].figures
@@ -182,8 +182,8 @@ impl<const SHARED: usize> Accounts<SHARED> {
                 contact_force_n,
                 peak_coordination_force_n: self.forces.peak(),
                 largest_jump_n: self.largest_jump,
-                peak_hand_force_n: self.hands.peak_n(),
-                largest_hand_change_n: self.hands.change_n(),
+                peak_hand_force_n: self.hands.peak,
+                largest_hand_change_n: self.hands.change,
                 energy: [0, 1].map(|at| axes.iter().map(|axis| axis.figures.energy[at]).sum()),
                 made_j: axes.iter().map(|axis| axis.figures.made_j).sum(),
             }

@@ -4,7 +4,7 @@ use haptic_core::contact::RenderingName;
 use haptic_core::device::kinematics::KinematicsName;
 use haptic_core::device::velocity::VelocityName;
 use haptic_core::names::FixtureName;
-use haptic_core::settings::{Choice, Fixture, PLENTY_J, Scale, Value};
+use haptic_core::settings::{Choice, Fixture, PLENTY_J, Scale, Settings, Tables, Value};
 
 use super::{DriveName, Network, PlantSettings, Scene};
 use crate::user::User;
@@ -56,14 +56,9 @@ impl Scene {
             own.retain(|(key, _)| key.starts_with("contact."));
             let fixture = about_zero(peer.fixture);
             if fixture != linear.peer.fixture {
-                own.extend([
-                    ("fixture.kind", Value::Text(fixture.kind.name())),
-                    ("fixture.stiffness_n_per_m", Value::Number(fixture.stiffness_n_per_m)),
-                    ("fixture.damping_n_s_per_m", Value::Number(fixture.damping_n_s_per_m)),
-                    ("fixture.drag_n_s_per_m", Value::Number(fixture.drag_n_s_per_m)),
-                    ("fixture.direction_rad", Value::Number(fixture.direction_rad)),
-                    ("fixture.elevation_rad", Value::Number(fixture.elevation_rad)),
-                ]);
+                let peer = Settings { fixture, ..peer };
+                let keys = Settings::KEYS.iter().filter(|key| key.name.starts_with("fixture."));
+                own.extend(keys.filter_map(|key| Some((key.name, peer.get(key.name)?))));
             }
             if own_device {
                 let device = &world.device;

@@ -1,6 +1,6 @@
 //! What a hand feels, against closed forms.
 
-use haptic_sim::measure::impedance::{Complex, RemoteEnd, SPEED_M_PER_S, felt, frequencies_hz};
+use haptic_sim::measure::impedance::{BAND_HZ, Complex, POINTS, RemoteEnd, SPEED_M_PER_S, felt, frequencies_hz};
 use haptic_sim::{Laws, Scene, scenes};
 
 fn scene(settings: &[&str]) -> Scene {
@@ -76,7 +76,7 @@ fn an_unstable_scene_has_no_impedance() {
 /// Whole control periods in each, and none that packets meet at the same phases for ever.
 #[test]
 fn frequencies_are_whole_ticks() {
-    let frequencies = frequencies_hz(&scene(&[]));
+    let frequencies = frequencies_hz(&scene(&[]), BAND_HZ, POINTS);
     assert!(frequencies.len() > 20 && frequencies.windows(2).all(|pair| pair[0] < pair[1]));
     assert!((frequencies[0] - 0.5).abs() < 1e-9 && frequencies[frequencies.len() - 1] <= 200.0);
     for frequency_hz in frequencies {

@@ -48,7 +48,7 @@ fn run(scene: &Scene, ticks: u32, mut pushes: impl FnMut(u32) -> [f64; 2]) -> Fo
             copies_j += 0.5 * scene.peer.object.mass_kg * seen.object.velocity.powi(2);
             copies_j += 0.5 * scene.world.device.mass_kg * before[at].velocity.powi(2);
             ports[at].see(&seen, [side.peer.ledger()[0].received_j(), side.peer.ledger()[0].sent_j()]);
-            found.made_j = found.made_j.max(-ports[at].balance_j());
+            found.made_j = found.made_j.max(-ports[at].balance_j);
             found.peak_n = found.peak_n.max(seen.coordination_force.abs());
             let force_n = seen.contact_force.abs();
             let grew = force_n - last_n[at].abs() > step_n;

@@ -48,13 +48,7 @@ pub(in crate::cli) enum Calibrate {
         reference: Reference,
     },
     /// Viscous and dry friction, from how the joint moves. After `motor`.
-    Friction {
-        #[command(flatten)]
-        at: At,
-        /// The motor is to take over 0.7 of the dry friction (`motor.friction_n`).
-        #[arg(long)]
-        compensate: bool,
-    },
+    Friction(At),
     /// Moving mass and delay of the force, from how the joint moves. After `motor`.
     Inertia(At),
 }
@@ -265,7 +259,7 @@ impl Calibrate {
                 let against = reference.against()?;
                 at.run(ui, |board, person| motor::constant(board, person, at.joint, against))
             }
-            Self::Friction { at, compensate } => at.run(ui, |board, _| motion::friction(board, at.joint, *compensate)),
+            Self::Friction(at) => at.run(ui, |board, _| motion::friction(board, at.joint)),
             Self::Inertia(at) => at.run(ui, |board, _| motion::inertia(board, at.joint)),
         }
     }

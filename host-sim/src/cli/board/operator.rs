@@ -18,7 +18,7 @@ use haptic_live::recording::origin::Origin;
 use haptic_live::recording::recorder::Recorder;
 use haptic_live::recording::ticks::{BoardTicks, board_channels, name_of};
 use haptic_live::{endpoint::Stop, operator::Operator};
-use haptic_report::{Columns, files::write_csv};
+use haptic_report::files::write_csv;
 use serde_json::json;
 
 use crate::cli::address::endpoint_at;
@@ -68,14 +68,10 @@ fn left_armed(answers: &[String]) -> bool {
     answers.iter().rev().find(said).is_some_and(|last| last == "ok armed")
 }
 
-/// A file beside the one that was named, as `convert` names them.
-fn named(file: &Path, what: &str) -> PathBuf {
-    file.with_file_name(format!("{}-{what}.csv", file.file_stem().unwrap_or_default().to_string_lossy()))
-}
-
-/// The file of a shared axis: of the first the one that was named, of the others one beside it.
+/// The file of a shared axis: of the first the one that was named, of the others one beside it, as `convert` names them.
 fn of_axis(file: &Path, axis: usize) -> PathBuf {
-    if axis == 0 { file.to_owned() } else { named(file, &name_of(axis)) }
+    let stem = file.file_stem().unwrap_or_default().to_string_lossy();
+    if axis == 0 { file.to_owned() } else { file.with_file_name(format!("{stem}-{}.csv", name_of(axis))) }
 }
 
 impl Operate {
@@ -100,16 +96,13 @@ impl Operate {
         let mut ask = |operator: &mut Operator, line: &str| -> Result<(), Failure> {
             let answer = operator.ask(line)?;
             if let Some(why) = answer.strip_prefix("error ").filter(|_| !self.lines.is_empty()) {
-                return Err(format!("board {}: {line}: {why}", operator.number()).into());
+                return Err(format!("board {}: {line}: {why}", operator.number).into());
             }
             writeln!(ui, "{answer}");
             answers.push(answer);
             Ok(())
         };
-        // A line that gives ticks is said by who records them.
-        let gives = |line: &&String| matches!(line.split_whitespace().next(), Some("blackbox" | "capture"));
-        let given = self.lines.last().filter(gives).filter(|_| self.record.is_some());
-        for line in &self.lines[..self.lines.len() - usize::from(given.is_some())] {
+        for line in &self.lines[..self.lines.len() - usize::from(self.given().is_some())] {
             *lines_said += 1;
             ask(&mut operator, line)?;
         }
@@ -126,10 +119,7 @@ impl Operate {
             }
         }
         let files = match &self.record {
-            Some(file) => {
-                let line = given.cloned().unwrap_or_else(|| format!("stream {}", self.every));
-                self.record(ui, &mut operator, &line, file)?
-            }
+            Some(file) => self.record(ui, &mut operator, file)?,
             None => Vec::new(),
         };
         if left_armed(&answers) {
@@ -138,38 +128,37 @@ impl Operate {
         ui.document(&json!({ "answers": answers, "files": files }))
     }
 
+    /// The last line, if it gives ticks, which is said by who records them.
+    fn given(&self) -> Option<&String> {
+        let gives = |line: &&String| line.starts_with("blackbox") || line.starts_with("capture");
+        self.lines.last().filter(gives).filter(|_| self.record.is_some())
+    }
+
     /// Has the ticks sent, and writes down those that came, whatever becomes of the board meanwhile.
-    fn record(&self, ui: &Ui, operator: &mut Operator, line: &str, file: &Path) -> Result<Vec<PathBuf>, Failure> {
+    fn record(&self, ui: &Ui, operator: &mut Operator, file: &Path) -> Result<Vec<PathBuf>, Failure> {
         let mut settings = Settings::default();
         for key in ["timing.control_period_s", "axis.shared"] {
             take(operator, &mut settings, key)?;
         }
+        let line = self.given().cloned().unwrap_or_else(|| format!("stream {}", self.every));
         let (period_s, axes) = (settings.timing.control_period_s, settings.axis.shared as usize);
         if file.extension().is_none_or(|ending| ending != "csv") {
-            self.record_as_it_goes(ui, operator, line, file, (period_s, axes))?;
+            self.record_as_it_goes(ui, operator, &line, file, (period_s, axes))?;
             return Ok(vec![file.to_owned()]);
         }
-        let mut files: Vec<PathBuf> = (0..axes).map(|axis| of_axis(file, axis)).collect();
+        let files: Vec<PathBuf> = (0..axes).map(|axis| of_axis(file, axis)).collect();
         // Not after an hour of recording.
         if let Some(there) = files[1..].iter().find(|file| file.symlink_metadata().is_ok()) {
             let why = "it exists, and is not written over: give the recording another name";
             return Err(format!("{}: {why}", there.display()).into());
         }
-        let (samples, refusal) = operator.record(line, Duration::from_secs_f64(self.time.seconds))?;
+        let (samples, refusal) = operator.record(&line, Duration::from_secs_f64(self.time.seconds))?;
         let stopped = say(operator, "stream off");
         let tables = recording::tables(samples.iter().map(|sample| sample.payload()), period_s, axes);
-        let table = tables.first().filter(|table| !table.is_empty());
-        let table =
-            table.ok_or_else(|| format!("board {}: no tick came in {} s", operator.number(), self.time.seconds))?;
+        let none = || format!("board {}: no tick came in {} s", operator.number, self.time.seconds);
+        let table = tables.first().filter(|table| !table.is_empty()).ok_or_else(none)?;
         for (at, (table, file)) in tables.iter().zip(&files).enumerate() {
             write_csv(table, file, if at == 0 { Kind::Named } else { Kind::Beside })?;
-        }
-        let mut periods = Columns::named(recording::PERIOD.map(|(name, meaning)| (name.to_owned(), meaning)));
-        samples.iter().flat_map(recording::periods).for_each(|row| periods.push_row(&row));
-        if !periods.is_empty() {
-            let beside = named(file, "periods");
-            write_csv(&periods, &beside, Kind::Beside)?;
-            files.push(beside);
         }
         if let Some(row) = recording::started_anew(table) {
             ui.status(format_args!(
@@ -179,11 +168,9 @@ impl Operate {
         let gap = recording::longest_gap(table).map_or_else(String::new, |(from_s, gap_s)| {
             format!("; none came from {from_s:.3} s on for {gap_s:.3} s, the longest gap")
         });
-        let written: Vec<_> = files.iter().map(|file| file.display().to_string()).collect();
-        ui.status(format_args!("{} ticks written to {}{gap}", table.len(), written.join(", ")));
-        if let Some(refusal) = refusal {
-            return Err(refusal.into());
-        }
+        let named: Vec<_> = files.iter().map(|file| file.display().to_string()).collect();
+        ui.status(format_args!("{} ticks written to {}{gap}", table.len(), named.join(", ")));
+        refusal.map_or(Ok(()), |why| Err(Failure::from(why)))?;
         stopped?;
         Ok(files)
     }
@@ -197,7 +184,7 @@ impl Operate {
         file: &Path,
         (period_s, axes): (f64, usize),
     ) -> Result<(), Failure> {
-        let (number, time) = (operator.number(), Duration::from_secs_f64(self.time.seconds));
+        let (number, time) = (operator.number, Duration::from_secs_f64(self.time.seconds));
         let provenance = ui.provenance().with("board", number).with("line", line);
         let origin = Origin::here(&provenance, format!("operator of board {number}"), operator.start());
         let recorder = Recorder::create(file, &origin, board_channels(number, axes))?;
@@ -205,16 +192,10 @@ impl Operate {
         let status = |operator: &mut Operator| operator.ask("status").map(log);
         status(operator)?;
         let mut ticks = BoardTicks::new(period_s, axes);
-        let refusal = operator.record_each(line, time, |now_ns, session| {
-            let before = ticks.ticks;
-            ticks.record(&recorder, now_ns, session);
-            ticks.ticks > before
-        });
+        let refusal = operator.record_each(line, time, |now_ns, session| ticks.record(&recorder, now_ns, session));
         let stopped = say(operator, "stream off").map(|_| status(operator));
         ui.status(recorder.finish().summary());
-        if let Some(refusal) = refusal? {
-            return Err(refusal.into());
-        }
+        refusal?.map_or(Ok(()), |why| Err(Failure::from(why)))?;
         if ticks.ticks == 0 {
             return Err(format!("board {number}: no tick came in {} s", self.time.seconds).into());
         }

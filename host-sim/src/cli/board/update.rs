@@ -40,7 +40,7 @@ impl Update {
         haptic_io::write(&file, &bytes, Kind::Named).map_err(haptic_sim::Error::cannot("write", &file.display()))?;
         let mut operator = Operator::connect(self.board, &self.key.key_file)?;
         let answer = say(&mut operator, "update")?;
-        ui.status(format_args!("board {}: {answer}", operator.number()));
+        ui.status(format_args!("board {}: {answer}", operator.number));
         let next = format!("dfu-util -d 0483:df11 -a 0 -s {:#010x} -D {}", image::BANK_1.start, file.display());
         writeln!(ui, "{next}");
         ui.status(

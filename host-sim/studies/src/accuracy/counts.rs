@@ -60,13 +60,8 @@ impl Processor {
     pub fn count(self, case: &str, scalar: &str) -> Option<u64> {
         static COUNTS: LazyLock<[BTreeMap<&str, [u64; 3]>; 2]> =
             LazyLock::new(|| [Processor::CortexM7, Processor::X86].map(|processor| parse(processor.reviewed())));
-        let [cortex_m7, x86] = &*COUNTS;
-        let counts = match self {
-            Self::CortexM7 => cortex_m7,
-            Self::X86 => x86,
-        };
-        let column = SCALARS.iter().position(|known| *known == scalar);
-        counts.get(case).zip(column).map(|(counts, column)| counts[column])
+        let column = SCALARS.iter().position(|known| *known == scalar)?;
+        COUNTS[self as usize].get(case).map(|counts| counts[column])
     }
 }
 

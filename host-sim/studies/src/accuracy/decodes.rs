@@ -53,7 +53,7 @@ pub fn errors<S: Scalar>(settings: &Settings) -> (f64, f64) {
     let law = AnyLaw::<S>::build(settings).expect("good settings");
     let mut state = law.start(Motion::REST);
     let reference = closed_form(settings);
-    let differences: Vec<(f64, f64)> = reference
+    let (positions, forces): (Vec<f64>, Vec<f64>) = reference
         .iter()
         .enumerate()
         .map(|(tick, (stretch, force))| {
@@ -66,8 +66,8 @@ pub fn errors<S: Scalar>(settings: &Settings) -> (f64, f64) {
             let position = coupled.desired.position.to_f64() - local.position.to_f64() - stretch;
             (position, coupled.force.to_f64() - force)
         })
-        .collect();
-    (rms(differences.iter().map(|error| error.0)), rms(differences.iter().map(|error| error.1)))
+        .unzip();
+    (rms(positions), rms(forces))
 }
 
 pub(super) fn measure(processor: Processor) -> Result<Family, Refused<'static>> {

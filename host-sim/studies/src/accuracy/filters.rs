@@ -41,8 +41,8 @@ pub fn errors<S: Scalar, F: Filter<S>>(settings: &Settings) -> (f64, f64) {
         let ratio = sent.sum::<Complex>() / (Complex::from(cutoff) / Complex::new(cutoff, angular));
         ((ratio - 1.0).norm(), ratio.norm() - 1.0)
     };
-    let errors: Vec<(f64, f64)> = (1..=FREQUENCIES).map(error).collect();
-    (rms(errors.iter().map(|error| error.0)), rms(errors.iter().map(|error| error.1)))
+    let (both, gains): (Vec<f64>, Vec<f64>) = (1..=FREQUENCIES).map(error).unzip();
+    (rms(both), rms(gains))
 }
 
 pub(super) fn measure(processor: Processor) -> Result<Family, Refused<'static>> {

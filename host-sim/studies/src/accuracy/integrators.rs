@@ -42,15 +42,15 @@ pub fn closed_form(test: Test, settings: &Settings, time_s: f64) -> Motion<f64> 
 pub fn errors<S: Scalar>(test: Test, integrator: IntegratorName, period_s: f64) -> (f64, f64) {
     let settings = settings(test, integrator, period_s);
     let run = run::<S>(test, &settings);
-    let differences: Vec<(f64, f64)> = run
+    let (positions, velocities): (Vec<f64>, Vec<f64>) = run
         .iter()
         .enumerate()
         .map(|(tick, got)| {
             let want = closed_form(test, &settings, tick as f64 * period_s);
             (got.position.to_f64() - want.position, got.velocity.to_f64() - want.velocity)
         })
-        .collect();
-    (rms(differences.iter().map(|error| error.0)), rms(differences.iter().map(|error| error.1)))
+        .unzip();
+    (rms(positions), rms(velocities))
 }
 
 /// Largest change of ½·m·ẋ² + ½·K·x² without damping, as a fraction of what there was.

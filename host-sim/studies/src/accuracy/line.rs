@@ -8,7 +8,7 @@ use haptic_core::object::IntegratorName;
 use haptic_core::settings::Refused;
 use haptic_sim::Scene;
 
-use super::continuous::{SAMPLE_S, Sample};
+use super::continuous::Sample;
 use super::pair;
 
 /// Delay of the line each way, ms.
@@ -24,15 +24,8 @@ pub const MOTION: &str = "Self-timed line: any-network, 9 ms each way, forces wi
 /// The scene at `ticks_per_ms` ticks each millisecond.
 pub fn scene(integrator: IntegratorName, ticks_per_ms: u32) -> Scene {
     let ticks = DELAY_MS * ticks_per_ms;
-    let mut scene = pair::any_network(ticks);
-    scene.peer.timing.control_period_s = SAMPLE_S / f64::from(ticks_per_ms);
-    scene.peer.object.integrator = integrator;
+    let mut scene = pair::pushed(pair::any_network(ticks), integrator, ticks_per_ms);
     scene.world.network.one_way_delay_packets = ticks - 1;
-    scene.world.device.force_delay_ticks = 0.0;
-    for user in &mut scene.users {
-        user.settings.user.push_n = 0.1;
-    }
-    scene.users[0].settings.user.pulse_n = 1.0;
     scene
 }
 

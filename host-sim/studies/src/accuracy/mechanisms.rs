@@ -77,10 +77,10 @@ pub fn errors<S: Scalar>(settings: &Settings, truths: &[([f64; 2], Truth)]) -> (
         let miss = |got: S, want: DoubleDouble| (DoubleDouble::from_f64(got.to_f64()) - want).to_f64();
         let entry = |row: usize, column: usize| miss(pose.jacobian[row][column], jacobian[row][column]);
         let [x, y] = [0, 1].map(|axis: usize| miss(pose.axes[axis].position, hand[axis]));
-        (x.hypot(y), largest([entry(0, 0), entry(0, 1), entry(1, 0), entry(1, 1)].into_iter()))
+        (x.hypot(y), largest([entry(0, 0), entry(0, 1), entry(1, 0), entry(1, 1)]))
     });
-    let errors: Vec<(f64, f64)> = errors.collect();
-    (largest(errors.iter().map(|error| error.0)), largest(errors.iter().map(|error| error.1)))
+    let (hands, jacobians): (Vec<f64>, Vec<f64>) = errors.unzip();
+    (largest(hands), largest(jacobians))
 }
 
 /// Measures every choice, with the instructions of this processor.

@@ -225,12 +225,14 @@ fn beats(a: (f64, f64), b: (f64, f64)) -> bool {
     no_worse && (a.0 * SAME_ERROR < b.0 || a.1 * SAME_COUNT < b.1)
 }
 
-pub(crate) fn rms(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, count) = values.fold((0.0, 0_u64), |(sum, count), value| (sum + value * value, count + 1));
+pub(crate) fn rms(values: impl IntoIterator<Item = f64>) -> f64 {
+    let (sum, count) = values.into_iter().fold((0.0, 0_u64), |(sum, count), value| (sum + value * value, count + 1));
     (sum / count as f64).sqrt()
 }
 
 /// The largest magnitude; NaN if there is one.
-pub(crate) fn largest(values: impl Iterator<Item = f64>) -> f64 {
-    values.fold(0.0, |largest, value| if value.abs() > largest || value.is_nan() { value.abs() } else { largest })
+pub(crate) fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+    let further =
+        |largest: f64, value: f64| if value.abs() > largest || value.is_nan() { value.abs() } else { largest };
+    values.into_iter().fold(0.0, further)
 }

@@ -21,13 +21,18 @@ pub const MOTION: &str = "Coupled pair, passive wave, K_T 1590 N/m, 8 ms packets
 
 /// The scene with these choices, at `ticks_per_ms` (a power of two) ticks each millisecond.
 pub fn scene(integrator: IntegratorName, decode: Decode, ticks_per_ms: u32) -> Scene {
-    let mut scene = Scene::default();
-    scene.peer.timing.control_period_s = SAMPLE_S / f64::from(ticks_per_ms);
+    let mut scene = pushed(Scene::default(), integrator, ticks_per_ms);
     scene.peer.timing.ticks_per_packet = 8 * ticks_per_ms;
-    scene.peer.object.integrator = integrator;
     scene.peer.object.force_delay_ticks = 0.0;
     scene.peer.coordination.decode = decode;
     scene.peer.coordination.stiffness_n_per_m = 1590.0;
+    scene
+}
+
+/// This scene with this integrator and so many ticks each millisecond, forces of the device without delay, and the pushes of §5.1.
+pub(super) fn pushed(mut scene: Scene, integrator: IntegratorName, ticks_per_ms: u32) -> Scene {
+    scene.peer.timing.control_period_s = SAMPLE_S / f64::from(ticks_per_ms);
+    scene.peer.object.integrator = integrator;
     scene.world.device.force_delay_ticks = 0.0;
     for user in &mut scene.users {
         user.settings.user.push_n = 0.1;

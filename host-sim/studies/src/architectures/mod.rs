@@ -25,6 +25,7 @@ pub mod picture;
 pub mod together;
 pub mod turns;
 
+use haptic_core::names::Choice;
 use haptic_report::Columns;
 use haptic_sim::scene::Scene;
 use rayon::prelude::*;
@@ -61,45 +62,39 @@ pub const TASK: Task = Task {
     arm_mass_kg: 0.4,
 };
 
-/// Declares them: variant, key, name, meaning.
-macro_rules! architectures {
-    ($($Variant:ident, $key:literal, $name:literal, $meaning:literal;)+) => {
-        /// An architecture of a shared haptic environment.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        pub enum Architecture { $(#[doc = $meaning] $Variant),+ }
-
-        impl Architecture {
-            /// All architectures, in the report's order.
-            pub const ALL: [Self; [$($key),+].len()] = [$(Self::$Variant),+];
-
-            /// Key of the architecture, for programs.
-            pub fn key(self) -> &'static str {
-                match self { $(Self::$Variant => $key),+ }
-            }
-
-            /// For tables and legends.
-            pub fn name(self) -> &'static str {
-                match self { $(Self::$Variant => $name),+ }
-            }
-        }
-    };
+haptic_sim::choices! {
+    /// An architecture of a shared haptic environment, in the report's order.
+    Architecture {
+        "static" => Static, "A copy each.";
+        "collaborative-lock" => CollaborativeLock, "One at a time, by a lock at a server.";
+        "collaborative-ring" => CollaborativeRing, "One at a time, by a token that goes round.";
+        "cooperative-server" => CooperativeServer, "One dynamics engine at a server.";
+        "cooperative-server-unbounded" => CooperativeServerUnbounded,
+            "The same, with the scene's contact whatever the round trip.";
+        "cooperative-client" => CooperativeClient, "The dynamics engine at user 1, with the bounder.";
+        "distributed-power" => DistributedPower, "Two copies, coordinated by positions and velocities.";
+        "distributed-wave" => DistributedWave, "Two copies, coordinated by waves.";
+        "distributed-passive-wave" => DistributedPassiveWave, "Two copies, by waves with the paper's filter.";
+        "distributed-passive-mean" => DistributedPassiveMean, "Two copies, by waves of which the mean is sent.";
+    }
 }
 
-architectures! {
-    Static, "static", "static", "A copy each.";
-    CollaborativeLock, "collaborative-lock", "collaborative, lock", "One at a time, by a lock at a server.";
-    CollaborativeRing, "collaborative-ring", "collaborative, ring", "One at a time, by a token that goes round.";
-    CooperativeServer, "cooperative-server", "cooperative, engine at server", "One dynamics engine at a server.";
-    CooperativeServerUnbounded, "cooperative-server-unbounded", "the same without bounder",
-        "The same, with the scene's contact whatever the round trip.";
-    CooperativeClient, "cooperative-client", "cooperative, engine at client",
-        "The dynamics engine at user 1, with the bounder.";
-    DistributedPower, "distributed-power", "distributed, power", "Two copies, coordinated by positions and velocities.";
-    DistributedWave, "distributed-wave", "distributed, wave", "Two copies, coordinated by waves.";
-    DistributedPassiveWave, "distributed-passive-wave", "distributed, passive wave",
-        "Two copies, by waves with the paper's filter.";
-    DistributedPassiveMean, "distributed-passive-mean", "distributed, passive mean",
-        "Two copies, by waves of which the mean is sent.";
+impl Architecture {
+    /// For tables and legends.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Static => "static",
+            Self::CollaborativeLock => "collaborative, lock",
+            Self::CollaborativeRing => "collaborative, ring",
+            Self::CooperativeServer => "cooperative, engine at server",
+            Self::CooperativeServerUnbounded => "the same without bounder",
+            Self::CooperativeClient => "cooperative, engine at client",
+            Self::DistributedPower => "distributed, power",
+            Self::DistributedWave => "distributed, wave",
+            Self::DistributedPassiveWave => "distributed, passive wave",
+            Self::DistributedPassiveMean => "distributed, passive mean",
+        }
+    }
 }
 
 /// One architecture at one delay.
@@ -178,14 +173,8 @@ pub fn row(architecture: Architecture, delay_ms: f64) -> Result<Row, Error> {
 pub fn rows(done: &(impl Fn() + Sync)) -> Result<Vec<Row>, Error> {
     let points: Vec<_> =
         Architecture::ALL.iter().flat_map(|architecture| DELAYS_MS.map(|delay| (*architecture, delay))).collect();
-    points
-        .into_par_iter()
-        .map(|(architecture, delay_ms)| {
-            let row = row(architecture, delay_ms);
-            done();
-            row
-        })
-        .collect()
+    let of = |(architecture, delay_ms)| row(architecture, delay_ms);
+    points.into_par_iter().map(of).inspect(|_| done()).collect()
 }
 
 impl Row {
@@ -198,7 +187,7 @@ impl Row {
 /// All of it, a row for each architecture at each delay.
 pub fn columns(rows: &[Row]) -> Columns {
     Columns::of(rows)
-        .value("architecture", |row| row.architecture.key())
+        .value("architecture", |row| row.architecture.name())
         .means("which architecture")
         .value("delay_ms", |row| row.delay_ms)
         .means("from user to user, one way")
@@ -238,6 +227,6 @@ pub fn across(rows: &[Row], architectures: &[Architecture], cell: impl Fn(&Row) 
     let of = |architecture: Architecture, delay: f64| {
         rows.iter().find(|row| row.architecture == architecture && row.delay_ms == delay).map(&cell)
     };
-    let names = Columns::of(architectures).value("", |architecture| architecture.name());
+    let names = Columns::of(architectures).value("", |architecture| architecture.title());
     DELAYS_MS.iter().fold(names, |table, delay| table.value(delay.to_string(), |one| of(*one, *delay))).done()
 }

@@ -1,5 +1,6 @@
 //! Every architecture side by side: coherency, force and bandwidth against delay, and where each is stable.
 
+use haptic_core::names::Choice;
 use haptic_plot::{Dash, Figure, Panel, Series};
 
 use super::{Architecture, Row};
@@ -9,31 +10,24 @@ fn panel(rows: &[Row], named: bool, y_label: &str, log_y: bool, value: fn(&Row) 
     let line = |(at, architecture): (usize, &Architecture)| {
         let of_this = rows.iter().filter(|row| row.architecture == *architecture);
         let points = of_this.map(|row| (row.delay_ms, if row.stable { value(row) } else { f64::NAN })).collect();
-        // What is in a family shares a dash.
-        let dash = match architecture {
-            Architecture::Static | Architecture::CollaborativeLock | Architecture::CollaborativeRing => Dash::Dotted,
-            Architecture::CooperativeServer
-            | Architecture::CooperativeServerUnbounded
-            | Architecture::CooperativeClient => Dash::Dashed,
-            _ => Dash::Solid,
+        // The palette's yellow is weak on white, and no other solid line is green.
+        let color = if *architecture == Architecture::DistributedWave { 2 } else { at };
+        // What is in a family shares a dash. Of its lines, which may lie on each other, the first is the widest, and the last, drawn
+        // above them, the narrowest.
+        let (dash, beneath) = match architecture {
+            Architecture::Static => (Dash::Dotted, 2),
+            Architecture::CollaborativeLock => (Dash::Dotted, 1),
+            Architecture::CollaborativeRing => (Dash::Dotted, 0),
+            Architecture::CooperativeServerUnbounded => (Dash::Dashed, 2),
+            Architecture::CooperativeServer => (Dash::Dashed, 1),
+            Architecture::CooperativeClient => (Dash::Dashed, 0),
+            Architecture::DistributedWave => (Dash::Solid, 3),
+            Architecture::DistributedPassiveWave => (Dash::Solid, 2),
+            Architecture::DistributedPassiveMean => (Dash::Solid, 1),
+            Architecture::DistributedPower => (Dash::Solid, 0),
         };
-        let color = match architecture {
-            // The palette's yellow is weak on white, and no other solid line is green.
-            Architecture::DistributedWave => 2,
-            _ => at,
-        };
-        // Of a family's lines, which may lie on each other, the first is the widest, and the last, drawn above them, the narrowest.
-        let (rank, of) = match architecture {
-            Architecture::Static | Architecture::CooperativeServerUnbounded => (0, 3),
-            Architecture::CollaborativeLock | Architecture::CooperativeServer => (1, 3),
-            Architecture::CollaborativeRing | Architecture::CooperativeClient => (2, 3),
-            Architecture::DistributedPower => (3, 4),
-            Architecture::DistributedWave => (0, 4),
-            Architecture::DistributedPassiveWave => (1, 4),
-            Architecture::DistributedPassiveMean => (2, 4),
-        };
-        let width = 2.6 + 2.2 * f64::from(of - 1 - rank);
-        Series::dashed(if named { architecture.name() } else { "" }, color, dash, points).wide(width)
+        let width = 2.6 + 2.2 * f64::from(beneath);
+        Series::dashed(if named { architecture.title() } else { "" }, color, dash, points).wide(width)
     };
     Panel {
         x_label: "Delay from user to user, one way (ms)".to_owned(),

@@ -5,7 +5,7 @@
 //! | module | what |
 //! |---|---|
 //! | [`protocol`] | the scene of all, bounds, ranges of gains |
-//! | [`networks`] | networks to tune on, others to test on |
+//! | [`crate::networks`] | networks to tune on, others to test on |
 //! | [`motions`] | what the hands do |
 //! | [`search`] | the tuning of a law: a search of a study |
 //! | [`runs`] | the test of a law's gains: every motion over every network |
@@ -19,7 +19,6 @@
 pub mod chooser;
 pub mod figure;
 pub mod motions;
-pub mod networks;
 pub mod page;
 pub mod points;
 pub mod protocol;
@@ -35,10 +34,10 @@ use haptic_sim::peers::Laws;
 use rayon::prelude::*;
 
 use self::motions::Motion;
-use self::networks::Network;
 use self::points::Point;
 use self::search::Tuning;
 use crate::Error;
+use crate::networks::Network;
 use crate::sweep::{Book, with_traces};
 
 /// A bench: which laws, and how much of it.

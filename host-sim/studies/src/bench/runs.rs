@@ -5,6 +5,7 @@ use std::sync::LazyLock;
 use haptic_analysis::judge;
 use haptic_core::names::Choice;
 use haptic_core::settings::LawInfo;
+use haptic_report::Columns;
 use haptic_sim::measure::at_hand;
 use haptic_sim::run::Outcome;
 use haptic_sim::scene::Scene;
@@ -13,11 +14,11 @@ use serde::{Deserialize, Serialize};
 
 use super::motions::Motion;
 use super::search::Tuning;
-use super::tables::{self, heading};
-use super::{Bench, Step, networks, protocol};
+use super::{Bench, Step, protocol, tables};
 use crate::Error;
 use crate::entrant::Entrant;
-use crate::study::{Over, Study};
+use crate::networks::perfect;
+use crate::study::Study;
 use crate::sweep::{Book, Kept, Plan, unstable_modes};
 
 /// First seed; those of the tuning networks are others.
@@ -77,8 +78,8 @@ impl Kept for Run {
         (law, point, self.search_seed, motion, network, self.seed)
     }
 
-    fn heading() -> String {
-        heading(&tables::runs(&[]))
+    fn columns() -> Columns {
+        tables::runs(&[])
     }
 }
 
@@ -98,10 +99,10 @@ pub fn test(
     let of_motion = |&motion: &Motion| {
         let mut entrant = Entrant { name: motion.name().to_owned(), scene: motion.of(&scene)? };
         entrant.scene.world.network.seed = SEED;
-        let over = bench.networks.iter().map(Over::from).collect();
-        let study = Study::new(vec![entrant], over, &[], None, bench.seeds, motion.duration_s())?;
+        let networks = bench.networks.clone();
+        let study = Study::new(vec![entrant], networks, &[], None, bench.seeds, motion.duration_s())?;
         // What a hand feels without a network; not where all runs are there.
-        let free = LazyLock::new(|| Ok(at_hand::run(&motion.of(&networks::perfect(&scene)?)?, study.seconds(), None)?));
+        let free = LazyLock::new(|| Ok(at_hand::run(&motion.of(&perfect(&scene)?)?, study.seconds(), None)?));
         // The same of every seed.
         let modes_at = |at| {
             let study = &study;

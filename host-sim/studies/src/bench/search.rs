@@ -16,6 +16,7 @@
 use haptic_analysis::{Hands, judge};
 use haptic_core::names::Choice;
 use haptic_core::settings::{LawInfo, Value};
+use haptic_report::Columns;
 use haptic_sim::measure::led::felt;
 use haptic_sim::run::{Options, Outcome, Verdict, run};
 use haptic_sim::scene::Scene;
@@ -23,12 +24,11 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::motions::Motion;
-use super::networks::{Network, TUNING};
 use super::protocol::{self, BOUNDS_N_S_PER_M, FREQUENCIES_HZ, MOST_AT_5_HZ_N_S_PER_M, MOST_MASS_KG};
-use super::tables::{self, heading};
-use super::{Bench, Step};
+use super::{Bench, Step, tables};
 use crate::Error;
 use crate::campaign::laws::stability::{GROWS, not_linear};
+use crate::networks::{Network, TUNING};
 use crate::study::around::{Around, Gain, Tried, best};
 use crate::sweep::{Book, Kept};
 
@@ -67,8 +67,8 @@ impl Kept for Tuning {
         (self.law.clone(), self.search_seed, self.number)
     }
 
-    fn heading() -> String {
-        heading(&tables::tunings(&[]))
+    fn columns() -> Columns {
+        tables::tunings(&[])
     }
 }
 

@@ -1,6 +1,6 @@
 //! The bench as tables: fronts with a row a law, a row for the gains of a law, every tuning, every run.
 
-use haptic_report::{Column, Columns};
+use haptic_report::Columns;
 
 use super::Found;
 use super::motions::Motion;
@@ -9,11 +9,6 @@ use super::protocol::BOUNDS_N_S_PER_M;
 use super::runs::Run;
 use super::search::{Tuning, point_name};
 use crate::sweep::{EVERY_MODE, UNSTABLE_MODES};
-
-/// Heading of a file of rows with these columns.
-pub(super) fn heading(columns: &Columns) -> String {
-    columns.data().map(Column::name).collect::<Vec<_>>().join(",") + "\n"
-}
 
 /// A row a law: the worst network's distance at the law's own gains and at the best within each bound.
 pub fn fronts(found: &Found) -> Columns {

@@ -43,14 +43,17 @@ use haptic_sim::{scene::Scene, scenes, user::User};
 
 use super::Error;
 use crate::entrant::Entrant;
-use crate::networks::{self, Named};
-use crate::study::{Over, Study};
+use crate::networks::{self, Named, Network};
+use crate::study::Study;
 use crate::sweep::{EVERY_MODE, UNSTABLE_MODES};
 
 pub use self::cells::{Cell, DURATION_S, PUSH_N, PUSH_S, REST_S, SEEDS};
 
+/// A law: name and settings.
+type Choice = (&'static str, &'static [&'static str]);
+
 /// The communications of the campaign: name and settings.
-pub const COMMS: [Named; 5] = [CHOICES[0], CHOICES[1], CHOICES[4], CHOICES[7], ("self-timed", SELF_TIMED)];
+pub const COMMS: [Choice; 5] = [CHOICES[0], CHOICES[1], CHOICES[4], CHOICES[7], ("self-timed", SELF_TIMED)];
 
 /// The built-in scene `any-network` on the forces of the others.
 const SELF_TIMED: &[&str] = &[
@@ -68,7 +71,7 @@ const SELF_TIMED: &[&str] = &[
 ];
 
 /// These ways to hold the copies together, and every law from outside the crate that sends something.
-fn with_outside(laws: Laws, named: &[Named]) -> Vec<(&'static str, Vec<String>)> {
+fn with_outside(laws: Laws, named: &[Choice]) -> Vec<(&'static str, Vec<String>)> {
     let owned = |settings: &[&str]| settings.iter().map(|setting| (*setting).to_owned()).collect();
     let mut all: Vec<(&str, Vec<String>)> = named.iter().map(|(name, settings)| (*name, owned(settings))).collect();
     for name in laws.outside() {
@@ -91,7 +94,7 @@ const MEAN: &[&str] = &[
 const LEDGER: &str = "coordination.ledger=true";
 
 /// Ways to hold the copies together: name and settings.
-pub const CHOICES: [Named; 10] = [
+pub const CHOICES: [Choice; 10] = [
     ("power", &["coordination.comm=power", "coordination.stiffness_n_per_m=310"]),
     ("wave", WAVE.split_at(2).0),
     ("wave + ledger", WAVE),
@@ -116,11 +119,11 @@ const PERIODS: u32 = 60;
 
 /// The study of these scenes over these networks; periods of the swing, 0 for none.
 fn over_networks(entrants: Vec<Entrant>, networks: &[Named], periods: u32) -> Result<Vec<Cell>, Error> {
-    cells::of(&Study::new(entrants, Over::each(networks), &[], None, SEEDS, DURATION_S)?, periods)
+    cells::of(&Study::new(entrants, Network::named(networks), &[], None, SEEDS, DURATION_S)?, periods)
 }
 
 /// The scenes of these ways to hold the copies together, and of every law from outside the crate that sends something.
-fn scenes(laws: Laws, named: &[Named]) -> Result<Vec<Entrant>, Error> {
+fn scenes(laws: Laws, named: &[Choice]) -> Result<Vec<Entrant>, Error> {
     let scene = |(law, settings): (&str, Vec<String>)| {
         let mut scene = scenes::load(laws, BASE)?;
         PEERS.into_iter().chain(settings.iter().map(String::as_str)).try_for_each(|set| scene.apply_override(set))?;

@@ -81,18 +81,27 @@ impl Claim {
         Self { verdict: Verdict::InPart, why: format!("{}; {why}", self.why), ..self }
     }
 
+    /// Why, where it is not matched, or not everywhere; for what takes long to find.
+    pub fn unless(self, why: impl FnOnce() -> Result<String, Error>) -> Result<Self, Error> {
+        if self.lacks_why() { Ok(self.because(why()?)) } else { Ok(self) }
+    }
+
     /// Why, where it is not matched, or not everywhere.
-    pub fn unless(mut self, why: impl FnOnce() -> Result<String, Error>) -> Result<Self, Error> {
-        if matches!(self.verdict, Verdict::NotMatched | Verdict::InPart) && self.why.is_empty() {
-            self.why = why()?;
+    pub fn because(mut self, why: impl Into<String>) -> Self {
+        if self.lacks_why() {
+            self.why = why.into();
         }
-        Ok(self)
+        self
+    }
+
+    fn lacks_why(&self) -> bool {
+        matches!(self.verdict, Verdict::NotMatched | Verdict::InPart) && self.why.is_empty()
     }
 
     /// A remark on one that is matched.
-    pub fn but(mut self, remark: String) -> Self {
+    pub fn but(mut self, remark: impl Into<String>) -> Self {
         if self.verdict == Verdict::Matched {
-            self.why = remark;
+            self.why = remark.into();
         }
         self
     }

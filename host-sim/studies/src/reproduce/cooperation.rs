@@ -5,11 +5,10 @@ use haptic_core::law::decimate::{Newest, OnePole};
 use haptic_core::names::Decode;
 use haptic_report::significant;
 use haptic_sim::run::{Options, Outcome, run};
-use haptic_sim::{Laws, scenes};
 
 use super::claim::{Claim, of};
-use super::paper::{DURATION_S, Experiment, PRINTED, Printed};
-use super::readings::{DAMPINGS_N_S_PER_M, MASSES_KG, boundary, crossings, nearest, over_devices};
+use super::paper::{Experiment, PRINTED, Printed, run_at, scene};
+use super::readings::{DAMPINGS_N_S_PER_M, MASSES_KG, TO_N_PER_M, boundary, crossings, nearest, over_devices};
 use super::{channel, list, span};
 use crate::Error;
 
@@ -67,7 +66,7 @@ pub fn claims(computed: &Computed<'_>) -> Result<Vec<Claim>, Error> {
 fn model() -> Result<Vec<Claim>, Error> {
     let mut rest = Vec::new();
     for Printed { law, .. } in PRINTED {
-        let judged = judge(&scenes::load(Laws::built_in(), &format!("paper-5.1-{law}-16ms"))?)?;
+        let judged = judge(&scene("5.1", law)?)?;
         let both = judged.modes.iter().find(|mode| mode.mode == Hands::Both && !mode.at_walls);
         rest.push(both.map_or(0, |both| both.verdict.rest_modes));
     }
@@ -84,7 +83,7 @@ fn model() -> Result<Vec<Claim>, Error> {
             "not said of what the position is made at the other end; from velocities alone copies would be apart for good after a loss, of which the paper has none",
         ),
         Claim::in_places("§4, eq. 25", "Stable is what has all eigenvalues inside the unit circle", literal, rest.len(), found)
-            .unless(|| Ok("taken literally it calls all of the paper's own experiments unstable: nothing holds the pair where it is, and waves do not say where either copy is; here what stands still so is left out, and all else has to be inside".to_owned()))?,
+            .because("taken literally it calls all of the paper's own experiments unstable: nothing holds the pair where it is, and waves do not say where either copy is; here what stands still so is left out, and all else has to be inside"),
     ])
 }
 
@@ -110,7 +109,7 @@ fn figure_4(computed: &Computed<'_>) -> Result<Vec<Claim>, Error> {
         let usual: Vec<f64> = at_usual(over).iter().zip(at_usual(under)).map(|(over, under)| over / under).collect();
         let found =
             format!("{} times {at}; ten times or more in {} places of Figure 4", list(&usual), words.join(", "));
-        Claim::in_places(place, claim, holding, of, found).unless(|| Ok(why.to_owned()))
+        Claim::in_places(place, claim, holding, of, found).because(why)
     };
     let [wave_gain, passive_gain] = [PRINTED[1], PRINTED[2]].map(|printed| printed.gain_n_per_m);
     let mut claims = vec![
@@ -120,21 +119,21 @@ fn figure_4(computed: &Computed<'_>) -> Result<Vec<Claim>, Error> {
             &wave,
             &power,
             "the longer the delay, the more: without one they gain little",
-        )?,
+        ),
         an_order(
             "abstract",
             "Passive waves allow gains an order of magnitude larger than power-domain communications",
             &passive,
             &power,
             "the longer the delay, the more: without one they gain less",
-        )?,
+        ),
         an_order(
             "§4.3, Fig. 4",
             "Passive waves raise it by another order of magnitude over traditional waves (also in the abstract)",
             &passive,
             &wave,
             &format!("the gains of the paper's own experiments are {} apart", significant(passive_gain / wave_gain, 3)),
-        )?,
+        ),
     ];
     for (name, law, columns) in [("traditional", "wave", &wave), ("passive", "passive-wave", &passive)] {
         let claim = format!("The largest stiffness of {name} waves is unaffected by the delay");
@@ -176,7 +175,7 @@ fn figure_4(computed: &Computed<'_>) -> Result<Vec<Claim>, Error> {
 
 /// What the anti-aliasing filters are for (§1, §2), what delay does without waves (§3), and where Figure 4 ends at its right.
 fn filters(computed: &Computed<'_>) -> Result<Vec<Claim>, Error> {
-    let settings = scenes::load(Laws::built_in(), "paper-5.1-passive-wave-16ms")?.peer;
+    let settings = scene("5.1", "passive-wave")?.peer;
     let worst = channel::worst::<OnePole<f64>>(&settings, channel::pole(&settings));
     let tones: Vec<f64> = TONES_HZ.iter().map(|hz| channel::tone::<OnePole<f64>>(&settings, *hz)).collect();
     let [loudest, bare] = [tones.iter().copied().fold(0.0, f64::max), channel::worst::<Newest>(&settings, 0.0)];
@@ -191,7 +190,7 @@ fn filters(computed: &Computed<'_>) -> Result<Vec<Claim>, Error> {
                 tones.len()
             ),
         )
-        .unless(|| Ok("tone by tone it is; a filter of one pole lets some of what is above its cutoff through, where it adds up with what is below; the mean of a packet period, passive-mean, gives back no more than went in whatever the wave".to_owned()))?,
+        .because("tone by tone it is; a filter of one pole lets some of what is above its cutoff through, where it adds up with what is below; the mean of a packet period, passive-mean, gives back no more than went in whatever the wave"),
     ];
     let [power, wave, filtered] = ["power", "wave", "passive-wave"].map(|law| computed.limits(law));
     // At every K_LC and delay at which both end.
@@ -207,7 +206,7 @@ fn filters(computed: &Computed<'_>) -> Result<Vec<Claim>, Error> {
             ratios.len(),
             format!("the first boundary is farther in {farther} of {} places of Figure 4 at which both end, {} times at least", ratios.len(), significant(least, 3)),
         )
-        .unless(|| Ok("where the contact is about to be unstable by itself, both end early".to_owned()))?,
+        .because("where the contact is about to be unstable by itself, both end early"),
     );
     let ends: Vec<_> = power.iter().filter(|(_, limits)| limits.iter().all(|limit| limit.is_finite())).collect();
     let falling = ends.iter().filter(|(_, limits)| limits.windows(2).all(|pair| pair[1] < pair[0])).count();
@@ -219,7 +218,7 @@ fn filters(computed: &Computed<'_>) -> Result<Vec<Claim>, Error> {
             ends.len(),
             format!("{} N/m at K_LC {CONTACT_N_PER_M} N/m, n_t 0, 1, 2, 3; each lower than the one before at {falling} of {} K_LC", list(at_usual(&power)), ends.len()),
         )
-        .unless(|| Ok("not where the contact, and no coordination, is what is unstable".to_owned()))?,
+        .because("not where the contact, and no coordination, is what is unstable"),
     );
     let right: Vec<String> = ["power", "wave", "passive-wave"]
         .iter()
@@ -242,9 +241,7 @@ fn filters(computed: &Computed<'_>) -> Result<Vec<Claim>, Error> {
     // §3: a lower gain lessens the coherency.
     let mut discrepancies = Vec::new();
     for share in [1.0, 0.5, 0.25] {
-        let mut scene = scenes::load(Laws::built_in(), "paper-5.2-power-16ms")?;
-        scene.peer.coordination.stiffness_n_per_m *= share;
-        let outcome = run::<f64>(&scene, Options::unrecorded(20.0), &|_| {})?;
+        let outcome = run_at("power", share)?;
         discrepancies.push(outcome.metric(|o| o.whole.true_discrepancy_mm).unwrap_or(f64::NAN));
     }
     claims.push(Claim::holds(
@@ -262,8 +259,8 @@ fn filters(computed: &Computed<'_>) -> Result<Vec<Claim>, Error> {
 fn gains(computed: &Computed<'_>) -> Result<Vec<Claim>, Error> {
     let mut claims = Vec::new();
     for Printed { law, gain_n_per_m: gain, .. } in PRINTED {
-        let scene = scenes::load(Laws::built_in(), &format!("paper-5.1-{law}-16ms"))?;
-        let found = crossings(&scene, 12_000.0)?;
+        let scene = scene("5.1", law)?;
+        let found = crossings(&scene, TO_N_PER_M)?;
         let own = boundary(&found, gain);
         let numbers = (gain, own, "N/m");
         let largest = format!("The largest gain of {law} communications is {gain} N/m (16 ms)");
@@ -340,19 +337,16 @@ fn coherency(computed: &Computed<'_>) -> Result<Vec<Claim>, Error> {
             let claim = format!("{name} decrease the position discrepancy by {word} of magnitude ({which})");
             let found = format!("{} times", significant(fewer(values, at), 3));
             let holds = fewer(values, at) >= 10.0_f64.powf(wanted);
-            claims.push(Claim::holds("§5.2, Fig. 9", &claim, holds, found).unless(|| {
-                let printed = PRINTED.map(|printed| printed.discrepancy_mm);
-                Ok(match which {
+            let printed = significant(fewer(PRINTED.map(|printed| printed.discrepancy_mm), at), 3);
+            claims.push(
+                Claim::holds("§5.2, Fig. 9", &claim, holds, found).because(match which {
                     "true" => {
                         "between the copies themselves, at one instant: a wave line is a spring and adds its own way"
                             .to_owned()
                     }
-                    _ => format!(
-                        "nor do the means that the paper prints: they are {} times apart",
-                        significant(fewer(printed, at), 3)
-                    ),
-                })
-            })?);
+                    _ => format!("nor do the means that the paper prints: they are {printed} times apart"),
+                }),
+            );
         }
     }
     let sd = outcomes.map(|outcome| outcome.whole.coordination_force_n.sd);
@@ -376,13 +370,12 @@ fn coherency(computed: &Computed<'_>) -> Result<Vec<Claim>, Error> {
                 numbers(mean)
             ),
         )
-        .unless(|| {
-            Ok("not while the object is met, when the stiffer coupling pulls harder; the means, which the users' pushes set, are alike".to_owned())
-        })?,
+        .because("not while the object is met, when the stiffer coupling pulls harder; the means, which the users' pushes set, are alike"),
     );
     let mut all = vec![sd];
     for share in [0.95, 0.9] {
-        all.push([deviation("power", share)?, deviation("wave", share)?, deviation("passive-wave", share)?]);
+        let deviation = |law| Ok::<_, Error>(run_at(law, share)?.whole.coordination_force_n.sd);
+        all.push([deviation("power")?, deviation("wave")?, deviation("passive-wave")?]);
     }
     let smooth = all.iter().filter(|sd| lowest(**sd)).count();
     let words: Vec<String> = all.iter().map(|sd| numbers(*sd)).collect();
@@ -421,7 +414,7 @@ fn coherency(computed: &Computed<'_>) -> Result<Vec<Claim>, Error> {
                 100.0 * WITHIN
             ),
         )
-        .unless(|| Ok("a wave line is a spring that is softer the longer it is".to_owned()))?,
+        .because("a wave line is a spring that is softer the longer it is"),
     );
     Ok(claims)
 }
@@ -432,17 +425,9 @@ fn discrepancies_mm<const N: usize>(outcomes: [&Outcome; N]) -> [[f64; N]; 2] {
     [of(|outcome| outcome.whole.decoded_discrepancy_mm), of(|outcome| outcome.whole.true_discrepancy_mm)]
 }
 
-/// Standard deviation of the coordination force at peer 2 with this share of the paper's gain, N.
-fn deviation(law: &str, share: f64) -> Result<f64, Error> {
-    let mut scene = scenes::load(Laws::built_in(), &format!("paper-5.2-{law}-16ms"))?;
-    scene.peer.coordination.stiffness_n_per_m *= share;
-    let outcome = run::<f64>(&scene, Options::unrecorded(DURATION_S), &|_| {})?;
-    Ok(outcome.whole.coordination_force_n.sd)
-}
-
 /// The largest coordination force at peer 2 in the window that Figure 8 shows, N.
 fn largest_late(law: &str) -> Result<f64, Error> {
-    let scene = scenes::load(Laws::built_in(), &format!("paper-5.2-{law}-16ms"))?;
+    let scene = scene("5.2", law)?;
     let [from, to] = FIGURE_8_S;
     let outcome = run::<f64>(&scene, Options { duration_s: to, record_every: 1 }, &|_| {})?;
     let table = &outcome.axes[0].table;

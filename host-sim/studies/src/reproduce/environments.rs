@@ -108,7 +108,7 @@ fn impulsive() -> Vec<Claim> {
                 1.0 / PERIODS_S[4]
             ),
         )
-        .but("of what the bodies do; the pulse that the hand feels is as long as a period".to_owned()),
+        .but("of what the bodies do; the pulse that the hand feels is as long as a period"),
         Claim::holds(
             "§2.1",
             "Impulsive rendering does not work for extended contact",
@@ -241,7 +241,7 @@ fn turns(rows: &[Row]) -> Vec<Claim> {
                 here,
                 format!("{stable} of {here} delays up to {longest} ms stable"),
             )
-            .but("a turn waits for the network: how long is in the table of architectures".to_owned()),
+            .but("a turn waits for the network: how long is in the table of architectures"),
         );
     }
     // Each of n says where it is, and everybody hears it: counted, as the paper does.
@@ -253,7 +253,7 @@ fn turns(rows: &[Row]) -> Vec<Claim> {
         "A server is loaded by all that is said as users become more; from peer to peer the load is spread",
         (1..users.len()).all(|at| ratio(at) > ratio(at - 1)),
         format!("messages that the busiest handles while each of {users:?} users speaks once: {served:?} at a server, {between:?} from peer to peer"),
-    ).but("counted, not measured: both send every user the same".to_owned()));
+    ).but("counted, not measured: both send every user the same"));
     claims
 }
 

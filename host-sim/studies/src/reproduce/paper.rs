@@ -6,11 +6,12 @@
 
 use rayon::prelude::*;
 
-use haptic_analysis::{Analysis, Conclusion, Effort, Range, conclude};
+use haptic_analysis::{Analysis, Conclusion, conclude};
 use haptic_report::Columns;
 use haptic_sim::run::{Options, Outcome, run};
-use haptic_sim::scenes;
+use haptic_sim::{Laws, scene::Scene, scenes};
 
+use super::readings::{TO_N_PER_M, crossings};
 use crate::Error;
 use crate::sweep::EVERY_MODE;
 
@@ -58,14 +59,19 @@ pub struct Experiment {
 pub struct Gain {
     printed: Printed,
     /// Where this model crosses its stability boundary up to 12,000 N/m, pockets included, N/m.
-    pub(crate) crossings_n_per_m: Vec<f64>,
+    crossings_n_per_m: Vec<f64>,
 }
 
-impl Gain {
-    /// The law of the experiment.
-    pub(crate) fn law(&self) -> &'static str {
-        self.printed.law
-    }
+/// The scene of a section and a law, with 16 ms round trip.
+pub(super) fn scene(section: &str, law: &str) -> Result<Scene, Error> {
+    Ok(scenes::load(Laws::built_in(), &format!("paper-{section}-{law}-16ms"))?)
+}
+
+/// A run of the position coherency (section 5.2) with this share of the paper's gain.
+pub(super) fn run_at(law: &str, share: f64) -> Result<Outcome, Error> {
+    let mut scene = scene("5.2", law)?;
+    scene.peer.coordination.stiffness_n_per_m *= share;
+    Ok(run::<f64>(&scene, Options::unrecorded(DURATION_S), &|_| {})?)
 }
 
 /// Runs every experiment of the paper and the matched line, in parallel.
@@ -80,7 +86,7 @@ fn section(name: &'static str) -> Option<&'static str> {
 }
 
 fn experiment((name, section): (&'static str, &'static str)) -> Result<Experiment, Error> {
-    let scene = scenes::load(haptic_sim::Laws::built_in(), name)?;
+    let scene = scenes::load(Laws::built_in(), name)?;
     let timing = &scene.peer.timing;
     let outcome = run::<f64>(&scene, Options::recorded(DURATION_S, timing.control_period_s), &|_| {})?;
     let conclusion = conclude(&scene, outcome)?;
@@ -104,10 +110,8 @@ fn experiment((name, section): (&'static str, &'static str)) -> Result<Experimen
 /// The paper's largest gains beside the boundaries of this model, in the experiments' configuration.
 pub fn gains() -> Result<Vec<Gain>, Error> {
     let gain = |printed: &Printed| {
-        let scene = scenes::load(haptic_sim::Laws::built_in(), &format!("paper-5.1-{}-16ms", printed.law))?;
-        let range = Range { key: "coordination.stiffness_n_per_m".to_owned(), from: 1.0, to: 12_000.0 };
-        let limit = haptic_analysis::limit(&scene, range, Effort::default())?;
-        Ok(Gain { printed: *printed, crossings_n_per_m: limit.crossings })
+        let found = crossings(&scene("5.1", printed.law)?, TO_N_PER_M)?;
+        Ok(Gain { printed: *printed, crossings_n_per_m: found.crossings })
     };
     PRINTED.iter().map(gain).collect()
 }

@@ -44,6 +44,9 @@ pub(super) fn readings() -> Vec<Reading> {
     all.flatten().collect()
 }
 
+/// How far the paper's gains are looked for, N/m.
+pub(super) const TO_N_PER_M: f64 = 12_000.0;
+
 /// Every K_T up to here at which this scene changes between stable and unstable, N/m.
 pub(super) fn crossings(scene: &Scene, to_n_per_m: f64) -> Result<Limit, Error> {
     let range = Range { key: "coordination.stiffness_n_per_m".to_owned(), from: 1.0, to: to_n_per_m };

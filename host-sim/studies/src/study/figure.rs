@@ -39,12 +39,6 @@ struct Spot {
     best: bool,
 }
 
-/// A panel, before it is drawn: of each entrant its spots.
-struct Drawn {
-    title: String,
-    spots: Vec<Vec<Spot>>,
-}
-
 /// What runs along the horizontal axis.
 enum Along {
     /// The first key, which is a number.
@@ -80,9 +74,9 @@ impl Study {
                     let whole = 0..self.grid().points();
                     let spot = |entrant, x: usize| self.spot(&found, entrant, some[x], whole.clone(), x as f64);
                     let of = |entrant| (0..some.len()).filter_map(|x| spot(entrant, x)).collect();
-                    let spots = (0..self.entrants.len()).map(of).collect();
+                    let spots: Vec<Vec<Spot>> = (0..self.entrants.len()).map(of).collect();
                     let names = some.iter().map(|at| self.networks[*at].name.clone()).collect();
-                    self.panel(&Drawn { title: String::new(), spots }, &Along::Names(names), goal)
+                    self.panel(String::new(), &spots, &Along::Names(names), goal)
                 };
                 networks.chunks(NAMES).map(panel).collect()
             }
@@ -95,10 +89,10 @@ impl Study {
                     let spot =
                         |entrant, at: usize| self.spot(&found, entrant, network, at * each..(at + 1) * each, x(at));
                     let of = |entrant| (0..axis.values.len()).filter_map(|at| spot(entrant, at)).collect();
-                    let spots = (0..self.entrants.len()).map(of).collect();
+                    let spots: Vec<Vec<Spot>> = (0..self.entrants.len()).map(of).collect();
                     let title =
                         if self.networks.len() > 1 { self.networks[network].name.clone() } else { String::new() };
-                    self.panel(&Drawn { title, spots }, &along, goal)
+                    self.panel(title, &spots, &along, goal)
                 };
                 (0..self.networks.len()).map(panel).collect()
             }
@@ -125,14 +119,15 @@ impl Study {
             .min_by(|one, other| rank(one).cmp(&rank(other)).then(one.found.mean.total_cmp(&other.found.mean)))
     }
 
-    fn panel(&self, drawn: &Drawn, along: &Along, goal: &Goal) -> Panel {
+    /// A panel with the spots of each entrant.
+    fn panel(&self, title: String, spots: &[Vec<Spot>], along: &Along, goal: &Goal) -> Panel {
         let key = self.grid().keys().next().filter(|_| !self.grid().axes.is_empty());
         let (mut bands, mut marks) = (Vec::new(), Vec::new());
-        for (entrant, spots) in drawn.spots.iter().enumerate() {
+        for (entrant, spots) in spots.iter().enumerate() {
             let (color, dash) = (entrant % BLACK, DASHES[entrant % DASHES.len()]);
             let name = short(&self.entrants[entrant].name);
             // Names have room for all entrants beside each other.
-            let beside = BESIDE * ((entrant as f64 + 0.5) / drawn.spots.len() as f64 - 0.5);
+            let beside = BESIDE * ((entrant as f64 + 0.5) / self.entrants.len() as f64 - 0.5);
             let x = |spot: &Spot| if let Along::Names(_) = along { spot.x + beside } else { spot.x };
             let at = |spot: &Spot| (x(spot), spot.found.mean);
             let allowed = || spots.iter().filter(|spot| spot.allowed);
@@ -160,7 +155,7 @@ impl Study {
             Along::Names(names) => (false, names.clone()),
         };
         Panel {
-            title: drawn.title.clone(),
+            title,
             x_label: key.map(label).unwrap_or_default(),
             y_label: label(&METRICS[goal.metric].name()),
             log_x,

@@ -15,7 +15,6 @@ pub mod answers;
 pub mod around;
 pub mod figure;
 pub mod halving;
-mod network;
 pub mod pairs;
 mod tables;
 
@@ -26,7 +25,7 @@ use crate::Error;
 use crate::entrant::Entrant;
 use crate::sweep::{Axis, Plan, Sample, Sweep, check_runs, with_traces};
 
-pub use self::network::{ALL, OWN, Over};
+pub use crate::networks::{Network, OWN};
 
 /// Entrants, networks, axes, seeds and time.
 #[derive(Clone, Debug)]
@@ -34,7 +33,7 @@ pub struct Study {
     /// Scenes that take part; the first one's seed and those after it are every run's.
     pub entrants: Vec<Entrant>,
     /// Networks that each of them is run over.
-    pub networks: Vec<Over>,
+    pub networks: Vec<Network>,
     /// Of each entrant the grid on its own network.
     grids: Vec<Sweep>,
 }
@@ -59,7 +58,7 @@ impl Plan for Study {
         let Place { entrant, network, grid } = self.place(point);
         let named = |error: Error| Error::from(format!("{}: {error}", self.entrants[entrant].name));
         let scene = self.grids[entrant].scene_at(grid).map_err(named)?;
-        let mut scene = self.networks[network].over(scene).map_err(named)?;
+        let mut scene = self.networks[network].over(&scene).map_err(named)?;
         scene.world.network.seed = self.first_seed();
         Ok(scene)
     }
@@ -84,7 +83,7 @@ impl Study {
     /// No entrant or no network, or a name that stands there twice.
     pub fn new(
         entrants: Vec<Entrant>,
-        networks: Vec<Over>,
+        networks: Vec<Network>,
         axes: &[Axis],
         sample: Option<&Sample>,
         seeds: u32,
@@ -130,7 +129,7 @@ impl Study {
             let wrong = |error: Error| format!("{}: {error}", entrant.name);
             grid.check_points(&|point| {
                 let scene = grid.scene_at(point)?;
-                self.networks.iter().try_for_each(|network| network.over(scene.clone()).map(drop))
+                self.networks.iter().try_for_each(|network| network.over(&scene).map(drop))
             })
             .map_err(wrong)?;
         }

@@ -21,7 +21,7 @@ use std::time::{Duration, Instant};
 
 use haptic_io::{Kind, Most};
 use haptic_report::files::{write_csv, write_parquet};
-use haptic_report::{Columns, Provenance};
+use haptic_report::{Column, Columns, Provenance};
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -38,8 +38,12 @@ pub trait Kept: Serialize + DeserializeOwned {
 
     /// Which row it is.
     fn key(&self) -> Self::Key;
-    /// The first line of a file of rows, with its end.
-    fn heading() -> String;
+    /// The columns of a file of rows.
+    fn columns() -> Columns;
+    /// Its first line, with the end of it.
+    fn heading() -> String {
+        Self::columns().data().map(Column::name).collect::<Vec<_>>().join(",") + "\n"
+    }
 }
 
 /// Longest that a row waits for the disk while others come, if the machine itself stops.

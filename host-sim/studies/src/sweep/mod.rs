@@ -168,7 +168,7 @@ impl Sweep {
             provenance = provenance.with("design", sample.design.name()).with("sample_points", sample.points);
             provenance = provenance.with("sample_seed", sample.seed);
             for (number, spread) in (1..).zip(&sample.spreads) {
-                provenance = provenance.with(&format!("sample_{number}"), spread.text());
+                provenance = provenance.with(&format!("sample_{number}"), spread.text.as_str());
             }
         }
         provenance

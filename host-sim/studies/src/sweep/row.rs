@@ -1,7 +1,7 @@
 //! What one run of a sweep gave, and the columns of it.
 
 use haptic_analysis::{Analysis, Conclusion, Judgement};
-use haptic_report::{Column, Columns, Rows};
+use haptic_report::{Columns, Rows};
 use haptic_sim::run::{Outcome, Verdict};
 use haptic_sim::scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -67,13 +67,6 @@ impl Row {
         Some(self.unstable_modes.as_str()).filter(|modes| !modes.is_empty())
     }
 
-    /// Columns of a file of rows: those of a run without the keys, which the question holds, and without what the verdict says.
-    pub fn columns() -> Columns {
-        of_runs(Columns::of(&[]).value("point", |row: &Self| row.point).means(POINT))
-            .without("stable")
-            .without("every_mode_stable")
-    }
-
     /// Rows as lines of a file of rows.
     ///
     /// # Errors
@@ -101,8 +94,11 @@ impl Kept for Row {
         (self.point, self.seed)
     }
 
-    fn heading() -> String {
-        Self::columns().data().map(Column::name).collect::<Vec<_>>().join(",") + "\n"
+    /// Those of a run without the keys, which the question holds, and without what the verdict says.
+    fn columns() -> Columns {
+        of_runs(Columns::of(&[]).value("point", |row: &Self| row.point).means(POINT))
+            .without("stable")
+            .without("every_mode_stable")
     }
 }
 

@@ -42,7 +42,8 @@ haptic_sim::choices! {
 pub struct Spread {
     /// Name of the key, `table.key`.
     pub key: String,
-    text: String,
+    /// As it was written.
+    pub(super) text: String,
     over: Over,
 }
 
@@ -72,11 +73,6 @@ impl Spread {
             Over::Listed(values) => values,
             _ => &[],
         }
-    }
-
-    /// As it was written.
-    pub(super) fn text(&self) -> &str {
-        &self.text
     }
 }
 

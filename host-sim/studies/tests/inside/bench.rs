@@ -11,11 +11,10 @@ use super::runs::Run;
 use super::search::tune;
 use super::*;
 use crate::campaign::laws::{LADDER, asked_for};
-use crate::networks::Named;
+use crate::networks::{self, Named};
 use crate::study::around::best;
 
-const FEW: &[Named] =
-    &[("8 ms", &[]), ("bursts of 40 ms, 20 %", &["network.loss=0.2", "network.loss_burst_packets=40 ms"])];
+const FEW: &[Named] = &[("8 ms", ""), ("bursts of 40 ms, 20 %", "loss=0.2 loss_burst_packets=40ms")];
 
 fn bench(names: &str, budget: usize) -> Bench {
     let laws = Laws::built_in();
@@ -133,10 +132,8 @@ fn what_single_gains_decide_is_tuned() {
         assert!(tuned("four-channel", key), "{key}");
     }
     assert!(tuned("p-plus-d", "coordination.stiffness_n_per_m"));
-    const LATE: &[Named] = &[(
-        "40 ms, bursts of 40 ms, 20 %",
-        &["network.one_way_delay_packets=40 ms", "network.loss=0.2", "network.loss_burst_packets=40 ms"],
-    )];
+    const LATE: &[Named] =
+        &[("40 ms, bursts of 40 ms, 20 %", "one_way_delay_packets=40ms loss=0.2 loss_burst_packets=40ms")];
     let late = &Network::named(LATE)[0];
     let run = |gains: &str| {
         let scene = late.over(&protocol::scene(laws, law("four-channel"), gains).expect("a scene")).expect("a network");

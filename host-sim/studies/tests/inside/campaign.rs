@@ -39,8 +39,7 @@ fn networks_are_the_same_for_every_packet_period() {
 /// One run where nothing is drawn, twenty others where something is; the same bits on one thread and on two.
 #[test]
 fn seeds_are_others_and_threads_change_nothing() {
-    let networks: &[Named] =
-        &[("none", &[]), ("loss", &["network.loss=0.3"]), ("asymmetry", &["network.asymmetry_s=0.01"])];
+    let networks: &[Named] = &[("none", ""), ("loss", "loss=0.3"), ("asymmetry", "asymmetry_s=0.01")];
     let scene = base(&[]);
     let on = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a thread pool");
@@ -63,7 +62,7 @@ fn seeds_are_others_and_threads_change_nothing() {
 /// A single run of twenty that failed takes the figures of the cell; one that came apart does not hide how far.
 #[test]
 fn one_failure_is_not_averaged_away() {
-    let mut cell = cells(&base(&[]), &[("loss", &["network.loss=0.1"])]).remove(0);
+    let mut cell = cells(&base(&[]), &[("loss", "loss=0.1")]).remove(0);
     assert_eq!((cell.verdict().as_str(), cell.is_stable(), cell.reason()), ("stable 20/20", true, None));
     let mean = cell.true_discrepancy_mm().expect("figures");
     cell.outcomes[7].reason = Some(Reason::Apart { true_discrepancy_mm: 500.0 });
@@ -80,8 +79,8 @@ fn one_failure_is_not_averaged_away() {
 #[test]
 fn the_way_is_that_of_the_scenes_own_network() {
     let scene = base(&["coordination.ledger=false", "coordination.drift_correction=false"]);
-    let [own, late] = [("none", &[][..]), ("late", &["network.one_way_delay_packets=20"][..])]
-        .map(|network| cells(&scene, &[network]).remove(0));
+    let [own, late] =
+        [("none", ""), ("late", "one_way_delay_packets=20")].map(|network| cells(&scene, &[network]).remove(0));
     let mobility = own.mobility().expect("a way");
     assert_eq!((mobility.mean, mobility.within_95), (1.0, None));
     // A line of 160 ms and 10 N s/m weighs 1.6 kg more than one of 8 ms.

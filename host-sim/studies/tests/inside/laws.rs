@@ -136,7 +136,7 @@ fn rows(names: &str, networks: &[Named]) -> Vec<Row> {
     over(laws, &scenes, networks, &|| ()).expect("a bench")
 }
 
-const OWN: &[Named] = &[("none", &[])];
+const OWN: &[Named] = &[("none", "")];
 
 /// Whatever is in the registry has a row and says of itself what it declares, laws from outside too; where the analyser calls the gains
 /// stable with both hands on, the run is.
@@ -176,7 +176,7 @@ fn every_law_has_a_row_and_runs_as_it_was_judged() {
 /// it says; it does not drift. Nor is anything judged of a law that pushes and never pulls.
 #[test]
 fn a_false_promise_is_found_and_what_is_not_linear_is_not_judged() {
-    let late: &[Named] = &[("none", &[]), ("bursts", &["network.loss=0.2", "network.loss_burst_packets=100 ms"])];
+    let late: &[Named] = &[("none", ""), ("bursts", "loss=0.2 loss_burst_packets=100ms")];
     let rows = rows("pretends,power,pushes-only", late);
     let kept: Vec<bool> = rows[0].promises.iter().map(|kept| kept.kept).collect();
     assert_eq!(kept, [false, true], "{:?}", rows[0].promises);

@@ -6,16 +6,17 @@ use std::sync::Mutex;
 use haptic_sim::peers::Laws;
 use haptic_sim::run::Until;
 use haptic_studies::entrant::Entrant;
+use haptic_studies::networks::Network;
+use haptic_studies::study::Study;
 use haptic_studies::study::answers::{Answer, Goal, metric};
 use haptic_studies::study::halving::Searched;
-use haptic_studies::study::{Over, Study};
 use haptic_studies::sweep::{Plan, Row};
 
 /// Two laws over three networks, of which two lose at random, at seven stiffnesses: 42 points of ten seeds.
 fn study() -> Study {
     let entrant = |name: &str| Entrant::of(Laws::built_in(), name, None, &[], None).expect("an entrant");
     let networks = ["own", "loss 20 %", "bursts of 40 ms, 20 %"];
-    let networks = networks.iter().flat_map(|name| Over::of(name).expect("a network")).collect();
+    let networks = networks.iter().flat_map(|name| Network::of(name).expect("a network")).collect();
     let axis = "coordination.stiffness_n_per_m=100..100000:7:log".parse().expect("an axis");
     Study::new(["passive-mean", "p-plus-d"].map(entrant).to_vec(), networks, &[axis], None, 10, 4.0).expect("a study")
 }
@@ -72,7 +73,7 @@ fn it_finds_what_the_grid_finds_with_less_than_half_of_the_runs() {
 fn what_is_not_stable_in_every_mode_is_not_run() {
     let entrants = ["wave", "power"].map(|name| Entrant::of(Laws::built_in(), name, None, &[], None).expect("one"));
     let axis = "coordination.stiffness_n_per_m=100..100000:7:log".parse().expect("an axis");
-    let networks = ["own", "loss 20 %"].iter().flat_map(|name| Over::of(name).expect("a network")).collect();
+    let networks = ["own", "loss 20 %"].iter().flat_map(|name| Network::of(name).expect("a network")).collect();
     let study = Study::new(entrants.to_vec(), networks, &[axis], None, 6, 1.0).expect("a study");
     let goal = goal("true_discrepancy_mm", &[]);
     let (found, grid) =
@@ -148,7 +149,7 @@ fn where_the_grid_has_a_point_so_has_the_search() {
 fn a_single_seed_is_the_grid() {
     let entrant = Entrant::of(Laws::built_in(), "wave", None, &[], None).expect("an entrant");
     let axis = "coordination.damping_n_s_per_m=2,4,8".parse().expect("an axis");
-    let own = Over::of("own").expect("a network");
+    let own = Network::of("own").expect("a network");
     let study = Study::new(vec![entrant], own, &[axis], None, 1, 1.0).expect("a study");
     let goal = goal("true_discrepancy_mm", &[]);
     let (found, grid) =
@@ -173,7 +174,7 @@ fn the_grids_best_in_a_third_of_the_runs() {
             entrant.scene.apply_override(&format!("network.seed={first}")).expect("a seed");
             entrant
         };
-        let networks = networks.iter().flat_map(|name| Over::of(name).expect("a network")).collect();
+        let networks = networks.iter().flat_map(|name| Network::of(name).expect("a network")).collect();
         let axis = "coordination.stiffness_n_per_m=100..100000:9:log".parse().expect("an axis");
         Study::new(laws.map(entrant).to_vec(), networks, &[axis], None, seeds, 2.0).expect("a study")
     };

@@ -4,6 +4,7 @@
 //! linear hand lags behind its reach is, as an integral over time, the distance times b/k: the damping of the device over the
 //! stiffness of its arm (the derivative of its transfer function at 0), and a minimum-jerk reach is half-way for half of its time.
 
+use haptic_core::names::Choice;
 use haptic_studies::architectures::hand::REST_S;
 use haptic_studies::architectures::together::unbounded_radius;
 use haptic_studies::architectures::{Architecture, DELAYS_MS, Row, TASK, rows};

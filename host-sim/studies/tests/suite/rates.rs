@@ -6,7 +6,7 @@ use haptic_core::names::Choice;
 use haptic_sim::measure::at_hand;
 use haptic_sim::{Laws, scene::Scene, scenes};
 use haptic_studies::bench::motions::Motion;
-use haptic_studies::bench::networks::{Network, TEST};
+use haptic_studies::networks::{Network, TEST};
 
 /// True discrepancy and way, mm, and the largest force at a hand, N: means of so many seeds.
 fn figures(scene: &Scene, motion: Motion, seeds: u32) -> [f64; 3] {

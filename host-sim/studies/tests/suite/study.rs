@@ -7,8 +7,9 @@ use haptic_sim::run::{Options, Until, run};
 use haptic_sim::scene::Scene;
 use haptic_sim::scenes;
 use haptic_studies::entrant::Entrant;
+use haptic_studies::networks::Network;
 use haptic_studies::study::answers::{Bound, Counts, Goal, metric};
-use haptic_studies::study::{Over, Place, Study};
+use haptic_studies::study::{Place, Study};
 use haptic_studies::sweep::{Axis, METRICS, Plan, Row, Sweep};
 
 fn scene(name: &str, set: &[&str]) -> Scene {
@@ -20,8 +21,8 @@ fn entrant(name: &str) -> Entrant {
     Entrant::of(Laws::built_in(), name, None, &[], None).expect("an entrant")
 }
 
-fn over(names: &[&str]) -> Vec<Over> {
-    names.iter().flat_map(|name| Over::of(name).expect("a network")).collect()
+fn over(names: &[&str]) -> Vec<Network> {
+    names.iter().flat_map(|name| Network::of(name).expect("a network")).collect()
 }
 
 /// Entrants A and B over two networks at three values of a key, of four seeds.
@@ -188,7 +189,7 @@ fn what_cannot_be_asked_is_refused() {
     assert_eq!(ruled, "network.loss is varied, and the network \"loss 5 %\" rules it: take another network");
     let wrong = said(&["wave"], &["own"], "object.mass_kg=0.1,-1");
     assert!(wrong.contains("wave: ") && wrong.contains("object.mass_kg = -1 is not allowed"), "{wrong}");
-    let unknown = Over::of("los 5 %").expect_err("no such network").to_string();
+    let unknown = Network::of("los 5 %").expect_err("no such network").to_string();
     assert!(unknown.contains("did you mean \"loss 5 %\"?") && unknown.contains("\"own\", "), "{unknown}");
     let bound = |text: &str| text.parse::<Bound>().expect_err("no bound").to_string();
     assert!(bound("force=3").starts_with("they are true_discrepancy_mm, "));

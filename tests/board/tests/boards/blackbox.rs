@@ -7,9 +7,10 @@ use board_bench::bench::{Bench, CURRENT_LOOP};
 use board_bench::image::Firmware;
 use board_bench::wire::Line;
 use firmware_parts::history::FIRST;
-use firmware_parts::record::{ENABLED, Period, Record};
+use firmware_parts::record::{ENABLED, Record};
 use firmware_parts::recorder::TICKS;
 use haptic_core::safety::{Fault, Mode};
+use haptic_live::recording::file::read;
 use haptic_sim::scene::PlantFault;
 
 use crate::breaks;
@@ -23,7 +24,6 @@ const FOR_EVER: u32 = 0xE7FE_E7FE;
 fn kept(bench: &mut Bench) -> (Vec<Record>, Vec<Record>) {
     bench.drain();
     let streamed = bench.pc.records[0].clone();
-    bench.pc.periods[0].clear();
     assert_eq!(bench.ask(1, "blackbox"), "ok 256 ticks, 30 PWM periods");
     bench.run_for_ms(200);
     let kept = bench.pc.records[0][streamed.len()..].to_vec();
@@ -44,7 +44,13 @@ fn a_fault_leaves_its_ticks_its_periods_and_a_line() {
     bench.run_for_ms(50);
     bench.mend(1);
     assert!(!bench.stopped[0].bridges.on());
+    let file = std::env::temp_dir().join(format!("blackbox-{}.mcap", std::process::id()));
+    let _ = std::fs::remove_file(&file);
+    bench.pc.record(1, 1, &file);
     let (streamed, told) = kept(&mut bench);
+    bench.pc.end_recordings();
+    let recording = read(&file).expect("a recording");
+    std::fs::remove_file(&file).expect("it is there");
     let from = streamed.iter().position(|record| record.tick() == told[0].tick()).expect("it was streamed, too");
     assert_eq!(streamed[from..from + TICKS], told, "bit for bit");
     let [.., before, last] = &told[..] else { panic!("{} records", told.len()) };
@@ -52,18 +58,18 @@ fn a_fault_leaves_its_ticks_its_periods_and_a_line() {
     assert_eq!([before, last].map(|record| record.flags() & ENABLED), [ENABLED, 0]);
 
     // The periods that the faulted tick saw are the twenty before the one that had begun.
-    let periods = bench.pc.periods[0].clone();
-    assert!(periods.len() == 30 && periods.windows(2).all(|two| two[1].0 == two[0].0 + 1), "{periods:?}");
+    let periods = recording.channels.iter().find(|channel| channel.topic == "/board_1/periods").expect("it is there");
+    let [numbers, sensed, currents, voltages] =
+        ["period", "current_1", "current_2", "voltage_1"].map(|name| periods.column(name).expect("it is named"));
+    assert!(periods.len() == 30 && numbers.windows(2).all(|two| two[1] == two[0] + 1.0), "{numbers:?}");
     let seen = last.stage().expect("a current loop");
-    let mean =
-        |of: fn(&Period) -> i16| periods[9..29].iter().map(|(_, period)| f64::from(of(period))).sum::<f64>() / 20.0;
+    let mean = |of: &[f64]| of[9..29].iter().sum::<f64>() / 20.0;
     // The sensor of motor 1 reads more than a period can tell.
-    let (current, voltage) = (mean(|period| period.currents[1]), mean(|period| period.voltages[0]));
-    assert!((current - f64::from(seen.motors[1].mean)).abs() <= 1.0, "{current}, {seen:?}: {periods:?}");
-    let counts = voltage / 32767.0 * f64::from(seen.supply_counts);
-    assert!((counts - f64::from(seen.motors[0].voltage)).abs() <= 1.0, "{counts}, {seen:?}: {periods:?}");
-    let at_its_end = periods.iter().position(|(_, period)| period.currents[0] == i16::MAX).expect("within the last 30");
-    assert!(periods[at_its_end..].iter().all(|(_, period)| period.currents[0] == i16::MAX) && at_its_end > 0);
+    let (codes, counts) = (32767.0 * mean(currents), f64::from(seen.supply_counts) * mean(voltages));
+    assert!((codes - f64::from(seen.motors[1].mean)).abs() <= 1.0, "{codes}, {seen:?}: {currents:?}");
+    assert!((counts - f64::from(seen.motors[0].voltage)).abs() <= 1.0, "{counts}, {seen:?}: {voltages:?}");
+    let at_its_end = sensed.iter().position(|current| *current == 1.0).expect("within the last 30");
+    assert!(at_its_end > 0 && sensed[at_its_end..].iter().all(|current| *current == 1.0), "{sensed:?}");
 
     // A tick that hangs: the reset leaves what led to it.
     breaks::arm_again(&mut bench, "after the fault");

@@ -49,7 +49,7 @@ fn every_law_holds_its_hand_whatever_a_member_says() {
         let line =
             |number: u8, life: u32| Line::<1>::open(&scene, number, Key::new(KEY), entropy(life)).expect("a line");
         let node = |life: u32, plant: Plant| {
-            Node::<1>::with_device(&scene, 1, Key::new(KEY), entropy(life), plant).expect("a peer")
+            Node::<1>::with_device(&scene, 1, Key::new(KEY), entropy(life), Box::new(plant)).expect("a peer")
         };
         let (mut honest, mut hostile) = (node(1, Plant::new(&scene, 0)), line(2, 2));
         let (mut force_n, mut life, mut impossible, mut said_flows) = (0.0_f64, 2_u32, 0, 0);
@@ -138,7 +138,8 @@ fn nobody_honest_says_what_cannot_be() {
                 continue;
             }
             let node = |index: usize, life: u32, plant: Plant| {
-                let node = Node::<1>::with_device(&scene, index as u8 + 1, Key::new(KEY), entropy(life), plant);
+                let node =
+                    Node::<1>::with_device(&scene, index as u8 + 1, Key::new(KEY), entropy(life), Box::new(plant));
                 Honest(Box::new(node.expect("a peer")), 1 - index)
             };
             let seats = (0..2).map(|index| Seat::new(node(index, index as u32 + 1, Plant::new(&scene, index))));

@@ -136,6 +136,6 @@ where
     f32: Builds<SHARED, N>,
 {
     let line = index as u32 + 1;
-    let node = Node::with_device(scene, number_on(line), key().line(line), [entropy; Key::LEN], device);
+    let node = Node::with_device(scene, number_on(line), key().line(line), [entropy; Key::LEN], Box::new(device));
     Participant::Peer(Box::new(node.expect("a peer")), hub)
 }

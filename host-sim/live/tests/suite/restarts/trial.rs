@@ -56,7 +56,7 @@ struct Life {
 impl Life {
     fn new(scene: &Scene, number: u8, device: Plant, rng: &mut Rng) -> Result<Self, Error> {
         let entropy = [(); Key::LEN].map(|()| rng.below(256) as u8);
-        let node = Node::with_device(scene, number, Key::new([0x5a; Key::LEN]), entropy, device)?;
+        let node = Node::with_device(scene, number, Key::new([0x5a; Key::LEN]), entropy, Box::new(device))?;
         Ok(Self { node, to: usize::from(number == 1), did: [Actuators::default(); 2], engaged: false, let_go: true })
     }
 }

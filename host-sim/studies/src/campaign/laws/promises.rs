@@ -26,7 +26,7 @@ const ROUNDING_MJ: f64 = 1e-6;
 const DRIFTING_S: [f64; 2] = [8.0, 12.0];
 
 /// The network of it.
-const LOSING: [&str; 2] = ["network.loss=0.2", "network.loss_burst_packets=40 ms"];
+const LOSING: &str = "loss=0.2 loss_burst_packets=40ms";
 
 /// How far apart the copies may stay, mm.
 const TOGETHER_MM: f64 = 0.1;
@@ -76,7 +76,7 @@ fn channel<'a>(start_j: f64, cells: impl Iterator<Item = &'a Cell>) -> (bool, St
 
 /// How far apart the copies are once the network has recovered and nobody pushes, mm; none where a peer stopped.
 fn drift_mm(scene: &Scene) -> Result<Option<f64>, Error> {
-    let mut scene = networks::over(scene, &LOSING)?;
+    let mut scene = networks::over(scene, LOSING)?;
     for user in &mut scene.users {
         *user = User { trace: Some(Trace::step(DRIFTING_S[0], -1.0)), ..User::default() };
         user.settings.user.push_n = 1.0;

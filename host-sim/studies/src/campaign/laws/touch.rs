@@ -8,7 +8,9 @@
 //! frequency up to [`PASSIVE_TO_HZ`], with the far hand on or off: −Re Z where that is largest. 0 is passive as it is. Above, contact, sampling and
 //! hold are felt whatever the law: half the packet rate of the campaign's scene is 62.5 Hz.
 
-use haptic_sim::measure::impedance::{Complex, RemoteEnd, SPEED_M_PER_S, felt as impedance, frequencies_hz};
+use haptic_sim::measure::impedance::{
+    BAND_HZ, Complex, POINTS, RemoteEnd, SPEED_M_PER_S, felt as impedance, frequencies_hz,
+};
 use haptic_sim::measure::swing;
 use haptic_sim::scene::Scene;
 use rayon::prelude::*;
@@ -66,7 +68,7 @@ pub(super) fn felt(scene: &Scene, stable: bool) -> Result<Touch, Error> {
         let at = |far| impedance(scene, far, frequency_hz, SPEED_M_PER_S);
         Ok::<_, Error>(Point { frequency_hz, held: at(RemoteEnd::Held)?, let_go: at(RemoteEnd::LetGo)? })
     };
-    let points = frequencies_hz(scene).into_par_iter().map(point).collect::<Result<_, _>>()?;
+    let points = frequencies_hz(scene, BAND_HZ, POINTS).into_par_iter().map(point).collect::<Result<_, _>>()?;
     let swing = stable.then(|| swing::felt(scene, PERIODS)).transpose()?;
     Ok(Touch { points, swing })
 }

@@ -10,17 +10,18 @@ use haptic_core::names::Side;
 use haptic_core::num::Motion;
 use haptic_core::object::Port;
 use haptic_core::settings::Settings;
+use haptic_sim::Laws;
 use haptic_sim::measure::apparent_mass;
 use haptic_sim::measure::impedance::{RemoteEnd, felt};
 use haptic_sim::pair::Pair;
 use haptic_sim::run::{Options, run};
 use haptic_sim::scene::Scene;
 use haptic_sim::user::{Trace, User};
-use haptic_sim::{Laws, scenes};
 
 use crate::Error;
 use crate::campaign::laws::{asked_for, law_scene};
-use crate::reproduce::paper::{DURATION_S, gains};
+use crate::reproduce::paper::{self, DURATION_S};
+use crate::reproduce::readings::{TO_N_PER_M, boundary, crossings};
 
 /// m_O of the bench, kg.
 pub const MASS_KG: f64 = 0.3;
@@ -53,19 +54,13 @@ pub fn scene(law: &str, set: &[&str]) -> Result<Scene, Error> {
 
 /// Decoded discrepancy in the cooperation paper's §5.2, mm.
 pub fn discrepancy_mm(law: &str) -> Result<f64, Error> {
-    let scene = scenes::load(Laws::built_in(), &format!("paper-5.2-{law}-16ms"))?;
-    let outcome = run::<f64>(&scene, Options::unrecorded(DURATION_S), &|_| {})?;
+    let outcome = paper::run_at(law, 1.0)?;
     Ok(outcome.metric(|outcome| outcome.whole.decoded_discrepancy_mm).unwrap_or(f64::NAN))
 }
 
 /// Where this model turns unstable, nearest to the gain of the paper's §5.1, N/m.
 pub fn boundary_n_per_m(law: &str, near_n_per_m: f64) -> Result<f64, Error> {
-    let crossings =
-        gains()?.into_iter().find(|gain| gain.law() == law).map_or(Vec::new(), |gain| gain.crossings_n_per_m);
-    // From stable at the start: each other one leads back.
-    let ends = crossings.into_iter().step_by(2);
-    let far = |crossing: &f64| (crossing - near_n_per_m).abs();
-    Ok(ends.min_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or(f64::NAN))
+    Ok(boundary(&crossings(&paper::scene("5.1", law)?, TO_N_PER_M)?, near_n_per_m))
 }
 
 /// Apparent mass of the shared object, kg.

@@ -9,5 +9,5 @@ fn a_name_is_one_network() {
         let found = named().into_iter().find(|(known, _)| known == name);
         assert!(settings.is_empty() || found == Some((name, settings)), "{name}");
     }
-    assert!(named().len() > 40 && !Over::names().any(|name| name == ALL));
+    assert!(named().len() > 40 && !Network::names().any(|name| name == ALL));
 }
