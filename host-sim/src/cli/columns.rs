@@ -56,6 +56,7 @@ impl TableKind {
             "exchanges" => "a question to another clock, and its answer",
             "seconds" => "a second",
             "paths" => "a change of path, or a second",
+            "periods" => "a PWM period",
             "log" => "something that happened",
             _ => "a tick",
         };
@@ -254,9 +255,9 @@ fn kinds(ui: &Ui) -> Vec<TableKind> {
         ("board", ticks::board_channels(1, 1)),
         ("play", play::channels("/both/ticks")),
     ];
-    let recorded =
-        channels.into_iter().flat_map(|(of, all)| all.into_iter().map(move |channel| TableKind::of(of, channel)));
-    kinds.extend(recorded);
+    for (of, all) in channels {
+        kinds.extend(all.into_iter().map(|channel| TableKind::of(of, channel)));
+    }
     kinds
 }
 
