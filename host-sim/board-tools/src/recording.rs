@@ -97,9 +97,6 @@ pub fn tables<'a>(payloads: impl IntoIterator<Item = &'a [u8]>, period_s: f64, a
     tables
 }
 
-/// What a sample is called that holds PWM periods.
-pub use haptic_protocol::record::PERIODS;
-
 /// Columns of a PWM period: of what the current loop did in it.
 pub const PERIOD: [Named; 5] = [
     ("period", "number of the PWM period, of those with motors on since power came on"),
@@ -111,7 +108,7 @@ pub const PERIOD: [Named; 5] = [
 
 /// The rows of [`PERIOD`] in a sample, if it holds any.
 pub fn periods(sample: &Sample) -> impl Iterator<Item = [f64; PERIOD.len()]> {
-    let payload = if sample.code == PERIODS { sample.payload() } else { &[] };
+    let payload = if sample.code == record::PERIODS { sample.payload() } else { &[] };
     record::Period::of_payload(payload).map(|(number, period)| {
         let [[a, b], [c, d]] = [period.currents, period.voltages].map(|two| two.map(|part| f64::from(part) / 32767.0));
         [f64::from(number), a, b, c, d]

@@ -217,7 +217,7 @@ pub fn identify(runs: [&Run; 2], settings: &Settings, number: u32) -> Result<Win
     }
     let power = |of: fn(&Row) -> f64| split_rows.iter().map(of).sum::<f64>() / split_rows.len() as f64;
     let least = f64::from(LEAST_CODES) / f64::from(Duty::FULL_SCALE) * settings.motor.full_scale_a;
-    // What a voltage changes shows its sign in any winding, also in one whose current follows slowly.
+    // What a voltage changes shows its sign in any winding whose change is not gone when it is sampled, also where the current follows slowly.
     let along = power(|row| row.volts * row.change);
     let together = (power(|row| row.volts.powi(2)) * power(|row| row.change.powi(2))).sqrt();
     let square = power(|row| row.before.powi(2));
@@ -227,7 +227,8 @@ pub fn identify(runs: [&Run; 2], settings: &Settings, number: u32) -> Result<Win
             1e3 * square.sqrt()
         )));
     }
-    if along < -AGAINST * together {
+    // And a winding takes power.
+    if along < -AGAINST * together && power(|row| row.volts * row.before) < 0.0 {
         return Err("the current flows against the voltage: swap the two wires at the current's sensor".into());
     }
     let mut found = [const { Vec::new() }; 4];

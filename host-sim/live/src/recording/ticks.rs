@@ -135,11 +135,6 @@ pub fn paths(axes: usize) -> u16 {
     SECONDS + axes as u16
 }
 
-/// Index of the PWM periods of a board that shares so many axes in [`board_channels`].
-fn periods(axes: usize) -> u16 {
-    EXCHANGES + axes as u16
-}
-
 /// The channels of a board that shares so many axes, as its operator records them: [`TICKS`] as the board tells them, with when each
 /// was sealed, and [`EXCHANGES`]; ticks of each further axis; PWM periods before a fault.
 pub fn board_channels(number: u8, axes: usize) -> Vec<Channel> {
@@ -215,7 +210,8 @@ impl BoardTicks {
     /// [`board_channels`].
     pub fn take(&mut self, link: &Link, samples: &[(u64, Sample)], mut put: impl FnMut(u16, &[f64])) {
         for (sealed_us, sample) in samples {
-            haptic_board_tools::recording::periods(sample).for_each(|row| put(periods(self.axes), &row));
+            // Their channel is behind those of all axes.
+            haptic_board_tools::recording::periods(sample).for_each(|row| put(of_axis(self.axes, EXCHANGES), &row));
             let row = haptic_board_tools::recording::row(sample.payload(), self.period_s);
             if let Some((axis, row)) = row.filter(|(axis, _)| *axis < self.axes) {
                 self.ticks += u64::from(axis == 0);
