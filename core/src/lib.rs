@@ -46,6 +46,7 @@ pub mod law;
 pub mod names;
 pub mod object;
 pub mod peer;
+pub mod playout;
 pub mod safety;
 pub mod sample;
 pub mod schema;

@@ -7,12 +7,12 @@ use std::sync::Arc;
 
 use haptic_analysis::{Finding, Hand, Question, find, measured};
 use haptic_live::endpoint::{Span, Stop};
+use haptic_live::key_file;
 use haptic_live::peer::{self, Report};
 use haptic_live::verdict::{Judge, Measured, Verdict};
 use haptic_live::watch::LiveOptions;
 use haptic_protocol::key::{Key, Role};
 use haptic_report::Provenance;
-use haptic_sim::key_file;
 use haptic_sim::scene::{Device, PlantSettings, Scene};
 
 pub use crate::cli::device_options;

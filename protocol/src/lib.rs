@@ -101,7 +101,6 @@ pub mod parameters;
 pub mod path;
 #[cfg(feature = "peer")]
 pub mod peer;
-pub mod playout;
 #[cfg(feature = "peer")]
 pub mod record;
 mod reliable;

@@ -26,7 +26,9 @@ use crate::engagement::{DISENGAGE_AFTER, Engagement};
 use crate::handshake::{self, Handshake, LIFE_US};
 use crate::reliable::{Receiver, Sender};
 use crate::session::{Counter, Says, Session};
-use crate::wire::{Challenge, Datagram, Event, Goodbye, Greeting, GreetingKind, Message, Probe, Reply, Telemetry};
+use crate::wire::{
+    Challenge, Datagram, Event, Goodbye, Greeting, GreetingKind, MAX_DATAGRAM, Message, Probe, Reply, Telemetry,
+};
 use crate::{clock::Clock, ends::Ends, key::Key, notices::Notices, parameters::Parameters};
 
 mod incoming;
@@ -371,6 +373,20 @@ impl Link {
             Message::Goodbye(_) => self.goodbye(now, out),
             Message::Ack(_) | Message::Probe(_) | Message::Reply(_) => None,
             message => self.seal(now, &message, out),
+        }
+    }
+
+    /// Sends a message, sealed, by `send`; false if there is no session to send it in. `now` is the time, µs.
+    pub fn say(&mut self, now: u64, message: impl Into<Message>, send: impl FnMut(&[u8])) -> bool {
+        let mut out = [0; MAX_DATAGRAM];
+        self.send(now, message, &mut out).and_then(|len| out.get(..len)).map(send).is_some()
+    }
+
+    /// Sends what is due of the link's own messages by `send`: calls, answers, events, probes. `now` is the time, µs.
+    pub fn say_due(&mut self, now: u64, mut send: impl FnMut(&[u8])) {
+        let mut out = [0; MAX_DATAGRAM];
+        while let Some(bytes) = self.poll(now, &mut out).and_then(|len| out.get(..len)) {
+            send(bytes);
         }
     }
 

@@ -4,13 +4,11 @@
 use haptic_core::law::bounds::{Bounds, Sums};
 use haptic_core::law::{Packet, event::LONGEST};
 use haptic_core::num::{Motion, Scalar};
+use haptic_core::playout::Playout;
 use haptic_core::settings::{Settings, Value};
 
 use crate::link::{Config, ConfigError, Link};
-use crate::{
-    ends::Ends, error::Refusal, key::Key, parameters::Parameters, playout::Playout, wire::AxisFlow, wire::Flows,
-    wire::Message,
-};
+use crate::{ends::Ends, error::Refusal, key::Key, parameters::Parameters, wire::AxisFlow, wire::Flows, wire::Message};
 
 /// The settings that both peers must share, as a greeting carries them.
 pub fn parameters_of(settings: &Settings) -> Parameters {

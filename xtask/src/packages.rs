@@ -7,13 +7,20 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::board::target;
 use crate::run::{Failure, cargo, command, run};
-use crate::{platforms, python, run};
+use crate::{board::target, platforms, python, run};
 
 /// What the simulator and the analyser need of this repository, and they.
-pub(crate) const CRATES: [&str; 7] =
-    ["haptic-core", "haptic-protocol", "haptic-io", "haptic-plot", "haptic-report", "haptic-sim", "haptic-analysis"];
+pub(crate) const CRATES: [&str; 8] = [
+    "haptic-core",
+    "haptic-protocol",
+    "haptic-io",
+    "haptic-columns",
+    "haptic-plot",
+    "haptic-report",
+    "haptic-sim",
+    "haptic-analysis",
+];
 
 /// Packs and checks everything.
 pub(crate) fn check() -> Result<(), Failure> {

@@ -22,6 +22,7 @@ mod node;
 mod object;
 mod peer;
 mod plane;
+mod playout;
 mod probe;
 mod rigid;
 mod setup;

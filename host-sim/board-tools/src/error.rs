@@ -14,6 +14,9 @@ pub enum Error {
     /// A setting of the board has a value that it does not accept.
     #[error(transparent)]
     Setting(#[from] haptic_core::settings::Refused<'static>),
+    /// Settings from which no link can be built.
+    #[error(transparent)]
+    Link(#[from] haptic_protocol::link::ConfigError),
     /// A scene, a file or a value that is not allowed.
     #[error(transparent)]
     Sim(#[from] haptic_sim::Error),

@@ -105,7 +105,7 @@ impl Session {
     /// The link cannot be made, such as of two ends with one number.
     pub fn new(key: Key, number: u8, entropy: [u8; Key::LEN]) -> Result<Self, Error> {
         let ends = Ends { local: OPERATOR, remote: PeerId(number) };
-        let link = Link::new(lines::config(key, ends, entropy)).map_err(haptic_sim::Error::from)?;
+        let link = Link::new(lines::config(key, ends, entropy))?;
         Ok(Self {
             link: link.of_one_length(Event::MAX_LEN),
             lines: Lines::default(),

@@ -5,7 +5,9 @@
 #![forbid(unsafe_code)]
 
 mod files;
+mod number;
 mod said;
 
 pub use files::{Kind, Most, all, append, begin, is, open, read, read_with, text, write};
+pub use number::significant;
 pub use said::{draw, escaped, out, say};

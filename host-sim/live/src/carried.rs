@@ -10,10 +10,9 @@ use std::time::{Duration, Instant};
 use haptic_meeting::carrier::{Carrier, Change, Config, PathReport};
 use haptic_meeting::mapping::{Mapping, PORT};
 use haptic_protocol::key::Key;
-use haptic_sim::key_file::entropy;
 
-use crate::Error;
 use crate::batch::ReceivedBatch;
+use crate::{Error, key_file::entropy};
 
 /// The carrier is given its time no more often.
 const EVERY: Duration = Duration::from_micros(400);

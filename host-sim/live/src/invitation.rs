@@ -13,12 +13,11 @@ use haptic_meeting::frame::Frame;
 use haptic_meeting::invite::Invite;
 use haptic_meeting::seat::Seat;
 use haptic_protocol::key::Key;
-use haptic_sim::key_file::entropy;
 
-use crate::Error;
 use crate::carried::{any_towards, resolve};
 use crate::endpoint::Stop;
 use crate::refused::Refused;
+use crate::{Error, key_file::entropy};
 
 /// Longest wait for a datagram, before the clock is looked at.
 const LOOK: Duration = Duration::from_millis(10);

@@ -11,9 +11,12 @@ pub mod endpoint;
 mod error;
 pub mod hand;
 pub mod invitation;
+#[doc(hidden)]
+pub mod key_file;
 pub mod line_words;
 pub mod measuring;
 pub mod meet;
+pub mod node;
 pub mod operator;
 pub mod path_watch;
 pub mod peer;
@@ -21,6 +24,8 @@ pub mod quantiles;
 pub mod recording;
 pub mod refused;
 pub mod relay;
+#[doc(hidden)]
+pub mod start;
 pub mod steering;
 pub mod tell;
 pub mod verdict;

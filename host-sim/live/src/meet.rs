@@ -6,12 +6,11 @@ use std::time::{Duration, Instant};
 use haptic_meeting::place::{Counts, Place};
 use haptic_protocol::key::Key;
 use haptic_sim::engine::{Actor, Out};
-use haptic_sim::key_file::entropy;
 use serde::Serialize;
 
-use crate::Error;
 use crate::carried::{canonical, written};
 use crate::endpoint::{Endpoint, Live, Stop, Ticker};
+use crate::{Error, key_file::entropy};
 
 /// Between two looks at whether it is to end.
 const PERIOD: Duration = Duration::from_millis(100);

@@ -10,10 +10,9 @@ use haptic_protocol::lease::{AtOperator, Word};
 use haptic_protocol::lines::LONGEST;
 use haptic_protocol::wire::{MAX_DATAGRAM, Sample};
 use haptic_sim::engine::{Actor, Out};
-use haptic_sim::key_file;
 
 use super::endpoint::{Endpoint, Live, Stop, Ticker};
-use crate::Error;
+use crate::{Error, key_file};
 
 /// How long a board may take to answer, at first and then.
 const PATIENCE: Duration = Duration::from_secs(3);

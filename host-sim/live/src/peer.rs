@@ -13,8 +13,7 @@ use haptic_sim::measure::port::{ObjectPort, PortEnergy};
 use haptic_sim::measure::{LastHalf, Statistics};
 use haptic_sim::peers::Builds;
 use haptic_sim::run::AXIS_NAMES;
-use haptic_sim::start::AFTER_US;
-use haptic_sim::{key_file::entropy, node::Node, of_axes, scene::Scene};
+use haptic_sim::{of_axes, scene::Scene};
 
 mod report;
 
@@ -23,6 +22,7 @@ use super::steering::Steered;
 use super::verdict::Judging;
 use super::watch::{LiveOptions, TELLING_S, Watch, fault};
 use crate::refused::{Refused, is_telling, wrong};
+use crate::{key_file::entropy, node::Node, start::AFTER_US};
 pub use report::{AxisReport, Forces, Ports, RemoteReport, Report, notice_texts};
 
 /// How long a peer that refuses the other one, or whose device is gone, goes on, so that the other learns of it as well, µs.

@@ -12,10 +12,10 @@ use haptic_core::num::Motion;
 use haptic_core::peer::Observed;
 use haptic_core::safety::{Command, Mode};
 use haptic_sim::device::Device;
-use haptic_sim::node::Node;
 
 use crate::devices::AXES;
 use crate::hand::Hand;
+use crate::node::Node;
 use crate::tell::Second;
 use crate::verdict::{Judging, Verdict};
 use crate::watch::{Watch, fault, state};

@@ -19,12 +19,11 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
 use haptic_core::safety::Mode;
 use haptic_sim::device::Device;
-use haptic_sim::node::Node;
 use serde::Serialize;
 
-use crate::Error;
 use crate::devices::Seen;
 use crate::endpoint::stand_back;
+use crate::{Error, node::Node};
 
 /// Round trips that delays are taken from.
 const KEPT: usize = 16;

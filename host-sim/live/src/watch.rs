@@ -10,7 +10,6 @@ use haptic_core::sample::OfPeer;
 use haptic_protocol::wire::Telemetry;
 use haptic_report::Provenance;
 use haptic_sim::device::Device;
-use haptic_sim::node::{Line, Node};
 use haptic_sim::scene::Scene;
 use serde::Serialize;
 
@@ -22,6 +21,7 @@ use super::steering::Steering;
 use super::tell::{Manner, PathSecond, Second, Teller};
 use super::verdict::{Judge, Judging};
 use crate::Error;
+use crate::node::{Line, Node};
 use crate::recording::common_clock::{Relation, Watched};
 use crate::recording::mcap::Channel;
 use crate::recording::origin::Origin;

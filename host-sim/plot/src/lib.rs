@@ -35,7 +35,7 @@ use std::path::{Path, PathBuf};
 use haptic_io::Kind;
 
 pub use error::Error;
-pub use scale::significant;
+pub use haptic_io::significant;
 pub use sheet::{Dash, PALETTE, Print};
 
 /// Columns of the table that a figure carries, by name and meaning.

@@ -17,11 +17,11 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use std::{collections::BTreeSet, fmt::Write};
 
 use chrono::{DateTime, SecondsFormat};
+use haptic_columns::{Cell, Column, Columns};
 use haptic_io::Kind;
 use haptic_plot::{Error, Figure, Print, paint, write_file};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
-use super::columns::{Cell, Column, Columns};
 use super::parquet_file::parquet;
 
 /// What an encoder said.

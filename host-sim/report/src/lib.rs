@@ -5,11 +5,10 @@
 //! ordinary input everywhere.
 #![forbid(unsafe_code)]
 
-mod columns;
 pub mod files;
 mod parquet_file;
 
-pub use columns::{Cell, Column, Columns, Holds, Rows, Typed, Values, label, numbered, word};
 pub use files::{Files, Provenance};
+pub use haptic_columns::{Cell, Column, Columns, Holds, Rows, Typed, Values, label, numbered, word};
 pub use haptic_plot::{Error, significant};
 pub use parquet_file::ROW_GROUP_ROWS;

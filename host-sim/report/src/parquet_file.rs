@@ -6,6 +6,7 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
+use haptic_columns::{Cell, Column, Columns, Holds, Values};
 use parquet::basic::{Compression, LogicalType, Repetition, Type as PhysicalType};
 use parquet::data_type::{BoolType, ByteArrayType, DataType, DoubleType, Int64Type};
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
@@ -13,7 +14,6 @@ use parquet::{
     errors::ParquetError, file::metadata::KeyValue, file::properties::WriterProperties, schema::types::Type,
 };
 
-use super::columns::{Cell, Column, Columns, Holds, Values};
 use super::files::{csv_cell, distinct};
 
 /// Rows in one Parquet row group: 65 s at 1 kHz, half a megabyte for each column.

@@ -1,6 +1,6 @@
 //! What stands at a peer where a board has its encoders and bridges: a simulated plant, or what somebody attaches.
 //!
-//! Whoever steps a peer ([`crate::Pair`], [`crate::node::Node`]) does so by [`Device`] alone. In memory a device is stepped in virtual
+//! Whoever steps a peer ([`crate::Pair`], or a node behind a sealed link) does so by [`Device`] alone. In memory a device is stepped in virtual
 //! time and never fails. One that is really there goes on by itself: it is asked once a tick for what it has told by now
 //! ([`Device::look`]), and may be [`Gone`]. No method blocks; who has to wait, for a socket or a bus, does so in a thread of its own.
 

@@ -1,4 +1,4 @@
-//! Why a scene, a run or a key file was refused.
+//! Why a scene or a run was refused.
 
 use std::fmt::Display;
 
@@ -32,9 +32,6 @@ pub enum Error {
     /// A setting has a value that it does not accept.
     #[error(transparent)]
     Setting(#[from] Refused<'static>),
-    /// Settings from which no link can be built.
-    #[error(transparent)]
-    Link(#[from] haptic_protocol::link::ConfigError),
     /// What cannot be done with which file, device or socket, and what the operating system or a parser said.
     #[error("cannot {0}: {1}")]
     Io(String, Cause),

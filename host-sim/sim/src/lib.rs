@@ -31,12 +31,9 @@ pub mod device;
 pub mod double_double;
 pub mod engine;
 mod error;
-#[doc(hidden)]
-pub mod key_file;
 pub mod lanes;
 pub mod measure;
 pub mod network;
-pub mod node;
 pub mod pair;
 pub mod peers;
 pub mod plant;
@@ -46,8 +43,6 @@ pub mod rng;
 pub mod run;
 pub mod scene;
 pub mod scenes;
-#[doc(hidden)]
-pub mod start;
 pub mod student;
 pub mod user;
 

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser};
 use haptic_live::devices::{AXES, DeviceOptions, Kind, board, haply, mit};
+use haptic_live::key_file;
 use haptic_protocol::key::Role;
-use haptic_sim::key_file;
 
 use super::address::endpoint;
 use super::flags::{SceneArgs, number};

@@ -9,6 +9,7 @@ use clap::{Arg, ArgAction, Args, ValueEnum};
 use haptic_board_tools::calibrate::settings_file;
 use haptic_core::names::Choice;
 use haptic_environments::{world, world::World};
+use haptic_live::key_file;
 use haptic_live::recording::mcap::Channel;
 use haptic_live::recording::origin::Origin;
 use haptic_live::recording::recorder::Recorder;
@@ -19,7 +20,7 @@ use haptic_protocol::key::{Key, Role};
 use haptic_report::Provenance;
 use haptic_sim::run::Account;
 use haptic_sim::scene::{MOST, Scene};
-use haptic_sim::{key_file, scenes};
+use haptic_sim::scenes;
 
 use super::address::endpoint;
 use super::ui::{Failure, Ui};

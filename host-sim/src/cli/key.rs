@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use haptic_environments::world::host::MOST_LINES;
+use haptic_live::key_file;
 use haptic_protocol::key::Role;
-use haptic_sim::key_file;
 use serde_json::json;
 
 use super::{Failure, Ui};

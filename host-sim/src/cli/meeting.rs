@@ -8,11 +8,10 @@ use std::time::Instant;
 use clap::Args;
 use haptic_live::carried::{Meeting, resolve};
 use haptic_live::endpoint::Stop;
-use haptic_live::{invitation, meet};
+use haptic_live::{invitation, key_file, meet};
 use haptic_meeting::agreement::{Inviter, LIFE};
 use haptic_meeting::invite::Invite;
 use haptic_protocol::key::{Key, Role};
-use haptic_sim::key_file;
 
 use super::address::endpoint;
 use super::flags::seconds;

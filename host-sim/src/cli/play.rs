@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use haptic_live::devices::Kind;
-use haptic_live::endpoint::Stop;
+use haptic_live::{endpoint::Stop, key_file};
 use haptic_protocol::key;
 use haptic_report::Provenance;
-use haptic_sim::{key_file, scene::Scene};
+use haptic_sim::scene::Scene;
 use serde_json::json;
 
 use super::address::endpoint;

@@ -10,7 +10,7 @@
 //! | `watch` | pictures only |
 
 use haptic_core::names::Choice;
-use haptic_sim::key_file::entropy;
+use haptic_live::key_file::entropy;
 
 use super::environment::Command;
 use crate::Error;

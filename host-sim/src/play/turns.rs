@@ -10,9 +10,10 @@ use haptic_environments::roles::collaborative::{Approach, Lease, Value, Wish};
 use haptic_environments::roles::{Carried as _, Role as _};
 use haptic_environments::said;
 use haptic_environments::{roles::collaborative::lock, roles::collaborative::lock::Phase};
+use haptic_live::key_file::entropy;
 use haptic_protocol::wire::{Message, PeerId};
 use haptic_sim::engine::{Actor, Engine, Out, Seat};
-use haptic_sim::{key_file::entropy, network::link::Route, rng::Rng, scene::Scene};
+use haptic_sim::{network::link::Route, rng::Rng, scene::Scene};
 
 use super::environment::Column;
 use super::session::PERIOD_S;

@@ -11,16 +11,16 @@ use haptic_environments::world::host::Host;
 use haptic_environments::world::stroke::HAND;
 use haptic_environments::world::visitor::{Correspondent, Setup, Visitor};
 use haptic_environments::world::{TICKS_PER_PACKET, World, corners, parse};
+use haptic_live::{hand::Hand, key_file::entropy};
 use haptic_protocol::key::Key;
 use haptic_sim::engine::{Actor, Engine, Out, Seat};
-use haptic_sim::{key_file::entropy, network::link::Route, scene::Scene};
+use haptic_sim::{network::link::Route, scene::Scene};
 use serde_json::{Value, json};
 
 use super::environment::Column;
 use super::session::PERIOD_S;
 use super::shared_environment::{Held, Play, scene_route};
 use crate::Error;
-use haptic_live::hand::Hand;
 
 /// What there is to be felt, and the number of its server.
 const ROOM: &str = include_str!("../../sim/scenes/worlds/room.toml");

@@ -13,10 +13,11 @@ use haptic_core::num::Motion;
 use haptic_core::peer::{Actuators, Sensors};
 use haptic_emulators::hand::{HAND_N_PER_M, Hand};
 use haptic_live::endpoint::realtime_beneath;
+use haptic_live::key_file;
+use haptic_live::node::Node;
 use haptic_protocol::key::Role;
 use haptic_sim::device::Device;
-use haptic_sim::node::Node;
-use haptic_sim::{Laws, Scene, key_file};
+use haptic_sim::{Laws, Scene};
 use serde_json::Value;
 
 use super::steps::steps;

@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use haptic_board_tools::operator::UNCONFIRMED;
+use haptic_live::key_file;
 use haptic_live::operator::Operator;
 use haptic_protocol::ends::Ends;
 use haptic_protocol::key::{Key, Role};
@@ -16,7 +17,6 @@ use haptic_protocol::lines::{Heard, Lines};
 use haptic_protocol::link::{Config, Link, Notice};
 use haptic_protocol::parameters::{Parameters, Table};
 use haptic_protocol::wire::{MAX_DATAGRAM, PeerId, Sample};
-use haptic_sim::key_file;
 
 use crate::declared::has_columns_of;
 

@@ -5,11 +5,12 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
+use haptic_live::node::Node;
 use haptic_protocol::key::Key;
 use haptic_sim::Laws;
 use haptic_sim::engine::{Actor, Engine, Out, Seat};
 use haptic_sim::network::{link::Route, rule::Direction};
-use haptic_sim::{node::Node, scenes};
+use haptic_sim::scenes;
 use parquet::basic::Type as PhysicalType;
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use serde_json::Value;

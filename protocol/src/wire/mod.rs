@@ -29,6 +29,16 @@ pub use crate::key::TAG_LEN;
 /// What sealing adds to a message, header, stamps and tag, bytes.
 pub const SEAL_LEN: usize = Header::LEN + Stamps::LEN + TAG_LEN;
 
+/// Bytes on the wire of a packet of an object that is shared along so many axes: sealed, under UDP (8) and IP version 4 (20).
+pub const fn packet_bytes(axes: usize) -> usize {
+    let flow = match axes {
+        2 => Flow2::LEN,
+        3 => Flow3::LEN,
+        _ => Flow::LEN,
+    };
+    SEAL_LEN + flow + 28
+}
+
 /// The longest message before sealing.
 pub const MAX_MESSAGE: usize = Sample::MAX_LEN;
 

@@ -5,8 +5,8 @@
 
 use std::net::SocketAddr;
 
+use haptic_live::node::Node;
 use haptic_protocol::key::Key;
-use haptic_sim::node::Node;
 use haptic_sim::scene::Scene;
 use host_sim::Error;
 

@@ -116,7 +116,8 @@ fn the_scenes_of_a_plane_and_of_space_are_stable_in_every_mode() {
     for (name, oblique) in [("plane", true), ("space", false)] {
         let judged = judge(&scenes::load(Laws::built_in(), name).expect("built in")).expect("a good scene");
         assert!(judged.worst.stable && judged.modes.len() == 3, "{name}: {judged:?}");
-        assert!(judged.modes.iter().all(|mode| mode.verdict.spectral_radius < 0.998), "{name}: {judged:?}");
+        // The slowest is what tautness moves by: 1 s at the most.
+        assert!(judged.modes.iter().all(|mode| mode.verdict.spectral_radius < 0.9991), "{name}: {judged:?}");
         let both = judged.modes.iter().find(|mode| mode.mode == Hands::Both).expect("judged").verdict;
         let is_oblique =
             matches!(both.direction, Some(Direction::Along(unit)) if unit[0].abs().min(unit[1].abs()) > 0.1);

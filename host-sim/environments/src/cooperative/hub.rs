@@ -26,13 +26,13 @@
 use std::fmt::Display;
 
 use haptic_core::law::{Sends, bounds::Bounds};
+use haptic_live::node::{Line, TELEMETRY_S};
 use haptic_live::refused::{Refused, is_telling, wrong};
 use haptic_protocol::link::{Config, Error, Link};
 use haptic_protocol::parameters::Parameters;
 use haptic_protocol::peer::{flow_of, packets_of};
 use haptic_protocol::wire::{Flows, Goodbye, Greeting, Header, MAX_DATAGRAM, Message, PeerId, Telemetry};
 use haptic_protocol::{ends::Ends, key::Key};
-use haptic_sim::node::{Line, TELEMETRY_S, Transmit as _};
 use haptic_sim::scene::Scene;
 
 use super::MOST_USERS;

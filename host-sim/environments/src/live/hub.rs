@@ -3,12 +3,13 @@
 
 use haptic_core::num::Motion;
 use haptic_live::endpoint::{Endpoint, Live, Punctuality, Span, Stop, Ticker};
+use haptic_live::key_file::entropy;
 use haptic_live::peer::{RemoteReport, notice_texts};
 use haptic_live::watch::{LiveOptions, LiveSummary};
 use haptic_protocol::key::Key;
 use haptic_sim::engine::{Actor, Out};
 use haptic_sim::run::AXIS_NAMES;
-use haptic_sim::{key_file::entropy, of_axes, scene::Scene};
+use haptic_sim::{of_axes, scene::Scene};
 use serde::Serialize;
 
 use super::hub_watch::HubWatch;

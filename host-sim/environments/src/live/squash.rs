@@ -4,9 +4,9 @@
 use std::{net::SocketAddr, time::Duration};
 
 use haptic_live::endpoint::{Endpoint, Live, Punctuality, Stop, Ticker};
+use haptic_live::key_file::entropy;
 use haptic_protocol::{key::Key, wire::PeerId};
 use haptic_sim::engine::{Actor, Out};
-use haptic_sim::key_file::entropy;
 use serde::Serialize;
 
 use super::links::{Links, PeerContact};

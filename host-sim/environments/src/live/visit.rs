@@ -7,10 +7,10 @@ use std::{f64::consts::TAU, net::SocketAddr, time::Duration};
 
 use haptic_core::num::Motion;
 use haptic_live::endpoint::{Endpoint, Live, Punctuality, Stop, Ticker};
+use haptic_live::key_file::entropy;
 use haptic_live::refused::wrong;
 use haptic_protocol::key::Key;
 use haptic_sim::engine::{Actor, Out};
-use haptic_sim::key_file::entropy;
 use serde::Serialize;
 
 use crate::Error;

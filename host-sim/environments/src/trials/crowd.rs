@@ -16,10 +16,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use haptic_live::endpoint::{Endpoint, Stop};
+use haptic_live::key_file::entropy;
 use haptic_live::quantiles::{Quantiles, Times};
 use haptic_protocol::wire::{Message, Presence, Sighting};
 use haptic_protocol::{key::Key, link::Link};
-use haptic_sim::{key_file::entropy, node::Transmit as _};
 use serde::Serialize;
 
 use super::beside::{self, Echo};

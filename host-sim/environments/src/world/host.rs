@@ -16,7 +16,6 @@ use haptic_live::refused::{Refused, is_telling, wrong};
 use haptic_protocol::link::{Error, Link};
 use haptic_protocol::wire::{Goodbye, Greeting, MAX_DATAGRAM, Message, PeerId};
 use haptic_protocol::{ends::Ends, key::Key};
-use haptic_sim::node::Transmit as _;
 
 use super::{CLIENT, OBJECTS, World, line_of, open_link};
 use crate::roles::static_scene::{Board, Server};

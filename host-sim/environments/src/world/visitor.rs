@@ -10,7 +10,6 @@ use haptic_live::refused::is_telling;
 use haptic_protocol::key::Key;
 use haptic_protocol::link::{Error, Link};
 use haptic_protocol::wire::{Goodbye, Message, Presence, Sighting};
-use haptic_sim::node::Transmit as _;
 
 use super::render::Renderer;
 use super::{CLIENT, OBJECTS, PACKET_US, look_around, open_link};

@@ -1,4 +1,5 @@
 //! Files and sayings, tried on what is not harmless.
 
 mod files;
+mod number;
 mod said;

@@ -27,14 +27,12 @@ use haptic_protocol::link::Error as Refusal;
 use haptic_protocol::peer::flow_of;
 use haptic_protocol::wire::{Flows, Goodbye, MAX_DATAGRAM, Message, Telemetry};
 use haptic_sim::device::{DeviceFault, Gone};
-use haptic_sim::key_file::entropy;
-use haptic_sim::node::{Line, Transmit};
 use haptic_sim::{of_axes, scene::Scene};
 
 use super::threaded::stopped;
 use super::{AXES, Abilities, Port, Sensed};
-use crate::Error;
 use crate::endpoint::realtime_beneath;
+use crate::{Error, key_file::entropy, node::Line};
 
 /// The scene of a board that is a device, where no other is named.
 pub const SCENE: &str = "board-device";

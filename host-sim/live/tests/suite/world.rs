@@ -4,6 +4,7 @@ use std::net::SocketAddr;
 use std::time::{Duration, Instant};
 
 use haptic_core::safety::Mode;
+use haptic_live::node::Node;
 use haptic_meeting::Way;
 use haptic_meeting::bridge::Bridge;
 use haptic_meeting::carrier::{Carrier, Config};
@@ -11,7 +12,6 @@ use haptic_meeting::place::Place;
 use haptic_protocol::key::Key;
 use haptic_protocol::link::Notice;
 use haptic_sim::Laws;
-use haptic_sim::node::Node;
 use haptic_sim::scene::Scene;
 use haptic_sim::scenes;
 

@@ -15,7 +15,7 @@ use std::hint::black_box;
 use std::path::Path;
 use std::process::Command;
 
-use haptic_report::Columns;
+use haptic_columns::Columns;
 use haptic_sim::lanes::number::{LANES, lanes_left};
 use haptic_sim::lanes::{self, How, Pairs};
 use haptic_sim::pair::Pair;

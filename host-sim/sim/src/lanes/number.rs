@@ -292,11 +292,6 @@ impl Scalar for F64s {
 }
 
 impl F64s {
-    /// [`Scalar::bits`] of each lane's number.
-    #[inline(always)]
-    pub(super) fn each_bits(self) -> [u64; LANES] {
-        self.lanes().map(f64::to_bits)
-    }
     /// One number in these lanes, the other in the rest.
     #[inline(always)]
     pub(super) fn chosen(lanes: u32, yes: Self, no: Self) -> Self {

@@ -86,7 +86,7 @@ impl<const SHARED: usize, const N: usize> Pairs<SHARED, N> {
             state.clear();
             side.peer.visit_state(&mut |number| state.push(*number));
             *hashes = state.iter().fold(*hashes, |hashes, number| {
-                let bits = number.each_bits();
+                let bits = number.lanes().map(f64::to_bits);
                 from_fn(|lane| mixed(hashes[lane], bits[lane]))
             });
         }

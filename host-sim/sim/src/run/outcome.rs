@@ -1,17 +1,13 @@
 //! Outcome of a run: its options, figures of merit and recorded tables.
 
+use haptic_columns::Columns;
 use haptic_core::contact::Impacts;
 use haptic_core::safety::Fault;
-use haptic_protocol::wire::{Flow, Flows, SEAL_LEN};
-use haptic_report::Columns;
 
 use super::reason::{Reason, Verdict};
 use crate::measure::Statistics;
 use crate::measure::port::PortEnergy;
 use crate::scene::Scene;
-
-/// Headers of UDP (8) and IP version 4 (20), bytes.
-const UDP_IP_LEN: usize = 28;
 
 /// Duration of a run, and how much of it is recorded.
 #[derive(Clone, Copy, Debug)]
@@ -114,21 +110,6 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// Mean rate of one peer's packets on the wire, with the headers of UDP and IP version 4, bytes/s; a link's own
-    /// datagrams beside the flow are not counted.
-    pub fn bytes_per_s(&self) -> f64 {
-        self.packets_per_s * (SEAL_LEN + self.flow_len() + UDP_IP_LEN) as f64
-    }
-
-    /// Bytes of a message of flow, which has a packet for each shared axis.
-    fn flow_len(&self) -> usize {
-        match self.axes.len() {
-            2 => Flows::<2>::LEN,
-            3 => Flows::<3>::LEN,
-            _ => Flow::LEN,
-        }
-    }
-
     /// Verdict on the run.
     pub fn verdict(&self) -> Verdict {
         match self.reason {

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use haptic_core::safety::Fault;
-use haptic_report::significant;
+use haptic_io::significant;
 
 use crate::measure::growth::Swings;
 

@@ -1,6 +1,6 @@
 //! Objects shared along two and three axes: where nothing couples the axes, each is a run of one axis, to the bit.
 
-use haptic_report::Columns;
+use haptic_columns::Columns;
 use haptic_sim::Laws;
 use haptic_sim::pair::{HASH_SEED, Pair};
 use haptic_sim::peers::Builds;

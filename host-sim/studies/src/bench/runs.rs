@@ -5,6 +5,7 @@ use std::sync::LazyLock;
 use haptic_analysis::judge;
 use haptic_core::names::Choice;
 use haptic_core::settings::LawInfo;
+use haptic_protocol::wire::packet_bytes;
 use haptic_report::Columns;
 use haptic_sim::measure::at_hand;
 use haptic_sim::run::Outcome;
@@ -165,6 +166,6 @@ fn row(
         way_mm: whole(1e3 * found.way_m),
         least_balance_j: found.least_balance_j,
         packets_per_s: outcome.packets_per_s,
-        bytes_per_s: outcome.bytes_per_s(),
+        bytes_per_s: outcome.packets_per_s * packet_bytes(outcome.axes.len()) as f64,
     }
 }

@@ -1,5 +1,6 @@
 //! The figures of merit of a run that a sweep keeps: those that `cooperate` and the campaign tell, as [`Outcome`] gives them.
 
+use haptic_protocol::wire::packet_bytes;
 use haptic_report::Rows;
 use haptic_sim::run::Outcome;
 
@@ -24,17 +25,13 @@ impl Metric {
         self.named("")
     }
 
-    /// The name of half its 95 % interval.
-    pub fn name_95(&self) -> String {
-        self.named("_95")
-    }
-
     /// The last column in text only where people are shown it.
     pub(super) fn in_text<'a, R>(&self, columns: Rows<'a, R>) -> Rows<'a, R> {
         if self.shown { columns } else { columns.data_only() }
     }
 
-    fn named(&self, what: &str) -> String {
+    /// Its name with so much behind the stem; `_95` is half the 95 % interval.
+    pub(super) fn named(&self, what: &str) -> String {
         let unit = if self.unit.is_empty() { String::new() } else { format!("_{}", self.unit) };
         format!("{}{what}{unit}", self.stem)
     }
@@ -67,5 +64,7 @@ pub const METRICS: [Metric; 14] = metrics! {
         o.metric(Outcome::peer_energy_made_mj).flatten()
     };
     "packets" "per_s" true "packets that a peer sent, mean of both" |o| o.metric(|o| o.packets_per_s);
-    "wire" "bytes_per_s" false "the same in bytes, sealed, with UDP and IP version 4" |o| o.metric(Outcome::bytes_per_s);
+    "wire" "bytes_per_s" false "the same in bytes, sealed, with UDP and IP version 4" |o| {
+        o.metric(|o| o.packets_per_s * packet_bytes(o.axes.len()) as f64)
+    };
 };

@@ -60,7 +60,7 @@ pub(crate) fn of_points<'a>(columns: Rows<'a, Summed<'a>>) -> Columns {
         let of = |point: &Summed<'_>| estimate(point.runs, at);
         columns = columns.significant(metric.name(), 4, move |point| of(point).map(|found| found.mean));
         columns = metric.in_text(columns.means(metric.meaning));
-        columns = columns.significant(metric.name_95(), 2, move |point| of(point)?.within_95).head("±");
+        columns = columns.significant(metric.named("_95"), 2, move |point| of(point)?.within_95).head("±");
         columns = metric.in_text(columns.means("half of its 95 % interval over the seeds (Student)"));
     }
     let columns = columns.value("reason", Summed::reason);

@@ -14,7 +14,6 @@ mod memory;
 mod parsers;
 #[cfg(feature = "peer")]
 mod peer;
-mod playout;
 mod random;
 mod replay;
 mod restarts;

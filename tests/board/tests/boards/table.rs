@@ -17,10 +17,10 @@ use board_bench::reviewed;
 use board_bench::rig::openocd::Probe;
 use board_bench::rig::table::Table;
 use board_bench::rig::{self, Rigged};
+use haptic_live::key_file;
 use haptic_protocol::key::Role;
 use haptic_rig::list::TESTS;
 use haptic_rig::run::{self, Boards, Extent};
-use haptic_sim::key_file;
 use rustix::fs::OFlags;
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 

@@ -8,11 +8,11 @@ use std::time::{Duration, Instant};
 use haptic_environments::cooperative::hub::number_on;
 use haptic_environments::live::hub;
 use haptic_live::endpoint::{Span, Stop};
+use haptic_live::node::Line;
 use haptic_live::tell::Manner;
 use haptic_live::watch::LiveOptions;
 use haptic_protocol::key::Key;
 use haptic_protocol::wire::MAX_DATAGRAM;
-use haptic_sim::node::{Line, Transmit as _};
 use haptic_sim::rng::Rng;
 use haptic_sim::scene::Scene;
 

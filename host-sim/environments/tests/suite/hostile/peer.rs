@@ -2,12 +2,12 @@
 
 use haptic_core::law::{AnyLaw, Law as _};
 use haptic_core::safety::Mode;
+use haptic_live::node::{Line, Node};
 use haptic_protocol::key::Key;
 use haptic_protocol::link::{Error, Notice};
 use haptic_sim::engine::{Actor, Engine, Out, Seat};
 use haptic_sim::network::link::Route;
 use haptic_sim::network::rule::Direction;
-use haptic_sim::node::{Line, Node, Transmit as _};
 use haptic_sim::plant::Plant;
 use haptic_sim::rng::Rng;
 use haptic_sim::scene::Scene;

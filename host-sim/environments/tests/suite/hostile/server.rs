@@ -7,7 +7,6 @@ use haptic_environments::world::visitor::{Correspondent, Setup, Visitor};
 use haptic_environments::world::{CLIENT, open_link, parse};
 use haptic_protocol::key::Key;
 use haptic_protocol::wire::{Message, Presence, Sighting};
-use haptic_sim::node::Transmit as _;
 use haptic_sim::rng::Rng;
 
 use super::asked;

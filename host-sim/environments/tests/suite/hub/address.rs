@@ -2,8 +2,8 @@
 
 use haptic_core::safety::Mode;
 use haptic_environments::cooperative::hub::Hub;
+use haptic_live::node::Node;
 use haptic_protocol::{key::Key, link::Notice};
-use haptic_sim::node::Node;
 
 use super::trial::{built_in, key};
 

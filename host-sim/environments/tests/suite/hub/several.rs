@@ -6,7 +6,6 @@ use haptic_core::safety::Mode;
 use haptic_environments::cooperative::hub::Hub;
 use haptic_protocol::key::Key;
 use haptic_protocol::wire::{AxisFlow, Flows};
-use haptic_sim::node::Transmit as _;
 use haptic_sim::peers::Builds;
 use haptic_sim::plant::Plant;
 use haptic_sim::scene::Scene;

@@ -3,11 +3,11 @@
 use haptic_core::device::AXES;
 use haptic_core::settings::Value;
 use haptic_environments::cooperative::hub::{Hub, number_on};
+use haptic_live::node::Node;
 use haptic_protocol::key::Key;
 use haptic_sim::engine::{Actor, Engine, Out, Seat};
 use haptic_sim::network::link::Route;
 use haptic_sim::network::rule::Direction;
-use haptic_sim::node::Node;
 use haptic_sim::peers::Builds;
 use haptic_sim::plant::Plant;
 use haptic_sim::scene::Scene;

@@ -6,11 +6,11 @@ use haptic_core::num::Motion;
 use haptic_core::safety::Mode;
 use haptic_environments::cooperative::hub::Hub;
 use haptic_environments::cooperative::waves::Waves;
+use haptic_live::node::{Line, MOST_NOTICES};
 use haptic_protocol::key::Key;
 use haptic_protocol::link::Notice;
 use haptic_protocol::wire::{AxisFlow, Flow, Goodbye};
 use haptic_sim::network::rule::Fate;
-use haptic_sim::node::{Line, MOST_NOTICES, Transmit as _};
 use haptic_sim::plant::Plant;
 use haptic_sim::scene::Scene;
 
@@ -60,30 +60,36 @@ fn peers_around_a_hub_are_the_waves_in_memory() {
     }
 }
 
-/// Two users push against each other with 1 N through a hub of lines with a time of their own: between the copies are four springs
-/// and two lines, 2·(2F/K_T + F·T/b), T being what both ends of a line were configured with. Of taut lines all ends take their part back.
+/// Users push against each other through a hub of lines with a time of their own, those on even lines with 1 N, of three the others with
+/// 0.5 N each: between two copies are four springs and two lines, (F₁ + F₂)·(2/K_T + T/b), T being what both ends of a line were
+/// configured with. Of taut lines all ends take their part back.
 #[test]
 fn self_timed_lines_meet_in_a_copy() {
-    for (credit_ticks, tautness) in [(8, 0.0), (20, 0.0), (8, 0.9), (20, 0.6)] {
-        let keys = ["user.1.push_n=1", "user.2.push_n=1", "network.one_way_delay_packets=2"].map(str::to_owned);
+    for (users, credit_ticks, tautness) in
+        [(2, 8, 0.0), (2, 20, 0.0), (2, 8, 0.9), (2, 20, 0.6), (3, 8, 0.9), (8, 8, 0.9), (8, 8, 0.0)]
+    {
+        let force_n = if users == 3 { 0.5 } else { 1.0 };
+        let keys = ["user.2.push_n=1", "network.one_way_delay_packets=2"].map(str::to_owned);
+        let push = format!("user.1.push_n={force_n}");
         let credit = format!("coordination.credit_ticks={credit_ticks}");
         let taut = format!("coordination.tautness={tautness}");
-        let scene = built_in("any-network", &[&keys[..], &[credit, taut]].concat());
-        let mut trial: HubTrial = HubTrial::new(scene, 2);
+        let scene = built_in("any-network", &[&keys[..], &[credit, taut, push]].concat());
+        let mut trial: HubTrial = HubTrial::new(scene, users);
         (0..20_000).for_each(|_| trial.step());
         let copies: Vec<f32> = trial.peers().map(|peer| peer.observed().object.position).collect();
         let coordination = &trial.scene.peer.coordination;
         let apart_m = f64::from((copies[0] - copies[1]).abs()) / (1.0 - tautness);
-        let line_s = (apart_m / 2.0 - 2.0 / coordination.stiffness_n_per_m) * coordination.wave_impedance_n_s_per_m;
+        let line_m = apart_m / (1.0 + force_n) - 2.0 / coordination.stiffness_n_per_m;
+        let line_s = line_m * coordination.wave_impedance_n_s_per_m;
         // Who begins later than the other end may have made the line longer by what packets need.
         let credit_s = 1e-3 * f64::from(credit_ticks);
         assert!(
             (0.98 * credit_s..1.02 * (credit_s + 0.002)).contains(&line_s),
-            "tautness {tautness}: {apart_m} m apart without it, lines of {line_s} s"
+            "{users} users, tautness {tautness}: {apart_m} m apart without it, lines of {line_s} s"
         );
         let energy = trial.hub().junction.energy();
-        // Each of two slips at the hub gives ½α·C·F² at most, for the C of one line.
-        let slips_j = 2.0 * 0.5 * tautness * 0.5 * apart_m;
+        // Each slip at the hub gives ½α·C·F² at most, for the C of one line.
+        let slips_j = f64::from(users as u32) * 0.5 * tautness * 0.5 * apart_m;
         assert!(energy.sent_j > 0.0 && energy.sent_j <= energy.taken_j + slips_j, "{energy:?}, slips {slips_j} J");
     }
 }

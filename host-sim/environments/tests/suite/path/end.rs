@@ -1,7 +1,7 @@
 //! What is promised of one end, checked from what is seen of it and of the end that it talks to.
 
+use haptic_live::node::Line;
 use haptic_live::recording::common_clock::Watched;
-use haptic_sim::node::Line;
 use haptic_sim::scene::Scene;
 
 use super::Planted;

@@ -3,11 +3,11 @@
 use haptic_core::law::Sends;
 use haptic_core::safety::Mode;
 use haptic_environments::cooperative::hub::{Hub, number_on};
+use haptic_live::node::{Line, Node};
+use haptic_live::start::AFTER_US;
 use haptic_protocol::key::Key;
 use haptic_protocol::link::Notice;
-use haptic_sim::node::{Line, Node};
 use haptic_sim::scene::Scene;
-use haptic_sim::start::AFTER_US;
 
 use super::end::{Clock, End, Limits, Seen};
 use super::{Planted, Setup};

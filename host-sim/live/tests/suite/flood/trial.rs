@@ -27,9 +27,11 @@ use std::time::{Duration, Instant};
 
 use haptic_live::Error;
 use haptic_live::endpoint::{Endpoint, Live, Stop, Ticker};
+use haptic_live::key_file::entropy;
+use haptic_live::node::Node;
 use haptic_protocol::{key::Key, link::Notice, wire::Greeting};
 use haptic_sim::engine::{Actor, Out};
-use haptic_sim::{key_file::entropy, node::Node, rng::Rng, scene::Scene};
+use haptic_sim::{rng::Rng, scene::Scene};
 
 /// Of so many forged datagrams that are refused, one has the whole state compared.
 const COMPARE_EVERY: u64 = 64;

@@ -9,9 +9,10 @@
 use haptic_core::peer::Actuators;
 use haptic_core::safety::Mode;
 use haptic_live::Error;
+use haptic_live::node::Node;
 use haptic_protocol::key::Key;
 use haptic_sim::engine::{Actor, Engine, EngineView, Out, Seat, Turn};
-use haptic_sim::{network::link::Route, network::rule::Direction, node::Node, plant::Plant, rng::Rng, scene::Scene};
+use haptic_sim::{network::link::Route, network::rule::Direction, plant::Plant, rng::Rng, scene::Scene};
 
 /// Longest that two peers may take to engage, s.
 const PATIENCE_S: f64 = 2.0;

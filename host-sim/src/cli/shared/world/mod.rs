@@ -9,7 +9,7 @@ use haptic_environments::live::serve;
 use haptic_environments::records::{Object, Region};
 use haptic_environments::world::host::{Host, MOST_LINES};
 use haptic_live::endpoint::{Endpoint, Stop};
-use haptic_sim::key_file;
+use haptic_live::key_file;
 use serde_json::json;
 
 use crate::cli::flags::{End, WorldArgs};

@@ -5,9 +5,8 @@ use std::{net::SocketAddr, path::PathBuf};
 use clap::Args;
 use haptic_environments::world::visitor::{Correspondent, Setup};
 use haptic_environments::{live::visit, world::host::MOST_LINES};
-use haptic_live::endpoint::Stop;
+use haptic_live::{endpoint::Stop, key_file};
 use haptic_protocol::key::Role;
-use haptic_sim::key_file;
 
 use crate::cli::flags::{End, number, seconds};
 use crate::cli::{Failure, Ui};

@@ -25,7 +25,7 @@ pub mod touch;
 use std::path::Path;
 
 use haptic_core::settings::LawInfo;
-use haptic_protocol::wire::{Flow, SEAL_LEN};
+use haptic_protocol::wire::packet_bytes;
 use haptic_sim::pair::Pair;
 use haptic_sim::peers::Laws;
 use haptic_sim::scene::{Scene, law_meant};
@@ -174,8 +174,8 @@ fn packets_per_s(scene: &Scene) -> Result<f64, Error> {
     Ok(sent as f64 / 2.0 / COUNTED_S)
 }
 
-/// Bytes of a packet on the wire: a sealed flow under UDP (8) and IPv4 (20).
-pub const PACKET_BYTES: usize = SEAL_LEN + Flow::LEN + 28;
+/// Bytes of a packet on the wire.
+pub const PACKET_BYTES: usize = packet_bytes(1);
 
 #[cfg(test)]
 #[path = "../../../tests/inside/laws.rs"]

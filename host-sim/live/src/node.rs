@@ -25,36 +25,13 @@ use haptic_core::peer::{Actuators, Observed};
 use haptic_core::safety::{Command, Mode};
 use haptic_protocol::link::{Error, Link, Notice, Stage};
 use haptic_protocol::peer::{Inbox, flow_in, flow_of, open, packets_of};
-use haptic_protocol::wire::{Flows, Goodbye, MAX_DATAGRAM, Message, PeerId, Telemetry};
+use haptic_protocol::wire::{Flows, Goodbye, Message, PeerId, Telemetry};
 use haptic_protocol::{ends::Ends, key::Key};
+use haptic_sim::device::{Device, Gone};
+use haptic_sim::peers::{Builds, DynPeer};
+use haptic_sim::{plant::Plant, scene::Scene};
 
-use crate::device::{Device, Gone};
-use crate::peers::{Builds, DynPeer};
 use crate::start::Start;
-use crate::{plant::Plant, scene::Scene};
-
-/// A link that passes each datagram to a function that sends it.
-pub trait Transmit {
-    /// Sends a message, sealed, by `send`; false if there is no session to send it in. `now_us` is the time, µs.
-    fn say(&mut self, now_us: u64, message: impl Into<Message>, send: impl FnMut(&[u8])) -> bool;
-
-    /// Sends what is due of the link's own messages: calls, answers, events, probes. `now_us` is the time, µs.
-    fn say_due(&mut self, now_us: u64, send: impl FnMut(&[u8]));
-}
-
-impl Transmit for Link {
-    fn say(&mut self, now_us: u64, message: impl Into<Message>, send: impl FnMut(&[u8])) -> bool {
-        let mut out = [0; MAX_DATAGRAM];
-        self.send(now_us, message, &mut out).map(|len| &out[..len]).map(send).is_some()
-    }
-
-    fn say_due(&mut self, now_us: u64, mut send: impl FnMut(&[u8])) {
-        let mut out = [0; MAX_DATAGRAM];
-        while let Some(len) = self.poll(now_us, &mut out) {
-            send(&out[..len]);
-        }
-    }
-}
 
 /// One peer that shares the object along `SHARED` axes of its device of `N`, that device and its link.
 #[derive(Debug)]
@@ -123,7 +100,7 @@ impl<const SHARED: usize> Line<SHARED> {
         let peers = scene.peers();
         let [settings, other] = [number == 2, number != 2].map(|second| &peers[usize::from(second)]);
         let ends = Ends { local: PeerId(number), remote: PeerId(3 - number) };
-        let link = open(settings, key, ends, entropy)?;
+        let link = open(settings, key, ends, entropy).map_err(haptic_board_tools::Error::from)?;
         let bounds = Bounds::build(other, scene.law().sends).beyond_a_junction();
         let inbox = Inbox::new(bounds, scene.world.network.playout_packets, settings.timing.ticks_per_packet);
         Ok(Self { link, inbox, heard: None, notices: VecDeque::new(), noticed: 0, lives: 0, start: Start::default() })
@@ -213,7 +190,8 @@ where
         entropy: [u8; Key::LEN],
         device: Box<D>,
     ) -> Result<Self, crate::Error> {
-        let peer = scene.laws.peer(&scene.peers()[usize::from(number == 2)], device.start())?;
+        let peer = scene.laws.peer(&scene.peers()[usize::from(number == 2)], device.start());
+        let peer = peer.map_err(haptic_sim::Error::from)?;
         let (line, period_s) = (Line::open(scene, number, key, entropy)?, scene.peer.timing.control_period_s);
         let telemetry_s = TELEMETRY_S;
         Ok(Self {

@@ -3,7 +3,7 @@
 //! A study declares its columns over a slice of its rows; name, digits and meaning stand in one place:
 //!
 //! ```
-//! use haptic_report::Columns;
+//! use haptic_columns::Columns;
 //! struct Cell { comm: &'static str, stable: bool, true_discrepancy_mm: f64, mass_kg: Option<f64> }
 //! let cells = [Cell { comm: "power", stable: true, true_discrepancy_mm: 3.2407, mass_kg: None }];
 //! let columns = Columns::of(&cells)
@@ -47,6 +47,7 @@
 //!
 //! In text a column whose filled cells are all numbers is set to the right, any other to the left. Widths count
 //! characters, so wide scripts and combining marks are not aligned.
+#![forbid(unsafe_code)]
 
 mod cell;
 mod rows;
@@ -56,8 +57,7 @@ mod value;
 use std::borrow::Cow;
 use std::fmt;
 
-use haptic_io::escaped;
-use haptic_plot::significant;
+use haptic_io::{escaped, significant};
 use serde::{Serialize, Serializer};
 use serde_json::Value;
 
@@ -109,7 +109,8 @@ pub enum Values {
 
 impl Values {
     /// What stands in this row; nothing where there is no such row.
-    pub(super) fn cell(&self, row: usize) -> Cell {
+    /// The cell of a row, from 0.
+    pub fn cell(&self, row: usize) -> Cell {
         match self {
             Self::Numbers(values) => values.get(row).copied().into(),
             Self::Cells(_, values) => values.get(row).cloned().unwrap_or(Cell::Empty),

@@ -13,8 +13,6 @@
 //! **Units**: control periods, each peer's own, in counts that wrap. **Bounded**: [`MOST`] packets; when more wait, the oldest
 //! goes. Total: any tick may come at any time. **Cost**: the depth, on top of the fastest packet's delay.
 
-use heapless::Vec;
-
 /// Packets that wait at the most: a depth of half as many packet periods leaves as much for jitter.
 pub const MOST: usize = 64;
 /// Packets over which the fastest is looked for.
@@ -30,7 +28,7 @@ pub struct Playout<P> {
     /// What the anchor may be off by before it moves up, ticks.
     slack: u32,
     /// Tick of the sender and packet, in no order.
-    waiting: Vec<(u32, P), MOST>,
+    waiting: [Option<(u32, P)>; MOST],
     /// The least that a packet took, in ticks and up to the difference of the clocks.
     anchor: Option<u32>,
     /// All packets of late.
@@ -69,7 +67,7 @@ impl<P> Playout<P> {
         Self {
             depth: depth_packets.saturating_mul(ticks_per_packet).min(i32::MAX as u32 / 2),
             slack: ticks_per_packet / 4,
-            waiting: Vec::new(),
+            waiting: [const { None }; MOST],
             anchor: None,
             window: Fastest::NONE,
             run: Fastest::NONE,
@@ -88,14 +86,13 @@ impl<P> Playout<P> {
     pub fn put(&mut self, now: u32, tick: u32, packet: P) -> bool {
         self.measure(now.wrapping_sub(tick));
         let old = self.played.is_some_and(|played| !after(tick, played));
-        if old || self.waiting.iter().any(|(waiting, _)| *waiting == tick) {
+        if old || self.ticks().any(|(_, waiting)| waiting == tick) {
             return false;
         }
-        if self.waiting.is_full() && !self.drop_older(tick) {
-            return false;
-        }
-        // There is room now.
-        self.waiting.push((tick, packet)).is_ok()
+        let free = self.waiting.iter().position(Option::is_none).or_else(|| self.oldest_before(tick));
+        let Some(place) = free.and_then(|at| self.waiting.get_mut(at)) else { return false };
+        *place = Some((tick, packet));
+        true
     }
 
     /// Moves the anchor, if a packet that took `took` is a reason to.
@@ -124,31 +121,29 @@ impl<P> Playout<P> {
     /// The newest packet whose time has come `now`; older ones are dropped.
     pub fn take(&mut self, now: u32) -> Option<P> {
         let late = self.anchor?.wrapping_add(self.depth);
-        let due = self.waiting.iter().map(|(tick, _)| *tick).filter(|tick| !after(tick.wrapping_add(late), now));
-        let newest = due.reduce(|newest, tick| if after(tick, newest) { tick } else { newest })?;
+        let due = self.ticks().filter(|(_, tick)| !after(tick.wrapping_add(late), now));
+        let (at, newest) = due.reduce(|newest, tick| if after(tick.1, newest.1) { tick } else { newest })?;
         self.played = Some(newest);
-        let at = self.waiting.iter().position(|(tick, _)| *tick == newest)?;
-        let (_, packet) = self.waiting.swap_remove(at);
-        self.waiting.retain(|(tick, _)| after(*tick, newest));
-        Some(packet)
+        let packet = self.waiting.get_mut(at)?.take();
+        for place in &mut self.waiting {
+            place.take_if(|(tick, _)| !after(*tick, newest));
+        }
+        packet.map(|(_, packet)| packet)
     }
 
     /// Number of packets in the buffer.
     pub fn waiting(&self) -> usize {
-        self.waiting.len()
+        self.ticks().count()
     }
 
-    /// Drops the oldest packet that waits, unless it was sent after `tick`.
-    fn drop_older(&mut self, tick: u32) -> bool {
-        let mut oldest: Option<(usize, u32)> = None;
-        for (at, (waiting, _)) in self.waiting.iter().enumerate() {
-            if after(oldest.map_or(tick, |(_, oldest)| oldest), *waiting) {
-                oldest = Some((at, *waiting));
-            }
-        }
-        oldest.is_some_and(|(at, _)| {
-            self.waiting.swap_remove(at);
-            true
-        })
+    /// Places and ticks of the packets in the buffer.
+    fn ticks(&self) -> impl Iterator<Item = (usize, u32)> {
+        self.waiting.iter().enumerate().filter_map(|(at, place)| place.as_ref().map(|(tick, _)| (at, *tick)))
+    }
+
+    /// Place of the oldest packet that waits, unless it was sent after `tick`.
+    fn oldest_before(&self, tick: u32) -> Option<usize> {
+        let older = self.ticks().filter(|(_, waiting)| after(tick, *waiting));
+        older.reduce(|oldest, other| if after(oldest.1, other.1) { other } else { oldest }).map(|(at, _)| at)
     }
 }

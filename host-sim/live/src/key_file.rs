@@ -12,8 +12,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use haptic_io::{Kind, Most};
 use haptic_protocol::key::{Key, Role};
-
-use crate::Error;
+use haptic_sim::Error;
 
 /// Longest key file, bytes: the digits, what they are for, and some space around them.
 pub const LONGEST: usize = 2 * Key::LEN + 64;

@@ -3,13 +3,13 @@
 use std::path::Path;
 
 use haptic_core::safety::Mode;
+use haptic_live::node::Node;
+use haptic_live::start::AFTER_US;
 use haptic_protocol::key::Key;
 use haptic_sim::Laws;
-use haptic_sim::node::Node;
 use haptic_sim::run::{AxisOutcome, Options, run};
 use haptic_sim::scene::Scene;
 use haptic_sim::scenes;
-use haptic_sim::start::AFTER_US;
 
 /// Where the message begins in a sealed datagram (FORMAT.md), which is opened in place.
 const MESSAGE: usize = 32;
@@ -81,7 +81,9 @@ fn sealed_peers_of_several_axes_come_to_what_a_run_comes_to() {
 /// Both push toward each other with 1 N for 30 s from `from_s` on, on the recommended scene, through a line of so long, s.
 fn pushing(from_s: f64, delay_s: f64) -> Scene {
     let mut scene = scenes::load(Laws::built_in(), "any-network").expect("built in");
-    let trace = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("pushing-{from_s}.csv"));
+    // Tests run side by side, and each has its own.
+    let own = format!("pushing-{from_s}-{:?}.csv", std::thread::current().id());
+    let trace = Path::new(env!("CARGO_TARGET_TMPDIR")).join(own);
     let (up_s, until_s) = (from_s + 0.001, from_s + 30.0);
     let rows = format!("0,0\n{from_s},0\n{up_s},1\n{until_s},1\n{},0\n100,0\n", until_s + 0.001);
     std::fs::write(&trace, format!("time_s,force_n\n{rows}")).expect("a trace");
