@@ -236,7 +236,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         let integrator = AnyIntegrator::build(settings)?;
         let info = L::info(settings).ok_or_else(|| crate::law::unknown(settings, L::LAWS))?;
         let law = L::build(settings)?;
-        credit::check(settings, info.sends)?;
+        credit::check(settings, info)?;
         let mut shared_axes = [SharedAxis::new(&law, &contact, integrator, S::ZERO); SHARED];
         for (axis, device) in shared_axes.iter_mut().zip(&device) {
             *axis = SharedAxis::new(&law, &contact, integrator, device.position);

@@ -46,8 +46,7 @@ pub(crate) fn connect(key: &Key, seed: &Key, number: Number, settings: &Settings
 
 /// What the other peer, or a hub, may say with these settings.
 pub(crate) fn bounds(settings: &Settings) -> Bounds {
-    let sends = Law::info(settings).map_or(Sends::Nothing, |info| info.sends);
-    Bounds::build(settings, sends).beyond_a_junction()
+    Law::bounds(settings).beyond_a_junction()
 }
 
 pub(crate) struct Flow {

@@ -15,7 +15,7 @@
 //!
 //! **Promises**: nothing drifts, for positions are what is sent. It is not passive: delay lowers the largest stable K_T as in the power-domain law.
 
-use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Sends, Spring};
+use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Spring};
 use crate::num::{Motion, Scalar};
 use crate::object::Solve;
 use crate::settings::{Refused, Settings};
@@ -61,11 +61,10 @@ impl<S: Scalar> AveragePosition<S> {
 impl<S: Scalar> Law<S> for AveragePosition<S> {
     const LAWS: &'static [LawInfo] = &[LawInfo {
         name: "average-position",
-        sends: Sends::Motion,
-        keys: &[],
         gains: &["coordination.stiffness_n_per_m=500"],
         source: "Li & Constantinescu 2009; Rakhsha & Constantinescu, average-position coordination",
         promises: &[Promise::NoDrift],
+        ..LawInfo::MOTION
     }];
     type State = AveragePositionState<S>;
 

@@ -12,20 +12,18 @@
 //! N lines of b that meet send 2/N·Σu − u_i back into each (see [`super::node`]), at most 3·U: a peer accepts that
 //! much, since its other end may be a hub ([`Bounds::beyond_a_junction`]); a hub accepts U.
 //!
-//! A line of [`Sends::Counters`] sends its slip and how fast it goes on beside them ([`super::self_timed`]), and for a wave by how much
-//! less its impedance should be, or 2 less that where it hears nothing, and how many samples it had left. It keeps the bound on its sums
-//! whatever moves it: what is more it tells later. Where its impedance falls to ρ·b its waves keep the unit of b, and a pull of F is one
-//! of F/ρ in them: such a line is bounded with the least ρ that an end goes to, a quarter: U = (b·V + F/ρ₀)/√(2b). Whoever lies pushes
-//! with 760 N instead of 640 at the most, in `any-network`, before the limits of whoever is pushed.
+//! A law says which of these are its own ([`super::Law::bounds`]). Where the impedance of its line falls to ρ·b its waves keep the unit of b,
+//! and a pull of F is one of F/ρ in them: it is bounded with the least ρ that an end goes to, U = (b·V + F/ρ₀)/√(2b)
+//! ([`Bounds::of_lighter_waves`]). With a quarter, in `any-network`, whoever lies pushes with 760 N instead of 640 at the most, before the
+//! limits of whoever is pushed.
 //!
 //! Sums without a stated number of ticks are bounded as if over [`MOST_TICKS`], so that the difference of two stays within the
-//! range of numbers. What a law of [`Sends::Motion`] sends beside the motion has a unit of its own, and need only be finite.
+//! range of numbers. What a law of motion sends beside the motion has a unit of its own, and need only be finite.
 //!
 //! **Limits**: a hand at V or F, or a spring that is released, moves a light copy faster for a moment; a peer at its own limits is
 //! about to be stopped by them ([`crate::safety`]), and is disconnected if its copy was faster. Tick counters wrap after 49 days.
 
-use super::self_timed::{MOST_TOLD_M, least_share, most_told};
-use super::{Packet, Sends};
+use super::Packet;
 use crate::num::Scalar;
 use crate::safety::fastest_m_per_s;
 use crate::settings::Settings;
@@ -42,7 +40,7 @@ const JUNCTION: f64 = 3.0;
 /// Bounds on the numbers in a packet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
-    /// Twice the workspace: from its one end to the other, m; or the largest slip that a line with a time of its own tells.
+    /// Twice the workspace: from its one end to the other, m; or what the law tells as a place.
     place_m: f64,
     speed_m_per_s: f64,
     /// U, √W, or any number.
@@ -65,28 +63,43 @@ pub struct Sums {
 }
 
 impl Bounds {
-    /// Bounds on the packets of an end with the limits of these settings, whose law sends `sends`.
-    pub fn build(settings: &Settings, sends: Sends) -> Self {
+    /// Bounds on the packets of an end with the limits of these settings that sends motion, and for a wave any number.
+    pub fn of_motion(settings: &Settings) -> Self {
+        Self { wave: f64::MAX, ..Self::of_waves(settings) }
+    }
+
+    /// The same for an end that sends waves.
+    pub fn of_waves(settings: &Settings) -> Self {
+        Self::of_lighter_waves(settings, 1.0)
+    }
+
+    /// The same where the impedance of the line may fall to this share of b.
+    pub fn of_lighter_waves(settings: &Settings, share: f64) -> Self {
         let (world, impedance) = (settings.in_the_world(), settings.coordination.wave_impedance_n_s_per_m);
         let safety = &world.safety;
         let (speed_m_per_s, period_s) = (fastest_m_per_s(&world), settings.timing.control_period_s);
-        // What a newton is in the waves of a line that may be lighter than b.
-        let share = if sends == Sends::Counters { least_share(settings) } else { 1.0 };
         let wave = (impedance * speed_m_per_s + safety.max_force_n / share) / libm::sqrt(2.0 * impedance);
         Self {
-            place_m: if sends == Sends::Counters { MOST_TOLD_M } else { 2.0 * safety.workspace_m },
+            place_m: 2.0 * safety.workspace_m,
             speed_m_per_s,
-            wave: match sends {
-                Sends::Motion => f64::MAX,
-                // No wave, but what an end says of itself ([`super::self_timed`]).
-                Sends::Counters => wave.max(most_told(settings)),
-                _ => wave,
-            },
+            wave,
             integral_per_tick: period_s * wave,
             energy_per_tick_j: 0.5 * period_s * wave * wave,
-            counts: matches!(sends, Sends::Counters | Sends::Integrals),
-            brings_past: sends == Sends::Integrals,
+            counts: false,
+            brings_past: false,
         }
+    }
+
+    /// The same for packets that say over how many ticks their sums are; those of the first are over any, unless it `brings_past`.
+    #[must_use]
+    pub fn counting(self, brings_past: bool) -> Self {
+        Self { counts: true, brings_past, ..self }
+    }
+
+    /// The same for packets whose place is within `place_m` (m), and that have `wave` at least in the place of a wave.
+    #[must_use]
+    pub fn with(self, place_m: f64, wave: f64) -> Self {
+        Self { place_m, wave: self.wave.max(wave), ..self }
     }
 
     /// The same bounds for an end at which several such lines may meet (a hub): three times the speeds and waves.

@@ -13,7 +13,7 @@
 //!
 //! Credit is capped at [`CAP_J`]: dissipation of minutes must not come back as one blow.
 
-use super::{Packet, Sends};
+use super::{LawInfo, Packet};
 use crate::num::{Scalar, Sum};
 use crate::settings::{Allowed, Refused, Settings};
 
@@ -23,10 +23,10 @@ pub const CAP_J: f64 = 0.1;
 /// Packets over which a missing part of the wave integral is made good.
 const CORRECTION_PACKETS: f64 = 4.0;
 
-/// Refuses a ledger for a law that sends no waves.
-pub(crate) fn check(settings: &Settings, sends: Sends) -> Result<(), Refused<'static>> {
+/// Refuses a ledger for a law whose waves it cannot pay for.
+pub(crate) fn check(settings: &Settings, law: &LawInfo) -> Result<(), Refused<'static>> {
     let coordination = &settings.coordination;
-    if sends == Sends::Waves {
+    if law.scatters {
         return Ok(());
     }
     for (key, on) in

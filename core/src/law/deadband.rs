@@ -25,7 +25,7 @@ use super::event::{self, LONGEST};
 use super::passive_spring::PassiveSpring;
 use super::power::Power;
 use super::tank::START;
-use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Sends};
+use super::{Coupled, Law, LawInfo, Observation, Packet, Promise};
 use crate::num::{Configured, Motion, Scalar, StateVector};
 use crate::object::Solve;
 use crate::settings::{Key, PLENTY_J, Refused, Settings};
@@ -46,7 +46,6 @@ pub trait Coded<S: Scalar>: Law<S> {
 impl<S: Scalar> Coded<S> for Power<S> {
     const INFO: LawInfo = LawInfo {
         name: "deadband",
-        sends: Sends::Motion,
         keys: &[LONGEST, WEBER, LEAST],
         gains: &[
             "coordination.stiffness_n_per_m=310",
@@ -55,7 +54,7 @@ impl<S: Scalar> Coded<S> for Power<S> {
             "safety.disengage_s=0.4",
         ],
         source: "Hirche, Hinterseer, Steinbach & Buss 2007",
-        promises: &[],
+        ..LawInfo::MOTION
     };
 
     fn is_modified(_: &Settings) -> bool {
@@ -66,7 +65,6 @@ impl<S: Scalar> Coded<S> for Power<S> {
 impl<S: Scalar> Coded<S> for PassiveSpring<S> {
     const INFO: LawInfo = LawInfo {
         name: "passive-deadband",
-        sends: Sends::Motion,
         keys: &[LONGEST, WEBER, LEAST, START],
         gains: &[
             "coordination.stiffness_n_per_m=1000",
@@ -77,6 +75,7 @@ impl<S: Scalar> Coded<S> for PassiveSpring<S> {
         ],
         source: "Hirche, Hinterseer, Steinbach & Buss 2007",
         promises: &[Promise::Passive],
+        ..LawInfo::MOTION
     };
 
     fn is_modified(settings: &Settings) -> bool {

@@ -6,7 +6,7 @@
 //! the band it passes. [`Mean`] sends ū, the mean of the last M samples: held for M ticks it never emits more than was
 //! absorbed, M·ū² ≤ Σu² (Cauchy–Schwarz; THEORY §5), whatever the signal.
 
-use super::{LawInfo, Promise, Sends};
+use super::{LawInfo, Promise};
 use crate::num::{Configured, Scalar, StateVector};
 use crate::settings::Settings;
 
@@ -36,11 +36,9 @@ configured!([] Newest {});
 impl<S: Scalar> Decimator<S> for Newest {
     const INFO: LawInfo = LawInfo {
         name: "wave",
-        sends: Sends::Waves,
-        keys: &[],
         gains: &["coordination.stiffness_n_per_m=1590"],
         source: "Rakhsha & Constantinescu 2012, §2",
-        promises: &[],
+        ..LawInfo::WAVES
     };
     type State = S;
     fn build(_: &Settings) -> Self {

@@ -27,7 +27,7 @@
 //! F_LC = (2m_O/T_c)·(v − ẋ_o) + b_O·v − F_T, in time for what is sent; its own hand it then feeds back a tick late.
 
 use super::bounds::WITHIN;
-use super::{Coupled, Law, LawInfo, Observation, Packet, Sends, Spring};
+use super::{Coupled, Law, LawInfo, Observation, Packet, Spring};
 use crate::num::{Motion, Scalar};
 use crate::object::{Port, Solve};
 use crate::settings::{Allowed, Key, Refused, Settings};
@@ -94,7 +94,6 @@ impl<S: Scalar> FourChannel<S> {
 impl<S: Scalar> Law<S> for FourChannel<S> {
     const LAWS: &'static [LawInfo] = &[LawInfo {
         name: "four-channel",
-        sends: Sends::Motion,
         keys: &[REMOTE, LOCAL, DAMPING, AT_DEVICE],
         // Transparent at 1, without delay; at 8 ms each way stable to some 0.4. Without local damping it is so on few networks that lose or jitter.
         gains: &[
@@ -104,7 +103,7 @@ impl<S: Scalar> Law<S> for FourChannel<S> {
             "four_channel.local_damping_n_s_per_m=8",
         ],
         source: "Lawrence 1993, transparency-optimised law (C2 = 1 + C6, C3 = 1 + C5, C4 = -C1), without accelerations",
-        promises: &[],
+        ..LawInfo::MOTION
     }];
     type State = FourChannelState<S>;
 

@@ -23,7 +23,7 @@
 //!
 //! **Promises** that nothing drifts, for positions are what is sent. It is not linear: no matrix says where it is stable.
 
-use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Sends, Spring};
+use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Spring};
 use crate::num::{Motion, Scalar};
 use crate::object::port::{Port, Solve, met_midway};
 use crate::settings::{Refused, Settings};
@@ -54,12 +54,11 @@ visited!([S: Scalar] FractalImpedanceState<S> { desired, before, turned });
 impl<S: Scalar> Law<S> for FractalImpedance<S> {
     const LAWS: &'static [LawInfo] = &[LawInfo {
         name: "fractal-impedance",
-        sends: Sends::Motion,
-        keys: &[],
         // The networks of the campaign have up to 200 ms each way and hold a packet for 8: with 8 N·s/m the pair is unstable on three of 38.
         gains: &["coordination.stiffness_n_per_m=310", "coordination.damping_n_s_per_m=12"],
         source: "Tiseo et al. 2020 (arXiv 2011.00390), eq. 1; Babarahmati et al. 2021 (arXiv 2003.01463)",
         promises: &[Promise::NoDrift],
+        ..LawInfo::MOTION
     }];
     type State = FractalImpedanceState<S>;
 

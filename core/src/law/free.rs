@@ -11,8 +11,7 @@ pub struct Free;
 configured!([] Free {});
 
 impl<S: Scalar> Law<S> for Free {
-    const LAWS: &'static [LawInfo] =
-        &[LawInfo { name: "none", sends: Sends::Nothing, keys: &[], gains: &[], source: "", promises: &[] }];
+    const LAWS: &'static [LawInfo] = &[LawInfo { name: "none", sends: Sends::Nothing, ..LawInfo::MOTION }];
     type State = ();
 
     fn build(_: &Settings) -> Result<Self, Refused<'static>> {

@@ -37,6 +37,8 @@ pub mod wave;
 pub mod wave_compensator;
 pub mod wave_integral;
 
+use bounds::Bounds;
+
 use crate::num::{Configured, Motion, Scalar, StateVector, visit_counter};
 use crate::object::port::{self, Port, Solve};
 use crate::settings::{Allowed, Refused, Settings};
@@ -46,19 +48,17 @@ pub use crate::settings::{LawInfo, Promise, Sends};
 /// What crosses the network once each packet period. A law fills the fields it uses; the others stay 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Packet<S: Scalar> {
-    /// Motion of the sender's copy of the object, m and m/s (power-domain); of [`self_timed`] its slip and how fast the point goes to which
-    /// the copy is tied.
+    /// Motion of the sender's copy of the object, m and m/s (power-domain), or a place and a speed that the law has in its stead.
     pub motion: Motion<S>,
-    /// Wave sample, √W (wave-domain), or what a law sends beside the motion, in a unit of its own, such as a force,
-    /// N; of [`self_timed`] by how much its impedance should fall, d, or 2 − d where it hears nothing, and 4 for
-    /// each sample that it has left. 0 from a peer that is not engaged.
+    /// Wave sample, √W (wave-domain), or what a law sends beside motion or sums, in a unit of its own, such as a force, N. 0 from a
+    /// peer that is not engaged.
     pub wave: S,
     /// Energy that the sender has given to the network since arming, up to its last tick, J: of its waves, or from its
     /// tank. The peer fills it in from its [`ledger`], unless the law has.
     pub energy_j: S::Counter,
-    /// Integral of the sender's outgoing wave over the same time, √W·s; of [`four_channel`] at a device the force that acts on it, N.
+    /// Integral of the sender's outgoing wave over the same time, √W·s, or what a law of motion sends for it.
     pub wave_integral: S::Counter,
-    /// Ticks that the sender's sums cover; of [`self_timed`] its live ticks, else those since the law began; wraps.
+    /// Ticks that the sender's sums cover, by default those since the law began; wraps.
     pub live_ticks: u32,
 }
 
@@ -169,6 +169,22 @@ pub trait Law<S: Scalar>: Configured + Copy + core::fmt::Debug + Send + Sync + '
     /// # Errors
     /// The first key whose value is impossible beside the others.
     fn build(settings: &Settings) -> Result<Self, Refused<'static>>;
+    /// Bounds on what an end with the limits of these settings sends: by default on motion, or waves.
+    #[must_use]
+    fn bounds(settings: &Settings) -> Bounds {
+        match Self::info(settings) {
+            Some(LawInfo { sends: Sends::Motion, .. }) => Bounds::of_motion(settings),
+            _ => Bounds::of_waves(settings),
+        }
+    }
+    /// How far a newton takes two copies at rest from each other, over a network of `delay_s` (s) each way, m/N, at least and at most:
+    /// by default 2/K_T, and T/b of a line of waves.
+    #[must_use]
+    fn compliance(settings: &Settings, delay_s: f64) -> [f64; 2] {
+        let line = matches!(Self::info(settings), Some(LawInfo { sends: Sends::Waves, .. }));
+        let impedance = if line { settings.coordination.wave_impedance_n_s_per_m } else { f64::INFINITY };
+        [2.0 / settings.coordination.stiffness_n_per_m + delay_s / impedance; 2]
+    }
     /// State of a law that begins at rest with the local copy: no force until something moves.
     fn start(&self, local: Motion<S>) -> Self::State;
     /// Begins again after a silence that disengaged the peer; counters of what was sent go on, where a law has any.
@@ -274,6 +290,18 @@ macro_rules! laws {
                     return Ok(Self::$Variant(Law::<S>::build(settings)?));
                 } )+
                 Err(unknown(settings, Self::LAWS))
+            }
+            fn bounds(settings: &Settings) -> Bounds {
+                $( if settings.coordination.comm == <$law as Law<S>>::LAWS[0].name {
+                    return <$law as Law<S>>::bounds(settings);
+                } )+
+                Bounds::of_waves(settings)
+            }
+            fn compliance(settings: &Settings, delay_s: f64) -> [f64; 2] {
+                $( if settings.coordination.comm == <$law as Law<S>>::LAWS[0].name {
+                    return <$law as Law<S>>::compliance(settings, delay_s);
+                } )+
+                [0.0; 2]
             }
             fn start(&self, local: Motion<S>) -> Self::State {
                 match self { $( Self::$Variant(law) => AnyLawState::$Variant(law.start(local)) ),+ }

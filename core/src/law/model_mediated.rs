@@ -38,7 +38,7 @@ mod estimate;
 use super::credit::CAP_J;
 use super::decimate::{Decimator, Mean, MeanState};
 use super::tank::{MIDPOINT, START, needs_midpoint};
-use super::{Coupled, Law, LawInfo, Observation, Packet, Sends, Spring};
+use super::{Coupled, Law, LawInfo, Observation, Packet, Spring};
 use crate::num::{Carry, Motion, Scalar};
 use crate::object::port::{Port, Solve, met_midway};
 use crate::settings::{Key, PLENTY_J, Refused, Settings};
@@ -198,11 +198,10 @@ impl<S: Scalar> ModelMediated<S> {
 impl<S: Scalar> Law<S> for ModelMediated<S> {
     const LAWS: &'static [LawInfo] = &[LawInfo {
         name: "model-mediated",
-        sends: Sends::Motion,
         keys: &[START, STIFFNESS, DAMPING, RATE, MEMORY],
         gains: MIDPOINT,
         source: "Mitra & Niemeyer 2008; Passenberg, Peer & Buss 2010; estimation by recursive least squares",
-        promises: &[],
+        ..LawInfo::MOTION
     }];
     type State = ModelMediatedState<S>;
     const PORTS_ONLY: bool = true;

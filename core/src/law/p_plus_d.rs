@@ -13,7 +13,7 @@
 //!
 //! **Promises**: nothing drifts, for positions are what is sent. It is passive up to the delay that its gains are for, and no further.
 
-use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Sends, Spring};
+use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Spring};
 use crate::num::{Motion, Scalar};
 use crate::object::Solve;
 use crate::settings::{Refused, Settings};
@@ -29,11 +29,10 @@ configured!([S: Scalar] PPlusD<S> { spring });
 impl<S: Scalar> Law<S> for PPlusD<S> {
     const LAWS: &'static [LawInfo] = &[LawInfo {
         name: "p-plus-d",
-        sends: Sends::Motion,
-        keys: &[],
         gains: &["coordination.stiffness_n_per_m=310", "coordination.damping_n_s_per_m=30"],
         source: "Nuño, Basañez, Ortega & Spong 2009, P+d; Lee & Spong 2006",
         promises: &[Promise::NoDrift],
+        ..LawInfo::MOTION
     }];
     /// The remote copy as last received, at rest there: x_d.
     type State = Motion<S>;

@@ -27,7 +27,7 @@
 //! object, contacts or hands have taken all there was: then x_m waits for the next energy that anybody puts in.
 
 use super::tank::{START, Tank, Tanks};
-use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Sends};
+use super::{Coupled, Law, LawInfo, Observation, Packet, Promise};
 use crate::num::{Motion, Scalar};
 use crate::object::port::{Port, Solve, met_midway};
 use crate::settings::{Refused, Settings};
@@ -64,11 +64,11 @@ visited!([S: Scalar] PassiveSpringState<S> { remote });
 impl<S: Scalar> Law<S> for PassiveSpring<S> {
     const LAWS: &'static [LawInfo] = &[LawInfo {
         name: "passive-spring",
-        sends: Sends::Motion,
         keys: &[START],
         gains: &["coordination.stiffness_n_per_m=1000", "object.integrator=midpoint"],
         source: "this project; after Ryu, Artigas & Preusche 2010 and Lee & Huang 2010",
         promises: &[Promise::Passive, Promise::NoDrift],
+        ..LawInfo::MOTION
     }];
     type State = PassiveSpringState<S>;
     const PORTS_ONLY: bool = true;

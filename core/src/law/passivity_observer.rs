@@ -25,7 +25,7 @@
 
 use super::credit::CAP_J;
 use super::tank::{MIDPOINT, START, needs_midpoint};
-use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Sends, Spring};
+use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Spring};
 use crate::num::{Motion, Scalar};
 use crate::object::{Port, Solve};
 use crate::settings::{Refused, Settings};
@@ -65,11 +65,11 @@ visited!([S: Scalar] PassivityObserverState<S> { desired });
 impl<S: Scalar> Law<S> for PassivityObserver<S> {
     const LAWS: &'static [LawInfo] = &[LawInfo {
         name: "passivity-observer",
-        sends: Sends::Motion,
         keys: &[START],
         gains: MIDPOINT,
         source: "after Hannaford & Ryu 2002, one-port passivity observer and controller; a gate for the damper",
         promises: &[Promise::Passive],
+        ..LawInfo::MOTION
     }];
     type State = PassivityObserverState<S>;
     const PORTS_ONLY: bool = true;

@@ -3,7 +3,7 @@
 //! The simplest law and the one that delay hurts: its largest stable stiffness falls with every packet of delay
 //! (cooperation paper §3, Fig. 2 and Fig. 4a).
 
-use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Sends, Spring};
+use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Spring};
 use crate::num::{Motion, Scalar};
 use crate::object::Solve;
 use crate::settings::{Refused, Settings};
@@ -19,11 +19,10 @@ configured!([S: Scalar] Power<S> { spring });
 impl<S: Scalar> Law<S> for Power<S> {
     const LAWS: &'static [LawInfo] = &[LawInfo {
         name: "power",
-        sends: Sends::Motion,
-        keys: &[],
         gains: &["coordination.stiffness_n_per_m=310"],
         source: "Rakhsha & Constantinescu 2012, eq. 7",
         promises: &[Promise::NoDrift],
+        ..LawInfo::MOTION
     }];
     /// The remote copy's motion as last received: x_d, ẋ_d.
     type State = Motion<S>;

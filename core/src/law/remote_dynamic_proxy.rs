@@ -21,7 +21,7 @@
 //! **Promises** that nothing drifts. The proxy does not make the link passive: x_r is late and held, and the work K_p, B_p do on the proxy at ẋ_r is the
 //! network's.
 
-use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Sends, Spring};
+use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Spring};
 use crate::num::{Carry, Motion, Scalar};
 use crate::object::port::{Port, Solve, met_midway};
 use crate::settings::{Key, Refused, Settings};
@@ -74,11 +74,11 @@ visited!([S: Scalar] ProxyState<S> { proxy, remote });
 impl<S: Scalar> Law<S> for RemoteDynamicProxy<S> {
     const LAWS: &'static [LawInfo] = &[LawInfo {
         name: "remote-dynamic-proxy",
-        sends: Sends::Motion,
         keys: &[MASS, STIFFNESS, DAMPING],
         gains: &["coordination.stiffness_n_per_m=1590"],
         source: "Li & Constantinescu 2010, proxy of second order under virtual coupling",
         promises: &[Promise::NoDrift],
+        ..LawInfo::MOTION
     }];
     type State = ProxyState<S>;
 

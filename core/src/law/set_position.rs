@@ -23,7 +23,7 @@
 //! What it costs is a drag of B_T that is felt in free motion.
 
 use super::tank::{START, Tank, Tanks};
-use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Sends, Spring};
+use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Spring};
 use crate::num::{Motion, Scalar};
 use crate::object::{Port, Solve};
 use crate::settings::{Refused, Settings};
@@ -56,7 +56,6 @@ visited!([S: Scalar] SetPositionState<S> { wanted });
 impl<S: Scalar> Law<S> for SetPosition<S> {
     const LAWS: &'static [LawInfo] = &[LawInfo {
         name: "set-position",
-        sends: Sends::Motion,
         keys: &[START],
         gains: &[
             "coordination.stiffness_n_per_m=1000",
@@ -65,6 +64,7 @@ impl<S: Scalar> Law<S> for SetPosition<S> {
         ],
         source: "Lee & Huang 2010",
         promises: &[Promise::Passive, Promise::NoDrift],
+        ..LawInfo::MOTION
     }];
     type State = SetPositionState<S>;
     const PORTS_ONLY: bool = true;

@@ -18,7 +18,7 @@
 //! does not promise that drift is made good: an empty tank pushes nothing.
 
 use super::tank::{START, Tank, Tanks};
-use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Sends, Spring};
+use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Spring};
 use crate::num::{Motion, Scalar};
 use crate::object::{Port, Solve};
 use crate::settings::{Key, Refused, Settings};
@@ -60,11 +60,11 @@ visited!([S: Scalar] TwoLayerState<S> { desired });
 impl<S: Scalar> Law<S> for TwoLayer<S> {
     const LAWS: &'static [LawInfo] = &[LawInfo {
         name: "two-layer",
-        sends: Sends::Motion,
         keys: &[START, LEVEL, FILL, SHARE],
         gains: &["coordination.stiffness_n_per_m=1000", "object.integrator=midpoint"],
         source: "Franken et al. 2011",
         promises: &[Promise::Passive],
+        ..LawInfo::MOTION
     }];
     type State = TwoLayerState<S>;
     const PORTS_ONLY: bool = true;

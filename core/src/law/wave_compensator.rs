@@ -22,7 +22,7 @@
 use super::decimate::{Decimator, Mean, MeanState};
 use super::tank::{Tank, Tanks, WAVE_START};
 use super::terminal::{Ended, Terminal};
-use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Sends};
+use super::{Coupled, Law, LawInfo, Observation, Packet, Promise};
 use crate::names::Side;
 use crate::num::{Carry, Motion, Scalar};
 use crate::object::Solve;
@@ -71,11 +71,13 @@ visited!([S: Scalar] WaveCompensatorState<S> { desired, wave, remote, compensati
 impl<S: Scalar> Law<S> for WaveCompensator<S> {
     const LAWS: &'static [LawInfo] = &[LawInfo {
         name: "wave-compensator",
-        sends: Sends::WavesAndMotion,
         keys: &[WAVE_START, BANDWIDTH],
         gains: &["coordination.stiffness_n_per_m=10000", "object.integrator=midpoint"],
         source: "after Ye & Liu 2009",
         promises: &[Promise::Passive],
+        scatters: false,
+        ends_alike: false,
+        ..LawInfo::WAVES
     }];
     type State = WaveCompensatorState<S>;
     const PORTS_ONLY: bool = true;

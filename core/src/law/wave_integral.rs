@@ -26,7 +26,7 @@
 use super::credit::CAP_J;
 use super::tank::{WAVE_START, needs_midpoint};
 use super::terminal::{Ended, Terminal};
-use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Sends};
+use super::{Bounds, Coupled, Law, LawInfo, Observation, Packet, Promise};
 use crate::num::{Motion, Scalar, StateVector, Sum, visit_counter, visit_sum};
 use crate::object::Solve;
 use crate::settings::{Refused, Settings};
@@ -146,7 +146,6 @@ impl<S: Scalar> WaveIntegral<S> {
 impl<S: Scalar> Law<S> for WaveIntegral<S> {
     const LAWS: &'static [LawInfo] = &[LawInfo {
         name: "wave-integral",
-        sends: Sends::Integrals,
         keys: &[WAVE_START],
         // An end to which nothing comes is a damper, and goes on where it was: it is let go of late.
         gains: &[
@@ -157,9 +156,16 @@ impl<S: Scalar> Law<S> for WaveIntegral<S> {
         ],
         source: "Niemeyer & Slotine 2004",
         promises: &[Promise::Passive, Promise::NoDrift],
+        scatters: false,
+        counts: true,
+        ..LawInfo::WAVES
     }];
     type State = WaveIntegralState<S>;
     const PORTS_ONLY: bool = true;
+
+    fn bounds(settings: &Settings) -> Bounds {
+        Bounds::of_waves(settings).counting(true)
+    }
 
     fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
         needs_midpoint(settings)?;

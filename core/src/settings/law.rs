@@ -9,14 +9,8 @@ pub enum Sends {
     Nothing,
     /// Position and velocity of its copy of the object (power-domain).
     Motion,
-    /// Waves, whose energy can be counted: only these can be paid for by a ledger, and meet in a node.
+    /// Waves, or sums of them: the ends of a line of `coordination.wave_impedance_n_s_per_m`.
     Waves,
-    /// The number of wave samples sent and their sum, so that the newest packet makes up for every lost one.
-    Counters,
-    /// The integral of its wave, and the number of ticks that it covers.
-    Integrals,
-    /// Waves, and the motion of the line's end x_d, ẋ_d.
-    WavesAndMotion,
 }
 
 /// What a coordination law promises, with the decode and the integrator that it asks for.
@@ -56,12 +50,37 @@ pub struct LawInfo {
     pub source: &'static str,
     /// Promises of the law, which tests hold it to.
     pub promises: &'static [Promise],
+    /// Each of its waves has all of its energy with it: a ledger can pay for it, and lines of such waves can meet in a node.
+    pub scatters: bool,
+    /// Its packets hold sums, and the number of ticks that these are over, so that the newest makes up for every lost one.
+    pub counts: bool,
+    /// Its line has a time of its own, in ticks that the other end brings: it learns its length, stands while nothing comes, loses
+    /// nothing by that, and meets others in a copy at a hub.
+    pub own_time: bool,
+    /// Both ends compute the same.
+    pub ends_alike: bool,
 }
 
 /// Energy that no run exhausts, J: the largest value of a law's own key that limits how much energy it may spend.
 pub const PLENTY_J: f64 = 1e9;
 
 impl LawInfo {
+    /// What a law that sends motion leaves out of its own: `LawInfo { name: "predict", ..LawInfo::MOTION }`.
+    pub const MOTION: Self = Self {
+        name: "",
+        sends: Sends::Motion,
+        keys: &[],
+        gains: &[],
+        source: "",
+        promises: &[],
+        scatters: false,
+        counts: false,
+        own_time: false,
+        ends_alike: true,
+    };
+    /// The same for a law that sends waves as they are.
+    pub const WAVES: Self = Self { sends: Sends::Waves, scatters: true, ..Self::MOTION };
+
     /// Its keys that limit how much energy it may spend. At [`PLENTY_J`] they limit nothing (linear analysis).
     pub fn budgets(&self) -> impl Iterator<Item = &'static Key> {
         let is_budget = |key: &&Key| matches!(key.allowed, Allowed::Number { max, .. } if max == PLENTY_J);

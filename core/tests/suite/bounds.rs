@@ -1,7 +1,7 @@
 //! What another end may say: no law that keeps within the limits of its scene ever says more, whatever it hears and however it is moved.
 
 use haptic_core::law::bounds::Bounds;
-use haptic_core::law::{AnyLaw, Law, Observation, Packet, Sends};
+use haptic_core::law::{AnyLaw, Law, Observation, Packet};
 use haptic_core::num::Motion;
 use haptic_core::object::Port;
 use haptic_core::settings::{Settings, Value};
@@ -53,7 +53,7 @@ proptest! {
         let mut settings = settings(law, ticks_per_packet, impedance);
         settings.set("coordination.most_line_mass_kg", Value::Number(most_kg)).expect("it is allowed");
         let law = AnyLaw::<f64>::build(&settings).expect("good settings");
-        let sends = AnyLaw::<f64>::info(&settings).expect("a law").sends;
+        let own_time = AnyLaw::<f64>::info(&settings).expect("a law").own_time;
         let mut state = law.start(Motion::REST);
         let (mut local, mut heard) = (Motion::REST, Packet::<f64>::default());
         let (mut speed, mut force, mut said) = (0.0_f64, 0.0_f64, Vec::new());
@@ -67,7 +67,7 @@ proptest! {
             if let Some((wave, ticks)) = tick.hears {
                 let ticks = u32::from(ticks);
                 heard.wave = wave;
-                if sends == Sends::Counters {
+                if own_time {
                     // What it says of itself: whether it hears anything, and what the line should weigh.
                     heard.wave = 0.1 * wave;
                 }
@@ -80,7 +80,7 @@ proptest! {
             let seen = Observation { local, contact_force: 0.0, age_ticks: 0 };
             let coupled = law.couple(&mut state, &seen, |_: Port<f64>| tick.velocity);
             local = Motion { position: local.position + 1e-3 * tick.velocity, velocity: tick.velocity };
-            if sends == Sends::Counters {
+            if own_time {
                 let now = coupled.desired.position - slipped;
                 speed = place.map_or(speed, |before| speed.max((now - before).abs() / 1e-3));
                 place = Some(now);
@@ -95,7 +95,7 @@ proptest! {
         // Rounding of the law's own constants, and of a step of the line.
         let more = 1.0 + 1e-9;
         (settings.safety.max_speed_m_per_s, settings.safety.max_force_n) = (more * speed, more * force);
-        let bounds = Bounds::build(&settings, sends);
+        let bounds = AnyLaw::<f64>::bounds(&settings);
         let mut newest = None;
         for packet in &said {
             prop_assert_eq!(bounds.take(&mut newest, packet), Ok(()), "{:?}", packet);
@@ -109,7 +109,7 @@ proptest! {
         said in prop::collection::vec((any::<f64>(), any::<f64>(), any::<f64>(), any::<u32>()), 1..40),
         scale in prop::sample::select(&[1.0, 1e-3, 1e-150, 1e-300][..]),
     ) {
-        let bounds = Bounds::build(&Settings::default(), Sends::Counters);
+        let bounds = AnyLaw::<f64>::bounds(&settings("self-timed", 1, 10.0));
         let (mut newest, mut before) = (None, None::<Packet<f64>>);
         for (wave, sum, energy, live_ticks) in said {
             let packet = Packet { wave: scale * wave, wave_integral: scale * sum, energy_j: scale * energy, live_ticks, ..Packet::default() };
@@ -140,7 +140,7 @@ fn a_self_timed_end_that_is_pushed_beyond_its_limits_is_believed() {
         settings.set(key, Value::Number(0.0)).expect("it is allowed");
     }
     let law = AnyLaw::<f64>::build(&settings).expect("good settings");
-    let bounds = Bounds::build(&settings, Sends::Counters);
+    let bounds = AnyLaw::<f64>::bounds(&settings);
     let (mut state, mut local) = (law.start(Motion::REST), Motion::REST);
     let (mut heard, mut newest, mut larger, mut ends) = (Packet::<f64>::default(), None, 0, [0.0; 2]);
     for tick in 0..4_000_u32 {
@@ -167,22 +167,22 @@ fn a_self_timed_end_that_is_pushed_beyond_its_limits_is_believed() {
 /// An end that moves at the limit and pulls at the limit says just the bound: with 10 m/s, 40 N and 10 N·s/m (10·10 + 40)/√20 √W.
 #[test]
 fn the_bound_is_what_the_limits_come_to() {
-    let bounds = Bounds::build(&Settings::default(), Sends::Waves);
+    let bounds = Bounds::of_waves(&Settings::default());
     let most = 140.0 / 20.0_f64.sqrt();
     assert!((bounds.wave() / most - 1.0).abs() < 1e-15);
     assert!((bounds.beyond_a_junction().wave() / (3.0 * most) - 1.0).abs() < 1e-15);
     // A world that is five times as large and twice as strong.
     let mut scaled = Settings::default();
     (scaled.scale.position, scaled.scale.force) = (5.0, 2.0);
-    assert!((Bounds::build(&scaled, Sends::Waves).wave() / (580.0 / 20.0_f64.sqrt()) - 1.0).abs() < 1e-15);
+    assert!((Bounds::of_waves(&scaled).wave() / (580.0 / 20.0_f64.sqrt()) - 1.0).abs() < 1e-15);
     // What goes back into a line where N meet, all at the bound, is at most thrice the bound.
     for lines in 2..=16 {
         let (mean, own) = ((f64::from(lines) - 2.0) / f64::from(lines), -1.0);
         assert!(2.0 * mean - own <= 3.0);
     }
     for number in [f64::NAN, f64::INFINITY, -f64::INFINITY, f64::MAX] {
-        for sends in [Sends::Motion, Sends::Waves, Sends::Counters, Sends::Integrals, Sends::WavesAndMotion] {
-            let bounds = Bounds::build(&Settings::default(), sends);
+        for law in LAWS {
+            let bounds = AnyLaw::<f64>::bounds(&settings(law, 8, 10.0));
             let still = Packet::<f64>::default();
             for packet in [
                 Packet { motion: Motion { position: number, velocity: 0.0 }, ..still },

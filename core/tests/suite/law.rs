@@ -3,7 +3,7 @@
 use haptic_core::configured;
 use haptic_core::device::{AXES, Reading};
 use haptic_core::law::power::Power;
-use haptic_core::law::{AnyLaw, Coupled, Law, LawInfo, Observation, Packet, Sends, Spring};
+use haptic_core::law::{AnyLaw, Coupled, Law, LawInfo, Observation, Packet, Spring};
 use haptic_core::num::{Motion, Scalar};
 use haptic_core::object::Solve;
 use haptic_core::peer::{Peer, Sensors};
@@ -28,11 +28,9 @@ configured!([S: Scalar] Predict<S> { spring, ahead, stops });
 impl<S: Scalar> Law<S> for Predict<S> {
     const LAWS: &'static [LawInfo] = &[LawInfo {
         name: "predict",
-        sends: Sends::Motion,
         keys: &[AHEAD, STOPS],
         gains: &["coordination.stiffness_n_per_m=310"],
-        source: "",
-        promises: &[],
+        ..LawInfo::MOTION
     }];
     type State = Motion<S>;
 

@@ -9,7 +9,7 @@ use haptic_core::device::probe::{Probe, Request, Shape};
 use haptic_core::device::stage::{Flow, Measured};
 use haptic_core::device::{AXES, Reading};
 use haptic_core::law::wave::Decode;
-use haptic_core::law::{AnyLaw, Packet, Sends};
+use haptic_core::law::{AnyLaw, Packet};
 use haptic_core::names::{FixtureName, RenderingName};
 use haptic_core::num::{Fixed, Motion, Scalar};
 use haptic_core::object::IntegratorName;
@@ -116,10 +116,10 @@ fn settings(draws: &[f64]) -> Settings {
         settings.contact.gap_m = 0.0;
     }
     let law = Schema::BUILT_IN.law(&settings).expect("a law");
-    if law.sends != Sends::Waves {
+    if !law.scatters {
         (settings.coordination.ledger, settings.coordination.drift_correction) = (false, false);
     }
-    let needs_ports = law.sends == Sends::Counters || law.budgets().next().is_some();
+    let needs_ports = law.own_time || law.budgets().next().is_some();
     if needs_ports && !settings.object.integrator.solves() {
         settings.object.integrator = IntegratorName::Midpoint;
     }

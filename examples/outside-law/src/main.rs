@@ -12,7 +12,7 @@
 //! In haptic-core the same law would be this file and one line in its list of laws.
 
 use haptic_core::configured;
-use haptic_core::law::{Coupled, Law, LawInfo, Observation, Packet, Sends, Spring};
+use haptic_core::law::{Coupled, Law, LawInfo, Observation, Packet, Spring};
 use haptic_core::num::{Motion, Scalar};
 use haptic_core::object::Solve;
 use haptic_core::settings::{Key, Refused, Settings};
@@ -33,11 +33,9 @@ configured!([S: Scalar] Predict<S> { spring, ahead });
 impl<S: Scalar> Law<S> for Predict<S> {
     const LAWS: &'static [LawInfo] = &[LawInfo {
         name: "predict",
-        sends: Sends::Motion,
         keys: &[AHEAD],
         gains: &["coordination.stiffness_n_per_m=310"],
-        source: "",
-        promises: &[],
+        ..LawInfo::MOTION
     }];
     /// The remote copy's motion, carried on.
     type State = Motion<S>;

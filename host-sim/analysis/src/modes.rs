@@ -13,7 +13,6 @@
 use haptic_core::contact::RenderingName;
 use haptic_core::device::kinematics::KinematicsName;
 use haptic_core::device::velocity::VelocityName;
-use haptic_core::law::Sends;
 use haptic_core::law::self_timed::TAUTNESS;
 use haptic_core::names::Choice;
 use haptic_sim::network::fitted::Like;
@@ -245,7 +244,7 @@ pub(crate) fn not_judged(scene: &Scene) -> Vec<&'static str> {
         (scene.at_walls().is_some(), "walls that are met and left (each state is judged by itself)"),
         (scene.users.iter().any(|user| user.settings.user.clutch_for_s > 0.0), "clutches that open and close"),
         (law.ledger, "the energy ledger, when it cuts"),
-        (scene.law().sends == Sends::Counters, "ticks in which the line stands, or is made longer or shorter"),
+        (scene.law().own_time, "ticks in which the line stands, or is made longer or shorter"),
         (scene.law().budgets().next().is_some(), "what the law's energy tank holds back when it is short"),
         (is_linear(scene).is_ok_and(|linear| !linear), "what is not linear about the law, but for one small kick"),
         (learns(scene), "what the law learns, but for what it learns from one kick"),

@@ -13,7 +13,7 @@ fn label(key: &str, unit: &str) -> String {
 
 /// The outline of a region; the first path carries the name.
 fn lines(map: &Map, name: &str, color: usize, dash: Dash) -> impl Iterator<Item = Series> {
-    let named = move |at| if at == 0 { name.to_owned() } else { String::new() };
+    let named = move |at| if at == 0 { name } else { "" };
     outline(map).into_iter().enumerate().map(move |(at, path)| Series::dashed(named(at), color, dash, path))
 }
 

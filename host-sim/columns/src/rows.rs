@@ -33,6 +33,11 @@ impl<'a, R> Rows<'a, R> {
         self.with(name, Digits::All, cell)
     }
 
+    /// A column of files alone: text tables leave it out.
+    pub fn data<C: Typed>(self, name: impl Into<String>, cell: impl Fn(&'a R) -> C) -> Self {
+        self.value(name, cell).data_only()
+    }
+
     /// A column whose cells are made one by one, and what it holds.
     pub fn cells(self, name: impl Into<String>, holds: Holds, cell: impl Fn(&'a R) -> Cell) -> Self {
         self.declare(name.into(), Digits::All, holds, &cell)

@@ -1,6 +1,5 @@
 //! What a person reads of a line before anybody pushes: which path it takes, what it can hold, and the code of a link.
 
-use haptic_core::law::Sends;
 use haptic_meeting::Way;
 use haptic_sim::scene::Scene;
 use serde_json::{Value, json};
@@ -17,7 +16,7 @@ pub fn line_words(
     judging: Option<&Judging>,
     code: Option<&str>,
 ) -> Option<Value> {
-    let (coordination, most_s) = (&scene.peer.coordination, scene.peer.safety.max_delay_s);
+    let most_s = scene.peer.safety.max_delay_s;
     let one_way_s = round_trip_us.map(|us| 0.5e-6 * f64::from(us));
     let too_far = one_way_s.is_some_and(|one_way_s| one_way_s > most_s);
     let nowhere = path.is_some_and(|path| path.way == Way::Nowhere);
@@ -30,10 +29,9 @@ pub fn line_words(
             1e3 * most_s
         )),
         // Two springs, and the line between them (docs/networks.md).
-        Some(one_way_s) if scene.law().sends == Sends::Counters => {
-            let line = one_way_s / coordination.wave_impedance_n_s_per_m;
-            let mm = 1e3 * (2.0 / coordination.stiffness_n_per_m + line);
-            Some(format!("each newton between the hands holds the copies {mm:.1} mm apart or more"))
+        Some(one_way_s) if scene.law().own_time => {
+            let mm = 1e3 * scene.laws.compliance(&scene.peer, one_way_s)[0];
+            Some(format!("each newton between the hands holds the copies {mm:.2} mm apart or more"))
         }
         Some(one_way_s) => Some(format!("{:.0} ms one way", 1e3 * one_way_s)),
     };

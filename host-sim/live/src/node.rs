@@ -17,8 +17,6 @@
 use std::collections::VecDeque;
 
 use haptic_core::device::AXES;
-use haptic_core::law::Sends;
-use haptic_core::law::bounds::Bounds;
 use haptic_core::law::ledger::Ledger;
 use haptic_core::num::Motion;
 use haptic_core::peer::{Actuators, Observed};
@@ -101,7 +99,7 @@ impl<const SHARED: usize> Line<SHARED> {
         let [settings, other] = [number == 2, number != 2].map(|second| &peers[usize::from(second)]);
         let ends = Ends { local: PeerId(number), remote: PeerId(3 - number) };
         let link = open(settings, key, ends, entropy).map_err(haptic_board_tools::Error::from)?;
-        let bounds = Bounds::build(other, scene.law().sends).beyond_a_junction();
+        let bounds = scene.laws.bounds(other).beyond_a_junction();
         let inbox = Inbox::new(bounds, scene.world.network.playout_packets, settings.timing.ticks_per_packet);
         Ok(Self { link, inbox, heard: None, notices: VecDeque::new(), noticed: 0, lives: 0, start: Start::default() })
     }
@@ -204,7 +202,7 @@ where
             line,
             period_s,
             ticks: 0,
-            fades: scene.law().sends != Sends::Counters,
+            fades: !scene.law().own_time,
             begun: false,
             after_us: 0,
             armed_ticks: 0,

@@ -4,7 +4,6 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
-use haptic_core::law::Sends;
 use haptic_core::safety::Mode;
 use haptic_core::sample::OfPeer;
 use haptic_protocol::wire::Telemetry;
@@ -222,7 +221,7 @@ impl Watch {
             partner: String::new(),
             period_s: timing.control_period_s,
             ticks: 0,
-            counts_ticks: scene.law().sends == Sends::Counters,
+            counts_ticks: scene.law().own_time,
             mode: [0.0; 2],
             patience: timing.ticks_per_packet,
             clock: Watched::default(),

@@ -1,7 +1,7 @@
 //! The law that says anything: each number it gives may be any, infinite or none, each time another. What is proved with it holds for
 //! every law there could be, whatever is in its state and whole numbers.
 
-use haptic_core::law::{Coupled, Law, LawInfo, Observation, Packet, Sends};
+use haptic_core::law::{Coupled, Law, LawInfo, Observation, Packet};
 use haptic_core::num::{Configured, Motion, Scalar};
 use haptic_core::object::{Port, Solve};
 use haptic_core::settings::{Refused, Settings};
@@ -19,8 +19,7 @@ fn motion() -> Motion<Number> {
 impl Configured for Whatever {}
 
 impl Law<Number> for Whatever {
-    const LAWS: &'static [LawInfo] =
-        &[LawInfo { name: "(any law)", sends: Sends::Waves, keys: &[], gains: &[], source: "", promises: &[] }];
+    const LAWS: &'static [LawInfo] = &[LawInfo { name: "(any law)", ..LawInfo::WAVES }];
     type State = ();
 
     fn build(_: &Settings) -> Result<Self, Refused<'static>> {

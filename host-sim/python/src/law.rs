@@ -294,8 +294,8 @@ pub(crate) fn add_law(law: &Bound<'_, PyAny>) -> PyResult<()> {
     let leak_all =
         |all: Vec<String>| -> &'static [&'static str] { all.into_iter().map(leak).collect::<Vec<_>>().leak() };
     // What a law written for trying out promises, nobody has shown.
-    let (source, promises) = ("", &[][..]);
-    let law = LawInfo { name: leak(name.clone()), sends, keys: keys.leak(), gains: leak_all(gains), source, promises };
+    let of = if sends == Sends::Waves { LawInfo::WAVES } else { LawInfo::MOTION };
+    let law = LawInfo { name: leak(name.clone()), keys: keys.leak(), gains: leak_all(gains), ..of };
     let methods = |law: &'static LawInfo| -> PyResult<Written> {
         Ok(Written {
             info: law,

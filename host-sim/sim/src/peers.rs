@@ -10,6 +10,7 @@ use std::fmt::Debug;
 
 use haptic_core::device::kinematics::{AnyKinematics, AnySpatial, Kinematics};
 use haptic_core::device::probe::{Outcome, Probe};
+use haptic_core::law::bounds::Bounds;
 use haptic_core::law::{AnyLaw, Law, Packet};
 use haptic_core::num::{Configured, Fixed, Motion, Scalar, StateVector};
 use haptic_core::peer::{Actuators, Observed, Peer, Sensors};
@@ -181,6 +182,8 @@ impl<S: Scalar> Makes<S> {
 #[derive(Clone, Copy, Debug)]
 pub struct Maker {
     laws: &'static [LawInfo],
+    bounds: fn(&Settings) -> Bounds,
+    compliance: fn(&Settings, f64) -> [f64; 2],
     f32: Makes<f32>,
     f64: Makes<f64>,
     fixed: Makes<Fixed>,
@@ -191,6 +194,8 @@ impl Maker {
     const fn of<F: Family>() -> Self {
         Self {
             laws: <F::Of<f64> as Law<f64>>::LAWS,
+            bounds: <F::Of<f64> as Law<f64>>::bounds,
+            compliance: <F::Of<f64> as Law<f64>>::compliance,
             f32: Makes::of::<F::Of<f32>>(),
             f64: Makes::of::<F::Of<f64>>(),
             fixed: Makes::of::<F::Of<Fixed>>(),
@@ -331,7 +336,21 @@ impl Laws {
         settings: &Settings,
         device: [Motion<S>; N],
     ) -> Result<Box<dyn DynPeer<S, SHARED, N>>, Refused<'static>> {
+        S::make(self.maker(settings))(settings, device)
+    }
+
+    /// Bounds on what a peer with the limits of these settings sends ([`Law::bounds`]).
+    pub fn bounds(&self, settings: &Settings) -> Bounds {
+        (self.maker(settings).bounds)(settings)
+    }
+
+    /// How far a newton takes two copies at rest from each other, m/N ([`Law::compliance`]).
+    pub fn compliance(&self, settings: &Settings, delay_s: f64) -> [f64; 2] {
+        (self.maker(settings).compliance)(settings, delay_s)
+    }
+
+    fn maker(&self, settings: &Settings) -> &Maker {
         let named = |maker: &&Maker| maker.laws.iter().any(|law| law.name == settings.coordination.comm);
-        S::make(self.makers.iter().find(named).unwrap_or(&self.makers[0]))(settings, device)
+        self.makers.iter().find(named).unwrap_or(&self.makers[0])
     }
 }

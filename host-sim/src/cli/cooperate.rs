@@ -127,23 +127,19 @@ fn whole(name: &str, scene: &Scene, conclusion: &Conclusion, wall_s: f64) -> Res
         (whole.contact_force_n > 0.0).then(|| whole.true_discrepancy_mm / whole.contact_force_n)
     };
     let mut columns = Columns::of(&[()])
-        .value("scene", |()| name)
-        .data_only()
+        .data("scene", |()| name)
         .value("stable", |()| outcome.is_stable())
         .head("this run is stable")
-        .value("verdict", |()| outcome.verdict().name())
-        .data_only()
+        .data("verdict", |()| outcome.verdict().name())
         .value("reason", |()| outcome.reason.map(|reason| reason.to_string()))
-        .value("fault", |()| outcome.fault.map(stop))
-        .data_only()
+        .data("fault", |()| outcome.fault.map(stop))
         .number("spectral_radius", 6, |()| analysis.verdict.spectral_radius)
         .head("spectral radius of the scene, both hands on")
         .value("every_mode_stable", |()| analysis.judged.worst.stable)
         .head("stable in every mode, hands let go too")
-        .value("unstable_modes", |()| {
+        .data("unstable_modes", |()| {
             Some(analysis.judged.unstable_modes().join("; ")).filter(|modes| !modes.is_empty())
         })
-        .data_only()
         .number("true_discrepancy_mm", 4, |()| outcome.metric(|o| o.whole.true_discrepancy_mm))
         .head("true discrepancy |x_o1 - x_o2|")
         .number("true_discrepancy_mm_per_n", 4, |()| outcome.metric(per_n).flatten())
@@ -168,12 +164,9 @@ fn whole(name: &str, scene: &Scene, conclusion: &Conclusion, wall_s: f64) -> Res
             .head(&format!("energy from the network, peer {peer}"))
             .number(format!("energy.{at}.sent_j"), 4, |()| energy.sent_j)
             .head(&format!("energy to the network, peer {peer}"))
-            .number(format!("energy.{at}.to_object_j"), 4, |()| energy.to_object_j)
-            .data_only()
-            .number(format!("energy.{at}.from_object_j"), 4, |()| energy.from_object_j)
-            .data_only()
-            .number(format!("energy.{at}.stored_j"), 6, |()| energy.stored_j)
-            .data_only();
+            .data(format!("energy.{at}.to_object_j"), |()| energy.to_object_j)
+            .data(format!("energy.{at}.from_object_j"), |()| energy.from_object_j)
+            .data(format!("energy.{at}.stored_j"), |()| energy.stored_j);
     }
     for (at, impacts) in outcome.impacts.iter().flatten().enumerate() {
         let peer = at + 1;
@@ -188,7 +181,7 @@ fn whole(name: &str, scene: &Scene, conclusion: &Conclusion, wall_s: f64) -> Res
             .head(&format!("energy that restitution took, peer {peer}"));
     }
     let columns = columns.value("ticks", |()| outcome.ticks).number("wall_s", 3, |()| wall_s).head("wall time");
-    let columns = columns.value("seed", |()| scene.world.network.seed).data_only();
+    let columns = columns.data("seed", |()| scene.world.network.seed);
     Ok(columns.value("state_hash", |()| hash(outcome)).done())
 }
 

@@ -10,7 +10,6 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
 use haptic_analysis::{Effort, Finding, Hand, Question, Range, delays_ticks, limit};
-use haptic_core::law::Sends;
 use haptic_core::names::Choice as _;
 use haptic_live::endpoint::stand_back;
 use haptic_sim::scene::{Jitter, Scene};
@@ -205,7 +204,7 @@ pub(super) fn holds(scene: &Scene, finding: Option<&Finding>, edge: Option<f64>)
 pub(super) fn find(scene: &Scene) -> Finding {
     let network = &scene.world.network;
     let mut not_judged = vec!["limits of force and speed", "the ends of travel"];
-    not_judged.extend((scene.law().sends == Sends::Counters).then_some("ticks in which the line stands"));
+    not_judged.extend((scene.law().own_time).then_some("ticks in which the line stands"));
     not_judged.extend((network.loss > 0.0).then_some("packets that are lost"));
     not_judged.extend((network.jitter != Jitter::None && network.jitter_s > 0.0).then_some("a delay that changes"));
     Finding { not_judged, ..haptic_analysis::find(scene, QUESTION) }

@@ -14,7 +14,7 @@ use std::array::from_fn;
 
 use haptic_core::num::Motion;
 use haptic_core::safety::{Command as Order, Fault};
-use haptic_core::{law::Sends, settings::Refused};
+use haptic_core::settings::Refused;
 use haptic_sim::measure::port::ObjectPort;
 use haptic_sim::network::{link::Counts, link::Route, rule::Direction};
 use haptic_sim::pair::Pair;
@@ -61,7 +61,7 @@ pub(super) struct TickOutcome {
 impl<const SHARED: usize> Side<SHARED> {
     pub(super) fn new(scene: &Scene) -> Self {
         let port = ObjectPort::new(PERIOD_S, scene.peer.coordination.stiffness_n_per_m);
-        let (counts, patience) = (scene.law().sends == Sends::Counters, scene.peer.timing.ticks_per_packet);
+        let (counts, patience) = (scene.law().own_time, scene.peer.timing.ticks_per_packet);
         Self { ports: [port; SHARED], heard: 0, live_ticks: 0, silent: 0, counts, patience }
     }
 

@@ -64,35 +64,32 @@ fn column(title: &str, outcome: &Outcome, peer: usize, look: Look) -> [Panel; 4]
         series,
         ..Panel::default()
     };
-    let label = |text: &str| if look.first { text.to_owned() } else { String::new() };
+    let label = |text| if look.first { text } else { "" };
     let from_there = |points: Vec<(f64, f64)>, zero: f64| -> Vec<(f64, f64)> {
         let zero = if look.from_there { zero } else { 0.0 };
         points.into_iter().map(|(time_s, value)| (time_s, value - zero)).collect()
     };
     let at_start = |points: &[(f64, f64)]| points.iter().find(|(time_s, _)| *time_s >= window.0).map_or(0.0, |at| at.1);
-    let local = over_time(outcome, look.axis, &format!("object_{peer}_m"), 1e3);
+    let in_mm = |name: &str| over_time(outcome, look.axis, name, 1e3);
+    let local = in_mm(&format!("object_{peer}_m"));
     let zero = at_start(&local);
-    let place = |name: String| from_there(over_time(outcome, look.axis, &name, 1e3), zero);
+    let place = |name: String| from_there(in_mm(&name), zero);
     let [hand, decoded, remote] =
         [format!("device_{peer}_m"), format!("decoded_{peer}_m"), format!("object_{other}_m")].map(place);
     let force = |name: &str| over_time(outcome, look.axis, &format!("{name}_{peer}_n"), 1.0);
     let energy = |name: &str| over_time(outcome, look.axis, &format!("energy_{name}_{peer}_j"), 1e3);
     let net: Vec<_> = energy("received").into_iter().zip(energy("sent")).map(|((t, a), (_, b))| (t, a - b)).collect();
     let net = from_there(net.clone(), at_start(&net));
+    // One that stands alone always has its name.
+    let alone = look.discrepancy != Discrepancy::Both;
+    let which = |text| if alone { text } else { label(text) };
     let mut discrepancies = Vec::new();
     if look.discrepancy != Discrepancy::Decoded {
-        let name = if look.discrepancy == Discrepancy::True { "true".to_owned() } else { label("true") };
-        discrepancies.push(Series::line(name, 2, over_time(outcome, look.axis, "true_discrepancy_m", 1e3)));
+        discrepancies.push(Series::line(which("true"), 2, in_mm("true_discrepancy_m")));
     }
     if look.discrepancy != Discrepancy::True {
-        let only = look.discrepancy == Discrepancy::Decoded;
-        let name = if only { "decoded, peer 2".to_owned() } else { label("decoded, peer 2") };
-        discrepancies.push(Series::dashed(
-            name,
-            1,
-            Dash::Dashed,
-            over_time(outcome, look.axis, "decoded_discrepancy_2_m", 1e3),
-        ));
+        let points = in_mm("decoded_discrepancy_2_m");
+        discrepancies.push(Series::dashed(which("decoded, peer 2"), 1, Dash::Dashed, points));
     }
     [
         panel(

@@ -316,18 +316,16 @@ pub fn columns(rows: &[Precision]) -> Columns {
     columns = columns
         .number("time_s", 0, |row| row.time_s)
         .means("simulated time until here")
-        .value("largest_position_m", |row| row.largest_position_m)
+        .data("largest_position_m", |row| row.largest_position_m)
         .means("largest position of either copy in f64")
-        .data_only()
         .number("shadow.position_m", 4, |row| row.shadow.position_m)
         .means("largest distance of either copy from the shadow, which starts 1 nm further to the right")
         .shown_in("µm", 1e6)
         .head("shadow")
         .number("growth_per_s", 3, |row| row.growth_per_s)
         .means("rate at which the shadow's distance grows; nothing where there is too little to fit")
-        .value("amplification", |row| row.amplification)
-        .means("what the scene makes of a difference of 1")
-        .data_only();
+        .data("amplification", |row| row.amplification)
+        .means("what the scene makes of a difference of 1");
     for (name, of) in [("f32", (|row| &row.f32) as fn(&Precision) -> &Rounded), ("i32f32", |row| &row.i32f32)] {
         columns = columns
             .number(format!("{name}.common_m"), 4, |row| of(row).from_f64.common_m)
@@ -336,23 +334,18 @@ pub fn columns(rows: &[Precision]) -> Columns {
             .number(format!("{name}.relative_m"), 4, |row| of(row).from_f64.relative_m)
             .means("largest difference from f64 of x_o1 - x_o2")
             .shown_in("µm", 1e6)
-            .value(format!("{name}.position_m"), |row| of(row).from_f64.position_m)
+            .data(format!("{name}.position_m"), |row| of(row).from_f64.position_m)
             .means("largest difference from f64 of either copy's position")
-            .data_only()
-            .value(format!("{name}.force_n"), |row| of(row).from_f64.force_n)
+            .data(format!("{name}.force_n"), |row| of(row).from_f64.force_n)
             .means("largest difference from f64 of either coordination force")
-            .data_only()
-            .value(format!("{name}.position_step_m"), |row| of(row).position_step_m)
+            .data(format!("{name}.position_step_m"), |row| of(row).position_step_m)
             .means("step of the number type at the largest position")
-            .data_only()
-            .value(format!("{name}.verdict"), |row| of(row).verdict.name())
-            .means("chaos, rounding or error: where the difference comes from")
-            .data_only();
+            .data(format!("{name}.verdict"), |row| of(row).verdict.name())
+            .means("chaos, rounding or error: where the difference comes from");
     }
     columns
-        .value("faulted_after_s", |row| row.faulted_after_s)
+        .data("faulted_after_s", |row| row.faulted_after_s)
         .means("where f64 itself stopped: differences were taken until then")
-        .data_only()
         .value("why", |row| row.why.as_str())
         .means("what either number type's difference is, and of how many steps")
         .done()

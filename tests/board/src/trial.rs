@@ -96,7 +96,7 @@ fn dropped(bench: &mut Bench, number: usize) -> u64 {
 pub fn run(firmware: &Arc<Firmware>, scene: &Scene, seconds: f64) -> Result<Trial, Error> {
     let scene = for_boards(scene);
     let line = line(&scene)?;
-    let given = of_scene(&scene, Direction::OneToTwo, 0).is_some() || scene.law().sends == Sends::Counters;
+    let given = of_scene(&scene, Direction::OneToTwo, 0).is_some() || scene.law().own_time;
     let ticks = (seconds / scene.peer.timing.control_period_s).round() as u64;
     let options = Options::recorded(seconds, scene.peer.timing.control_period_s);
     let host_sim = haptic_sim::run::run::<f32>(&scene, options, &|_| {})?;

@@ -19,7 +19,7 @@ const MODULUS: i32 = 4096;
 /// What is told of ρ is less.
 const STEP: i32 = 4;
 /// What is told is less, and has 24 bits; without samples in it, it is at most 2.
-pub(in crate::law) fn most_told(settings: &Settings) -> f64 {
+pub(super) fn most_told(settings: &Settings) -> f64 {
     if settings.own(&EVEN) > 0.0 { f64::from(STEP * MODULUS) } else { 2.0 }
 }
 

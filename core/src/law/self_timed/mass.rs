@@ -34,8 +34,14 @@ const STEP: f64 = 1.0 / STEPS as f64;
 const MOST_TICKS: i32 = 1 << 20;
 
 /// ρ₀, below which no end emits: a step less than it would ever go to; 1 where b stays what it is.
-pub(in crate::law) fn least(settings: &Settings) -> f64 {
+pub(super) fn least(settings: &Settings) -> f64 {
     if settings.own(&MASS) > 0.0 { LEAST - STEP } else { 1.0 }
+}
+
+/// What is left of b, N·s/m, of a line of `line_s` seconds each way.
+pub(super) fn impedance(settings: &Settings, line_s: f64) -> f64 {
+    let (whole, most_kg) = (settings.coordination.wave_impedance_n_s_per_m, settings.own(&MASS));
+    if most_kg > 0.0 { (most_kg / line_s).min(whole).max(LEAST * whole) } else { whole }
 }
 
 /// The end of a line behind the coordination spring, as a port of the object ([`crate::law::terminal`]), for any ρ.

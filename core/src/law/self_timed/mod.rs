@@ -36,14 +36,12 @@ use incoming::{CREDIT, Incoming, Outstanding, anew};
 use mass::{End, MASS, Met, Share};
 use taut::SLOWNESS;
 
-pub(super) use even::most_told;
-pub(super) use mass::least as least_share;
 pub use taut::TAUTNESS;
 
 use super::bounds::{Bounds, WITHIN};
 use super::event::LONGEST;
 use super::terminal::Terminal;
-use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, Sends, needs_midpoint};
+use super::{Coupled, Law, LawInfo, Observation, Packet, Promise, needs_midpoint};
 use crate::num::{Motion, Scalar, StateVector, Sum, visit_counter};
 use crate::object::Solve;
 use crate::settings::{Refused, Settings};
@@ -112,7 +110,6 @@ impl<S: Scalar> StateVector<S> for SelfTimedState<S> {
 impl<S: Scalar> Law<S> for SelfTimed<S> {
     const LAWS: &'static [LawInfo] = &[LawInfo {
         name: "self-timed",
-        sends: Sends::Counters,
         keys: &[CREDIT, MASS, DAMPING, FADE, RETURN, ENERGY, TAUTNESS, SLOWNESS, EVEN, LONGEST, THRESHOLD, TOGETHER],
         // A line that stands loses nothing by a silence: it is let go of late.
         gains: &[
@@ -125,9 +122,30 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
         ],
         source: "THEORY §8",
         promises: &[Promise::Passive, Promise::NoDrift],
+        scatters: false,
+        counts: true,
+        own_time: true,
+        ..LawInfo::WAVES
     }];
     type State = SelfTimedState<S>;
     const PORTS_ONLY: bool = true;
+
+    /// A packet has the slip in place of a place, and in place of a wave what an end says of itself ([`even`]). Sums are kept within the bound
+    /// whatever moves the end: what is more it tells later.
+    fn bounds(settings: &Settings) -> Bounds {
+        let sums = Bounds::of_lighter_waves(settings, mass::least(settings)).counting(false);
+        sums.with(MOST_TOLD_M, even::most_told(settings))
+    }
+
+    /// The line is longer than the network by what it keeps in store. Where it is long b falls, by [`mass`], and tautness takes its share
+    /// back while the tank has enough.
+    fn compliance(settings: &Settings, delay_s: f64) -> [f64; 2] {
+        let coordination = &settings.coordination;
+        let line_s = delay_s + settings.own(&CREDIT) * settings.timing.control_period_s;
+        let line = line_s / mass::impedance(settings, line_s);
+        let most = 2.0 / coordination.stiffness_n_per_m + line;
+        [(1.0 - settings.own(&TAUTNESS)).max(0.0) * most, most]
+    }
 
     fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
         let coordination = &settings.coordination;
@@ -144,7 +162,7 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
             wave_to_position_s: S::Counter::from_f64(
                 settings.timing.control_period_s / libm::sqrt(2.0 * coordination.wave_impedance_n_s_per_m),
             ),
-            most_told: S::Counter::from_f64(WITHIN * Bounds::build(settings, Sends::Counters).integral_per_tick),
+            most_told: S::Counter::from_f64(WITHIN * <Self as Law<S>>::bounds(settings).integral_per_tick),
         })
     }
 

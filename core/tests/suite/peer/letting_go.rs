@@ -3,7 +3,7 @@
 use haptic_core::device::Reading;
 use haptic_core::device::kinematics::{AnyKinematics, AnySpatial, Kinematics};
 use haptic_core::law::degradation::STEP_N;
-use haptic_core::law::{AnyLaw, Law, LawInfo, Sends};
+use haptic_core::law::{AnyLaw, Law, LawInfo};
 use haptic_core::names::{Decode, FixtureName, IntegratorName};
 use haptic_core::num::Motion;
 use haptic_core::peer::{Peer, Sensors};
@@ -171,7 +171,7 @@ fn no_force_steps_along_axes_that_are_solved_for_together() {
 /// A wave that is paid for ends with what pays for it, in silence as in any loss: its force goes before the line fades.
 #[test]
 fn a_paid_wave_takes_its_force_with_it() {
-    for law in LAWS.iter().filter(|law| law.sends == Sends::Waves) {
+    for law in LAWS.iter().filter(|law| law.scatters) {
         for (ticks_per_packet, push_n) in [(1, 1.0), (8, 3.0), (2, 5.0)] {
             let mut settings = settings(law, 1, ticks_per_packet);
             settings.coordination.ledger = true;

@@ -2,7 +2,7 @@
 
 use haptic_core::device::kinematics::{AnyKinematics, AnySpatial, Kinematics};
 use haptic_core::device::{Counts, Reading};
-use haptic_core::law::{AnyLaw, Law, Packet, Sends};
+use haptic_core::law::{AnyLaw, Law, Packet};
 use haptic_core::names::{Decode, IntegratorName};
 use haptic_core::num::{Motion, Scalar};
 use haptic_core::peer::{Peer, Sensors};
@@ -100,9 +100,7 @@ fn alone<S: Scalar>(settings: &Settings, axis: usize) -> Vec<[u64; 5]> {
 fn axes_that_nothing_couples_are_as_if_they_were_alone<S: Scalar>() {
     for kind in <AnyLaw<S> as Law<S>>::LAWS {
         for integrator in [IntegratorName::SemiImplicit, IntegratorName::Midpoint] {
-            if integrator != IntegratorName::Midpoint
-                && (kind.sends == Sends::Counters || kind.budgets().next().is_some())
-            {
+            if integrator != IntegratorName::Midpoint && (kind.own_time || kind.budgets().next().is_some()) {
                 // Only with one solve a tick.
                 continue;
             }

@@ -2,7 +2,7 @@
 
 use haptic_core::device::{AXES, Reading};
 use haptic_core::law::power::Power;
-use haptic_core::law::{Coupled, Law, LawInfo, Observation, Packet, Sends, event};
+use haptic_core::law::{Coupled, Law, LawInfo, Observation, Packet, event};
 use haptic_core::num::{Configured, Motion};
 use haptic_core::object::Solve;
 use haptic_core::peer::{Peer, Sensors};
@@ -17,14 +17,7 @@ struct Shy(Power<f64>);
 impl Configured for Shy {}
 
 impl Law<f64> for Shy {
-    const LAWS: &'static [LawInfo] = &[LawInfo {
-        name: "shy",
-        sends: Sends::Motion,
-        keys: &[event::LONGEST],
-        gains: &[],
-        source: "",
-        promises: &[],
-    }];
+    const LAWS: &'static [LawInfo] = &[LawInfo { name: "shy", keys: &[event::LONGEST], ..LawInfo::MOTION }];
     type State = Motion<f64>;
 
     fn build(settings: &Settings) -> Result<Self, Refused<'static>> {

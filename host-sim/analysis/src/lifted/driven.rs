@@ -19,8 +19,8 @@
 use std::array::from_fn;
 use std::collections::VecDeque;
 
+use haptic_core::law::Packet;
 use haptic_core::law::event::LONGEST;
-use haptic_core::law::{Packet, Sends};
 use haptic_core::names::FixtureName;
 use haptic_core::num::{Motion, StateVector as _};
 use haptic_core::peer::Sensors;
@@ -281,7 +281,6 @@ fn settle<const SHARED: usize, const N: usize>(
         // At rest all axes count alike.
         peer.outgoing()[0].live_ticks
     };
-    let sends = linear.law().sends;
     if !counts(linear) {
         let due = [Packet::default(); SHARED];
         go_on(&mut *at_rest, Some(due));
@@ -322,7 +321,7 @@ fn settle<const SHARED: usize, const N: usize>(
             same = if now == known { same + look } else { 0 };
             known = now;
             if same >= of_s(STAYS_S) && same < of_s(STAYS_S) + look {
-                let line_ticks = (sends == Sends::Counters).then(|| length(&*at_rest, due));
+                let line_ticks = linear.law().own_time.then(|| length(&*at_rest, due));
                 reached.push(Settled { peer: at_rest.clone(), due, line_ticks });
                 patience += of_s(LAST_S);
             }
@@ -343,7 +342,7 @@ pub(crate) fn keeps_silent(linear: &Scene) -> bool {
 
 /// Whether the law counts ticks, and has states of its own.
 pub(crate) fn counts(linear: &Scene) -> bool {
-    matches!(linear.law().sends, Sends::Counters | Sends::Integrals)
+    linear.law().counts
 }
 
 /// What happens before a tick of a packet period.

@@ -2,7 +2,6 @@
 
 use std::borrow::Cow;
 
-use haptic_core::law::Sends;
 use haptic_sim::scene::Scene;
 
 use super::Lifted;
@@ -19,7 +18,7 @@ pub fn is_symmetric(linear: &Scene) -> bool {
 
 /// Whether both ends of the law are the same: of one that compensates what it reflects only the end on the left does.
 pub(crate) fn same_ends(linear: &Scene) -> bool {
-    linear.law().sends != Sends::WavesAndMotion
+    linear.law().ends_alike
 }
 
 /// Whether both users' arms, devices, contacts, fixtures and ends of the law are the same: all in which the two peers of a linear scene can differ.

@@ -1,8 +1,8 @@
 //! Random linear scenes, the same ones in every run.
 
 use haptic_core::device::velocity::VelocityName;
+use haptic_core::law::LawInfo;
 use haptic_core::law::wave::Decode;
-use haptic_core::law::{LawInfo, Sends};
 use haptic_core::names::Choice;
 use haptic_core::object::IntegratorName;
 use haptic_core::schema::Schema;
@@ -76,7 +76,7 @@ pub(crate) fn of_law(seed: u64, law: Option<&'static str>) -> Scene {
     peer.object.force_delay_ticks = random.delay();
     peer.object.integrator = random.one(IntegratorName::ALL);
     // The self-timed line has a suite of its own: its outstanding samples are no constant of the scene. One spring is not linear.
-    let drawn = |law: &&LawInfo| law.sends != Sends::Counters && law.name != "fractal-impedance";
+    let drawn = |law: &&LawInfo| !law.own_time && law.name != "fractal-impedance";
     let kinds: Vec<_> = Schema::BUILT_IN.laws().iter().filter(drawn).collect();
     let drawn = random.one(&kinds).name;
     peer.coordination.comm = law.unwrap_or(drawn);

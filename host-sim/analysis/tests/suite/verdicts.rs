@@ -20,7 +20,6 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use haptic_analysis::{Hands, Mode, is_linear, judge};
-use haptic_core::law::Sends;
 use haptic_core::law::event::LONGEST;
 use haptic_core::schema::Schema;
 use haptic_core::settings::Allowed;
@@ -119,7 +118,7 @@ fn any(seed: u64) -> Scene {
             scene = with;
         }
     }
-    if law.sends == Sends::Counters {
+    if law.own_time {
         let trip = (delay_s / period_s) as u32 + scene.peer.timing.ticks_per_packet;
         let credit = random.one(&[0, 0, trip + 12, trip + 2, trip / 2 + 1]);
         scene.set_number("coordination.credit_ticks", f64::from(credit)).expect("it is allowed");
@@ -368,7 +367,7 @@ fn compare_mode(seed: u64, scene: &Scene, mode: &Mode) -> Compared {
     let runs = [first, ran(1, alone_s), ran(2, alone_s)];
     let settles = |ran: &Ran| ran.does == Does::Settles;
     // The radius of a line that pauses is that of the largest part of a run: a ripple may stay in a line that a soft spring hardly feels.
-    let pauses = law.sends == Sends::Counters && verdict.states == 0;
+    let pauses = law.own_time && verdict.states == 0;
     // What the radius makes of the changes until a run is over is too little to be seen.
     let unseen = |ran: &Ran| (said * 0.5 * ran.alone_s).abs() < 2.0 * CLEAR || pauses && ran.is_smaller;
     let slow = |ran: &Ran| ran.does == Does::Neither && unseen(ran);

@@ -25,7 +25,6 @@
 
 use std::fmt::Display;
 
-use haptic_core::law::{Sends, bounds::Bounds};
 use haptic_live::node::{Line, TELEMETRY_S};
 use haptic_live::refused::{Refused, is_telling, wrong};
 use haptic_protocol::link::{Config, Error, Link};
@@ -133,7 +132,7 @@ impl<A: Copy + PartialEq + Display, const SHARED: usize> Hub<A, SHARED> {
         }
         scene.check("hub")?;
         let mut junction = Junction::new(scene, users)?;
-        if scene.law().sends == Sends::Waves && !scene.peer.coordination.ledger {
+        if scene.law().scatters && !scene.peer.coordination.ledger {
             let allowed = "it must be true, for on a network that may lose a packet only waves that are paid for keep \
                            a hub passive";
             return Err(haptic_sim::Error::not_allowed("coordination.ledger = false", allowed).into());
@@ -144,7 +143,7 @@ impl<A: Copy + PartialEq + Display, const SHARED: usize> Hub<A, SHARED> {
             let crossed = bare(key.clone(), number, entropy()?)?;
             let mut line = Line::open(scene, 3 - number, key, entropy()?)?;
             // On a line of its own a peer says no more than one may, along any axis.
-            line.inbox.bound(Bounds::build(&scene.peers()[usize::from(number == 2)], scene.law().sends));
+            line.inbox.bound(scene.laws.bounds(&scene.peers()[usize::from(number == 2)]));
             Ok(End { line, path: Path::default(), refused: Refused::default(), crossed })
         };
         let ends = (1..=users as u32).map(end).collect::<Result<Vec<_>, crate::Error>>()?;

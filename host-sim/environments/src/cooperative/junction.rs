@@ -27,9 +27,9 @@
 //! **Units**: √W, J, N, N·s/m, s. **Limit**: waves carry no positions: what a long silence takes apart stays apart.
 
 use copy::SharedCopy;
+use haptic_core::law::Packet;
 use haptic_core::law::credit::Credit;
 use haptic_core::law::degradation::{Degradation, STEP_N};
-use haptic_core::law::{Packet, Sends};
 use haptic_core::settings::{Allowed, Refused, Value};
 use haptic_core::{law::node::Node, num::Motion};
 use haptic_sim::Scene;
@@ -75,9 +75,9 @@ impl<const AXES: usize> Junction<AXES> {
             return Err(Refused { key: "axis.shared", value: Value::Number(shared.into()), allowed, unit: "" }.into());
         }
         let users = users.min(MOST_USERS);
-        let copies = match scene.law().sends {
-            Sends::Waves => None,
-            Sends::Counters => {
+        let copies = match scene.law() {
+            law if law.scatters => None,
+            law if law.own_time => {
                 let copy = SharedCopy::build(settings, users).map_err(|_| Error::NoWaves(coordination.comm))?;
                 Some(std::array::from_fn(|_| copy.clone()))
             }

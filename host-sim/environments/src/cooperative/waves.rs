@@ -5,7 +5,7 @@
 //! impedance the node joins the two lines: then this is the plain pair whose one-way delay is the way up and the way down.
 //! Constant delay without loss only, unless `coordination.ledger` pays for what is held, or the lines have a time of their own.
 
-use haptic_core::law::{Packet, Sends};
+use haptic_core::law::Packet;
 use haptic_core::{num::Motion, safety::Mode};
 use haptic_sim::engine::{Actor, Engine, Out, Seat};
 use haptic_sim::network::link::{Inbox, Numbered, Route};
@@ -102,7 +102,7 @@ impl Waves {
             seed: network.seed,
             ..Network::default()
         };
-        let waves_unpaid = scene.law().sends == Sends::Waves && !scene.peer.coordination.ledger;
+        let waves_unpaid = scene.law().scatters && !scene.peer.coordination.ledger;
         if (network != plain || scene.network_trace.is_some()) && waves_unpaid {
             return Err(Error::NotConstant);
         }

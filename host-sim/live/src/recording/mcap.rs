@@ -204,6 +204,11 @@ fn log_message(time_ns: u64, time_s: f64, line: &LogLine) -> Vec<u8> {
     said.varint(15 << 3 | 1).eight(time_s.to_bits()).0
 }
 
+/// A number of each channel.
+fn of_channels(numbers: &BTreeMap<u16, u64>) -> Bytes {
+    numbers.iter().fold(Bytes::default(), |out, (channel, number)| out.two(*channel).eight(*number))
+}
+
 /// A chunk that is in the file.
 struct Placed {
     times: (u64, u64),
@@ -339,7 +344,7 @@ impl<W: Write> Writer<W> {
         let summary = self.at;
         let mut bytes = self.described();
         for chunk in &self.chunks {
-            let places = chunk.indices.iter().fold(Bytes::default(), |out, (channel, at)| out.two(*channel).eight(*at));
+            let places = of_channels(&chunk.indices);
             let record =
                 Bytes::default().eight(chunk.times.0).eight(chunk.times.1).eight(chunk.start).eight(chunk.length);
             let record =
@@ -352,7 +357,7 @@ impl<W: Write> Writer<W> {
         let first = self.chunks.iter().map(|chunk| chunk.times.0).min().unwrap_or(0);
         let last = self.chunks.iter().map(|chunk| chunk.times.1).max().unwrap_or(0);
         let channels = self.channels.len();
-        let counts = self.counts.iter().fold(Bytes::default(), |out, (channel, count)| out.two(*channel).eight(*count));
+        let counts = of_channels(&self.counts);
         let statistics = Bytes::default().eight(self.counts.values().sum()).two(channels as u16).four(channels as u32);
         let statistics = statistics.four(0).four(self.metadata.len() as u32).four(self.chunks.len() as u32);
         bytes.extend(statistics.eight(first).eight(last).counted(&counts.0).record(op::STATISTICS));

@@ -1,7 +1,7 @@
 //! What is wrong is found: ticks with a fault put into them, and a law that leaves its number type.
 
 use haptic_core::law::power::Power;
-use haptic_core::law::{Coupled, Law, LawInfo, Observation, Packet, Sends};
+use haptic_core::law::{Coupled, Law, LawInfo, Observation, Packet};
 use haptic_core::num::{Configured, Motion, Scalar};
 use haptic_core::object::{Port, Solve};
 use haptic_core::peer::{Actuators, Peer, Sensors};
@@ -78,8 +78,7 @@ struct Outside;
 impl Configured for Outside {}
 
 impl<S: Scalar> Law<S> for Outside {
-    const LAWS: &'static [LawInfo] =
-        &[LawInfo { name: "outside", sends: Sends::Motion, keys: &[], gains: &[], source: "", promises: &[] }];
+    const LAWS: &'static [LawInfo] = &[LawInfo { name: "outside", ..LawInfo::MOTION }];
     type State = Motion<S>;
 
     fn build(_: &Settings) -> Result<Self, Refused<'static>> {

@@ -270,7 +270,7 @@ fn a_scene_that_is_built_otherwise_than_its_lanes_leaves_them_at_once() {
 
 /// A law from outside that keeps a whole number, and whose text says nothing; what it is it hands over, or not.
 mod stepped {
-    use haptic_core::law::{Coupled, Law, LawInfo, Observation, Packet, Sends, Spring};
+    use haptic_core::law::{Coupled, Law, LawInfo, Observation, Packet, Spring};
     use haptic_core::num::{Configured, Motion, Scalar};
     use haptic_core::object::Solve;
     use haptic_core::settings::{Key, Refused, Settings};
@@ -296,8 +296,7 @@ mod stepped {
     }
 
     impl<S: Scalar, const SAYS: bool> Law<S> for Stepped<S, SAYS> {
-        const LAWS: &'static [LawInfo] =
-            &[LawInfo { name: "stepped", sends: Sends::Motion, keys: &[TIMES], gains: &[], source: "", promises: &[] }];
+        const LAWS: &'static [LawInfo] = &[LawInfo { name: "stepped", keys: &[TIMES], ..LawInfo::MOTION }];
         type State = Motion<S>;
 
         fn build(settings: &Settings) -> Result<Self, Refused<'static>> {

@@ -182,9 +182,8 @@ pub fn columns<'a>(families: impl IntoIterator<Item = &'a Family>, all: bool) ->
     }
     let per = rows.first().map_or("", |(family, ..)| family.instructions_per.split(':').next().unwrap_or_default());
     Columns::of(&rows)
-        .value("family", |row| row.0.name)
+        .data("family", |row| row.0.name)
         .means("which numerical choice")
-        .data_only()
         .value("comparison", |row| row.1.title.as_str())
         .means("under which circumstances")
         .value("measure", |row| row.1.error.as_str())

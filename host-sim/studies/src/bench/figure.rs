@@ -30,7 +30,7 @@ pub fn fronts(found: &Found) -> Figure {
     let laws: Vec<&[Point]> = best.chunk_by(|one, other| one.law.name == other.law.name).collect();
     let behind: Vec<Series> = laws.iter().map(|law| Series::line("", BLACK, places(law, false)).wide(0.7)).collect();
     let panel = |(at, law): (usize, &&[Point])| {
-        let label = |text: &str| if at == 0 { text.to_owned() } else { String::new() };
+        let label = |text| if at == 0 { text } else { "" };
         let front = places(law, false);
         let none = front.is_empty().then(|| "none within the bounds".to_owned());
         let mut series = behind.clone();

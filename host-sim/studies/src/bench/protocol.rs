@@ -43,7 +43,7 @@ const OWN: f64 = 10.0;
 /// A law whose scene at its own gains is refused.
 pub fn gains(laws: Laws, law: &LawInfo) -> Result<Vec<Gain>, Error> {
     let scene = scene(laws, law, "")?;
-    let line = matches!(law.sends, Sends::Waves | Sends::Counters | Sends::Integrals | Sends::WavesAndMotion);
+    let line = law.sends == Sends::Waves;
     let common = COMMON.into_iter().chain(line.then_some(LINE));
     let mut gains: Vec<Gain> =
         common.map(|(key, low, high)| Gain { key: key.to_owned(), ends: [low, high], whole: false }).collect();

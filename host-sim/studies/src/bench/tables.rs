@@ -67,32 +67,28 @@ fn named_points(points: &[Point]) -> Rows<'_> {
         .means("what coordination.comm calls it")
         .value("gains", |point| point.name.as_str())
         .means("declared, or the most that a hand feels of the best within it, N·s/m")
-        .value("search_seed", |point| point.tuning.search_seed)
+        .data("search_seed", |point| point.tuning.search_seed)
         .means("seed of the search that found them")
-        .data_only()
 }
 
 /// What came of the motions.
 fn moved(rows: Rows<'_>) -> Rows<'_> {
     use Motion::{Against, Contact, Led, LetGo, Together};
     let mean = |point: &Point, motion, of: fn(&Run) -> f64| point.worst_network(motion, of).map(|(_, mean)| mean);
-    rows.value("runs", |point| point.runs.len())
+    rows.data("runs", |point| point.runs.len())
         .means("runs of all motions over all test networks")
-        .data_only()
         .value("stopped", Point::stopped)
         .means("those in which a peer stopped, or what it did grew")
         .head("stops")
-        .value("reason", Point::reason)
+        .data("reason", Point::reason)
         .means("why the first of them did")
-        .data_only()
         .significant("against_mm_per_n", 3, Point::worst_mm_per_n)
         .means("pushes against each other: distance of the copies over the force of contact, worst network")
         .head("against")
-        .value("against_network", |point| {
+        .data("against_network", |point| {
             point.worst_network(Against, |run| run.mm_per_n).map(|(name, _)| name.to_owned())
         })
         .means("which network that is")
-        .data_only()
         .number("against_worst_mm", 1, |point| point.most(Against, |run| run.worst_true_mm))
         .means("the largest distance at any instant of any run")
         .head("worst")
@@ -153,9 +149,8 @@ fn felt(rows: Rows<'_>) -> Rows<'_> {
         .significant("tuned_mm_per_n", 3, |point| Some(point.tuning.worst_mm_per_n).filter(|worst| !worst.is_nan()))
         .means("worst tuning network's distance over the force of contact, as the search found it")
         .head("tuning: true")
-        .value("settings", |point| point.tuning.gains.as_str())
+        .data("settings", |point| point.tuning.gains.as_str())
         .means("the gains as settings; none are the law's own")
-        .data_only()
 }
 
 /// Every tuning of every law.
@@ -187,12 +182,10 @@ pub fn tunings(tunings: &[Tuning]) -> Columns {
         .done()
 }
 
-/// A figure of a run.
-type Of = fn(&Run) -> f64;
-
 /// Every run of the test.
 pub fn runs<'a>(runs: &'a [&'a Run]) -> Columns {
-    let mut columns = Columns::of(runs)
+    let figure = |of: fn(&Run) -> f64| move |run: &&Run| Some(of(run)).filter(|figure| !figure.is_nan());
+    Columns::of(runs)
         .value("law", |run| run.law.as_str())
         .means("name of the law")
         .value("gains", |run| run.point.as_str())
@@ -212,34 +205,26 @@ pub fn runs<'a>(runs: &'a [&'a Run]) -> Columns {
         .value("stopped", |run| run.stopped)
         .means("whether a peer stopped, or, under pushes against each other, what the run did grew until its end")
         .value("reason", |run| Some(run.reason.as_str()).filter(|reason| !reason.is_empty()))
-        .means("why, or why the copies came apart under pushes against each other");
-    let figures: [(&str, Of, &str); 10] = [
-        (
-            "true_discrepancy_mm",
-            |run| run.true_mm,
-            "mean of |x_o1 - x_o2| over the last half; none of a run that stopped",
-        ),
-        ("largest_true_discrepancy_mm", |run| run.worst_true_mm, "the largest of the whole run, or until it stopped"),
-        ("true_discrepancy_mm_per_n", |run| run.mm_per_n, "that mean over the mean force of contact"),
-        ("hand_peak_n", |run| run.hand_peak_n, "largest force at either hand"),
-        ("hand_change_n", |run| run.hand_change_n, "its largest change in a tick"),
-        (
-            "hand_error_n",
-            |run| run.hand_error_n,
-            "root mean square of the force at a hand less the same without a network",
-        ),
-        ("way_mm", |run| run.way_mm, "where both copies are in the end, their mean"),
-        (
-            "least_balance_j",
-            |run| run.least_balance_j,
-            "least of what the copies had put into the link less what they had got from it, at any instant",
-        ),
-        ("packets_per_s", |run| run.packets_per_s, "packets that a peer sent, mean of both"),
-        ("wire_bytes_per_s", |run| run.bytes_per_s, "the same in bytes, sealed, with UDP and IP version 4"),
-    ];
-    for (name, of, meaning) in figures {
-        columns =
-            columns.significant(name, 4, move |run| Some(of(run)).filter(|figure| !figure.is_nan())).means(meaning);
-    }
-    columns.done()
+        .means("why, or why the copies came apart under pushes against each other")
+        .significant("true_discrepancy_mm", 4, figure(|run| run.true_mm))
+        .means("mean of |x_o1 - x_o2| over the last half; none of a run that stopped")
+        .significant("largest_true_discrepancy_mm", 4, figure(|run| run.worst_true_mm))
+        .means("the largest of the whole run, or until it stopped")
+        .significant("true_discrepancy_mm_per_n", 4, figure(|run| run.mm_per_n))
+        .means("that mean over the mean force of contact")
+        .significant("hand_peak_n", 4, figure(|run| run.hand_peak_n))
+        .means("largest force at either hand")
+        .significant("hand_change_n", 4, figure(|run| run.hand_change_n))
+        .means("its largest change in a tick")
+        .significant("hand_error_n", 4, figure(|run| run.hand_error_n))
+        .means("root mean square of the force at a hand less the same without a network")
+        .significant("way_mm", 4, figure(|run| run.way_mm))
+        .means("where both copies are in the end, their mean")
+        .significant("least_balance_j", 4, figure(|run| run.least_balance_j))
+        .means("least of what the copies had put into the link less what they had got from it, at any instant")
+        .significant("packets_per_s", 4, figure(|run| run.packets_per_s))
+        .means("packets that a peer sent, mean of both")
+        .significant("wire_bytes_per_s", 4, figure(|run| run.bytes_per_s))
+        .means("the same in bytes, sealed, with UDP and IP version 4")
+        .done()
 }

@@ -53,9 +53,8 @@ pub(crate) fn of_points<'a>(columns: Rows<'a, Summed<'a>>) -> Columns {
         .value("every_mode_stable", |point| point.unstable_modes.is_empty())
         .means(EVERY_MODE)
         .head("let go")
-        .value("unstable_modes", |point| Some(point.unstable_modes).filter(|modes| !modes.is_empty()))
-        .means(UNSTABLE_MODES)
-        .data_only();
+        .data("unstable_modes", |point| Some(point.unstable_modes).filter(|modes| !modes.is_empty()))
+        .means(UNSTABLE_MODES);
     for (at, metric) in METRICS.iter().enumerate() {
         let of = |point: &Summed<'_>| estimate(point.runs, at);
         columns = columns.significant(metric.name(), 4, move |point| of(point).map(|found| found.mean));

@@ -1,7 +1,5 @@
 //! The bench: which laws it has, in which scenes, and what its figures must be.
 
-use haptic_core::law::Sends;
-
 use super::*;
 
 /// All of them in the order of the registry, or those that are named; a slip of the pen is distinguished from what
@@ -57,7 +55,7 @@ mod outside {
 
     use haptic_core::configured;
     use haptic_core::law::power::Power;
-    use haptic_core::law::{Coupled, Law, LawInfo, Observation, Packet, Sends};
+    use haptic_core::law::{Coupled, Law, LawInfo, Observation, Packet};
     use haptic_core::num::{Motion, Scalar};
     use haptic_core::object::{Port, Solve, Staged};
     use haptic_core::settings::{Promise, Refused, Settings};
@@ -65,20 +63,12 @@ mod outside {
     const LAWS: [LawInfo; 2] = [
         LawInfo {
             name: "pretends",
-            sends: Sends::Motion,
-            keys: &[],
             gains: &["coordination.stiffness_n_per_m=310"],
             source: "nobody, never",
             promises: &[Promise::Passive, Promise::NoDrift],
+            ..LawInfo::MOTION
         },
-        LawInfo {
-            name: "pushes-only",
-            sends: Sends::Motion,
-            keys: &[],
-            gains: &["coordination.stiffness_n_per_m=310"],
-            source: "",
-            promises: &[],
-        },
+        LawInfo { name: "pushes-only", gains: &["coordination.stiffness_n_per_m=310"], ..LawInfo::MOTION },
     ];
 
     /// Power-domain, as it is or without its pulls.
@@ -159,7 +149,7 @@ fn every_law_has_a_row_and_runs_as_it_was_judged() {
         let Ok(stability) = &row.stability else { continue };
         let stiffness = row.scene.peer.coordination.stiffness_n_per_m;
         let (verdict, name) = (row.own().verdict(), row.law.name);
-        if stability.coordination[0].is_stable(stiffness) && row.law.sends != Sends::Nothing {
+        if stability.coordination[0].is_stable(stiffness) && row.law.sends != haptic_core::law::Sends::Nothing {
             // How far apart a soft law leaves the copies is no matter of stability.
             assert!(!verdict.starts_with("NO"), "{name}: {verdict}, {:?}", row.own().reason());
         }

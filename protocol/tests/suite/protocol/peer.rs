@@ -1,7 +1,7 @@
 //! Packets of haptic-core on the wire, and what two peers must be configured with alike.
 
 use haptic_core::law::bounds::Bounds;
-use haptic_core::law::{Packet, Sends};
+use haptic_core::law::{AnyLaw, Law, Packet};
 use haptic_core::num::Motion;
 use haptic_core::schema::Schema;
 use haptic_core::settings::{Allowed, Settings, Value};
@@ -56,9 +56,11 @@ fn what_is_each_devices_own_may_differ_and_nothing_else() {
 /// Ticks from packet to packet.
 const M: u32 = 8;
 
-/// What may be said with the default settings.
+/// What may be said on a self-timed line with the default settings.
 fn bounds() -> Bounds {
-    Bounds::build(&Settings::default(), Sends::Counters)
+    let mut settings = Settings::default();
+    settings.coordination.comm = "self-timed";
+    AnyLaw::<f64>::bounds(&settings)
 }
 
 /// An inbox with play-out of so many packets.

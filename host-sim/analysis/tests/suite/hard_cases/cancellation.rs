@@ -1,7 +1,6 @@
 //! Equal and opposite pushes.
 
 use haptic_analysis::verdict;
-use haptic_core::law::Sends;
 use haptic_core::num::Fixed;
 use haptic_core::schema::Schema;
 use haptic_core::settings::LawInfo;
@@ -36,9 +35,7 @@ fn asymmetry<S: Number>(scene: &Scene) -> (f64, Option<u64>) {
 fn scenes(extra: &str) -> impl Iterator<Item = (String, Scene)> {
     // Without the self-timed line and laws with energy tanks, which need one integrator where these are drawn; and without the one that is not
     // linear, of which the analyser cannot say what it bears (core's tests mirror it).
-    let drawn = |law: &&LawInfo| {
-        law.sends != Sends::Counters && law.budgets().next().is_none() && law.name != "fractal-impedance"
-    };
+    let drawn = |law: &&LawInfo| !law.own_time && law.budgets().next().is_none() && law.name != "fractal-impedance";
     let kinds = Schema::BUILT_IN.laws().iter().filter(drawn);
     kinds.flat_map(|law| ["delayed", "implicit"].map(|decode| (law.name, decode))).map(move |(law, decode)| {
         // Forces that are sent late make four channels unstable: as near to no delay as there is.

@@ -3,7 +3,6 @@
 
 use std::collections::VecDeque;
 
-use haptic_core::law::bounds::Bounds;
 use haptic_core::safety::{Command, Mode};
 use haptic_core::settings::{Safety, Settings, Value};
 use haptic_environments::cooperative::junction::{Junction, Port};
@@ -60,15 +59,14 @@ where
     /// A table whose hub takes what is within the limits of the scene, or of `limits` instead.
     pub(super) fn new(scene: Scene, limits: Option<Safety>) -> Self {
         let peers = scene.peers().map(|peer| Settings { safety: limits.unwrap_or(peer.safety), ..peer });
-        let sends = scene.law().sends;
         let ticks_per_packet = scene.peer.timing.ticks_per_packet;
         let mut junction = Junction::new(&scene, 3).expect("waves");
         (0..3).for_each(|line| junction.part(line));
-        let bounds = [0, 1, 0].map(|index| Bounds::build(&peers[index], sends));
+        let bounds = [0, 1, 0].map(|index| scene.laws.bounds(&peers[index]));
         // Of the waves themselves: what a packet says for one may be more.
         let mut waves = scene.peer;
         waves.set("coordination.even_s", Value::Number(0.0)).expect("it is allowed");
-        let bound = Bounds::build(&waves, sends).wave();
+        let bound = scene.laws.bounds(&waves).wave();
         let honest = (0..2).map(|index| {
             let plant = Plant::build(&scene, index);
             let mut peer: Box<dyn DynPeer<f32, SHARED, N>> = scene.peer_from(index, plant.motions()).expect("a peer");

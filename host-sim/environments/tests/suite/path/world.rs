@@ -1,6 +1,5 @@
 //! Two peers, or a hub and two peers, every end with a clock of its own, and what lies between them: a millisecond of it at a time.
 
-use haptic_core::law::Sends;
 use haptic_core::safety::Mode;
 use haptic_environments::cooperative::hub::{Hub, number_on};
 use haptic_live::node::{Line, Node};
@@ -60,7 +59,7 @@ impl World {
             ends,
             clocks,
             limits: Limits::of(scene),
-            fades: scene.law().sends != Sends::Counters,
+            fades: !scene.law().own_time,
             now_ms: 0,
             moved_ms: None,
             faded: false,

@@ -19,7 +19,7 @@ pub fn impedance(rows: &[Row]) -> Figure {
                 points.filter_map(|point| of(point).filter(|z| z.re < 0.0).map(|z| (point.frequency_hz, z.norm())));
             active.collect()
         };
-        let label = |text: &str| if at == 0 { text.to_owned() } else { String::new() };
+        let label = |text| if at == 0 { text } else { "" };
         let device = &row.scene.world.device;
         let alone = |point: &Point| {
             let reactance = core::f64::consts::TAU * point.frequency_hz * device.mass_kg;

@@ -61,12 +61,10 @@ fn named(rows: &[Row]) -> Rows<'_, Row> {
 fn over_networks<'a>(rows: Rows<'a, Row>) -> Rows<'a, Row> {
     let true_mm = |cell: &Cell| cell.true_discrepancy_mm().map(|estimate| estimate.mean);
     rows
-        .value("source", |row| Some(row.law.source).filter(|source| !source.is_empty()))
+        .data("source", |row| Some(row.law.source).filter(|source| !source.is_empty()))
         .means("where it was published")
-        .data_only()
-        .value("promises", Row::promise_texts)
+        .data("promises", Row::promise_texts)
         .means("what it promises, and whether that was kept here")
-        .data_only()
         .value("promises_kept", |row| (!row.promises.is_empty()).then(|| row.promises.iter().all(|kept| kept.kept)))
         .means("whether every promise was kept")
         .head("kept")
@@ -140,12 +138,10 @@ fn judged<'a>(rows: Rows<'a, Row>) -> Rows<'a, Row> {
         .number("contact_stable_to_n_per_m", 0, |row| row.limit(|s| &s.contact))
         .means("first unstable K_LC in the worst mode, at the law's K_T; 20000 where there is none up to there")
         .head("K_LC")
-        .value("judged_stable", |row| row.stability.as_ref().ok().map(|stability| stability.judgement.worst.stable))
+        .data("judged_stable", |row| row.stability.as_ref().ok().map(|stability| stability.judgement.worst.stable))
         .means("whether the analyser calls every mode stable at the gains as declared")
-        .data_only()
-        .value("not_judged", |row| row.stability.as_ref().err().cloned())
+        .data("not_judged", |row| row.stability.as_ref().err().cloned())
         .means("why the analyser says nothing")
-        .data_only()
 }
 
 /// All of it, a row a law.
