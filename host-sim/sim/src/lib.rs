@@ -8,7 +8,7 @@
 //!
 //! // A built-in scene, run to its outcome …
 //! let scene: Scene = scenes::load(Laws::built_in(), "paper-5.2-wave-16ms")?;
-//! let outcome = run::<f64>(&scene, Options { duration_s: 2.0, record_every: 0 }, &|_| ())?;
+//! let outcome = run::<f64>(&scene, Options::default(), &|_| ())?;
 //! assert!(outcome.is_stable());
 //! // … or tick by tick.
 //! let mut pair = Pair::<f64>::new(&scene)?;

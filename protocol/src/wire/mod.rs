@@ -31,12 +31,7 @@ pub const SEAL_LEN: usize = Header::LEN + Stamps::LEN + TAG_LEN;
 
 /// Bytes on the wire of a packet of an object that is shared along so many axes: sealed, under UDP (8) and IP version 4 (20).
 pub const fn packet_bytes(axes: usize) -> usize {
-    let flow = match axes {
-        2 => Flow2::LEN,
-        3 => Flow3::LEN,
-        _ => Flow::LEN,
-    };
-    SEAL_LEN + flow + 28
+    SEAL_LEN + Flow::LEN - AxisFlow::LEN + axes * AxisFlow::LEN + 28
 }
 
 /// The longest message before sealing.

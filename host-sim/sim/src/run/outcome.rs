@@ -18,6 +18,13 @@ pub struct Options {
     pub record_every: u64,
 }
 
+/// A run of 20 s, as the papers' are, that records no tick.
+impl Default for Options {
+    fn default() -> Self {
+        Self::unrecorded(20.0)
+    }
+}
+
 impl Options {
     /// A run of `duration_s` (s) with control period `period_s` (s) that records at most about 100,000 ticks.
     pub fn recorded(duration_s: f64, period_s: f64) -> Self {

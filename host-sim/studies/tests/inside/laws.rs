@@ -48,6 +48,8 @@ fn every_law_has_the_same_scene_and_its_own_gains() {
 #[test]
 fn a_packet_has_116_bytes() {
     assert_eq!(PACKET_BYTES, 88 + 28);
+    // FORMAT.md, under UDP and IP.
+    assert_eq!([1, 2, 3].map(packet_bytes), [88, 120, 152].map(|sealed| sealed + 28));
 }
 
 mod outside {
