@@ -130,14 +130,14 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
     type State = SelfTimedState<S>;
     const PORTS_ONLY: bool = true;
 
-    /// A packet has the slip in place of a place, and in place of a wave what an end says of itself ([`even`]). Sums are kept within the bound
+    /// A packet has the slip in place of a place, and in place of a wave what an end says of itself. Sums are kept within the bound
     /// whatever moves the end: what is more it tells later.
     fn bounds(settings: &Settings) -> Bounds {
         let sums = Bounds::of_lighter_waves(settings, mass::least(settings)).counting(false);
         sums.with(MOST_TOLD_M, even::most_told(settings))
     }
 
-    /// The line is longer than the network by what it keeps in store. Where it is long b falls, by [`mass`], and tautness takes its share
+    /// The line is longer than the network by what it keeps in store. Where it is long b falls, and tautness takes its share
     /// back while the tank has enough.
     fn compliance(settings: &Settings, delay_s: f64) -> [f64; 2] {
         let coordination = &settings.coordination;
