@@ -131,7 +131,7 @@ pub const STEP_S: f64 = 0.001;
 const LATE: u32 = 3;
 
 /// Ticks of a step, and how long it is, s.
-pub(crate) fn step(timing: &Timing) -> (u32, f64) {
+fn step(timing: &Timing) -> (u32, f64) {
     // A cast saturates, and a tick is 10 µs or more.
     let ticks = ((STEP_S / timing.control_period_s + 0.5) as u32).max(1);
     (ticks, f64::from(ticks) * timing.control_period_s)
@@ -180,7 +180,7 @@ impl<S: Scalar> Probe<S> {
                 let amperes = winding::TRIAL_SHARE * code.unsigned_abs() as f64 / full_scale * motor.full_scale_a;
                 1e3 * amperes * (motor.resistance_ohm + motor.inductance_h / step_s)
             },
-            expected: Expected::build(settings),
+            expected: Expected::build(settings, step_s),
         })
     }
 

@@ -139,16 +139,15 @@ pub(crate) struct Expected {
 }
 
 impl Expected {
-    pub(crate) fn build(settings: &Settings) -> Self {
+    /// For steps of `step_s`, s.
+    pub(crate) fn build(settings: &Settings, step_s: f64) -> Self {
         let motor = &settings.motor;
         let Joints { counts_per_unit, .. } = Joints::of(settings);
         let along = if motor.reversed { -1.0 } else { 1.0 };
         Self {
             per_code: motor.resistance_ohm * motor.full_scale_a / f64::from(Duty::FULL_SCALE),
             // A constant in newtons per ampere is one in volts per metre per second.
-            per_count: along * motor.newton_or_newton_metre_per_a
-                / counts_per_unit
-                / super::probe::step(&settings.timing).1,
+            per_count: along * motor.newton_or_newton_metre_per_a / counts_per_unit / step_s,
         }
     }
 }

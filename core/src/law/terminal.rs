@@ -5,7 +5,7 @@
 //! > F_T = K_T·s + κ·(w − v),   b·w + F_T = √(2b)·u_in,   u_out = (b·w − F_T)/√(2b)
 //!
 //! so that the line's end and the spring in a row are f = K_T·s + κ·(√(2b)·u_in − K_T·s)/(b + κ), z = κ·b/(b + κ). An end
-//! that stands (w = 0, [`Terminal::stand`]) is the spring to a wall: f = K_T·s, z = κ.
+//! that stands (w = 0, [`Terminal::solve_grounded`]) is the spring to a wall: f = K_T·s, z = κ.
 
 use super::Spring;
 use crate::num::Scalar;
@@ -36,7 +36,7 @@ configured!([S: Scalar] Terminal<S> { spring, kappa, root, inverse_sum, share, i
 
 /// What came of a tick at the end of a line.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Ended<S> {
+pub(super) struct TerminalState<S> {
     /// Mean velocity w of the line's end, m/s.
     pub(super) velocity: S,
     /// Mean velocity v of the copy, m/s.
@@ -64,27 +64,27 @@ impl<S: Scalar> Terminal<S> {
 
     /// What the spring pulls with from this stretch (m) while nothing moves, N.
     #[inline]
-    pub(super) fn pull(&self, stretch: S) -> S {
+    pub(super) fn spring_force(&self, stretch: S) -> S {
         self.spring.stiffness * stretch
     }
 
     /// A tick with a wave coming in, √W, in which the spring begins with this pull, N.
     #[inline]
-    pub(super) fn meet(&self, pull: S, wave_in: S, solve: impl Solve<S>) -> Ended<S> {
+    pub(super) fn solve(&self, pull: S, wave_in: S, solve: impl Solve<S>) -> TerminalState<S> {
         // b·w = drive − κ·(w − v): what is left of the wave's push once the spring has taken its part.
         let drive = self.root * wave_in - pull;
         let port = Port { force: pull + self.share * drive, impedance: self.impedance };
         let mean = solve.velocity(port);
         let velocity = (drive + self.kappa * mean) * self.inverse_sum;
-        Ended { velocity, copy: mean, force: port.at(mean) }
+        TerminalState { velocity, copy: mean, force: port.at(mean) }
     }
 
     /// A tick in which the line's end stands, behind a spring of this pull (N) and impedance (N·s/m).
     #[inline]
-    pub(super) fn stand(pull: S, impedance: S, solve: impl Solve<S>) -> Ended<S> {
+    pub(super) fn solve_grounded(pull: S, impedance: S, solve: impl Solve<S>) -> TerminalState<S> {
         let port = Port { force: pull, impedance };
         let mean = solve.velocity(port);
-        Ended { velocity: S::ZERO, copy: mean, force: port.at(mean) }
+        TerminalState { velocity: S::ZERO, copy: mean, force: port.at(mean) }
     }
 
     /// Outgoing wave u_out, √W.

@@ -16,7 +16,7 @@
 
 use super::credit::{Account, Credit};
 use super::decimate::{Decimator, Mean, Newest, OnePole};
-use super::terminal::{Ended, Terminal};
+use super::terminal::{Terminal, TerminalState};
 use super::{Coupled, Law, LawInfo, Observation, Packet};
 use crate::num::{Carry, Configured, Motion, Scalar, StateVector, Sum};
 use crate::object::Solve;
@@ -183,8 +183,8 @@ impl<S: Scalar, D: Decimator<S>> Law<S> for Line<S, D> {
             return self.emit(state, desired, wave_in);
         }
         let before = state.desired.position;
-        let Ended { velocity, force, .. } =
-            self.end.meet(self.end.pull(before - observed.local.position), wave_in, solve);
+        let TerminalState { velocity, force, .. } =
+            self.end.solve(self.end.spring_force(before - observed.local.position), wave_in, solve);
         state.desired = Motion { position: state.carry.add(before, self.period * velocity), velocity };
         state.force = force;
         self.emit(state, Motion { position: before, velocity }, wave_in)

@@ -21,7 +21,7 @@
 
 use super::decimate::{Decimator, Mean, MeanState};
 use super::tank::{Tank, Tanks, WAVE_START};
-use super::terminal::{Ended, Terminal};
+use super::terminal::{Terminal, TerminalState};
 use super::{Coupled, Law, LawInfo, Observation, Packet, Promise};
 use crate::names::Side;
 use crate::num::{Carry, Motion, Scalar};
@@ -124,8 +124,8 @@ impl<S: Scalar> Law<S> for WaveCompensator<S> {
         let wave_in = self.tanks.emit(&mut state.tank, state.wave - state.compensation);
 
         let before = state.desired.position;
-        let Ended { velocity, force, .. } =
-            self.end.meet(self.end.pull(before - observed.local.position), wave_in, solve);
+        let TerminalState { velocity, force, .. } =
+            self.end.solve(self.end.spring_force(before - observed.local.position), wave_in, solve);
         let wave_out = self.end.wave_out(velocity, force);
         state.desired = Motion { position: state.carry.add(before, self.period * velocity), velocity };
         self.mean.push(&mut state.outgoing, wave_out);

@@ -25,7 +25,7 @@
 
 use super::credit::CAP_J;
 use super::tank::{WAVE_START, needs_midpoint};
-use super::terminal::{Ended, Terminal};
+use super::terminal::{Terminal, TerminalState};
 use super::{Bounds, Coupled, Law, LawInfo, Observation, Packet, Promise};
 use crate::num::{Motion, Scalar, StateVector, Sum, visit_counter, visit_sum};
 use crate::object::Solve;
@@ -234,7 +234,7 @@ impl<S: Scalar> Law<S> for WaveIntegral<S> {
         (state.age, state.ticks) = (state.age.saturating_add(1), state.ticks.wrapping_add(1));
         let stretch = S::of_counter(desired - observed.local.position.to_counter());
         let wave_in = self.emit(state);
-        let Ended { velocity, force, .. } = self.end.meet(self.end.pull(stretch), wave_in, solve);
+        let TerminalState { velocity, force, .. } = self.end.solve(self.end.spring_force(stretch), wave_in, solve);
         let wave_out = self.end.wave_out(velocity, force);
         let (taken, given) = (wave_in.to_counter(), wave_out.to_counter());
         state.desired.add(self.period_s * self.wave_to_position * (taken + given));

@@ -163,14 +163,14 @@ impl BringUp<'_> {
         Err(format!("the board answers {line:?} with {answer:?}, and should refuse: {why}").into())
     }
 
-    /// Keeps what was found, and gives it to the board.
-    fn keep(&mut self, found: &[Found]) -> Result<(), Error> {
+    /// Keeps what was found, gives it to the board, and says it.
+    fn keep(&mut self, found: &[Found]) -> Result<String, Error> {
         settings_file::add(self.plan.file, found)?;
         // What a newton and a metre are is set at the board only.
         self.person.please(&Task::HoldButton)?;
         let given = settings_file::give(self.board, self.plan.file);
         self.person.please(&Task::LetGoOfButton)?;
-        given.map(drop)
+        given.map(|_| listed(found))
     }
 
     /// Sets a key and has the board take it.
@@ -322,15 +322,13 @@ impl BringUp<'_> {
 
     fn encoder(&mut self) -> Result<String, Error> {
         let found = counts::calibrate(self.board, self.person, self.plan.joint, self.plan.distance)?;
-        self.keep(&found)?;
-        Ok(listed(&found))
+        self.keep(&found)
     }
 
     fn sign(&mut self) -> Result<String, Error> {
         self.person.please(&Task::LetGo { joint: self.plan.joint })?;
         let found = motor::sign(self.board, self.plan.joint)?;
-        self.keep(&found)?;
-        Ok(listed(&found))
+        self.keep(&found)
     }
 
     /// No loop is closed around a winding that nobody knows.
@@ -346,8 +344,7 @@ impl BringUp<'_> {
         self.keep(&of_sheet)?;
         self.person.please(&Task::LetGo { joint: self.plan.joint })?;
         let Some(found) = winding::winding(self.board, self.plan.joint, self.plan.sheet)? else { return nothing() };
-        self.keep(&found)?;
-        Ok(listed(&found))
+        self.keep(&found)
     }
 
     fn motor(&mut self) -> Result<String, Error> {

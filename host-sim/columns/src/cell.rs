@@ -48,6 +48,19 @@ impl Cell {
             Self::Text(_) => Some(Holds::Texts),
         }
     }
+
+    /// As CSV and texts of Parquet have it.
+    pub fn csv(self) -> String {
+        match self {
+            Self::Empty => String::new(),
+            Self::Flag(flag) => u8::from(flag).to_string(),
+            Self::Whole(count) => count.to_string(),
+            // `{:?}` is the shortest text that parses back to the same value; `{}` would spell out 1e300.
+            Self::Number(number) => format!("{number:?}"),
+            Self::List(numbers) => numbers.iter().map(|number| format!("{number:?}")).collect::<Vec<_>>().join(" "),
+            Self::Text(text) => text,
+        }
+    }
 }
 
 /// What makes cells that are all of one sort.

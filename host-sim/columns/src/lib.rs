@@ -55,6 +55,7 @@ mod unit;
 mod value;
 
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 use std::fmt;
 
 use haptic_io::{escaped, significant};
@@ -304,6 +305,20 @@ impl Columns {
     /// Columns that are written to files, in their order.
     pub fn data(&self) -> impl Iterator<Item = &Column> + Clone {
         self.columns.iter()
+    }
+
+    /// The same, each with a name of its own.
+    ///
+    /// # Errors
+    /// Two columns have one name; in a sentence.
+    pub fn distinct(&self) -> Result<Vec<&Column>, String> {
+        let mut names = BTreeSet::new();
+        match self.data().find(|column| !names.insert(column.name())) {
+            Some(column) => {
+                Err(format!("two columns are named `{}`: every column needs a name of its own", column.name()))
+            }
+            None => Ok(self.data().collect()),
+        }
     }
 
     /// The values of the column of numbers with exactly this name.

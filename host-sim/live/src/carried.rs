@@ -171,10 +171,7 @@ pub(crate) fn open(meeting: &Meeting, listen: Option<SocketAddr>) -> std::io::Re
     let both = cfg!(unix).then(|| UdpSocket::bind((Ipv6Addr::UNSPECIFIED, port)).ok()).flatten();
     let reaches = |socket: &UdpSocket| socket.connect(written(meeting.place, true)).is_ok();
     let reached = both.filter(|_| UdpSocket::bind((Ipv6Addr::UNSPECIFIED, 0)).is_ok_and(|probe| reaches(&probe)));
-    if let Some(socket) = reached {
-        return Ok(socket);
-    }
-    UdpSocket::bind((any_towards(meeting.place).ip(), port))
+    reached.map_or_else(|| UdpSocket::bind((any_towards(meeting.place).ip(), port)), Ok)
 }
 
 impl Carried {

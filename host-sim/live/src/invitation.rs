@@ -59,12 +59,8 @@ impl Room {
         }
         match self.socket.recv(room) {
             Ok(length) if Frame::of(&room[..length]) == Frame::Agreement => Ok(Some(length)),
-            Ok(length) => {
-                if self.seat.hear(now, &room[..length]) == Some(true) {
-                    return self.hear(room);
-                }
-                Ok(None)
-            }
+            Ok(length) if self.seat.hear(now, &room[..length]) == Some(true) => self.hear(room),
+            Ok(_) => Ok(None),
             Err(cause) if matches!(cause.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => Ok(None),
             // A meeting place that is down may come up.
             Err(_) => {
@@ -74,15 +70,15 @@ impl Room {
         }
     }
 
-    /// Why nobody can be met, where that is known after a moment.
-    fn wrong(&self) -> Option<Error> {
-        let (late, place) = (self.began.elapsed() > Duration::from_secs(3), self.place);
-        let refused = || {
-            Error::Refused(format!(
+    /// Fails where it is known after a moment that nobody can be met.
+    fn check(&self) -> Result<(), Error> {
+        let place = self.place;
+        if self.began.elapsed() > Duration::from_secs(3) && self.seat.refused {
+            return Err(Error::Refused(format!(
                 "the meeting place {place} has no seat: it is full, or too many have come from here"
-            ))
-        };
-        (late && self.seat.refused).then(refused)
+            )));
+        }
+        Ok(())
     }
 }
 
@@ -99,9 +95,7 @@ pub fn invite(mut inviter: Inviter, stop: &Stop, say: impl Fn(&str) + Send + 'st
         if inviter.is_over(Instant::now()) {
             return Err(haptic_meeting::Error::Over.into());
         }
-        if let Some(wrong) = room.wrong() {
-            return Err(wrong);
-        }
+        room.check()?;
         if let Some(Heard::Agreed(key)) = answer(&mut room, &mut inviter, &say)? {
             break key;
         }
@@ -141,9 +135,7 @@ pub fn accept(invite: &Invite, stop: &Stop) -> Result<Key, Error> {
     let accepter = Accepter::new(invite, &random()?);
     let (mut offered, mut bytes) = (None::<Instant>, [0; 256]);
     while room.began.elapsed() < PATIENCE && !stop.is_asked() {
-        if let Some(wrong) = room.wrong() {
-            return Err(wrong);
-        }
+        room.check()?;
         let due = offered.is_none_or(|at| at.elapsed() >= AGAIN);
         if due && room.seat.other_is_there(Instant::now()) {
             offered = Some(Instant::now());

@@ -332,6 +332,14 @@ impl<const SHARED: usize, const N: usize, D: Device<f32, N> + ?Sized> Node<SHARE
         self.gone.as_ref()
     }
 
+    /// What stopped it, or its device, in words.
+    pub fn fault(&self) -> Option<String> {
+        match self.peer.mode() {
+            Mode::Faulted(fault) => Some(format!("fault {}: {}", fault.number(), fault.explain())),
+            _ => self.gone().map(ToString::to_string),
+        }
+    }
+
     /// Whether its motors are kept off.
     pub fn is_halted(&self) -> bool {
         self.halted

@@ -20,7 +20,7 @@ mod report;
 use super::endpoint::{Endpoint, Live, NO_PRIORITY, Span, Stop, Ticker};
 use super::steering::Steered;
 use super::verdict::Judging;
-use super::watch::{LiveOptions, TELLING_S, Watch, fault};
+use super::watch::{LiveOptions, TELLING_S, Watch};
 use crate::refused::{Refused, is_telling, wrong};
 use crate::{key_file::entropy, node::Node, start::AFTER_US};
 pub use report::{AxisReport, Forces, Ports, RemoteReport, Report, notice_texts};
@@ -149,7 +149,7 @@ impl<const SHARED: usize, const N: usize> Actor<SocketAddr> for LivePeer<SHARED,
         self.watch.ticked(now_ns, node, self.judging.as_ref());
         if let Some(Steered { steering, .. }) = &self.steering {
             let forces = if actuators.enable { actuators.forces } else { [0.0; N] };
-            steering.leave(now_ns, (&*node, forces), (&self.watch, self.judging.as_ref()));
+            steering.leave(now_ns, (&*node, forces), (self.watch.newest.as_ref(), self.judging.as_ref()));
         }
         if let Some((from, why)) = self.impossible.take(self.now_us) {
             self.watch.teller.words(wrong(from, &why));
@@ -222,17 +222,13 @@ pub fn run(
     wanted: &LiveOptions,
     stop: &Stop,
 ) -> Result<Report, crate::Error> {
-    let entropy = entropy()?;
-    let among = (scene, number, ends, span);
-    of_axes!(scene, live(entropy, (key, among), wanted, stop))
+    of_axes!(scene, live((scene, key, number), ends, span, wanted, stop))
 }
 
 fn live<const SHARED: usize, const N: usize>(
-    entropy: [u8; Key::LEN],
-    (key, (scene, number, [listen, connect], Span { duration_s, patience_s })): (
-        Key,
-        (&Scene, u8, [SocketAddr; 2], Span),
-    ),
+    (scene, key, number): (&Scene, Key, u8),
+    [listen, connect]: [SocketAddr; 2],
+    Span { duration_s, patience_s }: Span,
     wanted: &LiveOptions,
     stop: &Stop,
 ) -> Result<Report, crate::Error>
@@ -254,7 +250,7 @@ where
     let (device, seen_device) = wanted.device.open(scene, number)?;
     let judging = judging.map(|judging| judging.of_device(seen_device.clone()));
     let node =
-        Node::with_device(scene, number, key, entropy, device)?.telling_every(TELLING_S).beginning_after(AFTER_US);
+        Node::with_device(scene, number, key, entropy()?, device)?.telling_every(TELLING_S).beginning_after(AFTER_US);
     let mut peer = LivePeer {
         judging,
         refused_us: None,
@@ -313,7 +309,7 @@ where
         wall_force_n: (scene.users[usize::from(number == 2)].has_wall())
             .then(|| Statistics::of_moments(wall, wall_squared)),
         port_energy: Ports { energy, least_balance_j: start_j - energy.made_j },
-        fault: fault(&node),
+        fault: node.fault(),
         verdict,
         verdicts,
         refused: refused_us.is_some(),

@@ -17,8 +17,7 @@ use crate::devices::AXES;
 use crate::hand::Hand;
 use crate::node::Node;
 use crate::tell::Second;
-use crate::verdict::{Judging, Verdict};
-use crate::watch::{Watch, fault, state};
+use crate::verdict::{Judging, Verdict, state};
 
 /// What is wanted of a peer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -158,7 +157,7 @@ impl Steering {
         &self,
         now_ns: u64,
         (node, forces): (&Node<SHARED, N, D>, [f32; N]),
-        (watch, judging): (&Watch, Option<&Judging>),
+        (newest, judging): (Option<&Second>, Option<&Judging>),
     ) {
         let Ok(mut seen) = self.seen.try_lock() else { return };
         seen.time_s = now_ns as f64 * 1e-9;
@@ -168,7 +167,7 @@ impl Steering {
         seen.state = if is_held { "held" } else { stands };
         // Words are made when they change, and not at every tick.
         if (seen.state == "faulted") != seen.fault.is_some() {
-            seen.fault = fault(node);
+            seen.fault = node.fault();
         }
         let motions = node.motions();
         for (axis, observed) in node.peer.observed().into_iter().enumerate() {
@@ -178,8 +177,8 @@ impl Steering {
             }
             (seen.axes[axis], seen.force_n[axis]) = (observed, forces[axis].into());
         }
-        if seen.second.as_ref().map(|second| second.time_s) != watch.newest.as_ref().map(|second| second.time_s) {
-            seen.second.clone_from(&watch.newest);
+        if seen.second.as_ref().map(|second| second.time_s) != newest.map(|second| second.time_s) {
+            seen.second = newest.cloned();
         }
         let verdict = judging.and_then(|judging| judging.verdict.as_ref());
         if seen.verdict.as_ref() != verdict {

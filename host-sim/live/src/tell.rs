@@ -184,8 +184,8 @@ enum Line {
     Words { words: String },
 }
 
-/// Says lines until it is dropped.
-#[derive(Debug)]
+/// Says lines until it is dropped; the default one says none.
+#[derive(Debug, Default)]
 pub struct Teller {
     queue: Option<SyncSender<Line>>,
     thread: Option<JoinHandle<()>>,
@@ -197,7 +197,7 @@ impl Teller {
     /// Starts a thread that says lines in this manner; a quiet teller has none.
     pub fn new(manner: Manner) -> Self {
         if manner == Manner::Quiet {
-            return Self { queue: None, thread: None, log: None };
+            return Self::default();
         }
         let (queue, lines) = sync_channel(WAITING);
         let thread = std::thread::Builder::new().name("teller".to_owned()).spawn(move || say(&lines, manner)).ok();

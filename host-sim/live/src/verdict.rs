@@ -233,6 +233,21 @@ impl Judging {
     }
 }
 
+/// What a peer is at: `calling`, `waiting`, `refused`, `armed`, `faulted`.
+pub(crate) fn state<const SHARED: usize, const N: usize, D: Device<f32, N> + ?Sized>(
+    node: &Node<SHARED, N, D>,
+    judging: Option<&Judging>,
+) -> &'static str {
+    match node.peer.mode() {
+        Mode::Faulted(_) => "faulted",
+        _ if node.gone().is_some() => "faulted",
+        Mode::Armed if node.is_moving() => "armed",
+        Mode::Disarmed if judging.is_some_and(|judging| judging.refuses().is_some()) => "refused",
+        _ if node.line.link.is_up() => "waiting",
+        _ => "calling",
+    }
+}
+
 #[cfg(test)]
 #[path = "../tests/inside/verdict.rs"]
 mod tests;

@@ -18,7 +18,7 @@ use super::discrepancy::{PositionHistory, Sum};
 use super::path_watch::PathWatch;
 use super::steering::Steering;
 use super::tell::{Manner, PathSecond, Second, Teller};
-use super::verdict::{Judge, Judging};
+use super::verdict::{Judge, Judging, state};
 use crate::Error;
 use crate::node::{Line, Node};
 use crate::recording::common_clock::{Relation, Watched};
@@ -121,31 +121,6 @@ pub fn who(number: u8) -> String {
     format!("peer {number}")
 }
 
-/// What a peer is at: `calling`, `waiting`, `refused`, `armed`, `faulted`.
-pub(crate) fn state<const SHARED: usize, const N: usize, D: Device<f32, N> + ?Sized>(
-    node: &Node<SHARED, N, D>,
-    judging: Option<&Judging>,
-) -> &'static str {
-    match node.peer.mode() {
-        Mode::Faulted(_) => "faulted",
-        _ if node.gone().is_some() => "faulted",
-        Mode::Armed if node.is_moving() => "armed",
-        Mode::Disarmed if judging.is_some_and(|judging| judging.refuses().is_some()) => "refused",
-        _ if node.line.link.is_up() => "waiting",
-        _ => "calling",
-    }
-}
-
-/// What stopped a peer, or its device, in words.
-pub(crate) fn fault<const SHARED: usize, const N: usize, D: Device<f32, N> + ?Sized>(
-    node: &Node<SHARED, N, D>,
-) -> Option<String> {
-    match node.peer.mode() {
-        Mode::Faulted(fault) => Some(format!("fault {}: {}", fault.number(), fault.explain())),
-        _ => node.gone().map(ToString::to_string),
-    }
-}
-
 /// The channels that a recording of peer `number` of this scene has; the last is that of its paths, where it `meets` the other one somewhere.
 pub fn channels(scene: &Scene, number: u8, meets: bool) -> Vec<Channel> {
     let of = format!("peer_{number}");
@@ -154,7 +129,7 @@ pub fn channels(scene: &Scene, number: u8, meets: bool) -> Vec<Channel> {
 }
 
 /// Records and reports what a peer does.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Watch {
     recorder: Option<Arc<Recorder>>,
     pub(crate) teller: Teller,
@@ -218,25 +193,11 @@ impl Watch {
         Self {
             recorder,
             teller,
-            partner: String::new(),
             period_s: timing.control_period_s,
-            ticks: 0,
             counts_ticks: scene.law().own_time,
-            mode: [0.0; 2],
             patience: timing.ticks_per_packet,
-            clock: Watched::default(),
-            lives: 0,
-            own: PositionHistory::default(),
-            of_second: Sum::default(),
-            of_half: Sum::default(),
-            of_all: Sum::default(),
             silent: u32::MAX,
-            live_ticks: 0,
-            of_this: [0; 2],
-            all_ticks: 0,
-            reported: 0,
-            newest: None,
-            paths: None,
+            ..Self::default()
         }
     }
 
@@ -350,7 +311,7 @@ impl Watch {
             live_share: link.is_up().then_some(live_share),
             stable,
             path: report.as_ref().map(PathSecond::of),
-            fault: fault(node),
+            fault: node.fault(),
         };
         self.newest = Some(second.clone());
         self.teller.second(second);

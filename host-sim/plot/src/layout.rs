@@ -74,6 +74,7 @@ pub(crate) fn sheet(figure: &Figure, print: Print) -> Result<Sheet, Cause> {
 }
 
 /// Where one panel lies and what stands around it.
+#[derive(Default)]
 struct Slot {
     frame: Frame,
     /// Values and the lines of their texts.
@@ -110,7 +111,7 @@ fn room(label: &[String]) -> f64 {
 }
 
 /// All panels' slots, the first row starting at `top`, and where the last row ends.
-fn slots(figure: &Figure, axes: &[Axes], top: f64, width: f64) -> (Vec<Slot>, f64) {
+fn slots(figure: &Figure, axes: &[Axes], mut top: f64, width: f64) -> (Vec<Slot>, f64) {
     let count = figure.panels.len();
     let fitting = if figure.share_y == ShareY::Rows { count } else { (width / NARROWEST) as usize };
     let columns = figure.columns.min(fitting).clamp(1, count.max(1));
@@ -131,16 +132,11 @@ fn slots(figure: &Figure, axes: &[Axes], top: f64, width: f64) -> (Vec<Slot>, f6
             let repeats_x = below
                 .is_some_and(|(p, a)| a.x == axis.x && p.x_label == panel.x_label && p.categories == panel.categories);
             Slot {
-                frame: Frame::default(),
-                label_left: 0.0,
-                x_ticks: Vec::new(),
-                names_upward: false,
                 y_ticks: axis.y.ticks((height / 58.0) as usize),
-                heading: Vec::new(),
-                x_label: Vec::new(),
                 y_label: font::wrap(&panel.y_label, LEAST, height),
                 shows_x: !repeats_x,
                 shows_y: !repeats_y,
+                ..Slot::default()
             }
         })
         .collect();
@@ -149,7 +145,6 @@ fn slots(figure: &Figure, axes: &[Axes], top: f64, width: f64) -> (Vec<Slot>, f6
         .map(|column| slots.iter().skip(column).step_by(columns).map(Slot::beside).fold(0.0, f64::max))
         .collect();
     let width = ((room - beside.iter().sum::<f64>()) / columns as f64).max(60.0);
-    let mut top = top;
     // With what stands beside the frames known, so is the room for texts above and below them.
     for ((slot, panel), axis) in slots.iter_mut().zip(&figure.panels).zip(axes) {
         (slot.x_ticks, slot.names_upward) = x_ticks(panel, &axis.x, width);

@@ -94,9 +94,8 @@ pub(crate) fn marks(panel: &Panel, frame: &Frame, area: Frame) -> Vec<Mark> {
 
 /// The series with a label in columns, read downwards, from `top` on between two margins, under the name of what they are of if it has
 /// one; and where they end.
-pub(crate) fn below(panel: &Panel, name: &str, top: f64, (left, right): (f64, f64)) -> (Vec<Mark>, f64) {
+pub(crate) fn below(panel: &Panel, name: &str, mut top: f64, (left, right): (f64, f64)) -> (Vec<Mark>, f64) {
     let mut marks = Vec::new();
-    let mut top = top;
     if !name.is_empty() {
         top += LINE;
         marks.push(Mark::text((left, top), Anchor::Start, SIZE, INK, name));

@@ -140,9 +140,7 @@ impl Frame {
 
     /// The corners, and the first of them again.
     pub(crate) fn outline(&self) -> Vec<Point> {
-        let mut outline = self.corners();
-        outline.push((self.left, self.top));
-        outline
+        [self.corners(), vec![(self.left, self.top)]].concat()
     }
 
     pub(crate) fn corners(&self) -> Vec<Point> {

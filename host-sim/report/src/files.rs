@@ -12,12 +12,12 @@
 //! **Nothing is overwritten**: where a file of a name exists with other content, all files of the run get the next free
 //! number (`NAME-2.csv`). Where they exist with the same content, they stay.
 
+use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
-use std::{collections::BTreeSet, fmt::Write};
 
 use chrono::{DateTime, SecondsFormat};
-use haptic_columns::{Cell, Column, Columns};
+use haptic_columns::{Cell, Columns};
 use haptic_io::Kind;
 use haptic_plot::{Error, Figure, Print, paint, write_file};
 use serde::ser::{Serialize, SerializeMap, Serializer};
@@ -239,38 +239,14 @@ pub fn write_parquet(columns: &Columns, path: &Path, provenance: &str, kind: Kin
     write_file(path, "Parquet", &bytes, kind)
 }
 
-/// The columns of a file, each with a name of its own.
-pub(super) fn distinct(columns: &Columns) -> Result<Vec<&Column>, Cause> {
-    let mut names = BTreeSet::new();
-    match columns.data().find(|column| !names.insert(column.name())) {
-        Some(column) => {
-            Err(format!("two columns are named `{}`: every column needs a name of its own", column.name()).into())
-        }
-        None => Ok(columns.data().collect()),
-    }
-}
-
 fn csv(columns: &Columns) -> Result<Vec<u8>, Cause> {
-    let data = distinct(columns)?;
+    let data = columns.distinct()?;
     let mut writer = csv::Writer::from_writer(Vec::new());
     let mut line = |cells: Vec<String>| if cells.is_empty() { Ok(()) } else { writer.write_record(cells) };
     line(data.iter().map(|column| column.name().to_owned()).collect())?;
     let typed: Vec<_> = data.iter().map(|column| column.typed()).collect();
     for row in 0..columns.len() {
-        line(typed.iter().map(|values| csv_cell(values.cell(row))).collect())?;
+        line(typed.iter().map(|values| values.cell(row).csv()).collect())?;
     }
     Ok(writer.into_inner()?)
-}
-
-/// A cell as CSV and texts of Parquet have it.
-pub(super) fn csv_cell(cell: Cell) -> String {
-    match cell {
-        Cell::Empty => String::new(),
-        Cell::Flag(flag) => u8::from(flag).to_string(),
-        Cell::Whole(count) => count.to_string(),
-        // `{:?}` is the shortest text that parses back to the same value; `{}` would spell out 1e300.
-        Cell::Number(number) => format!("{number:?}"),
-        Cell::List(numbers) => numbers.iter().map(|number| format!("{number:?}")).collect::<Vec<_>>().join(" "),
-        Cell::Text(text) => text,
-    }
 }

@@ -14,14 +14,12 @@ use parquet::{
     errors::ParquetError, file::metadata::KeyValue, file::properties::WriterProperties, schema::types::Type,
 };
 
-use super::files::{csv_cell, distinct};
-
 /// Rows in one Parquet row group: 65 s at 1 kHz, half a megabyte for each column.
 pub const ROW_GROUP_ROWS: usize = 1 << 16;
 
 /// The table with what made it (`made`), and unit and meaning of every column (`unit.NAME`, `meaning.NAME`).
 pub(super) fn parquet(columns: &Columns, provenance: &str) -> Result<Vec<u8>, ParquetError> {
-    let data = distinct(columns).map_err(|cause| ParquetError::General(cause.to_string()))?;
+    let data = columns.distinct().map_err(ParquetError::General)?;
     let typed: Vec<_> = data.iter().map(|column| (column.name(), column.typed())).collect();
     let field = |(name, values): &(&str, Cow<'_, Values>)| field(name, values).map(Arc::new);
     let fields = typed.iter().map(field).collect::<Result<Vec<_>, _>>()?;
@@ -88,7 +86,7 @@ fn put_all(
             _ => None,
         }),
         Holds::Lists | Holds::Texts => {
-            put::<ByteArrayType>(chunk, name, cells, |cell| Some(csv_cell(cell.clone()).into_bytes().into()))
+            put::<ByteArrayType>(chunk, name, cells, |cell| Some(cell.clone().csv().into_bytes().into()))
         }
     }
 }

@@ -223,6 +223,7 @@ fn discrepancies(runs: &[&Experiment]) -> Figure {
         let points = runs.iter().enumerate().map(|(at, one)| (at as f64, value(one))).collect();
         Series::bars(label, color, points)
     };
+    let found = |of: fn(&Outcome) -> f64| move |one: &Experiment| one.outcome.metric(of).unwrap_or(f64::NAN);
     Figure {
         title: "Figure 9: mean position discrepancy, 16 ms round trip".to_owned(),
         caption:
@@ -236,12 +237,8 @@ fn discrepancies(runs: &[&Experiment]) -> Figure {
             categories: runs.iter().map(|one| title(one)).collect(),
             series: vec![
                 bars("paper, Fig. 9", 0, &|one| one.paper_discrepancy_mm.unwrap_or(f64::NAN)),
-                bars("decoded |x_o - x_d|", 1, &|one| {
-                    one.outcome.metric(|o| o.whole.decoded_discrepancy_mm).unwrap_or(f64::NAN)
-                }),
-                bars("true |x_o1 - x_o2|", 2, &|one| {
-                    one.outcome.metric(|o| o.whole.true_discrepancy_mm).unwrap_or(f64::NAN)
-                }),
+                bars("decoded |x_o - x_d|", 1, &found(|o| o.whole.decoded_discrepancy_mm)),
+                bars("true |x_o1 - x_o2|", 2, &found(|o| o.whole.true_discrepancy_mm)),
             ],
             ..Panel::default()
         }],

@@ -157,13 +157,11 @@ pub fn measure(scene: &Scene, command_n: f64) -> Result<Force, Error> {
     });
     drives.iter().try_for_each(|scene| scene.check("accuracy force"))?;
     let rows = |commands: Vec<(Command, f64)>, hand_m: f64| {
-        commands
-            .into_par_iter()
-            .map(|(command, command_n)| {
-                let [open, closed] = [0, 1].map(|at: usize| run(&drives[at], command, command_n, hand_m));
-                Ok(Row { command, command_n, open: open?, closed: closed? })
-            })
-            .collect::<Result<Vec<_>, Error>>()
+        let row = |(command, command_n): (Command, f64)| {
+            let [open, closed] = [0, 1].map(|at: usize| run(&drives[at], command, command_n, hand_m));
+            Ok(Row { command, command_n, open: open?, closed: closed? })
+        };
+        commands.into_par_iter().map(row).collect::<Result<Vec<_>, Error>>()
     };
     let sines = || RESPONSE_HZ.map(|hz| (Command::Sine(hz), command_n)).into_iter();
     let in_band = sines().filter(|(command, _)| !matches!(command, Command::Sine(hz) if *hz > BAND_HZ));

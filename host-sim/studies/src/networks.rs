@@ -174,11 +174,9 @@ impl Network {
     /// What it does to this key of a scene is all there is: it sets it, or a recording takes its place.
     pub fn rules(&self, key: &str) -> bool {
         let Some(key) = key.strip_prefix("network.") else { return false };
-        let set = self
-            .settings
-            .split_whitespace()
-            .any(|setting| setting.split_once('=').is_some_and(|(name, _)| name == key));
-        set || (self.trace.is_some() && !["playout_packets", "clock_drift_ppm"].contains(&key))
+        let sets = |setting: &str| setting.split_once('=').is_some_and(|(name, _)| name == key);
+        self.settings.split_whitespace().any(sets)
+            || (self.trace.is_some() && !["playout_packets", "clock_drift_ppm"].contains(&key))
     }
 
     /// The scene over it.

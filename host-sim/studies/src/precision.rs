@@ -131,7 +131,7 @@ where
     let ticks_in = |time_s: f64| (time_s / scene.peer.timing.control_period_s).round().max(1.0) as u64;
     let (ticks, window) = (ticks_in(duration_s), ticks_in(WINDOW_S));
     let rows_at = ROWS_S.map(ticks_in);
-    let mut axes: [Divergence; SHARED] = from_fn(Divergence::of);
+    let mut axes: [Divergence; SHARED] = from_fn(|axis| Divergence { axis, ..Divergence::default() });
     let mut rows = Vec::new();
     for tick in 1..=ticks {
         double.step();
@@ -205,10 +205,6 @@ struct Divergence {
 }
 
 impl Divergence {
-    fn of(axis: usize) -> Self {
-        Self { axis, ..Self::default() }
-    }
-
     fn row(&self, name: &str, scene: &Scene, time_s: f64, faulted: bool) -> Precision {
         let shadow = self.shadow;
         let grown = shadow.position_m >= GROWN * DISPLACED_M;

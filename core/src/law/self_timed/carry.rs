@@ -36,7 +36,7 @@ use super::taut::{Taken, Taut};
 use crate::law::Spring;
 use crate::law::bounds::WITHIN;
 use crate::law::credit::CAP_J;
-use crate::law::terminal::Ended;
+use crate::law::terminal::TerminalState;
 use crate::num::{Motion, Scalar};
 use crate::settings::{Key, Settings};
 
@@ -74,7 +74,7 @@ pub(crate) const MODULUS_M: f64 = 16.0;
 
 /// What the end of a line does in a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Doing {
+pub(super) enum LinePhase {
     /// It emits.
     Live,
     /// It stands, and packets come.
@@ -177,14 +177,14 @@ pub(super) struct Slip<S: Scalar> {
     /// w̄, m/s.
     lately_m_per_s: S,
     /// w + ė, m/s.
-    goes_m_per_s: S,
+    anchor_m_per_s: S,
     /// r, m/s.
     rate_m_per_s: S,
     /// What of it nobody is told, and how far that went in this tick, m.
     taken: Taken<S>,
     took_m: S,
     /// It stood in the tick before.
-    pub(super) stood: bool,
+    pub(super) held: bool,
     /// E, J.
     tank_j: S,
     /// It has begun, or begun anew, and heard nothing of the other end's slip since.
@@ -198,7 +198,7 @@ visited!([S: Scalar] Slip<S> { force, taken });
 
 /// The spring of a tick, in a row with what it is tied to.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Tied<S> {
+pub(super) struct AnchorForce<S> {
     /// A and 1/D.
     drive: S,
     inverse: S,
@@ -222,7 +222,7 @@ impl<S: Scalar> Carry<S> {
             blind: Series::build(damping, kappa, [period_s, STANDING_S]),
             hears: Series::build(HEARD * damping, kappa, [period_s, STANDING_S]),
             live: Series::build(live, kappa, [period_s, LIVE_S.min(SOONER * return_s)]),
-            taut: Taut::build(settings, elastic_m_per_n),
+            taut: Taut::build(settings, elastic_m_per_n, capital_j),
             elastic_m_per_n: number(elastic_m_per_n),
             left: number(libm::exp(-period_s / settings.own(&FADE))),
             new: number(1.0 - libm::exp(-period_s / LATELY_S)),
@@ -287,12 +287,12 @@ impl<S: Scalar> Carry<S> {
     }
 
     /// What a packet says of this end.
-    pub(super) fn says(&self, slip: &Slip<S>) -> Motion<S> {
-        Motion { position: S::of_counter(slip.own_m), velocity: slip.goes_m_per_s.limit(self.within_m_per_s) }
+    pub(super) fn packet_field(&self, slip: &Slip<S>) -> Motion<S> {
+        Motion { position: S::of_counter(slip.own_m), velocity: slip.anchor_m_per_s.limit(self.within_m_per_s) }
     }
 
     /// The other end is not engaged: it will begin anew as well, from this end's slip.
-    pub(super) fn hear_idle(&self, slip: &mut Slip<S>) {
+    pub(super) fn receive_idle(&self, slip: &mut Slip<S>) {
         if slip.heard == Slips::Anew {
             slip.heard = Slips::Nothing;
         }
@@ -300,7 +300,7 @@ impl<S: Scalar> Carry<S> {
 
     /// Takes in what the other end says of its own. One that has just begun anew calls its point's place what the other end calls its own:
     /// gives by how much x_d is less then, m.
-    pub(super) fn hear(&self, slip: &mut Slip<S>, told: Motion<S>) -> S::Counter {
+    pub(super) fn receive(&self, slip: &mut Slip<S>, told: Motion<S>) -> S::Counter {
         slip.far_m_per_s = told.velocity;
         let ahead_m = S::of_counter(self.within(told.position.to_counter() - slip.own_m).0);
         if core::mem::replace(&mut slip.heard, Slips::Known) == Slips::Anew {
@@ -315,51 +315,51 @@ impl<S: Scalar> Carry<S> {
 
     /// What an end does that has nothing to emit, and to which nothing comes or does.
     #[inline]
-    pub(super) fn stands(&self, slip: &Slip<S>, is_cut_off: bool) -> Doing {
+    pub(super) fn phase_of(&self, slip: &Slip<S>, is_cut_off: bool) -> LinePhase {
         match slip.heard {
-            Slips::Known if is_cut_off => Doing::Blind,
-            Slips::Known => Doing::Hears,
-            _ => Doing::Alone,
+            Slips::Known if is_cut_off => LinePhase::Blind,
+            Slips::Known => LinePhase::Hears,
+            _ => LinePhase::Alone,
         }
     }
 
     /// The line goes on after it stood, as fast as `line` says for a force (N) that it pulls with: the point goes on as it went.
     #[inline]
-    pub(super) fn goes(&self, slip: &mut Slip<S>, line: impl FnOnce(S) -> S) {
-        slip.stood = false;
-        slip.rate_m_per_s = slip.goes_m_per_s - line(slip.force);
+    pub(super) fn resume(&self, slip: &mut Slip<S>, line: impl FnOnce(S) -> S) {
+        slip.held = false;
+        slip.rate_m_per_s = slip.anchor_m_per_s - line(slip.force);
     }
 
     /// The line goes faster than in the tick before, m/s: what of it is a jolt the point does not do at once.
     #[inline]
-    pub(super) fn jolts(&self, slip: &mut Slip<S>, more: S) {
+    pub(super) fn step_input(&self, slip: &mut Slip<S>, more: S) {
         slip.rate_m_per_s = slip.rate_m_per_s - (more - more.max(-self.jolt_m_per_s).min(self.jolt_m_per_s));
     }
 
     /// The spring of this tick, which begins with this pull, N, at the end of a line so many ticks long with ρ, so many s behind the other end.
     #[inline]
-    pub(super) fn tie(&self, slip: &mut Slip<S>, doing: Doing, pull: S, line: [S; 3]) -> Tied<S> {
+    pub(super) fn couple_anchor(&self, slip: &mut Slip<S>, phase: LinePhase, pull: S, line: [S; 3]) -> AnchorForce<S> {
         let mut taut_m_per_s = S::ZERO;
-        if doing == Doing::Live {
-            taut_m_per_s = self.taut.goes(&mut slip.taken, line, slip.force, slip.tank_j);
-        } else if !core::mem::replace(&mut slip.stood, true) {
-            slip.rate_m_per_s = slip.goes_m_per_s;
+        if phase == LinePhase::Live {
+            taut_m_per_s = self.taut.slip_rate(&mut slip.taken, line, slip.force, slip.tank_j);
+        } else if !core::mem::replace(&mut slip.held, true) {
+            slip.rate_m_per_s = slip.anchor_m_per_s;
         }
         slip.took_m = self.period_s * taut_m_per_s;
-        let (series, force, goal) = match doing {
-            Doing::Live => {
+        let (series, force, goal) = match phase {
+            LinePhase::Live => {
                 let ahead_m = slip.ahead_m + line[2] * slip.lately_m_per_s;
                 (&self.live, slip.force, (self.back * ahead_m).limit(self.live_m_per_s))
             }
-            Doing::Hears => {
+            LinePhase::Hears => {
                 let back = (self.back * slip.ahead_m).limit(self.standing_m_per_s);
                 (&self.hears, slip.lately_force.limit(self.most_n), slip.far_m_per_s + back)
             }
-            Doing::Blind => {
+            LinePhase::Blind => {
                 let back = (self.blind_back * (slip.ahead_m + slip.coasted_m)).limit(self.standing_m_per_s);
                 (&self.blind, slip.lately_force.limit(self.most_n), slip.lately_m_per_s + back)
             }
-            Doing::Alone => return Tied { drive: S::ZERO, inverse: S::ZERO, pull, impedance: self.kappa },
+            LinePhase::Alone => return AnchorForce { drive: S::ZERO, inverse: S::ZERO, pull, impedance: self.kappa },
         };
         let Series { damping, mut inverse, mut stiff, mut impedance, costs, soon } = *series;
         slip.rate_m_per_s = slip.rate_m_per_s + soon * (goal - slip.rate_m_per_s);
@@ -368,7 +368,7 @@ impl<S: Scalar> Carry<S> {
         if most_j > slip.tank_j {
             let share = slip.tank_j.over(most_j);
             slip.took_m = share * slip.took_m;
-            if doing == Doing::Live {
+            if phase == LinePhase::Live {
                 drive = share.sqrt() * drive;
             } else {
                 inverse = share * inverse;
@@ -377,32 +377,38 @@ impl<S: Scalar> Carry<S> {
             }
         }
         let pull = stiff * pull + (S::ONE - stiff) * drive;
-        Tied { drive, inverse, pull, impedance }
+        AnchorForce { drive, inverse, pull, impedance }
     }
 
     /// Books what came of a tick; gives how fast the point went, w + ė, m/s.
     #[inline]
-    pub(super) fn went(&self, slip: &mut Slip<S>, doing: Doing, tied: &Tied<S>, ended: &Ended<S>) -> S {
-        let Ended { velocity: line, copy, force } = *ended;
-        let rate = (tied.drive - force) * tied.inverse;
+    pub(super) fn update_slip(
+        &self,
+        slip: &mut Slip<S>,
+        phase: LinePhase,
+        spring: &AnchorForce<S>,
+        terminal: &TerminalState<S>,
+    ) -> S {
+        let TerminalState { velocity: line, copy, force } = *terminal;
+        let rate = (spring.drive - force) * spring.inverse;
         let step = self.period_s * rate + self.elastic_m_per_n * (force - slip.force) - slip.took_m;
         slip.taken.way_m = slip.taken.way_m + slip.took_m;
         slip.own_m = slip.own_m + step.to_counter();
         slip.ahead_m = slip.ahead_m - step;
-        slip.goes_m_per_s = line + rate;
-        let through = slip.goes_m_per_s - copy;
+        slip.anchor_m_per_s = line + rate;
+        let through = slip.anchor_m_per_s - copy;
         let saved = self.spring_damping * through * through - force * rate;
         slip.tank_j = (slip.tank_j + self.period_s * saved).min(self.most_j).max(S::ZERO);
         slip.force = force;
-        if doing == Doing::Live {
+        if phase == LinePhase::Live {
             slip.coasted_m = S::ZERO;
             slip.lately_force = slip.lately_force + self.new * (force - slip.lately_force);
             slip.lately_m_per_s = slip.lately_m_per_s + self.new * (line - slip.lately_m_per_s);
         } else {
-            let blind = doing == Doing::Blind;
+            let blind = phase == LinePhase::Blind;
             slip.coasted_m = if blind { slip.coasted_m + self.period_s * slip.lately_m_per_s } else { S::ZERO };
             slip.lately_m_per_s = self.left * slip.lately_m_per_s;
         }
-        slip.goes_m_per_s
+        slip.anchor_m_per_s
     }
 }

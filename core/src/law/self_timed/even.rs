@@ -41,12 +41,12 @@ impl<S: Scalar> Even<S> {
     }
 
     /// What a packet says of ρ and of so many samples.
-    pub(super) fn says(&self, share: S, samples: u16) -> S {
+    pub(super) fn packet_field(&self, share: S, samples: u16) -> S {
         if self.most_s == S::ZERO { share } else { share + S::from_i32(STEP * (i32::from(samples) % MODULUS)) }
     }
 
     /// What it says of ρ, and how many samples.
-    pub(super) fn hears(&self, told: S) -> (S, u16) {
+    pub(super) fn receive(&self, told: S) -> (S, u16) {
         let (samples, share) = told.apart(STEP, MODULUS - 1);
         (share, samples as u16)
     }

@@ -7,7 +7,7 @@
 //!
 //! - N ticks have passed since the last one, and the line is in motion: either wave is more than a tenth of θ. Ticks that stand count, too,
 //!   with nothing new to tell: both ends may stand because a packet was lost, each with fewer than N samples
-//!   unannounced; or
+//!   unsent; or
 //! - the wave has changed by more than θ = [`THRESHOLD`] since the mean of those that the last packet brought: a jolt is not smoothed
 //!   over N ticks.
 //!
@@ -39,7 +39,7 @@ configured!([C: Scalar] Events<C> { threshold, rest, together, rate });
 
 /// What the other end knows, if everything arrives.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Announced<C> {
+pub(super) struct LastSent<C> {
     /// The counters of the newest packet.
     integral: C,
     live: u32,
@@ -48,7 +48,7 @@ pub(super) struct Announced<C> {
     /// The newest sample of all, √W.
     pub(super) newest: C,
     /// Ticks since then that the line stood.
-    pub(super) stood: u32,
+    pub(super) held: u32,
 }
 
 impl<C: Scalar> Events<C> {
@@ -64,29 +64,29 @@ impl<C: Scalar> Events<C> {
     }
 
     /// Samples that go in one packet, beyond so many.
-    pub(super) fn beyond(&self, spare: u32) -> u32 {
+    pub(super) fn excess_ticks(&self, spare: u32) -> u32 {
         self.together.saturating_sub(spare)
     }
 
     /// Of so many spare samples, what the wait for a packet leaves.
-    pub(super) fn left_of(&self, spare: u32) -> u32 {
+    pub(super) fn remaining_ticks(&self, spare: u32) -> u32 {
         spare.saturating_sub(self.together - 1)
     }
 
     /// Whether a packet that says so many live ticks is worth sending; `taken` is the wave that came in last, √W.
-    pub(super) fn is_worth(&self, announced: &Announced<C>, taken: C, live: u32) -> bool {
-        let unannounced = live.wrapping_sub(announced.live);
-        let moves = announced.newest.abs() > self.rest || taken.abs() > self.rest;
-        let is_due = moves && unannounced.saturating_add(announced.stood) >= self.together;
-        is_due || unannounced > 0 && (announced.newest - announced.mean).abs() > self.threshold
+    pub(super) fn exceeds_threshold(&self, last_sent: &LastSent<C>, taken: C, live: u32) -> bool {
+        let unsent = live.wrapping_sub(last_sent.live);
+        let moves = last_sent.newest.abs() > self.rest || taken.abs() > self.rest;
+        let is_due = moves && unsent.saturating_add(last_sent.held) >= self.together;
+        is_due || unsent > 0 && (last_sent.newest - last_sent.mean).abs() > self.threshold
     }
 
     /// A packet with these counters goes out.
-    pub(super) fn announced(&self, announced: &mut Announced<C>, integral: C, live: u32) {
-        let samples = live.wrapping_sub(announced.live).cast_signed();
+    pub(super) fn note_sent(&self, last_sent: &mut LastSent<C>, integral: C, live: u32) {
+        let samples = live.wrapping_sub(last_sent.live).cast_signed();
         if samples > 0 {
-            announced.mean = ((integral - announced.integral) * self.rate).over(C::from_i32(samples));
+            last_sent.mean = ((integral - last_sent.integral) * self.rate).over(C::from_i32(samples));
         }
-        (announced.integral, announced.live, announced.stood) = (integral, live, 0);
+        (last_sent.integral, last_sent.live, last_sent.held) = (integral, live, 0);
     }
 }

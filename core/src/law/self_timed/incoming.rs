@@ -10,7 +10,7 @@
 //! of constant delay, whatever the network does.
 //!
 //! **Following the network** (`coordination.credit_ticks = 0`, beginning with [`FIRST_S`]). A zero sample more costs nothing. An
-//! end that stands for more than a tenth of the time although packets come, there and at the other end ([`Outstanding::impatience`]; what is
+//! end that stands for more than a tenth of the time although packets come, there and at the other end ([`DelayLine::impatience`]; what is
 //! lost in bursts is stood through: a line that bridged it would be slow where nothing is lost) adds half as many samples as it stood, for the other end stands as long and adds its half, and [`SPARE`]
 //! more. Where a line begins, whose hands rest, it adds them at once ([`FIRST_AT_ONCE`]): a delay is learned in one round trip. After a quiet time it
 //! adds no more than [`LEAST_AT_ONCE`], then twice as many each time. A sample less costs energy: where for a [`WINDOW_S`] nothing stood and more than [`KEPT`] was always left, half
@@ -53,7 +53,7 @@ const ANEW: u32 = 1 << 20;
 
 /// Where the counter of a peer goes on that begins anew after `live` ticks.
 #[inline]
-pub(super) fn anew(live: u32) -> u32 {
+pub(super) fn restart_counter(live: u32) -> u32 {
     (live | (ANEW - 1)).wrapping_add(1 + ANEW)
 }
 
@@ -96,7 +96,7 @@ struct Counters<C> {
 
 /// What was heard and has not been emitted yet.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Outstanding<C> {
+pub(super) struct DelayLine<C> {
     /// The newest that was heard; nothing comes out before.
     heard: Option<Counters<C>>,
     /// Wave integral outstanding R, √W·s.
@@ -113,7 +113,7 @@ pub(super) struct Outstanding<C> {
     /// It stands because nothing reaches it.
     pub(super) is_cut_off: bool,
     /// Ticks that the line has stood since something came.
-    stood: i32,
+    held: i32,
     /// How much more than a tenth of the time it has stood lately.
     impatience: i32,
     /// What may be added at once, ms.
@@ -126,10 +126,10 @@ pub(super) struct Outstanding<C> {
     sliced: i32,
 }
 
-impl<C> Outstanding<C> {
+impl<C> DelayLine<C> {
     /// It has stood lately although packets came.
     #[inline]
-    pub(super) fn stood_lately(&self) -> bool {
+    pub(super) fn was_held_recently(&self) -> bool {
         self.impatience > 0
     }
 }
@@ -145,13 +145,13 @@ impl<C: Scalar> Incoming<C> {
         let events = Events::<C>::build(settings);
         let silence = (settings.own(&LONGEST) / timing.control_period_s) as u32;
         let longest = silence.max(timing.ticks_per_packet);
-        let together = events.map_or(timing.ticks_per_packet, |events| events.beyond(kept) + 1);
+        let together = events.map_or(timing.ticks_per_packet, |events| events.excess_ticks(kept) + 1);
         let first = together.cast_signed() + libm::round(FIRST_S / timing.control_period_s) as i32;
         Self {
             period_s: C::from_f64(timing.control_period_s),
             credit: if credit > 0 { credit } else { first },
             follows: credit == 0,
-            kept: events.map_or(kept, |events| events.left_of(kept)).cast_signed(),
+            kept: events.map_or(kept, |events| events.remaining_ticks(kept)).cast_signed(),
             per_ms,
             window: (WINDOW_S / timing.control_period_s) as i32,
             nearly_at_rest: C::from_f64(NEARLY_AT_REST),
@@ -167,7 +167,7 @@ impl<C: Scalar> Incoming<C> {
     #[inline]
     pub(super) fn receive<S: Scalar<Counter = C>>(
         &self,
-        state: &mut Outstanding<C>,
+        state: &mut DelayLine<C>,
         packet: &Packet<S>,
         own: u32,
     ) -> bool {
@@ -190,37 +190,37 @@ impl<C: Scalar> Incoming<C> {
             state.samples = state.samples.saturating_add(new);
             state.integral = state.integral + (heard.integral - before.integral);
             state.account_j = state.account_j + (heard.energy_j - before.energy_j);
-            if self.follows && state.stood > 0 && state.impatience >= IMPATIENT * self.per_ms {
+            if self.follows && state.held > 0 && state.impatience >= IMPATIENT * self.per_ms {
                 // The other end stands as long and adds its half, in whole milliseconds.
                 let twice = 2 * self.per_ms;
-                let half = state.stood.saturating_add(twice - 1).checked_div(twice);
+                let half = state.held.saturating_add(twice - 1).checked_div(twice);
                 let more = self.per_ms * (half.unwrap_or(0).min(state.reach) + SPARE);
                 (state.samples, state.length) = (state.samples.saturating_add(more), state.length.saturating_add(more));
                 state.reach = (2 * state.reach).min(MOST_AT_ONCE);
                 (state.fewest, state.watched, state.surplus) = (i32::MAX, 0, 0);
             }
-            (state.stood, state.came) = (0, state.samples as u16);
+            (state.held, state.came) = (0, state.samples as u16);
         }
         true
     }
 
     /// A line to which nothing has come yet.
-    pub(super) fn start(&self) -> Outstanding<C> {
-        Outstanding { length: self.credit, ..Outstanding::default() }
+    pub(super) fn start(&self) -> DelayLine<C> {
+        DelayLine { length: self.credit, ..DelayLine::default() }
     }
 
     /// A line begins here, with what the other end has said of itself, after `own` live ticks. It holds d₀ samples of each end, whichever heard the
     /// other first: what this end has emitted of its own already is under way or counted, and what the other one had emitted when it said so is
     /// counted nowhere else.
-    fn begin(&self, heard: Counters<C>, own: u32) -> Outstanding<C> {
-        Outstanding {
+    fn begin(&self, heard: Counters<C>, own: u32) -> DelayLine<C> {
+        DelayLine {
             heard: Some(heard),
             samples: (self.credit + self.of_first(heard.live) - self.of_first(own)).max(0),
             length: self.credit,
             account_j: C::from_f64(ROUNDING_J),
             reach: FIRST_AT_ONCE,
             fewest: i32::MAX,
-            ..Outstanding::default()
+            ..DelayLine::default()
         }
     }
 
@@ -235,7 +235,7 @@ impl<C: Scalar> Incoming<C> {
     /// u_in of this tick, √W, and the ρ, `own` or less, at which it is paid for: ρ₀ or more, or 0, and the line stands. Two numbers come back in
     /// registers. Once in the image, not once for each kind of tick: it is 400 bytes of ITCM.
     #[inline(never)]
-    pub(super) fn emit<S: Scalar<Counter = C>>(&self, state: &mut Outstanding<C>, own: S) -> (S, S) {
+    pub(super) fn next_wave<S: Scalar<Counter = C>>(&self, state: &mut DelayLine<C>, own: S) -> (S, S) {
         if state.samples <= 0 {
             return (S::ZERO, S::ZERO);
         }
@@ -271,13 +271,13 @@ impl<C: Scalar> Incoming<C> {
 
     /// A tick in which nothing came out; `far_is_cut_off`: the other end says that nothing reaches it.
     #[inline(never)]
-    pub(super) fn stand(&self, state: &mut Outstanding<C>, age_ticks: u32, far_is_cut_off: bool) {
+    pub(super) fn hold(&self, state: &mut DelayLine<C>, age_ticks: u32, far_is_cut_off: bool) {
         if state.heard.is_none() || state.samples > 0 {
             return;
         }
         state.is_cut_off = age_ticks > self.gap;
         if !state.is_cut_off && !far_is_cut_off {
-            state.stood = state.stood.saturating_add(1);
+            state.held = state.held.saturating_add(1);
             state.impatience = (state.impatience + STANDING).min(2 * IMPATIENT * self.per_ms);
         }
         state.fewest = 0;
@@ -292,7 +292,7 @@ impl<C: Scalar> Incoming<C> {
 
     /// What comes out in this tick: a slice more than the mean where the line is longer than it need be and can afford to be shorter.
     #[inline]
-    fn follow(&self, state: &mut Outstanding<C>, mean: C, [outstanding, share]: [C; 2]) -> C {
+    fn follow(&self, state: &mut DelayLine<C>, mean: C, [outstanding, share]: [C; 2]) -> C {
         state.fewest = state.fewest.min(state.samples);
         state.watched += 1;
         if state.watched >= self.window {

@@ -17,7 +17,7 @@
 //! ever says more than b·w + F/ρ₀, whatever it was told ([`crate::law::bounds`]).
 
 use crate::law::Spring;
-use crate::law::terminal::Ended;
+use crate::law::terminal::TerminalState;
 use crate::num::Scalar;
 use crate::object::{Port, Solve};
 use crate::settings::{Key, Settings};
@@ -60,10 +60,10 @@ pub(super) struct End<S> {
     light: i32,
     least: S,
     /// By how much ρ changes in a tick at most.
-    goes: S,
+    step: S,
 }
 
-configured!([S: Scalar] End<S> { stiffness, kappa, impedance, root, force_to_wave, light, least, goes });
+configured!([S: Scalar] End<S> { stiffness, kappa, impedance, root, force_to_wave, light, least, step });
 
 /// ρ of an end. No number here is asked which of two it is: a tick has one way through it, whatever the lines weigh.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -79,8 +79,8 @@ pub(super) struct Share<S> {
 
 /// What came of a live tick.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Met<S> {
-    pub(super) ended: Ended<S>,
+pub(super) struct Scattered<S> {
+    pub(super) terminal: TerminalState<S>,
     /// u_out, √W: what one end pushes with, to the last bit, is what the other one is told.
     pub(super) wave_out: S,
 }
@@ -93,13 +93,13 @@ impl<S: Scalar> End<S> {
         let light = if most_kg > 0.0 { most_kg / (impedance * settings.timing.control_period_s) } else { f64::MAX };
         let least = if most_kg > 0.0 { LEAST } else { 1.0 };
         let root = libm::sqrt(2.0 * impedance);
-        let goes = STEP * (settings.timing.control_period_s / 0.001);
-        let numbers = [kappa, impedance, root, 2.0 / root, least, goes];
-        let [kappa, impedance, root, force_to_wave, least, goes] = numbers.map(S::from_f64);
+        let step = STEP * (settings.timing.control_period_s / 0.001);
+        let numbers = [kappa, impedance, root, 2.0 / root, least, step];
+        let [kappa, impedance, root, force_to_wave, least, step] = numbers.map(S::from_f64);
         let stiffness = Spring::build(settings).stiffness;
         // A cast saturates.
         let light = (f64::from(STEPS) * light).min(f64::from(i32::MAX - MOST_TICKS)) as i32;
-        Self { stiffness, kappa, impedance, root, force_to_wave, light, least, goes }
+        Self { stiffness, kappa, impedance, root, force_to_wave, light, least, step }
     }
 
     /// ρ of a line so many ticks long.
@@ -117,58 +117,61 @@ impl<S: Scalar> End<S> {
     }
 
     /// What a packet says of this end: by how much the ρ that it would have is below 1; and where nothing reaches it, that much less than 2.
-    pub(super) fn says(&self, share: &Share<S>, is_cut_off: bool) -> S {
+    pub(super) fn packet_field(&self, share: &Share<S>, is_cut_off: bool) -> S {
         let less = S::ONE - share.wanted;
         if is_cut_off { S::ONE + S::ONE - less } else { less }
     }
 
     /// Takes in what the other end says.
     #[inline]
-    pub(super) fn hear(&self, share: &mut Share<S>, told: S) {
+    pub(super) fn receive(&self, share: &mut Share<S>, told: S) {
         share.far = (S::ONE - told.min(S::ONE + S::ONE - told)).max(self.least).min(S::ONE);
     }
 
     /// ρ that this end would have in this tick, of a line so many ticks long.
     #[inline]
-    pub(super) fn own(&self, share: &mut Share<S>, ticks: i32) -> S {
+    pub(super) fn impedance_share(&self, share: &mut Share<S>, ticks: i32) -> S {
         if ticks != share.ticks {
             (share.ticks, share.wanted) = (ticks, self.wanted(ticks));
         }
         let agreed = share.wanted.min(share.far);
-        share.own = share.own + (agreed - share.own).limit(self.goes);
+        share.own = share.own + (agreed - share.own).limit(self.step);
         share.own
     }
 
     /// What the spring pulls with from this stretch (m) while nothing moves, N.
     #[inline]
-    pub(super) fn pull(&self, stretch: S) -> S {
+    pub(super) fn spring_force(&self, stretch: S) -> S {
         self.stiffness * stretch
     }
 
     /// How much faster the line goes where a wave comes in that is so much more, √W, at ρ = 1 and the same force, m/s.
     #[inline]
-    pub(super) fn faster(&self, more: S) -> S {
+    pub(super) fn velocity_step(&self, more: S) -> S {
         self.force_to_wave * more
     }
 
     /// How fast the line goes, m/s, with a wave coming in, √W, that is paid for at this ρ, while its spring pulls with this force, N.
     #[inline]
-    pub(super) fn freely(&self, [wave_in, paid]: [S; 2], force: S) -> S {
-        (self.root * wave_in - force.over(paid)).over(self.impedance)
+    pub(super) fn unloaded_velocity(&self, [wave_in, share]: [S; 2], force: S) -> S {
+        (self.root * wave_in - force.over(share)).over(self.impedance)
     }
 
     /// A tick with a wave coming in, √W, which is paid for at this ρ, and in which the spring begins with this pull, N.
     #[inline]
-    pub(super) fn meet(&self, pull: S, [wave_in, paid]: [S; 2], solve: impl Solve<S>) -> Met<S> {
-        let impedance = paid * self.impedance;
+    pub(super) fn scatter(&self, pull: S, [wave_in, share]: [S; 2], solve: impl Solve<S>) -> Scattered<S> {
+        let impedance = share * self.impedance;
         let inverse_sum = S::ONE.over(impedance + self.kappa);
         // ρ·b·w = drive − κ·(w − v): what is left of the wave's push once the spring has taken its part.
-        let drive = paid * self.root * wave_in - pull;
+        let drive = share * self.root * wave_in - pull;
         let part = self.kappa * inverse_sum;
         let port = Port { force: pull + part * drive, impedance: impedance * part };
         let mean = solve.velocity(port);
         let velocity = (drive + self.kappa * mean) * inverse_sum;
         let force = port.at(mean);
-        Met { ended: Ended { velocity, copy: mean, force }, wave_out: wave_in - self.force_to_wave.over(paid) * force }
+        Scattered {
+            terminal: TerminalState { velocity, copy: mean, force },
+            wave_out: wave_in - self.force_to_wave.over(share) * force,
+        }
     }
 }

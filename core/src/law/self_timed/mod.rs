@@ -29,11 +29,11 @@ mod incoming;
 mod mass;
 mod taut;
 
-use carry::{Carry, DAMPING, Doing, ENERGY, FADE, MODULUS_M, RETURN, Slip};
+use carry::{Carry, DAMPING, ENERGY, FADE, LinePhase, MODULUS_M, RETURN, Slip};
 use even::{EVEN, Even};
-use events::{Announced, Events, THRESHOLD, TOGETHER};
-use incoming::{CREDIT, Incoming, Outstanding, anew};
-use mass::{End, MASS, Met, Share};
+use events::{Events, LastSent, THRESHOLD, TOGETHER};
+use incoming::{CREDIT, DelayLine, Incoming, restart_counter};
+use mass::{End, MASS, Scattered, Share};
 use taut::SLOWNESS;
 
 pub use taut::TAUTNESS;
@@ -74,9 +74,9 @@ configured!([S: Scalar] SelfTimed<S> { end, incoming, carry, even, events, ticks
 pub struct SelfTimedState<S: Scalar> {
     /// x_d, m.
     desired: S::Counter,
-    outstanding: Outstanding<S::Counter>,
+    delay_line: DelayLine<S::Counter>,
     /// What the other end says of itself.
-    told: S,
+    remote_share: S,
     /// Samples that were outstanding when the newest packet had come, here and there, as they are told.
     own_samples: u16,
     far_samples: u16,
@@ -93,7 +93,7 @@ pub struct SelfTimedState<S: Scalar> {
     live: u32,
     /// Ticks since a packet was due.
     phase: u32,
-    announced: Announced<S::Counter>,
+    last_sent: LastSent<S::Counter>,
 }
 
 /// x_d, what is outstanding, and what the next packet adds: all that a linear line remembers.
@@ -101,7 +101,7 @@ impl<S: Scalar> StateVector<S> for SelfTimedState<S> {
     #[inline]
     fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
         visit_counter::<S>(&mut self.desired, each);
-        visit_counter::<S>(&mut self.outstanding.integral, each);
+        visit_counter::<S>(&mut self.delay_line.integral, each);
         visit_counter::<S>(&mut self.fresh, each);
         self.slip.visit(each);
     }
@@ -168,27 +168,27 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
 
     fn start(&self, local: Motion<S>) -> Self::State {
         let desired = local.position.to_counter();
-        let outstanding = self.incoming.start();
-        let share = self.end.start(outstanding.length);
-        SelfTimedState { desired, outstanding, slip: self.carry.start(), share, ..SelfTimedState::default() }
+        let delay_line = self.incoming.start();
+        let share = self.end.start(delay_line.length);
+        SelfTimedState { desired, delay_line, slip: self.carry.start(), share, ..SelfTimedState::default() }
     }
 
     fn restart(&self, state: &mut Self::State, local: Motion<S>) {
         let SelfTimedState { sent, fresh, sent_j, live, .. } = *state;
         let slip = self.carry.restart(&state.slip);
-        *state = SelfTimedState { sent, fresh, sent_j, live: anew(live), slip, ..self.start(local) };
+        *state = SelfTimedState { sent, fresh, sent_j, live: restart_counter(live), slip, ..self.start(local) };
     }
 
     fn receive(&self, state: &mut Self::State, packet: Packet<S>) {
-        if !self.incoming.receive(&mut state.outstanding, &packet, state.live) {
+        if !self.incoming.receive(&mut state.delay_line, &packet, state.live) {
             return;
         }
-        (state.told, state.far_samples) = self.even.hears(packet.wave);
-        self.end.hear(&mut state.share, state.told);
-        if state.told < -self.half {
-            self.carry.hear_idle(&mut state.slip);
+        (state.remote_share, state.far_samples) = self.even.receive(packet.wave);
+        self.end.receive(&mut state.share, state.remote_share);
+        if state.remote_share < -self.half {
+            self.carry.receive_idle(&mut state.slip);
         } else {
-            state.desired = state.desired - self.carry.hear(&mut state.slip, packet.motion);
+            state.desired = state.desired - self.carry.receive(&mut state.slip, packet.motion);
         }
     }
 
@@ -200,32 +200,32 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
         }
         state.phase = if state.phase + 1 < self.ticks_per_packet { state.phase + 1 } else { 0 };
         // What a packet says does not depend on whether another one came just before it.
-        state.own_samples = state.outstanding.came;
+        state.own_samples = state.delay_line.came;
         state.desired = state.desired + self.carry.turn(&mut state.slip);
         let anchor = self.carry.anchor(&state.slip, state.desired);
-        let pull = self.end.pull(S::of_counter(anchor - observed.local.position.to_counter()));
+        let pull = self.end.spring_force(S::of_counter(anchor - observed.local.position.to_counter()));
         let position = S::of_counter(anchor);
-        let own = self.end.own(&mut state.share, state.outstanding.length);
+        let own = self.end.impedance_share(&mut state.share, state.delay_line.length);
         let behind_s = self.even.behind_s(state.own_samples, state.far_samples);
-        let line = [S::from_i32(state.outstanding.length), own, behind_s];
-        let before = state.outstanding.last;
-        let (wave_in, share) = self.incoming.emit(&mut state.outstanding, own);
+        let line = [S::from_i32(state.delay_line.length), own, behind_s];
+        let before = state.delay_line.last;
+        let (wave_in, share) = self.incoming.next_wave(&mut state.delay_line, own);
         if share == S::ZERO {
-            self.incoming.stand(&mut state.outstanding, observed.age_ticks, state.told > S::ONE);
-            state.announced.stood = state.announced.stood.saturating_add(1);
-            let doing = self.carry.stands(&state.slip, state.outstanding.is_cut_off);
-            let tied = self.carry.tie(&mut state.slip, doing, pull, line);
-            let ended = Terminal::stand(tied.pull, tied.impedance, solve);
-            let velocity = self.carry.went(&mut state.slip, doing, &tied, &ended);
-            return Coupled { desired: Motion { position, velocity }, force: ended.force, ..Coupled::default() };
+            self.incoming.hold(&mut state.delay_line, observed.age_ticks, state.remote_share > S::ONE);
+            state.last_sent.held = state.last_sent.held.saturating_add(1);
+            let phase = self.carry.phase_of(&state.slip, state.delay_line.is_cut_off);
+            let spring = self.carry.couple_anchor(&mut state.slip, phase, pull, line);
+            let terminal = Terminal::solve_grounded(spring.pull, spring.impedance, solve);
+            let velocity = self.carry.update_slip(&mut state.slip, phase, &spring, &terminal);
+            return Coupled { desired: Motion { position, velocity }, force: terminal.force, ..Coupled::default() };
         }
-        if state.slip.stood {
-            self.carry.goes(&mut state.slip, |force| self.end.freely([wave_in, share], force));
-        } else if state.outstanding.stood_lately() {
-            self.carry.jolts(&mut state.slip, self.end.faster(wave_in - S::of_counter(before)));
+        if state.slip.held {
+            self.carry.resume(&mut state.slip, |force| self.end.unloaded_velocity([wave_in, share], force));
+        } else if state.delay_line.was_held_recently() {
+            self.carry.step_input(&mut state.slip, self.end.velocity_step(wave_in - S::of_counter(before)));
         }
-        let tied = self.carry.tie(&mut state.slip, Doing::Live, pull, line);
-        let Met { ended, wave_out } = self.end.meet(tied.pull, [wave_in, share], solve);
+        let spring = self.carry.couple_anchor(&mut state.slip, LinePhase::Live, pull, line);
+        let Scattered { terminal, wave_out } = self.end.scatter(spring.pull, [wave_in, share], solve);
         let (taken, given) = (wave_in.to_counter(), wave_out.to_counter());
         state.desired = state.desired + self.wave_to_position_s * (taken + given);
         let untold = state.untold + self.period_s * given;
@@ -233,21 +233,21 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
         (state.fresh, state.untold) = (state.fresh + told, untold - told);
         state.sent_j.add(share.to_counter() * self.incoming.price_j(given));
         state.live = state.live.wrapping_add(1);
-        state.announced.newest = given;
-        let velocity = self.carry.went(&mut state.slip, Doing::Live, &tied, &ended);
+        state.last_sent.newest = given;
+        let velocity = self.carry.update_slip(&mut state.slip, LinePhase::Live, &spring, &terminal);
         Coupled {
             desired: Motion { position, velocity },
-            force: ended.force,
+            force: terminal.force,
             power_in: self.half * share * wave_in * wave_in,
             power_out: self.half * share * wave_out * wave_out,
         }
     }
 
     fn send(&self, state: &Self::State, _: Motion<S>) -> Packet<S> {
-        let share = self.end.says(&state.share, state.outstanding.is_cut_off);
+        let share = self.end.packet_field(&state.share, state.delay_line.is_cut_off);
         Packet {
-            motion: self.carry.says(&state.slip),
-            wave: self.even.says(share, state.own_samples),
+            motion: self.carry.packet_field(&state.slip),
+            wave: self.even.packet_field(share, state.own_samples),
             wave_integral: state.sent + state.fresh,
             energy_j: state.sent_j.total(),
             live_ticks: state.live,
@@ -257,12 +257,12 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
     fn speaks(&self, state: &Self::State, packet: &Packet<S>) -> bool {
         self.events
             .as_ref()
-            .is_none_or(|events| events.is_worth(&state.announced, state.outstanding.last, packet.live_ticks))
+            .is_none_or(|events| events.exceeds_threshold(&state.last_sent, state.delay_line.last, packet.live_ticks))
     }
 
     fn spoke(&self, state: &mut Self::State, packet: &Packet<S>) {
         if let Some(events) = &self.events {
-            events.announced(&mut state.announced, packet.wave_integral, packet.live_ticks);
+            events.note_sent(&mut state.last_sent, packet.wave_integral, packet.live_ticks);
         }
     }
 

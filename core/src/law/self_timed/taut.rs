@@ -12,7 +12,6 @@
 //! hands do, down to half a hertz, the mode of [`HEAVY_KG`] on the spring, and that of the line, τ ≥ [`SLOWER`]·d₀·T_c. What is fed empties the
 //! tank, and then nothing carries on.
 
-use super::carry::ENERGY;
 use crate::num::{Scalar, StateVector};
 use crate::settings::{Key, Settings};
 
@@ -76,16 +75,16 @@ impl<S: Scalar> StateVector<S> for Taken<S> {
 }
 
 impl<S: Scalar> Taut<S> {
-    /// Of an end whose slip is elastic by so many m/N; 0 is a wall, which takes nothing back.
-    pub(super) fn build(settings: &Settings, elastic: f64) -> Self {
+    /// Of an end that begins with `capital_j` (J), and whose slip is elastic by so many m/N; 0 is a wall, which takes nothing back.
+    pub(super) fn build(settings: &Settings, elastic: f64, capital_j: f64) -> Self {
         let (period_s, coordination) = (settings.timing.control_period_s, &settings.coordination);
-        let (capital_j, stiffness) = (settings.own(&ENERGY), coordination.stiffness_n_per_m);
-        let (soft, goes) = (1.0 / stiffness.max(1.0), elastic > 0.0 && stiffness > 0.0);
+        let stiffness = coordination.stiffness_n_per_m;
+        let (soft, is_taut) = (1.0 / stiffness.max(1.0), elastic > 0.0 && stiffness > 0.0);
         let least_s = settings.own(&SLOWNESS).max(SLOWER * libm::sqrt(2.0 * HEAVY_KG * soft));
         let number = S::from_f64;
         Self {
             period_s: number(period_s),
-            share: number(if goes { settings.own(&TAUTNESS) } else { 0.0 }),
+            share: number(if is_taut { settings.own(&TAUTNESS) } else { 0.0 }),
             spring_m_per_n: number(elastic + soft),
             tick_m_per_n: number(0.5 * period_s / coordination.wave_impedance_n_s_per_m),
             least_s: number(least_s),
@@ -104,7 +103,7 @@ impl<S: Scalar> Taut<S> {
     /// ġ of a tick, m/s, of a line so many ticks long with ρ (what else is said of it is of no meaning here), after a tick in which the spring pulled with this force, N; the tank holds so
     /// much, J.
     #[inline(never)]
-    pub(super) fn goes(&self, taken: &mut Taken<S>, [ticks, share, _]: [S; 3], force: S, tank_j: S) -> S {
+    pub(super) fn slip_rate(&self, taken: &mut Taken<S>, [ticks, share, _]: [S; 3], force: S, tank_j: S) -> S {
         if !taken.is_taut {
             return S::ZERO;
         }

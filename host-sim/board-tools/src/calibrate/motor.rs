@@ -59,11 +59,9 @@ pub fn constant(
     number: u32,
     against: Against,
 ) -> Result<Vec<Found>, Error> {
-    let (estimate, unit, way) = match against {
-        Against::Gauge => gauge(board, person, number).map(|(estimate, unit)| (estimate, unit, "by the gauge"))?,
-        Against::Mass(kilograms) => {
-            mass(board, person, number, kilograms).map(|(estimate, unit)| (estimate, unit, "by the mass"))?
-        }
+    let ((estimate, unit), way) = match against {
+        Against::Gauge => (gauge(board, person, number)?, "by the gauge"),
+        Against::Mass(kilograms) => (mass(board, person, number, kilograms)?, "by the mass"),
         Against::Emf(sheet) => {
             let found =
                 emf::constant(board, number)?.ok_or("this board does not measure currents: give a gauge or a mass")?;

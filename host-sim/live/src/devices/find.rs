@@ -57,20 +57,13 @@ pub fn attached(beside: &[String]) -> Vec<Found> {
     let serial = children(SERIAL).into_iter().filter(|path| path.to_string_lossy().contains("fdcanusb"));
     let interfaces = children(INTERFACES).into_iter().filter(|path| is_can(path));
     let names = interfaces.filter_map(|path| path.file_name().map(|name| name.to_string_lossy().into_owned()));
-    let mut buses: Vec<String> = serial.map(|path| path.display().to_string()).chain(names).collect();
-    let mut services = vec![haply::LISTENS.to_owned()];
-    for place in beside {
-        if place.parse::<std::net::SocketAddr>().is_ok() {
-            services.push(place.clone())
-        } else {
-            buses.push(place.clone())
-        }
-    }
-    let of_service = |at: &String| {
+    let buses = serial.map(|path| path.display().to_string()).chain(names);
+    let is_service = |place: &&str| place.parse::<std::net::SocketAddr>().is_ok();
+    let (services, others): (Vec<&str>, Vec<&str>) = beside.iter().map(String::as_str).partition(is_service);
+    let of_service = |at: &str| {
         let listed = at.parse().ok().and_then(|address| haply::found(address).ok());
         listed.into_iter().flatten().map(|what| Found { device: format!("haply:{at}"), what }).collect::<Vec<_>>()
     };
-    let mut found: Vec<Found> = services.iter().flat_map(of_service).collect();
-    found.extend(buses.iter().map(|at| on_bus(at)));
-    found
+    let services = std::iter::once(haply::LISTENS).chain(services).flat_map(of_service);
+    services.chain(buses.map(|at| on_bus(&at))).chain(others.into_iter().map(on_bus)).collect()
 }

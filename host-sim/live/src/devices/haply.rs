@@ -130,11 +130,10 @@ pub(super) fn open(
         name: format!("Inverse3 {id}"),
         axes: AXES,
         // The service names neither.
-        workspace_m: None,
-        max_force_n: None,
         is_homed: device["status"]["calibrated"] == true,
         buttons: if grip { BUTTONS.len() } else { 0 },
         lets_go_s,
+        ..Abilities::default()
     };
     Threaded::start(abilities, silent, Service { socket, id, asked: VecDeque::new() })
 }

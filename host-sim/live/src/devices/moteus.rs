@@ -197,21 +197,16 @@ pub(super) fn open(at: &str, options: &DeviceOptions, settings: &Settings) -> Re
             bus.send(&[asks]).map_err(|cause| cause.to_string())?;
             let told = answer(bus, *id, Instant::now() + PATIENCE)?.ok_or_else(|| motors::silent(*id))?;
             is_homed &= QueryResult::parse(&told).home_state == HomeState::Output;
-            match setting(bus, *id, "servo.timeout_mode")?.as_deref() {
-                Some(mode) if HARMLESS.contains(&mode) => {}
-                Some(mode) => {
-                    return Err(format!(
-                        "motor {id} does not let go after its watchdog: servo.timeout_mode is {mode}, and has to be 0, 12 or 15"
-                    )
-                    .into());
-                }
-                None => {
-                    return Err(format!(
-                        "motor {id} does not say what it does after its watchdog (servo.timeout_mode): it is not armed"
-                    )
-                    .into());
-                }
-            }
+            let why = match setting(bus, *id, "servo.timeout_mode")?.as_deref() {
+                Some(mode) if HARMLESS.contains(&mode) => continue,
+                Some(mode) => format!(
+                    "motor {id} does not let go after its watchdog: servo.timeout_mode is {mode}, and has to be 0, 12 or 15"
+                ),
+                None => format!(
+                    "motor {id} does not say what it does after its watchdog (servo.timeout_mode): it is not armed"
+                ),
+            };
+            return Err(why.into());
         }
         let watchdog_s = options.lets_go_s.unwrap_or(WATCHDOG_S);
         let protocol = Moteus { ids, watchdog_s, most_nm };

@@ -89,11 +89,10 @@ pub(super) fn open<P: Protocol>(
         let abilities = Abilities {
             name: format!("{} {list} at {at}", ready.name),
             axes,
-            workspace_m: None,
             max_force_n: Some(pose.weakest_n(ready.most_nm)),
             is_homed: ready.is_homed || options.is_homed,
-            buttons: 0,
             lets_go_s: ready.lets_go_s,
+            ..Abilities::default()
         };
         Threaded::start(abilities, Duration::from_secs_f64(options.silent_s), motors)
     };

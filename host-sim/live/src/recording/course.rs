@@ -1,7 +1,6 @@
 //! A copy along a shared axis, as a recording has it: where it was at any time while it was armed, and what of it is no motion.
 
 use super::file::Rows;
-use super::merge::wrong;
 use super::origin::Origin;
 use crate::Error;
 
@@ -109,4 +108,8 @@ pub(super) fn starts_of(times: &[f64], sealed: &[f64], ticks: &[f64]) -> Vec<f64
         from = to;
     }
     starts
+}
+
+pub(super) fn wrong(origin: &Origin, what: &str) -> String {
+    format!("the recording of {} {what}", if origin.who.is_empty() { "nobody" } else { &origin.who })
 }

@@ -16,7 +16,7 @@
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
-use super::ticks::TIME;
+use haptic_sim::quantities::Named;
 
 /// How every file begins and ends.
 pub(super) const MAGIC: &[u8; 8] = b"\x89MCAP0\r\n";
@@ -84,6 +84,9 @@ impl Channel {
         Self { topic: topic.into(), row: row.to_owned(), fields: fields.into_iter().map(field).collect() }
     }
 }
+
+/// Since when a recording's times count.
+pub(super) const TIME: Named = ("time_s", "since the recording's clock began");
 
 /// Something that happened, as the log says it.
 #[derive(Clone, Debug, PartialEq, Eq)]

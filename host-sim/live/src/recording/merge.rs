@@ -25,7 +25,7 @@ use haptic_sim::run::AXIS_NAMES;
 use serde::Serialize;
 
 use super::common_clock::{Exchange, Relation};
-use super::course::{Course, starts_of};
+use super::course::{Course, starts_of, wrong};
 use super::file::{Recording, Rows};
 use super::origin::Origin;
 use super::ticks::name_of;
@@ -64,7 +64,7 @@ struct Side<'a> {
 }
 
 /// What there is to say of two recordings.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Merged {
     /// Names of the two ends that recorded.
     pub ends: [String; 2],
@@ -100,10 +100,6 @@ pub struct Merged {
     /// Every instant as a row.
     #[serde(skip)]
     pub table: Columns,
-}
-
-pub(super) fn wrong(origin: &Origin, what: &str) -> String {
-    format!("the recording of {} {what}", if origin.who.is_empty() { "nobody" } else { &origin.who })
 }
 
 /// The exchanges of a recording, and in which session each was.
@@ -371,7 +367,6 @@ impl Sum {
         Ok(Merged {
             ends,
             axes: self.axes,
-            left_out: [0; 2],
             instants: count,
             seconds: last[0] - first[0],
             true_discrepancy_mm: 1e3 * half.iter().map(|row| row[3]).sum::<f64>() / half.len() as f64,
@@ -380,11 +375,9 @@ impl Sum {
             rms_clock_error_mm: 1e3 * rms(4),
             largest_clock_error_mm: 1e3 * largest(4),
             clock_error_us: 1e6 * self.clock_error_s,
-            clock_offset_us: 0.0,
-            clock_drift_ppm: 0.0,
             clock_by,
-            same_machine_less_this_us: None,
             table,
+            ..Merged::default()
         })
     }
 }

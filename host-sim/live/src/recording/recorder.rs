@@ -15,7 +15,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
-use std::sync::mpsc::{Receiver, Sender, SyncSender, TryRecvError, TrySendError, channel, sync_channel};
+use std::sync::mpsc::{Receiver, Sender, SyncSender, TryRecvError, channel, sync_channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
@@ -161,9 +161,8 @@ impl Recorder {
 
     /// Records a row of a channel, `time_ns` after the start. Never waits.
     pub fn put(&self, channel: u16, time_ns: u64, values: &[f64]) {
-        let Some(queue) = &self.queue else { return };
-        if let Err(TrySendError::Full(_) | TrySendError::Disconnected(_)) =
-            queue.try_send(self.row(channel, time_ns, values))
+        if let Some(queue) = &self.queue
+            && queue.try_send(self.row(channel, time_ns, values)).is_err()
         {
             self.lost.fetch_add(1, Ordering::Relaxed);
         }

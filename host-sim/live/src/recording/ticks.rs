@@ -11,11 +11,8 @@ use haptic_sim::quantities::{self, Named};
 use haptic_sim::run::AXIS_NAMES;
 
 use super::common_clock::{Exchange, Relation, Watched};
-use super::mcap::{Channel, INFO};
+use super::mcap::{Channel, INFO, TIME};
 use super::recorder::Recorder;
-
-/// Since when a recording's times count.
-pub const TIME: Named = ("time_s", "since the recording's clock began");
 
 /// Columns of a tick.
 pub const TICK: [Named; 2 + SAMPLE.columns()] = tick_columns(&SAMPLE);

@@ -61,7 +61,7 @@ pub struct FittedRule {
 impl FittedRule {
     /// As this network says; each direction has its own streams, and what happens to both at once has one.
     pub fn new(network: Network, direction: Direction) -> Self {
-        let (seed, way) = (network.seed, u64::from(direction == Direction::TwoToOne));
+        let (seed, way) = (network.seed, direction as u64);
         let asymmetry_s = if direction == Direction::TwoToOne { network.asymmetry_s } else { 0.0 };
         let mut rule = Self {
             like: network.like,
@@ -90,7 +90,7 @@ impl FittedRule {
 
     /// When the packets of this slot arrive that are sent at `sent_s`, but for those before them.
     fn due_s(&self, slot: u64, sent_s: f64) -> f64 {
-        let mut random = stream(self.seed, u64::from(self.direction == Direction::TwoToOne), slot);
+        let mut random = stream(self.seed, self.direction as u64, slot);
         let mut exponential = |mean_s: f64| mean_s * (-libm::log(1.0 - random.unit())).min(CUT);
         match self.like {
             Like::None => sent_s,
@@ -101,8 +101,7 @@ impl FittedRule {
             Like::Starlink => {
                 let late_s = exponential(0.0038);
                 let (satellite, since_s) = satellite(sent_s);
-                let mut of_satellite =
-                    stream(self.seed, 5 + u64::from(self.direction == Direction::TwoToOne), satellite);
+                let mut of_satellite = stream(self.seed, 5 + self.direction as u64, satellite);
                 let own_s = 0.005 * of_satellite.unit();
                 let spike_s = 0.015 + 0.01 * of_satellite.unit();
                 let spikes = satellite > 0 && since_s < GAP_S + SPIKE_S;

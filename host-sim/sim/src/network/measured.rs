@@ -1,7 +1,15 @@
 //! [`Measured`]: what round trips between two ends say of each direction.
 
 use super::clocks::{Clocks, Trip};
-use super::trace::Arrival;
+
+/// One copy of a packet that arrives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Arrival {
+    /// Time on top of the constant delay, ns.
+    pub delay_ns: u64,
+    /// Whether its bits differ from those sent.
+    pub corrupt: bool,
+}
 
 /// What became of a round trip.
 #[derive(Clone, Copy, Debug)]

@@ -8,8 +8,9 @@ use super::fitted::{FittedRule, Like};
 use crate::rng::Rng;
 use crate::scene::{Network, Scene};
 
+pub use super::measured::Arrival;
 pub use super::measured::Found;
-pub use super::trace::{Arrival, Direction, NetworkTrace, nanoseconds, seconds};
+pub use super::trace::{Direction, NetworkTrace, nanoseconds, seconds};
 pub use crate::scene::Jitter;
 
 /// The copy of a packet that is neither late nor broken.

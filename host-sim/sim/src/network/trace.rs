@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 
 use flate2::read::MultiGzDecoder;
 
-use super::measured::{Found, Measured};
+use super::measured::{Arrival, Found, Measured};
 use super::{irtt, ping};
 use crate::Error;
 use crate::quantities::Named;
@@ -50,15 +50,6 @@ pub enum Direction {
     OneToTwo,
     /// From peer 2 to peer 1.
     TwoToOne,
-}
-
-/// One copy of a packet that arrives.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Arrival {
-    /// Time on top of the constant delay, ns.
-    pub delay_ns: u64,
-    /// Whether its bits differ from those sent.
-    pub corrupt: bool,
 }
 
 /// A recording of what a network did.

@@ -41,25 +41,15 @@ pub(super) fn measure(processor: Processor) -> Result<Family, Refused<'static>> 
         .into_iter()
         .map(|(mix, scalar, errors)| (mix.to_owned(), errors, processor.count(LINE, scalar)))
         .collect();
+    let of_line =
+        |title: &str, error: &str, which: usize| Comparison::of(title, error, "m", &line, |errors| errors[which]);
     let comparisons = vec![
         compare("rounding, position", "largest error of x_o", "m", |[_, rounding]| rounding.position_largest_m),
         compare("rounding, force", "largest error of F_T", "N", |[_, rounding]| rounding.force_largest_n),
         compare("whole error, position", "RMS error of x_o", "m", |[whole, _]| whole.position_rms_m),
         compare("whole error, force", "RMS error of F_T", "N", |[whole, _]| whole.force_rms_n),
-        Comparison::of(
-            "self-timed line, distance of the copies",
-            "largest error of x_o1 - x_o2",
-            "m",
-            &line,
-            |[apart, _]| *apart,
-        ),
-        Comparison::of(
-            "self-timed line, both copies",
-            "largest error of their mean position",
-            "m",
-            &line,
-            |[_, mean]| *mean,
-        ),
+        of_line("self-timed line, distance of the copies", "largest error of x_o1 - x_o2", 0),
+        of_line("self-timed line, both copies", "largest error of their mean position", 1),
     ];
     let [rounding, _, whole, _, apart, _] = &comparisons[..] else { unreachable!("six comparisons were just made") };
     let insight = format!(

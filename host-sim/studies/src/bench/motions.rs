@@ -48,16 +48,13 @@ impl Motion {
     /// A key that the scene has not.
     pub fn of(self, scene: &Scene) -> Result<Scene, Error> {
         let mut scene = scene.clone();
-        scene.users = [User::default(), User::default()];
         let traces = match self {
             // A push of user 2 toward the other peer is toward negative x.
             Self::Together => [PUSH_N, -PUSH_N].map(|push_n| Some(Trace::step(AT_S, push_n))),
             Self::LetGo => [None, Some(Trace::step(AT_S, -HOLD_N))],
             _ => [None, None],
         };
-        for (user, trace) in scene.users.iter_mut().zip(traces) {
-            user.trace = trace;
-        }
+        scene.users = traces.map(|trace| User { trace, ..User::default() });
         self.settings().split_whitespace().try_for_each(|setting| scene.apply_override(setting))?;
         scene.check(self.name())?;
         Ok(scene)

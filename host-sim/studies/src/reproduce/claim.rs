@@ -59,26 +59,23 @@ impl Claim {
 
     /// Matched by what was found from the same numbers, it shows nothing.
     pub fn circular(self, why: &str) -> Self {
-        if self.verdict != Verdict::Matched {
-            return self;
-        }
-        Self { verdict: Verdict::Circular, why: why.to_owned(), ..self }
+        self.turned(Verdict::Matched, Verdict::Circular, why.to_owned())
     }
 
     /// Matched only for what was assumed where the paper says nothing.
     pub fn assumed(self, why: String) -> Self {
-        if self.verdict != Verdict::Matched {
-            return self;
-        }
-        Self { verdict: Verdict::InPart, why, ..self }
+        self.turned(Verdict::Matched, Verdict::InPart, why)
     }
 
     /// Not matched for what was assumed where the paper says nothing, but for something else that may be assumed.
     pub fn reached(self, why: String) -> Self {
-        if self.verdict != Verdict::NotMatched {
-            return self;
-        }
-        Self { verdict: Verdict::InPart, why: format!("{}; {why}", self.why), ..self }
+        let why = format!("{}; {why}", self.why);
+        self.turned(Verdict::NotMatched, Verdict::InPart, why)
+    }
+
+    /// Another verdict, and why, where it is `from` now.
+    fn turned(self, from: Verdict, to: Verdict, why: String) -> Self {
+        if self.verdict == from { Self { verdict: to, why, ..self } } else { self }
     }
 
     /// Why, where it is not matched, or not everywhere; for what takes long to find.
