@@ -12,7 +12,7 @@ use embassy_time::Instant;
 use firmware_parts::exchange::{Reader, Writer};
 use firmware_parts::image::{Law, SHARED};
 use firmware_parts::signals::Signals;
-use haptic_core::law::{Law as _, Sends, bounds::Bounds};
+use haptic_core::law::{Law as _, bounds::Bounds};
 use haptic_core::settings::Settings;
 use haptic_protocol::link::{ConfigError, Link, Notice};
 use haptic_protocol::peer::{Lives, flow_in, flow_of, open, packets_of};
