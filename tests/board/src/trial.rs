@@ -7,7 +7,6 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use firmware_parts::record::{ENGAGED, RECEIVED, Record, SENT};
-use haptic_core::law::Sends;
 use haptic_sim::network::rule::{Direction, of_scene};
 use haptic_sim::run::{Accounts, Options, Outcome, Ticked};
 use haptic_sim::scene::Scene;
