@@ -74,6 +74,7 @@ impl Bounds {
     }
 
     /// The same where the impedance of the line may fall to this share of b.
+    #[inline(never)]
     pub fn of_lighter_waves(settings: &Settings, share: f64) -> Self {
         let (world, impedance) = (settings.in_the_world(), settings.coordination.wave_impedance_n_s_per_m);
         let safety = &world.safety;

@@ -170,7 +170,6 @@ pub trait Law<S: Scalar>: Configured + Copy + core::fmt::Debug + Send + Sync + '
     /// The first key whose value is impossible beside the others.
     fn build(settings: &Settings) -> Result<Self, Refused<'static>>;
     /// Bounds on what an end with the limits of these settings sends: by default on motion, or waves.
-    #[must_use]
     fn bounds(settings: &Settings) -> Bounds {
         match Self::info(settings) {
             Some(LawInfo { sends: Sends::Motion, .. }) => Bounds::of_motion(settings),
@@ -179,7 +178,6 @@ pub trait Law<S: Scalar>: Configured + Copy + core::fmt::Debug + Send + Sync + '
     }
     /// How far a newton takes two copies at rest from each other, over a network of `delay_s` (s) each way, m/N, at least and at most:
     /// by default 2/K_T, and T/b of a line of waves.
-    #[must_use]
     fn compliance(settings: &Settings, delay_s: f64) -> [f64; 2] {
         let line = matches!(Self::info(settings), Some(LawInfo { sends: Sends::Waves, .. }));
         let impedance = if line { settings.coordination.wave_impedance_n_s_per_m } else { f64::INFINITY };
