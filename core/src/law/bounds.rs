@@ -114,6 +114,11 @@ impl Bounds {
         }
     }
 
+    /// Whether packets say over how many ticks their sums are, so that the newest makes up for every lost one.
+    pub fn counts(&self) -> bool {
+        self.counts
+    }
+
     /// Largest wave U that is accepted, √W; the largest number where a law sends motion alone.
     pub fn wave(&self) -> f64 {
         self.wave

@@ -157,7 +157,6 @@ impl<S: Scalar> Law<S> for WaveIntegral<S> {
         source: "Niemeyer & Slotine 2004",
         promises: &[Promise::Passive, Promise::NoDrift],
         scatters: false,
-        counts: true,
         ..LawInfo::WAVES
     }];
     type State = WaveIntegralState<S>;

@@ -52,8 +52,6 @@ pub struct LawInfo {
     pub promises: &'static [Promise],
     /// Each of its waves has all of its energy with it: a ledger can pay for it, and lines of such waves can meet in a node.
     pub scatters: bool,
-    /// Its packets hold sums, and the number of ticks that these are over, so that the newest makes up for every lost one.
-    pub counts: bool,
     /// Its line has a time of its own, in ticks that the other end brings: it learns its length, stands while nothing comes, loses
     /// nothing by that, and meets others in a copy at a hub.
     pub own_time: bool,
@@ -74,7 +72,6 @@ impl LawInfo {
         source: "",
         promises: &[],
         scatters: false,
-        counts: false,
         own_time: false,
         ends_alike: true,
     };

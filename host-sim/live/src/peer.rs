@@ -235,6 +235,8 @@ fn live<const SHARED: usize, const N: usize>(
 where
     f32: Builds<SHARED, N>,
 {
+    // Before anything is opened that would have to be closed.
+    let entropy = entropy()?;
     let period_s = scene.peer.timing.control_period_s;
     let ticks = (duration_s / period_s).round() as u64;
     // What has no end has no last half.
@@ -250,7 +252,7 @@ where
     let (device, seen_device) = wanted.device.open(scene, number)?;
     let judging = judging.map(|judging| judging.of_device(seen_device.clone()));
     let node =
-        Node::with_device(scene, number, key, entropy()?, device)?.telling_every(TELLING_S).beginning_after(AFTER_US);
+        Node::with_device(scene, number, key, entropy, device)?.telling_every(TELLING_S).beginning_after(AFTER_US);
     let mut peer = LivePeer {
         judging,
         refused_us: None,

@@ -123,7 +123,6 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
         source: "THEORY §8",
         promises: &[Promise::Passive, Promise::NoDrift],
         scatters: false,
-        counts: true,
         own_time: true,
         ..LawInfo::WAVES
     }];

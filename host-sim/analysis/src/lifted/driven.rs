@@ -342,7 +342,7 @@ pub(crate) fn keeps_silent(linear: &Scene) -> bool {
 
 /// Whether the law counts ticks, and has states of its own.
 pub(crate) fn counts(linear: &Scene) -> bool {
-    linear.law().counts
+    linear.laws.bounds(&linear.peer).counts()
 }
 
 /// What happens before a tick of a packet period.

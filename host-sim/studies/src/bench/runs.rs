@@ -5,7 +5,6 @@ use std::sync::LazyLock;
 use haptic_analysis::judge;
 use haptic_core::names::Choice;
 use haptic_core::settings::LawInfo;
-use haptic_protocol::wire::packet_bytes;
 use haptic_report::Columns;
 use haptic_sim::measure::at_hand;
 use haptic_sim::run::Outcome;
@@ -20,7 +19,7 @@ use crate::Error;
 use crate::entrant::Entrant;
 use crate::networks::perfect;
 use crate::study::Study;
-use crate::sweep::{Book, Kept, Plan, unstable_modes};
+use crate::sweep::{Book, Kept, Plan, bytes_per_s, unstable_modes};
 
 /// First seed; those of the tuning networks are others.
 const SEED: u32 = 1;
@@ -166,6 +165,6 @@ fn row(
         way_mm: whole(1e3 * found.way_m),
         least_balance_j: found.least_balance_j,
         packets_per_s: outcome.packets_per_s,
-        bytes_per_s: outcome.packets_per_s * packet_bytes(outcome.axes.len()) as f64,
+        bytes_per_s: bytes_per_s(outcome),
     }
 }

@@ -19,6 +19,11 @@ pub struct Metric {
     pub of: fn(&Outcome) -> Option<f64>,
 }
 
+/// Mean rate of one peer's packets on the wire, bytes/s; a link's own datagrams beside the flow are not counted.
+pub fn bytes_per_s(outcome: &Outcome) -> f64 {
+    outcome.packets_per_s * packet_bytes(outcome.axes.len()) as f64
+}
+
 impl Metric {
     /// Its name, with the unit.
     pub fn name(&self) -> String {
@@ -64,7 +69,5 @@ pub const METRICS: [Metric; 14] = metrics! {
         o.metric(Outcome::peer_energy_made_mj).flatten()
     };
     "packets" "per_s" true "packets that a peer sent, mean of both" |o| o.metric(|o| o.packets_per_s);
-    "wire" "bytes_per_s" false "the same in bytes, sealed, with UDP and IP version 4" |o| {
-        o.metric(|o| o.packets_per_s * packet_bytes(o.axes.len()) as f64)
-    };
+    "wire" "bytes_per_s" false "the same in bytes, sealed, with UDP and IP version 4" |o| o.metric(bytes_per_s);
 };

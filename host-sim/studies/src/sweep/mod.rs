@@ -34,7 +34,7 @@ use super::Error;
 
 pub use self::axis::Axis;
 pub use self::journal::{Book, Journal, Kept, write};
-pub use self::metrics::{METRICS, Metric};
+pub use self::metrics::{METRICS, Metric, bytes_per_s};
 pub use self::plan::{Keep, Plan, Todo};
 pub use self::row::Row;
 pub(crate) use self::row::{EVERY_MODE, UNSTABLE_MODES, of_runs, unstable_modes};
