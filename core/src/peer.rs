@@ -189,18 +189,26 @@ configured!([S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Confi
 });
 
 impl Settings {
-    /// Whether a peer can be built, with the laws of this crate: every value within its range, every combination possible.
+    /// [`Settings::check_with`] the laws of this crate.
     ///
     /// # Errors
     /// The first key whose value is out of range or impossible beside the others.
     pub fn check(&self) -> Result<(), Refused<'static>> {
+        self.check_with::<AnyLaw<f64>>()
+    }
+
+    /// Whether a peer can be built with these laws: every value within its range, every combination possible.
+    ///
+    /// # Errors
+    /// The first key whose value is out of range or impossible beside the others.
+    pub fn check_with<L: Law<f64>>(&self) -> Result<(), Refused<'static>> {
         let (plane, space) = ([Motion::REST; AXES], [Motion::REST; 3]);
         match (self.axis.shared, self.axis.count) {
-            (2, 0..=2) => Peer::<f64, AnyLaw<f64>, 2>::build(self, plane).map(drop),
-            (2, 3..) => Peer::<f64, AnyLaw<f64>, 2, 3, AnySpatial<f64>>::build(self, space).map(drop),
-            (3.., _) => Peer::<f64, AnyLaw<f64>, 3, 3, AnySpatial<f64>>::build(self, space).map(drop),
-            (_, 3..) => Peer::<f64, AnyLaw<f64>, 1, 3, AnySpatial<f64>>::build(self, space).map(drop),
-            _ => Peer::<f64, AnyLaw<f64>>::new(self, plane).map(drop),
+            (2, 0..=2) => Peer::<f64, L, 2>::build(self, plane).map(drop),
+            (2, 3..) => Peer::<f64, L, 2, 3, AnySpatial<f64>>::build(self, space).map(drop),
+            (3.., _) => Peer::<f64, L, 3, 3, AnySpatial<f64>>::build(self, space).map(drop),
+            (_, 3..) => Peer::<f64, L, 1, 3, AnySpatial<f64>>::build(self, space).map(drop),
+            _ => Peer::<f64, L>::new(self, plane).map(drop),
         }
     }
 }

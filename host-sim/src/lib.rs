@@ -5,8 +5,10 @@ mod cli;
 mod error;
 pub mod live_peer;
 mod play;
+mod published;
 
 pub use cli::{Cli, provenance};
 pub use error::Error;
+pub use haptic_guest_laws::laws;
 #[cfg(fuzzing)]
 pub use play::page_hears;

@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::python::{environment_of, pip};
+use crate::python::{environment, pip};
 use crate::run::{self, Failure, command, run};
 
 /// Where the packages are, their tests, and the versions of what they need.
@@ -42,7 +42,7 @@ pub(crate) fn check(wheel: &Path, host_sim: &Path) -> Result<(), Failure> {
     // As they stand there: LeRobot asks for PyTorch, for which the tests have a stand-in.
     let requirements = format!("{FOLDER}/requirements.txt");
     let (folder, options) = (run::root().join("target/lerobot"), ["--no-deps", "--no-compile"]);
-    let python = environment_of(&interpreter, &folder, &requirements, &options)?;
+    let python = environment(&interpreter, &folder, &requirements, &options)?;
     let packages = ["lerobot_robot_haptic", "lerobot_teleoperator_haptic"].map(|name| format!("{FOLDER}/{name}"));
     let own = ["--force-reinstall", "--no-deps", "--no-index", "--no-build-isolation"];
     run(pip(&python).args(own).arg(wheel).args(&packages))?;

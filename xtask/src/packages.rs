@@ -1,6 +1,6 @@
 //! The step `packages`: what others install, as they would get it, and nothing uploaded.
 //!
-//! Seven crates as `cargo publish` packs them, each with what it includes inside, and the Python module's sources, unpacked in a folder of
+//! Nine crates as `cargo publish` packs them, each with what it includes inside, and the Python module's sources, unpacked in a folder of
 //! their own and compiled there: a file that lies outside of its package is found by that. `cargo publish --dry-run` compiles each crate from what is
 //! packed as well, which takes minutes; the tests leave it out.
 
@@ -10,9 +10,10 @@ use std::path::{Path, PathBuf};
 use crate::run::{Failure, cargo, command, run};
 use crate::{board::target, platforms, python, run};
 
-/// What the simulator and the analyser need of this repository, and they.
-pub(crate) const CRATES: [&str; 8] = [
+/// What the simulator and the analyser need of this repository, and they; and the laws of other papers.
+pub(crate) const CRATES: [&str; 9] = [
     "haptic-core",
+    "haptic-laws",
     "haptic-protocol",
     "haptic-io",
     "haptic-columns",
@@ -37,8 +38,7 @@ pub(crate) fn named() -> impl Iterator<Item = &'static str> {
 /// Compiles the Python module from its own source distribution, in a folder where nothing else is.
 fn sources() -> Result<(), Failure> {
     let place = target().join("sdist");
-    let packed = sdist(run::root(), &place)?;
-    let folder = unpacked(&packed, &place)?;
+    let folder = unpacked(&sdist(run::root(), &place)?, &place)?;
     // Beside what was checked for another platform: of others' packages it is the same.
     let Some(mut check) = platforms::without_c(cargo(&[]))? else { return Ok(()) };
     check
@@ -50,9 +50,7 @@ fn sources() -> Result<(), Failure> {
 /// Packs the Python module of this checkout into this folder, emptied first.
 pub(crate) fn sdist(source: &Path, place: &Path) -> Result<PathBuf, Failure> {
     let failed = |cause| Failure::new(format!("cannot make {}: {cause}", place.display()));
-    if place.exists() {
-        fs::remove_dir_all(place).map_err(failed)?;
-    }
+    let _ = fs::remove_dir_all(place);
     let python = python::own_environment()?;
     let mut maturin = command(&python.to_string_lossy(), &["-m", "maturin", "sdist", "--out"]);
     run(maturin.arg(place).current_dir(source))?;

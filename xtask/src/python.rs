@@ -15,13 +15,9 @@ const ZIG: [&str; 2] = ["ziglang==0.17.1", "cargo-zigbuild==0.24.0"];
 /// Where it is looked for.
 const ZIG_IN: &str = "CARGO_ZIGBUILD_PYTHON_PATH";
 
-/// Python in a virtual environment of this folder, with what the requirements name; made anew when they have changed.
-pub(crate) fn environment(folder: &Path, requirements: &str) -> Result<PathBuf, Failure> {
-    environment_of("python3", folder, requirements, &[])
-}
-
-/// The same of this Python, installed with these flags of pip's.
-pub(crate) fn environment_of(
+/// This Python in a virtual environment of this folder, with what the requirements name, installed with these flags of pip's; made anew when
+/// they have changed.
+pub(crate) fn environment(
     interpreter: &str,
     folder: &Path,
     requirements: &str,
@@ -46,7 +42,7 @@ pub(crate) fn pip(python: &Path) -> Command {
 
 /// What the wheel is built and tested with.
 pub(crate) fn own_environment() -> Result<PathBuf, Failure> {
-    environment(&run::root().join("target/python"), "host-sim/python/requirements.txt")
+    environment("python3", &run::root().join("target/python"), "host-sim/python/requirements.txt", &[])
 }
 
 /// Builds the wheel of these sources with a profile of cargo's into this folder, and says where it is. One to give away is linked by zig, which has

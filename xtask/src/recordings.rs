@@ -9,16 +9,13 @@ use crate::run::{self, Failure, command, run};
 /// Records a run in memory and two live peers, converts both, and has tests/recordings/check.py compare them.
 pub(crate) fn recordings() -> Result<(), Failure> {
     let folder = run::root().join("target/recordings");
-    let python = environment(&folder, "tests/recordings/requirements.txt")?;
+    let python = environment("python3", &folder, "tests/recordings/requirements.txt", &[])?;
     let program = run::host_sim(false)?.display().to_string();
-    let file = |name: &str| folder.join(name);
+    let made = folder.join("made");
     // What an earlier run left: nothing is written over it.
-    for old in std::fs::read_dir(&folder).into_iter().flatten().flatten() {
-        let is_ours = ["mcap", "csv", "toml"].iter().any(|ending| old.path().extension() == Some(ending.as_ref()));
-        if is_ours || old.file_name() == "key" {
-            let _ = std::fs::remove_file(old.path());
-        }
-    }
+    let _ = std::fs::remove_dir_all(&made);
+    std::fs::create_dir(&made).map_err(|cause| Failure::new(format!("cannot make {}: {cause}", made.display())))?;
+    let file = |name: &str| made.join(name);
     let host_sim = |words: &[&str]| command(&program, words);
     let scene = ["--scene", "any-network", "--set=user.1.push_n=1", "--set=user.2.push_n=1", "--seconds=2", "--json"];
     run(host_sim(&["cooperate"]).args(scene).arg("--record").arg(file("memory.mcap")))?;

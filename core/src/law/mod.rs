@@ -10,32 +10,20 @@
 //! Sign: the coordination force F_T acts on the local copy, F_T = K_T·(x_d − x_o) + B_T·(ẋ_d − ẋ_o)
 //! (cooperation paper §3, eq. 7).
 
-pub mod average_position;
 pub mod bounds;
 pub mod credit;
-pub mod deadband;
 pub mod decimate;
 pub mod degradation;
 pub mod event;
 pub mod four_channel;
-pub mod fractal_impedance;
 pub mod free;
 pub mod ledger;
-pub mod model_mediated;
 pub mod node;
 pub mod p_plus_d;
-pub mod passive_spring;
-pub mod passivity_observer;
 pub mod power;
-pub mod remote_dynamic_proxy;
 pub mod self_timed;
-pub mod set_position;
-pub mod tank;
-mod terminal;
-pub mod two_layer;
+pub mod terminal;
 pub mod wave;
-pub mod wave_compensator;
-pub mod wave_integral;
 
 use bounds::Bounds;
 
@@ -102,7 +90,7 @@ pub struct Observation<S> {
 }
 
 /// Refuses every order but those in which a force works with the way of the same tick; `allowed` says which and where.
-fn needs_midpoint(settings: &Settings, allowed: &'static str) -> Result<(), Refused<'static>> {
+pub fn needs_midpoint(settings: &Settings, allowed: &'static str) -> Result<(), Refused<'static>> {
     if settings.object.integrator.solves() {
         return Ok(());
     }
@@ -236,135 +224,146 @@ pub trait Law<S: Scalar>: Configured + Copy + core::fmt::Debug + Send + Sync + '
 }
 
 /// The entry of these that the settings name.
-pub(crate) fn named(settings: &Settings, laws: &'static [LawInfo]) -> Option<&'static LawInfo> {
+pub fn named(settings: &Settings, laws: &'static [LawInfo]) -> Option<&'static LawInfo> {
     laws.iter().find(|info| info.name == settings.coordination.comm)
 }
 
 /// That the settings name none of these.
-pub(crate) fn unknown(settings: &Settings, laws: &'static [LawInfo]) -> Refused<'static> {
+pub fn unknown(settings: &Settings, laws: &'static [LawInfo]) -> Refused<'static> {
     settings.refuses("coordination.comm", Allowed::Laws(laws))
 }
 
+/// Declares a list of laws, which is a [`Law`] itself: any of them, chosen by name as a peer is built. Each is a type that computes in `S`.
+/// Its state leaves alone what another law's is handed.
+///
+/// ```
+/// use haptic_core::law::{Law, free::Free, power::Power};
+///
+/// haptic_core::laws! {
+///     /// One of two.
+///     pub enum Two, TwoState { Power(Power<S>), Free(Free) }
+/// }
+/// assert_eq!(Two::<f32>::LAWS.len(), 2);
+/// ```
+#[macro_export]
 macro_rules! laws {
-    ($( $Variant:ident($law:ty), )+) => {
-        /// Any coordination law of this crate; each is described on the page of its module.
+    ($(#[$doc:meta])* pub enum $Any:ident, $AnyState:ident { $( $Variant:ident($law:ty) ),+ $(,)? }) => {
+        $(#[$doc])*
         #[derive(Clone, Copy, Debug)]
         #[allow(missing_docs, clippy::large_enum_variant)]
         // A tag of its own in both: one among the unused values of a field takes six instructions to read.
         #[repr(u32)]
-        pub enum AnyLaw<S: Scalar> { $( $Variant($law) ),+ }
+        pub enum $Any<S: $crate::num::Scalar> { $( $Variant($law) ),+ }
 
         /// The state of any of them. What a law is handed that is not its own it leaves alone, and it couples nothing.
         #[derive(Clone, Copy, Debug)]
         #[allow(missing_docs, clippy::large_enum_variant)]
         #[repr(u32)]
-        pub enum AnyLawState<S: Scalar> { $( $Variant(<$law as Law<S>>::State) ),+ }
+        pub enum $AnyState<S: $crate::num::Scalar> { $( $Variant(<$law as $crate::law::Law<S>>::State) ),+ }
 
-        impl<S: Scalar> StateVector<S> for AnyLawState<S> {
-            #[inline]
-            fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
-                match self { $( Self::$Variant(state) => state.visit(each) ),+ }
-            }
-        }
+        const _: () = {
+            use $crate::law::{Coupled, Law, LawInfo, Observation, Packet, bounds::Bounds};
+            use $crate::num::{Configured, Motion, Scalar, StateVector};
+            use $crate::object::Solve;
+            use $crate::settings::{Refused, Settings};
 
-        /// Its name, and what it was built with.
-        impl<S: Scalar> Configured for AnyLaw<S> {
-            fn configuration(&self, each: &mut dyn FnMut(u64)) -> bool {
-                match self { $( Self::$Variant(law) => {
-                    let [info] = <$law as Law<S>>::LAWS else { return false };
-                    info.name.bytes().for_each(|letter| each(letter.into()));
-                    law.configuration(each)
-                } ),+ }
+            impl<S: Scalar> StateVector<S> for $AnyState<S> {
+                #[inline]
+                fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
+                    match self { $( Self::$Variant(state) => state.visit(each) ),+ }
+                }
             }
-        }
 
-        impl<S: Scalar> Law<S> for AnyLaw<S> {
-            const LAWS: &'static [LawInfo] = &[$( <$law as Law<S>>::LAWS[0] ),+];
-            type State = AnyLawState<S>;
+            /// Its name, and what it was built with.
+            impl<S: Scalar> Configured for $Any<S> {
+                fn configuration(&self, each: &mut dyn FnMut(u64)) -> bool {
+                    match self { $( Self::$Variant(law) => {
+                        let [info] = <$law as Law<S>>::LAWS else { return false };
+                        info.name.bytes().for_each(|letter| each(letter.into()));
+                        law.configuration(each)
+                    } ),+ }
+                }
+            }
 
-            fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
-                // Names alone: with [`named`] an image would hold the list of each law beside that of all.
-                $( if settings.coordination.comm == <$law as Law<S>>::LAWS[0].name {
-                    return Ok(Self::$Variant(Law::<S>::build(settings)?));
-                } )+
-                Err(unknown(settings, Self::LAWS))
+            impl<S: Scalar> Law<S> for $Any<S> {
+                const LAWS: &'static [LawInfo] = &[$( <$law as Law<S>>::LAWS[0] ),+];
+                type State = $AnyState<S>;
+
+                fn build(settings: &Settings) -> Result<Self, Refused<'static>> {
+                    // Names alone: with `named` an image would hold the list of each law beside that of all.
+                    $( if settings.coordination.comm == <$law as Law<S>>::LAWS[0].name {
+                        return Ok(Self::$Variant(Law::<S>::build(settings)?));
+                    } )+
+                    Err($crate::law::unknown(settings, Self::LAWS))
+                }
+                fn bounds(settings: &Settings) -> Bounds {
+                    $( if settings.coordination.comm == <$law as Law<S>>::LAWS[0].name {
+                        return <$law as Law<S>>::bounds(settings);
+                    } )+
+                    Bounds::of_waves(settings)
+                }
+                fn compliance(settings: &Settings, delay_s: f64) -> [f64; 2] {
+                    $( if settings.coordination.comm == <$law as Law<S>>::LAWS[0].name {
+                        return <$law as Law<S>>::compliance(settings, delay_s);
+                    } )+
+                    [0.0; 2]
+                }
+                fn start(&self, local: Motion<S>) -> Self::State {
+                    match self { $( Self::$Variant(law) => $AnyState::$Variant(law.start(local)) ),+ }
+                }
+                fn restart(&self, state: &mut Self::State, local: Motion<S>) {
+                    match (self, state) { $( (Self::$Variant(law), $AnyState::$Variant(state)) => law.restart(state, local), )+ _ => {} }
+                }
+                fn receive(&self, state: &mut Self::State, packet: Packet<S>) {
+                    match (self, state) { $( (Self::$Variant(law), $AnyState::$Variant(state)) => law.receive(state, packet), )+ _ => {} }
+                }
+                // Compiled into its caller as it stands, where each copy is made only for the law that needs it.
+                #[inline(always)]
+                fn couple(&self, state: &mut Self::State, observed: &Observation<S>, solve: impl Solve<S>) -> Coupled<S> {
+                    match (self, state) { $(
+                        (Self::$Variant(_), $AnyState::$Variant(_)) if <$law as Law<S>>::PORTS_ONLY && solve.is_staged() => Coupled::none(observed.local),
+                        // A copy for each: what one law takes by reference would be in memory for all.
+                        (Self::$Variant(law), $AnyState::$Variant(state)) => law.couple(state, &{ *observed }, solve),
+                    )+ _ => Coupled::none(observed.local) }
+                }
+                fn send(&self, state: &Self::State, local: Motion<S>) -> Packet<S> {
+                    match (self, state) { $( (Self::$Variant(law), $AnyState::$Variant(state)) => law.send(state, local), )+ _ => Packet::default() }
+                }
+                fn speaks(&self, state: &Self::State, packet: &Packet<S>) -> bool {
+                    match (self, state) { $( (Self::$Variant(law), $AnyState::$Variant(state)) => law.speaks(state, packet), )+ _ => true }
+                }
+                fn spoke(&self, state: &mut Self::State, packet: &Packet<S>) {
+                    match (self, state) { $( (Self::$Variant(law), $AnyState::$Variant(state)) => law.spoke(state, packet), )+ _ => {} }
+                }
+                fn only_holds(&self) -> bool {
+                    match self { $( Self::$Variant(law) => Law::<S>::only_holds(law) ),+ }
+                }
+                fn acts_on_device(&self) -> bool {
+                    match self { $( Self::$Variant(law) => Law::<S>::acts_on_device(law) ),+ }
+                }
+                fn idle(&self, packet: Packet<S>, local: Motion<S>) -> Packet<S> {
+                    match self { $( Self::$Variant(law) => Law::<S>::idle(law, packet, local) ),+ }
+                }
+                fn fades(&self) -> bool {
+                    match self { $( Self::$Variant(law) => Law::<S>::fades(law) ),+ }
+                }
             }
-            fn bounds(settings: &Settings) -> Bounds {
-                $( if settings.coordination.comm == <$law as Law<S>>::LAWS[0].name {
-                    return <$law as Law<S>>::bounds(settings);
-                } )+
-                Bounds::of_waves(settings)
-            }
-            fn compliance(settings: &Settings, delay_s: f64) -> [f64; 2] {
-                $( if settings.coordination.comm == <$law as Law<S>>::LAWS[0].name {
-                    return <$law as Law<S>>::compliance(settings, delay_s);
-                } )+
-                [0.0; 2]
-            }
-            fn start(&self, local: Motion<S>) -> Self::State {
-                match self { $( Self::$Variant(law) => AnyLawState::$Variant(law.start(local)) ),+ }
-            }
-            fn restart(&self, state: &mut Self::State, local: Motion<S>) {
-                match (self, state) { $( (Self::$Variant(law), AnyLawState::$Variant(state)) => law.restart(state, local), )+ _ => {} }
-            }
-            fn receive(&self, state: &mut Self::State, packet: Packet<S>) {
-                match (self, state) { $( (Self::$Variant(law), AnyLawState::$Variant(state)) => law.receive(state, packet), )+ _ => {} }
-            }
-            // Compiled into its caller as it stands, where each copy is made only for the law that needs it.
-            #[inline(always)]
-            fn couple(&self, state: &mut Self::State, observed: &Observation<S>, solve: impl Solve<S>) -> Coupled<S> {
-                match (self, state) { $(
-                    (Self::$Variant(_), AnyLawState::$Variant(_)) if <$law as Law<S>>::PORTS_ONLY && solve.is_staged() => Coupled::none(observed.local),
-                    // A copy for each: what one law takes by reference would be in memory for all.
-                    (Self::$Variant(law), AnyLawState::$Variant(state)) => law.couple(state, &{ *observed }, solve),
-                )+ _ => Coupled::none(observed.local) }
-            }
-            fn send(&self, state: &Self::State, local: Motion<S>) -> Packet<S> {
-                match (self, state) { $( (Self::$Variant(law), AnyLawState::$Variant(state)) => law.send(state, local), )+ _ => Packet::default() }
-            }
-            fn speaks(&self, state: &Self::State, packet: &Packet<S>) -> bool {
-                match (self, state) { $( (Self::$Variant(law), AnyLawState::$Variant(state)) => law.speaks(state, packet), )+ _ => true }
-            }
-            fn spoke(&self, state: &mut Self::State, packet: &Packet<S>) {
-                match (self, state) { $( (Self::$Variant(law), AnyLawState::$Variant(state)) => law.spoke(state, packet), )+ _ => {} }
-            }
-            fn only_holds(&self) -> bool {
-                match self { $( Self::$Variant(law) => Law::<S>::only_holds(law) ),+ }
-            }
-            fn acts_on_device(&self) -> bool {
-                match self { $( Self::$Variant(law) => Law::<S>::acts_on_device(law) ),+ }
-            }
-            fn idle(&self, packet: Packet<S>, local: Motion<S>) -> Packet<S> {
-                match self { $( Self::$Variant(law) => Law::<S>::idle(law, packet, local) ),+ }
-            }
-            fn fades(&self) -> bool {
-                match self { $( Self::$Variant(law) => Law::<S>::fades(law) ),+ }
-            }
-        }
+        };
     };
 }
 
 laws! {
-    Power(power::Power<S>),
-    PPlusD(p_plus_d::PPlusD<S>),
-    Wave(wave::Wave<S>),
-    PassiveWave(wave::PassiveWave<S>),
-    PassiveMean(wave::PassiveMean<S>),
-    SelfTimed(self_timed::SelfTimed<S>),
-    SetPosition(set_position::SetPosition<S>),
-    PassiveSpring(passive_spring::PassiveSpring<S>),
-    TwoLayer(two_layer::TwoLayer<S>),
-    WaveIntegral(wave_integral::WaveIntegral<S>),
-    WaveCompensator(wave_compensator::WaveCompensator<S>),
-    FourChannel(four_channel::FourChannel<S>),
-    AveragePosition(average_position::AveragePosition<S>),
-    RemoteDynamicProxy(remote_dynamic_proxy::RemoteDynamicProxy<S>),
-    FractalImpedance(fractal_impedance::FractalImpedance<S>),
-    Deadband(deadband::Deadband<S>),
-    PassiveDeadband(deadband::PassiveDeadband<S>),
-    PassivityObserver(passivity_observer::PassivityObserver<S>),
-    ModelMediated(model_mediated::ModelMediated<S>),
-    Free(free::Free),
+    /// Any coordination law of this crate; each is described on the page of its module.
+    pub enum AnyLaw, AnyLawState {
+        Power(power::Power<S>),
+        PPlusD(p_plus_d::PPlusD<S>),
+        Wave(wave::Wave<S>),
+        PassiveWave(wave::PassiveWave<S>),
+        PassiveMean(wave::PassiveMean<S>),
+        SelfTimed(self_timed::SelfTimed<S>),
+        FourChannel(four_channel::FourChannel<S>),
+        Free(free::Free),
+    }
 }
 
 /// The spring and damper K_T, B_T between the local copy and the desired motion x_d, ẋ_d.
@@ -393,7 +392,7 @@ impl<S: Scalar> Spring<S> {
     }
 
     /// κ of the scene, N·s/m.
-    pub(crate) fn impedance(settings: &Settings) -> f64 {
+    pub fn impedance(settings: &Settings) -> f64 {
         let coordination = &settings.coordination;
         port::met_midway(coordination.stiffness_n_per_m, coordination.damping_n_s_per_m, settings)
     }

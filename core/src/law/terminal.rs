@@ -14,12 +14,13 @@ use crate::settings::Settings;
 
 /// Spring and line in a row.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Terminal<S> {
-    pub(super) spring: Spring<S>,
+pub struct Terminal<S> {
+    /// The coordination spring.
+    pub spring: Spring<S>,
     /// κ, N·s/m.
     kappa: S,
     /// Wave scale √(2b), √(N·s/m).
-    pub(super) root: S,
+    pub root: S,
     /// 1/(b + κ).
     inverse_sum: S,
     /// κ/(b + κ), the part of the drive that reaches the object.
@@ -36,17 +37,18 @@ configured!([S: Scalar] Terminal<S> { spring, kappa, root, inverse_sum, share, i
 
 /// What came of a tick at the end of a line.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct TerminalState<S> {
+pub struct TerminalState<S> {
     /// Mean velocity w of the line's end, m/s.
-    pub(super) velocity: S,
+    pub velocity: S,
     /// Mean velocity v of the copy, m/s.
-    pub(super) copy: S,
+    pub copy: S,
     /// F_T on the copy, N.
-    pub(super) force: S,
+    pub force: S,
 }
 
 impl<S: Scalar> Terminal<S> {
-    pub(super) fn build(settings: &Settings) -> Self {
+    /// The end of a line with the scene's b, K_T and B_T.
+    pub fn build(settings: &Settings) -> Self {
         let kappa = Spring::<S>::impedance(settings);
         let impedance = settings.coordination.wave_impedance_n_s_per_m;
         let root = libm::sqrt(2.0 * impedance);
@@ -64,13 +66,13 @@ impl<S: Scalar> Terminal<S> {
 
     /// What the spring pulls with from this stretch (m) while nothing moves, N.
     #[inline]
-    pub(super) fn spring_force(&self, stretch: S) -> S {
+    pub fn spring_force(&self, stretch: S) -> S {
         self.spring.stiffness * stretch
     }
 
     /// A tick with a wave coming in, √W, in which the spring begins with this pull, N.
     #[inline]
-    pub(super) fn solve(&self, pull: S, wave_in: S, solve: impl Solve<S>) -> TerminalState<S> {
+    pub fn solve(&self, pull: S, wave_in: S, solve: impl Solve<S>) -> TerminalState<S> {
         // b·w = drive − κ·(w − v): what is left of the wave's push once the spring has taken its part.
         let drive = self.root * wave_in - pull;
         let port = Port { force: pull + self.share * drive, impedance: self.impedance };
@@ -81,7 +83,7 @@ impl<S: Scalar> Terminal<S> {
 
     /// A tick in which the line's end stands, behind a spring of this pull (N) and impedance (N·s/m).
     #[inline]
-    pub(super) fn solve_grounded(pull: S, impedance: S, solve: impl Solve<S>) -> TerminalState<S> {
+    pub fn solve_grounded(pull: S, impedance: S, solve: impl Solve<S>) -> TerminalState<S> {
         let port = Port { force: pull, impedance };
         let mean = solve.velocity(port);
         TerminalState { velocity: S::ZERO, copy: mean, force: port.at(mean) }
@@ -89,7 +91,7 @@ impl<S: Scalar> Terminal<S> {
 
     /// Outgoing wave u_out, √W.
     #[inline]
-    pub(super) fn wave_out(&self, velocity: S, force: S) -> S {
+    pub fn wave_out(&self, velocity: S, force: S) -> S {
         self.velocity_to_wave * velocity - self.force_to_wave * force
     }
 }

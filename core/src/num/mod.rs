@@ -13,5 +13,4 @@ mod state;
 pub use configured::Configured;
 pub(crate) use configured::word;
 pub use scalar::{Fixed, Scalar};
-pub use state::{Carry, Motion, StateVector, Sum};
-pub(crate) use state::{visit_counter, visit_sum};
+pub use state::{Carry, Motion, StateVector, Sum, visit_counter, visit_sum};

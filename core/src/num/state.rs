@@ -64,7 +64,7 @@ impl<S, T: StateVector<S>, const N: usize> StateVector<S> for [T; N] {
 }
 
 /// Visits a number that is kept in another type than the peer computes in; untouched unless it is changed.
-pub(crate) fn visit_counter<S: Scalar>(number: &mut S::Counter, each: &mut impl FnMut(&mut S)) {
+pub fn visit_counter<S: Scalar>(number: &mut S::Counter, each: &mut impl FnMut(&mut S)) {
     let before = S::of_counter(*number);
     let mut visited = before;
     each(&mut visited);
@@ -74,7 +74,7 @@ pub(crate) fn visit_counter<S: Scalar>(number: &mut S::Counter, each: &mut impl 
 }
 
 /// Visits what a sum is so far; one that is changed begins anew from there.
-pub(crate) fn visit_sum<S: Scalar>(sum: &mut Sum<S::Counter>, each: &mut impl FnMut(&mut S)) {
+pub fn visit_sum<S: Scalar>(sum: &mut Sum<S::Counter>, each: &mut impl FnMut(&mut S)) {
     let before = sum.total();
     let mut visited = before;
     visit_counter::<S>(&mut visited, each);

@@ -23,7 +23,7 @@ pub struct Port<S> {
 
 /// z of a spring (N/m) and damper (N·s/m) to a point that does not follow the copy: K·T_c/2 + B, N·s/m, for a force as it is midway
 /// through the tick; K·T_c + B as the tick ends ([`super::backward_euler`]).
-pub(crate) fn met_midway(stiffness: f64, damping: f64, settings: &Settings) -> f64 {
+pub fn met_midway(stiffness: f64, damping: f64, settings: &Settings) -> f64 {
     settings.object.integrator.part_of_tick() * settings.timing.control_period_s * stiffness + damping
 }
 

@@ -57,6 +57,10 @@ pub struct LawInfo {
     pub own_time: bool,
     /// Both ends compute the same.
     pub ends_alike: bool,
+    /// It learns from how the other copy moves; a linear scene of it does not.
+    pub learns: bool,
+    /// A name that it had before, so that who uses it is told the new one.
+    pub formerly: &'static str,
 }
 
 /// Energy that no run exhausts, J: the largest value of a law's own key that limits how much energy it may spend.
@@ -74,6 +78,8 @@ impl LawInfo {
         scatters: false,
         own_time: false,
         ends_alike: true,
+        learns: false,
+        formerly: "",
     };
     /// The same for a law that sends waves as they are.
     pub const WAVES: Self = Self { sends: Sends::Waves, scatters: true, ..Self::MOTION };

@@ -1,14 +1,13 @@
 //! What another end may say: no law that keeps within the limits of its scene ever says more, whatever it hears and however it is moved.
 
 use haptic_core::law::bounds::Bounds;
-use haptic_core::law::{AnyLaw, Law, Observation, Packet};
+use haptic_core::law::{Law, Observation, Packet};
 use haptic_core::num::Motion;
 use haptic_core::object::Port;
 use haptic_core::settings::{Settings, Value};
 use proptest::prelude::*;
 
-/// Laws whose waves or sums are bounded, with the settings that they need.
-const LAWS: [&str; 6] = ["wave", "passive-wave", "passive-mean", "self-timed", "wave-integral", "wave-compensator"];
+use crate::{AnyLaw, BOUNDED, SCHEMA};
 
 fn settings(law: &'static str, ticks_per_packet: u32, impedance: f64) -> Settings {
     let mut settings = Settings::default();
@@ -19,7 +18,7 @@ fn settings(law: &'static str, ticks_per_packet: u32, impedance: f64) -> Setting
         ("coordination.wave_impedance_n_s_per_m", Value::Number(impedance)),
         ("timing.ticks_per_packet", Value::Number(ticks_per_packet.into())),
     ] {
-        settings.set(key, value).expect("an allowed value");
+        SCHEMA.set(&mut settings, key, value).expect("an allowed value");
     }
     settings.coordination.comm = law;
     settings
@@ -43,7 +42,7 @@ proptest! {
     /// The limits are those that the end itself kept: its fastest motion and its largest force, and no more.
     #[test]
     fn no_law_says_more_than_the_limits_that_it_keeps(
-        law in prop::sample::select(&LAWS[..]),
+        law in prop::sample::select(BOUNDED),
         ticks in ticks(),
         ticks_per_packet in 1..10_u32,
         impedance in 1.0..100.0_f64,
@@ -51,7 +50,7 @@ proptest! {
         claims in prop::sample::select(&[0.0, 0.3, 1.0, 100.0][..]),
     ) {
         let mut settings = settings(law, ticks_per_packet, impedance);
-        settings.set("coordination.most_line_mass_kg", Value::Number(most_kg)).expect("it is allowed");
+        SCHEMA.set(&mut settings, "coordination.most_line_mass_kg", Value::Number(most_kg)).expect("it is allowed");
         let law = AnyLaw::<f64>::build(&settings).expect("good settings");
         let own_time = AnyLaw::<f64>::info(&settings).expect("a law").own_time;
         let mut state = law.start(Motion::REST);
@@ -137,7 +136,7 @@ proptest! {
 fn a_self_timed_end_that_is_pushed_beyond_its_limits_is_believed() {
     let mut settings = settings("self-timed", 1, 60.0);
     for key in ["coordination.most_line_mass_kg", "coordination.carry_damping_n_s_per_m"] {
-        settings.set(key, Value::Number(0.0)).expect("it is allowed");
+        SCHEMA.set(&mut settings, key, Value::Number(0.0)).expect("it is allowed");
     }
     let law = AnyLaw::<f64>::build(&settings).expect("good settings");
     let bounds = AnyLaw::<f64>::bounds(&settings);
@@ -181,7 +180,7 @@ fn the_bound_is_what_the_limits_come_to() {
         assert!(2.0 * mean - own <= 3.0);
     }
     for number in [f64::NAN, f64::INFINITY, -f64::INFINITY, f64::MAX] {
-        for law in LAWS {
+        for &law in BOUNDED {
             let bounds = AnyLaw::<f64>::bounds(&settings(law, 8, 10.0));
             let still = Packet::<f64>::default();
             for packet in [

@@ -5,7 +5,7 @@
 //! | [`fixed`], [`sin_cos`] | does arithmetic round and saturate as it says? |
 //! | [`total`] | is every tick of every scene defined, and within its limits? |
 //! | [`bounds`] | does what another end may say follow from the limits? |
-//! | [`law`], [`copies`], [`tank`], [`deadband`], [`node`] | does every law keep its promise? |
+//! | [`law`], [`copies`], [`node`] | does every law keep its promise? |
 //! | [`object`], [`free_body`], [`rigid`], [`plane`], [`contact`] | do bodies move and touch as mechanics says? |
 //! | [`device`], [`probe`], [`winding`] | does a device read, drive, and find out what is wrong with it? |
 //! | [`peer`] | does a peer start, stop, and hold its forces? |
@@ -13,7 +13,6 @@
 mod bounds;
 mod contact;
 mod copies;
-mod deadband;
 mod device;
 mod fixed;
 mod free_body;
@@ -25,8 +24,15 @@ mod plane;
 mod playout;
 mod probe;
 mod rigid;
-mod setup;
 mod sin_cos;
-mod tank;
 mod total;
+mod two_copies;
 mod winding;
+
+// What every law is asked, haptic-laws asks of its own with the same files.
+use haptic_core::law::AnyLaw;
+
+const SCHEMA: haptic_core::schema::Schema = haptic_core::schema::Schema::BUILT_IN;
+
+/// Laws whose waves or sums are bounded.
+const BOUNDED: &[&str] = &["wave", "passive-wave", "passive-mean", "self-timed"];

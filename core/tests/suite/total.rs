@@ -8,18 +8,19 @@ use haptic_core::device::kinematics::{AnyKinematics, AnySpatial, Kinematics};
 use haptic_core::device::probe::{Probe, Request, Shape};
 use haptic_core::device::stage::{Flow, Measured};
 use haptic_core::device::{AXES, Reading};
+use haptic_core::law::Packet;
 use haptic_core::law::wave::Decode;
-use haptic_core::law::{AnyLaw, Packet};
 use haptic_core::names::{FixtureName, RenderingName};
 use haptic_core::num::{Fixed, Motion, Scalar};
 use haptic_core::object::IntegratorName;
 use haptic_core::peer::{Peer, Sensors};
 use haptic_core::safety::{Command, Mode};
-use haptic_core::schema::Schema;
 use haptic_core::settings::{Allowed, Choice, MOST_OWN_KEYS, Settings, Value};
 use std::array::from_fn;
 
 use proptest::prelude::*;
+
+use crate::{AnyLaw, SCHEMA};
 
 /// A number of any kind: three in four what a device could say, the others any bits.
 fn any_number() -> impl Strategy<Value = f64> {
@@ -81,11 +82,11 @@ fn outside() -> impl Strategy<Value = Outside> {
 /// Settings with every key drawn from its range by one number in 0..=1; 0 and 1 are the ends.
 fn settings(draws: &[f64]) -> Settings {
     let mut settings = Settings::default();
-    for (key, &draw) in Settings::keys().zip(draws) {
+    for (key, &draw) in SCHEMA.keys().zip(draws) {
         // Of laws' own keys, which come last, those of the law that was drawn: there is no room for all. Of a list that is
         // longer than the room, one in turn keeps its default.
-        let of_a_law = Schema::BUILT_IN.laws().iter().any(|law| law.keys.contains(&key));
-        let own = Schema::BUILT_IN.law(&settings).map_or(&[][..], |law| law.keys);
+        let of_a_law = SCHEMA.laws().iter().any(|law| law.keys.contains(&key));
+        let own = SCHEMA.law(&settings).map_or(&[][..], |law| law.keys);
         let left = (own.len() as f64 * draws[0]) as usize % own.len().max(1);
         let is_left = |nth| nth == left && own.len() > MOST_OWN_KEYS;
         if of_a_law && own.iter().position(|own| *own == key).is_none_or(is_left) {
@@ -103,7 +104,7 @@ fn settings(draws: &[f64]) -> Settings {
             Allowed::Laws(kinds) => Value::Text(pick(kinds, draw).name),
             Allowed::Only(_) => continue,
         };
-        settings.set(key.name, value).unwrap_or_else(|error| panic!("{}: {error:?}", key.name));
+        SCHEMA.set(&mut settings, key.name, value).unwrap_or_else(|error| panic!("{}: {error:?}", key.name));
     }
     // Half of all pairs would be out of order, and refused.
     let safety = &mut settings.safety;
@@ -115,7 +116,7 @@ fn settings(draws: &[f64]) -> Settings {
         settings.contact.rendering = RenderingName::Continuous;
         settings.contact.gap_m = 0.0;
     }
-    let law = Schema::BUILT_IN.law(&settings).expect("a law");
+    let law = SCHEMA.law(&settings).expect("a law");
     if !law.scatters {
         (settings.coordination.ledger, settings.coordination.drift_correction) = (false, false);
     }
@@ -126,7 +127,7 @@ fn settings(draws: &[f64]) -> Settings {
     if settings.object.integrator.solves() {
         settings.coordination.decode = Decode::Implicit;
         settings.object.force_delay_ticks = 0.0;
-        settings.set("four_channel.at_device", Value::Flag(false)).expect("a flag");
+        SCHEMA.set(&mut settings, "four_channel.at_device", Value::Flag(false)).expect("a flag");
     } else {
         settings.fixture.kind = FixtureName::None;
     }
@@ -265,7 +266,7 @@ proptest! {
 
     #[test]
     fn forces_stay_finite_and_within_limits(
-        draws in prop::collection::vec(0.0..=1.0_f64, Settings::keys().count()),
+        draws in prop::collection::vec(0.0..=1.0_f64, SCHEMA.keys().count()),
         course in prop::collection::vec(outside(), 1..120),
     ) {
         let settings = settings(&draws);
@@ -281,11 +282,11 @@ fn most_drawn_settings_are_accepted() {
     use proptest::strategy::ValueTree;
     use proptest::test_runner::TestRunner;
     let mut runner = TestRunner::deterministic();
-    let strategy = prop::collection::vec(0.0..=1.0_f64, Settings::keys().count());
+    let strategy = prop::collection::vec(0.0..=1.0_f64, SCHEMA.keys().count());
     let accepted = (0..1000)
         .filter(|_| {
             let draws = strategy.new_tree(&mut runner).expect("a vector of numbers").current();
-            settings(&draws).check().is_ok()
+            settings(&draws).check_with::<AnyLaw<f64>>().is_ok()
         })
         .count();
     assert!(accepted > 150, "only {accepted} of 1000 random settings build");

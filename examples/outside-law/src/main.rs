@@ -9,7 +9,7 @@
 //! cargo run -- campaign
 //! ```
 //!
-//! In haptic-core the same law would be this file and one line in its list of laws.
+//! In haptic-core or haptic-laws the same law would be this file and one line in the list of laws.
 
 use haptic_core::configured;
 use haptic_core::law::{Coupled, Law, LawInfo, Observation, Packet, Spring};
@@ -70,5 +70,5 @@ impl haptic_sim::Family for Outside {
 }
 
 fn main() -> std::process::ExitCode {
-    host_sim::Cli::new(haptic_sim::Laws::built_in().with::<Outside>()).main()
+    host_sim::Cli::new(host_sim::laws().with::<Outside>()).main()
 }

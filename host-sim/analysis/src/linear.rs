@@ -7,7 +7,6 @@
 use haptic_sim::scene::Scene;
 
 use super::lifted::driven::{counts, driven, keeps_silent, seats};
-use super::lifted::kicked::learns;
 use crate::error::Error;
 
 /// Pairs of states that are tried.
@@ -27,7 +26,7 @@ pub fn is_linear(scene: &Scene) -> Result<bool, Error> {
 /// Whether a matrix says all that a linear scene does: its law is linear, learns nothing, and sends a packet in each period. Those that count ticks
 /// are linear.
 pub(crate) fn matrix_says_all(linear: &Scene) -> Result<bool, Error> {
-    Ok(!keeps_silent(linear) && !learns(linear) && (counts(linear) || adds_up(linear, 1)?))
+    Ok(!keeps_silent(linear) && !linear.law().learns && (counts(linear) || adds_up(linear, 1)?))
 }
 
 /// [`is_linear`] of a linear scene, by so many pairs of states.

@@ -23,7 +23,6 @@ use serde::Serialize;
 use super::delays::delays;
 use super::lifted::delay::{at_delays, delays_ticks};
 use super::lifted::driven::{counts, keeps_silent};
-use super::lifted::kicked::learns;
 use super::linear::{is_linear, matrix_says_all};
 use super::verdict::{Analyser, Reduced, Verdict};
 use crate::error::Error;
@@ -247,7 +246,7 @@ pub(crate) fn not_judged(scene: &Scene) -> Vec<&'static str> {
         (scene.law().own_time, "ticks in which the line stands, or is made longer or shorter"),
         (scene.law().budgets().next().is_some(), "what the law's energy tank holds back when it is short"),
         (is_linear(scene).is_ok_and(|linear| !linear), "what is not linear about the law, but for one small kick"),
-        (learns(scene), "what the law learns, but for what it learns from one kick"),
+        (scene.law().learns, "what the law learns, but for what it learns from one kick"),
         (keeps_silent(scene), "silence on purpose, but for motions that are worth no packet, or always one"),
         (law.drift_correction, "the correction of drift"),
         (recorded, "what the recorded network did"),

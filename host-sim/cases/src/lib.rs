@@ -69,15 +69,15 @@ fn case<M: Meter, I: Copy + 'static, O, B: FnMut(I) -> O>(
     Case { name, calls, replay: Box::new(replay) }
 }
 
-/// Every case in one number type, in the order of the tables; each is made when its turn comes.
-pub fn all<S: Scalar, M: Meter>() -> impl Iterator<Item = Case> {
+/// Every case in one number type, with each of the laws of `L`, in the order of the tables; each is made when its turn comes.
+pub fn all<S: Scalar, L: Law<S>, M: Meter>() -> impl Iterator<Item = Case> {
     let ticks = scenes::SCENES.iter().map(|scene| tick::<S, AnyLaw<S>, M>(scene));
     let named = core::iter::once_with(|| tick::<S, PassiveWave<S>, M>(&scenes::NAMED));
     let filters = [filter::<S, Exact<S>, M>, filter::<S, ForwardEuler<S>, M>, filter::<S, Bilinear<S>, M>];
     let velocities = reach::RESOLUTIONS
         .iter()
         .flat_map(|&counts_per_m| VelocityName::ALL.iter().map(move |&name| estimator::<S, M>(name, counts_per_m)));
-    let laws = AnyLaw::<S>::LAWS.iter().map(|info| law::<S, M>(info));
+    let laws = L::LAWS.iter().map(|info| law::<S, L, M>(info));
     ticks
         .chain(named)
         .chain(laws)
@@ -94,8 +94,8 @@ fn tick<S: Scalar, L: Law<S>, M: Meter>(scene: &scenes::Scene) -> Case {
 }
 
 /// The ticks of a law at the gains that it declares: every law of the list, in the scene in which they are compared.
-fn law<S: Scalar, M: Meter>(law: &LawInfo) -> Case {
-    ticks_of::<S, AnyLaw<S>, M>(format!("law/{}", law.name), scenes::of_law(law))
+fn law<S: Scalar, L: Law<S>, M: Meter>(law: &LawInfo) -> Case {
+    ticks_of::<S, L, M>(format!("law/{}", law.name), scenes::of_law(law, L::LAWS))
 }
 
 fn ticks_of<S: Scalar, L: Law<S>, M: Meter>(name: String, settings: Settings) -> Case {

@@ -6,6 +6,7 @@ use haptic_core::device::kinematics::{KinematicsName, Maths};
 use haptic_core::device::velocity::VelocityName::{Adaptive, Difference, Filtered};
 use haptic_core::law::wave::Decode;
 use haptic_core::object::IntegratorName::{BackwardEuler, Exact, Midpoint, SemiImplicit};
+use haptic_core::schema::Schema;
 use haptic_core::settings::{LawInfo, Settings, Value};
 
 /// A scene that is counted.
@@ -127,15 +128,15 @@ pub const SCENES: &[Scene] = &[
 /// The scene of an image that names its law and carries no other.
 pub const NAMED: Scene = scene("named-models", "delayed-forward-euler", "models named at compile time", |_| {});
 
-/// The settings of a peer where laws are compared: one solve a tick, and the gains that the law declares.
-pub fn of_law(law: &LawInfo) -> Settings {
+/// The settings of a peer where laws are compared: one solve a tick, and the gains that the law, one of a list, declares.
+pub fn of_law(law: &LawInfo, laws: &'static [LawInfo]) -> Settings {
     let mut settings = Settings::default();
     settings.coordination.decode = Decode::Implicit;
     (settings.object.integrator, settings.object.force_delay_ticks) = (Midpoint, 0.0);
     settings.coordination.comm = law.name;
     for (key, value) in law.gains.iter().filter_map(|gain| gain.split_once('=')) {
         // A key of the world (a network's) is nothing that a peer is configured with.
-        let _ = settings.set(key, Value::of_text(value));
+        let _ = Schema::new(laws).set(&mut settings, key, Value::of_text(value));
     }
     settings
 }

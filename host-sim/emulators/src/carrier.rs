@@ -19,7 +19,7 @@ use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 
 #[cfg(target_os = "linux")]
 use super::kernel;
-use super::motors::{Fault, World, locked};
+use super::{locked, motors::Fault, motors::World};
 
 /// How late a late answer is.
 pub(crate) const LATE: Duration = Duration::from_millis(100);

@@ -10,7 +10,7 @@ use tungstenite::{Message, WebSocket, accept};
 
 use super::asked::Asked;
 use super::hand::{Hand, STEP_S};
-use super::{Emulated, Seen, named};
+use super::{Emulated, Seen, locked, named};
 
 /// For so long a force stands without a new one unless it is told otherwise, s. The vendor says "applied once and forgotten", and no number.
 pub const HOLDS_S: f64 = 0.02;
@@ -189,11 +189,6 @@ impl Emulated for Emulator {
             last_push_s: world.asked.last_push_s(),
         }
     }
-}
-
-/// Only a test that fails while it holds the world leaves it as it should not be.
-fn locked(world: &Mutex<World>) -> MutexGuard<'_, World> {
-    world.lock().expect("the emulator goes on")
 }
 
 /// Serves one client until its line is closed, or until the service closes it.

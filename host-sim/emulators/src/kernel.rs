@@ -16,7 +16,7 @@ use rustix::net::{
 };
 
 use super::carrier::{LATE, Served, clear};
-use super::motors::{Fault, World, locked};
+use super::{locked, motors::Fault, motors::World};
 
 /// Flag of an identifier of 29 bits, and the identifiers' bits.
 const EXTENDED: u32 = 1 << 31;

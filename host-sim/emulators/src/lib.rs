@@ -17,6 +17,8 @@
 //! **Not modelled**: what no public documentation says (how long an Inverse3 holds a force is invented), gravity, friction, the mass of links,
 //! the time that a bus takes.
 
+use std::sync::{Mutex, MutexGuard};
+
 pub mod asked;
 #[cfg(unix)]
 pub mod carrier;
@@ -61,4 +63,9 @@ pub trait Emulated {
 /// The fault of a kind of device that has this name.
 fn named<F: Copy>(faults: &[(&str, F)], name: &str) -> Option<F> {
     faults.iter().find(|(known, _)| *known == name).map(|(_, fault)| *fault)
+}
+
+/// The world of an emulator, which goes on in a thread of its own: only a test that fails while it holds it leaves it as it should not be.
+fn locked<W>(world: &Mutex<W>) -> MutexGuard<'_, W> {
+    world.lock().expect("the emulator goes on")
 }

@@ -131,6 +131,7 @@ fn answer(world: &mut World, console: &mut String, joint: usize, mut bytes: &[u8
         return Some([&[0x41, 1, text.len() as u8], text.as_bytes()].concat());
     }
     let told = world.told(joint);
+    let either = |is_so: bool, then: f64, otherwise: f64| if is_so { then } else { otherwise };
     let mut reply = Vec::new();
     for (kind, register) in &reads {
         let value = match register {
@@ -138,29 +139,11 @@ fn answer(world: &mut World, console: &mut String, joint: usize, mut bytes: &[u8
             1 => told[0] / std::f64::consts::TAU,
             2 => told[1] / std::f64::consts::TAU,
             3 => world.motors[joint].torque_nm,
-            0x0c => {
-                if world.fault == Fault::Relative {
-                    0.0
-                } else {
-                    2.0
-                }
-            }
+            0x0c => either(world.fault == Fault::Relative, 0.0, 2.0),
             // In steps of half a volt.
-            0x0d => 2.0 * if world.fault == Fault::OverVoltage && joint == 0 { 57.0 } else { 24.0 },
-            0x0e => {
-                if world.fault == Fault::TooWarm && joint == 0 {
-                    79.0
-                } else {
-                    31.0
-                }
-            }
-            0x0f if world.motors[joint].mode == FAULT => {
-                if world.fault == Fault::TooWarm {
-                    38.0
-                } else {
-                    34.0
-                }
-            }
+            0x0d => 2.0 * either(world.fault == Fault::OverVoltage && joint == 0, 57.0, 24.0),
+            0x0e => either(world.fault == Fault::TooWarm && joint == 0, 79.0, 31.0),
+            0x0f if world.motors[joint].mode == FAULT => either(world.fault == Fault::TooWarm, 38.0, 34.0),
             _ => 0.0,
         };
         reply.extend([0x20 | kind << 2 | 1, *register as u8]);

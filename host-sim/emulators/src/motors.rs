@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex, MutexGuard};
 use super::asked::Asked;
 use super::carrier::{Place, Served, carry};
 use super::hand::{Hand, STEP_S};
-use super::{Emulated, Seen, named};
+use super::{Emulated, Seen, locked, named};
 
 /// The second motor turns against its joint.
 const MOTORS: &str = "1,-2";
@@ -268,9 +268,4 @@ impl Emulated for Emulator {
     fn look(&self) -> Seen {
         self.world().look()
     }
-}
-
-/// The world of an emulator, which goes on in a thread of its own.
-pub(crate) fn locked(world: &Mutex<World>) -> MutexGuard<'_, World> {
-    world.lock().expect("the emulator goes on")
 }

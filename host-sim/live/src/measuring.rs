@@ -20,6 +20,7 @@ use haptic_sim::network::rule::{Arrival, NetworkTrace};
 use serde::Serialize;
 
 use super::Error;
+use super::carried::any_towards;
 use super::endpoint::Stop;
 
 /// Most probes a second, and longest measurement, s.
@@ -157,8 +158,7 @@ pub fn probe(
     if 1.0 / every_s > MOST_PER_S * (1.0 + 1e-9) || duration_s > MOST_S {
         return Err(format!("at most {MOST_PER_S} probes a second for {MOST_S} s are allowed").into());
     }
-    let any: SocketAddr = if to.is_ipv4() { ([0, 0, 0, 0], 0).into() } else { ([0; 16], 0).into() };
-    let socket = bound(from.unwrap_or(any))?;
+    let socket = bound(from.unwrap_or_else(|| any_towards(to)))?;
     socket.connect(to).map_err(haptic_sim::Error::cannot("reach", &to))?;
     let start = Instant::now();
     let now_ns = || start.elapsed().as_nanos() as u64;

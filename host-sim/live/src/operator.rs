@@ -11,6 +11,7 @@ use haptic_protocol::lines::LONGEST;
 use haptic_protocol::wire::{MAX_DATAGRAM, Sample};
 use haptic_sim::engine::{Actor, Out};
 
+use super::carried::any_towards;
 use super::endpoint::{Endpoint, Live, Stop, Ticker};
 use crate::{Error, key_file};
 
@@ -94,8 +95,7 @@ impl Operator {
     /// The key file cannot be read, or the board does not answer.
     pub fn connect(board: SocketAddr, key_file: &Path) -> Result<Self, Error> {
         let key = key_file::read(key_file, Role::Operator)?;
-        let any = if board.is_ipv4() { "0.0.0.0:0" } else { "[::]:0" };
-        let endpoint = Endpoint::answering(any.parse().map_err(|_| format!("{any} is no address"))?)?;
+        let endpoint = Endpoint::answering(any_towards(board))?;
         // Either board may be there: both are called, and the one that is there answers.
         let [one, two] = [1, 2].map(|number| Session::new(key.clone(), number, key_file::entropy()?));
         let mut called = [one?, two?];

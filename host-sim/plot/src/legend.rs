@@ -32,9 +32,14 @@ fn note(panel: &Panel, frame: &Frame) -> Vec<String> {
     panel.note.iter().flat_map(|note| font::wrap(note, SIZE, room)).collect()
 }
 
+/// How wide the entry of each labelled series is.
+fn widths(panel: &Panel) -> impl Iterator<Item = f64> {
+    labelled(panel).map(|series| SAMPLE + font::width(&series.label, SIZE))
+}
+
 /// Width and height of a panel's box; `None` if there is nothing to write.
 fn size(panel: &Panel, frame: &Frame) -> Option<(f64, f64)> {
-    let labels = labelled(panel).map(|series| SAMPLE + font::width(&series.label, SIZE));
+    let labels = widths(panel);
     let note = note(panel, frame).into_iter().map(|line| font::width(&line, SIZE));
     let widths: Vec<f64> = labels.chain(note).collect();
     let widest = widths.iter().copied().reduce(f64::max)?;
@@ -43,8 +48,7 @@ fn size(panel: &Panel, frame: &Frame) -> Option<(f64, f64)> {
 
 /// Whether the labels of the panel's series are too long for a box in it.
 pub(crate) fn is_wide(panel: &Panel, frame: &Frame) -> bool {
-    labelled(panel)
-        .any(|series| SAMPLE + font::width(&series.label, SIZE) + 2.0 * (PADDING + CLEARANCE) > frame.width())
+    widths(panel).any(|width| width + 2.0 * (PADDING + CLEARANCE) > frame.width())
 }
 
 /// The best place in the frame for the panel's box.
@@ -100,7 +104,7 @@ pub(crate) fn below(panel: &Panel, name: &str, mut top: f64, (left, right): (f64
         top += LINE;
         marks.push(Mark::text((left, top), Anchor::Start, SIZE, INK, name));
     }
-    let widest = labelled(panel).map(|series| SAMPLE + font::width(&series.label, SIZE)).fold(1.0, f64::max);
+    let widest = widths(panel).fold(1.0, f64::max);
     let count = labelled(panel).count();
     let columns = (((right - left) / (widest + SAMPLE)) as usize).clamp(1, count.max(1));
     let rows = count.div_ceil(columns);

@@ -32,14 +32,8 @@ pub(crate) fn render(sheet: &Sheet, about: &str) -> String {
                     format!("fill=\"none\" stroke=\"{color}\" stroke-width=\"{width}\" stroke-linejoin=\"round\"");
                 writeln!(out, "<path d=\"{path}\" {stroke}{dash}/>")
             }
-            Mark::Fill { frame, color, opacity } => {
-                let piece = path(&frame.corners()) + "z";
-                writeln!(out, "<path d=\"{piece}\" fill=\"{}\" fill-opacity=\"{opacity}\"/>", hex(*color))
-            }
-            Mark::Region { strips, color, opacity } => {
-                let pieces: String = strips.iter().map(|corners| path(corners) + "z").collect();
-                writeln!(out, "<path d=\"{pieces}\" fill=\"{}\" fill-opacity=\"{opacity}\"/>", hex(*color))
-            }
+            Mark::Fill { frame, color, opacity } => writeln!(out, "{}", filled([frame.corners()], *color, *opacity)),
+            Mark::Region { strips, color, opacity } => writeln!(out, "{}", filled(strips, *color, *opacity)),
             Mark::Disc { at: (x, y), radius, color } => {
                 writeln!(out, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius}\" fill=\"{}\"/>", hex(*color))
             }
@@ -87,6 +81,12 @@ fn letters(text: &Text) -> String {
         )
     };
     words.iter().map(element).collect::<Vec<_>>().join("\n")
+}
+
+/// An area of these pieces, each with its corners.
+fn filled(pieces: impl IntoIterator<Item = impl AsRef<[Point]>>, color: Rgb, opacity: f64) -> String {
+    let pieces: String = pieces.into_iter().map(|corners| path(corners.as_ref()) + "z").collect();
+    format!("<path d=\"{pieces}\" fill=\"{}\" fill-opacity=\"{opacity}\"/>", hex(color))
 }
 
 /// Path data through these points. Differences are taken between rounded positions, so rounding does not add up.

@@ -4,7 +4,7 @@
 //! peer asks Python once a tick, which makes a run some ten times slower, and only one thread at a time gets an answer. It is
 //! a law of explicit numbers: what it is given, its state and what it answers are tuples of floats, so that the analyser can see its state.
 
-use std::sync::{PoisonError, RwLock};
+use std::sync::{LazyLock, PoisonError, RwLock};
 
 use haptic_core::law::{Coupled, Law, LawInfo, Observation, Packet, Sends};
 use haptic_core::num::{Configured, Motion, Scalar, StateVector};
@@ -33,7 +33,7 @@ struct Written {
 }
 
 static WRITTEN: RwLock<Vec<Written>> = RwLock::new(Vec::new());
-static LAWS: RwLock<Laws> = RwLock::new(Laws::built_in());
+static LAWS: LazyLock<RwLock<Laws>> = LazyLock::new(|| RwLock::new(haptic_guest_laws::laws()));
 
 /// The laws that a scene may name now.
 pub(crate) fn laws() -> Laws {

@@ -18,7 +18,6 @@ use haptic_live::peer::Report;
 use haptic_live::steering::{Snapshot, Steering};
 use haptic_live::tell::Manner;
 use haptic_live::watch::LiveOptions;
-use haptic_sim::Laws;
 use host_sim::live_peer;
 use pyo3::exceptions::{PyOSError, PyRuntimeError};
 use pyo3::prelude::*;
@@ -199,7 +198,7 @@ impl LivePeer {
         }
         let scene = scene.checked()?.clone();
         let law = scene.law().name;
-        if Laws::built_in().all().iter().all(|known| known.name != law) {
+        if haptic_guest_laws::laws().all().iter().all(|known| known.name != law) {
             let must = "a law in Python would be asked in the middle of a tick, which waits for nobody";
             return Err(refused(format!("coordination.comm = \"{law}\" is not allowed in a live peer: {must}")));
         }

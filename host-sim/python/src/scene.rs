@@ -52,7 +52,7 @@ fn with_laws(
     py: Python<'_>,
     find: impl Fn(Laws) -> Result<haptic_sim::Scene, haptic_sim::Error> + Send + 'static,
 ) -> PyResult<haptic_sim::Scene> {
-    here(py, move |_| find(Laws::built_in()).or_else(|_| find(laws())).map_err(refused))
+    here(py, move |_| find(haptic_guest_laws::laws()).or_else(|_| find(laws())).map_err(refused))
 }
 
 /// A value that a key may take, or a sweep give it.

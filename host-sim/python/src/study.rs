@@ -44,7 +44,7 @@ pub(crate) struct Study {
 fn entrant(py: Python<'_>, text: String) -> PyResult<Entrant> {
     here(py, move |_| {
         let of = |laws: Laws| Entrant::of(laws, &text, None, &[], None);
-        of(Laws::built_in()).or_else(|_| of(laws())).map_err(refused)
+        of(haptic_guest_laws::laws()).or_else(|_| of(laws())).map_err(refused)
     })
 }
 

@@ -271,6 +271,8 @@ static BUILT_IN: [Maker; 1] = [Maker::of::<BuiltIn>()];
 pub struct Laws {
     schema: Schema,
     makers: &'static [Maker],
+    /// How many of the makers are the program's own.
+    own: usize,
 }
 
 impl Default for Laws {
@@ -282,7 +284,7 @@ impl Default for Laws {
 impl Laws {
     /// The laws of haptic-core.
     pub const fn built_in() -> Self {
-        Self { schema: Schema::BUILT_IN, makers: &BUILT_IN }
+        Self { schema: Schema::BUILT_IN, makers: &BUILT_IN, own: 1 }
     }
 
     /// These laws and those of one more family. The list stays in memory for the life of the program.
@@ -309,7 +311,7 @@ impl Laws {
         }
         let laws = [self.all(), maker.laws].concat();
         let makers = [self.makers, &[maker]].concat();
-        Self { schema: Schema::new(Box::leak(laws.into())), makers: Box::leak(makers.into()) }
+        Self { schema: Schema::new(Box::leak(laws.into())), makers: Box::leak(makers.into()), ..self }
     }
 
     /// Every key of a peer with these laws.
@@ -322,9 +324,15 @@ impl Laws {
         self.schema.laws()
     }
 
-    /// Names of the laws that core does not know.
+    /// These laws, all of them the program's own: [`Laws::outside`] are those that are added later.
+    #[must_use]
+    pub fn as_own(self) -> Self {
+        Self { own: self.makers.len(), ..self }
+    }
+
+    /// Names of the laws that are not the program's own, but were brought by whoever extends it.
     pub fn outside(&self) -> impl Iterator<Item = &'static str> {
-        self.makers[1..].iter().flat_map(|maker| maker.laws).map(|law| law.name)
+        self.makers[self.own..].iter().flat_map(|maker| maker.laws).map(|law| law.name)
     }
 
     /// A peer with these settings, disarmed. `device` is where the device is when its encoders are first read.

@@ -125,12 +125,12 @@ impl Scene {
     }
 
     /// Whether runs with other seeds may be other runs: something is drawn, what becomes of packets or the noise of the power stage's
-    /// converters, or the law is not one of core's, which draws nothing.
+    /// converters, or the law is from outside: none of the program's own draws anything.
     pub fn draws(&self) -> bool {
         self.draws_packets() || self.world.plant.winding || self.has_outside_law()
     }
 
-    /// Whether the scene's law is not one of core's.
+    /// Whether the scene's law is none of the program's own.
     pub(crate) fn has_outside_law(&self) -> bool {
         self.laws.outside().any(|name| name == self.peer.coordination.comm)
     }

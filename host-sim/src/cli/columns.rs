@@ -13,7 +13,7 @@ use haptic_report::{Column, Columns};
 use haptic_sim::network::trace;
 use haptic_sim::{run::Account, scene::Scene};
 use haptic_studies::entrant::Entrant;
-use haptic_studies::reproduce::{paper, published};
+use haptic_studies::reproduce::paper;
 use haptic_studies::study::{Network, Study, answers::Goal};
 use haptic_studies::sweep;
 use haptic_studies::sweep::{Kept as _, Row, Sweep};
@@ -21,7 +21,7 @@ use haptic_studies::{accuracy, architectures, bench, campaign, force, precision,
 use serde_json::{Value, json};
 
 use super::{Failure, Ui};
-use crate::play;
+use crate::{play, published};
 
 /// The key of an example.
 const KEY: &str = "TABLE.KEY";

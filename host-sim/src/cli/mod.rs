@@ -165,17 +165,23 @@ struct Outside {
 }
 
 /// The command line of `host-sim`.
-#[derive(Default)]
 pub struct Cli {
     laws: Laws,
     outside: Vec<Outside>,
     devices: Vec<OutsideDevice>,
 }
 
+impl Default for Cli {
+    /// With the laws of core and of other papers.
+    fn default() -> Self {
+        Self::new(haptic_guest_laws::laws())
+    }
+}
+
 impl Cli {
     /// With these laws, in every command.
     pub fn new(laws: Laws) -> Self {
-        Self { laws, ..Self::default() }
+        Self { laws, outside: Vec::new(), devices: Vec::new() }
     }
 
     /// Adds a command of this name. Its arguments are `A`, which clap derives, with doc comments as help; its result is printed as a

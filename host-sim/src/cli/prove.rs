@@ -23,7 +23,7 @@ pub(super) struct Prove {
 impl Prove {
     pub(super) fn run(&self, ui: &Ui) -> Result<(), Failure> {
         ui.only_built_in("prove looks at");
-        let names = proof::names();
+        let names = proof::names(ui.laws);
         let asked = match &self.law {
             Some(name) if names.contains(&name.as_str()) => vec![name.as_str()],
             Some(name) => return Err(format!("--law {name} is not allowed: one of {}", names.join(", ")).into()),
@@ -31,7 +31,7 @@ impl Prove {
         };
         let (rows, _) = ui.work(asked.len(), "laws", |step| {
             let of = |name: &&str| {
-                let row = proof::row(name);
+                let row = proof::row(name, haptic_guest_laws::prove);
                 step();
                 row
             };

@@ -1,7 +1,7 @@
 //! `host-sim published`: numbers of the laws' own papers beside what the laws do here.
 
+use crate::published::{columns, rows};
 use clap::Args;
-use haptic_studies::reproduce::published::{columns, rows};
 
 use super::{Failure, Ui};
 

@@ -370,8 +370,7 @@ impl Seat {
                 Err(why) => theirs.lock().unwrap_or_else(PoisonError::into_inner).reported.status = why.to_string(),
             }
         };
-        let thread = std::thread::Builder::new().name("board".into()).spawn(work)?;
-        let thread = Some(thread);
+        let thread = Some(std::thread::Builder::new().name("board".into()).spawn(work)?);
         Ok(Self {
             index,
             mailbox,
@@ -519,8 +518,6 @@ impl Environment for Boards {
     }
 
     fn point(&mut self, _: usize, _: Option<[f64; 3]>, _: u32) {}
-
-    fn play(&mut self, _: usize) {}
 
     fn step(&mut self) -> Result<Sample, Error> {
         for (seat, reported) in self.seats.iter_mut().zip(&mut self.reported) {

@@ -112,7 +112,7 @@ pub(crate) fn channels(topic: &str) -> Vec<Channel> {
             // What a page shows where nobody says has the recording's own topic.
             EnvironmentKind::Pair => Channel::new(topic, "Tick", fields),
             kind => {
-                let name = EnvironmentKind::NAMES[usize::from(kind.number())];
+                let name = kind.name();
                 // A dash is in no name of a schema.
                 Channel::new(format!("{place}/{name}"), &format!("Tick_{}", name.replace('-', "_")), fields)
             }

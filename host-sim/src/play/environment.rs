@@ -132,8 +132,10 @@ pub(super) trait Environment {
     /// a world that was before the last start, it has let go.
     fn point(&mut self, hand: usize, at: Option<[f64; 3]>, restarts: u32);
 
-    /// Who plays when nobody holds this hand holds it in the next tick.
-    fn play(&mut self, hand: usize);
+    /// Who plays when nobody holds this hand holds it in the next tick: nobody, where the simulated hands are left alone.
+    fn play(&mut self, hand: usize) {
+        self.point(hand, None, 0);
+    }
 
     /// Steps the environment by one tick.
     fn step(&mut self) -> Result<Sample, Error>;

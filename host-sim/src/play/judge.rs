@@ -76,8 +76,9 @@ fn run(
     let mut edge = Edge::default();
     tell(mailbox, &scene, None, None);
     let mut finding = find(&scene);
-    tell(mailbox, &scene, Some(&finding), edge.of(&scene, kind));
-    for Ask { window, line } in orders {
+    loop {
+        tell(mailbox, &scene, Some(&finding), edge.of(&scene, kind));
+        let Ok(Ask { window, line }) = orders.recv() else { return };
         let (anyway, line) = line.strip_prefix("anyway ").map_or((false, line.as_str()), |line| (true, line));
         // What follows a picture is the workshop as it was left.
         let from = if kind.is_story() && line.starts_with("show ") { &workshop } else { &scene };
@@ -93,12 +94,10 @@ fn run(
                     finding = find(&fitting);
                 }
                 (kind, scene) = (other, *fitting);
-                tell(mailbox, &scene, Some(&finding), edge.of(&scene, kind));
                 continue;
             }
             Err(why) => {
                 mailbox.lock().answer(window, json!({ "refused": refusal(&why) }).to_string());
-                tell(mailbox, &scene, Some(&finding), edge.of(&scene, kind));
                 continue;
             }
         };
@@ -112,14 +111,12 @@ fn run(
         if !free && found.stable != Some(true) {
             let ask = json!({ "ask": { "line": line, "text": found.text, "instead": found.instead } });
             mailbox.lock().answer(window, ask.to_string());
-            tell(mailbox, &scene, Some(&finding), edge.of(&scene, kind));
             continue;
         }
         if !free {
             mailbox.lock().want(Request::Scene(Box::new(wanted.clone())));
         }
         (kind, scene, finding) = (kind.in_scene(&wanted), wanted, found);
-        tell(mailbox, &scene, Some(&finding), edge.of(&scene, kind));
     }
 }
 

@@ -19,50 +19,28 @@ use super::turns::{self, Turns};
 use super::visit::{self, Visit};
 use crate::Error;
 
-/// An environment that needs nothing but a scene.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum EnvironmentKind {
-    /// Two peers hold one object along one axis.
-    #[default]
-    Pair,
-    /// Two peers hold one object in the plane.
-    Plane,
-    /// Two peers hold one object in space.
-    Space,
-    /// Four peers hold one object through a hub.
-    Hub,
-    /// Squash, the paper's game.
-    Squash,
-    /// A static world, felt by pushing along it.
-    World,
-    /// One object, taken in turns by a lock.
-    Lock,
-    /// One object, taken in turns by a token that goes round.
-    Ring,
-    /// Three laws side by side, on one bad network.
-    BadNetwork,
-    /// Two hands pull an object apart, later and later.
-    Delay,
-    /// Two hands on an object whose coupling is too stiff.
-    TooStiff,
+haptic_sim::choices! {
+    /// An environment that needs nothing but a scene.
+    EnvironmentKind {
+        "pair" => Pair, "Two peers hold one object along one axis.";
+        "hub" => Hub, "Four peers hold one object through a hub.";
+        "squash" => Squash, "Squash, the paper's game.";
+        "world" => World, "A static world, felt by pushing along it.";
+        "lock" => Lock, "One object, taken in turns by a lock.";
+        "ring" => Ring, "One object, taken in turns by a token that goes round.";
+        "plane" => Plane, "Two peers hold one object in the plane.";
+        "space" => Space, "Two peers hold one object in space.";
+        "bad-network" => BadNetwork, "Three laws side by side, on one bad network.";
+        "delay" => Delay, "Two hands pull an object apart, later and later.";
+        "too-stiff" => TooStiff, "Two hands on an object whose coupling is too stiff.";
+    }
 }
 
-impl Choice for EnvironmentKind {
-    const NAMES: &'static [&'static str] =
-        &["pair", "hub", "squash", "world", "lock", "ring", "plane", "space", "bad-network", "delay", "too-stiff"];
-    const ALL: &'static [Self] = &[
-        Self::Pair,
-        Self::Hub,
-        Self::Squash,
-        Self::World,
-        Self::Lock,
-        Self::Ring,
-        Self::Plane,
-        Self::Space,
-        Self::BadNetwork,
-        Self::Delay,
-        Self::TooStiff,
-    ];
+impl Default for EnvironmentKind {
+    /// The first of the table.
+    fn default() -> Self {
+        Self::ALL[0]
+    }
 }
 
 impl EnvironmentKind {
@@ -108,8 +86,7 @@ impl EnvironmentKind {
             _ => scene,
         };
         // Four hands at a hub and three laws hold one axis, as a pair does that nobody says more of.
-        let axes =
-            self.axes().or(matches!(self, Self::Hub | Self::BadNetwork | Self::Delay | Self::TooStiff).then_some(1));
+        let axes = self.axes().or((self == Self::Hub || self.is_story()).then_some(1));
         if let Some(axes) = axes.filter(|axes| *axes != scene.peer.axis.shared) {
             (scene.peer.axis.count, scene.peer.axis.shared) = (axes, axes);
             scene.check("this environment")?;

@@ -134,12 +134,11 @@ fn ask(address: &str, over: &AtomicBool) -> Result<Vec<u64>, Error> {
         // The program ends before its windows do.
         let bytes = loop {
             match socket.read() {
-                Ok(Message::Binary(bytes)) => break Some(bytes),
+                Ok(Message::Binary(bytes)) => break bytes,
                 Ok(_) => {}
-                Err(_) => break None,
+                Err(_) => return Ok(took),
             }
         };
-        let Some(bytes) = bytes else { break };
         took.push(asked.elapsed().as_nanos() as u64);
         next = super::web::next(&bytes).ok_or("an answer is too short")?;
         frame += FRAME;

@@ -183,7 +183,7 @@ impl Opened {
         let columns = self.kind.columns();
         let at = |name: &str| columns.iter().position(|(known, ..)| *known == name);
         let axis = |suffix: &str| Some([at(&format!("object_1{suffix}"))?, at(&format!("object_2{suffix}"))?]);
-        let axes: Vec<_> = ["", "_y", "_z"].into_iter().map_while(axis).collect();
+        let axes: Vec<_> = SUFFIXES.into_iter().map_while(axis).collect();
         if axes.is_empty() {
             return Vec::new();
         }
@@ -254,12 +254,11 @@ impl<'a> Source<'a> {
         let page = channels().filter_map(|rows| Some((of_page(rows)?, rows)));
         let mut shown: Vec<_> = page.filter(|(kind, _)| wanted.is_none_or(|wanted| wanted == *kind)).collect();
         shown.sort_by_key(|(_, rows)| std::cmp::Reverse(rows.len()));
-        let name = |kind: EnvironmentKind| EnvironmentKind::NAMES[usize::from(kind.number())];
         let all: Vec<_> = channels().filter_map(|rows| Some((of_page(rows)?, rows.len()))).collect();
         let Some((kind, rows)) = shown.first().copied() else {
-            let there: Vec<_> = all.iter().map(|(kind, _)| name(*kind)).collect();
+            let there: Vec<_> = all.iter().map(|(kind, _)| kind.name()).collect();
             return Err(if let (Some(wanted), false) = (wanted, there.is_empty()) {
-                format!("{} was not shown while it was recorded: there is {}", name(wanted), there.join(", "))
+                format!("{} was not shown while it was recorded: there is {}", wanted.name(), there.join(", "))
             } else if channels().any(|rows| rows.topic.starts_with("/hub/")) {
                 "it is the recording of a hub, where no device is: open that of a peer".to_owned()
             } else {
@@ -267,10 +266,10 @@ impl<'a> Source<'a> {
             });
         };
         let others: Vec<_> = all.iter().filter(|(other, _)| *other != kind).collect();
-        let said = |(kind, rows): &&(EnvironmentKind, usize)| format!("{rows} ticks of {}", name(*kind));
+        let said = |(kind, rows): &&(EnvironmentKind, usize)| format!("{rows} ticks of {}", kind.name());
         let left_out = (!others.is_empty()).then(|| {
             let others: Vec<_> = others.iter().map(said).collect();
-            format!("{} is shown; --environment chooses another: {}", name(kind), others.join(", "))
+            format!("{} is shown; --environment chooses another: {}", kind.name(), others.join(", "))
         });
         let names = columns(kind).map(|(name, unit, _)| (in_unit(name, unit), (*name).to_owned(), None));
         Ok(Self { kind, channels: vec![Laid::new(rows, kind, names)], left_out })
@@ -301,8 +300,8 @@ impl<'a> Source<'a> {
         }
         if let Some(both) = called("/both/ticks") {
             let place = |at: usize, end: usize| {
-                let axis = ["", "_y", "_z"][at];
-                (format!("object_{end}{axis}_m"), format!("object_{end}{}", SUFFIXES[at]), None)
+                let to = format!("object_{end}{}", SUFFIXES[at]);
+                (format!("{to}_m"), to, None)
             };
             let names = (0..axes).flat_map(|at| [1, 2].map(|end| place(at, end)));
             channels.push(Laid::new(both, kind, names));
@@ -350,10 +349,9 @@ const SUFFIXES: [&str; 3] = ["", "_y", "_z"];
 fn pair_of(axes: usize, wanted: Option<EnvironmentKind>) -> Result<EnvironmentKind, String> {
     let all = [EnvironmentKind::Pair, EnvironmentKind::Plane, EnvironmentKind::Space];
     let kind = all[axes.clamp(1, 3) - 1];
-    let name = |kind: EnvironmentKind| EnvironmentKind::NAMES[usize::from(kind.number())];
     match wanted {
         Some(wanted) if wanted != kind => {
-            Err(format!("{} is not what was recorded: that is {}", name(wanted), name(kind)))
+            Err(format!("{} is not what was recorded: that is {}", wanted.name(), kind.name()))
         }
         _ => Ok(kind),
     }

@@ -43,17 +43,12 @@ pub(crate) fn check(scene: &Scene) -> Result<(), Error> {
 /// What the scene is after a line.
 pub(super) fn apply(scene: &Scene, line: &str) -> Result<Scene, Error> {
     let (word, rest) = line.split_once(' ').unwrap_or((line, ""));
+    let (name, keys) = rest.split_once(' ').unwrap_or((rest, ""));
     let (scene, keys) = match word {
         "set" => (scene.clone(), split(rest)),
-        "scene" => {
-            let (name, keys) = rest.split_once(' ').unwrap_or((rest, ""));
-            match name {
-                "default" => (Scene::new(scene.laws), split(keys)),
-                _ => (scenes::load(scene.laws, name)?, split(keys)),
-            }
-        }
+        "scene" if name == "default" => (Scene::new(scene.laws), split(keys)),
+        "scene" => (scenes::load(scene.laws, name)?, split(keys)),
         "law" => {
-            let (name, keys) = rest.split_once(' ').unwrap_or((rest, ""));
             let (changed, own) = with_law(scene, name)?;
             (changed, own.into_iter().chain(split(keys)).collect())
         }

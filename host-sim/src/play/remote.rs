@@ -341,10 +341,6 @@ where
         }
     }
 
-    fn play(&mut self, hand: usize) {
-        self.point(hand, None, self.restarts);
-    }
-
     fn step(&mut self) -> Result<Sample, Error> {
         self.listen()?;
         self.pull_n = self.hand.pull(self.tick, self.device(), PERIOD_S);

@@ -15,22 +15,14 @@ use haptic_live::key_file::entropy;
 use super::environment::Command;
 use crate::Error;
 
-/// A role.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Role {
-    /// Holds hand 1.
-    Hand1,
-    /// Holds hand 2.
-    Hand2,
-    /// Orders.
-    Operator,
-    /// Looks on.
-    Watch,
-}
-
-impl Choice for Role {
-    const NAMES: &'static [&'static str] = &["hand1", "hand2", "operator", "watch"];
-    const ALL: &'static [Self] = &[Self::Hand1, Self::Hand2, Self::Operator, Self::Watch];
+haptic_sim::choices! {
+    /// A role.
+    Role {
+        "hand1" => Hand1, "Holds hand 1.";
+        "hand2" => Hand2, "Holds hand 2.";
+        "operator" => Operator, "Orders.";
+        "watch" => Watch, "Looks on.";
+    }
 }
 
 impl Role {

@@ -116,26 +116,6 @@ where
         })
     }
 
-    fn change(&mut self, scene: Scene) -> Result<(), Refused<'static>> {
-        let before = std::mem::replace(&mut self.scene, scene);
-        // What the receivers were built with is no more the network's.
-        let built = |scene: &Scene| (scene.world.network.playout_packets, scene.world.network.clock_drift_ppm);
-        if built(&before) != built(&self.scene) || !same_but_for_network(&before, &self.scene) {
-            let armed = self.modes() == [ARMED; 2];
-            self.start()?;
-            if !armed {
-                self.stop();
-            }
-            return Ok(());
-        }
-        for direction in [Direction::OneToTwo, Direction::TwoToOne] {
-            let Route { delay_ns, rule, .. } = Route::of_scene(&self.scene, direction, 0);
-            let route = self.pair.route(direction);
-            (route.delay_ns, route.rule) = (delay_ns, rule);
-        }
-        Ok(())
-    }
-
     /// Both peers start anew, armed, in the middle of where their devices are; hands let go.
     pub(super) fn start(&mut self) -> Result<(), Refused<'static>> {
         let [one, two] = [0, 1].map(|index| self.device(index));
@@ -210,18 +190,6 @@ where
         first(self.pair.sides()[index].plant.motions())
     }
 
-    fn advance(&mut self) -> Sample {
-        for index in 0..2 {
-            self.pulls[index] = self.hands[index].pull(self.tick, self.device(index), PERIOD_S);
-        }
-        for (side, pull) in self.pair.sides_mut().zip(self.pulls) {
-            side.plant.pull(on_device(pull, side.plant.motions()));
-        }
-        self.pair.step();
-        self.tick += 1;
-        self.sample()
-    }
-
     fn sample(&mut self) -> Sample {
         let [one, two] = [0, 1].map(|at| {
             let side = self.pair.sides()[at];
@@ -265,7 +233,23 @@ where
     }
 
     fn set(&mut self, scene: Scene) -> Result<(), Error> {
-        Ok(self.change(scene)?)
+        let before = std::mem::replace(&mut self.scene, scene);
+        // What the receivers were built with is no more the network's.
+        let built = |scene: &Scene| (scene.world.network.playout_packets, scene.world.network.clock_drift_ppm);
+        if built(&before) != built(&self.scene) || !same_but_for_network(&before, &self.scene) {
+            let armed = self.modes() == [ARMED; 2];
+            self.start()?;
+            if !armed {
+                self.stop();
+            }
+            return Ok(());
+        }
+        for direction in [Direction::OneToTwo, Direction::TwoToOne] {
+            let Route { delay_ns, rule, .. } = Route::of_scene(&self.scene, direction, 0);
+            let route = self.pair.route(direction);
+            (route.delay_ns, route.rule) = (delay_ns, rule);
+        }
+        Ok(())
     }
 
     fn point(&mut self, index: usize, pointer: Option<[f64; 3]>, restarts: u32) {
@@ -281,7 +265,15 @@ where
     }
 
     fn step(&mut self) -> Result<Sample, Error> {
-        Ok(self.advance())
+        for index in 0..2 {
+            self.pulls[index] = self.hands[index].pull(self.tick, self.device(index), PERIOD_S);
+        }
+        for (side, pull) in self.pair.sides_mut().zip(self.pulls) {
+            side.plant.pull(on_device(pull, side.plant.motions()));
+        }
+        self.pair.step();
+        self.tick += 1;
+        Ok(self.sample())
     }
 
     fn stands(&self) -> bool {

@@ -1,11 +1,12 @@
 //! A shared environment as a page has it: what all of them have in common, around the little in which they differ.
 
+use haptic_sim::engine::{Actor, Engine, Seat};
 use haptic_sim::network::{link::Route, rule::Direction};
 use haptic_sim::scene::Scene;
 
 use super::environment::{ARMED, Command, Environment, MOST, OFF, Sample, Standing};
 use super::partner::Model;
-use super::session::same_but_for_network;
+use super::session::{PERIOD_S, same_but_for_network};
 use crate::Error;
 
 /// Who holds a hand, and where.
@@ -59,9 +60,14 @@ pub(super) trait Play: Sized {
 }
 
 /// The scene's network on the way from one seat to another; every way has a stream of random numbers of its own.
-pub(super) fn scene_route(scene: &Scene, from: usize, to: usize) -> Route {
+fn scene_route(scene: &Scene, from: usize, to: usize) -> Route {
     let direction = if from < to { Direction::OneToTwo } else { Direction::TwoToOne };
     Route::of_scene(scene, direction, (16 * from + to) as u32)
+}
+
+/// What is between these seats: the scene's network, and a tick of the page.
+pub(super) fn engine<A: Actor<usize>>(scene: &Scene, seats: Vec<Seat<A>>) -> Engine<A> {
+    Engine::new((1e9 * PERIOD_S) as u64, seats, |from, to| scene_route(scene, from, to))
 }
 
 /// A shared environment that is played.

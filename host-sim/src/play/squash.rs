@@ -12,8 +12,7 @@ use haptic_sim::engine::{Actor, Engine, Out, Seat};
 use haptic_sim::{network::link::Route, rng::Rng, scene::Scene};
 
 use super::environment::Column;
-use super::session::PERIOD_S;
-use super::shared_environment::{Held, Play, scene_route};
+use super::shared_environment::{Held, Play, engine};
 use crate::Error;
 
 /// Number of players in the game.
@@ -101,7 +100,7 @@ impl Play for Squash {
         };
         let server = std::iter::once(Participant::Server(Box::new(Server::new(config))));
         let seats = server.chain((1..=COUNT).map(player)).map(|part| Seat::new(GameSeat(part))).collect();
-        Ok(Self { engine: Engine::new((1e9 * PERIOD_S) as u64, seats, |from, to| scene_route(scene, from, to)) })
+        Ok(Self { engine: engine(scene, seats) })
     }
 
     fn hold(&mut self, hand: usize, held: Held) {

@@ -78,11 +78,6 @@ impl Environment for Story {
         self.session.point(hand, at, restarts);
     }
 
-    /// What nobody holds is left to the simulated hands alone.
-    fn play(&mut self, hand: usize) {
-        self.session.point(hand, None, self.session.restarts);
-    }
-
     fn step(&mut self) -> Result<Sample, Error> {
         self.session.step()
     }

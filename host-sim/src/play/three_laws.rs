@@ -216,11 +216,6 @@ impl Environment for ThreeLaws {
         }
     }
 
-    /// What nobody holds is left to the simulated hands alone.
-    fn play(&mut self, hand: usize) {
-        self.point(hand, None, self.restarts);
-    }
-
     fn step(&mut self) -> Result<Sample, Error> {
         if !self.still {
             self.tick += 1;

@@ -17,7 +17,7 @@ use haptic_sim::{network::link::Route, rng::Rng, scene::Scene};
 
 use super::environment::Column;
 use super::session::PERIOD_S;
-use super::shared_environment::{Held, Play, scene_route};
+use super::shared_environment::{Held, Play, engine};
 use crate::Error;
 
 /// Number of users at the object.
@@ -301,7 +301,7 @@ impl<const LOCK: bool> Play for Turns<LOCK> {
             Around::User(Box::new(User::new(right, index, Rng::new(!seed))))
         };
         let seats = server.into_iter().chain((0..USERS).map(&mut user)).map(Seat::new).collect();
-        Ok(Self { engine: Engine::new((1e9 * PERIOD_S) as u64, seats, |from, to| scene_route(scene, from, to)) })
+        Ok(Self { engine: engine(scene, seats) })
     }
 
     fn hold(&mut self, hand: usize, held: Held) {

@@ -19,7 +19,7 @@ use serde_json::{Value, json};
 
 use super::environment::Column;
 use super::session::PERIOD_S;
-use super::shared_environment::{Held, Play, scene_route};
+use super::shared_environment::{Held, Play, engine};
 use crate::Error;
 
 /// What there is to be felt, and the number of its server.
@@ -156,7 +156,7 @@ impl Play for Visit {
         };
         let server = std::iter::once(Around::Server(Box::new(host)));
         let seats = server.chain((1..=COUNT as u32).map(device)).map(Seat::new).collect();
-        Ok(Self { engine: Engine::new((1e9 * PERIOD_S) as u64, seats, |from, to| scene_route(scene, from, to)) })
+        Ok(Self { engine: engine(scene, seats) })
     }
 
     fn hold(&mut self, hand: usize, held: Held) {

@@ -14,6 +14,7 @@ use std::process::{Command, ExitCode};
 
 use haptic_cases::{Case, Meter};
 use haptic_core::num::Fixed;
+use haptic_laws::EveryLaw;
 use haptic_studies::Error;
 use haptic_studies::accuracy::counts::SCALARS;
 
@@ -41,9 +42,9 @@ impl Meter for Callgrind {
 /// The cases of the number type called `scalar`.
 fn cases_of(scalar: &str) -> Box<dyn Iterator<Item = Case>> {
     match scalar {
-        "f32" => Box::new(haptic_cases::all::<f32, Callgrind>()),
-        "f64" => Box::new(haptic_cases::all::<f64, Callgrind>()),
-        _ => Box::new(haptic_cases::all::<Fixed, Callgrind>()),
+        "f32" => Box::new(haptic_cases::all::<f32, EveryLaw<f32>, Callgrind>()),
+        "f64" => Box::new(haptic_cases::all::<f64, EveryLaw<f64>, Callgrind>()),
+        _ => Box::new(haptic_cases::all::<Fixed, EveryLaw<Fixed>, Callgrind>()),
     }
 }
 

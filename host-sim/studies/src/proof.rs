@@ -1,9 +1,10 @@
 //! Which laws keep their forces within the limits, for every number: [`haptic_proof`], law by law.
 
-use haptic_core::law::{AnyLaw, Law};
+use haptic_core::law::Law;
 use haptic_core::settings::Settings;
-use haptic_proof::{Number, Proved, Whatever, prove_named};
+use haptic_proof::{Proved, Whatever, prove_named};
 use haptic_report::Columns;
+use haptic_sim::Laws;
 
 /// A law, and what was proved of it.
 #[derive(Clone, Debug)]
@@ -14,14 +15,18 @@ pub struct Row {
     pub proved: Proved,
 }
 
-/// What the laws of core are called, and after them the one that says anything.
-pub fn names() -> Vec<&'static str> {
-    AnyLaw::<Number>::LAWS.iter().chain(Whatever::LAWS).map(|law| law.name).collect()
+/// The proof of a law that core does not have, by its name.
+pub type Prover = fn(&str) -> Option<(&'static str, Proved)>;
+
+/// What the program's own laws are called, and after them the one that says anything.
+pub fn names(laws: Laws) -> Vec<&'static str> {
+    let outside: Vec<&str> = laws.outside().collect();
+    laws.all().iter().chain(Whatever::LAWS).map(|law| law.name).filter(|name| !outside.contains(name)).collect()
 }
 
-/// The law of that name.
-pub fn row(name: &str) -> Option<Row> {
-    prove_named(name).map(|(law, proved)| Row { law, proved })
+/// The law of that name, of core's or of these.
+pub fn row(name: &str, others: Prover) -> Option<Row> {
+    prove_named(name).or_else(|| others(name)).map(|(law, proved)| Row { law, proved })
 }
 
 /// Declares the columns of the rows.

@@ -16,8 +16,8 @@ use haptic_live::endpoint::realtime_beneath;
 use haptic_live::key_file;
 use haptic_live::node::Node;
 use haptic_protocol::key::Role;
+use haptic_sim::Scene;
 use haptic_sim::device::Device;
-use haptic_sim::{Laws, Scene};
 use serde_json::Value;
 
 use super::steps::steps;
@@ -108,7 +108,7 @@ pub(super) struct Lab {
 fn scene(set: &[&str]) -> Scene {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/board-device.toml");
     let set: Vec<String> = set.iter().map(|&setting| setting.to_owned()).collect();
-    Scene::load(Laws::built_in(), Some(&file), &set).expect("a scene")
+    Scene::load(haptic_guest_laws::laws(), Some(&file), &set).expect("a scene")
 }
 
 impl Lab {

@@ -1,12 +1,12 @@
 use haptic_live::verdict::{Measured, Verdict};
-use haptic_sim::{Laws, scenes};
+use haptic_sim::scenes;
 
 use super::*;
 
 type One = Remote<1, { haptic_sim::AXES }>;
 
 fn pair(scene: &str, to: &str) -> [One; 2] {
-    ends([scene, to].map(|name| scenes::load(Laws::built_in(), name).expect("a scene")))
+    ends([scene, to].map(|name| scenes::load(haptic_guest_laws::laws(), name).expect("a scene")))
 }
 
 fn ends<const SHARED: usize, const N: usize>([here, there]: [Scene; 2]) -> [Remote<SHARED, N>; 2]
@@ -109,7 +109,7 @@ fn other_settings_are_refused() {
 #[test]
 fn two_ends_hold_one_object_in_the_plane() {
     let plane = || {
-        let mut scene = scenes::load(Laws::built_in(), "any-network").expect("a scene");
+        let mut scene = scenes::load(haptic_guest_laws::laws(), "any-network").expect("a scene");
         (scene.peer.axis.count, scene.peer.axis.shared) = (2, 2);
         scene
     };
@@ -136,7 +136,7 @@ fn windows_are_told_of_the_path_and_of_what_the_line_can_hold() {
     std::thread::scope(|scope| {
         scope.spawn(|| meet.run(60.0, &stop));
         let mut ends = [1, 2].map(|number| {
-            let scene = scenes::load(Laws::built_in(), "any-network").expect("a scene");
+            let scene = scenes::load(haptic_guest_laws::laws(), "any-network").expect("a scene");
             let end =
                 End::meeting(&meeting, Key::new([7; Key::LEN]), number, Some("012 345".into())).expect("a socket");
             One::new(scene, end).expect("an end")
@@ -167,7 +167,7 @@ fn windows_are_told_of_the_path_and_of_what_the_line_can_hold() {
 /// Two ends over whose line a judge finds their scene unstable.
 fn judged_unstable(unless: Option<&'static str>) -> [One; 2] {
     let key = || Key::new([7; Key::LEN]);
-    let scene = || scenes::load(Laws::built_in(), "any-network").expect("a scene");
+    let scene = || scenes::load(haptic_guest_laws::laws(), "any-network").expect("a scene");
     let verdict = |measured: Measured| Verdict {
         one_way_ms: measured.one_way_s.map(|s| 1e3 * s),
         stable: Some(false),

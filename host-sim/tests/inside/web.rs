@@ -1,8 +1,6 @@
 use std::net::{Ipv4Addr, SocketAddrV4};
 use std::sync::mpsc::Receiver;
 
-use haptic_sim::Laws;
-
 use super::super::connections::MOST_WITHOUT_KEY;
 use super::super::environment::Command;
 use super::super::messages::FARTHEST_M;
@@ -140,7 +138,7 @@ fn served() -> Served {
     // On a test's machine the local network is this machine, too.
     let (doors, listeners) = Doors::open(0, Some(Ipv4Addr::LOCALHOST)).expect("two ports");
     let port = doors.here;
-    let scene = Scene::new(Laws::built_in());
+    let scene = Scene::new(haptic_guest_laws::laws());
     let mailbox = Arc::new(Mailbox::new(Model::Absent));
     let mut site = Site::new(doors, hello(&scene, None, false)).expect("a site");
     site.offer(Role::Hand2).expect("a code").expect("a way in");

@@ -338,7 +338,8 @@ fn every_case_was_counted() {
             body(input)
         }
     }
-    let names: BTreeSet<String> = haptic_cases::all::<f32, Nothing>().map(|case| case.name).collect();
+    let names: BTreeSet<String> =
+        haptic_cases::all::<f32, haptic_laws::EveryLaw<f32>, Nothing>().map(|case| case.name).collect();
     for processor in PROCESSORS {
         let counted: BTreeSet<String> = parse(processor.reviewed()).into_keys().map(str::to_owned).collect();
         let (missing, stale) = (&names - &counted, &counted - &names);
@@ -353,7 +354,7 @@ fn every_case_was_counted() {
 /// The reach is the one of `scenes/person-reach.toml`, and its velocity is its slope.
 #[test]
 fn the_reach_is_the_persons() {
-    let [person, _] = scenes::load(haptic_sim::Laws::built_in(), "person-reach").expect("a built-in scene").users;
+    let [person, _] = scenes::load(haptic_guest_laws::laws(), "person-reach").expect("a built-in scene").users;
     for tick in 0..2000 {
         let (time_s, step_s) = (f64::from(tick) * 1e-3, 1e-6);
         let (hand, (position, velocity)) = (reach::hand(time_s), person.wanted(time_s));

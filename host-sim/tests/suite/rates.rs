@@ -5,7 +5,6 @@ use haptic_core::device::velocity::{AnyVelocity, VelocityName};
 use haptic_core::num::Motion;
 use haptic_core::settings::Settings;
 use haptic_plot::{Figure, Panel, Print, Series, paint};
-use haptic_sim::Laws;
 use haptic_sim::scene::Scene;
 
 use crate::columns::is_documented;
@@ -17,7 +16,7 @@ const DEVICE: [&str; 5] =
     ["plant.encoder=true", "plant.motor=true", "plant.winding=true", "plant.drive=current", "axis.velocity=filtered"];
 
 fn scene(per_ms: u32, set: &[&str]) -> Scene {
-    let mut scene = Scene::new(Laws::built_in());
+    let mut scene = Scene::new(haptic_guest_laws::laws());
     set.iter().for_each(|text| scene.apply_override(text).expect("a key of a scene"));
     let timing = &mut scene.peer.timing;
     (timing.control_period_s, timing.ticks_per_packet) = (1e-3 / f64::from(per_ms), 8 * per_ms);

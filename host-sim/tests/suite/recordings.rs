@@ -7,7 +7,6 @@ use std::time::{Duration, Instant};
 
 use haptic_live::node::Node;
 use haptic_protocol::key::Key;
-use haptic_sim::Laws;
 use haptic_sim::engine::{Actor, Engine, Out, Seat};
 use haptic_sim::network::{link::Route, rule::Direction};
 use haptic_sim::scenes;
@@ -69,7 +68,7 @@ impl Actor<usize> for Sealed {
 /// Mean true discrepancy of the two of them over the last half of a run, mm.
 fn in_process(settings: &[String], seconds: f64) -> f64 {
     let settings: Vec<String> = settings.iter().map(|one| one.trim_start_matches("--set=").to_owned()).collect();
-    let scene = scenes::find(Laws::built_in(), Some(Path::new("any-network")), &settings).expect("a scene");
+    let scene = scenes::find(haptic_guest_laws::laws(), Some(Path::new("any-network")), &settings).expect("a scene");
     let seat = |number: u8| {
         let node = Node::new(&scene, number, Key::new([0x5a; Key::LEN]), [number; Key::LEN]).expect("a scene");
         // As often as live ends tell each other how they are.

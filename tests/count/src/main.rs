@@ -20,6 +20,7 @@ use cortex_m_rt::entry;
 use cortex_m_semihosting::hprintln;
 use haptic_cases::{Case, Meter};
 use haptic_core::num::{Fixed, Scalar};
+use haptic_laws::EveryLaw;
 
 #[global_allocator]
 static HEAP: heap::Heap = heap::Heap::new();
@@ -69,9 +70,9 @@ fn main() -> ! {
     }
     counting::start();
     let columns = [
-        count(haptic_cases::all::<f32, Timer>()),
-        count(haptic_cases::all::<f64, Timer>()),
-        count(haptic_cases::all::<Fixed, Timer>()),
+        count(haptic_cases::all::<f32, EveryLaw<f32>, Timer>()),
+        count(haptic_cases::all::<f64, EveryLaw<f64>, Timer>()),
+        count(haptic_cases::all::<Fixed, EveryLaw<Fixed>, Timer>()),
     ];
     hprintln!("# Instructions per call, Cortex-M7 (thumbv7em, QEMU), release build; tick/… per tick of a whole peer.");
     hprintln!("# Counted by `cargo xtask count`. Instructions, not cycles.");

@@ -2,7 +2,7 @@
 
 use haptic_core::num::Motion;
 
-use super::{Copies, PERIOD, Phasor, settings, swing};
+use crate::two_copies::{Copies, PERIOD, Phasor, settings, swing};
 
 const CONTACT_N_PER_M: f64 = 400.0;
 const CONTACT_N_S_PER_M: f64 = 3.0;

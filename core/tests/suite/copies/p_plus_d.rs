@@ -2,7 +2,7 @@
 
 use haptic_core::settings::Settings;
 
-use super::{Copies, PERIOD, SOFT, settings};
+use crate::two_copies::{Copies, PERIOD, SOFT, settings};
 
 fn scene(stiffness: f64, damping: f64) -> Settings {
     settings(

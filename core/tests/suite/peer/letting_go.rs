@@ -3,12 +3,14 @@
 use haptic_core::device::Reading;
 use haptic_core::device::kinematics::{AnyKinematics, AnySpatial, Kinematics};
 use haptic_core::law::degradation::STEP_N;
-use haptic_core::law::{AnyLaw, Law, LawInfo};
+use haptic_core::law::{Law, LawInfo};
 use haptic_core::names::{Decode, FixtureName, IntegratorName};
 use haptic_core::num::Motion;
 use haptic_core::peer::{Peer, Sensors};
 use haptic_core::safety::{Command, Mode};
 use haptic_core::settings::{Settings, Value};
+
+use crate::{AnyLaw, SCHEMA};
 
 const PERIOD_S: f64 = 1e-3;
 /// Mass of a hand with its device, and its damping.
@@ -28,7 +30,7 @@ fn settings(law: &'static LawInfo, axes: u32, ticks_per_packet: u32) -> Settings
         let (key, value) = gain.split_once('=').expect("a key and a value");
         if !["safety.fade_s", "safety.disengage_s", "event.longest_s"].contains(&key) {
             let value = value.parse().map_or(Value::Text(value), Value::Number);
-            settings.set(key, value).unwrap_or_else(|error| panic!("{key}: {error:?}"));
+            SCHEMA.set(&mut settings, key, value).unwrap_or_else(|error| panic!("{key}: {error:?}"));
         }
     }
     settings.coordination.decode = Decode::Implicit;
@@ -129,7 +131,7 @@ fn worst<const SHARED: usize, const N: usize, K: Kinematics<f64, N>>(
         let mut settings = settings(law, SHARED as u32, ticks_per_packet);
         settings.axis.count = N as u32;
         change(&mut settings);
-        if settings.check().is_err() {
+        if settings.check_with::<AnyLaw<f64>>().is_err() {
             return;
         }
         let found = run::<SHARED, N, K>(&settings, push_n, parts);
@@ -175,7 +177,7 @@ fn a_paid_wave_takes_its_force_with_it() {
         for (ticks_per_packet, push_n) in [(1, 1.0), (8, 3.0), (2, 5.0)] {
             let mut settings = settings(law, 1, ticks_per_packet);
             settings.coordination.ledger = true;
-            if settings.check().is_err() {
+            if settings.check_with::<AnyLaw<f64>>().is_err() {
                 continue;
             }
             let found = run::<1, 2, AnyKinematics<f64>>(&settings, push_n, false);

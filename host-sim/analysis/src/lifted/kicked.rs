@@ -49,13 +49,8 @@ const SLOW_PER_S: f64 = 1.0 / 600.0;
 /// Growth over the second half that is clear, as a logarithm.
 const CLEAR: f64 = 2.0;
 
-/// A unit of the states of a law that learns: forces of newtons, where [`haptic_core::law::model_mediated::NOISE_N`] counts as noise.
+/// A unit of the states of a law that learns: forces of newtons, well above the noise that such a law allows for.
 const LEARNS_UNIT: f64 = 1e-3;
-
-/// Whether the law learns from how the other copy moves; its linear scene does not.
-pub(crate) fn learns(linear: &Scene) -> bool {
-    linear.law().name == "model-mediated"
-}
 
 /// By which factor forces change in a packet period at the end, in a linear scene whose hands are on or `released`; none where the peers do
 /// not act on each other.
@@ -68,7 +63,7 @@ pub(crate) fn radius(linear: &Scene, released: [bool; 2]) -> Result<Option<f64>,
             let _ = scene.set_number(&format!("peer.{}.contact.{key}", end + 1), 0.0);
         }
     }
-    if learns(linear) {
+    if linear.law().learns {
         for budget in linear.law().budgets() {
             // It learns only if its account is below this limit.
             let _ = scene.set_number(budget.name, 0.5 * PLENTY_J);
@@ -86,7 +81,7 @@ where
     let ticks = |(seconds, trips): (f64, usize)| (trips * round_trip).max((seconds / timing.control_period_s) as usize);
     // The others have no rhythm, and no slope that lasts.
     let is_linear = counts(scene) || keeps_silent(scene);
-    let unit = if learns(scene) { LEARNS_UNIT } else { UNIT };
+    let unit = if scene.law().learns { LEARNS_UNIT } else { UNIT };
     let mut pair = Pair::<f64, Plant<N>, SHARED, N>::build(scene)?;
     (0..ticks(if is_linear { RESTS } else { (0.0, 2) })).for_each(|_| pair.step());
     if !pair.sides().iter().all(|side| side.peer.is_engaged()) {

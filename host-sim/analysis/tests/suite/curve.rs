@@ -7,7 +7,7 @@
 
 use haptic_analysis::{Hands, judge};
 use haptic_sim::scene::Scene;
-use haptic_sim::{Laws, scenes};
+use haptic_sim::scenes;
 use rayon::prelude::*;
 
 use crate::reached::decay;
@@ -34,7 +34,7 @@ fn scene(ticks: u32, ms: u32, stiffness: f64) -> Scene {
         format!("network.extra_delay_s={}", f64::from(ms) / 1e3),
         format!("contact.stiffness_n_per_m={stiffness}"),
     ];
-    scenes::find(Laws::built_in(), Some(std::path::Path::new("any-network")), &keys).expect("a scene")
+    scenes::find(haptic_guest_laws::laws(), Some(std::path::Path::new("any-network")), &keys).expect("a scene")
 }
 
 /// The first contact stiffness that is not stable with both hands on or one, N/m. Where the analyser has none, a kicked run dies away at each of the scan.

@@ -209,7 +209,7 @@ fn model_mediated(stiffness: f64, damping: f64) -> Paper {
 
 /// A random pair of equal peers moved by ports, and what is needed of it here.
 fn pair(random: &mut Random, law: &'static str, own: &[(&str, f64)]) -> (Scene, Body) {
-    let mut scene = Scene::default();
+    let mut scene = Scene::new(haptic_guest_laws::laws());
     let peer = &mut scene.peer;
     peer.object.integrator = IntegratorName::Midpoint;
     peer.object.force_delay_ticks = 0.0;

@@ -2,7 +2,7 @@
 
 use haptic_analysis::{Effort, Hands, Judgement, Range, judge, limit};
 use haptic_sim::pair::Pair;
-use haptic_sim::peers::{Builds, Laws};
+use haptic_sim::peers::Builds;
 use haptic_sim::plant::Plant;
 use haptic_sim::{of_axes, scene::Scene, scenes};
 
@@ -14,7 +14,7 @@ const STIFFNESS: &str = "contact.stiffness_n_per_m";
 fn scene(name: &str, ticks: u32, delay: u32, keys: &[&str]) -> Scene {
     let own = [format!("timing.ticks_per_packet={ticks}"), format!("network.one_way_delay_packets={delay}")];
     let keys: Vec<String> = own.into_iter().chain(keys.iter().map(|key| (*key).to_owned())).collect();
-    scenes::find(Laws::built_in(), Some(std::path::Path::new(name)), &keys).expect("a scene")
+    scenes::find(haptic_guest_laws::laws(), Some(std::path::Path::new(name)), &keys).expect("a scene")
 }
 
 /// By which factor the forces of a linear scene change in a packet period, at `least` seconds after its peers were armed or later: from the

@@ -30,7 +30,7 @@ const MODEL: f64 = 0.002;
 pub const APART: f64 = 0.1;
 
 /// Volts per metre or radian per second of the joint in every stretch of a run.
-fn constants(run: &Run, joint: &Joint, settings: &Settings, found: &mut Vec<f64>) {
+fn constants(run: &Run, joint: &Joint, settings: &Settings) -> Vec<f64> {
     let along = if settings.motor.reversed { -1.0 } else { 1.0 };
     let per_count = along * joint.m_per_count / joint.lever / joint.period_s;
     let seen: Vec<MotorReading> =
@@ -51,7 +51,7 @@ fn constants(run: &Run, joint: &Joint, settings: &Settings, found: &mut Vec<f64>
     let ticks = (STRETCH_S / joint.period_s).round() as usize;
     // The first begins with what was before the probe.
     let stretches = equations[1.min(equations.len())..].chunks_exact(ticks);
-    found.extend(stretches.filter_map(solve).map(|[_, (constant, _), ..]| constant));
+    stretches.filter_map(solve).map(|[_, (constant, _), ..]| constant).collect()
 }
 
 /// Moves joint `number` and gives its motor's constant, N/A or N·m/A; none on a board that does not measure currents.
@@ -65,8 +65,7 @@ pub fn constant(board: &mut dyn Board, number: u32) -> Result<Option<Estimate>, 
     if runs.iter().any(|run| run.stage.len() < run.counts.len()) {
         return Ok(None);
     }
-    let mut found = Vec::new();
-    runs.iter().for_each(|run| constants(run, &joint, &settings, &mut found));
+    let found: Vec<f64> = runs.iter().flat_map(|run| constants(run, &joint, &settings)).collect();
     if found.len() < FEWEST {
         return Err(
             "the joint went too far or too fast to see what voltage it makes: raise probe.max_travel_counts".into()

@@ -193,13 +193,8 @@ impl Simulated {
             && self.tick.is_multiple_of(self.every)
             && let Reading::Counts(counts) = sensors.reading
         {
-            let mode = match self.peer.mode() {
-                Mode::Disarmed => 0,
-                Mode::Armed => 1,
-                Mode::Faulted(_) => super::board::FAULTED,
-                Mode::Probing => super::board::PROBING,
-            };
-            let (counts, duties) = (counts.map(|counts| counts.0), actuators.duties.map(|duty| duty.0));
+            let (mode, duties) = (self.peer.mode().number(), actuators.duties.map(|duty| duty.0));
+            let counts = counts.map(|counts| counts.0);
             self.records.push(Tick { number: self.tick, mode, counts, duties, stage: sensors.stage });
         }
         let before = *self.plant.free_axis().0;

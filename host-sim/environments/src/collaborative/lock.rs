@@ -6,15 +6,13 @@ use haptic_protocol::wire::PeerId;
 use haptic_sim::rng::Rng;
 
 use super::history::History;
+use super::lease;
 use super::trial::{MOST_USERS, Mistake, Trial};
 use super::user::{LONGEST_EDIT_US, User};
 use crate::roles::collaborative::lock;
 use crate::roles::collaborative::lock::{Message, Notice, Phase, Record};
-use crate::roles::collaborative::{Lease, Value, Wish};
+use crate::roles::collaborative::{Value, Wish};
 use crate::roles::{Out, Role as _};
-
-/// Lease of a lock, µs.
-const LEASE_US: u32 = 300_000;
 
 const CLIENTS: usize = MOST_USERS as usize;
 
@@ -30,11 +28,6 @@ pub(super) struct Server {
 pub(super) struct Client {
     pub(super) role: lock::Client,
     pub(super) user: User,
-}
-
-fn lease() -> Lease {
-    // In range, or nothing here would work at all.
-    Lease::new(LEASE_US).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// A server and the trial's users.

@@ -13,8 +13,16 @@ mod world;
 
 use rayon::prelude::*;
 
+use crate::roles::collaborative::Lease;
+
 pub use trial::MOST_USERS;
 pub use trial::{Mistake, Scheme, Trial, Verdict};
+
+/// Lease of a lock and of the token: 300 ms.
+fn lease() -> Lease {
+    // In range, or nothing here would work at all.
+    Lease::new(300_000).unwrap_or_else(|error| panic!("{error}"))
+}
 
 /// Many runs, in parallel; the same on any number of threads.
 pub fn campaign(trial: &Trial, runs: u64, done: &(impl Fn() + Sync)) -> Verdict {

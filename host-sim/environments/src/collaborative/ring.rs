@@ -7,15 +7,14 @@ use haptic_protocol::wire::PeerId;
 use haptic_sim::rng::Rng;
 
 use super::history::History;
+use super::lease;
 use super::trial::{Mistake, Trial};
 use super::user::{LONGEST_EDIT_US, User};
 use crate::roles::collaborative::ring;
 use crate::roles::collaborative::ring::{Config, Message, Notice, Record, Ring, Roster};
-use crate::roles::collaborative::{Lease, Value, Wish};
+use crate::roles::collaborative::{Value, Wish};
 use crate::roles::{Out, Role as _};
 
-/// Lease of the token, µs.
-const LEASE_US: u32 = 300_000;
 /// A turn while others want to edit, µs: longer than a lease, so that only the lease stops an owner that nobody hears.
 const TURN_US: u64 = 600_000;
 /// How long after its joining a member leaves at the most, µs.
@@ -34,10 +33,6 @@ pub(super) struct Member {
     pub(super) for_good: bool,
     pub(super) user: User,
     no_majority: bool,
-}
-
-fn lease() -> Lease {
-    Lease::new(LEASE_US).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// The trial's users. With four or more, the last but one leaves for good.

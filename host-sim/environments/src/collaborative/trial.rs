@@ -1,6 +1,5 @@
 //! A trial: what is tried, on how many users, with which mistake put in on purpose; and what it came to.
 
-use haptic_core::names::Choice;
 use serde::Serialize;
 
 /// Who says whose turn it is.
@@ -13,22 +12,14 @@ pub enum Scheme {
     Ring,
 }
 
-/// A mistake put in on purpose, outside of the code that is tried: the checker must find it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Mistake {
-    /// One peer's clock counts a quarter of the time: beyond what a lease allows.
-    SlowClock,
-    /// Records are not there after a crash.
-    Amnesia,
-    /// A release counts whatever its fence says, as if there were no fences (lock only).
-    NoFence,
-    /// One vote for a new token counts for everybody's (ring only).
-    NoMajority,
-}
-
-impl Choice for Mistake {
-    const NAMES: &'static [&'static str] = &["slow-clock", "amnesia", "no-fence", "no-majority"];
-    const ALL: &'static [Self] = &[Self::SlowClock, Self::Amnesia, Self::NoFence, Self::NoMajority];
+haptic_sim::choices! {
+    /// A mistake put in on purpose, outside of the code that is tried: the checker must find it.
+    Mistake {
+        "slow-clock" => SlowClock, "One peer's clock counts a quarter of the time: beyond what a lease allows.";
+        "amnesia" => Amnesia, "Records are not there after a crash.";
+        "no-fence" => NoFence, "A release counts whatever its fence says, as if there were no fences (lock only).";
+        "no-majority" => NoMajority, "One vote for a new token counts for everybody's (ring only).";
+    }
 }
 
 impl Mistake {

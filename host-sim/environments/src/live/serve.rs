@@ -166,25 +166,22 @@ pub fn run(
     options: Options<impl Fn(u32) -> Option<u64>>,
     stop: &Stop,
 ) -> Result<Report, Error> {
-    let (answer, turnaround) = (Times::default(), Times::default());
-    let (batch, clients, computed, turn, batches) = (Vec::new(), 0, None, 0, 0);
-    let (taken_ns, asked_ns, empty_ns) = (0, 0, 0);
     let turn_us = PACKET_US / u64::from(Host::<SocketAddr>::TURNS);
     let ticker = Ticker::realtime(Duration::from_micros(turn_us)).lasting(options.duration_s);
     let mut serving = Serving {
         endpoint,
         host,
         options,
-        answer,
-        turnaround,
-        clients,
-        computed,
-        turn,
-        batches,
-        batch,
-        taken_ns,
-        asked_ns,
-        empty_ns,
+        answer: Times::default(),
+        turnaround: Times::default(),
+        clients: 0,
+        computed: None,
+        turn: 0,
+        batches: 0,
+        batch: Vec::new(),
+        taken_ns: 0,
+        asked_ns: 0,
+        empty_ns: 0,
     };
     let kept = endpoint.run(ticker, f64::MAX, stop, &mut serving)?;
     let answer = serving.answer.quantiles();

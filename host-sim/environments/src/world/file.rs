@@ -79,10 +79,8 @@ impl Source<'_> {
         let written = self.text.get(value.span()).unwrap_or("?");
         let accepted = number.map(|number| number as f32).filter(|number| key.allows(*number));
         accepted.ok_or_else(|| {
-            let kind = if key.whole { "a whole number" } else { "a number" };
-            let Field { name, min, max, unit, .. } = key;
-            let allowed = format!("{what}: {name} = {written} is not allowed: it must be {kind} from {min} to {max}");
-            self.wrong(value.span().start, format!("{allowed} {unit}").trim_end())
+            let why = format!("{what}: {} = {written} is not allowed: it must be {key}", key.name);
+            self.wrong(value.span().start, why)
         })
     }
 

@@ -199,18 +199,6 @@ impl<const N: usize> Attached<N> {
         let [ms, allowed] = [time, self.silent].map(|time| format!("{:.0}", 1e3 * time.as_secs_f64()));
         Err(Gone::new(fault, format!("{}, of {allowed} allowed", of(ms))))
     }
-
-    fn write(&mut self, actuators: &Actuators<f32, N>) {
-        let share = self.share / self.scale.force;
-        let force_n = actuators.enable.then(|| {
-            let mut force_n = [0.0; AXES];
-            for ((axis, sign), force) in self.axes.iter().zip(actuators.forces) {
-                force_n[*axis] += sign * share * f64::from(force);
-            }
-            force_n
-        });
-        self.port.write(force_n);
-    }
 }
 
 /// What is left of a force at this age of the reading that it is from.
@@ -246,7 +234,15 @@ impl<const N: usize> Device<f32, N> for Attached<N> {
     }
 
     fn step(&mut self, _: f64, actuators: &Actuators<f32, N>) {
-        self.write(actuators);
+        let share = self.share / self.scale.force;
+        let force_n = actuators.enable.then(|| {
+            let mut force_n = [0.0; AXES];
+            for ((axis, sign), force) in self.axes.iter().zip(actuators.forces) {
+                force_n[*axis] += sign * share * f64::from(force);
+            }
+            force_n
+        });
+        self.port.write(force_n);
     }
 
     fn idle(&mut self) {

@@ -251,10 +251,8 @@ impl<'a> Trial<'a> {
 
     fn speed(&mut self) -> Result<String, Error> {
         let [way_mm, sum_mm] = self.moved.map(|moved| 1e3 * moved);
-        if !within(sum_mm / way_mm - 1.0, SPEED_OFF) {
-            return Err(format!("its speeds add up to {sum_mm:.1} mm, its places to {way_mm:.1} mm").into());
-        }
-        Ok(format!("its speeds add up to {sum_mm:.1} mm, its places to {way_mm:.1} mm"))
+        let seen = format!("its speeds add up to {sum_mm:.1} mm, its places to {way_mm:.1} mm");
+        if within(sum_mm / way_mm - 1.0, SPEED_OFF) { Ok(seen) } else { Err(seen.into()) }
     }
 
     /// What acts now, by its own word, after so long a silence.

@@ -2,11 +2,13 @@
 //! against the same courses in f32, which end on one of the paths.
 
 use haptic_core::device::{AXES, Reading};
-use haptic_core::law::{AnyLaw, Law, Packet};
+use haptic_core::law::Packet;
 use haptic_core::num::{Motion, Scalar};
 use haptic_core::peer::{Peer, Sensors};
 use haptic_core::safety::{Command, Mode};
+use haptic_core::schema::Schema;
 use haptic_core::settings::{Settings, Value};
+use haptic_laws::EveryLaw;
 use haptic_proof::range::Float;
 use haptic_proof::{Number, Range, Unknown, begin, explore};
 use proptest::prelude::*;
@@ -109,7 +111,7 @@ proptest! {
 
 /// Two ticks in narrow ranges around a course, every path of them; and 300 courses in those ranges in f32.
 fn courses(settings: &Settings) {
-    type Any<S> = AnyLaw<S>;
+    type Any<S> = EveryLaw<S>;
     const TICKS: usize = 2;
     let width = 0.004;
     let readings = |tick: usize| [0.01 * tick as f64, 0.5 - 0.2 * tick as f64, -0.02, 0.1];
@@ -185,7 +187,7 @@ fn courses(settings: &Settings) {
 
 #[test]
 fn courses_in_f32_end_on_a_path() {
-    for law in AnyLaw::<Number>::LAWS {
+    for law in haptic_laws::LAWS {
         for ports in [false, true] {
             let mut settings = Settings::default();
             settings.coordination.comm = law.name;
@@ -193,7 +195,7 @@ fn courses_in_f32_end_on_a_path() {
             settings.timing.ticks_per_packet = 1;
             for gain in law.gains {
                 let (key, value) = gain.split_once('=').expect("key=value");
-                let _ = settings.set(key, Value::of_text(value));
+                Schema::new(haptic_laws::LAWS).set(&mut settings, key, Value::of_text(value)).expect("a gain");
             }
             if ports {
                 settings.set("object.integrator", Value::Text("midpoint")).expect("a name");
@@ -202,7 +204,7 @@ fn courses_in_f32_end_on_a_path() {
                 settings.set("coordination.decode", Value::Text("implicit")).expect("a name");
                 settings.object.force_delay_ticks = 0.0;
             }
-            if settings.check().is_ok() {
+            if settings.check_with::<EveryLaw<f64>>().is_ok() {
                 courses(&settings);
             }
         }

@@ -34,14 +34,10 @@ const RENAMED: [(&str, &str); 3] = [
     ("safety.peer_lost_packets", "safety.peer_lost_s, in s"),
 ];
 
-/// Laws that are called otherwise since their names were those of other methods.
-const RENAMED_LAWS: [(&str, &str); 2] =
-    [("input-gated", "passivity-observer"), ("passivity-control", "passive-spring")];
-
 /// Which law is meant by a name that none of these has, in words: the one that had it before, or else one whose name is like it.
 pub fn law_meant(word: &str, laws: &[LawInfo]) -> Option<String> {
-    if let Some((_, now)) = RENAMED_LAWS.iter().find(|(before, _)| *before == word) {
-        return Some(format!("it is {now} now"));
+    if let Some(law) = laws.iter().find(|law| law.formerly == word && !word.is_empty()) {
+        return Some(format!("it is {} now", law.name));
     }
     nearest(word, laws.iter().map(|law| law.name)).map(|name| format!("did you mean {name}?"))
 }

@@ -142,13 +142,8 @@ impl Hand {
             self.force = self.contact.force(self.device, self.body);
             self.body = self.integrator.step(self.body, self.force);
         }
-        let feels = match self.waiting.pop_front() {
-            Some(acts) => {
-                self.waiting.push_back(self.force);
-                acts
-            }
-            None => self.force,
-        };
+        self.waiting.push_back(self.force);
+        let feels = self.waiting.pop_front().unwrap_or(self.force);
         self.device = self.plant.advance(self.device, pull - self.felt, pull - feels);
         self.felt = feels;
         lets_go

@@ -8,7 +8,7 @@ use super::points::Point;
 use super::protocol::BOUNDS_N_S_PER_M;
 use super::runs::Run;
 use super::search::{Tuning, point_name};
-use crate::sweep::{EVERY_MODE, UNSTABLE_MODES};
+use crate::sweep::{EVERY_MODE, UNSTABLE_MODES, known, said};
 
 /// A row a law: the worst network's distance at the law's own gains and at the best within each bound.
 pub fn fronts(found: &Found) -> Columns {
@@ -16,9 +16,7 @@ pub fn fronts(found: &Found) -> Columns {
     let mut columns = Columns::of(&declared)
         .value("law", |own| own.law.name)
         .means("what coordination.comm calls it")
-        .significant("declared_felt_n_s_per_m", 3, |own| {
-            Some(own.tuning.felt_n_s_per_m[1]).filter(|felt| !felt.is_nan())
-        })
+        .significant("declared_felt_n_s_per_m", 3, |own| known(own.tuning.felt_n_s_per_m[1]))
         .means("|Z| that a hand alone feels at 1 Hz at the gains that the law declares")
         .head("declared: felt")
         .significant("declared_mm_per_n", 3, |own| own.worst_mm_per_n())
@@ -123,7 +121,7 @@ fn moved(rows: Rows<'_>) -> Rows<'_> {
 
 /// What a hand feels, what energy was made, and what it costs.
 fn felt(rows: Rows<'_>) -> Rows<'_> {
-    let felt = |at: usize| move |point: &Point| Some(point.tuning.felt_n_s_per_m[at]).filter(|felt| !felt.is_nan());
+    let felt = |at: usize| move |point: &Point| known(point.tuning.felt_n_s_per_m[at]);
     rows.significant("felt_slow_n_s_per_m", 3, felt(0))
         .means("|Z| that a hand alone feels at 0.2 Hz; none where it felt too much at 1 Hz already")
         .head("felt 0.2 Hz")
@@ -133,7 +131,7 @@ fn felt(rows: Rows<'_>) -> Rows<'_> {
         .significant("felt_fast_n_s_per_m", 3, felt(2))
         .means("the same at 5 Hz")
         .head("5 Hz")
-        .number("mass_kg", 2, |point| Some(point.tuning.mass_kg).filter(|mass| !mass.is_nan()))
+        .number("mass_kg", 2, |point| known(point.tuning.mass_kg))
         .means("mass of the object as felt at 1 Hz; what pulls it back shows as less, below 0 as a spring")
         .significant("least_balance_j", 2, Point::least_balance_j)
         .means("least of what the copies had put into the link less what they had got from it, over all instants of all runs; passive is down to less what it began with")
@@ -146,7 +144,7 @@ fn felt(rows: Rows<'_>) -> Rows<'_> {
         .head("bytes")
         .value("instructions", Point::instructions)
         .means("instructions of a tick in f32 on a Cortex-M7 (`cargo xtask count`); none of a law that was not counted")
-        .significant("tuned_mm_per_n", 3, |point| Some(point.tuning.worst_mm_per_n).filter(|worst| !worst.is_nan()))
+        .significant("tuned_mm_per_n", 3, |point| known(point.tuning.worst_mm_per_n))
         .means("worst tuning network's distance over the force of contact, as the search found it")
         .head("tuning: true")
         .data("settings", |point| point.tuning.gains.as_str())
@@ -155,7 +153,7 @@ fn felt(rows: Rows<'_>) -> Rows<'_> {
 
 /// Every tuning of every law.
 pub fn tunings(tunings: &[Tuning]) -> Columns {
-    let felt = |at: usize| move |tuning: &Tuning| Some(tuning.felt_n_s_per_m[at]).filter(|felt| !felt.is_nan());
+    let felt = |at: usize| move |tuning: &Tuning| known(tuning.felt_n_s_per_m[at]);
     Columns::of(tunings)
         .value("law", |tuning| tuning.law.as_str())
         .means("name of the law")
@@ -171,20 +169,20 @@ pub fn tunings(tunings: &[Tuning]) -> Columns {
         .means("the same at 1 Hz")
         .value("felt_fast_n_s_per_m", felt(2))
         .means("the same at 5 Hz")
-        .value("mass_kg", |tuning| Some(tuning.mass_kg).filter(|mass| !mass.is_nan()))
+        .value("mass_kg", |tuning| known(tuning.mass_kg))
         .means("mass of the object as felt at 1 Hz; what pulls it back shows as less, below 0 as a spring")
-        .value("worst_mm_per_n", |tuning| Some(tuning.worst_mm_per_n).filter(|worst| !worst.is_nan()))
+        .value("worst_mm_per_n", |tuning| known(tuning.worst_mm_per_n))
         .means(
             "worst tuning network's distance of the copies over the force of contact; none where it was not measured",
         )
-        .value("reason", |tuning| Some(tuning.reason.as_str()).filter(|reason| !reason.is_empty()))
+        .value("reason", |tuning| said(&tuning.reason))
         .means("why it is not admitted")
         .done()
 }
 
 /// Every run of the test.
 pub fn runs<'a>(runs: &'a [&'a Run]) -> Columns {
-    let figure = |of: fn(&Run) -> f64| move |run: &&Run| Some(of(run)).filter(|figure| !figure.is_nan());
+    let figure = |of: fn(&Run) -> f64| move |run: &&Run| known(of(run));
     Columns::of(runs)
         .value("law", |run| run.law.as_str())
         .means("name of the law")
@@ -200,11 +198,11 @@ pub fn runs<'a>(runs: &'a [&'a Run]) -> Columns {
         .means("network.seed of the run")
         .value("every_mode_stable", |run| run.every_mode_stable)
         .means(EVERY_MODE)
-        .value("unstable_modes", |run| Some(run.unstable_modes.as_str()).filter(|modes| !modes.is_empty()))
+        .value("unstable_modes", |run| said(&run.unstable_modes))
         .means(UNSTABLE_MODES)
         .value("stopped", |run| run.stopped)
         .means("whether a peer stopped, or, under pushes against each other, what the run did grew until its end")
-        .value("reason", |run| Some(run.reason.as_str()).filter(|reason| !reason.is_empty()))
+        .value("reason", |run| said(&run.reason))
         .means("why, or why the copies came apart under pushes against each other")
         .significant("true_discrepancy_mm", 4, figure(|run| run.true_mm))
         .means("mean of |x_o1 - x_o2| over the last half; none of a run that stopped")

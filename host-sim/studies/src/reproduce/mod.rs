@@ -1,10 +1,9 @@
-//! What papers print, beside what comes out here and now, in three views:
+//! What papers print, beside what comes out here and now, in two views:
 //!
 //! | view | shows |
 //! |---|---|
 //! | this module | every claim of both papers, with a verdict |
 //! | [`paper`] | the experiments and the largest stable gains of the cooperation paper, as its tables have them |
-//! | [`published`] | numbers of the laws' own papers |
 //!
 //! A claim of both papers has one of these verdicts:
 //!
@@ -25,7 +24,6 @@ mod claim;
 mod cooperation;
 mod environments;
 pub mod paper;
-pub mod published;
 mod readings;
 
 use haptic_core::names::Choice;

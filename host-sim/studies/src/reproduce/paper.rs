@@ -11,7 +11,7 @@ use haptic_report::Columns;
 use haptic_sim::run::{Options, Outcome, run};
 use haptic_sim::{Laws, scene::Scene, scenes};
 
-use super::readings::{TO_N_PER_M, crossings};
+use super::readings::{TO_N_PER_M, boundary, crossings};
 use crate::Error;
 use crate::sweep::EVERY_MODE;
 
@@ -67,8 +67,19 @@ pub(super) fn scene(section: &str, law: &str) -> Result<Scene, Error> {
     Ok(scenes::load(Laws::built_in(), &format!("paper-{section}-{law}-16ms"))?)
 }
 
+/// The boundary behind which the scene of section 5.1 with this law is unstable that is nearest to a gain, N/m.
+///
+/// # Errors
+/// A law that the section does not have.
+pub fn boundary_n_per_m(law: &str, near_n_per_m: f64) -> Result<f64, Error> {
+    Ok(boundary(&crossings(&scene("5.1", law)?, TO_N_PER_M)?, near_n_per_m))
+}
+
 /// A run of the position coherency (section 5.2) with this share of the paper's gain.
-pub(super) fn run_at(law: &str, share: f64) -> Result<Outcome, Error> {
+///
+/// # Errors
+/// A law that the section does not have.
+pub fn run_at(law: &str, share: f64) -> Result<Outcome, Error> {
     let mut scene = scene("5.2", law)?;
     scene.peer.coordination.stiffness_n_per_m *= share;
     Ok(run::<f64>(&scene, Options::unrecorded(DURATION_S), &|_| {})?)

@@ -37,7 +37,7 @@ pub use self::journal::{Book, Journal, Kept, write};
 pub use self::metrics::{METRICS, Metric, bytes_per_s};
 pub use self::plan::{Keep, Plan, Todo};
 pub use self::row::Row;
-pub(crate) use self::row::{EVERY_MODE, UNSTABLE_MODES, of_runs, unstable_modes};
+pub(crate) use self::row::{EVERY_MODE, UNSTABLE_MODES, known, of_runs, said, unstable_modes};
 pub use self::sample::{Design, MOST_KEYS, Sample, Spread};
 pub(crate) use self::summary::{Summed, all_same, estimate, of_points};
 

@@ -64,7 +64,7 @@ impl Row {
 
     /// Those in which it is not, if any.
     pub(super) fn unstable_modes(&self) -> Option<&str> {
-        Some(self.unstable_modes.as_str()).filter(|modes| !modes.is_empty())
+        said(&self.unstable_modes)
     }
 
     /// Rows as lines of a file of rows.
@@ -84,6 +84,16 @@ impl Row {
 /// The modes in which a scene is not stable, as [`Row::unstable_modes`].
 pub(crate) fn unstable_modes(judged: &Judgement) -> String {
     judged.unstable_modes().join("; ")
+}
+
+/// A figure for a table, which has none where there is no number.
+pub(crate) fn known(figure: f64) -> Option<f64> {
+    Some(figure).filter(|figure| !figure.is_nan())
+}
+
+/// Words for a table, which has nothing where there are none.
+pub(crate) fn said(words: &str) -> Option<&str> {
+    Some(words).filter(|words| !words.is_empty())
 }
 
 impl Kept for Row {
@@ -111,7 +121,7 @@ pub(crate) fn of_runs(columns: Rows<'_, Row>) -> Columns {
         .means("whether nobody stopped, nothing grew, the copies stayed together, and no eigenvalue says otherwise")
         .value("verdict", |row| row.verdict.as_str())
         .means("stable, apart or NO")
-        .value("reason", |row| Some(row.reason.as_str()).filter(|reason| !reason.is_empty()))
+        .value("reason", |row| said(&row.reason))
         .means("why it is not stable")
         .number("spectral_radius", 6, |row| row.spectral_radius)
         .means("largest |eigenvalue| over a packet period, both hands on; its last bits depend on the processor")
@@ -120,7 +130,7 @@ pub(crate) fn of_runs(columns: Rows<'_, Row>) -> Columns {
         .value("unstable_modes", Row::unstable_modes)
         .means(UNSTABLE_MODES);
     for (at, metric) in METRICS.iter().enumerate() {
-        let figure = move |row: &Row| Some(row.metrics[at]).filter(|figure| !figure.is_nan());
+        let figure = move |row: &Row| known(row.metrics[at]);
         columns = columns.significant(metric.name(), 4, figure).means(metric.meaning);
     }
     columns

@@ -4,7 +4,7 @@ use haptic_report::{Columns, Rows};
 use haptic_sim::run::Verdict;
 
 use super::metrics::METRICS;
-use super::row::{EVERY_MODE, Row, UNSTABLE_MODES};
+use super::row::{EVERY_MODE, Row, UNSTABLE_MODES, said};
 use crate::estimate::Estimate;
 
 /// The runs of a point.
@@ -53,7 +53,7 @@ pub(crate) fn of_points<'a>(columns: Rows<'a, Summed<'a>>) -> Columns {
         .value("every_mode_stable", |point| point.unstable_modes.is_empty())
         .means(EVERY_MODE)
         .head("let go")
-        .data("unstable_modes", |point| Some(point.unstable_modes).filter(|modes| !modes.is_empty()))
+        .data("unstable_modes", |point| said(point.unstable_modes))
         .means(UNSTABLE_MODES);
     for (at, metric) in METRICS.iter().enumerate() {
         let of = |point: &Summed<'_>| estimate(point.runs, at);

@@ -7,7 +7,7 @@ const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/campaign.txt
 
 #[test]
 fn passive_comms_hold_on_every_network_and_the_table_is_as_reviewed() {
-    let cells = campaign(haptic_sim::Laws::built_in()).expect("the campaign runs");
+    let cells = campaign(haptic_guest_laws::laws()).expect("the campaign runs");
     for cell in cells.iter().filter(|cell| cell.passive) {
         let name = format!("{} over {}", cell.law, cell.network);
         let largest = |of: fn(&Outcome) -> f64| cell.outcomes.iter().map(of).fold(0.0, f64::max);

@@ -21,7 +21,7 @@ fn added_ms(cost: &Cell) -> Option<f64> {
 
 #[test]
 fn every_cost_is_what_its_mechanism_must_cost() {
-    let mut costs = costs(haptic_sim::Laws::built_in()).expect("the table");
+    let mut costs = costs(haptic_guest_laws::laws()).expect("the table");
     // Closed forms are known where the network alone makes the delay; the self-timed line learns one of its own.
     costs.retain(|cost| cost.law != "self-timed");
     assert_eq!(costs.len(), 2 * (CHOICES.len() - 1));

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use haptic_core::names::Choice;
 use haptic_sim::measure::at_hand;
-use haptic_sim::{Laws, scene::Scene, scenes};
+use haptic_sim::{scene::Scene, scenes};
 use haptic_studies::bench::motions::Motion;
 use haptic_studies::networks::{Network, TEST};
 
@@ -32,7 +32,8 @@ fn compare(networks: &[Network], seeds: u32, [true_m, way, force]: [f64; 3]) {
                     format!("timing.control_period_s={}", 1e-3 / f64::from(per_ms)),
                     format!("timing.ticks_per_packet={per_ms}"),
                 ];
-                let scene = scenes::find(Laws::built_in(), Some(Path::new("any-network")), &keys).expect("a scene");
+                let scene =
+                    scenes::find(haptic_guest_laws::laws(), Some(Path::new("any-network")), &keys).expect("a scene");
                 figures(&network.over(&scene).expect("a network"), motion, seeds)
             };
             let [one, others @ ..] = [1, 2, 4].map(at);

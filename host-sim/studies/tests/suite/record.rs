@@ -27,7 +27,7 @@ fn assert_replayed(scene: &Scene, name: &str) {
 #[test]
 fn a_replay_is_the_scene_again() {
     for (name, _) in scenes::ALL {
-        let scene = scenes::load(haptic_sim::Laws::built_in(), name).expect("a built-in scene");
+        let scene = scenes::load(haptic_guest_laws::laws(), name).expect("a built-in scene");
         assert_replayed(&scene, name);
     }
 }
@@ -35,7 +35,7 @@ fn a_replay_is_the_scene_again() {
 /// What its packets count in ticks is in the recording, too.
 #[test]
 fn a_replay_of_a_line_with_a_time_of_its_own() {
-    let mut scene = scenes::load(haptic_sim::Laws::built_in(), "any-network").expect("a built-in scene");
+    let mut scene = scenes::load(haptic_guest_laws::laws(), "any-network").expect("a built-in scene");
     for text in [
         "coordination.comm=self-timed",
         "coordination.ledger=false",
@@ -50,7 +50,7 @@ fn a_replay_of_a_line_with_a_time_of_its_own() {
 
 #[test]
 fn one_count_in_one_tick_changes_the_hash() {
-    let scene = scenes::load(haptic_sim::Laws::built_in(), "real-device").expect("a built-in scene");
+    let scene = scenes::load(haptic_guest_laws::laws(), "real-device").expect("a built-in scene");
     let recording = record(&scene, 1, 20).expect("a good scene");
     let mut broken = recording.bytes.clone();
     // Settings, home, and the first tick: flags and counts.

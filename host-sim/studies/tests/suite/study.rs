@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use haptic_sim::peers::Laws;
 use haptic_sim::run::{Options, Until, run};
 use haptic_sim::scene::Scene;
 use haptic_sim::scenes;
@@ -14,11 +13,11 @@ use haptic_studies::sweep::{Axis, METRICS, Plan, Row, Sweep};
 
 fn scene(name: &str, set: &[&str]) -> Scene {
     let set: Vec<String> = set.iter().map(|text| (*text).to_owned()).collect();
-    scenes::find(Laws::built_in(), Some(Path::new(name)), &set).expect("a scene")
+    scenes::find(haptic_guest_laws::laws(), Some(Path::new(name)), &set).expect("a scene")
 }
 
 fn entrant(name: &str) -> Entrant {
-    Entrant::of(Laws::built_in(), name, None, &[], None).expect("an entrant")
+    Entrant::of(haptic_guest_laws::laws(), name, None, &[], None).expect("an entrant")
 }
 
 fn over(names: &[&str]) -> Vec<Network> {

@@ -71,7 +71,7 @@ fn a_wrap_that_nobody_could_see_is_refused() {
         let counts_per_m = 2.0_f64.powi(bits);
         let overrides = ["plant.encoder=true", "axis.velocity=difference"].map(str::to_owned);
         let resolution = format!("encoder.counts_per_m={counts_per_m}");
-        let refused = Scene::load(haptic_sim::Laws::built_in(), None, &[overrides.to_vec(), vec![resolution]].concat())
+        let refused = Scene::load(haptic_guest_laws::laws(), None, &[overrides.to_vec(), vec![resolution]].concat())
             .unwrap_err()
             .to_string();
         assert!(refused.contains("encoder.max_speed_m_per_s = 10 is not allowed"), "{refused}");

@@ -10,7 +10,7 @@ pub(crate) const COMMS: [(&str, f64); 3] = [("power", 200.0), ("wave", 1000.0), 
 /// The default scene with overrides `table.key=value`, separated by blanks.
 pub(crate) fn scene(overrides: &str) -> Scene {
     let overrides: Vec<String> = overrides.split_whitespace().map(str::to_owned).collect();
-    Scene::load(haptic_sim::Laws::built_in(), None, &overrides).unwrap_or_else(|error| panic!("{error}"))
+    Scene::load(haptic_guest_laws::laws(), None, &overrides).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Growth of the dominant oscillation over one packet period, measured on the running pair: of the objects' velocities s(k)

@@ -22,7 +22,7 @@ pub(crate) fn asked(name: &str, otherwise: u64) -> u64 {
 }
 
 pub(crate) fn scene(name: &str, keys: &[&str]) -> Scene {
-    let mut scene = scenes::load(haptic_sim::Laws::built_in(), name).expect("a built-in scene");
+    let mut scene = scenes::load(haptic_guest_laws::laws(), name).expect("a built-in scene");
     keys.iter().for_each(|key| scene.apply_override(key).expect("a good override"));
     scene.check("the test").expect("a good scene");
     scene

@@ -1,6 +1,5 @@
 //! A hostile member with the key of a sealed line, against one honest peer of every law; and that nobody honest is taken for one.
 
-use haptic_core::law::{AnyLaw, Law as _};
 use haptic_core::safety::Mode;
 use haptic_live::node::{Line, Node};
 use haptic_protocol::key::Key;
@@ -27,7 +26,7 @@ fn entropy(life: u32) -> [u8; Key::LEN] {
 
 /// A scene of each law, with the gains to try it with.
 fn of_each_law() -> impl Iterator<Item = (&'static str, Scene)> {
-    AnyLaw::<f64>::LAWS.iter().map(|law| {
+    haptic_laws::LAWS.iter().map(|law| {
         let comm = format!("coordination.comm={}", law.name);
         let keys: Vec<&str> = [&comm[..]].into_iter().chain(law.gains.iter().copied()).collect();
         let mut keys = keys;

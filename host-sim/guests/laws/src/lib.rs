@@ -1,0 +1,30 @@
+//! The laws of other papers ([`haptic_laws`]) beside those of core: [`laws`] are what scenes may name, and [`prove`] proves that forces stay
+//! within their limits.
+#![forbid(unsafe_code)]
+
+use std::sync::LazyLock;
+
+use haptic_core::law::Law;
+use haptic_core::num::Scalar;
+use haptic_core::peer::Peer;
+use haptic_laws::OtherLaw;
+use haptic_proof::{Number, Proved};
+use haptic_sim::{Family, Laws};
+
+struct Others;
+
+impl Family for Others {
+    type Of<S: Scalar> = OtherLaw<S>;
+}
+
+/// The laws of core and those of other papers.
+pub fn laws() -> Laws {
+    static LAWS: LazyLock<Laws> = LazyLock::new(|| Laws::built_in().with::<Others>().as_own());
+    *LAWS
+}
+
+/// Proves the claims of [`haptic_proof`] for a law of another paper, by its name. It is not generic, so that the proofs are compiled here.
+pub fn prove(name: &str) -> Option<(&'static str, Proved)> {
+    let law = OtherLaw::<Number>::LAWS.iter().find(|law| law.name == name)?;
+    Some((law.name, haptic_proof::prove::<OtherLaw<Number>>(law, Peer::tick)))
+}
