@@ -198,7 +198,8 @@ impl LivePeer {
         }
         let scene = scene.checked()?.clone();
         let law = scene.law().name;
-        if haptic_guest_laws::laws().all().iter().all(|known| known.name != law) {
+        let known = haptic_guest_laws::laws().all();
+        if known.iter().all(|known| known.name != law) {
             let must = "a law in Python would be asked in the middle of a tick, which waits for nobody";
             return Err(refused(format!("coordination.comm = \"{law}\" is not allowed in a live peer: {must}")));
         }

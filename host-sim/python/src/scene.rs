@@ -104,7 +104,8 @@ impl Scene {
     #[new]
     #[pyo3(signature = (source = None, settings = None))]
     fn new(source: Option<&Bound<'_, PyAny>>, settings: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
-        let scene = source.map_or_else(|| Ok(haptic_sim::Scene::new(haptic_guest_laws::laws())), meant)?;
+        let usual = haptic_guest_laws::laws();
+        let scene = source.map_or_else(|| Ok(haptic_sim::Scene::new(usual)), meant)?;
         let mut scene = Self { scene };
         for (key, value) in settings.into_iter().flatten() {
             scene.put(&key.extract::<String>()?, &value)?;
