@@ -1,10 +1,10 @@
 //! What the image is made for: how many motors the board has, along how many axes the object is shared, and by which laws.
 //!
-//! One image holds the laws of haptic-core, or with the feature `all-laws` those of haptic-laws too, for devices of one or two motors and one shared axis. The other one (feature `three-axes`) is for three
-//! motors and an object that is shared along all of their axes: it names its law and its kind of mechanism, and carries no other, so that
-//! what it has three of still fits into ITCM. A third one (feature `moteus`) has the first one's laws, for a motor with a controller of its own,
-//! and a fourth (feature `spi-encoders`) differs from the first in what reads its joints. Any of them may talk by USB in place of Ethernet
-//! (feature `usb`).
+//! The usual image is for devices of one or two motors and one shared axis, with the laws of haptic-core. The feature `all-laws` adds those
+//! of haptic-laws. The second image (feature `three-axes`) is for three motors and an object that is shared along all of their axes. It names
+//! its law and its kind of mechanism, and carries no other, so that what it has three of still fits into ITCM. A third one (feature
+//! `moteus`) has the first one's laws, for a motor with a controller of its own, and a fourth (feature `spi-encoders`) differs from the
+//! first in what reads its joints. Any of them may talk by USB in place of Ethernet (feature `usb`).
 
 #[cfg(not(feature = "three-axes"))]
 mod made_for {

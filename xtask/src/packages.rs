@@ -50,12 +50,15 @@ fn sources() -> Result<(), Failure> {
 /// Packs the Python module of this checkout into this folder, emptied first.
 pub(crate) fn sdist(source: &Path, place: &Path) -> Result<PathBuf, Failure> {
     let failed = |cause| Failure::new(format!("cannot make {}: {cause}", place.display()));
-    let _ = fs::remove_dir_all(place);
+    if place.exists() {
+        fs::remove_dir_all(place).map_err(failed)?;
+    }
     let python = python::own_environment()?;
     let mut maturin = command(&python.to_string_lossy(), &["-m", "maturin", "sdist", "--out"]);
     run(maturin.arg(place).current_dir(source))?;
     let mut files = fs::read_dir(place).map_err(failed)?.flatten();
-    Ok(files.next().ok_or_else(|| Failure::new("maturin packed no sources"))?.path())
+    let none = || Failure::new("maturin packed no sources");
+    Ok(files.next().ok_or_else(none)?.path())
 }
 
 /// Unpacks them beside, and says where.

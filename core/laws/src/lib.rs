@@ -2,7 +2,8 @@
 //! promise and its own keys.
 //!
 //! [`OtherLaw`] is any of them, for a simulator that has core's laws already; [`EveryLaw`] any of them or of core's, for a board.
-//! Several keep an account of energy, which is one mechanism ([`tank`]).
+//! A law that is added is a line in both lists, and one of core's a line in the second; a test says which is missing. Several keep an
+//! account of energy, which is one mechanism ([`tank`]).
 #![no_std]
 #![forbid(unsafe_code)]
 

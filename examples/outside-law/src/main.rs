@@ -9,7 +9,7 @@
 //! cargo run -- campaign
 //! ```
 //!
-//! In haptic-core or haptic-laws the same law would be this file and one line in the list of laws.
+//! In haptic-core or haptic-laws the same law would be this file and a line in each list that has it.
 
 use haptic_core::configured;
 use haptic_core::law::{Coupled, Law, LawInfo, Observation, Packet, Spring};

@@ -30,6 +30,19 @@ const SCHEMA: Schema = Schema::new(LAWS);
 /// Laws whose waves or sums are bounded.
 const BOUNDED: &[&str] = &["wave-integral", "wave-compensator"];
 
+/// A law that was put into one list alone would be missing on a board, or in the simulator.
+#[test]
+fn every_law_is_in_the_list_of_all_and_once() {
+    use haptic_core::law::{AnyLaw as OfCore, Law};
+    let sorted = |laws: &[&[haptic_core::law::LawInfo]]| {
+        let mut names: Vec<_> = laws.iter().flat_map(|laws| laws.iter()).map(|law| law.name).collect();
+        names.sort_unstable();
+        names
+    };
+    let both = [<OfCore<f64> as Law<f64>>::LAWS, haptic_laws::OtherLaw::<f64>::LAWS];
+    assert_eq!(sorted(&[LAWS]), sorted(&both));
+}
+
 /// Every peer has room for the largest state: a law that is new must not make it larger.
 #[test]
 fn no_state_of_a_law_is_larger_than_the_self_timed_line_s() {
