@@ -14,24 +14,20 @@ mod axis;
 mod exchange;
 
 use crate::contact::{AnyRendering, Grip, Impacts};
-use crate::device::encoder::{Encoder, EncoderState, Marks, Shown};
-use crate::device::envelope::{self, Envelope, Load};
-use crate::device::kinematics::{AnyKinematics, AnySpatial, Kinematics, Pose};
-use crate::device::motor::{Duty, Motor};
-use crate::device::probe::{End, Outcome, Probe, Probing, Push};
+use crate::device::encoder::{EncoderState, Marks, Shown};
+use crate::device::hand::Hand;
+use crate::device::kinematics::{AnyKinematics, AnySpatial, Kinematics};
+use crate::device::probe::{End, Outcome, Probe, Probing};
 use crate::device::stage::Measured;
-use crate::device::stage_watch::{Driven, StageState, StageWatch};
-use crate::device::watch::{Still, Watch};
+use crate::device::watch::Watch;
 use crate::device::{self, AXES, Reading};
 use crate::law::degradation::{Degradation, Engagement};
 use crate::law::{AnyLaw, Law, Spring, credit};
 use crate::num::{Configured, Motion, Scalar, StateVector};
-use crate::safety::{Command, Fault, Guard, Limits, Mode, Patience};
+use crate::safety::{Command, Fault, Limits, Mode};
 use crate::settings::{Refused, Settings, Tables};
 use crate::{
     device::clutch::{Clutch, Slip},
-    device::constraint::Hold,
-    device::velocity::AnyVelocity,
     law::ledger::Ledger,
     object::AnyIntegrator,
     object::fixture::Fixture,
@@ -39,6 +35,7 @@ use crate::{
 };
 use axis::{Felt, SharedAxis, Tick};
 
+pub use crate::device::hand::Actuators;
 pub use axis::Observed;
 
 /// What a tick reads. Positions that are not encoder counts are in the shared world's units ([`crate::device::scale`]).
@@ -59,35 +56,6 @@ impl<S, const N: usize> Sensors<S, N> {
     pub fn of(reading: Reading<S, N>) -> Self {
         Self { reading, overrun: false, stage: None, marks: None }
     }
-}
-
-/// What a tick commands. Forces are in the shared world's units ([`crate::device::scale`]), duties in the device's.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Actuators<S, const N: usize = AXES> {
-    /// Force on every axis of the task, N; finite, within the limits, 0 unless armed (a probe knows duties only).
-    pub forces: [S; N],
-    /// The forces as motor duties, one for every joint.
-    pub duties: [Duty; N],
-    /// Whether the hardware enable line of the motor bridges is on.
-    pub enable: bool,
-    /// Whether duties are voltages, as fractions of the supply, with no loop closed around the currents. They are
-    /// written to the bridges' inputs even while `enable` is low, when none of them may come out. Only a probe sets
-    /// this, and only where there is a current loop.
-    pub open: bool,
-}
-
-/// Motors off: zero force, zero duty, bridges disabled.
-impl<S: Scalar, const N: usize> Default for Actuators<S, N> {
-    fn default() -> Self {
-        Self { forces: [S::ZERO; N], duties: [Duty::OFF; N], enable: false, open: false }
-    }
-}
-
-/// What is sensed at one joint.
-#[derive(Clone, Copy, Debug)]
-struct Joint<S: Scalar> {
-    encoder: EncoderState,
-    velocity: AnyVelocity<S>,
 }
 
 /// One peer: its configuration, built from the settings, and its whole state.
@@ -124,48 +92,21 @@ struct Joint<S: Scalar> {
 pub struct Peer<S: Scalar, L: Law<S>, const SHARED: usize = 1, const N: usize = AXES, K = AnyKinematics<S>> {
     shared_axes: [SharedAxis<S, L>; SHARED],
     law: L,
-    device: [Motion<S>; N],
-    forces: [S; N],
-    load: Load<S>,
     /// T_c, s.
     period_s: S,
-    /// Where the axes are when the encoders read zero, m.
-    home: [S; N],
-    encoder: Encoder<S>,
-    guard: Guard<S>,
-    watch: Watch<S>,
-    envelope: Envelope<S>,
-    hold: Hold<S>,
-    motor: Motor<S>,
     contact: AnyRendering<S>,
-    joints: [Joint<S>; N],
-    kinematics: K,
+    hand: Hand<S, SHARED, N, K>,
     ticks_per_packet: u32,
-    /// Axes, and joints, in use. Per-tick loops still run over all `N`: a run-time bound makes the compiler spill
-    /// poses and forces to memory.
-    axes: usize,
-    mode: Mode,
     until_packet: u32,
-    /// Since it was made.
-    ticks: u32,
     engagement: Engagement<S>,
     /// Since the newest packet came.
     age_ticks: u32,
     /// Packets come and are too old to be taken.
     delayed: bool,
-    saturated: Patience,
-    /// What the last tick asked of the motors.
-    asked: [Duty; N],
-    still: [Still; N],
     degradation: Degradation<S>,
     spring: Spring<S>,
-    stage_watch: StageWatch<S>,
-    stage: StageState<S, N>,
-    probing: Probing<S>,
     /// Packet periods in which nothing was sent, since something was.
     quiet: u32,
-    /// Plain, and nothing has slipped: only contact and coordination to compute, as in most ticks.
-    fast_path: bool,
     /// Armed with the clutch closed, no fixture, and a copy beside the device.
     plain: bool,
     clutch: Clutch<S>,
@@ -174,18 +115,13 @@ pub struct Peer<S: Scalar, L: Law<S>, const SHARED: usize = 1, const N: usize = 
     fixture: Option<Fixture<S>>,
     /// Virtual fixture where several axes are shared.
     oblique: Option<Oblique<S, SHARED>>,
-    /// What has slipped of the axes that are held.
-    grips: [Grip<S>; N],
     /// The law's force acts on the device itself.
     at_device: bool,
 }
 
-configured!([S: Scalar] Joint<S> { velocity; encoder });
 configured!([S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Configured] Peer<S, L, SHARED, N, K> {
-    shared_axes, device, period_s, home, encoder, guard, watch, envelope, hold, motor, contact, kinematics, joints,
-    ticks_per_packet, axes, law, degradation, spring, stage_watch, clutch, fixture, oblique, at_device;
-    forces, load, mode, until_packet, ticks, engagement, age_ticks, delayed, saturated, asked, still, stage, probing, quiet,
-    fast_path, plain, slips, grips
+    shared_axes, period_s, contact, hand, ticks_per_packet, law, degradation, spring, clutch, fixture, oblique, at_device;
+    until_packet, engagement, age_ticks, delayed, quiet, plain, slips
 });
 
 impl Settings {
@@ -234,11 +170,6 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
     pub fn build(settings: &Settings, device: [Motion<S>; N]) -> Result<Self, Refused<'static>> {
         settings.check_ranges()?;
         device::check_axes(settings, SHARED as u32, N as u32)?;
-        // Errors name values as they were set.
-        K::build(settings)?;
-        let world = &settings.in_the_world();
-        let kinematics = K::build(world)?;
-        let mut velocity = AnyVelocity::build(world)?;
         let degradation = Degradation::build(settings)?;
         let contact = AnyRendering::build(settings)?;
         let integrator = AnyIntegrator::build(settings)?;
@@ -253,107 +184,72 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
             shared_axes,
             period_s: S::from_f64(settings.timing.control_period_s),
             ticks_per_packet: settings.timing.ticks_per_packet,
-            axes: settings.axis.count as usize,
-            encoder: Encoder::build(world),
-            kinematics,
-            hold: Hold::build(world),
-            motor: Motor::build(world),
             contact,
             law,
             degradation,
             spring: Spring::build(settings),
             at_device: law.acts_on_device(),
-            guard: Guard::build(world),
-            watch: Watch::build(world),
-            envelope: Envelope::build(world),
-            stage_watch: StageWatch::build(settings)?,
-            home: device.map(|axis| axis.position),
-            mode: Mode::Disarmed,
-            fast_path: false,
+            hand: Hand::build(settings, device)?,
             plain: false,
             until_packet: 0,
-            ticks: 0,
-            joints: device.map(|at| {
-                velocity.start(at);
-                Joint { encoder: EncoderState::default(), velocity }
-            }),
-            device,
-            forces: [S::ZERO; N],
-            saturated: Patience::default(),
-            load: Load::default(),
             engagement: degradation.engaged(),
             age_ticks: 0,
             delayed: false,
-            probing: Probing::default(),
             clutch: Clutch::build(settings),
             slips: [Slip::default(); SHARED],
-            grips: [Grip::default(); N],
             fixture: if SHARED == 1 { Fixture::build(settings)? } else { None },
             oblique: if SHARED == 1 { None } else { Oblique::build(settings)? },
-            still: [Still::default(); N],
-            asked: [Duty::OFF; N],
-            stage: StageState::default(),
             quiet: u32::MAX,
         })
     }
 
     /// Puts the object at rest, clear of the device, and starts the coordination from there.
     fn engage(&mut self) {
-        for ((axis, slip), device) in self.shared_axes.iter_mut().zip(&mut self.slips).zip(self.device) {
+        for ((axis, slip), device) in self.shared_axes.iter_mut().zip(&mut self.slips).zip(self.hand.device) {
             slip.close();
             axis.engage(&self.law, &self.contact, slip.of(device).position);
             if self.at_device {
                 axis.object = Motion::at(slip.of(device).position);
             }
         }
-        self.forces = [S::ZERO; N];
-        self.grips = [Grip::default(); N];
-        self.saturated = Patience::default();
+        self.hand.start();
         self.engagement = self.degradation.engaged();
         self.age_ticks = 0;
         self.delayed = false;
-        self.still = [Still::default(); N];
         // The first packet goes at once.
         self.quiet = u32::MAX;
-        self.start_stage();
-    }
-
-    /// No motor has been asked for anything yet.
-    fn start_stage(&mut self) {
-        self.asked = [Duty::OFF; N];
-        self.stage_watch.start(&mut self.stage);
     }
 
     /// Carries out an operator's command; arming starts from rest and from zero force.
     pub fn command(&mut self, command: Command) {
-        let before = self.mode;
+        let before = self.hand.mode;
         self.enter(before.after(command));
-        if self.mode != Mode::Probing {
-            self.probing.end(End::Stopped);
+        if self.hand.mode != Mode::Probing {
+            self.hand.probing.end(End::Stopped);
         }
-        if self.mode == Mode::Armed && matches!(command, Command::Clutch | Command::Release) {
-            for (slip, device) in self.slips.iter_mut().zip(self.device) {
+        if self.hand.mode == Mode::Armed && matches!(command, Command::Clutch | Command::Release) {
+            for (slip, device) in self.slips.iter_mut().zip(self.hand.device) {
                 slip.turn(command == Command::Clutch, device.position);
             }
-            (self.fast_path, self.plain) = (false, false);
+            (self.hand.fast_path, self.plain) = (false, false);
         }
-        if command == Command::Home && self.mode == Mode::Disarmed {
+        if command == Command::Home && self.hand.mode == Mode::Disarmed {
             self.slips = [Slip::default(); SHARED];
-            for joint in &mut self.joints {
+            for joint in &mut self.hand.joints {
                 joint.encoder = EncoderState::default();
             }
         }
         if command == Command::Clear && matches!(before, Mode::Faulted(_)) {
             // What an encoder says after a jump is taken as where the joint was: the only reference there is. And what an
             // estimator remembers may be no number.
-            for (joint, at) in self.joints.iter_mut().zip(self.device) {
+            for (joint, at) in self.hand.joints.iter_mut().zip(self.hand.device) {
                 joint.encoder = EncoderState { total: joint.encoder.total, ..EncoderState::default() };
                 joint.velocity.start(at);
             }
-            self.start_stage();
+            self.hand.start_stage();
         }
-        if before != Mode::Armed && self.mode == Mode::Armed {
-            if self.stage.supply_is_wrong {
+        if before != Mode::Armed && self.hand.mode == Mode::Armed {
+            if self.hand.stage.supply_is_wrong {
                 return self.trip(Fault::SupplyOutOfRange);
             }
             self.engage();
@@ -362,58 +258,57 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
 
     /// Goes into a mode.
     fn enter(&mut self, mode: Mode) {
-        self.mode = mode;
+        self.hand.enter(mode);
         let free = self.fixture.is_none() && (SHARED == 1 || self.oblique.is_none()) && !self.at_device;
         self.plain = mode == Mode::Armed && free && self.slips.iter().all(Slip::is_none);
-        self.fast_path = false;
     }
 
     /// Everything is firm again where every slip and all that is left of a force is back at 0: one question for all of them.
     fn firm_up(&mut self) {
-        let grips = self.shared_axes.iter().map(|axis| &axis.grip).chain(&self.grips);
+        let grips = self.shared_axes.iter().map(|axis| &axis.grip).chain(&self.hand.grips);
         let slipped = grips.fold(S::ZERO, |sum, grip| sum + grip.slip_m().abs());
         if slipped == S::ZERO && !self.falls() {
             self.shared_axes.iter_mut().for_each(|axis| axis.grip = Grip::default());
-            self.grips = [Grip::default(); N];
-            self.fast_path = self.plain;
+            self.hand.grips = [Grip::default(); N];
+            self.hand.fast_path = self.plain;
         }
     }
 
     /// Begins a probe, if disarmed; otherwise nothing changes.
     pub fn probe(&mut self, probe: Probe<S>) {
-        if self.mode == Mode::Disarmed {
-            if self.stage.supply_is_wrong {
+        if self.hand.mode == Mode::Disarmed {
+            if self.hand.stage.supply_is_wrong {
                 return self.trip(Fault::SupplyOutOfRange);
             }
             self.enter(Mode::Probing);
-            self.probing = Probing::of(probe);
-            self.start_stage();
+            self.hand.probing = Probing::of(probe);
+            self.hand.start_stage();
         }
     }
 
     /// Outcome of the last probe.
     pub fn probed(&self) -> Outcome {
-        self.probing.outcome()
+        self.hand.probing.outcome()
     }
 
     /// The mode, with the fault that latched.
     pub fn mode(&self) -> Mode {
-        self.mode
+        self.hand.mode
     }
 
     /// Whether the coordination acts: armed, and not disengaged by silence or by [`Peer::part`].
     pub fn is_engaged(&self) -> bool {
-        self.mode == Mode::Armed && self.engagement.is_engaged()
+        self.hand.mode == Mode::Armed && self.engagement.is_engaged()
     }
 
     /// Whether the coordination acts in full: engaged, and the other peer's packets are not faded by silence.
     pub fn is_whole(&self) -> bool {
-        self.mode == Mode::Armed && self.engagement.has_heard() && self.degradation.is_whole(&self.engagement)
+        self.hand.mode == Mode::Armed && self.engagement.has_heard() && self.degradation.is_whole(&self.engagement)
     }
 
     /// What forces may be until the next tick that finds a mean near its limit ([`crate::device::envelope`], [`crate::device::thermal`]), or away from it.
     pub fn limits(&self) -> Limits<S> {
-        self.guard.limits
+        self.hand.guard.limits
     }
 
     /// Motions and forces of the last tick along every shared axis.
@@ -439,12 +334,12 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
     /// Whether the next [`Peer::tick`] is the longest, that of an exchange, or, where every tick has one, that in which the watch looks:
     /// marks of encoders had better wait for the one after it.
     pub fn is_busy(&self) -> bool {
-        if self.ticks_per_packet > 1 { self.packet_due() } else { Watch::<S>::looks(self.ticks.wrapping_add(1)) }
+        if self.ticks_per_packet > 1 { self.packet_due() } else { Watch::<S>::looks(self.hand.ticks.wrapping_add(1)) }
     }
 
     /// Axes, and joints, in use.
     pub fn axes(&self) -> usize {
-        self.axes
+        self.hand.axes
     }
 
     /// One control period: sensors in, forces out.
@@ -468,8 +363,8 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
             0 => self.ticks_per_packet - 1,
             more => more - 1,
         };
-        self.ticks = self.ticks.wrapping_add(1);
-        let sensed = if overrun { Err(Fault::TickOverrun) } else { self.sense(reading, shown) };
+        self.hand.ticks = self.hand.ticks.wrapping_add(1);
+        let sensed = if overrun { Err(Fault::TickOverrun) } else { self.hand.sense(reading, shown) };
         let pose = match sensed {
             Ok(pose) => pose,
             Err(fault) => {
@@ -477,18 +372,18 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
                 return Actuators::default();
             }
         };
-        self.device = pose.axes;
+        self.hand.device = pose.axes;
         if let Some(measured) = stage {
-            self.judge(measured);
+            self.hand.judge(measured);
         }
         // Not one question for both: what the slow one gives in memory would be there for both.
-        let felt = if self.fast_path {
+        let felt = if self.hand.fast_path {
             let Some(felt) = self.advance::<true>(&pose.axes) else {
                 self.trip(Fault::Diverged);
                 return Actuators::default();
             };
             felt
-        } else if self.mode == Mode::Armed {
+        } else if self.hand.mode == Mode::Armed {
             let Some(felt) = self.slow_path() else {
                 self.trip(Fault::Diverged);
                 return Actuators::default();
@@ -498,7 +393,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
             let Actuators { forces, duties, enable, open } = self.unarmed(stage.as_ref());
             return Actuators { forces, duties, enable, open };
         };
-        self.actuate(&pose, felt)
+        self.hand.actuate(&pose, felt)
     }
 
     /// [`Peer::advance`] in an armed tick that is not [`Peer::fast_path`].
@@ -506,12 +401,17 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
     #[inline(never)]
     fn slow_path(&mut self) -> Option<[S; SHARED]> {
         self.firm_up();
-        let device = self.device;
-        let most = self.envelope.most(&self.load, self.guard.full_force, device);
-        self.guard.limits.ease(self.stage_watch.most(&self.stage, most, self.asked, self.forces));
+        let device = self.hand.device;
+        let most = self.hand.envelope.most(&self.hand.load, self.hand.guard.full_force, device);
+        self.hand.guard.limits.ease(self.hand.stage_watch.most(
+            &self.hand.stage,
+            most,
+            self.hand.asked,
+            self.hand.forces,
+        ));
         let mut felt = self.advance::<false>(&device)?;
         for (felt, motion) in felt.iter_mut().zip(&device) {
-            *felt = *felt - self.guard.brake(motion.velocity);
+            *felt = *felt - self.hand.guard.brake(motion.velocity);
         }
         Some(felt)
     }
@@ -520,11 +420,11 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
     #[cold]
     #[inline(never)]
     fn unarmed(&mut self, stage: Option<&Measured<N>>) -> Actuators<S, N> {
-        self.envelope.rest(&mut self.load);
-        for ((axis, slip), device) in self.shared_axes.iter_mut().zip(&self.slips).zip(self.device) {
+        self.hand.envelope.rest(&mut self.hand.load);
+        for ((axis, slip), device) in self.shared_axes.iter_mut().zip(&self.slips).zip(self.hand.device) {
             axis.rest(slip.of(device));
         }
-        if self.mode == Mode::Probing { self.push(stage) } else { Actuators::default() }
+        if self.hand.mode == Mode::Probing { self.hand.push(stage) } else { Actuators::default() }
     }
 
     /// One tick of the copy along every shared axis, with devices there: the force on it whose reaction the device feels, N, if all of them
@@ -535,7 +435,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
             law: &self.law,
             contact: &self.contact,
             spring: &self.spring,
-            guard: &self.guard,
+            guard: &self.hand.guard,
             fixture: if PLAIN { None } else { self.fixture },
             at_device: !PLAIN && self.at_device,
             engaged: self.engagement.is_engaged(),
@@ -549,7 +449,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         {
             let mut devices = [Motion::REST; SHARED];
             let mut felt = [Felt { commanded: S::ZERO, share: None }; SHARED];
-            let sensed = sensed.iter().zip(&self.forces).zip(&mut self.slips);
+            let sensed = sensed.iter().zip(&self.hand.forces).zip(&mut self.slips);
             for ((device, felt), ((sensed, force), slip)) in devices.iter_mut().zip(&mut felt).zip(sensed) {
                 *device = self.clutch.carry(slip, *sensed);
                 *felt = Felt { commanded: *force, share: Some(slip.ratio()) };
@@ -564,7 +464,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         let mut finite = true;
         let mut slips = self.slips.iter_mut();
         for (axis, (felt, (device, commanded))) in
-            self.shared_axes.iter_mut().zip(felt.iter_mut().zip(sensed.iter().zip(&self.forces)))
+            self.shared_axes.iter_mut().zip(felt.iter_mut().zip(sensed.iter().zip(&self.hand.forces)))
         {
             let slip = if PLAIN { None } else { slips.next() };
             let (device, share) = match slip {
@@ -578,234 +478,15 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
                 None => finite = false,
             }
             if !axis.grip.is_firm() {
-                self.fast_path = false;
+                self.hand.fast_path = false;
             }
         }
         finite.then_some(felt)
     }
 
-    /// Trips on a fault that the power stage shows. Not inlined: a peer without a stage would pay for its registers.
-    #[inline(never)]
-    fn judge(&mut self, measured: &Measured<N>) {
-        let driven = match self.mode {
-            Mode::Armed if self.has_encoders() => Driven::Whole,
-            Mode::Armed => Driven::Alone,
-            Mode::Probing => Driven::Probed,
-            _ => Driven::Off,
-        };
-        let joints = &self.joints;
-        let counts = || joints.each_ref().map(|joint| joint.encoder.total);
-        if let Some(fault) = self.stage_watch.step(&mut self.stage, measured, self.asked, driven, counts) {
-            self.trip(fault);
-        }
-        if self.stage.warmth > S::from_f64(envelope::NEAR) {
-            self.fast_path = false;
-        }
-    }
-
-    /// One tick of a probe; disarmed when it is over.
-    #[cold]
-    fn push(&mut self, stage: Option<&Measured<N>>) -> Actuators<S, N> {
-        match self.probing.tick(self.joints.iter().map(|joint| joint.encoder.total), stage) {
-            Some(Push { duties, enable, open }) => Actuators { duties, enable, open, ..Actuators::default() },
-            None => {
-                self.enter(Mode::Disarmed);
-                Actuators::default()
-            }
-        }
-    }
-
-    /// The pose of the device, or the fault that leaves it unknown.
-    #[inline]
-    fn sense(&mut self, reading: Reading<S, N>, shown: Shown<'_, N>) -> Result<Pose<S, N>, Fault> {
-        let pose = match reading {
-            Reading::Exact(mut axes) => {
-                for (at, (axis, joint)) in axes.iter_mut().zip(&mut self.joints).enumerate() {
-                    if at < self.axes {
-                        if !axis.is_finite() {
-                            return Err(Fault::NonFiniteInput);
-                        }
-                        axis.velocity = joint.velocity.step(*axis);
-                    }
-                }
-                Pose::direct(axes)
-            }
-            Reading::Counts(counts) => {
-                let mut joints = [Motion::REST; N];
-                let each = joints.iter_mut().zip(&mut self.joints).zip(counts);
-                for (at, ((motion, joint), counts)) in each.enumerate() {
-                    if at < self.axes {
-                        let first = !joint.encoder.primed;
-                        let position = self.encoder.step(&mut joint.encoder, counts).ok_or(Fault::EncoderJump)?;
-                        *motion = Motion::at(position);
-                        if first {
-                            joint.velocity.start(*motion);
-                        }
-                        motion.velocity = joint.velocity.step(*motion);
-                    }
-                }
-                let encoders = self.joints.each_ref().map(|joint| &joint.encoder);
-                if let Some(marks) = Encoder::<S>::heeds(encoders, shown) {
-                    self.heed(marks)?;
-                }
-                let Pose { mut axes, jacobian } = self.kinematics.forward(joints);
-                for (axis, home) in axes.iter_mut().zip(&self.home) {
-                    axis.position = axis.position + *home;
-                }
-                Pose { axes, jacobian }
-            }
-        };
-        for (at, (axis, home)) in pose.axes.iter().zip(&self.home).enumerate() {
-            // No number passes neither comparison.
-            if at < self.axes
-                && !(axis.velocity.abs() <= self.guard.max_speed
-                    && (axis.position - *home).abs() <= self.guard.workspace)
-            {
-                self.doubt(pose.axes)?;
-                break;
-            }
-        }
-        if SHARED > 1 && self.mode == Mode::Armed && pose.is_singular() {
-            // Who renders in more than one direction has to be able to push in all of them.
-            return Err(Fault::OutOfWorkspace);
-        }
-        Ok(pose)
-    }
-
-    /// Checks what encoders show beside their counts; while disarmed, the index sets where the joint is.
-    #[inline(never)]
-    fn heed(&mut self, marks: &[Marks; N]) -> Result<(), Fault> {
-        let may_move = self.mode == Mode::Disarmed;
-        for (joint, marks) in self.joints.iter_mut().zip(marks).take(self.axes) {
-            if self.encoder.heed(&mut joint.encoder, marks, may_move)? {
-                joint.velocity.start(Motion::at(self.encoder.position(&joint.encoder)));
-            }
-        }
-        Ok(())
-    }
-
-    /// The fault of axes of which one is too fast, too far from home or no number. Too fast or too far is no fault while nothing is
-    /// rendered; a probe has limits of its own. An axis that is fast brakes in this tick.
-    #[cold]
-    fn doubt(&mut self, axes: [Motion<S>; N]) -> Result<(), Fault> {
-        for (axis, home) in axes.iter().zip(&self.home).take(self.axes) {
-            if !axis.is_finite() {
-                return Err(Fault::NonFiniteInput);
-            }
-            if self.mode == Mode::Armed && axis.velocity.abs() > self.guard.fastest {
-                return Err(Fault::Overspeed);
-            }
-            if self.mode == Mode::Armed && (axis.position - *home).abs() > self.guard.workspace {
-                return Err(Fault::OutOfWorkspace);
-            }
-        }
-        self.fast_path = false;
-        Ok(())
-    }
-
-    /// The reaction of the contact on the shared axes and the hold of the others, within the limits.
-    #[inline(always)]
-    fn actuate(&mut self, pose: &Pose<S, N>, felt: [S; SHARED]) -> Actuators<S, N> {
-        let mut wanted = [S::ZERO; N];
-        for (force, felt) in wanted.iter_mut().zip(&felt) {
-            *force = -*felt;
-        }
-        // Not `skip(1)`: the call behind it costs more than the hold itself.
-        for (at, (force, motion)) in wanted.iter_mut().zip(&pose.axes).enumerate() {
-            if at >= SHARED && at < self.axes {
-                *force = self.held(at, *motion);
-            }
-        }
-        let mut forces = self.forces;
-        for (at, (last, wanted)) in forces.iter_mut().zip(&wanted).enumerate() {
-            if at < self.axes {
-                *last = if self.guard.limits.is_free(*wanted) { *wanted } else { self.limited(at, *last, *wanted) };
-            }
-        }
-        // What a limit of force cuts off, the object does not get either: that may last. What a duty cuts off, it gets.
-        let mut clips = false;
-        let mut duties = [Duty::OFF; N];
-        let driven = if self.motor.friction > S::ZERO { self.motor.eased(forces, &pose.axes) } else { forces };
-        for (at, (duty, joint_force)) in duties.iter_mut().zip(&pose.joint_forces(driven)).enumerate() {
-            if at < self.axes {
-                let (value, clipped) = self.motor.duty(*joint_force);
-                *duty = value;
-                clips |= clipped;
-            }
-        }
-        if self.saturated.spent(clips, self.guard.saturated_ticks) {
-            self.trip(Fault::ForceSaturated);
-            return Actuators::default();
-        }
-        let power = envelope::power(forces, pose.axes);
-        if self.envelope.nears(&mut self.load, forces, power) {
-            // The next tick may have less force.
-            self.fast_path = false;
-            if let Some(fault) = self.load.fault() {
-                self.trip(fault);
-                return Actuators::default();
-            }
-        }
-        if self.has_encoders() {
-            if self.watch.is_too_much(power) {
-                self.trip(Fault::Runaway);
-                return Actuators::default();
-            }
-            if Watch::<S>::looks(self.ticks) && self.is_stuck(duties) {
-                self.trip(Fault::EncoderStuck);
-                return Actuators::default();
-            }
-        }
-        self.forces = forces;
-        self.asked = duties;
-        Actuators { forces, duties, enable: true, open: false }
-    }
-
-    /// The force (N) that an axis has after `last` where `wanted` is asked of it; where the axis is held, its line slips for what is cut.
-    #[cold]
-    #[inline(never)]
-    fn limited(&mut self, at: usize, last: S, wanted: S) -> S {
-        let given = self.guard.limits.limit(last, wanted);
-        if at >= SHARED
-            && given != wanted
-            && let Some(grip) = self.grips.get_mut(at)
-        {
-            self.fast_path = false;
-            self.hold.slide(grip, given - wanted, -given);
-        }
-        given
-    }
-
-    /// The force that holds an axis which may have slipped, N.
-    #[inline]
-    fn held(&mut self, at: usize, motion: Motion<S>) -> S {
-        self.grips.get_mut(at).map_or(S::ZERO, |grip| self.hold.gripped(grip, motion))
-    }
-
-    /// Where the watch looks: whether a joint's encoder does not count.
-    #[inline(always)]
-    fn is_stuck(&mut self, duties: [Duty; N]) -> bool {
-        for (at, ((joint, still), duty)) in self.joints.iter().zip(&mut self.still).zip(duties).enumerate() {
-            if at < self.axes && self.watch.is_stuck(still, joint.encoder.total, duty) {
-                return true;
-            }
-        }
-        false
-    }
-
-    /// Exact readings have no encoder to doubt.
-    #[inline]
-    fn has_encoders(&self) -> bool {
-        self.joints.first().is_some_and(|joint| joint.encoder.primed)
-    }
-
     /// Turns the motors off and latches the fault; the first one stays. For faults that the peer cannot see.
     pub fn trip(&mut self, fault: Fault) {
-        if !matches!(self.mode, Mode::Faulted(_)) {
-            self.enter(Mode::Faulted(fault));
-        }
-        self.forces = [S::ZERO; N];
-        self.probing.end(End::Stopped);
+        self.hand.trip(fault);
     }
 }
 
@@ -815,7 +496,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
 {
     fn visit(&mut self, each: &mut impl FnMut(&mut S)) {
         self.shared_axes.visit(each);
-        for joint in &mut self.joints {
+        for joint in &mut self.hand.joints {
             joint.velocity.visit(each);
         }
     }

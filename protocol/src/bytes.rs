@@ -26,7 +26,7 @@ impl<'a> Reader<'a> {
 
     /// The error of a wrong length.
     pub fn length(&self) -> Error {
-        Error::Length { message: self.message, wanted: self.wanted, got: self.got }
+        Error::length(self.message, self.wanted, self.got)
     }
 
     /// Offset of the next byte.
@@ -162,7 +162,7 @@ impl<'a> Writer<'a> {
         } else if self.written <= self.room {
             Ok(self.written)
         } else {
-            Err(Error::Length { message: self.message, wanted: self.written, got: self.room })
+            Err(Error::length(self.message, self.written, self.room))
         }
     }
 }

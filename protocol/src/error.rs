@@ -38,6 +38,12 @@ pub enum Error {
     },
 }
 
+impl Error {
+    pub(crate) const fn length(message: &'static str, wanted: usize, got: usize) -> Self {
+        Self::Length { message, wanted, got }
+    }
+}
+
 /// Why a link does not take a datagram, or seals none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Refusal {

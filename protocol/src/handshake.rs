@@ -184,7 +184,7 @@ impl Handshake {
         let (count, tables) = self.parameters.hashes();
         let Ends { local: from, remote: to } = self.ends;
         let Offer { ephemeral, incarnation } = self.local;
-        let length = wire::Error::Length { message: "greeting", wanted: Greeting::TAGGED, got: out.len() };
+        let length = wire::Error::length("greeting", Greeting::TAGGED, out.len());
         let (body, rest) = out.split_at_mut_checked(Greeting::LEN).ok_or(length)?;
         let tag = rest.first_chunk_mut().ok_or(length)?;
         let line = self.line;

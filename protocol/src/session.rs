@@ -200,7 +200,7 @@ impl Session {
         }
         self.first = self.first.min(header.sequence);
         self.taken = self.taken.saturating_add(1);
-        let length = wire::Error::Length { message: "stamps", wanted: Stamps::LEN, got: body.len() };
+        let length = wire::Error::length("stamps", Stamps::LEN, body.len());
         let (stamps, message) = body.split_at_checked(Stamps::LEN).ok_or(length)?;
         let Stamps { sealed_us, padding, echo_us, lease } = Stamps::parse(stamps)?;
         let age_us = self.age_us(now, echo_us);
@@ -297,7 +297,7 @@ impl Direction {
             self.cipher = Self::traffic(&self.base, epoch);
             self.epoch = epoch;
         }
-        let too_short = wire::Error::Length { message: "datagram", wanted: wire::SEAL_LEN, got: out.len() };
+        let too_short = wire::Error::length("datagram", wire::SEAL_LEN, out.len());
         let (head, rest) = out.split_first_chunk_mut::<{ Header::LEN }>().ok_or(too_short)?;
         header.emit(head)?;
         let length = message.emit(rest.get_mut(Stamps::LEN..).unwrap_or_default())?;
@@ -319,7 +319,7 @@ impl Direction {
         head: &[u8; Header::LEN],
         sealed: &'a mut [u8],
     ) -> Result<&'a [u8], Refusal> {
-        let length = wire::Error::Length { message: "sealed", wanted: TAG_LEN, got: sealed.len() };
+        let length = wire::Error::length("sealed", TAG_LEN, sealed.len());
         let (body, tag) = sealed.split_last_chunk_mut::<TAG_LEN>().ok_or(length)?;
         let (nonce, tag) = (Self::nonce(header.sequence), *tag);
         let epoch = header.sequence >> EPOCH_BITS;

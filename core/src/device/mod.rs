@@ -2,6 +2,7 @@
 //!
 //! | module | does |
 //! |---|---|
+//! | `hand` | all of these, as a peer has them: what is sensed, believed, limited and told the motors |
 //! | [`encoder`] | raw counts → joint position, with wrap-around and a plausibility check |
 //! | [`velocity`] | joint positions → joint velocity, a list of estimators |
 //! | [`kinematics`] | joints → axes of the task, and axis forces → joint forces, a list of mechanisms |
@@ -27,6 +28,7 @@ pub mod constraint;
 pub mod current;
 pub mod encoder;
 pub mod envelope;
+pub(crate) mod hand;
 pub mod kinematics;
 pub mod leaky;
 pub mod motor;

@@ -72,7 +72,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
 
     /// The second half of [`Peer::exchange`]: counts the silence if nothing has been heard in this packet period.
     pub fn listen(&mut self) {
-        if self.mode == Mode::Armed {
+        if self.hand.mode == Mode::Armed {
             let forces = self.shared_axes.iter().map(|axis| axis.observed.coordination_force);
             if self.degradation.pass(&mut self.engagement, forces) {
                 self.let_go();
@@ -80,7 +80,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
             } else if self.engagement.is_fading() {
                 self.fade();
             }
-            if self.engagement.silent() >= self.guard.silent_packets && !self.falls() {
+            if self.engagement.silent() >= self.hand.guard.silent_packets && !self.falls() {
                 self.trip(if self.delayed { Fault::PeerDelayed } else { Fault::PeerLost });
             }
         }
@@ -94,7 +94,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
         if !packets.iter().all(|packet| packet.is_finite()) {
             return self.trip(Fault::NonFiniteInput);
         }
-        if self.mode != Mode::Armed {
+        if self.hand.mode != Mode::Armed {
             return;
         }
         self.age_ticks = 0;
@@ -150,7 +150,7 @@ impl<S: Scalar, L: Law<S>, const SHARED: usize, const N: usize, K: Kinematics<S,
             axis.remnant = Remnant::of(axis.observed.coordination_force, axis.object, &self.spring);
             axis.grip.loosen();
         }
-        self.fast_path = false;
+        self.hand.fast_path = false;
     }
 
     /// Reports that packets come but are too old to be used (`safety.max_delay_s`), as the link measures it. They count

@@ -80,7 +80,7 @@ pub fn advice(scene: &Scene) -> Result<String, Error> {
 pub fn change(scene: &Scene) -> Result<Option<Change>, Error> {
     for (name, key) in scene.keys().into_iter().filter(|(name, _)| GAINS.contains(&name.as_str())) {
         let (Some(Value::Number(now)), Allowed::Number { max, .. }) = (scene.get(&name), key.allowed) else { continue };
-        let range = Range { key: name, from: 0.0, to: max.min((4.0 * now).max(1.0)) };
+        let range = Range::up_to(&name, max.min((4.0 * now).max(1.0)));
         let sweep = Sweep::new(scene, range)?;
         let limit = along(&sweep, Effort::every_mode())?;
         if let Some(change) = nearest(&sweep, &limit, now, &key)? {

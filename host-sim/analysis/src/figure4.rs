@@ -26,7 +26,7 @@ pub const POINTS: usize = 100;
 
 /// Ranges and numbers of points of the paper's axes, both N/m.
 pub fn axes() -> [Axis; 2] {
-    let axis = |key: &str, to: f64| Axis { range: Range { key: key.to_owned(), from: 0.0, to }, count: POINTS };
+    let axis = |key: &str, to: f64| Axis { range: Range::up_to(key, to), count: POINTS };
     [axis("contact.stiffness_n_per_m", 2500.0), axis("coordination.stiffness_n_per_m", 12_000.0)]
 }
 

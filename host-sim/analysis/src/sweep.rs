@@ -21,6 +21,13 @@ pub struct Range {
     pub to: f64,
 }
 
+impl Range {
+    /// From 0 to `to`.
+    pub(crate) fn up_to(key: &str, to: f64) -> Self {
+        Self { key: key.to_owned(), from: 0.0, to }
+    }
+}
+
 /// Keys that enter forces as a factor.
 const GAINS: [&str; 4] = [
     "contact.stiffness_n_per_m",

@@ -186,7 +186,7 @@ fn first(scene: &Scene, key: &str, to: f64) -> Result<Option<f64>, Error> {
     if to <= 0.0 {
         return Ok(Some(0.0));
     }
-    let sweep = Sweep::new(scene, Range { key: key.to_owned(), from: 0.0, to })?;
+    let sweep = Sweep::new(scene, Range::up_to(key, to))?;
     let limit = along(&sweep, Effort { steps: 120, ..Effort::every_mode() })?;
     if !limit.stable_at_start {
         return Ok(Some(0.0));

@@ -323,10 +323,11 @@ impl Columns {
 
     /// The values of the column of numbers with exactly this name.
     pub fn column(&self, name: &str) -> Option<&[f64]> {
-        self.columns.iter().find(|column| column.name == name).and_then(|column| match &column.values {
-            Values::Numbers(values) => Some(values.as_slice()),
+        let column = self.columns.iter().find(|column| column.name == name)?;
+        match &column.values {
+            Values::Numbers(values) => Some(values),
             Values::Cells(..) => None,
-        })
+        }
     }
 
     /// The points of a curve: a column of numbers, times `scale`, over another; none where either is missing.

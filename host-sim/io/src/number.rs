@@ -3,8 +3,11 @@
 /// A number with at least `digits` significant digits, and never fewer than its integer part needs: `significant(0.09871, 3)` is `0.0987`,
 /// `significant(10620.0, 3)` is `10620`. Below 1e-4 and from 1e9 up in scientific notation.
 pub fn significant(value: f64, digits: usize) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return if value == 0.0 { "0".to_owned() } else { value.to_string() };
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    if !value.is_finite() {
+        return value.to_string();
     }
     let after_first = digits.clamp(1, 17) - 1;
     let exponential = format!("{value:.after_first$e}");

@@ -132,7 +132,7 @@ impl Graph {
         if a == b {
             range = range.and(match op {
                 // What is no number, or infinite, less itself is none.
-                Op::Sub => Range { nan: range.nan, ..Range::point(0.0) },
+                Op::Sub => Range::point(0.0).with_nan(range.nan),
                 Op::Mul => Range { lo: 0.0, ..Range::ANY },
                 _ => range,
             });
@@ -163,12 +163,12 @@ impl Graph {
             let [one, two] =
                 [one, two].map(|of| of_two::<F>(Op::Sub, self.range(of), self.range(b)).and(self.regained::<F>(of, b)));
             let of = if op == Op::Max { f64::max } else { f64::min };
-            return Range { nan: one.nan || two.nan, ..Range::of(of(one.lo, two.lo), of(one.hi, two.hi)) };
+            return Range::of(of(one.lo, two.lo), of(one.hi, two.hi)).with_nan(one.nan || two.nan);
         }
-        let (other, negative) = match op {
-            Op::Add if one == b => (self.range(two), false),
-            Op::Add if two == b => (self.range(one), false),
-            Op::Sub if one == b => (self.range(two), true),
+        let other = match op {
+            Op::Add if one == b => self.range(two),
+            Op::Add if two == b => self.range(one),
+            Op::Sub if one == b => self.range(two).negative(),
             _ => return Range::ANY,
         };
         let ranges = [self.range(a), self.range(b), other];
@@ -177,8 +177,7 @@ impl Graph {
         }
         let [_, least] = F::ENDS;
         let rounding = 2.0 * F::EPSILON * ranges.iter().map(|range| range.most()).fold(0.0, f64::max) + least;
-        let (lo, hi) = if negative { (-other.hi, -other.lo) } else { (other.lo, other.hi) };
-        Range::of(F::at_most(lo - rounding), at_least::<F>(hi + rounding))
+        Range::of(F::at_most(other.lo - rounding), at_least::<F>(other.hi + rounding))
     }
 
     /// Takes away from a number, and from what it was computed from, what is not in this range.
@@ -192,7 +191,7 @@ impl Graph {
             range.hi = range.hi.min(-away);
         }
         if !range.has_numbers() {
-            range = Range { nan: range.nan, ..Range::EMPTY };
+            range = Range::EMPTY.with_nan(range.nan);
         }
         if range == old || matches!(from, From::Constant(_)) && !range.is_empty() {
             return;
@@ -216,7 +215,7 @@ impl Graph {
                 // A finite result has finite operands, and one that is a number has numbers.
                 let zero = |range: Range| op == Op::Mul && range == Range::point(0.0);
                 let finite = range.is_finite();
-                let numbers = Range { nan: false, ..Range::ANY };
+                let numbers = Range::ANY.numbers();
                 let kind = |other| if finite || zero(other) { Range::finite::<F>() } else { numbers };
                 self.narrow::<F>(a, kind(of_b), depth);
                 self.narrow::<F>(b, kind(of_a), depth);
@@ -225,18 +224,14 @@ impl Graph {
                 }
                 // The sum before rounding lies between the neighbours of what it was rounded to.
                 let (least, most) = (below::<F>(range.lo), F::above(range.hi));
-                let other = |place: &Self, at| {
-                    let range = place.range(at);
-                    if op == Op::Sub { (-range.hi, -range.lo) } else { (range.lo, range.hi) }
-                };
-                let (b_lo, b_hi) = other(self, b);
-                self.narrow::<F>(a, between::<F>(least - b_hi, most - b_lo), depth);
+                let of_b = if op == Op::Sub { self.range(b).negative() } else { self.range(b) };
+                self.narrow::<F>(a, between::<F>(least - of_b.hi, most - of_b.lo), depth);
                 let of_a = self.range(a);
                 let (lo, hi) = (least - of_a.hi, most - of_a.lo);
                 let (lo, hi) = if op == Op::Sub { (-hi, -lo) } else { (lo, hi) };
                 self.narrow::<F>(b, between::<F>(lo, hi), depth);
             }
-            Op::Neg => self.narrow::<F>(a, Range { lo: -range.hi, hi: -range.lo, ..range }, depth),
+            Op::Neg => self.narrow::<F>(a, range.negative(), depth),
             Op::Abs => {
                 let node = self.nodes[a as usize];
                 if range.lo > node.away {
@@ -264,7 +259,7 @@ impl Graph {
         let answer = self.decide(can, can_not);
         if a == b {
             if answer {
-                self.narrow::<F>(a, Range { nan: false, ..Range::ANY }, 0);
+                self.narrow::<F>(a, Range::ANY.numbers(), 0);
             }
         } else if answer {
             self.order::<F>(a, b, strict);
@@ -313,7 +308,7 @@ pub(crate) fn less<F: Float>(a: Place, b: Place, strict: bool) -> bool {
 pub(crate) fn equal<F: Float>(a: Place, b: Place) -> bool {
     told(|graph| {
         let (of_a, of_b) = (graph.range(a), graph.range(b));
-        let both = Range { nan: false, ..of_a.and(of_b) };
+        let both = of_a.and(of_b).numbers();
         let same = a == b || of_a.is_point() && of_b.is_point() && both.has_numbers();
         let answer = graph.decide(both.has_numbers(), of_a.nan || of_b.nan || !same);
         if answer {

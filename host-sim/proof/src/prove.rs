@@ -30,7 +30,7 @@ use rayon::prelude::*;
 use crate::graph::{self, MOST_PATHS, Place};
 use crate::range::{Float, Range};
 use crate::unknown::{Number, Unknown};
-use crate::whatever::Whatever;
+use crate::whatever::{Whatever, motion};
 
 /// States of whole numbers that each scene is looked at in, half of them with encoders; of two axes, the first two.
 pub const STATES: u64 = 4;
@@ -227,7 +227,6 @@ fn step<L: Law<Number>, const SHARED: usize, const N: usize, K: Kinematics<Numbe
     tick: Tick<L, SHARED, N, K>,
     outside: Outside,
 ) -> (Actuators<Number, N>, Option<[Packet<Number>; SHARED]>) {
-    let motion = || Motion { position: Number::any(), velocity: Number::any() };
     if let Some(live_ticks) = outside.heard {
         let finite = || Motion { position: Number::any_finite(), velocity: Number::any_finite() };
         peer.hear(&[(); SHARED].map(|()| Packet {

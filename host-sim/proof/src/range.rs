@@ -71,7 +71,7 @@ impl Range {
     /// Any bits at all.
     pub const ANY: Self = Self { lo: f64::NEG_INFINITY, hi: f64::INFINITY, nan: true };
     /// The range without any number.
-    pub const EMPTY: Self = Self { lo: f64::INFINITY, hi: f64::NEG_INFINITY, nan: false };
+    pub const EMPTY: Self = Self::of(f64::INFINITY, f64::NEG_INFINITY);
     const NAN: Self = Self { nan: true, ..Self::EMPTY };
 
     /// From one number to another.
@@ -127,50 +127,49 @@ impl Range {
     /// What is in both.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
-        Self { lo: self.lo.max(other.lo), hi: self.hi.min(other.hi), nan: self.nan && other.nan }
+        Self::of(self.lo.max(other.lo), self.hi.min(other.hi)).with_nan(self.nan && other.nan)
     }
 
     /// What is in either, and what lies between.
     #[must_use]
     pub fn or(self, other: Self) -> Self {
-        Self { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi), nan: self.nan || other.nan }
+        Self::of(self.lo.min(other.lo), self.hi.max(other.hi)).with_nan(self.nan || other.nan)
     }
 
-    fn with_nan(self, nan: bool) -> Self {
+    /// This, or no number if `nan`.
+    pub(crate) fn with_nan(self, nan: bool) -> Self {
         Self { nan: self.nan || nan, ..self }
     }
 
-    fn negative(self) -> Self {
-        Self { lo: -self.hi, hi: -self.lo, ..self }
+    /// The numbers in it.
+    pub(crate) fn numbers(self) -> Self {
+        Self::of(self.lo, self.hi)
+    }
+
+    pub(crate) fn negative(self) -> Self {
+        Self::of(-self.hi, -self.lo).with_nan(self.nan)
     }
 
     /// What a monotone operation of one number gives.
     fn each(self, nan: bool, one: impl Fn(f64) -> f64) -> Self {
-        if self.has_numbers() {
-            Self::of(one(self.lo), one(self.hi)).with_nan(nan)
-        } else {
-            Self { nan, ..Self::EMPTY }
-        }
+        let numbers = if self.has_numbers() { Self::of(one(self.lo), one(self.hi)) } else { Self::EMPTY };
+        numbers.with_nan(nan)
     }
 
     /// What an operation of two gives that is monotone in each, wherever the other is.
     fn corners<F: Float>(self, other: Self, nan: bool, both: impl Fn(F, F) -> F) -> Self {
+        let mut hull = Self::EMPTY.with_nan(nan);
         if !(self.has_numbers() && other.has_numbers()) {
-            return Self { nan, ..Self::EMPTY };
+            return hull;
         }
-        let mut hull = Self { nan, ..Self::EMPTY };
         for a in [self.lo, self.hi] {
             for b in [other.lo, other.hi] {
                 let corner = both(F::from_f64(a), F::from_f64(b)).to_f64();
                 // 0·∞ and ∞/∞: what is next to such a corner may be as small as 0.
-                hull = hull.or(Self::of(corner, corner).with_number(corner));
+                hull = hull.or(Self::point(if corner.is_nan() { 0.0 } else { corner }));
             }
         }
         hull
-    }
-
-    fn with_number(self, corner: f64) -> Self {
-        if corner.is_nan() { Self::of(0.0, 0.0) } else { self }
     }
 }
 
@@ -185,7 +184,7 @@ pub(crate) fn of_two<F: Float>(op: Op, a: Range, b: Range) -> Range {
             a.corners::<F>(b, nan || lost, |a, b| a * b)
         }
         Op::Neg => a.negative(),
-        Op::Abs if a.has(0.0) => Range { lo: 0.0, hi: a.most(), ..a },
+        Op::Abs if a.has(0.0) => Range::of(0.0, a.most()).with_nan(a.nan),
         Op::Abs if a.hi < 0.0 => a.negative(),
         Op::Abs => a,
         // Of no number, and of one below 0, the root is 0.
@@ -197,7 +196,7 @@ pub(crate) fn of_two<F: Float>(op: Op, a: Range, b: Range) -> Range {
             let quotient = a.over::<F>(b);
             if b.has(0.0) { quotient.or(Range::point(0.0)) } else { quotient }
         }
-        Op::Over if b.has(0.0) => Range { nan: nan || a.has(0.0) || a.has_infinity(), ..Range::ANY },
+        Op::Over if b.has(0.0) => Range::ANY.numbers().with_nan(nan || a.has(0.0) || a.has_infinity()),
         Op::Over => a.over::<F>(b),
         Op::Limit => a.limit(b),
         // In both, what is no number loses if it comes first.
@@ -247,7 +246,7 @@ impl Range {
         let within = self.and(Self::of(-bound.hi, bound.hi));
         let mut held = if within.has_numbers() { within } else { Self::EMPTY };
         if self.has_numbers() && bound.has_numbers() {
-            let numbers = Self { nan: false, ..bound };
+            let numbers = bound.numbers();
             if self.hi > bound.lo {
                 held = held.or(numbers);
             }
@@ -255,7 +254,10 @@ impl Range {
                 held = held.or(numbers.negative());
             }
         }
-        Self { nan: false, ..if self.nan || bound.nan { held.or(Self::point(0.0)) } else { held } }
+        if self.nan || bound.nan {
+            held = held.or(Self::point(0.0));
+        }
+        held.numbers()
     }
 }
 

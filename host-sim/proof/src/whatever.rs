@@ -12,7 +12,7 @@ use crate::unknown::{Number, Unknown};
 #[derive(Clone, Copy, Debug)]
 pub struct Whatever;
 
-fn motion() -> Motion<Number> {
+pub(crate) fn motion() -> Motion<Number> {
     Motion { position: Number::any(), velocity: Number::any() }
 }
 

@@ -20,19 +20,23 @@ pub struct DoubleDouble {
     low: f64,
 }
 
-const QUARTER_TURN: DoubleDouble = DoubleDouble { high: std::f64::consts::FRAC_PI_2, low: 6.123_233_995_736_766e-17 };
+const QUARTER_TURN: DoubleDouble = of(std::f64::consts::FRAC_PI_2, 6.123_233_995_736_766e-17);
+
+const fn of(high: f64, low: f64) -> DoubleDouble {
+    DoubleDouble { high, low }
+}
 
 /// a + b exactly, as a sum of two.
 fn two_sum(a: f64, b: f64) -> DoubleDouble {
     let high = a + b;
     let part = high - a;
-    DoubleDouble { high, low: (a - (high - part)) + (b - part) }
+    of(high, (a - (high - part)) + (b - part))
 }
 
 /// [`two_sum`] where |a| ≥ |b|, in fewer operations.
 fn quick_two_sum(a: f64, b: f64) -> DoubleDouble {
     let high = a + b;
-    DoubleDouble { high, low: b - (high - a) }
+    of(high, b - (high - a))
 }
 
 /// A number as two of 26 bits (Veltkamp's split).
@@ -46,7 +50,7 @@ fn split(a: f64) -> (f64, f64) {
 fn two_product(a: f64, b: f64) -> DoubleDouble {
     let high = a * b;
     let ((a1, a2), (b1, b2)) = (split(a), split(b));
-    DoubleDouble { high, low: ((a1 * b1 - high) + a1 * b2 + a2 * b1) + a2 * b2 }
+    of(high, ((a1 * b1 - high) + a1 * b2 + a2 * b1) + a2 * b2)
 }
 
 impl Add for DoubleDouble {
@@ -60,7 +64,7 @@ impl Add for DoubleDouble {
 impl Neg for DoubleDouble {
     type Output = Self;
     fn neg(self) -> Self {
-        Self { high: -self.high, low: -self.low }
+        of(-self.high, -self.low)
     }
 }
 impl Sub for DoubleDouble {
@@ -80,11 +84,11 @@ impl Mul for DoubleDouble {
 impl Scalar for DoubleDouble {
     type Counter = f64;
     const NAME: &'static str = "double-double";
-    const ZERO: Self = Self { high: 0.0, low: 0.0 };
-    const ONE: Self = Self { high: 1.0, low: 0.0 };
+    const ZERO: Self = of(0.0, 0.0);
+    const ONE: Self = of(1.0, 0.0);
 
     fn from_f64(value: f64) -> Self {
-        Self { high: value, low: 0.0 }
+        of(value, 0.0)
     }
     /// Rounded to 53 bits.
     fn to_f64(self) -> f64 {

@@ -159,21 +159,17 @@ impl Trace {
         }
         let mut samples: Vec<(f64, f64)> = Vec::new();
         for (row, record) in (1..).zip(reader.records()) {
+            let wrong = |what: &str| Error::at(&path, format!("row {row}: {what}"));
             let record = record.map_err(&read)?;
             let numbers: Option<Vec<f64>> =
                 record.iter().map(|field| field.parse().ok().filter(|number: &f64| number.is_finite())).collect();
             match numbers.as_deref() {
                 Some(&[time_s, _]) if samples.last().is_some_and(|last| last.0 >= time_s) => {
-                    return Err(Error::at(&path, format!("row {row}: time {time_s} s is not after the row before")));
+                    return Err(wrong(&format!("time {time_s} s is not after the row before")));
                 }
                 Some(&[time_s, force_n]) => samples.push((time_s, force_n)),
                 // Not what it is: a scene of somebody else's may name any file of whoever runs it.
-                _ => {
-                    return Err(Error::at(
-                        path,
-                        format!("row {row}: expected a time and a force as two finite numbers"),
-                    ));
-                }
+                _ => return Err(wrong("expected a time and a force as two finite numbers")),
             }
         }
         if samples.is_empty() {

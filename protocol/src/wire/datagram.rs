@@ -73,7 +73,7 @@ impl Header {
     /// # Errors
     /// Too few bytes, or a header that is none of this version.
     pub fn parse(datagram: &mut [u8]) -> Result<(Self, &[u8; Self::LEN], &mut [u8]), Error> {
-        let least = Error::Length { message: "sealed", wanted: Self::LEN + TAG_LEN, got: datagram.len() };
+        let least = Error::length("sealed", Self::LEN + TAG_LEN, datagram.len());
         if datagram.len() < Self::LEN + TAG_LEN {
             return Err(least);
         }

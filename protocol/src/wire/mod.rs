@@ -64,7 +64,7 @@ macro_rules! kinds {
                     $(Some($Flow::KIND) => $Flow::parse(bytes).map(Self::$Flow),)+
                     $(Some($Kind::KIND) => $Kind::parse(bytes).map(Self::$Kind),)+
                     Some(kind) => Err(Error::UnknownKind(kind)),
-                    None => Err(Error::Length { message: "message", wanted: 1, got: 0 }),
+                    None => Err(Error::length("message", 1, 0)),
                 }
             }
 

@@ -33,7 +33,7 @@ macro_rules! with_payload {
             /// A payload longer than [`Self::MAX_PAYLOAD`].
             pub fn new(code: u16, payload: &[u8]) -> Result<Self, Error> {
                 let message = concat!($message, " payload");
-                let too_long = Error::Length { message, wanted: $most, got: payload.len() };
+                let too_long = Error::length(message, $most, payload.len());
                 let len = u8::try_from(payload.len()).map_err(|_| too_long)?;
                 let mut new = Self { $($field: <$ty>::default(),)+ payload: [0; $most], len };
                 new.payload.get_mut(..payload.len()).ok_or(too_long)?.copy_from_slice(payload);

@@ -115,8 +115,7 @@ impl<const N: usize> Linkage<N> {
             let positions = next.map(|joint| joint.position);
             let (place, pose) = self.joints.at(positions);
             if pose.is_singular() || positions.iter().any(|position| !position.is_finite()) {
-                self.turned = self.turned.map(|joint| Motion::at(joint.position));
-                self.hand = self.hand.map(|axis| Motion::at(axis.position));
+                self.hold();
                 continue;
             }
             self.turned = next;

@@ -255,9 +255,7 @@ impl<const N: usize> Plant<N> {
         }
         self.motor_before = [0.0; N];
         self.waiting.iter_mut().for_each(|forces| *forces = [0.0; N]);
-        if let Some(windings) = &mut self.windings {
-            windings.drives.iter_mut().for_each(Drive::off);
-        }
+        self.drives().for_each(Drive::off);
     }
 
     /// Readings of the peer's sensors now.
@@ -334,8 +332,11 @@ impl<const N: usize> Plant<N> {
     /// # Errors
     /// Settings that no loop can have.
     pub fn tune(&mut self, settings: &Settings, plant: &PlantSettings) -> Result<(), Refused<'static>> {
-        let mut drives = self.windings.iter_mut().flat_map(|windings| &mut windings.drives);
-        drives.try_for_each(|drive| drive.tune(settings, plant))
+        self.drives().try_for_each(|drive| drive.tune(settings, plant))
+    }
+
+    fn drives(&mut self) -> impl Iterator<Item = &mut Drive> {
+        self.windings.iter_mut().flat_map(|windings| &mut windings.drives)
     }
 
     /// Largest |current| through each winding since it was last asked for, A; 0 without windings.
@@ -351,7 +352,7 @@ impl<const N: usize> Plant<N> {
 
     /// The supply of the bridges is this from now on, V; nothing without windings.
     pub fn set_supply(&mut self, volts: f64) {
-        self.windings.iter_mut().flat_map(|windings| &mut windings.drives).for_each(|drive| drive.set_supply(volts));
+        self.drives().for_each(|drive| drive.set_supply(volts));
     }
 
     /// Makes the first joint fail in this way from now on.
