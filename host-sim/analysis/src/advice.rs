@@ -78,12 +78,13 @@ pub fn advice(scene: &Scene) -> Result<String, Error> {
 /// # Errors
 /// A scene that the analyser cannot judge.
 pub fn change(scene: &Scene) -> Result<Option<Change>, Error> {
-    for (name, key) in scene.keys().into_iter().filter(|(name, _)| GAINS.contains(&name.as_str())) {
-        let (Some(Value::Number(now)), Allowed::Number { max, .. }) = (scene.get(&name), key.allowed) else { continue };
-        let range = Range::up_to(&name, max.min((4.0 * now).max(1.0)));
+    let keys = scene.keys();
+    for (name, key) in keys.iter().filter(|(name, _)| GAINS.contains(&name.as_str())) {
+        let (Some(Value::Number(now)), Allowed::Number { max, .. }) = (scene.get(name), key.allowed) else { continue };
+        let range = Range::up_to(name, max.min((4.0 * now).max(1.0)));
         let sweep = Sweep::new(scene, range)?;
         let limit = along(&sweep, Effort::every_mode())?;
-        if let Some(change) = nearest(&sweep, &limit, now, &key)? {
+        if let Some(change) = nearest(&sweep, &limit, now, key)? {
             return Ok(Some(change));
         }
     }
@@ -93,9 +94,7 @@ pub fn change(scene: &Scene) -> Result<Option<Change>, Error> {
 /// The nearest value that is stable with a margin.
 fn nearest(sweep: &Sweep, limit: &Limit, now: f64, key: &Key) -> Result<Option<Change>, Error> {
     let range = &sweep.range;
-    let mut edges = vec![range.from];
-    edges.extend(&limit.crossings);
-    edges.push(range.to);
+    let edges = [&[range.from], &limit.crossings[..], &[range.to]].concat();
     let mut candidates: Vec<(f64, f64)> = Vec::new();
     for (at, pair) in edges.windows(2).enumerate() {
         let (low, high) = (pair[0], pair[1]);

@@ -92,10 +92,9 @@ impl Conclusion {
     /// # Errors
     /// A scene whose peers cannot be built.
     pub fn apparent_mass_kg(&self, scene: &Scene) -> Result<Option<f64>, Error> {
-        if !(self.outcome.is_stable() && self.analysis.verdict.stable) {
-            return Ok(None);
-        }
-        Ok(Some(apparent_mass::measure(scene)?).filter(|mass| mass.is_finite() && *mass > 0.0))
+        let stable = self.outcome.is_stable() && self.analysis.verdict.stable;
+        let mass = stable.then(|| apparent_mass::measure(scene)).transpose()?;
+        Ok(mass.filter(|mass| mass.is_finite() && *mass > 0.0))
     }
 
     /// What whoever runs this scene should know: that it is unstable, with what to change; that it is where the object is let go of; that

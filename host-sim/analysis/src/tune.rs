@@ -8,6 +8,9 @@
 //! [`ENOUGH`] times as stiff as the stiffest contact adds next to nothing, so no stiffer one is looked for: it would only
 //! make rounding louder.
 //!
+//! **A taut line** has a third number: of what it gives way, as much is taken back as (1 + m) times still is stable with both gains raised,
+//! and never more than all. Its time constant needs no proposal: the law keeps it longer than the modes that it could feed.
+//!
 //! Found on a grid of contact stiffnesses: at each the first K_T that is unstable, pockets followed
 //! (`limit`), is where the rectangle below it must end. Rounded down to three digits, then verified afresh: at the
 //! proposal, at its three raised corners, along both keys from 0 through the proposal and through the raised gains. Whatever
@@ -15,6 +18,7 @@
 //! ([`haptic_sim::scene::Scene::linear`]), in every mode ([`super::judge`]); [`try_out`] runs the scene itself, and [`let_go`]
 //! with nobody holding it.
 
+use haptic_core::law::self_timed::TAUTNESS;
 use haptic_core::num::StateVector;
 use haptic_core::settings::Allowed;
 use haptic_sim::of_axes;
@@ -72,23 +76,32 @@ pub struct Proposal {
     pub coordination_limit_n_per_m: Option<f64>,
     /// 2/K_LC + 1/K_T, mm/N: what the gains let one hand yield against the other.
     pub compliance_mm_per_n: f64,
+    /// The most of what a taut line gives way that may be taken back ([`TAUTNESS`]), up to all of it: (1 + m) times that is stable, with both
+    /// gains raised. Absent where the line is not taut.
+    pub tautness: Option<f64>,
 }
 
 impl Proposal {
     /// The overrides that set it.
-    pub fn overrides(&self) -> [String; 2] {
-        [
+    pub fn overrides(&self) -> Vec<String> {
+        let mut sets = vec![
             format!("{CONTACT}={}", self.contact_stiffness_n_per_m),
             format!("{COORDINATION}={}", self.coordination_stiffness_n_per_m),
-        ]
+        ];
+        sets.extend(self.tautness.map(|share| format!("{}={share}", TAUTNESS.name)));
+        sets
     }
 
-    /// The scene with the proposal, both gains times `factor`.
+    /// The scene with the proposal.
     ///
     /// # Errors
-    /// A gain beyond its key's range.
-    pub fn applied(&self, scene: &Scene, factor: f64) -> Result<Scene, Error> {
-        with(scene, factor * self.contact_stiffness_n_per_m, factor * self.coordination_stiffness_n_per_m)
+    /// A value beyond its key's range.
+    pub fn applied(&self, scene: &Scene) -> Result<Scene, Error> {
+        let mut scene = scene.clone();
+        for set in self.overrides() {
+            scene.apply_override(&set)?;
+        }
+        Ok(scene)
     }
 }
 
@@ -161,14 +174,16 @@ fn verified(scene: &Scene, contact: f64, coordination: f64, margin: f64) -> Resu
     let mut limits = [None; 2];
     for factor in [raised, 1.0] {
         let to = |key: &str, gain: f64| largest(key).min(BEYOND * raised * gain);
-        let along_contact = first(&with(scene, 0.0, factor * coordination)?, CONTACT, to(CONTACT, contact))?;
-        let along_coordination =
-            first(&with(scene, factor * contact, 0.0)?, COORDINATION, to(COORDINATION, coordination))?;
+        let base = with(scene, 0.0, factor * coordination)?;
+        let along_contact = first(&base, CONTACT, to(CONTACT, contact))?;
+        let base = with(scene, factor * contact, 0.0)?;
+        let along_coordination = first(&base, COORDINATION, to(COORDINATION, coordination))?;
         if !clear(along_contact, contact) || !clear(along_coordination, coordination) {
             return Ok(None);
         }
         limits = [along_contact, along_coordination];
     }
+    let both = with(scene, raised * contact, raised * coordination)?;
     Ok(Some(Proposal {
         contact_stiffness_n_per_m: contact,
         coordination_stiffness_n_per_m: coordination,
@@ -178,7 +193,15 @@ fn verified(scene: &Scene, contact: f64, coordination: f64, margin: f64) -> Resu
         contact_limit_n_per_m: limits[0],
         coordination_limit_n_per_m: limits[1],
         compliance_mm_per_n: 1e3 * (2.0 / contact + 1.0 / coordination),
+        tautness: tautest(&both, raised)?,
     }))
+}
+
+/// The most of what the line of a scene gives way that may be taken back with a margin; `None` where nothing is.
+fn tautest(scene: &Scene, raised: f64) -> Result<Option<f64>, Error> {
+    let limit = || first(scene, TAUTNESS.name, raised.min(largest(TAUTNESS.name)));
+    let limit = (scene.peer.own(&TAUTNESS) > 0.0).then(limit).transpose()?;
+    Ok(limit.map(|limit| limit.map_or(1.0, |limit| rounded_down(limit / raised))))
 }
 
 /// The first unstable value of a gain from 0 on; `None` where there is none.
@@ -209,12 +232,10 @@ fn largest(key: &str) -> f64 {
 
 /// Three digits, never more than the value.
 fn rounded_down(value: f64) -> f64 {
-    if !(value > 0.0 && value.is_finite()) {
-        return 0.0;
-    }
-    let step = 10_f64.powf(value.log10().floor() - 2.0);
-    let digits = (value / step * (1.0 + 1e-12)).floor();
-    format!("{digits}e{}", (value.log10().floor() - 2.0) as i32).parse().unwrap_or(value)
+    let power = value.log10().floor() - 2.0;
+    let digits = (value / 10_f64.powf(power) * (1.0 + 1e-12)).floor();
+    // Of 0, infinity and no number this is no number.
+    format!("{digits}e{power}").parse().unwrap_or(0.0)
 }
 
 /// Runs the scene with the proposal, as it is, gaps, encoders and all; users who do nothing get the pushes and pulses of
@@ -223,7 +244,7 @@ fn rounded_down(value: f64) -> f64 {
 /// # Errors
 /// The first key that is out of range or impossible beside the others.
 pub fn try_out<S: Run>(scene: &Scene, proposal: &Proposal, duration_s: f64) -> Result<Outcome, Error> {
-    let mut scene = proposal.applied(scene, 1.0)?;
+    let mut scene = proposal.applied(scene)?;
     let idle = |user: &User| {
         let does = &user.settings.user;
         let moves = [does.push_n, does.pulse_n, does.sine_n, does.reach_m, does.tremor_m];
@@ -258,7 +279,7 @@ pub struct Released {
 /// # Errors
 /// The first key that is out of range or impossible beside the others.
 pub fn let_go<S: Number>(scene: &Scene, proposal: &Proposal, duration_s: f64) -> Result<Released, Error> {
-    let scene = proposal.applied(scene, 1.0)?.hands_off();
+    let scene = proposal.applied(scene)?.hands_off();
     of_axes!(scene, let_go_along::<S>(&scene, duration_s))
 }
 

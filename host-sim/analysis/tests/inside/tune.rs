@@ -84,6 +84,35 @@ fn stiffness_is_traded_for_margin_and_latency() {
     assert!(yields(1.0, 0.0) < usual && usual < yields(1.0, 1.0) && yields(0.2, 0.2) < usual);
 }
 
+/// As much is taken back as all that is stable with the margin, or all; nothing else is said of a line that is not taut. Released, the copies come
+/// to rest with it.
+#[test]
+fn a_taut_line_gets_a_tautness_that_holds() {
+    for (delay, contact, coordination) in [(1, 5000.0, 1000.0), (8, 14_300.0, 3200.0), (40, 2000.0, 500.0)] {
+        let mut scene = haptic_sim::scenes::load(haptic_sim::Laws::built_in(), "any-network").unwrap();
+        scene.world.network.one_way_delay_packets = delay;
+        let taut = with(&scene, 1.2 * contact, 1.2 * coordination).unwrap();
+        let share = tautest(&taut, 1.2).unwrap().unwrap();
+        for at in 0..=7 {
+            let mut at_share = taut.clone();
+            at_share.set_number(TAUTNESS.name, 1.2 * share * f64::from(at) / 7.0).unwrap();
+            assert!(judge(&at_share).unwrap().worst.stable, "{at} sevenths of {share} over {delay} ms");
+        }
+        assert!(share >= 0.9, "{share} over {delay} ms");
+        let proposal = verified(&scene, contact, coordination, 0.2).unwrap().unwrap();
+        assert_eq!(proposal.tautness, Some(share));
+        assert_eq!(proposal.overrides()[2], format!("coordination.tautness={share}"));
+        let released = let_go::<f32>(&scene, &proposal, 10.0).unwrap();
+        assert!(released.bounded && released.late_j < 0.01 * released.given_j, "{released:?}");
+        scene.set_number(TAUTNESS.name, 0.0).unwrap();
+        assert_eq!(tautest(&scene, 1.2).unwrap(), None);
+    }
+    // Gains that are unstable leave no tautness either.
+    let scene = haptic_sim::scenes::load(haptic_sim::Laws::built_in(), "any-network").unwrap();
+    let wild = with(&scene, 60_000.0, 3200.0).unwrap();
+    assert_eq!(tautest(&wild, 1.2).unwrap(), Some(0.0));
+}
+
 #[test]
 fn nothing_is_proposed_where_nothing_is_stable() {
     let mut scene = Scene::default();
@@ -96,7 +125,15 @@ fn nothing_is_proposed_where_nothing_is_stable() {
 
 #[test]
 fn gains_are_rounded_down_to_three_digits() {
-    for (value, wanted) in [(1234.9, 1230.0), (1230.0, 1230.0), (0.099_99, 0.0999), (999.99, 999.0), (0.0, 0.0)] {
+    for (value, wanted) in [
+        (1234.9, 1230.0),
+        (1230.0, 1230.0),
+        (0.099_99, 0.0999),
+        (999.99, 999.0),
+        (0.0, 0.0),
+        (f64::INFINITY, 0.0),
+        (f64::NAN, 0.0),
+    ] {
         assert_eq!(rounded_down(value), wanted);
     }
 }

@@ -39,7 +39,7 @@ impl Tune {
             })
         });
         // What to add to the command line.
-        let set = proposal.map(|proposal| proposal.overrides().map(|set| format!("--set {set}")).join(" "));
+        let set = proposal.map(|proposal| format!("--set {}", proposal.overrides().join(" --set ")));
         if proposal.is_none() {
             writeln!(ui, "not even the softest contact is stable; try more damping or less delay");
         }
