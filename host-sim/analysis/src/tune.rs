@@ -77,7 +77,7 @@ pub struct Proposal {
     /// 2/K_LC + 1/K_T, mm/N: what the gains let one hand yield against the other.
     pub compliance_mm_per_n: f64,
     /// The most of what a taut line gives way that may be taken back ([`TAUTNESS`]), up to all of it: (1 + m) times that is stable, with both
-    /// gains raised. Absent where the line is not taut.
+    /// gains raised, and all else here is with it. Absent where the line is not taut.
     pub tautness: Option<f64>,
 }
 
@@ -161,7 +161,9 @@ pub fn steps() -> u64 {
 /// The proposal, if all of it holds.
 fn verified(scene: &Scene, contact: f64, coordination: f64, margin: f64) -> Result<Option<Proposal>, Error> {
     let raised = 1.0 + margin;
-    let verdict = |contact, coordination| Ok(judge(&with(scene, contact, coordination)?)?.worst);
+    let mut scene = with(scene, raised * contact, raised * coordination)?;
+    let tautness = tauten(&mut scene, raised)?;
+    let verdict = |contact, coordination| Ok(judge(&with(&scene, contact, coordination)?)?.worst);
     let point: Verdict = verdict(contact, coordination)?;
     let corners = [(raised, 1.0), (1.0, raised), (raised, raised)]
         .into_iter()
@@ -170,38 +172,43 @@ fn verified(scene: &Scene, contact: f64, coordination: f64, margin: f64) -> Resu
     if !point.stable || corners.iter().any(|corner| !corner.stable) {
         return Ok(None);
     }
-    let clear = |limit: Option<f64>, gain: f64| limit.is_none_or(|limit| limit >= raised * gain * (1.0 - 1e-4));
+    let least = raised * (1.0 - 1e-4);
+    let clear = |limit: Option<f64>, gain: f64| limit.is_none_or(|limit| limit >= least * gain);
     let mut limits = [None; 2];
     for factor in [raised, 1.0] {
         let to = |key: &str, gain: f64| largest(key).min(BEYOND * raised * gain);
-        let base = with(scene, 0.0, factor * coordination)?;
+        let base = with(&scene, 0.0, factor * coordination)?;
         let along_contact = first(&base, CONTACT, to(CONTACT, contact))?;
-        let base = with(scene, factor * contact, 0.0)?;
+        let base = with(&scene, factor * contact, 0.0)?;
         let along_coordination = first(&base, COORDINATION, to(COORDINATION, coordination))?;
         if !clear(along_contact, contact) || !clear(along_coordination, coordination) {
             return Ok(None);
         }
         limits = [along_contact, along_coordination];
     }
-    let both = with(scene, raised * contact, raised * coordination)?;
+    let radii = corners.iter().map(|corner| corner.spectral_radius);
     Ok(Some(Proposal {
         contact_stiffness_n_per_m: contact,
         coordination_stiffness_n_per_m: coordination,
         margin,
         spectral_radius: point.spectral_radius,
-        raised_spectral_radius: corners.iter().fold(0.0, |largest, corner| corner.spectral_radius.max(largest)),
+        raised_spectral_radius: radii.fold(0.0, f64::max),
         contact_limit_n_per_m: limits[0],
         coordination_limit_n_per_m: limits[1],
         compliance_mm_per_n: 1e3 * (2.0 / contact + 1.0 / coordination),
-        tautness: tautest(&both, raised)?,
+        tautness,
     }))
 }
 
-/// The most of what the line of a scene gives way that may be taken back with a margin; `None` where nothing is.
-fn tautest(scene: &Scene, raised: f64) -> Result<Option<f64>, Error> {
-    let limit = || first(scene, TAUTNESS.name, raised.min(largest(TAUTNESS.name)));
-    let limit = (scene.peer.own(&TAUTNESS) > 0.0).then(limit).transpose()?;
-    Ok(limit.map(|limit| limit.map_or(1.0, |limit| rounded_down(limit / raised))))
+/// Lets a taut line take back the most that is stable with a margin, and says how much that is; `None` where nothing is taken back.
+fn tauten(scene: &mut Scene, raised: f64) -> Result<Option<f64>, Error> {
+    if scene.peer.own(&TAUTNESS) <= 0.0 {
+        return Ok(None);
+    }
+    let to = raised.min(largest(TAUTNESS.name));
+    let share = rounded_down(first(scene, TAUTNESS.name, to)?.unwrap_or(to) / raised);
+    scene.set_number(TAUTNESS.name, share)?;
+    Ok(Some(share))
 }
 
 /// The first unstable value of a gain from 0 on; `None` where there is none.
@@ -224,7 +231,8 @@ fn first(scene: &Scene, key: &str, to: f64) -> Result<Option<f64>, Error> {
 /// The largest value that a key allows.
 fn largest(key: &str) -> f64 {
     let keys = Scene::default().keys();
-    match keys.iter().find(|(name, _)| name == key).map(|(_, key)| key.allowed) {
+    let found = keys.iter().find(|(name, _)| name == key);
+    match found.map(|(_, key)| key.allowed) {
         Some(Allowed::Number { max, .. }) => max,
         _ => 0.0,
     }

@@ -92,7 +92,7 @@ fn a_taut_line_gets_a_tautness_that_holds() {
         let mut scene = haptic_sim::scenes::load(haptic_sim::Laws::built_in(), "any-network").unwrap();
         scene.world.network.one_way_delay_packets = delay;
         let taut = with(&scene, 1.2 * contact, 1.2 * coordination).unwrap();
-        let share = tautest(&taut, 1.2).unwrap().unwrap();
+        let share = tauten(&mut taut.clone(), 1.2).unwrap().unwrap();
         for at in 0..=7 {
             let mut at_share = taut.clone();
             at_share.set_number(TAUTNESS.name, 1.2 * share * f64::from(at) / 7.0).unwrap();
@@ -101,16 +101,22 @@ fn a_taut_line_gets_a_tautness_that_holds() {
         assert!(share >= 0.9, "{share} over {delay} ms");
         let proposal = verified(&scene, contact, coordination, 0.2).unwrap().unwrap();
         assert_eq!(proposal.tautness, Some(share));
+        // All that is said is said of the line that is proposed.
+        let point = judge(&proposal.applied(&scene).unwrap()).unwrap().worst;
+        assert_eq!(proposal.spectral_radius, point.spectral_radius);
         assert_eq!(proposal.overrides()[2], format!("coordination.tautness={share}"));
         let released = let_go::<f32>(&scene, &proposal, 10.0).unwrap();
         assert!(released.bounded && released.late_j < 0.01 * released.given_j, "{released:?}");
         scene.set_number(TAUTNESS.name, 0.0).unwrap();
-        assert_eq!(tautest(&scene, 1.2).unwrap(), None);
+        assert_eq!(tauten(&mut scene, 1.2).unwrap(), None);
     }
-    // Gains that are unstable leave no tautness either.
+    // No scene has more than 1.5 of it, and nothing beyond is promised.
     let scene = haptic_sim::scenes::load(haptic_sim::Laws::built_in(), "any-network").unwrap();
-    let wild = with(&scene, 60_000.0, 3200.0).unwrap();
-    assert_eq!(tautest(&wild, 1.2).unwrap(), Some(0.0));
+    let mut soft = with(&scene, 500.0, 100.0).unwrap();
+    assert_eq!(tauten(&mut soft, 2.0).unwrap(), Some(0.75));
+    // Gains that are unstable leave no tautness either.
+    let mut wild = with(&scene, 60_000.0, 3200.0).unwrap();
+    assert_eq!(tauten(&mut wild, 1.2).unwrap(), Some(0.0));
 }
 
 #[test]
