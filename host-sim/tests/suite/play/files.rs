@@ -4,12 +4,12 @@ use std::path::Path;
 
 use super::{Browser, Play, Window, click, folder, press, set};
 
-/// Clicks a button and gives the file that comes of it.
+/// Clicks a button and gives the file that comes of it. A browser keeps its name with an empty file, over which it moves the whole one.
 fn saved(browser: &mut Browser, window: &Window, folder: &Path, button: &str, name: &str) -> Vec<u8> {
     let file = folder.join(name);
     click(browser, window, button);
     let start = std::time::Instant::now();
-    while !file.exists() {
+    while std::fs::metadata(&file).map_or(0, |file| file.len()) == 0 {
         assert!(start.elapsed().as_secs() < 30, "{name} was not saved");
         std::thread::sleep(std::time::Duration::from_millis(30));
     }
