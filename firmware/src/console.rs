@@ -14,7 +14,7 @@ use firmware_parts::ceiling::{self, Above};
 use firmware_parts::contacts::Contacts;
 use firmware_parts::exchange::{Reader, Writer};
 use firmware_parts::history::History;
-use firmware_parts::image::{JOINTS, Peer};
+use firmware_parts::image::{JOINTS, Peer, Real};
 use firmware_parts::kept::{HOLD_SWITCH, Kept};
 use firmware_parts::operator::{self, Misread, Request, Time, Whose};
 use firmware_parts::rate::Rate;
@@ -22,9 +22,10 @@ use firmware_parts::signals::{Button, Order, Saving, Signals};
 use firmware_parts::status;
 use haptic_core::contact::{Contact, Side};
 use haptic_core::device::probe::{Outcome, Probe};
+use haptic_core::device::velocity::VelocityName;
+use haptic_core::num::{Motion, Scalar};
 use haptic_core::safety::{Command, Mode};
 use haptic_core::settings::{Refused, SetError, Settings, Value};
-use haptic_core::{device::velocity::VelocityName, num::Motion};
 use haptic_protocol::{lease::Word, lines::Line};
 
 use crate::board::drive::{Drive, Fitted};
@@ -58,7 +59,7 @@ pub(crate) struct Console {
     pub(crate) lease: &'static Lease,
     /// The word that the line at hand was said under.
     pub(crate) word: Word,
-    pub(crate) probes: Writer<'static, (u32, Probe<f32>)>,
+    pub(crate) probes: Writer<'static, (u32, Probe<Real>)>,
     pub(crate) probed: Reader<'static, Outcome>,
     /// When the bootloader is due that was ordered.
     pub(crate) leaves: Option<Instant>,
@@ -93,7 +94,7 @@ pub(crate) fn plan(settings: &Settings, number: Number) -> Result<Plan, Refused<
     ])?;
     haptic_core::device::encoder::check(&settings)?;
     // The object starts at zero, so the device starts where it is just clear of it.
-    let clear = -Contact::<f32>::build(&settings).clear_of(0.0);
+    let clear = -Contact::build(&settings).clear_of(Real::ZERO);
     let mut device = [Motion::REST; JOINTS];
     device[0] = Motion::at(clear);
     let peer = Peer::build(&settings, device)?;
@@ -423,7 +424,7 @@ impl Console {
     }
 
     /// Begins a probe; what comes of it is asked for later, so that `disarm` is heard in between.
-    async fn probe(&mut self, probe: Result<Probe<f32>, Refused<'static>>, to: &mut Line) -> Result<(), No<'static>> {
+    async fn probe(&mut self, probe: Result<Probe<Real>, Refused<'static>>, to: &mut Line) -> Result<(), No<'static>> {
         self.ready()?;
         let probe = probe.map_err(No::Refused)?;
         let signals = self.signals;

@@ -5,23 +5,36 @@
 //! its law and its kind of mechanism, and carries no other, so that what it has three of still fits into ITCM. A third one (feature
 //! `moteus`) has the first one's laws, for a motor with a controller of its own, and a fourth (feature `spi-encoders`) differs from the
 //! first in what reads its joints. Any of them may talk by USB in place of Ethernet (feature `usb`).
+//!
+//! The feature `fixed-point` makes an image that computes in fixed point. It is for virtual boards, which measure the cost. Do not put it
+//! on a board with motors: nothing proves that its tick cannot panic.
+
+/// The numbers that the peer computes with.
+#[cfg(not(feature = "fixed-point"))]
+pub type Real = f32;
+/// The numbers that the peer computes with.
+#[cfg(feature = "fixed-point")]
+pub type Real = haptic_core::num::Fixed;
 
 #[cfg(not(feature = "three-axes"))]
 mod made_for {
     use haptic_core::device::AXES;
-    #[cfg(not(feature = "all-laws"))]
-    use haptic_core::law::AnyLaw;
-    #[cfg(feature = "all-laws")]
-    use haptic_laws::EveryLaw as AnyLaw;
 
     /// Joints that have a motor and an encoder.
     pub const JOINTS: usize = AXES;
     /// Axes along which the object is shared.
     pub const SHARED: usize = 1;
     /// Any law, chosen by the settings.
-    pub type Law = AnyLaw<f32>;
+    #[cfg(not(any(feature = "all-laws", feature = "fixed-point")))]
+    pub type Law = haptic_core::law::AnyLaw<super::Real>;
+    /// Any law, chosen by the settings.
+    #[cfg(feature = "all-laws")]
+    pub type Law = haptic_laws::EveryLaw<super::Real>;
+    /// The passive wave.
+    #[cfg(feature = "fixed-point")]
+    pub type Law = haptic_core::law::wave::PassiveWave<super::Real>;
     /// The peer.
-    pub type Peer = haptic_core::peer::Peer<f32, Law>;
+    pub type Peer = haptic_core::peer::Peer<super::Real, Law>;
 }
 
 #[cfg(feature = "three-axes")]
@@ -33,12 +46,15 @@ mod made_for {
     /// Axes along which the object is shared.
     pub const SHARED: usize = 3;
     /// The passive wave on every axis.
-    pub type Law = PassiveWave<f32>;
+    pub type Law = PassiveWave<super::Real>;
     /// The peer.
-    pub type Peer = haptic_core::peer::Peer<f32, Law, SHARED, JOINTS, AnySpatial<f32>>;
+    pub type Peer = haptic_core::peer::Peer<super::Real, Law, SHARED, JOINTS, AnySpatial<super::Real>>;
 }
 
 pub use made_for::{JOINTS, Law, Peer, SHARED};
+
+/// What a tick commands.
+pub type Actuators = haptic_core::peer::Actuators<Real, JOINTS>;
 
 /// What a drive may say against being driven.
 #[cfg(feature = "spi-encoders")]

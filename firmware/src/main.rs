@@ -49,6 +49,7 @@ mod image {
     use embassy_executor::{InterruptExecutor, Spawner};
     use embassy_stm32::interrupt::{self, InterruptExt, Priority};
     use firmware_parts::exchange::{Latest, Queue};
+    use firmware_parts::image::Real;
     use firmware_parts::recorder::{self, Reel};
     use firmware_parts::{kept::Kept, record::Record, signals::Signals, status};
     use haptic_core::device::probe::{Outcome, Probe};
@@ -128,7 +129,7 @@ mod image {
         let (reels_in, reels) = shared!(Latest<&'static mut Reel>, Latest::of(reels(cause.stop)));
         let (records_in, records_out) = shared!(Queue<Record, { tick::RECORDS }>, Queue::default());
         let (told_in, told) = shared!(Queue<Record, { telemetry::RECORDS }>, Queue::default());
-        let (probes, probes_out) = shared!(Latest<(u32, Probe<f32>)>, Latest::new((0, Probe::default())));
+        let (probes, probes_out) = shared!(Latest<(u32, Probe<Real>)>, Latest::new((0, Probe::default())));
         let (probed_in, probed) = shared!(Latest<Outcome>, Latest::new(Outcome::default()));
         tick::prepare(tick::Side {
             drive: Fitted::start(&SIGNALS),

@@ -13,7 +13,7 @@
 use core::mem::MaybeUninit;
 
 use firmware_parts::exchange::{Producer, Reader, Writer, put};
-use firmware_parts::image::{JOINTS, Peer, SHARED};
+use firmware_parts::image::{JOINTS, Peer, Real, SHARED};
 use firmware_parts::rate::Rate;
 use firmware_parts::record::{self, Record, digest, joints};
 use firmware_parts::signals::Signals;
@@ -44,7 +44,7 @@ pub(crate) struct Outgoing {
     pub(crate) tick: u32,
     pub(crate) armed: bool,
     /// Of every shared axis.
-    pub(crate) packets: [Packet<f32>; SHARED],
+    pub(crate) packets: [Packet<Real>; SHARED],
 }
 
 /// What the network has for the tick.
@@ -53,7 +53,7 @@ pub(crate) struct Received {
     /// The life of the link by which it came ([`Signals::life`]).
     pub(crate) life: u32,
     /// The packets of every shared axis.
-    pub(crate) packets: [Packet<f32>; SHARED],
+    pub(crate) packets: [Packet<Real>; SHARED],
 }
 
 /// Records that may wait for the recorder, which takes them after every tick.
@@ -68,7 +68,7 @@ pub(crate) struct Side {
     pub(crate) outgoing: Writer<'static, Outgoing>,
     pub(crate) records: Producer<'static, Record, RECORDS>,
     /// Numbered probes, begun while disarmed.
-    pub(crate) probes: Reader<'static, (u32, Probe<f32>)>,
+    pub(crate) probes: Reader<'static, (u32, Probe<Real>)>,
     pub(crate) probed: Writer<'static, Outcome>,
     pub(crate) signals: &'static Signals,
 }

@@ -84,18 +84,13 @@ impl Clock {
 
     /// RFC 6298 §2: α = 1/8, β = 1/4.
     fn smooth(&mut self, sample: f32) {
-        match &mut self.round_trip_us {
-            None => {
-                self.round_trip_us = Some(sample);
-                self.jitter_us = sample / 2.0;
-            }
-            Some(smoothed) => {
-                let error = sample - *smoothed;
-                let size = if error < 0.0 { -error } else { error };
-                self.jitter_us += (size - self.jitter_us) / 4.0;
-                *smoothed += error / 8.0;
-            }
-        }
+        let Some(smoothed) = &mut self.round_trip_us else {
+            (self.round_trip_us, self.jitter_us) = (Some(sample), sample / 2.0);
+            return;
+        };
+        let error = sample - *smoothed;
+        self.jitter_us += (error.abs() - self.jitter_us) / 4.0;
+        *smoothed += error / 8.0;
     }
 
     fn close_block(&mut self, point: Point) {

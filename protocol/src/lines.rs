@@ -134,10 +134,8 @@ impl Lines {
                 // A last part without a token was never said.
                 _ => (0, event.payload()),
             };
-            for byte in text {
-                // What is beyond the longest line is cut.
-                let _ = self.hearing.push(*byte);
-            }
+            // What is beyond the longest line is cut.
+            let _ = text.iter().try_for_each(|byte| self.hearing.push(*byte));
             if event.code == END {
                 let bytes = core::mem::take(&mut self.hearing);
                 // A line that is no text ends where it stops to be text.

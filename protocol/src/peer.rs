@@ -36,10 +36,14 @@ pub fn open(settings: &Settings, key: Key, ends: Ends, entropy: [u8; Key::LEN]) 
     Ok(link.keeping_silent(us(settings.own(&LONGEST))))
 }
 
+/// The nearest f32. From f32 nothing is lost, and nothing is done.
+#[inline(always)]
+pub(crate) fn wire<S: Scalar>(value: S) -> f32 {
+    value.to_f64() as f32
+}
+
 /// What an exchange gave at tick `tick`, a packet for each shared axis, as it goes out; `engaged` while the motors are on.
 pub fn flow_of<S: Scalar, const AXES: usize>(packets: [Packet<S>; AXES], engaged: bool, tick: u32) -> Flows<AXES> {
-    // From f32 and back to it nothing is lost.
-    let wire = |value: S| value.to_f64() as f32;
     let axes = packets.map(|packet| AxisFlow {
         position: wire(packet.motion.position),
         velocity: wire(packet.motion.velocity),
@@ -176,15 +180,12 @@ impl<const AXES: usize> Inbox<AXES> {
     pub fn clear(&mut self) {
         self.newest = None;
         self.life = self.lives.end();
-        if let Some(playout) = &mut self.playout {
-            playout.clear();
-        }
+        self.playout.iter_mut().for_each(Playout::clear);
     }
 
     /// Brings out what the next exchange takes, in its control period.
     pub fn play(&mut self, tick: u32) {
-        if let Some(playout) = &mut self.playout {
-            let due = playout.take(tick);
+        if let Some(due) = self.playout.as_mut().map(|playout| playout.take(tick)) {
             self.show(due);
         }
     }

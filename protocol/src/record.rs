@@ -7,10 +7,12 @@
 
 use haptic_core::device::stage::{Flow, Measured};
 use haptic_core::law::Packet;
-use haptic_core::num::{Motion, StateVector};
+use haptic_core::num::{Motion, Scalar, StateVector};
 use haptic_core::peer::Observed;
 use haptic_core::sample::{self, OfAxis, OfPeer, SAMPLE};
 use haptic_core::{device::encoder::Counts, device::motor::Duty, safety::Fault, safety::Mode};
+
+use crate::peer::wire;
 
 /// What a sample with a record in it is called on the operator's link; where the object is shared along several axes every tick has a
 /// record of each, those of the second axis called one more, those of the third two.
@@ -80,12 +82,8 @@ impl Period {
     pub fn of_payload(payload: &[u8]) -> impl Iterator<Item = (u32, Self)> {
         let (first, rest) = payload.split_first_chunk().unwrap_or((&[0; 4], &[]));
         let first = u32::from_le_bytes(*first);
-        let halves = |bytes: &[u8; Self::BYTES]| {
-            let [a, b, c, d, e, f, g, h] = *bytes;
-            [[a, b], [c, d], [e, f], [g, h]].map(i16::from_le_bytes)
-        };
-        rest.as_chunks().0.iter().enumerate().map(move |(nth, bytes)| {
-            let [a, b, c, d] = halves(bytes);
+        rest.as_chunks().0.iter().enumerate().map(move |(nth, &[a, b, c, d, e, f, g, h])| {
+            let [a, b, c, d] = [[a, b], [c, d], [e, f], [g, h]].map(i16::from_le_bytes);
             (first.wrapping_add(nth as u32), Self { currents: [a, b], voltages: [c, d] })
         })
     }
@@ -172,10 +170,10 @@ impl<const MORE: usize> Default for Record<MORE> {
 }
 
 impl Record {
-    /// What a tick read and did, of one shared axis.
+    /// What a tick read and did, of one shared axis, each number to the nearest f32.
     #[inline(always)]
-    pub fn fill(&mut self, of: &Tick<'_>, incoming: Option<&Packet<f32>>, axis: &OfAxis<'_, f32>) {
-        self.fill_with(of, incoming, |record| sample::each(axis, |word, number| record.put(word, number)));
+    pub fn fill<S: Scalar>(&mut self, of: &Tick<'_>, incoming: Option<&Packet<S>>, axis: &OfAxis<'_, S>) {
+        self.fill_with(of, incoming, |record| sample::each(axis, |word, number| record.put(word, wire(number))));
     }
 
     /// The bytes on the wire.
@@ -201,7 +199,12 @@ impl Record {
 impl<const MORE: usize> Record<MORE> {
     /// The same; `quantities` puts those of the axis.
     #[inline(always)]
-    pub fn fill_with(&mut self, of: &Tick<'_>, incoming: Option<&Packet<f32>>, quantities: impl FnOnce(&mut Self)) {
+    pub fn fill_with<S: Scalar>(
+        &mut self,
+        of: &Tick<'_>,
+        incoming: Option<&Packet<S>>,
+        quantities: impl FnOnce(&mut Self),
+    ) {
         let Tick { tick, axis, counts, duties, stage, mode, flags, digest } = *of;
         let halves = |[low, high]: [u16; 2]| u32::from(low) | u32::from(high) << 16;
         // One after the other, and what may be absent in a branch of its own: an array of all of them, or a default, would go by way of
@@ -212,10 +215,10 @@ impl<const MORE: usize> Record<MORE> {
         words[word::DUTIES] = halves(duties.map(|duty| duty.0.cast_unsigned()));
         words[word::MODE] = mode | u32::from(flags) << 16 | u32::from(axis) << 24;
         if let Some(incoming) = incoming {
-            let [energy, integral] = [incoming.energy_j, incoming.wave_integral].map(f64::to_bits);
-            words[word::HEARD] = incoming.motion.position.to_bits();
-            words[word::HEARD + 1] = incoming.motion.velocity.to_bits();
-            words[word::HEARD + 2] = incoming.wave.to_bits();
+            let [energy, integral] = [incoming.energy_j, incoming.wave_integral].map(|sum| sum.to_f64().to_bits());
+            words[word::HEARD] = wire(incoming.motion.position).to_bits();
+            words[word::HEARD + 1] = wire(incoming.motion.velocity).to_bits();
+            words[word::HEARD + 2] = wire(incoming.wave).to_bits();
             words[word::COUNTERS] = energy as u32;
             words[word::COUNTERS + 1] = (energy >> 32) as u32;
             words[word::COUNTERS + 2] = integral as u32;
@@ -334,9 +337,12 @@ impl<const MORE: usize> Record<MORE> {
 ///
 /// A difference in one number always shows. Differences in several show unless they are the same bits, turned by `TURN` a number.
 #[inline]
-pub fn digest(state: &mut (impl StateVector<f32> + ?Sized)) -> u32 {
+pub fn digest<S: Scalar>(state: &mut (impl StateVector<S> + ?Sized)) -> u32 {
     let mut digest = 0;
-    state.visit(&mut |number: &mut f32| digest = number.to_bits() ^ u32::rotate_right(digest, TURN));
+    // The higher half of an f32's bits is 0.
+    state.visit(&mut |number: &mut S| {
+        digest = (number.bits() ^ number.bits() >> 32) as u32 ^ u32::rotate_right(digest, TURN);
+    });
     digest
 }
 

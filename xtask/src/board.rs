@@ -22,6 +22,8 @@ pub(crate) const IMAGES: [&[&str]; 6] = [
 /// What those beside the first are called there.
 pub(crate) const BESIDES: [&str; 5] =
     ["firmware-three-axes", "firmware-nucleo-h753zi", "firmware-moteus", "firmware-spi-encoders", "firmware-usb"];
+/// An image for virtual boards alone: what it is given, and what it is called there.
+const MEASURED: (&[&str], &str) = (&["--features", "fixed-point"], "firmware-fixed-point");
 /// Longest run, s.
 const MOST_SECONDS: f64 = 3600.0;
 
@@ -79,7 +81,7 @@ pub(crate) fn image(ready: &Ready) -> Result<PathBuf, Failure> {
 
 /// Builds the other images, which are put beside the first, and that one again: all come out under one name.
 pub(crate) fn images(ready: &Ready) -> Result<PathBuf, Failure> {
-    for (features, name) in IMAGES[1..].iter().zip(BESIDES) {
+    for (features, name) in IMAGES[1..].iter().copied().zip(BESIDES).chain([MEASURED]) {
         let other = built(&mut build(ready, "build", features))?;
         let place = other.with_file_name(name);
         fs::copy(&other, &place).map_err(|cause| Failure::new(format!("cannot write {}: {cause}", place.display())))?;

@@ -318,10 +318,7 @@ fn interleavings() -> Command {
 
 /// haptic-core on another model of the processor; without one it says so, and fails where CI is set.
 fn qemu(ready: &Ready) -> Result<(), Failure> {
-    match qemu::obstacle() {
-        None => qemu::qemu(ready),
-        Some(obstacle) => run::due_in_ci(obstacle),
-    }
+    qemu::obstacle().map_or_else(|| qemu::qemu(ready), run::due_in_ci)
 }
 
 /// What the lints of what builds on a PC do not reach: the images.

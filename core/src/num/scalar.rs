@@ -199,23 +199,26 @@ impl Fixed {
     }
 }
 
-impl Add for Fixed {
-    type Output = Self;
-    #[inline]
-    fn add(self, other: Self) -> Self {
-        Self(self.0.saturating_add(other.0))
-    }
+macro_rules! saturating {
+    ($Op:ident, $op:ident, $saturating:ident) => {
+        impl $Op for Fixed {
+            type Output = Self;
+            #[inline]
+            fn $op(self, other: Self) -> Self {
+                Self(self.0.$saturating(other.0))
+            }
+        }
+    };
 }
-impl Sub for Fixed {
-    type Output = Self;
-    #[inline]
-    fn sub(self, other: Self) -> Self {
-        Self(self.0.saturating_sub(other.0))
-    }
-}
+
+saturating!(Add, add, saturating_add);
+saturating!(Sub, sub, saturating_sub);
+
 impl Mul for Fixed {
     type Output = Self;
-    #[inline]
+    // A processor of 32 bits takes some forty instructions for a product: too many to have them at every place.
+    #[cfg_attr(target_pointer_width = "32", inline(never))]
+    #[cfg_attr(target_pointer_width = "64", inline)]
     fn mul(self, other: Self) -> Self {
         // To the nearest step: with a bias of half a step each product, as the crate's own product has, positions would creep. Ties
         // go away from zero, so that (−x)·y is −(x·y): two peers that mirror each other do so bit for bit.
@@ -237,11 +240,13 @@ impl Scalar for Fixed {
     const NAME: &'static str = "i32f32";
     const ZERO: Self = Self(I32F32::ZERO);
     const ONE: Self = Self(I32F32::ONE);
-    #[inline]
+    #[cfg_attr(target_pointer_width = "32", inline(never))]
+    #[cfg_attr(target_pointer_width = "64", inline)]
     fn from_f64(value: f64) -> Self {
         Self(if value.is_nan() { I32F32::ZERO } else { I32F32::saturating_from_num(value) })
     }
-    #[inline]
+    #[cfg_attr(target_pointer_width = "32", inline(never))]
+    #[cfg_attr(target_pointer_width = "64", inline)]
     fn to_f64(self) -> f64 {
         self.0.to_num()
     }
@@ -276,7 +281,7 @@ impl Scalar for Fixed {
         let (sine, cosine) = Scalar::sin_cos(self.to_f64());
         (Self::from_f64(sine), Self::from_f64(cosine))
     }
-    #[inline]
+    #[inline(never)]
     fn ratio(self, divisor: Self) -> Self {
         if divisor == Self::ZERO { divisor } else { Self(self.0.saturating_div(divisor.0)) }
     }

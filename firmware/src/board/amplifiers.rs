@@ -6,10 +6,9 @@
 use core::convert::Infallible;
 
 use firmware_parts::exchange::{Reader, Writer};
-use firmware_parts::image::JOINTS;
+use firmware_parts::image::{Actuators, JOINTS};
 use firmware_parts::rate::Rate;
 use haptic_core::device::{encoder::Counts, stage::Measured};
-use haptic_core::peer::Actuators;
 use haptic_core::settings::{Allowed, Refused, Settings};
 
 pub(crate) use super::no_loop::{PERIODS, RING, Run, TOLD, forget_runs, init, period, reported, run, runs, supply_mv};
@@ -50,7 +49,7 @@ impl Stage {
     }
 
     #[inline(always)]
-    pub(crate) fn act(&mut self, power: &Power, _: &Actuators<f32, JOINTS>, _: [Counts; JOINTS]) {
+    pub(crate) fn act(&mut self, power: &Power, _: &Actuators, _: [Counts; JOINTS]) {
         match power.0 {}
     }
 

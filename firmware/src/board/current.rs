@@ -27,6 +27,7 @@ use embassy_stm32::pac::adc::vals::{Boost, Exten, Pcsel, SampleTime};
 use embassy_stm32::pac::timer::vals::{Mms, Mms2};
 use embassy_time::{Duration, Instant};
 use firmware_parts::exchange::{Reader, Writer, put};
+use firmware_parts::image::Actuators;
 use firmware_parts::rate::Rate;
 use firmware_parts::record::{PERIODS_IN_ONE, Period};
 use haptic_core::device::current::{Controller, CurrentLoop, Gains, PWM_HZ, Sensor};
@@ -34,7 +35,6 @@ use haptic_core::device::kinematics::Joints;
 use haptic_core::device::stage::{Flow, Measured};
 use haptic_core::device::{AXES, encoder::Counts, motor::Duty};
 use haptic_core::names::MotorDrive;
-use haptic_core::peer::Actuators;
 use haptic_core::settings::{Refused, Settings};
 
 use super::legs;
@@ -451,7 +451,7 @@ impl Stage {
 
     /// What the bridges are to do, from the next period on; the interrupt runs, if it did not.
     #[inline(always)]
-    pub(crate) fn act(&mut self, power: &Power, actuators: &Actuators<f32>, counts: [Counts; AXES]) {
+    pub(crate) fn act(&mut self, power: &Power, actuators: &Actuators, counts: [Counts; AXES]) {
         let mut wanted = [MotorRequest::Voltage(0); AXES];
         for (joint, wanted) in wanted.iter_mut().enumerate() {
             let duty = actuators.duties[joint];

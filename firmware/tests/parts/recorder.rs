@@ -18,7 +18,7 @@ fn write(reel: &mut Reel, tick: u32) {
     let of =
         Tick { tick, axis: 0, counts: [Counts(0); 2], duties: [Duty(0); 2], stage: None, mode: 1, flags: 0, digest: 0 };
     let mut record = Record::default();
-    record.fill_with(&of, None, |_| {});
+    record.fill_with::<f32>(&of, None, |_| {});
     reel.write(&record);
 }
 

@@ -182,7 +182,7 @@ fn a_quantity_more_is_one_line() {
     );
     let axis = OfAxis { observed: &single, received_j: 3.0, sent_j: 4.0 };
     record.fill(&of, None, &axis);
-    wider.fill_with(&of, None, |record| more::each(&axis, |word, number| record.put(word, number)));
+    wider.fill_with::<f32>(&of, None, |record| more::each(&axis, |word, number| record.put(word, number)));
     assert_eq!((wider.0, wider.1), (record.0, [0.25_f32.to_bits()]));
     let columns = recording::columns_of::<{ recording::COLUMNS.len() + 1 }>(more);
     let row: [f64; recording::COLUMNS.len() + 1] = recording::row_of(more, &wider, 1e-3);

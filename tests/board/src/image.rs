@@ -96,6 +96,11 @@ impl Firmware {
         Self::read(&path().with_file_name("firmware-usb"))
     }
 
+    /// The image that computes in fixed point, which lies beside it.
+    pub fn fixed_point() -> Self {
+        Self::read(&path().with_file_name("firmware-fixed-point"))
+    }
+
     /// The image for the NUCLEO-H753ZI, which lies beside it.
     pub fn second_board() -> Self {
         Self::read(&path().with_file_name("firmware-nucleo-h753zi"))

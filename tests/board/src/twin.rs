@@ -13,11 +13,12 @@ use firmware_parts::record::{self, Record, digest};
 use haptic_core::contact::Contact;
 use haptic_core::device::{AXES, Reading};
 use haptic_core::law::{AnyLaw, Packet};
-use haptic_core::num::Motion;
+use haptic_core::num::{Motion, Scalar};
 use haptic_core::peer::{Observed, Peer, Sensors};
 use haptic_core::safety::Command;
 use haptic_core::sample::OfAxis;
 use haptic_core::settings::Settings;
+use haptic_protocol::peer::{flow_of, packets_of};
 use haptic_sim::pair::Pair;
 use haptic_sim::peers::Builds;
 use haptic_sim::plant::Plant;
@@ -88,7 +89,7 @@ pub fn closed_loop_given(scene: &Scene, boards: [Armed<'_>; 2]) -> Equal {
 /// # Panics
 /// host-sim refuses the scene.
 pub fn closed_loop_ordered(scene: &Scene, boards: [Armed<'_>; 2], orders: &[(usize, u64, Command)]) -> Equal {
-    closed_loop_read([scene; 2], boards, orders, [false; 2])
+    closed_loop_along::<1, AXES>([scene; 2], boards, [&[]; 2], orders, [false; 2])
 }
 
 /// [`closed_loop_given`] of boards with devices of their own, a scene each, of which some hear from a motor's controller where the joint was a
@@ -97,16 +98,7 @@ pub fn closed_loop_ordered(scene: &Scene, boards: [Armed<'_>; 2], orders: &[(usi
 /// # Panics
 /// host-sim refuses a scene.
 pub fn closed_loop_late(scenes: [&Scene; 2], boards: [Armed<'_>; 2], late: [bool; 2]) -> Equal {
-    closed_loop_read(scenes, boards, &[], late)
-}
-
-fn closed_loop_read(
-    scenes: [&Scene; 2],
-    boards: [Armed<'_>; 2],
-    orders: &[(usize, u64, Command)],
-    late: [bool; 2],
-) -> Equal {
-    closed_loop_along::<1, AXES>(scenes, boards, [&[]; 2], orders, late)
+    closed_loop_along::<1, AXES>(scenes, boards, [&[]; 2], &[], late)
 }
 
 /// [`closed_loop_given`] of an object that is shared along three axes: `further` are the boards' ticks along the second and the third.
@@ -179,10 +171,8 @@ where
                 }
                 // Along one axis a record has all joints; of several it has its own.
                 let joint = |joint: usize| if SHARED == 1 { (first, joint) } else { (board[joint], 0) };
-                let (counts, duties) = (
-                    from_fn(|nth| joint(nth).0.counts()[joint(nth).1]),
-                    from_fn(|nth| joint(nth).0.duties()[joint(nth).1]),
-                );
+                let counts = from_fn(|nth| joint(nth).0.counts()[joint(nth).1]);
+                let duties = from_fn(|nth| joint(nth).0.duties()[joint(nth).1]);
                 same &= sensors.reading == Reading::Counts(counts)
                     && digest(&mut *side.peer) == first.digest()
                     && actuators.duties == duties
@@ -199,7 +189,15 @@ where
 /// # Panics
 /// The settings are refused.
 pub fn replay(settings: &Settings, records: &[Record]) -> Equal {
-    replay_from(settings, records, |_| {})
+    replay_in::<f32>(settings, records)
+}
+
+/// [`replay`] for a board that computes in these numbers, of which a record has the nearest f32.
+///
+/// # Panics
+/// The settings are refused.
+pub fn replay_in<S: Scalar>(settings: &Settings, records: &[Record]) -> Equal {
+    replay_from::<S>(settings, records, |_| {})
 }
 
 /// [`replay`] for a board that had not yet heard anybody when the records begin.
@@ -207,23 +205,23 @@ pub fn replay(settings: &Settings, records: &[Record]) -> Equal {
 /// # Panics
 /// The settings are refused.
 pub fn replay_alone(settings: &Settings, records: &[Record]) -> Equal {
-    replay_from(settings, records, Peer::part)
+    replay_from::<f32>(settings, records, Peer::part)
 }
 
-fn replay_from(settings: &Settings, records: &[Record], begin: impl Fn(&mut Peer<f32, AnyLaw<f32>>)) -> Equal {
-    let home = Motion::at(-Contact::<f32>::build(settings).clear_of(0.0));
+fn replay_from<S: Scalar>(settings: &Settings, records: &[Record], begin: impl Fn(&mut Peer<S, AnyLaw<S>>)) -> Equal {
+    let home = Motion::at(-Contact::build(settings).clear_of(S::ZERO));
     let mut peer = Peer::new(settings, [home, Motion::REST]).expect("the board took it");
     peer.command(Command::Arm);
     begin(&mut peer);
     compare(
         |tick| {
             let board = &records[tick as usize];
-            let incoming = board.incoming();
+            let incoming = board.incoming().map(|packet| packets_of::<S, 1>(&flow_of([packet], true, 0)));
             if board.flags() & record::PARTED != 0 {
                 peer.part();
             }
-            if let Some(packet) = incoming {
-                peer.hear(&[packet]);
+            if let Some(packets) = &incoming {
+                peer.hear(packets);
             }
             if board.flags() & record::SENT != 0 {
                 peer.exchange();
@@ -236,7 +234,11 @@ fn replay_from(settings: &Settings, records: &[Record], begin: impl Fn(&mut Peer
             let (tick, flags, duties) = (board.tick(), board.flags(), actuators.duties);
             let mode = record::mode_code(peer.mode());
             let of = record::Tick { tick, axis: 0, counts, duties, stage: stage.as_ref(), mode, flags, digest };
-            record.fill(&of, incoming.as_ref(), &OfAxis::new(peer.observed()[0], peer.ledger()[0]));
+            record.fill(
+                &of,
+                incoming.as_ref().map(|[packet]| packet),
+                &OfAxis::new(peer.observed()[0], peer.ledger()[0]),
+            );
             record == *board
         },
         records.len() as u64,

@@ -18,12 +18,11 @@ mod pwm;
 
 use core::fmt::Debug;
 
-use firmware_parts::image::JOINTS;
+use firmware_parts::image::{Actuators, JOINTS};
 use firmware_parts::rate::Rate;
 use firmware_parts::signals::Signals;
 use haptic_core::device::encoder::{Counts, Marks};
 use haptic_core::device::stage::Measured;
-use haptic_core::peer::Actuators;
 use haptic_core::safety::Fault;
 use haptic_core::settings::{Refused, Settings};
 
@@ -86,12 +85,7 @@ pub(crate) trait Drive: Sized {
     ///
     /// # Errors
     /// It cannot: motors off.
-    fn act(
-        &mut self,
-        plan: &Self::Plan,
-        actuators: &Actuators<f32, JOINTS>,
-        counts: [Counts; JOINTS],
-    ) -> Result<(), Fault>;
+    fn act(&mut self, plan: &Self::Plan, actuators: &Actuators, counts: [Counts; JOINTS]) -> Result<(), Fault>;
 
     /// Motors off, in every tick that wants nothing of them.
     fn rest(&mut self, plan: &Self::Plan, counts: [Counts; JOINTS]);

@@ -7,13 +7,12 @@
 //! lets go by its own watchdog ([`firmware_parts::moteus::WATCHDOG_MS`]). The emergency stop's first contact breaks the timer as it does with
 //! bridges, which nothing hangs at here: the next tick sees it and stops the motor; its second contact cuts the controller's supply.
 
-use firmware_parts::image::JOINTS;
+use firmware_parts::image::{Actuators, JOINTS};
 use firmware_parts::moteus::{Design, Motor, Told, Trouble};
 use firmware_parts::rate::Rate;
 use firmware_parts::signals::Signals;
 use haptic_core::device::encoder::{Counts, Marks};
 use haptic_core::device::stage::Measured;
-use haptic_core::peer::Actuators;
 use haptic_core::safety::Fault;
 use haptic_core::settings::{Refused, Settings};
 
@@ -77,7 +76,7 @@ impl Drive for Moteus {
     }
 
     #[inline(always)]
-    fn act(&mut self, plan: &Self::Plan, actuators: &Actuators<f32, JOINTS>, _: [Counts; JOINTS]) -> Result<(), Fault> {
+    fn act(&mut self, plan: &Self::Plan, actuators: &Actuators, _: [Counts; JOINTS]) -> Result<(), Fault> {
         if !self.driving {
             self.driving = true;
             self.signals.drive_last.set(Trouble::None);

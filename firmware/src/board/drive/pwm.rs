@@ -1,14 +1,13 @@
 //! Bridges or amplifiers behind the PWM, with the board's own encoders: [`bridges`], [`encoders`], the loop in [`current`], the order in [`gate`].
 
 use firmware_parts::exchange::Latest;
-use firmware_parts::image::JOINTS;
+use firmware_parts::image::{Actuators, JOINTS};
 use firmware_parts::rate::Rate;
 use firmware_parts::signals::Signals;
 use haptic_core::device::encoder::{Counts, Marks};
 use haptic_core::device::motor::Duty;
 use haptic_core::device::stage::Measured;
 use haptic_core::names::MotorDrive;
-use haptic_core::peer::Actuators;
 use haptic_core::safety::Fault;
 use haptic_core::settings::{Refused, Settings};
 use static_cell::StaticCell;
@@ -100,12 +99,7 @@ impl Drive for Pwm {
     /// The outputs of bridges are on when they have been enabled for long enough to be awake, and while a probe looks whether what is not
     /// enabled stays off. Of amplifiers it is the other way round: outputs are on, at no current, before they are enabled ([`gate`]).
     #[inline(always)]
-    fn act(
-        &mut self,
-        plan: &Self::Plan,
-        actuators: &Actuators<f32, JOINTS>,
-        counts: [Counts; JOINTS],
-    ) -> Result<(), Fault> {
+    fn act(&mut self, plan: &Self::Plan, actuators: &Actuators, counts: [Counts; JOINTS]) -> Result<(), Fault> {
         if !self.driving {
             (self.driving, self.going) = (true, 0);
             self.encoders.forget();

@@ -14,7 +14,7 @@ use board_bench::stack::{EXCEPTION_FRAME, Stack};
 use board_bench::trial;
 use board_bench::wire::Line;
 
-use crate::{breaks, current_loop, moteus, spi_encoders, three_axes};
+use crate::{breaks, current_loop, moteus, same_bits, spi_encoders, three_axes};
 
 /// Of the image's sections.
 fn memory(firmware: &Firmware, measured: &mut Measured) {
@@ -55,6 +55,8 @@ fn instructions(firmware: &Arc<Firmware>, measured: &mut Measured) {
     assert_eq!(equal.first_difference, None, "encoders on SPI");
     instructions_of(measured, "spi-encoders", instructions);
     measured.add("itcm_bytes.spi-encoders", Firmware::spi_encoders().sections[".itcm"].1 as f64);
+    instructions_of(measured, "fixed-point", same_bits::in_fixed_point(1));
+    measured.add("itcm_bytes.fixed-point", Firmware::fixed_point().sections[".itcm"].1 as f64);
     measured.add("loop_instructions_median", trial.loop_instructions.median);
     measured.add("loop_instructions_max", trial.loop_instructions.max);
 }

@@ -2,9 +2,11 @@
 
 use std::sync::Arc;
 
+use board_bench::cost::MedianAndMost;
 use board_bench::image::Firmware;
 use board_bench::twin::{self, Equal};
 use board_bench::wire::Line;
+use haptic_core::num::Fixed;
 
 use crate::breaks;
 
@@ -40,4 +42,27 @@ fn two_boards_equal_host_sim() {
     println!("a constant off by 2e-7 shows at tick {closed:?} in closed loop, {open:?} in replay");
     assert!(closed.first_difference.is_some_and(|tick| tick < 100));
     assert!(open.first_difference.is_some_and(|tick| tick < 100));
+}
+
+/// Two boards compute in fixed point for so long. Each record is computed again on this PC. Gives the instructions of a tick.
+pub(crate) fn in_fixed_point(seconds: u64) -> MedianAndMost {
+    let scene = breaks::scene(&[]);
+    let mut bench = breaks::just_armed(&Arc::new(Firmware::fixed_point()), 2, Line::default(), &scene);
+    bench.count_instructions();
+    bench.run_for_ms(1000 * seconds);
+    let instructions = MedianAndMost::of(bench.meters[0].ticks.iter().copied());
+    for (settings, records) in scene.peers().iter().zip([bench.armed_ticks(1), bench.armed_ticks(2)]) {
+        let ticks = records.len() as u64;
+        assert!(ticks >= 1000 * seconds, "only {ticks} ticks were recorded");
+        assert!(records.iter().any(|record| record.observed().coordination_force.abs() > 0.1), "they hold one cube");
+        let equal = twin::replay_in::<Fixed>(settings, records);
+        assert_eq!(equal, Equal { ticks, first_difference: None });
+        assert!(twin::replay(settings, records).first_difference.is_some(), "f32 has other bits");
+    }
+    instructions
+}
+
+#[test]
+fn two_boards_in_fixed_point_equal_this_pc() {
+    println!("a tick in fixed point: {:?}", in_fixed_point(1));
 }
