@@ -1,27 +1,33 @@
 //! The device that the rig plays: a mass with friction like a fluid's, moved by what the board commands, in steps of 50 µs; and where its
 //! encoder is.
 //!
-//! It is the device that a board's default settings describe: 40 N at full current, 200 000 counts a metre.
+//! It is the device that a board's default settings describe: 40 N at full current, 200 000 counts a metre; its winding and the sensor of its
+//! current too.
 
 use crate::order::Moves;
-use crate::pulses::TICK;
 
 /// Mass, kg, and damping, N·s/m.
 const MASS_KG: f32 = 0.1;
 const DAMPING_N_S_PER_M: f32 = 1.0;
-/// Force at full current, N.
+/// Full current, A, and the force at it, N.
+const FULL_A: f32 = 5.0;
 const FULL_N: f32 = 40.0;
+/// Supply, V, resistance of the winding, Ω, and the part of a change of its current that comes in a step: 1 − e^(−R·T/L), with 0.5 mH.
+const SUPPLY_V: f32 = 24.0;
+const RESISTANCE_OHM: f32 = 4.8;
+const FOLLOWS: f32 = 0.381;
+/// The sensor at no current, and for each share of full current, of 4095: 6.875 A would be its end.
+const MIDDLE: f32 = 2048.0;
+const SENSED: f32 = MIDDLE * FULL_A / 6.875;
 /// Counts of the encoder for a metre.
 const COUNTS_PER_M: f32 = 200_000.0;
 /// A step, s.
 const STEP_S: f32 = 50e-6;
-/// How far a sweep goes, counts to either side.
-const SPAN: i32 = 400;
 /// Fastest that it moves, counts in a step.
 pub const FASTEST: i32 = 16;
 
 /// A device on one axis.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Device {
     /// What moves it.
     moves: Moves,
@@ -29,27 +35,14 @@ pub struct Device {
     velocity_m_per_s: f32,
     /// What a hand pushes with, N.
     push_n: f32,
+    /// Current of the winding, as a share of full current.
+    current: f32,
     /// Where the encoder is, counts.
     counts: i32,
     /// Of what moves by itself: steps since it moved last, and which way it goes.
     waited: u32,
-    upward: bool,
-    middle: i32,
-}
-
-impl Default for Device {
-    fn default() -> Self {
-        Self {
-            moves: Moves::Held,
-            position_m: 0.0,
-            velocity_m_per_s: 0.0,
-            push_n: 0.0,
-            counts: 0,
-            waited: 0,
-            upward: true,
-            middle: 0,
-        }
-    }
+    downward: bool,
+    start: i32,
 }
 
 impl Device {
@@ -58,8 +51,9 @@ impl Device {
         *self = Self {
             moves,
             position_m: self.counts as f32 / COUNTS_PER_M,
+            current: self.current,
             counts: self.counts,
-            middle: self.counts,
+            start: self.counts,
             ..Self::default()
         };
     }
@@ -73,6 +67,18 @@ impl Device {
     pub fn turned(&mut self, counts: i32) {
         self.counts = self.counts.wrapping_add(counts);
         self.moved_by(Moves::Held);
+    }
+
+    /// 50 µs under a voltage, as a share of the supply, or without one: the current of the winding, as a share of full current, and its sensor,
+    /// of 4095.
+    pub fn wind(&mut self, voltage: Option<f32>) -> (f32, u16) {
+        self.current = voltage.map_or(0.0, |voltage| {
+            let emf_v = self.velocity_m_per_s * (FULL_N / FULL_A);
+            let settled = (voltage * SUPPLY_V - emf_v) / (RESISTANCE_OHM * FULL_A);
+            self.current + (settled - self.current) * FOLLOWS
+        });
+        // A cast takes what is beyond an integer, and what is no number, to one.
+        (self.current, ((MIDDLE + self.current * SENSED) as u16).min(4095))
     }
 
     /// 50 µs under a command, as a share of full current: by how many counts the encoder moves.
@@ -89,22 +95,14 @@ impl Device {
                 // Not `clamp`, which panics where its ends are the wrong way round.
                 self.counts = there.max(before.saturating_sub(FASTEST)).min(before.saturating_add(FASTEST));
             }
-            Moves::Sweep(every) => {
+            Moves::Sweep(counts, every, span) => {
                 self.waited += 1;
                 if self.waited >= every {
                     self.waited = 0;
-                    self.counts = self.counts.wrapping_add(if self.upward { 1 } else { -1 });
-                    let beyond = self.counts.wrapping_sub(self.middle);
-                    self.upward = if self.upward { beyond < SPAN } else { beyond <= -SPAN };
-                }
-            }
-            Moves::Shake(counts) => {
-                self.waited += 1;
-                if self.waited >= TICK {
-                    self.waited = 0;
                     let counts = counts.min(FASTEST.unsigned_abs()).cast_signed();
-                    self.counts = self.counts.wrapping_add(if self.upward { counts } else { -counts });
-                    self.upward = !self.upward;
+                    self.counts = self.counts.wrapping_add(if self.downward { -counts } else { counts });
+                    let beyond = self.counts.wrapping_sub(self.start);
+                    self.downward = if self.downward { beyond > 0 } else { beyond >= span };
                 }
             }
         }

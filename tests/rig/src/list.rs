@@ -8,8 +8,8 @@
 pub struct Test {
     /// Its name, and the anchor of its line on the page.
     pub name: &'static str,
-    /// Its wires.
-    pub wires: &'static [Wire],
+    /// Its wires, in bundles.
+    pub wires: &'static [&'static [Wire]],
     /// What the rig, or the PC, does.
     pub drives: &'static str,
     /// What is measured, and by whom.
@@ -24,6 +24,13 @@ pub struct Test {
     pub virtual_board: Option<&'static str>,
     /// What the rig's own image does of it on virtual boards.
     pub virtual_rig: Virtual,
+}
+
+impl Test {
+    /// Whether its wires at PA3 and PB1 differ from those of the other tests.
+    pub fn is_direct(&self) -> bool {
+        self.wires.concat().iter().any(|wire| matches!(wire, Direct(_)))
+    }
 }
 
 /// What two virtual boards do of a test: `cargo xtask rig --virtual`.
@@ -44,50 +51,66 @@ pub enum Wire {
     Sees(&'static str, &'static str),
     /// The rig captures what it drives by this pin itself, by that one.
     Back(&'static str, &'static str),
-    /// The rig's analogue output PA4 to this pin of the board.
+    /// The rig's analogue output PA4 to this pin of the board, through 10 kΩ, with 10 µF there.
     Analogue(&'static str),
+    /// The same without resistor and capacitor, so that a step of the output is a step there.
+    Direct(&'static str),
     /// The rig's PD14 to the board's blue button, PC13: its settings are taken only while that is down.
     Button,
 }
 
 use Virtual::{Not, Runs};
-use Wire::{Analogue, Back, Button, Drives, Sees};
+use Wire::{Analogue, Back, Button, Direct, Drives, Sees};
 
-/// PE9, PE14 and PF3, where the rig sees them.
-const PULSES: Wire = Sees("PE9", "PA5");
-const TIMER: Wire = Sees("PE14", "PB10");
+/// PF3, where the rig sees it.
 const ENABLE: Wire = Sees("PF3", "PF3");
 
 /// What an armed board needs, and shows: an encoder, the gate's output, a closed stop; pulses, outputs and enable.
-const ARMED: &[Wire] = &[Drives("PC6"), Drives("PC7"), Drives("PD15"), Drives("PE15"), PULSES, TIMER, ENABLE, Button];
+const ARMED: &[Wire] = &[
+    Drives("PC6"),
+    Drives("PC7"),
+    Drives("PD15"),
+    Drives("PE15"),
+    Sees("PE9", "PA5"),
+    Sees("PE14", "PB10"),
+    ENABLE,
+    Button,
+];
+
+/// Wires of the converter's inputs, and the button for its settings.
+const INPUTS: &[Wire] = &[Analogue("PA3"), Analogue("PC0"), Analogue("PB1"), Button];
+
+/// The test of ticks at one rate, in kHz, with so many PWM periods each.
+macro_rules! ticks {
+    ($khz:literal, $periods:literal) => {
+        Test {
+            name: concat!("tick-", $khz, "-khz"),
+            wires: &[ARMED],
+            drives: "`timing.control_period_s`; the encoder, so that every tick changes the pulses; then a device: a mass under the board's \
+                     force, from PE9's pulses, and a hand that pushes",
+            measures: "periods of PE9 from one change of its pulses to the next; the board's `time spacing` and `time duration`, and its records: \
+                       each computed again by the simulator from what the board read",
+            bound: concat!(
+                $periods,
+                " periods of 50 µs each time, to 100 cycles of 480 MHz; none missed; below 24,000 cycles; every bit of 60,000 ticks"
+            ),
+            from: "assembly.md, gate 1; hardware.md, How often the tick comes",
+            seconds: 300,
+            virtual_board: Some("rates.rs"),
+            virtual_rig: Runs("1,000 ticks, and 1,000 for their bits; there an instruction is a cycle"),
+        }
+    };
+}
 
 /// All of them, from the harmless on.
-pub const TESTS: [Test; 17] = [
-    Test {
-        name: "tick-duration",
-        wires: ARMED,
-        drives: "the encoder: the board runs disarmed, then armed, with a peer",
-        measures: "the board's own count of its cycles: `time duration`",
-        bound: "below 24,000 cycles of 480 MHz",
-        from: "assembly.md, gate 1",
-        seconds: 120,
-        virtual_board: Some("times.rs"),
-        virtual_rig: Runs("alone and for 0.2 s; there an instruction is a cycle"),
-    },
-    Test {
-        name: "tick-spacing",
-        wires: ARMED,
-        drives: "the encoder, so that every tick changes the pulses; the gate's output",
-        measures: "periods of PE9 from one change of its pulses to the next; beside it the board's own `time spacing`",
-        bound: "20 periods of 50 µs each time; 100 cycles of 480 MHz",
-        from: "assembly.md, gate 1",
-        seconds: 120,
-        virtual_board: Some("times.rs"),
-        virtual_rig: Runs("1,000 ticks"),
-    },
+pub const TESTS: [Test; 21] = [
+    ticks!(1, 20),
+    ticks!(2, 10),
+    ticks!(4, 5),
+    ticks!(5, 4),
     Test {
         name: "dead-man",
-        wires: ARMED,
+        wires: &[ARMED],
         drives: "the encoder; the probe stops the tick's timer, 100 times, armed anew each time",
         measures: "from the last change of PE9's pulses, less the 46 µs that it comes after its tick, to PE14 low",
         bound: "below 2.0 ms each time",
@@ -98,18 +121,7 @@ pub const TESTS: [Test; 17] = [
     },
     Test {
         name: "break-by-fault",
-        wires: &[
-            Drives("PC6"),
-            Drives("PC7"),
-            Drives("PD15"),
-            Drives("PE15"),
-            Drives("PE6"),
-            Back("PE6", "PB3"),
-            PULSES,
-            TIMER,
-            ENABLE,
-            Button,
-        ],
+        wires: &[ARMED, &[Drives("PE6"), Back("PE6", "PB3")]],
         drives: "the bridges' fault line low, 1,000 times, armed anew each time",
         measures: "from the line low to PE14 low, both captured at 240 MHz",
         bound: "below 1.27 µs: 1 µs beyond the filter's 0.27",
@@ -120,17 +132,7 @@ pub const TESTS: [Test; 17] = [
     },
     Test {
         name: "break-by-stop",
-        wires: &[
-            Drives("PC6"),
-            Drives("PC7"),
-            Drives("PD15"),
-            Drives("PE15"),
-            Back("PE15", "PB11"),
-            PULSES,
-            TIMER,
-            ENABLE,
-            Button,
-        ],
+        wires: &[ARMED, &[Back("PE15", "PB11")]],
         drives: "the emergency stop's first contact open, 1,000 times, armed anew each time",
         measures: "from the line low to PE14 low, both captured at 240 MHz",
         bound: "below 1.27 µs: 1 µs beyond the filter's 0.27",
@@ -141,7 +143,7 @@ pub const TESTS: [Test; 17] = [
     },
     Test {
         name: "amplifiers-gate",
-        wires: ARMED,
+        wires: &[ARMED],
         drives: "PD15 as a gate would that is wired to PF3 alone, to PE14 alone, that never opens, that is always open",
         measures: "what the board says, and the pulses of PE9 while PD15 is high",
         bound: "fault 31, and no current asked for but by a gate that works",
@@ -152,7 +154,7 @@ pub const TESTS: [Test; 17] = [
     },
     Test {
         name: "encoder-counts",
-        wires: &[Drives("PC6"), Drives("PC7"), Drives("PD12"), Drives("PD13")],
+        wires: &[&[Drives("PC6"), Drives("PC7"), Drives("PD12"), Drives("PD13")]],
         drives: "both encoders, ten million edges each way, up to 3 MHz",
         measures: "counts that the board reports in its records",
         bound: "every count, to 1",
@@ -163,17 +165,7 @@ pub const TESTS: [Test; 17] = [
     },
     Test {
         name: "encoder-faults",
-        wires: &[
-            Drives("PC6"),
-            Drives("PC7"),
-            Drives("PC8"),
-            Drives("PD15"),
-            Drives("PE15"),
-            PULSES,
-            TIMER,
-            ENABLE,
-            Button,
-        ],
+        wires: &[ARMED, &[Drives("PC8")]],
         drives: "the encoder with a wire that is cut, an index at a wrong count, a jump",
         measures: "what the board says, and how soon PE14 is low",
         bound: "faults 22, 20 and 2, or 3 where a tick comes in the midst of the jump",
@@ -184,8 +176,8 @@ pub const TESTS: [Test; 17] = [
     },
     Test {
         name: "converter-codes",
-        wires: &[Analogue("PA3"), Analogue("PC0"), Analogue("PB1")],
-        drives: "a slow ramp over the whole range through 10 kΩ and 10 µF, finer than its own 12 bits, to one input after the other",
+        wires: &[INPUTS],
+        drives: "a slow ramp over the whole range, finer than its own 12 bits behind the resistor and the capacitor",
         measures: "codes of the board's converter that never come, in a row, in its records: those of PA3 and PC0, of PB1 there are means",
         bound: "no gap above 8 codes of 65,536",
         from: "hardware.md, after a start",
@@ -194,8 +186,43 @@ pub const TESTS: [Test; 17] = [
         virtual_rig: Runs("256 codes about a multiple of 4096"),
     },
     Test {
+        name: "converter-start",
+        wires: &[INPUTS, &[Drives("PE15")]],
+        drives: "half of the range at the inputs; the probe stops the tick's timer, 100 times, and the board starts anew",
+        measures: "the answer to `arm`, and the mean code of PA3 and PC0 in its records of 100 ms after each start",
+        bound: "`arm` asks for the check of signs alone; mean codes within 655 of the middle, of 65,536, and starts within 8 of each other",
+        from: "hardware.md, after a start",
+        seconds: 900,
+        virtual_board: Some("one_board.rs"),
+        virtual_rig: Runs("3 starts; calibrations last 165,010 clocks there"),
+    },
+    Test {
+        name: "current-sensor-ends",
+        wires: &[ARMED, &[Direct("PA3")]],
+        drives: "a winding and its current's sensor at PA3, 24 V over 11 at PB1 (10 kΩ to 3.3 V, 20 kΩ to ground); then the sensor goes to 3.09 V and \
+                 to 0.21 V, as its amplifier does at 3.3 V, and to 3.05 V and 0.25 V",
+        measures: "the fault that the armed board reports after each step",
+        bound: "fault 18 at 3.09 V and 0.21 V, beyond 0.86 of `motor.sense_a`; fault 17 at 3.05 V and 0.25 V",
+        from: "hardware.md, Watched while it runs",
+        seconds: 60,
+        virtual_board: Some("faults.rs"),
+        virtual_rig: Runs("as on silicon"),
+    },
+    Test {
+        name: "sample-after-edge",
+        wires: &[ARMED, &[Direct("PA3")]],
+        drives: "a winding and its current's sensor, as for current-sensor-ends; the sensor is at its end for 8 µs after each edge of PE9, while a probe \
+                 asks for 2.27 A, 10.9 V, to and fro",
+        measures: "the end of the probe, which stops at twice the current that it asks for",
+        bound: "the probe ends by its time: no sample within 8 µs of an edge (the image keeps 12.5)",
+        from: "hardware.md, Appendix B",
+        seconds: 60,
+        virtual_board: Some("current_loop.rs"),
+        virtual_rig: Runs("as on silicon, seen to 2 µs"),
+    },
+    Test {
         name: "supply-behind-the-stop",
-        wires: &[Analogue("PB1"), Drives("PE15")],
+        wires: &[INPUTS, &[Drives("PE15")]],
         drives: "the supply's divider from 24 V down, as 1000 µF and 2.2 kΩ do once the second contact opens, and as without it",
         measures: "what `bringup` says of the emergency stop with either",
         bound: "below 4.5 V within 10 s passes, and what stands does not",
@@ -206,7 +233,7 @@ pub const TESTS: [Test; 17] = [
     },
     Test {
         name: "halt-while-armed",
-        wires: ARMED,
+        wires: &[ARMED],
         drives: "the probe halts the processor of an armed board, 100 times",
         measures: "from the last pulse of PE9 to PE14 low, and why the board does not arm again",
         bound: "below 50 µs: one period; it says that it was halted",
@@ -214,17 +241,6 @@ pub const TESTS: [Test; 17] = [
         seconds: 600,
         virtual_board: Some("breaks.rs"),
         virtual_rig: Runs("3 halts; what DBGMCU's bit does is as the manual has it"),
-    },
-    Test {
-        name: "same-bits",
-        wires: ARMED,
-        drives: "a device: a mass under the board's force, from PE9's pulses, and a hand that pushes",
-        measures: "every record of the board, computed again by the simulator from what the board read",
-        bound: "every bit of 60,000 ticks",
-        from: "hardware.md, Appendix B",
-        seconds: 90,
-        virtual_board: Some("same_bits.rs"),
-        virtual_rig: Runs("1,000 ticks"),
     },
     Test {
         name: "can-frames",
@@ -239,7 +255,7 @@ pub const TESTS: [Test; 17] = [
     },
     Test {
         name: "bootloader",
-        wires: &[ENABLE],
+        wires: &[&[ENABLE]],
         drives: "`update`, said while disarmed, with a cable at CN13; then another image by dfu-util, and the black button",
         measures: "how soon the PC finds 0483:df11, PF3 with 10 kΩ to ground meanwhile, what `status` says then",
         bound: "within 5 s, never high, the new image with the old keys and settings",
@@ -263,7 +279,7 @@ pub const TESTS: [Test; 17] = [
     },
     Test {
         name: "soak",
-        wires: ARMED,
+        wires: &[ARMED],
         drives: "the encoder, to and fro; the board is armed for a day (`--seconds`: for so long)",
         measures: "ticks missed or not armed, restarts, packets refused or dropped, and the longest tick",
         bound: "none in 24 h, and below 24,000 cycles",

@@ -4,9 +4,9 @@
 //! | line | does |
 //! |---|---|
 //! | `who` | says who is there |
-//! | `gate both\|enable\|timer\|never\|always` | PD15 follows PF3 and PE14 as the amplifiers' gate should, or as one does that is wired wrong |
-//! | `device held\|free\|sweep N\|shake N` | the encoder stands; follows the device that the board's pulses push; goes to and fro, a count every N periods; jumps by N counts every ms, to and fro |
-//! | `pulses N` | looks at N periods of PE9: how many changed, how many of these came elsewhere than 20 periods after the last |
+//! | `gate N` | PD15 is the bit 2·PF3 + PE14 of N: 8 is the amplifiers' gate as it should be; 12 follows PF3 alone, 10 PE14 alone, 0 never opens, 15 always |
+//! | `device held\|free\|sweep COUNTS N SPAN` | the encoder stands; follows the device that the board's pulses push; goes to and fro over SPAN, by COUNTS every N periods |
+//! | `pulses N TICK` | looks at N periods of PE9: how many changed, how many of these came elsewhere than TICK periods after the last |
 //! | `pull stop\|fault` | opens the emergency stop's contact, or pulls the bridges' fault line, until PE14 is low; how long that took |
 //! | `watch N` | says that it begins, and waits N ms for PE14 to fall; then how long after the last pulse of PE9 that was, and after the last that changed |
 //! | `lines` | levels of PE14 and PF3 |
@@ -16,40 +16,12 @@
 //! | `asked` | the largest command since this was asked last, while PD15 and PF3 were high: counts of 6000 either way |
 //! | `cut JOINT A\|B`, `mend` | a wire of an encoder is off, or all are on again |
 //! | `volts N` | the analogue output, of 4095 |
-//! | `ramp FROM TO MS` | the analogue output goes from one to the other, a step every so many ms; the answer comes at the end |
-//! | `fall N MS` | the analogue output falls from N toward nothing as a capacitor does that has so many ms; it answers at once, and `volts` or `ramp` ends it |
+//! | `fall N MS` | the analogue output falls from N toward nothing as a capacitor does that has so many ms; it answers at once, and `volts` ends it |
+//! | `winding` | the analogue output is the sensor of the current that PE9's pulses make in a winding while PF3 is high; `volts` or `fall` ends it. For 8 µs after each edge of PE9 it is at its upper end, as a sensor is that rides on that leg |
 //! | `stop open\|closed` | the emergency stop's first contact |
 //! | `button down\|up` | the board's blue button |
 //!
 //! Times are counts of 240 MHz. Nothing here panics, whatever comes in: the image is linked without a panic.
-
-/// How the gate between PF3, PE14 and the amplifiers is wired, as PD15 shows it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Gate {
-    /// An AND of both.
-    Both,
-    /// PF3 alone.
-    Enable,
-    /// PE14 alone.
-    Timer,
-    /// It never opens.
-    Never,
-    /// It is always open.
-    Always,
-}
-
-impl Gate {
-    /// The level of its output for these inputs.
-    pub fn passes(self, enable: bool, timer: bool) -> bool {
-        match self {
-            Self::Both => enable && timer,
-            Self::Enable => enable,
-            Self::Timer => timer,
-            Self::Never => false,
-            Self::Always => true,
-        }
-    }
-}
 
 /// A line that takes the motors off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,16 +33,15 @@ pub enum Line {
 }
 
 /// What moves the first encoder.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Moves {
     /// Nothing.
+    #[default]
     Held,
     /// The board's force.
     Free,
-    /// A count every so many periods of 50 µs, to and fro.
-    Sweep(u32),
-    /// So many counts up in one ms and down in the next.
-    Shake(u32),
+    /// So many counts every so many periods of 50 µs, to and fro over so many.
+    Sweep(u32, u32, i32),
 }
 
 /// A line to the rig.
@@ -78,12 +49,12 @@ pub enum Moves {
 pub enum Order {
     /// Who is there?
     Who,
-    /// The gate is wired like this.
-    Gate(Gate),
+    /// The gate's outputs, a bit for each of its inputs.
+    Gate(u32),
     /// This moves the encoder.
     Device(Moves),
-    /// Look at so many periods.
-    Pulses(u32),
+    /// Look at so many periods, with ticks of so many.
+    Pulses(u32, u32),
     /// Pull this line.
     Pull(Line),
     /// Wait so many ms for PE14 to fall.
@@ -91,7 +62,7 @@ pub enum Order {
     /// Levels of PE14 and PF3.
     Lines,
     /// So many edges of an encoder (0 or 1), upward or not.
-    Turn(u8, u32, bool),
+    Turn(usize, u32, bool),
     /// A hand pushes with so many mN, upward or not.
     Push(u32, bool),
     /// The first encoder shows its index.
@@ -99,15 +70,15 @@ pub enum Order {
     /// The largest command that an amplifier was given.
     Asked,
     /// A wire of an encoder (0 or 1) is off: A or B.
-    Cut(u8, bool),
+    Cut(usize, bool),
     /// All wires are on.
     Mend,
     /// The analogue output, of 4095.
     Volts(u16),
-    /// The analogue output goes from one to the other, a step every so many ms.
-    Ramp(u16, u16, u32),
     /// It falls from there toward nothing, with a time constant of so many ms.
     Fall(u16, u32),
+    /// It is the sensor of a winding's current.
+    Winding,
     /// The emergency stop's first contact is open.
     Stop(bool),
     /// The board's blue button is down.
@@ -122,13 +93,12 @@ fn number(word: &[u8]) -> Option<u32> {
     Some(word.iter().fold(0_u32, |sum, digit| sum.wrapping_mul(10).wrapping_add(u32::from(*digit & 15))))
 }
 
-/// The joint that is called 1 or 2.
-fn joint(word: &[u8]) -> Option<u8> {
-    match word {
-        b"1" => Some(0),
-        b"2" => Some(1),
-        _ => None,
-    }
+/// Ways of an encoder.
+const DOWN_UP: [&[u8]; 2] = [b"down", b"up"];
+
+/// Which of two words it is.
+fn second(word: &[u8], words: [&[u8]; 2]) -> Option<bool> {
+    words.iter().position(|known| *known == word).map(|place| place == 1)
 }
 
 impl Order {
@@ -138,45 +108,28 @@ impl Order {
         let mut word = || words.next().unwrap_or_default();
         let order = match (word(), word()) {
             (b"who", b"") => Self::Who,
-            (b"gate", b"both") => Self::Gate(Gate::Both),
-            (b"gate", b"enable") => Self::Gate(Gate::Enable),
-            (b"gate", b"timer") => Self::Gate(Gate::Timer),
-            (b"gate", b"never") => Self::Gate(Gate::Never),
-            (b"gate", b"always") => Self::Gate(Gate::Always),
+            (b"gate", outputs) => Self::Gate(number(outputs)?),
             (b"device", b"held") => Self::Device(Moves::Held),
             (b"device", b"free") => Self::Device(Moves::Free),
-            (b"device", b"sweep") => Self::Device(Moves::Sweep(number(word())?)),
-            (b"device", b"shake") => Self::Device(Moves::Shake(number(word())?)),
-            (b"pulses", periods) => Self::Pulses(number(periods)?),
+            (b"device", b"sweep") => {
+                Self::Device(Moves::Sweep(number(word())?, number(word())?, number(word())?.cast_signed()))
+            }
+            (b"pulses", periods) => Self::Pulses(number(periods)?, number(word())?),
             (b"pull", b"stop") => Self::Pull(Line::Stop),
             (b"pull", b"fault") => Self::Pull(Line::Fault),
             (b"watch", ms) => Self::Watch(number(ms)?),
             (b"lines", b"") => Self::Lines,
-            (b"turn", which) => {
-                let (which, edges) = (joint(which)?, number(word())?);
-                Self::Turn(which, edges, upward(word())?)
-            }
-            (b"push", force) => {
-                let force = number(force)?;
-                Self::Push(force, upward(word())?)
-            }
+            (b"turn", which) => Self::Turn(joint(which)?, number(word())?, second(word(), DOWN_UP)?),
+            (b"push", force) => Self::Push(number(force)?, second(word(), DOWN_UP)?),
             (b"mark", b"") => Self::Mark,
             (b"asked", b"") => Self::Asked,
-            (b"cut", which) => Self::Cut(joint(which)?, second(word())?),
+            (b"cut", which) => Self::Cut(joint(which)?, second(word(), [b"A", b"B"])?),
             (b"mend", b"") => Self::Mend,
             (b"volts", share) => Self::Volts(volts(share)?),
-            (b"ramp", from) => {
-                let (from, to) = (volts(from)?, volts(word())?);
-                Self::Ramp(from, to, number(word())?)
-            }
-            (b"fall", from) => {
-                let from = volts(from)?;
-                Self::Fall(from, number(word())?)
-            }
-            (b"stop", b"open") => Self::Stop(true),
-            (b"stop", b"closed") => Self::Stop(false),
-            (b"button", b"down") => Self::Button(true),
-            (b"button", b"up") => Self::Button(false),
+            (b"fall", from) => Self::Fall(volts(from)?, number(word())?),
+            (b"winding", b"") => Self::Winding,
+            (b"stop", word) => Self::Stop(second(word, [b"closed", b"open"])?),
+            (b"button", word) => Self::Button(second(word, [b"up", b"down"])?),
             _ => return None,
         };
         word().is_empty().then_some(order)
@@ -188,20 +141,9 @@ fn volts(word: &[u8]) -> Option<u16> {
     u16::try_from(number(word)?).ok().filter(|share| *share < 4096)
 }
 
-fn upward(word: &[u8]) -> Option<bool> {
-    match word {
-        b"up" => Some(true),
-        b"down" => Some(false),
-        _ => None,
-    }
-}
-
-fn second(word: &[u8]) -> Option<bool> {
-    match word {
-        b"A" => Some(false),
-        b"B" => Some(true),
-        _ => None,
-    }
+/// An encoder, 1 or 2, from 0 on.
+fn joint(word: &[u8]) -> Option<usize> {
+    second(word, [b"1", b"2"]).map(usize::from)
 }
 
 /// The longest line, either way.

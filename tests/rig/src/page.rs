@@ -19,7 +19,8 @@ pub fn silicon(shown: &[Shown]) -> String {
          [an image of its own](../tests/rig/src/image/main.rs). `cargo xtask rig` prints the wires, and says how two boards on a table run the list (`--boards`): it\n\
          flashes both, runs each test and keeps what came of it in [tests/rig/silicon.txt](../tests/rig/silicon.txt), from which and from\n\
          [one list](../tests/rig/src/list.rs) `cargo xtask rig --page` writes this page. `cargo xtask rig --virtual` runs both images on virtual boards, wired pin to pin; the way to\n\
-         a table, serial port and sockets, carried two of the tests with these behind it ([table.rs](../tests/board/tests/boards/table.rs)); probe-rs and OpenOCD had no probe.\n\
+         a table, serial port and sockets, carried one of the tests with these behind it ([table.rs](../tests/board/tests/boards/table.rs)); probe-rs and OpenOCD had no probe.\n\
+         `current-sensor-ends` and `sample-after-edge` have other wires at PA3 and PB1. On a table they run only if `--only` names them.\n\
          What [hardware.md](hardware.md) says beyond these lines has no line here.\n\n\
          | test | must be | as said in | the rig's image on virtual boards | nearest without it | silicon, when, image |\n|---|---|---|---|---|---|\n",
     );
@@ -30,9 +31,10 @@ pub fn silicon(shown: &[Shown]) -> String {
             Virtual::Runs(extent) => format!("passes: {extent}"),
             Virtual::Not(reason) => format!("not run: {reason}"),
         };
-        let met = shown.iter().find(|shown| shown.name == name).map_or("not yet".to_owned(), |shown| {
-            let Shown { passed, day, image, figures, .. } = shown;
-            format!("{}, {day}, {image}: {figures}", if *passed { "passed" } else { "**FAILED**" })
+        let met = shown.iter().find(|shown| shown.name == name);
+        let met = met.map_or("not yet".to_owned(), |shown| {
+            let verdict = if shown.passed { "passed" } else { "**FAILED**" };
+            format!("{verdict}, {}, {}: {}", shown.day, shown.image, shown.figures)
         });
         // A String takes all that is written.
         let _ = writeln!(page, "| <a id=\"{name}\"></a>{name} | {bound} | {from} | {virtually} | {tried} | {met} |");
@@ -48,11 +50,8 @@ pub fn plan() -> String {
     );
     for test in TESTS {
         let Test { name, drives, measures, bound, from, seconds, .. } = test;
-        let wires = if test.wires.is_empty() {
-            "none".to_owned()
-        } else {
-            test.wires.iter().map(wire).collect::<Vec<_>>().join(", ")
-        };
+        let wires: Vec<String> = test.wires.concat().iter().map(wire).collect();
+        let wires = if wires.is_empty() { "none".to_owned() } else { wires.join(", ") };
         let _ = write!(
             plan,
             "\n{name}, {seconds} s\n  wires     {wires}\n  drives    {drives}\n  measures  {measures}\n  must be   {bound} ({from})\n"
@@ -67,7 +66,8 @@ fn wire(wire: &Wire) -> String {
         Wire::Drives(pin) => format!("rig {pin} > {pin}"),
         Wire::Sees(pin, rig) => format!("{pin} > rig {rig}"),
         Wire::Back(pin, rig) => format!("rig {pin} > rig {rig}"),
-        Wire::Analogue(pin) => format!("rig PA4 > {pin}"),
+        Wire::Analogue(pin) => format!("rig PA4 > 10 kΩ > {pin}, 10 µF to ground"),
+        Wire::Direct(pin) => format!("rig PA4 > {pin}"),
         Wire::Button => "rig PD14 > PC13".to_owned(),
     }
 }

@@ -7,9 +7,6 @@
 
 /// Counts of a period of 50 µs.
 pub const PERIOD: u32 = 12_000;
-/// Periods of a tick.
-pub const TICK: u32 = 20;
-
 /// What was seen of the pulses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Pulses {
@@ -20,6 +17,8 @@ pub struct Pulses {
     end: u32,
     /// Middle of the last period whose command was another than the one before's; `None` before the first.
     changed: Option<u32>,
+    /// Periods of a tick.
+    tick: u32,
     /// What is counted.
     pub seen: Seen,
 }
@@ -31,9 +30,9 @@ pub struct Seen {
     pub periods: u32,
     /// Commands that differ from the one before.
     pub changes: u32,
-    /// Of these, how many came 20 periods after the last one.
+    /// Of these, how many came a tick after the last one.
     pub in_step: u32,
-    /// Of these, how many came after another number of periods than a multiple of 20.
+    /// Of these, how many came after another time than a whole number of ticks.
     pub off: u32,
     /// How far a change was from a whole number of periods after the last one, at the most.
     pub residue: u32,
@@ -45,6 +44,10 @@ impl Pulses {
     /// A low pulse has ended.
     pub fn see(&mut self, fell: u32, rose: u32) {
         let low = rose.wrapping_sub(fell);
+        if low > PERIOD {
+            // It was off before.
+            return;
+        }
         let middle = fell.wrapping_add(low / 2);
         if let Some(before) = self.low {
             let (periods, _) = whole(middle.wrapping_sub(self.middle));
@@ -62,16 +65,16 @@ impl Pulses {
         self.seen.changes = self.seen.changes.wrapping_add(1);
         if let Some(last) = self.changed {
             let (periods, residue) = whole(middle.wrapping_sub(last));
-            self.seen.in_step += u32::from(periods == TICK);
-            self.seen.off += u32::from(!periods.is_multiple_of(TICK));
+            self.seen.in_step += u32::from(periods == self.tick);
+            self.seen.off += u32::from(!periods.is_multiple_of(self.tick));
             self.seen.residue = self.seen.residue.max(residue);
         }
         self.changed = Some(middle);
     }
 
-    /// Sums begin anew.
-    pub fn count(&mut self) {
-        self.seen = Seen::default();
+    /// Sums begin anew, with ticks of so many periods.
+    pub fn count(&mut self, tick: u32) {
+        (self.tick, self.seen) = (tick, Seen::default());
     }
 
     /// What the board commands, as a share of full current; none while there are no pulses, as seen from `now`.

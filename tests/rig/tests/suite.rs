@@ -24,11 +24,11 @@ fn line_of<'a>(netlist: &'a str, pin: &str) -> &'a str {
 fn each_wire_ends_at_a_pin_that_takes_or_drives_what_goes_along_it() {
     let netlist = text("firmware/wiring/netlist.toml");
     for test in TESTS {
-        for wire in test.wires {
+        for wire in test.wires.iter().copied().flatten() {
             let (pin, is) = match wire {
                 Wire::Drives(pin) => (pin, "input"),
                 Wire::Sees(pin, _) => (pin, "output"),
-                Wire::Analogue(pin) => (pin, "analogue"),
+                Wire::Analogue(pin) | Wire::Direct(pin) => (pin, "analogue"),
                 Wire::Back(..) | Wire::Button => continue,
             };
             let line = line_of(&netlist, pin);
@@ -41,12 +41,12 @@ fn each_wire_ends_at_a_pin_that_takes_or_drives_what_goes_along_it() {
 #[test]
 fn each_pin_of_the_rig_is_one_that_its_image_names() {
     let image = text("tests/rig/src/image/main.rs");
-    for wire in TESTS.iter().flat_map(|test| test.wires) {
+    for wire in TESTS.iter().flat_map(|test| test.wires.iter().copied().flatten()) {
         let pins = match wire {
             Wire::Drives(pin) => vec![*pin],
             Wire::Sees(_, rig) => vec![*rig],
             Wire::Back(pin, rig) => vec![*pin, *rig],
-            Wire::Analogue(_) => vec!["PA4"],
+            Wire::Analogue(_) | Wire::Direct(_) => vec!["PA4"],
             Wire::Button => vec!["PD14"],
         };
         for pin in pins {

@@ -33,14 +33,6 @@ enum Place {
     Table(OnATable),
 }
 
-/// Which tests.
-#[derive(Clone, Copy)]
-struct Tests<'a> {
-    only: Option<&'a str>,
-    /// How long the soak takes.
-    seconds: Option<u32>,
-}
-
 /// Two boards on a table.
 #[derive(Debug, Args)]
 struct OnATable {
@@ -68,11 +60,10 @@ struct OnATable {
 }
 
 fn main() -> ExitCode {
-    let Asked { only, seconds, place } = Asked::parse();
-    let asked = Tests { only: only.as_deref(), seconds };
-    let all_passed = match place {
-        Some(Place::Table(table)) => table.run(asked),
-        None => virtually(asked),
+    let asked = Asked::parse();
+    let all_passed = match &asked.place {
+        Some(Place::Table(table)) => table.run(&asked),
+        None => virtually(&asked),
     };
     match all_passed {
         Ok(true) => ExitCode::SUCCESS,
@@ -87,14 +78,15 @@ fn main() -> ExitCode {
 /// Runs tests one after the other, and tells of each: whether all passed.
 fn run(
     boards: &mut dyn Boards,
-    asked: Tests<'_>,
+    asked: &Asked,
     extent: Extent,
     mut each: impl FnMut(&Test, bool, &str) -> Result<(), String>,
 ) -> Result<bool, String> {
     let mut all_passed = true;
-    for test in TESTS.iter().filter(|test| asked.only.is_none_or(|only| only == test.name)) {
+    for test in TESTS.iter().filter(|test| asked.only.as_deref().is_none_or(|only| only == test.name)) {
         let why_not = match (extent, test.virtual_rig) {
             (Extent::Virtual, Virtual::Not(reason)) => Some(reason),
+            (Extent::Whole, _) if asked.only.is_none() && test.is_direct() => Some("its wires are others: --only"),
             _ => None,
         };
         let ran = if why_not.is_none() { run::run(boards, test, extent, asked.seconds) } else { None };
@@ -117,7 +109,7 @@ fn run(
     Ok(all_passed)
 }
 
-fn virtually(asked: Tests<'_>) -> Result<bool, String> {
+fn virtually(asked: &Asked) -> Result<bool, String> {
     let begun = Instant::now();
     let mut rigged = rig::start(Firmware::release())?;
     let all_passed = run(&mut rigged, asked, Extent::Virtual, |_, _, _| Ok(()))?;
@@ -134,7 +126,7 @@ fn virtually(asked: Tests<'_>) -> Result<bool, String> {
 
 impl OnATable {
     /// What comes of a test is kept at once: whoever pulls a plug in the tenth hour keeps nine.
-    fn run(&self, asked: Tests<'_>) -> Result<bool, String> {
+    fn run(&self, asked: &Asked) -> Result<bool, String> {
         let probe = Box::new(OpenOcd::new(&self.probe));
         let mut table = Table::connect(self.board, &self.key, &self.port, probe)?;
         run::set_up(&mut table)?;

@@ -10,9 +10,8 @@ macro_rules! by_records {
         fn codes(&mut self) -> [Vec<i16>; 2] {
             told::codes(&self.take())
         }
-        fn came(&mut self) -> Came {
-            let new = self.take();
-            told::came(&new, &mut self.counted)
+        fn came(&mut self, came: &mut Came) {
+            told::came(&self.take(), came);
         }
         fn stop_is_seen(&mut self, pressed: &[&str], released: &[&str]) -> Outcome {
             stop::seen(self, pressed, released)
@@ -32,6 +31,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use firmware_parts::record::Record;
+use haptic_rig::list::Test;
 use haptic_rig::run::{self, Boards, Came, Done, Outcome};
 use legs::Legs;
 use stop::Records;
@@ -40,6 +40,7 @@ use crate::bench::PERIOD_NS;
 use crate::image::{self, Firmware};
 use crate::node::{Inputs, Node, Report, Stopped};
 use crate::part::Gate;
+use crate::part::converter::IDLE;
 use crate::part::pins::{Edge, Place};
 use crate::pc::{Pc, keys_in_flash, operator_key, peers_key};
 use crate::wire::{Line, PC, Wire};
@@ -47,6 +48,8 @@ use crate::wire::{Line, PC, Wire};
 /// A step, ns, while the rig measures and while it does not: a period of the board's pulses.
 const FINE_NS: u64 = 50;
 const STEP_NS: u64 = 50_000;
+/// A step while the rig's analogue output rings, ns.
+const RINGING_NS: u64 = 1000;
 /// A step while the board's tick stands and its reset is waited for, ns.
 const STOPPED_NS: u64 = 5000;
 /// 10 kΩ and 10 µF, ns.
@@ -91,16 +94,18 @@ pub struct Rigged {
     levels: BTreeMap<Place, bool>,
     /// Bytes from the rig that nobody has taken yet.
     heard: Vec<u8>,
-    analogue: u16,
+    /// The analogue output of the rig, of 4095.
+    pub analogue: u16,
     /// What is behind 10 kΩ and 10 µF of it, of 4095, at the board's three analogue inputs; as long as it is 0 they read what they read without.
     volts: f64,
+    /// It is at PA3 without those, and there alone.
+    direct: bool,
     /// The board's processor is halted, and its timer's outputs with it, or not.
     halted: Option<bool>,
     /// How long it was halted so far, ns.
     lag_ns: u64,
-    /// Records that have been taken, and the number of the last tick that was counted.
+    /// Records that have been taken.
     taken: usize,
-    counted: Option<u32>,
     now_ns: u64,
     /// The PC has been served up to here, ms.
     served: u64,
@@ -126,10 +131,10 @@ impl Rigged {
             heard: Vec::new(),
             analogue: 0,
             volts: 0.0,
+            direct: false,
             halted: None,
             lag_ns: 0,
             taken: 0,
-            counted: None,
             now_ns: 1000,
             served: 0,
         };
@@ -168,18 +173,14 @@ impl Rigged {
         self.now_ns
     }
 
-    /// The analogue output of the rig, of 4095.
-    pub fn analogue(&self) -> u16 {
-        self.analogue
-    }
-
     /// Puts a word into a register of the board, as something that is wrong there would.
     pub fn spoil(&mut self, address: u64, value: u32) {
         self.board_inputs.poke.push((address, value));
     }
 
     fn step(&mut self) {
-        let length = if self.measuring { FINE_NS } else { self.step_ns };
+        let rings = self.direct && self.stopped.bridges.outputs;
+        let length = if self.measuring { FINE_NS } else { self.step_ns.min(if rings { RINGING_NS } else { STEP_NS }) };
         let update = self.update.filter(|_| self.halted.is_none());
         let until = update.map_or(self.now_ns + length, |update| update.min(self.now_ns + length));
         self.volts += (f64::from(self.analogue) - self.volts) * (until - self.now_ns) as f64 / SLOW_NS;
@@ -215,9 +216,11 @@ impl Rigged {
 
     /// The board goes on; its own clock is behind by as long as it was halted.
     fn run_board(&mut self, until: u64, updates: bool) {
-        if self.volts > 0.0 {
-            let code = (self.volts * 16.0).round().min(65_535.0) as u16;
-            self.board_inputs.reads = Some([code; 3]);
+        let code = |volts: f64| (volts * 16.0).round().min(65_535.0) as u16;
+        if self.direct {
+            self.board_inputs.reads = Some([code(self.analogue.into()), IDLE[1], IDLE[2]]);
+        } else if self.volts > 0.0 {
+            self.board_inputs.reads = Some([code(self.volts); 3]);
         }
         for edge in &mut self.board_inputs.edges {
             edge.at -= self.lag_ns;
@@ -322,6 +325,10 @@ impl Records for Rigged {
 }
 
 impl Boards for Rigged {
+    fn wired(&mut self, test: &Test) {
+        self.direct = test.is_direct();
+    }
+
     fn ask(&mut self, line: &str) -> Outcome {
         let before = self.pc.answers[0].len();
         self.pc.say(1, line);
@@ -393,9 +400,9 @@ impl Boards for Rigged {
         told::counts(&self.pc.records[0])
     }
 
-    fn same(&mut self) -> Result<[u64; 2], String> {
+    fn same(&mut self, per_ms: u32) -> Result<[u64; 2], String> {
         self.wait_ms(40)?;
-        Ok(told::same(&self.pc.records[0]))
+        Ok(told::same(&self.pc.records[0], per_ms))
     }
 
     fn wait_ms(&mut self, ms: u64) -> Done {

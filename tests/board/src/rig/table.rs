@@ -27,8 +27,6 @@ pub struct Table {
     probe: Box<dyn Probe>,
     /// Since the board was armed last.
     records: Vec<Record>,
-    /// The number of the last tick that was counted.
-    counted: Option<u32>,
 }
 
 impl Table {
@@ -39,7 +37,7 @@ impl Table {
     pub fn connect(board: SocketAddr, key: &Path, port: &Path, probe: Box<dyn Probe>) -> Result<Self, String> {
         let port = Port::open(port)?;
         let operator = Operator::connect(board, key).map_err(|why| why.to_string())?;
-        Ok(Self { operator, port, probe, records: Vec::new(), counted: None })
+        Ok(Self { operator, port, probe, records: Vec::new() })
     }
 
     /// Until the board has told of so many ticks more, by its clock and not by the PC's.
@@ -134,8 +132,8 @@ impl Boards for Table {
         told::counts(&self.records)
     }
 
-    fn same(&mut self) -> Result<[u64; 2], String> {
+    fn same(&mut self, per_ms: u32) -> Result<[u64; 2], String> {
         self.wait_ticks(100)?;
-        Ok(told::same(&self.records))
+        Ok(told::same(&self.records, per_ms))
     }
 }

@@ -15,19 +15,17 @@ pub(super) fn codes(records: &[Record]) -> [Vec<i16>; 2] {
     [0, 1].map(|input| codes.iter().map(|codes| codes[input]).collect())
 }
 
-/// What came, of a board whose tick before these was that; and leaves the last one there.
-pub(super) fn came(records: &[Record], before: &mut Option<u32>) -> Came {
-    let mut came = Came::default();
+/// Adds what came.
+pub(super) fn came(records: &[Record], came: &mut Came) {
     for record in records {
         let tick = record.tick();
         came.ticks += 1;
         came.unarmed += u64::from(record.mode() != Mode::Armed);
-        if let Some(before) = before.replace(tick) {
+        if let Some(before) = came.last.replace(tick) {
             came.restarts += u64::from(tick <= before);
             came.missed += u64::from(tick.saturating_sub(before).saturating_sub(1));
         }
     }
-    came
 }
 
 /// The counters of both encoders in the last record.
@@ -36,13 +34,14 @@ pub(super) fn counts(records: &[Record]) -> Result<[u16; 2], String> {
     Ok(last.counts().map(|Counts(counts)| counts))
 }
 
-/// Of the records since a board of default settings, but with amplifiers, was armed last: how many are what the simulator makes of their inputs, of
+/// Of the records since a board of default settings, but with amplifiers and at this rate, was armed last: how many are what the simulator makes of their inputs, of
 /// how many.
-pub(super) fn same(records: &[Record]) -> [u64; 2] {
+pub(super) fn same(records: &[Record], per_ms: u32) -> [u64; 2] {
     let armed = |record: &Record| record.mode() == Mode::Armed;
     let end = records.iter().rposition(armed).map_or(0, |last| last + 1);
     let begin = records[..end].iter().rposition(|record| !armed(record)).map_or(0, |last| last + 1);
     let mut settings = firmware_parts::kept::defaults();
     settings.motor.drive = MotorDrive::Amplifier;
+    settings.timing.control_period_s = 1e-3 / f64::from(per_ms);
     [replay_alone(&settings, &records[begin..end]).ticks, (end - begin) as u64]
 }

@@ -12,7 +12,8 @@ use stm32_metapac::{Interrupt, TIM2};
 
 use haptic_rig::order::Line;
 
-/// Flags of channels 2 to 4 in SR.
+/// Flags of channels 1 to 4 in SR.
+const FIRST: u32 = 1 << 1;
 const SECOND: u32 = 1 << 2;
 const THIRD: u32 = 1 << 3;
 const FOURTH: u32 = 1 << 4;
@@ -29,8 +30,8 @@ pub(crate) fn start() {
     TIM2.ccmr_input(0).write(|w| w.0 = BOTH_FIRST);
     TIM2.ccmr_input(1).write(|w| w.0 = EACH_ITS_OWN);
     TIM2.ccer().write(|w| w.0 = EDGES);
-    // A pulse that ends wakes the processor.
-    TIM2.dier().write(|w| w.0 = SECOND);
+    // A pulse's end wakes the processor, and its beginning.
+    TIM2.dier().write(|w| w.0 = FIRST | SECOND);
     TIM2.cr1().write(|w| w.set_cen(true));
     // SAFETY: interrupts are masked: this one wakes, and is never taken.
     unsafe { NVIC::unmask(Interrupt::TIM2) };
@@ -39,6 +40,14 @@ pub(crate) fn start() {
 /// The count now.
 pub(crate) fn now() -> u32 {
     TIM2.cnt().read()
+}
+
+/// When PE9 fell, once.
+pub(crate) fn fall() -> Option<u32> {
+    (TIM2.sr().read().0 & FIRST != 0).then(|| {
+        TIM2.sr().write(|w| w.0 = !FIRST);
+        TIM2.ccr(0).read()
+    })
 }
 
 /// When PE9 fell and rose, once for each low pulse.

@@ -5,7 +5,7 @@ use cortex_m::peripheral::NVIC;
 use stm32_metapac::Interrupt;
 
 use haptic_rig::device::Device;
-use haptic_rig::order::{Gate, Line, Order, Text};
+use haptic_rig::order::{Line, Order, Text};
 use haptic_rig::pulses::{Pulses, Seen};
 
 use crate::serial::Serial;
@@ -13,8 +13,13 @@ use crate::{captures, clocks, pins};
 
 /// Instructions between two edges of an encoder: more than its filter takes, 33 ns.
 const APART: u32 = 96;
+/// How long a sensor is at its end after an edge, counts of 240 MHz, and where that is, of 4095: 8 µs, 3.06 V.
+const RINGS: u32 = 1920;
+const END: u16 = 3800;
 /// How long PE14 may stay high after a line was pulled, counts of 240 MHz: 20 µs.
 const PATIENCE: u32 = 4_800;
+/// A gate that opens for both.
+const GATE: u32 = 8;
 /// Steps of 50 µs in a millisecond.
 const STEPS_PER_MS: u32 = 20;
 
@@ -28,20 +33,33 @@ enum Job {
     Watch(u32),
     /// A line is pulled after so many steps: by then whoever looks on has seen the light.
     Pull(Line, u32),
-    /// The analogue output goes from the first to the second, a step every so many steps of 50 µs; so many are left.
-    Ramp(u16, u16, u32, u32),
+}
+
+/// Movement of the analogue output.
+#[derive(Clone, Copy)]
+enum Output {
+    Stays,
+    /// It falls from this level. A step multiplies it by this.
+    Falls(f32, f32),
+    /// It follows the current of a winding, and is at this level.
+    Senses(u16),
+}
+
+/// Where an encoder is, counts, and which of its wires are on.
+#[derive(Clone, Copy)]
+struct Encoder {
+    at: i32,
+    wires: [bool; 2],
 }
 
 struct Rig {
-    gate: Gate,
+    /// The output of the amplifiers' gate for its inputs, a bit each.
+    gate: u32,
     device: Device,
-    /// Where each encoder is, counts, and which of its wires are on.
-    counts: [i32; 2],
-    wires: [[bool; 2]; 2],
+    encoders: [Encoder; 2],
     pulses: Pulses,
     job: Job,
-    /// The analogue output while it falls, and what is left of it after a step.
-    falling: Option<(f32, f32)>,
+    output: Output,
     /// The largest command while amplifiers were enabled, counts of 6000.
     asked: u32,
     serial: Serial,
@@ -50,20 +68,23 @@ struct Rig {
 /// Runs for ever.
 pub(crate) fn run() -> ! {
     let mut rig = Rig {
-        gate: Gate::Both,
+        gate: GATE,
         device: Device::default(),
-        counts: [0; 2],
-        wires: [[true; 2]; 2],
+        encoders: [Encoder { at: 0, wires: [true; 2] }; 2],
         pulses: Pulses::default(),
         job: Job::Nothing,
-        falling: None,
+        output: Output::Stays,
         asked: 0,
         serial: Serial::default(),
     };
     loop {
         asm::wfi();
+        if let Some(fell) = captures::fall() {
+            rig.ring(fell);
+        }
         if let Some([fell, rose]) = captures::pulse() {
             rig.pulses.see(fell, rose);
+            rig.ring(rose);
         }
         if clocks::step_is_due() {
             rig.step();
@@ -78,32 +99,49 @@ pub(crate) fn run() -> ! {
 }
 
 impl Rig {
+    /// PE9 has changed: a sensor that rides on it is at its end, and comes back.
+    fn ring(&self, edge: u32) {
+        if let Output::Senses(level) = self.output {
+            while captures::now().wrapping_sub(edge) < RINGS {
+                pins::volts(END);
+            }
+            pins::volts(level);
+        }
+    }
+
     /// 50 µs have passed.
     fn step(&mut self) {
-        let passes = self.gate.passes(pins::enabled(), pins::timer_drives());
-        pins::gate(passes);
+        let (enabled, timer) = (pins::is_high(pins::ENABLE), pins::is_high(pins::TIMER));
+        let passes = self.gate >> (2 * u32::from(enabled) + u32::from(timer)) & 1 != 0;
+        pins::set(pins::GATE, passes);
         let now = captures::now();
-        if passes && pins::enabled() {
+        if passes && enabled {
             self.asked = self.asked.max(self.pulses.asked(now));
         }
-        let share = if passes { self.pulses.share(now) } else { 0.0 };
+        let given = self.pulses.share(now);
+        let mut share = if passes { given } else { 0.0 };
+        match &mut self.output {
+            Output::Stays => {}
+            Output::Falls(level, keeps) => {
+                *level *= *keeps;
+                // A cast takes what is beyond an integer, and what is no number, to one.
+                pins::volts(*level as u16);
+            }
+            Output::Senses(level) => {
+                (share, *level) = self.device.wind(enabled.then_some(given));
+                pins::volts(*level);
+            }
+        }
         let counts = self.device.step(share);
         self.turn(0, counts);
-        if let Some((level, keeps)) = &mut self.falling {
-            *level *= *keeps;
-            // A cast takes what is beyond an integer, and what is no number, to one.
-            pins::volts(*level as u16);
-        }
         self.measure();
     }
 
-    fn turn(&mut self, joint: u8, counts: i32) {
-        let [first, second] = &mut self.counts;
-        let [one, two] = self.wires;
-        let (at, wires) = if joint == 0 { (first, one) } else { (second, two) };
+    fn turn(&mut self, joint: usize, counts: i32) {
+        let Some(Encoder { at, wires }) = self.encoders.get_mut(joint) else { return };
         for _ in 0..counts.unsigned_abs() {
             *at = at.wrapping_add(counts.signum());
-            pins::turn(joint, *at, wires);
+            pins::turn(joint, *at, *wires);
             asm::delay(APART);
         }
     }
@@ -132,13 +170,7 @@ impl Rig {
                 let line = *line;
                 self.end(pull(line));
             }
-            Job::Pull(_, left) | Job::Ramp(.., left @ 1..) => *left -= 1,
-            Job::Ramp(now, to, ..) if now == to => self.end(Text::of("ok")),
-            Job::Ramp(now, to, every, left) => {
-                *now = if *now < *to { now.saturating_add(1) } else { now.saturating_sub(1) };
-                *left = *every;
-                pins::volts(*now);
-            }
+            Job::Pull(_, left) => *left -= 1,
         }
     }
 
@@ -153,14 +185,14 @@ impl Rig {
             Some(Order::Who) => answer = Text::of("ok rig 1"),
             Some(Order::Gate(gate)) => self.gate = gate,
             Some(Order::Device(moves)) => self.device.moved_by(moves),
-            Some(Order::Pulses(periods)) => {
-                self.pulses.count();
+            Some(Order::Pulses(periods, tick)) => {
+                self.pulses.count(tick);
                 self.job = Job::Pulses(periods);
                 return;
             }
             Some(Order::Pull(line)) => {
-                if pins::timer_drives() {
-                    pins::measuring(true);
+                if pins::is_high(pins::TIMER) {
+                    pins::set(pins::LIGHT, true);
                     captures::look_at(line);
                     self.job = Job::Pull(line, 1);
                     return;
@@ -172,7 +204,7 @@ impl Rig {
                 self.job = Job::Watch(ms.saturating_mul(STEPS_PER_MS));
             }
             Some(Order::Lines) => {
-                answer = answer.number(pins::timer_drives().into()).number(pins::enabled().into());
+                answer = answer.number(pins::is_high(pins::TIMER).into()).number(pins::is_high(pins::ENABLE).into());
             }
             Some(Order::Turn(joint, edges, upward)) => {
                 let edges = i32::try_from(edges).unwrap_or(i32::MAX);
@@ -184,37 +216,28 @@ impl Rig {
             }
             Some(Order::Push(milli_n, upward)) => self.device.push(milli_n, upward),
             Some(Order::Mark) => {
-                pins::index(true);
+                pins::set(pins::INDEX, true);
                 asm::delay(APART);
-                pins::index(false);
+                pins::set(pins::INDEX, false);
             }
             Some(Order::Asked) => answer = answer.number(core::mem::take(&mut self.asked)),
             Some(Order::Cut(joint, second)) => {
-                for (number, wires) in (0..).zip(&mut self.wires) {
-                    let [a, b] = wires;
-                    if number == joint {
-                        *(if second { b } else { a }) = false;
-                    }
+                if let Some(Encoder { wires: [a, b], .. }) = self.encoders.get_mut(joint) {
+                    *(if second { b } else { a }) = false;
                 }
             }
-            Some(Order::Mend) => self.wires = [[true; 2]; 2],
+            Some(Order::Mend) => self.encoders.iter_mut().for_each(|encoder| encoder.wires = [true; 2]),
             Some(Order::Volts(share)) => {
-                self.falling = None;
+                self.output = Output::Stays;
                 pins::volts(share);
             }
+            Some(Order::Winding) => self.output = Output::Senses(0),
             Some(Order::Fall(from, ms)) => {
                 let steps = ms.saturating_mul(STEPS_PER_MS).max(1) as f32;
-                self.falling = Some((f32::from(from), steps / (steps + 1.0)));
+                self.output = Output::Falls(f32::from(from), steps / (steps + 1.0));
             }
             Some(Order::Stop(open)) => pins::pull(Line::Stop, open),
-            Some(Order::Ramp(from, to, ms)) => {
-                self.falling = None;
-                let every = ms.saturating_mul(STEPS_PER_MS);
-                pins::volts(from);
-                self.job = Job::Ramp(from, to, every, every);
-                return;
-            }
-            Some(Order::Button(down)) => pins::button(down),
+            Some(Order::Button(down)) => pins::set(pins::BUTTON, down),
             None => answer = Text::of("error no such order"),
         }
         self.serial.answer(answer);
@@ -234,7 +257,7 @@ fn pull(line: Line) -> Text {
         }
     };
     pins::pull(line, false);
-    pins::measuring(false);
+    pins::set(pins::LIGHT, false);
     captures::look_at_pulses();
     took.map_or(Text::of("error PE14 stays high"), |took| Text::of("ok fell").number(took))
 }

@@ -2,9 +2,13 @@
 
 use super::*;
 
+/// Periods of a tick.
+const TICK: u32 = 20;
+
 /// Pulses of these compare values, from a count on that overflows soon.
 fn of(commands: &[u32], late: u32) -> Pulses {
     let mut pulses = Pulses::default();
+    pulses.count(TICK);
     let mut begin = u32::MAX - 3 * PERIOD;
     for compare in commands {
         pulses.see(begin.wrapping_add(*compare), begin.wrapping_add(PERIOD - compare));
