@@ -205,6 +205,12 @@ crate::settings! {
         thermal_s: f64 = 30.0, number(0.1, 1e4), "s", "Time constant with which the winding warms.";
         friction_n: f64 = 0.0, number(0.0, 20.0), "N",
             "Dry friction along each axis that the motors take over; at most 0.8 of what the device has.";
+        cogging_n_or_n_m: f64 = 0.0, number(0.0, 20.0), "N or N·m",
+            "Amplitude of the cogging that the motor cancels at its joint, with encoder.index and one axis; 0 cancels nothing.";
+        cogging_period_m_or_rad: f64 = 0.01, number(1e-4, 10.0), "m or rad",
+            "Distance from one detent of the motor to the next; of a joint that turns a whole part of a turn.";
+        cogging_at_m_or_rad: f64 = 0.0, number(-10.0, 10.0), "m or rad",
+            "Where the joint is when its cogging is 0 and pushes it on, whichever way it leaves: half a period from a detent.";
     }
 
     /// Limits of force, speed, power and silence that hold whatever the other tables say.

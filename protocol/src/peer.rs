@@ -59,7 +59,7 @@ pub fn flow_of<S: Scalar, const AXES: usize>(packets: [Packet<S>; AXES], engaged
 pub fn packets_of<S: Scalar, const AXES: usize>(flow: &Flows<AXES>) -> [Packet<S>; AXES] {
     let core = |value: f32| S::from_f64(value.into());
     flow.axes.map(|along| Packet {
-        motion: Motion { position: core(along.position), velocity: core(along.velocity) },
+        motion: Motion::new(core(along.position), core(along.velocity)),
         wave: core(along.wave),
         energy_j: S::Counter::from_f64(along.energy_sent),
         wave_integral: S::Counter::from_f64(along.wave_integral),

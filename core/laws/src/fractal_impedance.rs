@@ -97,7 +97,7 @@ impl<S: Scalar> Law<S> for FractalImpedance<S> {
         } else {
             state.turned = S::ZERO;
         }
-        let port = Port { force: self.spring.stiffness * pull, impedance: self.spring.damping };
+        let port = Port::new(self.spring.stiffness * pull, self.spring.damping);
         let force = if solve.is_staged() {
             port.at(observed.local.velocity)
         } else {

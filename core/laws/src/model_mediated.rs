@@ -298,7 +298,7 @@ impl<S: Scalar> Law<S> for ModelMediated<S> {
         let drive = inertia * body.velocity + model.stiffness * (model.rest - body.position) + pull - spring;
         let inverse_sum = S::ONE.ratio(own + kappa);
         let share = kappa * inverse_sum;
-        let port = Port { force: spring + share * drive, impedance: own * share };
+        let port = Port::new(spring + share * drive, own * share);
         let mean = solve.velocity(port);
         let velocity = (drive + kappa * mean) * inverse_sum;
         state.body = Motion {

@@ -114,8 +114,7 @@ impl<S: Scalar> Law<S> for PassiveSpring<S> {
             (state.tank.level_j, absorbed) = (before, -cost);
         }
         let carried = state.remote.velocity.to_counter().limit(self.fastest * state.tank.level_j.sqrt());
-        let port =
-            Port { force: S::of_counter(self.stiffness * stretch + self.damping * carried), impedance: self.impedance };
+        let port = Port::new(S::of_counter(self.stiffness * stretch + self.damping * carried), self.impedance);
         let mean = solve.velocity(port);
         let velocity = mean.to_counter();
         self.tanks.settle(&mut state.tank, period * self.damping * (velocity - carried) * velocity);

@@ -119,7 +119,7 @@ impl<S: Scalar> Law<S> for RemoteDynamicProxy<S> {
         let pull = self.stiffness * (remote.position - proxy.position) + self.damping * remote.velocity;
         let spring = self.spring.stiffness * (proxy.position - observed.local.position);
         let drive = self.inertia * proxy.velocity + pull - spring;
-        let port = Port { force: spring + self.share * drive, impedance: self.seen_impedance };
+        let port = Port::new(spring + self.share * drive, self.seen_impedance);
         let mean = solve.velocity(port);
         let velocity = (drive + self.spring.impedance * mean) * self.inverse_sum;
         state.proxy = Motion {

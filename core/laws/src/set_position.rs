@@ -98,7 +98,7 @@ impl<S: Scalar> Law<S> for SetPosition<S> {
         let (before, wanted) = (state.set - local, state.wanted.to_counter() - local);
         let (stretch, _) = self.tanks.stretch(&mut state.tank, self.stiffness, before, wanted);
         state.set = local + stretch;
-        let port = Port { force: S::of_counter(self.stiffness * stretch), impedance: self.impedance };
+        let port = Port::new(S::of_counter(self.stiffness * stretch), self.impedance);
         let mean = solve.velocity(port);
         let velocity = mean.to_counter();
         let mut power_out = S::Counter::ZERO;

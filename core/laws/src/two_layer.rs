@@ -104,7 +104,7 @@ impl<S: Scalar> Law<S> for TwoLayer<S> {
         let damping = if missing > S::Counter::ZERO { self.fill * missing } else { S::Counter::ZERO };
         let impedance = wanted.impedance + S::of_counter(damping);
         let most = (self.rate * impedance.to_counter() * state.tank.level_j).sqrt();
-        let port = Port { force: wanted.force.limit(S::of_counter(most)), impedance };
+        let port = Port::new(wanted.force.limit(S::of_counter(most)), impedance);
         let mean = solve.velocity(port);
         let force = port.at(mean);
         self.tanks.settle(&mut state.tank, -(period * force.to_counter() * mean.to_counter()));

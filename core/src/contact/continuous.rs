@@ -140,7 +140,7 @@ impl<S: Scalar> Contact<S> {
         let Some(depth) = self.depth(device.position - object.position) else { return Press::default() };
         let force = self.stiffness * depth + self.damping * device.velocity;
         let toward = if matches!(self.surface, Surface::Held) { S::ZERO } else { depth };
-        Press { port: Port { force, impedance: self.impedance }, toward, pulse: S::ZERO }
+        Press { port: Port::new(force, self.impedance), toward, pulse: S::ZERO }
     }
 }
 

@@ -147,7 +147,7 @@ impl<S: Scalar, Edges: AsRef<[Edge<S>]>> Shape<S, Edges> {
         if !rate.is_finite() {
             return Pressed::default();
         }
-        let force = contact.force(Motion { position: depth, velocity: rate }, Motion::REST);
+        let force = contact.force(Motion::new(depth, rate), Motion::REST);
         Pressed { depth, rate, force: normal.map(|part| -(force * part)) }
     }
 }

@@ -151,6 +151,13 @@ impl<S: Scalar> Encoder<S> {
         S::from_i32(state.total).ratio(self.counts_per_unit)
     }
 
+    /// The same, if the index was met where it should be; none while only the place at the start is known.
+    #[inline(always)]
+    pub fn absolute(&self, state: &EncoderState) -> Option<S> {
+        let near = |index: i32| index.abs_diff(self.index_at) <= INDEX_COUNTS.unsigned_abs();
+        state.index.is_some_and(near).then(|| self.position(state))
+    }
+
     /// The marks for [`Encoder::heed`], if it is needed for any of the encoders; in most ticks it would change nothing.
     #[inline(always)]
     pub fn heeds<'a, const N: usize>(states: [&EncoderState; N], shown: Shown<'a, N>) -> Option<&'a [Marks; N]> {

@@ -7,7 +7,7 @@ use super::constraint::Hold;
 use super::encoder::{Encoder, EncoderState, Marks, Shown};
 use super::envelope::{self, Envelope, Load};
 use super::kinematics::{Kinematics, Pose};
-use super::motor::{Duty, Motor};
+use super::motor::{self, Duty, Motor};
 use super::probe::{End, Probing, Push};
 use super::stage::Measured;
 use super::stage_watch::{Driven, StageState, StageWatch};
@@ -103,6 +103,7 @@ impl<S: Scalar, const SHARED: usize, const N: usize, K: Kinematics<S, N>> Hand<S
     pub(crate) fn build(settings: &Settings, device: [Motion<S>; N]) -> Result<Self, Refused<'static>> {
         // Errors name values as they were set.
         K::build(settings)?;
+        motor::check(settings)?;
         let world = &settings.in_the_world();
         let kinematics = K::build(world)?;
         let mut velocity = AnyVelocity::build(world)?;
@@ -299,7 +300,11 @@ impl<S: Scalar, const SHARED: usize, const N: usize, K: Kinematics<S, N>> Hand<S
         // What a limit of force cuts off, the object does not get either: that may last. What a duty cuts off, it gets.
         let mut clips = false;
         let mut duties = [Duty::OFF; N];
-        let driven = if self.motor.friction > S::ZERO { self.motor.eased(forces, &pose.axes) } else { forces };
+        let mut driven = forces;
+        if self.motor.eases {
+            let at = self.joints.first().and_then(|joint| self.encoder.absolute(&joint.encoder));
+            self.motor.eased(&mut driven, &pose.axes, at);
+        }
         for (at, (duty, joint_force)) in duties.iter_mut().zip(&pose.joint_forces(driven)).enumerate() {
             if at < self.axes {
                 let (value, clipped) = self.motor.duty(*joint_force);

@@ -41,6 +41,10 @@ impl Settings {
         world.kinematics.proximal_m *= longer;
         world.kinematics.distal_m *= longer;
         world.motor.newton_or_newton_metre_per_a *= motor;
+        world.motor.friction_n *= stronger;
+        world.motor.cogging_n_or_n_m *= motor;
+        world.motor.cogging_period_m_or_rad *= travel;
+        world.motor.cogging_at_m_or_rad *= travel;
         world.axis.hold_stiffness_n_per_m *= stiffer;
         world.axis.hold_damping_n_s_per_m *= stiffer;
         let safety = &mut world.safety;

@@ -87,7 +87,7 @@ impl<S: Scalar> FourChannel<S> {
     /// Motion of a device as a packet may say it.
     fn told(&self, device: Motion<S>) -> Motion<S> {
         let [position, velocity] = self.most_told;
-        Motion { position: device.position.limit(position), velocity: device.velocity.limit(velocity) }
+        Motion::new(device.position.limit(position), device.velocity.limit(velocity))
     }
 }
 

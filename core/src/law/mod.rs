@@ -74,7 +74,7 @@ impl<S: Scalar> Packet<S> {
     pub fn faded(self, share: S, local: Motion<S>) -> Self {
         let position = local.position + share * (self.motion.position - local.position);
         let velocity = local.velocity + share * (self.motion.velocity - local.velocity);
-        Self { motion: Motion { position, velocity }, wave: share * self.wave, ..self }
+        Self { motion: Motion::new(position, velocity), wave: share * self.wave, ..self }
     }
 }
 
@@ -413,6 +413,6 @@ impl<S: Scalar> Spring<S> {
     #[inline]
     pub fn port(&self, desired: Motion<S>, local: Motion<S>) -> Port<S> {
         let stretch = desired.position - local.position;
-        Port { force: self.stiffness * stretch + self.damping * desired.velocity, impedance: self.impedance }
+        Port::new(self.stiffness * stretch + self.damping * desired.velocity, self.impedance)
     }
 }

@@ -75,7 +75,7 @@ impl<S: Scalar> Terminal<S> {
     pub fn solve(&self, pull: S, wave_in: S, solve: impl Solve<S>) -> TerminalState<S> {
         // b·w = drive − κ·(w − v): what is left of the wave's push once the spring has taken its part.
         let drive = self.root * wave_in - pull;
-        let port = Port { force: pull + self.share * drive, impedance: self.impedance };
+        let port = Port::new(pull + self.share * drive, self.impedance);
         let mean = solve.velocity(port);
         let velocity = (drive + self.kappa * mean) * self.inverse_sum;
         TerminalState { velocity, copy: mean, force: port.at(mean) }
@@ -84,7 +84,7 @@ impl<S: Scalar> Terminal<S> {
     /// A tick in which the line's end stands, behind a spring of this pull (N) and impedance (N·s/m).
     #[inline]
     pub fn solve_grounded(pull: S, impedance: S, solve: impl Solve<S>) -> TerminalState<S> {
-        let port = Port { force: pull, impedance };
+        let port = Port::new(pull, impedance);
         let mean = solve.velocity(port);
         TerminalState { velocity: S::ZERO, copy: mean, force: port.at(mean) }
     }

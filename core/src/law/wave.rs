@@ -114,7 +114,7 @@ impl<S: Scalar, D: Decimator<S>> Line<S, D> {
                 let spring = &self.end.spring;
                 let velocity = (self.end.root * wave_in - spring.stiffness * stretch + spring.damping * local.velocity)
                     * self.inverse_loop;
-                Motion { position: state.carry.add(before.position, self.period * velocity), velocity }
+                Motion::new(state.carry.add(before.position, self.period * velocity), velocity)
             }
         }
     }
@@ -185,9 +185,9 @@ impl<S: Scalar, D: Decimator<S>> Law<S> for Line<S, D> {
         let before = state.desired.position;
         let TerminalState { velocity, force, .. } =
             self.end.solve(self.end.spring_force(before - observed.local.position), wave_in, solve);
-        state.desired = Motion { position: state.carry.add(before, self.period * velocity), velocity };
+        state.desired = Motion::new(state.carry.add(before, self.period * velocity), velocity);
         state.force = force;
-        self.emit(state, Motion { position: before, velocity }, wave_in)
+        self.emit(state, Motion::new(before, velocity), wave_in)
     }
 
     fn send(&self, state: &LineState<S, D::State>, _: Motion<S>) -> Packet<S> {

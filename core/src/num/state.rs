@@ -92,13 +92,21 @@ pub struct Motion<S> {
     pub velocity: S,
 }
 
+impl<S> Motion<S> {
+    /// At `position` (m), with `velocity` (m/s).
+    #[inline(always)]
+    pub const fn new(position: S, velocity: S) -> Self {
+        Self { position, velocity }
+    }
+}
+
 impl<S: Scalar> Motion<S> {
     /// At rest at the origin.
-    pub const REST: Self = Self { position: S::ZERO, velocity: S::ZERO };
+    pub const REST: Self = Self::new(S::ZERO, S::ZERO);
 
     /// At rest at `position` (m).
     pub fn at(position: S) -> Self {
-        Self { position, velocity: S::ZERO }
+        Self::new(position, S::ZERO)
     }
 
     /// Whether position and velocity are finite.

@@ -52,6 +52,6 @@ impl<S: Scalar, const NEW: bool> Integrator<S> for Euler<S, NEW> {
         before.force = force;
         let velocity = motion.velocity + self.gain * (acting - self.damping * motion.velocity);
         let moving = if NEW { velocity } else { motion.velocity };
-        Motion { position: before.carry.add(motion.position, self.period * moving), velocity }
+        Motion::new(before.carry.add(motion.position, self.period * moving), velocity)
     }
 }

@@ -62,6 +62,6 @@ impl<S: Scalar> Integrator<S> for Exact<S> {
         let step = self.velocity_to_position * motion.velocity + x_before * before.force + x_now * force;
         let velocity = self.velocity_kept * motion.velocity + v_before * before.force + v_now * force;
         before.force = force;
-        Motion { position: before.carry.add(motion.position, step), velocity }
+        Motion::new(before.carry.add(motion.position, step), velocity)
     }
 }

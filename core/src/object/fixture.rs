@@ -88,12 +88,11 @@ impl<S: Scalar> Fixture<S> {
     /// The port of this fixture on a copy that begins a tick like this.
     pub fn pushes(&self, object: Motion<S>) -> Pushes<S> {
         let away = self.position - object.position;
-        let from_inside =
-            Pushes { port: Port { force: self.stiffness * away, impedance: self.impedance }, toward: -self.beyond };
+        let from_inside = Pushes { port: Port::new(self.stiffness * away, self.impedance), toward: -self.beyond };
         if self.beyond * away < S::ZERO || self.beyond == S::ZERO {
             from_inside
         } else {
-            Pushes { port: Port { force: self.entered * away, impedance: self.entering }, ..from_inside }
+            Pushes { port: Port::new(self.entered * away, self.entering), ..from_inside }
         }
     }
 }

@@ -114,16 +114,16 @@ impl<S: Scalar, const N: usize> Plane<S, N> {
     /// The push as a port along the normal.
     fn port(&self, depth: S) -> Port<S> {
         if depth > S::ZERO {
-            Port { force: -(self.stiffness * depth), impedance: self.impedance }
+            Port::new(-(self.stiffness * depth), self.impedance)
         } else {
-            Port { force: -(self.entered * depth), impedance: self.entering }
+            Port::new(-(self.entered * depth), self.entering)
         }
     }
 
     /// The drag along the wall.
     fn drag(&self) -> VectorPort<S, N> {
-        let every_way = VectorPort::of_axes([Port { force: S::ZERO, impedance: self.drag }; N]);
-        every_way + VectorPort::along(self.normal, Port { force: S::ZERO, impedance: -self.drag })
+        let every_way = VectorPort::of_axes([Port::new(S::ZERO, self.drag); N]);
+        every_way + VectorPort::along(self.normal, Port::new(S::ZERO, -self.drag))
     }
 
     /// Solves a tick of a body at this wall under `others`, the sum of all other ports; the body is not moved yet.
@@ -228,7 +228,7 @@ impl<S: Scalar, const N: usize> Oblique<S, N> {
         if !self.draws {
             return plane.meet(&self.body, &moving, others).mean_velocity;
         }
-        let spring = Port { force: -(plane.stiffness * plane.depth(&moving)), impedance: plane.impedance };
+        let spring = Port::new(-(plane.stiffness * plane.depth(&moving)), plane.impedance);
         let drawn = *others + VectorPort::along(plane.normal, spring) + plane.drag();
         self.body.mean_velocity(&moving, &drawn)
     }

@@ -28,9 +28,15 @@ pub fn met_midway(stiffness: f64, damping: f64, settings: &Settings) -> f64 {
 }
 
 impl<S: Scalar> Port<S> {
+    /// With this force at rest (N), which falls by the impedance (N·s/m) for each metre per second.
+    #[inline(always)]
+    pub const fn new(force: S, impedance: S) -> Self {
+        Self { force, impedance }
+    }
+
     /// A force that does not depend on how the copy moves, N.
     pub fn of_force(force: S) -> Self {
-        Self { force, impedance: S::ZERO }
+        Self::new(force, S::ZERO)
     }
 
     /// The force on a copy whose mean velocity (m/s) is this, N.

@@ -37,7 +37,7 @@ impl<S> Observed<S> {
     /// The same with `of` applied to each number.
     #[inline]
     pub fn map<T>(self, of: impl Fn(S) -> T) -> Observed<T> {
-        let motion = |seen: Motion<S>| Motion { position: of(seen.position), velocity: of(seen.velocity) };
+        let motion = |seen: Motion<S>| Motion::new(of(seen.position), of(seen.velocity));
         Observed {
             device: motion(self.device),
             object: motion(self.object),

@@ -4,7 +4,8 @@
 //! subnormals, huge numbers, encoder counts that jump.
 
 use haptic_core::device::encoder::Counts;
-use haptic_core::device::kinematics::{AnyKinematics, AnySpatial, Kinematics};
+use haptic_core::device::kinematics::{AnyKinematics, AnySpatial, Joints, Kinematics};
+use haptic_core::device::motor::COGGING_SHARE;
 use haptic_core::device::probe::{Probe, Request, Shape};
 use haptic_core::device::stage::{Flow, Measured};
 use haptic_core::device::{AXES, Reading};
@@ -16,7 +17,7 @@ use haptic_core::object::IntegratorName;
 use haptic_core::peer::{Peer, Sensors};
 use haptic_core::safety::{Command, Mode};
 use haptic_core::settings::{Allowed, Choice, MOST_OWN_KEYS, Settings, Value};
-use std::array::from_fn;
+use std::{array::from_fn, f64::consts::TAU};
 
 use proptest::prelude::*;
 
@@ -140,6 +141,12 @@ fn settings(draws: &[f64]) -> Settings {
     if settings.axis.shared == 1 || settings.fixture.kind == FixtureName::Guide {
         settings.fixture.friction = 0.0;
     }
+    // Cogging has a place with an index only, on one axis, in whole parts of a turn.
+    let most = COGGING_SHARE * settings.safety.max_force_n / Joints::of(&settings).usual_per_m;
+    let is_known = settings.encoder.index && settings.axis.count == 1;
+    let motor = &mut settings.motor;
+    motor.cogging_n_or_n_m = if is_known { motor.cogging_n_or_n_m.min(most) } else { 0.0 };
+    motor.cogging_period_m_or_rad = TAU / (TAU / motor.cogging_period_m_or_rad).round().clamp(1.0, 6e4);
     settings
 }
 

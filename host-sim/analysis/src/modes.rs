@@ -213,12 +213,14 @@ pub(crate) fn not_judged(scene: &Scene) -> Vec<&'static str> {
     let wound = plant.motor && plant.winding;
     let drawn = |of_table: bool| of_table && !recorded;
     let every_delay = delays(scene, &scene.linear()).1;
+    let cogging = plant.cogging_n_or_n_m + peer.motor.cogging_n_or_n_m;
     let all = [
         (true, "limits of force, slew and speed"),
         (contact.rendering == RenderingName::Impulsive, "impacts"),
         (contact.one_sided || contact.gap_m > 0.0, "contact that opens and closes (each state is judged by itself)"),
         (plant.encoder, "steps of the encoder"),
         (plant.coulomb_n > 0.0, "friction of the device"),
+        (cogging > 0.0, "cogging, and what cancels it"),
         (plant.motor, "steps and saturation of the motor"),
         (wound && plant.drive == DriveName::Voltage, "the windings of the motors, which no current loop drives"),
         (

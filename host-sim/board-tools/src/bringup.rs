@@ -215,17 +215,17 @@ impl BringUp<'_> {
     fn light(&mut self) -> Result<String, Error> {
         self.person.please(&Task::SeeLight)?;
         let status = self.status()?;
-        if status.mode != Mode::Disarmed {
-            return Err(format!("it should be disarmed and without a fault: {status}").into());
-        }
+        haptic_sim::refuse_if!(status.mode != Mode::Disarmed, "it should be disarmed and without a fault: {status}");
         say(self.board, "stream 1")?;
         self.board.ticks(0.1)?;
         let ticks = self.board.ticks(0.5)?;
         say(self.board, "stream off")?;
         let gaps = ticks.windows(2).filter(|two| two[1].number.wrapping_sub(two[0].number) != 1).count();
-        if ticks.len() < 400 || gaps > 0 {
-            return Err(format!("{} of 500 ticks came, with {gaps} gaps: the network loses them", ticks.len()).into());
-        }
+        haptic_sim::refuse_if!(
+            ticks.len() < 400 || gaps > 0,
+            "{} of 500 ticks came, with {gaps} gaps: the network loses them",
+            ticks.len()
+        );
         Ok(status.to_string())
     }
 
@@ -237,9 +237,7 @@ impl BringUp<'_> {
         self.person.please(&Task::ReleaseStop)?;
         // Whatever else stands against arming, the stop does not.
         let answer = self.board.ask("clear")?;
-        if answer != "ok disarmed" {
-            return Err(format!("released, the board answers \"clear\" with {answer:?}").into());
-        }
+        haptic_sim::refuse_if!(answer != "ok disarmed", "released, the board answers \"clear\" with {answer:?}");
         self.supply_returns(before_v)?;
         let after = after_s.map_or("by the voltmeter".to_owned(), |after_s| format!("after {after_s:.1} s"));
         Ok(format!("pressed, arming is refused, and of {before_v:.1} V of supply {left_v:.1} V are left {after}"))
@@ -256,9 +254,7 @@ impl BringUp<'_> {
     /// With the stop pressed: what is left of the supply, V, and after which time, where the board looks. Whatever the first contact
     /// does, no program of the board's cuts the supply: what makes it fall is the second.
     fn supply_falls(&mut self, before_v: f64) -> Result<(Option<f64>, f64), Error> {
-        if before_v < 2.0 * OFF_V {
-            return Err(format!("{before_v:.1} V of supply are too little to see it fall").into());
-        }
+        haptic_sim::refuse_if!(before_v < 2.0 * OFF_V, "{before_v:.1} V of supply are too little to see it fall");
         let cut = |volts: f64| {
             let uncut = "the second contact does not cut it";
             Err(format!("the stop is pressed, and the supply stands at {volts:.1} V: {uncut}").into())
@@ -277,13 +273,11 @@ impl BringUp<'_> {
             if seconds > SHOWS_S && volts > SHOWS * before_v {
                 return cut(volts);
             }
-            if seconds > FALL_S {
-                return Err(format!(
-                    "{seconds:.0} s after the stop was pressed the supply is still {volts:.1} V, must be {OFF_V} V: something holds it, \
+            haptic_sim::refuse_if!(
+                seconds > FALL_S,
+                "{seconds:.0} s after the stop was pressed the supply is still {volts:.1} V, must be {OFF_V} V: something holds it, \
                      which a resistor across it empties"
-                )
-                .into());
-            }
+            );
             self.board.ticks(LOOK_S)?;
         }
     }
@@ -294,12 +288,10 @@ impl BringUp<'_> {
         while let Some((tick, volts)) = winding::supply_at(self.board)?
             && volts <= SHOWS * before_v
         {
-            if TICK_S * f64::from(tick.wrapping_sub(*first.get_or_insert(tick))) > RISE_S {
-                return Err(format!(
-                    "{RISE_S} s after the stop was released the supply is {volts:.1} V, was {before_v:.1}"
-                )
-                .into());
-            }
+            haptic_sim::refuse_if!(
+                TICK_S * f64::from(tick.wrapping_sub(*first.get_or_insert(tick))) > RISE_S,
+                "{RISE_S} s after the stop was released the supply is {volts:.1} V, was {before_v:.1}"
+            );
             self.board.ticks(LOOK_S)?;
         }
         Ok(())
@@ -310,13 +302,12 @@ impl BringUp<'_> {
         let Some(volts) = winding::supply_v(self.board)? else {
             return Ok(format!("{read_v:.1} V by the voltmeter; this board does not measure it"));
         };
-        if (volts - read_v).abs() > METER * read_v.abs() {
-            return Err(format!("the board reads {volts:.2} V, the voltmeter {read_v:.2} V").into());
-        }
+        haptic_sim::refuse_if!(
+            (volts - read_v).abs() > METER * read_v.abs(),
+            "the board reads {volts:.2} V, the voltmeter {read_v:.2} V"
+        );
         let [least_v, most_v] = [self.get("motor.min_supply_v")?, self.get("motor.max_supply_v")?];
-        if volts < least_v || volts > most_v {
-            return Err(format!("{volts:.1} V, may be {least_v} to {most_v} V").into());
-        }
+        haptic_sim::refuse_if!(volts < least_v || volts > most_v, "{volts:.1} V, may be {least_v} to {most_v} V");
         Ok(format!("{volts:.2} V, {read_v:.2} V by the voltmeter"))
     }
 
@@ -382,9 +373,11 @@ impl BringUp<'_> {
             let seen = this.watch(settings, |this| this.board.ticks(1.0))?;
             let crept = seen.iter().fold(0.0, |most: f64, [way, _]| most.max(way.abs()));
             let status = this.status()?;
-            if status.mode != Mode::Armed || crept > CREEP_M {
-                return Err(format!("in a second it moved by {:.2} mm; {status}", 1e3 * crept).into());
-            }
+            haptic_sim::refuse_if!(
+                status.mode != Mode::Armed || crept > CREEP_M,
+                "in a second it moved by {:.2} mm; {status}",
+                1e3 * crept
+            );
             Ok(format!("armed with {LOWEST_N} N, moved by {:.2} mm in a second", 1e3 * crept))
         })
     }
@@ -412,9 +405,7 @@ impl BringUp<'_> {
         self.armed(|this, _| {
             this.meanwhile(&Task::PressStop)?;
             let status = this.status()?;
-            if status.mode != Mode::Disarmed {
-                return Err(format!("the motors are not off: {status}").into());
-            }
+            haptic_sim::refuse_if!(status.mode != Mode::Disarmed, "the motors are not off: {status}");
             this.refused("arm", "emergency stop")?;
             this.person.please(&Task::ReleaseStop)?;
             this.refused("arm", "clear first: the emergency stop was pressed")?;
@@ -439,9 +430,10 @@ impl BringUp<'_> {
                 status = this.status();
             }
             let status = status?;
-            if status.mode != Mode::Disarmed || !status.let_go {
-                return Err(format!("the motors should be off because the operator was silent: {status}").into());
-            }
+            haptic_sim::refuse_if!(
+                status.mode != Mode::Disarmed || !status.let_go,
+                "the motors should be off because the operator was silent: {status}"
+            );
             Ok("off while the operator was silent, and said so".to_owned())
         })
     }
@@ -459,9 +451,7 @@ impl BringUp<'_> {
                 return Err(format!("no times in {answer:?}").into());
             };
             let most_us = most / megahertz;
-            if most_us > budget_us {
-                return Err(format!("{what} {most_us:.1} µs, may be {budget_us} µs: {answer}").into());
-            }
+            haptic_sim::refuse_if!(most_us > budget_us, "{what} {most_us:.1} µs, may be {budget_us} µs: {answer}");
             seen.push(format!("{what} {most_us:.1} µs of {budget_us}"));
         }
         Ok(seen.join(", "))

@@ -137,7 +137,7 @@ fn filter<S: Scalar, F: Filter<S>, M: Meter>() -> Case {
 
 fn mechanism<S: Scalar, M: Meter>(model: KinematicsName, maths: Maths) -> Case {
     let settings = workspace::settings(model, maths);
-    let joint = |at: f64| Motion { position: S::from_f64(at), velocity: S::from_f64(at) };
+    let joint = |at: f64| Motion::new(S::from_f64(at), S::from_f64(at));
     let inputs = workspace::joints(model).into_iter().map(|joints| joints.map(joint)).collect();
     case::<M, _, _, _>(workspace::case(model, maths), inputs, move || {
         let kinematics = black_box(AnyKinematics::<S>::build(&settings).expect(GOOD));

@@ -32,7 +32,7 @@ pub fn ticks(settings: &Settings) -> usize {
 /// The copy's motion at `time_s`.
 pub fn local(time_s: f64) -> Motion<f64> {
     let (sine, cosine) = libm::sincos(ANGULAR_RAD_PER_S * time_s);
-    Motion { position: AMPLITUDE_M * sine, velocity: AMPLITUDE_M * ANGULAR_RAD_PER_S * cosine }
+    Motion::new(AMPLITUDE_M * sine, AMPLITUDE_M * ANGULAR_RAD_PER_S * cosine)
 }
 
 /// u_in of the packet that arrives at `time_s`, √W.
@@ -46,5 +46,5 @@ pub fn input<S: Scalar>(settings: &Settings, tick: usize) -> (Motion<S>, Option<
     let local = local(time_s);
     let packet = Packet { wave: S::from_f64(wave(time_s)), ..Packet::default() };
     let due = tick.is_multiple_of(settings.timing.ticks_per_packet as usize);
-    (Motion { position: S::from_f64(local.position), velocity: S::from_f64(local.velocity) }, due.then_some(packet))
+    (Motion::new(S::from_f64(local.position), S::from_f64(local.velocity)), due.then_some(packet))
 }

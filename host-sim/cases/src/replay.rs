@@ -85,7 +85,7 @@ pub fn run(
     while let Ok([flags, ..]) = take(1) {
         let reading = if flags & EXACT != 0 {
             let [a, b, c, d] = floats(&take(16)?);
-            Reading::Exact([Motion { position: a, velocity: b }, Motion { position: c, velocity: d }])
+            Reading::Exact([Motion::new(a, b), Motion::new(c, d)])
         } else {
             let [a, b, c, d, ..] = take(4)?;
             Reading::Counts([Counts(u16::from_le_bytes([a, b])), Counts(u16::from_le_bytes([c, d]))])
@@ -98,7 +98,7 @@ pub fn run(
             let (energy_j, wave_integral) = (double(), double());
             let [a, b, c, d, ..] = take(4)?;
             let live_ticks = u32::from_le_bytes([a, b, c, d]);
-            let motion = Motion { position, velocity };
+            let motion = Motion::new(position, velocity);
             peer.hear(&[Packet { motion, wave, energy_j, wave_integral, live_ticks }]);
         }
         if flags & EXCHANGE != 0 {

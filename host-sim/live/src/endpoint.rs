@@ -300,10 +300,11 @@ impl Endpoint {
             )));
         }
         let (from, at) = (own.ip(), to.ip());
-        if own.port() == to.port() && (from == at || from.is_unspecified() && (at.is_loopback() || at.is_unspecified()))
-        {
-            return Err(format!("{to} is where this end listens itself: give it the address of the other").into());
-        }
+        haptic_sim::refuse_if!(
+            own.port() == to.port()
+                && (from == at || from.is_unspecified() && (at.is_loopback() || at.is_unspecified())),
+            "{to} is where this end listens itself: give it the address of the other"
+        );
         Ok(())
     }
 

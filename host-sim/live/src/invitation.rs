@@ -73,11 +73,10 @@ impl Room {
     /// Fails where it is known after a moment that nobody can be met.
     fn check(&self) -> Result<(), Error> {
         let place = self.place;
-        if self.began.elapsed() > Duration::from_secs(3) && self.seat.refused {
-            return Err(Error::Refused(format!(
-                "the meeting place {place} has no seat: it is full, or too many have come from here"
-            )));
-        }
+        haptic_sim::refuse_if!(
+            self.began.elapsed() > Duration::from_secs(3) && self.seat.refused,
+            "the meeting place {place} has no seat: it is full, or too many have come from here"
+        );
         Ok(())
     }
 }
@@ -89,9 +88,7 @@ impl Room {
 pub fn invite(mut inviter: Inviter, stop: &Stop, say: impl Fn(&str) + Send + 'static) -> Result<Key, Error> {
     let mut room = Room::enter(&inviter.invite, 0)?;
     let key = loop {
-        if stop.is_asked() {
-            return Err("nobody has come with the link yet".into());
-        }
+        haptic_sim::refuse_if!(stop.is_asked(), "nobody has come with the link yet");
         if inviter.is_over(Instant::now()) {
             return Err(haptic_meeting::Error::Over.into());
         }
@@ -169,11 +166,10 @@ pub fn compare(key: &Key) -> Result<String, Error> {
     if stdin().is_terminal() {
         haptic_io::say("press Enter if they are the same; if not, type no");
         let said = stdin().lines().next().and_then(Result::ok);
-        if said.is_none_or(|said| !said.trim().is_empty()) {
-            return Err(
-                "the codes differ, so somebody may be between you: make a new link and send it another way".into()
-            );
-        }
+        haptic_sim::refuse_if!(
+            said.is_none_or(|said| !said.trim().is_empty()),
+            "the codes differ, so somebody may be between you: make a new link and send it another way"
+        );
     }
     Ok(code)
 }

@@ -125,10 +125,9 @@ fn own(path: &Path, file: &std::fs::Metadata) -> Result<(), Error> {
             "the key file {place} belongs to user {owner} and not to user {user}, who runs this: chown {user} {place}"
         )));
     }
-    if mode & 0o077 != 0 {
-        return Err(Error::Refused(format!(
-            "the key file {place} (mode {mode:03o}) is open to others than its owner: chmod 600 {place}"
-        )));
-    }
+    haptic_sim::refuse_if!(
+        mode & 0o077 != 0,
+        "the key file {place} (mode {mode:03o}) is open to others than its owner: chmod 600 {place}"
+    );
     Ok(())
 }

@@ -155,9 +155,10 @@ pub fn probe(
     duration_s: f64,
     stop: &Stop,
 ) -> Result<Measured, Error> {
-    if 1.0 / every_s > MOST_PER_S * (1.0 + 1e-9) || duration_s > MOST_S {
-        return Err(format!("at most {MOST_PER_S} probes a second for {MOST_S} s are allowed").into());
-    }
+    haptic_sim::refuse_if!(
+        1.0 / every_s > MOST_PER_S * (1.0 + 1e-9) || duration_s > MOST_S,
+        "at most {MOST_PER_S} probes a second for {MOST_S} s are allowed"
+    );
     let socket = bound(from.unwrap_or_else(|| any_towards(to)))?;
     socket.connect(to).map_err(haptic_sim::Error::cannot("reach", &to))?;
     let start = Instant::now();

@@ -101,9 +101,10 @@ impl Operator {
         let mut called = [one?, two?];
         let answered = |session: &Session| session.is_there() || session.is_refused();
         wait(&endpoint, board, &mut called, PATIENCE, |called| called.iter().any(answered))?;
-        if called.iter().any(Session::is_refused) {
-            return Err(format!("the board at {board} takes other commands than this program: update one").into());
-        }
+        haptic_sim::refuse_if!(
+            called.iter().any(Session::is_refused),
+            "the board at {board} takes other commands than this program: update one"
+        );
         let there = (1..).zip(called).find(|(_, session)| session.is_there());
         let (number, session) = there.ok_or_else(|| {
             format!("nobody answers at {board}, or nobody who holds the key of {}", key_file.display())
@@ -167,9 +168,7 @@ impl Operator {
             None => self.session.say(line),
             Some(run) => self.session.say_under(line, run),
         };
-        if !said {
-            return Err(format!("{} has not taken the line before", self.board).into());
-        }
+        haptic_sim::refuse_if!(!said, "{} has not taken the line before", self.board);
         let mut answer = None;
         self.wait(PATIENCE, |session| {
             answer = session.answer();

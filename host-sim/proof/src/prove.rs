@@ -228,7 +228,7 @@ fn step<L: Law<Number>, const SHARED: usize, const N: usize, K: Kinematics<Numbe
     outside: Outside,
 ) -> (Actuators<Number, N>, Option<[Packet<Number>; SHARED]>) {
     if let Some(live_ticks) = outside.heard {
-        let finite = || Motion { position: Number::any_finite(), velocity: Number::any_finite() };
+        let finite = || Motion::new(Number::any_finite(), Number::any_finite());
         peer.hear(&[(); SHARED].map(|()| Packet {
             motion: finite(),
             wave: Number::any_finite(),

@@ -13,7 +13,7 @@ use crate::unknown::{Number, Unknown};
 pub struct Whatever;
 
 pub(crate) fn motion() -> Motion<Number> {
-    Motion { position: Number::any(), velocity: Number::any() }
+    Motion::new(Number::any(), Number::any())
 }
 
 impl Configured for Whatever {}
@@ -30,7 +30,7 @@ impl Law<Number> for Whatever {
     fn couple(&self, (): &mut (), _: &Observation<Number>, solve: impl Solve<Number>) -> Coupled<Number> {
         // It may ask for the copy's velocity, or not; where that is known, it makes no difference.
         if !solve.is_staged() && Number::any() > Number::ZERO {
-            solve.velocity(Port { force: Number::any(), impedance: Number::any() });
+            solve.velocity(Port::new(Number::any(), Number::any()));
         }
         Coupled { desired: motion(), force: Number::any(), power_in: Number::any(), power_out: Number::any() }
     }

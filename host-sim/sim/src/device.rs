@@ -69,9 +69,7 @@ pub trait Device<S: Scalar, const N: usize = AXES> {
     /// Where each axis is now, for who looks on, m and m/s: what the sensors say, or zero with encoders.
     fn motions(&self) -> [Motion<f64>; N] {
         match self.sensors().reading {
-            Reading::Exact(axes) => {
-                axes.map(|axis| Motion { position: axis.position.to_f64(), velocity: axis.velocity.to_f64() })
-            }
+            Reading::Exact(axes) => axes.map(|axis| Motion::new(axis.position.to_f64(), axis.velocity.to_f64())),
             Reading::Counts(_) => [Motion::REST; N],
         }
     }

@@ -86,4 +86,15 @@ macro_rules! sentences_are_refusals {
     };
 }
 
+/// Ends a function with a sentence as its error if this holds: `refuse_if!(ticks < 4, "{ticks} ticks are too few");`.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! refuse_if {
+    ($wrong:expr, $($sentence:tt)+) => {
+        if $wrong {
+            return Err(format!($($sentence)+).into());
+        }
+    };
+}
+
 sentences_are_refusals!(Error);

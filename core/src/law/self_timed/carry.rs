@@ -288,7 +288,7 @@ impl<S: Scalar> Carry<S> {
 
     /// What a packet says of this end.
     pub(super) fn packet_field(&self, slip: &Slip<S>) -> Motion<S> {
-        Motion { position: S::of_counter(slip.own_m), velocity: slip.anchor_m_per_s.limit(self.within_m_per_s) }
+        Motion::new(S::of_counter(slip.own_m), slip.anchor_m_per_s.limit(self.within_m_per_s))
     }
 
     /// The other end is not engaged: it will begin anew as well, from this end's slip.

@@ -165,7 +165,7 @@ impl<S: Scalar> End<S> {
         // ρ·b·w = drive − κ·(w − v): what is left of the wave's push once the spring has taken its part.
         let drive = share * self.root * wave_in - pull;
         let part = self.kappa * inverse_sum;
-        let port = Port { force: pull + part * drive, impedance: impedance * part };
+        let port = Port::new(pull + part * drive, impedance * part);
         let mean = solve.velocity(port);
         let velocity = (drive + self.kappa * mean) * inverse_sum;
         let force = port.at(mean);

@@ -216,7 +216,7 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
             let spring = self.carry.couple_anchor(&mut state.slip, phase, pull, line);
             let terminal = Terminal::solve_grounded(spring.pull, spring.impedance, solve);
             let velocity = self.carry.update_slip(&mut state.slip, phase, &spring, &terminal);
-            return Coupled { desired: Motion { position, velocity }, force: terminal.force, ..Coupled::default() };
+            return Coupled { desired: Motion::new(position, velocity), force: terminal.force, ..Coupled::default() };
         }
         if state.slip.held {
             self.carry.resume(&mut state.slip, |force| self.end.unloaded_velocity([wave_in, share], force));
@@ -235,7 +235,7 @@ impl<S: Scalar> Law<S> for SelfTimed<S> {
         state.last_sent.newest = given;
         let velocity = self.carry.update_slip(&mut state.slip, LinePhase::Live, &spring, &terminal);
         Coupled {
-            desired: Motion { position, velocity },
+            desired: Motion::new(position, velocity),
             force: terminal.force,
             power_in: self.half * share * wave_in * wave_in,
             power_out: self.half * share * wave_out * wave_out,

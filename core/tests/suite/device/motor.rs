@@ -1,9 +1,9 @@
 //! Motor and hold against closed forms.
 
 use haptic_core::device::constraint::Hold;
-use haptic_core::device::motor::{Duty, Motor};
+use haptic_core::device::motor::{self, Duty, Motor};
 use haptic_core::num::{Fixed, Motion, Scalar};
-use haptic_core::settings::Value;
+use haptic_core::settings::{Allowed, Value};
 use proptest::prelude::*;
 
 use super::{number, settings};
@@ -50,6 +50,94 @@ fn every_code_survives_the_way_to_a_force_and_back() {
     every_code_survives::<f32>();
     every_code_survives::<f64>();
     every_code_survives::<Fixed>();
+}
+
+/// 0.2 N over 5 mm from 1.2 mm on.
+const COGGING: [(&str, Value<'static>); 3] = [
+    ("motor.cogging_n_or_n_m", Value::Number(0.2)),
+    ("motor.cogging_period_m_or_rad", Value::Number(0.005)),
+    ("motor.cogging_at_m_or_rad", Value::Number(0.0012)),
+];
+
+fn cancels<S: Scalar>() {
+    let motor = Motor::<S>::build(&settings(&COGGING));
+    assert!(motor.eases && !Motor::<S>::build(&settings(&[])).eases);
+    let eased = |joint: Option<f64>| {
+        let mut forces = [S::ZERO; 2];
+        motor.eased(&mut forces, &[Motion::REST; 2], joint.map(S::from_f64));
+        forces.map(Scalar::to_f64)
+    };
+    assert_eq!(eased(None), [0.0; 2], "a place that is not known");
+    // Over 200 periods either way. The fast sine is 1.1e-3 off; a place of f32 at a metre, 4e-5 rad.
+    for step in -2000..=2000 {
+        let joint = S::from_f64(5e-4 * f64::from(step) + 1.1e-4).to_f64();
+        let exact = -0.2 * (std::f64::consts::TAU * (joint - 0.0012) / 0.005).sin();
+        let [force, other] = eased(Some(joint));
+        assert!((force - exact).abs() < 0.2 * 1.5e-3 && other == 0.0, "{} at {joint} m: {force}, {exact} N", S::NAME);
+    }
+    for far in [1e9, -1e9, f64::MAX, f64::INFINITY, f64::NAN] {
+        assert!(eased(Some(far))[0].abs() <= 0.2 + 1e-6, "{} at {far} m", S::NAME);
+    }
+}
+
+#[test]
+fn cogging_is_cancelled_over_the_travel() {
+    cancels::<f32>();
+    cancels::<f64>();
+    cancels::<Fixed>();
+}
+
+/// A device that is led to and fro, fast and slowly, with a force that is up to two ticks old: never more than k·d·∫v².
+#[test]
+fn cogging_that_is_cancelled_late_gives_no_more_than_its_bound() {
+    let motor = Motor::<f32>::build(&settings(&COGGING));
+    let place = |time: f64, [reach, hertz]: [f64; 2]| reach * (std::f64::consts::TAU * hertz * time).sin();
+    for way in [[0.02, 0.5], [0.02, 3.0], [0.002, 10.0], [0.0005, 30.0]] {
+        let (step, per_tick) = (1e-5, 100);
+        let (mut given, mut bound, mut most, mut force) = (0.0, 0.0, f64::MIN, [0.0; 2]);
+        for nth in 0..200_000 {
+            let time = step * f64::from(nth);
+            if nth % per_tick == 0 {
+                // Sensed now, it acts from the next tick on.
+                let mut new = [0.0; 2];
+                motor.eased(&mut new, &[Motion::REST; 2], Some(place(time, way) as f32));
+                force = [force[1], f64::from(new[0])];
+            }
+            let moved = place(time + step, way) - place(time, way);
+            let cogging = 0.2 * (std::f64::consts::TAU * (place(time + 0.5 * step, way) - 0.0012) / 0.005).sin();
+            if nth >= 2 * per_tick {
+                given += (force[0] + cogging) * moved;
+                bound += std::f64::consts::TAU * 0.2 / 0.005 * 0.002 * moved * moved / step;
+                most = most.max(given);
+                // What the fast sine is off is a force, too.
+                assert!(given <= bound + 0.2 * 1.5e-3 * 0.08 * time, "{way:?}: {given} J of {bound} at {time} s");
+            }
+        }
+        println!("{way:?}: at most {most:.2e} J, of {bound:.2e}; {given:.2e} in the end");
+    }
+}
+
+#[test]
+fn cogging_without_a_known_phase_is_refused() {
+    let said = |changes: &[(&str, Value<'static>)]| {
+        motor::check(&settings(&[&COGGING[..], changes].concat())).map_err(|refused| match refused.allowed {
+            Allowed::Only(_) => "the place",
+            _ => refused.key,
+        })
+    };
+    let index = ("encoder.index", Value::Flag(true));
+    assert_eq!(said(&[]), Err("the place"));
+    assert_eq!(said(&[index]), Ok(()));
+    assert_eq!(said(&[index, ("axis.count", number(2.0))]), Err("the place"));
+    assert_eq!(motor::check(&settings(&[("axis.count", number(2.0))])), Ok(()), "0 needs nothing");
+    // A fifth of 40 N, and on a capstan of 10 turns and 80 mm of 0.32 N·m.
+    assert_eq!(said(&[index, ("motor.cogging_n_or_n_m", number(8.01))]), Err("motor.cogging_n_or_n_m"));
+    let capstan = ("kinematics.model", Value::Text("capstan"));
+    let torque = |torque| ("motor.cogging_n_or_n_m", number(torque));
+    let part = |parts: f64| ("motor.cogging_period_m_or_rad", number(std::f64::consts::TAU / parts));
+    assert_eq!(said(&[index, capstan, torque(0.063), part(42.0)]), Ok(()));
+    assert_eq!(said(&[index, capstan, torque(0.065), part(42.0)]), Err("motor.cogging_n_or_n_m"));
+    assert_eq!(said(&[index, capstan, torque(0.01), part(42.5)]), Err("the place"));
 }
 
 #[test]

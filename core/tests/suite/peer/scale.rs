@@ -1,11 +1,12 @@
 //! A device that is smaller or larger than the world: what its hand feels, and that every limit stays the device's own.
 
+use haptic_core::device::encoder::Marks;
 use haptic_core::device::motor::Motor;
 use haptic_core::device::velocity::VelocityName;
 use haptic_core::device::{AXES, Counts, Reading, kinematics::KinematicsName};
 use haptic_core::num::Motion;
-use haptic_core::peer::Actuators;
-use haptic_core::safety::{Fault, Mode};
+use haptic_core::peer::{Actuators, Sensors};
+use haptic_core::safety::{Command, Fault, Mode};
 use haptic_core::settings::Settings;
 
 use super::Bench;
@@ -129,5 +130,42 @@ fn power_in_the_world_is_that_at_the_hand_times_both_scales() {
             let error = in_the_world - longer * stronger * at_the_hand;
             assert!(error.abs() < 2e-3 * stronger * longer, "tick {tick}: {in_the_world} W, {at_the_hand} W");
         }
+    }
+}
+
+/// Friction and cogging that the motors take over are newtons of the device, and its detents metres of the device.
+#[test]
+fn what_motors_take_over_is_the_devices() {
+    for scale @ [longer, _] in [[1.0; 2], [10.0, 0.1], [0.1, 10.0], [2.0, 0.5]] {
+        let mut settings = spring(KinematicsName::Direct, scale);
+        settings.contact.stiffness_n_per_m = 0.0;
+        settings.encoder.index = true;
+        (settings.motor.cogging_n_or_n_m, settings.motor.cogging_period_m_or_rad) = (0.5, 0.004);
+        settings.motor.cogging_at_m_or_rad = 0.001;
+        let motor = Motor::<f64>::build(&settings);
+        let force = |index: Option<u16>| {
+            let mut bench = Bench::<f64>::at_rest(&settings, Motion::REST);
+            let mut read = |counts, index: Option<u16>| {
+                let marks = [index, None].map(|index| Marks { lone: false, index: index.map(Counts) });
+                let reading = Reading::Counts([Counts(counts), Counts(0)]);
+                bench.peer.tick(&Sensors { marks: Some(marks), ..Sensors::of(reading) })
+            };
+            read(0, None);
+            read(10, index);
+            bench.command(Command::Arm);
+            let duty = |bench: &mut Bench<f64>| bench.read(Reading::Counts([Counts(10), Counts(0)])).duties[0];
+            duty(&mut bench);
+            motor.joint_force(duty(&mut bench))
+        };
+        // 10 counts are 50 µm, and 5 of them past the index 25.
+        assert_eq!(force(None), 0.0, "the index was not met");
+        let exact = -0.5 * (std::f64::consts::TAU * (0.025e-3 - 1e-3) / 4e-3).sin();
+        assert!((force(Some(5)) - exact).abs() < 1e-3, "{scale:?}: {} N, should be {exact}", force(Some(5)));
+
+        (settings.motor.cogging_n_or_n_m, settings.motor.friction_n) = (0.0, 0.4);
+        let mut bench = Bench::<f64>::armed(&settings);
+        let duty = (0..100).map(|at: u16| bench.read(Reading::Counts([Counts(40 * at), Counts(0)])).duties[0]).last();
+        let force = motor.joint_force(duty.expect("a hundred"));
+        assert!((force - 0.4).abs() < 1e-3, "{scale:?}, {longer}: {force} N");
     }
 }

@@ -12,7 +12,7 @@ use crate::Error;
 use crate::status::Probed;
 
 /// One tick of a board, as far as a calibration needs it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tick {
     /// Ticks since the board started.
     pub number: u32,
@@ -22,6 +22,8 @@ pub struct Tick {
     pub counts: [u16; AXES],
     /// Duties that it commanded, 1/32767 of full scale.
     pub duties: [i16; AXES],
+    /// Where the first axis was, m in the shared world.
+    pub at_m: f32,
     /// What the power stage measured since the tick before; none without a current loop.
     pub stage: Option<Measured>,
 }
@@ -40,6 +42,7 @@ impl Tick {
             mode: record.of_peer().mode,
             counts: record.counts().map(|counts| counts.0),
             duties: record.duties().map(|duty| duty.0),
+            at_m: record.observed().device.position,
             stage: record.stage(),
         })
     }
@@ -88,7 +91,7 @@ pub fn get(board: &mut dyn Board, key: &str) -> Result<String, Error> {
 /// # Errors
 /// No answer, or a value that the key does not accept.
 pub fn settings(board: &mut dyn Board) -> Result<Settings, Error> {
-    const TABLES: [&str; 6] = ["timing.", "axis.", "encoder.", "kinematics.", "motor.", "probe."];
+    const TABLES: [&str; 7] = ["timing.", "axis.", "encoder.", "kinematics.", "scale.", "motor.", "probe."];
     let mut settings = Settings::default();
     for key in Settings::keys().filter(|key| TABLES.iter().any(|table| key.name.starts_with(table))) {
         take(board, &mut settings, key.name)?;
@@ -157,6 +160,8 @@ impl Joint {
 /// One joint during a probe: where it was at every tick (counts from the first), and the duty from then on (of full scale).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Run {
+    /// Where the first axis was when it began, m in the shared world.
+    pub start_m: f64,
     /// Counts from where it began.
     pub counts: Vec<f64>,
     /// Duties, fractions of full scale, as they go to the bridge.
@@ -178,14 +183,18 @@ pub fn run(board: &mut dyn Board, joint: u32, line: &str) -> Result<Run, Error> 
     let ticks = outcome?;
     let end = probed(board)?.end;
     let at = joint as usize - 1;
-    let mut run = Run { end, ..Run::default() };
+    let start_m = ticks.first().map_or(0.0, |tick| tick.at_m.into());
+    let mut run = Run { end, start_m, ..Run::default() };
     let mut last: Option<Tick> = None;
     let mut total = 0.0;
     for tick in ticks {
         if let Some(last) = last {
-            if tick.number.wrapping_sub(last.number) != 1 {
-                return Err(format!("ticks {} to {} got lost on the way: try again", last.number, tick.number).into());
-            }
+            haptic_sim::refuse_if!(
+                tick.number.wrapping_sub(last.number) != 1,
+                "ticks {} to {} got lost on the way: try again",
+                last.number,
+                tick.number
+            );
             total += f64::from(tick.counts[at].wrapping_sub(last.counts[at]).cast_signed());
         }
         run.counts.push(total);
@@ -194,6 +203,18 @@ pub fn run(board: &mut dyn Board, joint: u32, line: &str) -> Result<Run, Error> 
         last = Some(tick);
     }
     Ok(run)
+}
+
+/// The newest tick.
+///
+/// # Errors
+/// No answer, or no tick.
+pub fn seen(board: &mut dyn Board) -> Result<Tick, Error> {
+    board.ticks(0.0)?;
+    say(board, "stream 1")?;
+    let ticks = board.ticks(0.05)?;
+    say(board, "stream off")?;
+    ticks.last().copied().ok_or_else(|| "no tick came from the board".into())
 }
 
 /// The ticks of a probe, with the one after it.

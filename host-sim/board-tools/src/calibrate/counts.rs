@@ -30,17 +30,16 @@ const RESTING: f64 = 4.0;
 /// # Errors
 /// Too few counts for the distance, or marks that scatter too much.
 pub fn scale(moved_counts: f64, spread_counts: f64, distance: Distance) -> Result<Vec<Found>, Error> {
-    if moved_counts.abs() < FEWEST {
-        return Err(format!(
-            "the encoder counted {moved_counts:.0}: too few for a scale, it must be at least {FEWEST:.0}; move it further, \
+    haptic_sim::refuse_if!(
+        moved_counts.abs() < FEWEST,
+        "the encoder counted {moved_counts:.0}: too few for a scale, it must be at least {FEWEST:.0}; move it further, \
              or look at its wiring"
-        ).into());
-    }
+    );
     let (key, unit, length) = match distance {
         Distance::Metres(metres) => ("encoder.counts_per_m", "counts/m", metres),
         Distance::Revolutions(turns) => ("encoder.counts_per_rev", "counts/rev", turns),
     };
-    let estimate = Estimate { value: moved_counts.abs(), within: spread_counts.max(1.0) }.times(1.0 / length);
+    let estimate = Estimate::new(moved_counts.abs(), spread_counts.max(1.0)).times(1.0 / length);
     Ok(vec![Found::number(key, estimate, unit), Found::flag("encoder.reversed", moved_counts < 0.0)])
 }
 
@@ -50,12 +49,8 @@ fn rest(board: &mut dyn Board, at: usize, last: &mut Option<Tick>, total: &mut f
     let mut seen = Vec::new();
     follow(board.ticks(0.2)?, at, last, total, |total| seen.push(total))?;
     let (low, high) = seen.iter().fold((f64::MAX, f64::MIN), |(low, high), &at| (at.min(low), at.max(high)));
-    if seen.len() < 5 {
-        return Err("the board's ticks do not come: is something else listening to it?".into());
-    }
-    if high - low > RESTING {
-        return Err(format!("it moved by {:.0} counts at a mark: hold it still there", high - low).into());
-    }
+    haptic_sim::refuse_if!(seen.len() < 5, "the board's ticks do not come: is something else listening to it?");
+    haptic_sim::refuse_if!(high - low > RESTING, "it moved by {:.0} counts at a mark: hold it still there", high - low);
     Ok((seen.iter().sum::<f64>() / seen.len() as f64, high - low))
 }
 
@@ -69,9 +64,10 @@ fn follow(
 ) -> Result<(), Error> {
     for tick in ticks {
         if let Some(last) = last {
-            if tick.number.wrapping_sub(last.number) != EVERY {
-                return Err("ticks got lost on the way: try again, and do not take longer than 20 s".into());
-            }
+            haptic_sim::refuse_if!(
+                tick.number.wrapping_sub(last.number) != EVERY,
+                "ticks got lost on the way: try again, and do not take longer than 20 s"
+            );
             *total += f64::from(tick.counts[at].wrapping_sub(last.counts[at]).cast_signed());
         }
         *last = Some(tick);

@@ -66,22 +66,21 @@ pub fn constant(board: &mut dyn Board, number: u32) -> Result<Option<Estimate>, 
         return Ok(None);
     }
     let found: Vec<f64> = runs.iter().flat_map(|run| constants(run, &joint, &settings)).collect();
-    if found.len() < FEWEST {
-        return Err(
-            "the joint went too far or too fast to see what voltage it makes: raise probe.max_travel_counts".into()
-        );
-    }
+    haptic_sim::refuse_if!(
+        found.len() < FEWEST,
+        "the joint went too far or too fast to see what voltage it makes: raise probe.max_travel_counts"
+    );
     let mut constant = Estimate::of(&found);
     constant.within += MODEL * constant.value.abs();
-    if constant.within > 0.25 * constant.value.abs() {
-        return Err(format!(
-            "the voltage that the motor makes by moving tells its constant as {constant}, which says nothing: let go of it, or raise \
+    haptic_sim::refuse_if!(
+        constant.within > 0.25 * constant.value.abs(),
+        "the voltage that the motor makes by moving tells its constant as {constant}, which says nothing: let go of it, or raise \
              probe.max_duty or probe.max_travel_counts"
-        ).into());
-    }
-    if constant.value < 0.0 {
-        return Err("the motor makes a voltage against its motion: `calibrate sign` first".into());
-    }
+    );
+    haptic_sim::refuse_if!(
+        constant.value < 0.0,
+        "the motor makes a voltage against its motion: `calibrate sign` first"
+    );
     Ok(Some(constant))
 }
 

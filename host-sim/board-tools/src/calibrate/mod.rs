@@ -31,6 +31,11 @@ pub struct Estimate {
 }
 
 impl Estimate {
+    /// This value, to within so much.
+    pub fn new(value: f64, within: f64) -> Self {
+        Self { value, within }
+    }
+
     /// The mean of as many values that were found independently, two or more, with Student's interval.
     pub fn of(values: &[f64]) -> Self {
         let count = values.len() as f64;
@@ -87,6 +92,7 @@ pub enum Task {
     Turn { joint: u32, revolutions: f64 },
     Gauge { joint: u32 },
     LetGo { joint: u32 },
+    PassIndex { joint: u32 },
     Fasten { joint: u32, kilograms: f64 },
     Unfasten { joint: u32 },
     SeeLight,
@@ -114,6 +120,9 @@ impl std::fmt::Display for Task {
                 write!(f, "hold joint {joint} against the gauge, so that a push along the axis presses on it")
             }
             Self::LetGo { joint } => write!(f, "let go of joint {joint}, with room to both sides"),
+            Self::PassIndex { joint } => {
+                write!(f, "move joint {joint} to and fro past its index, and let go of it with room to both sides")
+            }
             Self::Fasten { joint, kilograms } => {
                 write!(f, "fasten {kilograms} kg to the hand of joint {joint}, and let go of it")
             }

@@ -15,17 +15,19 @@
 //! φ = sin⁴(π·t/L), L the length of a window. Windows in which the joint stands for more than a quarter of the time are left
 //! out: friction at rest is any force up to c.
 //!
-//! Limits: one mass; c the same both ways and at all speeds; τ constant. Intervals hold noise, not what the model lacks.
+//! **Cogging.** − s·sin(2πq/p) − r·cos(2πq/p) is added on the left, q the place of the joint, which its index has set.
+//!
+//! Limits: one mass; c the same both ways and at all speeds; τ constant; of cogging the first harmonic. Intervals hold noise, not what the model lacks.
 
-use std::f64::consts::PI;
+use std::{array::from_fn, f64::consts::PI, f64::consts::TAU};
 
 use haptic_core::device::probe::End;
 use haptic_core::settings::Settings;
 use haptic_sim::student::student_95;
 
-use super::board::{Board, Joint, Run, run, settings};
+use super::board::{Board, Joint, Run, Tick, run, say, seen, settings};
 use super::least_squares::solve;
-use super::{Estimate, Found};
+use super::{Estimate, Found, Person, Task};
 use crate::Error;
 
 const WINDOW_S: f64 = 0.05;
@@ -35,7 +37,9 @@ const REACH: usize = 4;
 const STANDING_COUNTS: f64 = 2.0;
 /// Fewest windows that make a fit.
 const FEWEST: usize = 20;
-const UNKNOWNS: usize = 5;
+/// Unknowns of a fit without cogging, which has two more.
+const PLAIN: usize = 5;
+const COGGED: usize = 7;
 
 /// What the motion says, in fractions of full duty per SI unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,20 +79,20 @@ fn signs(counts: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// The rows of a run around the delay `delay_s`: regressors and right-hand side.
-fn rows(run: &Run, joint: &Joint, delay_s: f64, rows: &mut Vec<([f64; UNKNOWNS], f64)>) {
+/// The rows of a run around the delay `delay_s`: regressors and right-hand side. With cogging it has so many radians to a metre of the hand.
+fn rows(run: &Run, joint: &Joint, per_m: f64, delay_s: f64) -> Vec<([f64; COGGED], f64)> {
     let period = joint.period_s;
     let ticks = ((WINDOW_S / period).round() as usize).max(8);
     let length = ticks as f64 * period;
     let signs = signs(&run.counts);
     // A duty from before the window still acts in it, and one at its end hardly does.
     let lead = (delay_s / period).ceil().max(0.0) as usize + 1;
-    let mut start = lead;
+    let (mut rows, mut start) = (Vec::new(), lead);
     while start + ticks < run.counts.len() {
         let span = start..start + ticks + 1;
         let still = signs[span.clone()].iter().filter(|sign| **sign == 0.0).count();
         if 4 * still <= ticks {
-            let (mut row, mut right) = ([0.0; UNKNOWNS], 0.0);
+            let (mut row, mut right) = ([0.0; COGGED], 0.0);
             let origin = run.counts[start];
             for n in span {
                 let [phi, first, second, _] = window((n - start) as f64 * period, length);
@@ -97,6 +101,9 @@ fn rows(run: &Run, joint: &Joint, delay_s: f64, rows: &mut Vec<([f64; UNKNOWNS],
                 row[1] -= period * x * first;
                 row[2] += period * signs[n] * joint.m_per_count.signum() * phi;
                 row[3] += period * phi;
+                let angle = per_m * (run.start_m + run.counts[n] * joint.m_per_count);
+                row[5] -= period * angle.sin() * phi;
+                row[6] -= period * angle.cos() * phi;
             }
             for n in start - lead..start + ticks + 1 {
                 // The duty of tick n acts from then on, late by the delay, until that of the next does.
@@ -110,6 +117,7 @@ fn rows(run: &Run, joint: &Joint, delay_s: f64, rows: &mut Vec<([f64; UNKNOWNS],
         }
         start += ticks;
     }
+    rows
 }
 
 /// Fits the runs of a joint.
@@ -117,26 +125,32 @@ fn rows(run: &Run, joint: &Joint, delay_s: f64, rows: &mut Vec<([f64; UNKNOWNS],
 /// # Errors
 /// Too little motion to determine mass and friction.
 pub fn fit(runs: &[Run], joint: &Joint) -> Result<Motion, Error> {
+    let ([mass, damping, dry, _, delay_s], windows) = unknowns::<PLAIN>(runs, joint, 0.0)?;
+    Ok(Motion { mass, damping, dry, delay_s, windows })
+}
+
+/// The unknowns of the runs of a joint, and the number of windows that the fit used.
+fn unknowns<const N: usize>(runs: &[Run], joint: &Joint, per_m: f64) -> Result<([Estimate; N], usize), Error> {
     let mut delay_s = 0.0;
-    let mut found = [(0.0, 0.0); UNKNOWNS];
+    let mut found = [(0.0, 0.0); N];
     let mut windows = 0;
     for _ in 0..6 {
-        let mut all = Vec::new();
-        runs.iter().for_each(|run| rows(run, joint, delay_s, &mut all));
+        let all = runs.iter().flat_map(|run| rows(run, joint, per_m, delay_s));
+        let all: Vec<_> = all.map(|(row, right)| (from_fn(|at| row[at]), right)).collect();
         windows = all.len();
-        if windows < FEWEST {
-            return Err(format!(
-                "it moved in {windows} windows of {WINDOW_S} s, which is too little: at least {FEWEST}; let go of it, or raise \
+        haptic_sim::refuse_if!(
+            windows < FEWEST,
+            "it moved in {windows} windows of {WINDOW_S} s, which is too little: at least {FEWEST}; let go of it, or raise \
                  probe.max_duty, probe.max_travel_counts or probe.max_s"
-            ).into());
-        }
+        );
         found = solve(&all)
             .ok_or("the motion does not tell mass, friction and delay apart: other frequencies are needed")?;
         delay_s = (delay_s + found[4].0).clamp(-0.002, 0.02);
     }
-    let t = student_95((windows - UNKNOWNS) as u32);
-    let [mass, damping, dry, _, delay] = found.map(|(value, error)| Estimate { value, within: t * error });
-    Ok(Motion { mass, damping, dry, delay_s: Estimate { value: delay_s, ..delay }, windows })
+    let t = student_95((windows - N) as u32);
+    let mut estimates = found.map(|(value, error)| Estimate::new(value, t * error));
+    estimates[4].value = delay_s;
+    Ok((estimates, windows))
 }
 
 /// Frequencies that a joint is moved with, Hz: apart enough to tell mass, friction and delay from each other.
@@ -189,15 +203,12 @@ pub fn identify(board: &mut dyn Board, number: u32) -> Result<(Motion, Joint, Se
             *estimate = estimate.times(-1.0);
         }
     }
-    if motion.mass.value <= 0.0 {
-        return Err("the joint speeds up against its motor: `calibrate sign` first".into());
-    }
-    if motion.mass.within > 0.25 * motion.mass.value {
-        return Err(format!(
-            "the motion tells the mass only to {:.0} %: let go of it, or raise probe.max_duty or probe.max_travel_counts",
-            100.0 * motion.mass.within / motion.mass.value
-        ).into());
-    }
+    haptic_sim::refuse_if!(motion.mass.value <= 0.0, "the joint speeds up against its motor: `calibrate sign` first");
+    haptic_sim::refuse_if!(
+        motion.mass.within > 0.25 * motion.mass.value,
+        "the motion tells the mass only to {:.0} %: let go of it, or raise probe.max_duty or probe.max_travel_counts",
+        100.0 * motion.mass.within / motion.mass.value
+    );
     Ok((motion, joint, settings))
 }
 
@@ -216,11 +227,11 @@ pub fn friction(board: &mut dyn Board, number: u32) -> Result<Vec<Found>, Error>
     // A friction below zero is none, as far as the data go.
     let at_least_none = |estimate: Estimate| Estimate { value: estimate.value.max(0.0), ..estimate };
     for (name, estimate) in [("viscous", motion.damping), ("dry", motion.dry)] {
-        if estimate.value < -3.0 * estimate.within {
-            return Err(
-                format!("{name} friction comes out at {}: something else pushes", estimate.times(newton)).into()
-            );
-        }
+        haptic_sim::refuse_if!(
+            estimate.value < -3.0 * estimate.within,
+            "{name} friction comes out at {}: something else pushes",
+            estimate.times(newton)
+        );
     }
     Ok(vec![
         Found::number("device.damping_n_s_per_m", at_least_none(motion.damping.times(newton)), "N·s/m"),
@@ -236,13 +247,55 @@ pub fn inertia(board: &mut dyn Board, number: u32) -> Result<Vec<Found>, Error> 
     let (motion, joint, settings) = identify(board, number)?;
     let newton = newton_per_duty(&settings, &joint);
     let delay = motion.delay_s.times(1.0 / joint.period_s);
-    if delay.value > 1.0 + delay.within {
-        return Err(
-            format!("force follows duty by {delay} control periods, more than the 1 that a scene can have").into()
-        );
-    }
+    haptic_sim::refuse_if!(
+        delay.value > 1.0 + delay.within,
+        "force follows duty by {delay} control periods, more than the 1 that a scene can have"
+    );
     Ok(vec![
         Found::number("device.mass_kg", motion.mass.times(newton), "kg"),
         Found::number("device.force_delay_ticks", Estimate { value: delay.value.clamp(0.0, 1.0), ..delay }, "ticks"),
     ])
+}
+
+/// Largest ratio of an amplitude to the interval of its two parts that noise alone has in 19 of 20 calibrations: √(2·ln 20)/1.96.
+const NOISE: f64 = 1.25;
+
+/// Moves joint `number`, the only one, and gives amplitude and place of a cogging of the period that the board was set to. First the person moves
+/// the joint past its index, from which the place counts. An amplitude of 0 is one that was not measured.
+///
+/// # Errors
+/// The board refused a motion, the index was not met, or the fit does not determine the numbers.
+pub fn cogging(board: &mut dyn Board, person: &mut dyn Person, number: u32) -> Result<Vec<Found>, Error> {
+    let settings = settings(board)?;
+    let joint = Joint::of(&settings, number)?;
+    let fits = settings.encoder.index && settings.axis.count == 1 && settings.scale.position == 1.0;
+    settings.all_fit(&[("encoder.index", fits, "true, on one axis with no scale")])?;
+    person.please(&Task::HoldButton)?;
+    say(board, "home")?;
+    person.please(&Task::LetGoOfButton)?;
+    let home = seen(board)?;
+    person.please(&Task::PassIndex { joint: number })?;
+    let met = seen(board)?;
+    // The index moves the joint's place and not its counter, which has 16 bits.
+    let apart = |tick: Tick| f64::from(tick.at_m) / joint.m_per_count - f64::from(tick.counts[0]);
+    haptic_sim::refuse_if!(
+        (apart(met) - apart(home)).round().rem_euclid(65536.0) == 0.0,
+        "the index was not met: move the joint past it, or look at its wire"
+    );
+    let mut runs = excite(board, &settings, number, &FREQUENCIES_HZ)?;
+    runs.iter_mut().for_each(|run| run.start_m -= f64::from(home.at_m));
+    let per_unit = TAU / settings.motor.cogging_period_m_or_rad;
+    let ([.., sine, cosine], _) = unknowns::<COGGED>(&runs, &joint, per_unit / joint.lever)?;
+    let reversed = if settings.motor.reversed { -1.0 } else { 1.0 };
+    let full = reversed * settings.motor.newton_or_newton_metre_per_a * settings.motor.full_scale_a;
+    let [sine, cosine] = [sine, cosine].map(|part| part.times(full));
+    let value = sine.value.hypot(cosine.value);
+    let within = sine.within.max(cosine.within);
+    let force = |value| Found::number("plant.cogging_n_or_n_m", Estimate::new(value, within), "N or N·m");
+    if value < NOISE * within {
+        return Ok(vec![force(0.0)]);
+    }
+    let at = Estimate::new(-cosine.value.atan2(sine.value), within / value).times(1.0 / per_unit);
+    let place = |key| Found::number(key, at, "m or rad");
+    Ok(vec![force(value), place("plant.cogging_at_m_or_rad"), place("motor.cogging_at_m_or_rad")])
 }

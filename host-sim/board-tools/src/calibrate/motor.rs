@@ -23,18 +23,15 @@ pub fn slope(points: &[(f64, f64)]) -> Result<Estimate, Error> {
     let squares: f64 = points.iter().map(|point| (point.0 - x).powi(2)).sum();
     let value = points.iter().map(|point| (point.0 - x) * (point.1 - y)).sum::<f64>() / squares;
     let left: f64 = points.iter().map(|point| (point.1 - y - value * (point.0 - x)).powi(2)).sum();
-    if points.len() < 3 {
-        return Err("two readings make no line: give at least three".into());
-    }
+    haptic_sim::refuse_if!(points.len() < 3, "two readings make no line: give at least three");
     let t = student_95(points.len() as u32 - 2);
     let within = t * (left / (count - 2.0) / squares).sqrt();
-    if value <= 0.0 || within > 0.25 * value {
-        return Err(format!(
-            "the readings lie on no line: {} N per full duty; hold the joint firmly against the gauge, and read it in newtons",
-            Estimate { value, within }
-        ).into());
-    }
-    Ok(Estimate { value, within })
+    haptic_sim::refuse_if!(
+        value <= 0.0 || within > 0.25 * value,
+        "the readings lie on no line: {} N per full duty; hold the joint firmly against the gauge, and read it in newtons",
+        Estimate::new(value, within)
+    );
+    Ok(Estimate::new(value, within))
 }
 
 /// What a motor's constant is measured against.
@@ -65,7 +62,7 @@ pub fn constant(
         Against::Emf(sheet) => {
             let found =
                 emf::constant(board, number)?.ok_or("this board does not measure currents: give a gauge or a mass")?;
-            let sheet = sheet.map(|value| Estimate { value, within: 0.0 });
+            let sheet = sheet.map(|value| Estimate::new(value, 0.0));
             sheet.map_or(Ok(()), |sheet| emf::against(found, sheet, "by its data sheet"))?;
             let joint = Joint::of(&settings(board)?, number)?;
             return Ok(vec![Found::number(KEY, found, unit_of(&joint))]);
@@ -99,9 +96,7 @@ fn gauge(board: &mut dyn Board, person: &mut dyn Person, number: u32) -> Result<
     for step in 1..=4 {
         let duty = most * f64::from(step) / 4.0;
         let pushed = run(board, number, &format!("probe {number} pulse {duty:.4} {}", settings.probe.max_s))?;
-        if pushed.end != End::Done {
-            return Err("the joint gave way: hold it against the gauge all the time".into());
-        }
+        haptic_sim::refuse_if!(pushed.end != End::Done, "the joint gave way: hold it against the gauge all the time");
         points.push((
             duty,
             person.reading(&format!("the force that the gauge showed at {:.1} % of full duty, N", 100.0 * duty))?,
@@ -126,15 +121,14 @@ fn mass(
     person.please(&Task::Fasten { joint: number, kilograms })?;
     let (loaded, ..) = motion::identify(board, number)?;
     let (difference, within) = (loaded.mass.value - alone.mass.value, loaded.mass.within.hypot(alone.mass.within));
-    if difference <= 0.0 || within > 0.2 * difference {
-        return Err(Error::Refused(format!(
-            "the added mass shows as {} of {} of what moves: fasten it well, or take a larger one",
-            Estimate { value: difference / loaded.mass.value, within: within / loaded.mass.value },
-            1.0
-        )));
-    }
+    haptic_sim::refuse_if!(
+        difference <= 0.0 || within > 0.2 * difference,
+        "the added mass shows as {} of {} of what moves: fasten it well, or take a larger one",
+        Estimate::new(difference / loaded.mass.value, within / loaded.mass.value),
+        1.0
+    );
     let newton_per_duty = kilograms / difference;
-    let estimate = Estimate { value: newton_per_duty, within: newton_per_duty * within / difference };
+    let estimate = Estimate::new(newton_per_duty, newton_per_duty * within / difference);
     Ok(per_ampere(estimate, &settings, &joint))
 }
 

@@ -19,7 +19,7 @@ use haptic_sim::peers::{DynPeer, Laws};
 use haptic_sim::plant::Plant;
 use haptic_sim::scene::{DriveName, Scene};
 
-use super::board::{Board, Tick};
+use super::board::{Board, Joint, Tick};
 use super::{Person, Task};
 use crate::Error;
 use crate::bringup::VOLTMETER;
@@ -195,7 +195,8 @@ impl Simulated {
         {
             let (mode, duties) = (self.peer.mode().number(), actuators.duties.map(|duty| duty.0));
             let counts = counts.map(|counts| counts.0);
-            self.records.push(Tick { number: self.tick, mode, counts, duties, stage: sensors.stage });
+            let at_m = self.peer.observed()[0].device.position;
+            self.records.push(Tick { number: self.tick, mode, counts, duties, at_m, stage: sensors.stage });
         }
         let before = *self.plant.free_axis().0;
         self.plant.step(f64::from(self.tick) * self.truth.peer.timing.control_period_s, &actuators);
@@ -334,9 +335,7 @@ impl Board for SharedSimulation {
     fn ask(&mut self, line: &str) -> Result<String, Error> {
         let mut simulated = self.0.borrow_mut();
         simulated.steps(0.002);
-        if simulated.silent_s.is_some() {
-            return Err("no answer: the cable is out".into());
-        }
+        haptic_sim::refuse_if!(simulated.silent_s.is_some(), "no answer: the cable is out");
         Ok(simulated.answer(line).unwrap_or_else(|| "error the simulated board does not know this line".to_owned()))
     }
 
@@ -364,6 +363,12 @@ impl Person for SharedSimulation {
             Task::LetGo { .. } => {
                 simulated.gauge_n = None;
                 simulated.steps(1.0);
+            }
+            Task::PassIndex { .. } => {
+                let at_m = truth.peer.encoder.index_at_m_or_rad * Joint::of(&truth.peer, 1)?.lever;
+                let way_m = at_m - simulated.plant.motions()[0].position;
+                simulated.carry(way_m + 0.002);
+                simulated.carry(-0.004);
             }
             Task::Push { metres, .. } => simulated.carry(metres),
             Task::PressStop | Task::ReleaseStop => {

@@ -26,7 +26,7 @@ use haptic_core::device::winding::{LEAST_CODES, REST_STEPS, WAYS};
 use haptic_core::device::{current::PWM_PERIOD_S, motor::Duty};
 use haptic_core::settings::Settings;
 
-use super::board::{Board, Run, run, say, settings};
+use super::board::{Board, Run, run, seen, settings};
 use super::least_squares::solve;
 use super::{Estimate, Found};
 use crate::Error;
@@ -71,9 +71,8 @@ pub struct Sheet {
 impl Sheet {
     /// What a board's current loop is set by until the winding is measured; none where the sheet does not say both.
     pub fn found(self) -> Option<[Found; 2]> {
-        let of_sheet = |key, value: Option<f64>, unit| {
-            value.map(|value| Found::number(key, Estimate { value, within: 0.0 }, unit))
-        };
+        let of_sheet =
+            |key, value: Option<f64>, unit| value.map(|value| Found::number(key, Estimate::new(value, 0.0), unit));
         let resistance = of_sheet("motor.resistance_ohm", self.resistance_ohm, "Ω")?;
         Some([resistance, of_sheet("motor.inductance_h", self.inductance_h, "H")?])
     }
@@ -212,25 +211,23 @@ pub fn identify(runs: [&Run; 2], settings: &Settings, number: u32) -> Result<Win
         })
         .collect();
     let ticks = (split_rows.len() / STRETCHES).min(TICKS) / WAYS.len() * WAYS.len();
-    if ticks < FEWEST {
-        return Err(format!("{} ticks of voltage are too few: raise probe.max_s", split_rows.len()).into());
-    }
+    haptic_sim::refuse_if!(ticks < FEWEST, "{} ticks of voltage are too few: raise probe.max_s", split_rows.len());
     let power = |of: fn(&Row) -> f64| split_rows.iter().map(of).sum::<f64>() / split_rows.len() as f64;
     let least = f64::from(LEAST_CODES) / f64::from(Duty::FULL_SCALE) * settings.motor.full_scale_a;
     // What a voltage changes shows its sign in any winding whose change is not gone when it is sampled, also where the current follows slowly.
     let along = power(|row| row.volts * row.change);
     let together = (power(|row| row.volts.powi(2)) * power(|row| row.change.powi(2))).sqrt();
     let square = power(|row| row.before.powi(2));
-    if square < (0.5 * least).powi(2) {
-        return Err(Error::Refused(format!(
-            "no current flows ({:.1} mA): an open motor, a bridge without supply, or a sensor that is not connected",
-            1e3 * square.sqrt()
-        )));
-    }
+    haptic_sim::refuse_if!(
+        square < (0.5 * least).powi(2),
+        "no current flows ({:.1} mA): an open motor, a bridge without supply, or a sensor that is not connected",
+        1e3 * square.sqrt()
+    );
     // And a winding takes power.
-    if along < -AGAINST * together && power(|row| row.volts * row.before) < 0.0 {
-        return Err("the current flows against the voltage: swap the two wires at the current's sensor".into());
-    }
+    haptic_sim::refuse_if!(
+        along < -AGAINST * together && power(|row| row.volts * row.before) < 0.0,
+        "the current flows against the voltage: swap the two wires at the current's sensor"
+    );
     let mut found = [const { Vec::new() }; 4];
     let [mut left, mut given] = [0.0; 2];
     for stretch in split_rows.chunks_exact(ticks).take(STRETCHES) {
@@ -240,30 +237,30 @@ pub fn identify(runs: [&Run; 2], settings: &Settings, number: u32) -> Result<Win
         given += squares[1];
     }
     let [mut resistance_ohm, mut inductance_h, moved_ohm, moved_h] = found.map(|values| Estimate::of(&values));
-    if resistance_ohm.value.is_nan() {
-        return Err("current and voltage are not those of a winding: its current is gone before it is measured (L/R far below a PWM period), or \
+    haptic_sim::refuse_if!(
+        resistance_ohm.value.is_nan(),
+        "current and voltage are not those of a winding: its current is gone before it is measured (L/R far below a PWM period), or \
                     a wire is loose"
-            .into());
-    }
+    );
     // What the sensor's noise makes of a voltage, in both probes.
     let noise: f64 = runs.iter().map(|run| noise(run, settings, number)).sum();
     let ticks = (ticks * STRETCHES.min(split_rows.len() / ticks)) as f64;
     let of_noise = ticks * noise * (inductance_h.value / (periods * PWM_PERIOD_S)).powi(2);
     let misfit = ((left - of_noise).max(0.0) / given).sqrt();
-    if misfit > MISFIT {
-        return Err(format!(
-            "current and voltage are not those of a winding: {:.0} % of the voltage is left unexplained, may be {:.0} %; look for a loose \
+    haptic_sim::refuse_if!(
+        misfit > MISFIT,
+        "current and voltage are not those of a winding: {:.0} % of the voltage is left unexplained, may be {:.0} %; look for a loose \
              wire, and that nothing moves the joint",
-            100.0 * misfit,
-            100.0 * MISFIT
-        ).into());
-    }
+        100.0 * misfit,
+        100.0 * MISFIT
+    );
     resistance_ohm.within += UNSURE * moved_ohm.value.abs();
     inductance_h.within += UNSURE * moved_h.value.abs();
     for (name, estimate) in [("resistance", resistance_ohm), ("inductance", inductance_h)] {
-        if !(estimate.value > 0.0 && estimate.within < 0.25 * estimate.value) {
-            return Err(format!("the {name} comes out at {estimate}, which says nothing: raise probe.max_duty").into());
-        }
+        haptic_sim::refuse_if!(
+            !(estimate.value > 0.0 && estimate.within < 0.25 * estimate.value),
+            "the {name} comes out at {estimate}, which says nothing: raise probe.max_duty"
+        );
     }
     let zeros: Vec<f64> = rest.chunks_exact(4).map(|four| four.iter().sum::<f64>() / 4.0).collect();
     Ok(Winding { resistance_ohm, inductance_h, zero_a: Estimate::of(&zeros) })
@@ -289,11 +286,7 @@ pub fn supply_v(board: &mut dyn Board) -> Result<Option<f64>, Error> {
 
 /// The same, with the number of the tick that measured it.
 pub fn supply_at(board: &mut dyn Board) -> Result<Option<(u32, f64)>, Error> {
-    board.ticks(0.0)?;
-    say(board, "stream 1")?;
-    let ticks = board.ticks(0.05)?;
-    say(board, "stream off")?;
-    let last = ticks.last().ok_or("no tick came from the board")?;
+    let last = seen(board)?;
     Ok(last.stage.map(|stage| (last.number, f64::from(stage.supply_mv) / 1e3)))
 }
 
@@ -337,16 +330,15 @@ pub fn winding(board: &mut dyn Board, number: u32, sheet: Sheet) -> Result<Optio
     let wanted_s = period_s * f64::from(REST_STEPS + (STRETCHES * TICKS) as u32);
     let Some(supply_v) = supply_v(board)? else { return Ok(None) };
     let constant_s = motor.inductance_h / motor.resistance_ohm;
-    if constant_s < LEAST_CONSTANT_S {
-        return Err(Error::Refused(format!(
-            "a winding of {} H and {} Ω has a time constant of {:.0} µs, must have {:.0} at the least: between two pulses of the bridge its \
+    haptic_sim::refuse_if!(
+        constant_s < LEAST_CONSTANT_S,
+        "a winding of {} H and {} Ω has a time constant of {:.0} µs, must have {:.0} at the least: between two pulses of the bridge its \
              current is gone before it is measured; put an inductor in series",
-            motor.inductance_h,
-            motor.resistance_ohm,
-            1e6 * constant_s,
-            1e6 * LEAST_CONSTANT_S
-        )));
-    }
+        motor.inductance_h,
+        motor.resistance_ohm,
+        1e6 * constant_s,
+        1e6 * LEAST_CONSTANT_S
+    );
     let (most, most_a) = largest(&settings, supply_v);
     let mut runs = Vec::new();
     for share in [0.25, 1.0, 0.5] {
@@ -366,12 +358,11 @@ pub fn winding(board: &mut dyn Board, number: u32, sheet: Sheet) -> Result<Optio
     let Winding { resistance_ohm, inductance_h, zero_a } = identify([&runs[1], &runs[2]], &settings, number)?;
     fits("resistance", resistance_ohm, sheet.resistance_ohm, sheet.tolerance, "Ω")?;
     fits("inductance", inductance_h, sheet.inductance_h, sheet.tolerance, "H")?;
-    if zero_a.value.abs() > ZERO * motor.sense_a {
-        return Err(Error::Refused(format!(
-            "the current's sensor reads {zero_a} A while none flows, may be {} A: look at its reference",
-            ZERO * motor.sense_a
-        )));
-    }
+    haptic_sim::refuse_if!(
+        zero_a.value.abs() > ZERO * motor.sense_a,
+        "the current's sensor reads {zero_a} A while none flows, may be {} A: look at its reference",
+        ZERO * motor.sense_a
+    );
     Ok(Some(vec![
         Found::number("motor.resistance_ohm", resistance_ohm, "Ω"),
         Found::number("motor.inductance_h", inductance_h, "H"),

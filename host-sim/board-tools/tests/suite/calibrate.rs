@@ -257,3 +257,65 @@ fn the_settings_file_grows() {
     refused(settings_file::add(&path, &[Found::number("encoder.counts_per_m", far, "")]), "encoder.counts_per_m");
     assert_eq!(std::fs::read_to_string(&path).expect("a file"), before);
 }
+
+/// A board that knows its device as the truth has it, but for the cogging.
+fn told(truth: &Scene) -> SharedSimulation {
+    let mut board = SharedSimulation::new(truth).expect("a board");
+    for table in ["encoder.", "motor."] {
+        for key in haptic_core::settings::Settings::keys().filter(|key| key.name.starts_with(table)) {
+            let value = truth.peer.get(key.name).expect("a value").to_string();
+            let answer = board.ask(&format!("set {} {}", key.name, value.trim_matches('"'))).expect("an answer");
+            assert!(answer.starts_with("ok"), "{answer}");
+        }
+    }
+    assert_eq!(board.ask("apply").expect("an answer"), "ok applied");
+    board
+}
+
+/// The plant's own numbers, of a slide and of a capstan, whichever signs are wrong; of the wrong periods none is taken.
+#[test]
+fn cogging_is_found_where_it_is() {
+    const SLIDE: &str = "plant.coulomb_n=0.2 plant.cogging_n_or_n_m=0.3 motor.cogging_period_m_or_rad=0.004 \
+                         plant.cogging_at_m_or_rad=0.0009 encoder.index_at_m_or_rad=0.003";
+    const CAPSTAN: &str = "plant.coulomb_n=0.1 plant.cogging_n_or_n_m=0.002 kinematics.model=capstan \
+                           motor.cogging_period_m_or_rad=0.5235987755982988 plant.cogging_at_m_or_rad=-0.2 \
+                           encoder.index_at_m_or_rad=0.3 encoder.counts_per_rev=4000 kinematics.paddle_radius_m=0.07 \
+                           motor.newton_or_newton_metre_per_a=0.05";
+    for device in [SLIDE, CAPSTAN] {
+        for reversed in [[false, false], [true, false], [false, true], [true, true]] {
+            let [motor, encoder] = reversed;
+            let truth = scene(&format!(
+                "device.mass_kg=0.17 encoder.index=true motor.reversed={motor} encoder.reversed={encoder} {device}"
+            ));
+            let plant = &truth.world.plant;
+            let period = truth.peer.motor.cogging_period_m_or_rad;
+            let mut board = told(&truth);
+            let mut person = board.clone();
+            let found = motion::cogging(&mut board, &mut person, 1).expect("cogging");
+            for found in &found {
+                println!("{reversed:?} {} {}", found.key, found.said);
+            }
+            let of = |key: &str| number(&found, key);
+            near("amplitude", of("plant.cogging_n_or_n_m"), plant.cogging_n_or_n_m, 0.05);
+            let off = (of("motor.cogging_at_m_or_rad") - plant.cogging_at_m_or_rad) / period;
+            let degrees = 360.0 * (off - off.round());
+            assert!(degrees.abs() < 5.0, "{degrees}° of phase");
+            give(&mut board, &found, "cogging");
+        }
+    }
+}
+
+/// None is found where there is none, and nothing without an index.
+#[test]
+fn no_cogging_is_found_where_there_is_none() {
+    let truth = scene("encoder.index=true encoder.index_at_m_or_rad=0.003 plant.coulomb_n=0.2");
+    let mut board = told(&truth);
+    let mut person = board.clone();
+    // Its zero is not that of the index.
+    person.please(&Task::MoveMetres { joint: 1, metres: 0.0013 }).expect("it moves");
+    let found = motion::cogging(&mut board, &mut person, 1).expect("none");
+    println!("{}", found[0].said);
+    assert_eq!((found.len(), number(&found, "plant.cogging_n_or_n_m")), (1, 0.0), "{}", found[0].said);
+    refused(motion::cogging(&mut board, &mut Idle, 1), "the index was not met");
+    refused(motion::cogging(&mut told(&scene("")), &mut Idle, 1), "encoder.index = false");
+}

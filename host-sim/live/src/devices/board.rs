@@ -211,9 +211,10 @@ struct Board<const SHARED: usize> {
 pub(super) fn open(told: &Told, silent: Duration) -> Result<Box<dyn Port>, Error> {
     let scene = &*told.scene;
     let law = AnyLaw::<f64>::build(&scene.peer).map_err(|refused| refused.to_string())?;
-    if !law.acts_on_device() {
-        return Err(format!("the board's scene is not that of a device: its law is to be as in {SCENE}").into());
-    }
+    haptic_sim::refuse_if!(
+        !law.acts_on_device(),
+        "the board's scene is not that of a device: its law is to be as in {SCENE}"
+    );
     of_axes!(scene, talk(told, silent))
 }
 

@@ -43,12 +43,10 @@ impl Mechanism {
             KinematicsName::FiveBar => 2,
             KinematicsName::Arm => 3,
         };
-        if motors != needed {
-            return Err(format!(
-                "{motors} motors are named, and this scene's mechanism (kinematics.model) has {needed}"
-            )
-            .into());
-        }
+        haptic_sim::refuse_if!(
+            motors != needed,
+            "{motors} motors are named, and this scene's mechanism (kinematics.model) has {needed}"
+        );
         let refused = |cause: haptic_core::settings::Refused<'_>| Error::from(cause.to_string());
         Ok(match model {
             KinematicsName::Arm => Self::Space(AnySpatial::build(settings).map_err(refused)?),
@@ -58,7 +56,7 @@ impl Mechanism {
 
     /// The pose of joints at these angles, rad, and speeds, rad/s; those that it has not are ignored.
     pub(super) fn pose(&self, angle_rad: [f64; AXES], speed_rad_per_s: [f64; AXES]) -> Pose {
-        let joint = |at: usize| Motion { position: angle_rad[at], velocity: speed_rad_per_s[at] };
+        let joint = |at: usize| Motion::new(angle_rad[at], speed_rad_per_s[at]);
         let mut pose = Pose { position_m: [0.0; AXES], velocity_m_per_s: [0.0; AXES], jacobian: [[0.0; AXES]; AXES] };
         let mut take = |axes: &[Motion<f64>], rows: &[&[f64]]| {
             for (at, (axis, row)) in axes.iter().zip(rows).enumerate() {

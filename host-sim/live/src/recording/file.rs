@@ -271,9 +271,10 @@ impl Reading {
                 else {
                     return Ok(None);
                 };
-                if encoding != "protobuf" {
-                    return Err(format!("schema {name} is in {encoding}: only protobuf is read here").into());
-                }
+                haptic_sim::refuse_if!(
+                    encoding != "protobuf",
+                    "schema {name} is in {encoding}: only protobuf is read here"
+                );
                 let Some(columns) = content.counted().and_then(|set| doubles(Parse(set), &name)) else {
                     return Ok(None);
                 };
@@ -354,11 +355,10 @@ impl Reading {
             Some((content.number::<4>()?, content.text()?, content.number::<8>()?))
         })();
         let Some((checksum, compression, size)) = head else { return Ok(None) };
-        if !compression.is_empty() {
-            return Err(Error::Refused(format!(
-                "its chunks are compressed ({compression}): they are read here as they are written here, as they are"
-            )));
-        }
+        haptic_sim::refuse_if!(
+            !compression.is_empty(),
+            "its chunks are compressed ({compression}): they are read here as they are written here, as they are"
+        );
         // A checksum of 0 is none.
         let is_other = || checksum != 0 && u64::from(crc32fast::hash(content.0)) != checksum;
         if whole && (size != content.0.len() as u64 || is_other()) {
@@ -405,9 +405,7 @@ pub fn read_from(mut file: impl Read, size: u64) -> Result<Recording, Error> {
     let failed = haptic_sim::Error::cannot::<std::io::Error>("read", &"a recording");
     let mut magic = [0; MAGIC.len()];
     let begins = file.read_exact(&mut magic).is_ok() && magic == *MAGIC;
-    if !begins {
-        return Err("this is no recording: it does not begin as an MCAP file does".into());
-    }
+    haptic_sim::refuse_if!(!begins, "this is no recording: it does not begin as an MCAP file does");
     let (mut reading, mut at, mut saved, mut content) = (Reading::default(), MAGIC.len() as u64, 0, Vec::new());
     while !reading.ended {
         let mut head = [0; 9];

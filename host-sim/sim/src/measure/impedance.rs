@@ -128,7 +128,7 @@ impl Device<f64> for Hand {
         }
         let (sine, cosine) = libm::sincos(self.angle());
         let mut axes = [Motion::REST; AXES];
-        axes[0] = Motion { position: self.amplitude_m * (1.0 - cosine), velocity: self.speed_m_per_s * sine };
+        axes[0] = Motion::new(self.amplitude_m * (1.0 - cosine), self.speed_m_per_s * sine);
         Sensors::of(Reading::Exact(axes))
     }
 

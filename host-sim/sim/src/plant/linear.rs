@@ -74,6 +74,6 @@ impl<S: Scalar> Linear<S> {
                 + self.gain_before[row] * before
                 + self.gain_now[row] * now
         };
-        Motion { position: line(0), velocity: line(1) }
+        Motion::new(line(0), line(1))
     }
 }

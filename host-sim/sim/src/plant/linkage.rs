@@ -88,7 +88,7 @@ impl<const N: usize> Linkage<N> {
         let to = from_fn(|axis| Motion::at(hand[axis].position - self.origin[axis]));
         let positions = self.joints.inverse_from(from, to);
         let speeds = self.joints.at(positions).1.speeds(hand);
-        self.turned = from_fn(|joint| Motion { position: positions[joint], velocity: speeds[joint] });
+        self.turned = from_fn(|joint| Motion::new(positions[joint], speeds[joint]));
         self.hand = hand;
     }
 
@@ -120,7 +120,7 @@ impl<const N: usize> Linkage<N> {
             }
             self.turned = next;
             let velocity = pose.velocities(next.map(|joint| joint.velocity));
-            self.hand = from_fn(|axis| Motion { position: self.origin[axis] + place[axis], velocity: velocity[axis] });
+            self.hand = from_fn(|axis| Motion::new(self.origin[axis] + place[axis], velocity[axis]));
         }
         self.hand
     }
@@ -166,7 +166,7 @@ impl<const N: usize> Linkage<N> {
         let (place, pose) = self.joints.at(at.map(|joint| joint.position));
         let (velocity, later, before) = (pose.velocities(speeds), ahead(APART_S), ahead(-APART_S));
         let force: [f64; N] = from_fn(|axis| {
-            let hand = Motion { position: self.origin[axis] + place[axis], velocity: velocity[axis] };
+            let hand = Motion::new(self.origin[axis] + place[axis], velocity[axis]);
             let turning = (later[axis] - before[axis]) / (2.0 * APART_S);
             let met = wall.filter(|_| axis == 0).map_or(0.0, |wall| wall.push(hand));
             pushes[axis] + met - damping * hand.velocity - stiffness * hand.position - mass * turning
@@ -183,7 +183,7 @@ impl<const N: usize> Linkage<N> {
         let pose: Pose<N> = self.joints.at(next.map(|joint| joint.position)).1;
         let brake = self.body.friction * step_s / self.body.mass;
         let taken = pose.velocities(next.map(|joint| joint.velocity)).map(|speed| speed.clamp(-brake, brake));
-        let taken = pose.speeds(taken.map(|velocity| Motion { position: 0.0, velocity }));
+        let taken = pose.speeds(taken.map(|velocity| Motion::new(0.0, velocity)));
         from_fn(|joint| Motion {
             position: next[joint].position - 0.5 * step_s * taken[joint],
             velocity: next[joint].velocity - taken[joint],

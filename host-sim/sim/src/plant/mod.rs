@@ -5,10 +5,13 @@
 //! for the whole tick. k and parts of m and b are the user's arm, when the scene has one. Always f64, whatever the peer
 //! computes in: the world does not round.
 //!
-//! Imperfections, each only when the scene asks: Coulomb friction, encoder counts, motor duty and its saturation, PWM
+//! Imperfections, each only when the scene asks: Coulomb friction, cogging, encoder counts, motor duty and its saturation, PWM
 //! steps, windings behind a bridge (`drive`, `winding`): then the tick is advanced PWM period by PWM period, each with the
 //! mean force that flowed, the back-EMF at its start, and the geometry of the tick's start. Damping is the same along all axes and in every
 //! pose, and so is the mass (a Cartesian device).
+//!
+//! Cogging pushes the only joint with A·sin(2π·(q − q₀)/p): half of its impulse where a step begins, and half where it ends (the Verlet rule), so
+//! that it keeps energy. Limits: the first harmonic, and steps of a small part of a period (50 µs with windings, else a control period).
 //!
 //! A five-bar and an arm live in their joints (`linkage`): what they cannot reach there is not, and forces go by the Jacobian. A capstan's
 //! Jacobian is one constant, so that its joint is its axis. For the analysis of a linear scene ([`Scene::linear`]) a mechanism
@@ -24,11 +27,10 @@ mod reach;
 mod wall;
 mod winding;
 
-use std::array::from_fn;
-use std::collections::VecDeque;
+use std::{array::from_fn, collections::VecDeque, f64::consts::TAU};
 
 use encoders::Encoders;
-use haptic_core::device::kinematics::KinematicsName;
+use haptic_core::device::kinematics::{self, KinematicsName};
 use haptic_core::device::{AXES, Reading, current::periods_per_tick, stage::Measured};
 use haptic_core::num::{Motion, Scalar};
 use haptic_core::peer::{Actuators, Sensors};
@@ -91,6 +93,8 @@ pub struct Plant<const N: usize = AXES> {
     /// Number of axes that move.
     pub(crate) axes_in_use: usize,
     friction_n: f64,
+    /// Largest change of velocity by half of a step's cogging (m/s), radians to a metre, and where it is zero, m.
+    cogging: Option<[f64; 3]>,
     moving_mass_kg: f64,
     joints: Option<Joints>,
     encoders: Option<Encoders<N>>,
@@ -175,6 +179,11 @@ impl<const N: usize> Plant<N> {
             windings,
             axes_in_use: scene.peer.axis.count as usize,
             friction_n: world.plant.coulomb_n,
+            cogging: (world.plant.cogging_n_or_n_m > 0.0).then(|| {
+                let (plant, per_m) = (&world.plant, kinematics::Joints::of(settings).usual_per_m);
+                let kick = 0.5 * plant.cogging_n_or_n_m * per_m * step_s / moving_mass_kg;
+                [kick, TAU / settings.motor.cogging_period_m_or_rad * per_m, plant.cogging_at_m_or_rad / per_m]
+            }),
             moving_mass_kg,
             encoders: (joints.as_ref()).filter(|joints| joints.encoder).map(|joints| {
                 let counts = linkage.as_ref().map_or_else(|| joints.counts(scene.start(index)), |_| [0; N]);
@@ -196,7 +205,7 @@ impl<const N: usize> Plant<N> {
         }
     }
 
-    /// Neither joints nor windings, a scale, faults, friction, a wall, a clutch or whole ticks of delay: its peer reads and drives it exactly, and
+    /// Neither joints nor windings, a scale, faults, friction, cogging, a wall, a clutch or whole ticks of delay: its peer reads and drives it exactly, and
     /// nothing else.
     pub(crate) fn is_bare(&self) -> bool {
         let profile = &self.user.settings.user;
@@ -206,6 +215,7 @@ impl<const N: usize> Plant<N> {
             && self.linkage.is_none()
             && self.fault.is_none()
             && self.friction_n == 0.0
+            && self.cogging.is_none()
             && self.wall.is_none()
             && self.waiting.is_empty()
             && profile.clutch_for_s == 0.0
@@ -472,10 +482,12 @@ impl<const N: usize> Plant<N> {
         }
         for axis in 0..self.axes_in_use {
             let (before, now) = (before[axis] + pushes[axis], now[axis] + pushes[axis]);
-            let mut next = match &mut self.wall {
-                Some(wall) if axis == 0 => wall.advance(self.motions[axis], before, now),
-                _ => self.linear.advance(self.motions[axis], before, now),
+            let from = self.kicked(self.motions[axis]);
+            let next = match &mut self.wall {
+                Some(wall) if axis == 0 => wall.advance(from, before, now),
+                _ => self.linear.advance(from, before, now),
             };
+            let mut next = self.kicked(next);
             if self.friction_n > 0.0 {
                 // The impulse of friction brakes what moves and holds what it can stop within the step.
                 let brake = self.friction_n * self.step_s / self.moving_mass_kg;
@@ -485,6 +497,14 @@ impl<const N: usize> Plant<N> {
             }
             self.motions[axis] = if self.held { Motion::at(self.motions[axis].position) } else { next };
         }
+    }
+
+    /// This motion of the only axis after half of a step's impulse of cogging.
+    fn kicked(&self, mut motion: Motion<f64>) -> Motion<f64> {
+        if let Some([kick, per_m, at_m]) = self.cogging {
+            motion.velocity += kick * libm::sin(per_m * (motion.position - at_m));
+        }
+        motion
     }
 
     /// State of the plant as the analyser needs it: motion of the free axis and the motor force of the tick before, N, which still

@@ -34,12 +34,12 @@ impl<const N: usize> Principal<N> {
         let (positions, velocities) = (turned(motions.map(|at| at.position)), turned(motions.map(|at| at.velocity)));
         let (before, now) = (turned(before), turned(now));
         let next: [Motion<f64>; N] = from_fn(|at| {
-            let motion = Motion { position: positions[at], velocity: velocities[at] };
+            let motion = Motion::new(positions[at], velocities[at]);
             self.linear[at].advance(motion, before[at], now[at])
         });
         from_fn(|axis| {
             let back = |of: &dyn Fn(&Motion<f64>) -> f64| (0..N).map(|at| self.axes[at][axis] * of(&next[at])).sum();
-            Motion { position: back(&|motion| motion.position), velocity: back(&|motion| motion.velocity) }
+            Motion::new(back(&|motion| motion.position), back(&|motion| motion.velocity))
         })
     }
 }

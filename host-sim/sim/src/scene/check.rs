@@ -67,9 +67,11 @@ impl Scene {
         let axis = &peer.axis;
         let in_space = "1 or 2, or 3 with axis.shared = 3: a simulated device in space shares all of its axes";
         let several = "axis.shared where that is more than 1: a simulated device shares all of its axes";
+        let is_lone = axis.count == 1 || self.world.plant.cogging_n_or_n_m == 0.0;
         peer.all_fit(&[
             ("axis.count", axis.shared != 1 || axis.count <= AXES as u32, in_space),
             ("axis.count", axis.shared <= 1 || axis.shared >= axis.count, several),
+            ("axis.count", is_lone, "1 with plant.cogging_n_or_n_m"),
         ])?;
         match axis.shared {
             2 => self.laws.peer::<f64, 2, 2>(peer, [Motion::REST; 2]).map(drop),

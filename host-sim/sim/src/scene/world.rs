@@ -62,6 +62,10 @@ haptic_core::settings! {
         encoder: bool = false, Allowed::Flag, "",
             "The peer reads encoder counts (tables encoder, kinematics) instead of the exact position.";
         coulomb_n: f64 = 0.0, number(0.0, 100.0), "N", "Coulomb friction; 0 is none.";
+        cogging_n_or_n_m: f64 = 0.0, number(0.0, 100.0), "N or N·m",
+            "Amplitude of the motor's cogging at the joint of a device of one axis; its period is motor.cogging_period_m_or_rad.";
+        cogging_at_m_or_rad: f64 = 0.0, number(-10.0, 10.0), "m or rad",
+            "The place of this cogging, as motor.cogging_at_m_or_rad is where the motor takes it to be.";
         motor: bool = false, Allowed::Flag, "",
             "The device is driven by motor duties (table motor), saturation included, instead of the exact force.";
         pwm_steps: u32 = 0, Allowed::Whole { min: 0, max: 32767 }, "",

@@ -1,6 +1,7 @@
 //! Runs against an independent oracle, and the parts that runs are made of.
 
 mod carrying_on;
+mod cogging;
 mod double_double;
 mod engine;
 mod faults;

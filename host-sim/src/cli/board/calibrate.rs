@@ -1,6 +1,6 @@
 //! `host-sim board calibrate`: a person, a board and its device find each other's numbers; one command a quantity.
 //!
-//! In this order, each into the same settings file: counts, winding, sign, motor, friction, inertia. What is found is given to the board at
+//! In this order, each into the same settings file: counts, winding, sign, motor, friction, cogging, inertia. What is found is given to the board at
 //! once, until power goes off; `host-sim board operator … save` keeps it.
 
 use std::io::{BufRead, IsTerminal};
@@ -49,6 +49,9 @@ pub(in crate::cli) enum Calibrate {
     },
     /// Viscous and dry friction, from how the joint moves. After `motor`.
     Friction(At),
+    /// Amplitude and place of a motor's cogging, from how the joint moves, with an encoder that has an index. After `motor`; its period,
+    /// motor.cogging_period_m_or_rad, is of a motor a turn over the least common multiple of poles and slots.
+    Cogging(At),
     /// Moving mass and delay of the force, from how the joint moves. After `motor`.
     Inertia(At),
 }
@@ -260,6 +263,7 @@ impl Calibrate {
                 at.run(ui, |board, person| motor::constant(board, person, at.joint, against))
             }
             Self::Friction(at) => at.run(ui, |board, _| motion::friction(board, at.joint)),
+            Self::Cogging(at) => at.run(ui, |board, person| motion::cogging(board, person, at.joint)),
             Self::Inertia(at) => at.run(ui, |board, _| motion::inertia(board, at.joint)),
         }
     }

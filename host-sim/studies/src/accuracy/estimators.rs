@@ -27,7 +27,7 @@ pub fn error<S: Scalar>(settings: &Settings) -> f64 {
     let readings = readings::<S>(settings);
     let mut estimator = AnyVelocity::<S>::build(settings).expect("good settings");
     let start = readings.first().map_or(0.0, |(_, velocity)| *velocity);
-    estimator.start(Motion { position: S::ZERO, velocity: S::from_f64(start) });
+    estimator.start(Motion::new(S::ZERO, S::from_f64(start)));
     rms(readings.iter().map(|(reading, velocity)| estimator.step(*reading).to_f64() - velocity))
 }
 

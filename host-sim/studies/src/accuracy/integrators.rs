@@ -27,7 +27,7 @@ pub fn closed_form(test: Test, settings: &Settings, time_s: f64) -> Motion<f64> 
         let (damping, rate) = (object.damping_n_s_per_m, object.damping_n_s_per_m / object.mass_kg);
         let reached = -(-rate * time_s).exp_m1();
         let velocity = PUSH_N / damping * reached;
-        return Motion { position: PUSH_N / damping * (time_s - reached / rate), velocity };
+        return Motion::new(PUSH_N / damping * (time_s - reached / rate), velocity);
     }
     // x = x₀·e^(−σt)·(cos ωt + σ/ω·sin ωt), ẋ = −x₀·e^(−σt)·ω₀²/ω·sin ωt.
     let decay = 0.5 * contact.damping_n_s_per_m / object.mass_kg;
@@ -35,7 +35,7 @@ pub fn closed_form(test: Test, settings: &Settings, time_s: f64) -> Motion<f64> 
     let angular = (square - decay * decay).sqrt();
     let (sine, cosine) = (angular * time_s).sin_cos();
     let left = RELEASE_M * (-decay * time_s).exp();
-    Motion { position: left * (cosine + decay / angular * sine), velocity: -left * square / angular * sine }
+    Motion::new(left * (cosine + decay / angular * sine), -left * square / angular * sine)
 }
 
 /// RMS errors of position (m) and velocity (m/s) against the closed form.

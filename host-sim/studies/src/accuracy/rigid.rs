@@ -62,7 +62,7 @@ fn cross([ax, ay, az]: [f64; 3], [bx, by, bz]: [f64; 3]) -> [f64; 3] {
 /// Largest changes of energy and angular momentum over so long.
 fn tumbled<S: Scalar>(seconds: f64, period_s: f64) -> [f64; 2] {
     let free = FreeBody::<S>::new(MASS_KG, 0.0, INERTIA, period_s);
-    let axes = MOVING.map(|velocity| Motion { position: S::ZERO, velocity: S::from_f64(velocity) });
+    let axes = MOVING.map(|velocity| Motion::new(S::ZERO, S::from_f64(velocity)));
     let turning = free.rotor.turning([1.0, 0.2, -0.1, 0.3], TUMBLING);
     let mut state = Flying { moving: Moving::at(axes), turning };
     let shown = |state: &Flying<S>| {

@@ -116,7 +116,7 @@ fn run<S: Scalar>(settings: &Settings) -> Result<Vec<[f64; 2]>, Refused<'static>
             if let Some(packet) = packet {
                 peer.hear(&[packet]);
             }
-            let seen = Motion { position: S::from_f64(device.position), velocity: S::from_f64(device.velocity) };
+            let seen = Motion::new(S::from_f64(device.position), S::from_f64(device.velocity));
             let force = peer.tick(&Sensors::of(Reading::Exact([seen, Motion::REST]))).forces[0].to_f64();
             let acceleration = (push_n + force - DAMPING_N_S_PER_M * device.velocity) / MASS_KG;
             device.velocity += period_s * acceleration;

@@ -38,7 +38,7 @@ pub(super) fn claims(rows: &[Row]) -> Result<Vec<Claim>, Error> {
 
 /// A body on a line.
 fn body(position: f64, velocity: f64, mass_kg: f64) -> Body<f64, 1> {
-    Body { axes: [Motion { position, velocity }], radius: 0.05, inverse_mass: 1.0 / mass_kg }
+    Body { axes: [Motion::new(position, velocity)], radius: 0.05, inverse_mass: 1.0 / mass_kg }
 }
 
 fn momentum(bodies: &[Body<f64, 1>; 2]) -> f64 {
