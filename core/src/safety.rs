@@ -57,7 +57,7 @@ numbered! {
         13 OutOfWorkspace: "an axis was further than safety.workspace_m from where the encoders were first read",
         14 BridgeFailed: "a motor bridge reported that it is too hot, carries too much current or has too little supply",
         15 ChipFailed: "the supply, the clock or the core of the board's chip failed: its timer turned the motors off",
-        16 MotorTooWarm: "a motor carried more than motor.continuous_a over motor.thermal_s",
+        16 MotorTooWarm: "a motor carried more than motor.continuous_a over motor.thermal_s, or its thermistor showed motor.max_temperature_c",
         17 CurrentNotFollowed: "a motor's current was not the one asked for: look at the motor, its wires and its bridge",
         18 CurrentSensor: "a current sensor read the end of its range, or a current with the bridges off",
         19 SupplyOutOfRange: "the supply of the bridges was below motor.min_supply_v or above motor.max_supply_v",
@@ -75,6 +75,7 @@ numbered! {
         70 EncoderSilent: "an encoder on SPI gave no whole reading three times in a row: `status` says which; look at its supply and its wires",
         71 EncoderMagnet: "the field of an encoder's magnet was too weak or too strong three times in a row: `status` says which",
         72 Halted: "a debugger halted the board's processor, and nobody saw what the device did",
+        73 Thermistor: "the thermistor of a motor read the end of its range: look at its wires, and at motor.thermistor",
     }
 }
 

@@ -203,6 +203,11 @@ crate::settings! {
             "Largest supply of the bridges, where it is measured; above it the motors go off.";
         continuous_a: f64 = 2.0, number(1e-3, 1e3), "A", "Current that the winding bears for ever.";
         thermal_s: f64 = 30.0, number(0.1, 1e4), "s", "Time constant with which the winding warms.";
+        thermistor: bool = false, Allowed::Flag, "",
+            "A thermistor of 10 kΩ at a motor limits its force, too; only on a board with a current loop.";
+        thermistor_b_k: f64 = 3950.0, number(2500.0, 4500.0), "K", "Constant B of the thermistor.";
+        max_temperature_c: f64 = 80.0, number(40.0, 125.0), "°C",
+            "Temperature of the thermistor at which its motor is too warm; the force falls from half of the way from 25 °C on.";
         friction_n: f64 = 0.0, number(0.0, 20.0), "N",
             "Dry friction along each axis that the motors take over; at most 0.8 of what the device has.";
         cogging_n_or_n_m: f64 = 0.0, number(0.0, 20.0), "N or N·m",

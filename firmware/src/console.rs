@@ -23,6 +23,7 @@ use firmware_parts::status;
 use haptic_core::contact::{Contact, Side};
 use haptic_core::device::probe::{Outcome, Probe};
 use haptic_core::device::velocity::VelocityName;
+use haptic_core::names::MotorDrive;
 use haptic_core::num::{Motion, Scalar};
 use haptic_core::safety::{Command, Mode};
 use haptic_core::settings::{Refused, SetError, Settings, Value};
@@ -90,6 +91,11 @@ pub(crate) fn plan(settings: &Settings, number: Number) -> Result<Plan, Refused<
             "axis.velocity",
             settings.axis.velocity != VelocityName::Measured,
             "difference, filtered or adaptive, because encoders measure no velocity",
+        ),
+        (
+            "motor.thermistor",
+            !settings.motor.thermistor || settings.motor.drive == MotorDrive::CurrentLoop,
+            "false, because only a current loop reads one",
         ),
     ])?;
     haptic_core::device::encoder::check(&settings)?;

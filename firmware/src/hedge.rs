@@ -25,8 +25,8 @@ pub struct Sources {
 impl Sources {
     /// 32 bytes for a link's configuration.
     pub fn mixed(&self, seed: &Key) -> [u8; Key::LEN] {
-        let Self { noise, board, boot, draw, uptime_us } = self;
-        let parts = [&noise[..], &[*board], &boot.to_le_bytes(), &draw.to_le_bytes(), &uptime_us.to_le_bytes()];
+        let [boot, draw] = [self.boot, self.draw].map(u32::to_le_bytes);
+        let parts = [&self.noise[..], &[self.board], &boot, &draw, &self.uptime_us.to_le_bytes()];
         seed.hedged(&parts)
     }
 }

@@ -130,8 +130,7 @@ fn text(medium: &impl Medium, slot: u32, length: u32) -> impl Iterator<Item = Op
 fn sound(medium: &impl Medium, slot: u32) -> Option<u32> {
     let header = Header::parse(&medium.read(slot * SLOT)?)?;
     let crc = text(medium, slot, header.length).try_fold(Crc::START, |crc, byte| Some(crc.with(byte?)))?;
-    let Header { generation, length, crc: said } = header;
-    (Header { generation, length, crc: 0 }.sealed(crc).crc == said).then_some(generation)
+    (Header { crc: 0, ..header }.sealed(crc).crc == header.crc).then_some(header.generation)
 }
 
 fn blank(medium: &impl Medium, slot: u32) -> bool {

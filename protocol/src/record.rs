@@ -40,7 +40,7 @@ pub mod word {
     /// Motor duties of the same joints, 2 × i16, 1/32767 of full scale.
     pub const DUTIES: usize = 2;
     /// Four bytes: [`Mode::number`](haptic_core::safety::Mode::number), the fault's number (0 none), flags ([`super::ENABLED`] and what
-    /// follows it), and the shared axis, from 0.
+    /// follows it), and the shared axis, from 0, in two bits, above which is the thermistor that the power stage measured.
     pub const MODE: usize = 3;
     /// The packet that came in: position (m), velocity (m/s), wave (√W), 3 × f32; 0 without one.
     pub const HEARD: usize = 4;
@@ -231,12 +231,14 @@ impl<const MORE: usize> Record<MORE> {
         quantities(self);
         let Self(words, _) = self;
         words[word::DIGEST] = digest;
-        if let Some(&Measured { motors: [one, two], supply_mv, supply_counts }) = stage {
+        if let Some(stage) = stage {
+            let [one, two] = &stage.motors;
+            words[word::MODE] |= u32::from(stage.thermistor) << 26;
             let signed = |numbers: [i16; 2]| halves(numbers.map(i16::cast_unsigned));
             words[word::STAGE] = signed([one.mean, one.last]);
             words[word::STAGE + 1] = signed([one.voltage, two.mean]);
             words[word::STAGE + 2] = signed([two.last, two.voltage]);
-            words[word::STAGE + 3] = halves([supply_mv, supply_counts]);
+            words[word::STAGE + 3] = halves([stage.supply_mv, stage.supply_counts]);
         } else {
             words[word::STAGE..].fill(0);
         }
@@ -263,7 +265,7 @@ impl<const MORE: usize> Record<MORE> {
     }
     /// The shared axis, from 0.
     pub fn axis(&self) -> u8 {
-        (self.0[word::MODE] >> 24) as u8
+        (self.0[word::MODE] >> 24) as u8 & 3
     }
     /// Encoder counts.
     pub fn counts(&self) -> [Counts; 2] {
@@ -284,7 +286,8 @@ impl<const MORE: usize> Record<MORE> {
         };
         let motors = [flow([one[0], one[1], two[0]]), flow([two[1], three[0], three[1]])];
         let [supply_mv, supply_counts] = supply;
-        (supply_counts > 0).then_some(Measured { motors, supply_mv, supply_counts })
+        let thermistor = (self.0[word::MODE] >> 26) as u8;
+        (supply_counts > 0).then_some(Measured { motors, supply_mv, supply_counts, thermistor })
     }
     /// Mode, and the fault in it.
     pub fn mode(&self) -> Mode {

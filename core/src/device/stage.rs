@@ -1,4 +1,4 @@
-//! What the power stage of the motors measured since the tick before: currents, voltages and the bridges' supply.
+//! What the power stage of the motors measured since the tick before: currents, voltages, the bridges' supply, and a temperature.
 //!
 //! Only a device with a current loop ([`super::current`]) has it. The loop runs once a PWM period and the tick once a control
 //! period, so the means are over the PWM periods in between, each with its current as it begins and the voltage applied in it.
@@ -47,11 +47,13 @@ pub struct Measured<const N: usize = AXES> {
     pub supply_mv: u16,
     /// Timer counts that stand for the whole supply.
     pub supply_counts: u16,
+    /// How warm the thermistor of a motor is ([`super::thermal::Thermistor::code`]); 0 without one.
+    pub thermistor: u8,
 }
 
 /// Nothing flows, and there is no supply.
 impl<const N: usize> Default for Measured<N> {
     fn default() -> Self {
-        Self { motors: [Flow::default(); N], supply_mv: 0, supply_counts: 0 }
+        Self { motors: [Flow::default(); N], supply_mv: 0, supply_counts: 0, thermistor: 0 }
     }
 }

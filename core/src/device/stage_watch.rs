@@ -1,7 +1,8 @@
 //! Watches motors, their power stage and their encoders by what the stage measured ([`super::stage`]), every second
 //! tick, over both ticks together.
 //!
-//! **Warm** ([`Fault::MotorTooWarm`]): [`super::thermal`].
+//! **Warm** ([`Fault::MotorTooWarm`]): [`super::thermal`]. Its thermistor at the limit, and one that is open or shorted
+//! ([`Fault::Thermistor`]), each for [`LASTS_S`], whether the motors are on or off.
 //!
 //! **Supply** ([`Fault::SupplyOutOfRange`]): outside `motor.min_supply_v` to `motor.max_supply_v` for [`LASTS_S`] while the motors are
 //! on; while they are off it only keeps them from being turned on.
@@ -106,6 +107,9 @@ pub struct StageState<S, const N: usize = AXES> {
     pub supply_is_wrong: bool,
     /// Share of its limit that the mean square of the warmest motor's current is.
     pub warmth: S,
+    /// What the thermistor shows ([`thermal::Thermistor::code`]).
+    pub thermistor: u8,
+    hot: Patience,
     motors: [Motor<S>; N],
 }
 
@@ -118,6 +122,8 @@ impl<S: Scalar, const N: usize> Default for StageState<S, N> {
             supply: Patience::default(),
             supply_is_wrong: false,
             warmth: S::ZERO,
+            thermistor: 0,
+            hot: Patience::default(),
             motors: [Motor::default(); N],
         }
     }
@@ -219,13 +225,15 @@ impl<S: Scalar> StageWatch<S> {
         let largest = |each: [S; N]| each.into_iter().fold(S::ZERO, |largest, one| largest.max(one.abs()));
         let codes = largest(asked.map(|duty| S::from_i32(duty.0.into())));
         let lasting = if codes >= S::ONE { self.lasting.ratio(codes.max(S::ONE)) * largest(forces) } else { full };
-        (full * envelope::left(state.warmth) + lasting).min(full)
+        // A 64th less for each code of the thermistor.
+        let cool = S::from_i32(64_u8.saturating_sub(state.thermistor).into()) * S::from_f64(1.0 / 64.0);
+        (full * envelope::left(state.warmth) + lasting).min(full * cool)
     }
 
     /// Forgets past current references and errors, as the motors go on; the thermal state stays.
     pub fn start<const N: usize>(&self, state: &mut StageState<S, N>) {
-        let StageState { motors, supply_is_wrong, warmth, .. } = *state;
-        *state = StageState { motors, supply_is_wrong, warmth, ..StageState::default() };
+        (state.first, state.on) = (None, 0);
+        (state.conducts, state.supply, state.hot) = Default::default();
     }
 
     #[inline(never)]
@@ -239,6 +247,9 @@ impl<S: Scalar> StageWatch<S> {
         let (least, most) = self.supply_mv;
         state.supply_is_wrong = two.supply_mv < least || two.supply_mv > most;
         let lasts = state.supply.spent(state.supply_is_wrong, self.lasts);
+        state.thermistor = two.thermistor;
+        let hot = state.hot.spent(two.thermistor >= thermal::HOT, self.lasts);
+        let hot = hot.then_some(if two.thermistor > thermal::HOT { Fault::Thermistor } else { Fault::MotorTooWarm });
         state.on = if driven == Driven::Off { 0 } else { state.on.saturating_add(1) };
         let compared = if driven != Driven::Probed && state.on > self.settles { driven } else { Driven::Off };
         // V per count of the sum of two means of voltages: half of the mean supply over all of its counts.
@@ -274,10 +285,10 @@ impl<S: Scalar> StageWatch<S> {
         state.warmth = warmth;
         if driven == Driven::Off {
             state.supply = Patience::default();
-            return state.conducts.spent(conducts, self.lasts).then_some(Fault::CurrentSensor);
+            return state.conducts.spent(conducts, self.lasts).then_some(Fault::CurrentSensor).or(hot);
         }
         state.conducts = Patience::default();
-        fault.or(lasts.then_some(Fault::SupplyOutOfRange))
+        fault.or(hot).or(lasts.then_some(Fault::SupplyOutOfRange))
     }
 
     /// What is wrong with one motor that is on.
@@ -291,13 +302,7 @@ impl<S: Scalar> StageWatch<S> {
         let inductive = S::from_i32(i32::from(pair.last) - i32::from(motor.last)) * self.inductive;
         (motor.asked, motor.last) = (pair.asked[1], pair.last);
         if driven == Driven::Off {
-            *motor = Motor {
-                heat: motor.heat,
-                last: motor.last,
-                asked: motor.asked,
-                counts: motor.counts,
-                ..Motor::default()
-            };
+            [motor.error, motor.error_borne, motor.residual, motor.residual_borne] = [S::ZERO; 4];
         } else {
             let error = pair.codes - one - two;
             let slew = (changes * self.lags) >> 4;

@@ -8,6 +8,10 @@
 //! `continuous_a` ([`super::envelope`] has the same for the hand). So a winding comes near its limit and stays below, however long a hand
 //! presses, and only one that carries more than was asked for is a fault.
 //!
+//! **A thermistor** ([`Thermistor`]), if there is one, adds a second limit: the force falls from half of the way between 25 °C and
+//! `motor.max_temperature_c` on, to a 32nd there. It can only take force away. Limits: it shows the place where it is glued, which follows
+//! the winding late, so the model above stays on; the force falls in steps of a 64th.
+//!
 //! Units: A, A². Limits: the surroundings are as warm as where `continuous_a` was measured; a restart begins cold, so who restarts
 //! waits; the copper's own, faster time is within τ; what the current does between two readings is not in its mean.
 
@@ -18,6 +22,42 @@ const STEPS: f64 = 1024.0;
 
 /// Share of `motor.continuous_a` that a winding near its limit is left: sensors are off by less than the rest.
 pub const LASTS: f64 = 0.9;
+
+/// What [`Thermistor::code`] gives at `motor.max_temperature_c`; a thermistor that is open or shorted gives one more.
+pub const HOT: u8 = 62;
+
+/// The thermistor at a motor, below a resistor as large as its own is at 25 °C: its reading, of 65536, where the force begins to fall, and 65536 times
+/// the codes for each of them below.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Thermistor([i32; 2]);
+
+impl Thermistor {
+    /// From `motor.thermistor_b_k` and `motor.max_temperature_c`; none without `motor.thermistor`.
+    pub fn build(settings: &Settings) -> Option<Self> {
+        let motor = &settings.motor;
+        let reads = |celsius: f64| {
+            let ohms = libm::exp(motor.thermistor_b_k * (1.0 / (celsius + 273.15) - 1.0 / 298.15));
+            65536.0 * ohms / (1.0 + ohms)
+        };
+        let near = reads(0.5 * (25.0 + motor.max_temperature_c));
+        let steep = 65536.0 * f64::from(HOT) / (near - reads(motor.max_temperature_c));
+        // The next whole numbers: no later than at the limit.
+        let this = [near, steep].map(|number| number as i32 + 1);
+        motor.thermistor.then_some(Self(this))
+    }
+
+    /// How warm the motor is, from the share of the reference over the thermistor, of 65536: 0 up to where the force begins to fall.
+    ///
+    /// Open or shorted is what reads within a 64th of either end: -39 °C and 125 °C are not.
+    #[inline]
+    pub fn code(&self, read: u16) -> u8 {
+        let Self([near, steep]) = self;
+        // Less than 2¹⁶ times 2¹¹.
+        let code = (((near - i32::from(read)) * steep) >> 16).clamp(0, HOT.into()) as u8;
+        let broken = read.wrapping_add(1024) < 2048;
+        if broken { HOT + 1 } else { code }
+    }
+}
 
 /// The thermal limit of one motor.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -95,7 +95,7 @@ pub struct Key {
     pub allowed: Allowed,
     /// Unit, empty for a pure number, a flag or a name.
     pub unit: &'static str,
-    /// One line of meaning.
+    /// One line of meaning; empty in an image without an operating system, which shows none.
     pub doc: &'static str,
     /// What a law's own key is while it is not set; the tables have their own defaults.
     pub(super) default: f64,
@@ -123,13 +123,14 @@ impl Key {
 
     /// The same key, with one line of meaning.
     pub const fn means(self, doc: &'static str) -> Self {
+        let doc = if cfg!(target_os = "none") { "" } else { doc };
         Self { doc, ..self }
     }
 
     /// A key of a table, for [`settings!`](crate::settings!).
     #[doc(hidden)]
     pub const fn of_table(name: &'static str, allowed: Allowed, unit: &'static str, doc: &'static str) -> Self {
-        Self { name, allowed, unit, doc, default: f64::NAN }
+        Self { name, allowed, unit, doc: "", default: f64::NAN }.means(doc)
     }
 
     /// That it does not accept this value.

@@ -53,7 +53,10 @@ struct Outside {
 fn stage() -> impl Strategy<Value = Option<Measured>> {
     let flow =
         |most: i16| prop::array::uniform3(-most..=most).prop_map(|[mean, last, voltage]| Flow { mean, last, voltage });
-    let measured = |(motors, supply_mv, supply_counts)| Some(Measured { motors, supply_mv, supply_counts });
+    // Of 6000 counts cool, of any any code.
+    let measured = |(motors, supply_mv, supply_counts): ([Flow; AXES], u16, u16)| {
+        Some(Measured { motors, supply_mv, supply_counts, thermistor: (supply_counts % 6000 % 64) as u8 })
+    };
     prop_oneof![
         2 => Just(None),
         5 => (prop::array::uniform2(flow(300)), 20_000..25_000_u16, Just(6000)).prop_map(measured),
@@ -225,6 +228,7 @@ fn check_axes<S: Scalar, const SHARED: usize, const N: usize, K: Kinematics<S, N
             motors: from_fn(|motor| stage.motors[motor % stage.motors.len()]),
             supply_mv: stage.supply_mv,
             supply_counts: stage.supply_counts,
+            thermistor: stage.thermistor,
         });
         let actuators = peer.tick(&Sensors { reading, overrun: now.overrun, stage, marks: None });
         // Limits are the device's, forces the world's.

@@ -11,7 +11,7 @@ use firmware_parts::rate::Rate;
 use haptic_core::device::{encoder::Counts, stage::Measured};
 use haptic_core::settings::{Allowed, Refused, Settings};
 
-pub(crate) use super::no_loop::{PERIODS, RING, Run, TOLD, forget_runs, init, period, reported, run, runs, supply_mv};
+pub(crate) use super::no_loop::{PERIODS, RING, TOLD, forget_runs, init, period, reported, run, runs, supply_mv};
 
 /// What the tick would tell the loop.
 #[derive(Clone, Copy, Debug, Default)]

@@ -1,4 +1,5 @@
-//! The current loop: ADC1 samples both motors' currents and the supply at the start of every PWM period, ADC2 the same in its middle, and the
+//! The current loop: ADC1 samples both motors' currents and the supply at the start of every PWM period, ADC2 the currents and a motor's
+//! thermistor in its middle, and the
 //! interrupt at the end of the first, 20,000 times a second, gives both bridges their voltages for the next period.
 //!
 //! **Which sample**: a sensor rides on its bridge's first leg, and needs 9.8 µs after each edge of it (TI, INA240: host-sim/sim/src/plant/drive.rs).
@@ -33,16 +34,18 @@ use firmware_parts::record::{PERIODS_IN_ONE, Period};
 use haptic_core::device::current::{Controller, CurrentLoop, Gains, PWM_HZ, Sensor};
 use haptic_core::device::kinematics::Joints;
 use haptic_core::device::stage::{Flow, Measured};
+use haptic_core::device::thermal::Thermistor;
 use haptic_core::device::{AXES, encoder::Counts, motor::Duty};
 use haptic_core::names::MotorDrive;
 use haptic_core::settings::{Refused, Settings};
 
-use super::legs;
+use super::{legs, pace::Run};
 
-/// What the pins PA3, PC0 and PB1 are to the converter: currents of motors 1 and 2, the supply over [`DIVIDER`].
-const CHANNELS: [u8; AXES + 1] = [15, 10, 5];
-/// The converters with their triggers: TIM1_TRGO, the bridges' timer's update, and TIM1_TRGO2, its top.
-const CONVERTERS: [(pac::adc::Adc, u8); 2] = [(pac::ADC1, 0), (pac::ADC2, 8)];
+/// What the pins PA3 and PC0 are to the converters: currents of motors 1 and 2.
+const CURRENTS: [u8; AXES] = [15, 10];
+/// The converters with their triggers, TIM1_TRGO, the bridges' timer's update, and TIM1_TRGO2, its top, and what each samples behind the
+/// currents: PB1, the supply over 11, and PA6, the divider of the thermistor.
+const CONVERTERS: [(pac::adc::Adc, u8, u8); 2] = [(pac::ADC1, 0, 5), (pac::ADC2, 8, 3)];
 /// The second: a pulse as OC6REF rises ([`super::bridges`]).
 const TOP: Mms2 = Mms2::COMPARE_PULSE_OC5_OR_OC6_RISING;
 /// JEOC and JEOS in ISR: a conversion has ended, and all of a sample.
@@ -123,16 +126,6 @@ static RUNS: AtomicU32 = AtomicU32::new(0);
 pub(crate) const TOLD: u32 = 3 * PERIODS_IN_ONE as u32;
 const _: () = assert!(TOLD < RING);
 
-/// One run of the interrupt, in cycles.
-pub(crate) struct Run {
-    pub(crate) began: u32,
-    pub(crate) ended: u32,
-    /// Counts of the timer since the update; one later than half a period looks as much too early.
-    pub(crate) late: u32,
-    /// It did not run in the period before.
-    pub(crate) first: bool,
-}
-
 /// How often the interrupt has run, since power came on.
 pub(crate) fn runs() -> u32 {
     RUNS.load(Ordering::Acquire)
@@ -169,7 +162,7 @@ pub(crate) fn init() -> Result<(), &'static str> {
     let _ = pac::RCC.ahb1enr().read();
     // Out of reset the pins are analogue, and so they stay.
     let by = Instant::now() + STARTS;
-    for (adc, _) in CONVERTERS {
+    for (adc, ..) in CONVERTERS {
         adc.cr().modify(|w| w.set_deeppwd(false));
         adc.cr().modify(|w| w.set_advregen(true));
         // Its regulator is ready when it says so (RM0433 §25.4.6).
@@ -181,10 +174,11 @@ pub(crate) fn init() -> Result<(), &'static str> {
             w.set_adcal(true);
         });
     }
-    for (adc, trigger) in CONVERTERS {
+    for (adc, trigger, third) in CONVERTERS {
+        let [one, two] = CURRENTS;
         // Nothing may be written to CR until it is calibrated.
         soon(by, || !adc.cr().read().adcal())?;
-        for channel in CHANNELS.map(usize::from) {
+        for channel in [one, two, third].map(usize::from) {
             adc.pcsel().modify(|w| w.set_pcsel(channel, Pcsel::PRESELECTED));
             adc.smpr(channel / 10).modify(|w| w.set_smp(channel % 10, SampleTime::CYCLES8_5));
         }
@@ -195,7 +189,7 @@ pub(crate) fn init() -> Result<(), &'static str> {
             w.set_jl(AXES as u8);
             w.set_jextsel(trigger);
             w.set_jexten(Exten::RISING_EDGE);
-            for (rank, channel) in CHANNELS.into_iter().enumerate() {
+            for (rank, channel) in [one, two, third].into_iter().enumerate() {
                 w.set_jsq(rank, channel);
             }
         });
@@ -258,7 +252,7 @@ fn start() {
 /// Takes note of what both converters have ended.
 #[inline(always)]
 fn forget() {
-    for (adc, _) in CONVERTERS {
+    for (adc, ..) in CONVERTERS {
         adc.isr().write(|w| w.0 = ENDED);
     }
 }
@@ -280,7 +274,7 @@ extern "C" fn ADC() {
     }
     let run = this.total.runs;
     let late = late | core::mem::take(&mut this.first);
-    let Sums { codes: [a, b], voltages: [c, d], .. } = this.now;
+    let ([a, b], [c, d]) = (this.now.codes, this.now.voltages);
     let [a, b, c, d] = [a, b, c, d].map(i32::cast_unsigned);
     let words = [began, DWT::cycle_count(), late, a, b, c, d];
     for (place, word) in TOOK[(run % RING) as usize].iter().zip(words) {
@@ -332,6 +326,7 @@ pub(crate) struct Power {
     design: CurrentLoop,
     /// Its zero in the middle.
     sensor: Sensor,
+    thermistor: Option<Thermistor>,
     /// Speed of a joint that moves a count a tick, m/s or rad/s.
     speed_per_count: f32,
     /// PWM periods in a tick, and ticks in a millisecond.
@@ -350,6 +345,7 @@ impl Power {
         Ok(Self {
             design: CurrentLoop::build(settings, legs::COUNTS)?,
             sensor: Sensor::build(settings, BITS),
+            thermistor: Thermistor::build(settings),
             speed_per_count: (unit_per_count / rate.period_s()) as f32,
             periods: PERIODS / rate.per_ms(),
             per_ms: rate.per_ms(),
@@ -422,7 +418,7 @@ impl Stage {
             *flow = Flow::of(currents, voltages, now.last[joint], periods.cast_signed());
         }
         let read = now.supply.wrapping_sub(before.supply).checked_div(periods).unwrap_or(0);
-        Some(self.said(motors, read))
+        Some(self.said(power, motors, read))
     }
 
     /// With the bridges off: what the converter read last.
@@ -440,13 +436,15 @@ impl Stage {
             let codes = power.sensor.codes(read);
             *flow = Flow::of(codes, 0, codes, 1);
         }
-        self.said(motors, pac::ADC1.jdr(AXES).read().jdata())
+        self.said(power, motors, pac::ADC1.jdr(AXES).read().jdata())
     }
 
     #[inline(always)]
-    fn said(&mut self, motors: [Flow; AXES], supply_read: u32) -> Measured {
+    fn said(&mut self, power: &Power, motors: [Flow; AXES], supply_read: u32) -> Measured {
         self.supply_mv = millivolts(supply_read);
-        Measured { motors, supply_mv: self.supply_mv as u16, supply_counts: legs::COUNTS }
+        let read = pac::ADC2.jdr(AXES).read().jdata() as u16;
+        let thermistor = power.thermistor.map_or(0, |thermistor| thermistor.code(read));
+        Measured { motors, supply_mv: self.supply_mv as u16, supply_counts: legs::COUNTS, thermistor }
     }
 
     /// What the bridges are to do, from the next period on; the interrupt runs, if it did not.

@@ -5,18 +5,12 @@ use firmware_parts::record::Period;
 use haptic_core::device::stage::Measured;
 use haptic_core::names::MotorDrive;
 
+use super::pace::Run;
+
 /// PWM periods in a millisecond, and runs that are remembered: there are none.
 pub(crate) const PERIODS: u32 = 0;
 pub(crate) const RING: u32 = 1;
 pub(crate) const TOLD: u32 = 0;
-
-/// One run of the loop: there is none.
-pub(crate) struct Run {
-    pub(crate) began: u32,
-    pub(crate) ended: u32,
-    pub(crate) late: u32,
-    pub(crate) first: bool,
-}
 
 #[expect(clippy::unnecessary_wraps, reason = "the converter of a current loop may not come")]
 pub(crate) fn init() -> Result<(), &'static str> {

@@ -21,8 +21,7 @@ use firmware_parts::times::{Load, Times, Took};
 use haptic_core::device::current::PWM_HZ;
 
 use super::clocks::{CORE_HZ, TIMERS_HZ};
-use super::current::{self, Run};
-use super::{deadman, switch};
+use super::{current, deadman, switch};
 
 /// Timer counts in a millisecond: 60 MHz, so that the counter shows how long a tick took to 17 ns.
 const COUNTS: u32 = TIMERS_HZ / PRESCALER / 1000;
@@ -38,6 +37,16 @@ const _: () = assert!(COUNTS <= 1 << 16 && COUNTS * PRESCALER * 1000 == TIMERS_H
 /// Counts a millisecond of the timer that goes on while a debugger halts the processor. More than 2 ms of them do not lie between two ticks of a
 /// processor that was not halted: after 1.98 ms without a tick the chip is reset ([`deadman`]).
 const HALTS_PER_MS: u16 = 10;
+
+/// One run of the current loop's interrupt, in cycles.
+pub(crate) struct Run {
+    pub(crate) began: u32,
+    pub(crate) ended: u32,
+    /// Counts of the timer since the update; one later than half a period looks as much too early.
+    pub(crate) late: u32,
+    /// It did not run in the period before.
+    pub(crate) first: bool,
+}
 
 /// Times of the tick since the start, and of the current loop.
 pub(crate) static TIMES: Times = Times::none();
@@ -190,10 +199,10 @@ fn count_runs(tick: &Took, periods: u32) {
     }
     while run != last {
         run = run.wrapping_add(1);
-        let Run { began, ended, late, first } = current::run(run);
-        let took = Took { delay: late * (CORE_HZ / TIMERS_HZ), began, ended, ..*tick };
-        LOOP_TIMES.see_run(&took, follows && !first, CORE_HZ / PWM_HZ);
-        LOOP_LOAD.see(ended.wrapping_sub(began));
+        let ran = current::run(run);
+        let took = Took { delay: ran.late * (CORE_HZ / TIMERS_HZ), began: ran.began, ended: ran.ended, ..*tick };
+        LOOP_TIMES.see_run(&took, follows && !ran.first, CORE_HZ / PWM_HZ);
+        LOOP_LOAD.see(ran.ended.wrapping_sub(ran.began));
         follows = true;
     }
     COUNTED.store(last, Ordering::Relaxed);

@@ -74,7 +74,7 @@ fn a_packet_that_came_in_comes_out_whole() {
 #[test]
 fn what_the_stage_measured_comes_out_whole() {
     let motors = [Flow { mean: -1, last: 2, voltage: -3 }, Flow { mean: 4, last: -5, voltage: i16::MIN }];
-    let stage = Measured { motors, supply_mv: 24_000, supply_counts: 6000 };
+    let stage = Measured { motors, supply_mv: 24_000, supply_counts: 6000, thermistor: 62 };
     for stage in [Some(&stage), None] {
         let mut peer = peer(0.0);
         let mut record = Record::default();
@@ -96,7 +96,7 @@ fn the_bytes_lie_where_the_format_says() {
     let motion = Motion { position: 11.0, velocity: 12.0 };
     let packet = Packet::<f32> { motion, wave: 13.0, energy_j: 14.0, wave_integral: 15.0, live_ticks: 0x1716_1514 };
     let motors = [Flow { mean: 21, last: 22, voltage: 23 }, Flow { mean: -24, last: 25, voltage: 26 }];
-    let stage = Measured { motors, supply_mv: 24_000, supply_counts: 6000 };
+    let stage = Measured { motors, supply_mv: 24_000, supply_counts: 6000, thermistor: 62 };
     let mode = mode_code(Mode::Faulted(Fault::PeerLost));
     let of = Tick {
         tick: 0x0403_0201,
@@ -111,7 +111,7 @@ fn the_bytes_lie_where_the_format_says() {
     let mut record = Record::default();
     record.fill(&of, Some(&packet), &OfAxis { observed: &seen, received_j: 9.0, sent_j: 10.0 });
     let bytes = record.bytes();
-    assert_eq!(bytes[..16], [1, 2, 3, 4, 5, 6, 7, 8, 0xFE, 0xFF, 3, 0, 2, Fault::PeerLost.number(), 5, 2]);
+    assert_eq!(bytes[..16], [1, 2, 3, 4, 5, 6, 7, 8, 0xFE, 0xFF, 3, 0, 2, Fault::PeerLost.number(), 5, 2 | 62 << 2]);
     let floats = |at: usize, count: usize| {
         let words = bytes[at..at + 4 * count].as_chunks().0;
         words.iter().map(|word| f32::from_le_bytes(*word)).collect::<Vec<_>>()

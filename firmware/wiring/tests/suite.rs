@@ -73,18 +73,25 @@ fn numbers(source: &str, name: &str) -> Vec<u32> {
     inside.split(',').map(|number| number.trim().parse().unwrap()).collect()
 }
 
+/// Inputs that are converted: the currents', the supply's and the thermistor's.
+fn converted(current: &str) -> Vec<u32> {
+    assert!(current.contains("= [(pac::ADC1, 0, 5), (pac::ADC2, 8, 3)];"));
+    [numbers(current, "const CURRENTS: [u8; AXES]"), vec![5, 3]].concat()
+}
+
 #[test]
 fn each_pin_that_the_firmware_uses_is_in_the_netlist_and_no_other() {
     let netlist = netlist();
     let current = text("../src/board/current.rs");
     // Converted pins are out of reset what they must be: nothing takes them. Inputs of ADC1 as the chip's data sheet has them.
-    let converted: BTreeSet<String> = numbers(&current, "const CHANNELS: [u8; AXES + 1]")
+    let converted: BTreeSet<String> = converted(&current)
         .into_iter()
         .map(|input| match input {
             15 => "PA3",
             10 => "PC0",
             5 => "PB1",
-            other => panic!("which pin is input {other} of ADC1?"),
+            3 => "PA6",
+            other => panic!("which pin is input {other}?"),
         })
         .map(str::to_owned)
         .collect();
@@ -105,13 +112,14 @@ fn each_pin_that_the_firmware_uses_is_in_the_netlist_and_no_other() {
 #[test]
 fn conversions_are_of_the_pins_that_carry_them() {
     let netlist = netlist();
-    let order = numbers(&text("../src/board/current.rs"), "const CHANNELS: [u8; AXES + 1]");
+    let order = converted(&text("../src/board/current.rs"));
     let nets = netlist.nets("bridges");
-    for (signal, input) in ["current 1", "current 2", "supply over 11"].into_iter().zip(order) {
+    let signals = [("current 1", 1), ("current 2", 1), ("supply over 11", 1), ("thermistor of motor 1", 2)];
+    for ((signal, converter), input) in signals.into_iter().zip(order) {
         let net = nets.iter().find(|net| net.name == signal).unwrap();
         let pin = net.pins.iter().find_map(|pin| pin.strip_prefix("N1.")).unwrap();
         let does = &netlist.board.pins.iter().find(|chip| chip.pin == pin).unwrap().does;
-        assert_eq!(*does, format!("ADC1 input {input}"), "{signal}");
+        assert_eq!(*does, format!("ADC{converter} input {input}"), "{signal}");
     }
 }
 
@@ -220,6 +228,9 @@ fn values_give_what_firmware_and_guide_reckon_with() {
     // Its filter: above the rail's ripple at 20 kHz, far below the 10 ms of a supply fault.
     let tau_s = of("C2") * of("R3") * share;
     assert!((50e-6..0.001).contains(&tau_s), "{tau_s} s");
+    // A thermistor below as much as it has at 25 °C, and a filter faster than the 10 ms of its faults.
+    let tau_s = of("C8") * of("R14") / 2.0;
+    assert!(of("RT1") == of("R14") && (50e-6..0.002).contains(&tau_s), "{tau_s} s");
     // INA240A1 on its shunt: 0.24 V/A about 1.65 V is 6.875 A either way, as `motor.sense_a` is by default.
     assert!((1.65 / (20.0 * of("RS1")) - 6.875).abs() < 1e-9 && of("RS1") == of("RS2"));
     // With the stop pressed the motors' supply is below 4.5 V within 10 s from the highest that is allowed, 30 V, and 3.7 s from 24 V.

@@ -4,7 +4,6 @@
 //! column `tick` says which came. Times count from the first; where a board started anew its ticks begin again, and how long
 //! it was away is not known.
 
-use haptic_core::device::stage::Measured;
 use haptic_core::sample::{Quantities, SAMPLE};
 use haptic_protocol::record::{self, Record};
 use haptic_protocol::wire::Sample;
@@ -69,16 +68,16 @@ pub fn row(record: &[u8], period_s: f64) -> Option<(usize, [f64; COLUMNS.len()])
 /// A row of [`columns_of`].
 pub fn row_of<const N: usize, const MORE: usize>(of: &Quantities, record: &Record<MORE>, period_s: f64) -> [f64; N] {
     // Means since the tick before: currents of full scale, voltages of the supply; 0 without a current loop.
-    let Measured { motors, supply_mv, supply_counts } = record.stage().unwrap_or_default();
+    let stage = record.stage().unwrap_or_default();
     let share = |part: i16, of: u16| f64::from(part) / f64::from(of.max(1));
-    let currents = motors.map(|motor| share(motor.mean, 32767));
-    let voltages = motors.map(|motor| share(motor.voltage, supply_counts));
+    let currents = stage.motors.map(|motor| share(motor.mean, 32767));
+    let voltages = stage.motors.map(|motor| share(motor.voltage, stage.supply_counts));
     let values = [period_s * f64::from(record.tick())].into_iter();
     let values = values.chain(of.of_peer(record.of_peer())).chain([f64::from(record.flags())]);
     let values = values.chain(record.counts().map(|counts| counts.0.into()));
     let values = values.chain(record.duties().map(|duty| share(duty.0, 32767)));
     let values = values.chain(of.recorded.iter().map(|quantity| record.number(quantity.word).into()));
-    let values = values.chain(currents).chain(voltages).chain([f64::from(supply_mv) / 1e3]);
+    let values = values.chain(currents).chain(voltages).chain([f64::from(stage.supply_mv) / 1e3]);
     let mut row = [0.0; N];
     row.iter_mut().zip(values).for_each(|(to, from)| *to = from);
     row

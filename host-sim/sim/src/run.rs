@@ -169,9 +169,13 @@ pub(crate) fn run_from<S: Scalar<Counter = f64> + Builds<SHARED, N>, const SHARE
     let impacts = (scene.peer.contact.rendering == RenderingName::Impulsive).then(|| {
         pair.sides().map(|side| {
             // Along the first axis: such contact is refused along several.
-            let Impacts { count, wanted_n_s, delivered_n_s, lost_j } = side.peer.impacts()[0];
-            let [wanted_n_s, delivered_n_s, lost_j] = [wanted_n_s, delivered_n_s, lost_j].map(S::to_f64);
-            Impacts { count, wanted_n_s, delivered_n_s, lost_j }
+            let along = side.peer.impacts()[0];
+            Impacts {
+                count: along.count,
+                wanted_n_s: along.wanted_n_s.to_f64(),
+                delivered_n_s: along.delivered_n_s.to_f64(),
+                lost_j: along.lost_j.to_f64(),
+            }
         })
     });
     let packets_per_s = pair.packets_per_s();

@@ -54,6 +54,8 @@ pub struct Inputs {
     pub encoder: Option<(usize, as5047p::Planted)>,
     /// So many triggers do not reach the first converter.
     pub misses: Option<u32>,
+    /// What the divider of a motor's thermistor reads (PA6), of 65536; nothing after a reset, as shorted.
+    pub thermistor: Option<u16>,
     /// The chip's supply dips below what its voltage detector is set to.
     pub supply_dips: bool,
     /// The external clock stops for a moment.
@@ -295,6 +297,7 @@ impl Driver<Nucleo> for Stepper {
         given(inputs.controller, |planted| part.can.controller.planted = planted);
         given(inputs.counts_per_rev, |counts| part.can.controller.counts_per_rev = counts);
         given(inputs.encoder, |(joint, planted)| part.on_spi()[joint].planted = planted);
+        given(inputs.thermistor, |to| part.converters[1].thermistor = to);
         given(inputs.misses, |misses| part.converters[0].misses = misses);
         if inputs.clock_stops {
             part.stop_clock(at);

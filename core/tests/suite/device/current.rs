@@ -6,7 +6,7 @@ use haptic_core::device::current::{
     Controller, CurrentLoop, Gains, MOST_VOLTAGE, PWM_PERIOD_S, Sensor, lag_s, periods_per_tick,
 };
 use haptic_core::device::motor::Duty;
-use haptic_core::device::thermal::{Heat, Thermal};
+use haptic_core::device::thermal::{HOT, Heat, Thermal, Thermistor};
 use haptic_core::settings::{Settings, Value};
 use proptest::prelude::*;
 
@@ -283,4 +283,33 @@ fn a_pause_forgives_no_sooner_than_the_winding_cools() {
     // From half of 4 A² to 4 A², toward 16 A².
     let exact = 30.0 * (14.0 / 12.0_f64).ln();
     assert!((1e-3 * f64::from(again) - exact).abs() < 0.02 * exact, "{again} {exact} {hot:?}");
+}
+
+/// What the divider of a thermistor of 10 kΩ and this B (K) reads at a temperature, °C, below 10 kΩ.
+fn divided(b_k: f64, celsius: f64) -> u16 {
+    let ohms = 10e3 * (b_k / (celsius + 273.15) - b_k / (25.0 + 273.15)).exp();
+    (65536.0 * ohms / (ohms + 10e3)).round() as u16
+}
+
+#[test]
+fn a_thermistor_shows_from_where_the_force_falls_to_the_limit() {
+    let mut settings = Settings::default();
+    assert_eq!(Thermistor::build(&settings), None);
+    settings.motor.thermistor = true;
+    // The example of docs/hardware.md.
+    assert_eq!(Thermistor::build(&settings).unwrap().code(divided(3950.0, 65.0)), 64 - 30);
+    for (b_k, most_c) in [(3950.0, 80.0), (2500.0, 40.0), (2500.0, 125.0), (4500.0, 40.0), (4500.0, 125.0)] {
+        (settings.motor.thermistor_b_k, settings.motor.max_temperature_c) = (b_k, most_c);
+        let thermistor = Thermistor::build(&settings).unwrap();
+        let at = |celsius: f64| thermistor.code(divided(b_k, celsius));
+        let near_c = 0.5 * (25.0 + most_c);
+        assert_eq!([-39.0, 25.0, near_c].map(at), [0; 3], "{b_k} K, {most_c} °C");
+        assert_eq!([most_c + 0.02, most_c + 5.0].map(at), [HOT; 2], "{b_k} K, {most_c} °C");
+        // A step is at most a 62nd of twice the way: the curve is steeper where it is cooler.
+        let step_c = 2.0 * (most_c - near_c) / f64::from(HOT);
+        let codes: Vec<u8> = (0..=1000).map(|part| at(near_c + 1e-3 * f64::from(part) * (most_c - near_c))).collect();
+        assert!(codes.is_sorted() && at(near_c + step_c) >= 1 && at(most_c - 2.0 * step_c) < HOT, "{codes:?}");
+        assert_eq!([0, 1023, 64_512, 65_535].map(|read| thermistor.code(read)), [HOT + 1; 4]);
+        assert_eq!([1024, 64_511].map(|read| thermistor.code(read)), [HOT, 0]);
+    }
 }

@@ -250,8 +250,9 @@ fn fault_numbers_never_change() {
         Fault::EncoderSilent,
         Fault::EncoderMagnet,
         Fault::Halted,
+        Fault::Thermistor,
     ];
-    assert!(faults.map(Fault::number).into_iter().eq((1..=22).chain([31]).chain(64..=72)));
+    assert!(faults.map(Fault::number).into_iter().eq((1..=22).chain([31]).chain(64..=73)));
     assert_eq!(Fault::ALL, faults);
     assert!((0..=255).all(|number| Fault::from_number(number).is_none_or(|fault| fault.number() == number)));
 }

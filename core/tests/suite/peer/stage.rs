@@ -4,6 +4,7 @@ use haptic_core::device::encoder::Counts;
 use haptic_core::device::motor::Duty;
 use haptic_core::device::probe::{Probe, Request, Shape};
 use haptic_core::device::stage::{Flow, Measured};
+use haptic_core::device::thermal;
 use haptic_core::device::velocity::VelocityName;
 use haptic_core::device::{AXES, Reading};
 use haptic_core::num::{Fixed, Motion, Scalar};
@@ -84,7 +85,8 @@ impl<S: Scalar> Rig<S> {
                 let volts = OHM * f64::from(code) / CODES + EMF * speeds[axis];
                 Flow { mean: code, last: code, voltage: (volts / SUPPLY.0 * f64::from(SUPPLY.1)).round() as i16 }
             };
-            let measured = Measured { motors: [flow(0), flow(1)], supply_mv: 24_000, supply_counts: SUPPLY.1 };
+            let measured =
+                Measured { motors: [flow(0), flow(1)], supply_mv: 24_000, supply_counts: SUPPLY.1, thermistor: 0 };
             let mut truth = True { counts: [200.0 * self.speed * f64::from(self.tick), 0.0], measured };
             self.tick += 1;
             spoil(&mut truth);
@@ -174,6 +176,34 @@ every_number! {
             }
         });
         assert!(fault.is_some_and(|(_, fault)| fault == Fault::MotorTooWarm), "{}: {fault:?}", S::NAME);
+    }
+
+    /// A thermistor takes force away, a 64th for each code; at 62, 10 ms long, the motor is too warm. One that is open or shorted stops the
+    /// motors after 10 ms.
+    fn a_thermistor_takes_force_away<S: Scalar>() {
+        let shows = |code: u8| move |truth: &mut True| truth.measured.thermistor = code;
+        let settings = settings();
+        let full = settings.safety.max_force_n / settings.motor.newton_or_newton_metre_per_a * CODES;
+        let mut rig = Rig::<S>::armed(&settings, 0.0);
+        for code in 1..thermal::HOT {
+            assert_eq!(rig.run(20, shows(code)), None, "{}: {code}", S::NAME);
+            let left = full * (1.0 - f64::from(code) / 64.0);
+            let given = f64::from(rig.duties[1].0);
+            assert!((given - left.min(ASKED.into())).abs() < 8.0, "{}: {code}: {given}, {left}", S::NAME);
+        }
+        assert_eq!(rig.run(100, shows(thermal::HOT)), Some((10, Fault::MotorTooWarm)), "{}", S::NAME);
+        let mut rig = Rig::<S>::armed(&settings, 0.0);
+        assert_eq!(rig.run(9, shows(63)), None);
+        assert!(f64::from(rig.duties[1].0) < full / 63.0);
+        assert_eq!(rig.run(10, shows(63)), Some((1, Fault::Thermistor)), "{}", S::NAME);
+        // Nor does it arm again.
+        rig.bench.command(Command::Clear);
+        assert_eq!(rig.run(10, shows(63)), Some((10, Fault::Thermistor)), "{}", S::NAME);
+        rig.bench.command(Command::Clear);
+        assert_eq!(rig.run(40, shows(0)), None);
+        rig.bench.command(Command::Arm);
+        assert_eq!(rig.run(100, shows(0)), None);
+        assert_eq!(rig.duties[1], Duty(ASKED));
     }
 
     /// Tolerated are 2 % of 5.5 A, 0.11 A, and an eighth of 2.25 A: 0.391 A.

@@ -220,15 +220,15 @@ pub(super) fn open(told: &Told, silent: Duration) -> Result<Box<dyn Port>, Error
 
 /// [`open`], of a board that shares `SHARED` axes.
 fn talk<const SHARED: usize, const N: usize>(told: &Told, silent: Duration) -> Result<Box<dyn Port>, Error> {
-    let Told { at, listen, key, scene } = told;
+    let (listen, scene) = (&told.listen, &told.scene);
     let cannot = haptic_sim::Error::cannot::<std::io::Error>("listen on", listen);
     let socket = UdpSocket::bind(listen).map_err(&cannot)?;
     socket.set_nonblocking(true).map_err(&cannot)?;
     let begin = |number: u8| -> Result<Talk<SHARED>, Error> {
         Ok(Talk {
             socket: socket.try_clone().map_err(&cannot)?,
-            board: *at,
-            line: Line::open(scene, 3 - number, key.clone(), entropy()?)?,
+            board: told.at,
+            line: Line::open(scene, 3 - number, told.key.clone(), entropy()?)?,
             begun: Instant::now(),
             period: Duration::from_secs_f64(scene.peer.timing.control_period_s),
             ticks: 0,
@@ -250,7 +250,7 @@ fn talk<const SHARED: usize, const N: usize>(told: &Told, silent: Duration) -> R
         both.iter_mut().for_each(Talk::speak);
         std::thread::sleep(LOOK);
         while let Ok((length, from)) = socket.recv_from(&mut datagram) {
-            for talk in both.iter_mut().filter(|_| from == *at) {
+            for talk in both.iter_mut().filter(|_| from == told.at) {
                 let mut copy = datagram;
                 talk.take(&mut copy[..length]);
             }
@@ -270,7 +270,7 @@ fn talk<const SHARED: usize, const N: usize>(told: &Told, silent: Duration) -> R
             }
             None => "does not answer, or holds another key, or sends elsewhere (network.peer)".to_owned(),
         };
-        return Err(format!("the board at {at} {why}").into());
+        return Err(format!("the board at {} {why}", told.at).into());
     };
     let number = found as u8 + 1;
     let [one, two] = both;
@@ -279,7 +279,7 @@ fn talk<const SHARED: usize, const N: usize>(told: &Told, silent: Duration) -> R
     let (safety, timing) = (&peers[found].safety, &scene.peer.timing);
     let falls_s = safety.max_force_n / STEP_N * timing.control_period_s;
     let abilities = Abilities {
-        name: format!("board {number} at {at}"),
+        name: format!("board {number} at {}", told.at),
         axes: SHARED,
         workspace_m: Some([2.0 * safety.workspace_m; AXES]),
         max_force_n: Some(safety.max_force_n),

@@ -108,7 +108,7 @@ impl<F: Figure> ObjectPort<F> {
 
     /// With what `of` makes of each number.
     pub(crate) fn map<G>(&self, of: impl Fn(F) -> G) -> ObjectPort<G> {
-        let PortEnergy { received_j, sent_j, to_object_j, from_object_j, stored_j, made_j } = self.booked;
+        let booked = self.booked;
         ObjectPort {
             period_s: of(self.period_s),
             stiffness_n_per_m: of(self.stiffness_n_per_m),
@@ -116,12 +116,12 @@ impl<F: Figure> ObjectPort<F> {
             net_j: of(self.net_j),
             balance_j: of(self.balance_j),
             booked: PortEnergy {
-                received_j: of(received_j),
-                sent_j: of(sent_j),
-                to_object_j: of(to_object_j),
-                from_object_j: of(from_object_j),
-                stored_j: of(stored_j),
-                made_j: of(made_j),
+                received_j: of(booked.received_j),
+                sent_j: of(booked.sent_j),
+                to_object_j: of(booked.to_object_j),
+                from_object_j: of(booked.from_object_j),
+                stored_j: of(booked.stored_j),
+                made_j: of(booked.made_j),
             },
         }
     }

@@ -98,7 +98,7 @@ pub(super) fn measured<const N: usize>(drives: &[Drive; N], supply_counts: u16) 
         return None;
     }
     let supply_mv = (1e3 * drives.first()?.winding.supply_v).round() as u16;
-    Some(Measured { motors: flows.map(Option::unwrap_or_default), supply_mv, supply_counts })
+    Some(Measured { motors: flows.map(Option::unwrap_or_default), supply_mv, supply_counts, thermistor: 0 })
 }
 
 /// What a tick wants of a drive.

@@ -60,6 +60,8 @@ pub struct Converter {
     ended: Option<EventId>,
     /// Groups that were asked for while one was under way.
     pub missed: u64,
+    /// What channel 3 reads, a motor's thermistor, of 65536: nothing after a reset.
+    pub thermistor: u16,
     /// So many triggers do not reach it.
     pub misses: u32,
 }
@@ -94,6 +96,7 @@ impl Converter {
             15 => self.code(reads[0]),
             10 => self.code(reads[1]),
             5 => self.code(reads[2]),
+            3 => self.code(self.thermistor),
             _ => 0,
         })
     }

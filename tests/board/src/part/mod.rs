@@ -148,6 +148,8 @@ impl Part {
         // One clock is on for both (RM0433 §8.7.46).
         let message_memory = chip.bus_mut().add_window(memory.gated(ClockGate::by("RCC", "APB1HENR", "FDCANEN")))?;
         let slot = |name| chip.bus().slot(name);
+        let ports = "GPIOA GPIOB GPIOC GPIOD GPIOE GPIOF GPIOG".split(' ').map(slot);
+        let ports = ports.collect::<Result<Vec<usize>, _>>()?;
         let slots = Slots {
             mac: slot("Ethernet_MAC")?,
             dma: slot("Ethernet_DMA")?,
@@ -159,15 +161,7 @@ impl Part {
             can: slot("FDCAN1")?,
             message_memory,
             encoders: [slot("TIM3")?, slot("TIM4")?, slot("TIM2")?],
-            gpio: [
-                slot("GPIOA")?,
-                slot("GPIOB")?,
-                slot("GPIOC")?,
-                slot("GPIOD")?,
-                slot("GPIOE")?,
-                slot("GPIOF")?,
-                slot("GPIOG")?,
-            ],
+            gpio: ports.try_into().expect("seven ports"),
             tim1: slot("TIM1")?,
             rng: slot("RNG")?,
             usart3: slot(usart::INSTANCES[USART3])?,

@@ -65,6 +65,93 @@ fn a_motor_that_is_held_gives_way_before_it_is_too_warm() {
     bench.finish();
 }
 
+/// What a thermistor of 10 kΩ and 3950 K reads below 10 kΩ at a temperature, °C.
+fn divided(celsius: f64) -> u16 {
+    let ratio = (3950.0 / (celsius + 273.15) - 3950.0 / 298.15).exp();
+    (65536.0 * ratio / (1.0 + ratio)) as u16
+}
+
+/// Two boards with thermistors that read this, armed, with little force.
+fn with_thermistors(firmware: &Arc<Firmware>, scene: &Scene, reads: u16) -> Bench {
+    let mut bench = Bench::start(firmware, 2, Line::default());
+    (1..=2).for_each(|number| bench.input(number).thermistor = Some(reads));
+    bench.set_up(scene).expect("the boards take the scene");
+    bench.arm();
+    bench.run_for_ms(200);
+    bench
+}
+
+/// Both users push, and motor 1 of the first board warms: its force falls to what its temperature leaves, and fault 16 ends it at the limit. A
+/// record has what the tick read, so host-sim computes the same bits from it. One that is open or shorted is a fault, with the motors on or off.
+#[test]
+fn a_motor_with_a_thermistor_loses_force_before_it_is_too_warm() {
+    const MOST_N: f64 = 4.0;
+    let set = ["user.1.push_n=2", "user.2.push_n=2", "motor.thermistor=true"];
+    let limits = ["safety.max_force_n=4", "safety.stuck_duty=0.04"];
+    let (firmware, scene) = (Arc::new(Firmware::release()), scene(&[&set[..], &limits[..]].concat()));
+    let mut bench = with_thermistors(&firmware, &scene, divided(25.0));
+    let newton = |record: &Record| {
+        let motor = &scene.peer.motor;
+        f64::from(record.duties()[0].0.unsigned_abs()) / 32767.0
+            * motor.full_scale_a
+            * motor.newton_or_newton_metre_per_a
+    };
+    let [near, hot] = [52.5, 80.0].map(|celsius| f64::from(divided(celsius)));
+    for celsius in [25.0, 50.0, 60.0, 66.0, 70.0, 74.0, 78.0, 79.5, 25.0, 78.0] {
+        bench.input(1).thermistor = Some(divided(celsius));
+        bench.run_for_ms(200);
+        let last = bench.armed_ticks(1).last().expect("a tick");
+        let exact = (62.0 * (near - f64::from(divided(celsius))) / (near - hot)).max(0.0);
+        let code = f64::from(last.stage().expect("a current loop").thermistor);
+        let (given, left) = (newton(last), MOST_N * (1.0 - code / 64.0));
+        println!("{celsius} °C: {given:.3} N of {left:.3} N");
+        assert!((code - exact).abs() < 1.0, "{celsius} °C: {code}, {exact}");
+        assert!(given < left + 0.001 && (left > 1.5 || given > left - 0.01), "{celsius} °C: {given} N, {left} N");
+        assert!(bench.stopped[0].bridges.on(), "{celsius} °C: {}", bench.ask(1, "status"));
+    }
+    let records = bench.armed_ticks(1);
+    let ticks = records.len() as u64;
+    assert!(ticks > 2000 && records.windows(2).all(|two| two[1].tick() == two[0].tick() + 1));
+    assert_eq!(twin::replay(&scene.peers()[0], records), Equal { ticks, first_difference: None });
+
+    for (what, reads, fault) in [("80.1 °C", divided(80.1), 16), ("open", u16::MAX, 73), ("shorted", 0, 73)] {
+        bench.input(1).thermistor = Some(reads);
+        let off = (1..100).find(|_| {
+            bench.step();
+            !bench.stopped[0].bridges.on()
+        });
+        assert!(off.is_some_and(|ms| ms <= 14), "{what}: off after {off:?} ms");
+        let says = |bench: &mut Bench| bench.ask(1, "status").contains(&format!(" fault {fault} "));
+        assert!(says(&mut bench), "{what}: {}", bench.ask(1, "status"));
+        // With the motors off it is seen, too.
+        assert_eq!(bench.ask(1, "clear"), "ok disarmed", "{what}");
+        bench.run_for_ms(20);
+        assert!(says(&mut bench), "{what}: {}", bench.ask(1, "status"));
+        bench.input(1).thermistor = Some(divided(25.0));
+        bench.run_for_ms(20);
+        breaks::arm_again(&mut bench, what);
+        bench.run_for_ms(20);
+        println!("{what}: off after {off:?} ms");
+    }
+    bench.finish();
+}
+
+/// Without a current loop no converter reads one.
+#[test]
+fn a_thermistor_needs_a_current_loop() {
+    let mut bench = Bench::start(&Arc::new(Firmware::release()), 1, Line::default());
+    bench.hold_buttons(true);
+    bench.run_for_ms(100);
+    for line in ["set motor.drive amplifier", "set motor.thermistor true"] {
+        assert!(bench.ask(1, line).starts_with("ok"), "{line}");
+    }
+    let answer = bench.ask(1, "apply");
+    assert!(answer.starts_with("error ") && answer.contains("because only a current loop reads one"), "{answer}");
+    assert!(bench.ask(1, "set motor.thermistor false").starts_with("ok"));
+    assert_eq!(bench.ask(1, "apply"), "ok applied");
+    bench.finish();
+}
+
 /// A PWM period, ns.
 const PWM_NS: u64 = 50_000;
 
