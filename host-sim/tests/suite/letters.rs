@@ -144,5 +144,5 @@ fn every_figure_can_be_read_on_a_page() {
 
 #[test]
 fn every_picture_of_the_docs_can_be_read() {
-    are_readable(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs"), 14, true);
+    are_readable(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs"), 15, true);
 }
