@@ -225,8 +225,9 @@ impl<S: Scalar> StageWatch<S> {
         let largest = |each: [S; N]| each.into_iter().fold(S::ZERO, |largest, one| largest.max(one.abs()));
         let codes = largest(asked.map(|duty| S::from_i32(duty.0.into())));
         let lasting = if codes >= S::ONE { self.lasting.ratio(codes.max(S::ONE)) * largest(forces) } else { full };
-        // A 64th less for each code of the thermistor.
-        let cool = S::from_i32(64_u8.saturating_sub(state.thermistor).into()) * S::from_f64(1.0 / 64.0);
+        // A 64th less for each code of the thermistor. Whatever an integer is there, it is a share, which the proofs look for.
+        let left = S::from_i32(64_u8.saturating_sub(state.thermistor).into());
+        let cool = (left * S::from_f64(1.0 / 64.0)).limit(S::ONE).max(S::ZERO);
         (full * envelope::left(state.warmth) + lasting).min(full * cool)
     }
 
