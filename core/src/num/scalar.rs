@@ -281,6 +281,7 @@ impl Scalar for Fixed {
         let (sine, cosine) = Scalar::sin_cos(self.to_f64());
         (Self::from_f64(sine), Self::from_f64(cosine))
     }
+    // A division of 128 bits is a call anyway.
     #[inline(never)]
     fn ratio(self, divisor: Self) -> Self {
         if divisor == Self::ZERO { divisor } else { Self(self.0.saturating_div(divisor.0)) }

@@ -1,6 +1,6 @@
 //! The current loop: ADC1 samples both motors' currents and the supply at the start of every PWM period, ADC2 the currents and a motor's
-//! thermistor in its middle, and the
-//! interrupt at the end of the first, 20,000 times a second, gives both bridges their voltages for the next period.
+//! thermistor in its middle. The interrupt at the end of the first, 20,000 times a second, gives both bridges their voltages for the next
+//! period.
 //!
 //! **Which sample**: a sensor rides on its bridge's first leg, and needs 9.8 µs after each edge of it (TI, INA240: host-sim/sim/src/plant/drive.rs).
 //! That leg rises (1 + V)·12.5 µs before a period begins and falls (1 − V)·12.5 µs before its middle, for a voltage of V of the supply. So
@@ -442,8 +442,8 @@ impl Stage {
     #[inline(always)]
     fn said(&mut self, power: &Power, motors: [Flow; AXES], supply_read: u32) -> Measured {
         self.supply_mv = millivolts(supply_read);
-        let read = pac::ADC2.jdr(AXES).read().jdata() as u16;
-        let thermistor = power.thermistor.map_or(0, |thermistor| thermistor.code(read));
+        let read = || pac::ADC2.jdr(AXES).read().jdata() as u16;
+        let thermistor = power.thermistor.map_or(0, |thermistor| thermistor.code(read()));
         Measured { motors, supply_mv: self.supply_mv as u16, supply_counts: legs::COUNTS, thermistor }
     }
 

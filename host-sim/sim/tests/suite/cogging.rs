@@ -2,9 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use haptic_sim::Laws;
 use haptic_sim::pair::Pair;
 use haptic_sim::scene::Scene;
+
+use crate::friction::{WOUND, pulled};
 
 /// Amplitude, N; period, m; damping of the device, N·s/m.
 const COGGING_N: f64 = 0.5;
@@ -13,30 +14,17 @@ const DAMPING: f64 = 5.0;
 
 /// A device at a detent, of which the motor cancels so much (N), which its user pulls away from the object.
 fn scene(cancelled_n: f64, pull_n: f64, more: &[&str]) -> Scene {
-    let keys = [
-        "plant.encoder=true",
-        "plant.motor=true",
-        "axis.velocity=filtered",
-        "encoder.counts_per_m=200000",
-        "encoder.index=true",
-        "contact.one_sided=true",
-        "user.1.sine_n=0",
-        "user.2.sine_n=0",
-    ];
     let own = [
         format!("device.damping_n_s_per_m={DAMPING}"),
-        format!("user.1.push_n={}", -pull_n),
+        "encoder.index=true".to_owned(),
         format!("plant.cogging_n_or_n_m={COGGING_N}"),
         format!("plant.cogging_at_m_or_rad={}", 0.5 * PERIOD_M),
         format!("motor.cogging_n_or_n_m={cancelled_n}"),
         format!("motor.cogging_period_m_or_rad={PERIOD_M}"),
         format!("motor.cogging_at_m_or_rad={}", 0.5 * PERIOD_M),
     ];
-    let keys: Vec<String> = keys.iter().chain(more).map(|key| (*key).to_owned()).chain(own).collect();
-    Scene::load(Laws::built_in(), None, &keys).unwrap_or_else(|why| panic!("{why}"))
+    pulled(pull_n, more, &own)
 }
-
-const WOUND: [&str; 2] = ["plant.winding=true", "plant.drive=current"];
 
 /// Where device 1 is in each of the ticks of three seconds, m.
 fn places(scene: &Scene) -> Vec<f64> {
@@ -136,8 +124,7 @@ fn damping_has_to_make_up_for_the_delay() {
 #[test]
 fn cogging_is_conservative() {
     let free = ["device.damping_n_s_per_m=0", "plant.encoder=false", "plant.motor=false", "axis.velocity=measured"];
-    let scene = scene(0.0, 0.05, &[]);
-    let mut scene = scene.clone();
+    let mut scene = scene(0.0, 0.05, &[]);
     for key in free {
         scene.apply_override(key).expect("a good key");
     }

@@ -4,24 +4,30 @@ use haptic_sim::Laws;
 use haptic_sim::pair::Pair;
 use haptic_sim::scene::Scene;
 
-/// A device with 0.5 N of dry friction and 5 N·s/m, encoders of 5 µm and a current loop, which its user pulls away from the object.
-fn scene(taken_n: f64, pull_n: f64, more: &[&str]) -> Scene {
+/// A current loop.
+pub(crate) const WOUND: [&str; 2] = ["plant.winding=true", "plant.drive=current"];
+
+/// A device with a motor and encoders of 5 µm, which its user pulls away from the object. `own` keys come last.
+pub(crate) fn pulled(pull_n: f64, more: &[&str], own: &[String]) -> Scene {
     let keys = [
         "plant.encoder=true",
         "plant.motor=true",
-        "plant.winding=true",
-        "plant.drive=current",
         "axis.velocity=filtered",
         "encoder.counts_per_m=200000",
-        "plant.coulomb_n=0.5",
-        "device.damping_n_s_per_m=5",
         "contact.one_sided=true",
         "user.1.sine_n=0",
         "user.2.sine_n=0",
     ];
-    let own = [format!("motor.friction_n={taken_n}"), format!("user.1.push_n={}", -pull_n)];
-    let keys: Vec<String> = keys.iter().chain(more).map(|key| (*key).to_owned()).chain(own).collect();
-    Scene::load(Laws::built_in(), None, &keys).expect("a good scene")
+    let pull = [format!("user.1.push_n={}", -pull_n)];
+    let keys = keys.iter().chain(more).map(|key| (*key).to_owned());
+    let keys: Vec<String> = keys.chain(pull).chain(own.iter().cloned()).collect();
+    Scene::load(Laws::built_in(), None, &keys).unwrap_or_else(|why| panic!("{why}"))
+}
+
+/// One with 0.5 N of dry friction, 5 N·s/m and a current loop.
+fn scene(taken_n: f64, pull_n: f64, more: &[&str]) -> Scene {
+    let device = ["plant.coulomb_n=0.5", "device.damping_n_s_per_m=5"];
+    pulled(pull_n, &[&WOUND, &device, more].concat(), &[format!("motor.friction_n={taken_n}")])
 }
 
 /// Speed of device 1 after a second, m/s, and how far it has come, m.
