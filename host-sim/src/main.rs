@@ -1,5 +1,5 @@
-//! The `host-sim` command: see `host_sim::Cli`.
+//! The `host-sim` command: see `host_sim::command_line`.
 
 fn main() -> std::process::ExitCode {
-    host_sim::Cli::default().main()
+    host_sim::command_line().main()
 }

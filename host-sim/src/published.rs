@@ -8,12 +8,15 @@
 //! that the paper's result comes out; the second only that what is built does what its equation says, and no author ever measured it. Most of these papers are
 //! not to be had in public text, so that most rows are of the second kind. Further than 5 % off needs a reason, in the row.
 
+mod command;
 pub(crate) mod measure;
 
+use haptic_cli::columns::TableKind;
 use haptic_core::names::Choice;
 use haptic_report::Columns;
 use rayon::prelude::*;
 
+pub(crate) use self::command::Papers;
 use self::measure as of;
 use haptic_studies::Error;
 
@@ -76,7 +79,7 @@ pub(crate) const NUMBERS: &[Number] = &[
         why: "it is F_T/K_T in any model, and 1 N over 310 N/m is 3.23 mm; 3.5 mm are a mean push of 1.09 N" },
     Number { law: "power", paper: COOPERATION, place: "§5.1, Fig. 6", what: "largest gain, 16 ms round trip", unit: "N/m", says: Printed,
         theirs: || 310.0, ours: || of::boundary_n_per_m("power", 310.0),
-        why: "an experiment's largest stable gain lies inside the region; what the paper leaves open moves its boundary (`host-sim reproduce`)" },
+        why: "an experiment's largest stable gain lies inside the region; what the paper leaves open moves its boundary (`host-sim paper reproduce`)" },
     Number { law: "wave", paper: COOPERATION, place: "§5.2, Fig. 9", what: "mean position discrepancy at 1590 N/m", unit: "mm", says: Printed,
         theirs: || 0.644, ours: || of::discrepancy_mm("wave"), why: "" },
     Number { law: "wave", paper: COOPERATION, place: "§5.1, Fig. 6", what: "largest gain, 16 ms round trip", unit: "N/m", says: Printed,
@@ -158,6 +161,11 @@ pub(crate) fn columns(rows: &[Row]) -> Columns {
         .value("why", |row| Some(row.number.why).filter(|why| !why.is_empty()))
         .means("why it is more than 5 % off")
         .done()
+}
+
+/// Its kind of table.
+pub(crate) fn tables() -> Vec<TableKind> {
+    vec![TableKind::new("published", "`paper published --json`", "a number of a law's paper", columns(&[]))]
 }
 
 #[cfg(test)]

@@ -69,6 +69,9 @@ impl Key {
         Self(bytes)
     }
 
+    /// The largest number of a line.
+    pub const MOST_LINES: u32 = 4096;
+
     /// The key of line `number` of a server whose own key is this one: one key for each client, so that a client that is
     /// opened gives up its own line and no other. Line 0 has the key itself.
     pub fn line(&self, number: u32) -> Self {

@@ -1,4 +1,4 @@
-//! What cargo compiles, counted against ceilings of `xtask/rooms.txt`, and the times that are noted there.
+//! What cargo compiles, counted against ceilings of `xtask/ceilings.txt`, and the times that are noted there.
 //!
 //! Nothing is built: cargo says what each call would compile (its unit graph, which it calls unstable). Two compilations are one if their
 //! packages, targets, profiles, features and dependencies are the same.

@@ -201,7 +201,7 @@ what is measured, and what it must be. The runner is that of the virtual boards;
         options: " [--bless]",
         does: "Checks size and dependencies of each package, and what cargo compiles, against ceilings that only fall",
         more: "Lines are code as rustfmt sets it, 100 wide, without comments and blank lines. Nothing is built. Fails if a row of
-xtask/rooms.txt is above its ceiling or 3 % below, if the ceilings of a group sum to more than in an earlier commit, if a package
+xtask/ceilings.txt is above its ceiling or 3 % below, if the ceilings of a group sum to more than in an earlier commit, if a package
 does not lean on what its row says, or if one of the heart newly leans on a guest. A row may rise when others of its group fall.
   --bless   lower each ceiling that is 3 % too high, and raise none",
         run: |given| rooms::rooms(&test::calls(&setup::setup()?), given.flag("--bless")),

@@ -36,7 +36,7 @@ pub(crate) fn recordings() -> Result<(), Failure> {
     }
     for name in ["memory", "peer-1", "peer-2"] {
         let [recording, table] = ["mcap", "csv"].map(|ending| file(&format!("{name}.{ending}")));
-        run(host_sim(&["convert", "--json"]).arg(&recording).arg(&table))?;
+        run(host_sim(&["recording", "convert", "--json"]).arg(&recording).arg(&table))?;
         let mut check = command(&python.to_string_lossy(), &["tests/recordings/check.py"]);
         run(check.arg(recording).arg(table))?;
     }

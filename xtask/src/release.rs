@@ -106,7 +106,7 @@ pub(crate) fn release(given: &Options<'_>) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Levels of x86-64 that the command line is built for once more each (host-sim/src/cli/vectors.rs).
+/// Levels of x86-64 that the command line is built for once more each (host-sim/cli/src/vectors.rs).
 const WIDER: [&str; 2] = ["x86-64-v3", "x86-64-v4"];
 /// The sums' own file.
 const SUMS: &str = "SHA256SUMS";

@@ -1,4 +1,4 @@
-//! `cargo xtask rooms`: ceilings that only fall, from `xtask/rooms.txt`, and the packages that each package leans on.
+//! `cargo xtask rooms`: ceilings that only fall, from `xtask/ceilings.txt`, and the packages that each package leans on.
 //!
 //! A row's ceiling is the most that it may measure: formatted code lines of a package (`lines.rs`), or a count of what cargo
 //! compiles (`builds.rs`). A group's ceiling is the sum of its rows, and it is never higher than in an earlier version of the file.
@@ -17,7 +17,7 @@ use crate::run::{self, Failure, command, read};
 use crate::{builds, lines};
 
 /// Ceilings and dependencies, under review.
-pub(crate) const FILE: &str = "xtask/rooms.txt";
+pub(crate) const FILE: &str = "xtask/ceilings.txt";
 
 /// A package or a count: its group, its ceiling, and the packages that it leans on.
 #[derive(Debug, PartialEq)]

@@ -7,7 +7,7 @@ use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
 use haptic_live::Error;
-use haptic_live::devices::{AXES, Abilities, DeviceOptions, Gone, Port, Sensed, stopped};
+use haptic_live::devices::{AXES, Abilities, DeviceOptions, Gone, Port, Sensed, Settings, stopped};
 
 struct Handle {
     abilities: Abilities,
@@ -17,7 +17,7 @@ struct Handle {
     newest: Option<(Sensed, f64)>,
 }
 
-fn open(at: &str, _: &DeviceOptions) -> Result<Box<dyn Port>, Error> {
+fn open(at: &str, _: &DeviceOptions, _: &Settings) -> Result<Box<dyn Port>, Error> {
     let line = TcpStream::connect(at).map_err(|cause| format!("the handle at {at}: {cause}"))?;
     line.set_nonblocking(true).and_then(|()| line.set_nodelay(true)).map_err(|cause| cause.to_string())?;
     let (name, lets_go_s, max_force_n) = (format!("handle at {at}"), Some(0.02), Some(5.0));
@@ -56,5 +56,5 @@ impl Port for Handle {
 }
 
 fn main() -> std::process::ExitCode {
-    host_sim::Cli::default().with_device("handle", open).main()
+    host_sim::command_line().with_device("handle", open).main()
 }

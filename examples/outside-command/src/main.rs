@@ -36,5 +36,5 @@ fn delays(asked: &Delays, laws: Laws) -> Result<Columns, Box<dyn Error + Send + 
 }
 
 fn main() -> std::process::ExitCode {
-    host_sim::Cli::default().with_command("delays", delays).main()
+    host_sim::command_line().with_command("delays", delays).main()
 }

@@ -70,5 +70,5 @@ impl haptic_sim::Family for Outside {
 }
 
 fn main() -> std::process::ExitCode {
-    host_sim::Cli::new(host_sim::laws().with::<Outside>()).main()
+    host_sim::command_line().with_laws(host_sim::laws().with::<Outside>()).main()
 }

@@ -21,7 +21,7 @@ fn parts(data: &[u8]) -> Vec<String> {
     parts
 }
 
-/// The crate's own frame of the same command: what the host side sends (host-sim/live/src/devices/moteus.rs).
+/// The crate's own frame of the same command: what the host side sends (host-sim/guests/devices/src/moteus.rs).
 fn theirs(torque_nm: f32, most_nm: f32) -> Vec<u8> {
     let mut frame = CanFdFrame::new();
     let mut format = PositionFormat::default();

@@ -29,7 +29,7 @@
 //! (`force_n.mean`, `energy.0.sent_j`), as pandas' `json_normalize` undoes it. In text the **heading** is the name in words, or
 //! what [`Rows::head`] says, and the unit; numbers have the digits asked for. JSON, CSV and Parquet keep every number exactly.
 //!
-//! Every column that is written to a file has a **meaning**: Parquet carries it beside the unit, and `host-sim columns` prints
+//! Every column that is written to a file has a **meaning**: Parquet carries it beside the unit, and `host-sim recording columns` prints
 //! both from the same declarations, made over no rows.
 //!
 //! | cell | text | JSON | CSV | Parquet |

@@ -20,6 +20,8 @@ pub mod roles;
 #[cfg(feature = "std")]
 pub mod squash;
 #[cfg(feature = "std")]
+pub mod studies;
+#[cfg(feature = "std")]
 pub mod trials;
 #[cfg(feature = "std")]
 pub mod world;

@@ -1,6 +1,6 @@
 //! Addresses of this machine by which others on its networks reach it.
 
-use std::net::Ipv4Addr;
+use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr};
 
 /// An address, and the name of the network interface that has it.
 pub type Named = (String, Ipv4Addr);
@@ -18,4 +18,10 @@ pub fn of_this_machine() -> Vec<Named> {
     }
     #[cfg(not(target_os = "linux"))]
     Vec::new()
+}
+
+/// Any address of this machine from which a datagram can go there.
+pub fn any_towards(to: SocketAddr) -> SocketAddr {
+    let ip = if to.is_ipv4() { Ipv4Addr::UNSPECIFIED.into() } else { Ipv6Addr::UNSPECIFIED.into() };
+    SocketAddr::new(ip, 0)
 }

@@ -92,7 +92,7 @@ impl ReceivedBatch {
     }
 
     /// Leaves what somebody who looks at each, and at how long it has waited, says is to stay, and where he says that it came from.
-    pub(super) fn sift(&mut self, mut stays: impl FnMut(SocketAddr, &[u8], Duration) -> Option<SocketAddr>) {
+    pub fn sift(&mut self, mut stays: impl FnMut(SocketAddr, &[u8], Duration) -> Option<SocketAddr>) {
         let mut kept = 0;
         for at in 0..self.from.len() {
             let (from, length) = self.from[at];
@@ -108,12 +108,12 @@ impl ReceivedBatch {
     }
 
     /// Whether one more can be added.
-    pub(super) fn has_room(&self) -> bool {
+    pub fn has_room(&self) -> bool {
         self.from.len() < MOST
     }
 
     /// Adds what came before and was kept, as far as there is room.
-    pub(super) fn add(&mut self, from: SocketAddr, datagram: &[u8]) {
+    pub fn add(&mut self, from: SocketAddr, datagram: &[u8]) {
         if let Some(room) = self.room.get_mut(self.from.len()) {
             let length = datagram.len().min(ROOM);
             room[..length].copy_from_slice(&datagram[..length]);

@@ -13,14 +13,13 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 use std::{io::ErrorKind, sync::Arc};
 
-use haptic_protocol::key::Key;
 use haptic_sim::engine::{Actor, Out};
 use serde::Serialize;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 
 use super::batch::{MOST, OutgoingBatch, ReceivedBatch};
-use super::carried::{self, Carried, Meeting, Paths};
+use super::road::Road;
 use crate::Error;
 
 /// Longest that an endpoint waits for a datagram before it looks at the clock.
@@ -225,7 +224,7 @@ pub struct Endpoint {
     answers: bool,
     start: Instant,
     /// What finds the path, where the other end is met somewhere.
-    carried: Option<Carried>,
+    road: Option<Arc<dyn Road>>,
     /// Datagrams that the system did not take.
     pub unsent: AtomicU64,
 }
@@ -239,20 +238,18 @@ impl Endpoint {
         Self::open(UdpSocket::bind(listen), listen, false)
     }
 
-    /// [`Endpoint::polled`] that meets the other end: whatever is said to the meeting place's address goes to the other end by the best path,
-    /// and what comes from there comes as from that address. Side 0 is peer 1's.
+    /// [`Endpoint::polled`] on a road under this socket.
     ///
     /// # Errors
-    /// No socket can be opened, or the system gives no random bytes.
-    pub fn carried(listen: Option<SocketAddr>, meeting: &Meeting, key: Key, side: u8) -> Result<Self, Error> {
-        let endpoint = Self::open(carried::open(meeting, listen), listen.unwrap_or(meeting.place), false)?;
-        let carried = Some(Carried::new(&endpoint.socket, meeting, key, side)?);
-        Ok(Self { carried, ..endpoint })
+    /// The socket cannot be set up.
+    pub fn on_road(socket: UdpSocket, road: Arc<dyn Road>) -> Result<Self, Error> {
+        let endpoint = Self::open(Ok(socket), road.address(), false)?;
+        Ok(Self { road: Some(road), ..endpoint })
     }
 
-    /// The paths to the other end, where it is met somewhere.
-    pub fn paths(&self) -> Option<Paths> {
-        self.carried.as_ref().map(|carried| carried.paths.clone())
+    /// The road to the other end, where it is not called at its address.
+    pub fn road(&self) -> Option<Arc<dyn Road>> {
+        self.road.clone()
     }
 
     /// An endpoint that takes each datagram as it comes.
@@ -275,8 +272,8 @@ impl Endpoint {
         #[cfg(target_os = "linux")]
         let _ = nix::sys::socket::setsockopt(&socket, nix::sys::socket::sockopt::ReceiveTimestampns, &true);
         let address = socket.local_addr().map_err(&failed)?;
-        let (carried, unsent) = (None, AtomicU64::new(0));
-        Ok(Self { socket, address, answers, start: Instant::now(), carried, unsent })
+        let (road, unsent) = (None, AtomicU64::new(0));
+        Ok(Self { socket, address, answers, start: Instant::now(), road, unsent })
     }
 
     /// This endpoint with a clock that began at `start`.
@@ -289,7 +286,7 @@ impl Endpoint {
     /// # Errors
     /// The other address is of another family, or this endpoint's own.
     pub fn reaches(&self, to: SocketAddr) -> Result<(), Error> {
-        if self.carried.is_some() {
+        if self.road.is_some() {
             return Ok(());
         }
         let (own, family) = (self.address, |address: SocketAddr| if address.is_ipv4() { "IPv4" } else { "IPv6" });
@@ -320,8 +317,8 @@ impl Endpoint {
 
     /// Sends a datagram; one that the system does not take now is late, and a network may lose it as well. Whether it was taken.
     pub fn send(&self, to: SocketAddr, datagram: &[u8]) -> bool {
-        if let Some(carried) = self.carried.as_ref().filter(|carried| carried.address == to) {
-            return carried.say(datagram, |to, bytes| drop(self.socket.send_to(bytes, to)));
+        if let Some(road) = self.road.as_ref().filter(|road| road.address() == to) {
+            return road.say(datagram, &mut |to, bytes| drop(self.socket.send_to(bytes, to)));
         }
         let sent = self.socket.send_to(datagram, to).is_ok();
         self.unsent.fetch_add(u64::from(!sent), Ordering::Relaxed);
@@ -330,8 +327,8 @@ impl Endpoint {
 
     /// Sends it with what else is said meanwhile: by [`Endpoint::flush`], or when there is enough for a batch.
     pub fn say(&self, going: &mut OutgoingBatch, to: SocketAddr, datagram: &[u8]) {
-        match self.carried.as_ref().filter(|carried| carried.address == to) {
-            Some(carried) => _ = carried.say(datagram, |to, bytes| going.add(to, bytes)),
+        match self.road.as_ref().filter(|road| road.address() == to) {
+            Some(road) => _ = road.say(datagram, &mut |to, bytes| going.add(to, bytes)),
             None => going.add(to, datagram),
         }
         if going.is_full() {
@@ -347,16 +344,16 @@ impl Endpoint {
     /// Takes a batch of what has come, oldest first; an endpoint that answers waits for it, though not long. Whether there may
     /// be more to take.
     pub fn take(&self, came: &mut ReceivedBatch) -> Result<bool, Error> {
-        if let Some(carried) = &self.carried {
-            carried.poll(&self.socket);
+        if let Some(road) = &self.road {
+            road.poll(&self.socket);
         }
         let took = came.take(&self.socket);
         if took.is_err() {
             came.clear();
         }
-        if let Some(carried) = &self.carried {
-            carried.sift(came, &self.socket);
-            carried.release(came);
+        if let Some(road) = &self.road {
+            road.sift(came, &self.socket);
+            road.release(came);
         }
         let Err(cause) = took else { return Ok(true) };
         match cause.kind() {

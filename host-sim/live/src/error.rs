@@ -9,9 +9,6 @@ pub enum Error {
     /// A board, or what was asked of it.
     #[error(transparent)]
     Tools(#[from] haptic_board_tools::Error),
-    /// An invite that is none, or did not lead to a key.
-    #[error(transparent)]
-    Meeting(#[from] haptic_meeting::Error),
     /// Anything else, in a sentence.
     #[error("{0}")]
     Refused(String),

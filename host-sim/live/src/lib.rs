@@ -2,20 +2,17 @@
 #![forbid(unsafe_code)]
 
 pub mod addresses;
+pub mod allowance;
 pub mod batch;
-pub mod bridge;
-pub mod carried;
 pub mod devices;
 pub mod discrepancy;
 pub mod endpoint;
 mod error;
 pub mod hand;
-pub mod invitation;
 #[doc(hidden)]
 pub mod key_file;
 pub mod line_words;
 pub mod measuring;
-pub mod meet;
 pub mod node;
 pub mod operator;
 pub mod path_watch;
@@ -24,6 +21,7 @@ pub mod quantiles;
 pub mod recording;
 pub mod refused;
 pub mod relay;
+pub mod road;
 #[doc(hidden)]
 pub mod start;
 pub mod steering;

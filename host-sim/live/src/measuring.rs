@@ -20,7 +20,7 @@ use haptic_sim::network::rule::{Arrival, NetworkTrace};
 use serde::Serialize;
 
 use super::Error;
-use super::carried::any_towards;
+use super::addresses::any_towards;
 use super::endpoint::Stop;
 
 /// Most probes a second, and longest measurement, s.

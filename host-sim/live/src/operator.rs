@@ -11,7 +11,7 @@ use haptic_protocol::lines::LONGEST;
 use haptic_protocol::wire::{MAX_DATAGRAM, Sample};
 use haptic_sim::engine::{Actor, Out};
 
-use super::carried::any_towards;
+use super::addresses::any_towards;
 use super::endpoint::{Endpoint, Live, Stop, Ticker};
 use crate::{Error, key_file};
 

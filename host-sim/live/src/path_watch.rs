@@ -2,25 +2,23 @@
 
 use std::sync::Arc;
 
-use haptic_meeting::carrier::PathReport;
-
-use crate::carried::Paths;
 use crate::recording::recorder::Recorder;
 use crate::recording::ticks;
+use crate::road::{PathReport, Road};
 use crate::tell::{PathSecond, Teller};
 
 /// Watches the paths of one line.
 #[derive(Debug)]
 pub struct PathWatch {
-    paths: Paths,
+    road: Arc<dyn Road>,
     /// Where rows go, and the channel that they have there.
     recorder: Option<(Arc<Recorder>, u16)>,
 }
 
 impl PathWatch {
-    /// Of these paths; nothing is recorded.
-    pub fn new(paths: Paths) -> Self {
-        Self { paths, recorder: None }
+    /// Of the paths of this road; nothing is recorded.
+    pub fn new(road: Arc<dyn Road>) -> Self {
+        Self { road, recorder: None }
     }
 
     /// This watch, which records from now on into this channel ([`ticks::path_channel`]).
@@ -31,13 +29,13 @@ impl PathWatch {
 
     /// What there is to say of the paths now.
     pub fn report(&self) -> PathReport {
-        self.paths.report()
+        self.road.report()
     }
 
     /// Says and records what has changed since the last look, at `now_ns` of the endpoint's clock, ns; whether anything has.
     pub fn look(&self, now_ns: u64, teller: &Teller) -> bool {
         let mut changed = false;
-        while let Some(change) = self.paths.take_change() {
+        while let Some(change) = self.road.take_change() {
             let ago_ns = change.at.elapsed().as_nanos() as u64;
             let (at_ns, report) =
                 (now_ns.saturating_sub(ago_ns), PathReport { way: change.way, lan: change.lan, ..self.report() });

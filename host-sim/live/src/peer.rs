@@ -242,13 +242,13 @@ where
     // What has no end has no last half.
     let measured = if duration_s.is_finite() { ticks } else { 0 };
     let endpoint = match &wanted.meeting {
-        Some(meeting) => Endpoint::carried(Some(listen), meeting, key.clone(), number - 1)?,
+        Some(meeting) => meeting.open(Some(listen), key.clone(), number - 1)?,
         None => Endpoint::polled(listen)?,
     };
     endpoint.reaches(connect)?;
     // Last of what may take time: from here on the device is read at every tick.
     let judging = wanted.judge.as_ref().map(|judge| Judging::start(judge, period_s)).transpose()?;
-    let watch = Watch::new(wanted, scene, number, endpoint.start(), connect.to_string(), (measured, endpoint.paths()))?;
+    let watch = Watch::new(wanted, scene, number, endpoint.start(), connect.to_string(), (measured, endpoint.road()))?;
     let (device, seen_device) = wanted.device.open(scene, number)?;
     let judging = judging.map(|judging| judging.of_device(seen_device.clone()));
     let node =
@@ -324,7 +324,7 @@ where
         datagrams_taken: counts.taken,
         datagrams_missing: counts.missing,
         datagrams_refused: counts.refused,
-        path: endpoint.paths().map(|paths| paths.report()),
+        path: endpoint.road().map(|road| road.report()),
         punctuality,
         device: seen_device.and_then(|seen| seen.report()),
     })

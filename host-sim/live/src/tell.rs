@@ -9,9 +9,8 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 use std::time::Instant;
 
-use haptic_meeting::Way;
-use haptic_meeting::allowance::Allowance;
-use haptic_meeting::carrier::PathReport;
+use crate::allowance::Allowance;
+use crate::road::{PathReport, Way};
 use haptic_protocol::link::Notice;
 use serde::Serialize;
 use serde_json::json;

@@ -12,10 +12,10 @@ use haptic_sim::device::Device;
 use haptic_sim::scene::Scene;
 use serde::Serialize;
 
-use super::carried::{Meeting, Paths};
 use super::devices::DeviceOptions;
 use super::discrepancy::{PositionHistory, Sum};
 use super::path_watch::PathWatch;
+use super::road::{Road, Roads};
 use super::steering::Steering;
 use super::tell::{Manner, PathSecond, Second, Teller};
 use super::verdict::{Judge, Judging, state};
@@ -44,7 +44,7 @@ pub struct LiveOptions {
     /// The device that a peer has.
     pub device: DeviceOptions,
     /// Where a peer meets the other one, which it does not call at an address.
-    pub meeting: Option<Meeting>,
+    pub meeting: Option<Arc<dyn Roads>>,
     /// Who reads and steers a peer from this process; without it a peer arms by itself.
     pub steering: Option<Arc<Steering>>,
 }
@@ -168,12 +168,12 @@ impl Watch {
         number: u8,
         start: Instant,
         partner: String,
-        (ticks, paths): (u64, Option<Paths>),
+        (ticks, road): (u64, Option<Arc<dyn Road>>),
     ) -> Result<Self, Error> {
-        let channels = channels(scene, number, paths.is_some());
+        let channels = channels(scene, number, road.is_some());
         let recorder = wanted.recorder(&who(number), start, channels)?.map(Arc::new);
         let axes = scene.peer.axis.shared as usize;
-        let paths = paths.map(PathWatch::new).map(|paths| match &recorder {
+        let paths = road.map(PathWatch::new).map(|paths| match &recorder {
             Some(recorder) => paths.recording(Arc::clone(recorder), ticks::paths(axes)),
             None => paths,
         });

@@ -274,7 +274,7 @@ class Peer:
 
 @final
 class Sweep:
-    """A scene over its keys and over seeds, the question that `host-sim sweep` asks.
+    """A scene over its keys and over seeds, the question that `host-sim study sweep` asks.
 
     `over` is a grid: for each key its values, as a sequence or as the command line writes them ("200..20000:20:log", "0,0.1,0.3").
     `sample` is drawn, `points` of it at each point of the grid, evenly by `design` ("sobol" or "latin-hypercube"): for each key a range
@@ -322,7 +322,7 @@ class Sweep:
     ) -> dict[str, NDArray[Any]]:
         """Runs everything on so many threads (0: as many as there are cores) and gives the table by column, a row a run.
 
-        With a folder it is kept there as `host-sim sweep --out` keeps it: what is there already is not run again, and in the end
+        With a folder it is kept there as `host-sim study sweep --out` keeps it: what is there already is not run again, and in the end
         `sweep.csv` and `sweep.parquet` stand there. Raises OSError where that is another sweep's folder, or cannot be written.
         `progress` is told now and then how many runs are done, and of how many.
         """

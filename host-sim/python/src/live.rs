@@ -12,13 +12,13 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, OnceLock};
 use std::time::{Duration, Instant};
 
+use haptic_cli::live_peer;
 use haptic_live::devices::Kind;
 use haptic_live::endpoint::{Span, Stop};
 use haptic_live::peer::Report;
 use haptic_live::steering::{Snapshot, Steering};
 use haptic_live::tell::Manner;
 use haptic_live::watch::LiveOptions;
-use host_sim::live_peer;
 use pyo3::exceptions::{PyOSError, PyRuntimeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString, PyTuple};
@@ -214,7 +214,7 @@ impl LivePeer {
         let peer = live_peer::LivePeer { scene, number, key, ends, span, anyway };
         let (steering, stop) = (Arc::new(Steering::new(arm)), Stop::default());
         let wanted = LiveOptions {
-            record: record.map(|file| (file, peer.provenance(host_sim::provenance()))),
+            record: record.map(|file| (file, peer.provenance(haptic_cli::provenance()))),
             manner: Manner::Quiet,
             device,
             steering: Some(steering.clone()),

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use haptic_cli::provenance;
 use haptic_core::names::Choice;
 use haptic_plot::Print;
 use haptic_report::{Files, Provenance};
@@ -15,7 +16,6 @@ use haptic_studies::study::answers::{Answer, Goal, metric};
 use haptic_studies::study::halving::{LeftOut, Search};
 use haptic_studies::sweep;
 use haptic_studies::sweep::{Keep, METRICS, Plan, Row};
-use host_sim::provenance;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 

@@ -1,15 +1,15 @@
-//! A sweep: the points, seeds, rows and folders of `host-sim sweep`.
+//! A sweep: the points, seeds, rows and folders of `host-sim study sweep`.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use haptic_cli::provenance;
 use haptic_core::names::Choice;
 use haptic_report::Provenance;
 use haptic_studies::sweep;
 use haptic_studies::sweep::{Axis, Design, Plan, Row, Sample, Spread, Todo};
-use host_sim::provenance;
 use pyo3::exceptions::{PyOSError, PyRuntimeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyString, PyTuple};
@@ -19,7 +19,7 @@ use crate::run::check_seconds;
 use crate::scene::{Scene, meant, to_toml};
 use crate::work::{Progress, here, on_threads, refused};
 
-/// A scene over its keys and over seeds, the question that `host-sim sweep` asks.
+/// A scene over its keys and over seeds, the question that `host-sim study sweep` asks.
 ///
 /// `over` is a grid: for each key its values, as a sequence or as the command line writes them ("200..20000:20:log", "0,0.1,0.3").
 /// `sample` is drawn, `points` of it at each point of the grid, evenly by `design` ("sobol" or "latin-hypercube"): for each key a range
@@ -224,7 +224,7 @@ impl Sweep {
 
     /// Runs everything on so many threads (0: as many as there are cores) and gives the table by column, a row a run.
     ///
-    /// With a folder it is kept there as `host-sim sweep --out` keeps it: what is there already is not run again, and in the end
+    /// With a folder it is kept there as `host-sim study sweep --out` keeps it: what is there already is not run again, and in the end
     /// `sweep.csv` and `sweep.parquet` stand there. Raises OSError where that is another sweep's folder, or cannot be written.
     /// `progress` is told now and then how many runs are done, and of how many.
     #[pyo3(signature = (folder = None, threads = 0, progress = None))]

@@ -36,7 +36,7 @@ def test_a_run(tmp_path, host_sim):
 
 def test_a_sweep(tmp_path, host_sim):
     over = ("--over", "coordination.stiffness_n_per_m=200..20000:4:log", "--over", "network.loss=0,0.2")
-    host_sim("sweep", "--scene", "paper-5.2-wave-16ms", *over, "--seconds", 2, "--seeds", 2, "--out", tmp_path / "sweep")
+    host_sim("study", "sweep", "--scene", "paper-5.2-wave-16ms", *over, "--seconds", 2, "--seeds", 2, "--out", tmp_path / "sweep")
     frame = same(tmp_path / "sweep" / "sweep.csv")
     assert len(frame) == 16 and frame[frame["stable"] == 0]["reason"].str.len().min() > 0
     rows = pandas.read_csv(tmp_path / "sweep" / "rows-1-of-1.csv")
@@ -46,8 +46,8 @@ def test_a_sweep(tmp_path, host_sim):
 def test_a_recording(tmp_path, host_sim):
     record = tmp_path / "run.mcap"
     host_sim("cooperate", "--scene", "any-network", "--seconds", 1, "--record", record)
-    host_sim("convert", record, tmp_path / "run.csv")
-    host_sim("convert", record, tmp_path / "run.parquet")
+    host_sim("recording", "convert", record, tmp_path / "run.csv")
+    host_sim("recording", "convert", record, tmp_path / "run.parquet")
     for csv in tmp_path.glob("*.csv"):
         same(csv)
     assert len(pandas.read_csv(tmp_path / "run.csv")) == 1000
@@ -80,7 +80,7 @@ def test_a_column_is_what_it_is_declared_as_where_nothing_failed_and_where_all_d
     over = ("--over", "network.one_way_delay_packets=1,2", "--over", "coordination.ledger=false", "--seconds", 1, "--seeds", 2)
     for name, stiffness in (("good", "200,300"), ("bad", "20000,30000")):
         varied = ("--over", f"coordination.stiffness_n_per_m={stiffness}", *over)
-        host_sim("sweep", "--scene", "paper-5.2-wave-16ms", *varied, "--out", tmp_path / name)
+        host_sim("study", "sweep", "--scene", "paper-5.2-wave-16ms", *varied, "--out", tmp_path / name)
         at_most = ("--at-most", "peak_coordination_force_n=40" if name == "good" else "peak_coordination_force_n=0")
         host_sim("study", "passive-mean", "wave", *varied, *at_most, "--out", tmp_path / name)
     good, bad = tmp_path / "good", tmp_path / "bad"
@@ -96,8 +96,8 @@ def test_a_column_is_what_it_is_declared_as_where_nothing_failed_and_where_all_d
 
 
 def test_the_campaign_and_the_bench_have_types_as_well(tmp_path, host_sim):
-    host_sim("campaign", "--laws", "power", "--out", tmp_path)
-    host_sim("bench", "--law", "power", "--budget", 2, "--seeds", 1, "--out", tmp_path)
+    host_sim("study", "laws", "power", "--out", tmp_path)
+    host_sim("study", "bench", "--law", "power", "--budget", 2, "--seeds", 1, "--out", tmp_path)
     wanted = {
         "laws": {"law": "string", "packets_per_s": "double"},
         "laws-networks": {"stable": "bool", "verdict": "string", "true_discrepancy_mm": "double", "reason": "string"},

@@ -110,7 +110,7 @@ def test_two_peers_hold_one_object_and_a_recording_is_read_back(line, tmp_path, 
     assert report["punctuality"]["beats"] > 2500 and report["true_discrepancy_mm"] < 1.0
     assert report["recorded"].endswith("one.mcap")
     # As a recording of the command is read.
-    host_sim("convert", record, tmp_path / "one.parquet")
+    host_sim("recording", "convert", record, tmp_path / "one.parquet")
     table = pandas.read_parquet(tmp_path / "one.parquet")
     assert len(table) > 2500
     # What Python saw is the very tick that was recorded.

@@ -32,7 +32,7 @@ def same(table, parquet):
 
 
 def test_rows_are_the_command_lines(tmp_path, host_sim):
-    host_sim("sweep", "--scene", SCENE, *TYPED, *TIMES, "--out", tmp_path)
+    host_sim("study", "sweep", "--scene", SCENE, *TYPED, *TIMES, "--out", tmp_path)
     table = asked().run()
     same(table, tmp_path / "sweep.parquet")
     assert len(table["seed"]) == 36 and 0 < table["stable"].sum() < 36
@@ -52,14 +52,14 @@ def test_a_sample_is_the_command_lines(tmp_path, host_sim):
         typed = [word for key, of in drawn.items() for word in ("--sample", f"{key}={of if isinstance(of, str) else ','.join(of)}")]
         folder = tmp_path / design
         more = ["--points", 8, "--design", design, "--sample-seed", 3, "--seconds", 1]
-        host_sim("sweep", "--scene", SCENE, *typed, *more, "--out", folder)
+        host_sim("study", "sweep", "--scene", SCENE, *typed, *more, "--out", folder)
         sweep = haptic_sim.Sweep(SCENE, sample=drawn, points=8, design=design, sample_seed=3, seconds=1.0)
         same(sweep.run(), folder / "sweep.parquet")
         assert sweep.keys == list(drawn)
 
 
 def test_a_folder_goes_on_whoever_began_it(tmp_path, host_sim):
-    host_sim("sweep", "--scene", SCENE, *TYPED, *TIMES, "--out", tmp_path, "--shard", "1/3")
+    host_sim("study", "sweep", "--scene", SCENE, *TYPED, *TIMES, "--out", tmp_path, "--shard", "1/3")
     rows = tmp_path / "rows-1-of-3.csv"
     before = rows.read_text()
     sweep = asked()
@@ -74,7 +74,7 @@ def test_a_folder_goes_on_whoever_began_it(tmp_path, host_sim):
     table = sweep.run(tmp_path)
     same(table, tmp_path / "sweep.parquet")
     assert rows.read_text() == before and len((tmp_path / "rows-1-of-1.csv").read_text().splitlines()) == 25
-    told = host_sim("sweep", "--scene", SCENE, *TYPED, *TIMES, "--out", tmp_path)
+    told = host_sim("study", "sweep", "--scene", SCENE, *TYPED, *TIMES, "--out", tmp_path)
     assert (told["runs"], told["new_runs"]) == (36, 0)
     with pytest.raises(OSError, match="is of another sweep"):
         haptic_sim.Sweep(SCENE, OVER, seconds=1.0).run(tmp_path)

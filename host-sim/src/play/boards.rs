@@ -36,7 +36,7 @@ use super::boards_line::Line;
 use super::environment::{ALONE, ARMED, Command, Environment, FAULT, OFF, Sample, Standing, WAITS};
 use super::pair_columns::{OF_BOTH, sample};
 use super::session::PERIOD_S;
-use crate::Error;
+use haptic_cli::Failure;
 
 /// After so long without a page of the operator the motors go off, µs.
 const SILENCE_US: u64 = 1_000_000;
@@ -146,23 +146,23 @@ struct Seat {
 /// Whoever answers lines and gives ticks.
 trait BoardLink {
     /// Says a line, under the word of the run that it starts, and gives the answer.
-    fn ask(&mut self, line: &str, run: Option<Word>) -> Result<String, Error>;
+    fn ask(&mut self, line: &str, run: Option<Word>) -> Result<String, Failure>;
     /// Stops, and waits until the board says that its motors are off.
-    fn stop(&mut self) -> Result<(), Error>;
+    fn stop(&mut self) -> Result<(), Failure>;
     /// Lets so much time pass, and gives what came.
-    fn rows(&mut self, seconds: f64) -> Result<Vec<[f64; NUMBERS]>, Error>;
+    fn rows(&mut self, seconds: f64) -> Result<Vec<[f64; NUMBERS]>, Failure>;
 }
 
 impl BoardLink for Operator {
-    fn ask(&mut self, line: &str, run: Option<Word>) -> Result<String, Error> {
+    fn ask(&mut self, line: &str, run: Option<Word>) -> Result<String, Failure> {
         Ok(self.ask_under(line, run)?)
     }
 
-    fn stop(&mut self) -> Result<(), Error> {
+    fn stop(&mut self) -> Result<(), Failure> {
         Ok(Self::stop(self)?)
     }
 
-    fn rows(&mut self, seconds: f64) -> Result<Vec<[f64; NUMBERS]>, Error> {
+    fn rows(&mut self, seconds: f64) -> Result<Vec<[f64; NUMBERS]>, Failure> {
         let samples = self.samples(Duration::from_secs_f64(seconds))?;
         Ok(samples.iter().filter_map(|sample| first_row(sample.payload())).collect())
     }
@@ -174,7 +174,7 @@ fn first_row(payload: &[u8]) -> Option<[f64; NUMBERS]> {
 }
 
 /// How a board's thread begins.
-type Open = Box<dyn FnOnce() -> Result<Box<dyn BoardLink>, Error> + Send>;
+type Open = Box<dyn FnOnce() -> Result<Box<dyn BoardLink>, Failure> + Send>;
 
 /// A board's side of the lease, for one that is in this process.
 struct Near {
@@ -206,7 +206,7 @@ impl Near {
         self.holder.step(now_us, AtBoard::Start { word, alone: false })
     }
 
-    fn stopped(&self) -> Result<(), Error> {
+    fn stopped(&self) -> Result<(), Failure> {
         if self.reins.giver().is_stopped() { Ok(()) } else { Err(UNCONFIRMED.into()) }
     }
 }
@@ -221,13 +221,13 @@ struct Practice {
 }
 
 impl Practice {
-    fn new(truth: &Scene, near: Near) -> Result<Self, Error> {
+    fn new(truth: &Scene, near: Near) -> Result<Self, Failure> {
         let mut board = SharedSimulation::new(truth)?;
         let m_per_count = Joint::of(&settings(&mut board)?, 1)?.m_per_count;
         Ok(Self { board, near, m_per_count, zero: None, due: Instant::now() })
     }
 
-    fn exchange(&mut self) -> Result<(), Error> {
+    fn exchange(&mut self) -> Result<(), Failure> {
         if self.near.exchange(self.board.is_driven()) {
             Board::ask(&mut self.board, "disarm")?;
             self.near.exchange(self.board.is_driven());
@@ -237,7 +237,7 @@ impl Practice {
 }
 
 impl BoardLink for Practice {
-    fn ask(&mut self, line: &str, run: Option<Word>) -> Result<String, Error> {
+    fn ask(&mut self, line: &str, run: Option<Word>) -> Result<String, Failure> {
         self.exchange()?;
         if let Some(Err(no)) = run.map(|run| self.near.start(run)) {
             return Ok(format!("error {}", no.explain()));
@@ -245,12 +245,12 @@ impl BoardLink for Practice {
         Ok(Board::ask(&mut self.board, line)?)
     }
 
-    fn stop(&mut self) -> Result<(), Error> {
+    fn stop(&mut self) -> Result<(), Failure> {
         self.exchange()?;
         self.near.stopped()
     }
 
-    fn rows(&mut self, seconds: f64) -> Result<Vec<[f64; NUMBERS]>, Error> {
+    fn rows(&mut self, seconds: f64) -> Result<Vec<[f64; NUMBERS]>, Failure> {
         self.exchange()?;
         self.due += Duration::from_secs_f64(seconds);
         std::thread::sleep(self.due.saturating_duration_since(Instant::now()));
@@ -271,7 +271,7 @@ impl BoardLink for Practice {
 /// Talks to a board until it is over.
 fn attend(link: &mut dyn BoardLink, mailbox: &Mutex<BoardMailbox>, over: &AtomicBool) {
     let lock = || mailbox.lock().unwrap_or_else(PoisonError::into_inner);
-    let note = |line: &str, answer: Result<String, Error>| {
+    let note = |line: &str, answer: Result<String, Failure>| {
         let mut mailbox = lock();
         let is_there = answer.is_ok();
         let answer = answer.unwrap_or_else(|why| why.to_string());
@@ -339,7 +339,7 @@ fn attend(link: &mut dyn BoardLink, mailbox: &Mutex<BoardMailbox>, over: &Atomic
 
 impl Seat {
     /// Gets in touch with a board; one that does not answer is an error that names it. `index` is where a simulated one stands.
-    fn open(place: Place, index: usize) -> Result<Self, Error> {
+    fn open(place: Place, index: usize) -> Result<Self, Failure> {
         match place {
             Place::Simulated => {
                 let (reins, clock) = (Reins::default(), Instant::now());
@@ -357,7 +357,7 @@ impl Seat {
     }
 
     /// The seat of a board that is opened on its thread.
-    fn attend(name: String, index: usize, (reins, clock): (Reins, Instant), open: Open) -> Result<Self, Error> {
+    fn attend(name: String, index: usize, (reins, clock): (Reins, Instant), open: Open) -> Result<Self, Failure> {
         reins.giver().silence_us = SILENCE_US;
         let reported = BoardStatus { name, status: SILENT.to_owned(), ..BoardStatus::default() };
         let (mailbox, over) =
@@ -472,7 +472,7 @@ pub(crate) struct Boards {
 
 impl Boards {
     /// Gets in touch with all of them.
-    pub(crate) fn open(places: Vec<Place>) -> Result<Self, Error> {
+    pub(crate) fn open(places: Vec<Place>) -> Result<Self, Failure> {
         let seats = places.into_iter().enumerate().map(|(index, place)| Seat::open(place, index));
         let seats = seats.collect::<Result<Vec<_>, _>>()?;
         if let [one, two] = seats.as_slice()
@@ -497,7 +497,7 @@ impl Boards {
 }
 
 impl Environment for Boards {
-    fn command(&mut self, command: Command) -> Result<(), Error> {
+    fn command(&mut self, command: Command) -> Result<(), Failure> {
         match command {
             Command::Stop => self.seats.iter().for_each(Seat::stop),
             Command::Board(number, line) => {
@@ -509,7 +509,7 @@ impl Environment for Boards {
         Ok(())
     }
 
-    fn set(&mut self, _: Scene) -> Result<(), Error> {
+    fn set(&mut self, _: Scene) -> Result<(), Failure> {
         Ok(())
     }
 
@@ -519,7 +519,7 @@ impl Environment for Boards {
 
     fn point(&mut self, _: usize, _: Option<[f64; 3]>, _: u32) {}
 
-    fn step(&mut self) -> Result<Sample, Error> {
+    fn step(&mut self) -> Result<Sample, Failure> {
         for (seat, reported) in self.seats.iter_mut().zip(&mut self.reported) {
             self.news |= seat.look(reported);
             seat.play();

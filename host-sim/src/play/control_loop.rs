@@ -21,7 +21,7 @@ use super::mailbox::{Contents, Mailbox, Request, Status};
 use super::opened::in_unit;
 use super::partner::Model;
 use super::session::PERIOD_S;
-use crate::Error;
+use haptic_cli::Failure;
 
 /// A tick this late is not caught up.
 const SLEPT: Duration = Duration::from_millis(500);
@@ -61,7 +61,7 @@ pub(super) fn run(
     seconds: f64,
     record: Option<&Recording>,
     stop: &Stop,
-) -> Result<Kept, Error> {
+) -> Result<Kept, Failure> {
     let mut shown = Shown { environment: open()?, kind };
     if let Some(record) = record {
         shown.environment.record(Arc::clone(&record.recorder));
@@ -133,7 +133,7 @@ pub(super) fn exchange(
     contents: &mut Contents,
     waiting: &mut VecDeque<Sample>,
     kept: &Punctuality,
-) -> Result<(), Error> {
+) -> Result<(), Failure> {
     let (show, set) = match contents.take_wanted() {
         // An object that is shared along other axes is another one.
         Some(Request::Scene(scene)) if shown.kind.in_scene(&scene) != shown.kind => {

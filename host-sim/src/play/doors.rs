@@ -9,7 +9,7 @@ use std::net::{Ipv4Addr, SocketAddrV4, TcpListener};
 use haptic_live::addresses::Named;
 
 use super::roles::Rights;
-use crate::Error;
+use haptic_cli::Failure;
 
 /// Which way a connection came in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,13 +37,13 @@ pub(super) struct Doors {
 
 impl Doors {
     /// Listens on 127.0.0.1, and at that address of this machine, if there is one; at any port of each where `port` is 0.
-    pub(super) fn open(port: u16, lan: Option<Ipv4Addr>) -> Result<(Self, Vec<(Way, TcpListener)>), Error> {
+    pub(super) fn open(port: u16, lan: Option<Ipv4Addr>) -> Result<(Self, Vec<(Way, TcpListener)>), Failure> {
         let listen = |address: Ipv4Addr| {
             let at = SocketAddrV4::new(address, port);
             let failed = haptic_sim::Error::cannot::<std::io::Error>("listen on", &at);
             let listener = TcpListener::bind(at).map_err(&failed)?;
             let port = listener.local_addr().map_err(&failed)?.port();
-            Ok::<_, Error>((SocketAddrV4::new(address, port), listener))
+            Ok::<_, Failure>((SocketAddrV4::new(address, port), listener))
         };
         let (here, listener) = listen(Ipv4Addr::LOCALHOST)?;
         let mut listeners = vec![(Way::Here, listener)];

@@ -9,14 +9,14 @@ use std::sync::Arc;
 
 use haptic_core::safety::Mode;
 use haptic_live::recording::recorder::Recorder;
+use haptic_live::road::PathReport;
 use haptic_live::verdict::Verdict;
-use haptic_meeting::carrier::PathReport;
 use haptic_sim::scene::Scene;
 use serde::Serialize;
 
 use super::boards_line::Line;
 use super::partner::Model;
-use crate::Error;
+use haptic_cli::Failure;
 
 /// Numbers in a sample, at the most; what a column is missing for is no number. The last one of all says how often it has started anew.
 pub(super) const MOST: usize = 57;
@@ -120,13 +120,13 @@ pub(crate) struct LineReport {
 /// Something that a page's hands act on.
 pub(super) trait Environment {
     /// Does what acts without a question.
-    fn command(&mut self, command: Command) -> Result<(), Error>;
+    fn command(&mut self, command: Command) -> Result<(), Failure>;
 
     /// A page of the operator has asked: somebody looks who can stop it.
     fn attend(&mut self) {}
 
     /// Takes another scene, which is what every setting is from now on.
-    fn set(&mut self, scene: Scene) -> Result<(), Error>;
+    fn set(&mut self, scene: Scene) -> Result<(), Failure>;
 
     /// What a person's pointer says before the next tick: where it is, m, along, across and up, or that it lets go. Where it says so of
     /// a world that was before the last start, it has let go.
@@ -138,7 +138,7 @@ pub(super) trait Environment {
     }
 
     /// Steps the environment by one tick.
-    fn step(&mut self) -> Result<Sample, Error>;
+    fn step(&mut self) -> Result<Sample, Failure>;
 
     /// Modes of the peers, line and partner as they are now.
     fn standing(&self) -> Standing;
@@ -163,4 +163,4 @@ pub(super) trait Environment {
 }
 
 /// An environment that is opened on the control loop's own thread.
-pub(super) type Opening = Box<dyn FnOnce() -> Result<Box<dyn Environment>, Error> + Send>;
+pub(super) type Opening = Box<dyn FnOnce() -> Result<Box<dyn Environment>, Failure> + Send>;

@@ -8,7 +8,7 @@ use super::environment::{ARMED, Column, number_of};
 use super::partner::{Model, Partner};
 use super::session::{PERIOD_S, first, on_device};
 use super::shared_environment::{Held, Play};
-use crate::Error;
+use haptic_cli::Failure;
 use haptic_live::hand::Hand;
 
 /// Number of hands on the object.
@@ -47,7 +47,7 @@ pub(super) struct Hub {
 }
 
 impl Play for Hub {
-    fn open(scene: &Scene) -> Result<Self, Error> {
+    fn open(scene: &Scene) -> Result<Self, Failure> {
         scene.check_one_axis("a hub in the page")?;
         let waves = Waves::new(scene, HANDS)?;
         let [three, four] = THERE.map(Partner::new);

@@ -19,7 +19,7 @@ use super::kinds::EnvironmentKind;
 use super::mailbox::{Mailbox, Request};
 use super::orders::apply;
 use super::session::same_but_for_network;
-use crate::Error;
+use haptic_cli::Failure;
 use haptic_live::hand::{DAMPING, STIFFNESS};
 
 /// A hand of the page's, as an analysis has it.
@@ -54,7 +54,7 @@ pub(super) fn start(
     workshop: Scene,
     kind: EnvironmentKind,
     fixed: Option<&'static str>,
-) -> Result<SyncSender<Ask>, Error> {
+) -> Result<SyncSender<Ask>, Failure> {
     let (asks, orders) = sync_channel(16);
     let mailbox = Arc::clone(mailbox);
     let work = move || {
@@ -150,7 +150,7 @@ pub(super) fn edge(scene: &Scene) -> Option<f64> {
 }
 
 /// Why an order is refused, as a window gets it: one line, of which a long quotation is left out in the middle.
-pub(super) fn refusal(why: &Error) -> String {
+pub(super) fn refusal(why: &Failure) -> String {
     let why = why.to_string();
     let why = haptic_io::escaped(&why);
     let length = why.chars().count();
@@ -162,7 +162,12 @@ pub(super) fn refusal(why: &Error) -> String {
 }
 
 /// What a line asks for, where that can be shown; else why not.
-pub(super) fn wanted(scene: &Scene, kind: EnvironmentKind, line: &str, fixed: Option<&str>) -> Result<Request, Error> {
+pub(super) fn wanted(
+    scene: &Scene,
+    kind: EnvironmentKind,
+    line: &str,
+    fixed: Option<&str>,
+) -> Result<Request, Failure> {
     if let Some(why) = fixed {
         return Err(why.into());
     }

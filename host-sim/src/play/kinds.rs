@@ -17,7 +17,7 @@ use super::story::{self, Story};
 use super::three_laws::{self, ThreeLaws};
 use super::turns::{self, Turns};
 use super::visit::{self, Visit};
-use crate::Error;
+use haptic_cli::Failure;
 
 haptic_sim::choices! {
     /// An environment that needs nothing but a scene.
@@ -78,7 +78,7 @@ impl EnvironmentKind {
     ///
     /// # Errors
     /// The scene cannot be shared along so many axes.
-    pub(crate) fn fitting(self, scene: Scene) -> Result<Scene, Error> {
+    pub(crate) fn fitting(self, scene: Scene) -> Result<Scene, Failure> {
         let mut scene = match self {
             Self::BadNetwork => three_laws::lossy(scene),
             Self::Delay => story::scene(scene.laws, &story::DELAY)?,
@@ -95,7 +95,7 @@ impl EnvironmentKind {
     }
 
     /// Its environment in this scene.
-    pub(super) fn open(self, scene: &Scene) -> Result<Box<dyn Environment>, Error> {
+    pub(super) fn open(self, scene: &Scene) -> Result<Box<dyn Environment>, Failure> {
         Ok(match self {
             Self::Pair | Self::Plane | Self::Space => of_axes!(scene, pair(scene))?,
             Self::Hub => Box::new(SharedEnvironment::<Hub>::new(scene)?),

@@ -23,7 +23,7 @@ use super::kinds::EnvironmentKind;
 use super::page::{At, Page, Shown};
 use super::partner::Model;
 use super::roles::Role;
-use crate::Error;
+use haptic_cli::Failure;
 
 /// From one question of a window to the next.
 const FRAME: Duration = Duration::from_micros(16_667);
@@ -37,7 +37,7 @@ struct Run {
 }
 
 /// Runs the control loop for so many seconds each, without and with windows.
-pub(crate) fn measure(scene: &Scene, seconds: f64, stop: &Stop) -> Result<Columns, Error> {
+pub(crate) fn measure(scene: &Scene, seconds: f64, stop: &Stop) -> Result<Columns, Failure> {
     let mut runs = Vec::new();
     for (windows, misbehaving) in [(0, 0), (2, 0), (10, 3)] {
         if !stop.is_asked() {
@@ -61,7 +61,7 @@ pub(crate) fn measure(scene: &Scene, seconds: f64, stop: &Stop) -> Result<Column
         .done())
 }
 
-fn run(scene: &Scene, seconds: f64, stop: &Stop, windows: usize, misbehaving: usize) -> Result<Run, Error> {
+fn run(scene: &Scene, seconds: f64, stop: &Stop, windows: usize, misbehaving: usize) -> Result<Run, Failure> {
     let page = Page::serve(scene.clone(), Shown::Here(EnvironmentKind::Pair), Model::CarriesOn, At::default())?;
     let over = Arc::new(AtomicBool::new(false));
     let asking: Vec<_> = (0..windows)
@@ -86,7 +86,7 @@ fn run(scene: &Scene, seconds: f64, stop: &Stop, windows: usize, misbehaving: us
 }
 
 /// Connects as a browser does.
-pub(super) fn connect(address: &str) -> Result<TcpStream, Error> {
+pub(super) fn connect(address: &str) -> Result<TcpStream, Failure> {
     let failed = |cause: &dyn std::fmt::Display| format!("a window cannot open {address}: {cause}");
     let parts = address.strip_prefix("http://").and_then(|rest| rest.split_once("/#"));
     let (host, ring) = parts.ok_or_else(|| failed(&"it is not an address of the page"))?;
@@ -122,7 +122,7 @@ fn question(next: u32) -> Message {
 }
 
 /// Asks once a frame until it is over; how long each answer took, ns.
-fn ask(address: &str, over: &AtomicBool) -> Result<Vec<u64>, Error> {
+fn ask(address: &str, over: &AtomicBool) -> Result<Vec<u64>, Failure> {
     let mut socket = WebSocket::from_raw_socket(connect(address)?, Side::Client, None);
     let (mut next, mut took) = (u32::MAX, Vec::new());
     let mut frame = Instant::now();
@@ -148,7 +148,7 @@ fn ask(address: &str, over: &AtomicBool) -> Result<Vec<u64>, Error> {
 }
 
 /// A connection that misbehaves in one of three ways, for as long as it is kept.
-fn misbehave(address: &str, which: usize) -> Result<TcpStream, Error> {
+fn misbehave(address: &str, which: usize) -> Result<TcpStream, Failure> {
     if which == 2 {
         let port = address.split(':').nth(2).and_then(|rest| rest.split('/').next()?.parse().ok()).unwrap_or(0);
         let mut stream = TcpStream::connect((Ipv4Addr::LOCALHOST, port))?;

@@ -23,7 +23,7 @@
 //! | [`control_loop`] | 1 kHz by the clock |
 //! | [`roles`], [`connections`] | who may do what, and how many are let in |
 //! | [`messages`] | what a window says, read |
-//! | [`doors`], [`qr`] | this machine, and a local network where that is asked for, with a code to scan |
+//! | [`doors`], [`haptic_cli::qr`] | this machine, and a local network where that is asked for, with a code to scan |
 //! | [`web`] | the page's files, and a WebSocket for each window |
 //! | [`page`] | all of that together |
 //! | [`measure`] | how well the control loop keeps time with ten pages open |
@@ -34,6 +34,7 @@
 
 mod boards;
 mod boards_line;
+mod command;
 mod connections;
 mod control_loop;
 mod doors;
@@ -51,7 +52,6 @@ mod orders;
 mod page;
 mod pair_columns;
 mod partner;
-pub(crate) mod qr;
 mod remote;
 mod roles;
 mod session;
@@ -63,18 +63,25 @@ mod turns;
 mod visit;
 mod web;
 
-pub(crate) use boards::{Boards, Place};
-pub(crate) use control_loop::channels;
-pub(crate) use judge::HAND;
-pub(crate) use kinds::EnvironmentKind;
-pub(crate) use measure::measure;
-pub(crate) use moving_picture::moving_picture;
-pub(crate) use opened::Opened;
-pub(crate) use opened_page::OpenedPage;
-pub(crate) use page::{At, Page, Shown};
-pub(crate) use partner::Model;
-pub(crate) use remote::End;
-pub(crate) use roles::Role;
+use boards::{Boards, Place};
+pub(crate) use command::PageCommands;
+use control_loop::channels;
+use haptic_cli::columns::TableKind;
+use judge::HAND;
+use kinds::EnvironmentKind;
+use measure::measure;
+use moving_picture::moving_picture;
+use opened::Opened;
+use opened_page::OpenedPage;
+use page::{At, Page, Shown};
+use partner::Model;
+use remote::End;
+use roles::Role;
+
+/// What the page records.
+pub(crate) fn tables() -> Vec<TableKind> {
+    channels("/both/ticks").into_iter().map(|channel| TableKind::of("play", channel)).collect()
+}
 
 #[cfg(any(test, fuzzing))]
 #[path = "../../fuzz/src/page.rs"]

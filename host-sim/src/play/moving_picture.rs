@@ -11,7 +11,7 @@ use haptic_sim::scene::Scene;
 use super::environment::{Environment, Sample};
 use super::session::PERIOD_S;
 use super::three_laws::{COLUMNS, ThreeLaws};
-use crate::Error;
+use haptic_cli::Failure;
 
 /// Length of the picture, s, and its frames.
 const LASTS_S: f64 = 12.0;
@@ -78,7 +78,7 @@ fn apart(samples: &[Sample], law: &str) -> Vec<f64> {
 ///
 /// # Errors
 /// A scene that cannot be shown so.
-pub(crate) fn moving_picture(scene: &Scene) -> Result<String, Error> {
+pub(crate) fn moving_picture(scene: &Scene) -> Result<String, Failure> {
     let mut laws = ThreeLaws::new(scene)?;
     let ticks_per_frame = (1.0 / (FRAMES_PER_S * PERIOD_S)).round() as usize;
     let mut samples = Vec::new();

@@ -5,7 +5,7 @@
 //! | `play` | samples as its windows had them; of the environment that was shown longest, where nobody says which |
 //! | `cooperate` | both peers, tick by tick |
 //! | `peer`, `board operator` | ticks of one end: the other is not there |
-//! | `merge A B OUT` | ticks of A, beside each those of B that came at the same time by A's clock; copies where the table of all instants says |
+//! | `recording merge A B OUT` | ticks of A, beside each those of B that came at the same time by A's clock; copies where the table of all instants says |
 //!
 //! **Ticks.** A row stands at its tick, counted from the first: by the column `tick`, or by the numbers of the rows, so that what was lost while it was recorded is
 //! a gap. Seconds in a tick are the median of what the rows' times say. What belongs beside it (other axes, the other end) is the row nearest in time, unless that is
@@ -25,7 +25,7 @@ use serde_json::{Value, json};
 
 use super::environment::{Column, MODES};
 use super::kinds::EnvironmentKind;
-use crate::Error;
+use haptic_cli::Failure;
 
 /// Farthest in time that two rows are of one moment, ticks.
 const NEAR_TICKS: f64 = 3.0;
@@ -74,9 +74,9 @@ impl Opened {
     ///
     /// # Errors
     /// It holds nothing that a page can show, or not what is wanted.
-    pub(crate) fn new(path: &Path, recording: &Recording, wanted: Option<EnvironmentKind>) -> Result<Self, Error> {
+    pub(crate) fn new(path: &Path, recording: &Recording, wanted: Option<EnvironmentKind>) -> Result<Self, Failure> {
         let place = path.display();
-        let failed = |why: String| Error::from(format!("{place}: {why}"));
+        let failed = |why: String| Failure::from(format!("{place}: {why}"));
         let Source { kind, channels, left_out } = Source::of(recording, wanted).map_err(failed)?;
         let (first, others) = channels.split_first().ok_or_else(|| failed("it has no rows to show".to_owned()))?;
         let ticks = ticks_of(first.rows);

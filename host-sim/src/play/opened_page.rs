@@ -30,7 +30,7 @@ use super::orders;
 use super::partner::Model;
 use super::roles::Role;
 use super::web::{self, Site, hello};
-use crate::Error;
+use haptic_cli::Failure;
 
 /// How often it is looked whether the program is to end.
 const LOOK: Duration = Duration::from_millis(50);
@@ -43,7 +43,7 @@ pub(crate) struct OpenedPage {
 
 impl OpenedPage {
     /// Serves it on 127.0.0.1, at any port where `port` is 0.
-    pub(crate) fn serve(opened: Opened, laws: Laws, port: u16) -> Result<Self, Error> {
+    pub(crate) fn serve(opened: Opened, laws: Laws, port: u16) -> Result<Self, Failure> {
         let (doors, listeners) = Doors::open(port, None)?;
         let scene = orders::of_file(laws, &opened.scene).ok();
         let mut greeting = hello(scene.as_ref().unwrap_or(&Scene::new(laws)), None, false);

@@ -16,7 +16,7 @@ use haptic_sim::{scene::Scene, scenes};
 use haptic_studies::campaign::laws::SOLVED;
 
 use super::session::PERIOD_S;
-use crate::Error;
+use haptic_cli::Failure;
 
 /// The built-in scenes that are one click, with what the click is called and what it sets besides.
 pub(super) const CLICKS: [(&str, &str, &str); 7] = [
@@ -30,7 +30,7 @@ pub(super) const CLICKS: [(&str, &str, &str); 7] = [
 ];
 
 /// Whether a scene can be played in real time.
-pub(crate) fn check(scene: &Scene) -> Result<(), Error> {
+pub(crate) fn check(scene: &Scene) -> Result<(), Failure> {
     let period_s = scene.peer.timing.control_period_s;
     if period_s != PERIOD_S {
         return Err(format!(
@@ -41,7 +41,7 @@ pub(crate) fn check(scene: &Scene) -> Result<(), Error> {
 }
 
 /// What the scene is after a line.
-pub(super) fn apply(scene: &Scene, line: &str) -> Result<Scene, Error> {
+pub(super) fn apply(scene: &Scene, line: &str) -> Result<Scene, Failure> {
     let (word, rest) = line.split_once(' ').unwrap_or((line, ""));
     let (name, keys) = rest.split_once(' ').unwrap_or((rest, ""));
     let (scene, keys) = match word {
@@ -59,7 +59,7 @@ pub(super) fn apply(scene: &Scene, line: &str) -> Result<Scene, Error> {
 }
 
 /// The scene of a file's text, whatever its control period.
-pub(super) fn of_file(laws: Laws, text: &str) -> Result<Scene, Error> {
+pub(super) fn of_file(laws: Laws, text: &str) -> Result<Scene, Failure> {
     let mut scene = Scene::new(laws);
     keys_of(text)?.iter().try_for_each(|key| scene.apply_override(key))?;
     Ok(scene)
@@ -69,7 +69,7 @@ fn split(keys: &str) -> Vec<String> {
     keys.split_whitespace().map(str::to_owned).collect()
 }
 
-fn set(mut scene: Scene, keys: &[String]) -> Result<Scene, Error> {
+fn set(mut scene: Scene, keys: &[String]) -> Result<Scene, Failure> {
     for text in keys {
         let key = text.split_once('=').map_or(text.as_str(), |(key, _)| key).trim();
         if key.rsplit('.').next() == Some("trace") {
@@ -85,7 +85,7 @@ fn set(mut scene: Scene, keys: &[String]) -> Result<Scene, Error> {
 }
 
 /// What a scene file sets, a line for each key.
-fn keys_of(text: &str) -> Result<Vec<String>, Error> {
+fn keys_of(text: &str) -> Result<Vec<String>, Failure> {
     let mut table: toml::Table = text.parse().map_err(|error: toml::de::Error| {
         let line = error.span().map_or(1, |span| text[..span.start.min(text.len())].matches('\n').count() + 1);
         format!("line {line} of the file: {}", error.message().replace('\n', " "))
@@ -109,7 +109,7 @@ fn flatten(prefix: &str, table: &toml::Table, keys: &mut Vec<String>) {
 /// This scene under another law, and the keys that make it that: with the peers' settings of the scene that
 /// recommends it, or with the paper's settings and the law's own gains. Users, device and contact stay, and so does the network: where a
 /// packet period is another one, its delay is kept in seconds. Keys that another law has declared are as if nobody had set them.
-fn with_law(scene: &Scene, name: &str) -> Result<(Scene, Vec<String>), Error> {
+fn with_law(scene: &Scene, name: &str) -> Result<(Scene, Vec<String>), Failure> {
     let recommended = match name {
         "self-timed" => Some("any-network"),
         "passive-mean" => Some("hub"),

@@ -24,11 +24,11 @@ use super::kinds::EnvironmentKind;
 use super::mailbox::Mailbox;
 use super::orders;
 use super::partner::Model;
-use super::qr::Code;
 use super::remote::{End, Remote};
 use super::roles::Role;
 use super::web::{Site, hello};
-use crate::Error;
+use haptic_cli::Failure;
+use haptic_cli::qr::Code;
 
 /// What a page shows.
 pub(crate) enum Shown {
@@ -41,7 +41,7 @@ pub(crate) enum Shown {
 }
 
 /// One peer, along as many axes as the scene says.
-fn remote<const SHARED: usize, const N: usize>(scene: Scene, end: End) -> Result<Box<dyn Environment>, Error>
+fn remote<const SHARED: usize, const N: usize>(scene: Scene, end: End) -> Result<Box<dyn Environment>, Failure>
 where
     f32: Builds<SHARED, N>,
 {
@@ -95,7 +95,7 @@ impl Recorded {
         }
     }
 
-    fn begin(self, file: &Path, provenance: &Provenance) -> Result<Recording, Error> {
+    fn begin(self, file: &Path, provenance: &Provenance) -> Result<Recording, Failure> {
         let Self { who, own, topic, start } = self;
         let (start, others) = (start.unwrap_or_else(Instant::now), own.len() as u16);
         let channels = own.into_iter().chain(control_loop::channels(topic)).collect();
@@ -106,7 +106,7 @@ impl Recorded {
 
 impl Page {
     /// Serves the page of this scene. Nobody's hand moves before [`Page::run`].
-    pub(crate) fn serve(scene: Scene, shown: Shown, partner: Model, at: At) -> Result<Self, Error> {
+    pub(crate) fn serve(scene: Scene, shown: Shown, partner: Model, at: At) -> Result<Self, Failure> {
         orders::check(&scene)?;
         let lan = at.lan.map(|wanted| chosen(wanted, &addresses::of_this_machine())).transpose()?;
         let (doors, listeners) = Doors::open(at.port, lan)?;
@@ -163,7 +163,7 @@ impl Page {
 
     /// Runs the control loop until it is stopped, or so many seconds are over: on a thread of its own, for what a
     /// thread starts inherits its real-time priority. Every tick goes into the recording, if there is one.
-    pub(crate) fn run(self, seconds: f64, record: Option<(&Path, &Provenance)>, stop: &Stop) -> Result<Kept, Error> {
+    pub(crate) fn run(self, seconds: f64, record: Option<(&Path, &Provenance)>, stop: &Stop) -> Result<Kept, Failure> {
         let Self { mailbox, kind, opening, recorded, .. } = self;
         let record = record.map(|(file, provenance)| recorded.begin(file, provenance)).transpose()?;
         let control_loop = || control_loop::run(&mailbox, kind, opening, seconds, record.as_ref(), stop);

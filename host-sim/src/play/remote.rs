@@ -16,8 +16,8 @@ use std::time::{Duration, Instant};
 
 use haptic_core::num::Motion;
 use haptic_core::safety::{Command as Order, Mode};
+use haptic_live::addresses::any_towards;
 use haptic_live::batch::{MOST, OutgoingBatch, ReceivedBatch};
-use haptic_live::carried::{Meeting, any_towards};
 use haptic_live::devices::{DeviceOptions, Kind};
 use haptic_live::endpoint::Endpoint;
 use haptic_live::key_file::entropy;
@@ -26,6 +26,7 @@ use haptic_live::node::Node;
 use haptic_live::path_watch::PathWatch;
 use haptic_live::recording::recorder::Recorder;
 use haptic_live::recording::ticks;
+use haptic_live::road::Roads;
 use haptic_live::tell::{Manner, PathSecond, Teller};
 use haptic_live::verdict::{Judge, Judging};
 use haptic_live::watch::{TELLING_S, Watch};
@@ -40,7 +41,7 @@ use serde_json::json;
 use super::environment::{ARMED, Command, Environment, FAULT, LineReport, OFF, Sample, Standing, WAITS, number_of};
 use super::pair_columns::sample;
 use super::session::{PERIOD_S, Side, first, on_device};
-use crate::Error;
+use haptic_cli::Failure;
 use haptic_live::hand::Hand;
 
 /// How much of a tick goes to what has come, so that no flood of datagrams holds it up.
@@ -87,25 +88,25 @@ impl End {
 
     /// Whether it meets the other one at a place.
     pub(super) fn meets(&self) -> bool {
-        self.endpoint.paths().is_some()
+        self.endpoint.road().is_some()
     }
 
     /// The end that the other one joins.
-    pub(crate) fn listening(at: SocketAddr, key: Key, number: u8) -> Result<Self, Error> {
+    pub(crate) fn listening(at: SocketAddr, key: Key, number: u8) -> Result<Self, Failure> {
         Ok(Self::new(key, number, Endpoint::polled(at)?, None))
     }
 
     /// The end that joins the other one.
-    pub(crate) fn joining(to: SocketAddr, key: Key, number: u8) -> Result<Self, Error> {
+    pub(crate) fn joining(to: SocketAddr, key: Key, number: u8) -> Result<Self, Failure> {
         let endpoint = Endpoint::polled(any_towards(to))?;
         endpoint.reaches(to)?;
         Ok(Self::new(key, number, endpoint, Some(to)))
     }
 
     /// The end that meets the other one at a place.
-    pub(crate) fn meeting(meeting: &Meeting, key: Key, number: u8, code: Option<String>) -> Result<Self, Error> {
-        let endpoint = Endpoint::carried(None, meeting, key.clone(), number - 1)?;
-        Ok(Self { code, ..Self::new(key, number, endpoint, Some(meeting.place)) })
+    pub(crate) fn meeting(meeting: &dyn Roads, key: Key, number: u8, code: Option<String>) -> Result<Self, Failure> {
+        let endpoint = meeting.open(None, key.clone(), number - 1)?;
+        Ok(Self { code, ..Self::new(key, number, endpoint, Some(meeting.place())) })
     }
 
     /// This end, with the hand at this device.
@@ -174,14 +175,14 @@ where
     f32: Builds<SHARED, N>,
 {
     /// Calls, and arms when the other one is there.
-    pub(super) fn new(scene: Scene, end: End) -> Result<Self, Error> {
+    pub(super) fn new(scene: Scene, end: End) -> Result<Self, Failure> {
         let End { key, number, endpoint, join, device, judge, code } = end;
         let judging = judge.map(|judge| Judging::start(&judge, PERIOD_S)).transpose()?;
         // A device that is really there is read at every tick from here on, so it is the last of what may take time.
         let (device, seen) = device.open(&scene, number)?;
         let judging = judging.map(|judging| judging.of_device(seen));
         Ok(Self {
-            paths: endpoint.paths().map(PathWatch::new),
+            paths: endpoint.road().map(PathWatch::new),
             teller: Teller::new(Manner::Words),
             judging,
             code,
@@ -209,7 +210,7 @@ where
     }
 
     /// Takes what has come.
-    fn listen(&mut self) -> Result<(), Error> {
+    fn listen(&mut self) -> Result<(), Failure> {
         let until = Instant::now() + LISTENS;
         let Self { node, endpoint, join, path, came, going, cut, heard, watch, judging, .. } = self;
         let mut said = None;
@@ -307,7 +308,7 @@ impl<const SHARED: usize, const N: usize> Environment for Remote<SHARED, N>
 where
     f32: Builds<SHARED, N>,
 {
-    fn command(&mut self, command: Command) -> Result<(), Error> {
+    fn command(&mut self, command: Command) -> Result<(), Failure> {
         match command {
             Command::Stop => {
                 self.stopped = true;
@@ -329,7 +330,7 @@ where
         Ok(())
     }
 
-    fn set(&mut self, scene: Scene) -> Result<(), Error> {
+    fn set(&mut self, scene: Scene) -> Result<(), Failure> {
         self.scene = scene;
         Ok(())
     }
@@ -341,7 +342,7 @@ where
         }
     }
 
-    fn step(&mut self) -> Result<Sample, Error> {
+    fn step(&mut self) -> Result<Sample, Failure> {
         self.listen()?;
         self.pull_n = self.hand.pull(self.tick, self.device(), PERIOD_S);
         self.node.pull(on_device(self.pull_n, self.node.motions()));

@@ -13,7 +13,7 @@ use haptic_core::names::Choice;
 use haptic_live::key_file::entropy;
 
 use super::environment::Command;
-use crate::Error;
+use haptic_cli::Failure;
 
 haptic_sim::choices! {
     /// A role.
@@ -54,7 +54,7 @@ pub(super) struct Keys([String; Role::ALL.len()]);
 
 impl Keys {
     /// Fresh ones; an error where the system gives no randomness.
-    pub(super) fn new() -> Result<Self, Error> {
+    pub(super) fn new() -> Result<Self, Failure> {
         let mut keys = Self(Default::default());
         for key in &mut keys.0 {
             *key = entropy()?[..16].iter().map(|byte| format!("{byte:02x}")).collect();

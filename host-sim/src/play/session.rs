@@ -24,7 +24,7 @@ use haptic_sim::{DynPeer, peers::Builds, scene::Scene};
 use super::environment::{ARMED, Command, Environment, Sample, Standing, number_of};
 use super::pair_columns::sample;
 use super::partner::{Model, Partner};
-use crate::Error;
+use haptic_cli::Failure;
 use haptic_live::hand::Hand;
 
 /// Farthest that a device goes from the middle, m.
@@ -221,7 +221,7 @@ impl<const SHARED: usize, const N: usize> Environment for Session<SHARED, N>
 where
     f32: Builds<SHARED, N>,
 {
-    fn command(&mut self, command: Command) -> Result<(), Error> {
+    fn command(&mut self, command: Command) -> Result<(), Failure> {
         match command {
             Command::Stop => self.stop(),
             Command::Start => self.start()?,
@@ -232,7 +232,7 @@ where
         Ok(())
     }
 
-    fn set(&mut self, scene: Scene) -> Result<(), Error> {
+    fn set(&mut self, scene: Scene) -> Result<(), Failure> {
         let before = std::mem::replace(&mut self.scene, scene);
         // What the receivers were built with is no more the network's.
         let built = |scene: &Scene| (scene.world.network.playout_packets, scene.world.network.clock_drift_ppm);
@@ -264,7 +264,7 @@ where
         self.hands[index].point(self.tick, wanted, device);
     }
 
-    fn step(&mut self) -> Result<Sample, Error> {
+    fn step(&mut self) -> Result<Sample, Failure> {
         for index in 0..2 {
             self.pulls[index] = self.hands[index].pull(self.tick, self.device(index), PERIOD_S);
         }

@@ -7,7 +7,7 @@ use haptic_sim::scene::Scene;
 use super::environment::{ARMED, Command, Environment, MOST, OFF, Sample, Standing};
 use super::partner::Model;
 use super::session::{PERIOD_S, same_but_for_network};
-use crate::Error;
+use haptic_cli::Failure;
 
 /// Who holds a hand, and where.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,7 +23,7 @@ pub(super) enum Held {
 /// What a shared environment is.
 pub(super) trait Play: Sized {
     /// At rest, in this scene.
-    fn open(scene: &Scene) -> Result<Self, Error>;
+    fn open(scene: &Scene) -> Result<Self, Failure>;
 
     /// Who holds hand 0 or 1 in the next tick.
     fn hold(&mut self, hand: usize, held: Held);
@@ -84,12 +84,12 @@ pub(super) struct SharedEnvironment<P> {
 
 impl<P: Play> SharedEnvironment<P> {
     /// At rest, in this scene.
-    pub(super) fn new(scene: &Scene) -> Result<Self, Error> {
+    pub(super) fn new(scene: &Scene) -> Result<Self, Failure> {
         let (play, last) = (P::open(scene)?, [f32::NAN; MOST]);
         Ok(Self { scene: scene.clone(), play, model: Model::default(), still: false, cut: false, restarts: 0, last })
     }
 
-    fn anew(&mut self) -> Result<(), Error> {
+    fn anew(&mut self) -> Result<(), Failure> {
         self.play = P::open(&self.scene)?;
         self.play.partner(self.model);
         self.restarts += 1;
@@ -108,7 +108,7 @@ impl<P: Play> SharedEnvironment<P> {
 }
 
 impl<P: Play> Environment for SharedEnvironment<P> {
-    fn command(&mut self, command: Command) -> Result<(), Error> {
+    fn command(&mut self, command: Command) -> Result<(), Failure> {
         match command {
             Command::Stop => self.still = true,
             Command::Start => {
@@ -125,7 +125,7 @@ impl<P: Play> Environment for SharedEnvironment<P> {
         Ok(())
     }
 
-    fn set(&mut self, scene: Scene) -> Result<(), Error> {
+    fn set(&mut self, scene: Scene) -> Result<(), Failure> {
         let before = std::mem::replace(&mut self.scene, scene);
         if !same_but_for_network(&before, &self.scene) {
             return self.anew();
@@ -148,7 +148,7 @@ impl<P: Play> Environment for SharedEnvironment<P> {
         self.play.hold(hand, Held::ByNobody);
     }
 
-    fn step(&mut self) -> Result<Sample, Error> {
+    fn step(&mut self) -> Result<Sample, Failure> {
         if self.still {
             return Ok(self.last);
         }

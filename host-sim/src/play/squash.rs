@@ -13,7 +13,7 @@ use haptic_sim::{network::link::Route, rng::Rng, scene::Scene};
 
 use super::environment::Column;
 use super::shared_environment::{Held, Play, engine};
-use crate::Error;
+use haptic_cli::Failure;
 
 /// Number of players in the game.
 const COUNT: usize = 4;
@@ -90,7 +90,7 @@ impl Squash {
 }
 
 impl Play for Squash {
-    fn open(scene: &Scene) -> Result<Self, Error> {
+    fn open(scene: &Scene) -> Result<Self, Failure> {
         let config = ServerConfig { players: COUNT as u8, rallies: RALLIES, bounder: true };
         // The noise of the hands is the scene's, as its losses are: who has the scene has the game.
         let mut seeds = Rng::new(scene.world.network.seed.into());

@@ -8,7 +8,7 @@ use haptic_sim::{AXES, Laws, scene::Scene, scenes};
 use super::environment::{Command, Environment, Sample, Standing};
 use super::partner::Model;
 use super::session::Session;
-use crate::Error;
+use haptic_cli::Failure;
 
 /// A scene, and what it is called with.
 pub(super) type Told = (&'static str, &'static [&'static str]);
@@ -38,7 +38,7 @@ pub(super) const TOO_STIFF: Told =
     ("paper-5.2-power-16ms", &["user.1.arm_stiffness_n_per_m=10", "user.2.arm_stiffness_n_per_m=10"]);
 
 /// The scene of a story.
-pub(super) fn scene(laws: Laws, (name, keys): &Told) -> Result<Scene, Error> {
+pub(super) fn scene(laws: Laws, (name, keys): &Told) -> Result<Scene, Failure> {
     let mut scene = scenes::load(laws, name)?;
     keys.iter().try_for_each(|text| scene.apply_override(text))?;
     scene.check("this story")?;
@@ -53,14 +53,14 @@ pub(super) struct Story {
 
 impl Story {
     /// Both at rest, in this scene.
-    pub(super) fn new(scene: &Scene) -> Result<Self, Error> {
+    pub(super) fn new(scene: &Scene) -> Result<Self, Failure> {
         scene.check_one_axis("this story")?;
         Ok(Self { session: Session::new(scene.clone(), Model::Absent)?, model: Model::default() })
     }
 }
 
 impl Environment for Story {
-    fn command(&mut self, command: Command) -> Result<(), Error> {
+    fn command(&mut self, command: Command) -> Result<(), Failure> {
         if let Command::Partner(model) = command {
             self.model = model;
             return Ok(());
@@ -68,7 +68,7 @@ impl Environment for Story {
         self.session.command(command)
     }
 
-    fn set(&mut self, scene: Scene) -> Result<(), Error> {
+    fn set(&mut self, scene: Scene) -> Result<(), Failure> {
         let faulted = self.session.fault().is_some();
         self.session.set(scene)?;
         if faulted { self.session.command(Command::Start) } else { Ok(()) }
@@ -78,7 +78,7 @@ impl Environment for Story {
         self.session.point(hand, at, restarts);
     }
 
-    fn step(&mut self) -> Result<Sample, Error> {
+    fn step(&mut self) -> Result<Sample, Failure> {
         self.session.step()
     }
 

@@ -14,7 +14,7 @@ use super::orders::apply;
 use super::pair_columns;
 use super::partner::Model;
 use super::session::{PERIOD_S, Session, same_but_for_network};
-use crate::Error;
+use haptic_cli::Failure;
 
 /// Number of lanes.
 const LANES: usize = 3;
@@ -86,7 +86,7 @@ pub(super) fn lossy(mut scene: Scene) -> Scene {
 }
 
 /// The scene of a lane: a law, and the network that all of them have.
-fn lane_scene(scene: &Scene, law: &str) -> Result<Scene, Error> {
+fn lane_scene(scene: &Scene, law: &str) -> Result<Scene, Failure> {
     let network = scene.world.network;
     let delay_s = f64::from(network.one_way_delay_packets) * scene.peer.timing.packet_period_s();
     let delay = format!("network.one_way_delay_packets=0 network.extra_delay_s={}", delay_s + network.extra_delay_s);
@@ -102,13 +102,13 @@ struct Lane {
 }
 
 impl Lane {
-    fn new(scene: &Scene, law: &str) -> Result<Self, Error> {
+    fn new(scene: &Scene, law: &str) -> Result<Self, Failure> {
         let session = Session::new(lane_scene(scene, law)?, Model::Absent)?;
         Ok(Self { session, numbers: [0.0; OF_LANE] })
     }
 
     /// A tick of both peers, unless one has faulted: `shown` says where its numbers are in the sample.
-    fn step(&mut self, lasted_s: f64, shown: [usize; SHOWN.len()]) -> Result<(), Error> {
+    fn step(&mut self, lasted_s: f64, shown: [usize; SHOWN.len()]) -> Result<(), Failure> {
         if self.session.fault().is_some() {
             return Ok(());
         }
@@ -142,7 +142,7 @@ pub(super) struct ThreeLaws {
 
 impl ThreeLaws {
     /// All at rest, on the network of this scene.
-    pub(super) fn new(scene: &Scene) -> Result<Self, Error> {
+    pub(super) fn new(scene: &Scene) -> Result<Self, Failure> {
         scene.check_one_axis("three laws in the page")?;
         let place = |name: &&str| pair_columns::columns(1).iter().position(|(known, ..)| known == name);
         let shown = SHOWN.each_ref().map(|name| place(name).unwrap_or(MOST - 1));
@@ -150,7 +150,7 @@ impl ThreeLaws {
         Ok(Self { scene, lanes, shown, tick: 0, model: Model::Absent, still: false, cut: false, restarts: 0 })
     }
 
-    fn anew(&mut self) -> Result<(), Error> {
+    fn anew(&mut self) -> Result<(), Failure> {
         self.lanes = lanes(&self.scene)?;
         self.tick = 0;
         self.restarts += 1;
@@ -178,13 +178,13 @@ impl ThreeLaws {
     }
 }
 
-fn lanes(scene: &Scene) -> Result<[Lane; LANES], Error> {
+fn lanes(scene: &Scene) -> Result<[Lane; LANES], Failure> {
     let [power, wave, timed] = LAWS.map(|law| Lane::new(scene, law));
     Ok([power?, wave?, timed?])
 }
 
 impl Environment for ThreeLaws {
-    fn command(&mut self, command: Command) -> Result<(), Error> {
+    fn command(&mut self, command: Command) -> Result<(), Failure> {
         match command {
             Command::Stop => self.still = true,
             Command::Start => {
@@ -198,7 +198,7 @@ impl Environment for ThreeLaws {
         Ok(())
     }
 
-    fn set(&mut self, scene: Scene) -> Result<(), Error> {
+    fn set(&mut self, scene: Scene) -> Result<(), Failure> {
         let before = std::mem::replace(&mut self.scene, scene);
         if !same_but_for_network(&before, &self.scene) {
             return self.anew();
@@ -216,7 +216,7 @@ impl Environment for ThreeLaws {
         }
     }
 
-    fn step(&mut self) -> Result<Sample, Error> {
+    fn step(&mut self) -> Result<Sample, Failure> {
         if !self.still {
             self.tick += 1;
             let lasted_s = self.tick as f64 * PERIOD_S;

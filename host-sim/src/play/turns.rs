@@ -18,7 +18,7 @@ use haptic_sim::{network::link::Route, rng::Rng, scene::Scene};
 use super::environment::Column;
 use super::session::PERIOD_S;
 use super::shared_environment::{Held, Play, engine};
-use crate::Error;
+use haptic_cli::Failure;
 
 /// Number of users at the object.
 const USERS: usize = 3;
@@ -284,7 +284,7 @@ impl<const LOCK: bool> Turns<LOCK> {
 }
 
 impl<const LOCK: bool> Play for Turns<LOCK> {
-    fn open(scene: &Scene) -> Result<Self, Error> {
+    fn open(scene: &Scene) -> Result<Self, Failure> {
         let lease = Lease::new(LEASE_US)?;
         let seeds = entropy()?;
         let mut rng = Rng::new(u64::from_le_bytes([0, 1, 2, 3, 4, 5, 6, 7].map(|at| seeds[at])));

@@ -20,7 +20,7 @@ use serde_json::{Value, json};
 use super::environment::Column;
 use super::session::PERIOD_S;
 use super::shared_environment::{Held, Play, engine};
-use crate::Error;
+use haptic_cli::Failure;
 
 /// What there is to be felt, and the number of its server.
 const ROOM: &str = include_str!("../../sim/scenes/worlds/room.toml");
@@ -51,7 +51,7 @@ pub(super) const COLUMNS: [Column; 20] = [
     ("touched_2", "", "objects that visitor 2 touches"),
 ];
 
-fn world() -> Result<&'static World, Error> {
+fn world() -> Result<&'static World, Failure> {
     static READ: OnceLock<Result<Box<World>, haptic_environments::Error>> = OnceLock::new();
     Ok(READ.get_or_init(|| parse(ROOM, "scenes/worlds/room.toml")).as_deref()?)
 }
@@ -142,7 +142,7 @@ impl Visit {
 }
 
 impl Play for Visit {
-    fn open(scene: &Scene) -> Result<Self, Error> {
+    fn open(scene: &Scene) -> Result<Self, Failure> {
         let key = Key::new(entropy()?);
         let host =
             Host::new(key.clone(), SERVER, COUNT as u32, world()?.clone(), None, || entropy().unwrap_or_default())?;

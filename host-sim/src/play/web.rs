@@ -56,9 +56,9 @@ use super::opened::Opened;
 use super::opened_page;
 use super::orders::CLICKS;
 use super::partner::Model;
-use super::qr::Code;
 use super::roles::{Keys, Rights, Role};
 use super::session::{PERIOD_S, REACH_M};
+use haptic_cli::qr::Code;
 use haptic_live::hand;
 
 pub(super) const FILES: &[(&str, &str, &str)] = &[
@@ -129,7 +129,7 @@ pub(super) enum Answer {
 
 impl Site {
     /// The site at these doors, with fresh keys.
-    pub(super) fn new(doors: Doors, hello: Value) -> Result<Self, crate::Error> {
+    pub(super) fn new(doors: Doors, hello: Value) -> Result<Self, haptic_cli::Failure> {
         Ok(Self { doors, keys: Keys::new()?, hello: Arc::new(hello), join: None, recording: None })
     }
 
@@ -149,7 +149,7 @@ impl Site {
     }
 
     /// Tells the operator's windows how a hand is taken on the local network; the code of that address.
-    pub(super) fn offer(&mut self, hand: Role) -> Result<Option<Code>, crate::Error> {
+    pub(super) fn offer(&mut self, hand: Role) -> Result<Option<Code>, haptic_cli::Failure> {
         let Some(address) = self.address_by(Way::Lan, &[hand]) else { return Ok(None) };
         let code = Code::of(&address)?;
         let join = json!({ "address": address, "hand": hand as usize + 1, "side": code.side, "path": code.path() });
@@ -163,7 +163,7 @@ impl Site {
         listeners: Vec<(Way, TcpListener)>,
         mailbox: &Arc<Mailbox>,
         asks: SyncSender<Ask>,
-    ) -> Result<(), crate::Error> {
+    ) -> Result<(), haptic_cli::Failure> {
         let connections = Arc::new(Connections::default());
         for (way, listener) in listeners {
             let (site, mailbox) = (self.clone(), Arc::clone(mailbox));

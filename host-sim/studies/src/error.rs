@@ -12,9 +12,6 @@ pub enum Error {
     /// An analysis that could not be made.
     #[error(transparent)]
     Analysis(#[from] haptic_analysis::Error),
-    /// A shared environment.
-    #[error(transparent)]
-    Environment(#[from] haptic_environments::Error),
     /// A file of results that cannot be written.
     #[error(transparent)]
     Report(#[from] haptic_report::Error),

@@ -2,7 +2,6 @@
 #![forbid(unsafe_code)]
 
 pub mod accuracy;
-pub mod architectures;
 pub mod bench;
 pub mod campaign;
 pub mod entrant;

@@ -73,7 +73,7 @@ pub fn report(table: &Columns) -> String {
 /// The proofs as a section of docs/laws.md.
 pub fn section(report: &str) -> String {
     format!(
-        "What `host-sim prove --page docs/laws.md` prints; every test run proves the same again (`host-sim/proof/tests/suite/laws.rs`):\n\n\
+        "What `host-sim stability prove --page docs/laws.md` prints; every test run proves the same again (`host-sim/proof/tests/suite/laws.rs`):\n\n\
          ```text\n{report}\n```"
     )
 }

@@ -28,7 +28,8 @@ const HOLD_ON: [&str; 7] = [
 /// A hub for three, and where it listens.
 fn hub(keys: &Keys) -> (Running, String) {
     let address = free();
-    let mut command = host_sim(&["hub", "--json", "--scene", "any-network", "--users", "3", "--listen", &address]);
+    let mut command =
+        host_sim(&["shared", "hub", "--json", "--scene", "any-network", "--users", "3", "--listen", &address]);
     command.args(["--seconds", "60", "--key-file", &keys.file(0)]);
     (Running::start(command), address)
 }

@@ -68,7 +68,7 @@ fn a_link_is_all_that_the_other_side_needs_and_it_serves_once() {
     assert!(made.status.success() && image.exists(), "{}", String::from_utf8_lossy(&made.stderr));
     let (table, paths) = (fresh("one.csv"), fresh("one-paths.csv"));
     let mut convert = host_sim();
-    convert.args(["convert", &recorded]).arg(&table);
+    convert.args(["recording", "convert", &recorded]).arg(&table);
     fresh("one-exchanges.csv");
     fresh("one-log.csv");
     fresh("one-seconds.csv");
@@ -81,7 +81,7 @@ fn a_link_is_all_that_the_other_side_needs_and_it_serves_once() {
         "{text}"
     );
     // The recordings of both homes have one clock, as on a LAN: this machine's, to within half of a round trip and some.
-    let merged = host_sim().args(["merge", "--json", &recorded, &other]).output().expect("it runs");
+    let merged = host_sim().args(["recording", "merge", "--json", &recorded, &other]).output().expect("it runs");
     let merged: serde_json::Value = serde_json::from_slice(&merged.stdout).expect("JSON");
     let number = |name: &str| merged[name].as_f64().unwrap_or(f64::NAN);
     assert!(number("instants") > 2000.0 && number("largest_true_discrepancy_mm") < 5.0, "{merged}");

@@ -111,7 +111,7 @@ impl Person {
         assert!(good, "{report}");
         let report = serde_json::from_str(&report).expect("one JSON document");
         let table = folder.join(format!("{number}.csv"));
-        let converted = Command::new(HOST_SIM).args(["convert", text(&recording)]).arg(&table).output();
+        let converted = Command::new(HOST_SIM).args(["recording", "convert", text(&recording)]).arg(&table).output();
         assert!(converted.expect("it runs").status.success());
         let rows = std::fs::read_to_string(folder.join(format!("{number}-paths.csv"))).expect("a table of paths");
         let mut lines = rows.lines();
@@ -191,7 +191,7 @@ fn hold(mut people: [Person; 2], folder: &Path, seconds: f64, mut meanwhile: imp
         eprintln!("{seen:?}, {}", ended.report["path"]);
     }
     let [one, two] = ended.each_ref().map(|ended| text(&ended.recording));
-    let merged = Command::new(HOST_SIM).args(["merge", "--json", one, two]).output().expect("it runs");
+    let merged = Command::new(HOST_SIM).args(["recording", "merge", "--json", one, two]).output().expect("it runs");
     let merged: Value = serde_json::from_slice(&merged.stdout).expect("JSON");
     let number = |name: &str| merged[name].as_f64().unwrap_or(f64::NAN);
     eprintln!("{merged}");

@@ -33,7 +33,7 @@ impl Written {
 }
 
 impl BoardLink for Written {
-    fn ask(&mut self, line: &str, run: Option<Word>) -> Result<String, Error> {
+    fn ask(&mut self, line: &str, run: Option<Word>) -> Result<String, Failure> {
         self.said.lock().expect("a list").push(line.to_owned());
         self.exchange();
         if self.path.cut.load(Ordering::Relaxed) {
@@ -50,13 +50,13 @@ impl BoardLink for Written {
         Ok(format!("ok {line}"))
     }
 
-    fn stop(&mut self) -> Result<(), Error> {
+    fn stop(&mut self) -> Result<(), Failure> {
         self.said.lock().expect("a list").push("stop".to_owned());
         self.exchange();
         self.near.stopped()
     }
 
-    fn rows(&mut self, _: f64) -> Result<Vec<[f64; NUMBERS]>, Error> {
+    fn rows(&mut self, _: f64) -> Result<Vec<[f64; NUMBERS]>, Failure> {
         std::thread::sleep(Duration::from_millis(5));
         self.exchange();
         self.ticks += 4;

@@ -130,8 +130,9 @@ fn two_ends_hold_one_object_in_the_plane() {
 /// Two ends meet on this machine: windows are told which path it is, and what the line can hold.
 #[test]
 fn windows_are_told_of_the_path_and_of_what_the_line_can_hold() {
-    let meet = haptic_live::meet::Meet::open("127.0.0.1:0".parse().expect("an address")).expect("a socket");
-    let meeting = Meeting { place: meet.address(), relay_only: false, mapped: None, router: None };
+    let meet = haptic_homes::meet::Meet::open("127.0.0.1:0".parse().expect("an address")).expect("a socket");
+    let meeting =
+        haptic_homes::carried::Meeting { place: meet.address(), relay_only: false, mapped: None, router: None };
     let stop = haptic_live::endpoint::Stop::default();
     std::thread::scope(|scope| {
         scope.spawn(|| meet.run(60.0, &stop));

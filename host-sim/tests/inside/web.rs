@@ -152,7 +152,7 @@ impl Served {
         self.open_by(Way::Here, roles).expect("it is let in")
     }
 
-    fn open_by(&self, way: Way, roles: &[Role]) -> Result<WebSocket<TcpStream>, crate::Error> {
+    fn open_by(&self, way: Way, roles: &[Role]) -> Result<WebSocket<TcpStream>, haptic_cli::Failure> {
         let stream = crate::play::measure::connect(&self.site.address_by(way, roles).expect("a way in"))?;
         Ok(WebSocket::from_raw_socket(stream, Side::Client, None))
     }

@@ -76,10 +76,21 @@ fn a_peer_meets_it() {
 #[test]
 fn a_hub_meets_two_of_it() {
     let (keys, hub, others) = (Keys::new("python-hub", 2), free(), [free(), free()]);
-    let running =
-        host_sim(&["hub", "--json", "--users", "2", "--listen", &hub, "--seconds", "8", "--key-file", &keys.file(0)])
-            .spawn()
-            .expect("host-sim runs");
+    let running = host_sim(&[
+        "shared",
+        "hub",
+        "--json",
+        "--users",
+        "2",
+        "--listen",
+        &hub,
+        "--seconds",
+        "8",
+        "--key-file",
+        &keys.file(0),
+    ])
+    .spawn()
+    .expect("host-sim runs");
     let one = python(&keys.file(1), [1, 2], 0, [&others[0], &hub], Says::Flow);
     let two = python(&keys.file(2), [2, 1], 0, [&others[1], &hub], Says::Flow);
     let (ends, hub) = ([one, two].map(report), report(running));
@@ -148,7 +159,9 @@ fn a_peer_is_not_moved_by_what_no_honest_end_says() {
     // In the end nobody is there any more.
     assert!(said["fault"].as_str().is_none_or(|fault| fault.starts_with("fault 5:")), "{said}");
     assert!(most < early + 8_000_000, "{early} bytes, and then {most}");
-    assert!(host_sim(&["convert", &recording]).arg(&table).output().expect("host-sim runs").status.success());
+    assert!(
+        host_sim(&["recording", "convert", &recording]).arg(&table).output().expect("host-sim runs").status.success()
+    );
     let table = std::fs::read_to_string(table).expect("a table");
     let (names, rows) = table.split_once('\n').expect("a row of names");
     for column in ["device_m", "object_m", "decoded_m", "contact_n", "coordination_n"] {
@@ -165,6 +178,7 @@ fn a_hub_keeps_who_is_honest_from_who_is_not() {
     let (keys, hub, others, seconds) = (Keys::new("mutated-hub", 2), free(), [free(), free()], mutated_s());
     let lasts = format!("{}", 6.0 + seconds.ceil());
     let running = host_sim(&[
+        "shared",
         "hub",
         "--json",
         "--users",

@@ -158,7 +158,7 @@ fn arguments() {
 #[test]
 fn live_peers_and_relays() {
     refused(&["network", "relay", "--listen-1", "nowhere", "--listen-2", "127.0.0.1:1"], &["nowhere"]);
-    refused(&["cooperate", "--record", "run.csv"], &["--record", "run.csv", ".mcap", "host-sim convert"]);
+    refused(&["cooperate", "--record", "run.csv"], &["--record", "run.csv", ".mcap", "host-sim recording convert"]);
     let key = file("open.key", &"5a".repeat(32));
     let peer = ["peer", "--number", "1", "--listen", "127.0.0.1:0", "--connect", "127.0.0.1:9", "--key-file"];
     refused(&[&peer[..], &["/no/such.key"]].concat(), &["/no/such.key"]);

@@ -1,4 +1,4 @@
-//! `host-sim bench` and `host-sim network measure` as a user runs them.
+//! `host-sim study bench` and `host-sim network measure` as a user runs them.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -23,8 +23,21 @@ fn anybody_s_law_on_anybody_s_network() {
     fs::write(&bare, "nothing\n").expect("a page");
     let trace = Path::new(env!("CARGO_MANIFEST_DIR")).join("sim/tests/data/irtt.json");
     let (out, trace) = (folder.join("out"), trace.display().to_string());
-    let asked =
-        ["bench", "--json", "--law", "p-plus-d", "--budget", "2", "--searches", "2", "--seeds", "1", "--trace", &trace];
+    let asked = [
+        "study",
+        "bench",
+        "--json",
+        "--law",
+        "p-plus-d",
+        "--budget",
+        "2",
+        "--searches",
+        "2",
+        "--seeds",
+        "1",
+        "--trace",
+        &trace,
+    ];
     let [out_path, page_path, front_path] = [&out, &page, &front].map(|path| path.to_str().expect("UTF-8"));
     let places = ["--out", out_path, "--page", page_path, "--page", front_path];
     let done = report(host_sim(&[&asked[..], &places].concat()).spawn().expect("host-sim runs"));
@@ -56,7 +69,7 @@ fn anybody_s_law_on_anybody_s_network() {
     assert!(text.contains("p-plus-d") && folder.join("laws-bench.png").exists(), "{text}");
     let text = fs::read_to_string(&front).expect("the page");
     assert!(text.starts_with("before\n") && text.ends_with("after\n") && text.contains("under pushes"), "{text}");
-    let quick = ["bench", "--law", "p-plus-d", "--budget", "1", "--searches", "1", "--seeds", "1", "--page"];
+    let quick = ["study", "bench", "--law", "p-plus-d", "--budget", "1", "--searches", "1", "--seeds", "1", "--page"];
     let refused = host_sim(&quick).arg(&bare).output().expect("host-sim runs");
     let said = String::from_utf8_lossy(&refused.stderr);
     assert!(refused.status.code() == Some(2) && said.contains("bench begin"), "{said}");
@@ -66,9 +79,9 @@ fn anybody_s_law_on_anybody_s_network() {
 #[test]
 fn what_cannot_be_benched_is_refused_by_name() {
     for (arguments, says) in [
-        (&["bench", "--law", "p-plus"][..], "did you mean p-plus-d?"),
-        (&["bench", "--law", "power", "--trace", "nowhere.csv"], "--trace: cannot read nowhere.csv"),
-        (&["bench", "--budget", "0"], "--budget 0 is not allowed"),
+        (&["study", "bench", "--law", "p-plus"][..], "did you mean p-plus-d?"),
+        (&["study", "bench", "--law", "power", "--trace", "nowhere.csv"], "--trace: cannot read nowhere.csv"),
+        (&["study", "bench", "--budget", "0"], "--budget 0 is not allowed"),
         (&["network", "measure", "--to", "127.0.0.1:9"], "FILE"),
     ] {
         let output = host_sim(arguments).output().expect("host-sim runs");

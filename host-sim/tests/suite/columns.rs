@@ -1,4 +1,4 @@
-//! `host-sim columns`, the files that it tells of, and docs/columns.csv.
+//! `host-sim recording columns`, the files that it tells of, and docs/columns.csv.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File};
@@ -80,11 +80,11 @@ pub(crate) fn is_documented(file: &str, now: &[u8]) {
     assert!(documented == now, "docs/{file} is another; HAPTIC_BLESS=1 writes it");
 }
 
-/// docs/columns.csv is what `host-sim columns --json` says, a line for each column of each kind of table. To write it anew:
+/// docs/columns.csv is what `host-sim recording columns --json` says, a line for each column of each kind of table. To write it anew:
 /// `HAPTIC_BLESS=1 cargo test -p host-sim --test suite -- columns::every_column`
 #[test]
 fn every_column_has_a_meaning_and_a_line_of_the_documentation() {
-    let told = report(host_sim(&["columns", "--json"]).spawn().expect("host-sim runs"));
+    let told = report(host_sim(&["recording", "columns", "--json"]).spawn().expect("host-sim runs"));
     let mut lines = csv::Writer::from_writer(Vec::new());
     lines.write_record(["kind", "place", "row", "column", "unit", "meaning"]).expect("a line");
     let kinds = told.as_object().expect("kinds");
@@ -233,18 +233,18 @@ fn a_run_writes_what_is_declared() {
     let picture = fs::read_to_string(file(&folder, "paper", ".svg")).expect("a figure");
     let names: Vec<String> = declared("figure").into_iter().map(|[name, ..]| name).collect();
     assert!(picture.lines().any(|line| line == names.join(",")), "the data in a figure");
-    run(&folder, "convert DIR/run.mcap DIR/ticks.csv");
+    run(&folder, "recording convert DIR/run.mcap DIR/ticks.csv");
     has_columns_of("cooperate-ticks", &folder.join("ticks.csv"));
-    run(&folder, "convert DIR/run.mcap DIR/ticks.parquet");
+    run(&folder, "recording convert DIR/run.mcap DIR/ticks.parquet");
     parquet_says("cooperate-ticks", &folder.join("ticks.parquet"), None);
     // What cannot be written leaves nothing that would be in the way of the next one.
     fs::create_dir(folder.join("taken.csv")).expect("a folder");
     let [from, to] = ["run.mcap", "taken.csv"].map(|name| folder.join(name).display().to_string());
-    let failed = host_sim(&["convert", &from, &to]).output().expect("host-sim runs");
+    let failed = host_sim(&["recording", "convert", &from, &to]).output().expect("host-sim runs");
     assert!(!failed.status.success() && !folder.join("taken.toml").exists(), "{failed:?}");
-    run(&folder, "merge DIR/run.mcap DIR/apart.csv");
+    run(&folder, "recording merge DIR/run.mcap DIR/apart.csv");
     has_columns_of("merge", &folder.join("apart.csv"));
-    run(&folder, "merge DIR/run.mcap DIR/apart.parquet");
+    run(&folder, "recording merge DIR/run.mcap DIR/apart.parquet");
     parquet_says("merge", &folder.join("apart.parquet"), None);
     run(&folder, "network trace --seconds 0.1 DIR/trace.csv");
     has_columns_of("network-trace", &folder.join("trace.csv"));
@@ -253,7 +253,7 @@ fn a_run_writes_what_is_declared() {
 #[test]
 fn a_sweep_writes_what_is_declared() {
     let folder = folder("sweep");
-    run(&folder, "sweep --scene paper-5.2-wave-16ms --over network.loss=0,0.1 --seconds 0.1 --out DIR");
+    run(&folder, "study sweep --scene paper-5.2-wave-16ms --over network.loss=0,0.1 --seconds 0.1 --out DIR");
     parquet_says("sweep", &folder.join("sweep.parquet"), Some("network.loss"));
     has_columns_of("sweep-rows", &folder.join("rows-1-of-1.csv"));
     let heading = fs::read_to_string(folder.join("sweep.csv")).expect("a table");
@@ -285,7 +285,7 @@ fn stability_and_shared_environments_write_what_is_declared() {
 #[test]
 fn rows_in_json_have_what_is_declared() {
     let folder = folder("json");
-    let sweep = run(&folder, "sweep --scene paper-5.2-wave-16ms --over network.loss=0 --seconds 0.1 --out DIR");
+    let sweep = run(&folder, "study sweep --scene paper-5.2-wave-16ms --over network.loss=0 --seconds 0.1 --out DIR");
     let force = run(&folder, "accuracy force");
     let precision = run(&folder, "accuracy precision --seconds 0.1 --set axis.count=2 --set axis.shared=2");
     let rigid = run(&folder, "accuracy rigid --seconds 1");

@@ -1,4 +1,4 @@
-//! The columns that `host-sim columns` tells of, for every test that looks at a table.
+//! The columns that `host-sim recording columns` tells of, for every test that looks at a table.
 
 use std::path::Path;
 
@@ -6,9 +6,9 @@ use serde_json::Value;
 
 use crate::program::{host_sim, report};
 
-/// The columns of a kind of table, as `host-sim columns` says: name, unit and meaning.
+/// The columns of a kind of table, as `host-sim recording columns` says: name, unit and meaning.
 pub(crate) fn declared(kind: &str) -> Vec<[String; 3]> {
-    let told = report(host_sim(&["columns", kind, "--json"]).spawn().expect("host-sim runs"));
+    let told = report(host_sim(&["recording", "columns", kind, "--json"]).spawn().expect("host-sim runs"));
     let columns = told[kind]["columns"].as_array().expect("columns");
     let text = |column: &Value, field: &str| column[field].as_str().unwrap_or_default().to_owned();
     columns.iter().map(|column| ["column", "unit", "meaning"].map(|field| text(column, field))).collect()

@@ -38,7 +38,7 @@ fn a_law_from_outside_is_simulated_proved_and_compared() {
     assert!(limits.iter().all(|limit| (10.0..5000.0).contains(limit)) && limits[0] != limits[1], "{limits:?}");
 
     // On the bench it has a row, and one for each network.
-    let bench = json(&program, &["campaign", "--laws", "predict"]);
+    let bench = json(&program, &["study", "laws", "predict"]);
     assert_eq!((&bench["laws"][0]["law"], &bench["networks"][0]["comm"]), (&"predict".into(), &"predict".into()));
     assert_eq!(bench["networks"].as_array().map(Vec::len), Some(38));
 
@@ -50,7 +50,7 @@ fn a_law_from_outside_is_simulated_proved_and_compared() {
     assert!(plain["stable"] == true && ahead["stable"] == true, "{plain} {ahead}");
     assert!(plain["true_discrepancy_mm"].as_f64() > Some(1.0) && plain["state_hash"] != ahead["state_hash"], "{plain}");
     assert_eq!(ahead["made"]["settings"]["predict.ahead_s"], "0.01");
-    let table = json(&program, &["campaign"]);
+    let table = json(&program, &["study", "networks"]);
     let rows: Vec<&Value> = table.as_array().expect("rows").iter().filter(|row| row["comm"] == "predict").collect();
     assert!(rows.len() > 20 && rows.iter().any(|row| row["stable"] == true), "{rows:?}");
 

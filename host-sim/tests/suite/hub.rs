@@ -26,10 +26,11 @@ fn number(document: &Value, key: &str) -> f64 {
 fn three_processes_hold_one_object_and_one_of_them_restarts() {
     let keys = Keys::new("three", 3);
     let address = free();
-    let hub = host_sim(&["hub", "--json", "--users", "3", "--listen", &address, "--seconds", "7", "--key-file"])
-        .arg(keys.file(0))
-        .spawn()
-        .expect("host-sim runs");
+    let hub =
+        host_sim(&["shared", "hub", "--json", "--users", "3", "--listen", &address, "--seconds", "7", "--key-file"])
+            .arg(keys.file(0))
+            .spawn()
+            .expect("host-sim runs");
     let first = peer(&keys, 1, &address, &["user.1.push_n=1", "user.1.sine_n=0.1"], "6");
     let second = peer(&keys, 2, &address, &["user.2.push_n=1"], "6");
     let mut third = peer(&keys, 3, &address, &[], "60");
@@ -74,11 +75,12 @@ fn processes_around_a_hub_share_a_plane() {
     let address = free();
     let recording = keys.0.join("hub.mcap");
     let plane = ["axis.count=2", "axis.shared=2"];
-    let hub = host_sim(&["hub", "--json", "--users", "3", "--listen", &address, "--seconds", "3", "--key-file"])
-        .args([&keys.file(0), "--record", &recording.display().to_string(), "--patience-s", "20"])
-        .args(plane.iter().flat_map(|setting| ["--set", setting]))
-        .spawn()
-        .expect("host-sim runs");
+    let hub =
+        host_sim(&["shared", "hub", "--json", "--users", "3", "--listen", &address, "--seconds", "3", "--key-file"])
+            .args([&keys.file(0), "--record", &recording.display().to_string(), "--patience-s", "20"])
+            .args(plane.iter().flat_map(|setting| ["--set", setting]))
+            .spawn()
+            .expect("host-sim runs");
     let (status, error) = ended(peer(&keys, 3, &address, &[], "1"));
     // A peer of one axis has no such table: the hub has its name.
     assert!(
@@ -102,7 +104,7 @@ fn processes_around_a_hub_share_a_plane() {
         assert!(live["fault"] == Value::Null && number(live, "decoded_discrepancy_mm") < 1.0, "{live}");
     }
     let table = recording.with_extension("csv");
-    let converted = host_sim(&["convert", &recording.display().to_string()]).arg(&table).output();
+    let converted = host_sim(&["recording", "convert", &recording.display().to_string()]).arg(&table).output();
     assert!(converted.expect("host-sim runs").status.success());
     let axes = hub["axes"].as_array().expect("axes");
     assert_eq!(axes.iter().map(|axis| &axis["axis"]).collect::<Vec<_>>(), ["x", "y"], "{hub}");
@@ -124,7 +126,7 @@ fn processes_around_a_hub_share_a_plane() {
 fn what_is_wrong_is_said_in_one_line() {
     let keys = Keys::new("wrong", 1);
     let (key, address) = (keys.file(0), free());
-    let hub = ["hub", "--listen", &address, "--key-file", &key];
+    let hub = ["shared", "hub", "--listen", &address, "--key-file", &key];
     for (arguments, names) in [
         (&["--users", "1"][..], "2..=16"),
         (&["--users", "17"], "2..=16"),
@@ -170,11 +172,12 @@ fn ended(child: Child) -> (Option<i32>, String) {
 fn one_client_cannot_stop_a_hub() {
     let keys = Keys::new("stop", 3);
     let address = free();
-    let hub = host_sim(&["hub", "--json", "--users", "3", "--listen", &address, "--seconds", "3", "--key-file"])
-        .arg(keys.file(0))
-        .args(["--patience-s", "20"])
-        .spawn()
-        .expect("host-sim runs");
+    let hub =
+        host_sim(&["shared", "hub", "--json", "--users", "3", "--listen", &address, "--seconds", "3", "--key-file"])
+            .arg(keys.file(0))
+            .args(["--patience-s", "20"])
+            .spawn()
+            .expect("host-sim runs");
     let third = peer(&keys, 3, &address, &["object.mass_kg=0.5"], "1");
     let (status, error) = ended(third);
     assert!(status == Some(2) && error.contains("told other parameters: table [object]"), "{error}");
@@ -209,7 +212,7 @@ fn one_client_cannot_stop_a_hub() {
 fn who_is_wrong_is_said_at_both_ends() {
     let (keys, others) = (Keys::new("told", 2), Keys::new("told-others", 1));
     let address = free();
-    let hub = host_sim(&["hub", "--users", "2", "--listen", &address, "--key-file", &keys.file(0)])
+    let hub = host_sim(&["shared", "hub", "--users", "2", "--listen", &address, "--key-file", &keys.file(0)])
         .args(["--patience-s", "12"])
         .spawn()
         .expect("host-sim runs");

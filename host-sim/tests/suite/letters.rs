@@ -114,7 +114,7 @@ fn draw(commands: &[(&str, usize)], width: &[&str], apart: bool) {
 }
 
 /// As they are drawn unless a command is told otherwise, a column wide: powers at the ticks, indices in labels, bands, regions, dots with names, many panels. Those of
-/// `accuracy`, which are a page wide, and of `reproduce` are read where these commands are tested.
+/// `accuracy`, which are a page wide, and of `paper reproduce` are read where these commands are tested.
 #[test]
 fn every_figure_can_be_read_in_a_column() {
     let commands = [
@@ -124,7 +124,7 @@ fn every_figure_can_be_read_in_a_column() {
         ("stability map --x contact.stiffness_n_per_m=100..5000:8 --y coordination.stiffness_n_per_m=10..5000:8", 1),
         ("stability rendering", 1),
         ("study wave p-plus-d --over object.mass_kg=0.001..1:4:log --seconds 1 --seeds 2", 1),
-        ("architectures", 1),
+        ("paper architectures", 1),
         ("accuracy transparency", 1),
     ];
     draw(&commands, &[], true);

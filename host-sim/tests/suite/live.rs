@@ -254,7 +254,7 @@ fn two_processes_share_a_plane_and_space() {
         }
         // The rows of every axis: what pulls in the last half of them is what the report says.
         let table = folder.join(format!("{scene}.csv"));
-        let converted = host_sim(&["convert", &recording]).arg(&table).stdout(Stdio::null()).status();
+        let converted = host_sim(&["recording", "convert", &recording]).arg(&table).stdout(Stdio::null()).status();
         assert!(converted.expect("host-sim runs").success());
         for axis in lives[1]["axes"].as_array().expect("axes") {
             let ending = match axis["axis"].as_str() {
@@ -469,7 +469,7 @@ impl Tick {
     /// The armed ticks of a recording.
     fn read(recording: &Path) -> Vec<Self> {
         let table = recording.with_extension("csv");
-        let converted = document(host_sim(&["convert", "--json"]).arg(recording).arg(&table));
+        let converted = document(host_sim(&["recording", "convert", "--json"]).arg(recording).arg(&table));
         assert_eq!(converted["lost"], 0, "{converted}");
         let text = std::fs::read_to_string(&table).expect("a table");
         let (names, rows) = text.split_once('\n').expect("a row of names");

@@ -28,9 +28,9 @@ const ALLOWED: [(&str, &str); 4] = [
     ("host-sim/io/src/", ""),
     // What the system says of itself.
     ("", "\"/proc/"),
-    ("host-sim/live/src/devices/find.rs", "interface.join(\"type\")"),
+    ("host-sim/guests/devices/src/find.rs", "interface.join(\"type\")"),
     // A serial line is no file.
-    ("host-sim/live/src/devices/can.rs", "OpenOptionsExt"),
+    ("host-sim/guests/devices/src/can.rs", "OpenOptionsExt"),
 ];
 
 fn search(folder: &Path, found: &mut Vec<String>, files: &mut usize) {

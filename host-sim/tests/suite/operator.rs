@@ -387,7 +387,7 @@ fn a_key_file_of_the_other_role_is_refused_by_name() {
             &["peer", "--number", "1", "--listen", "127.0.0.1:0", "--connect", &address, "--key-file", &operator],
             &is_operators,
         ),
-        (&["hub", "--users", "2", "--listen", "127.0.0.1:0", "--key-file", &operator], &is_operators),
+        (&["shared", "hub", "--users", "2", "--listen", "127.0.0.1:0", "--key-file", &operator], &is_operators),
         (&["key", "generate", &file, "--line", "1", "--of", &operator], &is_operators),
         (&["key", "image", "--key-file", &operator, "--operator-key-file", &peers, &file], &is_operators),
         (&["key", "image", "--key-file", &peers, "--operator-key-file", &peers, &file], &is_of_peers),

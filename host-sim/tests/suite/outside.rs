@@ -49,9 +49,9 @@ fn a_pipe_or_a_device_is_no_file() {
             &["cooperate", "--json", "--set", &format!("user.1.trace={place}")],
             &["cooperate", "--json", "--set", &format!("network.trace={place}")],
             &["study", place, "matched-line", "--json"],
-            &["sweep", "--json", "--over", "network.loss=0,0.1", "--scene", place],
-            &["convert", place, "out.csv"],
-            &["merge", place],
+            &["study", "sweep", "--json", "--over", "network.loss=0,0.1", "--scene", place],
+            &["recording", "convert", place, "out.csv"],
+            &["recording", "merge", place],
             &["shared", "world", "show", "--world", place],
             &["shared", "world", "serve", "--world", place, "--listen", "127.0.0.1:0", "--key-file", place],
             &["board", "calibrate", "counts", "--board", "simulated", "--distance-m", "0.1", "--settings", place],
@@ -148,7 +148,7 @@ fn convert_writes_over_nothing_that_was_not_named_and_through_no_link() {
     let folder = folder("convert");
     honest(&folder.join("in.mcap"), &[]);
     let read = |name: &str| std::fs::read_to_string(folder.join(name)).expect("a file");
-    let convert = |to: &str| bounded(&folder, &["convert", "in.mcap", to]);
+    let convert = |to: &str| bounded(&folder, &["recording", "convert", "in.mcap", to]);
     // Files of the user's, of names that the recording's author could guess.
     for (beside, to) in
         [("Cargo.toml", "Cargo.csv"), ("mine-exchanges.csv", "mine.csv"), ("two-exchanges.parquet", "two.parquet")]
@@ -202,12 +202,12 @@ fn what_a_recording_calls_things_is_shown_and_names_no_file() {
         .expect("a scene");
     std::fs::write(folder.join("worse.toml"), "[user.1]\ntrace = \"\\u001b[2J\\nhost-sim: done\"\n").expect("a scene");
     for (arguments, status) in [
-        (&["convert", "in.mcap", "out.csv"][..], 0),
-        (&["convert", "in.mcap", "out.csv", "--json"], 0),
-        (&["merge", "in.mcap"], 2),
-        (&["merge", "in.mcap", "in.mcap"], 2),
-        (&["convert", "beside.mcap", "beside.csv"], 2),
-        (&["convert", "toml.mcap", "toml.csv"], 2),
+        (&["recording", "convert", "in.mcap", "out.csv"][..], 0),
+        (&["recording", "convert", "in.mcap", "out.csv", "--json"], 0),
+        (&["recording", "merge", "in.mcap"], 2),
+        (&["recording", "merge", "in.mcap", "in.mcap"], 2),
+        (&["recording", "convert", "beside.mcap", "beside.csv"], 2),
+        (&["recording", "convert", "toml.mcap", "toml.csv"], 2),
         (&["cooperate", "--json", "--scene", "bad.toml"], 2),
         (&["cooperate", "--json", "--scene", "worse.toml"], 2),
         (&["cooperate", "--json", "--set", "\u{1b}[2J=1"], 2),
@@ -246,7 +246,7 @@ fn a_recording_takes_no_more_than_it_is_long() {
         ("long", "128 bytes in the name of a column"),
         ("text", "16777216 bytes in a record"),
     ] {
-        let error = refusal(&bounded(&folder, &["convert", &format!("{name}.mcap"), "out.csv"]));
+        let error = refusal(&bounded(&folder, &["recording", "convert", &format!("{name}.mcap"), "out.csv"]));
         assert!(error.contains(&format!("it has more than {cap}, which no recording has")), "{error}");
     }
     // Rows that leave numbers out: two million of them in 62 MB would be a table of a gigabyte.
@@ -255,7 +255,7 @@ fn a_recording_takes_no_more_than_it_is_long() {
     empty.row(1, &[1.0; 64]);
     (0..2_000_000).for_each(|_| empty.row(1, &[]));
     empty.write(&folder.join("empty.mcap"));
-    let output = bounded(&folder, &["convert", "empty.mcap", "empty.csv", "--json"]);
+    let output = bounded(&folder, &["recording", "convert", "empty.mcap", "empty.csv", "--json"]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     assert_eq!(std::fs::read_to_string(folder.join("empty.csv")).expect("a table").lines().count(), 2);
 }
@@ -274,6 +274,6 @@ fn exchanges_of_as_many_sessions_take_no_longer_than_of_one() {
         (1..300_000).for_each(|at| file.row(2, &[0.0, 0.0, 0.0, 0.0, sign * f64::from(at)]));
         file.write(&folder.join(name));
     }
-    let error = refusal(&bounded(&folder, &["merge", "one.mcap", "two.mcap"]));
+    let error = refusal(&bounded(&folder, &["recording", "merge", "one.mcap", "two.mcap"]));
     assert!(error.contains("in no session with each other"), "{error}");
 }

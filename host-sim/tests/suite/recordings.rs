@@ -134,7 +134,7 @@ fn killed(keys: &Keys) -> Value {
     // Up to the last second: a chunk of a quarter of a second is what a kill may cost.
     for recording in &recordings {
         let table = recording.with_extension("csv");
-        let converted = json(host_sim(&["convert", "--json"]).arg(recording).arg(&table));
+        let converted = json(host_sim(&["recording", "convert", "--json"]).arg(recording).arg(&table));
         assert!(converted["cut"]["whole_bytes"].as_f64().is_some_and(|bytes| bytes > 1e5), "{converted}");
         let text = std::fs::read_to_string(&table).expect("a table");
         let last = text.lines().last().and_then(|line| line.split(',').nth(1)?.parse::<f64>().ok()).expect("a time");
@@ -146,7 +146,7 @@ fn killed(keys: &Keys) -> Value {
         assert!(std::fs::read_to_string(recording.with_extension("toml")).expect("a scene").contains("self-timed"));
     }
     let table = file("merged.parquet");
-    let merged = json(host_sim(&["merge", "--json"]).args(&recordings).arg(&table));
+    let merged = json(host_sim(&["recording", "merge", "--json"]).args(&recordings).arg(&table));
     assert!(table.exists() && number(&merged, "instants") > 1000.0 * (SECONDS - 3.0), "{merged}");
     // The clocks are known to half of a round trip of 16 ms and some; as both are those of one machine, it is seen how well: what a
     // busy relay makes of the two ways is less.
@@ -194,7 +194,7 @@ fn a_full_disk_ends_the_recording_and_not_the_run() {
     let document: Value = serde_json::from_slice(&output.stdout).expect("the run's result");
     assert_eq!(number(&document, "ticks"), 10_000.0, "{document}");
     let table = keys.0.join("full.parquet");
-    let converted = json(host_sim(&["convert", "--json"]).arg(&recording).arg(&table));
+    let converted = json(host_sim(&["recording", "convert", "--json"]).arg(&recording).arg(&table));
     let rows = number(&converted["channels"][0], "rows");
     assert!(rows > 100.0 && rows < 10_000.0, "{converted} {error}");
     let said = format!("recorded {rows} rows in {}, ", recording.display());
@@ -219,7 +219,7 @@ fn both_peers_along_three_axes() {
     let recording = keys.0.join("space.mcap");
     let run = ["cooperate", "--json", "--seconds", "1", "--scene", "space", "--out"];
     let run = json(host_sim(&run).arg(&keys.0).arg("--record").arg(&recording));
-    json(host_sim(&["convert", "--json"]).arg(&recording).arg(keys.0.join("table.csv")));
+    json(host_sim(&["recording", "convert", "--json"]).arg(&recording).arg(keys.0.join("table.csv")));
     let files: Vec<&str> = run["files"].as_array().expect("files").iter().filter_map(Value::as_str).collect();
     for (recorded, axis) in [("table.csv", "-x.csv"), ("table-ticks-y.csv", "-y.csv"), ("table-ticks-z.csv", "-z.csv")]
     {
@@ -235,18 +235,21 @@ fn both_peers_of_a_run_in_memory() {
     let recording = keys.0.join("both.mcap");
     let run = ["cooperate", "--json", "--seconds", "2", "--scene", "matched-line", "--set", "user.1.push_n=1", "--out"];
     let run = json(host_sim(&run).arg(&keys.0).arg("--record").arg(&recording));
-    let merged = json(host_sim(&["merge", "--json"]).arg(&recording));
+    let merged = json(host_sim(&["recording", "merge", "--json"]).arg(&recording));
     let near = (number(&merged, "true_discrepancy_mm") - number(&run, "true_discrepancy_mm")).abs();
     assert!(near < 1e-12 && number(&merged, "instants") == 2000.0, "{merged} {run}");
     let table = keys.0.join("table.csv");
-    json(host_sim(&["convert", "--json"]).arg(&recording).arg(&table));
+    json(host_sim(&["recording", "convert", "--json"]).arg(&recording).arg(&table));
     let files = run["files"].as_array().expect("files").iter().filter_map(Value::as_str);
     let whole: Vec<PathBuf> = files.filter(|file| file.ends_with(".csv")).map(PathBuf::from).collect();
     same_rows(&table, &whole[0]);
     for (arguments, names) in [
-        (&["convert", "a.mcap", "b.txt"][..], "b.txt is not allowed: its name must end in .csv or .parquet"),
-        (&["convert", "nowhere.mcap", "b.csv"], "cannot read nowhere.mcap"),
-        (&["merge", "nowhere.mcap"], "cannot read nowhere.mcap"),
+        (
+            &["recording", "convert", "a.mcap", "b.txt"][..],
+            "b.txt is not allowed: its name must end in .csv or .parquet",
+        ),
+        (&["recording", "convert", "nowhere.mcap", "b.csv"], "cannot read nowhere.mcap"),
+        (&["recording", "merge", "nowhere.mcap"], "cannot read nowhere.mcap"),
     ] {
         let output = host_sim(arguments).output().expect("host-sim runs");
         let error = String::from_utf8_lossy(&output.stderr);
@@ -261,7 +264,7 @@ fn a_run_that_faults_says_so() {
     let file = |name: &str| keys.0.join(name);
     let run = host_sim(&FAULTS).arg("--record").arg(file("run.mcap")).output().expect("host-sim runs");
     assert_eq!(run.status.code(), Some(1), "{}", String::from_utf8_lossy(&run.stderr));
-    let converted = json(host_sim(&["convert", "--json"]).arg(file("run.mcap")).arg(file("run.csv")));
+    let converted = json(host_sim(&["recording", "convert", "--json"]).arg(file("run.mcap")).arg(file("run.csv")));
     let channels = converted["channels"].as_array().expect("channels");
     assert!(channels.iter().any(|channel| channel["channel"] == "/log"), "{converted}");
     let table = |name: &str| {
@@ -284,7 +287,7 @@ fn a_run_that_faults_says_so() {
     let words = "peer 1 stopped at 0.007 s: Overspeed: braking did not keep the device below 1.5 times safety.max_speed_m_per_s or encoder.max_speed_m_per_s";
     assert!(said[3] == words && said[4] == "both peers" && apart_s.abs() < 1e-6, "{said:?} {apart_s}");
     // A flag is a flag, a count a count, a text a text.
-    let converted = json(host_sim(&["convert", "--json"]).arg(file("run.mcap")).arg(file("run.parquet")));
+    let converted = json(host_sim(&["recording", "convert", "--json"]).arg(file("run.mcap")).arg(file("run.parquet")));
     assert_eq!(number(&converted["channels"][0], "rows"), rows.len() as f64);
     for (name, column, kind) in [
         ("run", "row", PhysicalType::INT64),
@@ -362,7 +365,7 @@ fn live_commands_talk_and_record() {
         "{}",
         String::from_utf8_lossy(&page.stderr)
     );
-    let converted = json(host_sim(&["convert", "--json"]).arg(&recording).arg(keys.0.join("page.csv")));
+    let converted = json(host_sim(&["recording", "convert", "--json"]).arg(&recording).arg(keys.0.join("page.csv")));
     assert_eq!((number(&converted["channels"][0], "rows"), number(&converted, "lost")), (1000.0, 0.0), "{converted}");
     let heads = std::fs::read_to_string(keys.0.join("page.csv")).expect("a table");
     assert!(heads.starts_with("row,time_s,wanted_1_m,wanted_2_m,device_1_m"), "{heads:.200}");

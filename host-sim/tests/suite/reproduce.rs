@@ -1,4 +1,4 @@
-//! `host-sim reproduce` as a user runs it.
+//! `host-sim paper reproduce` as a user runs it.
 
 use std::fs;
 use std::path::Path;
@@ -12,7 +12,7 @@ fn every_claim_has_a_verdict_and_a_reason() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("reproduce");
     let _ = fs::remove_dir_all(&folder);
     let out = folder.display().to_string();
-    let done = report(host_sim(&["reproduce", "--json", "--out", &out]).spawn().expect("host-sim runs"));
+    let done = report(host_sim(&["paper", "reproduce", "--json", "--out", &out]).spawn().expect("host-sim runs"));
     crate::letters::are_readable(&folder, 8, true);
     let claims = done["claims"].as_array().expect("claims");
     let text = |at: usize, field: &str| claims[at][field].as_str().unwrap_or_default().to_owned();

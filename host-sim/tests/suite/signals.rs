@@ -64,7 +64,7 @@ fn whoever_waits_ends_with_an_empty_report() {
     let (one, two) = (free(), free());
     for (arguments, field) in [
         (&["peer", "--number", "1", "--listen", &address, "--connect", &nobody, "--key-file", &key][..], "ticks"),
-        (&["hub", "--users", "2", "--listen", &address, "--key-file", &key], "packets"),
+        (&["shared", "hub", "--users", "2", "--listen", &address, "--key-file", &key], "packets"),
         (&["shared", "world", "visit", "--line", "1", "--server", &server, "--key-file", &line], "objects"),
         (
             &[
@@ -134,7 +134,7 @@ fn servers_and_hubs_say_goodbye() {
     let (seen, _) = ended(server, "INT");
     assert!(seen["clients"] == 1 && seen["served_s"].as_f64().is_some_and(|served_s| served_s < 60.0), "{seen}");
 
-    let hub = ["hub", "--json", "--users", "2", "--listen", &address, "--seconds", "60", "--key-file", &key];
+    let hub = ["shared", "hub", "--json", "--users", "2", "--listen", &address, "--seconds", "60", "--key-file", &key];
     let hub = host_sim(&hub).spawn().expect("host-sim runs");
     let peers = [1, 2].map(|line: u32| {
         let (number, key) = (line.to_string(), keys.file(line));

@@ -98,7 +98,7 @@ fn a_search_in_shards_is_the_same() {
     }
 }
 
-/// One scene on its own network: the rows of `sweep`.
+/// One scene on its own network: the rows of `study sweep`.
 #[test]
 fn of_one_scene_it_is_a_sweep() {
     let (one, other) = (folder("study"), folder("sweep"));
@@ -107,7 +107,7 @@ fn of_one_scene_it_is_a_sweep() {
         report(host_sim(&[command, &axis, &[folder.to_str().expect("UTF-8")]].concat()).spawn().expect("host-sim runs"))
     };
     ask(&["study", "paper-5.2-wave-16ms"], &one);
-    ask(&["sweep", "--scene", "paper-5.2-wave-16ms"], &other);
+    ask(&["study", "sweep", "--scene", "paper-5.2-wave-16ms"], &other);
     let journal = |folder: &Path| {
         let text = text(folder, "rows-1-of-1.csv");
         let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();

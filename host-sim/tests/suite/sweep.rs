@@ -1,4 +1,4 @@
-//! `host-sim sweep` as a user runs it: the rows of single runs, the same rows in every way they can come, nothing lost by a kill.
+//! `host-sim study sweep` as a user runs it: the rows of single runs, the same rows in every way they can come, nothing lost by a kill.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -11,6 +11,7 @@ use crate::program::{host_sim, report};
 
 /// 24 points, among them faulted ones and ones in which the seeds differ.
 const QUESTION: &[&str] = &[
+    "study",
     "sweep",
     "--json",
     "--scene",
@@ -88,7 +89,7 @@ fn what_grows_when_let_go_is_said_beside_every_run() {
         let modes = judged["modes"].as_array().expect("modes");
         let unstable = modes.iter().filter(|mode| mode["stable"] == false).filter_map(|mode| mode["mode"].as_str());
         let unstable = Some(unstable.collect::<Vec<_>>().join("; ")).filter(|modes| !modes.is_empty());
-        let swept = said(&["sweep", "--over", "network.loss=0", "--seconds", "1"])["points"][0].take();
+        let swept = said(&["study", "sweep", "--over", "network.loss=0", "--seconds", "1"])["points"][0].take();
         for row in [&swept, &said(&["cooperate", "--seconds", "1"])] {
             assert_eq!(row["every_mode_stable"], judged["stable"], "{scene}");
             assert_eq!(row["unstable_modes"].as_str(), unstable.as_deref(), "{scene}");
@@ -104,7 +105,7 @@ fn what_grows_when_let_go_is_said_beside_every_run() {
 fn what_the_documentation_sweeps_moves() {
     let page = include_str!("../../../docs/data.md");
     let commands = page.lines().filter_map(|line| line.strip_prefix("    host-sim "));
-    let commands: Vec<&str> = commands.filter(|line| line.starts_with("sweep ")).collect();
+    let commands: Vec<&str> = commands.filter(|line| line.starts_with("study sweep ")).collect();
     assert_eq!(commands.len(), 2, "{commands:?}");
     let folder = folder("documented");
     fs::create_dir_all(&folder).expect("a folder");
@@ -267,6 +268,7 @@ fn kills_lose_nothing_and_repeat_nothing() {
 
 /// Short runs at points of Sobol's sequence.
 const SAMPLED: &[&str] = &[
+    "study",
     "sweep",
     "--json",
     "--scene",
@@ -360,7 +362,7 @@ fn another_question_and_bad_ones_are_refused() {
     refused(&arguments(&folder, &["--over", "network.jitter_s=0,0.001"]), &["of another sweep", "over_3"]);
     assert_eq!(journals(&folder), before);
 
-    let over = |over: &str, names: &[&str]| refused(&["sweep", "--json", "--over", over], names);
+    let over = |over: &str, names: &[&str]| refused(&["study", "sweep", "--json", "--over", over], names);
     over("object.mas_kg=1,2", &["there is no key object.mas_kg", "did you mean object.mass_kg?"]);
     over("object.mass_kg=-1..1:3", &["object.mass_kg = -1 is not allowed"]);
     over("network.one_way_delay_packets=1..2:3", &["network.one_way_delay_packets = 1.5 is not allowed", "whole"]);
@@ -370,7 +372,7 @@ fn another_question_and_bad_ones_are_refused() {
     over("network.loss=0..0.1:3:log", &["ends above 0"]);
     over("network.loss=0..0.1", &["TABLE.KEY=A..B:N"]);
     over("network.loss=0.1,0.1", &["0.1 stands there twice"]);
-    let sample = |more: &[&str], names: &[&str]| refused(&[&["sweep", "--json"], more].concat(), names);
+    let sample = |more: &[&str], names: &[&str]| refused(&[&["study", "sweep", "--json"], more].concat(), names);
     sample(&["--sample", "network.loss=0..1.5", "--points", "64"], &["network.loss = 1.", "is not allowed"]);
     sample(&["--sample", "network.loss=0..0.1"], &["--points"]);
     sample(&["--sample", "network.loss=0.1..0", "--points", "9"], &["from a number to a larger one"]);
@@ -380,5 +382,8 @@ fn another_question_and_bad_ones_are_refused() {
         &["--sample", "network.loss=0..0.1", "--over", "network.loss=0,0.1", "--points", "9"],
         &["network.loss is varied twice"],
     );
-    refused(&["sweep", "--over", "network.loss=0,0.1", "--shard", "3/2", "--out", "x"], &["I/N, I from 1 to N"]);
+    refused(
+        &["study", "sweep", "--over", "network.loss=0,0.1", "--shard", "3/2", "--out", "x"],
+        &["I/N, I from 1 to N"],
+    );
 }

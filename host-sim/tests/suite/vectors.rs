@@ -38,7 +38,8 @@ fn the_widest_program_that_the_processor_has_runs() {
 fn a_word_that_is_no_level_is_refused() {
     for wrong in ["v4", "x86-64-v5", "Compiled"] {
         let mut command = Command::new(env!("CARGO_BIN_EXE_host-sim"));
-        let output = command.args(["columns", "--json"]).env("HOST_SIM_VECTORS", wrong).output().expect("it runs");
+        let output =
+            command.args(["recording", "columns", "--json"]).env("HOST_SIM_VECTORS", wrong).output().expect("it runs");
         let said = String::from_utf8(output.stderr).expect("text");
         let must = "it must be x86-64-v4, x86-64-v3 or compiled, or not be set";
         assert_eq!(said, format!("host-sim: HOST_SIM_VECTORS = {wrong:?} is not allowed: {must}\n"));

@@ -5,10 +5,10 @@
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
 
-use haptic_meeting::Way;
-use haptic_meeting::bridge::Bridge;
-use haptic_meeting::carrier::{Carrier, Config};
-use haptic_meeting::place::Place;
+use haptic_homes::Way;
+use haptic_homes::bridge::Bridge;
+use haptic_homes::carrier::{Carrier, Config};
+use haptic_homes::place::Place;
 use haptic_protocol::key::Key;
 
 use crate::pc::peers_key;
@@ -76,7 +76,7 @@ impl Far {
         &mut self,
         now_ns: u64,
         end: usize,
-        turn: impl FnOnce(&mut Carrier, Instant, &mut haptic_meeting::Send<'_>),
+        turn: impl FnOnce(&mut Carrier, Instant, &mut haptic_homes::Send<'_>),
     ) {
         let mut sent = Vec::new();
         let now = self.start + Duration::from_nanos(now_ns);

@@ -5,10 +5,10 @@
 
 use std::net::SocketAddr;
 
+use haptic_cli::Failure;
 use haptic_live::node::Node;
 use haptic_protocol::key::Key;
 use haptic_sim::scene::Scene;
-use host_sim::Error;
 
 use crate::far::Far;
 use crate::pc::{board_ip, board_mac, peers_key, resolved, udp};
@@ -35,7 +35,7 @@ impl Partner {
     ///
     /// # Errors
     /// What host-sim refuses.
-    pub fn new(scene: &Scene, number: usize) -> Result<Self, Error> {
+    pub fn new(scene: &Scene, number: usize) -> Result<Self, Failure> {
         let node = Node::new(scene, number as u8, peers_key(), [0x77; Key::LEN])?;
         Ok(Self { node, number, out: Vec::new(), refused: 0, far: None })
     }

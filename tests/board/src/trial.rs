@@ -7,10 +7,10 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use firmware_parts::record::{ENGAGED, RECEIVED, Record, SENT};
+use haptic_cli::Failure;
 use haptic_sim::network::rule::{Direction, of_scene};
 use haptic_sim::run::{Accounts, Options, Outcome, Ticked};
 use haptic_sim::scene::Scene;
-use host_sim::Error;
 
 use crate::bench::{Bench, for_boards};
 use crate::cost;
@@ -59,7 +59,7 @@ pub struct Trial {
 ///
 /// # Errors
 /// One sentence: what to change.
-pub fn line(scene: &Scene) -> Result<Line, Error> {
+pub fn line(scene: &Scene) -> Result<Line, Failure> {
     let network = &scene.world.network;
     if network.one_way_delay_packets == 0 {
         return Err("network.one_way_delay_packets must be at least 1: a wire cannot deliver within the tick".into());
@@ -92,7 +92,7 @@ fn dropped(bench: &mut Bench, number: usize) -> u64 {
 ///
 /// # Errors
 /// The wire cannot do what the scene asks for, or the boards cannot run it.
-pub fn run(firmware: &Arc<Firmware>, scene: &Scene, seconds: f64) -> Result<Trial, Error> {
+pub fn run(firmware: &Arc<Firmware>, scene: &Scene, seconds: f64) -> Result<Trial, Failure> {
     let scene = for_boards(scene);
     let line = line(&scene)?;
     let given = of_scene(&scene, Direction::OneToTwo, 0).is_some() || scene.law().own_time;

@@ -22,7 +22,7 @@ use crate::roles::static_scene::{Board, Server};
 use haptic_protocol::path::Path;
 
 /// Most clients of one server.
-pub const MOST_LINES: u32 = 4096;
+pub const MOST_LINES: u32 = Key::MOST_LINES;
 /// A client that is silent for this long is not shown to others, µs.
 const PRESENT_US: u64 = 1_000_000;
 /// Between two answers to those who hold no line's key, µs.

@@ -7,8 +7,10 @@
 //! | [`fuzz`] | what do the fuzz targets make of what fuzzers found? |
 //! | [`hostile`] | what can a member with a key do to the others? |
 //! | [`path`] | what can somebody without a key do on the path of agreed starts, clocks and consent? |
+//! | [`architectures`] | does the choice of an architecture hold what must hold, whatever its numbers? |
 //! | [`collaborate`], [`cooperative`], [`hub`], [`lifted`], [`squash`], [`static_scene`] | what do the environments do in virtual time? |
 
+mod architectures;
 mod collaborate;
 mod cooperative;
 mod fuzz;

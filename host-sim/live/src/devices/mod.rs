@@ -8,28 +8,17 @@
 //! | adapter | what it speaks to |
 //! |---|---|
 //! | none | the scene's simulated device, which a peer has by default |
-//! | [`haply`] | an Inverse3 behind Haply's local WebSocket service, 3.5 or newer |
-//! | [`moteus`] | one to three moteus motors on a CAN bus, which drive the scene's mechanism |
-//! | [`mit`] | one to three Damiao or T-Motor motors that take MIT's frame, likewise |
 //! | [`board`] | a board of this project, as the other peer of its sealed line |
 //! | [`slow`] | what a program gives that asks a device in plain calls, 200 times a second at most |
 //!
-//! Whoever has another device adds it by a name of its own ([`Outside`]).
+//! Another device is added by a name of its own ([`Adapter`]).
 
 mod attached;
 pub mod board;
-mod can;
-pub mod find;
-pub mod haply;
-mod mechanism;
-pub mod mit;
-pub mod moteus;
-mod motors;
 pub mod slow;
 pub mod steps;
-mod threaded;
+pub mod threaded;
 
-use std::net::SocketAddr;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
@@ -40,6 +29,7 @@ use serde::Serialize;
 use crate::Error;
 use crate::quantiles::{Quantiles, Times};
 pub use attached::Attached;
+pub use haptic_core::settings::Settings;
 pub use haptic_sim::device::Gone;
 pub use threaded::{Threaded, stopped};
 
@@ -174,16 +164,29 @@ impl Seen {
 /// A device that a peer may drive, and what is seen of it; nothing of a simulated one.
 pub type Opened<const N: usize> = (Box<dyn Device<f32, N>>, Option<Seen>);
 
-/// Opens a device at a place, with what is told of it.
-pub type Opens = fn(at: &str, options: &DeviceOptions) -> Result<Box<dyn Port>, Error>;
+/// Opens a device at a place, with what is told of it, for the peer of these settings.
+pub type Opens = fn(at: &str, options: &DeviceOptions, peer: &Settings) -> Result<Box<dyn Port>, Error>;
 
-/// An adapter from outside: it is opened with what stands after its name and a colon, and with what is told of the device.
+/// What was found at a place.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Found {
+    /// As `--device` takes it.
+    pub device: String,
+    /// What it says it is.
+    pub what: String,
+}
+
+/// An adapter: it is opened with what stands after its name and a colon, and with what is told of the device.
 #[derive(Clone, Copy, Debug)]
-pub struct Outside {
+pub struct Adapter {
     /// As `--device` has it.
     pub name: &'static str,
+    /// How a place stands behind the name: `:PLACE`, or `[:PLACE]` where there may be none.
+    pub place: &'static str,
     /// Opens it.
     pub open: Opens,
+    /// Looks for such devices where they usually are, and at these places beside.
+    pub look: fn(beside: &[String]) -> Vec<Found>,
 }
 
 /// Opens a device that a program in this process has, with what else is told of it.
@@ -237,16 +240,10 @@ pub enum Kind {
     /// The scene's, simulated.
     #[default]
     Simulated,
-    /// An Inverse3, whose service listens there.
-    Haply(SocketAddr),
-    /// moteus motors on the bus there.
-    Moteus(String),
-    /// Motors that take MIT's frame, on the bus there.
-    Mit(String),
     /// A board that was told so.
     Board(Box<board::Told>),
-    /// An adapter from outside, and where its device is.
-    Outside(Outside, String),
+    /// That of an adapter, and where its device is.
+    Adapted(Adapter, String),
     /// A device that a program in this process has.
     Own(Own),
 }
@@ -273,8 +270,8 @@ pub struct DeviceOptions {
     pub motors: Vec<(u8, f64)>,
     /// Motors: the largest torque of each, N·m.
     pub max_torque_nm: Option<f64>,
-    /// MIT's frame: the motors' type.
-    pub model: Option<mit::Model>,
+    /// The motors' type.
+    pub model: Option<String>,
     /// It is homed by somebody's word, for one that does not say.
     pub is_homed: bool,
 }
@@ -308,11 +305,8 @@ impl DeviceOptions {
         let silent = Duration::from_secs_f64(self.silent_s);
         Ok(Some(match &self.kind {
             Kind::Simulated => return Ok(None),
-            Kind::Haply(at) => Box::new(haply::open(*at, self.id.as_deref(), self.lets_go_s, silent)?),
-            Kind::Moteus(at) => Box::new(moteus::open(at, self, settings)?),
-            Kind::Mit(at) => Box::new(mit::open(at, self, settings)?),
             Kind::Board(told) => board::open(told, silent)?,
-            Kind::Outside(outside, at) => (outside.open)(at, self)?,
+            Kind::Adapted(adapter, at) => (adapter.open)(at, self, settings)?,
             Kind::Own(Own(make)) => make(self)?,
         }))
     }

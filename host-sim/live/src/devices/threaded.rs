@@ -1,10 +1,10 @@
 //! What adapters of devices that have to be waited for share: a thread of its own for each, and what it and the peer's tick exchange.
 //!
 //! The tick leaves an order and takes the newest reading; both locks are held for a copy, and the tick only tries them. The thread asks the
-//! device once a tick, or after [`BEAT`] without one, by its [`Line`], at a real-time priority beneath the tick's where the system gives one.
+//! device once a tick, or after `BEAT` without one, by its [`Line`], at a real-time priority beneath the tick's where the system gives one.
 //!
 //! **Letting go.** An order that is older than readings may be is none. Whoever is dropped lets go first; a device that keeps its thread
-//! waiting for longer than [`PATIENCE`] is left to it, and let go of when it answers. A process that is killed says
+//! waiting for longer than `PATIENCE` is left to it, and let go of when it answers. A process that is killed says
 //! nothing more: that the device then lets go by itself is what [`Port::stay_silent`] tries.
 
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -36,7 +36,7 @@ pub fn stopped(cause: impl ToString) -> Gone {
 type Order = Option<Aged<[f64; AXES], Instant>>;
 
 /// What the thread and the peer's tick exchange.
-pub(super) struct Desk {
+pub struct Desk {
     order: Mutex<Order>,
     told: Mutex<Result<Option<Sensed>, Gone>>,
     health: Mutex<Health>,
@@ -48,7 +48,7 @@ pub(super) struct Desk {
 }
 
 /// The largest force or torque that the device itself says acts, N or N·m; none if it does not say.
-pub(super) type Acts = Result<Option<f64>, Gone>;
+pub type Acts = Result<Option<f64>, Gone>;
 
 /// Leaves a value, unless whoever held the place has panicked.
 fn put<T>(place: &Mutex<T>, value: T) {
@@ -59,7 +59,7 @@ fn put<T>(place: &Mutex<T>, value: T) {
 
 impl Desk {
     /// The force that is wanted now; none lets go.
-    pub(super) fn wanted(&self) -> Option<[f64; AXES]> {
+    pub fn wanted(&self) -> Option<[f64; AXES]> {
         self.order.lock().ok()?.as_ref()?.within(Instant::now(), self.silent).copied()
     }
 
@@ -71,17 +71,17 @@ impl Desk {
     }
 
     /// Keeps what the device told.
-    pub(super) fn tell(&self, told: Result<Option<Sensed>, Gone>) {
+    pub fn tell(&self, told: Result<Option<Sensed>, Gone>) {
         put(&self.told, told);
     }
 
     /// Keeps how the device is.
-    pub(super) fn note(&self, health: Health) {
+    pub fn note(&self, health: Health) {
         put(&self.health, health);
     }
 
     /// The peer has ended.
-    pub(super) fn ends(&self) -> bool {
+    pub fn ends(&self) -> bool {
         self.ends.load(Ordering::Relaxed)
     }
 
@@ -92,7 +92,7 @@ impl Desk {
 }
 
 /// The thread's end of the line to a device.
-pub(super) trait Line: Send + 'static {
+pub trait Line: Send + 'static {
     /// Whether what it runs is short and our own, so that the thread may have a real-time priority.
     const PROMPT: bool = true;
 
@@ -122,7 +122,7 @@ pub struct Threaded {
 
 impl Threaded {
     /// Begins to ask the device. An order that is not renewed for `silent` is no longer given.
-    pub(super) fn start(abilities: Abilities, silent: Duration, line: impl Line) -> Result<Self, Error> {
+    pub fn start(abilities: Abilities, silent: Duration, line: impl Line) -> Result<Self, Error> {
         let desk = Arc::new(Desk {
             order: Mutex::new(None),
             told: Mutex::new(Ok(None)),

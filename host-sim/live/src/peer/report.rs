@@ -1,6 +1,6 @@
 //! What one peer in real time saw, as its report has it.
 
-use haptic_meeting::carrier::PathReport;
+use crate::road::PathReport;
 use haptic_protocol::link::Notice;
 use haptic_protocol::wire::Telemetry;
 use haptic_sim::measure::Statistics;

@@ -120,7 +120,7 @@ impl<'a> Side<'a> {
         let origin = &recording.origin;
         let topics = || recording.channels.iter().map(|rows| rows.topic.as_str());
         if topics().any(|topic| topic.starts_with("/both/")) {
-            let why = "holds both ends already, on one clock: `host-sim merge` takes it alone";
+            let why = "holds both ends already, on one clock: `host-sim recording merge` takes it alone";
             return Err(wrong(origin, why).into());
         }
         // What a page shows beside its peer is drawn, not measured.

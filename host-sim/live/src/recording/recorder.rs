@@ -19,8 +19,8 @@ use std::sync::mpsc::{Receiver, Sender, SyncSender, TryRecvError, channel, sync_
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use crate::allowance::Allowance;
 use haptic_core::safety::Fault;
-use haptic_meeting::allowance::Allowance;
 use haptic_sim::device::DeviceFault;
 
 use super::mcap::{Channel, ERROR, INFO, LogLine, Writer, log_channel};
@@ -256,7 +256,9 @@ fn write(
     if let Err(cause) = closed
         && failed.is_none()
     {
-        failed = Some(format!("its summary could not be written ({cause}): `host-sim convert` reads it as a cut file"));
+        failed = Some(format!(
+            "its summary could not be written ({cause}): `host-sim recording convert` reads it as a cut file"
+        ));
     }
     Ended { file, rows: written, lost: missing, failed }
 }
@@ -266,7 +268,7 @@ fn flush(writer: &mut Writer<File>) -> io::Result<()> {
     let whole = writer.at;
     let flushed = writer.flush();
     if flushed.is_err() {
-        // What cannot be cut off is left to `convert`.
+        // What cannot be cut off is left to `recording convert`.
         let file = &mut writer.out;
         let _ = file.set_len(whole).and_then(|()| io::Seek::seek(file, io::SeekFrom::Start(whole)));
     }

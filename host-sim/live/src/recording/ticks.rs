@@ -4,8 +4,8 @@ use haptic_core::num::Scalar;
 use haptic_core::peer::Observed;
 use haptic_core::sample::{OfAxis, OfPeer, Quantities, SAMPLE};
 
+use crate::road::PathReport;
 use haptic_board_tools::operator::Session;
-use haptic_meeting::carrier::PathReport;
 use haptic_protocol::{link::Link, wire::Sample};
 use haptic_sim::quantities::{self, Named};
 use haptic_sim::run::AXIS_NAMES;

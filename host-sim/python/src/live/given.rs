@@ -3,8 +3,8 @@
 use std::net::SocketAddr;
 use std::sync::Arc;
 
+use haptic_cli::live_peer::{self, OF_A_HAND};
 use haptic_live::devices::{DeviceOptions, Kind, Own};
-use host_sim::live_peer::{self, OF_A_HAND};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
@@ -44,7 +44,8 @@ pub(super) fn device_of(given: &Bound<'_, PyAny>, settings: Option<&Bound<'_, Py
             Err(_) => words.push(format!("{flag}={}", word(&value)?)),
         }
     }
-    let options = live_peer::device_options(&words).map_err(|why| refused(in_python(&why.to_string())))?;
+    let options = live_peer::device_options(&words, &haptic_devices::ADAPTERS)
+        .map_err(|why| refused(in_python(&why.to_string())))?;
     if name.is_some() {
         return Ok(options);
     }

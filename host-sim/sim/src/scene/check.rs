@@ -56,7 +56,7 @@ impl Scene {
     /// The object is shared along several axes, which was asked for at `place`.
     pub fn check_one_axis(&self, place: &str) -> Result<(), Error> {
         let shared = self.peer.axis.shared;
-        let said = "is not allowed here: it must be 1 but for `cooperate`, `peer`, `hub`, `play`, `sweep`, `compare`, `campaign`, \
+        let said = "is not allowed here: it must be 1 but for `cooperate`, `peer`, `play`, `shared hub`, `study`, \
                     `accuracy` and `stability`";
         if shared > 1 { Err(Error::at(place, format!("axis.shared = {shared} {said}"))) } else { Ok(()) }
     }

@@ -26,7 +26,7 @@ pub struct Claim {
     pub(super) found: String,
     /// How far the paper's number is from it, relative to the paper's; of a claim with one number.
     pub(super) off: Option<f64>,
-    pub verdict: Verdict,
+    pub(super) verdict: Verdict,
     /// Why it is not matched or not testable; the reading that would match.
     pub(super) why: String,
 }
@@ -105,7 +105,7 @@ impl Claim {
 }
 
 /// The claims of one paper, section by section.
-pub(super) fn of(paper: &'static str, mut claims: Vec<Claim>) -> Vec<Claim> {
+pub fn of(paper: &'static str, mut claims: Vec<Claim>) -> Vec<Claim> {
     claims.sort_by_key(|claim| claim.place.split(',').next());
     claims.into_iter().map(|claim| Claim { paper, ..claim }).collect()
 }

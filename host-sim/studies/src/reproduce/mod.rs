@@ -18,21 +18,41 @@
 //! **An order of magnitude** is ten times or more, two are a hundred: nothing is rounded. **Readings** are the choices that
 //! the cooperation paper leaves open: how the copy of the object is integrated, how late its forces are, how late the device's (`readings.rs`).
 
-mod architectures;
 mod channel;
 mod claim;
 mod cooperation;
-mod environments;
 pub mod paper;
 mod readings;
 
 use haptic_core::names::Choice;
+use haptic_plot::Figure;
 use haptic_report::{Columns, significant};
 
-use self::claim::{Claim, Verdict};
+use crate::Error;
 
-pub use self::architectures::claims as architectures;
+pub use self::claim::{Claim, Verdict, of};
+
 pub use self::cooperation::{Computed, claims as cooperation};
+
+/// A paper that is another package's.
+#[derive(Clone, Copy, Debug)]
+pub struct Paper {
+    /// How many steps its work has.
+    pub steps: usize,
+    /// Computes it; calls what it is given after each step.
+    pub reproduce: fn(&(dyn Fn() + Sync)) -> Result<Reproduced, Error>,
+}
+
+/// What there is to show of a paper: tables and figures by the names of their files.
+#[derive(Debug)]
+pub struct Reproduced {
+    /// Its claims.
+    pub claims: Vec<Claim>,
+    /// Its tables.
+    pub tables: Vec<(&'static str, Columns)>,
+    /// Its figures.
+    pub figures: Vec<(&'static str, Figure)>,
+}
 
 /// The claims as a table.
 pub fn columns(claims: &[Claim]) -> Columns {
@@ -57,12 +77,12 @@ pub fn columns(claims: &[Claim]) -> Columns {
 }
 
 /// Numbers to three digits, one after the other.
-fn list(values: &[f64]) -> String {
+pub fn list(values: &[f64]) -> String {
     values.iter().map(|value| significant(*value, 3)).collect::<Vec<_>>().join(", ")
 }
 
 /// The smallest and the largest of these numbers.
-fn span(values: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
+pub fn span(values: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
     [f64::min, f64::max].map(|pick| values.clone().reduce(pick).unwrap_or(f64::NAN))
 }
 
@@ -78,8 +98,11 @@ pub fn counted(claims: &[Claim]) -> String {
 
 /// One page: the claims of each paper as a table, and the figures behind it.
 pub fn page(claims: &[Claim], pictures: &[(&str, String)], experiments: &Columns) -> String {
-    let mut page = format!("# Both papers, claim by claim\n\nComputed by `host-sim reproduce`: {}.\n", counted(claims));
-    for paper in ["cooperation", "architectures"] {
+    let mut page =
+        format!("# Both papers, claim by claim\n\nComputed by `host-sim paper reproduce`: {}.\n", counted(claims));
+    let mut papers: Vec<&str> = claims.iter().map(|claim| claim.paper).collect();
+    papers.dedup();
+    for paper in papers {
         page +=
             &format!("\n## The {paper} paper\n\n| place | claim | verdict | found | why |\n|---|---|---|---|---|\n");
         for claim in claims.iter().filter(|claim| claim.paper == paper) {

@@ -1,6 +1,5 @@
 //! Studies: what they compute against other ways to compute it.
 
-mod architectures;
 mod costs;
 mod force;
 mod precision;

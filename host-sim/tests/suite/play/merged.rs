@@ -33,18 +33,18 @@ fn apart_mm(instants_s: &[f64], [one, two]: [&[[f64; 2]]; 2]) -> f64 {
 }
 
 fn merge(files: &[&Path]) -> Value {
-    report(host_sim(&["merge", "--json"]).args(files).spawn().expect("host-sim runs"))
+    report(host_sim(&["recording", "merge", "--json"]).args(files).spawn().expect("host-sim runs"))
 }
 
-/// What `merge` says to what it refuses.
+/// What `recording merge` says to what it refuses.
 #[track_caller]
 fn refused(files: &[&Path], says: &str) {
-    let output = host_sim(&["merge"]).args(files).output().expect("host-sim runs");
+    let output = host_sim(&["recording", "merge"]).args(files).output().expect("host-sim runs");
     let error = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.code() == Some(2) && error.contains(says), "{error}");
 }
 
-/// What `merge` makes of the two is what the machine's clock says, at the instants that it compared (a busy machine leaves gaps, into which
+/// What `recording merge` makes of the two is what the machine's clock says, at the instants that it compared (a busy machine leaves gaps, into which
 /// it lays nothing); the error of the clock that it found is within what it states.
 fn compare(one: &Path, two: &Path) {
     let table = one.with_extension("csv");
@@ -98,7 +98,8 @@ fn recordings_of_two_pages_are_merged() {
     let [both] = files(&keys, ["both.mcap"]);
     let file = both.display().to_string();
     Play::start(&["--json", "--seconds", "1", "--record", &file]).report();
-    let whole = "the recording of both peers holds both ends already, on one clock: `host-sim merge` takes it alone";
+    let whole =
+        "the recording of both peers holds both ends already, on one clock: `host-sim recording merge` takes it alone";
     refused(&[&both, two], whole);
     refused(&[one, &both], whole);
     assert_eq!(merge(&[&both])["instants"], 1000);

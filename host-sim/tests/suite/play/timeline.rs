@@ -261,7 +261,7 @@ fn a_merge_is_opened() {
     let [one, two, out] = ["one", "two", "both"].map(|name| folder.join(format!("{name}.mcap")));
     peer(0, &one);
     peer(1, &two);
-    let merged = host_sim(&["merge", text(&one), text(&two), text(&out)]).output().expect("host-sim runs");
+    let merged = host_sim(&["recording", "merge", text(&one), text(&two), text(&out)]).output().expect("host-sim runs");
     assert!(merged.status.success(), "{}", String::from_utf8_lossy(&merged.stderr));
     let play = Play::start(&["--open", text(&out)]);
     let mut browser = Browser::start(folder.join("profile"));
@@ -371,7 +371,7 @@ fn ten_minutes_are_opened() {
         .output()
         .expect("host-sim runs");
     assert!(file.exists(), "{}", String::from_utf8_lossy(&run.stderr));
-    let made = host_sim(&["convert", text(&file), text(&table)]).output().expect("host-sim runs");
+    let made = host_sim(&["recording", "convert", text(&file), text(&table)]).output().expect("host-sim runs");
     assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
     // From the raw columns, by their time.
     let raw = std::fs::read_to_string(&table).expect("a table");

@@ -7,10 +7,10 @@
 //! coordination acting in full, as host-sim begins its own.
 
 use firmware_parts::record::ENGAGED;
+use haptic_cli::Failure;
 use haptic_core::names::Choice;
 use haptic_core::settings::{Settings, Value};
 use haptic_sim::scene::{PlantFault, Scene};
-use host_sim::Error;
 
 use super::device::Device;
 use super::{Bench, PERIOD_NS};
@@ -83,7 +83,7 @@ impl Bench {
     ///
     /// # Errors
     /// What a board says against a setting.
-    pub fn set_up(&mut self, scene: &Scene) -> Result<(), Error> {
+    pub fn set_up(&mut self, scene: &Scene) -> Result<(), Failure> {
         self.set_up_each(&vec![scene.clone(); self.nodes.len()])
     }
 
@@ -91,7 +91,7 @@ impl Bench {
     ///
     /// # Errors
     /// As [`Bench::set_up`].
-    pub fn set_up_each(&mut self, scenes: &[Scene]) -> Result<(), Error> {
+    pub fn set_up_each(&mut self, scenes: &[Scene]) -> Result<(), Failure> {
         self.scenes = scenes.to_vec();
         let (timing, boards) = (&self.scenes[0].peer.timing, self.scenes.iter().enumerate());
         let ticks_per_packet = u64::from(timing.ticks_per_packet);
@@ -121,7 +121,7 @@ impl Bench {
     ///
     /// # Errors
     /// They do not.
-    fn settle(&mut self) -> Result<(), Error> {
+    fn settle(&mut self) -> Result<(), Failure> {
         if self.nodes.len() == 2 {
             let scene = &self.scenes[0];
             let (timing, safety) = (&scene.peer.timing, &scene.peer.safety);
@@ -255,7 +255,7 @@ impl Bench {
     ///
     /// # Errors
     /// What a board found.
-    pub fn check(&mut self, number: usize) -> Result<(), Error> {
+    pub fn check(&mut self, number: usize) -> Result<(), Failure> {
         self.let_go(None);
         let mut outcome = Ok(());
         for joint in 1..=self.scenes[number - 1].peer.axis.count {

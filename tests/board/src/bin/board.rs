@@ -7,12 +7,12 @@ use std::sync::Arc;
 use board_bench::image::Firmware;
 use board_bench::trial::{self, Trial};
 use clap::Parser;
+use haptic_cli::provenance;
 use haptic_report::{Columns, Files};
 use haptic_sim::Laws;
 use haptic_sim::run::Outcome;
 use haptic_sim::scenes;
 use haptic_studies::figures;
-use host_sim::provenance;
 use serde_json::json;
 
 /// The scene that is run without `--scene`: the cooperation paper's §5.2, passive wave.
@@ -49,7 +49,7 @@ fn main() -> ExitCode {
     }
 }
 
-fn run(arguments: &Arguments) -> Result<(), host_sim::Error> {
+fn run(arguments: &Arguments) -> Result<(), haptic_cli::Failure> {
     if !(arguments.seconds >= 1.0 && arguments.seconds <= 3600.0) {
         return Err(
             format!("--seconds {} is not allowed: it must be a number from 1 to 3600", arguments.seconds).into()

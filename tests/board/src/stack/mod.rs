@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use code::{Code, veneer};
-use host_sim::Error;
+use haptic_cli::Failure;
 
 const LIST: &str = include_str!("../../calls.txt");
 /// What the processor puts on the stack at an interrupt, with the FPU in use and the stack aligned to 8 bytes.
@@ -85,7 +85,7 @@ impl<'a> Stack<'a> {
     ///
     /// # Errors
     /// It cannot be said, and why.
-    pub fn deepest(&mut self, entry: &str) -> Result<Path, Error> {
+    pub fn deepest(&mut self, entry: &str) -> Result<Path, Failure> {
         let at = self.code.find(entry).ok_or_else(|| format!("the image has no {entry}"))?;
         let limits =
             self.lines.iter().filter_map(|line| if let Line::AtMost(_, most) = line { Some(*most) } else { None });
@@ -103,7 +103,7 @@ impl<'a> Stack<'a> {
     ///
     /// # Errors
     /// It cannot be said, and why.
-    pub fn reached(&self, entry: &str) -> Result<BTreeMap<u64, String>, Error> {
+    pub fn reached(&self, entry: &str) -> Result<BTreeMap<u64, String>, Failure> {
         let mut open = vec![self.code.find(entry).ok_or_else(|| format!("the image has no {entry}"))?];
         let mut seen = BTreeMap::new();
         while let Some(at) = open.pop() {
@@ -143,7 +143,7 @@ impl<'a> Stack<'a> {
     }
 
     /// Where a function goes.
-    fn callees(&self, at: u64) -> Result<Vec<u64>, Error> {
+    fn callees(&self, at: u64) -> Result<Vec<u64>, Failure> {
         let function = &self.code.functions[&at];
         if let Some(target) = function.names.iter().find_map(|name| veneer(name)) {
             let plain = format!("{:#}", rustc_demangle::demangle(target));
@@ -184,7 +184,7 @@ impl<'a> Stack<'a> {
         Ok(callees)
     }
 
-    fn depth(&mut self, place: &Place, path: &mut Vec<Place>) -> Result<u64, Error> {
+    fn depth(&mut self, place: &Place, path: &mut Vec<Place>) -> Result<u64, Failure> {
         if let Some((bytes, _)) = self.known.get(place) {
             return Ok(*bytes);
         }

@@ -11,8 +11,8 @@ use board_bench::twin::{self, Equal};
 use board_bench::wire::{Line, PC};
 use firmware_parts::record::ENGAGED;
 use haptic_core::safety::Mode;
-use haptic_meeting::Way;
-use haptic_meeting::bridge::Counts;
+use haptic_homes::Way;
+use haptic_homes::bridge::Counts;
 
 use crate::bad_wire::PUSHES;
 use crate::breaks;

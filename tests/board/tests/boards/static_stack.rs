@@ -10,7 +10,7 @@ use board_bench::stack::code::Code;
 use board_bench::stack::{self, Stack};
 use board_bench::wire::Line;
 use gimli::{CfaRule, DebugFrame, LittleEndian, RegisterRule, UnwindSection};
-use host_sim::Error;
+use haptic_cli::Failure;
 use object::{Object, ObjectSection};
 
 const TICK: &str = "TIM6_DAC";
@@ -26,7 +26,7 @@ fn images() -> [PathBuf; 2] {
     [image::path(), image::path().with_file_name("firmware-usb")]
 }
 
-fn tick(elf: &[u8]) -> Result<stack::Path, Error> {
+fn tick(elf: &[u8]) -> Result<stack::Path, Failure> {
     Stack::of(&Code::read(elf)).deepest(TICK)
 }
 

@@ -1,0 +1,425 @@
+//! The command line of the heart, and the doors by which guests add to it: one file or folder per command, each a thin layer over the
+//! library.
+//!
+//! A command is `args.run(ui)`: results go to standard output (`--json`: one JSON document and nothing else), progress and
+//! warnings to standard error, all of it through [`Ui`]; flags that several commands take are declared in [`flags`].
+//! Exit status: 0 when the work was done (an unstable scene is a result), 1 when a live peer ended with a fault or was never let arm, 2 for
+//! bad input, with one line that says what to change, 141 when whoever read the results went away.
+//!
+//! | a guest adds | by |
+//! |---|---|
+//! | laws | [`Cli::with_laws`], and the proofs of their limits by [`Cli::with_proofs`] |
+//! | commands | [`Cli::with_commands`]; of one that only gives a table [`Cli::with_command`] |
+//! | a list that a flag asks for | [`Cli::with_listing`] |
+//! | kinds of tables, for `recording columns` | [`Cli::with_tables`] |
+//! | claims of a paper, for `paper reproduce` | [`Cli::with_paper`] |
+//! | a road, by which an end is met | [`Cli::with_road`] |
+//! | adapters of devices | [`Cli::with_device`] |
+#![forbid(unsafe_code)]
+
+mod accuracy;
+pub mod address;
+mod bench;
+pub mod board;
+mod campaign;
+pub mod columns;
+mod cooperate;
+pub mod device;
+mod devices;
+mod entrants;
+pub mod flags;
+mod grid;
+mod key;
+mod listing;
+pub mod listings;
+pub mod live;
+pub mod live_peer;
+mod network;
+mod number;
+mod paper;
+mod prove;
+pub mod qr;
+pub mod recordings;
+mod reproduce;
+pub mod road;
+mod stability;
+mod study;
+mod sweep;
+pub mod ui;
+mod vectors;
+
+use std::{error::Error as _, ffi::OsString, process::ExitCode, sync::Arc};
+
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap_complete::Shell;
+
+use columns::TableKind;
+pub use device::device_options;
+pub use flags::SceneArgs;
+use haptic_live::devices::{Adapter, Opens};
+use haptic_report::Columns;
+use haptic_sim::{Laws, scene::nearest};
+use haptic_studies::{proof::Prover, reproduce::Paper};
+use road::Meets;
+use ui::Unsuccessful;
+pub use ui::{Failure, Ui, provenance};
+
+/// Declares a command, or a group of them, and runs whichever was asked for.
+#[macro_export]
+macro_rules! commands {
+    ($(#[$doc:meta])* $vis:vis $Group:ident { $($(#[$about:meta])* $Name:ident($Args:ty)),+ $(,)? }) => {
+        $(#[$doc])*
+        #[derive(Debug, ::clap::Subcommand)]
+        $vis enum $Group { $($(#[$about])* $Name($Args)),+ }
+
+        impl $Group {
+            pub(crate) fn run(&self, ui: &$crate::Ui) -> Result<(), $crate::Failure> {
+                match self { $(Self::$Name(args) => args.run(ui)),+ }
+            }
+        }
+
+        impl $crate::Commands for $Group {
+            fn run(&self, ui: &$crate::Ui) -> Result<(), $crate::Failure> {
+                Self::run(self, ui)
+            }
+        }
+    };
+}
+
+/// A group of commands, as [`commands!`] declares it.
+pub trait Commands: Subcommand {
+    /// Runs whichever was asked for.
+    ///
+    /// # Errors
+    /// It could not do what was asked, or the result is no good one.
+    fn run(&self, ui: &Ui) -> Result<(), Failure>;
+}
+
+/// Two people, two haptic devices, one shared virtual object, over a network: simulated, measured, proved.
+///
+/// Without a command: the cooperation paper's experiments (`paper`).
+///
+/// Exit status: 0 what was asked for is done, and good; 1 it is done and is not (`cooperate` unstable or apart, `stability point`
+/// unstable, a peer with a fault or never armed); 2 it cannot be done, and one line says why.
+#[derive(Debug, Parser)]
+#[command(name = "host-sim", version, disable_help_subcommand = true)]
+struct CommandLine {
+    #[command(subcommand)]
+    command: Option<Command>,
+    /// Print the result as one JSON document, and nothing else on standard output; files are written only with --out.
+    #[arg(long, global = true)]
+    json: bool,
+    /// Print completions of this command line for a shell, and nothing else.
+    #[arg(long, value_name = "SHELL")]
+    completions: Option<Shell>,
+}
+
+commands! {
+    /// What host-sim does.
+    pub(crate) Command {
+        /// The cooperation paper's experiments, Figures 6-9 and its table of gains, beside the paper's own numbers.
+        #[command(args_conflicts_with_subcommands = true)]
+        Paper(paper::Paper),
+        /// Two peers hold one object: run a scene, report discrepancy, force, energy and stability.
+        Cooperate(cooperate::Cooperate),
+        /// Stability regions, limits and margins, computed from the code that flies.
+        #[command(subcommand)]
+        Stability(stability::Question),
+        /// Scenes or laws over ranges of their keys, networks and seeds: which is best where, and how sure that is; goes on where it was stopped.
+        #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+        Study(study::Study),
+        /// Speed against error: every numerical choice, and what each model adds to a tick; f32 and fixed point beside f64.
+        Accuracy(accuracy::Accuracy),
+        /// One peer in real time over UDP, sealed; run two of them.
+        Peer(live::Peer),
+        /// What is attached to this machine, and ten steps to try one of them by, the smallest force first; writes what a scene needs of it.
+        /// `devices emulate` is a device where none is.
+        Devices(devices::Devices),
+        /// What has been recorded: tables of it, both ends on one clock, and what its columns mean.
+        #[command(subcommand)]
+        Recording(recordings::RecordingCommands),
+        /// Keys of sealed lines: make one, or turn it into a board's.
+        #[command(subcommand)]
+        Key(key::Key),
+        /// A board on the bench: lines to it, calibration, recordings for another processor.
+        #[command(subcommand)]
+        Board(board::Board),
+        /// A bad network for real, a recording of one, and what a network between two machines does.
+        #[command(subcommand)]
+        Network(network::Network),
+    }
+}
+
+/// A flag that takes a value takes a negative number too: it is out of range, and no flag of its own.
+fn negative_numbers(command: clap::Command) -> clap::Command {
+    let takes = |arg: clap::Arg| if arg.get_action().takes_values() { arg.allow_negative_numbers(true) } else { arg };
+    command.mut_args(takes).mut_subcommands(negative_numbers)
+}
+
+/// What a command that was added does with what clap has read of the line.
+type Does = dyn Fn(&clap::ArgMatches, &Ui) -> Result<(), Failure>;
+
+/// Commands that a guest adds below one of the heart's, or below none: how clap is told of them, whether a word is one of them, and what is
+/// done with the words behind it.
+struct Added {
+    under: &'static str,
+    declare: Box<dyn Fn(clap::Command) -> clap::Command>,
+    has: Box<dyn Fn(&str) -> bool>,
+    run: Box<Does>,
+}
+
+/// What a flag without a value prints instead of anything else.
+type Listing = fn(&Ui) -> Result<(), Failure>;
+
+/// The command line of `host-sim`: the heart's commands and laws, and whatever guests add.
+pub struct Cli {
+    added: Vec<Added>,
+    listings: Vec<(&'static str, Listing)>,
+    laws: Laws,
+    devices: Vec<Adapter>,
+    tables: Vec<fn() -> Vec<TableKind>>,
+    papers: Vec<Paper>,
+    prover: Prover,
+    road: Option<Road>,
+}
+
+/// Flags by which the other end is met: at which commands they are, how clap is told of them, and what they say.
+struct Road {
+    at: &'static [&'static str],
+    declare: fn(clap::Command) -> clap::Command,
+    read: fn(&clap::ArgMatches) -> Result<Arc<dyn Meets>, clap::Error>,
+}
+
+impl Default for Cli {
+    /// The heart alone.
+    fn default() -> Self {
+        Self {
+            added: Vec::new(),
+            listings: vec![("keys", listings::scene_keys), ("scenes", listings::scenes)],
+            laws: Laws::built_in(),
+            devices: Vec::new(),
+            tables: Vec::new(),
+            papers: Vec::new(),
+            prover: |_| None,
+            road: None,
+        }
+        .with_commands::<paper::PaperCommands>("paper")
+        .with_commands::<study::StudyCommands>("study")
+    }
+}
+
+impl Cli {
+    /// With these laws, in every command.
+    #[must_use]
+    pub fn with_laws(self, laws: Laws) -> Self {
+        Self { laws, ..self }
+    }
+
+    /// With this proof of the limits of laws that core does not have, for `stability prove`.
+    #[must_use]
+    pub fn with_proofs(self, prover: Prover) -> Self {
+        Self { prover, ..self }
+    }
+
+    /// Adds commands below the command of this name, or beside the heart's where it is empty.
+    #[must_use]
+    pub fn with_commands<C: Commands + 'static>(mut self, under: &'static str) -> Self {
+        self.added.push(Added {
+            under,
+            declare: Box::new(C::augment_subcommands),
+            has: Box::new(C::has_subcommand),
+            run: Box::new(|matches, ui| C::from_arg_matches(matches)?.run(ui)),
+        });
+        self
+    }
+
+    /// Has this printed wherever the flag of this name (see [`flags::listing`]) is asked for, whatever else is missing there.
+    #[must_use]
+    pub fn with_listing(mut self, flag: &'static str, print: Listing) -> Self {
+        self.listings.push((flag, print));
+        self
+    }
+
+    /// Adds kinds of tables to those that `recording columns` explains.
+    #[must_use]
+    pub fn with_tables(mut self, tables: fn() -> Vec<TableKind>) -> Self {
+        self.tables.push(tables);
+        self
+    }
+
+    /// Adds a command of this name. Its arguments are `A`, which clap derives, with doc comments as help; its result is printed as a
+    /// table, or with `--json` as a list with an object for each row.
+    ///
+    /// ```no_run
+    /// use haptic_report::Columns;
+    /// use haptic_sim::{Laws, Scene};
+    ///
+    /// /// Control periods in a packet period of the default scene, times what is asked for.
+    /// #[derive(clap::Args)]
+    /// struct Packets {
+    ///     /// How many packet periods.
+    ///     #[arg(long, default_value = "1")]
+    ///     count: u32,
+    /// }
+    ///
+    /// let packets = |asked: &Packets, laws: Laws| {
+    ///     let ticks = asked.count * Scene::new(laws).peer.timing.ticks_per_packet;
+    ///     Ok(Columns::of(&[()]).value("ticks", |()| ticks).done())
+    /// };
+    /// haptic_cli::Cli::default().with_command("packets", packets).main();
+    /// ```
+    #[must_use]
+    pub fn with_command<A: Args + 'static>(
+        mut self,
+        name: &'static str,
+        run: impl Fn(&A, Laws) -> Result<Columns, Failure> + 'static,
+    ) -> Self {
+        self.added.push(Added {
+            under: "",
+            declare: Box::new(move |command| command.subcommand(A::augment_args(clap::Command::new(name)))),
+            has: Box::new(move |word| word == name),
+            run: Box::new(move |matches, ui| {
+                let matches = matches.subcommand_matches(name).unwrap_or(matches);
+                ui.result(&run(&A::from_arg_matches(matches)?, ui.laws)?)
+            }),
+        });
+        self
+    }
+
+    /// Adds flags by which the other end is met to these commands; `declare` adds them to one of them, and says which of its flags they stand for.
+    #[must_use]
+    pub fn with_road<M: Meets + Args + 'static>(
+        self,
+        at: &'static [&'static str],
+        declare: fn(clap::Command) -> clap::Command,
+    ) -> Self {
+        Self { road: Some(Road { at, declare, read: |matches| Ok(Arc::new(M::from_arg_matches(matches)?)) }), ..self }
+    }
+
+    /// Adds a paper to those that `paper reproduce` computes.
+    #[must_use]
+    pub fn with_paper(mut self, paper: Paper) -> Self {
+        self.papers.push(paper);
+        self
+    }
+
+    /// Adds an adapter of a device: `--device NAME[:PLACE]` opens it, with what stands after the colon and what else is told of it. Axes,
+    /// origin, ages and refusals are done for it, as for a built-in one.
+    #[must_use]
+    pub fn with_device(self, name: &'static str, open: Opens) -> Self {
+        self.with_adapters(&[Adapter { name, place: "[:PLACE]", open, look: |_| Vec::new() }])
+    }
+
+    /// Adds adapters of devices that `devices` looks for.
+    #[must_use]
+    pub fn with_adapters(mut self, adapters: &[Adapter]) -> Self {
+        self.devices.extend_from_slice(adapters);
+        self
+    }
+
+    /// Runs the command line of this process.
+    pub fn main(mut self) -> ExitCode {
+        let vectors = vectors::widest();
+        let words: Vec<OsString> = std::env::args_os().collect();
+        let mut ui = Ui::new(words.iter().any(|word| word == "--json"), self.laws);
+        ui.devices = std::mem::take(&mut self.devices);
+        ui.tables = std::mem::take(&mut self.tables);
+        ui.papers = std::mem::take(&mut self.papers);
+        ui.prover = self.prover;
+        let outcome = match (vectors, self.listed(&ui, &words)) {
+            (Err(refused), _) => Err(refused),
+            (Ok(()), Some(outcome)) => outcome,
+            (Ok(()), None) => match self.command().try_get_matches_from(&words) {
+                Ok(matches) => self.run(&mut ui, &matches),
+                // Help and version are no errors.
+                Err(answer) if !answer.use_stderr() => {
+                    let _ = answer.print();
+                    Ok(())
+                }
+                Err(error) => Err(refusal(&error).into()),
+            },
+        };
+        match outcome {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(error) => {
+                haptic_io::say(format_args!("host-sim: {}", haptic_io::escaped(&error.to_string())));
+                ExitCode::from(if error.is::<Unsuccessful>() { 1 } else { 2 })
+            }
+        }
+    }
+
+    /// Every command, those of guests last.
+    fn command(&self) -> clap::Command {
+        let add = |command: clap::Command, added: &Added| match added.under {
+            "" => (added.declare)(command),
+            under => command.mut_subcommand(under, &added.declare),
+        };
+        let mut command = self.added.iter().fold(CommandLine::command(), add);
+        if let Some(Road { at, declare, .. }) = &self.road {
+            let here = at.iter().filter(|name| command.find_subcommand(name).is_some()).collect::<Vec<_>>();
+            command = here.into_iter().fold(command, |command, name| command.mut_subcommand(name, declare));
+        }
+        negative_numbers(command)
+    }
+
+    fn run(&self, ui: &mut Ui, matches: &clap::ArgMatches) -> Result<(), Failure> {
+        if let (Some(road), Some((name, matches))) = (&self.road, matches.subcommand())
+            && road.at.contains(&name)
+        {
+            ui.meeting = (road.read)(matches)?;
+        }
+        let (mut below, mut under) = (matches, "");
+        while let Some((name, matches)) = below.subcommand() {
+            if let Some(added) = self.added.iter().find(|added| added.under == under && (added.has)(name)) {
+                return (added.run)(below, ui);
+            }
+            (below, under) = (matches, name);
+        }
+        let line = CommandLine::from_arg_matches(matches)?;
+        if let Some(shell) = line.completions {
+            let mut script = Vec::new();
+            clap_complete::generate(shell, &mut self.command(), "host-sim", &mut script);
+            write!(Ui::new(false, self.laws), "{}", String::from_utf8(script)?);
+            return Ok(());
+        }
+        line.command.unwrap_or_else(|| Command::Paper(paper::Paper::default())).run(ui)
+    }
+
+    /// What a listing prints, where one is asked for; whatever else is missing there, as with `--help`.
+    fn listed(&self, ui: &Ui, words: &[OsString]) -> Option<Result<(), Failure>> {
+        let whole = self.command();
+        let command = words.iter().fold(&whole, |command, word| command.find_subcommand(word).unwrap_or(command));
+        let is_asked = |arg: &&clap::Arg| {
+            let flag = arg.get_long().map(|long| format!("--{long}"));
+            flag.is_some_and(|flag| words.iter().any(|word| *word == *flag))
+        };
+        let listing = |arg: &clap::Arg| self.listings.iter().find(|(flag, _)| arg.get_id() == *flag);
+        let (_, print) = command.get_arguments().filter(is_asked).find_map(listing)?;
+        Some(print(ui))
+    }
+}
+
+/// What is wrong with the arguments, in one line.
+fn refusal(error: &clap::Error) -> String {
+    let texts = |kind| match error.get(kind) {
+        Some(ContextValue::String(text)) => vec![text.as_str()],
+        Some(ContextValue::Strings(texts)) => texts.iter().map(String::as_str).collect(),
+        _ => Vec::new(),
+    };
+    let text = |kind| texts(kind).last().copied();
+    let value = text(ContextKind::InvalidArg).zip(text(ContextKind::InvalidValue)).zip(error.source());
+    if let Some(((flag, value), cause)) = value.filter(|_| error.kind() == ErrorKind::ValueValidation) {
+        let flag = flag.split(' ').next().unwrap_or(flag);
+        return format!("{flag} {value} is not allowed: {cause}");
+    }
+    let rendered = error.to_string();
+    let said: Vec<&str> = rendered.lines().map(str::trim).take_while(|line| !line.is_empty()).collect();
+    let here = texts(ContextKind::SuggestedSubcommand);
+    let command = text(ContextKind::InvalidSubcommand).and_then(|word| nearest(word, here.iter().copied()));
+    let hint = match command.or(text(ContextKind::SuggestedArg)).or(text(ContextKind::SuggestedValue)) {
+        Some(near) => format!("did you mean {near}?"),
+        None => "--help lists what there is".to_owned(),
+    };
+    format!("{} ({hint})", said.join(" ").trim_start_matches("error: "))
+}

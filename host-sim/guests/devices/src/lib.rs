@@ -1,0 +1,28 @@
+//! Devices that are sold, as a live peer drives them ([`ADAPTERS`]), and `devices emulate`, which stands in for one that is not there.
+//!
+//! | adapter | what it speaks to |
+//! |---|---|
+//! | `haply` | an Inverse3 behind Haply's local WebSocket service, 3.5 or newer |
+//! | `moteus` | one to three moteus motors on a CAN bus, which drive the scene's mechanism |
+//! | `mit` | one to three Damiao or T-Motor motors that take MIT's frame, likewise |
+#![deny(unsafe_code)]
+
+mod can;
+mod emulate;
+mod find;
+mod haply;
+mod mechanism;
+mod mit;
+mod moteus;
+mod motors;
+
+use haptic_live::devices::Adapter;
+
+pub use emulate::Emulation;
+
+/// The adapters of these devices, and how each looks for what is attached.
+pub const ADAPTERS: [Adapter; 3] = [
+    Adapter { name: "haply", place: "[:ADDRESS:PORT]", open: haply::open, look: find::services },
+    Adapter { name: "moteus", place: ":BUS", open: moteus::open, look: find::buses },
+    Adapter { name: "mit", place: ":BUS", open: mit::open, look: |_| Vec::new() },
+];

@@ -1,0 +1,64 @@
+//! Commands of the shared environments of the architectures paper.
+
+mod architectures;
+mod collaborate;
+mod cooperative;
+mod hub;
+mod squash;
+mod world;
+
+use haptic_cli::columns::TableKind;
+use haptic_environments::cooperative::run;
+use haptic_environments::studies::architectures as compared;
+use haptic_environments::world::stroke;
+use haptic_report::Columns;
+
+pub(crate) use world::world_keys;
+
+haptic_cli::commands! {
+    /// Below `paper`.
+    pub(crate) OfThePaper {
+        /// The same task in every architecture: coherency, force, stability and bandwidth side by side, to choose by.
+        Architectures(architectures::Architectures),
+    }
+}
+
+haptic_cli::commands! {
+    /// Beside the heart's.
+    pub(crate) Environments {
+        /// The shared environments of the architectures paper: one engine, taking turns, a game, a world to visit.
+        #[command(subcommand)]
+        Shared(Shared),
+    }
+}
+
+haptic_cli::commands! {
+    pub(crate) Shared {
+        /// Many users push one object that one dynamics engine moves: limits, bounder, hand-over.
+        Cooperative(cooperative::Cooperative),
+        /// One at a time edits an object, by a lock or a token ring, over everything that can go wrong.
+        Collaborate(collaborate::Collaborate),
+        /// Force Feedback Multi-player Squash: 2 to 8 bots play over a network, with the bounders or without.
+        Squash(squash::Squash),
+        /// Where 2 to 16 live peers hold one object: their wave lines meet in the lossless node, over UDP, sealed.
+        Hub(hub::Hub),
+        /// A static world: served, visited, summed up, felt.
+        #[command(subcommand)]
+        World(world::World),
+    }
+}
+
+/// Kinds of tables that these commands write.
+pub(crate) fn tables() -> Vec<TableKind> {
+    let simulated = "a control period; in a long run one of several";
+    vec![
+        TableKind::new(
+            "architectures",
+            "architectures.csv, reproduce-architectures.csv",
+            "an architecture at a delay",
+            compared::columns(&[]),
+        ),
+        TableKind::new("shared-cooperative", "cooperative.csv", simulated, Columns::named(run::COLUMNS)),
+        TableKind::new("shared-stroke", "shape.csv", "a control period", Columns::named(stroke::COLUMNS)),
+    ]
+}
