@@ -44,7 +44,8 @@ const BOARDS: [Step; 10] = [
     Step("rooms of the microcontroller", Unless(&["core", "protocol", "host-sim/environments"], &[]), |ready, _| {
         compile(&mut rooms_on_chip(ready))
     }),
-    Step("no-panic", Unless(&["firmware"], &[]), |ready, _| no_panic::no_panic(ready)),
+    // One image has the laws of other papers.
+    Step("no-panic", Unless(&["firmware", "core/laws"], &[]), |ready, _| no_panic::no_panic(ready)),
     Step("lints of the images", Unless(&["firmware"], &RIG), |ready, _| lints_of_images(ready)),
     Step("virtual boards", Unless(&["firmware", "tests/board"], &RIG), |ready, _| {
         virtual_boards(ready, &board::images(ready)?)
